@@ -163,7 +163,7 @@ class Task:
         return usual if self.given_limit is None else self.given_limit
 
     def verdict(self) -> CrossCheck:
-        """Judge the samples (again within their rounding if they fail), and state whether they end too early."""
+        """Judge the samples and return the result; if they fail and are rounded, judge them with that error allowed."""
         samples, rounding, p = self.samples, self.rounding, self.parameters
         if rounding is None:
             samples = with_velocities(samples, self.scene, self.tolerance) if samples.lacks_v else samples
@@ -202,7 +202,8 @@ class Task:
         return None
 
     def _with_coarser(self, half: np.ndarray, listed: np.ndarray, result: CrossCheck) -> CrossCheck:
-        """Judge every n-th sample too, as rounding may hide errors of single steps; attach that check to the result."""
+        """Return the result with a check of every n-th sample as its `coarser`, n being the longest wrong span."""
+        # Over one dense step the rounding of the samples is larger than what a wrong model does; over n it is not.
         spans, samples = result.wrong_spans, self.samples
         # A few spans show no cause, and where most steps are wrong these show it themselves.
         if len(spans) < 6 or 2 * len(result.wrong_steps) >= np.sum(spans[:, 1] - spans[:, 0]):
@@ -346,8 +347,9 @@ class Task:
         return f"the solution ends at t = {last:.10g}; the motion of {scene.name} goes on to t = {t_end:.10g}"
 
     def _wrong_spans(self, loose: np.ndarray, near: np.ndarray, scales: np.ndarray) -> np.ndarray:
-        """Return spans (first and last sample) of several steps over which rounded samples leave the exact motion."""
-        # Rounding hides a wrong model in each dense step, and not over many; the tolerances of the steps add up.
+        """Return the spans of steps, as first and last sample, over which rounded samples leave the exact motion."""
+        # `loose` are the errors that their rounding allows, `near` the distances in v from a belt that count as on it,
+        # `scales` the units of x and v. The tolerances of the steps of a span add up.
         # The length is chosen at which many spans, and a great part of all, are wrong.
         p, samples, best = self.parameters, self.samples, np.empty((0, 2), int)
         count, length, most = len(samples.t), SPAN_FACTOR, 0.0
@@ -367,7 +369,9 @@ class Task:
     def _match(
         self, trajectory: Trajectory, start: Record, found: list[FoundEvent], reach: Reach, label: Any, wrong: Any
     ) -> Matcher:
-        """Match the exact events with those of the solver's list, or without a list with those of the samples."""
+        """Match the exact events with the events of the solver's list or, if none was given, with those `found`."""
+        # `found` are read off the samples, whose mode codes are `label`; `wrong` marks the wrong steps; `reach` tells
+        # how far times of events may be off.
         events, until, last = self.samples.events, float(trajectory.t_end), float(self.samples.t[-1])
         there = until if until < last else np.inf  # where the exact motion has ended there is nothing to match
         if events is None or (events and not any(kind for _, kind in events)):
@@ -396,7 +400,7 @@ def _every(n: int, count: int) -> np.ndarray:
 def _faults(
     steps: ExactSteps, modes: np.ndarray, sizes: np.ndarray, allowed: np.ndarray, near: np.ndarray, matching: Matcher
 ) -> tuple[Fault, ...]:
-    """Describe the first wrong steps, and all wrong steps that miss or invent an event, with guessed causes."""
+    """Describe the first MOST_FAULTS wrong steps, and all that miss or invent an event; see `explain`."""
     wrong = ~(sizes <= 1.0)
     odd = {event.step for event in matching.invented}
     odd |= {int(np.searchsorted(steps.t, float(event.t))) - 1 for event in matching.missed}
@@ -406,7 +410,8 @@ def _faults(
 
 
 def _scales(p: Parameters, exact: np.ndarray) -> np.ndarray:
-    """Return the sizes of x and v: maxima of the exact motion, but at least those that the belt speeds imply."""
+    """Return the units of x and v: the largest |x| and |v| of the exact motion, v at least the speed of each belt."""
+    # x is at least that speed divided by the fastest frequency, which is how far a motion at this speed swings.
     reach = np.max(np.abs(exact), axis=1)
     speed = max(float(reach[1]), abs(float(p.v1)), abs(float(p.v2)))
     return np.array([max(float(reach[0]), speed / fastest_rate(p)), speed])

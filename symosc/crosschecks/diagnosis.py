@@ -11,13 +11,14 @@ import numpy as np
 from symosc.crosschecks import columns, friction, methods, models
 from symosc.crosschecks.causes import (
     AS_GOOD,
-    EXPLAINS,
     REASONS,
     SURE,
     Candidate,
     Case,
-    Change,
     Diagnosis,
+    explained_share,
+    larger,
+    mended_share,
     tried_samples,
 )
 from symosc.crosschecks.models import ENOUGH
@@ -109,43 +110,29 @@ def _tested(tried: list[Candidate], check: Any) -> list[Diagnosis]:
 
 def with_evidence(candidate: Candidate, check: Any) -> Diagnosis | None:
     """Repeat a check with a candidate's change; return its diagnosis with the result, None if that is impossible."""
-    diagnosis, change = candidate
-    if change is None:
+    diagnosis, change, parameters, columns = candidate
+    if not change:
         return diagnosis
-    again = repeated_check(check, change)
-    if again is None or (again._task.samples.v_off is not None and len(again.t) < 0.9 * len(check.t)):
-        return None
-    wrong, steps = len(again.wrong_steps), len(again.defects)
-    if not wrong and not len(again.wrong_spans):
-        words, share = f"{change.words} all {steps} steps are right", SURE
-    else:
-        words, share = f"{change.words} {wrong} of {steps} steps are wrong", _explained(check, again)
-    return replace(diagnosis, evidence="; ".join(filter(None, (diagnosis.evidence, words))), share=share)
-
-
-def repeated_check(check: Any, change: Change) -> Any:
-    """Repeat a check with other parameters or columns; return the new check, None if the model rejects these."""
     task, samples = check._task, check._task.samples
-    if change.columns is not None:
-        t, x, v = change.columns(samples.t, samples.x, samples.v)
+    if columns is not None:
+        t, x, v = columns(samples.t, samples.x, samples.v)
         samples = replace(samples, t=t, x=x, v=np.full(len(t), np.nan) if v is None else v)
     elif samples.v_off is not None:  # the velocities were those of the system
         samples = replace(samples, v=np.full(len(samples.t), np.nan))
     samples = replace(samples, events=None, dense=None, v_off=None)
     try:
-        return replace(task, samples=samples, scene=change.parameters or task.parameters, rounding=None).verdict()
+        again = replace(task, samples=samples, scene=parameters or task.parameters, rounding=None).verdict()
     except ParameterError:
         return None
-
-
-def _explained(check: Any, again: Any) -> float:
-    """Return the fraction of the wrong steps of a check whose defects nearly vanish in its repetition `again`."""
-    before, after = (np.max(np.abs(one.defects) / one.allowed, axis=1) for one in (check, again))
-    wrong = ~(before <= 1.0)
-    if len(before) == len(after):
-        fits = after <= np.maximum(1.0, EXPLAINS * np.nan_to_num(before, nan=0.0, posinf=0.0))
-        return float((np.sum(fits & wrong) - np.sum(~fits & ~wrong)) / np.sum(wrong))
-    return float(1.0 - np.mean(~(after <= max(1.0, EXPLAINS * np.nanmedian(before[wrong])))) / np.mean(wrong))
+    if again._task.samples.v_off is not None and len(again.t) < 0.9 * len(check.t):
+        return None
+    wrong, steps = len(again.wrong_steps), len(again.defects)
+    words, share = f"{change} all {steps} steps are right", SURE
+    if wrong or len(again.wrong_spans):
+        before, after = (larger(one.defects / one.allowed) for one in (check, again))
+        share = (explained_share if len(before) == len(after) else mended_share)(before, after)
+        words = f"{change} {wrong} of {steps} steps are wrong"
+    return replace(diagnosis, evidence="; ".join(filter(None, (diagnosis.evidence, words))), share=share)
 
 
 def _start(check: Any) -> Iterable[Diagnosis]:

@@ -64,9 +64,10 @@ Reader = Callable[[IO[bytes], Any, str], Any]
 def read_solutions(
     source: Any, columns: Mapping[str, str | None] | None = None, problem: Problem = None
 ) -> list[Samples]:
-    """Read solutions from a file, standard input ("-"), a list of files, or any object of docs/checking.md."""
-    # `columns` names the columns t, x, v and id (None: there is no such column); a function needs a `problem` for its
-    # times. ParameterError if the file cannot be read, a column is missing or the samples are wrong.
+    """Read solutions from a file, standard input ("-"), a list of files, or an object such as a table or a function."""
+    # docs/checking.md lists the objects. `columns`: what the columns t, x, v and id are called; None: there is none.
+    # `problem`: the scene or parameters, from which a function gets its times. ParameterError if the file cannot be
+    # read, a column is missing or the samples are wrong.
     asked = read_column_names(columns)
     if isinstance(source, (list, tuple)) and source and all(isinstance(each, (str, Path)) for each in source):
         found = [(path, each) for path in source for each in read_solutions(path, columns, problem)]
@@ -178,7 +179,7 @@ def _suffix_of_content(beginning: bytes) -> str:
 
 
 def _format_of(path: str | Path, file: io.BufferedReader, where: str, text: Reader) -> tuple[str, Reader]:
-    """Return the format of a file ("" unless a library reads it), and the function that reads it."""
+    """Return the name of a file's format, which is "" unless a library reads it, and the function that reads it."""
     suffix = "" if path == STDOUT else suffix_of(path)
     if suffix and suffix not in SUFFIXES:
         raise ParameterError("file", where, f"must end in {', '.join(SUFFIXES)}, and perhaps {', '.join(PACKED)}")
@@ -418,7 +419,7 @@ def _read_hdf5(file: IO[bytes], asked: Asked | None, where: str) -> Any:
     groups: dict[str, Record] = {}
 
     def visit(path: str, item: Any) -> None:
-        """Note a dataset under its group and name; those of an Octave cell array go by number into one dict."""
+        """Note a dataset under its group and name; an Octave cell array becomes one dict of datasets by number."""
         # MATLAB keeps the targets of references in a group "#refs#", Octave x as x/type and x/value.
         octave = "OCTAVE_NEW_FORMAT" in item.parent.attrs
         if not isinstance(item, h5py.Dataset) or path.startswith("#") or (octave and path.endswith("/type")):
@@ -439,7 +440,7 @@ def _read_hdf5(file: IO[bytes], asked: Asked | None, where: str) -> Any:
 
 
 def _hdf5_value(item: Any) -> Any:
-    """Return the value of an HDF5 dataset, or of a dict of numbered cells the list of their values."""
+    """Return the value of an HDF5 dataset; or the list of the values in the dict of an Octave cell array."""
     if isinstance(item, dict):
         return [_hdf5_value(item[i]) for i in sorted(item)]
     values, octave = item[()], "OCTAVE_NEW_FORMAT" in item.parent.attrs
@@ -555,7 +556,8 @@ def _is_sound(data: bytes, order: str, kind: int, begin: int, end: int, depth: i
 
 
 def _tags(data: bytes, order: str, at: int, end: int, inside: bool) -> Iterator[tuple[int, int, int]]:
-    """Yield kind, begin and end of each element between two positions; `inside` a matrix padded to 8 bytes."""
+    """Yield kind, begin and end of each data element between two positions of a MATLAB file."""
+    # `inside` a matrix each element is followed by zeros up to a multiple of 8 bytes.
     while at < end:
         kind, size = struct.unpack_from(f"{order}II", data, at)
         if kind >> 16:  # a short one, in the tag itself

@@ -147,7 +147,7 @@ class CrossCheck(Drawable, Reportable):
 
     @property
     def limits_there(self) -> tuple[float, float]:
-        """The limits of the global errors of x and v at the samples where these errors are largest."""
+        """The limit of x at the sample where the error of x is largest, and that of v where that of v is."""
         worst = np.nanargmax(np.abs(self.errors), axis=0)
         return float(self.limits[worst[0], 0]), float(self.limits[worst[1], 1])
 
