@@ -187,7 +187,9 @@ def fit(
 def _spread(
     names: tuple[str, ...], residuals: np.ndarray, slopes: np.ndarray, steps: np.ndarray, estimated: bool
 ) -> tuple[np.ndarray, np.ndarray, str, str]:
-    """Return standard errors and covariance from the Jacobian, and names and combinations left undetermined."""
+    """Return standard errors and covariance from the Jacobian `slopes`, and two texts on what is not determined."""
+    # The texts name the numbers, and their undetermined combinations in units of their first values `steps`.
+    # `estimated`: the variance is that of the residuals, else 1.
     _, sizes, rows = np.linalg.svd(slopes * steps, full_matrices=len(residuals) < len(names))
     sizes = np.append(sizes, np.zeros(len(names) - len(sizes)))
     free = sizes <= UNDETERMINED * max(float(sizes.max(initial=0.0)), 1e-300)

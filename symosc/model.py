@@ -143,7 +143,7 @@ class Parameters:
 
 
 def _source(text: str) -> str:
-    """Return the text of a number as Python source, quoted if `Parameters` would else not read the same number."""
+    """Return the text of a number as Python source: as a number, or in quotes if a float would not be the same."""
     # A float is read as the decimal that it prints as; a fraction, or a decimal with more digits, stays text.
     exact = "/" not in text and Fraction(str(float(text))) == Fraction(text)
     return text if exact else repr(text)

@@ -158,14 +158,16 @@ class _Columns:
         return map_arithmetic(self.trajectory.parameters, self.context)
 
     def loop(self, name: str, count: int) -> tuple[Callable[..., None], Any]:
-        """Return a function of `symosc.engine.tangent`, compiled if `count` rows are worth it, and its constants."""
+        """Return the function of a name in `symosc.engine.tangent`, compiled for many rows, and its constants."""
         compiled = tangent_loops(count > MANY) if self.context is None else None
         if compiled:
             return compiled[name], table_of([self.numbers.K])
         return self.numbers.of[name], [self.numbers.K]
 
     def event_derivatives(self, wrt: tuple[str, ...], count: int) -> tuple[np.ndarray, ...]:
-        """Return dt, dx, marks with respect to the first `count` names, and reasons, growth, the last state."""
+        """Return dt, dx and marks with respect to the first `count` names, and three more results of `tangents`."""
+        # A mark is 1 where the derivative exists, else says why not. The others: for each event the code of a reason
+        # (`REASONS`), 0 if there is none; the logarithms of how lengths and areas grow; derivatives at the last start.
         codes, events = codes_of(wrt), len(self.rows[0])
         kept = [np.zeros((events, count), self.kind) for _ in range(2)]
         out = *kept, np.zeros((events, count), np.int8), np.zeros(events, np.int8), np.zeros((1, 2))
@@ -195,7 +197,8 @@ class _Columns:
     def _state_derivatives(
         self, loop: Any, times: np.ndarray, pieces: np.ndarray, starts: np.ndarray, launched: np.ndarray, codes: Any
     ) -> np.ndarray:
-        """Return derivatives of x, v at times, each in a given piece, from `launched`, those where pieces start."""
+        """Return derivatives of x and v at times, by the names with `codes`, given the number of each time's piece."""
+        # `launched` are the derivatives of t, x and v at the starts of the pieces, `loop` is the function to use.
         out, (function, table) = np.zeros((2, len(times), len(codes)), self.kind), loop
         work = work_space(codes, self.kind)
         function(times, pieces, starts, launched, codes, is_deep(codes), self.letters, table, out, work)
@@ -273,7 +276,8 @@ def sensitivities(
 
 
 def _reasons(columns: _Columns, wrt: tuple[str, ...], marks: np.ndarray, codes: np.ndarray) -> tuple[str | None, ...]:
-    """Return why the motion is not differentiable from each event on (first: from the start on), None where it is."""
+    """Return for each event why the motion is not differentiable from there on, None where it is."""
+    # The first entry also says so of the start. `marks` and `codes` are those of `event_derivatives`.
     found: list[str | None] = [None] * len(codes)
     for n in np.flatnonzero(codes).tolist():
         event = columns.trajectory.events[n]
@@ -289,7 +293,8 @@ def _reasons(columns: _Columns, wrt: tuple[str, ...], marks: np.ndarray, codes: 
 
 
 def _kink_at_start(columns: _Columns, wrt: tuple[str, ...], marks: np.ndarray) -> str | None:
-    """Return why, and with respect to which names, a start on a belt is not differentiable; None if it is."""
+    """Return a text on why and by which names a start on a belt is not differentiable; None if it is by all."""
+    # `marks` are 0 where a derivative does not exist.
     mode, _, _, _, v = columns.starts[0]
     p, number = columns.trajectory.parameters, columns.numbers.number
     on = [name for n, name in ((1, "v1"), (2, "v2")) if v == number(p.belt(n))]

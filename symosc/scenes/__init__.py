@@ -34,13 +34,14 @@ START_NAMES = ("t0", "x0", "v0", "t_end")
 
 
 class Original(NamedTuple):
-    """A start of an `OtherModel`, in the coordinates of that model.
+    """The problem as it was given for a scene of an `OtherModel`, in the coordinates of that model.
 
     Attributes
     ----------
     model : OtherModel
     t0, x0, v0, t_end : Fraction
     start_error : three Fractions or None
+        Half-widths to which t0, x0 and v0 are known.
 
     Examples
     --------
@@ -143,10 +144,10 @@ class Scene(Drawable):
 
     @public
     def started(self, given: Mapping[str, NumberLike]) -> Scene:
-        """Return a copy with another t0, x0, v0 or t_end; what is given is exact, whatever the scene's own error.
+        """Return a copy with another t0, x0, v0 or t_end, which are then exact: they have no `start_error`.
 
-        The end may be text such as "10T": so many periods of the drive after t0. Of another model they are in its
-        coordinates.
+        The end may be text such as "10T": so many periods of the drive after t0. For a scene of another model, give
+        them in the coordinates of that model.
         """
         for name in given:
             if name not in START_NAMES:
@@ -195,13 +196,13 @@ def _reduced_problem(given: Original) -> tuple[dict[str, Fraction], StartErrors 
 
 
 def not_reduced_error(scene: Any) -> ParameterError:
-    """Return the error of a function that cannot turn its results back into the coordinates of another model."""
+    """Return the error for a scene of another model that is raised where results are not in its coordinates."""
     allowed = "is of another model, and this does not turn results back into its coordinates; give scene.reduced()"
     return ParameterError("scene", scene.name if isinstance(scene, Scene) else str(scene), allowed)
 
 
 def start_numbers(given: Mapping[str, Any], p: Parameters) -> tuple[dict[str, Fraction], StartErrors | None]:
-    """Return the numbers of a start, and the half-widths to which t0, x0 and v0 are known if one is not exact."""
+    """Return the numbers of a start, and half-widths of t0, x0 and v0; None for these if all numbers are exact."""
     # An expression with pi is known to 40 digits. On a belt the mass has its speed, however many digits that has.
     numbers, errors = dict[str, Fraction](), dict.fromkeys(START_NAMES, Fraction(0))
     for name, value in given.items():

@@ -147,8 +147,9 @@ def output_path(path: Any) -> Path:
 
 
 def plan_of(path: Path, to_replace: bool = False) -> str | None:
-    """Return the key of the plan whose finished result is in an output file; None if there is no such file."""
-    # SweepError if there is something else. The libraries, which do not fail well, are not asked.
+    """Return the plan's key (`SweepPlan.key`) that an output file states; None if there is no such file."""
+    # SweepError if it is no output of a sweep, or, if it is a folder `to_replace`, has files of somebody else. The file
+    # is read as bytes: the libraries do not fail well.
     if not os.path.lexists(path):
         return None
     found, place, ending = list[bytes](), _text_file(path), path.suffix.lower()
@@ -164,7 +165,7 @@ def plan_of(path: Path, to_replace: bool = False) -> str | None:
 
 
 def _text_file(path: Path) -> Path:
-    """Return the file of an output (itself, or in its folder) that holds the plan and the checksum."""
+    """Return the file that holds plan and checksum of an output: the output itself, or one in it if it is a folder."""
     return path / "zarr.json" if path.is_dir() else path
 
 
@@ -219,7 +220,7 @@ def _to_disk(path: Path) -> None:
 
 
 def _checksum(path: Path) -> tuple[str, str, int]:
-    """Return the checksum of an output, the one that it states ("" if none), and where in the file that one stands."""
+    """Return the right checksum of an output; the stated one, "" if there is none; and the stated one's offset."""
     place, stated, begin, found = _text_file(path), "", 0, sha256()
     for name, file in (_files_in(path) or {"": path}).items():
         content = memoryview(file.read_bytes())

@@ -131,7 +131,7 @@ class SweepPlan:
         """The plan's name: a hash of its content."""
         return hashlib.sha256(json.dumps(self.content, sort_keys=True).encode()).hexdigest()
 
-    def call(self, begin: int, end: int) -> Record:
+    def arguments(self, begin: int, end: int) -> Record:
         """Return the arguments of `simulate_many` that compute the cells from `begin` up to `end`."""
         swept = self.cells(begin, end)
         p: Record = {name: swept.get(name, getattr(self.scene.parameters, name)) for name in PARAMETER_NAMES}
@@ -149,13 +149,13 @@ class SweepPlan:
         }
 
 
-def compute(call: Record, kernels: str, workers: int | None = 1) -> tuple[dict[str, np.ndarray], float]:
-    """Compute a chunk, perhaps in another process, by its call; return its columns and the processor seconds."""
-    # SweepError unless the sources here have the hash `kernels`: a worker with another version of symosc.
+def compute(arguments: Record, kernels: str, workers: int | None = 1) -> tuple[dict[str, np.ndarray], float]:
+    """Compute a chunk, given the arguments of `simulate_many`; return its columns and the processor seconds."""
+    # `kernels` is the `kernels_hash` of the program that asks: SweepError in a worker with another version of symosc.
     if kernels != kernels_hash():
         raise SweepError("a worker has another version of symosc than this program")
     wall, processor = perf_counter(), process_time()
-    columns: dict[str, np.ndarray] = simulate_many(**call, workers=workers).columns()
+    columns: dict[str, np.ndarray] = simulate_many(**arguments, workers=workers).columns()
     if "word" in columns:
         columns["word"] = cycles(columns["word"])
     threads = workers or os.cpu_count() or 1
@@ -164,7 +164,7 @@ def compute(call: Record, kernels: str, workers: int | None = 1) -> tuple[dict[s
 
 
 def cycles(words: np.ndarray) -> np.ndarray:
-    """Return for each word its largest rotation in text order, the same for P32 and P23, which are one cycle."""
+    """Return for each word the form `words.cycle` of its cycle: P32 for P32 and for P23."""
     # Where a cycle is cut into periods depends on the phases of its events, and so on the parameters; a map over them
     # shows borders only where the cycle itself changes.
     texts, places = np.unique(words, return_inverse=True)
@@ -206,7 +206,7 @@ def read_plan(scene: Any, over: Any, record: Any, t_end: Any, skip: Any, starts:
 
 
 def read_coordinates(scene: Scene, over: Any, starts: np.ndarray | None = None) -> Coordinates:
-    """Return the swept values: axes by name, or columns of a table, each with every one of the rows `starts` if any."""
+    """Return the swept values by name, of axes or of a table; the rows `starts` are one more dimension."""
     table = _table_columns(over)
     found = _axes(over) if table is None else {name: Coordinate(SET_AXIS, values) for name, values in table.items()}
     if starts is not None:
@@ -306,7 +306,7 @@ def _table_columns(over: Any) -> dict[str, np.ndarray] | None:
 
 
 def _start_rows(starts: Any) -> np.ndarray:
-    """Return starts, given as rows or as columns by name, as an array of rows t0, x0, v0, or one row (3,)."""
+    """Return starts, given as rows or as columns by name, as an array (n, 3) of rows t0, x0, v0, or (3,) if single."""
     columns = named("starts", starts, SWEPT_STARTS)
     if isinstance(columns, Mapping):
         each = [np.asarray(unmasked(name, column), dtype=object) for name, column in columns.items()]
@@ -351,7 +351,8 @@ def read_duration(name: str, given: Any) -> Duration:
 
 
 def _read_record(record: Any) -> tuple[tuple[str, ...], int]:
-    """Return the columns to record and the points of a section, from names such as "word" and "section:64"."""
+    """Return the columns to record, and the number of points of a Poincaré section, 0 if none is recorded."""
+    # The names are those of columns of a summary; "section:64" is a section with 64 points.
     columns, sections = list[str](), 0
     for name in [record] if isinstance(record, str) else record:
         column, colon, count = name.partition(":")

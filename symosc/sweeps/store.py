@@ -1,6 +1,7 @@
 """Finished chunks on disk, each written atomically, so that a sweep may be interrupted at any moment.
 
-A chunk ends with a checksum over its content, its range and its plan: what was changed since is computed anew.
+A chunk is the result of successive cells of a sweep, from `begin` up to `end`. Its file ends with a checksum over its
+content, its range and its plan: what was changed since is computed anew.
 """
 
 from __future__ import annotations
@@ -34,7 +35,7 @@ Columns = dict[str, np.ndarray]
 
 
 class Store:
-    """The chunks of one sweep, in a folder next to its `output` file."""
+    """The saved chunks of one sweep, in a folder next to its `output` file."""
 
     def __init__(self, output: Path) -> None:
         self.output = output
@@ -82,7 +83,7 @@ class Store:
         return SweepError(f"{self.folder} has the chunks of another sweep: name another output, or start anew")
 
     def _clear(self, whole: bool) -> None:
-        """Remove the drafts that a killed program has left, and if `whole` also the chunks and their plan."""
+        """Remove half-written files (drafts) of a killed program, and if `whole` also the chunks and their plan."""
         for path in self.folder.iterdir():
             if DRAFT_FORM.fullmatch(path.name) or (
                 whole and (path.name == PLAN_FILE or CHUNK_FORM.fullmatch(path.name))
