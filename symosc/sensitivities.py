@@ -8,7 +8,7 @@ derivatives follow from each other says `symosc.engine.tangent`.
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass, field, fields
+from dataclasses import dataclass, field
 from fractions import Fraction
 from functools import cached_property
 from math import inf, log
@@ -19,6 +19,7 @@ from numpy.typing import ArrayLike
 
 from symosc.aliases import NumberLike, SceneName
 from symosc.arguments import public
+from symosc.display.drawable import Comparable
 from symosc.engine import tangent
 from symosc.engine.arithmetic import many_digits, mp_context
 from symosc.engine.constant_table import table_of
@@ -49,7 +50,7 @@ REASONS = {
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class Sensitivities:
+class Sensitivities(Comparable):
     """The derivatives of a motion.
 
     Calling it gives those of the state: ``s(t)`` are the derivatives of [x, v] at a fixed time, of shape (2, wrt) for a
@@ -113,15 +114,6 @@ class Sensitivities:
         changes = self._motion.at_times(given.ravel(), self.wrt, self.dt, self.dx)
         changes = changes.astype(float) if self.trajectory.digits is None else changes
         return changes.reshape((2, *given.shape, len(self.wrt)))
-
-    def __eq__(self, other: object) -> bool:
-        """Whether all public entries are equal."""
-        if not isinstance(other, Sensitivities):
-            return NotImplemented
-        names = [each.name for each in fields(self) if not each.name.startswith("_")]
-        return all(np.array_equal(getattr(self, name), getattr(other, name)) for name in names)
-
-    __hash__ = None  # type: ignore[assignment]
 
     def __repr__(self) -> str:
         first = next((n for n, row in enumerate(self.regular) if not row.all()), None)

@@ -17,7 +17,7 @@ from symosc.crosschecks.causes import Fault, explain
 from symosc.crosschecks.events import WINDOW, FoundEvent, Match, Matcher, Reach, find_events, given_events, labels
 from symosc.crosschecks.files import read_solutions
 from symosc.crosschecks.objects import dense_note, of_function
-from symosc.crosschecks.report import CrossCheck, CrossChecks, check_all
+from symosc.crosschecks.report import EVENT_LISTS, CrossCheck, CrossChecks, check_all
 from symosc.crosschecks.samples import (
     SAMPLE_COLUMNS,
     Digits,
@@ -269,6 +269,8 @@ class Task:
             notes.append("every step is right, but their errors add up, or the start is another one")
         refused, scene = "" if self.own_start else other_start, self.scene
         own = (float(scene.t0), float(scene.x0), float(scene.v0)) if isinstance(scene, Scene) else None
+        same: Record = {name: tuple(getattr(matching, name)) for name in EVENT_LISTS}
+        same |= {name: getattr(samples, name) for name in SAMPLE_COLUMNS}
         return CrossCheck(
             ok=bool(close and late is None and right and not (matching.missed or matching.invented or refused)),
             max_error_x=float(np.nanmax(np.abs(errors[:, 0]))),
@@ -279,10 +281,6 @@ class Task:
             wrong_steps=np.flatnonzero(wrong),
             wrong_spans=spans,
             allowed=allowed,
-            matched=tuple(matching.matched),
-            missed=tuple(matching.missed),
-            invented=tuple(matching.invented),
-            unresolved=tuple(matching.unresolved),
             decisions=tuple(fault for fault in faults if fault.wrong_decision),
             faults=faults,
             first_wrong=faults[0] if faults else None,
@@ -294,13 +292,11 @@ class Task:
             rounded=rounded,
             notes=(*notes, *matching.notes),
             modes=modes,
-            t=samples.t,
-            x=samples.x,
-            v=samples.v,
             trajectory=trajectory,
             own_start=own,
             _task=replace(self, samples=replace(samples, dense=None)),
             wrong_start=refused,
+            **same,
         )
 
     def _start(self, loose: np.ndarray, rounding: np.ndarray) -> tuple[Record, str]:
