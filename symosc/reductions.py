@@ -73,13 +73,13 @@ def harmonic(size: Fraction, phase: Fraction) -> Harmonic:
     return Harmonic(size * cos, -size * sin, exact or size == 0)
 
 
-def cos_sin(angle: Fraction, digits: int = DIGITS) -> tuple[Fraction, Fraction, bool]:
+def cos_sin(angle: Fraction) -> tuple[Fraction, Fraction, bool]:
     """Return cosine and sine, and whether they are exact: of 0, and of what is a multiple of pi/2 to 40 digits."""
     # Such an angle is taken to be that multiple.
     turns = round(2 * angle / PI)
     if abs(angle - turns * PI / 2) <= (half_unit(angle) if turns else 0):
         return Fraction((1, 0, -1, 0)[turns % 4]), Fraction((0, 1, 0, -1)[turns % 4]), True
-    context = _context(digits + len(str(abs(turns))))
+    context = _context(DIGITS + len(str(abs(turns))))
     found = context.cos_sin(context.mpf(angle.numerator) / angle.denominator)
     cos, sin = (read_exact("angle", each) for each in found)
     return cos, sin, False

@@ -368,7 +368,8 @@ def _limits(sizes: np.ndarray, part: float) -> np.ndarray:
 
 def explained_share(before: np.ndarray, after: np.ndarray, part: float = EXPLAINS) -> float:
     """Return (wrong steps that a cause explains - right steps that it makes wrong) / (all wrong steps)."""
-    # From the sizes of the defects without and with it. A wrong step is explained if at most `part` is left.
+    # From the sizes of the defects without and with it. A wrong step is explained if at most `part` is left. The share
+    # is negative if more steps become wrong than right.
     wrong, fits = ~(before <= 1.0), np.asarray(after <= _limits(before, part))
     return (int(np.sum(fits & wrong)) - int(np.sum(~fits & ~wrong))) / max(1, int(np.sum(wrong)))
 

@@ -91,14 +91,6 @@ def _divided(names: list[str], factor: float, *columns: np.ndarray) -> Columns:
 # -- how the columns were made -----------------------------------------------------------------------------------------
 
 
-def no_motion(t: np.ndarray, x: np.ndarray, v: np.ndarray) -> Diagnosis | None:
-    """Return the diagnosis that the samples never move, or None."""
-    if np.ptp(x) or np.ptp(v):
-        return None
-    words, evidence = "x and v never change: the mass does not move", f"x = {x[0]:.10g}, v = {v[0]:.10g} in all samples"
-    return Diagnosis("columns", "x and v", words, evidence)
-
-
 def velocity_column(case: Case) -> Iterator[Candidate]:
     """Yield the diagnosis that only v is wrong: made of differences of x, or belonging to times between samples."""
     s, h = case.steps, np.diff(case.steps.t)

@@ -54,14 +54,16 @@ def diagnose(check: Any) -> tuple[Diagnosis, ...]:
     if not len(check.wrong_steps):
         found = columns.event_list_faults(check) if check.missed or check.invented else _start(check)
         return (*found, *few_digits)
-    constant = columns.no_motion(check.t, check.x, check.v)
+    if not (np.ptp(check.x) or np.ptp(check.v)):
+        words, evidence = "x and v never change: the mass does not move", "x = {:.10g}, v = {:.10g} in all samples"
+        return (Diagnosis("columns", "x and v", words, evidence.format(check.x[0], check.v[0])), *few_digits)
     t = check.t[tried_samples(check)]
     periods = (t[-1] - t[0]) * float(check.trajectory.parameters.Omega) / TWO_PI
-    if constant or periods > max(200.0, len(t)):  # steps longer than a period hold too many events to show a cause
+    if periods > max(200.0, len(t)):  # steps longer than a period hold too many events to show a cause
         units = columns.changed_columns(check.trajectory.parameters, check.t, check.x, check.v)
-        tried = (with_evidence(one, check) for one in units if not constant and one.diagnosis.subject == "t")
+        tried = (with_evidence(one, check) for one in units if one.diagnosis.subject == "t")
         right = next((found for found in tried if found is not None and found.share >= ENOUGH), None)
-        return (constant or right or _unknown(check), *few_digits)
+        return (right or _unknown(check), *few_digits)
     with np.errstate(all="ignore"):  # what cannot be computed explains nothing
         return (*_best(Case(check), check), *few_digits)
 
@@ -110,18 +112,19 @@ def _tested(tried: list[Candidate], check: Any) -> list[Diagnosis]:
 
 def with_evidence(candidate: Candidate, check: Any) -> Diagnosis | None:
     """Repeat a check with a candidate's change; return its diagnosis with the result, None if that is impossible."""
-    diagnosis, change, parameters, columns = candidate
+    diagnosis, change = candidate.diagnosis, candidate.words
     if not change:
         return diagnosis
     task, samples = check._task, check._task.samples
-    if columns is not None:
-        t, x, v = columns(samples.t, samples.x, samples.v)
+    if candidate.columns is not None:
+        t, x, v = candidate.columns(samples.t, samples.x, samples.v)
         samples = replace(samples, t=t, x=x, v=np.full(len(t), np.nan) if v is None else v)
     elif samples.v_off is not None:  # the velocities were those of the system
         samples = replace(samples, v=np.full(len(samples.t), np.nan))
     samples = replace(samples, events=None, dense=None, v_off=None)
     try:
-        again = replace(task, samples=samples, scene=parameters or task.parameters, rounding=None).verdict()
+        scene = candidate.parameters or task.parameters
+        again = replace(task, samples=samples, scene=scene, rounding=None).verdict()
     except ParameterError:
         return None
     if again._task.samples.v_off is not None and len(again.t) < 0.9 * len(check.t):
