@@ -21,8 +21,8 @@ from symosc.errors import ParameterError, brief, meant
 from symosc.exact import read_exact, unmasked
 from symosc.model import PARAMETER_NAMES, Parameters
 from symosc.quantities import least, read_number
-from symosc.scenes import Scene
-from symosc.sensitivities import STARTS, Sensitivities, sensitivities
+from symosc.scenes import STARTS, Scene
+from symosc.sensitivities import Sensitivities, sensitivities
 from symosc.simulation.simulate import read_start
 from symosc.simulation.trajectory import Trajectory
 

@@ -16,7 +16,8 @@ import numpy as np
 from symosc.errors import MissingExtraError, ParameterError, meant
 from symosc.exact import whole_number
 from symosc.model import PARAMETER_NAMES, Parameters
-from symosc.sensitivities import STARTS, sensitivities
+from symosc.scenes import STARTS
+from symosc.sensitivities import sensitivities
 from symosc.simulation.ensemble import simulate_many
 from symosc.simulation.tangents import NAMES
 

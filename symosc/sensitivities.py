@@ -33,8 +33,6 @@ from symosc.simulation.simulate import read_start, simulate
 from symosc.simulation.tangents import codes_of, columns_of, is_deep, read_wrt, tangent_loops, work_space
 from symosc.simulation.trajectory import Trajectory, read_times
 
-#: Numbers of the start by which a motion is differentiated, beside the parameters.
-STARTS = ("t0", "x0", "v0")
 #: Digits beyond those that are asked for, and digits of the phase of a start in doubles.
 SPARE, PHASE_DIGITS = 10, 40
 #: Digits to compute derivatives with if double precision loses too many.

@@ -33,7 +33,7 @@ from symosc.crosschecks.velocities import with_velocities
 from symosc.errors import ParameterError
 from symosc.exact import read_exact
 from symosc.model import Parameters
-from symosc.scenes import START_NAMES, Scene, load_scene, not_reduced_error
+from symosc.scenes import STARTS, Scene, load_scene, not_reduced_error
 from symosc.simulation.batch import read_workers
 from symosc.simulation.simulate import simulate
 from symosc.simulation.trajectory import Trajectory
@@ -304,7 +304,7 @@ class Task:
         # {} is the scene's own start, which may have more digits than the first sample.
         scene, samples, limit, rate = self.scene, self.samples, self.limit, fastest_rate(self.parameters)
         first = np.array([samples.t[0], samples.x[0], samples.v[0]])
-        start = dict(zip(START_NAMES[:3], first.tolist(), strict=True))
+        start = dict(zip(STARTS, first.tolist(), strict=True))
         if isinstance(scene, Parameters):
             return start, ""
         own = np.array([float(scene.t0), float(scene.x0), float(scene.v0)])

@@ -23,7 +23,7 @@ from symosc.errors import ParameterError
 from symosc.kernels import entire_array
 from symosc.kernels._generated import acceleration, motion
 from symosc.model import Parameters
-from symosc.scenes import Scene
+from symosc.scenes import STARTS, Scene
 from symosc.simulation.simulate import simulate
 from symosc.simulation.trajectory import Trajectory
 
@@ -113,7 +113,7 @@ def _fit_motion(samples: Samples, scene: Scene | Parameters, half: np.ndarray, o
 
 def _motion(scene: Scene | Parameters, t_end: float, *start: float) -> Trajectory | None:
     """Return the exact motion of a scene, or from a start t0, x0, v0; None if the model does not allow it."""
-    given: Record = dict(zip(("t0", "x0", "v0"), map(float, start), strict=False))
+    given: Record = dict(zip(STARTS, map(float, start), strict=False))
     try:
         return simulate(scene, t_end=float(t_end), max_events=20_000, **given)
     except ParameterError:

@@ -30,7 +30,9 @@ ParametersLike: TypeAlias = Any
 StartErrors: TypeAlias = tuple[Fraction, Fraction, Fraction]
 
 SCENES_FOLDER = Path(__file__).parent
+#: The numbers of a start, with the end and without.
 START_NAMES = ("t0", "x0", "v0", "t_end")
+STARTS = START_NAMES[:3]
 
 
 class Original(NamedTuple):
@@ -392,7 +394,7 @@ def as_toml(scene: Scene, explained: bool = False, file: str = "mine.toml") -> s
         lines.append("")
     lines += ["[parameters]", *(line(name, text) for name, text in parameters.items()), "", "[start]"]
     lines += [START_COMMENT] if explained else []
-    lines += [line(name, show(getattr(own, name))) for name in ("t0", "x0", "v0")]
+    lines += [line(name, show(getattr(own, name))) for name in STARTS]
     if own.start_error is not None:
         lines.append(f"start_error = [{', '.join(_toml_number(show(each)) for each in own.start_error)}]")
     return "\n".join(lines)

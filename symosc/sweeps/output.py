@@ -26,9 +26,9 @@ from symosc.errors import MissingExtraError, OutputError, SweepError
 from symosc.exact import show
 from symosc.files import STDOUT, read_path
 from symosc.quantities import QUANTITIES
-from symosc.scenes import START_NAMES
+from symosc.scenes import START_NAMES, STARTS
 from symosc.simulation.tables import SUMMARY_COLUMNS
-from symosc.sweeps.plan import SET_AXIS, START_AXIS, SWEPT_STARTS, SweepPlan
+from symosc.sweeps.plan import SET_AXIS, START_AXIS, SweepPlan
 from symosc.sweeps.store import DRAFT, Columns, remove
 
 if TYPE_CHECKING:
@@ -121,7 +121,7 @@ def _call_text(plan: SweepPlan) -> str:
     record = tuple(f"{name}:{plan.sections}" if name == "section" else name for name in plan.record)
     options = [f"record={record!r}", f"t_end={str(plan.t_end)!r}", f"skip={str(plan.skip)!r}"]
     if START_AXIS in plan.sizes:
-        rows = np.stack([plan.coordinates[name].values for name in SWEPT_STARTS], axis=-1).tolist()
+        rows = np.stack([plan.coordinates[name].values for name in STARTS], axis=-1).tolist()
         options.append(f"starts={rows!r}")
     parameters = ", ".join(f"{name}={text!r}" for name, text in scene.parameters.as_dict().items())
     start = ", ".join(f"{name}={show(getattr(scene, name))!r}" for name in START_NAMES)

@@ -25,14 +25,13 @@ from symosc.errors import ParameterError, SweepError, meant
 from symosc.exact import LARGEST, read_exact, show, unmasked, whole_number
 from symosc.model import PARAMETER_NAMES, Parameters
 from symosc.quantities import read_number
-from symosc.scenes import START_NAMES, Scene, forcing_periods, from_rest, load_scene, not_reduced_error
+from symosc.scenes import STARTS, Scene, forcing_periods, from_rest, load_scene, not_reduced_error
 from symosc.simulation.ensemble import simulate_many
 from symosc.simulation.problems import named
 from symosc.simulation.tables import SUMMARY_COLUMNS
 from symosc.words import cycle
 
-SWEPT_STARTS = START_NAMES[:3]
-SWEPT_NAMES = (*PARAMETER_NAMES, *SWEPT_STARTS)
+SWEPT_NAMES = (*PARAMETER_NAMES, *STARTS)
 MOST_AXES = 3
 #: The dimension of a table's rows, and of several starts.
 SET_AXIS, START_AXIS = "set", "start"
@@ -117,7 +116,7 @@ class SweepPlan:
             "symosc": symosc.__version__,
             "kernels": kernels_hash(),
             "parameters": self.scene.parameters.as_dict(),
-            "start": {name: show(getattr(self.scene, name)) for name in SWEPT_STARTS},
+            "start": {name: show(getattr(self.scene, name)) for name in STARTS},
             "start_error": None if errors is None else [show(each) for each in errors],
             "swept": swept,
             "record": list(self.record),
@@ -135,7 +134,7 @@ class SweepPlan:
         """Return the arguments of `simulate_many` that compute the cells from `begin` up to `end`."""
         swept = self.cells(begin, end)
         p: Record = {name: swept.get(name, getattr(self.scene.parameters, name)) for name in PARAMETER_NAMES}
-        starts = {name: swept.get(name, getattr(self.scene, name)) for name in SWEPT_STARTS}
+        starts = {name: swept.get(name, getattr(self.scene, name)) for name in STARTS}
         period = 2 * math.pi / np.asarray(p["Omega"], dtype=float)
         t_end = self.t_end.times(period)
         return {
@@ -196,7 +195,7 @@ def read_plan(scene: Any, over: Any, record: Any, t_end: Any, skip: Any, starts:
             raise not_reduced_error(problem)
     rows = None if starts is None else _start_rows(starts)
     if rows is not None and rows.ndim == 1:
-        problem, rows = problem.started(dict(zip(SWEPT_STARTS, rows, strict=True))), None
+        problem, rows = problem.started(dict(zip(STARTS, rows, strict=True))), None
     coordinates = read_coordinates(problem, over, rows)
     columns, sections = _read_record(record)
     end = Duration(problem.t_end) if t_end is None else read_duration("t_end", t_end)
@@ -210,9 +209,9 @@ def read_coordinates(scene: Scene, over: Any, starts: np.ndarray | None = None) 
     table = _table_columns(over)
     found = _axes(over) if table is None else {name: Coordinate(SET_AXIS, values) for name, values in table.items()}
     if starts is not None:
-        if twice := [name for name in SWEPT_STARTS if name in found]:
+        if twice := [name for name in STARTS if name in found]:
             raise ParameterError("starts", twice[0], "is swept too; give it in one place")
-        columns = zip(SWEPT_STARTS, starts.T, strict=True)
+        columns = zip(STARTS, starts.T, strict=True)
         found |= {name: Coordinate(START_AXIS, _numbers(name, values)) for name, values in columns}
     count = math.prod({each.dimension: len(each.values) for each in found.values()}.values())
     if count > MOST_SWEPT:
@@ -307,7 +306,7 @@ def _table_columns(over: Any) -> dict[str, np.ndarray] | None:
 
 def _start_rows(starts: Any) -> np.ndarray:
     """Return starts, given as rows or as columns by name, as an array (n, 3) of rows t0, x0, v0, or (3,) if single."""
-    columns = named("starts", starts, SWEPT_STARTS)
+    columns = named("starts", starts, STARTS)
     if isinstance(columns, Mapping):
         each = [np.asarray(unmasked(name, column), dtype=object) for name, column in columns.items()]
         try:
