@@ -13,7 +13,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from symosc.errors import MissingExtraError, ParameterError, meant
+from symosc.errors import ParameterError, meant, optional
 from symosc.exact import whole_number
 from symosc.model import PARAMETER_NAMES, Parameters
 from symosc.scenes import STARTS
@@ -136,10 +136,7 @@ def _values(parameters: Any, *start: Any) -> Any:
 
 def _functions() -> tuple[Callable[..., Any], Callable[..., Any]]:
     """Return `_made()` after a check that JAX is installed (MissingExtraError) and computes in doubles."""
-    try:
-        import jax
-    except ImportError:
-        raise MissingExtraError("symosc.jax", "jax") from None
+    jax = optional("jax", "symosc.jax", "jax")
     if not jax.config.read("jax_enable_x64"):
         hint = 'must be True, since events need doubles: jax.config.update("jax_enable_x64", True)'
         raise ParameterError("jax_enable_x64", False, hint)

@@ -21,7 +21,6 @@ from contextlib import suppress
 from dataclasses import replace
 from decimal import Decimal
 from functools import partial
-from importlib import import_module
 from itertools import chain, islice
 from pathlib import Path
 from typing import IO, Any
@@ -41,7 +40,7 @@ from symosc.crosschecks.objects import (
     solutions_in,
 )
 from symosc.crosschecks.samples import SAMPLE_COLUMNS, Samples, number_of
-from symosc.errors import MissingExtraError, ParameterError, brief
+from symosc.errors import MissingExtraError, ParameterError, brief, optional
 from symosc.files import STDOUT, read_path
 
 TEXT_SUFFIXES = (".csv", ".tsv", ".txt", ".dat", ".out", ".asc")
@@ -384,7 +383,7 @@ def _read_numpy(file: IO[bytes], asked: Asked | None, where: str) -> Any:
 
 def _read_parquet(file: IO[bytes], asked: Asked | None, where: str) -> Any:
     """Return the wanted columns of a parquet file."""
-    parquet = _library("pyarrow.parquet", "a parquet file").ParquetFile(file)
+    parquet = optional("pyarrow.parquet", "a parquet file", "tables").ParquetFile(file)
     names = parquet.schema_arrow.names
     table = parquet.read(columns=[name for name in names if is_wanted(name, asked)])
     return {name: table.column(name).to_numpy() if name in table.column_names else None for name in names}
@@ -392,16 +391,8 @@ def _read_parquet(file: IO[bytes], asked: Asked | None, where: str) -> Any:
 
 def _read_feather(file: IO[bytes], asked: Asked | None, where: str) -> Any:
     """Return the wanted columns of a feather file."""
-    table = _library("pyarrow.feather", "a feather file").read_table(file)
+    table = optional("pyarrow.feather", "a feather file", "tables").read_table(file)
     return {name: table.column(name).to_numpy() if is_wanted(name, asked) else None for name in table.column_names}
-
-
-def _library(name: str, what: str) -> Any:
-    """Import the package that reads a kind of file, named by `what`; MissingExtraError if it is not installed."""
-    try:
-        return import_module(name)
-    except ImportError:
-        raise MissingExtraError(what, "tables") from None
 
 
 def _unwrapped(found: Record) -> Any:
@@ -415,7 +406,7 @@ def _unwrapped(found: Record) -> Any:
 
 def _read_hdf5(file: IO[bytes], asked: Asked | None, where: str) -> Any:
     """Return the datasets of an HDF5 or netCDF 4 file: those of the outermost group that has some."""
-    h5py = _library("h5py", "an HDF5 file")
+    h5py = optional("h5py", "an HDF5 file", "tables")
     groups: dict[str, Record] = {}
 
     def visit(path: str, item: Any) -> None:

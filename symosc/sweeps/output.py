@@ -22,7 +22,7 @@ import numpy as np
 
 import symosc
 from symosc.display.drawable import Drawable
-from symosc.errors import MissingExtraError, OutputError, SweepError
+from symosc.errors import MissingExtraError, OutputError, SweepError, optional
 from symosc.exact import show
 from symosc.files import STDOUT, read_path
 from symosc.quantities import QUANTITIES
@@ -52,10 +52,7 @@ ZARR_FORM = re.compile(rf"zarr\.json|({ZARR_NAMES})/(zarr\.json|c(/\d+)*)")
 
 def need_xarray() -> ModuleType:
     """Return xarray; MissingExtraError if it is not installed."""
-    try:
-        import xarray
-    except ImportError:
-        raise MissingExtraError("sweep", "sweep") from None
+    xarray: ModuleType = optional("xarray", "sweep", "sweep")
     if ACCESSOR not in vars(xarray.Dataset):
         xarray.register_dataset_accessor(ACCESSOR)(SweptDataset)
     return xarray

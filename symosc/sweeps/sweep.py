@@ -16,7 +16,7 @@ from numpy.typing import ArrayLike
 from symosc.aliases import DataFrame, NumberLike, Progress, SceneName
 from symosc.arguments import public
 from symosc.display.progress import reporting
-from symosc.errors import MissingExtraError, ParameterError, SweepError, SymoscError
+from symosc.errors import ParameterError, SweepError, SymoscError, optional
 from symosc.exact import whole_number
 from symosc.model import Parameters
 from symosc.scenes import Scene
@@ -175,10 +175,7 @@ def read_executor(executor: Any, workers: Any) -> tuple[Executor, int]:
 
 def dask_client(address: str) -> Any:
     """Return a client of a dask cluster, by the address of its scheduler or the name of its scheduler file."""
-    try:
-        from distributed import Client
-    except ImportError:
-        raise MissingExtraError("a dask cluster", "sweep") from None
+    Client = optional("distributed", "a dask cluster", "sweep").Client
     if address.endswith(".json"):
         if not Path(address).is_file():  # dask would wait for it
             raise ParameterError("executor", address, "there is no such scheduler file")
