@@ -289,11 +289,12 @@ def outliers(case: Case) -> Iterator[Candidate]:
         share = float(np.mean(np.isin(check.wrong_steps, rows) | np.isin(check.wrong_steps + 1, rows)))
         words = f"{len(off)} sample{'s are' if len(off) > 1 else ' is'} off, the first is number {rows[0]}"
         size = float(np.median([max(abs(fault.defect_x), abs(fault.defect_v)) for fault in off]))
-        found, without = (
-            Diagnosis("outlier", "", words, "", size, None, share),
-            f"without {'them' if rows[1:] else 'it'}",
-        )
-        yield Candidate(found, without, columns=lambda t, x, v: np.delete([t, x, v], rows, axis=1))  # type: ignore[arg-type,return-value]
+        found, without = Diagnosis("outlier", "", words, "", size, None, share), "them" if rows[1:] else "it"
+        yield Candidate(found, f"without {without}", columns=partial(_without, rows))
+
+
+def _without(rows: list[int], t: np.ndarray, x: np.ndarray, v: np.ndarray) -> Columns:
+    return np.delete(t, rows), np.delete(x, rows), np.delete(v, rows)
 
 
 def noise(case: Case) -> Iterator[Diagnosis]:

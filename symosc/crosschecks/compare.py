@@ -269,8 +269,8 @@ class Task:
             notes.append("every step is right, but their errors add up, or the start is another one")
         refused, scene = "" if self.own_start else other_start, self.scene
         own = (float(scene.t0), float(scene.x0), float(scene.v0)) if isinstance(scene, Scene) else None
-        same: Record = {name: tuple(getattr(matching, name)) for name in EVENT_LISTS}
-        same |= {name: getattr(samples, name) for name in SAMPLE_COLUMNS}
+        copied: Record = {name: tuple(getattr(matching, name)) for name in EVENT_LISTS}
+        copied |= {name: getattr(samples, name) for name in SAMPLE_COLUMNS}
         return CrossCheck(
             ok=bool(close and late is None and right and not (matching.missed or matching.invented or refused)),
             max_error_x=float(np.nanmax(np.abs(errors[:, 0]))),
@@ -296,7 +296,7 @@ class Task:
             own_start=own,
             _task=replace(self, samples=replace(samples, dense=None)),
             wrong_start=refused,
-            **same,
+            **copied,
         )
 
     def _start(self, loose: np.ndarray, rounding: np.ndarray) -> tuple[Record, str]:

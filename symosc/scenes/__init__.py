@@ -146,7 +146,7 @@ class Scene(Drawable):
 
     @public
     def started(self, given: Mapping[str, NumberLike]) -> Scene:
-        """Return a copy with another t0, x0, v0 or t_end, which are then exact: they have no `start_error`.
+        """Return a copy with another t0, x0, v0 or t_end; the scene's `start_error` does not apply to what is given.
 
         The end may be text such as "10T": so many periods of the drive after t0. For a scene of another model, give
         them in the coordinates of that model.
