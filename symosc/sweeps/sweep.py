@@ -183,9 +183,8 @@ def dask_client(address: str) -> Any:
     try:
         return Client(address, timeout=CONNECT_SECONDS)
     except (OSError, ValueError, TimeoutError) as error:
-        raise ParameterError(
-            "executor", address, f"no scheduler of dask answers there ({_error_text(error)})"
-        ) from None
+        allowed = f"no scheduler of dask answers there ({_error_text(error)})"
+        raise ParameterError("executor", address, allowed) from None
 
 
 def _carried_out(
