@@ -25,12 +25,12 @@ MOST_ENTRIES, MOST_DEPTH = 10**8, 8
 
 
 class Kind(NamedTuple):
-    """One kind of value that an argument may be, decided by its type and then its value; the texts are for messages."""
+    """One kind of value that an argument may be."""
 
-    text: str
-    of_type: Callable[[type], bool]
-    of_value: Callable[[Any], bool] | None = None
-    source: str = ""
+    text: str  # what it is, for messages
+    of_type: Callable[[type], bool]  # whether values of a type may be of this kind
+    of_value: Callable[[Any], bool] | None = None  # whether such a value is; None: all are
+    source: str = ""  # where to get one, for messages
     converted: str = ""  # the name of the function of CONVERTERS that makes of it what the function works with
 
     def takes(self, value: object) -> bool:
@@ -71,7 +71,7 @@ def _is_file_name(kind: type) -> bool:
 
 
 def _is_short(value: Any) -> bool:
-    """Return whether a value has a length to read: an array with dimensions, or a sequence that is not too long."""
+    """Return whether all entries of a row can be read: it is an array with dimensions, or not too long a sequence."""
     return value.shape != () if hasattr(value, "dtype") else len(value) <= MOST_ENTRIES
 
 
@@ -219,7 +219,7 @@ def _text(kinds: list[Kind]) -> str:
 
 
 def _each(kinds: list[Kind] | None) -> str:
-    """Say in a message what the entries of a row may be, as in ", each a number"; nothing where all is allowed."""
+    """Return the end of a message about a row of such entries, as ", each a number"; "" if entries may be anything."""
     return f", each {_text(kinds)}" if kinds else ""
 
 
@@ -234,7 +234,7 @@ def _kind_of_row(entries: list[list[Kind] | None]) -> Kind:
 
 
 def _kind_of_sequence(entry: list[Kind] | None, once: bool) -> Kind:
-    """Return the kind of a sequence of any length; with `once`, an iterator is taken without a look at its entries."""
+    """Return the kind of a sequence of any length; with `once` also an iterator, whose entries are not checked."""
 
     def fits(value: Any) -> bool:
         return not _is_row(type(value)) or (_is_short(value) and all(_fits(entry, each) for each in value))
@@ -252,8 +252,9 @@ def _mapping(key: list[Kind] | None, value: list[Kind] | None) -> Kind:
 
 
 class Rule:
-    """The check of one parameter's values; `known` collects types whose values are all allowed, to save checks."""
+    """The check of one parameter's values."""
 
+    # `known` are types of values that were allowed, by their type alone: these are not checked again.
     __slots__ = ("kinds", "known", "name")
 
     def __init__(self, name: str, kinds: list[Kind]) -> None:

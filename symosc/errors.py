@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 from collections.abc import Iterable
+from importlib import import_module
 from numbers import Number
+from typing import Any
 
 LONGEST_VALUE = 80
 
@@ -170,6 +172,14 @@ class ResultError(SymoscError, ValueError):
     def __init__(self, path: str, reason: str) -> None:
         self.path, self.reason = path, reason
         super().__init__(f"{brief(path) or repr(path)}: {reason}")
+
+
+def optional(package: str, what: str, extra: str) -> Any:
+    """Import and return a package; if it is not installed, MissingExtraError: `what` needs the `extra` that has it."""
+    try:
+        return import_module(package)
+    except ImportError:
+        raise MissingExtraError(what, extra) from None
 
 
 def meant(word: object, known: Iterable[str]) -> str:

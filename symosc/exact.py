@@ -92,10 +92,10 @@ def _read_text(name: str, text: str) -> Fraction:
 
 def unmasked(name: str, value: Any) -> Any:
     """Return `value`; raise ParameterError if it contains masked entries of a numpy masked array."""
-    # Most functions of numpy read what is behind the mask.
-    masked = sys.modules.get("numpy.ma")
+    # Most functions of numpy read what is behind the mask. While another thread loads numpy.ma it has no such arrays.
+    kind = getattr(sys.modules.get("numpy.ma"), "MaskedArray", None)
     each = value if isinstance(value, (list, tuple)) else (value,)
-    if masked and any(isinstance(part, masked.MaskedArray) and masked.is_masked(part) for part in each):
+    if kind and any(isinstance(part, kind) and part.mask.any() for part in each):
         raise ParameterError(name, "masked", "must be a number everywhere; some are masked")
     return value
 

@@ -58,7 +58,7 @@ def check_folder_of(path: str | Path) -> None:
 
 
 def check_new_folder(folder: Path, wanted: str = "the output is a folder") -> None:
-    """Raise OutputError unless a folder, existing or not, can be written; `wanted` ends the message if it is a file."""
+    """Raise OutputError unless a folder, existing or not, can be written; `wanted` says why it must be no file."""
     above = next(each for each in (folder, *folder.absolute().parents) if os.path.exists(each))
     if not above.is_dir():
         raise OutputError(str(folder), f"{above} is a file, and {wanted}")
@@ -104,9 +104,9 @@ def write_text(path: str | Path, text: str) -> Path:
 
 
 def write_folder(path: str | Path, texts: Mapping[str, str], earlier: Callable[[Path], Container[str]]) -> Path:
-    """Write a folder of text files whole or not at all, in place of an earlier one."""
-    # `earlier(folder)` returns the names of the files that an earlier run has written; a folder with any other file
-    # stays as it is. OutputError then, and if it cannot be written.
+    """Write a folder of text files whole or not at all, in place of an existing one that an earlier run wrote."""
+    # `earlier(folder)` returns the names of the files that an earlier run has written into an existing folder; with any
+    # other file in it the folder stays as it is. OutputError then, and if it cannot be written.
     target = check_folder(path, earlier)
     try:
         with tempfile.TemporaryDirectory(prefix=DRAFT_PREFIX, dir=target.parent) as folder:

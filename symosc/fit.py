@@ -7,7 +7,7 @@ that of scipy.optimize.least_squares; its Jacobian is `symosc.sensitivities`. Wh
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, fields, replace
+from dataclasses import dataclass, replace
 from functools import lru_cache
 from typing import Any
 
@@ -15,14 +15,14 @@ import numpy as np
 
 from symosc.aliases import NumberLike, SceneName
 from symosc.arguments import public
-from symosc.display.drawable import Drawable
+from symosc.display.drawable import Comparable, Drawable
 from symosc.engine.events import KIND_NAMES
 from symosc.errors import ParameterError, brief, meant
 from symosc.exact import read_exact, unmasked
 from symosc.model import PARAMETER_NAMES, Parameters
 from symosc.quantities import least, read_number
-from symosc.scenes import Scene
-from symosc.sensitivities import STARTS, Sensitivities, sensitivities
+from symosc.scenes import STARTS, Scene
+from symosc.sensitivities import Sensitivities, sensitivities
 from symosc.simulation.simulate import read_start
 from symosc.simulation.trajectory import Trajectory
 
@@ -42,7 +42,7 @@ class Measured:
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class Fit(Drawable):
+class Fit(Comparable, Drawable):
     """The result of a fit.
 
     Attributes
@@ -75,15 +75,6 @@ class Fit(Drawable):
     message: str
     trajectory: Trajectory
     _measured: Measured
-
-    def __eq__(self, other: object) -> bool:
-        """Whether all public entries are equal."""
-        if not isinstance(other, Fit):
-            return NotImplemented
-        names = [each.name for each in fields(self) if not each.name.startswith("_")]
-        return all(np.array_equal(getattr(self, name), getattr(other, name)) for name in names)
-
-    __hash__ = None  # type: ignore[assignment]
 
     def __repr__(self) -> str:
         texts = [f"{name} = {value:.6g} ± {self.errors[name]:.2g}" for name, value in self.values.items()]
@@ -187,7 +178,9 @@ def fit(
 def _spread(
     names: tuple[str, ...], residuals: np.ndarray, slopes: np.ndarray, steps: np.ndarray, estimated: bool
 ) -> tuple[np.ndarray, np.ndarray, str, str]:
-    """Return standard errors and covariance from the Jacobian, and names and combinations left undetermined."""
+    """Return standard errors and covariance from the Jacobian `slopes`, and two texts on what is not determined."""
+    # The texts name the numbers, and their undetermined combinations in units of their first values `steps`.
+    # `estimated`: the variance is that of the residuals, else 1.
     _, sizes, rows = np.linalg.svd(slopes * steps, full_matrices=len(residuals) < len(names))
     sizes = np.append(sizes, np.zeros(len(names) - len(sizes)))
     free = sizes <= UNDETERMINED * max(float(sizes.max(initial=0.0)), 1e-300)

@@ -13,10 +13,11 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from symosc.errors import MissingExtraError, ParameterError, meant
+from symosc.errors import ParameterError, meant, optional
 from symosc.exact import whole_number
 from symosc.model import PARAMETER_NAMES, Parameters
-from symosc.sensitivities import STARTS, sensitivities
+from symosc.scenes import STARTS
+from symosc.sensitivities import sensitivities
 from symosc.simulation.ensemble import simulate_many
 from symosc.simulation.tangents import NAMES
 
@@ -134,11 +135,8 @@ def _values(parameters: Any, *start: Any) -> Any:
 
 
 def _functions() -> tuple[Callable[..., Any], Callable[..., Any]]:
-    """Return JAX functions for the events and for the flow; MissingExtraError without JAX."""
-    try:
-        import jax
-    except ImportError:
-        raise MissingExtraError("symosc.jax", "jax") from None
+    """Return `_made()` after a check that JAX is installed (MissingExtraError) and computes in doubles."""
+    jax = optional("jax", "symosc.jax", "jax")
     if not jax.config.read("jax_enable_x64"):
         hint = 'must be True, since events need doubles: jax.config.update("jax_enable_x64", True)'
         raise ParameterError("jax_enable_x64", False, hint)
@@ -147,7 +145,7 @@ def _functions() -> tuple[Callable[..., Any], Callable[..., Any]]:
 
 @lru_cache(maxsize=1)
 def _made() -> tuple[Callable[..., Any], Callable[..., Any]]:
-    """Define for JAX the functions for the events and for the flow, with their derivatives, and return both."""
+    """Make two functions that JAX can differentiate, for the events and for the flow, once for all calls."""
     import jax
 
     def computed(function: Callable[..., Any], shapes: Any, *given: Any) -> Any:
@@ -188,7 +186,7 @@ def _made() -> tuple[Callable[..., Any], Callable[..., Any]]:
 
 
 def _events_of(values: Any, t_end: Any, count: int) -> tuple[np.ndarray, ...]:
-    """Return t, x, kind, boundary, regular, and derivatives dt, dx of the first events of a batch of motions."""
+    """Return t, x, kind, boundary, regular, and dt, dx (by all of NAMES) of the first events of a batch of motions."""
     values, lead = np.asarray(values), np.shape(values)[:-1]
     rows, ends = values.reshape(-1, len(NAMES)), np.broadcast_to(np.asarray(t_end), lead).reshape(-1)
     columns = dict(zip(NAMES, rows.T, strict=True))

@@ -75,20 +75,9 @@ class Parameters:
 
     @public
     def __init__(
-        self,
-        *,
-        m: NumberLike,
-        c: NumberLike,
-        k: NumberLike,
-        A0: NumberLike,
-        B0: NumberLike,
-        Omega: NumberLike,
-        v1: NumberLike,
-        v2: NumberLike,
-        mu1: NumberLike,
-        mu2: NumberLike,
-        FN: NumberLike,
-    ) -> None:
+        self, *, m: NumberLike, c: NumberLike, k: NumberLike, A0: NumberLike, B0: NumberLike, Omega: NumberLike,
+        v1: NumberLike, v2: NumberLike, mu1: NumberLike, mu2: NumberLike, FN: NumberLike,
+    ) -> None:  # fmt: skip
         given = {"m": m, "c": c, "k": k, "A0": A0, "B0": B0, "Omega": Omega, "v1": v1, "v2": v2}
         for name, value in (given | {"mu1": mu1, "mu2": mu2, "FN": FN}).items():
             object.__setattr__(self, name, read_number(name, value)[0])
@@ -143,7 +132,7 @@ class Parameters:
 
 
 def _source(text: str) -> str:
-    """Return the text of a number as Python source, quoted if `Parameters` would else not read the same number."""
+    """Return the text of a number as Python source: as a number, or in quotes if a float would not be the same."""
     # A float is read as the decimal that it prints as; a fraction, or a decimal with more digits, stays text.
     exact = "/" not in text and Fraction(str(float(text))) == Fraction(text)
     return text if exact else repr(text)

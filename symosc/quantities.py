@@ -16,7 +16,7 @@ from fractions import Fraction
 from functools import cache
 from typing import Any, NamedTuple
 
-from symosc.errors import MissingExtraError, ParameterError
+from symosc.errors import ParameterError, optional
 from symosc.exact import LARGEST, NOT_FINITE, NUMBER, SMALLEST, read_exact
 
 
@@ -72,7 +72,7 @@ UNITS = {
 
 
 def _quantity(name: str) -> Quantity:
-    """Return the `Quantity` of a number, also of an entry of a column such as Omega[3]."""
+    """Return the `Quantity` of a number; the name may be that of an entry of a swept column, such as Omega[3]."""
     return QUANTITIES[name.partition("[")[0]]
 
 
@@ -222,8 +222,5 @@ def read_quantity(name: str, text: str) -> tuple[Fraction, bool]:
 @cache
 def _registry() -> Any:
     """Return pint's registry of units; MissingExtraError without pint."""
-    try:
-        import pint
-    except ImportError:
-        raise MissingExtraError("a number with a unit in a scene", "units") from None
+    pint = optional("pint", "a number with a unit in a scene", "units")
     return pint.UnitRegistry(non_int_type=Fraction)

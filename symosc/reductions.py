@@ -73,12 +73,13 @@ def harmonic(size: Fraction, phase: Fraction) -> Harmonic:
     return Harmonic(size * cos, -size * sin, exact or size == 0)
 
 
-def cos_sin(angle: Fraction, digits: int = DIGITS) -> tuple[Fraction, Fraction, bool]:
-    """Return cosine and sine, and whether they are exact: for 0, and for multiples of pi/2 given to 40 digits."""
+def cos_sin(angle: Fraction) -> tuple[Fraction, Fraction, bool]:
+    """Return cosine and sine, and whether they are exact: of 0, and of what is a multiple of pi/2 to 40 digits."""
+    # Such an angle is taken to be that multiple.
     turns = round(2 * angle / PI)
     if abs(angle - turns * PI / 2) <= (half_unit(angle) if turns else 0):
         return Fraction((1, 0, -1, 0)[turns % 4]), Fraction((0, 1, 0, -1)[turns % 4]), True
-    context = _context(digits + len(str(abs(turns))))
+    context = _context(DIGITS + len(str(abs(turns))))
     found = context.cos_sin(context.mpf(angle.numerator) / angle.denominator)
     cos, sin = (read_exact("angle", each) for each in found)
     return cos, sin, False
@@ -205,7 +206,7 @@ class OtherModel:
 
     @cached_property
     def shift(self) -> Harmonic:
-        """The oscillation w of the belts about constant speed: x = z + w, with z the position in symosc's model."""
+        """The displacement w of the belts beside their constant motion: x = z + w, with symosc's position z."""
         rate = harmonic(self.W, self.W_phase)
         own = Harmonic(-rate.S / self.Omega, rate.C / self.Omega, rate.exact)  # its integral with mean 0
         return own.plus(self.base) if self.joined else own
@@ -312,8 +313,8 @@ def motion_of_belts(model: OtherModel, t: Any) -> tuple[Any, Any]:
 def event_back(
     model: OtherModel, t: Number, x: Number, v: Number, theta: Number
 ) -> tuple[Number, Number, Number, Number]:
-    """Convert t, x, v and phase of an event to the model's coordinates, in the arithmetic of the event."""
-    number, context = number_of(t), getattr(t, "context", math)
+    """Convert t, x, v and phase of an event to the model's coordinates, in floats or mpf as they are given."""
+    number, context = number_like(t), getattr(t, "context", math)
     theta = (theta + number(model._drive[1])) % (2 * context.pi)
     cos, sin = context.cos(theta), context.sin(theta)
     w, rate = model.shift.at(cos, sin, number), model.shift.rate(model.Omega).at(cos, sin, number)
@@ -358,14 +359,15 @@ def _read_arrays(**given: Any) -> list[np.ndarray]:
     return list(found.values())
 
 
-def number_of(value: Number) -> Callable[[Fraction], Number]:
-    """Return the function that converts Fractions to the type of a value: float, or mpf of its context."""
+def number_like(value: Number) -> Callable[[Fraction], Number]:
+    """Return the function that converts a Fraction to a number like a given one: a float, or an mpf of its context."""
     context = getattr(value, "context", None)
     return float if context is None else lambda exact: context.mpf(exact.numerator) / exact.denominator
 
 
 def _difference(a: Fraction, b: Fraction) -> tuple[Fraction, Fraction]:
-    """Return a - b, given numbers known to 40 digits (0 if only rounding is left), and its error bound."""
+    """Return the difference of two numbers that are known to 40 digits, and a bound of its error."""
+    # It is 0 where both agree up to the rounding of these digits.
     size = abs(a) + abs(b)
     return rounded(a - b) if abs(a - b) * 10 ** (DIGITS - 20) > size else Fraction(0), half_unit(size)
 

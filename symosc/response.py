@@ -11,7 +11,6 @@ from __future__ import annotations
 import csv
 import io
 from collections.abc import Iterator, Mapping
-from dataclasses import dataclass, fields
 from functools import cache
 from itertools import pairwise
 from math import asin, atan2, hypot, inf, nan, pi, sqrt
@@ -24,7 +23,6 @@ from numpy.typing import ArrayLike
 
 from symosc.aliases import Progress, Record, SceneName
 from symosc.arguments import public
-from symosc.display.drawable import Drawable
 from symosc.display.frames import imported
 from symosc.display.progress import late_bar
 from symosc.errors import ParameterError, meant
@@ -37,6 +35,7 @@ from symosc.orbits.periodic_orbit import PeriodicOrbit
 from symosc.reductions import NUMBER_NAMES, Harmonic, OtherModel, harmonic, motion_of_belts
 from symosc.scenes import Scene, load_scene
 from symosc.simulation.simulate import simulate
+from symosc.simulation.tables import Columns
 from symosc.simulation.trajectory import Segment, Trajectory
 from symosc.sweeps.plan import read_axis
 from symosc.words import Word, WordError
@@ -46,14 +45,16 @@ from symosc.words import Word, WordError
 POINTS, CONVERGED, SMALL_MOTION = 24, 1e-14, 1e-2
 #: How often a piece is halved at most, and where halving no longer helps because rounding is all that is left.
 MOST_HALVES, ROUNDING = 30, 1e-10
-
-
 #: Periods after which a motion from harmonic balance is examined for an orbit, one after the other.
 FOLLOWED = 3, 12, 48
+#: The columns of a response, beside that of the parameter.
+COLUMNS = (
+    "status", "word", "amplitude", "transmissibility", "phase", "harmonic", "work", "dissipated", "damper", "friction",
+    "stuck", "balance", "balance_error", "error",
+)  # fmt: skip
 
 
-@dataclass(frozen=True, eq=False, repr=False)
-class FrequencyResponse(Drawable):
+class FrequencyResponse(Columns):
     """The settled motion for each value of one parameter, as columns; of another model in that model's coordinates.
 
     Attributes
@@ -99,22 +100,8 @@ class FrequencyResponse(Drawable):
     True
     """
 
-    name: str
-    values: np.ndarray
-    status: np.ndarray
-    word: np.ndarray
-    amplitude: np.ndarray
-    transmissibility: np.ndarray
-    phase: np.ndarray
-    harmonic: np.ndarray
-    work: np.ndarray
-    dissipated: np.ndarray
-    damper: np.ndarray
-    friction: np.ndarray
-    stuck: np.ndarray
-    balance: np.ndarray
-    balance_error: np.ndarray
-    error: np.ndarray
+    def __getattr__(self, name: str) -> Any:
+        raise AttributeError(f"FrequencyResponse has no column {name!r}; it has {', '.join(COLUMNS)}")
 
     def columns(self) -> dict[str, np.ndarray]:
         """Return all columns by name, that of the parameter first."""
@@ -135,30 +122,16 @@ class FrequencyResponse(Drawable):
     def __len__(self) -> int:
         return len(self.values)
 
-    def __eq__(self, other: object) -> bool:
-        """Whether both are the same response, nan being equal to nan."""
-        if not isinstance(other, FrequencyResponse):
-            return NotImplemented
-        mine, theirs = self.columns(), other.columns()
-        return list(mine) == list(theirs) and all(
-            np.array_equal(mine[name], theirs[name], equal_nan=mine[name].dtype.kind == "f") for name in mine
-        )
-
-    __hash__ = None  # type: ignore[assignment]
-
     def __repr__(self) -> str:
         low, high = self.values.min(), self.values.max()
         return f"<FrequencyResponse over {self.name} from {low:g} to {high:g}, {len(self)} values>"
-
-
-COLUMNS = tuple(each.name for each in fields(FrequencyResponse))[2:]
 
 
 @public
 def frequency_response(
     what: Scene | Parameters | OtherModel | SceneName, over: Mapping[str, ArrayLike], *, progress: Progress = False
 ) -> FrequencyResponse:
-    """Return amplitude, transmissibility, phase, energies and stops of the settled motion over a parameter.
+    """Return amplitude, transmissibility, phase, energies and time of sticking of the settled motion over a parameter.
 
     Parameters
     ----------
@@ -208,7 +181,7 @@ def frequency_response(
                 advance((i + 1) / len(values), i + 1)
     missing: Record = {"word": ""}
     columns = {each: np.array([row.get(each, missing.get(each, nan)) for row in rows]) for each in COLUMNS}
-    return FrequencyResponse(name, values, **columns)
+    return FrequencyResponse(name=name, values=values, **columns)
 
 
 def model_of(what: Any) -> OtherModel:
@@ -281,7 +254,8 @@ def _nearby_orbit(p: Parameters, before: PeriodicOrbit | None) -> PeriodicOrbit 
 
 
 def _orbit_reached(p: Parameters, guess: tuple[float, float]) -> PeriodicOrbit | None:
-    """Follow a motion and find the orbit near its last but one period; without a damper it may be only marginal."""
+    """Follow a motion, and find the orbit near the second last of its periods; None if there is none, or unstable."""
+    # The mappings that begin in that period end before the motion does. A marginal orbit counts as stable.
     period = 2 * pi / float(p.Omega)
     for count in FOLLOWED:
         motion = simulate(p, t0=0, x0=guess[0], v0=guess[1], t_end=count * period)
@@ -326,7 +300,7 @@ def harmonic_balance(p: Parameters) -> tuple[float, complex]:
     stiffness = hypot(k / Omega - m * Omega, c)
 
     def sides(V: float) -> tuple[float, float]:
-        """Return the two parts of the drive, in phase with x and with x', that a velocity amplitude V needs."""
+        """Return the two sides of the balance at a velocity amplitude V: the drive needed in phase with x, and x'."""
         friction = sum(force * sqrt(1 - (v / V) ** 2) for force, v in belts if abs(v) < V)
         return (k / Omega - m * Omega) * V, c * V + 4 / pi * friction
 
@@ -387,7 +361,8 @@ def parts(motion: Trajectory) -> Iterator[Part]:
 
 
 def turning_points(values: np.ndarray) -> np.ndarray:
-    """Return -1, 1 and the turning points between them of a function, given its values at Gauss's points."""
+    """Return where in [-1, 1] a function may have extremes: the ends, and the turning points of its polynomial."""
+    # The polynomial goes through the given values at Gauss's points.
     found = _gauss()[2] @ values
     slope = legendre.legder(legendre.legtrim(found, CONVERGED * np.abs(found).max()))
     roots = legendre.legroots(slope) if len(slope) > 1 else np.empty(0)

@@ -8,7 +8,7 @@ derivatives follow from each other says `symosc.engine.tangent`.
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass, field, fields
+from dataclasses import dataclass, field
 from fractions import Fraction
 from functools import cached_property
 from math import inf, log
@@ -19,6 +19,7 @@ from numpy.typing import ArrayLike
 
 from symosc.aliases import NumberLike, SceneName
 from symosc.arguments import public
+from symosc.display.drawable import Comparable
 from symosc.engine import tangent
 from symosc.engine.arithmetic import many_digits, mp_context
 from symosc.engine.constant_table import table_of
@@ -32,8 +33,6 @@ from symosc.simulation.simulate import read_start, simulate
 from symosc.simulation.tangents import codes_of, columns_of, is_deep, read_wrt, tangent_loops, work_space
 from symosc.simulation.trajectory import Trajectory, read_times
 
-#: Numbers of the start by which a motion is differentiated, beside the parameters.
-STARTS = ("t0", "x0", "v0")
 #: Digits beyond those that are asked for, and digits of the phase of a start in doubles.
 SPARE, PHASE_DIGITS = 10, 40
 #: Digits to compute derivatives with if double precision loses too many.
@@ -49,7 +48,7 @@ REASONS = {
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class Sensitivities:
+class Sensitivities(Comparable):
     """The derivatives of a motion.
 
     Calling it gives those of the state: ``s(t)`` are the derivatives of [x, v] at a fixed time, of shape (2, wrt) for a
@@ -114,15 +113,6 @@ class Sensitivities:
         changes = changes.astype(float) if self.trajectory.digits is None else changes
         return changes.reshape((2, *given.shape, len(self.wrt)))
 
-    def __eq__(self, other: object) -> bool:
-        """Whether all public entries are equal."""
-        if not isinstance(other, Sensitivities):
-            return NotImplemented
-        names = [each.name for each in fields(self) if not each.name.startswith("_")]
-        return all(np.array_equal(getattr(self, name), getattr(other, name)) for name in names)
-
-    __hash__ = None  # type: ignore[assignment]
-
     def __repr__(self) -> str:
         first = next((n for n, row in enumerate(self.regular) if not row.all()), None)
         about = "" if first is None else f", not all regular from event {first} on"
@@ -158,14 +148,16 @@ class _Columns:
         return map_arithmetic(self.trajectory.parameters, self.context)
 
     def loop(self, name: str, count: int) -> tuple[Callable[..., None], Any]:
-        """Return a function of `symosc.engine.tangent`, compiled if `count` rows are worth it, and its constants."""
+        """Return the function of a name in `symosc.engine.tangent`, compiled for many rows, and its constants."""
         compiled = tangent_loops(count > MANY) if self.context is None else None
         if compiled:
             return compiled[name], table_of([self.numbers.K])
         return self.numbers.of[name], [self.numbers.K]
 
     def event_derivatives(self, wrt: tuple[str, ...], count: int) -> tuple[np.ndarray, ...]:
-        """Return dt, dx, marks with respect to the first `count` names, and reasons, growth, the last state."""
+        """Return dt, dx and marks with respect to the first `count` names, and three more results of `tangents`."""
+        # A mark is 1 where the derivative exists, else says why not. The others: for each event the code of a reason
+        # (`REASONS`), 0 if there is none; the logarithms of how lengths and areas grow; derivatives at the last start.
         codes, events = codes_of(wrt), len(self.rows[0])
         kept = [np.zeros((events, count), self.kind) for _ in range(2)]
         out = *kept, np.zeros((events, count), np.int8), np.zeros(events, np.int8), np.zeros((1, 2))
@@ -195,7 +187,8 @@ class _Columns:
     def _state_derivatives(
         self, loop: Any, times: np.ndarray, pieces: np.ndarray, starts: np.ndarray, launched: np.ndarray, codes: Any
     ) -> np.ndarray:
-        """Return derivatives of x, v at times, each in a given piece, from `launched`, those where pieces start."""
+        """Return derivatives of x and v at times, by the names with `codes`, given the number of each time's piece."""
+        # `launched` are the derivatives of t, x and v at the starts of the pieces, `loop` is the function to use.
         out, (function, table) = np.zeros((2, len(times), len(codes)), self.kind), loop
         work = work_space(codes, self.kind)
         function(times, pieces, starts, launched, codes, is_deep(codes), self.letters, table, out, work)
@@ -273,7 +266,8 @@ def sensitivities(
 
 
 def _reasons(columns: _Columns, wrt: tuple[str, ...], marks: np.ndarray, codes: np.ndarray) -> tuple[str | None, ...]:
-    """Return why the motion is not differentiable from each event on (first: from the start on), None where it is."""
+    """Return for each event why the motion is not differentiable from there on, None where it is."""
+    # The first entry also says so of the start. `marks` and `codes` are those of `event_derivatives`.
     found: list[str | None] = [None] * len(codes)
     for n in np.flatnonzero(codes).tolist():
         event = columns.trajectory.events[n]
@@ -289,7 +283,8 @@ def _reasons(columns: _Columns, wrt: tuple[str, ...], marks: np.ndarray, codes: 
 
 
 def _kink_at_start(columns: _Columns, wrt: tuple[str, ...], marks: np.ndarray) -> str | None:
-    """Return why, and with respect to which names, a start on a belt is not differentiable; None if it is."""
+    """Return a text on why and by which names a start on a belt is not differentiable; None if it is by all."""
+    # `marks` are 0 where a derivative does not exist.
     mode, _, _, _, v = columns.starts[0]
     p, number = columns.trajectory.parameters, columns.numbers.number
     on = [name for n, name in ((1, "v1"), (2, "v2")) if v == number(p.belt(n))]

@@ -120,9 +120,10 @@ class Word(NamedTuple):
         return tuple(MAPS[label] for label in self.labels)
 
     def exits(self) -> tuple[str | None, ...]:
-        """Return for each stick whether the next map moves "below" or "above" the belt, and None for each flight.
+        """Return for each map that is a stick whether the next map moves "below" or "above" the belt.
 
-        The last map is followed by the first one, as on a periodic orbit, if they fit; its exit is None if not.
+        It is None for flights. The last map is followed by the first one, as on a periodic orbit; it is None too if
+        that does not begin at the same belt.
         """
         found: list[str | None] = []
         for step, after in zip(self.maps, [*self.maps[1:], self.maps[0]], strict=True):
@@ -162,7 +163,8 @@ class Labels(list[str]):
 
 
 def collapsed(labels: Sequence[str]) -> str:
-    """Return labels as text; a group that repeats (almost) to the end is written once: P1 P3 (P1 P2)×46 P1."""
+    """Return labels as text, a group that is repeated up to the end written once: P1 P3 (P1 P2)×46 P1."""
+    # After the last whole group there may be the beginning of one more.
     if len(labels) <= MOST_PRINTED:
         return " ".join(labels)
     best, count = (0, 1, 0), len(labels)  # begin, length and number of the repetitions

@@ -9,6 +9,7 @@ import sys
 from decimal import Decimal
 from fractions import Fraction
 from pathlib import Path
+from types import ModuleType
 
 import mpmath
 import numpy as np
@@ -17,7 +18,7 @@ import sympy
 
 from symosc import simulate
 from symosc.errors import ParameterError, SceneError, SymoscError
-from symosc.exact import read_start_error, show
+from symosc.exact import read_start_error, show, unmasked
 from symosc.model import PARAMETER_NAMES, Parameters
 from symosc.scenes import Scene, load_scene, scene_names
 
@@ -74,6 +75,16 @@ def test_a_start_that_is_read_to_forty_digits_has_an_error() -> None:
     assert rounded.started({"x0": 1}).start_error == (0, 0, 0)
     assert exact.started({"v0": "sqrt(2)"}).start_error == (0, 0, Fraction(1, 2 * 10**39))
     assert simulate(parameters(), x0="pi/3", t_end="1T").events == simulate(rounded, t_end="1T").events
+
+
+def test_masked_numbers_are_refused(monkeypatch: pytest.MonkeyPatch) -> None:
+    """While a thread loads numpy.ma, which has no classes yet, others read their numbers."""
+    for value in (np.ma.array([1, 2], mask=[0, 1]), [np.ma.array(1, mask=True)], np.ma.masked):
+        with pytest.raises(ParameterError, match="masked"):
+            unmasked("x", value)
+    assert unmasked("x", np.ma.array([1, 2])).tolist() == [1, 2]
+    monkeypatch.setitem(sys.modules, "numpy.ma", ModuleType("numpy.ma"))
+    assert unmasked("x", [1]) == [1]
 
 
 def test_friction_forces_are_exact() -> None:

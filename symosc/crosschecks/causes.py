@@ -85,21 +85,17 @@ class Diagnosis:
     alternatives: tuple[Diagnosis, ...] = ()
 
 
-class Change(NamedTuple):
-    """A change with which to repeat a check: other parameters, or a function from t, x, v to others (v may be None)."""
-
-    words: str
-    parameters: Parameters | None = None
-    columns: Callable[[np.ndarray, np.ndarray, np.ndarray], tuple[np.ndarray, np.ndarray, np.ndarray | None]] | None = (
-        None
-    )
+#: Make of the columns t, x, v others; v may then be None.
+ChangeColumns = Callable[[np.ndarray, np.ndarray, np.ndarray], tuple[np.ndarray, np.ndarray, np.ndarray | None]]
 
 
 class Candidate(NamedTuple):
-    """A diagnosis, and the change that should make the steps right, if there is one."""
+    """A diagnosis, and the change that should make all steps right: its words (""), with parameters or columns."""
 
     diagnosis: Diagnosis
-    change: Change | None = None
+    words: str = ""
+    parameters: Parameters | None = None
+    columns: ChangeColumns | None = None
 
 
 # -- a guess for each wrong step ---------------------------------------------------------------------------------------
@@ -174,9 +170,10 @@ def explain(
     allowed: np.ndarray,
     near: np.ndarray,
 ) -> tuple[Fault, ...]:
-    """Describe the chosen wrong steps as faults, each with a guess at its cause."""
-    # `modes` are those of the samples, 0 where they only pass a belt; `sizes` the defects in units of `allowed`; `near`
-    # the distances from a belt that count as on it.
+    """Describe the wrong steps number `chosen` of the samples as faults, each with a guess at its cause."""
+    # `modes`: the mode code of each sample, 0 where it only passes a belt. `allowed`: the largest right defect of each
+    # step in x and v. `sizes`: the defect of each step, divided by `allowed`. `near`: how far the v of each sample may
+    # be from a belt's speed and still count as on the belt.
     since = np.array(chosen, dtype=int)
     misses = []  # of flights with the force of each domain, to the next sample and to the one after
     for n in (1, 2):
@@ -185,7 +182,9 @@ def explain(
         misses.append(np.max(np.abs(gaps / allowed[since]), axis=2))
 
     def guess(i: int, to_next: np.ndarray, over_next: np.ndarray) -> tuple[str, str]:
-        """Guess why step i is wrong, given how far flights under each force miss; return reason and text."""
+        """Return why step i is probably wrong: a key of REASONS, and a sentence about this step."""
+        # A flight from sample i with the force of each domain misses the next sample by `to_next`, the one after it by
+        # `over_next` (both divided by `allowed`).
         if not np.isfinite(sizes[i]):
             return "undecidable", "the exact motion over the step cannot be decided in double precision"
         if steps.t[i + 1] == steps.t[i]:
@@ -254,7 +253,8 @@ class Fit(NamedTuple):
 
 
 def tried_samples(check: Any) -> slice:
-    """Return the range of samples of a `CrossCheck`, from before its first wrong step, on which causes are tried."""
+    """Return the samples of a `CrossCheck` on which causes are tried: at most MOST_TRIED_STEPS steps."""
+    # They begin 300 steps before the first wrong one, or earlier if few follow it.
     first = int(check.wrong_steps[0]) if len(check.wrong_steps) else 0
     low = max(0, min(first - 300, len(check.t) - MOST_TRIED_STEPS - 1))
     return slice(low, low + MOST_TRIED_STEPS + 1)
@@ -298,17 +298,12 @@ class Case:
         return bool(np.any(np.diff(stays) == 1))
 
     def limits(self, part: float = EXPLAINS) -> np.ndarray:
-        """Return the largest defect that a cause may leave in each step it explains, in units of the allowed defect."""
-        return np.maximum(1.0, part * np.nan_to_num(self.sizes, nan=0.0, posinf=0.0))
+        """Return the defect below which each step of the case counts as explained: `part` of its own, at least 1."""
+        return _limits(self.sizes, part)
 
     def share(self, sizes: np.ndarray, of: np.ndarray | None = None, part: float = EXPLAINS) -> float:
-        """Return (wrong steps that a cause explains - right steps that it makes wrong) / (all wrong steps)."""
-        # `sizes` are the defects that it leaves in the steps `of` (default: all); a step is explained if `part` is
-        # left.
-        chosen = slice(None) if of is None else of
-        wrong = self.wrong[chosen]
-        fits = sizes <= self.limits(part)[chosen]
-        return float((np.sum(fits & wrong) - np.sum(~fits & ~wrong)) / max(1, np.sum(wrong)))
+        """Return the `explained_share` of a cause that leaves defects `sizes` in the steps `of` (None: in all)."""
+        return explained_share(self.sizes if of is None else self.sizes[of], sizes, part)
 
     def misses(self, ends: np.ndarray, steps: np.ndarray) -> np.ndarray:
         """Return computed end states x, v of some steps minus the next samples, in units of the allowed differences."""
@@ -319,7 +314,7 @@ class Case:
         return larger(self.misses(ends, steps))
 
     def defects_with(self, p: Parameters, ahead: float = 0.0) -> np.ndarray:
-        """Return the defects of all steps, relative to the allowed, with parameters p and times later by `ahead`."""
+        """Return the defects of all steps, divided by those allowed, with parameters p and times later by `ahead`."""
         s = self.steps
         return np.asarray(follow_steps(p, s.t + ahead, s.x, s.v, self.near, self.scales).defects / self.allowed)
 
@@ -327,11 +322,8 @@ class Case:
         """Return the fraction of the wrong steps that become right if t, x, v (perhaps shorter) replace the samples."""
         if len(t) < 2:
             return 0.0
-        near, allowed = float(np.median(self.near)), np.median(self.allowed, axis=0)
-        found = follow_steps(self.parameters, t, x, v, near, self.scales)
-        left, wrong = larger(found.defects / allowed), self.sizes[self.wrong]
-        limit = max(1.0, EXPLAINS * float(np.median(wrong[np.isfinite(wrong)]))) if np.isfinite(wrong).any() else 1.0
-        return float(1.0 - np.mean(~(left <= limit)) / max(np.mean(self.wrong), 1e-300))
+        found = follow_steps(self.parameters, t, x, v, float(np.median(self.near)), self.scales)
+        return mended_share(self.sizes, larger(found.defects / np.median(self.allowed, axis=0)))
 
     def thinned(self, chosen: np.ndarray, most: int) -> np.ndarray:
         """Return at most `most` of the given step numbers, spread evenly over them."""
@@ -345,8 +337,9 @@ class Case:
         return self.defects_from(begin, chosen + 1, self.near[chosen], p) / self.allowed[chosen]
 
     def defects_from(self, begin: np.ndarray, until: np.ndarray, near: Any, p: Parameters | None = None) -> np.ndarray:
-        """Follow the exact motion from rows t, x, v of `begin` to samples number `until`; return ends minus samples."""
-        # No row may begin before the one before ends.
+        """Follow the exact motion from each row t, x, v of `begin` to a sample; return its ends minus these samples."""
+        # `until` are the numbers of the samples, `near` is as in `follow_steps`, for the rows. No row may begin before
+        # the one before ends.
         end = np.column_stack([self.steps.t, self.steps.states])[until]
         found, moving = begin[:, 1:] - end[:, 1:], begin[:, 0] < end[:, 0]
         if np.any(moving):
@@ -356,7 +349,9 @@ class Case:
         return np.asarray(found)
 
     def flight_misses(self, K: Constants, turn: float = 0.0, chosen: np.ndarray | None = None) -> np.ndarray:
-        """Return how far flights miss the next samples with constants K and the drive's phase shifted by `turn`."""
+        """Return how far flights over the chosen steps (None: `inside`) miss the next samples, in allowed defects."""
+        # Each has the force of the domain of its sample, with the constants K of another system, and a drive whose
+        # phase is ahead by the angle `turn`.
         chosen, s = self.inside if chosen is None else chosen, self.steps
         other = replace(s, K=K, theta=s.theta + (K.Om - s.K.Om) * s.t + turn)
         return self.misses(other.flight(self.domain[chosen], chosen, chosen + 1), chosen)
@@ -367,9 +362,30 @@ def larger(misses: np.ndarray) -> np.ndarray:
     return np.asarray(np.max(np.abs(misses), axis=1))
 
 
+def _limits(sizes: np.ndarray, part: float) -> np.ndarray:
+    return np.maximum(1.0, part * np.nan_to_num(sizes, nan=0.0, posinf=0.0))
+
+
+def explained_share(before: np.ndarray, after: np.ndarray, part: float = EXPLAINS) -> float:
+    """Return (wrong steps that a cause explains - right steps that it makes wrong) / (all wrong steps)."""
+    # From the sizes of the defects without and with it. A wrong step is explained if at most `part` is left. The share
+    # is negative if more steps become wrong than right.
+    wrong, fits = ~(before <= 1.0), np.asarray(after <= _limits(before, part))
+    return (int(np.sum(fits & wrong)) - int(np.sum(~fits & ~wrong))) / max(1, int(np.sum(wrong)))
+
+
+def mended_share(before: np.ndarray, after: np.ndarray) -> float:
+    """Return the fraction of the wrong steps that a change mends, from defect sizes of other steps than `before`."""
+    wrong = ~(before <= 1.0)
+    usual = before[wrong & np.isfinite(before)]
+    limit = max(1.0, EXPLAINS * float(np.median(usual))) if len(usual) else 1.0
+    return 1.0 - float(np.mean(~(after <= limit))) / max(float(np.mean(wrong)), 1e-300)
+
+
 def fitted(misses: Callable[[np.ndarray], np.ndarray], start: np.ndarray, ticks: np.ndarray) -> Fit | None:
-    """Fit numbers so that most steps miss least, whatever the faults of a few; None if the numbers are undetermined."""
-    # `misses(numbers)` is by how much the steps miss, (steps, 2); `ticks` are changes for derivatives.
+    """Fit numbers robustly to the misses of steps, leaving out steps that miss by far more than the others."""
+    # `misses(numbers)` returns by how much each step then misses the next sample in x and v, shape (steps, 2).
+    # Derivatives are difference quotients over `ticks`. None if the numbers are not determined.
     value = np.array(start, dtype=float)
     kept, error = None, np.zeros(len(value))
     for _ in range(8):
@@ -394,7 +410,8 @@ def fitted(misses: Callable[[np.ndarray], np.ndarray], start: np.ndarray, ticks:
 
 
 def _median_change(here: np.ndarray, J: np.ndarray) -> tuple[np.ndarray, np.ndarray] | None:
-    """Return the change of the only fitted number, a weighted median over the steps, and its standard deviation."""
+    """Return the change of a single fitted number and its deviation, from the misses `here` and their derivatives."""
+    # It is the weighted median of the changes that the single steps ask for.
     squares = np.sum(J[..., 0] ** 2, axis=1)
     used = squares > 0.0
     if not np.any(used):
@@ -421,8 +438,9 @@ def _least_squares(here: np.ndarray, J: np.ndarray) -> tuple[np.ndarray, np.ndar
 def best_between(
     misses: Callable[[np.ndarray], np.ndarray], low: np.ndarray, high: np.ndarray, points: int, enough: np.ndarray
 ) -> tuple[np.ndarray, np.ndarray]:
-    """Find for each step the number in [low, high] at which it misses least; return the numbers and the misses."""
-    # A grid of `points` is refined around the best one, at most 8 times or until all misses are <= `enough`.
+    """Find for each step the number in its [low, high] at which it misses least; return the numbers and the misses."""
+    # `misses(numbers)` returns the miss of each step at its own number. A grid with so many `points` is refined around
+    # the best of them, at most 8 times, or until the miss of every step is at most its `enough`.
     best, leaves, begin, end = low, np.full(len(low), np.inf), low, high
     for _ in range(8):
         for part in np.linspace(0.0, 1.0, points):

@@ -10,7 +10,7 @@ from typing import Any
 
 import numpy as np
 
-from symosc.crosschecks.causes import Candidate, Case, Change, Diagnosis
+from symosc.crosschecks.causes import Candidate, Case, Diagnosis
 from symosc.crosschecks.samples import Samples
 from symosc.crosschecks.steps import follow_steps
 from symosc.crosschecks.velocities import with_velocities
@@ -23,7 +23,7 @@ SAME_WAY = 5.0
 EXCEPTIONS = 0.1
 FEWEST = 8
 Columns = tuple[np.ndarray, np.ndarray, np.ndarray]
-POSITIONS_ALONE = Change("with positions alone", columns=lambda t, x, v: (t, x, None))
+POSITIONS_ALONE = ("with positions alone", None, lambda t, x, v: (t, x, None))
 
 
 # -- signs, places and units -------------------------------------------------------------------------------------------
@@ -37,7 +37,7 @@ def other_columns(case: Case) -> Iterator[Candidate]:
     """Yield every change of columns that people make by mistake, with the fraction of wrong steps that it explains."""
     s = case.steps
     for one in changed_columns(case.parameters, s.t, s.x, s.v):
-        columns = one.change.columns(s.t, s.x, s.v)  # type: ignore[union-attr,misc]
+        columns = one.columns(s.t, s.x, s.v)  # type: ignore[misc]
         yield one._replace(diagnosis=replace(one.diagnosis, share=case.share_mended_by(*columns)))
 
 
@@ -79,7 +79,7 @@ def changed_columns(p: Parameters, t: np.ndarray, x: np.ndarray, v: np.ndarray) 
             way = float(np.sum(np.abs(velocities[1:] + velocities[:-1]) * np.abs(np.diff(times))) / 2.0)
             if not 1.0 / SAME_WAY < (float(np.sum(np.abs(np.diff(places)))) / way if way else np.inf) < SAME_WAY:
                 continue
-        yield Candidate(Diagnosis(cause, subject, words, "", value, error), Change(change, columns=make))
+        yield Candidate(Diagnosis(cause, subject, words, "", value, error), change, columns=make)
 
 
 def _divided(names: list[str], factor: float, *columns: np.ndarray) -> Columns:
@@ -89,14 +89,6 @@ def _divided(names: list[str], factor: float, *columns: np.ndarray) -> Columns:
 
 
 # -- how the columns were made -----------------------------------------------------------------------------------------
-
-
-def no_motion(t: np.ndarray, x: np.ndarray, v: np.ndarray) -> Diagnosis | None:
-    """Return the diagnosis that the samples never move, or None."""
-    if np.ptp(x) or np.ptp(v):
-        return None
-    words, evidence = "x and v never change: the mass does not move", f"x = {x[0]:.10g}, v = {v[0]:.10g} in all samples"
-    return Diagnosis("columns", "x and v", words, evidence)
 
 
 def velocity_column(case: Case) -> Iterator[Candidate]:
@@ -113,7 +105,7 @@ def velocity_column(case: Case) -> Iterator[Candidate]:
     for words, v in made.items():
         off = np.abs(v - s.v)[1:-1] / np.max(np.abs(s.v))
         if np.mean(off <= 1e-9 + 4.0 * np.finfo(float).eps * np.max(np.abs(s.x)) / np.min(h)) >= 1.0 - EXCEPTIONS:
-            yield Candidate(Diagnosis("columns", "v", words, "repeats v to 9 digits"), POSITIONS_ALONE)
+            yield Candidate(Diagnosis("columns", "v", words, "repeats v to 9 digits"), *POSITIONS_ALONE)
             return
     exact = _velocities_from_positions(case)
     if exact is None:
@@ -125,7 +117,7 @@ def velocity_column(case: Case) -> Iterator[Candidate]:
         near = np.abs(there - s.v[first:])[np.isfinite(there)] <= max(0.02 * size, case.allowed[0, 1])
         if len(near) and np.mean(near) >= 1.0 - EXCEPTIONS:
             found = Diagnosis("columns", "v", words, f"repeats {np.mean(near):.0%} of v", part)
-            yield Candidate(found, POSITIONS_ALONE)
+            yield Candidate(found, *POSITIONS_ALONE)
             return
 
 
@@ -135,7 +127,7 @@ def other_velocities(case: Case) -> Iterator[Candidate]:
     if exact is not None:
         share = case.share_mended_by(case.steps.t[exact[0] :], case.steps.x[exact[0] :], exact[1])
         found = Diagnosis("columns", "v", "v is not the velocity of x; the positions are right", "", share=share)
-        yield Candidate(found, POSITIONS_ALONE)
+        yield Candidate(found, *POSITIONS_ALONE)
 
 
 def _velocities_from_positions(case: Case) -> tuple[int, np.ndarray] | None:
@@ -149,7 +141,8 @@ def _velocities_from_positions(case: Case) -> tuple[int, np.ndarray] | None:
 
 
 def _velocities_beside(case: Case, first: int, v: np.ndarray, part: float) -> np.ndarray:
-    """Return the exact velocity a fraction `part` of a step before each sample (after it if negative), or NaN."""
+    """Return the exact velocity at a time beside each sample from number `first` on, whose velocities are `v`."""
+    # The time is a fraction `part` of the step before the sample, or after it if negative. NaN where no step is there.
     s = case.steps
     t, x = s.t[first:], s.x[first:]
     time = (t[1:] if part > 0.0 else t[:-1]) - part * np.diff(t)
@@ -178,8 +171,7 @@ def frozen_positions(case: Case) -> Iterator[Candidate]:
     words = f"x stands still in {len(still)} samples of sticks, where the belt carries the mass along"
     share = case.share_mended_by(s.t, x, s.v)
     if share > 0.0:
-        change = Change("with x moved on by the belt", columns=moved)
-        yield Candidate(Diagnosis("columns", "x", words, "", share=share), change)
+        yield Candidate(Diagnosis("columns", "x", words, "", share=share), "with x moved on by the belt", columns=moved)
     # A solver that goes on from where x stood: only the steps of the sticks are wrong.
     inside = float(np.mean(np.isin(np.flatnonzero(case.wrong), still)))
     yield Candidate(Diagnosis("columns", "x", words, f"{inside:.0%} of the wrong steps are such", share=inside))
@@ -210,8 +202,8 @@ def resampled(case: Case) -> Iterator[Candidate]:
     words = f"the samples lie on straight lines between {count} others: linear interpolation"
     evidence = f"{straight} of {len(s.t)} samples lie on the line through their neighbours, in x and in v"
     share = case.share_mended_by(*knots(s.t, s.x, s.v)) if count < len(s.t) - FEWEST // 2 else 0.0
-    change = Change("with these alone", columns=knots) if share >= 0.9 else None
-    yield Candidate(Diagnosis("resampling", "", words, evidence), change)
+    change = "with these alone" if share >= 0.9 else ""
+    yield Candidate(Diagnosis("resampling", "", words, evidence), change, columns=knots)
 
 
 # -- the clock ---------------------------------------------------------------------------------------------------------
@@ -234,11 +226,12 @@ def even_times(case: Case) -> Iterator[Candidate]:
             share = case.share_mended_by(even, case.steps.x, case.steps.v)
             change = f"with even times, {even[1] - even[0]:.10g} apart,"
             columns = partial(lambda t, x, v, digits: (_even(t, digits), x, v), digits=digits)
-            yield Candidate(Diagnosis("columns", "t", words, "", share=share), Change(change, columns=columns))
+            yield Candidate(Diagnosis("columns", "t", words, "", share=share), change, columns=columns)
 
 
 def _even(t: np.ndarray, digits: int | None) -> np.ndarray:
-    """Return evenly spaced times near `t`: with a step of `digits` digits, or with the ends of `t` (None: rounded)."""
+    """Return evenly spaced times near `t`, with a step that is rounded to `digits` digits."""
+    # 0: the step follows from the first and the last time; None: from these two rounded to 6 digits.
     if not digits:
         ends = (float(t[0]), float(t[-1])) if digits == 0 else (float(f"{t[0]:.6g}"), float(f"{t[-1]:.6g}"))
         return np.linspace(*ends, len(t))
@@ -296,9 +289,12 @@ def outliers(case: Case) -> Iterator[Candidate]:
         share = float(np.mean(np.isin(check.wrong_steps, rows) | np.isin(check.wrong_steps + 1, rows)))
         words = f"{len(off)} sample{'s are' if len(off) > 1 else ' is'} off, the first is number {rows[0]}"
         size = float(np.median([max(abs(fault.defect_x), abs(fault.defect_v)) for fault in off]))
-        without = "without them" if len(off) > 1 else "without it"
-        change = Change(without, columns=lambda *columns: tuple(np.delete(each, rows) for each in columns))
-        yield Candidate(Diagnosis("outlier", "", words, "", size, None, share), change)
+        found, without = Diagnosis("outlier", "", words, "", size, None, share), "them" if rows[1:] else "it"
+        yield Candidate(found, f"without {without}", columns=partial(_without, rows))
+
+
+def _without(rows: list[int], t: np.ndarray, x: np.ndarray, v: np.ndarray) -> Columns:
+    return np.delete(t, rows), np.delete(x, rows), np.delete(v, rows)
 
 
 def noise(case: Case) -> Iterator[Diagnosis]:

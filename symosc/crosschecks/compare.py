@@ -17,7 +17,7 @@ from symosc.crosschecks.causes import Fault, explain
 from symosc.crosschecks.events import WINDOW, FoundEvent, Match, Matcher, Reach, find_events, given_events, labels
 from symosc.crosschecks.files import read_solutions
 from symosc.crosschecks.objects import dense_note, of_function
-from symosc.crosschecks.report import CrossCheck, CrossChecks, check_all
+from symosc.crosschecks.report import EVENT_LISTS, CrossCheck, CrossChecks, check_all
 from symosc.crosschecks.samples import (
     SAMPLE_COLUMNS,
     Digits,
@@ -33,7 +33,7 @@ from symosc.crosschecks.velocities import with_velocities
 from symosc.errors import ParameterError
 from symosc.exact import read_exact
 from symosc.model import Parameters
-from symosc.scenes import START_NAMES, Scene, load_scene, not_reduced_error
+from symosc.scenes import STARTS, Scene, load_scene, not_reduced_error
 from symosc.simulation.batch import read_workers
 from symosc.simulation.simulate import simulate
 from symosc.simulation.trajectory import Trajectory
@@ -163,7 +163,7 @@ class Task:
         return usual if self.given_limit is None else self.given_limit
 
     def verdict(self) -> CrossCheck:
-        """Judge the samples (again within their rounding if they fail), and state whether they end too early."""
+        """Judge the samples and return the result; if they fail and are rounded, judge them with that error allowed."""
         samples, rounding, p = self.samples, self.rounding, self.parameters
         if rounding is None:
             samples = with_velocities(samples, self.scene, self.tolerance) if samples.lacks_v else samples
@@ -202,7 +202,8 @@ class Task:
         return None
 
     def _with_coarser(self, half: np.ndarray, listed: np.ndarray, result: CrossCheck) -> CrossCheck:
-        """Judge every n-th sample too, as rounding may hide errors of single steps; attach that check to the result."""
+        """Return the result with a check of every n-th sample as its `coarser`, n being the longest wrong span."""
+        # Over one dense step the rounding of the samples is larger than what a wrong model does; over n it is not.
         spans, samples = result.wrong_spans, self.samples
         # A few spans show no cause, and where most steps are wrong these show it themselves.
         if len(spans) < 6 or 2 * len(result.wrong_steps) >= np.sum(spans[:, 1] - spans[:, 0]):
@@ -268,6 +269,8 @@ class Task:
             notes.append("every step is right, but their errors add up, or the start is another one")
         refused, scene = "" if self.own_start else other_start, self.scene
         own = (float(scene.t0), float(scene.x0), float(scene.v0)) if isinstance(scene, Scene) else None
+        copied: Record = {name: tuple(getattr(matching, name)) for name in EVENT_LISTS}
+        copied |= {name: getattr(samples, name) for name in SAMPLE_COLUMNS}
         return CrossCheck(
             ok=bool(close and late is None and right and not (matching.missed or matching.invented or refused)),
             max_error_x=float(np.nanmax(np.abs(errors[:, 0]))),
@@ -278,10 +281,6 @@ class Task:
             wrong_steps=np.flatnonzero(wrong),
             wrong_spans=spans,
             allowed=allowed,
-            matched=tuple(matching.matched),
-            missed=tuple(matching.missed),
-            invented=tuple(matching.invented),
-            unresolved=tuple(matching.unresolved),
             decisions=tuple(fault for fault in faults if fault.wrong_decision),
             faults=faults,
             first_wrong=faults[0] if faults else None,
@@ -293,13 +292,11 @@ class Task:
             rounded=rounded,
             notes=(*notes, *matching.notes),
             modes=modes,
-            t=samples.t,
-            x=samples.x,
-            v=samples.v,
             trajectory=trajectory,
             own_start=own,
             _task=replace(self, samples=replace(samples, dense=None)),
             wrong_start=refused,
+            **copied,
         )
 
     def _start(self, loose: np.ndarray, rounding: np.ndarray) -> tuple[Record, str]:
@@ -307,7 +304,7 @@ class Task:
         # {} is the scene's own start, which may have more digits than the first sample.
         scene, samples, limit, rate = self.scene, self.samples, self.limit, fastest_rate(self.parameters)
         first = np.array([samples.t[0], samples.x[0], samples.v[0]])
-        start = dict(zip(START_NAMES[:3], first.tolist(), strict=True))
+        start = dict(zip(STARTS, first.tolist(), strict=True))
         if isinstance(scene, Parameters):
             return start, ""
         own = np.array([float(scene.t0), float(scene.x0), float(scene.v0)])
@@ -346,8 +343,9 @@ class Task:
         return f"the solution ends at t = {last:.10g}; the motion of {scene.name} goes on to t = {t_end:.10g}"
 
     def _wrong_spans(self, loose: np.ndarray, near: np.ndarray, scales: np.ndarray) -> np.ndarray:
-        """Return spans (first and last sample) of several steps over which rounded samples leave the exact motion."""
-        # Rounding hides a wrong model in each dense step, and not over many; the tolerances of the steps add up.
+        """Return the spans of steps, as first and last sample, over which rounded samples leave the exact motion."""
+        # `loose` are the errors that their rounding allows, `near` the distances in v from a belt that count as on it,
+        # `scales` the units of x and v. The tolerances of the steps of a span add up.
         # The length is chosen at which many spans, and a great part of all, are wrong.
         p, samples, best = self.parameters, self.samples, np.empty((0, 2), int)
         count, length, most = len(samples.t), SPAN_FACTOR, 0.0
@@ -367,7 +365,9 @@ class Task:
     def _match(
         self, trajectory: Trajectory, start: Record, found: list[FoundEvent], reach: Reach, label: Any, wrong: Any
     ) -> Matcher:
-        """Match the exact events with those of the solver's list, or without a list with those of the samples."""
+        """Match the exact events with the events of the solver's list or, if none was given, with those `found`."""
+        # `found` are read off the samples, whose mode codes are `label`; `wrong` marks the wrong steps; `reach` tells
+        # how far times of events may be off.
         events, until, last = self.samples.events, float(trajectory.t_end), float(self.samples.t[-1])
         there = until if until < last else np.inf  # where the exact motion has ended there is nothing to match
         if events is None or (events and not any(kind for _, kind in events)):
@@ -396,7 +396,7 @@ def _every(n: int, count: int) -> np.ndarray:
 def _faults(
     steps: ExactSteps, modes: np.ndarray, sizes: np.ndarray, allowed: np.ndarray, near: np.ndarray, matching: Matcher
 ) -> tuple[Fault, ...]:
-    """Describe the first wrong steps, and all wrong steps that miss or invent an event, with guessed causes."""
+    """Describe the first MOST_FAULTS wrong steps, and all that miss or invent an event; see `explain`."""
     wrong = ~(sizes <= 1.0)
     odd = {event.step for event in matching.invented}
     odd |= {int(np.searchsorted(steps.t, float(event.t))) - 1 for event in matching.missed}
@@ -406,7 +406,8 @@ def _faults(
 
 
 def _scales(p: Parameters, exact: np.ndarray) -> np.ndarray:
-    """Return the sizes of x and v: maxima of the exact motion, but at least those that the belt speeds imply."""
+    """Return the units of x and v: the largest |x| and |v| of the exact motion, v at least the speed of each belt."""
+    # x is at least that speed divided by the fastest frequency, which is how far a motion at this speed swings.
     reach = np.max(np.abs(exact), axis=1)
     speed = max(float(reach[1]), abs(float(p.v1)), abs(float(p.v2)))
     return np.array([max(float(reach[0]), speed / fastest_rate(p)), speed])

@@ -11,13 +11,14 @@ import numpy as np
 from symosc.crosschecks import columns, friction, methods, models
 from symosc.crosschecks.causes import (
     AS_GOOD,
-    EXPLAINS,
     REASONS,
     SURE,
     Candidate,
     Case,
-    Change,
     Diagnosis,
+    explained_share,
+    larger,
+    mended_share,
     tried_samples,
 )
 from symosc.crosschecks.models import ENOUGH
@@ -53,14 +54,16 @@ def diagnose(check: Any) -> tuple[Diagnosis, ...]:
     if not len(check.wrong_steps):
         found = columns.event_list_faults(check) if check.missed or check.invented else _start(check)
         return (*found, *few_digits)
-    constant = columns.no_motion(check.t, check.x, check.v)
+    if not (np.ptp(check.x) or np.ptp(check.v)):
+        words, evidence = "x and v never change: the mass does not move", "x = {:.10g}, v = {:.10g} in all samples"
+        return (Diagnosis("columns", "x and v", words, evidence.format(check.x[0], check.v[0])), *few_digits)
     t = check.t[tried_samples(check)]
     periods = (t[-1] - t[0]) * float(check.trajectory.parameters.Omega) / TWO_PI
-    if constant or periods > max(200.0, len(t)):  # steps longer than a period hold too many events to show a cause
+    if periods > max(200.0, len(t)):  # steps longer than a period hold too many events to show a cause
         units = columns.changed_columns(check.trajectory.parameters, check.t, check.x, check.v)
-        tried = (with_evidence(one, check) for one in units if not constant and one.diagnosis.subject == "t")
+        tried = (with_evidence(one, check) for one in units if one.diagnosis.subject == "t")
         right = next((found for found in tried if found is not None and found.share >= ENOUGH), None)
-        return (constant or right or _unknown(check), *few_digits)
+        return (right or _unknown(check), *few_digits)
     with np.errstate(all="ignore"):  # what cannot be computed explains nothing
         return (*_best(Case(check), check), *few_digits)
 
@@ -109,43 +112,30 @@ def _tested(tried: list[Candidate], check: Any) -> list[Diagnosis]:
 
 def with_evidence(candidate: Candidate, check: Any) -> Diagnosis | None:
     """Repeat a check with a candidate's change; return its diagnosis with the result, None if that is impossible."""
-    diagnosis, change = candidate
-    if change is None:
+    diagnosis, change = candidate.diagnosis, candidate.words
+    if not change:
         return diagnosis
-    again = repeated_check(check, change)
-    if again is None or (again._task.samples.v_off is not None and len(again.t) < 0.9 * len(check.t)):
-        return None
-    wrong, steps = len(again.wrong_steps), len(again.defects)
-    if not wrong and not len(again.wrong_spans):
-        words, share = f"{change.words} all {steps} steps are right", SURE
-    else:
-        words, share = f"{change.words} {wrong} of {steps} steps are wrong", _explained(check, again)
-    return replace(diagnosis, evidence="; ".join(filter(None, (diagnosis.evidence, words))), share=share)
-
-
-def repeated_check(check: Any, change: Change) -> Any:
-    """Repeat a check with other parameters or columns; return the new check, None if the model rejects these."""
     task, samples = check._task, check._task.samples
-    if change.columns is not None:
-        t, x, v = change.columns(samples.t, samples.x, samples.v)
+    if candidate.columns is not None:
+        t, x, v = candidate.columns(samples.t, samples.x, samples.v)
         samples = replace(samples, t=t, x=x, v=np.full(len(t), np.nan) if v is None else v)
     elif samples.v_off is not None:  # the velocities were those of the system
         samples = replace(samples, v=np.full(len(samples.t), np.nan))
     samples = replace(samples, events=None, dense=None, v_off=None)
     try:
-        return replace(task, samples=samples, scene=change.parameters or task.parameters, rounding=None).verdict()
+        scene = candidate.parameters or task.parameters
+        again = replace(task, samples=samples, scene=scene, rounding=None).verdict()
     except ParameterError:
         return None
-
-
-def _explained(check: Any, again: Any) -> float:
-    """Return the fraction of the wrong steps of a check whose defects nearly vanish in its repetition `again`."""
-    before, after = (np.max(np.abs(one.defects) / one.allowed, axis=1) for one in (check, again))
-    wrong = ~(before <= 1.0)
-    if len(before) == len(after):
-        fits = after <= np.maximum(1.0, EXPLAINS * np.nan_to_num(before, nan=0.0, posinf=0.0))
-        return float((np.sum(fits & wrong) - np.sum(~fits & ~wrong)) / np.sum(wrong))
-    return float(1.0 - np.mean(~(after <= max(1.0, EXPLAINS * np.nanmedian(before[wrong])))) / np.mean(wrong))
+    if again._task.samples.v_off is not None and len(again.t) < 0.9 * len(check.t):
+        return None
+    wrong, steps = len(again.wrong_steps), len(again.defects)
+    words, share = f"{change} all {steps} steps are right", SURE
+    if wrong or len(again.wrong_spans):
+        before, after = (larger(one.defects / one.allowed) for one in (check, again))
+        share = (explained_share if len(before) == len(after) else mended_share)(before, after)
+        words = f"{change} {wrong} of {steps} steps are wrong"
+    return replace(diagnosis, evidence="; ".join(filter(None, (diagnosis.evidence, words))), share=share)
 
 
 def _start(check: Any) -> Iterable[Diagnosis]:

@@ -110,7 +110,8 @@ class Match:
 
 def labels(steps: ExactSteps, near: np.ndarray, drift: np.ndarray) -> np.ndarray:
     """Return the mode code of each sample: 1 to 3 for the domain that it is in, 4 at belt 1, 5 at belt 2."""
-    # A sample is at a belt within the velocity `near` of it, or within `drift` while the exact motion would stick.
+    # A sample is at a belt if its v differs from the belt's by at most `near`, or by at most `drift` where the exact
+    # motion sticks to the belt in the step before or after: solvers let v drift off there.
     v, K = steps.v, steps.K
     label = np.int8(1) + (v > K.belt1.v) + (v > K.belt2.v)
     for boundary, speed in ((1, K.belt1.v), (2, K.belt2.v)):
@@ -121,8 +122,8 @@ def labels(steps: ExactSteps, near: np.ndarray, drift: np.ndarray) -> np.ndarray
 
 
 def find_events(steps: ExactSteps, label: np.ndarray, wrong: np.ndarray) -> tuple[list[FoundEvent], np.ndarray]:
-    """Find events by the mode codes `label` of the samples; return them in order, and the modes of the samples."""
-    # The modes are the labels, 0 for samples that only pass or graze a belt.
+    """Return the events that the mode codes `label` of the samples show, in order of time, and corrected codes."""
+    # The corrected codes are 0 for samples at a belt that only pass or graze it, and else equal.
     modes = label.copy()
     starts = np.flatnonzero((np.diff(label, prepend=0) != 0) | _reached_by_flight(steps, label, wrong))
     ends = np.append(starts[1:], len(label)) - 1
@@ -171,7 +172,7 @@ def find_events(steps: ExactSteps, label: np.ndarray, wrong: np.ndarray) -> tupl
 
 
 def _reached_by_flight(steps: ExactSteps, label: np.ndarray, wrong: np.ndarray) -> np.ndarray:
-    """Mark each sample at a belt that a flight in a right step reaches from a sample at the same belt."""
+    """Mark samples at a belt that follow one at the same belt, with a flight and no stick in the right step between."""
     held = (steps.first == label[:-1]) | (steps.last == label[:-1])
     for i in np.flatnonzero((label[:-1] > 3) & ~held).tolist():
         held[i] = bool(np.any(steps.events.target[steps.events.rows(i, i)] == label[i]))
@@ -270,7 +271,8 @@ class Reach:
         return float(acceleration(x, v, cos(theta), (K.A1, K.A2, K.A3)[domain - 1], K.cm, K.w0sq, K.f0))
 
     def _spread(self, time: float) -> tuple[float, float]:
-        """Bound the errors of x and v around a time; the bound of v includes what an error of x may do to v later."""
+        """Bound the errors of x and v around a time; that of v is valid for all later times of the motion too."""
+        # V^2 + (k/m) X^2 never grows for the differences X, V of two motions: an error of x may become one of v.
         j = int(np.searchsorted(self.steps.t, time))
         dx, dv = (float(value) for value in np.max(self.errors[max(j - 2, 0) : j + 2], axis=0))
         return dx, sqrt(dv * dv + self.steps.K.w0sq * dx * dx)
@@ -324,7 +326,8 @@ class Matcher:
         self.matched.sort(key=lambda match: float(match.event.t))
 
     def _local(self, event: Event) -> int | None:
-        """Return the row of an exact event in `steps.events` (restarted motion); None if no right step has it."""
+        """Return the row of an event of the exact motion among the events of the right steps; None if they lack it."""
+        # Those of the steps are `steps.events`: the motion begins anew at every sample.
         events, time = self.steps.events, float(event.t)
         rows = np.arange(*np.searchsorted(events.t, [time - self.window, time + self.window]))
         same = (events.kind[rows] == CODES[event.kind]) & (events.boundary[rows] == event.boundary)
@@ -366,7 +369,7 @@ class Matcher:
             self.notes.append(f"the list's event at t = {time:.10g} is the start on belt {boundary}")
 
     def _allow_events_of_the_samples(self) -> None:
-        """Ignore listed events that the motion restarted at each sample has, though the exact motion has not."""
+        """Set aside listed events that a right step has, though the motion from the first sample has none there."""
         events = self.steps.events
         used = {row for row in self.local if row is not None}
         for j in sorted(self.found_free):
@@ -441,7 +444,7 @@ class Matcher:
         return bool(self.wrong[self.steps.at(low)[0] : self.steps.at(high)[1] + 1].any())
 
     def _judge_exact(self) -> None:
-        """Classify exact events without partner: missed, inside a single step, or absent once restarted at samples."""
+        """Classify exact events without partner: missed, matched inside a single step, or in no right step at all."""
         t, slack = self.steps.t, 1e-6 * self.steps.K.period
         for i in sorted(self.exact_free):
             own, time, reach = self.exact[i], float(self.times[i]), self.reaches[i]

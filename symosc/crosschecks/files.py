@@ -21,7 +21,6 @@ from contextlib import suppress
 from dataclasses import replace
 from decimal import Decimal
 from functools import partial
-from importlib import import_module
 from itertools import chain, islice
 from pathlib import Path
 from typing import IO, Any
@@ -41,7 +40,7 @@ from symosc.crosschecks.objects import (
     solutions_in,
 )
 from symosc.crosschecks.samples import SAMPLE_COLUMNS, Samples, number_of
-from symosc.errors import MissingExtraError, ParameterError, brief
+from symosc.errors import MissingExtraError, ParameterError, brief, optional
 from symosc.files import STDOUT, read_path
 
 TEXT_SUFFIXES = (".csv", ".tsv", ".txt", ".dat", ".out", ".asc")
@@ -64,9 +63,10 @@ Reader = Callable[[IO[bytes], Any, str], Any]
 def read_solutions(
     source: Any, columns: Mapping[str, str | None] | None = None, problem: Problem = None
 ) -> list[Samples]:
-    """Read solutions from a file, standard input ("-"), a list of files, or any object of docs/checking.md."""
-    # `columns` names the columns t, x, v and id (None: there is no such column); a function needs a `problem` for its
-    # times. ParameterError if the file cannot be read, a column is missing or the samples are wrong.
+    """Read solutions from a file, standard input ("-"), a list of files, or an object such as a table or a function."""
+    # docs/checking.md lists the objects. `columns`: what the columns t, x, v and id are called; None: there is none.
+    # `problem`: the scene or parameters, from which a function gets its times. ParameterError if the file cannot be
+    # read, a column is missing or the samples are wrong.
     asked = read_column_names(columns)
     if isinstance(source, (list, tuple)) and source and all(isinstance(each, (str, Path)) for each in source):
         found = [(path, each) for path in source for each in read_solutions(path, columns, problem)]
@@ -178,7 +178,7 @@ def _suffix_of_content(beginning: bytes) -> str:
 
 
 def _format_of(path: str | Path, file: io.BufferedReader, where: str, text: Reader) -> tuple[str, Reader]:
-    """Return the format of a file ("" unless a library reads it), and the function that reads it."""
+    """Return the name of a file's format, which is "" unless a library reads it, and the function that reads it."""
     suffix = "" if path == STDOUT else suffix_of(path)
     if suffix and suffix not in SUFFIXES:
         raise ParameterError("file", where, f"must end in {', '.join(SUFFIXES)}, and perhaps {', '.join(PACKED)}")
@@ -383,7 +383,7 @@ def _read_numpy(file: IO[bytes], asked: Asked | None, where: str) -> Any:
 
 def _read_parquet(file: IO[bytes], asked: Asked | None, where: str) -> Any:
     """Return the wanted columns of a parquet file."""
-    parquet = _library("pyarrow.parquet", "a parquet file").ParquetFile(file)
+    parquet = optional("pyarrow.parquet", "a parquet file", "tables").ParquetFile(file)
     names = parquet.schema_arrow.names
     table = parquet.read(columns=[name for name in names if is_wanted(name, asked)])
     return {name: table.column(name).to_numpy() if name in table.column_names else None for name in names}
@@ -391,16 +391,8 @@ def _read_parquet(file: IO[bytes], asked: Asked | None, where: str) -> Any:
 
 def _read_feather(file: IO[bytes], asked: Asked | None, where: str) -> Any:
     """Return the wanted columns of a feather file."""
-    table = _library("pyarrow.feather", "a feather file").read_table(file)
+    table = optional("pyarrow.feather", "a feather file", "tables").read_table(file)
     return {name: table.column(name).to_numpy() if is_wanted(name, asked) else None for name in table.column_names}
-
-
-def _library(name: str, what: str) -> Any:
-    """Import the package that reads a kind of file, named by `what`; MissingExtraError if it is not installed."""
-    try:
-        return import_module(name)
-    except ImportError:
-        raise MissingExtraError(what, "tables") from None
 
 
 def _unwrapped(found: Record) -> Any:
@@ -414,11 +406,11 @@ def _unwrapped(found: Record) -> Any:
 
 def _read_hdf5(file: IO[bytes], asked: Asked | None, where: str) -> Any:
     """Return the datasets of an HDF5 or netCDF 4 file: those of the outermost group that has some."""
-    h5py = _library("h5py", "an HDF5 file")
+    h5py = optional("h5py", "an HDF5 file", "tables")
     groups: dict[str, Record] = {}
 
     def visit(path: str, item: Any) -> None:
-        """Note a dataset under its group and name; those of an Octave cell array go by number into one dict."""
+        """Note a dataset under its group and name; an Octave cell array becomes one dict of datasets by number."""
         # MATLAB keeps the targets of references in a group "#refs#", Octave x as x/type and x/value.
         octave = "OCTAVE_NEW_FORMAT" in item.parent.attrs
         if not isinstance(item, h5py.Dataset) or path.startswith("#") or (octave and path.endswith("/type")):
@@ -439,7 +431,7 @@ def _read_hdf5(file: IO[bytes], asked: Asked | None, where: str) -> Any:
 
 
 def _hdf5_value(item: Any) -> Any:
-    """Return the value of an HDF5 dataset, or of a dict of numbered cells the list of their values."""
+    """Return the value of an HDF5 dataset; or the list of the values in the dict of an Octave cell array."""
     if isinstance(item, dict):
         return [_hdf5_value(item[i]) for i in sorted(item)]
     values, octave = item[()], "OCTAVE_NEW_FORMAT" in item.parent.attrs
@@ -555,7 +547,8 @@ def _is_sound(data: bytes, order: str, kind: int, begin: int, end: int, depth: i
 
 
 def _tags(data: bytes, order: str, at: int, end: int, inside: bool) -> Iterator[tuple[int, int, int]]:
-    """Yield kind, begin and end of each element between two positions; `inside` a matrix padded to 8 bytes."""
+    """Yield kind, begin and end of each data element between two positions of a MATLAB file."""
+    # `inside` a matrix each element is followed by zeros up to a multiple of 8 bytes.
     while at < end:
         kind, size = struct.unpack_from(f"{order}II", data, at)
         if kind >> 16:  # a short one, in the tag itself

@@ -17,7 +17,7 @@ from symosc.model import NEIGHBOURS
 
 
 class Curve(NamedTuple):
-    """A curve in place of sign(z), z = (v - v_belt)/width: the function, its inverse, and its integral minus |z|."""
+    """A curve f(z) in place of sign(z), z = (v - v_belt)/width: f, its inverse, and an integral of f(z) - sign(z)."""
 
     of: Callable[[Any], Any]
     inverse: Callable[[Any], Any]
@@ -107,7 +107,7 @@ def at_belts(case: Case) -> Iterator[Diagnosis]:
 
 
 def _push(case: Case, x: np.ndarray, v: np.ndarray, theta: np.ndarray, boundary: np.ndarray) -> np.ndarray:
-    """Return the acceleration of a mass at a belt that all forces but the friction of this belt cause."""
+    """Return the acceleration of a mass at a belt without the friction of this belt."""
     K = case.steps.K
     below, above = np.array([NEIGHBOURS[b] for b in (1, 2)])[boundary - 1].T
     A = np.array([K.A1, K.A2, K.A3])
@@ -123,7 +123,8 @@ def _half_jump(case: Case, boundary: np.ndarray) -> np.ndarray:
 def _widths_in_sticks(
     case: Case, steps: np.ndarray, boundary: np.ndarray, gap: np.ndarray
 ) -> list[tuple[str, float, float, float]]:
-    """Fit the width of each curve to samples near a belt; return its name, width, error and relative spread."""
+    """Fit each of CURVES to samples in sticks whose v is off the belt's by `gap`; return name, width, error, spread."""
+    # The spread is the deviation of the widths that the single samples ask for, divided by their median.
     s, K, i, half = case.steps, case.steps.K, steps + 1, _half_jump(case, boundary)
     push = _push(case, s.x[i], s.v[i], s.theta[i], boundary)
     slope = -K.w0sq * s.belts[boundary - 1] - K.fB * np.sin(s.theta[i])  # of the push, in a stick
@@ -225,7 +226,7 @@ def smoothed_passages(case: Case) -> Iterator[Diagnosis]:
 
 
 def _paths(case: Case, steps: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Return times within steps, counted from their start, and exact velocities there, shape (steps, pieces + 1)."""
+    """Return the ends of the PIECES into which steps are cut: times since the step's start, and exact velocities."""
     s, order = case.steps, np.argsort(steps)
     time = np.outer(s.t[steps + 1] - s.t[steps], np.linspace(0.0, 1.0, PIECES + 1))
     velocity = np.repeat(s.v[steps][:, None], PIECES + 1, axis=1)
@@ -266,7 +267,9 @@ def _smoothing_effect(case: Case, time: np.ndarray, velocity: np.ndarray, width:
 
 
 class StickSteps(NamedTuple):
-    """Wrong steps with a stick, as columns: step, belt, time and position of onset, exact end (or the step's)."""
+    """Wrong steps with a stick, as columns: step, belt, time and position where the stick begins, time of its end."""
+
+    # In a step that ends while the mass still sticks, `end` is the end of the step.
 
     step: np.ndarray
     boundary: np.ndarray
@@ -388,7 +391,8 @@ def _phase(case: Case, sticks: StickSteps, time: np.ndarray) -> np.ndarray:
 
 
 def _misses_at(case: Case, sticks: StickSteps, time: np.ndarray, side: int, dx: Any = 0.0, dv: Any = 0.0) -> np.ndarray:
-    """Return the misses if sticks end at `time`, off by dx, dv, and flights below (side 0) or above (1) follow."""
+    """Return the misses of steps whose sticks end at `time`, with errors dx and dv, and are followed by flights."""
+    # The flights are all below the belt (side 0), or all above it (side 1).
     s, speed = case.steps, case.steps.belts[sticks.boundary - 1]
     x, tau = sticks.x + speed * (time - sticks.begin) + dx, s.t[sticks.step + 1] - time
     return case.misses(s.fly(sticks.boundary + side, x, speed + dv, _phase(case, sticks, time), tau), sticks.step)

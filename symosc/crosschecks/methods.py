@@ -29,7 +29,9 @@ DELAY_LEAVES = 0.005
 def nystrom(
     stages: Sequence[tuple[float, float, Sequence[float], Sequence[float]]], x_weights: Any, v_weights: Any
 ) -> Method:
-    """Return an explicit Nyström method; a stage is its time, the factor of h v in x, and its weights in x and in v."""
+    """Return an explicit Nyström method, given its stages and the weights of their accelerations in x and in v."""
+    # A stage (time, way, x_row, v_row) is at t + time h, x + way h v + h^2 sum(x_row a), v + h sum(v_row a), where `a`
+    # are the accelerations of the stages before it.
 
     def total(weights: Any, found: list[Any]) -> Any:
         return sum(weight * each for weight, each in zip(weights, found, strict=True))
@@ -152,7 +154,9 @@ def _other_weights(case: Case, flights: np.ndarray) -> Iterator[Diagnosis]:
 
 
 def _not_located(case: Case, name: str, h: float, share: float, unseen: bool, held: bool) -> Diagnosis:
-    """Return the diagnosis that a method with a fixed step does not locate events; v chatters if the mass sticks."""
+    """Return the diagnosis that a method with steps h does not locate events: "chatter" if the mass should stick."""
+    # `unseen`: most of the steps end on the side of the belt where they began; `held`: the friction is that at the
+    # beginning of a step, not that of each stage.
     if name == "exact" and unseen:
         words = "belts are met and left within a step, and that is not seen"
         evidence = f"the force at the beginning repeats {share:.0%} of the steps with events"
@@ -269,7 +273,8 @@ def delays(case: Case) -> Iterator[Diagnosis]:
 
 
 def _with_delay(case: Case, chosen: np.ndarray, rows: np.ndarray, delay: np.ndarray, onto: bool) -> np.ndarray:
-    """Return the misses of steps whose first event comes late by `delay`; `onto`: v is then set to the belt's speed."""
+    """Return the misses of the chosen steps if the first event of each, in a row of the events, is late by `delay`."""
+    # `onto`: at the delayed event v is set to the belt's speed.
     s = case.steps
     time = np.minimum(s.events.t[rows] + delay, s.t[chosen + 1])
     source, tau = s.first[chosen], time - s.t[chosen]
@@ -323,7 +328,8 @@ def interpolated(case: Case) -> Iterator[Diagnosis]:
 
 
 def _first_events(case: Case, usable: np.ndarray) -> tuple[np.ndarray, np.ndarray, int]:
-    """Return some `usable` wrong steps with events, the row of each step's first event, and the number of all such."""
+    """Return up to MOST_DELAYS wrong steps with events that are `usable`, and the row of the first event of each."""
+    # The third result is the number of all such steps.
     steps = np.unique(case.steps.events.step)
     steps = steps[case.wrong[steps] & usable[steps]]
     chosen = case.thinned(steps, MOST_DELAYS)

@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 
 from symosc.aliases import Record
-from symosc.crosschecks.causes import FITS, LEFT_OVER, SURE, Candidate, Case, Change, Diagnosis, Fit, fitted, larger
+from symosc.crosschecks.causes import FITS, LEFT_OVER, SURE, Candidate, Case, Diagnosis, Fit, fitted, larger
 from symosc.engine.arithmetic import Arithmetic
 from symosc.engine.flow import Constants
 from symosc.errors import ParameterError
@@ -50,12 +50,13 @@ def other_systems(case: Case) -> Iterator[Candidate]:
         if np.mean(larger(few) <= case.limits()[chosen]) >= 0.5:  # else it is not followed over all steps
             value, error = (float(next(iter(values.values()))), 0.0) if len(values) == 1 else (None, None)
             found = Diagnosis(cause, subject, words, "", value, error, case.share(larger(case.defects_with(other))))
-            yield Candidate(found, Change(f"with {change}", parameters=other))
+            yield Candidate(found, f"with {change}", parameters=other)
     yield from _wrong_signs(case)
 
 
 def _systems(p: Parameters) -> Iterator[tuple[str, str, str, str, Record]]:
-    """Yield common modelling mistakes, likely ones first: cause, subject, text, text of the change, changed values."""
+    """Yield common modelling mistakes, likely ones first, with the parameters that they make of the right ones."""
+    # Each is: cause, subject and words of the `Diagnosis`; the change in words; the changed parameters by name.
     m, Om = float(p.m), float(p.Omega)
     for name in ("A0", "B0", "v1", "v2"):
         yield "sign", name, f"{name} has the wrong sign", f"-{name}", {name: -getattr(p, name)}
@@ -160,7 +161,7 @@ def _coefficient(case: Case, name: str, fit: Fit | None) -> Iterator[Candidate]:
         words, evidence = f"the solution has {name} = {text}, which should be {right:.10g}", f"{text} ± {error:.1g}"
         share = case.share(larger(case.defects_with(other)), part=FITS)
         found = Diagnosis("coefficient", name, words, f"fitted: {name} = {evidence}", value, error, share)
-        yield Candidate(found, Change(f"with {name} = {text}", parameters=other))
+        yield Candidate(found, f"with {name} = {text}", parameters=other)
 
 
 def rounded(value: float, error: float) -> str:
@@ -254,7 +255,8 @@ def _frequencies(case: Case, flights: np.ndarray) -> np.ndarray:
 
 
 def phases_of_drive(case: Case) -> Iterator[Candidate]:
-    """Yield the diagnosis of a drive with another phase, or of a shifted clock; only the start distinguishes them."""
+    """Yield the diagnosis of a drive with another phase, or of a shifted clock."""
+    # Both make the same steps; the clock is shifted if the first sample is not where the scene starts.
     flights, K, fit = case.thinned(case.inside, MOST_FLOWN), case.steps.K, None
     if not case.parameters.B0:
         return
@@ -274,7 +276,7 @@ def phases_of_drive(case: Case) -> Iterator[Candidate]:
 
 
 def _turn_of_flights(case: Case, flights: np.ndarray) -> float | None:
-    """Return the phase shift of the drive that fits the flights; None if they show no drive of that size."""
+    """Return the phase shift of the drive that fits the flights; None if they show a drive of another amplitude."""
     K = case.steps.K
 
     def misses(value: np.ndarray) -> np.ndarray:
@@ -300,16 +302,14 @@ def _shift_or_phase(case: Case, turn: float, error: float) -> Candidate:
     phase = Diagnosis("phase", "", words, evidence, turn, error, share)
     words = f"the clock of the samples is {'fast' if shift > 0 else 'slow'} by {rounded(abs(shift), error / Om)}"
     clock = Diagnosis("time shift", "", words, evidence, shift, error / Om, share)
-    change = Change(f"with {shift:.17g} taken from t", columns=lambda t, x, v: (t - shift, x, v))
+    change = Candidate(clock, f"with {shift:.17g} taken from t", columns=lambda t, x, v: (t - shift, x, v))
     if start is None:
-        return Candidate(replace(clock, alternatives=(phase,)), change)
+        return change._replace(diagnosis=replace(clock, alternatives=(phase,)))
     # The scene's motion at the first sample's own time, at this phase or one of whole periods later.
-    (t0, x0, v0), slack = start, 1e3 * case.allowed[0]
-    if not case.offset and (
-        abs(s.t[0] - t0) > 4.0 * np.spacing(abs(t0)) or abs(s.x[0] - x0) > slack[0] or abs(s.v[0] - v0) > slack[1]
-    ):
-        return Candidate(clock, change)
-    return Candidate(phase, change._replace(words=f"with the phase turned by {turn:.17g}"))
+    off = np.abs(np.array([s.t[0], s.x[0], s.v[0]]) - start)
+    if not case.offset and np.any(off > [4.0 * np.spacing(abs(start[0])), *(1e3 * case.allowed[0])]):
+        return change
+    return change._replace(diagnosis=phase, words=f"with the phase turned by {turn:.17g}")
 
 
 def forces(case: Case) -> Iterator[Diagnosis]:

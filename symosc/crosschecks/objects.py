@@ -80,7 +80,7 @@ def plain(name: str) -> str:
 
 
 def is_wanted(name: str, asked: Asked | None) -> bool:
-    """Return whether a column is to be read; others may hold anything. All are read if `asked` is None."""
+    """Return whether a column of a file is needed, by its name; what the others hold is not read. None asks for all."""
     if asked is None or plain(name) in set().union(*USUAL_NAMES.values()):
         return True
     return name.lower() in {column.lower() for column in asked.values() if column} | {EVENTS, *STATE_NAMES}
@@ -370,7 +370,8 @@ def _grid(t0: float, t_end: float, problem: Scene | Parameters) -> np.ndarray:
 
 
 def of_function(function: Callable[..., Any], problem: Problem, times: Any = None) -> Samples:
-    """Evaluate a function t -> (x, v) at given times, or over its own interval or that of the scene; return samples."""
+    """Return samples of a function t -> (x, v) at given times, or (None) at many times of an interval."""
+    # The interval is t_min to t_max if the function has these attributes, as scipy's OdeSolution, else the scene's.
     if times is None:
         ends: list[Any] = [getattr(function, name, None) for name in ("t_min", "t_max")]
         if None in ends and isinstance(problem, Scene):
@@ -410,7 +411,7 @@ def _evaluated(function: Callable[..., Any], times: np.ndarray) -> np.ndarray:
 
 
 def dense_note(trajectory: Trajectory, dense: Callable[[np.ndarray], Any], until: float) -> str:
-    """Return a note on the error of a solver's dense output, which is not judged."""
+    """Return a note on the errors of a solver's dense output up to the time `until`; no verdict depends on them."""
     ends = (getattr(dense, "t_min", -inf), getattr(dense, "t_max", inf))
     low, high = max(float(trajectory.t_start), float(ends[0])), min(until, float(ends[1]))
     if not low < high:

@@ -8,7 +8,7 @@ import warnings
 from collections.abc import Callable, Iterable, Sequence
 from concurrent.futures import ProcessPoolExecutor
 from contextlib import ExitStack
-from dataclasses import asdict, dataclass, fields
+from dataclasses import asdict, dataclass
 from functools import cached_property, partial
 from typing import Any
 
@@ -19,7 +19,7 @@ from symosc.crosschecks.causes import REASONS, Diagnosis, Fault
 from symosc.crosschecks.diagnosis import diagnose
 from symosc.crosschecks.events import FoundEvent, Match
 from symosc.crosschecks.samples import Samples
-from symosc.display.drawable import Drawable, Reportable
+from symosc.display.drawable import Comparable, Drawable, Reportable
 from symosc.display.frames import imported
 from symosc.display.progress import reporting
 from symosc.errors import ParameterError
@@ -33,7 +33,7 @@ EVENT_LISTS = ("matched", "missed", "invented", "unresolved")
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class CrossCheck(Drawable, Reportable):
+class CrossCheck(Comparable, Drawable, Reportable):
     """The comparison of samples with the exact motion.
 
     Attributes
@@ -147,16 +147,9 @@ class CrossCheck(Drawable, Reportable):
 
     @property
     def limits_there(self) -> tuple[float, float]:
-        """The limits of the global errors of x and v at the samples where these errors are largest."""
+        """The limit of x at the sample where the error of x is largest, and that of v where that of v is."""
         worst = np.nanargmax(np.abs(self.errors), axis=0)
         return float(self.limits[worst[0], 0]), float(self.limits[worst[1], 1])
-
-    def __eq__(self, other: object) -> bool:
-        """Whether all findings and samples are equal; NaN equals NaN."""
-        names = [item.name for item in fields(self) if item.name != "_task"]
-        return isinstance(other, CrossCheck) and all(_same(getattr(self, name), getattr(other, name)) for name in names)
-
-    __hash__ = None  # type: ignore[assignment]
 
     def __repr__(self) -> str:
         return f"<CrossCheck {self.summary().splitlines()[0]}>"
@@ -259,13 +252,6 @@ def _fault_text(fault: Fault) -> str:
     size = f"defect {fault.defect_x:.1e} in x, {fault.defect_v:.1e} in v"
     guess = f"{REASONS[fault.reason]} ({fault.words})"
     return f"{fault.step}, t = {fault.t:.10g} to {fault.t_next:.10g}, {size}; guess: {guess}"
-
-
-def _same(one: Any, other: Any) -> bool:
-    """Return whether two values are equal: arrays as a whole (NaN equals NaN), others by ==, or else by their repr."""
-    if isinstance(one, np.ndarray):
-        return np.array_equal(one, other, equal_nan=True)
-    return bool(one == other) or repr(one) == repr(other)
 
 
 class CrossChecks(list[CrossCheck]):

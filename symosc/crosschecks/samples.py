@@ -21,7 +21,7 @@ LARGEST_SAMPLE = 1e50
 
 @dataclass(frozen=True)
 class Samples:
-    """A solution as columns; if only positions are given, `v` is NaN until it is computed, with errors `v_off`."""
+    """A solution as columns; if only positions are given, `v` is NaN until it is computed."""
 
     t: np.ndarray
     x: np.ndarray
@@ -29,7 +29,7 @@ class Samples:
     events: tuple[tuple[float, str], ...] | None = None  # (t, kind), with the kind "" if unknown
     name: str = ""  # distinguishes several solutions
     notes: tuple[str, ...] = ()  # how it was read
-    v_off: np.ndarray | None = None
+    v_off: np.ndarray | None = None  # bounds of the errors of a computed v
     dense: Callable[[np.ndarray], Any] | None = None  # the solver's own function t -> (x, v)
 
     @property
@@ -67,8 +67,9 @@ def checked(t: object, x: object, v: object = None, events: object = None) -> Sa
 
 
 def check_joints(samples: Samples, part: float, slack: np.ndarray) -> None:
-    """Raise ParameterError where a time is repeated with another state, unless two pieces are joined there."""
-    # At a joint of two pieces the states differ by at most `part` of the largest |x| and |v|, and by the slack (n, 2).
+    """Raise ParameterError where a time is repeated with a state so different that no two pieces are joined there."""
+    # Where two pieces of one solution are joined, their states differ by at most `part` of the largest |x| and |v|,
+    # and by twice `slack`, the errors allowed to the samples, shape (n, 2).
     twice = np.flatnonzero(np.diff(samples.t) == 0.0)
     for name, values, more in (("x", samples.x, slack[:, 0]), ("v", samples.v, slack[:, 1])):
         limit = part * np.max(np.abs(values)) + more[twice] * 2.0
@@ -161,8 +162,9 @@ class Digits(NamedTuple):
 
 def find_rounding(samples: Samples, speeds: Iterable[float], start: float | None = None) -> dict[str, Digits]:
     """Return the rounding of the columns "t", "x", "v" and of listed "events" that have fewer digits than a double."""
-    # In a stick v is one of `speeds`, rounded likewise. Times are taken as rounded only if x or v are rounded and the
-    # times are not an even grid: a time such as 0.05 is exact, unless the first one is the scene's start, rounded.
+    # The `speeds` of the belts are short numbers by nature, so that v in a stick shows no rounding. Times are taken as
+    # rounded only if x or v are rounded and the times are not an even grid: a time such as 0.05 is exact, unless the
+    # first one is the scene's `start`, rounded.
     x, v = find_digits(samples.x, samples.x[:1]), find_digits(samples.v, [*speeds, samples.v[0]])
     if not samples.lacks_v:
         x, v = x or _as_neighbour(samples.x, v), v or _as_neighbour(samples.v, x)
@@ -179,9 +181,10 @@ def find_rounding(samples: Samples, speeds: Iterable[float], start: float | None
 
 
 def find_digits(values: np.ndarray, natural: Iterable[float] = (), least: int = LEAST_SHOWN) -> Digits | None:
-    """Return the rounding of `values`; None if they are full doubles, or fewer than `least` of them show a rounding."""
-    # Fixed decimals and significant digits are tried. Rounded numbers fit both, one of them with more digits than were
-    # written; the coarser unit is the right one for every number. Numbers that are 0 or `natural` show nothing.
+    """Return the rounding of `values`; None if they are full doubles, or if too few of them show a rounding."""
+    # At least `least` must show it; 0 and the numbers `natural`, which are short anyway, do not. Fixed decimals and
+    # significant digits are tried. Rounded numbers fit both, one of them with more digits than were written: the
+    # coarser unit is the right one for every number.
     numbers = values[(values != 0.0) & ~np.isin(values, list(natural))]
     if len(numbers) < least:
         return None
@@ -192,14 +195,14 @@ def find_digits(values: np.ndarray, natural: Iterable[float] = (), least: int = 
 
 
 def _as_neighbour(values: np.ndarray, beside: Digits | None) -> Digits | None:
-    """Return `beside`, the rounding of the adjacent column, if the values are rounded so too; None if not."""
+    """Return the rounding of another column (x of v, v of x) if the values fit it too; None if not."""
     if beside is None or np.ptp(beside.units) > 0.0:
         return None
     return beside if _are_multiples(values, beside.units) else None
 
 
 def _decimal(values: np.ndarray, numbers: np.ndarray) -> Digits | None:
-    """Return the rounding to decimals or to significant digits that numbers show, or None."""
+    """Return the rounding of all `values` to decimals or significant digits, which `numbers`, some of them, show."""
     exponents = _exponents(numbers)
     # Hardly a double has at most 13 significant digits by chance (one of a thousand).
     significant = next((n for n in range(1, 14) if _fits(numbers, n - 1 - exponents)), None)
@@ -217,7 +220,7 @@ def _decimal(values: np.ndarray, numbers: np.ndarray) -> Digits | None:
 
 
 def _single(values: np.ndarray, numbers: np.ndarray) -> Digits | None:
-    """Return the rounding of numbers that are all in single, or in half, precision, or None."""
+    """Return the rounding of all `values` if `numbers`, some of them, are in single or half precision, or None."""
     for kind, name in ((np.float16, "half"), (np.float32, "single")):
         with np.errstate(over="ignore"):
             fits = np.array_equal(numbers.astype(kind), numbers)
@@ -227,7 +230,7 @@ def _single(values: np.ndarray, numbers: np.ndarray) -> Digits | None:
 
 
 def _grid(values: np.ndarray, numbers: np.ndarray) -> Digits | None:
-    """Return the step of an even grid that contains all numbers, as from an analogue-digital converter."""
+    """Return the rounding of all `values` to an even grid, as of an analogue-digital converter, that `numbers` show."""
     # Two halves of the numbers, or all but one of a few, must give the same step, of a few numbers to a factor of 2: a
     # single number beside a grid would make a much finer one.
     levels = np.unique(np.abs(numbers))

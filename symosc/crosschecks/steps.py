@@ -153,20 +153,19 @@ class ExactSteps:
 
 def follow_steps(parameters: Parameters, t: Any, x: Any, v: Any, near: Any, scales: Any) -> ExactSteps:
     """Restart the exact motion from every sample and follow it to the time of the next one."""
-    # A sample with |v - v_belt| <= `near` (a number or (n,)) may be meant to be on the belt or beside it: the one
-    # counts that agrees better with the next sample, in units `scales` ((2,) or (n - 1, 2)). Where a time is repeated
-    # nothing moves: the defect is the jump.
+    # `near`, a number or an array (n,): a sample whose v differs from a belt's speed by at most so much may be meant to
+    # be on the belt or beside it. Both are followed, and the one counts that is nearer to the next sample, in units of
+    # x and v `scales`, (2,) or (n - 1, 2). Where a time is repeated nothing moves: the defect is the jump.
     K = Arithmetic(parameters).K._replace(sigmas=0.0)
     count = len(t) - 1
-    scales = np.broadcast_to(scales, (count, 2))
-    theta, defects, modes = np.empty(count + 1), np.empty((count, 2)), np.zeros((2, count), np.int8)
-    near, found = np.broadcast_to(near, count + 1), []
+    near, scales = np.broadcast_to(near, count + 1), np.broadcast_to(scales, (count, 2))
+    theta, defects, modes, found = np.empty(count + 1), np.empty((count, 2)), np.zeros((2, count), np.int8), []
     for begin in range(0, count, STEPS_TOGETHER):
-        part = slice(begin, min(begin + STEPS_TOGETHER, count) + 1)
+        end = min(begin + STEPS_TOGETHER, count)
+        part, inner = slice(begin, end + 1), slice(begin, end)
         theta[part] = phases(parameters, t[part])
-        inner = slice(begin, part.stop - 1)
-        some = SampleBlock(K, t[part], x[part], v[part], theta[part], near[part], scales[inner])
-        defects[inner], modes[:, inner], events = some.follow()
+        samples = np.array([t[part], x[part], v[part], theta[part]])
+        defects[inner], modes[:, inner], events = _follow_samples(K, samples, near[inner], scales[inner])
         found.append(events._replace(step=events.step + begin))
     # A step in which no time passes has the mode in which the motion arrives, or leaves the first sample.
     for i in np.flatnonzero(np.diff(t) == 0.0).tolist():
@@ -175,52 +174,46 @@ def follow_steps(parameters: Parameters, t: Any, x: Any, v: Any, near: Any, scal
     return ExactSteps(parameters, K, t, x, v, theta, defects, modes[0], modes[1], events)
 
 
-@dataclass(frozen=True)
-class SampleBlock:
-    """A block of consecutive samples, to follow the steps between them; the fields are as in `follow_steps`."""
+def _follow_samples(
+    K: Constants, samples: np.ndarray, near: np.ndarray, scales: np.ndarray
+) -> tuple[np.ndarray, np.ndarray, StepEvents]:
+    """Follow the steps between samples, rows t, x, v, theta; return defects, first and last modes, and events."""
+    t, x, v, _ = samples
+    gaps = np.abs(v[:-1, None] - np.array([K.belt1.v, K.belt2.v]))
+    closest, beside = np.argmin(gaps, axis=1) + 1, gaps.min(axis=1)
+    moving = np.flatnonzero(np.diff(t) > 0.0)
+    defects = np.column_stack([x[:-1] - x[1:], v[:-1] - v[1:]])
+    modes = np.zeros((2, len(defects)), np.int8)
+    on = np.where(beside == 0.0, closest, 0)  # the boundary of a sample that is exactly on a belt
+    defects[moving], modes[:, moving], events = follow_from(K, samples, moving, on[moving])
+    either = moving[(beside[moving] > 0.0) & (beside[moving] <= near[moving])]
+    if len(either):
+        size = np.max(np.abs(defects[either]) / scales[either], axis=1)
+        others, other_modes, other_events = follow_from(K, samples, either, closest[either])
+        # On a belt both agree up to rounding: then it is on the belt.
+        better = ~(np.max(np.abs(others) / scales[either], axis=1) > size * (1.0 + 1e-6) + EPS)
+        chosen = either[better]
+        defects[chosen], modes[:, chosen] = others[better], other_modes[:, better]
+        events = _merged(events, other_events, chosen)
+    return defects, modes, events
 
-    K: Constants
-    t: np.ndarray
-    x: np.ndarray
-    v: np.ndarray
-    theta: np.ndarray
-    near: np.ndarray
-    scales: np.ndarray
 
-    def follow(self) -> tuple[np.ndarray, np.ndarray, StepEvents]:
-        """Return the defects of the steps between the samples, their first and last modes, and the events."""
-        v, near = self.v[:-1], self.near[:-1]
-        gaps = np.abs(v[:, None] - np.array([self.K.belt1.v, self.K.belt2.v]))
-        closest, beside = np.argmin(gaps, axis=1) + 1, gaps.min(axis=1)
-        moving = np.flatnonzero(np.diff(self.t) > 0.0)
-        defects = np.column_stack([self.x[:-1] - self.x[1:], v - self.v[1:]])
-        modes, size = np.zeros((2, len(v)), np.int8), np.zeros(len(v))
-        on = np.where(beside == 0.0, closest, 0)  # the boundary of a sample that is exactly on a belt
-        defects[moving], modes[:, moving], size[moving], events = self.follow_from(moving, on[moving])
-        either = moving[(beside[moving] > 0.0) & (beside[moving] <= near[moving])]
-        if len(either):
-            others = self.follow_from(either, closest[either])
-            # On a belt both agree up to rounding: then it is on the belt.
-            better = ~(others[2] > size[either] * (1.0 + 1e-6) + EPS)
-            chosen = either[better]
-            defects[chosen], modes[:, chosen] = others[0][better], others[1][:, better]
-            events = _merged(events, others[3], chosen)
-        return defects, modes, events
-
-    def follow_from(self, steps: np.ndarray, on: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray, StepEvents]:
-        """Follow steps with v first set to belt `on` (0: not set); return defects, modes, defect sizes and events."""
-        belts, left = np.array([self.K.belt1.v, self.K.belt2.v]), self.t[steps + 1] - self.t[steps]
-        start_v = np.where(on > 0, belts[on - 1], self.v[steps])
-        rows, _ = start_rows(on, self.theta[steps], self.x[steps], start_v, (0.0, 0.0, left, 0.0, 0.0), self.K)
-        modes, ends = np.array([rows[:, 0], rows[:, 0]]).astype(np.int8), np.empty((len(rows), 2))
-        quiet, states = quiet_ends(rows, left, self.K)
-        ends[quiet] = states
-        busy = np.delete(np.arange(len(rows)), quiet)
-        modes[1, busy], ends[busy], events = _follow(rows[busy], left[busy], self.K)
-        defects = ends - np.column_stack([self.x[steps + 1], self.v[steps + 1]])
-        origin = steps[busy[events.step]]
-        events = events._replace(step=origin, t=self.t[origin] + events.t)
-        return defects, modes, np.max(np.abs(defects) / self.scales[steps], axis=1), events
+def follow_from(
+    K: Constants, samples: np.ndarray, steps: np.ndarray, on: np.ndarray
+) -> tuple[np.ndarray, np.ndarray, StepEvents]:
+    """Follow some steps, by number, from their samples, rows t, x, v, theta; return defects, modes and events."""
+    # Where `on` is 1 or 2, v is first set to the speed of that belt, and the motion begins on it.
+    t, x, v, theta = samples
+    left, start_v = t[steps + 1] - t[steps], np.where(on > 0, np.array([K.belt1.v, K.belt2.v])[on - 1], v[steps])
+    rows, _ = start_rows(on, theta[steps], x[steps], start_v, (0.0, 0.0, left, 0.0, 0.0), K)
+    modes, ends = np.array([rows[:, 0], rows[:, 0]]).astype(np.int8), np.empty((len(rows), 2))
+    quiet, states = quiet_ends(rows, left, K)
+    ends[quiet] = states
+    busy = np.delete(np.arange(len(rows)), quiet)
+    modes[1, busy], ends[busy], events = _follow(rows[busy], left[busy], K)
+    origin = steps[busy[events.step]]
+    events = events._replace(step=origin, t=t[origin] + events.t)
+    return ends - samples[1:3, steps + 1].T, modes, events
 
 
 def phases(parameters: Parameters, t: Any) -> np.ndarray:
@@ -306,7 +299,8 @@ def _ends(rows: np.ndarray, modes: np.ndarray, left: np.ndarray, events: StepEve
 
 
 def _follow_one(batch: Batch, rows: np.ndarray, i: int, K: Constants) -> list[tuple[Any, ...]]:
-    """Follow a row whose contact is undecided: both continuations are right, so take the first."""
+    """Follow the start in row i, where doubles cannot decide a contact with a belt, and return its events."""
+    # Both answers are right within rounding, and the first is taken. The final state goes into the `batch`.
     state, (t_end, t_end_low) = state_of(rows, i), rows[i, 13:15].tolist()
     events, code = list[tuple[Any, ...]](), MOVED
     while code not in (END, REST, FAILED) and len(events) < MOST_STEP_EVENTS:

@@ -16,14 +16,14 @@ import numpy as np
 
 from symosc.aliases import Record
 from symosc.crosschecks.samples import Samples, fastest_rate, find_digits
-from symosc.crosschecks.steps import SampleBlock, phases
+from symosc.crosschecks.steps import follow_from, phases
 from symosc.engine.arithmetic import Arithmetic
 from symosc.engine.flow import Constants
 from symosc.errors import ParameterError
 from symosc.kernels import entire_array
 from symosc.kernels._generated import acceleration, motion
 from symosc.model import Parameters
-from symosc.scenes import Scene
+from symosc.scenes import STARTS, Scene
 from symosc.simulation.simulate import simulate
 from symosc.simulation.trajectory import Trajectory
 
@@ -35,7 +35,8 @@ GOOD_FIT = 1.1
 
 
 def with_velocities(samples: Samples, scene: Scene | Parameters, tolerance: float) -> Samples:
-    """Return samples with velocities and their errors; ParameterError if positions are too far apart."""
+    """Compute the velocities of samples that have positions alone, and bounds of their errors; return new samples."""
+    # ParameterError if the positions are too far apart in time to determine them.
     p = scene if isinstance(scene, Parameters) else scene.parameters
     K = Arithmetic(p).K._replace(sigmas=0.0)
     t, x = samples.t, samples.x
@@ -81,6 +82,7 @@ def with_velocities(samples: Samples, scene: Scene | Parameters, tolerance: floa
 
 def _fit_motion(samples: Samples, scene: Scene | Parameters, half: np.ndarray, off: float) -> Samples | None:
     """Return samples with the velocities of one exact motion through all positions; None if none is found."""
+    # It may miss each position by `half` a unit of its last place and by `off`, the tolerance.
     t, x = samples.t, samples.x
     p = scene if isinstance(scene, Parameters) else scene.parameters
     digits = find_digits(t, t[:1])
@@ -111,7 +113,7 @@ def _fit_motion(samples: Samples, scene: Scene | Parameters, half: np.ndarray, o
 
 def _motion(scene: Scene | Parameters, t_end: float, *start: float) -> Trajectory | None:
     """Return the exact motion of a scene, or from a start t0, x0, v0; None if the model does not allow it."""
-    given: Record = dict(zip(("t0", "x0", "v0"), map(float, start), strict=False))
+    given: Record = dict(zip(STARTS, map(float, start), strict=False))
     try:
         return simulate(scene, t_end=float(t_end), max_events=20_000, **given)
     except ParameterError:
@@ -165,7 +167,7 @@ def _fitted(p: Parameters, t: np.ndarray, x: np.ndarray, v0: float) -> Trajector
 
 
 def _is_start(scene: Scene | Parameters, samples: Samples, off: float, clock: float = 0.0) -> TypeGuard[Scene]:
-    """Return whether the scene's start is within the errors of the first sample."""
+    """Return whether the first sample is the scene's start, up to an error `off` of x and `clock` of t."""
     if isinstance(scene, Parameters):
         return False
     near = abs(float(scene.x0) - float(samples.x[0])) <= off + abs(float(scene.v0)) * clock
@@ -196,7 +198,8 @@ def _flight_velocities(t: np.ndarray, x: np.ndarray, theta: np.ndarray, K: Const
 
 
 def _nearest(starts: np.ndarray, ends: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """Return the least gap in v between flights before and after each inner sample, and the domains of these two."""
+    """Return for each inner sample the pair of flights, to it and from it, whose velocities there differ least."""
+    # Each flight, over one step, may have the force of any domain. Returned are the difference, and both domains.
     inner = starts.shape[1] - 1
     best, left, right = np.full(inner, np.inf), np.zeros(inner, np.int8), np.zeros(inner, np.int8)
     for i in range(len(ends)):
@@ -208,7 +211,8 @@ def _nearest(starts: np.ndarray, ends: np.ndarray) -> tuple[np.ndarray, np.ndarr
 
 
 def _agreed(starts: np.ndarray, ends: np.ndarray, left: np.ndarray, right: np.ndarray, sure: np.ndarray) -> np.ndarray:
-    """Return velocities at samples `sure`, where two flights agree, and at the far ends of both; elsewhere NaN."""
+    """Return the velocities at the ends of pairs of flights that agree about the sample between them; elsewhere NaN."""
+    # `sure` are the numbers of these samples, from the second one on; `left` and `right` the domains of `_nearest`.
     v = np.full(starts.shape[1] + 1, np.nan)
     left, right = left[sure], right[sure]
     v[sure], v[sure + 2] = starts[left, sure], ends[right, sure + 1]
@@ -225,8 +229,7 @@ def _continued(K: Constants, t: np.ndarray, x: np.ndarray, v: np.ndarray, theta:
         if not len(steps):
             break
         on = (v[steps] == K.belt1.v) + 2 * (v[steps] == K.belt2.v)
-        some = SampleBlock(K, t, x, np.where(np.isnan(v), 0.0, v), theta, np.zeros(len(t)), np.ones((len(t) - 1, 2)))
-        found = some.follow_from(steps, on)[0][:, 1]
+        found = follow_from(K, np.array([t, x, np.where(np.isnan(v), 0.0, v), theta]), steps, on)[0][:, 1]
         v[steps + 1] = np.where(np.isnan(found), v[steps], found)
     rest = np.flatnonzero(np.isnan(v))
     if len(rest):

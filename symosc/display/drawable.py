@@ -6,6 +6,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from dataclasses import fields
 from pathlib import Path
 from typing import Any, Literal, TypeVar
 
@@ -74,6 +75,28 @@ class Drawable:
     def __dir__(self) -> list[str]:
         """Return the names that a user is meant to use, for completion."""
         return sorted(name for name in super().__dir__() if not name.startswith("_"))
+
+
+class Comparable:
+    """A result, of a dataclass, that is equal to another one if all public fields are; NaN is equal to NaN."""
+
+    __slots__ = ()
+    __hash__ = None  # type: ignore[assignment]  # arrays have none
+
+    def __eq__(self, other: object) -> bool:
+        if type(other) is not type(self):
+            return NotImplemented
+        names = [each.name for each in fields(self) if not each.name.startswith("_")]  # type: ignore[arg-type]
+        return all(_same(getattr(self, name), getattr(other, name)) for name in names)
+
+
+def _same(one: Any, other: Any) -> bool:
+    """Return whether two values are equal: arrays as a whole (NaN equals NaN), others by ==, or else by their repr."""
+    if hasattr(one, "dtype"):
+        from numpy import array_equal
+
+        return bool(array_equal(one, other, equal_nan=one.dtype.kind == "f"))
+    return bool(one == other) or repr(one) == repr(other)
 
 
 class Listing(tuple[Item, ...]):

@@ -30,17 +30,20 @@ ParametersLike: TypeAlias = Any
 StartErrors: TypeAlias = tuple[Fraction, Fraction, Fraction]
 
 SCENES_FOLDER = Path(__file__).parent
+#: The numbers of a start, with the end and without.
 START_NAMES = ("t0", "x0", "v0", "t_end")
+STARTS = START_NAMES[:3]
 
 
 class Original(NamedTuple):
-    """A start of an `OtherModel`, in the coordinates of that model.
+    """The problem as it was given for a scene of an `OtherModel`, in the coordinates of that model.
 
     Attributes
     ----------
     model : OtherModel
     t0, x0, v0, t_end : Fraction
     start_error : three Fractions or None
+        Half-widths to which t0, x0 and v0 are known.
 
     Examples
     --------
@@ -143,10 +146,10 @@ class Scene(Drawable):
 
     @public
     def started(self, given: Mapping[str, NumberLike]) -> Scene:
-        """Return a copy with another t0, x0, v0 or t_end; what is given is exact, whatever the scene's own error.
+        """Return a copy with another t0, x0, v0 or t_end; the scene's `start_error` does not apply to what is given.
 
-        The end may be text such as "10T": so many periods of the drive after t0. Of another model they are in its
-        coordinates.
+        The end may be text such as "10T": so many periods of the drive after t0. For a scene of another model, give
+        them in the coordinates of that model.
         """
         for name in given:
             if name not in START_NAMES:
@@ -195,13 +198,13 @@ def _reduced_problem(given: Original) -> tuple[dict[str, Fraction], StartErrors 
 
 
 def not_reduced_error(scene: Any) -> ParameterError:
-    """Return the error of a function that cannot turn its results back into the coordinates of another model."""
+    """Return the error for a scene of another model that is raised where results are not in its coordinates."""
     allowed = "is of another model, and this does not turn results back into its coordinates; give scene.reduced()"
     return ParameterError("scene", scene.name if isinstance(scene, Scene) else str(scene), allowed)
 
 
 def start_numbers(given: Mapping[str, Any], p: Parameters) -> tuple[dict[str, Fraction], StartErrors | None]:
-    """Return the numbers of a start, and the half-widths to which t0, x0 and v0 are known if one is not exact."""
+    """Return the numbers of a start, and half-widths of t0, x0 and v0; None for these if all numbers are exact."""
     # An expression with pi is known to 40 digits. On a belt the mass has its speed, however many digits that has.
     numbers, errors = dict[str, Fraction](), dict.fromkeys(START_NAMES, Fraction(0))
     for name, value in given.items():
@@ -391,7 +394,7 @@ def as_toml(scene: Scene, explained: bool = False, file: str = "mine.toml") -> s
         lines.append("")
     lines += ["[parameters]", *(line(name, text) for name, text in parameters.items()), "", "[start]"]
     lines += [START_COMMENT] if explained else []
-    lines += [line(name, show(getattr(own, name))) for name in ("t0", "x0", "v0")]
+    lines += [line(name, show(getattr(own, name))) for name in STARTS]
     if own.start_error is not None:
         lines.append(f"start_error = [{', '.join(_toml_number(show(each)) for each in own.start_error)}]")
     return "\n".join(lines)

@@ -45,7 +45,7 @@ class SceneFile(NamedTuple):
 
     @property
     def tables(self) -> dict[str, tuple[tuple[str, ...], tuple[str, ...]]]:
-        """The tables that the file may have, each with its required and its optional keys."""
+        """The tables that such a file may have, by name: their required keys, and their optional ones."""
         return MODEL_TABLES if "model" in self.data else TABLES
 
     def place(self, *path: str) -> str:
@@ -64,7 +64,7 @@ class SceneFile(NamedTuple):
 
 
 def line_of(text: str, path: Sequence[str]) -> int | None:
-    """Return the number of the line of a TOML text on which a key or table ends, None if not found."""
+    """Return the number of the last line of the value at a path of keys in a TOML text, None if it is not found."""
     # The lines up to it are the first ones that are TOML and have it: so strings of several lines, inline tables and
     # dotted keys are all read by the same rules as the file itself.
     begin, read = "", 0
@@ -109,11 +109,11 @@ def read_scene_file(text: str, where: str) -> SceneFile:
     for key in ("name", "structure", "source"):
         if key in data and not isinstance(data[key], str):
             raise SceneError(where, f"{file.place(key)}: {key} must be text")
-    _read_number(file, data, "t_end")
+    _check_number(file, data, "t_end")
     for table in ("parameters", "start", *(["model"] if "model" in data else [])):
         for name in data[table]:
             if name not in ("start_error", "joined"):
-                _read_number(file, data[table], name)
+                _check_number(file, data[table], name)
     return file
 
 
@@ -139,8 +139,8 @@ def _check_keys(file: SceneFile, name: str) -> None:
         raise SceneError(file.where, f"{prefix}{key} is missing{advice}")
 
 
-def _read_number(file: SceneFile, table: Record, name: str) -> None:
-    """Check a number that is given as an expression or with a unit, and note it if it is not exact."""
+def _check_number(file: SceneFile, table: Record, name: str) -> None:
+    """Check a number that is given as text; if it is not exact, add this to the notes of the file."""
     if isinstance(table[name], str):
         try:
             number, exact = read_number(name, table[name])

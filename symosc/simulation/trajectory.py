@@ -29,7 +29,7 @@ from symosc.kernels._generated import acceleration, motion
 from symosc.kernels.elementary import cos, sin
 from symosc.kernels.entire import basis_with_drive
 from symosc.model import MODE_NAMES, Parameters
-from symosc.reductions import event_back, motion_of_belts, number_of
+from symosc.reductions import event_back, motion_of_belts, number_like
 from symosc.scenes import Original
 from symosc.simulation.tables import rows_of
 from symosc.words import MAPS, Labels
@@ -353,7 +353,7 @@ class MovedTrajectory(Trajectory):
 
     def __init__(self, reduced: Trajectory, original: Original) -> None:
         self.model, self.reduced = original.model, reduced
-        number, message = number_of(reduced.t_end), f"reached t_end = {show(original.t_end)}"
+        number, message = number_like(reduced.t_end), f"reached t_end = {show(original.t_end)}"
         delay, end = number(self.model.delay), number(original.t_end)
         if reduced.status != "t_end":
             message = f"{reduced.message} (of the oscillator that the model is; its time is {float(delay):.6g} less)"

@@ -12,24 +12,23 @@ import re
 import warnings
 from collections.abc import Callable
 from contextlib import nullcontext, suppress
-from functools import partial
 from hashlib import sha256
 from io import BytesIO
 from pathlib import Path
 from types import ModuleType
-from typing import TYPE_CHECKING, Any, Literal
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 import symosc
 from symosc.display.drawable import Drawable
-from symosc.errors import MissingExtraError, OutputError, SweepError
+from symosc.errors import MissingExtraError, OutputError, SweepError, optional
 from symosc.exact import show
 from symosc.files import STDOUT, read_path
 from symosc.quantities import QUANTITIES
-from symosc.scenes import Scene
+from symosc.scenes import START_NAMES, STARTS
 from symosc.simulation.tables import SUMMARY_COLUMNS
-from symosc.sweeps.plan import SET_AXIS, START_AXIS, SWEPT_STARTS, Coordinate, SweepPlan
+from symosc.sweeps.plan import SET_AXIS, START_AXIS, SweepPlan
 from symosc.sweeps.store import DRAFT, Columns, remove
 
 if TYPE_CHECKING:
@@ -37,7 +36,8 @@ if TYPE_CHECKING:
 
 #: The attribute of a Dataset under which symosc's accessor is found.
 ACCESSOR = "symosc"
-NETCDF_ENGINE: Literal["h5netcdf"] = "h5netcdf"
+#: xarray's engine for each format of its own.
+ENGINES: dict[str, Any] = {".nc": "h5netcdf", ".zarr": "zarr"}
 #: The first line of a CSV file: the attributes and the types of the columns, as JSON.
 COMMENT = "# "
 NO_CHECKSUM = "0" * 64
@@ -52,10 +52,7 @@ ZARR_FORM = re.compile(rf"zarr\.json|({ZARR_NAMES})/(zarr\.json|c(/\d+)*)")
 
 def need_xarray() -> ModuleType:
     """Return xarray; MissingExtraError if it is not installed."""
-    try:
-        import xarray
-    except ImportError:
-        raise MissingExtraError("sweep", "sweep") from None
+    xarray: ModuleType = optional("xarray", "sweep", "sweep")
     if ACCESSOR not in vars(xarray.Dataset):
         xarray.register_dataset_accessor(ACCESSOR)(SweptDataset)
     return xarray
@@ -111,33 +108,23 @@ def dataset_of(plan: SweepPlan, columns: Columns) -> xarray.Dataset:
 def _call_text(plan: SweepPlan) -> str:
     """Return the call of `sweep` that gives this result again, as Python source; long axes refer to the dataset."""
     over = {name: each for name, each in plan.coordinates.items() if each.dimension != START_AXIS}
+    scene, axes = plan.scene, list[str]()
+    for name, axis in over.items():  # axes with more values are not written out in the call; the coordinates have them
+        values = f"dataset[{name!r}].values" if len(axis.values) > 2000 else repr(axis.values.tolist())
+        axes.append(f"{name!r}: {repr(axis.text) if axis.text else values}")
+    written = "{" + ", ".join(axes) + "}"
     if SET_AXIS in plan.sizes:
         written = f"[{{name: float(dataset[name][i]) for name in {[*over]}}} for i in range(dataset.sizes['set'])]"
-    else:
-        written = "{" + ", ".join(f"{name!r}: {_axis_text(name, axis)}" for name, axis in over.items()) + "}"
     record = tuple(f"{name}:{plan.sections}" if name == "section" else name for name in plan.record)
     options = [f"record={record!r}", f"t_end={str(plan.t_end)!r}", f"skip={str(plan.skip)!r}"]
     if START_AXIS in plan.sizes:
-        rows = np.stack([plan.coordinates[name].values for name in SWEPT_STARTS], axis=-1).tolist()
+        rows = np.stack([plan.coordinates[name].values for name in STARTS], axis=-1).tolist()
         options.append(f"starts={rows!r}")
-    return f"sweep({_scene_text(plan.scene)}, {written}, {', '.join(options)})"
-
-
-def _axis_text(name: str, axis: Coordinate) -> str:
-    """Return the values of an axis as Python source."""
-    if axis.text:
-        return repr(axis.text)
-    # Axes with more values are not written out in the call; the coordinates have them.
-    return f"dataset[{name!r}].values" if len(axis.values) > 2000 else repr(axis.values.tolist())
-
-
-def _scene_text(scene: Scene) -> str:
-    """Return a scene as Python source."""
     parameters = ", ".join(f"{name}={text!r}" for name, text in scene.parameters.as_dict().items())
-    start = ", ".join(f"{name}={show(getattr(scene, name))!r}" for name in (*SWEPT_STARTS, "t_end"))
+    start = ", ".join(f"{name}={show(getattr(scene, name))!r}" for name in START_NAMES)
     if scene.start_error is not None:
         start += f", start_error={[show(each) for each in scene.start_error]!r}"
-    return f"Scene({scene.name!r}, Parameters({parameters}), {start})"
+    return f"sweep(Scene({scene.name!r}, Parameters({parameters}), {start}), {written}, {', '.join(options)})"
 
 
 def output_path(path: Any) -> Path:
@@ -150,15 +137,16 @@ def output_path(path: Any) -> Path:
         raise OutputError(name, f"a sweep's name must end in {', '.join(WRITERS)}")
     if not target.parent.is_dir():
         raise OutputError(name, "No such file or directory")
-    needed = {".nc": NETCDF_ENGINE, ".zarr": "zarr"}.get(target.suffix.lower())
-    if needed and needed not in need_xarray().backends.list_engines():
+    engine = ENGINES.get(target.suffix.lower())
+    if engine and engine not in need_xarray().backends.list_engines():
         raise MissingExtraError(f"a {target.suffix} file", "sweep")
     return target
 
 
 def plan_of(path: Path, to_replace: bool = False) -> str | None:
-    """Return the key of the plan whose finished result is in an output file; None if there is no such file."""
-    # SweepError if there is something else. The libraries, which do not fail well, are not asked.
+    """Return the plan's key (`SweepPlan.key`) that an output file states; None if there is no such file."""
+    # SweepError if it is no output of a sweep, or, if it is a folder `to_replace`, has files of somebody else. The file
+    # is read as bytes: the libraries do not fail well.
     if not os.path.lexists(path):
         return None
     found, place, ending = list[bytes](), _text_file(path), path.suffix.lower()
@@ -174,7 +162,7 @@ def plan_of(path: Path, to_replace: bool = False) -> str | None:
 
 
 def _text_file(path: Path) -> Path:
-    """Return the file of an output (itself, or in its folder) that holds the plan and the checksum."""
+    """Return the file that holds plan and checksum of an output: the output itself, or one in it if it is a folder."""
     return path / "zarr.json" if path.is_dir() else path
 
 
@@ -189,7 +177,8 @@ def read_columns(path: Path) -> Columns:
     found, stated, _ = _checksum(path)
     if found != stated:
         raise SweepError(f"{path} is damaged, or was changed after it was written: start anew, or name another file")
-    return READERS[path.suffix.lower()](path)
+    ending = path.suffix.lower()
+    return _read_csv(path) if ending == ".csv" else _read_dataset(path, ENGINES[ending])
 
 
 def write_output(dataset: xarray.Dataset, path: Path, folder: Path) -> None:
@@ -228,7 +217,7 @@ def _to_disk(path: Path) -> None:
 
 
 def _checksum(path: Path) -> tuple[str, str, int]:
-    """Return the checksum of an output, the one that it states ("" if none), and where in the file that one stands."""
+    """Return the right checksum of an output; the stated one, "" if there is none; and the stated one's offset."""
     place, stated, begin, found = _text_file(path), "", 0, sha256()
     for name, file in (_files_in(path) or {"": path}).items():
         content = memoryview(file.read_bytes())
@@ -317,8 +306,3 @@ def _read_csv(path: Path) -> Columns:
 
 
 WRITERS: dict[str, Callable[[Any, Path], None]] = {".nc": _write_netcdf, ".zarr": _write_zarr, ".csv": _write_csv}
-READERS: dict[str, Callable[[Path], Columns]] = {
-    ".nc": partial(_read_dataset, engine=NETCDF_ENGINE),
-    ".zarr": partial(_read_dataset, engine="zarr"),
-    ".csv": _read_csv,
-}

@@ -25,14 +25,13 @@ from symosc.errors import ParameterError, SweepError, meant
 from symosc.exact import LARGEST, read_exact, show, unmasked, whole_number
 from symosc.model import PARAMETER_NAMES, Parameters
 from symosc.quantities import read_number
-from symosc.scenes import START_NAMES, Scene, forcing_periods, from_rest, load_scene, not_reduced_error
+from symosc.scenes import STARTS, Scene, forcing_periods, from_rest, load_scene, not_reduced_error
 from symosc.simulation.ensemble import simulate_many
 from symosc.simulation.problems import named
 from symosc.simulation.tables import SUMMARY_COLUMNS
 from symosc.words import cycle
 
-SWEPT_STARTS = START_NAMES[:3]
-SWEPT_NAMES = (*PARAMETER_NAMES, *SWEPT_STARTS)
+SWEPT_NAMES = (*PARAMETER_NAMES, *STARTS)
 MOST_AXES = 3
 #: The dimension of a table's rows, and of several starts.
 SET_AXIS, START_AXIS = "set", "start"
@@ -117,7 +116,7 @@ class SweepPlan:
             "symosc": symosc.__version__,
             "kernels": kernels_hash(),
             "parameters": self.scene.parameters.as_dict(),
-            "start": {name: show(getattr(self.scene, name)) for name in SWEPT_STARTS},
+            "start": {name: show(getattr(self.scene, name)) for name in STARTS},
             "start_error": None if errors is None else [show(each) for each in errors],
             "swept": swept,
             "record": list(self.record),
@@ -131,11 +130,11 @@ class SweepPlan:
         """The plan's name: a hash of its content."""
         return hashlib.sha256(json.dumps(self.content, sort_keys=True).encode()).hexdigest()
 
-    def call(self, begin: int, end: int) -> Record:
+    def arguments(self, begin: int, end: int) -> Record:
         """Return the arguments of `simulate_many` that compute the cells from `begin` up to `end`."""
         swept = self.cells(begin, end)
         p: Record = {name: swept.get(name, getattr(self.scene.parameters, name)) for name in PARAMETER_NAMES}
-        starts = {name: swept.get(name, getattr(self.scene, name)) for name in SWEPT_STARTS}
+        starts = {name: swept.get(name, getattr(self.scene, name)) for name in STARTS}
         period = 2 * math.pi / np.asarray(p["Omega"], dtype=float)
         t_end = self.t_end.times(period)
         return {
@@ -149,13 +148,13 @@ class SweepPlan:
         }
 
 
-def compute(call: Record, kernels: str, workers: int | None = 1) -> tuple[dict[str, np.ndarray], float]:
-    """Compute a chunk, perhaps in another process, by its call; return its columns and the processor seconds."""
-    # SweepError unless the sources here have the hash `kernels`: a worker with another version of symosc.
+def compute(arguments: Record, kernels: str, workers: int | None = 1) -> tuple[dict[str, np.ndarray], float]:
+    """Compute a chunk, given the arguments of `simulate_many`; return its columns and the processor seconds."""
+    # `kernels` is the `kernels_hash` of the program that asks: SweepError in a worker with another version of symosc.
     if kernels != kernels_hash():
         raise SweepError("a worker has another version of symosc than this program")
     wall, processor = perf_counter(), process_time()
-    columns: dict[str, np.ndarray] = simulate_many(**call, workers=workers).columns()
+    columns: dict[str, np.ndarray] = simulate_many(**arguments, workers=workers).columns()
     if "word" in columns:
         columns["word"] = cycles(columns["word"])
     threads = workers or os.cpu_count() or 1
@@ -164,7 +163,7 @@ def compute(call: Record, kernels: str, workers: int | None = 1) -> tuple[dict[s
 
 
 def cycles(words: np.ndarray) -> np.ndarray:
-    """Return for each word its largest rotation in text order, the same for P32 and P23, which are one cycle."""
+    """Return for each word the form `words.cycle` of its cycle: P32 for P32 and for P23."""
     # Where a cycle is cut into periods depends on the phases of its events, and so on the parameters; a map over them
     # shows borders only where the cycle itself changes.
     texts, places = np.unique(words, return_inverse=True)
@@ -194,10 +193,10 @@ def read_plan(scene: Any, over: Any, record: Any, t_end: Any, skip: Any, starts:
         problem = scene if isinstance(scene, Scene) else load_scene(scene)
         if problem.original is not None:
             raise not_reduced_error(problem)
-    starts = _start_rows(starts)
-    if starts is not None and np.ndim(np.asarray(starts, dtype=object)) == 1 and len(starts) == 3:
-        problem, starts = problem.started(dict(zip(SWEPT_STARTS, starts, strict=True))), None
-    coordinates = read_coordinates(problem, over, starts)
+    rows = None if starts is None else _start_rows(starts)
+    if rows is not None and rows.ndim == 1:
+        problem, rows = problem.started(dict(zip(STARTS, rows, strict=True))), None
+    coordinates = read_coordinates(problem, over, rows)
     columns, sections = _read_record(record)
     end = Duration(problem.t_end) if t_end is None else read_duration("t_end", t_end)
     plan = SweepPlan(problem, coordinates, columns, sections, end, read_duration("skip", skip))
@@ -205,14 +204,15 @@ def read_plan(scene: Any, over: Any, record: Any, t_end: Any, skip: Any, starts:
     return plan
 
 
-def read_coordinates(scene: Scene, over: Any, starts: Any = None) -> Coordinates:
-    """Return the swept values: axes by name, or columns of a table; with `starts` each is combined with every start."""
+def read_coordinates(scene: Scene, over: Any, starts: np.ndarray | None = None) -> Coordinates:
+    """Return the swept values by name, of axes or of a table; the rows `starts` are one more dimension."""
     table = _table_columns(over)
     found = _axes(over) if table is None else {name: Coordinate(SET_AXIS, values) for name, values in table.items()}
     if starts is not None:
-        if twice := [name for name in SWEPT_STARTS if name in found]:
+        if twice := [name for name in STARTS if name in found]:
             raise ParameterError("starts", twice[0], "is swept too; give it in one place")
-        found |= _start_columns(starts)
+        columns = zip(STARTS, starts.T, strict=True)
+        found |= {name: Coordinate(START_AXIS, _numbers(name, values)) for name, values in columns}
     count = math.prod({each.dimension: len(each.values) for each in found.values()}.values())
     if count > MOST_SWEPT:
         raise ParameterError("over", f"{count} motions", f"must be at most {MOST_SWEPT}")
@@ -304,30 +304,24 @@ def _table_columns(over: Any) -> dict[str, np.ndarray] | None:
     return columns
 
 
-def _start_rows(starts: Any) -> Any:
-    """Return starts as rows t0, x0, v0, a single one as one row, from rows or from columns with these names."""
-    columns = named("starts", starts, SWEPT_STARTS)
-    if not isinstance(columns, Mapping):
-        return starts
-    each = [np.asarray(unmasked(name, column), dtype=object) for name, column in columns.items()]
+def _start_rows(starts: Any) -> np.ndarray:
+    """Return starts, given as rows or as columns by name, as an array (n, 3) of rows t0, x0, v0, or (3,) if single."""
+    columns = named("starts", starts, STARTS)
+    if isinstance(columns, Mapping):
+        each = [np.asarray(unmasked(name, column), dtype=object) for name, column in columns.items()]
+        try:
+            rows = np.stack(np.broadcast_arrays(*each), axis=-1)
+        except ValueError:
+            lengths = [np.shape(column) for column in columns.values()]
+            raise ParameterError("starts", lengths, "the columns must be of one length") from None
+        return rows.ravel() if rows.size == 3 else rows
     try:
-        rows = np.stack(np.broadcast_arrays(*each), axis=-1)
-    except ValueError:
-        lengths = [np.shape(column) for column in columns.values()]
-        raise ParameterError("starts", lengths, "the columns must be of one length") from None
-    return rows.ravel() if rows.size == 3 else rows
-
-
-def _start_columns(starts: Any) -> Coordinates:
-    """Return swept starts, given as rows t0, x0, v0, as columns by name."""
-    unmasked("starts", starts)
-    try:
-        rows = np.atleast_2d(np.asarray(starts, dtype=object))
+        rows = np.asarray(unmasked("starts", starts), dtype=None if hasattr(starts, "dtype") else object)
     except ValueError:
         rows = np.zeros(0)
-    if rows.ndim != 2 or rows.shape[1] != 3 or not len(rows):
+    if rows.ndim not in (1, 2) or rows.shape[-1] != 3 or not len(rows):
         raise ParameterError("starts", starts, "must have shape (n, 3), rows of t0, x0, v0")
-    return {name: Coordinate(START_AXIS, _numbers(name, rows[:, i])) for i, name in enumerate(SWEPT_STARTS)}
+    return rows
 
 
 def _check_values(scene: Scene, coordinates: Coordinates) -> None:
@@ -356,7 +350,8 @@ def read_duration(name: str, given: Any) -> Duration:
 
 
 def _read_record(record: Any) -> tuple[tuple[str, ...], int]:
-    """Return the columns to record and the points of a section, from names such as "word" and "section:64"."""
+    """Return the columns to record, and the number of points of a Poincaré section, 0 if none is recorded."""
+    # The names are those of columns of a summary; "section:64" is a section with 64 points.
     columns, sections = list[str](), 0
     for name in [record] if isinstance(record, str) else record:
         column, colon, count = name.partition(":")

@@ -1,6 +1,7 @@
 """Finished chunks on disk, each written atomically, so that a sweep may be interrupted at any moment.
 
-A chunk ends with a checksum over its content, its range and its plan: what was changed since is computed anew.
+A chunk is the result of successive cells of a sweep, from `begin` up to `end`. Its file ends with a checksum over its
+content, its range and its plan: what was changed since is computed anew.
 """
 
 from __future__ import annotations
@@ -34,7 +35,7 @@ Columns = dict[str, np.ndarray]
 
 
 class Store:
-    """The chunks of one sweep, in a folder next to its `output` file."""
+    """The saved chunks of one sweep, in a folder next to its `output` file."""
 
     def __init__(self, output: Path) -> None:
         self.output = output
@@ -82,7 +83,7 @@ class Store:
         return SweepError(f"{self.folder} has the chunks of another sweep: name another output, or start anew")
 
     def _clear(self, whole: bool) -> None:
-        """Remove the drafts that a killed program has left, and if `whole` also the chunks and their plan."""
+        """Remove half-written files (drafts) of a killed program, and if `whole` also the chunks and their plan."""
         for path in self.folder.iterdir():
             if DRAFT_FORM.fullmatch(path.name) or (
                 whole and (path.name == PLAN_FILE or CHUNK_FORM.fullmatch(path.name))
@@ -115,13 +116,10 @@ class Store:
 
     def write(self, begin: int, end: int, columns: Columns) -> None:
         """Save the columns of the cells from `begin` up to `end`."""
-
-        def fill(draft: Path) -> None:
-            content = BytesIO()
-            np.savez(content, allow_pickle=False, **columns)
-            draft.write_bytes(content.getvalue() + self._checksum(begin, end, content.getvalue()))
-
-        write_whole(self.folder / CHUNK_NAME.format(begin, end), fill)
+        file = BytesIO()
+        np.savez(file, allow_pickle=False, **columns)
+        content = file.getvalue() + self._checksum(begin, end, file.getvalue())
+        write_whole(self.folder / CHUNK_NAME.format(begin, end), lambda draft: draft.write_bytes(content))
 
     def _checksum(self, begin: int, end: int, content: bytes) -> bytes:
         """Return the checksum of a chunk's bytes, which depends on its cells and on the plan too."""
@@ -135,25 +133,17 @@ class Store:
     def chunks(self, names: Collection[str]) -> Iterator[tuple[int, int, Columns]]:
         """Yield begin, end and columns of each saved chunk with these columns; remove damaged or changed ones."""
         for begin, end in self.ranges():
-            path = self.folder / CHUNK_NAME.format(begin, end)
-            columns = self._read(path, begin, end)
+            path, size, columns = self.folder / CHUNK_NAME.format(begin, end), sha256().digest_size, Columns()
+            with suppress(OSError):
+                whole = path.read_bytes()
+                if whole[-size:] == self._checksum(begin, end, whole[:-size]):
+                    with np.load(BytesIO(whole[:-size]), allow_pickle=False) as archive:
+                        columns = dict(archive)
             if columns.keys() == set(names) and all(len(column) == end - begin for column in columns.values()):
                 yield begin, end, columns
             else:
                 with suppress(OSError):
                     path.unlink()
-
-    def _read(self, path: Path, begin: int, end: int) -> Columns:
-        """Return the columns of a saved chunk; no columns if it was damaged or changed."""
-        try:
-            whole = path.read_bytes()
-        except OSError:
-            return {}
-        size = sha256().digest_size
-        if whole[-size:] != self._checksum(begin, end, whole[:-size]):
-            return {}
-        with np.load(BytesIO(whole[:-size]), allow_pickle=False) as archive:
-            return {name: archive[name] for name in archive.files}
 
     def remove(self, key: str) -> None:
         """Remove the chunks of a plan, unless another program works on them; foreign files stay. Release the lock."""

@@ -16,7 +16,7 @@ from numpy.typing import ArrayLike
 from symosc.aliases import DataFrame, NumberLike, Progress, SceneName
 from symosc.arguments import public
 from symosc.display.progress import reporting
-from symosc.errors import MissingExtraError, ParameterError, SweepError, SymoscError
+from symosc.errors import ParameterError, SweepError, SymoscError, optional
 from symosc.exact import whole_number
 from symosc.model import Parameters
 from symosc.scenes import Scene
@@ -160,8 +160,8 @@ class Here(Executor):
 
 
 def read_executor(executor: Any, workers: Any) -> tuple[Executor, int]:
-    """Return an executor (if None is given, one in this process), and how many chunks it is given at a time."""
-    # `workers` are threads of this process (default: all cores), or chunks under way in an executor.
+    """Return the executor, one in this process for None, and how many chunks may be under way in it at a time."""
+    # `workers` is the number of threads of this process (default: all cores), or of these chunks.
     count = None if workers is None else whole_number("workers", workers, 1)
     if executor is None:
         return Here(count), 1
@@ -175,10 +175,7 @@ def read_executor(executor: Any, workers: Any) -> tuple[Executor, int]:
 
 def dask_client(address: str) -> Any:
     """Return a client of a dask cluster, by the address of its scheduler or the name of its scheduler file."""
-    try:
-        from distributed import Client
-    except ImportError:
-        raise MissingExtraError("a dask cluster", "sweep") from None
+    Client = optional("distributed", "a dask cluster", "sweep").Client
     if address.endswith(".json"):
         if not Path(address).is_file():  # dask would wait for it
             raise ParameterError("executor", address, "there is no such scheduler file")
@@ -194,14 +191,14 @@ def _carried_out(
     plan: SweepPlan, gaps: list[Range], executor: Executor, under_way: int
 ) -> Iterator[tuple[int, int, Columns]]:
     """Compute the cells in the ranges `gaps` in chunks, and yield each chunk as soon as it is complete."""
-    # SweepError if a worker fails; the chunks that were yielded stand.
+    # At most `under_way` chunks are submitted and not finished. SweepError if a worker fails; what was yielded stands.
     todo, size, pending = gaps[::-1], FIRST_CHUNK, dict[Future[tuple[Columns, float]], Range]()
     try:
         while todo or pending:
             while todo and len(pending) < under_way:
                 begin, end = _next_chunk(todo, size, under_way)
                 with _worker_errors():
-                    future = executor.submit(partial(compute, plan.call(begin, end), kernels_hash()))
+                    future = executor.submit(partial(compute, plan.arguments(begin, end), kernels_hash()))
                 pending[future] = begin, end
             done, _ = wait(pending, return_when=FIRST_COMPLETED)
             for future in sorted(done, key=lambda each: each.cancelled() or each.exception() is not None):

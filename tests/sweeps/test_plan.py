@@ -81,8 +81,8 @@ def test_values_that_the_model_does_not_allow_are_found_before_the_work(over: An
 
 @pytest.mark.parametrize("starts", [5, [], [1, 2], [(1, 2)], [[(1, 2, 3)]], "abc", [(1, 2), (3,)]])
 def test_what_are_no_starts(starts: Any) -> None:
-    refused(lambda: read_coordinates(FIG9, {"FN": [1]}, starts), "starts")
-    refused(lambda: read_coordinates(FIG9, {"x0": [1]}, [(0, 0, 0), (0, 0, 1)]), "starts")
+    refused(lambda: planned(over={"FN": [1]}, starts=starts), "starts")
+    refused(lambda: planned(over={"x0": [1]}, starts=[(0, 0, 0), (0, 0, 1)]), "starts")
     rows = [{"v1": 0, "v2": 1}, {"v1": 3, "v2": 4}]  # they are judged one by one
     assert read_coordinates(FIG9, rows)["v1"].values.tolist() == [0, 3]
 

@@ -96,7 +96,7 @@ def test_a_full_disk_leaves_nothing_half_written(opened: Any, tmp_path: Path, mo
     def full(*_: Any, **__: Any) -> None:
         raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC))
 
-    monkeypatch.setattr(np, "savez", full)
+    monkeypatch.setattr(Path, "write_bytes", full)
     with pytest.raises(OutputError, match="No space left on device"):
         store.write(2, 4, columns(2, 4))
     assert sorted(path.name for path in store.folder.iterdir()) == [
