@@ -18,7 +18,8 @@ import inspect
 import math
 import sys
 import types
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Iterable, Iterator
+from contextlib import contextmanager
 from fractions import Fraction
 from functools import cache, cached_property, lru_cache, partial
 from glob import escape
@@ -33,6 +34,7 @@ from symosc.engine import batch, events, first_exit, flow, lanes, next_event, st
 from symosc.engine.batch import PairLimits
 from symosc.engine.constant_table import NESTED, ConstantRows
 from symosc.engine.flow import Constants, constants, with_march
+from symosc.engine.state import NextEvent, State
 from symosc.errors import MissingExtraError
 from symosc.kernels import _generated, double_double, elementary, entire, entire_array, mapping
 from symosc.model import Parameters
@@ -201,19 +203,13 @@ IN_DOUBLES = {name: value for module in SOURCES for name, value in vars(module).
 class Arithmetic:
     """The numbers and constants of the engine in double precision; base class of the other arithmetics."""
 
-    # `advance` may follow motions in inner numbers: `inward` and `outward` convert, and arithmetic on those belongs
-    # between `enter` and `leave`.
-
     K: Constants
-    inner_K: Constants  # constants in the numbers that follow motions
     digits = 40  # that the reduction of phases takes; more than doubles have, for phases next to 0 or 2 pi
     number: Callable[[Fraction], Number] = staticmethod(float)  # rounds a Fraction to such a number
     namespace = IN_DOUBLES
-    advance: Any = staticmethod(next_event.advance)
 
     def __init__(self, parameters: Parameters) -> None:
-        self.parameters = parameters
-        self.K = self.inner_K = _float_constants(parameters)
+        self.parameters, self.K = parameters, _float_constants(parameters)
 
     def phase(self, t: Fraction) -> Number:
         """Return the phase Omega t mod 2 pi, in [0, 2 pi), correctly rounded."""
@@ -229,19 +225,10 @@ class Arithmetic:
         """Round an mpf of any precision to a number of this arithmetic."""
         return float(value)
 
-    def enter(self) -> Any:
-        """Make this precision the current one; return what `leave` needs to restore the one before."""
-
-    def leave(self, before: Any) -> None:
-        """Restore the precision that was current before `enter`."""
-
-    def inward(self, value: Any) -> Any:
-        """Convert a number, or the numbers in a tuple, to the type in which the event loop computes."""
-        return value
-
-    def outward(self, value: Any) -> Any:
-        """Convert numbers of the event loop back to those of this arithmetic (see `inward`)."""
-        return value
+    def advance(self, state: State, t_end: Number, t_end_low: Number) -> NextEvent:
+        """Return the next event after a state, or the end of an interval without events (see `next_event.advance`)."""
+        found: NextEvent = next_event.advance(state, t_end, t_end_low, self.K)
+        return found
 
 
 @lru_cache(maxsize=1024)
@@ -278,6 +265,12 @@ def compiled(width: int = 0) -> dict[str, Any]:
     return functions | {"follow_all": functions["follow_lanes" if usual else "follow_all"]}
 
 
+def loaded_loop() -> dict[str, Any] | None:
+    """Return the engine's compiled functions if this process has already run its compiled loop, else None."""
+    functions = compiled() if compiled.cache_info().currsize else {}
+    return functions if functions and functions["follow_all"].overloads else None
+
+
 @lru_cache(maxsize=1)
 def compiled_tangents() -> dict[str, Any]:
     """Return the compiled functions that differentiate motions; raise MissingExtraError if numba is not installed."""
@@ -308,15 +301,16 @@ def column_functions() -> dict[str, Any]:
 class MpArithmetic(Arithmetic):
     """Numbers of mpmath with `digits` decimal digits; `context` is their mpmath context."""
 
-    # Motions are followed by MPFR where gmpy2 is installed, at the same precision and six times as fast. Both round the
-    # four operations and the square root correctly, so results differ, if at all, in the last bits of a sine. With
+    # Motions are followed by MPFR where gmpy2 is installed, at the same precision and six times as fast: `inward` and
+    # `outward` convert, and arithmetic on its numbers belongs into a block ``with arithmetic.precision():``. Both round
+    # the four operations and the square root correctly, so results differ, if at all, in the last bits of a sine. With
     # `fast` False all is done by mpmath, also the search for events.
 
     def __init__(self, parameters: Parameters, digits: int, fast: bool = True) -> None:
         from symosc.kernels.multiprecision import BasisMP
 
         context = mp_context(digits)
-        self.parameters, self.context, self.digits, self._fast = parameters, context, digits, fast
+        self.parameters, self.context, self.digits, self.fast = parameters, context, digits, fast
         basis = BasisMP(context, parameters)
         K = with_march(constants(parameters, self.number, context.sqrt, context.atan2, +context.pi), basis)
         self.K = K._replace(sigmas=context.mpf(MP_SIGMAS))
@@ -357,7 +351,7 @@ class MpArithmetic(Arithmetic):
             from symosc.kernels import mpfr
         except ImportError:
             return None
-        return mpfr if self._fast else None
+        return mpfr if self.fast else None
 
     @cached_property
     def _inner(self) -> Any:
@@ -376,25 +370,31 @@ class MpArithmetic(Arithmetic):
         replaced["basis"] = BasisMP(self._inner, self.parameters, self._mpfr.mpfr_context)
         return bind(SOURCES, replaced, literal=self._mpfr.mpfr)
 
-    advance = property(lambda self: self.following["advance"])
-    advance_near = property(lambda self: self.following["advance_near"] if self._fast else None)
-    time_with_errors = property(lambda self: self.following["time_with_errors"])
-    event_numbers = property(lambda self: self.following["event_numbers"])
-    enter = property(lambda self: self._inner.enter)
-    leave = property(lambda self: self._inner.leave)
+    @contextmanager
+    def precision(self) -> Iterator[None]:
+        """Make the precision of the event loop's numbers the current one."""
+        before = self._inner.enter()
+        try:
+            yield
+        finally:
+            self._inner.leave(before)
+
+    def advance(self, state: State, t_end: Number, t_end_low: Number) -> NextEvent:
+        """Return the next event after a state, or the end of an interval without events (see `next_event.advance`)."""
+        with self.precision():
+            given = self.inward((state, t_end, t_end_low))
+            found: NextEvent = self.outward(self.following["advance"](*given, self.inner_K))
+            return found
 
     def inward(self, value: Any) -> Any:
         """Convert an mpmath number, or the numbers in a tuple, to those of the event loop."""
         if self._mpfr is None:
             return value
-        before = self.enter()
-        try:
+        with self.precision():
             return converted(value, lambda entry: self._mpfr.from_mpf(entry) if hasattr(entry, "_mpf_") else entry)
-        finally:
-            self.leave(before)
 
     @cached_property
-    def inner_K(self) -> Constants:  # type: ignore[override]
+    def inner_K(self) -> Constants:
         """The constants as numbers of the event loop."""
         found: Constants = self.inward(self.K)
         return found
@@ -508,8 +508,7 @@ def pairs_are_compiled() -> bool:
 
 def pairs_are_loaded() -> bool:
     """Return whether the loops of pairs are compiled and this process has already run the compiled one of doubles."""
-    used = compiled.cache_info().currsize and compiled()["follow_all"].overloads
-    return bool(used) and pairs_are_compiled()
+    return loaded_loop() is not None and pairs_are_compiled()
 
 
 def pairs_as_complex(value: Any) -> Any:

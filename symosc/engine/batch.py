@@ -7,6 +7,7 @@ out are doubles, whose only error is their rounding unless that of the pairs is 
 from __future__ import annotations
 
 import math
+from collections.abc import Iterable
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -118,6 +119,17 @@ def event_buffer(events: int) -> EventRows:
 def rows_between(rows: EventRows, begin: int, end: int) -> EventRows:
     """Return the rows of an event buffer from `begin` to before `end`, without a copy."""
     return EventRows(rows.floats[:, begin:end], rows.ints[:, begin:end])
+
+
+def joined(parts: Iterable[EventRows]) -> EventRows:
+    """Concatenate blocks of event rows in contiguous memory."""
+    rows = list(parts) or [event_buffer(0)]
+    return rows[0] if len(rows) == 1 else EventRows(*(np.concatenate(each, axis=1) for each in zip(*rows, strict=True)))
+
+
+def piece_buffer(pieces: int) -> np.ndarray:
+    """Return a buffer with room for this many pieces of a motion."""
+    return np.empty((len(PIECE_COLUMNS), pieces))
 
 
 def row_of(state: State, t_end: Number, t_end_low: Number) -> list[Number]:

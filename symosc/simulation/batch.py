@@ -7,7 +7,7 @@ depend on the number of threads either: each chunk is computed by itself, and pu
 from __future__ import annotations
 
 import os
-from collections.abc import Callable, Iterable, Iterator
+from collections.abc import Callable, Iterator
 from concurrent.futures import ThreadPoolExecutor, as_completed
 from dataclasses import dataclass
 from threading import Event
@@ -100,14 +100,6 @@ def chosen_loops(use_numba: Any) -> Loops:
     return Loops(march_rows, follow, settle, True)
 
 
-def loaded_loop() -> dict[str, Any] | None:
-    """Return the engine's compiled functions if this process has already run its compiled loop, else None."""
-    if not compiled.cache_info().currsize:
-        return None
-    functions = compiled()
-    return functions if functions["follow_all"].overloads else None
-
-
 def _interpreted_first(compiled_one: Callable[..., Any]) -> Callable[..., tuple[int, int, int]]:
     """Return an event loop: interpreted, TURN rows at a time, until the budget DOUBLES is spent, then compiled."""
 
@@ -137,12 +129,6 @@ def follow_batch(
         begin, filled, _ = follow(begin, batch, most, accuracy, buffer, NO_PIECES, tally, table)
         filled = 0 if len(tally.floats) else filled
         yield EventRows(*(engine_batch.contiguous_copy(columns[:, :filled]) for columns in buffer))
-
-
-def joined(parts: Iterable[EventRows]) -> EventRows:
-    """Concatenate blocks of event rows in contiguous memory."""
-    rows = list(parts) or [event_buffer(0)]
-    return rows[0] if len(rows) == 1 else EventRows(*(np.concatenate(each, axis=1) for each in zip(*rows, strict=True)))
 
 
 #: Buffers of earlier calls, 18 MB each: memory that is new to a process is slow.

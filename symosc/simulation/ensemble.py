@@ -39,6 +39,7 @@ from symosc.engine.batch import (
     EventRows,
     batch_of,
     event_buffer,
+    joined,
     joined_arrays,
     row_of,
     rows_between,
@@ -75,12 +76,11 @@ from symosc.simulation.batch import (
     chosen_loops,
     follow_batch,
     in_chunks,
-    joined,
     read_workers,
 )
-from symosc.simulation.motion import MOST_MORE, PAIR_NOISE, check_reached, fits_pairs
+from symosc.simulation.motion import MOST_MORE, PAIR_NOISE, fits_pairs
 from symosc.simulation.problems import NumberColumn, Problems
-from symosc.simulation.simulate import MOST_EVENTS, attainable, end_status, in_doubles, read_accuracy
+from symosc.simulation.simulate import MOST_EVENTS, attainable, check_reached, end_status, in_doubles, read_accuracy
 from symosc.simulation.tables import CHANGES, SUMMARY_COLUMNS, Summary, table_from
 from symosc.simulation.tangents import chosen_tangents, event_changes, read_wrt
 from symosc.simulation.trajectory import Trajectory
