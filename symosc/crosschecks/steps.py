@@ -25,8 +25,7 @@ import numpy as np
 from symosc.crosschecks.samples import Samples
 from symosc.engine.arithmetic import Arithmetic, loaded_loop, mp_context
 from symosc.engine.batch import Batch, batch_of, joined, keep_state, state_of
-from symosc.engine.constant_table import table_of
-from symosc.engine.flow import Constants
+from symosc.engine.flow import Constants, table_of
 from symosc.engine.next_event import TWO_PI, advance
 from symosc.engine.start import start_rows
 from symosc.engine.state import CROSS, END, FAILED, GRAZE, MOVED, ON_BELT, REST

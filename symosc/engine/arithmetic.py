@@ -32,8 +32,7 @@ import numpy as np
 from symosc.aliases import Number
 from symosc.engine import batch, events, first_exit, flow, lanes, next_event, state, summary, tangent
 from symosc.engine.batch import PairLimits
-from symosc.engine.constant_table import NESTED, ConstantRows
-from symosc.engine.flow import Constants, constants, with_march
+from symosc.engine.flow import NESTED, ConstantRows, Constants, constants, with_march
 from symosc.engine.state import NextEvent, State
 from symosc.errors import MissingExtraError
 from symosc.kernels import _generated, double_double, elementary, entire, entire_array, mapping

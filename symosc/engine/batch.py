@@ -174,7 +174,7 @@ def follow_all(begin, batch, most, accuracy, out, pieces, tally, table):
     #   out : EventRows
     #   pieces : (PIECE_COLUMNS, m) buffer of the pieces that steps lead to; none are recorded where m is 0.
     #   tally : Tally, updated; events are recorded where it is for no motion, else only counted.
-    #   table : constants of the parameter sets, as `symosc.engine.constant_table` makes them.
+    #   table : constants of the parameter sets, as `symosc.engine.flow` makes them.
     rows, parts = 0, 0
     for i in range(begin, batch.states.shape[0]):
         rows, parts = follow_one(i, False, rows, parts, batch, most, accuracy, out, pieces, tally, table)

@@ -17,7 +17,6 @@ from typing import Any
 import numpy as np
 
 from symosc.engine.batch import STATE_WIDTH, borrowed, follow_one, is_inexact, state_of
-from symosc.engine.constant_table import ROW
 from symosc.engine.first_exit import (
     FAINT,
     NEAR,
@@ -44,7 +43,7 @@ from symosc.engine.first_exit import (
     stays_open,
     wrap_phase,
 )
-from symosc.engine.flow import BeltConstants, MarchConstants, constant_force, derivatives
+from symosc.engine.flow import ROW, BeltConstants, MarchConstants, constant_force, derivatives
 from symosc.engine.next_event import (
     NEAR_FORCE,
     PAST_END,

@@ -27,7 +27,7 @@ from symosc.engine.arithmetic import (
     pair_constants,
 )
 from symosc.engine.batch import NO_PIECES, STATE_WIDTH, Batch, EventRows, batch_of, event_buffer, rows_between
-from symosc.engine.constant_table import ROW, ConstantRows, table_of
+from symosc.engine.flow import ROW, ConstantRows, table_of
 from symosc.engine.start import Start, first_state, last_time
 from symosc.engine.summary import Tally, no_tally
 from symosc.errors import MissingExtraError, ParameterError

@@ -45,9 +45,8 @@ from symosc.engine.batch import (
     rows_between,
     state_of,
 )
-from symosc.engine.constant_table import ConstantRows
 from symosc.engine.events import KIND_NAMES
-from symosc.engine.flow import SIGMAS
+from symosc.engine.flow import SIGMAS, ConstantRows
 from symosc.engine.start import MOST_PERIODS, Start, first_state, last_time, settles
 from symosc.engine.state import (
     END,

@@ -30,9 +30,8 @@ from symosc.engine.arithmetic import (
     pairs_as_complex,
 )
 from symosc.engine.batch import EventRows, event_buffer, joined, keep_state, piece_buffer, rows_between, state_of
-from symosc.engine.constant_table import table_of
 from symosc.engine.events import CODE_COLUMNS, CODE_NAMES, EXACT_COLUMNS, FLOAT_COLUMNS, Event, event_codes
-from symosc.engine.flow import Constants
+from symosc.engine.flow import Constants, table_of
 from symosc.engine.start import Start, continued, first_state, is_steady, last_time, rounded, settles
 from symosc.engine.state import END, FAILED, GRAZE, ON_BELT, REST, RUNNING, UNDECIDED, Covariance, NextEvent, State
 from symosc.engine.summary import no_tally

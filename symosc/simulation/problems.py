@@ -16,7 +16,7 @@ import numpy as np
 
 from symosc.engine.arithmetic import Arithmetic
 from symosc.engine.batch import STATE_WIDTH, Batch, batch_of, row_of
-from symosc.engine.constant_table import ConstantRows, constant_table, table_of
+from symosc.engine.flow import ConstantRows, constant_table, table_of
 from symosc.engine.start import MOST_PERIODS, Start, first_state, last_time, start_rows
 from symosc.errors import ParameterError
 from symosc.exact import LARGEST, show, unmasked

@@ -33,8 +33,7 @@ from symosc.engine.batch import (
     state_of,
     write_piece,
 )
-from symosc.engine.constant_table import table_of
-from symosc.engine.flow import Constants, clock_time
+from symosc.engine.flow import Constants, clock_time, table_of
 from symosc.engine.start import MOST_PERIODS, Start, first_state, last_time, settles
 from symosc.engine.state import FAILED, FULL, NEEDS_DIGITS, ON_BELT, REST, RUNNING, UNDECIDED, State
 from symosc.engine.summary import no_tally
