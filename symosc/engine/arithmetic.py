@@ -527,9 +527,3 @@ def pairs_as_complex(value: Any) -> Any:
 def pair_constants(parameters: Parameters) -> Constants:
     """Return the constants as pairs, stored as complex numbers hi + i lo, each rounded once."""
     return pairs_as_complex(many_digits(parameters, ROUNDED_FROM).K)
-
-
-def pair_phase(parameters: Parameters, t: Fraction) -> complex:
-    """Return the phase of the drive at time t as a pair, stored as the complex number hi + i lo, rounded once."""
-    found: complex = pairs_as_complex(many_digits(parameters, ROUNDED_FROM).phase(t))
-    return found

@@ -16,7 +16,7 @@ import numpy as np
 
 from symosc.aliases import Number
 from symosc.engine.arithmetic import Arithmetic, MpArithmetic, column_functions
-from symosc.engine.batch import rounded_covariance
+from symosc.engine.batch import rounded_covariance, row_of
 from symosc.engine.first_exit import ROUNDING
 from symosc.engine.flow import Constants, constant_force
 from symosc.engine.state import BELT, DOMAIN_ABOVE, ON_BELT, Covariance, State
@@ -183,6 +183,11 @@ def last_time(start: Start, arithmetic: Arithmetic) -> tuple[Number, Number]:
     """Return the end time in two parts: t_end, but at most MOST_PERIODS of the drive after t0."""
     periods = Fraction(MOST_PERIODS * 44, 7) / start.parameters.Omega  # 44/7 is a little more than 2 pi
     return arithmetic.time(min(start.t_end, start.t0 + periods))
+
+
+def first_row(start: Start, arithmetic: Arithmetic) -> list[Number]:
+    """Return the batch row of a motion at its start."""
+    return row_of(first_state(start, arithmetic), *last_time(start, arithmetic))
 
 
 def is_steady(start: Start) -> bool:

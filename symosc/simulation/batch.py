@@ -20,17 +20,20 @@ from symosc.engine import batch as engine_batch
 from symosc.engine import flow, summary
 from symosc.engine.arithmetic import (
     Arithmetic,
+    PairLoops,
     compiled,
     compiled_pairs,
     compiled_tangents,
+    interpreted_pairs,
     is_compiled,
     pair_constants,
+    pairs_are_compiled,
 )
 from symosc.engine.batch import NO_PIECES, STATE_WIDTH, Batch, EventRows, batch_of, event_buffer, rows_between
 from symosc.engine.flow import ROW, ConstantRows, table_of
-from symosc.engine.start import Start, first_state, last_time
+from symosc.engine.start import Start, first_row
 from symosc.engine.summary import Tally, no_tally
-from symosc.errors import MissingExtraError, ParameterError
+from symosc.errors import MissingExtraError
 from symosc.exact import whole_number
 from symosc.scenes import load_scene
 
@@ -82,8 +85,6 @@ INTERPRETED = Loops(interpreted(flow.march_rows), FOLLOW, interpreted(summary.se
 
 def chosen_loops(use_numba: Any) -> Loops:
     """Return the loops: compiled (True), interpreted (False), or whichever is available (None)."""
-    if use_numba is not None and not isinstance(use_numba, (bool, np.bool_)):
-        raise ParameterError("use_numba", use_numba, "must be True, False or None")
     if use_numba is not None and not use_numba:
         return INTERPRETED
     try:
@@ -98,6 +99,11 @@ def chosen_loops(use_numba: Any) -> Loops:
         follow = follow if is_compiled(follow) else _interpreted_first(follow)
         settle = settle if is_compiled(settle) else INTERPRETED.settle
     return Loops(march_rows, follow, settle, True)
+
+
+def pair_loops(events: int) -> PairLoops:
+    """Return the loops in pairs for this many events: compiled, or interpreted if that is quicker."""
+    return compiled_pairs() if events > PAIRS.events or pairs_are_compiled() else interpreted_pairs()
 
 
 def _interpreted_first(compiled_one: Callable[..., Any]) -> Callable[..., tuple[int, int, int]]:
@@ -216,7 +222,7 @@ def warm() -> list[Warmed]:
     start = Start(scene.parameters, scene.t0, scene.x0, scene.v0, scene.t_end)
     arithmetic, K = Arithmetic(scene.parameters), pair_constants(scene.parameters)
     table, batch, out = table_of([arithmetic.K]), batch_of(none), event_buffer(0)
-    row = np.array([engine_batch.row_of(first_state(start, arithmetic), *last_time(start, arithmetic))])
+    row = np.array([first_row(start, arithmetic)])
     columns = *(np.zeros(0),) * 4, *(nothing,) * 3
     changes = *(np.zeros((0, 1)),) * 2, np.zeros((0, 1), np.int8), np.zeros(0, np.int8), np.zeros((0, 2))
     of_motions, letters, work = np.zeros((0, 5)), np.zeros((0, 4)), np.zeros((8, 11))
@@ -233,10 +239,7 @@ def warm() -> list[Warmed]:
         ],
         "events in double-double numbers": [
             (pairs.first_pairs, (pair_rows, K)),
-            (
-                pairs.follow_pairs,
-                (nothing, nothing, pair_rows, batch, out, NO_PIECES, K, no_tally(), limits),
-            ),
+            (pairs.follow_pairs, (nothing, nothing, pair_rows, batch, out, NO_PIECES, K, no_tally(), limits)),
         ],
         "derivatives of events": [
             (tangents, (nothing, nothing, of_motions, nothing, columns, nothing, True, letters, table, changes, work))

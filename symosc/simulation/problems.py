@@ -15,9 +15,9 @@ from typing import Any
 import numpy as np
 
 from symosc.engine.arithmetic import Arithmetic
-from symosc.engine.batch import STATE_WIDTH, Batch, batch_of, row_of
+from symosc.engine.batch import STATE_WIDTH, Batch, batch_of
 from symosc.engine.flow import ConstantRows, constant_table, table_of
-from symosc.engine.start import MOST_PERIODS, Start, first_state, last_time, start_rows
+from symosc.engine.start import MOST_PERIODS, Start, first_row, start_rows
 from symosc.errors import ParameterError
 from symosc.exact import LARGEST, show, unmasked
 from symosc.kernels.double_double import TWO_PI_PAIR, two_product
@@ -269,8 +269,7 @@ class Problems:
             states, unclear = self._start_rows(rows, table)
         for i in np.flatnonzero(unclear).tolist():
             problem = self[rows.start + i]
-            arithmetic = Arithmetic(problem.parameters)
-            states[i] = row_of(first_state(problem, arithmetic), *last_time(problem, arithmetic))
+            states[i] = first_row(problem, Arithmetic(problem.parameters))
         return batch_of(states, sets), table
 
     def _start_rows(self, rows: slice, table: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
