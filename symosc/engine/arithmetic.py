@@ -86,7 +86,7 @@ def bind(
     wrap: Callable[[Any], Any] | None = None,
     literal: Callable[[float], Any] | None = None,
 ) -> dict[str, Any]:
-    """Copy the functions of `modules`; the copies call each other, and use `replaced` for the names that it has."""
+    """Copy the functions of `modules` so that they call each other, and see the values of `replaced` by these names."""
     # `wrap` is applied to every copy, such as numba.njit; `literal` converts the floats in the source once, such as 0.5
     # and the limits with a name. A name in `replaced` must be one that the functions could see.
     modules = tuple(modules)
@@ -125,7 +125,7 @@ def compile_modules(
     literal: Callable[[float], Any] | None = None,
     beside: Iterable[types.ModuleType] = (),
 ) -> dict[str, Any]:
-    """Compile the functions of `modules` by numba, each when it is first called; the code is kept on disk."""
+    """Return the functions of `modules` by name, compiled by numba at their first call; the code is kept on disk."""
     # All functions but those in `outlined` (None: all) are inlined into each caller. `callees` are compiled functions
     # that replace those of the same name; those that no module sees are left out. `replaced` and `literal` are as in
     # `bind`. The modules `beside` are compiled too, such as operators of a type. Raise MissingExtraError without
@@ -248,7 +248,7 @@ def _angle_in_turn(angle: Fraction, digits: int) -> Any:
 
 @cache
 def compiled(width: int = 0) -> dict[str, Any]:
-    """Return the engine's compiled functions for doubles; they follow `width` motions side by side (0: the fastest)."""
+    """Return the compiled engine for doubles, by name; `width`: how many motions run in lanes (0: the best number)."""
     try:
         from symosc.kernels import lane_types
     except ImportError:
@@ -283,7 +283,7 @@ def compiled_tangents() -> dict[str, Any]:
 
 @lru_cache(maxsize=1)
 def column_functions() -> dict[str, Any]:
-    """Return `elementary` and `entire_array` for arrays, by name; every processor computes the same bits."""
+    """Return functions for arrays by name: sin, cos, exp, basis …, with the same bits on every processor."""
     powers = {"select": np.where, "power_of_two": lambda n: np.ldexp(1.0, n.astype(np.int64))}
     own = bind((elementary,), powers)
     short_sin, short_cos, widest = own["short_sin"], own["short_cos"], elementary.WIDEST
@@ -359,7 +359,7 @@ class MpArithmetic(Arithmetic):
 
     @cached_property
     def following(self) -> dict[str, Any]:
-        """The engine's functions, by name, for the numbers in which the event loop computes."""
+        """The engine's functions by name as `namespace` has them, but for MPFR's numbers where gmpy2 is installed."""
         if self._mpfr is None:
             return self.namespace
         from symosc.kernels.multiprecision import BasisMP
@@ -506,7 +506,7 @@ def pairs_are_compiled() -> bool:
 
 
 def pairs_are_loaded() -> bool:
-    """Return whether the loops of pairs are compiled and this process has already run the compiled one of doubles."""
+    """Return whether the loops of pairs are compiled, and compiled code is in use in this process already."""
     return loaded_loop() is not None and pairs_are_compiled()
 
 

@@ -297,7 +297,7 @@ def table_of(rows: Iterable[Constants]) -> np.ndarray:
 def constant_table(
     columns: dict[str, PairColumn], count: int, alone: Callable[[int], Constants], march_rows: Callable[..., None]
 ) -> np.ndarray:
-    """Return the constants of `count` parameter sets; `alone(i)` computes set i exactly where columns may be wrong."""
+    """Return the constants of `count` parameter sets; `alone(i)` makes set i exactly where columns lose digits."""
     doubts = np.zeros(count, dtype=bool)
     given = {name: PairColumn(column.hi, column.lo, doubts) for name, column in columns.items()}
     for column in given.values():
@@ -330,7 +330,7 @@ def _fill(table: np.ndarray, values: Any) -> None:
 
 
 def clock_time(t, t_low, t0, K):
-    """Return the true time of a state, whose t + t_low is phase/rounded Omega: correct this for the time since t0."""
+    """Return the time of a state; its t + t_low is phase/Om since t0, where Om is Omega rounded: undo that rounding."""
     return t + (t_low + (t - t0) * K.Om_gain)
 
 
@@ -373,7 +373,7 @@ def turned(s, c, angle):
 
 
 def derivatives(v, F, s, c, K):
-    """Return v'', v''' and v'''' (that is G^(1), G^(2), G^(3)) from v, a and the sine and cosine of the phase."""
+    """Return v'', v''' and v'''' (G^(1), G^(2), G^(3)) from v, v' = F, and the sine and cosine of the phase."""
     G1 = next_derivative(F, v, K.fB * s, K.cm, K.w0sq)
     G2 = next_derivative(G1, F, K.fB * K.Om * c, K.cm, K.w0sq)
     G3 = next_derivative(G2, G1, -K.fB * K.Om * K.Om * s, K.cm, K.w0sq)

@@ -147,7 +147,7 @@ def past_end(tau_max, remaining):
 
 
 def apart_from_walls(end, tau_max, remaining, state, start, walls, K):
-    """Continue the search along a flight while it ends so near a wall that a graze is possible; return its end."""
+    """Extend a search that ended so near a wall that a graze is possible there; return the new end."""
     # Two searches must not meet where a belt is: each would leave a touch there to the other.
     while end.code == NOTHING and tau_max < remaining and tau_max <= 1.5 * K.chunk:
         if not ends_beside_wall(state, end.now, K):
@@ -201,7 +201,7 @@ def point_at_end(remaining, start, K):
 
 
 def no_contact(state, there, now, remaining, K):
-    """Return the NextEvent of a flight from `state` that has met no wall: END, REST or MOVED, at `there`."""
+    """Return the NextEvent of a flight that met no wall: END (of the motion), REST (none ever comes) or MOVED."""
     mode, _, n, theta, x, v, F, _, S, t, t_low, _, _, theta_low = there
     if now.tau >= remaining:
         return NextEvent(END, 0, True, 0.0, there)
@@ -364,7 +364,7 @@ def resolve(v, F_below, F_above, s, c, K):
 
 
 def following_sign(v, F, s, c, K):
-    """Return the sign (-1, 0, 1) of the first G-function that does not vanish at a contact."""
+    """Return the sign (-1, 0, 1) that a force has just after a contact, by its first G-function that is not 0."""
     # v is the velocity of the belt, F the acceleration, which is exact (F = 0 means that it vanishes), and s, c are
     # sine and cosine of the phase.
     if F != 0.0:
@@ -447,7 +447,7 @@ def phase_after(theta, theta_low, tau, K):
 
 
 def in_two_parts(theta, theta_low):
-    """Return a phase theta + theta_low as the nearest number and the rest; a negative phase as 0 and the phase."""
+    """Return a phase theta + theta_low as the nearest number >= 0 and the rest (which alone is < 0 just below 0)."""
     total = theta + theta_low
     theta_low = theta_low - (total - theta)
     return select(total < 0.0, 0.0 * total, total), select(total < 0.0, theta_low + total, theta_low)
@@ -464,7 +464,7 @@ def advance_time(t, t_low, tau, K):
 
 
 def passing_time(error, first, second, third, K):
-    """Return the time within which a quantity passes 0, given its error and its derivatives there."""
+    """Return the uncertainty of the time at which a quantity with an error passes 0, from its derivatives there."""
     if passes_at_once(error, abs(first), second, third):
         return error / abs(first)
     return slow_passing_time(error, first, second, third, K)
@@ -500,7 +500,7 @@ def time_with_errors(t, t_low, t0, x, v, t_error, S11, K):
 
 
 def advance_near(state, rough, found, free, t_end, t_end_low, K):
-    """Advance a state to its next event with many digits, near the result that doubles have already found."""
+    """Advance a state to its next event with many digits, near the event `found` by doubles from the state `rough`."""
     # Doubles decide by more than the rounding of their start and their own. Where they are sure which contact is the
     # first and how it is met, many digits would find the same one. So these begin at its time, take a step of Newton's
     # method or two with the exact flow, and go on as after a search of their own. Where doubles see a touch they begin

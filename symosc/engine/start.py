@@ -53,7 +53,7 @@ class Start:
 
     @property
     def spare_digits(self) -> int:
-        """Digits after the decimal point that resolve the start errors and the distance of v0 from the belt speeds."""
+        """Decimals needed to tell v0 from the belt speeds and to resolve the errors of the start."""
         p = self.parameters
         small = [abs(value) for value in (*(self.start_error or ()), self.v0 - p.v1, self.v0 - p.v2) if value != 0]
         return max(0, *(ceil(-log10(value)) for value in small))
@@ -227,7 +227,7 @@ def settles(start: Start) -> bool:
 
 
 def rounded(state: State, t0: float, gain: float) -> State:
-    """Round a state to double precision and add the rounding to its error; `gain` is `Om_gain` of the constants."""
+    """Round a state to doubles and add the rounding to its error; `gain`: K.Om_gain, the relative error of K.Om."""
     mode, at, n, theta, x, v, Fb, Fa, S, t, t_low, s, c, theta_low = state
     high, phase, x, v = float(t), float(theta), float(x), float(v)
     low = float(t - high + t_low) - (high - t0) * gain  # see `symosc.engine.flow.clock_time`

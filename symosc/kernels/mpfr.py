@@ -57,7 +57,7 @@ class MpfrContext:
 
     @staticmethod
     def own(number: Any) -> Any:
-        """Return the number itself: an mpfr carries its own precision."""
+        """Return the number itself, which any context may use (compare `FixedContext.own`)."""
         return number
 
     @staticmethod

@@ -47,7 +47,7 @@ DOUBLE = ir.DoubleType()
 
 
 class Pair:
-    """A pair in CPython, and a constant in compiled code: a Fraction, float or mpf rounded once to hi + lo."""
+    """A number as hi + lo, for CPython and as a constant in compiled code; made of a Fraction, float or mpf."""
 
     __slots__ = ("hi", "lo")
     __hash__ = None  # type: ignore[assignment]
@@ -364,7 +364,7 @@ def _whole(x):
 
 @overload(operator.setitem)
 def _stored(array, index, value):
-    """Compile ``array[index] = pair`` for complex arrays."""
+    """Let compiled code store a pair in a complex array: ``array[index] = pair``."""
     if isinstance(array, types.Array) and array.dtype is types.complex128 and value is pair_type:
 
         def stored(array, index, value):
@@ -395,7 +395,7 @@ SMALL = 0.34  # expm1 needs no reduction below this
 
 
 def _three_parts(value: Any) -> tuple[Pair, Pair, Pair]:
-    """Return three floats whose sum approximates an mpf of many digits to a relative 2^-160."""
+    """Return three pairs, each a single float, whose sum approximates an mpf to a relative 2^-160."""
     first = float(value)
     second = float(value - first)
     return Pair(first), Pair(second), Pair(float(value - first - second))

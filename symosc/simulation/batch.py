@@ -53,7 +53,7 @@ MOST_WORKERS = 256
 
 @dataclass
 class InterpretBudget:
-    """How many events may still be interpreted before a loop is compiled; at first, both would take equal time."""
+    """How many events may still be interpreted before a loop is compiled: about as long as compiling takes."""
 
     events: int
 
@@ -107,7 +107,7 @@ def pair_loops(events: int) -> PairLoops:
 
 
 def _interpreted_first(compiled_one: Callable[..., Any]) -> Callable[..., tuple[int, int, int]]:
-    """Return an event loop: interpreted, TURN rows at a time, until the budget DOUBLES is spent, then compiled."""
+    """Return an event loop that interprets TURN rows a call while DOUBLES has events left, and then is compiled."""
 
     def follow(begin: int, batch: Batch, most: int, accuracy: float, out: EventRows, *others: Any) -> Any:
         if DOUBLES.events <= 0 or is_compiled(compiled_one):
@@ -129,7 +129,7 @@ def follow_batch(
     buffer: EventRows | None = None,
     tally: Tally | None = None,
 ) -> Iterator[EventRows]:
-    """Follow a batch to its end; yield copies of its event rows, as often as the reused `buffer` is full."""
+    """Follow a batch to its end; yield copies of its event rows, each time that `buffer` is full and at the end."""
     buffer, tally, begin = buffer or event_buffer(4 * len(batch.states) + 64), tally or no_tally(), 0
     while begin < len(batch.states):
         begin, filled, _ = follow(begin, batch, most, accuracy, buffer, NO_PIECES, tally, table)

@@ -162,7 +162,7 @@ class Task(NamedTuple):
 
 
 class Chunk:
-    """Some of many motions, numbered from 0 and followed to their ends when this object is made."""
+    """Some of many motions, numbered from 0; making the object follows them to their ends."""
 
     # `buffer` is used meanwhile. `keep`, if given, returns the tally of motions from their numbers and their rows at
     # the start: then no events are recorded. `batch` has the last states and what each motion ended with, `rows` the
@@ -194,7 +194,7 @@ class Chunk:
         return self.task.problems[self._first + i]
 
     def launches(self) -> tuple[np.ndarray, ...]:
-        """Return starts, parameter set numbers, `Letters` and constants of the motions, as `tangents` takes them."""
+        """Return what `tangents` needs of the motions: starts, parameter set numbers, `Letters` and constants."""
         starts, sets = self._starts[:, [0, 0, 3, 4, 5]], self.task.problems.sets
         rows = slice(self._first, self._first + len(starts))
         starts[:, 1] = self.task.problems.t0.pairs(rows).hi
@@ -216,7 +216,7 @@ class Chunk:
             yield rows
 
     def _in_pairs(self, members: list[int]) -> dict[int, EventRows]:
-        """Follow motions in pairs of doubles where these suffice; return their events by motion number."""
+        """Follow undecided motions again from their starts, in pairs where these suffice; return events by number."""
         found: dict[int, EventRows] = {}
         numbers = self._first + np.array(members, np.int64)
         apart = self.task.problems.are_apart(numbers, self._starts[members, 1], FAR_OFF)
@@ -234,7 +234,7 @@ class Chunk:
         return found
 
     def _escalate(self, parameters: Parameters, members: list[int]) -> Iterator[EventRows]:
-        """Follow motions of one parameter set, in pairs past events that doubles cannot decide; yield event rows."""
+        """Follow motions of one parameter set to their ends, in pairs where doubles are in doubt; yield event rows."""
         # Pairs go on from their own last state where doubles are in doubt again: a double has 16 digits of it only.
         most, K = self.task.most, pair_constants(parameters)
         pairs, tally = self._pair_rows(parameters, members), select_tallies(self.tally, members)
@@ -309,7 +309,7 @@ def with_replaced(parts: Sequence[EventRows], again: dict[int, EventRows]) -> li
 
 
 def careful_table(table: np.ndarray) -> np.ndarray:
-    """Return constants (`sigmas` > 0) with which a contact nearer than the state's errors counts as undecided."""
+    """Return constants by which doubles leave open what is within the errors of a state (`sigmas` > 0)."""
     if len(table) and (table["sigmas"] == 0.0).any():
         table = table.copy()
         table["sigmas"] = float(SIGMAS)
@@ -408,7 +408,7 @@ def words_of(tally: Tally) -> np.ndarray:
 
 
 def tally_alone(i: int, trajectory: Trajectory, tally: Tally, table: np.ndarray, set_: int) -> int:
-    """Fill in the tally of motion i, followed alone, from its trajectory's pieces and events; return its last mode."""
+    """Fill in the tally of motion i from the trajectory that `in_doubles` found for it; return its last mode."""
     K, t0 = ConstantRows(table)[set_]._replace(Om_gain=0.0), float(trajectory.t_start)  # pieces have true times
     states, rows = [_state_of_piece(*piece) for piece in trajectory._pieces.T.tolist()], trajectory.rows()
     floats = (rows.floats[FLOAT_COLUMNS.index(name)].tolist() for name in ("x", "theta", "t_error"))

@@ -60,7 +60,7 @@ MOST_SHRINKING = 600
 
 
 class Limits(NamedTuple):
-    """Limits of a motion in more precise numbers: its largest number of events, and the errors these may have."""
+    """Limits up to which a motion is followed in more precise numbers: how many events, and how exact they are."""
 
     most: int  # events
     accuracy: float  # what doubles are asked for
@@ -141,7 +141,7 @@ class Motion:
         self._record_piece(0.0)
 
     def missing_digits(self, digits: int) -> int:
-        """Return how many digits the least accurate event lacks to have `digits`, relative to max(1, |value|)."""
+        """Return how many more digits the least accurate event needs to have `digits`; negative if it has more."""
         if self._worst == 0:
             return 0
         context = mp_context(15)
@@ -282,7 +282,7 @@ class MotionInPairs:
         return continued(State(*numbers), PAIR_EPS, arithmetic)
 
     def reach(self, count: int) -> bool:
-        """Follow to `count` events, and further while doubles cannot decide; return False if pairs cannot either."""
+        """Follow to `count` events, and on while doubles cannot decide the next; return False where pairs cannot."""
         first, wanted = np.arange(1), np.array([count])
         while True:
             size = 2 * (max(count - self.count, 0) + MOST_MORE)
@@ -400,7 +400,7 @@ class FinerMotion:
         return self._now.rounded_state()
 
     def reach(self, count: int) -> bool:
-        """Follow to `count` events, and further while doubles cannot decide; return False if no precision can."""
+        """Follow to `count` events, and on while doubles cannot decide; return False at a contact that stays open."""
         reached = self._now.reach(count)
         while not reached and self._settle_contact():
             reached = self._now.reach(self._goal)
@@ -436,7 +436,7 @@ class FinerMotion:
         return self._go_on(int(max(needed, most)), now)
 
     def _go_on(self, digits: int, other: MotionInPairs | MotionInDigits | None = None) -> bool:
-        """Go on with more digits where `other` stopped, else repeat the motion from t0; return if this succeeds."""
+        """Go on with more digits from the last state of `other`, or if None from t0; return if this gets as far."""
         self._take()
         before, count = self._now, self.count
         self._now = now = MotionInDigits(*self._problem, digits, other)
@@ -453,7 +453,7 @@ class FinerMotion:
 
 
 def digits_to_confirm_graze(motion: Motion, elapsed: Number, digits: int, least: int = 0) -> int | None:
-    """Return how many digits (`least` or more) must leave a contact undecided to call it a graze; None if too many."""
+    """Return the digits (at least `least`) at which a contact still undecided is a graze; None: more than are tried."""
     # A motion that tends to one that grazes has gaps that shrink like exp(-rate t), and each of them is a near miss or
     # a crossing. The rate is the larger one of the free motion, or, where that takes too many digits, the smaller one:
     # only starts without any share of the slow decay are fooled by that. A start that is on the steady motion has none

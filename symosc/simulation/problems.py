@@ -61,7 +61,7 @@ class NumberColumn:
         self.is_plain = plain or self.single  # then equal doubles are equal numbers
 
     def _split_doubles(self, given: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        """Return an array of doubles, and the remainders: their printed decimals minus the doubles, rounded."""
+        """Return an array of doubles, and for each what it lacks of the decimal that it prints as (and stands for)."""
         largest = f"must be at most {float(LARGEST):g} in size"
         for bad, reason in ((~np.isfinite(given), "must be finite"), (abs(given) > float(LARGEST), largest)):
             if bad.any():
@@ -139,7 +139,7 @@ def named(name: str, given: Any, wanted: tuple[str, ...]) -> Any:
 
 
 def decimal_rest(values: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Return, for each double, its shortest printed decimal minus itself, rounded once, and whether that is certain."""
+    """Return, for each double, its shortest decimal minus itself, rounded once, and a flag: whether that was found."""
     # The shortest decimal has 15, 16 or 17 digits: the first of them that is within half a unit of the double. Scaled
     # by a power of ten that is exact as a double, its distance from the double is exact.
     size = abs(values)
@@ -295,7 +295,7 @@ class Problems:
         return states, unclear | small_force | bool(self.start_error)
 
     def _at_belt(self, boundary: int, rows: slice) -> tuple[np.ndarray, np.ndarray]:
-        """Return which rows start exactly on a belt, and which only round to its speed in doubles."""
+        """Return which rows start on a belt, and which start beside it although both speeds are the same double."""
         speed = self.sets.column(f"v{boundary}")
         v, belt = self.v0.pairs(rows), speed.pairs(rows)
         near = np.flatnonzero(np.broadcast_to(v.hi == belt.hi, rows.stop - rows.start))
@@ -305,7 +305,7 @@ class Problems:
         return near[on_belt], near[~on_belt]
 
     def are_apart(self, rows: np.ndarray, at: np.ndarray, gap: float) -> np.ndarray:
-        """Return which motions have a drive, an exact start, and no belt within `gap` of v0 but the one they are on."""
+        """Return which motions pairs surely suit: with a drive, exactly started, v0 off by `gap` from other belts."""
         v, B0 = self.v0.pairs(rows).hi, self.sets.column("B0").pairs(rows).hi
         apart = np.full(len(rows), self.start_error is None) & (B0 != 0.0)
         for boundary in (1, 2):

@@ -182,14 +182,14 @@ def read_accuracy(value: Any) -> float:
 
 
 def attainable(accuracy: float, start_error: tuple[Fraction, Fraction, Fraction] | None) -> float:
-    """Return the accuracy that events can be held to: `accuracy`, or inf if the errors of the start exceed it."""
+    """Return the accuracy to ask of events: inf (none) if the errors of the start are larger than `accuracy`."""
     return inf if start_error and max(start_error) > accuracy else accuracy
 
 
 def in_doubles(
     start: Start, most: int, accuracy: float, advance: Advance = None, loops: PairLoops | None = None
 ) -> Trajectory:
-    """Follow a motion in doubles, and with more digits where doubles cannot decide an event; return a Trajectory."""
+    """Follow a motion in doubles, and with pairs (`loops`) or digits where these are in doubt; report to `advance`."""
     # It is a batch of one. Given `loops` in pairs, these come before digits whatever is loaded, with the noise that
     # `simulate_many` allows. With accuracy inf decisions exceed their own rounding only, not the errors of the state.
     arithmetic, needed, t0 = Arithmetic(start.parameters), attainable(accuracy, start.start_error), float(start.t0)
@@ -311,6 +311,6 @@ def _ended(start: Start, code: int, state: State) -> tuple[str, str]:
 
 
 def _open_contact(t: float, used: int, asked: int | None = None) -> str:
-    """Return the message about a contact near `t` that `used` digits do not decide."""
+    """Return the message about a contact near `t` that `used` digits do not decide, of a call for `asked` digits."""
     hint = f"ask for more digits, such as digits={2 * (asked or used)}"
     return f"the contact near t = {t!r} cannot be decided with {used} digits; {hint}"

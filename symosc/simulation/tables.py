@@ -135,7 +135,7 @@ def select_rows(table: EventTable, rows: Any, status: list[str]) -> EventTable:
 
 
 def table_from(parts: Sequence[EventRows], status: list[str], wrt: tuple[str, ...] = (), **changes: Any) -> EventTable:
-    """Return blocks of event rows as one table, with derivatives dt, dx and marks `regular` for the names `wrt`."""
+    """Return blocks of event rows as one table; `changes`: derivatives dt, dx by `wrt`, and if they are regular."""
     parts, columns = parts or [event_buffer(0)], dict[str, Any]()
     for names, which in ((FLOAT_COLUMNS, 0), (("trajectory", *CODE_ATTRIBUTES), 1)):
         for n, name in enumerate(names):

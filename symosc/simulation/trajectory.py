@@ -387,7 +387,7 @@ class MovedTrajectory(Trajectory):
 
     @public
     def force(self, alpha: int, t: ArrayLike) -> Any:
-        """Return F^(alpha) of eq. (9): the acceleration in domain `alpha` minus that of the belts."""
+        """Return F^(alpha) of eq. (9), relative to the belts, whose own motion may be accelerated."""
         return self.reduced.force(alpha, self._times(t)[1])
 
     def as_dict(self) -> dict[str, Any]:
