@@ -205,6 +205,7 @@ class Arithmetic:
     K: Constants
     digits = 40  # that the reduction of phases takes; more than doubles have, for phases next to 0 or 2 pi
     number: Callable[[Fraction], Number] = staticmethod(float)  # rounds a Fraction to such a number
+    rounded: Callable[[Number], Number] = staticmethod(float)  # rounds an mpf of any precision
     namespace = IN_DOUBLES
 
     def __init__(self, parameters: Parameters) -> None:
@@ -219,10 +220,6 @@ class Arithmetic:
         """Return a time as the sum (high, low) of two numbers of this arithmetic."""
         high = float(t)
         return high, float(t - Fraction(high))
-
-    def rounded(self, value: Number) -> Number:
-        """Round an mpf of any precision to a number of this arithmetic."""
-        return float(value)
 
     def advance(self, state: State, t_end: Number, t_end_low: Number) -> NextEvent:
         """Return the next event after a state, or the end of an interval without events (see `next_event.advance`)."""
@@ -310,6 +307,7 @@ class MpArithmetic(Arithmetic):
 
         context = mp_context(digits)
         self.parameters, self.context, self.digits, self.fast = parameters, context, digits, fast
+        self.rounded = context.mpf
         basis = BasisMP(context, parameters)
         K = with_march(constants(parameters, self.number, context.sqrt, context.atan2, +context.pi), basis)
         self.K = K._replace(sigmas=context.mpf(MP_SIGMAS))
@@ -338,10 +336,6 @@ class MpArithmetic(Arithmetic):
     def time(self, t: Fraction) -> tuple[Number, Number]:
         """Return a time as (t, 0)."""
         return self.number(t), self.number(Fraction(0))
-
-    def rounded(self, value: Number) -> Number:
-        """Round an mpf of any precision to one of this precision."""
-        return self.context.mpf(value)
 
     @cached_property
     def _mpfr(self) -> Any:
