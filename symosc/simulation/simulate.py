@@ -41,7 +41,7 @@ from symosc.errors import ParameterError
 from symosc.exact import LEAST_ASKED_DIGITS, MOST_ASKED_DIGITS, read_exact, read_start_error, show, whole_number
 from symosc.model import Parameters
 from symosc.reductions import OtherModel
-from symosc.scenes import Original, Scene, end_time, load_scene, moved_scene, not_reduced_error, start_numbers
+from symosc.scenes import Original, Scene, end_time, load_scene, moved_scene, not_reduced_error, parameters_of
 from symosc.simulation.batch import TURN, chosen_loops
 from symosc.simulation.motion import PAIR_NOISE, FinerMotion, Limits, Motion, digits_to_confirm_graze
 from symosc.simulation.trajectory import MovedTrajectory, Trajectory
@@ -140,30 +140,21 @@ def read_start(scene: Scene | Parameters | SceneName, given: dict[str, Any], sta
 
 def read_problem(scene: Any, given: dict[str, Any], start_error: Any) -> tuple[Start, Original | None]:
     """Return the initial value problem of a scene or of keyword arguments, and the model from which it was reduced."""
-    if not isinstance(scene, Scene | Parameters | OtherModel):
-        scene = load_scene(scene)
-    if isinstance(scene, OtherModel):
+    if isinstance(scene, Parameters | OtherModel):
         if given["t_end"] is None:
-            raise ParameterError("t_end", None, "is needed with a model")
+            what = "parameters" if isinstance(scene, Parameters) else "a model"
+            raise ParameterError("t_end", None, f"is needed with {what}")
         given = {name: 0 if value is None else value for name, value in given.items()}
-        end = end_time(given["t_end"], scene.parameters, given["t0"])
-        scene, given = Scene("model", scene, **given | {"t_end": end}), {}  # type: ignore[arg-type]
-    if isinstance(scene, Scene):
-        if changes := {name: value for name, value in given.items() if value is not None}:
-            scene = scene.started(changes)
-        if start_error is not None and scene.original is not None:
-            scene, start_error = moved_scene(scene, scene.original, start_error=start_error), None
-        error = scene.start_error if start_error is None else read_start_error(start_error)
-        start = Start(scene.parameters, scene.t0, scene.x0, scene.v0, scene.t_end, error)
-        return start, scene.original
-    if given["t_end"] is None:
-        raise ParameterError("t_end", None, "is needed with parameters")
-    given = given | {"t_end": end_time(given["t_end"], scene, given["t0"] or 0)}
-    numbers, rounding = start_numbers({name: 0 if value is None else value for name, value in given.items()}, scene)
-    start = Start(scene, **numbers, start_error=rounding if start_error is None else read_start_error(start_error))
-    if start.t_end <= start.t0:
-        raise ParameterError("t_end", show(start.t_end), f"must be later than t0 = {show(start.t0)}")
-    return start, None
+        given["t_end"] = end_time(given["t_end"], parameters_of(scene), given["t0"])
+        scene, given = Scene("motion", scene, **given), {}  # type: ignore[arg-type]
+    elif not isinstance(scene, Scene):
+        scene = load_scene(scene)
+    if changes := {name: value for name, value in given.items() if value is not None}:
+        scene = scene.started(changes)
+    if start_error is not None and scene.original is not None:
+        scene, start_error = moved_scene(scene, scene.original, start_error=start_error), None
+    error = scene.start_error if start_error is None else read_start_error(start_error)
+    return Start(scene.parameters, scene.t0, scene.x0, scene.v0, scene.t_end, error), scene.original
 
 
 def read_accuracy(value: Any) -> float:
