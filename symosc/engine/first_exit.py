@@ -70,6 +70,7 @@ THIN, FAINT = 1e-9, 1e-8
 SOON = 1e-2  # a gap within its error that leaves it within this time, times 1/rate, is on its way through 0
 SAME_PHASE = 64.0  # phases closer than this times EPS are one
 MOST_STEPS, MOST_STICK_STEPS, MOST_NEWTON, MOST_DESCENTS, MOST_HALVINGS = 20000, 20000, 200, 400, 400
+MOST_CORRECTIONS = 8  # each evaluation of the flow makes five times as many digits right
 MOST_STALLS = 30  # short steps on which no minimum of the gap was found ahead, before the search is given up
 
 
@@ -770,3 +771,78 @@ def slips_at(tau, step, side, Delta, s, c, belt, K):
     incline = slope + (bend + 0.5 * third * step) * step
     s, c = turned(s, c, K.Om * step)
     return StickEnd(HIT, side, tau + step, Delta, incline, bend + third * step, s, c)
+
+
+# --- with many digits: near a time that doubles have found ---
+
+
+def contact_at_dip(tau, free, side, start, walls, S, K):
+    """Find the contact where a gap dips below 0 near `tau`, if it is surely the first contact; else STALLED."""
+    # It is if the polynomial bound of the gap to each wall, taken backward from it, is positive as far as the flight is
+    # not known to be `free`.
+    now = state_at(tau, start, K)
+    for _ in range(MOST_CORRECTIONS):
+        third, fourth = SIXTH * now.G3, 0.25 * SIXTH * fifth_derivative(now.G3, now.G2, now.c, K)
+        shift = 0.0 * tau
+        for _ in range(3):  # Newton's method on the polynomial of the acceleration
+            rise = now.F + (now.G1 + (0.5 * now.G2 + (third + fourth * shift) * shift) * shift) * shift
+            slope = now.G1 + (now.G2 + (3.0 * third + 4.0 * fourth * shift) * shift) * shift
+            shift = shift - rise / slope if slope != 0.0 else shift
+        if not NEAR <= abs(shift) * K.rate < 1.0:
+            break
+        tau = tau + shift
+        now = state_at(tau, start, K)
+    gap, bend = gap_to(side, now, walls), -side * now.G1
+    fall = (now.F + (0.5 * now.G1 + SIXTH * (now.G2 + 0.25 * now.G3 * shift) * shift) * shift) * shift
+    depth = side * fall - gap
+    allowed = tolerance(side, now, start, walls, S, K)
+    if not (abs(shift) * K.rate < NEAR and free > 0.0 and bend > 0.0 and depth > 2.0 * allowed):
+        return FlightEnd(STALLED, side, now)
+    before = shift - sqrt(2.0 * depth / bend)
+    before = newton_root(before, gap if side < 0 else -gap, now.F, now.G1, now.G2, now.G3, EPS * tau)
+    if abs(before) * K.rate < NEAR:
+        end = FlightEnd(HIT, side, shifted(now, before, start.v, K))
+    else:
+        end = contact_near(tau + before, 0.5 * abs(before), side, start, walls, K)
+    now, back = end.now, end.now.tau - free
+    G1, G2, G3 = derivatives(start.v, start.F, start.s, start.c, K)
+    top = -0.25 * SIXTH * fourth_derivative_bound(G2, G3, start.s, start.c, K)
+    G1, G2, _ = derivatives(start.v + now.dv, now.F, now.s, now.c, K)
+    rise, half, third = side * now.F, -0.5 * side * G1, side * SIXTH * G2
+    first = back > 0.0 and positive_on(back, (rise, half, third, top, 0.0 * top))
+    if first and walls.has_below and walls.has_above:
+        first = positive_on(back, (gap_to(-side, now, walls), -rise, -half, -third, top))
+    return end if first else FlightEnd(STALLED, side, now)
+
+
+def contact_near(tau, uncertainty, side, start, walls, K):
+    """Find the contact with the wall on a side within `uncertainty` of the time `tau`; STALLED if there is none."""
+    first = tau
+    now = state_at(tau, start, K)
+    for _ in range(MOST_CORRECTIONS):
+        gap = gap_to(side, now, walls)
+        shift = local_root(gap if side < 0 else -gap, now.F, now.G1, now.G2, now.G3, EPS * tau)
+        if not (abs(tau + shift - first) <= uncertainty and side * now.F > 0.0):
+            break
+        if abs(shift) * K.rate < NEAR:
+            return FlightEnd(HIT, side, shifted(now, shift, start.v, K))
+        tau = tau + shift
+        now = state_at(tau, start, K)
+    return FlightEnd(STALLED, side, now)
+
+
+def slip_near(tau, uncertainty, side, held, belt, K):
+    """Find the end of a stick within `uncertainty` of the time `tau`; STALLED if there is none."""
+    first, force = tau, held.Fa if side > 0 else held.Fb
+    Om2 = K.Om * K.Om
+    for _ in range(MOST_CORRECTIONS):
+        Delta, s, c = force_gain(tau, held.s, held.c, belt, K)
+        slope, bend = force_slopes(s, c, belt, K)
+        step = local_root(force + Delta, slope, bend, Om2 * (belt.drift - slope), -Om2 * bend, EPS * tau)
+        if not (abs(tau + step - first) <= uncertainty and side * slope > 0.0):
+            break
+        if abs(step) * K.Om < NEAR:
+            return slips_at(tau, step, side, -force, s, c, belt, K)
+        tau = tau + step
+    zero = 0.0 * tau
+    return StickEnd(STALLED, side, tau, -force, zero, zero, zero, zero)

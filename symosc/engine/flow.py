@@ -22,7 +22,7 @@ from symosc.engine.state import Flown
 from symosc.kernels._generated import motion, next_derivative
 from symosc.kernels.elementary import exp, select
 from symosc.kernels.entire import SIXTH, basis
-from symosc.kernels.pair_columns import PairColumn, as_double, each, either, exactly, larger
+from symosc.kernels.pair_columns import PairColumn, as_double, atan2_of_columns, either, exactly, larger
 from symosc.model import Parameters
 
 # Steady state and transient are separated (in bounds, and in the closed form) when |i Omega - l1| |i Omega - l2| is
@@ -305,7 +305,7 @@ def constant_table(
         doubts |= (size != 0.0) & ~((size >= SMALLEST_IN_COLUMNS) & (size <= LARGEST_IN_COLUMNS))
     table = np.zeros(count, dtype=ROW)
     with np.errstate(all="ignore"):
-        K = constants(ParameterColumns(given), as_double, np.sqrt, each(atan2), pi)  # type: ignore[arg-type]
+        K = constants(ParameterColumns(given), as_double, np.sqrt, atan2_of_columns, pi)  # type: ignore[arg-type]
     _fill(table, K)
     for i in np.flatnonzero(doubts).tolist():
         table[i] = tuple(alone(i))

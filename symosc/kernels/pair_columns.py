@@ -5,13 +5,12 @@ A difference that cancels almost all digits, but not all, may be 0 in truth: suc
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from fractions import Fraction
+from math import atan2
 from typing import Any
 
 import numpy as np
 
-from symosc.aliases import Number
 from symosc.kernels.double_double import pair_product, pair_quotient, pair_sum
 
 # A sum that is smaller than this part of its terms, and not 0, has lost its digits.
@@ -121,12 +120,6 @@ def larger(a: Any, b: Any) -> Any:
     return either(b > a, b, a)
 
 
-def each(function: Callable[..., float]) -> Callable[..., Any]:
-    """Return a scalar function's version for arrays; numpy's own differ in the last bits on some processors."""
-
-    def of_arrays(*columns: Number) -> Any:
-        given = np.broadcast_arrays(*columns)
-        values = map(function, *(column.ravel().tolist() for column in given))
-        return np.fromiter(values, float, given[0].size).reshape(given[0].shape)
-
-    return of_arrays
+def atan2_of_columns(y: np.ndarray, x: np.ndarray) -> np.ndarray:
+    """Return atan2 row by row; numpy's own differs in the last bits on some processors."""
+    return np.asarray(np.frompyfunc(atan2, 2, 1)(y, x), float)

@@ -45,19 +45,19 @@ class NumberColumn:
 
     def __init__(self, name: str, given: Any) -> None:
         given = _as_numpy(name, given)
-        shape = getattr(given, "shape", None)
-        self.single = not isinstance(given, Sized) or isinstance(given, (str, bytes, Mapping)) or shape == ()
-        if not self.single and not isinstance(given, np.ndarray):
+        alone = not isinstance(given, Sized) or isinstance(given, (str, bytes, Mapping))
+        if alone:
+            given = np.array([given, None], dtype=object)[:1]  # whatever it is
+        elif not isinstance(given, np.ndarray):
             given = np.asarray(list(given), dtype=object)
-        if not self.single and given.ndim != 1:
+        if given.ndim != 1:
             raise ParameterError(name, given, f"must be a number or have shape (n,); it has {given.shape}")
-        self.single = self.single or len(given) == 1
+        self.single = len(given) == 1
         if not self.single and given.dtype == object and all(type(value) is float for value in given):
             given = given.astype(float)
-        self.name, self._exact = name, dict[int, Fraction]()
-        self._given: Any = given if getattr(given, "shape", ()) else [given]
+        self.name, self._given, self._exact = name, given, dict[int, Fraction]()
         plain = not self.single and given.dtype == np.float64
-        self.hi, self.lo = self._split_doubles(given) if plain else self._split_numbers(self._given)
+        self.hi, self.lo = self._split_doubles(given) if plain else self._split_numbers(given)
         self.is_plain = plain or self.single  # then equal doubles are equal numbers
 
     def _split_doubles(self, given: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
