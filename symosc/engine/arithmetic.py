@@ -31,8 +31,7 @@ import numpy as np
 
 from symosc.aliases import Number
 from symosc.engine import batch, events, first_exit, flow, lanes, next_event, state, summary, tangent
-from symosc.engine.batch import PairLimits
-from symosc.engine.flow import NESTED, ConstantRows, Constants, constants, with_march
+from symosc.engine.flow import NESTED, ROW, ConstantRows, Constants, constants, with_march
 from symosc.engine.state import NextEvent, State
 from symosc.errors import MissingExtraError
 from symosc.kernels import _generated, double_double, elementary, entire, entire_array, mapping
@@ -188,6 +187,15 @@ def converted(value: Any, number: Callable[[Any], Any]) -> Any:
     return type(value)(*entries) if hasattr(value, "_fields") else tuple(entries)
 
 
+def interpreted(function: Callable[..., Any]) -> Callable[..., Any]:
+    """Wrap an interpreted function of the engine so that it accepts tables of constants, as compiled ones do."""
+
+    def readable(given: Any) -> Any:
+        return ConstantRows(given) if getattr(given, "dtype", None) == ROW else given
+
+    return lambda *arguments: function(*converted(arguments, readable))
+
+
 def product_and_zero(a, b):
     """Return (a b, 0): replaces `two_product`, the exact product of two doubles, for numbers of other kinds."""
     return a * b, 0.0 * a
@@ -338,30 +346,25 @@ class MpArithmetic(Arithmetic):
         return self.number(t), self.number(Fraction(0))
 
     @cached_property
-    def _mpfr(self) -> Any:
-        """The module `symosc.kernels.mpfr`, or None where mpmath has to do (without gmpy2)."""
-        try:
-            from symosc.kernels import mpfr
-        except ImportError:
-            return None
-        return mpfr if self.fast else None
-
-    @cached_property
     def _inner(self) -> Any:
         """The context of the numbers in which the event loop computes: MPFR if available, else mpmath."""
-        return self._mpfr.mpfr_context(self.context.prec) if self._mpfr else self.context
+        try:
+            from symosc.kernels.mpfr import mpfr_context
+        except ImportError:
+            return self.context
+        return mpfr_context(self.context.prec) if self.fast else self.context
 
     @cached_property
     def following(self) -> dict[str, Any]:
         """The engine's functions by name as `namespace` has them, but for MPFR's numbers where gmpy2 is installed."""
-        if self._mpfr is None:
+        inner = self._inner
+        if inner is self.context:
             return self.namespace
         from symosc.kernels.multiprecision import BasisMP
 
         replaced = {name: self.inward(value) for name, value in self._replaced.items()}
-        replaced |= {name: getattr(self._inner, name) for name in ("sin", "cos", "exp", "sqrt")}
-        replaced["basis"] = BasisMP(self._inner, self.parameters, self._mpfr.mpfr_context)
-        return bind(SOURCES, replaced, literal=self._mpfr.mpfr)
+        replaced |= {name: getattr(inner, name) for name in ("sin", "cos", "exp", "sqrt")}
+        return bind(SOURCES, replaced | {"basis": BasisMP(inner, self.parameters, inner.with_bits)}, literal=inner.mpf)
 
     @contextmanager
     def precision(self) -> Iterator[None]:
@@ -381,10 +384,11 @@ class MpArithmetic(Arithmetic):
 
     def inward(self, value: Any) -> Any:
         """Convert an mpmath number, or the numbers in a tuple, to those of the event loop."""
-        if self._mpfr is None:
+        inner = self._inner
+        if inner is self.context:
             return value
         with self.precision():
-            return converted(value, lambda entry: self._mpfr.from_mpf(entry) if hasattr(entry, "_mpf_") else entry)
+            return converted(value, lambda entry: inner.from_mpf(entry) if hasattr(entry, "_mpf_") else entry)
 
     @cached_property
     def inner_K(self) -> Constants:
@@ -394,10 +398,10 @@ class MpArithmetic(Arithmetic):
 
     def outward(self, value: Any, context: Any = None) -> Any:
         """Convert a number, or the numbers in a tuple, to mpmath numbers of this arithmetic's context or another."""
-        context = context or self.context
-        if self._mpfr is None:
-            return value if context is self.context else converted(value, context.mpf)
-        mpfr, to_mpf = self._mpfr.mpfr, self._mpfr.to_mpf
+        context, inner = context or self.context, self._inner
+        if inner is self.context:
+            return value if context is inner else converted(value, context.mpf)
+        mpfr, to_mpf = inner.mpf, inner.to_mpf
         if type(value) is tuple:  # the numbers of an event
             return tuple([to_mpf(entry, context) for entry in value])
         return converted(value, lambda entry: to_mpf(entry, context) if type(entry) is mpfr else entry)
@@ -480,18 +484,13 @@ def interpreted_pairs() -> PairLoops:
     def whole(value: Any) -> int:
         return int(value.real if isinstance(value, complex) else value)
 
-    def follow_pairs(*given: Any) -> Any:
-        *others, limits = given
-        rows: Any = (ConstantRows(table) for table in limits[4:])
-        return functions["follow_pairs"](*others, PairLimits(*limits[:4], *rows))
-
     bound = bind((pairs,), {"pair": pairs.pair_of})
     replaced = _pair_constants() | {name: bound[each.__name__] for name, each in pairs.FUNCTIONS.items()}
     replaced |= {"float": number, "int": whole, "two_product": product_and_zero}
     replaced |= {name: IN_DOUBLES[function] for name, function in PLAIN_IN_PAIRS.items()}
     replaced["from_complex"] = partial(converted, number=number)
     functions = bind(SOURCES, replaced, literal=pairs.Pair)
-    return PairLoops(functions["first_pairs"], follow_pairs)
+    return PairLoops(functions["first_pairs"], interpreted(functions["follow_pairs"]))
 
 
 def pairs_are_compiled() -> bool:

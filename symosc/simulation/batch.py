@@ -24,13 +24,14 @@ from symosc.engine.arithmetic import (
     compiled,
     compiled_pairs,
     compiled_tangents,
+    interpreted,
     interpreted_pairs,
     is_compiled,
     pair_constants,
     pairs_are_compiled,
 )
 from symosc.engine.batch import NO_PIECES, STATE_WIDTH, Batch, EventRows, batch_of, event_buffer, rows_between
-from symosc.engine.flow import ROW, ConstantRows, table_of
+from symosc.engine.flow import table_of
 from symosc.engine.start import Start, first_row
 from symosc.engine.summary import Tally, no_tally
 from symosc.errors import MissingExtraError
@@ -68,15 +69,6 @@ class Loops(NamedTuple):
     follow: Callable[..., tuple[int, int, int]]
     settle: Callable[..., None]
     in_threads: bool  # whether several threads are faster than one
-
-
-def interpreted(function: Callable[..., Any]) -> Callable[..., Any]:
-    """Wrap an interpreted function of the engine so that it accepts tables of constants, as compiled ones do."""
-
-    def call(*arguments: Any) -> Any:
-        return function(*(ConstantRows(each) if getattr(each, "dtype", None) == ROW else each for each in arguments))
-
-    return call
 
 
 FOLLOW = interpreted(engine_batch.follow_all)
