@@ -308,12 +308,7 @@ class MotionInDigits(Motion):
     # If it does, an event that it knows less accurately than the limits allow counts as undecided.
 
     def __init__(
-        self,
-        start: Start,
-        K: Constants,
-        limits: Limits,
-        digits: int,
-        other: MotionInPairs | MotionInDigits | None = None,
+        self, start: Start, K: Constants, limits: Limits, digits: int, other: MotionInPairs | MotionInDigits | None
     ) -> None:
         begin = other.last_sure(many_digits(start.parameters, digits)) if other else None
         super().__init__(start, digits, begin, K)
@@ -382,7 +377,7 @@ class FinerMotion:
         if fits_pairs(start) and (loops or pairs_are_loaded()):
             self._now = MotionInPairs(*self._problem, loops or compiled_pairs())
         else:
-            self._now = MotionInDigits(*self._problem, self._least)
+            self._now = MotionInDigits(*self._problem, self._least, None)
 
     @property
     def count(self) -> int:
