@@ -46,6 +46,12 @@ from symosc.kernels.multiprecision import mp_context
 DOUBLE = ir.DoubleType()
 
 
+def _compared(name: str) -> Callable[[Any, Any], bool]:
+    """Return the method that compares high parts and, where they are equal, low parts."""
+    compare = getattr(operator, name)
+    return lambda number, other: compare((number.hi, number.lo), _parts_of(other))
+
+
 class Pair:
     """A number as hi + lo, for CPython and as a constant in compiled code; made of a Fraction, float or mpf."""
 
@@ -97,20 +103,7 @@ class Pair:
 
     __radd__, __rmul__ = __add__, __mul__
 
-    def __lt__(self, other: Any) -> bool:
-        return (self.hi, self.lo) < _parts_of(other)
-
-    def __le__(self, other: Any) -> bool:
-        return (self.hi, self.lo) <= _parts_of(other)
-
-    def __gt__(self, other: Any) -> bool:
-        return (self.hi, self.lo) > _parts_of(other)
-
-    def __ge__(self, other: Any) -> bool:
-        return (self.hi, self.lo) >= _parts_of(other)
-
-    def __eq__(self, other: Any) -> bool:
-        return (self.hi, self.lo) == _parts_of(other)
+    __lt__, __le__, __gt__, __ge__, __eq__ = map(_compared, ("lt", "le", "gt", "ge", "eq"))
 
 
 def pair_of(hi: float, lo: float) -> Pair:
