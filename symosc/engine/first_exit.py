@@ -71,7 +71,9 @@ SOON = 1e-2  # a gap within its error that leaves it within this time, times 1/r
 SAME_PHASE = 64.0  # phases closer than this times EPS are one
 MOST_STEPS, MOST_STICK_STEPS, MOST_NEWTON, MOST_DESCENTS, MOST_HALVINGS = 20000, 20000, 200, 400, 400
 MOST_CORRECTIONS = 8  # each evaluation of the flow makes five times as many digits right
-MOST_STALLS = 30  # short steps on which no minimum of the gap was found ahead, before the search is given up
+# Short steps on which no minimum of the gap was found ahead, before the search is given up: beside a gap that has 1e-30
+# of its usual size, and hardly bends, it takes a hundred to get away.
+MOST_STALLS = 150
 
 
 # --- bounds of a gap ---
@@ -512,7 +514,7 @@ def stepped(tau_max, now, M4, thin, margin, start, walls, S, K):
         beside = margin > 0.0 and side * now.F > 0.0 and gap_to(side, now, walls) < 2.0 * margin
         if (short or not deep or beside) and not known and (now.tau > 0.0 or start_gap > 0.0):
             verdict, tau = graze_ahead(now, side, step, M4, start, walls, S, K)
-            if verdict in (TANGENCY, LOST):
+            if verdict == TANGENCY or (verdict == LOST and tau <= tau_max):  # later, it is not lost in this search
                 code = TANGENCY if verdict == TANGENCY else STALLED
                 break
             if verdict == HIT:
