@@ -16,20 +16,9 @@ from typing import Any, NamedTuple, TypeVar
 
 import numpy as np
 
+from symosc.engine import arithmetic, flow, summary
 from symosc.engine import batch as engine_batch
-from symosc.engine import flow, summary
-from symosc.engine.arithmetic import (
-    Arithmetic,
-    PairLoops,
-    compiled,
-    compiled_pairs,
-    compiled_tangents,
-    interpreted,
-    interpreted_pairs,
-    is_compiled,
-    pair_constants,
-    pairs_are_compiled,
-)
+from symosc.engine.arithmetic import PairLoops, compiled, compiled_pairs, interpreted, is_compiled
 from symosc.engine.batch import NO_PIECES, STATE_WIDTH, Batch, EventRows, batch_of, event_buffer, rows_between
 from symosc.engine.flow import table_of
 from symosc.engine.start import Start, first_row
@@ -95,7 +84,8 @@ def chosen_loops(use_numba: Any) -> Loops:
 
 def pair_loops(events: int) -> PairLoops:
     """Return the loops in pairs for this many events: compiled, or interpreted if that is quicker."""
-    return compiled_pairs() if events > PAIRS.events or pairs_are_compiled() else interpreted_pairs()
+    pays = events > PAIRS.events or arithmetic.pairs_are_compiled()
+    return compiled_pairs() if pays else arithmetic.interpreted_pairs()
 
 
 def _interpreted_first(compiled_one: Callable[..., Any]) -> Callable[..., tuple[int, int, int]]:
@@ -209,12 +199,13 @@ class Warmed(NamedTuple):
 
 def warm() -> list[Warmed]:
     """Compile the functions that `simulate_many` calls, unless they are on disk; MissingExtraError without numba."""
-    loops, doubles, tangents, pairs = chosen_loops(True), compiled(), compiled_tangents()["tangents"], compiled_pairs()
+    loops, doubles, pairs = chosen_loops(True), compiled(), compiled_pairs()
+    tangents = arithmetic.compiled_tangents()["tangents"]
     scene, nothing, none = load_scene("fig8"), np.arange(0), np.zeros((0, STATE_WIDTH))
     start = Start(scene.parameters, scene.t0, scene.x0, scene.v0, scene.t_end)
-    arithmetic, K = Arithmetic(scene.parameters), pair_constants(scene.parameters)
-    table, batch, out = table_of([arithmetic.K]), batch_of(none), event_buffer(0)
-    row = np.array([first_row(start, arithmetic)])
+    in_doubles, K = arithmetic.Arithmetic(scene.parameters), arithmetic.pair_constants(scene.parameters)
+    table, batch, out = table_of([in_doubles.K]), batch_of(none), event_buffer(0)
+    row = np.array([first_row(start, in_doubles)])
     columns = *(np.zeros(0),) * 4, *(nothing,) * 3
     changes = *(np.zeros((0, 1)),) * 2, np.zeros((0, 1), np.int8), np.zeros(0, np.int8), np.zeros((0, 2))
     of_motions, letters, work = np.zeros((0, 5)), np.zeros((0, 4)), np.zeros((8, 11))

@@ -20,19 +20,10 @@ from numpy.typing import ArrayLike
 from symosc.aliases import DataFrame, NumberLike, Progress, Record, StartError
 from symosc.arguments import public
 from symosc.display.progress import reporting
+from symosc.engine import batch as engine_batch
 from symosc.engine import summary as kept
 from symosc.engine.arithmetic import ROUNDED_FROM, compiled_pairs, many_digits, pair_constants, pairs_as_complex
-from symosc.engine.batch import (
-    NO_PIECES,
-    Batch,
-    EventRows,
-    PairLimits,
-    batch_of,
-    event_buffer,
-    joined,
-    joined_arrays,
-    rows_between,
-)
+from symosc.engine.batch import Batch, EventRows, PairLimits, batch_of, event_buffer, joined, rows_between
 from symosc.engine.events import CODE_COLUMNS, FLOAT_COLUMNS
 from symosc.engine.flow import SIGMAS, ConstantRows
 from symosc.engine.start import MOST_PERIODS, Start, first_row, settles
@@ -147,7 +138,7 @@ def simulate_many(
         parts: list[Any] = in_chunks(len(problems), work, threads, report)
     if of_events:
         rows, status = ([each for part in parts for each in part[n]] for n in range(2))
-        columns = (joined_arrays(list(each)) for each in zip(*(changes for _, _, changes in parts), strict=True))
+        columns = map(engine_batch.joined_arrays, map(list, zip(*(part[2] for part in parts), strict=True)))
         return table_from(rows, status, names, **dict(zip(CHANGES if names else (), columns, strict=True)))
     return Summary(**{name: np.concatenate([part[name] for part in parts]) for name in parts[0]})
 
@@ -248,7 +239,8 @@ class Chunk:
             together = len(waiting) if functions is compiled_pairs() else TOGETHER
             active, waiting = waiting[:together], waiting[together:]
             buffer = event_buffer(0 if len(tally.floats) else int((events + MOST_MORE)[active].sum()))
-            filled, _ = functions.follow_pairs(active, wanted, pairs, batch, buffer, NO_PIECES, K, tally, going)
+            given = active, wanted, pairs, batch, buffer, engine_batch.NO_PIECES, K, tally, going
+            filled, _ = functions.follow_pairs(*given)
             loops.PAIRS.events -= filled
             yield rows_between(buffer, 0, min(filled, buffer.floats.shape[1]))
             active = active[batch.codes[active] == RUNNING]

@@ -19,20 +19,9 @@ import numpy as np
 from symosc.aliases import Number, NumberLike, Progress, SceneName, StartError
 from symosc.arguments import public
 from symosc.display.progress import Advance, late_bar
+from symosc.engine import batch as engine_batch
 from symosc.engine.arithmetic import Arithmetic, PairLoops, loaded_loop, mp_context
-from symosc.engine.batch import (
-    EventRows,
-    batch_of,
-    event_buffer,
-    follow_all,
-    joined,
-    keep_state,
-    piece_buffer,
-    row_of,
-    rows_between,
-    state_of,
-    write_piece,
-)
+from symosc.engine.batch import EventRows, joined, keep_state, piece_buffer, state_of
 from symosc.engine.flow import Constants, clock_time, table_of
 from symosc.engine.start import MOST_PERIODS, Start, first_state, last_time, settles
 from symosc.engine.state import FAILED, FULL, NEEDS_DIGITS, ON_BELT, REST, RUNNING, UNDECIDED, State
@@ -187,15 +176,16 @@ def in_doubles(
     K = arithmetic.K._replace(sigmas=0.0) if isinf(accuracy) else arithmetic.K
     limits = Limits(most, needed, PAIR_NOISE) if loops else Limits(most, needed)
     first, finer, decided = first_state(start, arithmetic), None, True
-    batch, begun = batch_of(np.array([row_of(first, *last_time(start, arithmetic))])), piece_buffer(1)
-    write_piece(begun, 0, first, float(start.t0 - Fraction(first.t)))
+    row, begun = engine_batch.row_of(first, *last_time(start, arithmetic)), piece_buffer(1)
+    batch = engine_batch.batch_of(np.array([row]))
+    engine_batch.write_piece(begun, 0, first, float(start.t0 - Fraction(first.t)))
     events, pieces, count, code = list[EventRows](), [begun], 0, REST if settles(start) else RUNNING
     while code == RUNNING:
         loop, table, largest = single_loop(count, K)
         size = min(largest, max(FIRST_BLOCK, 8 * count))
-        out, parts = event_buffer(size), piece_buffer(size)
+        out, parts = engine_batch.event_buffer(size), piece_buffer(size)
         _, filled, begins = loop(0, batch, most, needed, out, parts, no_tally(), table)
-        events.append(rows_between(out, 0, filled))
+        events.append(engine_batch.rows_between(out, 0, filled))
         pieces.append(parts[:, :begins])
         count, code = int(batch.counts[0]), int(batch.codes[0])
         if code in NEEDS_DIGITS:
@@ -226,7 +216,7 @@ def single_loop(count: int, K: Constants) -> tuple[Callable[..., tuple[int, int,
     if functions := loaded_loop():
         return functions["follow_all"], table_of([K]), LARGEST_BLOCK
     if count < TURN:
-        return follow_all, [K], TURN
+        return engine_batch.follow_all, [K], TURN
     loop = chosen_loops(None).follow  # compiled if that pays
     return loop, table_of([K]), TURN if loaded_loop() is None else LARGEST_BLOCK
 
