@@ -13,22 +13,8 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from symosc.aliases import Number
-from symosc.engine import batch
-from symosc.engine.arithmetic import (
-    PAIR_EPS,
-    ROUNDED_FROM,
-    Arithmetic,
-    MpArithmetic,
-    PairLoops,
-    compiled_pairs,
-    is_compiled,
-    loaded_loop,
-    many_digits,
-    mp_context,
-    pair_constants,
-    pairs_are_loaded,
-    pairs_as_complex,
-)
+from symosc.engine import arithmetic, batch
+from symosc.engine.arithmetic import Arithmetic, MpArithmetic, PairLoops, loaded_loop, many_digits
 from symosc.engine.batch import EventRows, event_buffer, joined, keep_state, piece_buffer, rows_between, state_of
 from symosc.engine.events import CODE_COLUMNS, CODE_NAMES, EXACT_COLUMNS, FLOAT_COLUMNS, Event, event_codes
 from symosc.engine.flow import Constants, table_of
@@ -88,7 +74,7 @@ class SearchInDoubles:
     def __init__(self, start: Start, K: Constants) -> None:
         functions, plain = loaded_loop() or {}, (batch.search_row, batch.doubt_row)
         found = tuple(functions.get(each.__name__, each) for each in plain)
-        compiled = bool(functions) and (SEARCHES.events <= 0 or all(map(is_compiled, found)))
+        compiled = bool(functions) and (SEARCHES.events <= 0 or all(map(arithmetic.is_compiled, found)))
         self._search, self._doubt = found if compiled else plain
         careful = Arithmetic(start.parameters).K
         self._row = row_to_end(start)
@@ -144,7 +130,7 @@ class Motion:
         """Return how many more digits the least accurate event needs to have `digits`; negative if it has more."""
         if self._worst == 0:
             return 0
-        context = mp_context(15)
+        context = arithmetic.mp_context(15)
         return int(context.ceil(context.log10(SAFETY * context.convert(self.arithmetic.outward(self._worst))))) + digits
 
     @property
@@ -256,11 +242,11 @@ class MotionInPairs:
     # which doubles are in doubt.
 
     def __init__(self, start: Start, K: Constants, limits: Limits, loops: PairLoops) -> None:
-        exact = many_digits(start.parameters, ROUNDED_FROM)
+        exact = many_digits(start.parameters, arithmetic.ROUNDED_FROM)
         state, tables = first_state(start, exact), (table_of([each]) for each in (K, Arithmetic(start.parameters).K))
-        self._follow, self._K = loops.follow_pairs, pair_constants(start.parameters)
+        self._follow, self._K = loops.follow_pairs, arithmetic.pair_constants(start.parameters)
         self._limits = batch.PairLimits(limits.most, limits.accuracy, MOST_EVER, limits.noise, *tables)
-        self._pairs = np.array([pairs_as_complex(tuple(batch.row_of(state, *last_time(start, exact))))])
+        self._pairs = np.array([arithmetic.pairs_as_complex(tuple(batch.row_of(state, *last_time(start, exact))))])
         self._batch = batch.batch_of(row_to_end(start))
         keep_state(self._batch.states, 0, rounded(state, float(start.t0), K.Om_gain))
         self._events, self._pieces = list[EventRows](), list[np.ndarray]()
@@ -274,12 +260,12 @@ class MotionInPairs:
         """Return the current state in doubles."""
         return state_of(self._batch.states, 0)
 
-    def last_sure(self, arithmetic: MpArithmetic) -> State:
+    def last_sure(self, finer: MpArithmetic) -> State:
         """Return the last state that pairs are sure of, converted to an arithmetic of more digits."""
-        number = arithmetic.context.mpf
+        number = finer.context.mpf
         row = [number(z.real) + number(z.imag) for z in self._pairs[0].tolist()]
         numbers: tuple[Any, ...] = (*map(int, row[:3]), *row[3:8], Covariance(*row[8:11]), *row[11:13], *row[16:])
-        return continued(State(*numbers), PAIR_EPS, arithmetic)
+        return continued(State(*numbers), arithmetic.PAIR_EPS, finer)
 
     def reach(self, count: int) -> bool:
         """Follow to `count` events, and on while doubles cannot decide the next; return False where pairs cannot."""
@@ -345,9 +331,9 @@ class MotionInDigits(Motion):
         numbers = self.arithmetic.following["event_numbers"](before, found, told, self.K)
         self._events.append((tuple(map(float, numbers)), event_codes(before, found)))
 
-    def last_sure(self, arithmetic: MpArithmetic) -> State:
+    def last_sure(self, finer: MpArithmetic) -> State:
         """Return the current state converted to an arithmetic of more digits."""
-        return continued(self.state, Fraction(1, 1 << self.arithmetic.context.prec), arithmetic)
+        return continued(self.state, Fraction(1, 1 << self.arithmetic.context.prec), finer)
 
     def take(self) -> tuple[EventRows, np.ndarray]:
         """Return the events and pieces found since the last call."""
@@ -374,8 +360,8 @@ class FinerMotion:
         self.events, self.pieces = list[EventRows](), list[np.ndarray]()
         self.open_at, self.open_in = nan, 0  # the time of a contact that cannot be decided, and with how many digits
         self._now: MotionInPairs | MotionInDigits
-        if fits_pairs(start) and (loops or pairs_are_loaded()):
-            self._now = MotionInPairs(*self._problem, loops or compiled_pairs())
+        if fits_pairs(start) and (loops or arithmetic.pairs_are_loaded()):
+            self._now = MotionInPairs(*self._problem, loops or arithmetic.compiled_pairs())
         else:
             self._now = MotionInDigits(*self._problem, self._least, None)
 
