@@ -101,11 +101,7 @@ class NumberColumn:
     def exact(self, row: int) -> Fraction:
         """Return the exact number in a row."""
         row = row if len(self) > 1 else 0
-        if row not in self._exact:
-            if len(self._exact) > 100_000:  # of a long column only a few are asked for again
-                self._exact.clear()
-            self._exact[row] = read_number(self.called(row), self._given[row])[0]
-        return self._exact[row]
+        return self._exact[row] if row in self._exact else read_number(self.called(row), self._given[row])[0]
 
     def pairs(self, rows: Any = slice(None)) -> PairColumn:
         """Return some rows, or the common number, as a column of pairs."""
