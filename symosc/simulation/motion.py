@@ -352,51 +352,36 @@ class FinerMotion:
     # that these leave undecided it goes on with as many digits as confirm a graze (`digits_to_confirm_graze`): from the
     # state before it with its error, or from t0 if that error is why. If they do not decide the contact, it is a graze.
     # If they do, the next such contact takes twice as many digits: where sticks get shorter, so do gaps. `K` are the
-    # constants by which doubles are in doubt.
+    # constants by which doubles are in doubt, `now` is the motion in the precision at hand.
 
     def __init__(self, start: Start, K: Constants, limits: Limits, loops: PairLoops | None = None) -> None:
         self._problem = start, K, limits
         self._least, self._asked_at = FINER_DIGITS + start.spare_digits, inf
         self.events, self.pieces = list[EventRows](), list[np.ndarray]()
         self.open_at, self.open_in = nan, 0  # the time of a contact that cannot be decided, and with how many digits
-        self._now: MotionInPairs | MotionInDigits
+        self.now: MotionInPairs | MotionInDigits
         if fits_pairs(start) and (loops or arithmetic.pairs_are_loaded()):
-            self._now = MotionInPairs(*self._problem, loops or arithmetic.compiled_pairs())
+            self.now = MotionInPairs(*self._problem, loops or arithmetic.compiled_pairs())
         else:
-            self._now = MotionInDigits(*self._problem, self._least, None)
-
-    @property
-    def count(self) -> int:
-        """The number of events so far."""
-        return self._now.count
-
-    @property
-    def code(self) -> int:
-        """How the motion ended, as a code, or RUNNING."""
-        return self._now.code if self._now.code in (END, REST) else RUNNING
-
-    @property
-    def state(self) -> State:
-        """The current state in doubles."""
-        return self._now.rounded_state()
+            self.now = MotionInDigits(*self._problem, self._least, None)
 
     def reach(self, count: int) -> bool:
         """Follow to `count` events, and on while doubles cannot decide; return False at a contact that stays open."""
-        reached = self._now.reach(count)
+        reached = self.now.reach(count)
         while not reached and self._settle_contact():
-            reached = self._now.reach(self._goal)
+            reached = self.now.reach(self._goal)
         self._take()
         return reached
 
     def _take(self) -> None:
         """Append what was found in double-double or many-digit numbers to `events` and `pieces`."""
-        events, pieces = self._now.take()
+        events, pieces = self.now.take()
         self.events.append(events)
         self.pieces.append(pieces)
 
     def _settle_contact(self) -> bool:
         """Go on with more digits at an undecided contact, or call it a graze; return False if neither is possible."""
-        now, (start, *_) = self._now, self._problem
+        now, (start, *_) = self.now, self._problem
         self._goal = now.goal
         if isinstance(now, MotionInPairs):
             return self._go_on(self._least, now)
@@ -419,8 +404,8 @@ class FinerMotion:
     def _go_on(self, digits: int, other: MotionInPairs | MotionInDigits | None = None) -> bool:
         """Go on with more digits from the last state of `other`, or if None from t0; return if this gets as far."""
         self._take()
-        before, count = self._now, self.count
-        self._now = now = MotionInDigits(*self._problem, digits, other)
+        before, count = self.now, self.now.count
+        self.now = now = MotionInDigits(*self._problem, digits, other)
         if isinstance(before, MotionInPairs) or other:
             return True
         # Steps of two arithmetics differ: one may end between events where the other one does not.

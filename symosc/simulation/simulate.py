@@ -24,7 +24,7 @@ from symosc.engine.arithmetic import Arithmetic, PairLoops, loaded_loop, mp_cont
 from symosc.engine.batch import EventRows, joined, keep_state, piece_buffer, state_of
 from symosc.engine.flow import Constants, clock_time, table_of
 from symosc.engine.start import MOST_PERIODS, Start, first_state, last_time, settles
-from symosc.engine.state import FAILED, FULL, NEEDS_DIGITS, ON_BELT, REST, RUNNING, UNDECIDED, State
+from symosc.engine.state import END, FAILED, FULL, NEEDS_DIGITS, ON_BELT, REST, RUNNING, UNDECIDED, State
 from symosc.engine.summary import no_tally
 from symosc.errors import ParameterError
 from symosc.exact import LEAST_ASKED_DIGITS, MOST_ASKED_DIGITS, read_exact, read_start_error, show, whole_number
@@ -191,14 +191,15 @@ def in_doubles(
         if code in NEEDS_DIGITS:
             finer = finer or FinerMotion(start, K, limits, loops)
             decided = finer.reach(count + (code == UNDECIDED))
-            events, pieces, count, code = list(finer.events), [begun, *finer.pieces], finer.count, finer.code
-            keep_state(batch.states, 0, finer.state)
+            events, pieces, now = list(finer.events), [begun, *finer.pieces], finer.now
+            count, code = now.count, now.code if now.code in (END, REST) else RUNNING
+            keep_state(batch.states, 0, now.rounded_state())
             batch.counts[0], batch.codes[0] = count, code
             if not decided:
                 break
         if advance:
-            now = state_of(batch.states, 0)
-            advance(_part_done(start, clock_time(now.t - t0, now.t_low, 0.0, K), count, most), count)
+            state = state_of(batch.states, 0)
+            advance(_part_done(start, clock_time(state.t - t0, state.t_low, 0.0, K), count, most), count)
     rows, last = joined(events), float(start.t_end)
     if finer and not decided:
         status, message, last = "undecidable", _open_contact(finer.open_at, finer.open_in), finer.open_at
