@@ -514,7 +514,7 @@ def stepped(tau_max, now, M4, thin, margin, start, walls, S, K):
         beside = margin > 0.0 and side * now.F > 0.0 and gap_to(side, now, walls) < 2.0 * margin
         if (short or not deep or beside) and not known and (now.tau > 0.0 or start_gap > 0.0):
             verdict, tau = graze_ahead(now, side, step, M4, start, walls, S, K)
-            if verdict == TANGENCY or (verdict == LOST and tau <= tau_max):  # later, it is not lost in this search
+            if verdict in (TANGENCY, LOST):
                 code = TANGENCY if verdict == TANGENCY else STALLED
                 break
             if verdict == HIT:
