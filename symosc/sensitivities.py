@@ -22,7 +22,7 @@ from symosc.arguments import public
 from symosc.display.drawable import Comparable
 from symosc.engine import tangent
 from symosc.engine.arithmetic import many_digits, mp_context
-from symosc.engine.constant_table import table_of
+from symosc.engine.flow import table_of
 from symosc.engine.start import Start
 from symosc.engine.state import GRAZE, ON_BELT
 from symosc.kernels.entire import EPS

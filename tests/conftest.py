@@ -152,4 +152,5 @@ def report() -> Path:
 @pytest.fixture
 def interpreted(monkeypatch: pytest.MonkeyPatch) -> None:
     """Let CPython follow single motions, whose functions a test replaces, whatever this process has compiled."""
-    monkeypatch.setattr("symosc.simulation.motion.loaded_loop", lambda: None)
+    for module in ("simulate", "motion"):
+        monkeypatch.setattr(f"symosc.simulation.{module}.loaded_loop", lambda: None)

@@ -23,10 +23,9 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from symosc.crosschecks.samples import Samples
-from symosc.engine.arithmetic import Arithmetic, mp_context
-from symosc.engine.batch import Batch, batch_of, keep_state, state_of
-from symosc.engine.constant_table import table_of
-from symosc.engine.flow import Constants
+from symosc.engine.arithmetic import Arithmetic, loaded_loop, mp_context
+from symosc.engine.batch import Batch, batch_of, joined, keep_state, state_of
+from symosc.engine.flow import Constants, table_of
 from symosc.engine.next_event import TWO_PI, advance
 from symosc.engine.start import start_rows
 from symosc.engine.state import CROSS, END, FAILED, GRAZE, MOVED, ON_BELT, REST
@@ -35,7 +34,7 @@ from symosc.kernels._generated import acceleration, motion, stick_acceleration
 from symosc.kernels.double_double import two_product
 from symosc.kernels.entire import EPS
 from symosc.model import Parameters
-from symosc.simulation.batch import InterpretBudget, chosen_loops, follow_batch, joined, loaded_loop
+from symosc.simulation.batch import InterpretBudget, chosen_loops, follow_batch
 
 # Number of steps followed in small calls before compiled code is loaded, which takes a second.
 FEW_STEPS = InterpretBudget(50_000)

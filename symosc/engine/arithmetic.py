@@ -18,7 +18,8 @@ import inspect
 import math
 import sys
 import types
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Iterable, Iterator
+from contextlib import contextmanager
 from fractions import Fraction
 from functools import cache, cached_property, lru_cache, partial
 from glob import escape
@@ -30,9 +31,8 @@ import numpy as np
 
 from symosc.aliases import Number
 from symosc.engine import batch, events, first_exit, flow, lanes, next_event, state, summary, tangent
-from symosc.engine.batch import PairLimits
-from symosc.engine.constant_table import NESTED, ConstantRows
-from symosc.engine.flow import Constants, constants, with_march
+from symosc.engine.flow import NESTED, ROW, ConstantRows, Constants, constants, with_march
+from symosc.engine.state import NextEvent, State
 from symosc.errors import MissingExtraError
 from symosc.kernels import _generated, double_double, elementary, entire, entire_array, mapping
 from symosc.model import Parameters
@@ -85,7 +85,7 @@ def bind(
     wrap: Callable[[Any], Any] | None = None,
     literal: Callable[[float], Any] | None = None,
 ) -> dict[str, Any]:
-    """Copy the functions of `modules`; the copies call each other, and use `replaced` for the names that it has."""
+    """Copy the functions of `modules` so that they call each other, and see the values of `replaced` by these names."""
     # `wrap` is applied to every copy, such as numba.njit; `literal` converts the floats in the source once, such as 0.5
     # and the limits with a name. A name in `replaced` must be one that the functions could see.
     modules = tuple(modules)
@@ -124,7 +124,7 @@ def compile_modules(
     literal: Callable[[float], Any] | None = None,
     beside: Iterable[types.ModuleType] = (),
 ) -> dict[str, Any]:
-    """Compile the functions of `modules` by numba, each when it is first called; the code is kept on disk."""
+    """Return the functions of `modules` by name, compiled by numba at their first call; the code is kept on disk."""
     # All functions but those in `outlined` (None: all) are inlined into each caller. `callees` are compiled functions
     # that replace those of the same name; those that no module sees are left out. `replaced` and `literal` are as in
     # `bind`. The modules `beside` are compiled too, such as operators of a type. Raise MissingExtraError without
@@ -187,6 +187,15 @@ def converted(value: Any, number: Callable[[Any], Any]) -> Any:
     return type(value)(*entries) if hasattr(value, "_fields") else tuple(entries)
 
 
+def interpreted(function: Callable[..., Any]) -> Callable[..., Any]:
+    """Wrap an interpreted function of the engine so that it accepts tables of constants, as compiled ones do."""
+
+    def readable(given: Any) -> Any:
+        return ConstantRows(given) if getattr(given, "dtype", None) == ROW else given
+
+    return lambda *arguments: function(*converted(arguments, readable))
+
+
 def product_and_zero(a, b):
     """Return (a b, 0): replaces `two_product`, the exact product of two doubles, for numbers of other kinds."""
     return a * b, 0.0 * a
@@ -201,19 +210,14 @@ IN_DOUBLES = {name: value for module in SOURCES for name, value in vars(module).
 class Arithmetic:
     """The numbers and constants of the engine in double precision; base class of the other arithmetics."""
 
-    # `advance` may follow motions in inner numbers: `inward` and `outward` convert, and arithmetic on those belongs
-    # between `enter` and `leave`.
-
     K: Constants
-    inner_K: Constants  # constants in the numbers that follow motions
     digits = 40  # that the reduction of phases takes; more than doubles have, for phases next to 0 or 2 pi
     number: Callable[[Fraction], Number] = staticmethod(float)  # rounds a Fraction to such a number
+    rounded: Callable[[Number], Number] = staticmethod(float)  # rounds an mpf of any precision
     namespace = IN_DOUBLES
-    advance: Any = staticmethod(next_event.advance)
 
     def __init__(self, parameters: Parameters) -> None:
-        self.parameters = parameters
-        self.K = self.inner_K = _float_constants(parameters)
+        self.parameters, self.K = parameters, _float_constants(parameters)
 
     def phase(self, t: Fraction) -> Number:
         """Return the phase Omega t mod 2 pi, in [0, 2 pi), correctly rounded."""
@@ -225,23 +229,10 @@ class Arithmetic:
         high = float(t)
         return high, float(t - Fraction(high))
 
-    def rounded(self, value: Number) -> Number:
-        """Round an mpf of any precision to a number of this arithmetic."""
-        return float(value)
-
-    def enter(self) -> Any:
-        """Make this precision the current one; return what `leave` needs to restore the one before."""
-
-    def leave(self, before: Any) -> None:
-        """Restore the precision that was current before `enter`."""
-
-    def inward(self, value: Any) -> Any:
-        """Convert a number, or the numbers in a tuple, to the type in which the event loop computes."""
-        return value
-
-    def outward(self, value: Any) -> Any:
-        """Convert numbers of the event loop back to those of this arithmetic (see `inward`)."""
-        return value
+    def advance(self, state: State, t_end: Number, t_end_low: Number) -> NextEvent:
+        """Return the next event after a state, or the end of an interval without events (see `next_event.advance`)."""
+        found: NextEvent = next_event.advance(state, t_end, t_end_low, self.K)
+        return found
 
 
 @lru_cache(maxsize=1024)
@@ -262,7 +253,7 @@ def _angle_in_turn(angle: Fraction, digits: int) -> Any:
 
 @cache
 def compiled(width: int = 0) -> dict[str, Any]:
-    """Return the engine's compiled functions for doubles; they follow `width` motions side by side (0: the fastest)."""
+    """Return the compiled engine for doubles, by name; `width`: how many motions run in lanes (0: the best number)."""
     try:
         from symosc.kernels import lane_types
     except ImportError:
@@ -278,6 +269,12 @@ def compiled(width: int = 0) -> dict[str, Any]:
     return functions | {"follow_all": functions["follow_lanes" if usual else "follow_all"]}
 
 
+def loaded_loop() -> dict[str, Any] | None:
+    """Return the engine's compiled functions if this process has already run its compiled loop, else None."""
+    functions = compiled() if compiled.cache_info().currsize else {}
+    return functions if functions and functions["follow_all"].overloads else None
+
+
 @lru_cache(maxsize=1)
 def compiled_tangents() -> dict[str, Any]:
     """Return the compiled functions that differentiate motions; raise MissingExtraError if numba is not installed."""
@@ -291,7 +288,7 @@ def compiled_tangents() -> dict[str, Any]:
 
 @lru_cache(maxsize=1)
 def column_functions() -> dict[str, Any]:
-    """Return `elementary` and `entire_array` for arrays, by name; every processor computes the same bits."""
+    """Return functions for arrays by name: sin, cos, exp, basis …, with the same bits on every processor."""
     powers = {"select": np.where, "power_of_two": lambda n: np.ldexp(1.0, n.astype(np.int64))}
     own = bind((elementary,), powers)
     short_sin, short_cos, widest = own["short_sin"], own["short_cos"], elementary.WIDEST
@@ -308,15 +305,17 @@ def column_functions() -> dict[str, Any]:
 class MpArithmetic(Arithmetic):
     """Numbers of mpmath with `digits` decimal digits; `context` is their mpmath context."""
 
-    # Motions are followed by MPFR where gmpy2 is installed, at the same precision and six times as fast. Both round the
-    # four operations and the square root correctly, so results differ, if at all, in the last bits of a sine. With
+    # Motions are followed by MPFR where gmpy2 is installed, at the same precision and six times as fast: `inward` and
+    # `outward` convert, and arithmetic on its numbers belongs into a block ``with arithmetic.precision():``. Both round
+    # the four operations and the square root correctly, so results differ, if at all, in the last bits of a sine. With
     # `fast` False all is done by mpmath, also the search for events.
 
     def __init__(self, parameters: Parameters, digits: int, fast: bool = True) -> None:
         from symosc.kernels.multiprecision import BasisMP
 
         context = mp_context(digits)
-        self.parameters, self.context, self.digits, self._fast = parameters, context, digits, fast
+        self.parameters, self.context, self.digits, self.fast = parameters, context, digits, fast
+        self.rounded = context.mpf
         basis = BasisMP(context, parameters)
         K = with_march(constants(parameters, self.number, context.sqrt, context.atan2, +context.pi), basis)
         self.K = K._replace(sigmas=context.mpf(MP_SIGMAS))
@@ -346,65 +345,63 @@ class MpArithmetic(Arithmetic):
         """Return a time as (t, 0)."""
         return self.number(t), self.number(Fraction(0))
 
-    def rounded(self, value: Number) -> Number:
-        """Round an mpf of any precision to one of this precision."""
-        return self.context.mpf(value)
-
-    @cached_property
-    def _mpfr(self) -> Any:
-        """The module `symosc.kernels.mpfr`, or None where mpmath has to do (without gmpy2)."""
-        try:
-            from symosc.kernels import mpfr
-        except ImportError:
-            return None
-        return mpfr if self._fast else None
-
     @cached_property
     def _inner(self) -> Any:
         """The context of the numbers in which the event loop computes: MPFR if available, else mpmath."""
-        return self._mpfr.mpfr_context(self.context.prec) if self._mpfr else self.context
+        try:
+            from symosc.kernels.mpfr import mpfr_context
+        except ImportError:
+            return self.context
+        return mpfr_context(self.context.prec) if self.fast else self.context
 
     @cached_property
     def following(self) -> dict[str, Any]:
-        """The engine's functions, by name, for the numbers in which the event loop computes."""
-        if self._mpfr is None:
+        """The engine's functions by name as `namespace` has them, but for MPFR's numbers where gmpy2 is installed."""
+        inner = self._inner
+        if inner is self.context:
             return self.namespace
         from symosc.kernels.multiprecision import BasisMP
 
         replaced = {name: self.inward(value) for name, value in self._replaced.items()}
-        replaced |= {name: getattr(self._inner, name) for name in ("sin", "cos", "exp", "sqrt")}
-        replaced["basis"] = BasisMP(self._inner, self.parameters, self._mpfr.mpfr_context)
-        return bind(SOURCES, replaced, literal=self._mpfr.mpfr)
+        replaced |= {name: getattr(inner, name) for name in ("sin", "cos", "exp", "sqrt")}
+        return bind(SOURCES, replaced | {"basis": BasisMP(inner, self.parameters, inner.with_bits)}, literal=inner.mpf)
 
-    advance = property(lambda self: self.following["advance"])
-    advance_near = property(lambda self: self.following["advance_near"] if self._fast else None)
-    time_with_errors = property(lambda self: self.following["time_with_errors"])
-    event_numbers = property(lambda self: self.following["event_numbers"])
-    enter = property(lambda self: self._inner.enter)
-    leave = property(lambda self: self._inner.leave)
+    @contextmanager
+    def precision(self) -> Iterator[None]:
+        """Make the precision of the event loop's numbers the current one."""
+        before = self._inner.enter()
+        try:
+            yield
+        finally:
+            self._inner.leave(before)
+
+    def advance(self, state: State, t_end: Number, t_end_low: Number) -> NextEvent:
+        """Return the next event after a state, or the end of an interval without events (see `next_event.advance`)."""
+        with self.precision():
+            given = self.inward((state, t_end, t_end_low))
+            found: NextEvent = self.outward(self.following["advance"](*given, self.inner_K))
+            return found
 
     def inward(self, value: Any) -> Any:
         """Convert an mpmath number, or the numbers in a tuple, to those of the event loop."""
-        if self._mpfr is None:
+        inner = self._inner
+        if inner is self.context:
             return value
-        before = self.enter()
-        try:
-            return converted(value, lambda entry: self._mpfr.from_mpf(entry) if hasattr(entry, "_mpf_") else entry)
-        finally:
-            self.leave(before)
+        with self.precision():
+            return converted(value, lambda entry: inner.from_mpf(entry) if hasattr(entry, "_mpf_") else entry)
 
     @cached_property
-    def inner_K(self) -> Constants:  # type: ignore[override]
+    def inner_K(self) -> Constants:
         """The constants as numbers of the event loop."""
         found: Constants = self.inward(self.K)
         return found
 
     def outward(self, value: Any, context: Any = None) -> Any:
         """Convert a number, or the numbers in a tuple, to mpmath numbers of this arithmetic's context or another."""
-        context = context or self.context
-        if self._mpfr is None:
-            return value if context is self.context else converted(value, context.mpf)
-        mpfr, to_mpf = self._mpfr.mpfr, self._mpfr.to_mpf
+        context, inner = context or self.context, self._inner
+        if inner is self.context:
+            return value if context is inner else converted(value, context.mpf)
+        mpfr, to_mpf = inner.mpf, inner.to_mpf
         if type(value) is tuple:  # the numbers of an event
             return tuple([to_mpf(entry, context) for entry in value])
         return converted(value, lambda entry: to_mpf(entry, context) if type(entry) is mpfr else entry)
@@ -487,18 +484,13 @@ def interpreted_pairs() -> PairLoops:
     def whole(value: Any) -> int:
         return int(value.real if isinstance(value, complex) else value)
 
-    def follow_pairs(*given: Any) -> Any:
-        *others, limits = given
-        rows: Any = (ConstantRows(table) for table in limits[4:])
-        return functions["follow_pairs"](*others, PairLimits(*limits[:4], *rows))
-
     bound = bind((pairs,), {"pair": pairs.pair_of})
     replaced = _pair_constants() | {name: bound[each.__name__] for name, each in pairs.FUNCTIONS.items()}
     replaced |= {"float": number, "int": whole, "two_product": product_and_zero}
     replaced |= {name: IN_DOUBLES[function] for name, function in PLAIN_IN_PAIRS.items()}
     replaced["from_complex"] = partial(converted, number=number)
     functions = bind(SOURCES, replaced, literal=pairs.Pair)
-    return PairLoops(functions["first_pairs"], follow_pairs)
+    return PairLoops(functions["first_pairs"], interpreted(functions["follow_pairs"]))
 
 
 def pairs_are_compiled() -> bool:
@@ -507,9 +499,8 @@ def pairs_are_compiled() -> bool:
 
 
 def pairs_are_loaded() -> bool:
-    """Return whether the loops of pairs are compiled and this process has already run the compiled one of doubles."""
-    used = compiled.cache_info().currsize and compiled()["follow_all"].overloads
-    return bool(used) and pairs_are_compiled()
+    """Return whether the loops of pairs are compiled, and compiled code is in use in this process already."""
+    return loaded_loop() is not None and pairs_are_compiled()
 
 
 def pairs_as_complex(value: Any) -> Any:
@@ -529,9 +520,3 @@ def pairs_as_complex(value: Any) -> Any:
 def pair_constants(parameters: Parameters) -> Constants:
     """Return the constants as pairs, stored as complex numbers hi + i lo, each rounded once."""
     return pairs_as_complex(many_digits(parameters, ROUNDED_FROM).K)
-
-
-def pair_phase(parameters: Parameters, t: Fraction) -> complex:
-    """Return the phase of the drive at time t as a pair, stored as the complex number hi + i lo, rounded once."""
-    found: complex = pairs_as_complex(many_digits(parameters, ROUNDED_FROM).phase(t))
-    return found

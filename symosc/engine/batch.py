@@ -7,6 +7,7 @@ out are doubles, whose only error is their rounding unless that of the pairs is 
 from __future__ import annotations
 
 import math
+from collections.abc import Iterable
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -120,8 +121,19 @@ def rows_between(rows: EventRows, begin: int, end: int) -> EventRows:
     return EventRows(rows.floats[:, begin:end], rows.ints[:, begin:end])
 
 
+def joined(parts: Iterable[EventRows]) -> EventRows:
+    """Concatenate blocks of event rows in contiguous memory."""
+    rows = list(parts) or [event_buffer(0)]
+    return rows[0] if len(rows) == 1 else EventRows(*(np.concatenate(each, axis=1) for each in zip(*rows, strict=True)))
+
+
+def piece_buffer(pieces: int) -> np.ndarray:
+    """Return a buffer with room for this many pieces of a motion."""
+    return np.empty((len(PIECE_COLUMNS), pieces))
+
+
 def row_of(state: State, t_end: Number, t_end_low: Number) -> list[Number]:
-    """Return one row of a batch: a state, the end time in two parts, and the start time."""
+    """Return one row of a batch for a motion that starts in a state: the state, t_end in two parts, and t0."""
     return [*state[:8], *state.S, state.t, state.t_low, t_end, t_end_low, state.t, *state[11:]]
 
 
@@ -154,7 +166,7 @@ def keep_state(states, i, state):
 
 
 def follow_all(begin, batch, most, accuracy, out, pieces, tally, table):
-    """Follow trajectories until all end or a buffer is full; return the next one, and counts of rows and pieces."""
+    """Follow trajectories until all end, or a buffer is full; return the next one, and the filled rows and pieces."""
     #   begin : first trajectory to follow; it may have been begun before.
     #   batch : Batch, updated.
     #   most : events after which a trajectory is FULL.
@@ -162,7 +174,7 @@ def follow_all(begin, batch, most, accuracy, out, pieces, tally, table):
     #   out : EventRows
     #   pieces : (PIECE_COLUMNS, m) buffer of the pieces that steps lead to; none are recorded where m is 0.
     #   tally : Tally, updated; events are recorded where it is for no motion, else only counted.
-    #   table : constants of the parameter sets, as `symosc.engine.constant_table` makes them.
+    #   table : constants of the parameter sets, as `symosc.engine.flow` makes them.
     rows, parts = 0, 0
     for i in range(begin, batch.states.shape[0]):
         rows, parts = follow_one(i, False, rows, parts, batch, most, accuracy, out, pieces, tally, table)
@@ -219,7 +231,7 @@ def is_inexact(t, t_error, x, x_error, t0, accuracy):
 
 
 def end_by_phase(row, K):
-    """Return t_end (in two parts) and t0 of a batch row; t_end is put on the clock of states: phase/rounded Omega."""
+    """Return t_end (in two parts) and t0 of a batch row, t_end on the clock of states (see `flow.clock_time`)."""
     t_end, t0 = float(row[13]), float(row[15])
     return t_end, float(row[14]) - (t_end - t0) * K.Om_gain, t0
 
@@ -231,7 +243,7 @@ def searched(state, row, K):
 
 
 def search_row(states, table):
-    """Advance the state in row 0; return four fields of its NextEvent, without the state, and its `open_free_time`."""
+    """Advance the state in row 0 to its next event; return code, boundary, decided, t_error and `open_free_time`."""
     before, K = state_of(states, 0), table[0]
     found = searched(before, states[0], K)
     keep_state(states, 0, found.state)
@@ -239,12 +251,12 @@ def search_row(states, table):
 
 
 def open_free_time(found, state, K):
-    """If the contact found is undecided, return how long the flight from `state` surely touches no belt; else 0."""
+    """Return how long the flight from `state` certainly touches no belt, if the contact found is undecided; else 0."""
     return free_time(state, K) if found.boundary > 0 and not found.decided else 0.0
 
 
 def doubt_row(states, count, most, accuracy, table):
-    """Return the number of the first event after the state in row 0 that doubles cannot decide; 0 if none is soon."""
+    """Return the number of the next event, after `count`, that doubles cannot decide; 0 if none of LOOK_AHEAD is."""
     return next_undecided(state_of(states, 0), count, states[0], most, accuracy, table[0])
 
 
@@ -268,7 +280,7 @@ def next_undecided(state, count, row, most, accuracy, K):
 
 
 def write_event(out, row, i, before, found, clock, K):
-    """Write an event of trajectory i into a row of the buffer `out`; the other arguments are as in `event_numbers`."""
+    """Write the event between the states `before` and `found.state` of trajectory i into a row of the buffer `out`."""
     numbers, codes = event_numbers(before, found, clock, K), event_codes(before, found)
     for n in range(len(numbers)):
         out.floats[n, row] = numbers[n]
@@ -297,7 +309,7 @@ def from_complex(value):
 
 
 def first_pairs(pairs, K):
-    """Complete rows of initial states in pairs: velocity, forces, sine, cosine, errors; no force on a belt may be 0."""
+    """Complete rows of starts in pairs (velocity, forces, errors); a belt's forces must differ clearly from 0."""
     K = from_complex(K)
     for i in range(pairs.shape[0]):
         mode, at, theta = int(pairs[i, 0]), int(pairs[i, 1]), float(pairs[i, 3])

@@ -57,7 +57,7 @@ class Event:
 
 
 def event_numbers(before, found, clock, K):
-    """Return the fields of an event that are numbers, in the order of `Event`."""
+    """Return the fields of an event of type Number or float, in the order of `Event`."""
     # From the state before the search, the NextEvent found, and (t, t_error, x_error) of `time_with_errors`.
     state = found.state
     t, t_error, x_error = clock

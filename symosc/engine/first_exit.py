@@ -70,7 +70,10 @@ THIN, FAINT = 1e-9, 1e-8
 SOON = 1e-2  # a gap within its error that leaves it within this time, times 1/rate, is on its way through 0
 SAME_PHASE = 64.0  # phases closer than this times EPS are one
 MOST_STEPS, MOST_STICK_STEPS, MOST_NEWTON, MOST_DESCENTS, MOST_HALVINGS = 20000, 20000, 200, 400, 400
-MOST_STALLS = 30  # short steps on which no minimum of the gap was found ahead, before the search is given up
+MOST_CORRECTIONS = 8  # each evaluation of the flow makes five times as many digits right
+# Short steps on which no minimum of the gap was found ahead, before the search is given up: beside a gap that has 1e-30
+# of its usual size, and hardly bends, it takes a hundred to get away.
+MOST_STALLS = 150
 
 
 # --- bounds of a gap ---
@@ -154,7 +157,7 @@ def gap_bound(side, now, M4, margin, walls):
 
 
 def is_near(root, P, degree, M4, size, K):
-    """Return whether a root of P is isolated, known to within NEAR/rate, and followed by a clearly negative gap."""
+    """Return whether a root of P is alone nearby, known to NEAR/rate, and followed by a clearly negative gap."""
     # One root near `root`, and only one: the gap there is known to be within `missing` of 0, and its slope keeps its
     # sign up to there and over what makes up for `missing` (Kantorovich).
     p0, p1, p2, p3, p4 = P
@@ -177,7 +180,7 @@ def is_near(root, P, degree, M4, size, K):
 
 
 def local_root(over, F, G1, G2, G3, resolution):
-    """Return the root near 0 of over + F s + G1 s^2/2 + G2 s^3/6 + G3 s^4/24; FAR if none is found."""
+    """Return the root near 0 of over + F s + G1 s^2/2 + G2 s^3/6 + G3 s^4/24, to `resolution`; FAR: none is found."""
     # The inverted series places a near simple root to `resolution`; from there on Newton's method.
     s = 0.0 * resolution
     if abs(over * G1) < 0.1 * F * F:
@@ -271,7 +274,7 @@ def march(tau_max, v0, now, walls, margin, K):
 
 
 def free_motion(v0, now, walls, margin, K):
-    """Return v and acceleration of the transient, the slack that gaps must exceed, and if no wall can be reached."""
+    """Return v and F of the transient, the slack that gaps must exceed, and flags: lower, upper wall out of reach."""
     v_free, F_free = v0 - (K.Ss * now.s + K.Sc * now.c), now.F - K.Om * (K.Ss * now.c - K.Sc * now.s)
     slack = MARCH_SLACK * (abs(v0) + K.V0 + abs(v_free) + abs(F_free) * K.swing) + margin
     # The steady amplitude and the energy of the transient bound v: walls beyond that do not count.
@@ -292,12 +295,12 @@ def marched(v_free, F_free, v0, now, M, K):
 
 
 def lifted(h, M4, slack):
-    """Return the bound that the middle Bernstein coefficient of a gap must exceed in a step of length h."""
+    """Return what the middle Bernstein coefficient of a gap must exceed for a step of length h (see `is_free`)."""
     return 0.25 * SIXTH * SIXTH * (h * h) * (h * h) * M4 + slack
 
 
 def with_derivatives(now, v0, K):
-    """Complete a point of a flight by its derivatives; the launch stays as it is, so that exact zeros stay exact."""
+    """Complete a point of a flight by its derivatives of v; at tau = 0 they are known, and exact zeros stay exact."""
     if now.tau == 0.0:
         return now
     tau, dx, dv, F, _, _, _, s, c, E0, E1, E2 = now
@@ -325,13 +328,13 @@ def is_free(side, now, there, lift, slack, walls):
 
 
 def stays_open(g0, d0, g1, d1, lift, slack):
-    """Return whether a gap is positive throughout a step, given its values and slopes at both ends (see `is_free`)."""
+    """Return whether a gap exceeds `slack` throughout a step, from its values and slopes times h at both ends."""
     ends = (g0 > slack) & (g0 + 0.25 * d0 > slack) & (g1 > slack) & (g1 - 0.25 * d1 > slack)
     return ends & (0.5 * (g0 + g1) + SIXTH * (d0 - d1) > lift)
 
 
 def opens(d0, b0, g1, d1, lift, slack):
-    """Return whether a gap that is 0 at the start of a step is positive over the rest of it (see `is_free`)."""
+    """Return whether a gap is > 0 in a step after its start, where it is 0; d0, b0: slope times h, bend times h^2."""
     steep = (d0 >= 0.0) & (g1 - 0.25 * d1 > slack) & (0.5 * g1 + SIXTH * (d0 - d1) > lift)
     flat = (d0 == 0.0) & (b0 >= 0.0) & (0.125 * b0 + 0.25 * g1 > 1.5 * lift)
     return (g1 > slack) & (steep | flat)
@@ -364,7 +367,7 @@ def tolerance(side, now, start, walls, S, K):
 
 
 def closest_approach(tau, earliest, side, M4, start, walls, S, K):
-    """Find the minimum of a gap near `tau`, after `earliest`, by Newton's method; return a code and its time."""
+    """Find the minimum of a gap near `tau`, after `earliest`, by Newton's method; return a code and the time found."""
     # NOTHING: the gap is positive up to tau_min. HIT: it is negative at tau_min. TANGENCY: it is 0 there within its
     # error, and not for good; LOST: for good. STALLED: no minimum was found nearby, or the way to it is not proven
     # free.
@@ -411,7 +414,7 @@ def gap_stays_zero(tau, side, start, walls, S, K):
 
 
 def side_of_zero_gap(now, thin, start, walls, S, K):
-    """Return the side (-1, 1) of the wall to which the gap stays 0 within its error for a while; 0 if none does."""
+    """Return on which side (-1, 1) the gap stays 0 within its error for a while; 0: neither (`thin`: limit of g^2)."""
     below, above, away = walls.below + now.dv, walls.above - now.dv, now.tau > 0.0
     thin_below = walls.has_below and below * below < thin and (away or not walls.on_below)
     thin_above = walls.has_above and above * above < thin and (away or not walls.on_above)
@@ -447,7 +450,7 @@ def first_exit(tau_max, start, walls, S, K):
 
 
 def search_begin(tau_max, start, walls, S, K):
-    """Return the point at which to begin the search of a flight, if its gap starts flat, and limits thin and margin."""
+    """Return (now, flat, thin, margin): where a search begins, if the gap is flat there, and two limits of gaps."""
     # A gap whose square is below `thin` is compared with its error. The margin is what the error of the start can do to
     # a gap; where that is less than rounding, `tolerance` includes it.
     v0, F0, s0, c0 = start
@@ -541,7 +544,7 @@ def stepped(tau_max, now, M4, thin, margin, start, walls, S, K):
 
 
 def nearest_root(cap, now, M4, margin, walls):
-    """Return side, safe step, root, bound P and its degree for the wall that allows the shorter safe step."""
+    """Return (side, step, root, P, degree) of the wall that allows the shorter safe step; P is its gap's bound."""
     side = -1 if walls.has_below else 1
     P, degree = gap_bound(side, now, M4, margin, walls)
     step, root = safe_step(cap, P)
@@ -629,7 +632,7 @@ def shifted(now, shift, v0, K):
 
 
 def force_gain(tau, s0, c0, belt, K):
-    """Return Delta, the change of the forces on a belt since a stick began tau ago; sine and cosine of the phase."""
+    """Return Delta, the change of the forces on a belt in the time tau of a stick, and s, c of the phase then."""
     half = 0.5 * K.Om * tau
     return force_gain_at(tau, sin(half), cos(half), s0, c0, belt, K)
 
@@ -759,14 +762,89 @@ def exit_root(force, side, low, high, Delta, s, c, held, belt, K):
 
 
 def is_beside(over, slope, bend, K):
-    """Return whether the end of a stick is so near that a local polynomial may place it."""
+    """Return whether the root of a force `over`, with these derivatives, is so near that a polynomial may place it."""
     return (abs(over * bend) < 0.1 * slope * slope) & (abs(over) * K.Om < 2.0 * NEAR * abs(slope))
 
 
 def slips_at(tau, step, side, Delta, s, c, belt, K):
-    """Return the end of a stick at tau + step, given sine and cosine of the phase at tau."""
+    """Return the `StickEnd` at tau + step, with the slopes there, from sine and cosine of the phase at tau."""
     slope, bend = force_slopes(s, c, belt, K)
     third = K.Om * K.Om * (belt.drift - slope)
     incline = slope + (bend + 0.5 * third * step) * step
     s, c = turned(s, c, K.Om * step)
     return StickEnd(HIT, side, tau + step, Delta, incline, bend + third * step, s, c)
+
+
+# --- with many digits: near a time that doubles have found ---
+
+
+def contact_at_dip(tau, free, side, start, walls, S, K):
+    """Find the contact where a gap dips below 0 near `tau`, if it is surely the first contact; else STALLED."""
+    # It is if the polynomial bound of the gap to each wall, taken backward from it, is positive as far as the flight is
+    # not known to be `free`.
+    now = state_at(tau, start, K)
+    for _ in range(MOST_CORRECTIONS):
+        third, fourth = SIXTH * now.G3, 0.25 * SIXTH * fifth_derivative(now.G3, now.G2, now.c, K)
+        shift = 0.0 * tau
+        for _ in range(3):  # Newton's method on the polynomial of the acceleration
+            rise = now.F + (now.G1 + (0.5 * now.G2 + (third + fourth * shift) * shift) * shift) * shift
+            slope = now.G1 + (now.G2 + (3.0 * third + 4.0 * fourth * shift) * shift) * shift
+            shift = shift - rise / slope if slope != 0.0 else shift
+        if not NEAR <= abs(shift) * K.rate < 1.0:
+            break
+        tau = tau + shift
+        now = state_at(tau, start, K)
+    gap, bend = gap_to(side, now, walls), -side * now.G1
+    fall = (now.F + (0.5 * now.G1 + SIXTH * (now.G2 + 0.25 * now.G3 * shift) * shift) * shift) * shift
+    depth = side * fall - gap
+    allowed = tolerance(side, now, start, walls, S, K)
+    if not (abs(shift) * K.rate < NEAR and free > 0.0 and bend > 0.0 and depth > 2.0 * allowed):
+        return FlightEnd(STALLED, side, now)
+    before = shift - sqrt(2.0 * depth / bend)
+    before = newton_root(before, gap if side < 0 else -gap, now.F, now.G1, now.G2, now.G3, EPS * tau)
+    if abs(before) * K.rate < NEAR:
+        end = FlightEnd(HIT, side, shifted(now, before, start.v, K))
+    else:
+        end = contact_near(tau + before, 0.5 * abs(before), side, start, walls, K)
+    now, back = end.now, end.now.tau - free
+    G1, G2, G3 = derivatives(start.v, start.F, start.s, start.c, K)
+    top = -0.25 * SIXTH * fourth_derivative_bound(G2, G3, start.s, start.c, K)
+    G1, G2, _ = derivatives(start.v + now.dv, now.F, now.s, now.c, K)
+    rise, half, third = side * now.F, -0.5 * side * G1, side * SIXTH * G2
+    first = back > 0.0 and positive_on(back, (rise, half, third, top, 0.0 * top))
+    if first and walls.has_below and walls.has_above:
+        first = positive_on(back, (gap_to(-side, now, walls), -rise, -half, -third, top))
+    return end if first else FlightEnd(STALLED, side, now)
+
+
+def contact_near(tau, uncertainty, side, start, walls, K):
+    """Find the contact with the wall on a side within `uncertainty` of the time `tau`; STALLED if there is none."""
+    first = tau
+    now = state_at(tau, start, K)
+    for _ in range(MOST_CORRECTIONS):
+        gap = gap_to(side, now, walls)
+        shift = local_root(gap if side < 0 else -gap, now.F, now.G1, now.G2, now.G3, EPS * tau)
+        if not (abs(tau + shift - first) <= uncertainty and side * now.F > 0.0):
+            break
+        if abs(shift) * K.rate < NEAR:
+            return FlightEnd(HIT, side, shifted(now, shift, start.v, K))
+        tau = tau + shift
+        now = state_at(tau, start, K)
+    return FlightEnd(STALLED, side, now)
+
+
+def slip_near(tau, uncertainty, side, held, belt, K):
+    """Find the end of a stick within `uncertainty` of the time `tau`; STALLED if there is none."""
+    first, force = tau, held.Fa if side > 0 else held.Fb
+    Om2 = K.Om * K.Om
+    for _ in range(MOST_CORRECTIONS):
+        Delta, s, c = force_gain(tau, held.s, held.c, belt, K)
+        slope, bend = force_slopes(s, c, belt, K)
+        step = local_root(force + Delta, slope, bend, Om2 * (belt.drift - slope), -Om2 * bend, EPS * tau)
+        if not (abs(tau + step - first) <= uncertainty and side * slope > 0.0):
+            break
+        if abs(step) * K.Om < NEAR:
+            return slips_at(tau, step, side, -force, s, c, belt, K)
+        tau = tau + step
+    zero = 0.0 * tau
+    return StickEnd(STALLED, side, tau, -force, zero, zero, zero, zero)

@@ -1,23 +1,28 @@
-"""Motion within one domain, and on a belt: the constants of a parameter set and the evaluation of the flow.
+"""Motion within one domain, and on a belt: the constants of parameter sets and the evaluation of the flow.
 
 Everything is divided by the mass. A flight starts at the phase theta with position x0, velocity v0 and acceleration
 F0; the displacement dx, the gain in velocity dv and the acceleration F after a time tau are the kernel `motion` of the
 entire functions at tau. Gains are returned rather than sums: a flight that starts on a belt leaves it by dv exactly.
+
+The constants of many sets are made at once, from columns of pairs (`symosc.kernels.pair_columns`), as the rows of a
+table with the fields of `Constants`: compiled functions take either.
 """
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterable, Sequence
 from fractions import Fraction
 from math import atan2, inf, pi, sqrt
 from typing import Any, NamedTuple
+
+import numpy as np
 
 from symosc.aliases import Number
 from symosc.engine.state import Flown
 from symosc.kernels._generated import motion, next_derivative
 from symosc.kernels.elementary import exp, select
 from symosc.kernels.entire import SIXTH, basis
-from symosc.kernels.pair_columns import either, exactly, larger
+from symosc.kernels.pair_columns import PairColumn, as_double, atan2_of_columns, either, exactly, larger
 from symosc.model import Parameters
 
 # Steady state and transient are separated (in bounds, and in the closed form) when |i Omega - l1| |i Omega - l2| is
@@ -38,6 +43,8 @@ SIGMAS = Fraction(8)
 MARCH_STEP = 1.0
 STRIDE = 2.0
 SLOW_STRIDE, SLOW = 4.0, 5.0
+# Numbers of these sizes neither overflow nor underflow in any product on the way.
+SMALLEST_IN_COLUMNS, LARGEST_IN_COLUMNS = 1e-20, 1e20
 
 
 class BeltConstants(NamedTuple):
@@ -112,6 +119,17 @@ class Constants(NamedTuple):
     stride: MarchConstants
 
 
+NESTED = {"belt1": BeltConstants, "belt2": BeltConstants, "march": MarchConstants, "stride": MarchConstants}
+
+
+def _row_type(kind: Any) -> np.dtype[Any]:
+    """Return the numpy row type for a NamedTuple of numbers, flags (0.0 or 1.0) and nested tuples."""
+    return np.dtype([(name, _row_type(NESTED[name]) if name in NESTED else np.float64) for name in kind._fields])
+
+
+ROW = _row_type(Constants)
+
+
 def constants(
     parameters: Parameters,
     number: Callable[[Any], Number] = float,
@@ -121,8 +139,7 @@ def constants(
 ) -> Constants:
     """Return the constants of `parameters`; each is derived in rational numbers and rounded once."""
     # `number` rounds a Fraction: ``float``, or a conversion to mpmath; `root`, `angle` and `pi` are square root, atan2
-    # and pi of such numbers. Parameters may be columns of exact numbers (`symosc.engine.constant_table`): then the
-    # constants are arrays.
+    # and pi of such numbers. Parameters may be columns of pairs (`constant_table`): then the constants are arrays.
     m, Om = parameters.m, parameters.Omega
     h, w0sq, f0 = parameters.c / (2 * m), parameters.k / m, parameters.B0 / m
     omega, zero, doubles = number(Om), number(Fraction(0)), isinstance(pi, float)
@@ -244,8 +261,76 @@ def _belt_constants(parameters: Parameters, boundary: int, number: Any, root: An
     )
 
 
+class ConstantRows(Sequence[Constants]):
+    """A table of constants for interpreted code: indexing returns a row as `Constants` with Python's floats."""
+
+    def __init__(self, table: np.ndarray) -> None:
+        self.table = table
+        self._last: tuple[int, Constants] | None = None
+
+    def __len__(self) -> int:
+        return len(self.table)
+
+    def __getitem__(self, i: Any) -> Any:
+        if self._last is None or self._last[0] != i:
+            values = dict(zip(Constants._fields, self.table[i].item(), strict=True))
+            for name, kind in NESTED.items():
+                values[name] = kind(*values[name])
+            self._last = int(i), Constants(**values)
+        return self._last[1]
+
+
+class ParameterColumns:
+    """Many parameter sets, a column of pairs for each parameter; forces are computed from these as in `Parameters`."""
+
+    A, belt = Parameters.A, Parameters.belt
+
+    def __init__(self, columns: dict[str, PairColumn]) -> None:
+        vars(self).update(columns)
+
+
+def table_of(rows: Iterable[Constants]) -> np.ndarray:
+    """Return a table with a row for each of the given constants."""
+    return np.array([tuple(row) for row in rows], dtype=ROW)
+
+
+def constant_table(
+    columns: dict[str, PairColumn], count: int, alone: Callable[[int], Constants], march_rows: Callable[..., None]
+) -> np.ndarray:
+    """Return the constants of `count` parameter sets; `alone(i)` makes set i exactly where columns lose digits."""
+    doubts = np.zeros(count, dtype=bool)
+    given = {name: PairColumn(column.hi, column.lo, doubts) for name, column in columns.items()}
+    for column in given.values():
+        size = abs(column.hi)
+        doubts |= (size != 0.0) & ~((size >= SMALLEST_IN_COLUMNS) & (size <= LARGEST_IN_COLUMNS))
+    table = np.zeros(count, dtype=ROW)
+    with np.errstate(all="ignore"):
+        K = constants(ParameterColumns(given), as_double, np.sqrt, atan2_of_columns, pi)  # type: ignore[arg-type]
+    _fill(table, K)
+    for i in np.flatnonzero(doubts).tolist():
+        table[i] = tuple(alone(i))
+    marches = np.zeros((count, 2, len(MarchConstants._fields)))
+    march_rows(table, marches)
+    for which, name in enumerate(("march", "stride")):
+        for n, field in enumerate(MarchConstants._fields):
+            table[name][field] = marches[:, which, n]
+    return table
+
+
+def _fill(table: np.ndarray, values: Any) -> None:
+    """Write the fields of a named tuple of columns, and of the tuples in it, into the fields of the same names."""
+    for name, value in zip(values._fields, values, strict=True):
+        if name in NESTED:
+            _fill(table[name], value)
+        else:
+            table[name] = value
+
+
+# --- the flow ---
+
+
 def clock_time(t, t_low, t0, K):
-    """Return the true time of a state, whose t + t_low is phase/rounded Omega: correct this for the time since t0."""
+    """Return the time of a state; its t + t_low is phase/Om since t0, where Om is Omega rounded: undo that rounding."""
     return t + (t_low + (t - t0) * K.Om_gain)
 
 
@@ -288,7 +373,7 @@ def turned(s, c, angle):
 
 
 def derivatives(v, F, s, c, K):
-    """Return v'', v''' and v'''' (that is G^(1), G^(2), G^(3)) from v, a and the sine and cosine of the phase."""
+    """Return v'', v''' and v'''' (G^(1), G^(2), G^(3)) from v, v' = F, and the sine and cosine of the phase."""
     G1 = next_derivative(F, v, K.fB * s, K.cm, K.w0sq)
     G2 = next_derivative(G1, F, K.fB * K.Om * c, K.cm, K.w0sq)
     G3 = next_derivative(G2, G1, -K.fB * K.Om * K.Om * s, K.cm, K.w0sq)

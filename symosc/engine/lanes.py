@@ -17,7 +17,6 @@ from typing import Any
 import numpy as np
 
 from symosc.engine.batch import STATE_WIDTH, borrowed, follow_one, is_inexact, state_of
-from symosc.engine.constant_table import ROW
 from symosc.engine.first_exit import (
     FAINT,
     NEAR,
@@ -44,7 +43,7 @@ from symosc.engine.first_exit import (
     stays_open,
     wrap_phase,
 )
-from symosc.engine.flow import BeltConstants, MarchConstants, constant_force, derivatives
+from symosc.engine.flow import ROW, BeltConstants, MarchConstants, constant_force, derivatives
 from symosc.engine.next_event import (
     NEAR_FORCE,
     PAST_END,
@@ -98,7 +97,7 @@ def suits_lanes(K):
 
 
 def end_of_group(begin, sets, table):
-    """Return the end of the group, from `begin` on, to follow side by side, and whether it has one parameter set."""
+    """Return up to which motion from `begin` on all may go side by side, and whether they share one parameter set."""
     end, count, K = begin + 1, sets.shape[0], table[sets[begin]]
     if not suits_lanes(K):
         return end, True
@@ -115,7 +114,7 @@ def end_of_group(begin, sets, table):
 
 
 def fly(state, remaining, K):
-    """Advance lanes in flight; return (good, code, boundary, t_error, state); `good`: surely as `advance` does it."""
+    """Advance lanes in flight; return (good, code, boundary, t_error, state) by lanes; others are left to `advance`."""
     mode, at, n, theta, x, v0, F0, _, S, t, t_low, s0, c0, theta_low = state
     tau_max = select(remaining <= K.chunk, remaining + PAST_END * remaining, K.chunk)
     lower = select(mode == 1, -inf, select(mode == 2, K.belt1.v, K.belt2.v))
@@ -174,7 +173,7 @@ def fly(state, remaining, K):
 
 
 def march_side_by_side(tau_max, v0, now, walls, margin, K):
-    """Return (hit, now, there, side): if a wall is surely met just once, the step that meets it, the wall's side."""
+    """Return (hit, now, there, side) of a march: `hit` where the step from now to there meets that wall just once."""
     v_free, F_free, slack, beyond_below, beyond_above = free_motion(v0, now, walls, margin, K)
     below, above = select(beyond_below, inf, walls.below), select(beyond_above, inf, walls.above)
     walls = Walls(below, above, True, True, walls.on_below, walls.on_above)
@@ -274,7 +273,7 @@ def flown_side_by_side(tau, v0, F0, s0, c0, K):
 
 
 def advance_phases(n, theta, theta_low, s, c, tau, K):
-    """Advance phases by `tau` as `advance_phase` does; the first value says where that is more than the next turn."""
+    """Advance phases by `tau` as `advance_phase` does; the first value flags lanes that pass more than one turn."""
     theta, theta_low = phase_after(theta, theta_low, tau, K)
     turned = theta >= TWO_PI
     theta, theta_low = select(turned, theta - TWO_PI, theta), select(turned, theta_low - TWO_PI_REST, theta_low)
@@ -408,7 +407,7 @@ def force_gain_in_lanes(tau, s0, c0, belt, K):
 
 
 def block(flights, given, found, accuracy, K):
-    """Advance the states in the columns of `given` and write them to `found`; return bits for the valid lanes."""
+    """Advance states in the columns of `given`, in flight or, not `flights`, on belts; return a bit per good lane."""
     return advance_side_by_side(flights, given, found, accuracy, K)
 
 
@@ -546,7 +545,7 @@ def follow_group(begin, end, alike, rows, batch, most, accuracy, out, pieces, ta
 
 
 def tally_lanes(good, taken, members, found, batch, most, tally, table):
-    """Add the steps of the lanes whose results are valid to the tally; `good` has a bit for each lane."""
+    """Add the steps of `taken` lanes, of the motions `members`, to the tally where the bits of `good` say so."""
     members, found, table, batch, tally = borrowed((members, found, table, batch, tally))
     states, sets, counts, _ = batch
     for lane in range(taken):

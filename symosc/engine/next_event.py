@@ -29,33 +29,17 @@ from math import acos, sqrt
 
 from symosc.engine.first_exit import (
     MARCH_SLACK,
-    NEAR,
     ROUNDING,
     belt_exit,
+    contact_at_dip,
+    contact_near,
     first_exit,
-    force_gain,
     force_noise,
-    force_slopes,
-    fourth_derivative_bound,
-    gap_to,
-    local_root,
     march,
-    newton_root,
-    positive_on,
     search_begin,
-    shifted,
-    slips_at,
-    tolerance,
+    slip_near,
 )
-from symosc.engine.flow import (
-    clock_time,
-    constant_force,
-    derivatives,
-    fifth_derivative,
-    speeds_around,
-    state_at,
-    velocity_scale,
-)
+from symosc.engine.flow import clock_time, constant_force, derivatives, speeds_around, state_at, velocity_scale
 from symosc.engine.state import (
     BELT,
     CROSS,
@@ -78,7 +62,6 @@ from symosc.engine.state import (
     Launch,
     NextEvent,
     State,
-    StickEnd,
     Walls,
 )
 from symosc.kernels._generated import acceleration, next_derivative
@@ -103,7 +86,6 @@ G_ROUNDING = 32.0
 # With many digits a root is that of doubles if it is within twice the error that their decisions exceed
 # (`symosc.engine.flow.SIGMAS`), and within this part of the time, which rounding takes.
 SEARCH_SIGMAS, TIME_ROUNDING = 16.0, 2.0**-50
-MOST_CORRECTIONS = 8  # each evaluation of the flow makes five times as many digits right
 # A flight without an event is taken over from doubles if its search was not made longer (`apart_from_walls`).
 USUAL_LENGTH = 1.0625
 
@@ -147,7 +129,7 @@ def past_end(tau_max, remaining):
 
 
 def apart_from_walls(end, tau_max, remaining, state, start, walls, K):
-    """Continue the search along a flight while it ends so near a wall that a graze is possible; return its end."""
+    """Extend a search that ended so near a wall that a graze is possible there; return the new end."""
     # Two searches must not meet where a belt is: each would leave a touch there to the other.
     while end.code == NOTHING and tau_max < remaining and tau_max <= 1.5 * K.chunk:
         if not ends_beside_wall(state, end.now, K):
@@ -201,7 +183,7 @@ def point_at_end(remaining, start, K):
 
 
 def no_contact(state, there, now, remaining, K):
-    """Return the NextEvent of a flight from `state` that has met no wall: END, REST or MOVED, at `there`."""
+    """Return the NextEvent of a flight that met no wall: END (of the motion), REST (none ever comes) or MOVED."""
     mode, _, n, theta, x, v, F, _, S, t, t_low, _, _, theta_low = there
     if now.tau >= remaining:
         return NextEvent(END, 0, True, 0.0, there)
@@ -364,7 +346,7 @@ def resolve(v, F_below, F_above, s, c, K):
 
 
 def following_sign(v, F, s, c, K):
-    """Return the sign (-1, 0, 1) of the first G-function that does not vanish at a contact."""
+    """Return the sign (-1, 0, 1) that a force has just after a contact, by its first G-function that is not 0."""
     # v is the velocity of the belt, F the acceleration, which is exact (F = 0 means that it vanishes), and s, c are
     # sine and cosine of the phase.
     if F != 0.0:
@@ -447,7 +429,7 @@ def phase_after(theta, theta_low, tau, K):
 
 
 def in_two_parts(theta, theta_low):
-    """Return a phase theta + theta_low as the nearest number and the rest; a negative phase as 0 and the phase."""
+    """Return a phase theta + theta_low as the nearest number >= 0 and the rest (which alone is < 0 just below 0)."""
     total = theta + theta_low
     theta_low = theta_low - (total - theta)
     return select(total < 0.0, 0.0 * total, total), select(total < 0.0, theta_low + total, theta_low)
@@ -464,7 +446,7 @@ def advance_time(t, t_low, tau, K):
 
 
 def passing_time(error, first, second, third, K):
-    """Return the time within which a quantity passes 0, given its error and its derivatives there."""
+    """Return the uncertainty of the time at which a quantity with an error passes 0, from its derivatives there."""
     if passes_at_once(error, abs(first), second, third):
         return error / abs(first)
     return slow_passing_time(error, first, second, third, K)
@@ -500,7 +482,7 @@ def time_with_errors(t, t_low, t0, x, v, t_error, S11, K):
 
 
 def advance_near(state, rough, found, free, t_end, t_end_low, K):
-    """Advance a state to its next event with many digits, near the result that doubles have already found."""
+    """Advance a state to its next event with many digits, near the event `found` by doubles from the state `rough`."""
     # Doubles decide by more than the rounding of their start and their own. Where they are sure which contact is the
     # first and how it is met, many digits would find the same one. So these begin at its time, take a step of Newton's
     # method or two with the exact flow, and go on as after a search of their own. Where doubles see a touch they begin
@@ -544,75 +526,3 @@ def free_time(state, K):
     start, walls = launched(state, K)
     begin, flat, _, margin = search_begin(K.chunk, start, walls, state.S, K)
     return 0.0 * state.v if flat else march(K.chunk, start.v, begin, walls, margin, K).now.tau
-
-
-def contact_at_dip(tau, free, side, start, walls, S, K):
-    """Find the contact where a gap dips below 0 near `tau`, if it is surely the first contact; else STALLED."""
-    # It is if the polynomial bound of the gap to each wall, taken backward from it, is positive as far as the flight is
-    # not known to be `free`.
-    now = state_at(tau, start, K)
-    for _ in range(MOST_CORRECTIONS):
-        third, fourth = SIXTH * now.G3, 0.25 * SIXTH * fifth_derivative(now.G3, now.G2, now.c, K)
-        shift = 0.0 * tau
-        for _ in range(3):  # Newton's method on the polynomial of the acceleration
-            rise = now.F + (now.G1 + (0.5 * now.G2 + (third + fourth * shift) * shift) * shift) * shift
-            slope = now.G1 + (now.G2 + (3.0 * third + 4.0 * fourth * shift) * shift) * shift
-            shift = shift - rise / slope if slope != 0.0 else shift
-        if not NEAR <= abs(shift) * K.rate < 1.0:
-            break
-        tau = tau + shift
-        now = state_at(tau, start, K)
-    gap, bend = gap_to(side, now, walls), -side * now.G1
-    fall = (now.F + (0.5 * now.G1 + SIXTH * (now.G2 + 0.25 * now.G3 * shift) * shift) * shift) * shift
-    depth = side * fall - gap
-    allowed = tolerance(side, now, start, walls, S, K)
-    if not (abs(shift) * K.rate < NEAR and free > 0.0 and bend > 0.0 and depth > 2.0 * allowed):
-        return FlightEnd(STALLED, side, now)
-    before = shift - sqrt(2.0 * depth / bend)
-    before = newton_root(before, gap if side < 0 else -gap, now.F, now.G1, now.G2, now.G3, EPS * tau)
-    if abs(before) * K.rate < NEAR:
-        end = FlightEnd(HIT, side, shifted(now, before, start.v, K))
-    else:
-        end = contact_near(tau + before, 0.5 * abs(before), side, start, walls, K)
-    now, back = end.now, end.now.tau - free
-    G1, G2, G3 = derivatives(start.v, start.F, start.s, start.c, K)
-    top = -0.25 * SIXTH * fourth_derivative_bound(G2, G3, start.s, start.c, K)
-    G1, G2, _ = derivatives(start.v + now.dv, now.F, now.s, now.c, K)
-    rise, half, third = side * now.F, -0.5 * side * G1, side * SIXTH * G2
-    first = back > 0.0 and positive_on(back, (rise, half, third, top, 0.0 * top))
-    if first and walls.has_below and walls.has_above:
-        first = positive_on(back, (gap_to(-side, now, walls), -rise, -half, -third, top))
-    return end if first else FlightEnd(STALLED, side, now)
-
-
-def contact_near(tau, uncertainty, side, start, walls, K):
-    """Find the contact with the wall on a side within `uncertainty` of the time `tau`; STALLED if there is none."""
-    first = tau
-    now = state_at(tau, start, K)
-    for _ in range(MOST_CORRECTIONS):
-        gap = gap_to(side, now, walls)
-        shift = local_root(gap if side < 0 else -gap, now.F, now.G1, now.G2, now.G3, EPS * tau)
-        if not (abs(tau + shift - first) <= uncertainty and side * now.F > 0.0):
-            break
-        if abs(shift) * K.rate < NEAR:
-            return FlightEnd(HIT, side, shifted(now, shift, start.v, K))
-        tau = tau + shift
-        now = state_at(tau, start, K)
-    return FlightEnd(STALLED, side, now)
-
-
-def slip_near(tau, uncertainty, side, held, belt, K):
-    """Find the end of a stick within `uncertainty` of the time `tau`; STALLED if there is none."""
-    first, force = tau, held.Fa if side > 0 else held.Fb
-    Om2 = K.Om * K.Om
-    for _ in range(MOST_CORRECTIONS):
-        Delta, s, c = force_gain(tau, held.s, held.c, belt, K)
-        slope, bend = force_slopes(s, c, belt, K)
-        step = local_root(force + Delta, slope, bend, Om2 * (belt.drift - slope), -Om2 * bend, EPS * tau)
-        if not (abs(tau + step - first) <= uncertainty and side * slope > 0.0):
-            break
-        if abs(step) * K.Om < NEAR:
-            return slips_at(tau, step, side, -force, s, c, belt, K)
-        tau = tau + step
-    zero = 0.0 * tau
-    return StickEnd(STALLED, side, tau, -force, zero, zero, zero, zero)

@@ -16,7 +16,7 @@ import numpy as np
 
 from symosc.aliases import Number
 from symosc.engine.arithmetic import Arithmetic, MpArithmetic, column_functions
-from symosc.engine.batch import rounded_covariance
+from symosc.engine.batch import rounded_covariance, row_of
 from symosc.engine.first_exit import ROUNDING
 from symosc.engine.flow import Constants, constant_force
 from symosc.engine.state import BELT, DOMAIN_ABOVE, ON_BELT, Covariance, State
@@ -53,7 +53,7 @@ class Start:
 
     @property
     def spare_digits(self) -> int:
-        """Digits after the decimal point that resolve the start errors and the distance of v0 from the belt speeds."""
+        """Decimals needed to tell v0 from the belt speeds and to resolve the errors of the start."""
         p = self.parameters
         small = [abs(value) for value in (*(self.start_error or ()), self.v0 - p.v1, self.v0 - p.v2) if value != 0]
         return max(0, *(ceil(-log10(value)) for value in small))
@@ -185,6 +185,11 @@ def last_time(start: Start, arithmetic: Arithmetic) -> tuple[Number, Number]:
     return arithmetic.time(min(start.t_end, start.t0 + periods))
 
 
+def first_row(start: Start, arithmetic: Arithmetic) -> list[Number]:
+    """Return the batch row of a motion at its start."""
+    return row_of(first_state(start, arithmetic), *last_time(start, arithmetic))
+
+
 def is_steady(start: Start) -> bool:
     """Return whether a start at t0 = 0 is on the steady motion of its domain, decided in rational numbers."""
     p = start.parameters
@@ -222,7 +227,7 @@ def settles(start: Start) -> bool:
 
 
 def rounded(state: State, t0: float, gain: float) -> State:
-    """Round a state to double precision and add the rounding to its error; `gain` is `Om_gain` of the constants."""
+    """Round a state to doubles and add the rounding to its error; `gain`: K.Om_gain, the relative error of K.Om."""
     mode, at, n, theta, x, v, Fb, Fa, S, t, t_low, s, c, theta_low = state
     high, phase, x, v = float(t), float(theta), float(x), float(v)
     low = float(t - high + t_low) - (high - t0) * gain  # see `symosc.engine.flow.clock_time`

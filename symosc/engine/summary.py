@@ -99,7 +99,7 @@ class Extremes(NamedTuple):
 
 
 class Open(NamedTuple):
-    """Which of the extremes so far a flight may exceed: those of v, and those of x if v may change its sign."""
+    """Which bounds of v a flight may still exceed, and whether those of x (only where v may change its sign)."""
 
     v_min: bool
     v_max: bool
@@ -176,7 +176,7 @@ def launch_of(state):
 
 
 def tally_stretch(i, before, after, tau, t0, tally, K):
-    """Add stick time and extremes between two states of motion i to the tally, except during the time to skip."""
+    """Add stick time and extremes between two states to the tally of motion i, as far as they are past SKIPPED."""
     floats, asked = tally.floats, tally.asked
     begin = floats[i, SKIPPED] - ((before.t - t0) + before.t_low)
     if tau < begin:
@@ -267,7 +267,7 @@ def tally_sections(i, before, last, S, tally, K):
 
 
 def keep_section(i, before, tau, S_x, S_v, tally):
-    """Store the Poincaré section `tau` after a state; close the word of the period unless already closed early."""
+    """Store the section `tau` after a state; close the word of its period unless an event just before it did."""
     ints = tally.ints
     if ints[i, EARLY] == 0:
         close_word(i, tally)
@@ -316,7 +316,7 @@ def finish_tally(i, last, code, remaining, t0, tally, K):
 
 
 def rest_of(tau, K):
-    """Return the remainder of a time after whole forcing periods, of which there may be many."""
+    """Return the remainder of a time after whole forcing periods, with the rounding of the period taken back."""
     if tau < K.period:
         return tau
     rest = tau % K.period
@@ -358,7 +358,7 @@ def flown(x, start, tau, s_Om, c_Om, K):
 
 
 def settle(tally, sets, table, sections, repeats):
-    """Write the last sections of motions into `sections`, and after how many periods they repeat into `repeats`."""
+    """Compute the last `sections` of motions, and the periods after which these and the words repeat (`repeats`)."""
     # `sets` (n,) are the parameter sets of the motions, `table` their constants. `sections` (n, m, 2) is filled with x
     # and v at the last m sections in order of time, as far as they were reached, and `repeats`, (n,) or (0,), with the
     # periods, 0 for a motion that does not repeat.
@@ -465,7 +465,7 @@ def end_of_flight(before, after, tau, K):
 
 
 def point(tau, dx, dv, there, K):
-    """Return a point of a flight as `Flown`: its gains dx, dv and its Launch `there`; without the entire functions."""
+    """Return a `Flown` at tau with gains dx, dv, from v, F, sine and cosine at that point; no entire functions."""
     v, F, s, c = there
     G1, G2, G3 = derivatives(v, F, s, c, K)
     return Flown(tau, dx, dv, F, G1, G2, G3, s, c, 1.0, 0.0, 0.0)
@@ -508,7 +508,7 @@ def within(reach, way, now, M4, v0, x0, seen, open_ends):
 
 
 def stays_positive(reach, p0, p1, p2, p3, p4):
-    """Return whether p0 + p1 s + ... + p4 s^4 > 0 on [0, reach], up to a shallow dip."""
+    """Return whether p0 + p1 s + ... + p4 s^4 > 0 on [0, reach]; a parabola that dips but stays > 0 is split off."""
     if p1 < 0.0 and p2 > 0.0 and p1 * p1 < 2.0 * p0 * p2:  # p1 s + p2 s^2/2 is not below -p1^2/(2 p2)
         return positive_on(reach, (p0 - 0.5 * p1 * p1 / p2, 0.0, 0.5 * p2, p3, p4))
     return positive_on(reach, (p0, p1, p2, p3, p4))

@@ -64,7 +64,7 @@ class Launch(NamedTuple):
 
 
 class Letters(NamedTuple):
-    """The parameters m, mu1, mu2 and FN, which are not among the constants of a motion."""
+    """The parameters that forces contain and `Constants` does not: m, mu1, mu2 and FN."""
 
     m: Number
     mu1: Number
@@ -89,7 +89,7 @@ def phase_between(start, t, theta, K):
 
 
 def fill_parameters(work, row, domain, letters, by_m, by_c, by_k, by_A, by_B, by_Om):
-    """Fill a row of `work`: derivatives with respect to all parameters, from those for m, c, k, A_alpha, B0, Omega."""
+    """Fill a row of `work` with a quantity's derivatives by all parameters; by_A is that by A_alpha of the domain."""
     drag1, drag2 = friction_signs(domain)
     work[row, M], work[row, C], work[row, K_] = by_m, by_c, by_k
     work[row, A0], work[row, B0], work[row, OMEGA] = by_A, by_B, by_Om
@@ -99,7 +99,7 @@ def fill_parameters(work, row, domain, letters, by_m, by_c, by_k, by_A, by_B, by
 
 
 def piece_changes(start, t, turn, codes, deep, letters, K, work):
-    """Write derivatives of x and v at a fixed time t with respect to `codes` into `work`; return the acceleration."""
+    """Write derivatives of x and v at a fixed time t by the numbers `codes` into `work`; return the acceleration."""
     # The phase has gone on by `turn`. `deep` says whether any column needs the functions of repeated roots: those for
     # m, c, k and Omega. `codes` are the numbers of the parameters and start values, one for each column.
     if start.mode > ON_BELT:
@@ -153,7 +153,7 @@ def vanishes(domain, now, K):
 
 
 def force_changes(domain, now, codes, letters, K, work):
-    """Write derivatives of a domain's acceleration at a fixed time into row SIZE; return its rates due to x, phase."""
+    """Write derivatives of a domain's F at a fixed time into row SIZE; return the parts of dF/dt by x and by phase."""
     # Rows END_X and END_V have the derivatives of x and v at this time.
     F, rounding = force(domain, now, K)
     F = 0.0 * F if abs(F) <= VANISHES * rounding else F
@@ -170,7 +170,7 @@ def force_changes(domain, now, codes, letters, K, work):
 
 
 def vanishing_times(domain, now, codes, letters, K, work):
-    """Write derivatives of the time when a domain's force passes 0 into row DT; return REGULAR, ROUGH or NO_SLOPE."""
+    """Write derivatives of the time when a force passes 0 into row DT; return why they may not exist (or REGULAR)."""
     # Rows END_X and END_V have the derivatives of x and v at this fixed time.
     of_way, of_drive = force_changes(domain, now, codes, letters, K, work)
     rate, rounding = of_way + of_drive, EPS * (abs(of_way) + abs(K.f0 * K.Om))
@@ -193,7 +193,7 @@ def contact_times(domain, other, belt, now, a, codes, K, work):
 
 
 def kinks(above, belt, codes, marks, n, regular, before, work):
-    """Mark which parameters or start values move a graze off its belt, and to which side; return if any does."""
+    """Mark in `marks` which parameters or start values lift a graze off its belt or sink it; return if any does."""
     found = False
     for j in range(len(regular)):
         own = 1.0 if codes[j] == belt else 0.0
@@ -205,7 +205,7 @@ def kinks(above, belt, codes, marks, n, regular, before, work):
 
 
 def tangents(motions, cuts, starts, sets, rows, codes, deep, letters, table, out, work):
-    """Write the derivatives of all events of some motions, with respect to the numbers `codes`, into `out`."""
+    """Write derivatives of all events of some motions by the numbers `codes` into `out`; `work` is scratch space."""
     # `cuts` are the first rows of the motions and the end of the last one, `starts` rows of mode, t, theta, x, v.
     # `rows` are t, theta, x, v of the events and their kind, boundary and target. `out` has dt, dx, marks and reasons
     # of the events, and for each motion the logarithms of what its last columns and its areas have grown by: columns
@@ -294,7 +294,7 @@ def begin(start, codes, count, letters, K, work):
 
 
 def grow(i, start, now, kind, turn, growth, count, columns, K, work):
-    """Scale the columns from `count` on to size 1; add the logarithms of their and the areas' growth to `growth`."""
+    """Scale the columns from `count` on to size 1; add to `growth` the logs of their growth and of that of areas."""
     size = 0.0
     for row in range(DV + 1):
         for j in range(count, columns):

@@ -51,7 +51,7 @@ def two_product(a, b):
 
 
 def pair_sum(ah, al, bh, bl):
-    """Return a + b for pairs; if a and b are exact the error is relative to the result, even after cancellation."""
+    """Return a + b for pairs; the error is relative to the result, even after cancellation, if lo parts are exact."""
     s, e = two_sum(ah, bh)
     t, f = two_sum(al, bl)
     s, e = fast_sum(s, e + t)

@@ -73,12 +73,12 @@ def sine_cosine(x):
 
 
 def short_sin(x):
-    """Return the sine of an angle in radians, up to WIDEST."""
+    """Return the sine of an angle in radians, right up to WIDEST only, without the branch that `sin` has."""
     return sine_cosine(x)[0]
 
 
 def short_cos(x):
-    """Return the cosine of an angle in radians, up to WIDEST."""
+    """Return the cosine of an angle in radians, right up to WIDEST only, without the branch that `cos` has."""
     return sine_cosine(x)[1]
 
 

@@ -32,7 +32,7 @@ INVERSES = (0.0, *(1.0 / n for n in range(1, 40)))
 
 
 def basis(tau, K):
-    """Return E0, E1, E2, R2, I2 and sin, cos of Omega tau for the constants `K` (`engine.flow.Constants`), tau >= 0."""
+    """Return the entire functions E0, E1, E2, R2, I2 (see the module) and sin, cos of Omega tau, for tau >= 0."""
     if K.apart and K.rate * tau >= SERIES_BELOW and K.w0 * tau >= APART_ABOVE:
         # The drive comes last, since it is needed last: a processor goes on with the rest meanwhile.
         w_tau = K.omega_d * tau
@@ -55,7 +55,7 @@ def basis_with_drive(tau, s, c, K):
 
 
 def closed_form(tau, s, c, K):
-    """Return the basis E0, E1, E2, R2, I2 for roots far from i Omega, with s, c = sin, cos(Omega tau)."""
+    """Return E0, E1, E2, R2, I2 by sin, cos and exp, for characteristic roots far from i Omega; s, c: of Omega tau."""
     w_tau = K.omega_d * tau
     return basis_apart(exp(-K.h * tau), sin(w_tau), cos(w_tau), s, c, K.h, K.omega_d, K.w0sq, K.Om, K.p, K.q)
 
@@ -120,7 +120,7 @@ def impulse_integral(tau, E1, K):
 
 
 def wave_integrals(tau, s, c, E1, K):
-    """Return R2, I2, the response to the drive, by divided differences; s, c are sin, cos(Omega tau)."""
+    """Return R2, I2, real and imaginary part of the response to exp(i Omega t); s, c are sin, cos(Omega tau)."""
     real1, _, real2, imag2 = roots(K)
     real, imag = expm1_over(real1, K.detuning, tau)  # over l1 - i Om
     top_real, top_imag = c * real - s * imag - E1, c * imag + s * real
@@ -130,7 +130,7 @@ def wave_integrals(tau, s, c, E1, K):
 
 
 def roots(K):
-    """Return the real and imaginary parts of l1, the slow root or the one nearer to i Omega, and of l2."""
+    """Return real and imaginary parts of both characteristic roots, the slow (or upper complex) one first."""
     if K.under:
         return -K.h, K.omega_d, -K.h, -K.omega_d
     return K.l1, 0.0, K.l2, 0.0

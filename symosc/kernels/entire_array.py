@@ -34,7 +34,7 @@ def basis_with_drive(tau: np.ndarray, s: np.ndarray, c: np.ndarray, K: Any) -> t
 
 
 def apart(tau: np.ndarray, s: np.ndarray, c: np.ndarray, K: Any) -> Any:
-    """Return E0, E1, E2, R2, I2 of an underdamped system far from resonance, from the closed form."""
+    """Return E0, E1, E2, R2, I2 by sin, cos and exp: for an underdamped system far from resonance (K.apart)."""
     decay, w_tau = np.exp(-K.h * tau), K.omega_d * tau
     return basis_apart(decay, np.sin(w_tau), np.cos(w_tau), s, c, K.h, K.omega_d, K.w0sq, K.Om, K.p, K.q)
 

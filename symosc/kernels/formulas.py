@@ -21,7 +21,7 @@ def by_closed_form(tau, K):
 
 
 def by_division(tau, K):
-    """Return E0, E1, E2, R2, I2, s, c for a tau that is short neither for the oscillator nor for the drive."""
+    """Return E0, E1, E2, R2, I2, s, c by divided differences: tau is long for the oscillator and for the drive."""
     s, c = sin(K.Om * tau), cos(K.Om * tau)
     E0, E1 = impulse(tau, K)
     R2, I2 = wave_integrals(tau, s, c, E1, K)

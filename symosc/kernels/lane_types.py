@@ -27,14 +27,14 @@ BIT, LONG, DOUBLE, PLACE = ir.IntType(1), ir.IntType(64), ir.DoubleType(), ir.In
 
 
 class LanesType(types.Type):
-    """The numba type of `width` doubles, or flags."""
+    """The numba type of lanes, a SIMD register: `width` doubles or flags that are computed together."""
 
     def __init__(self, width: int, flags: bool = False) -> None:
         self.width, self.flags = width, flags
         super().__init__(name=f"lanes({width}, {'flags' if flags else 'doubles'})")
 
     def holds(self, other: Any) -> bool:
-        """Return whether a scalar of this type can be used as lanes that are all equal to it."""
+        """Return whether a scalar of the type `other` may stand for lanes that all have its value."""
         return isinstance(other, types.Boolean if self.flags else (types.Float, types.Integer))
 
     def can_convert_from(self, typingctx: Any, other: Any) -> Any:
@@ -130,7 +130,7 @@ def _size(x):
 
 @intrinsic
 def _power_of_two(typingctx: Any, n: Any) -> Any:
-    """Return 2^n: n, in the last bits of its sum with TO_INTEGER, moved to where a double keeps its exponent."""
+    """Return 2^n, made of bits: n + 1023, read from the last bits of n + TO_INTEGER, becomes a double's exponent."""
 
     def code(context: Any, builder: Any, declared: Any, arguments: Any) -> Any:
         kind = arguments[0].type
@@ -236,7 +236,7 @@ def number_in(typingctx: Any, table: Any, row: Any, n: Any) -> Any:
 
 
 def tuple_loader(width: int, kind: Any, nested: dict[str, Any], alike: frozenset[str]) -> Any:
-    """Return the function that loads a NamedTuple of lanes from an array with a row for each of its numbers."""
+    """Return what loads a NamedTuple (fields `nested` are tuples too) from an array with a row for each number."""
     # A field in `alike`, which is the same in all lanes, is loaded as a single number.
 
     def typed(of: Any, outer: bool = True) -> Any:

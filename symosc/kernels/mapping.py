@@ -56,7 +56,7 @@ KINDS = 6
 
 
 def flight(x_i, theta_i, x_j, theta_j, v_i, v_j, A, K):
-    """Return the residuals f1, f2 of a flight from (x_i, theta_i) to (x_j, theta_j), at the speeds v_i and v_j."""
+    """Return f1 = x - x_j and f2 = v - v_j at the end of a flight from (x_i, theta_i), eq. (54)."""
     s0, c0 = sin(theta_i), cos(theta_i)
     E0, E1, E2, R2, I2, _, _ = basis((theta_j - theta_i) / K.Om, K)
     a0 = acceleration(x_i, v_i, c0, A, K.cm, K.w0sq, K.f0)
@@ -97,7 +97,7 @@ def stick_slopes(theta_j, v, K):
 
 
 def stick_by_parameters(x_j, theta_i, theta_j, v, F, m, K):
-    """Return the derivatives of f2 = F with respect to c, k, A_alpha, B0, v, m, and of f1 with respect to Omega, v."""
+    """Return df2 by c, k, A_alpha, B0, v, m (f2 is the force F), then df1 by Omega, v."""
     return stick_parameters(v, (theta_j - theta_i) / K.Om, x_j, cos(theta_j), F, m, K.cm, K.Om)
 
 
@@ -105,7 +105,7 @@ def stick_by_parameters(x_j, theta_i, theta_j, v, F, m, K):
 
 
 def repeated(tau, E0, E1, E2, R2, I2, s, c, K):
-    """Return U0, U1, U2, V, W, P, Q, the divided differences over repeated roots, at `tau` >= 0."""
+    """Return U0, U1, U2, V, W, P, Q (see the module), the divided differences over repeated roots, at `tau` >= 0."""
     if K.apart and K.omega_d * tau >= FAR_APART:
         return repeated_apart(tau, K.h, K.omega_d, K.cm, K.w0sq, K.Om, K.p, K.q, E0, E1, E2, R2, I2, s, c)
     zero = 0.0 * K.Om
@@ -210,7 +210,7 @@ def difference_by_series(counts, nodes, tau):
 
 
 def kinds_of(theta_i, theta_j, K, kinds):
-    """Write the kind of formula for each flight into `kinds`, and return how many of each kind there are."""
+    """Write which formula suits each flight (CLOSED_FORM to BACKWARD) into `kinds`; return the number of each."""
     counts = np.zeros(KINDS, dtype=np.int64)
     fastest = K.Om + K.omega_d if K.under else K.Om
     for n in range(len(theta_i)):
@@ -231,7 +231,7 @@ def kinds_of(theta_i, theta_j, K, kinds):
 
 
 def load(block, points, begin):
-    """Copy up to BLOCK points into rows 0 to 3 of a block; return how many. The first of them fills the rest."""
+    """Copy up to BLOCK points into rows 0 to 3 of a block, and return how many; copies of the first fill the rest."""
     count = min(BLOCK, len(points[0]) - begin)
     for row in range(4):
         column = points[row]
@@ -289,7 +289,7 @@ def flights_and_slopes(points, speeds, A, K, f, J):
 
 
 def sticks(points, v, sides, K, f):
-    """Fill f (2, n) with f1, f2 of sticks at speed v."""
+    """Fill f (2, n) with f1, f2 of sticks at speed v; `sides`: A_alpha/m of the domain below and of that above."""
     # `sides` has A_alpha/m of the domains that a stick may slip into; of f2 the smaller counts.
     below, above = sides
     block = np.empty(6 * BLOCK)

@@ -21,6 +21,29 @@ with interrupts_held_back():
 mpfr, mpc = gmpy2.mpfr, gmpy2.mpc
 
 
+@lru_cache(maxsize=4096)
+def _power_of_two(exponent: int) -> Any:
+    """Return 2^exponent as an mpfr."""
+    return mpfr(2) ** exponent
+
+
+def from_mpf(number: Any) -> Any:
+    """Return an mpf as an mpfr, rounded to the current precision."""
+    sign, mantissa, exponent, _ = number._mpf_
+    if not mantissa:  # mpmath's way to write 0, the infinities and what is no number
+        return mpfr(float(number))
+    size = gmpy2.mpz(mantissa) * _power_of_two(exponent)
+    return -size if sign else size
+
+
+def to_mpf(number: Any, context: Any) -> Any:
+    """Return an mpfr as a number of an mpmath context, rounded if that has fewer digits."""
+    if not gmpy2.is_finite(number):
+        return context.mpf(float(number))
+    mantissa, exponent = number.as_mantissa_exp()
+    return context.make_mpf(from_man_exp(MPZ(mantissa), int(exponent), context.prec, "n"))
+
+
 @lru_cache(maxsize=256)
 def mpfr_context(bits: int) -> MpfrContext:
     """Return the context with that many bits."""
@@ -34,6 +57,7 @@ class MpfrContext:
 
     sin, cos, exp, sqrt = (staticmethod(getattr(gmpy2, name)) for name in ("sin", "cos", "exp", "sqrt"))
     mpf, mpc = mpfr, mpc
+    from_mpf, to_mpf, with_bits = staticmethod(from_mpf), staticmethod(to_mpf), staticmethod(mpfr_context)
 
     def __init__(self, prec: int) -> None:
         self.prec = prec
@@ -57,7 +81,7 @@ class MpfrContext:
 
     @staticmethod
     def own(number: Any) -> Any:
-        """Return the number itself: an mpfr carries its own precision."""
+        """Return the number itself, which any context may use (compare `FixedContext.own`)."""
         return number
 
     @staticmethod
@@ -78,26 +102,3 @@ class MpfrContext:
         """Return exp(i angle)."""
         s, c = gmpy2.sin_cos(angle)
         return mpc(c, s)
-
-
-@lru_cache(maxsize=4096)
-def _power_of_two(exponent: int) -> Any:
-    """Return 2^exponent as an mpfr."""
-    return mpfr(2) ** exponent
-
-
-def from_mpf(number: Any) -> Any:
-    """Return an mpf as an mpfr, rounded to the current precision."""
-    sign, mantissa, exponent, _ = number._mpf_
-    if not mantissa:  # mpmath's way to write 0, the infinities and what is no number
-        return mpfr(float(number))
-    size = gmpy2.mpz(mantissa) * _power_of_two(exponent)
-    return -size if sign else size
-
-
-def to_mpf(number: Any, context: Any) -> Any:
-    """Return an mpfr as a number of an mpmath context, rounded if that has fewer digits."""
-    if not gmpy2.is_finite(number):
-        return context.mpf(float(number))
-    mantissa, exponent = number.as_mantissa_exp()
-    return context.make_mpf(from_man_exp(MPZ(mantissa), int(exponent), context.prec, "n"))

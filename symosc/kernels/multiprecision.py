@@ -92,7 +92,7 @@ class FixedContext(MPContext):
         return tuple(+context.make_mpf(number._mpf_) for number in numbers)
 
     def lu_solve(self, A: Any, b: Any) -> Any:
-        """Solve A x = b, A square, in this precision; mpmath's own method raises it temporarily."""
+        """Solve A x = b, A square, in this precision; mpmath's own method changes the precision meanwhile."""
         factors, order = self.LU_decomp(self.matrix(A))
         return self.U_solve(factors, self.L_solve(factors, self.matrix(b), order))
 

@@ -5,17 +5,24 @@ A difference that cancels almost all digits, but not all, may be 0 in truth: suc
 
 from __future__ import annotations
 
+import operator
 from collections.abc import Callable
 from fractions import Fraction
+from math import atan2
 from typing import Any
 
 import numpy as np
 
-from symosc.aliases import Number
 from symosc.kernels.double_double import pair_product, pair_quotient, pair_sum
 
 # A sum that is smaller than this part of its terms, and not 0, has lost its digits.
 CANCELLED = 2.0**-90
+
+
+def _comparison(name: str) -> Callable[[Any, Any], Any]:
+    """Return the method that compares columns row by row, by the sign of their difference."""
+    compare = getattr(operator, name)
+    return lambda column, other: compare((column - other).hi, 0.0)
 
 
 class PairColumn:
@@ -77,21 +84,7 @@ class PairColumn:
     def __rtruediv__(self, other: Any) -> PairColumn:
         return self._as_column(other) / self
 
-    def __gt__(self, other: Any) -> Any:
-        return (self - other).hi > 0.0
-
-    def __ge__(self, other: Any) -> Any:
-        return (self - other).hi >= 0.0
-
-    def __lt__(self, other: Any) -> Any:
-        return (self - other).hi < 0.0
-
-    def __eq__(self, other: object) -> Any:
-        return (self - other).hi == 0.0
-
-    def __ne__(self, other: object) -> Any:
-        return (self - other).hi != 0.0
-
+    __gt__, __ge__, __lt__, __eq__, __ne__ = map(_comparison, ("gt", "ge", "lt", "eq", "ne"))
     __hash__ = None  # type: ignore[assignment]
 
 
@@ -121,12 +114,6 @@ def larger(a: Any, b: Any) -> Any:
     return either(b > a, b, a)
 
 
-def each(function: Callable[..., float]) -> Callable[..., Any]:
-    """Return a scalar function's version for arrays; numpy's own differ in the last bits on some processors."""
-
-    def of_arrays(*columns: Number) -> Any:
-        given = np.broadcast_arrays(*columns)
-        values = map(function, *(column.ravel().tolist() for column in given))
-        return np.fromiter(values, float, given[0].size).reshape(given[0].shape)
-
-    return of_arrays
+def atan2_of_columns(y: np.ndarray, x: np.ndarray) -> np.ndarray:
+    """Return atan2 row by row; numpy's own differs in the last bits on some processors."""
+    return np.asarray(np.frompyfunc(atan2, 2, 1)(y, x), float)

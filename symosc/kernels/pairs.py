@@ -46,8 +46,14 @@ from symosc.kernels.multiprecision import mp_context
 DOUBLE = ir.DoubleType()
 
 
+def _compared(name: str) -> Callable[[Any, Any], bool]:
+    """Return the method that compares high parts and, where they are equal, low parts."""
+    compare = getattr(operator, name)
+    return lambda number, other: compare((number.hi, number.lo), _parts_of(other))
+
+
 class Pair:
-    """A pair in CPython, and a constant in compiled code: a Fraction, float or mpf rounded once to hi + lo."""
+    """A number as hi + lo, for CPython and as a constant in compiled code; made of a Fraction, float or mpf."""
 
     __slots__ = ("hi", "lo")
     __hash__ = None  # type: ignore[assignment]
@@ -97,20 +103,7 @@ class Pair:
 
     __radd__, __rmul__ = __add__, __mul__
 
-    def __lt__(self, other: Any) -> bool:
-        return (self.hi, self.lo) < _parts_of(other)
-
-    def __le__(self, other: Any) -> bool:
-        return (self.hi, self.lo) <= _parts_of(other)
-
-    def __gt__(self, other: Any) -> bool:
-        return (self.hi, self.lo) > _parts_of(other)
-
-    def __ge__(self, other: Any) -> bool:
-        return (self.hi, self.lo) >= _parts_of(other)
-
-    def __eq__(self, other: Any) -> bool:
-        return (self.hi, self.lo) == _parts_of(other)
+    __lt__, __le__, __gt__, __ge__, __eq__ = map(_compared, ("lt", "le", "gt", "ge", "eq"))
 
 
 def pair_of(hi: float, lo: float) -> Pair:
@@ -364,7 +357,7 @@ def _whole(x):
 
 @overload(operator.setitem)
 def _stored(array, index, value):
-    """Compile ``array[index] = pair`` for complex arrays."""
+    """Let compiled code store a pair in a complex array: ``array[index] = pair``."""
     if isinstance(array, types.Array) and array.dtype is types.complex128 and value is pair_type:
 
         def stored(array, index, value):
@@ -395,7 +388,7 @@ SMALL = 0.34  # expm1 needs no reduction below this
 
 
 def _three_parts(value: Any) -> tuple[Pair, Pair, Pair]:
-    """Return three floats whose sum approximates an mpf of many digits to a relative 2^-160."""
+    """Return three pairs, each a single float, whose sum approximates an mpf to a relative 2^-160."""
     first = float(value)
     second = float(value - first)
     return Pair(first), Pair(second), Pair(float(value - first - second))

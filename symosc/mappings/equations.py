@@ -421,16 +421,10 @@ def _next_event(row: Map, arithmetic: Arithmetic, x: Number, theta: Number) -> t
         forces = f"F^({low}) = {float(start.below):.6g}, F^({high}) = {float(start.above):.6g}"
         raise MapError(row.label, x, theta, f"the motion {goes} {MODE_NAMES[start.mode]} there, since {forces}")
     error, horizon = Covariance((eps * x) ** 2, 0 * x, 0 * x), MOST_MAP_PERIODS * K.period
-    state = arithmetic.inward(belt_state(start, (0, phase), sine_and_cosine(phase, arithmetic), x, error, K))
-    inner_K, until = arithmetic.inner_K, arithmetic.inward((horizon, 0 * horizon))
-    before = arithmetic.enter()
-    try:
-        event = arithmetic.advance(state, *until, inner_K)
-        while event.code == MOVED:
-            event = arithmetic.advance(event.state, *until, inner_K)
-        event = arithmetic.outward(event)
-    finally:
-        arithmetic.leave(before)
+    state = belt_state(start, (0, phase), sine_and_cosine(phase, arithmetic), x, error, K)
+    event = arithmetic.advance(state, horizon, 0 * horizon)
+    while event.code == MOVED:
+        event = arithmetic.advance(event.state, horizon, 0 * horizon)
     if event.code in (END, REST):
         when = f"within {MOST_MAP_PERIODS} periods" if event.code == END else "ever"
         raise MapError(row.label, x, theta, f"the motion comes to no switching {when}")

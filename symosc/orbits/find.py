@@ -339,7 +339,7 @@ def follow(equations: ClosingEquations, x: float, theta: float, boundary: int, m
     state = belt_state(start, (turns, angle), (sin(angle), cos(angle)), x, Covariance(0.0, 0.0, 0.0), K)
     passages, code = [Passage(x, theta, boundary, start.mode)], END
     for _ in range(20 * most):
-        code, belt_met, _, _, state = equations.arithmetic.advance(state, 1e6 * K.period, 0.0, K)
+        code, belt_met, _, _, state = equations.arithmetic.advance(state, 1e6 * K.period, 0.0)
         if code in (CROSS, STICK, SLIP):
             passages.append(Passage(state.x, 2 * pi * state.n + state.theta, belt_met, state.mode))
         if code in (END, REST, FAILED) or len(passages) > most:

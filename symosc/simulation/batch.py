@@ -7,7 +7,7 @@ depend on the number of threads either: each chunk is computed by itself, and pu
 from __future__ import annotations
 
 import os
-from collections.abc import Callable, Iterable, Iterator
+from collections.abc import Callable, Iterator
 from concurrent.futures import ThreadPoolExecutor, as_completed
 from dataclasses import dataclass
 from threading import Event
@@ -16,21 +16,14 @@ from typing import Any, NamedTuple, TypeVar
 
 import numpy as np
 
+from symosc.engine import arithmetic, flow, summary
 from symosc.engine import batch as engine_batch
-from symosc.engine import flow, summary
-from symosc.engine.arithmetic import (
-    Arithmetic,
-    compiled,
-    compiled_pairs,
-    compiled_tangents,
-    is_compiled,
-    pair_constants,
-)
+from symosc.engine.arithmetic import PairLoops, compiled, compiled_pairs, interpreted, is_compiled
 from symosc.engine.batch import NO_PIECES, STATE_WIDTH, Batch, EventRows, batch_of, event_buffer, rows_between
-from symosc.engine.constant_table import ROW, ConstantRows, table_of
-from symosc.engine.start import Start, first_state, last_time
+from symosc.engine.flow import table_of
+from symosc.engine.start import Start, first_row
 from symosc.engine.summary import Tally, no_tally
-from symosc.errors import MissingExtraError, ParameterError
+from symosc.errors import MissingExtraError
 from symosc.exact import whole_number
 from symosc.scenes import load_scene
 
@@ -50,7 +43,7 @@ MOST_WORKERS = 256
 
 @dataclass
 class InterpretBudget:
-    """How many events may still be interpreted before a loop is compiled; at first, both would take equal time."""
+    """How many events may still be interpreted before a loop is compiled: about as long as compiling takes."""
 
     events: int
 
@@ -67,23 +60,12 @@ class Loops(NamedTuple):
     in_threads: bool  # whether several threads are faster than one
 
 
-def interpreted(function: Callable[..., Any]) -> Callable[..., Any]:
-    """Wrap an interpreted function of the engine so that it accepts tables of constants, as compiled ones do."""
-
-    def call(*arguments: Any) -> Any:
-        return function(*(ConstantRows(each) if getattr(each, "dtype", None) == ROW else each for each in arguments))
-
-    return call
-
-
 FOLLOW = interpreted(engine_batch.follow_all)
 INTERPRETED = Loops(interpreted(flow.march_rows), FOLLOW, interpreted(summary.settle), False)
 
 
 def chosen_loops(use_numba: Any) -> Loops:
     """Return the loops: compiled (True), interpreted (False), or whichever is available (None)."""
-    if use_numba is not None and not isinstance(use_numba, (bool, np.bool_)):
-        raise ParameterError("use_numba", use_numba, "must be True, False or None")
     if use_numba is not None and not use_numba:
         return INTERPRETED
     try:
@@ -100,16 +82,14 @@ def chosen_loops(use_numba: Any) -> Loops:
     return Loops(march_rows, follow, settle, True)
 
 
-def loaded_loop() -> dict[str, Any] | None:
-    """Return the engine's compiled functions if this process has already run its compiled loop, else None."""
-    if not compiled.cache_info().currsize:
-        return None
-    functions = compiled()
-    return functions if functions["follow_all"].overloads else None
+def pair_loops(events: int) -> PairLoops:
+    """Return the loops in pairs for this many events: compiled, or interpreted if that is quicker."""
+    pays = events > PAIRS.events or arithmetic.pairs_are_compiled()
+    return compiled_pairs() if pays else arithmetic.interpreted_pairs()
 
 
 def _interpreted_first(compiled_one: Callable[..., Any]) -> Callable[..., tuple[int, int, int]]:
-    """Return an event loop: interpreted, TURN rows at a time, until the budget DOUBLES is spent, then compiled."""
+    """Return an event loop that interprets TURN rows a call while DOUBLES has events left, and then is compiled."""
 
     def follow(begin: int, batch: Batch, most: int, accuracy: float, out: EventRows, *others: Any) -> Any:
         if DOUBLES.events <= 0 or is_compiled(compiled_one):
@@ -131,18 +111,12 @@ def follow_batch(
     buffer: EventRows | None = None,
     tally: Tally | None = None,
 ) -> Iterator[EventRows]:
-    """Follow a batch to its end; yield copies of its event rows, as often as the reused `buffer` is full."""
+    """Follow a batch to its end; yield copies of its event rows, each time that `buffer` is full and at the end."""
     buffer, tally, begin = buffer or event_buffer(4 * len(batch.states) + 64), tally or no_tally(), 0
     while begin < len(batch.states):
         begin, filled, _ = follow(begin, batch, most, accuracy, buffer, NO_PIECES, tally, table)
         filled = 0 if len(tally.floats) else filled
         yield EventRows(*(engine_batch.contiguous_copy(columns[:, :filled]) for columns in buffer))
-
-
-def joined(parts: Iterable[EventRows]) -> EventRows:
-    """Concatenate blocks of event rows in contiguous memory."""
-    rows = list(parts) or [event_buffer(0)]
-    return rows[0] if len(rows) == 1 else EventRows(*(np.concatenate(each, axis=1) for each in zip(*rows, strict=True)))
 
 
 #: Buffers of earlier calls, 18 MB each: memory that is new to a process is slow.
@@ -225,12 +199,13 @@ class Warmed(NamedTuple):
 
 def warm() -> list[Warmed]:
     """Compile the functions that `simulate_many` calls, unless they are on disk; MissingExtraError without numba."""
-    loops, doubles, tangents, pairs = chosen_loops(True), compiled(), compiled_tangents()["tangents"], compiled_pairs()
+    loops, doubles, pairs = chosen_loops(True), compiled(), compiled_pairs()
+    tangents = arithmetic.compiled_tangents()["tangents"]
     scene, nothing, none = load_scene("fig8"), np.arange(0), np.zeros((0, STATE_WIDTH))
     start = Start(scene.parameters, scene.t0, scene.x0, scene.v0, scene.t_end)
-    arithmetic, K = Arithmetic(scene.parameters), pair_constants(scene.parameters)
-    table, batch, out = table_of([arithmetic.K]), batch_of(none), event_buffer(0)
-    row = np.array([engine_batch.row_of(first_state(start, arithmetic), *last_time(start, arithmetic))])
+    in_doubles, K = arithmetic.Arithmetic(scene.parameters), arithmetic.pair_constants(scene.parameters)
+    table, batch, out = table_of([in_doubles.K]), batch_of(none), event_buffer(0)
+    row = np.array([first_row(start, in_doubles)])
     columns = *(np.zeros(0),) * 4, *(nothing,) * 3
     changes = *(np.zeros((0, 1)),) * 2, np.zeros((0, 1), np.int8), np.zeros(0, np.int8), np.zeros((0, 2))
     of_motions, letters, work = np.zeros((0, 5)), np.zeros((0, 4)), np.zeros((8, 11))
@@ -247,10 +222,7 @@ def warm() -> list[Warmed]:
         ],
         "events in double-double numbers": [
             (pairs.first_pairs, (pair_rows, K)),
-            (
-                pairs.follow_pairs,
-                (nothing, nothing, pair_rows, batch, out, NO_PIECES, K, no_tally(), limits),
-            ),
+            (pairs.follow_pairs, (nothing, nothing, pair_rows, batch, out, NO_PIECES, K, no_tally(), limits)),
         ],
         "derivatives of events": [
             (tangents, (nothing, nothing, of_motions, nothing, columns, nothing, True, letters, table, changes, work))

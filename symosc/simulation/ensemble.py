@@ -20,46 +20,14 @@ from numpy.typing import ArrayLike
 from symosc.aliases import DataFrame, NumberLike, Progress, Record, StartError
 from symosc.arguments import public
 from symosc.display.progress import reporting
+from symosc.engine import batch as engine_batch
 from symosc.engine import summary as kept
-from symosc.engine.arithmetic import (
-    ROUNDED_FROM,
-    PairLimits,
-    PairLoops,
-    compiled_pairs,
-    interpreted_pairs,
-    many_digits,
-    pair_constants,
-    pair_phase,
-    pairs_are_compiled,
-    pairs_as_complex,
-)
-from symosc.engine.batch import (
-    NO_PIECES,
-    Batch,
-    EventRows,
-    batch_of,
-    event_buffer,
-    joined_arrays,
-    row_of,
-    rows_between,
-    state_of,
-)
-from symosc.engine.constant_table import ConstantRows
-from symosc.engine.events import KIND_NAMES
-from symosc.engine.flow import SIGMAS
-from symosc.engine.start import MOST_PERIODS, Start, first_state, last_time, settles
-from symosc.engine.state import (
-    END,
-    FULL,
-    MOVED,
-    ON_BELT,
-    REST,
-    RUNNING,
-    UNDECIDED,
-    Covariance,
-    NextEvent,
-    State,
-)
+from symosc.engine.arithmetic import ROUNDED_FROM, compiled_pairs, many_digits, pair_constants, pairs_as_complex
+from symosc.engine.batch import Batch, EventRows, PairLimits, batch_of, event_buffer, joined, rows_between
+from symosc.engine.events import CODE_COLUMNS, FLOAT_COLUMNS
+from symosc.engine.flow import SIGMAS, ConstantRows
+from symosc.engine.start import MOST_PERIODS, Start, first_row, settles
+from symosc.engine.state import END, FULL, MOVED, ON_BELT, REST, RUNNING, UNDECIDED, Covariance, NextEvent, State
 from symosc.engine.summary import Kept, Tally, finish_tally, no_tally, select_tallies, store_tallies, tally_step
 from symosc.engine.tangent import Letters
 from symosc.errors import ParameterError
@@ -67,20 +35,11 @@ from symosc.exact import read_start_error, whole_number
 from symosc.kernels.elementary import cos, sin
 from symosc.model import MODE_NAMES, Parameters
 from symosc.scenes import ParametersLike
-from symosc.simulation.batch import (
-    MOST_WORKERS,
-    PAIRS,
-    CancelToken,
-    Loops,
-    chosen_loops,
-    follow_batch,
-    in_chunks,
-    joined,
-    read_workers,
-)
-from symosc.simulation.motion import MOST_MORE, PAIR_NOISE, check_reached, fits_pairs
+from symosc.simulation import batch as loops
+from symosc.simulation.batch import CancelToken, chosen_loops, in_chunks, pair_loops, read_workers
+from symosc.simulation.motion import MOST_MORE, PAIR_NOISE, fits_pairs
 from symosc.simulation.problems import NumberColumn, Problems
-from symosc.simulation.simulate import MOST_EVENTS, attainable, end_status, in_doubles, read_accuracy
+from symosc.simulation.simulate import MOST_EVENTS, attainable, check_reached, end_status, in_doubles, read_accuracy
 from symosc.simulation.tables import CHANGES, SUMMARY_COLUMNS, Summary, table_from
 from symosc.simulation.tangents import chosen_tangents, event_changes, read_wrt
 from symosc.simulation.trajectory import Trajectory
@@ -96,6 +55,8 @@ USUAL_WORD, MOST_SECTIONS = 48, 100_000
 EXTREMES = {"x_min": kept.X_MIN, "x_max": kept.X_MAX, "v_min": kept.V_MIN, "v_max": kept.V_MAX}
 #: Columns of a summary that a tally has as they are.
 KEPT_COLUMNS = EXTREMES | {"t": kept.T_LAST, "x": kept.X_LAST, "v": kept.V_LAST}
+#: Statuses of motions that were followed to their ends.
+WHOLE = ("t_end", "equilibrium")
 MODE_TEXTS = np.array(["", *(MODE_NAMES[code] for code in sorted(MODE_NAMES))])
 
 
@@ -172,12 +133,12 @@ def simulate_many(
         raise ParameterError("wrt", wrt, 'is for events; leave it out, or record="events"')
     else:
         work = partial(summary_of, task, SummaryRequest(record, skip, sections, problems))
-    threads = min(read_workers(workers), MOST_WORKERS if task.loops.in_threads else 1)
+    threads = min(read_workers(workers), loops.MOST_WORKERS if task.loops.in_threads else 1)
     with reporting(progress or False, 0, len(problems), "simulate_many") as report:
         parts: list[Any] = in_chunks(len(problems), work, threads, report)
     if of_events:
         rows, status = ([each for part in parts for each in part[n]] for n in range(2))
-        columns = (joined_arrays(list(each)) for each in zip(*(changes for _, _, changes in parts), strict=True))
+        columns = map(engine_batch.joined_arrays, map(list, zip(*(part[2] for part in parts), strict=True)))
         return table_from(rows, status, names, **dict(zip(CHANGES if names else (), columns, strict=True)))
     return Summary(**{name: np.concatenate([part[name] for part in parts]) for name in parts[0]})
 
@@ -186,13 +147,13 @@ class Task(NamedTuple):
     """The settings shared by all chunks: at most `most` events per motion, followed with `accuracy`."""
 
     problems: Problems
-    loops: Loops
+    loops: loops.Loops
     most: int
     accuracy: float
 
 
 class Chunk:
-    """Some of many motions, numbered from 0 and followed to their ends when this object is made."""
+    """Some of many motions, numbered from 0; making the object follows them to their ends."""
 
     # `buffer` is used meanwhile. `keep`, if given, returns the tally of motions from their numbers and their rows at
     # the start: then no events are recorded. `batch` has the last states and what each motion ended with, `rows` the
@@ -210,9 +171,9 @@ class Chunk:
         again = self._in_pairs(self._reset_undecided()) if task.loops.in_threads else {}
         for i in self._reset_undecided():
             cancel.check()
-            loops = pair_loops(int(self.batch.counts[i])) if task.loops.in_threads else None
-            PAIRS.events -= int(self.batch.counts[i])
-            self.alone[i] = in_doubles(self.problem(i), task.most, task.accuracy, loops=loops)
+            pairs = pair_loops(int(self.batch.counts[i])) if task.loops.in_threads else None
+            loops.PAIRS.events -= int(self.batch.counts[i])
+            self.alone[i] = in_doubles(self.problem(i), task.most, task.accuracy, loops=pairs)
         for i, trajectory in self.alone.items():
             again[i] = trajectory.rows()
             again[i].ints[0] = i
@@ -224,7 +185,7 @@ class Chunk:
         return self.task.problems[self._first + i]
 
     def launches(self) -> tuple[np.ndarray, ...]:
-        """Return starts, parameter set numbers, `Letters` and constants of the motions, as `tangents` takes them."""
+        """Return what `tangents` needs of the motions: starts, parameter set numbers, `Letters` and constants."""
         starts, sets = self._starts[:, [0, 0, 3, 4, 5]], self.task.problems.sets
         rows = slice(self._first, self._first + len(starts))
         starts[:, 1] = self.task.problems.t0.pairs(rows).hi
@@ -240,13 +201,13 @@ class Chunk:
 
     def _in_doubles(self, batch: Batch, tally: Tally) -> Iterator[EventRows]:
         """Follow the motions of a batch in doubles, with a tally; return their events."""
-        task = self.task
-        for rows in follow_batch(task.loops.follow, batch, task.most, self._needed, self.table, self._buffer, tally):
+        follow, most = self.task.loops.follow, self.task.most
+        for rows in loops.follow_batch(follow, batch, most, self._needed, self.table, self._buffer, tally):
             self._cancel.check()
             yield rows
 
     def _in_pairs(self, members: list[int]) -> dict[int, EventRows]:
-        """Follow motions in pairs of doubles where these suffice; return their events by motion number."""
+        """Follow undecided motions again from their starts, in pairs where these suffice; return events by number."""
         found: dict[int, EventRows] = {}
         numbers = self._first + np.array(members, np.int64)
         apart = self.task.problems.are_apart(numbers, self._starts[members, 1], FAR_OFF)
@@ -264,7 +225,7 @@ class Chunk:
         return found
 
     def _escalate(self, parameters: Parameters, members: list[int]) -> Iterator[EventRows]:
-        """Follow motions of one parameter set, in pairs past events that doubles cannot decide; yield event rows."""
+        """Follow motions of one parameter set to their ends, in pairs where doubles are in doubt; yield event rows."""
         # Pairs go on from their own last state where doubles are in doubt again: a double has 16 digits of it only.
         most, K = self.task.most, pair_constants(parameters)
         pairs, tally = self._pair_rows(parameters, members), select_tallies(self.tally, members)
@@ -274,12 +235,13 @@ class Chunk:
         waiting = np.arange(len(pairs))
         while len(waiting):
             events = wanted - batch.counts
-            loops = pair_loops(int(events[waiting[:TOGETHER]].sum()))
-            together = len(waiting) if loops is compiled_pairs() else TOGETHER
+            functions = pair_loops(int(events[waiting[:TOGETHER]].sum()))
+            together = len(waiting) if functions is compiled_pairs() else TOGETHER
             active, waiting = waiting[:together], waiting[together:]
             buffer = event_buffer(0 if len(tally.floats) else int((events + MOST_MORE)[active].sum()))
-            filled, _ = loops.follow_pairs(active, wanted, pairs, batch, buffer, NO_PIECES, K, tally, going)
-            PAIRS.events -= filled
+            given = active, wanted, pairs, batch, buffer, engine_batch.NO_PIECES, K, tally, going
+            filled, _ = functions.follow_pairs(*given)
+            loops.PAIRS.events -= filled
             yield rows_between(buffer, 0, min(filled, buffer.floats.shape[1]))
             active = active[batch.codes[active] == RUNNING]
             further, counted = Batch(*(column[active] for column in batch)), select_tallies(tally, active)
@@ -303,13 +265,13 @@ class Chunk:
         """Return the initial states of motions of one parameter set as complex numbers that represent pairs."""
         starts = self._starts[members]
         numbers = self._first + np.array(members, np.int64)
-        pairs = self.task.problems.pair_rows(numbers, starts, partial(pair_phase, parameters))
+        arithmetic = many_digits(parameters, ROUNDED_FROM)
+        pairs = self.task.problems.pair_rows(numbers, starts, lambda t: pairs_as_complex(arithmetic.phase(t)))
         pair_loops(len(pairs)).first_pairs(pairs, pair_constants(parameters))
         least, largest = abs(starts[:, 6:8]).min(axis=1), abs(starts[:, 6:8]).max(axis=1)
         unclear = (starts[:, 1] > 0) & (least <= SMALL_FORCE * (largest + float(parameters.FN)))
         for i in np.flatnonzero(unclear).tolist():
-            start, arithmetic = self.problem(members[i]), many_digits(parameters, ROUNDED_FROM)
-            pairs[i] = pairs_as_complex(tuple(row_of(first_state(start, arithmetic), *last_time(start, arithmetic))))
+            pairs[i] = pairs_as_complex(tuple(first_row(self.problem(members[i]), arithmetic)))
         return pairs
 
     def _statuses(self) -> list[str]:
@@ -318,9 +280,9 @@ class Chunk:
         status: list[str] = np.where(codes == FULL, "max_events", "t_end").tolist()
         # Motions without a drive may have come to rest.
         for i in np.flatnonzero((codes == REST) | ((codes == END) & (self.batch.counts == 0))).tolist():
-            problem, state = self.problem(i), state_of(self.batch.states, i)
+            problem, (mode, v) = self.problem(i), self.batch.states[i, [0, 5]].tolist()
             code = REST if codes[i] == END and settles(problem) else int(codes[i])
-            status[i] = end_status(code, state.mode, state.v, problem.parameters)
+            status[i] = end_status(code, int(mode), v, problem.parameters)
         for i in np.flatnonzero((codes == END) & (periods >= MOST_PERIODS)).tolist():
             check_reached(self.problem(i), int(periods[i]))
         for i, trajectory in self.alone.items():
@@ -339,16 +301,11 @@ def with_replaced(parts: Sequence[EventRows], again: dict[int, EventRows]) -> li
 
 
 def careful_table(table: np.ndarray) -> np.ndarray:
-    """Return constants (`sigmas` > 0) with which a contact nearer than the state's errors counts as undecided."""
+    """Return constants by which doubles leave open what is within the errors of a state (`sigmas` > 0)."""
     if len(table) and (table["sigmas"] == 0.0).any():
         table = table.copy()
         table["sigmas"] = float(SIGMAS)
     return table
-
-
-def pair_loops(events: int) -> PairLoops:
-    """Return the loops in pairs for this many events: compiled, or interpreted if that is quicker."""
-    return compiled_pairs() if events > PAIRS.events or pairs_are_compiled() else interpreted_pairs()
 
 
 def events_of(
@@ -412,7 +369,7 @@ def summary_of(
     columns |= {"events": tally.ints[:, kept.EVENTS_SO_FAR], "sticks": tally.ints[:, kept.STICKS]}
     columns |= {name: floats[:, n] for name, n in KEPT_COLUMNS.items()}
     columns |= {name: np.where(np.isfinite(columns[name]), columns[name], np.nan) for name in EXTREMES}
-    whole = (status == "t_end") | (status == "equilibrium")
+    whole = np.isin(status, WHOLE)
     columns["t"] = np.where(whole, task.problems.t_end.pairs(rows).hi, columns["t"])
     counted = columns["t"] - t0 - asked.skip[rows]
     with np.errstate(all="ignore"):
@@ -443,23 +400,23 @@ def words_of(tally: Tally) -> np.ndarray:
 
 
 def tally_alone(i: int, trajectory: Trajectory, tally: Tally, table: np.ndarray, set_: int) -> int:
-    """Fill in the tally of motion i, followed alone, from its trajectory's pieces and events; return its last mode."""
+    """Fill in the tally of motion i from the trajectory that `in_doubles` found for it; return its last mode."""
     K, t0 = ConstantRows(table)[set_]._replace(Om_gain=0.0), float(trajectory.t_start)  # pieces have true times
-    states = [_state_of_piece(*piece) for piece in trajectory._pieces.T.tolist()]
-    codes = {name: code for code, name in KIND_NAMES.items()}
-    events, number, last = trajectory.events, 0, states[0]
+    states, rows = [_state_of_piece(*piece) for piece in trajectory._pieces.T.tolist()], trajectory.rows()
+    floats = (rows.floats[FLOAT_COLUMNS.index(name)].tolist() for name in ("x", "theta", "t_error"))
+    codes = (rows.ints[1 + CODE_COLUMNS.index(name)].tolist() for name in ("kind", "boundary"))
+    events, last, whole = list(zip(*floats, *codes, strict=True))[::-1], states[0], trajectory.status in WHOLE
     for before, after in pairwise(states):
-        if number == len(events) and trajectory.status not in ("t_end", "equilibrium"):
+        if not (events or whole):
             break
         found = NextEvent(MOVED, 0, True, 0.0, after)
-        if number < len(events) and _is_near_event(after, events[number]):
-            event = events[number]
-            found = NextEvent(codes[event.kind], event.boundary, True, event.t_error, after)
-            number += 1
+        if events and events[-1][:2] == (after.x, after.theta):
+            _, _, t_error, kind, boundary = events.pop()
+            found = NextEvent(kind, boundary, True, t_error, after)
         tally_step(i, before, found, 0.0, tally, K)
         last = after
-    code = REST if trajectory.status in ("t_end", "equilibrium") else RUNNING
-    finish_tally(i, last, code, (float(trajectory.t_end) - t0) - last.t, 0.0, tally, K)
+    remaining = (float(trajectory.t_end) - t0) - last.t
+    finish_tally(i, last, REST if whole else RUNNING, remaining, 0.0, tally, K)
     tally.floats[i, kept.T_LAST] += t0
     return last.mode
 
@@ -469,9 +426,3 @@ def _state_of_piece(n: float, theta: float, mode: float, x: float, v: float, a: 
     at = int(mode) - ON_BELT if mode > ON_BELT else 0
     exact = Covariance(0.0, 0.0, 0.0)
     return State(int(mode), at, int(n), theta, x, v, a, a, exact, elapsed, 0.0, sin(theta), cos(theta), 0.0)
-
-
-def _is_near_event(state: State, event: Any) -> bool:
-    """Return whether a state has the position and the phase of an event, up to 1e-9 and 5e-5."""
-    near = 1e-9
-    return abs(state.x - event.x) <= near * (1.0 + abs(event.x)) and abs(1.0 - cos(state.theta - event.theta)) <= near

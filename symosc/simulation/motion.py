@@ -1,13 +1,11 @@
-"""One motion: in doubles as a batch of one, with many digits event by event, and the digits that decide a contact.
+"""One motion in more precise numbers than doubles: with many digits, or until doubles decide its events again.
 
-In doubles `MotionInDoubles` calls the loop of `simulate_many`, compiled where this process has loaded it or the motion
-is long, else run by CPython, with the same bits. With many digits (`Motion`) doubles search first, and only the last
-step to an event takes the digits. `FinerMotion` takes over where doubles are in doubt, and hands out doubles.
+With many digits (`Motion`) doubles search for an event, and only the last step to it takes the digits. `FinerMotion`
+takes over from `symosc.simulation.simulate.in_doubles` where doubles are in doubt, and hands out doubles.
 """
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from fractions import Fraction
 from math import ceil, inf, log, nan
 from typing import Any, NamedTuple
@@ -15,51 +13,16 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from symosc.aliases import Number
-from symosc.engine.arithmetic import (
-    PAIR_EPS,
-    ROUNDED_FROM,
-    Arithmetic,
-    MpArithmetic,
-    PairLoops,
-    compiled_pairs,
-    is_compiled,
-    many_digits,
-    mp_context,
-    pair_constants,
-    pairs_are_loaded,
-    pairs_as_complex,
-)
-from symosc.engine.batch import (
-    LOOK_AHEAD,
-    NEGLIGIBLE,
-    PIECE_COLUMNS,
-    STATE_WIDTH,
-    EventRows,
-    PairLimits,
-    batch_of,
-    doubt_row,
-    event_buffer,
-    is_below,
-    keep_state,
-    rounding_error,
-    row_of,
-    rows_between,
-    search_row,
-    state_of,
-    write_piece,
-)
-from symosc.engine.constant_table import table_of
+from symosc.engine import arithmetic, batch
+from symosc.engine.arithmetic import Arithmetic, MpArithmetic, PairLoops, loaded_loop, many_digits
+from symosc.engine.batch import EventRows, event_buffer, joined, keep_state, piece_buffer, rows_between, state_of
 from symosc.engine.events import CODE_COLUMNS, CODE_NAMES, EXACT_COLUMNS, FLOAT_COLUMNS, Event, event_codes
-from symosc.engine.flow import Constants, clock_time
-from symosc.engine.start import MOST_PERIODS, Start, continued, first_state, is_steady, last_time, rounded, settles
+from symosc.engine.flow import Constants, table_of
+from symosc.engine.start import Start, continued, first_state, is_steady, last_time, rounded, settles
 from symosc.engine.state import END, FAILED, GRAZE, ON_BELT, REST, RUNNING, UNDECIDED, Covariance, NextEvent, State
 from symosc.engine.summary import no_tally
-from symosc.errors import ParameterError
-from symosc.exact import show
-from symosc.simulation.batch import FOLLOW, TURN, InterpretBudget, chosen_loops, joined, loaded_loop
+from symosc.simulation.batch import InterpretBudget
 
-# Events of the first block of a motion and of the largest one.
-FIRST_BLOCK, LARGEST_BLOCK = 64, 1 << 15
 # The errors of an event that pairs may have in `simulate_many`, beside its rounding to doubles, as a part of that.
 PAIR_NOISE = 0.1
 # Digits between a start and a belt, or of its error, that pairs have to spare.
@@ -82,25 +45,24 @@ MOST_FAST, MOST_GRAZE = 600, 2500
 MOST_SHRINKING = 600
 
 
-def check_reached(start: Start, periods: int) -> None:
-    """Raise ParameterError if a motion stopped at MOST_PERIODS before its t_end."""
-    if periods >= MOST_PERIODS:
-        reason = f"is more than {MOST_PERIODS:.0e} forcing periods after t0 = {show(start.t0)}, more than are followed"
-        raise ParameterError("t_end", show(start.t_end), reason)
+class Limits(NamedTuple):
+    """Limits up to which a motion is followed in more precise numbers: how many events, and how exact they are."""
 
-
-def single_loop(count: int) -> tuple[Callable[..., tuple[int, int, int]], int]:
-    """Return the event loop for a motion with `count` events so far (compiled if that pays), and its buffer's rows."""
-    functions = loaded_loop()
-    if functions:
-        return functions["follow_all"], LARGEST_BLOCK
-    loop = FOLLOW if count < TURN else chosen_loops(None).follow
-    return loop, TURN if loaded_loop() is None else LARGEST_BLOCK
+    most: int  # events
+    accuracy: float  # what doubles are asked for
+    noise: float = batch.NEGLIGIBLE  # the largest error of an event, as a part of the error of rounding it to a double
 
 
 def fits_pairs(start: Start) -> bool:
     """Return whether pairs of doubles are precise enough to replace many digits for a motion from this start."""
     return start.start_error is None and start.spare_digits <= PAIR_SPARE and not settles(start)
+
+
+def row_to_end(start: Start) -> np.ndarray:
+    """Return a batch row of a motion in doubles that has its last time and its t0, and no state yet."""
+    row = np.zeros((1, batch.STATE_WIDTH))
+    row[0, 13:16] = *last_time(start, Arithmetic(start.parameters)), float(start.t0)
+    return row
 
 
 class SearchInDoubles:
@@ -110,106 +72,32 @@ class SearchInDoubles:
     # more precise numbers, always exceed the errors of a state.
 
     def __init__(self, start: Start, K: Constants) -> None:
-        arithmetic, functions = Arithmetic(start.parameters), loaded_loop() or {}
-        self._rows = np.zeros((1, STATE_WIDTH))
-        self._rows[0, 13:16] = *last_time(start, arithmetic), float(start.t0)
-        plain: tuple[Any, ...] = search_row, doubt_row
+        functions, plain = loaded_loop() or {}, (batch.search_row, batch.doubt_row)
         found = tuple(functions.get(each.__name__, each) for each in plain)
-        compiled = bool(functions) and (SEARCHES.events <= 0 or all(map(is_compiled, found)))
+        compiled = bool(functions) and (SEARCHES.events <= 0 or all(map(arithmetic.is_compiled, found)))
         self._search, self._doubt = found if compiled else plain
-        self._careful, self._K = (table_of([each]) if compiled else [each] for each in (arithmetic.K, K))
+        careful = Arithmetic(start.parameters).K
+        self._row = row_to_end(start)
+        self._careful, self._K = (table_of([each]) if compiled else [each] for each in (careful, K))
 
     def next_event(self, state: State) -> tuple[NextEvent, float] | None:
         """Return the next event and, if it is undecided, how long the flight surely meets no wall; None on overflow."""
-        keep_state(self._rows, 0, state)
+        keep_state(self._row, 0, state)
         SEARCHES.events -= 1
         try:
-            code, boundary, decided, t_error, free = self._search(self._rows, self._careful)
-            mode, at, n, theta, x, v, Fb, Fa, S11, S12, S22, t, t_low, _, _, _, s, c, theta_low = self._rows[0].tolist()
-            now = int(mode), int(at), int(n), theta, x, v, Fb, Fa, Covariance(S11, S12, S22)
-            return NextEvent(code, boundary, decided, t_error, State(*now, t, t_low, s, c, theta_low)), free
+            code, boundary, decided, t_error, free = self._search(self._row, self._careful)
+            return NextEvent(code, boundary, decided, t_error, state_of(self._row, 0)), free
         except (ArithmeticError, ValueError):
             return None
 
     def next_doubt(self, state: State, count: int, limits: Limits) -> int:
         """Return the number of the next event after `count` that doubles cannot decide; 0 if there is none soon."""
-        keep_state(self._rows, 0, state)
-        SEARCHES.events -= LOOK_AHEAD
+        keep_state(self._row, 0, state)
+        SEARCHES.events -= batch.LOOK_AHEAD
         try:
-            return int(self._doubt(self._rows, count, limits.most, limits.accuracy, self._K))
+            return int(self._doubt(self._row, count, limits.most, limits.accuracy, self._K))
         except (ArithmeticError, ValueError):
             return 0
-
-
-class MotionInDoubles:
-    """A motion in doubles, followed as a batch of one; its events and pieces are stored in columns."""
-
-    # `code` is RUNNING, or what the motion ended with (`symosc.engine.batch.follow_all`). With `bare` decisions exceed
-    # their own rounding only, not the errors of the state.
-
-    def __init__(self, start: Start, bare: bool = False) -> None:
-        arithmetic = Arithmetic(start.parameters)
-        self.start, self.K = start, arithmetic.K._replace(sigmas=0.0) if bare else arithmetic.K
-        first, self._end = first_state(start, arithmetic), last_time(start, arithmetic)
-        self.first_at, self._table = first.at, table_of([self.K])
-        self._batch = batch_of(np.array([row_of(first, *self._end)]))
-        pieces = np.empty((len(PIECE_COLUMNS), 1))
-        write_piece(pieces, 0, first, float(start.t0 - Fraction(first.t)))
-        self._events, self._pieces = list[EventRows](), [pieces]
-
-    @property
-    def code(self) -> int:
-        """How the motion ended, as a code, or RUNNING."""
-        return int(self._batch.codes[0])
-
-    @code.setter
-    def code(self, code: int) -> None:
-        self._batch.codes[0] = code
-
-    @property
-    def count(self) -> int:
-        """The number of events so far."""
-        return int(self._batch.counts[0])
-
-    @property
-    def state(self) -> State:
-        """The current state."""
-        return state_of(self._batch.states, 0)
-
-    @property
-    def elapsed(self) -> float:
-        """The time since t0."""
-        state = self.state
-        return clock_time(state.t - float(self.start.t0), state.t_low, 0.0, self.K)
-
-    def events(self) -> EventRows:
-        """Return the events so far."""
-        return joined(self._events)
-
-    def pieces(self) -> np.ndarray:
-        """Return the pieces of the motion so far, in columns."""
-        return np.concatenate(self._pieces, axis=1)
-
-    def follow(self, most: int, accuracy: float) -> None:
-        """Go on until the motion ends, needs more digits, or a block of events is full."""
-        loop, largest = single_loop(self.count)
-        size = min(largest, max(FIRST_BLOCK, 8 * self.count))
-        out, pieces = event_buffer(size), np.empty((len(PIECE_COLUMNS), size))
-        _, rows, parts = loop(0, self._batch, most, accuracy, out, pieces, no_tally(), self._table)
-        self._events.append(rows_between(out, 0, rows))
-        self._pieces.append(pieces[:, :parts])
-
-    def take_over(self, finer: FinerMotion) -> None:
-        """Replace the events and pieces by those of a motion with more digits, and go on from its last state."""
-        self._events, self._pieces = list(finer.rows), [self._pieces[0], *finer.pieces]
-        self._batch.states[0] = self.batch_row(finer.state)
-        self._batch.counts[0], self.code = finer.count, finer.code
-
-    def batch_row(self, state: State) -> list[Number]:
-        """Return the row of a batch for going on from a state, with the end and the t0 of this motion."""
-        row = row_of(state, *self._end)
-        row[15] = float(self.start.t0)
-        return row
 
 
 class Motion:
@@ -223,28 +111,26 @@ class Motion:
         self, start: Start, digits: MpArithmetic | int, begin: State | None = None, K: Constants | None = None
     ) -> None:
         own = many_digits(start.parameters, digits) if isinstance(digits, int) else digits
-        self.start, self.arithmetic, self.digits = start, own, own.digits
+        self.start, self.arithmetic, self.digits, in_doubles = start, own, own.digits, Arithmetic(start.parameters).K
         state, (self.t0, t0_low) = begin or first_state(start, own), own.time(start.t0)
         self.first_at, self.K, self._begin = state.at, own.inner_K, own.inward((self.t0, t0_low))
         self._t0_low = own.inward(own.number(start.t0 - Fraction(float(start.t0))))
         if start.start_error:  # rounding is far below it, and it is no standard error
             self.K = self.K._replace(sigmas=own.inward(own.number(Fraction(1))))
         self._state, self._end = own.inward(state), own.inward(last_time(start, own))
-        self._search: SearchInDoubles | None = None
-        if own.advance_near and not start.start_error:
-            self._search = SearchInDoubles(start, K or Arithmetic(start.parameters).K)
+        self._search = SearchInDoubles(start, K or in_doubles) if own.fast and not start.start_error else None
         self._before, self._worst = self._state, 0.0
         self._events, self._columns = list[tuple[Any, tuple[int, ...]]](), list[tuple[Any, ...]]()
         self.code, self.decided, self.grazes_only = 0, True, True
         self._rough: State | None = None  # the state in doubles
-        self._rounded_t0, self._rounded_gain = float(start.t0), Arithmetic(start.parameters).K.Om_gain
+        self._rounded_t0, self._rounded_gain = float(start.t0), in_doubles.Om_gain
         self._record_piece(0.0)
 
     def missing_digits(self, digits: int) -> int:
-        """Return how many digits the least accurate event lacks to have `digits`, relative to max(1, |value|)."""
+        """Return how many more digits the least accurate event needs to have `digits`; negative if it has more."""
         if self._worst == 0:
             return 0
-        context = mp_context(15)
+        context = arithmetic.mp_context(15)
         return int(context.ceil(context.log10(SAFETY * context.convert(self.arithmetic.outward(self._worst))))) + digits
 
     @property
@@ -257,14 +143,9 @@ class Motion:
         """The number of events so far."""
         return len(self._events)
 
-    @property
-    def events(self) -> list[Event]:
-        """The events so far, with all digits."""
-        return self.events_in(self.arithmetic.context)
-
-    def events_in(self, context: Any) -> list[Event]:
-        """Return the events with numbers of an mpmath context; the errors include the rounding to these."""
-        half, found = float(context.eps) / 2 if context is not self.arithmetic.context else 0.0, list[Event]()
+    def events(self, context: Any = None) -> list[Event]:
+        """Return the events so far with all digits, or rounded to an mpmath context, which their errors include."""
+        half, found = float(context.eps) / 2 if context else 0.0, list[Event]()
         for numbers, codes in self._events:
             values: dict[str, Any] = dict(zip(FLOAT_COLUMNS, numbers, strict=True))
             values |= {name: float(value) for name, value in values.items() if name not in EXACT_COLUMNS}
@@ -298,8 +179,7 @@ class Motion:
     def step(self) -> None:
         """Advance by one event, or by one interval without events."""
         own = self.arithmetic
-        entered = own.enter()
-        try:
+        with own.precision():
             before = self._before = self._state
             found = self._next_event(before)
             self.code, self.decided, self._state = found.code, found.decided, found.state
@@ -307,30 +187,28 @@ class Motion:
                 return
             self._record_piece(self._elapsed())
             if found.code <= GRAZE:
-                s = found.state
-                clock = own.time_with_errors(s.t, s.t_low, self._begin[0], s.x, s.v, found.t_error, s.S.S11, self.K)
+                s, time_with_errors = found.state, own.following["time_with_errors"]
+                clock = time_with_errors(s.t, s.t_low, self._begin[0], s.x, s.v, found.t_error, s.S.S11, self.K)
                 self._record_event(before, found, clock)
                 self.grazes_only = self.grazes_only and found.code == GRAZE
-        finally:
-            own.leave(entered)
 
     def _record_event(self, before: State, found: NextEvent, clock: tuple[Number, ...]) -> None:
         """Store an event; `clock` is its time, and the errors of its time and position."""
         t, t_error, x_error = clock
         self._worst = max(self._worst, t_error / max(1, abs(t)), x_error / max(1, abs(found.state.x)))
-        numbers = self.arithmetic.event_numbers(before, found, clock, self.K)
+        numbers = self.arithmetic.following["event_numbers"](before, found, clock, self.K)
         self._events.append((numbers, event_codes(before, found)))
 
     def _next_event(self, state: State) -> NextEvent:
         """Return the next event with many digits, searched in doubles where possible."""
         rough = self.rounded_state() if self._search else None
         ahead = self._search.next_event(rough) if self._search and rough else None
-        self._rough = None
+        self._rough, functions = None, self.arithmetic.following
         if ahead is None:
             self._search = None
-            found: NextEvent = self.arithmetic.advance(state, *self._end, self.K)
+            found: NextEvent = functions["advance"](state, *self._end, self.K)
         else:
-            found = self.arithmetic.advance_near(state, rough, *ahead, *self._end, self.K)
+            found = functions["advance_near"](state, rough, *ahead, *self._end, self.K)
         return found
 
     def _elapsed(self) -> Number:
@@ -341,11 +219,8 @@ class Motion:
     def rounded_state(self) -> State:
         """Return the current state rounded to doubles."""
         if self._rough is None:
-            entered = self.arithmetic.enter()
-            try:
+            with self.arithmetic.precision():
                 self._rough = rounded(self._state, self._rounded_t0, self._rounded_gain)
-            finally:
-                self.arithmetic.leave(entered)
         return self._rough
 
     @property
@@ -356,39 +231,25 @@ class Motion:
     @property
     def elapsed(self) -> Number:
         """The time since t0."""
-        entered = self.arithmetic.enter()
-        try:
+        with self.arithmetic.precision():
             return self.arithmetic.outward(self._elapsed())
-        finally:
-            self.arithmetic.leave(entered)
-
-    @property
-    def time(self) -> Number:
-        """The time of the current state."""
-        return self.arithmetic.outward(self._state.t)
-
-
-class Limits(NamedTuple):
-    """Limits of a motion in more precise numbers: its largest number of events, and the errors these may have."""
-
-    most: int  # events
-    accuracy: float  # what doubles are asked for
-    noise: float = NEGLIGIBLE  # the largest error of an event, as a part of the error of rounding it to doubles
 
 
 class MotionInPairs:
     """A motion in pairs of doubles, compiled, followed only until doubles suffice again."""
 
-    # It stops before an event that pairs do not decide, or do not know accurately enough.
+    # It stops before an event that pairs do not decide, or do not know accurately enough. `K` are the constants by
+    # which doubles are in doubt.
 
-    def __init__(self, doubles: MotionInDoubles, limits: Limits, loops: PairLoops) -> None:
-        start, exact = doubles.start, many_digits(doubles.start.parameters, ROUNDED_FROM)
-        state, tables = first_state(start, exact), (table_of([K]) for K in (doubles.K, Arithmetic(start.parameters).K))
-        self._follow, self._K = loops.follow_pairs, pair_constants(start.parameters)
-        self._limits = PairLimits(limits.most, limits.accuracy, MOST_EVER, limits.noise, *tables)
-        self._pairs = np.array([pairs_as_complex(tuple(row_of(state, *last_time(start, exact))))])
-        self._batch = batch_of(np.array([doubles.batch_row(rounded(state, float(start.t0), doubles.K.Om_gain))]))
-        self._rows, self._pieces = list[EventRows](), list[np.ndarray]()
+    def __init__(self, start: Start, K: Constants, limits: Limits, loops: PairLoops) -> None:
+        exact = many_digits(start.parameters, arithmetic.ROUNDED_FROM)
+        state, tables = first_state(start, exact), (table_of([each]) for each in (K, Arithmetic(start.parameters).K))
+        self._follow, self._K = loops.follow_pairs, arithmetic.pair_constants(start.parameters)
+        self._limits = batch.PairLimits(limits.most, limits.accuracy, MOST_EVER, limits.noise, *tables)
+        self._pairs = np.array([arithmetic.pairs_as_complex(tuple(batch.row_of(state, *last_time(start, exact))))])
+        self._batch = batch.batch_of(row_to_end(start))
+        keep_state(self._batch.states, 0, rounded(state, float(start.t0), K.Om_gain))
+        self._events, self._pieces = list[EventRows](), list[np.ndarray]()
         self.goal = 0  # the number of events to come to
 
     code = property(lambda self: int(self._batch.codes[0]), doc="How the motion ended, as a code, or RUNNING.")
@@ -399,31 +260,31 @@ class MotionInPairs:
         """Return the current state in doubles."""
         return state_of(self._batch.states, 0)
 
-    def last_sure(self, arithmetic: MpArithmetic) -> State:
+    def last_sure(self, finer: MpArithmetic) -> State:
         """Return the last state that pairs are sure of, converted to an arithmetic of more digits."""
-        number = arithmetic.context.mpf
+        number = finer.context.mpf
         row = [number(z.real) + number(z.imag) for z in self._pairs[0].tolist()]
         numbers: tuple[Any, ...] = (*map(int, row[:3]), *row[3:8], Covariance(*row[8:11]), *row[11:13], *row[16:])
-        return continued(State(*numbers), PAIR_EPS, arithmetic)
+        return continued(State(*numbers), arithmetic.PAIR_EPS, finer)
 
     def reach(self, count: int) -> bool:
-        """Follow to `count` events, and further while doubles cannot decide; return False if pairs cannot either."""
+        """Follow to `count` events, and on while doubles cannot decide the next; return False where pairs cannot."""
         first, wanted = np.arange(1), np.array([count])
         while True:
             size = 2 * (max(count - self.count, 0) + MOST_MORE)
-            out, pieces = event_buffer(size), np.empty((len(PIECE_COLUMNS), size))
+            out, pieces = event_buffer(size), piece_buffer(size)
             given = (self._pairs, self._batch, out, pieces, self._K, no_tally(), self._limits)
             rows, parts = self._follow(first, wanted, *given)
-            self._rows.append(rows_between(out, 0, rows))
+            self._events.append(rows_between(out, 0, rows))
             self._pieces.append(pieces[:, :parts])
             self.goal = int(wanted[0])
-            if self.code != RUNNING or parts < pieces.shape[1]:
+            if self.code != RUNNING or parts < size:
                 return self.code != UNDECIDED
 
     def take(self) -> tuple[EventRows, np.ndarray]:
         """Return the events and pieces found since the last call."""
-        found = joined(self._rows), np.concatenate(self._pieces, axis=1)
-        self._rows, self._pieces = [], []
+        found = joined(self._events), np.concatenate(self._pieces, axis=1)
+        self._events, self._pieces = [], []
         return found
 
 
@@ -433,10 +294,10 @@ class MotionInDigits(Motion):
     # If it does, an event that it knows less accurately than the limits allow counts as undecided.
 
     def __init__(
-        self, doubles: MotionInDoubles, limits: Limits, digits: int, other: MotionInPairs | MotionInDigits | None = None
+        self, start: Start, K: Constants, limits: Limits, digits: int, other: MotionInPairs | MotionInDigits | None
     ) -> None:
-        begin = other.last_sure(many_digits(doubles.start.parameters, digits)) if other else None
-        super().__init__(doubles.start, digits, begin, doubles.K)
+        begin = other.last_sure(many_digits(start.parameters, digits)) if other else None
+        super().__init__(start, digits, begin, K)
         self.from_start, self.is_known, self._skipped = other is None, True, other.count if other else 0
         self.grazes_only = other is None or other.grazes_only
         self._limits, self.goal = limits, 0
@@ -464,16 +325,15 @@ class MotionInDigits(Motion):
     def _record_event(self, before: State, found: NextEvent, clock: tuple[Number, ...]) -> None:
         """Store an event rounded to doubles, with its errors; note whether it is known well enough."""
         t, t_error, x_error = map(float, clock)
-        x = float(found.state.x)
-        noise = self._limits.noise
-        self.is_known = self.from_start or (is_below(noise, t_error, t) and is_below(noise, x_error, x))
-        told = t, rounding_error(t_error, t), rounding_error(x_error, x)
-        numbers = self.arithmetic.event_numbers(before, found, told, self.K)
+        x, noise = float(found.state.x), self._limits.noise
+        self.is_known = self.from_start or (batch.is_below(noise, t_error, t) and batch.is_below(noise, x_error, x))
+        told = t, batch.rounding_error(t_error, t), batch.rounding_error(x_error, x)
+        numbers = self.arithmetic.following["event_numbers"](before, found, told, self.K)
         self._events.append((tuple(map(float, numbers)), event_codes(before, found)))
 
-    def last_sure(self, arithmetic: MpArithmetic) -> State:
+    def last_sure(self, finer: MpArithmetic) -> State:
         """Return the current state converted to an arithmetic of more digits."""
-        return continued(self.state, Fraction(1, 1 << self.arithmetic.context.prec), arithmetic)
+        return continued(self.state, Fraction(1, 1 << self.arithmetic.context.prec), finer)
 
     def take(self) -> tuple[EventRows, np.ndarray]:
         """Return the events and pieces found since the last call."""
@@ -486,66 +346,54 @@ class MotionInDigits(Motion):
 
 
 class FinerMotion:
-    """The motion of a `MotionInDoubles` in more precise numbers, followed until doubles suffice again."""
+    """A motion in more precise numbers, from its start on, followed until doubles suffice again."""
 
     # Pairs follow it, if `loops` are given or this process has them compiled, else FINER_DIGITS digits. Past a contact
     # that these leave undecided it goes on with as many digits as confirm a graze (`digits_to_confirm_graze`): from the
     # state before it with its error, or from t0 if that error is why. If they do not decide the contact, it is a graze.
-    # If they do, the next such contact takes twice as many digits: where sticks get shorter, so do gaps.
+    # If they do, the next such contact takes twice as many digits: where sticks get shorter, so do gaps. `K` are the
+    # constants by which doubles are in doubt, `now` is the motion in the precision at hand.
 
-    def __init__(self, doubles: MotionInDoubles, limits: Limits, loops: PairLoops | None = None) -> None:
-        self.start, self._doubles, self._limits = doubles.start, doubles, limits
-        self._least, self._asked_at = FINER_DIGITS + self.start.spare_digits, inf
-        self.rows, self.pieces = list[EventRows](), list[np.ndarray]()
+    def __init__(self, start: Start, K: Constants, limits: Limits, loops: PairLoops | None = None) -> None:
+        self._problem = start, K, limits
+        self._least, self._asked_at = FINER_DIGITS + start.spare_digits, inf
+        self.events, self.pieces = list[EventRows](), list[np.ndarray]()
         self.open_at, self.open_in = nan, 0  # the time of a contact that cannot be decided, and with how many digits
-        self._now: MotionInPairs | MotionInDigits
-        if fits_pairs(self.start) and (loops or pairs_are_loaded()):
-            self._now = MotionInPairs(doubles, limits, loops or compiled_pairs())
+        self.now: MotionInPairs | MotionInDigits
+        if fits_pairs(start) and (loops or arithmetic.pairs_are_loaded()):
+            self.now = MotionInPairs(*self._problem, loops or arithmetic.compiled_pairs())
         else:
-            self._now = MotionInDigits(doubles, limits, self._least)
-
-    @property
-    def count(self) -> int:
-        """The number of events so far."""
-        return self._now.count
-
-    @property
-    def code(self) -> int:
-        """How the motion ended, as a code, or RUNNING."""
-        return self._now.code if self._now.code in (END, REST) else RUNNING
-
-    @property
-    def state(self) -> State:
-        """The current state in doubles."""
-        return self._now.rounded_state()
+            self.now = MotionInDigits(*self._problem, self._least, None)
 
     def reach(self, count: int) -> bool:
-        """Follow to `count` events, and further while doubles cannot decide; return False if no precision can."""
-        reached, count = self._now.reach(count), self._now.goal
+        """Follow to `count` events, and on while doubles cannot decide; return False at a contact that stays open."""
+        reached = self.now.reach(count)
         while not reached and self._settle_contact():
-            reached, count = self._now.reach(count), self._now.goal
+            reached = self.now.reach(self._goal)
         self._take()
         return reached
 
     def _take(self) -> None:
-        """Append what was found in double-double or many-digit numbers to `rows` (events) and `pieces`."""
-        rows, pieces = self._now.take()
-        self.rows.append(rows)
+        """Append what was found in double-double or many-digit numbers to `events` and `pieces`."""
+        events, pieces = self.now.take()
+        self.events.append(events)
         self.pieces.append(pieces)
 
     def _settle_contact(self) -> bool:
         """Go on with more digits at an undecided contact, or call it a graze; return False if neither is possible."""
-        now = self._now
+        now, (start, *_) = self.now, self._problem
+        self._goal = now.goal
         if isinstance(now, MotionInPairs):
             return self._go_on(self._least, now)
-        at, span = now.count - (now.code <= GRAZE), self.start.t_end - self.start.t0
+        at = now.count - (now.code <= GRAZE)
         base, least = 2 * self._least // GRAZE_TIMES, 2 * now.digits if at > self._asked_at else 0
-        needed, whole = (digits_to_confirm_graze(now, each, base, least) or inf for each in (now.elapsed, span))
+        times = now.elapsed, start.t_end - start.t0
+        needed, whole = (digits_to_confirm_graze(now, each, base, least) or inf for each in times)
         needed = inf if least > MOST_SHRINKING else needed
         if now.from_start and now.code != FAILED and now.digits >= needed:
             self._asked_at = inf
             return True
-        self.open_at, self.open_in = float(now.time), now.digits
+        self.open_at, self.open_in = float(now.state.t), now.digits
         now.undo()
         if now.code == FAILED or now.digits >= needed or needed == inf or not now.is_known:
             return not now.from_start and self._go_on(now.digits)
@@ -554,10 +402,10 @@ class FinerMotion:
         return self._go_on(int(max(needed, most)), now)
 
     def _go_on(self, digits: int, other: MotionInPairs | MotionInDigits | None = None) -> bool:
-        """Go on with more digits where `other` stopped, else repeat the motion from t0; return if this succeeds."""
+        """Go on with more digits from the last state of `other`, or if None from t0; return if this gets as far."""
         self._take()
-        before, count = self._now, self.count
-        self._now = now = MotionInDigits(self._doubles, self._limits, digits, other)
+        before, count = self.now, self.now.count
+        self.now = now = MotionInDigits(*self._problem, digits, other)
         if isinstance(before, MotionInPairs) or other:
             return True
         # Steps of two arithmetics differ: one may end between events where the other one does not.
@@ -571,7 +419,7 @@ class FinerMotion:
 
 
 def digits_to_confirm_graze(motion: Motion, elapsed: Number, digits: int, least: int = 0) -> int | None:
-    """Return how many digits (`least` or more) must leave a contact undecided to call it a graze; None if too many."""
+    """Return the digits (at least `least`) at which a contact still undecided is a graze; None: more than are tried."""
     # A motion that tends to one that grazes has gaps that shrink like exp(-rate t), and each of them is a near miss or
     # a crossing. The rate is the larger one of the free motion, or, where that takes too many digits, the smaller one:
     # only starts without any share of the slow decay are fooled by that. A start that is on the steady motion has none

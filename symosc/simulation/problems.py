@@ -15,9 +15,9 @@ from typing import Any
 import numpy as np
 
 from symosc.engine.arithmetic import Arithmetic
-from symosc.engine.batch import STATE_WIDTH, Batch, batch_of, row_of
-from symosc.engine.constant_table import ConstantRows, constant_table, table_of
-from symosc.engine.start import MOST_PERIODS, Start, first_state, last_time, start_rows
+from symosc.engine.batch import STATE_WIDTH, Batch, batch_of
+from symosc.engine.flow import ConstantRows, constant_table, table_of
+from symosc.engine.start import MOST_PERIODS, Start, first_row, start_rows
 from symosc.errors import ParameterError
 from symosc.exact import LARGEST, show, unmasked
 from symosc.kernels.double_double import TWO_PI_PAIR, two_product
@@ -45,23 +45,23 @@ class NumberColumn:
 
     def __init__(self, name: str, given: Any) -> None:
         given = _as_numpy(name, given)
-        shape = getattr(given, "shape", None)
-        self.single = not isinstance(given, Sized) or isinstance(given, (str, bytes, Mapping)) or shape == ()
-        if not self.single and not isinstance(given, np.ndarray):
+        alone = not isinstance(given, Sized) or isinstance(given, (str, bytes, Mapping))
+        if alone:
+            given = np.array([given, None], dtype=object)[:1]  # whatever it is
+        elif not isinstance(given, np.ndarray):
             given = np.asarray(list(given), dtype=object)
-        if not self.single and given.ndim != 1:
+        if given.ndim != 1:
             raise ParameterError(name, given, f"must be a number or have shape (n,); it has {given.shape}")
-        self.single = self.single or len(given) == 1
+        self.single = len(given) == 1
         if not self.single and given.dtype == object and all(type(value) is float for value in given):
             given = given.astype(float)
-        self.name, self._exact = name, dict[int, Fraction]()
-        self._given: Any = given if getattr(given, "shape", ()) else [given]
+        self.name, self._given, self._exact = name, given, dict[int, Fraction]()
         plain = not self.single and given.dtype == np.float64
-        self.hi, self.lo = self._split_doubles(given) if plain else self._split_numbers(self._given)
+        self.hi, self.lo = self._split_doubles(given) if plain else self._split_numbers(given)
         self.is_plain = plain or self.single  # then equal doubles are equal numbers
 
     def _split_doubles(self, given: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        """Return an array of doubles, and the remainders: their printed decimals minus the doubles, rounded."""
+        """Return an array of doubles, and for each what it lacks of the decimal that it prints as (and stands for)."""
         largest = f"must be at most {float(LARGEST):g} in size"
         for bad, reason in ((~np.isfinite(given), "must be finite"), (abs(given) > float(LARGEST), largest)):
             if bad.any():
@@ -101,11 +101,7 @@ class NumberColumn:
     def exact(self, row: int) -> Fraction:
         """Return the exact number in a row."""
         row = row if len(self) > 1 else 0
-        if row not in self._exact:
-            if len(self._exact) > 100_000:  # of a long column only a few are asked for again
-                self._exact.clear()
-            self._exact[row] = read_number(self.called(row), self._given[row])[0]
-        return self._exact[row]
+        return self._exact[row] if row in self._exact else read_number(self.called(row), self._given[row])[0]
 
     def pairs(self, rows: Any = slice(None)) -> PairColumn:
         """Return some rows, or the common number, as a column of pairs."""
@@ -139,7 +135,7 @@ def named(name: str, given: Any, wanted: tuple[str, ...]) -> Any:
 
 
 def decimal_rest(values: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Return, for each double, its shortest printed decimal minus itself, rounded once, and whether that is certain."""
+    """Return, for each double, its shortest decimal minus itself, rounded once, and a flag: whether that was found."""
     # The shortest decimal has 15, 16 or 17 digits: the first of them that is within half a unit of the double. Scaled
     # by a power of ten that is exact as a double, its distance from the double is exact.
     size = abs(values)
@@ -269,8 +265,7 @@ class Problems:
             states, unclear = self._start_rows(rows, table)
         for i in np.flatnonzero(unclear).tolist():
             problem = self[rows.start + i]
-            arithmetic = Arithmetic(problem.parameters)
-            states[i] = row_of(first_state(problem, arithmetic), *last_time(problem, arithmetic))
+            states[i] = first_row(problem, Arithmetic(problem.parameters))
         return batch_of(states, sets), table
 
     def _start_rows(self, rows: slice, table: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
@@ -296,7 +291,7 @@ class Problems:
         return states, unclear | small_force | bool(self.start_error)
 
     def _at_belt(self, boundary: int, rows: slice) -> tuple[np.ndarray, np.ndarray]:
-        """Return which rows start exactly on a belt, and which only round to its speed in doubles."""
+        """Return which rows start on a belt, and which start beside it although both speeds are the same double."""
         speed = self.sets.column(f"v{boundary}")
         v, belt = self.v0.pairs(rows), speed.pairs(rows)
         near = np.flatnonzero(np.broadcast_to(v.hi == belt.hi, rows.stop - rows.start))
@@ -306,7 +301,7 @@ class Problems:
         return near[on_belt], near[~on_belt]
 
     def are_apart(self, rows: np.ndarray, at: np.ndarray, gap: float) -> np.ndarray:
-        """Return which motions have a drive, an exact start, and no belt within `gap` of v0 but the one they are on."""
+        """Return which motions pairs surely suit: with a drive, exactly started, v0 off by `gap` from other belts."""
         v, B0 = self.v0.pairs(rows).hi, self.sets.column("B0").pairs(rows).hi
         apart = np.full(len(rows), self.start_error is None) & (B0 != 0.0)
         for boundary in (1, 2):

@@ -7,31 +7,32 @@ working precision is raised until every event is known to that many digits.
 
 from __future__ import annotations
 
+from collections.abc import Callable
+from contextlib import nullcontext
 from fractions import Fraction
 from functools import partial
 from math import inf, isinf
 from typing import Any
 
+import numpy as np
+
 from symosc.aliases import Number, NumberLike, Progress, SceneName, StartError
 from symosc.arguments import public
 from symosc.display.progress import Advance, late_bar
-from symosc.engine.arithmetic import PairLoops, mp_context
-from symosc.engine.start import Start, settles
-from symosc.engine.state import FAILED, FULL, NEEDS_DIGITS, ON_BELT, REST, RUNNING, UNDECIDED, State
+from symosc.engine import batch as engine_batch
+from symosc.engine.arithmetic import Arithmetic, PairLoops, loaded_loop, mp_context
+from symosc.engine.batch import EventRows, joined, keep_state, piece_buffer, state_of
+from symosc.engine.flow import Constants, clock_time, table_of
+from symosc.engine.start import MOST_PERIODS, Start, first_state, last_time, settles
+from symosc.engine.state import END, FAILED, FULL, NEEDS_DIGITS, ON_BELT, REST, RUNNING, UNDECIDED, State
+from symosc.engine.summary import no_tally
 from symosc.errors import ParameterError
 from symosc.exact import LEAST_ASKED_DIGITS, MOST_ASKED_DIGITS, read_exact, read_start_error, show, whole_number
 from symosc.model import Parameters
 from symosc.reductions import OtherModel
-from symosc.scenes import Original, Scene, end_time, load_scene, moved_scene, not_reduced_error, start_numbers
-from symosc.simulation.motion import (
-    PAIR_NOISE,
-    FinerMotion,
-    Limits,
-    Motion,
-    MotionInDoubles,
-    check_reached,
-    digits_to_confirm_graze,
-)
+from symosc.scenes import Original, Scene, end_time, load_scene, moved_scene, not_reduced_error, parameters_of
+from symosc.simulation.batch import TURN, chosen_loops
+from symosc.simulation.motion import PAIR_NOISE, FinerMotion, Limits, Motion, digits_to_confirm_graze
 from symosc.simulation.trajectory import MovedTrajectory, Trajectory
 
 ACCURACY = 1e-13
@@ -40,6 +41,8 @@ MOST_EVENTS = 1_000_000
 MOST_EXACT_EVENTS = 20_000
 # With `digits`, more than this many times the digits are tried only to tell a graze from a near miss.
 MOST_WORKING = 12
+# Events of the first block of a motion in doubles, and of the largest one.
+FIRST_BLOCK, LARGEST_BLOCK = 64, 1 << 15
 
 
 @public
@@ -103,16 +106,16 @@ def simulate(
     start, original = read_problem(scene, {"t0": t0, "x0": x0, "v0": v0, "t_end": t_end}, start_error)
     default = MOST_EVENTS if digits is None else MOST_EXACT_EVENTS
     most = default if max_events is None else whole_number("max_events", max_events, 1)
+    label = "simulate" if digits is None else f"simulate, {digits} digits"
     if digits is None:
-        asked = read_accuracy(accuracy)
-        with late_bar(progress, "simulate", "events") as advance:
-            motion = in_doubles(start, most, asked, advance)
+        follow = partial(in_doubles, start, most, read_accuracy(accuracy))
     else:
         digits = whole_number("digits", digits, LEAST_ASKED_DIGITS, MOST_ASKED_DIGITS)
         if accuracy is not None:
             raise ParameterError("accuracy", accuracy, f"is for double precision: leave it out with digits = {digits}")
-        with late_bar(progress, f"simulate, {digits} digits", "events") as advance:
-            motion = _with_digits(start, most, digits, advance)
+        follow = partial(in_digits, start, most, digits)
+    with late_bar(progress, label, "events") if progress else nullcontext() as advance:
+        motion = follow(advance)
     return motion if original is None else MovedTrajectory(motion, original)
 
 
@@ -126,29 +129,21 @@ def read_start(scene: Scene | Parameters | SceneName, given: dict[str, Any], sta
 
 def read_problem(scene: Any, given: dict[str, Any], start_error: Any) -> tuple[Start, Original | None]:
     """Return the initial value problem of a scene or of keyword arguments, and the model from which it was reduced."""
-    if not isinstance(scene, Scene | Parameters | OtherModel):
-        scene = load_scene(scene)
-    if isinstance(scene, OtherModel):
+    if isinstance(scene, Parameters | OtherModel):
         if given["t_end"] is None:
-            raise ParameterError("t_end", None, "is needed with a model")
+            what = "parameters" if isinstance(scene, Parameters) else "a model"
+            raise ParameterError("t_end", None, f"is needed with {what}")
         given = {name: 0 if value is None else value for name, value in given.items()}
-        end = end_time(given["t_end"], scene.parameters, given["t0"])
-        scene, given = Scene("model", scene, **given | {"t_end": end}), {}  # type: ignore[arg-type]
-    if isinstance(scene, Scene):
-        scene = scene.started({name: value for name, value in given.items() if value is not None})
-        if start_error is not None and scene.original is not None:
-            scene, start_error = moved_scene(scene, scene.original, start_error=start_error), None
-        error = scene.start_error if start_error is None else read_start_error(start_error)
-        start = Start(scene.parameters, scene.t0, scene.x0, scene.v0, scene.t_end, error)
-        return start, scene.original
-    if given["t_end"] is None:
-        raise ParameterError("t_end", None, "is needed with parameters")
-    given = given | {"t_end": end_time(given["t_end"], scene, given["t0"] or 0)}
-    numbers, rounding = start_numbers({name: 0 if value is None else value for name, value in given.items()}, scene)
-    start = Start(scene, **numbers, start_error=rounding if start_error is None else read_start_error(start_error))
-    if start.t_end <= start.t0:
-        raise ParameterError("t_end", show(start.t_end), f"must be later than t0 = {show(start.t0)}")
-    return start, None
+        given["t_end"] = end_time(given["t_end"], parameters_of(scene), given["t0"])
+        scene, given = Scene("motion", scene, **given), {}  # type: ignore[arg-type]
+    elif not isinstance(scene, Scene):
+        scene = load_scene(scene)
+    if changes := {name: value for name, value in given.items() if value is not None}:
+        scene = scene.started(changes)
+    if start_error is not None and scene.original is not None:
+        scene, start_error = moved_scene(scene, scene.original, start_error=start_error), None
+    error = scene.start_error if start_error is None else read_start_error(start_error)
+    return Start(scene.parameters, scene.t0, scene.x0, scene.v0, scene.t_end, error), scene.original
 
 
 def read_accuracy(value: Any) -> float:
@@ -167,34 +162,64 @@ def read_accuracy(value: Any) -> float:
 
 
 def attainable(accuracy: float, start_error: tuple[Fraction, Fraction, Fraction] | None) -> float:
-    """Return the accuracy that events can be held to: `accuracy`, or inf if the errors of the start exceed it."""
+    """Return the accuracy to ask of events: inf (none) if the errors of the start are larger than `accuracy`."""
     return inf if start_error and max(start_error) > accuracy else accuracy
 
 
 def in_doubles(
     start: Start, most: int, accuracy: float, advance: Advance = None, loops: PairLoops | None = None
 ) -> Trajectory:
-    """Follow a motion in doubles, and with more digits where doubles cannot decide an event; return a Trajectory."""
-    # Given `loops` in pairs, these come first whatever is loaded, with the noise that `simulate_many` allows.
-    needed = attainable(accuracy, start.start_error)
+    """Follow a motion in doubles, and with pairs (`loops`) or digits where these are in doubt; report to `advance`."""
+    # It is a batch of one. Given `loops` in pairs, these come before digits whatever is loaded, with the noise that
+    # `simulate_many` allows. With accuracy inf decisions exceed their own rounding only, not the errors of the state.
+    arithmetic, needed, t0 = Arithmetic(start.parameters), attainable(accuracy, start.start_error), float(start.t0)
+    K = arithmetic.K._replace(sigmas=0.0) if isinf(accuracy) else arithmetic.K
     limits = Limits(most, needed, PAIR_NOISE) if loops else Limits(most, needed)
-    motion, finer = MotionInDoubles(start, isinf(accuracy)), None
-    if settles(start):
-        motion.code = REST
-    while motion.code == RUNNING:
-        motion.follow(most, needed)
-        if motion.code in NEEDS_DIGITS:
-            finer = finer or FinerMotion(motion, limits, loops)
-            decided = finer.reach(motion.count + (motion.code == UNDECIDED))
-            motion.take_over(finer)
+    first, finer, decided = first_state(start, arithmetic), None, True
+    row, begun = engine_batch.row_of(first, *last_time(start, arithmetic)), piece_buffer(1)
+    batch = engine_batch.batch_of(np.array([row]))
+    engine_batch.write_piece(begun, 0, first, float(start.t0 - Fraction(first.t)))
+    events, pieces, count, code = list[EventRows](), [begun], 0, REST if settles(start) else RUNNING
+    while code == RUNNING:
+        loop, table, largest = single_loop(count, K)
+        size = min(largest, max(FIRST_BLOCK, 8 * count))
+        out, parts = engine_batch.event_buffer(size), piece_buffer(size)
+        _, filled, begins = loop(0, batch, most, needed, out, parts, no_tally(), table)
+        events.append(engine_batch.rows_between(out, 0, filled))
+        pieces.append(parts[:, :begins])
+        count, code = int(batch.counts[0]), int(batch.codes[0])
+        if code in NEEDS_DIGITS:
+            finer = finer or FinerMotion(start, K, limits, loops)
+            decided = finer.reach(count + (code == UNDECIDED))
+            events, pieces, now = list(finer.events), [begun, *finer.pieces], finer.now
+            count, code = now.count, now.code if now.code in (END, REST) else RUNNING
+            keep_state(batch.states, 0, now.rounded_state())
+            batch.counts[0], batch.codes[0] = count, code
             if not decided:
-                return _in_columns(motion, "undecidable", _open_contact(finer.open_at, finer.open_in), finer.open_at)
+                break
         if advance:
-            advance(_part_done(start, motion.elapsed, motion.count, most), motion.count)
-    if motion.code == FULL:
-        last = float(motion.events().floats[0, -1])  # the time of the last event, by the clock
-        return _in_columns(motion, "max_events", f"stopped after max_events = {most} events, at t = {last!r}", last)
-    return _in_columns(motion, *_ended(start, motion.code, motion.state), float(start.t_end))
+            state = state_of(batch.states, 0)
+            advance(_part_done(start, clock_time(state.t - t0, state.t_low, 0.0, K), count, most), count)
+    rows, last = joined(events), float(start.t_end)
+    if finer and not decided:
+        status, message, last = "undecidable", _open_contact(finer.open_at, finer.open_in), finer.open_at
+    elif code == FULL:
+        last = float(rows.floats[0, -1])  # the time of the last event, by the clock
+        status, message = "max_events", f"stopped after max_events = {most} events, at t = {last!r}"
+    else:
+        status, message = _ended(start, code, state_of(batch.states, 0))
+    whole = np.concatenate(pieces, axis=1)
+    return Trajectory(start.parameters, rows, whole, status, message, (t0, last), first.at)
+
+
+def single_loop(count: int, K: Constants) -> tuple[Callable[..., tuple[int, int, int]], Any, int]:
+    """Return the event loop for a motion with `count` events so far, its constants, and the rows of its buffer."""
+    if functions := loaded_loop():
+        return functions["follow_all"], table_of([K]), LARGEST_BLOCK
+    if count < TURN:
+        return engine_batch.follow_all, [K], TURN
+    loop = chosen_loops(None).follow  # compiled if that pays
+    return loop, table_of([K]), TURN if loaded_loop() is None else LARGEST_BLOCK
 
 
 def _part_done(start: Start, elapsed: Number, count: int, most: int) -> float:
@@ -202,17 +227,13 @@ def _part_done(start: Start, elapsed: Number, count: int, most: int) -> float:
     return min(1.0, max(float(elapsed) / float(start.t_end - start.t0), count / most))
 
 
-def _with_digits(start: Start, most: int, digits: int, advance: Advance = None) -> Trajectory:
+def in_digits(start: Start, most: int, digits: int, advance: Advance = None) -> Trajectory:
     """Follow a motion in ever more digits until all contacts are decided and every event has `digits` digits."""
     working = digits + 10 + start.spare_digits
-    if settles(start):
-        motion = Motion(start, working)
-        last = motion.arithmetic.number(start.t_end)
-        return _in_digits(motion, *_ended(start, REST, motion.state), last, digits)
-    asked_at = inf  # the number of the event before a contact that took more digits
+    asked_at, settled = inf, settles(start)  # the number of the event before a contact that took more digits
     while True:
         motion, limit, undecided = Motion(start, working), MOST_WORKING * (digits + start.spare_digits), False
-        while not motion.ended and motion.count < most and not undecided:
+        while not (settled or motion.ended or undecided) and motion.count < most:
             before = motion.count
             motion.step()
             if advance:
@@ -226,16 +247,29 @@ def _with_digits(start: Start, most: int, digits: int, advance: Advance = None) 
         undecided = undecided or motion.code == FAILED
         # The error of an inexact start stays, whatever the digits.
         missing = 0 if undecided or start.start_error else motion.missing_digits(digits)
-        if not undecided and missing <= 0:
+        if working >= limit or (missing <= 0 and not undecided):
             break
-        if working >= limit:
-            last, message = motion.time, _open_contact(float(motion.time), working, digits)
-            motion.undo()
-            return _in_digits(motion, "undecidable", message, last, digits)
         working = min(limit, 3 * working if undecided else working + missing + 2)
-    if not motion.ended:
-        return _in_digits(motion, "max_events", f"stopped after max_events = {most} events", motion.time, digits)
-    return _in_digits(motion, *_ended(start, motion.code, motion.state), motion.arithmetic.number(start.t_end), digits)
+    last = motion.state.t
+    if undecided or missing > 0:
+        motion.undo()
+        status, message = "undecidable", _open_contact(float(last), working, digits)
+    elif settled or motion.ended:
+        status, message = _ended(start, REST if settled else motion.code, motion.state)
+        last = motion.arithmetic.number(start.t_end)
+    else:
+        status, message = "max_events", f"stopped after max_events = {most} events"
+    context, columns = mp_context(digits), motion.columns()
+    span = context.convert(motion.t0), context.convert(last)
+    found = partial(motion.events, context)
+    return Trajectory(start.parameters, found, columns, status, message, span, motion.first_at, digits)
+
+
+def check_reached(start: Start, periods: int) -> None:
+    """Raise ParameterError if a motion stopped at MOST_PERIODS before its t_end."""
+    if periods >= MOST_PERIODS:
+        reason = f"is more than {MOST_PERIODS:.0e} forcing periods after t0 = {show(start.t0)}, more than are followed"
+        raise ParameterError("t_end", show(start.t_end), reason)
 
 
 def end_status(code: int, mode: int, v: Number, p: Parameters) -> str:
@@ -259,20 +293,6 @@ def _ended(start: Start, code: int, state: State) -> tuple[str, str]:
 
 
 def _open_contact(t: float, used: int, asked: int | None = None) -> str:
-    """Return the message about a contact near `t` that `used` digits do not decide."""
+    """Return the message about a contact near `t` that `used` digits do not decide, of a call for `asked` digits."""
     hint = f"ask for more digits, such as digits={2 * (asked or used)}"
     return f"the contact near t = {t!r} cannot be decided with {used} digits; {hint}"
-
-
-def _in_columns(motion: MotionInDoubles, status: str, message: str, last: float) -> Trajectory:
-    """Return the Trajectory of a motion in doubles that ends at the time `last`."""
-    found = motion.events(), motion.pieces(), status, message
-    return Trajectory(motion.start.parameters, *found, (float(motion.start.t0), last), motion.first_at)
-
-
-def _in_digits(motion: Motion, status: str, message: str, last: Number, digits: int) -> Trajectory:
-    """Return the Trajectory, with `digits` digits, of a motion in more digits that ends at the time `last`."""
-    context = mp_context(digits)
-    found = partial(motion.events_in, context), motion.columns(), status, message
-    span = context.convert(motion.t0), context.convert(last)
-    return Trajectory(motion.start.parameters, *found, span, motion.first_at, digits)

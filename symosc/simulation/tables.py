@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import csv
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -107,14 +107,8 @@ class EventTable(Columns):
 
     def to_csv(self, path: str | Path) -> None:
         """Write the rows as CSV with a header ("-": to standard output); OutputError if it cannot be written."""
-
-        def write(draft: Path) -> None:
-            with draft.open("w", encoding="utf-8", newline="") as file:
-                writer = csv.writer(file, lineterminator="\n")
-                writer.writerow(self.columns())
-                writer.writerows(zip(*(column.tolist() for column in self.columns().values()), strict=True))
-
-        write_whole(path, write)
+        columns = self.columns()
+        write_csv(path, columns, zip(*(column.tolist() for column in columns.values()), strict=True))
 
     def to_pandas(self) -> Any:
         """Return a DataFrame, a row per event; MissingExtraError if pandas is not installed."""
@@ -128,6 +122,18 @@ class EventTable(Columns):
         return imported("xarray").Dataset(columns | {"status": (("motion",), np.array(self.status, dtype=str))})
 
 
+def write_csv(path: str | Path, header: Iterable[str], rows: Iterable[Iterable[Any]]) -> None:
+    """Write a table as a CSV file."""
+
+    def write(draft: Path) -> None:
+        with draft.open("w", encoding="utf-8", newline="") as file:
+            writer = csv.writer(file, lineterminator="\n")
+            writer.writerow(header)
+            writer.writerows(rows)
+
+    write_whole(path, write)
+
+
 def select_rows(table: EventTable, rows: Any, status: list[str]) -> EventTable:
     """Return some rows of a table, by numbers or a slice, with the statuses of their trajectories."""
     columns = {name: column[rows] for name, column in vars(table).items() if name not in ("status", "wrt")}
@@ -135,7 +141,7 @@ def select_rows(table: EventTable, rows: Any, status: list[str]) -> EventTable:
 
 
 def table_from(parts: Sequence[EventRows], status: list[str], wrt: tuple[str, ...] = (), **changes: Any) -> EventTable:
-    """Return blocks of event rows as one table, with derivatives dt, dx and marks `regular` for the names `wrt`."""
+    """Return blocks of event rows as one table; `changes`: derivatives dt, dx by `wrt`, and if they are regular."""
     parts, columns = parts or [event_buffer(0)], dict[str, Any]()
     for names, which in ((FLOAT_COLUMNS, 0), (("trajectory", *CODE_ATTRIBUTES), 1)):
         for n, name in enumerate(names):

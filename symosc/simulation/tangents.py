@@ -8,13 +8,13 @@ from typing import Any
 import numpy as np
 
 from symosc.engine import tangent
-from symosc.engine.arithmetic import compiled_tangents, is_compiled
+from symosc.engine.arithmetic import compiled_tangents, interpreted, is_compiled, loaded_loop
 from symosc.engine.batch import EventRows, large_array
 from symosc.engine.events import CODE_COLUMNS, FLOAT_COLUMNS
 from symosc.engine.tangent import K_, OMEGA, PARAMETERS, SIZE, C, M
 from symosc.errors import MissingExtraError, ParameterError, meant
 from symosc.model import PARAMETER_NAMES
-from symosc.simulation.batch import InterpretBudget, interpreted, loaded_loop
+from symosc.simulation.batch import InterpretBudget
 
 TANGENTS = InterpretBudget(250_000)
 INTERPRETED = interpreted(tangent.tangents)
@@ -39,7 +39,7 @@ def codes_of(wrt: Sequence[str]) -> np.ndarray:
 
 
 def is_deep(codes: np.ndarray) -> bool:
-    """Return whether any code is m, c, k or Omega, whose derivatives need divided differences over repeated roots."""
+    """Return whether any code is m, c, k or Omega: only these need divided differences over repeated roots."""
     return bool(np.isin(codes, (M, C, K_, OMEGA)).any())
 
 
@@ -51,7 +51,7 @@ def work_space(codes: np.ndarray, kind: Any = float) -> np.ndarray:
 def event_changes(
     events: EventRows, launches: tuple[np.ndarray, ...], wrt: tuple[str, ...], loop: Callable[..., None]
 ) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """Return dt and dx with respect to the names `wrt`, and if these are regular, (events, wrt), motion by motion."""
+    """Return dt and dx by the names `wrt`, and whether they exist (regular), each (events, wrt), motion by motion."""
     (starts, sets, letters, table), codes, shape = launches, codes_of(wrt), (events.floats.shape[1], len(wrt))
     cuts = np.searchsorted(events.ints[0], np.arange(len(starts) + 1))
     dt, dx, marks, why = large_array(shape), large_array(shape), np.zeros(shape, np.int8), np.zeros(shape[0], np.int8)

@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import csv
-import io
 import json
 from bisect import bisect_right
 from collections.abc import Callable, Sequence
@@ -31,7 +29,7 @@ from symosc.kernels.entire import basis_with_drive
 from symosc.model import MODE_NAMES, Parameters
 from symosc.reductions import event_back, motion_of_belts, number_like
 from symosc.scenes import Original
-from symosc.simulation.tables import rows_of
+from symosc.simulation.tables import rows_of, write_csv
 from symosc.words import MAPS, Labels
 
 # So many times are evaluated as arrays, and how many at once.
@@ -122,7 +120,7 @@ class Trajectory(Drawable):
     @cached_property
     def events(self) -> Listing[Event]:
         """The events in order of time."""
-        if isinstance(self._rows, EventRows):
+        if not callable(self._rows):
             return Listing(events_from(self._rows))
         made, self._rows = Listing(self._rows()), None  # what makes them, the whole motion, is no longer needed
         return made
@@ -172,7 +170,8 @@ class Trajectory(Drawable):
     def mode(self, t: ArrayLike) -> Any:
         """Return the mode ("Omega1" … "belt2") at a time, or an array of them; at an event the one that follows."""
         times = read_times(t)
-        names = [MODE_NAMES[int(self._piece(time)[0][2])] for time in times.ravel()]
+        self._check_times(times)
+        names = [MODE_NAMES[int(mode)] for mode in self._pieces[2, self._pieces_at(times.ravel() - self._t0)]]
         return names[0] if times.ndim == 0 else np.array(names).reshape(times.shape)
 
     @public
@@ -190,17 +189,17 @@ class Trajectory(Drawable):
         for outside in times[~((times >= low) & (times <= high))][:1]:
             raise ParameterError("t", float(outside), f"must be within [{low!r}, {high!r}]")
 
-    def _piece(self, t: float) -> tuple[list[float], float]:
-        """Return the PIECE_COLUMNS of the piece to which a time belongs, and the time since its start."""
-        if not float(self.t_start) <= t <= float(self.t_end):
-            self._check_times(np.array([t]))
-        piece = self._pieces[:, max(bisect_right(self._starts, t - self._t0) - 1, 0)].tolist()
-        return piece, max((t - self._t0) - piece[-1], 0.0)
+    def _pieces_at(self, elapsed: np.ndarray) -> np.ndarray:
+        """Return the numbers of the pieces to which times, counted from t0, belong."""
+        return np.maximum(np.searchsorted(self._pieces[-1], elapsed, "right") - 1, 0)
 
     def _state(self, t: float) -> tuple[float, float, float]:
         """Return x, v and the cosine of the phase at a time."""
-        (_, theta, mode, x, v, a, _), tau = self._piece(t)
-        K = self._K
+        if not float(self.t_start) <= t <= float(self.t_end):
+            self._check_times(np.array([t]))
+        elapsed, K = t - self._t0, self._K
+        _, theta, mode, x, v, a, since = self._pieces[:, max(bisect_right(self._starts, elapsed) - 1, 0)].tolist()
+        tau = max(elapsed - since, 0.0)
         turn = K.Om * (tau % K.period if tau > K.period else tau)
         s_Om, c_Om, s0, c0 = sin(turn), cos(turn), sin(theta), cos(theta)
         c = c0 * c_Om - s0 * s_Om
@@ -221,8 +220,7 @@ class Trajectory(Drawable):
         for begin in range(0, len(times), TIMES_TOGETHER):
             part = slice(begin, begin + TIMES_TOGETHER)
             elapsed = times[part] - self._t0
-            piece = np.maximum(np.searchsorted(self._pieces[-1], elapsed, "right") - 1, 0)
-            _, theta, mode, x, v, a, since = self._pieces[:, piece]
+            _, theta, mode, x, v, a, since = self._pieces[:, self._pieces_at(elapsed)]
             tau = np.maximum(elapsed - since, 0.0)
             s0, c0 = sine_cosine(theta)
             drive = sine_cosine(K.Om * np.where(tau > K.period, tau % K.period, tau))
@@ -246,11 +244,7 @@ class Trajectory(Drawable):
 
     def to_csv(self, path: str | Path) -> None:
         """Write the events as CSV with a header ("-": to standard output); OutputError if it cannot be written."""
-        text = io.StringIO()
-        writer = csv.DictWriter(text, EVENT_COLUMNS, lineterminator="\n")
-        writer.writeheader()
-        writer.writerows(self.table())
-        write_text(path, text.getvalue())
+        write_csv(path, EVENT_COLUMNS, (row.values() for row in self.table()))
 
     def to_pandas(self) -> Any:
         """Return the events as a DataFrame, a row each; MissingExtraError if pandas is not installed."""
@@ -387,7 +381,7 @@ class MovedTrajectory(Trajectory):
 
     @public
     def force(self, alpha: int, t: ArrayLike) -> Any:
-        """Return F^(alpha) of eq. (9): the acceleration in domain `alpha` minus that of the belts."""
+        """Return F^(alpha) of eq. (9), relative to the belts, whose own motion may be accelerated."""
         return self.reduced.force(alpha, self._times(t)[1])
 
     def as_dict(self) -> dict[str, Any]:

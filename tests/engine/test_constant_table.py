@@ -9,7 +9,7 @@ from regimes import random_sets
 from symosc import Parameters, load_scene, scene_names
 from symosc.engine import flow
 from symosc.engine.arithmetic import Arithmetic
-from symosc.engine.constant_table import ConstantRows
+from symosc.engine.flow import ConstantRows
 from symosc.model import PARAMETER_NAMES
 from symosc.simulation.batch import INTERPRETED
 from symosc.simulation.problems import ParameterSets

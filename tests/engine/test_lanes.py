@@ -12,7 +12,7 @@ from regimes import random_sets
 from symosc import Parameters, load_scene, simulate_many
 from symosc.engine import arithmetic
 from symosc.engine.batch import STATE_WIDTH, end_by_phase, is_inexact, keep_state, state_of
-from symosc.engine.constant_table import ConstantRows
+from symosc.engine.flow import ConstantRows
 from symosc.engine.lanes import BELT_THERE, KIND, T_ERROR, suits_lanes
 from symosc.engine.next_event import advance, time_with_errors
 from symosc.engine.state import GRAZE, MOVED, ON_BELT

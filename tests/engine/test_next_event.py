@@ -87,7 +87,7 @@ def pairs_of_steps(start: Start, most: int = 25) -> Iterator[tuple[Motion, Any, 
     end = last_time(start, doubles)
     for _ in range(most):
         rough = rounded(path.state, float(start.t0), doubles.K.Om_gain)
-        yield path, path._state, path._end, rough, doubles.advance(rough, *end, doubles.K)
+        yield path, path._state, path._end, rough, doubles.advance(rough, *end)
         path.step()
         if path.ended:
             return
@@ -109,12 +109,10 @@ def assert_alike(near: NextEvent, full: NextEvent) -> None:
 def compared(path: Motion, state: Any, end: Any, rough: State, found: NextEvent) -> NextEvent:
     """Check a step against one that searches with many digits, and return it."""
     free = open_free_time(found, rough, Arithmetic(path.start.parameters).K)
-    before = path.arithmetic.enter()
-    try:
-        near: NextEvent = path.arithmetic.advance_near(state, rough, found, free, *end, path.K)
-        assert_alike(near, path.arithmetic.advance(state, *end, path.K))
-    finally:
-        path.arithmetic.leave(before)
+    functions = path.arithmetic.following
+    with path.arithmetic.precision():
+        near: NextEvent = functions["advance_near"](state, rough, found, free, *end, path.K)
+        assert_alike(near, functions["advance"](state, *end, path.K))
     return near
 
 

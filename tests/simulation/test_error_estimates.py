@@ -199,12 +199,12 @@ def test_a_long_locked_motion_ends_where_it_should(count: int) -> None:
         exact = Motion(Start(p, *start, Fraction(t_end)), 60)
         while not exact.ended:
             exact.step()
-        if exact.code != END or len(exact.events) < 50:
+        if exact.code != END or exact.count < 50:
             continue
         table, last = simulate_many(p, start, t_end), simulate_many(p, start, t_end, record=("x", "v"))
         for name in ("t", "x"):
             errors = [
-                abs(getattr(e, name) - found) for e, found in zip(exact.events, getattr(table, name), strict=True)
+                abs(getattr(e, name) - found) for e, found in zip(exact.events(), getattr(table, name), strict=True)
             ]
             assert max(np.array(errors, float) / getattr(table, f"{name}_error")) < 3
         size = max(table.x_error[-4:])

@@ -64,6 +64,19 @@ def test_hard_scenes(name: str) -> None:
     assert abs(end[1] - run.v) <= 1e-11 * max(1, abs(run.v))
 
 
+@pytest.mark.parametrize("digits", [None, 20])
+def test_a_near_miss_beside_which_the_gap_hardly_bends_is_decided(digits: int | None) -> None:
+    """It is 1e-23 wide, at resonance but for 1e-8; to get away from there takes many short steps."""
+    p = Parameters(
+        m="87/500", c=0, k="1273766975798427/1250000000000000", A0=0, B0="-117/5", Omega="121/50",
+        v1="-65000000000000/1169666644443", v2="58984664310958/1169666644443", mu1="377/1000", mu2=0, FN="401/500",
+    )  # fmt: skip
+    t0, x0 = Fraction(73090726948507271742983, 4 * 10**22), Fraction(6371460601125475245182523, 10**24)
+    v0, t_end = Fraction(-5555501383552425478523611, 10**23), Fraction(51, 5)
+    run = simulate_oracle(p, t0, x0, v0, t_end, 60)
+    assert_agrees(simulate(p, t0=t0, x0=x0, v0=v0, t_end=t_end, digits=digits), run)
+
+
 @pytest.mark.full(6)
 @pytest.mark.slow
 @pytest.mark.parametrize("name", SCENES)

@@ -12,10 +12,9 @@ import pytest
 from symosc import ParameterError, Parameters, load_scene
 from symosc.engine.arithmetic import Arithmetic
 from symosc.engine.batch import row_of
-from symosc.engine.start import first_state
+from symosc.engine.start import first_state, last_time
 from symosc.model import PARAMETER_NAMES
 from symosc.simulation.batch import INTERPRETED
-from symosc.simulation.motion import last_time
 from symosc.simulation.problems import NumberColumn, Problems
 
 FIG9 = load_scene("fig9").parameters

@@ -103,10 +103,7 @@ def classes_in(value: Any) -> set[type]:
     return found.union(*(classes_in(each) for each in held))
 
 
-@pytest.mark.parametrize(
-    "name",
-    few([name for name, call in CALLS.items() if call], *SLOW),
-)
+@pytest.mark.parametrize("name", few([name for name, call in CALLS.items() if call], *SLOW))
 def test_what_a_public_function_returns_is_public_documented_and_comparable(name: str) -> None:
     call = CALLS[name]
     assert call is not None
