@@ -15,9 +15,9 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from fractions import Fraction
 from functools import cache
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
-from flint import arb, arb_series
+from flint import acb_series, arb, arb_series
 
 from symosc.certificates.balls import Ball, Undecided, ball, sure_sign
 from symosc.model import PARAMETER_NAMES, Parameters
@@ -32,15 +32,15 @@ def first_coefficient(value: Ball) -> Ball:
 
 
 def entire_0f1(b: Ball, z: Ball) -> Ball:
-    """Return the hypergeometric function 0F1(b; z) of a ball or a power series z."""
+    """Return the hypergeometric function 0F1(b; z) of a real or complex ball or power series z."""
     # 0F1(1/2; w^2/4) is cosh w, and 0F1(3/2; w^2/4) is sinh w/w, where w^2 may have any sign. The derivative is 0F1(b +
     # 1; z)/b, which gives the Taylor series.
-    if not isinstance(z, arb_series):
+    if not isinstance(z, arb_series | acb_series):
         return z.hypgeom_0f1(b)
-    total, factor = z * 0, arb_series([1], prec=z.prec)
+    kind: Any = type(z)
+    change, total, factor = (kind(each, prec=z.prec) for each in ([0, *list(z)[1:]], [0], [1]))
     for j in range(z.prec):
-        total = total + factor * z[0].hypgeom_0f1(b + j)
-        factor = factor * (z - z[0]) / ((b + j) * (j + 1))
+        total, factor = total + factor * z[0].hypgeom_0f1(b + j), factor * change / ((b + j) * (j + 1))
     return total
 
 

@@ -26,18 +26,19 @@ other. On a belt with the speed 0 the mass may rest where mu FN >= |B0|, and onl
 
 from __future__ import annotations
 
-from collections import deque
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from fractions import Fraction
+from functools import partial
 from itertools import pairwise
-from math import ceil, factorial
+from math import ceil
 from typing import NamedTuple
 
 from flint import acb, acb_series, arb, arb_mat, arb_series, ctx
 
 from symosc.certificates.balls import Ball, Undecided, ball
-from symosc.certificates.flow import Jet, Oscillator
+from symosc.certificates.flow import Jet, Oscillator, entire_0f1
+from symosc.certificates.motion import belts_around
 from symosc.certificates.orbit import Margin, Values, column, prove_positive, unit_matrix
 from symosc.model import PARAMETER_NAMES, Parameters
 from symosc.orbits.closing_equations import OrbitPiece, pieces_of
@@ -51,11 +52,8 @@ SHORTER, MOST_CUTS = 0.95, 12
 #: The directions in a box in which series are computed.
 DIRECTIONS = ((1, 0), (0, 1), (1, 1), (1, -1))
 
-#: Where (exp(z) - 1)/z is computed by its series: |z| at most, and the terms of exp and of its derivatives.
-NEAR, EXP_ERROR = 3.0, 1e-18
-EXP_TERMS = [1 / arb(factorial(n)) for n in range(40)]
-EXP_OVER = [[term / (n + k + 1) for n, term in enumerate(EXP_TERMS)] for k in range(4)]
-_kept: deque[tuple[Ball, list[Ball]]] = deque(maxlen=4)
+#: (exp(z) - 1)/z is computed without the division where |z| is less.
+NEAR = 3.0
 
 Rectangle = tuple[tuple[Fraction, Fraction], tuple[Fraction, Fraction]]
 #: A cut: a share of a flight after which the gap is > 0, and for how long before and after the free motion's is too.
@@ -92,11 +90,10 @@ def mirrors(p: Parameters, names: Sequence[str] = ()) -> dict[int, int]:
     """Return the mirror image of each mode of an oscillator that is symmetric about A0/k, else {}."""
     # It is symmetric if the belts are alike with opposite speeds, or if one has no friction and the other no speed; the
     # parameters in `names` may have any values.
-    free = set(names)
-    if not free & {"v1", "v2", "mu1", "mu2"} and p.v1 == -p.v2 and p.mu1 == p.mu2:
+    if not {"v1", "v2", "mu1", "mu2"} & set(names) and p.v1 == -p.v2 and p.mu1 == p.mu2:
         return {1: 3, 2: 2, 3: 1, 4: 5, 5: 4}
     for belt, other in ((1, 2), (2, 1)):
-        if not free & {f"v{belt}", f"mu{other}"} and p.belt(belt) == 0 == getattr(p, f"mu{other}"):
+        if not {f"v{belt}", f"mu{other}"} & set(names) and p.belt(belt) == 0 == getattr(p, f"mu{other}"):
             return {belt: belt + 1, belt + 1: belt, 3 + belt: 3 + belt}
     return {}
 
@@ -117,7 +114,9 @@ class Flown:
             free, rate = (root * complexed(tau)).exp(), imaginary(o.Omega) - root
             z = rate * complexed(tau)
             near = float(abs(z[0] if isinstance(z, acb_series) else z).upper()) < NEAR
-            X = free * complexed(tau) * slope_of_exp(z) if near else (turned - free) / rate
+            # (exp(z) - 1)/z = exp(z/2) sinh(z/2)/(z/2)
+            slope = (z / 2).exp() * entire_0f1(acb(1.5), z * z / 16) if near else None
+            X = free * complexed(tau) * slope if near else (turned - free) / rate
             Y = (turned - (other * complexed(tau)).exp()) / (imaginary(o.Omega) - other)
             quotient = imaginary(2 * o.omega_d)
             Z, Z1 = (X - Y) / quotient, (root * X - other * Y) / quotient
@@ -177,8 +176,7 @@ class Flights:
     def points(self, o: Oscillator, u: Values) -> list[tuple[float, float]]:
         """Return phase and position of the switching point at which each label of the word begins."""
         found = list[tuple[float, float]]()
-        for leg in self.legs:
-            there = Flown(o, leg, u, u[leg.tau])
+        for leg, there in zip(self.legs, self.flown(o, u), strict=True):
             found.append((float(u[leg.at]), float(there.x0)))
             if leg.stick:
                 found.append((float(u[leg.at] + o.Omega * u[leg.tau]), float(there.x)))
@@ -186,6 +184,10 @@ class Flights:
             twice = float((o.A[1] + o.A[3]) / o.k)
             found += [(phase + float(arb.pi()), twice - x) for phase, x in found]
         return found
+
+    def flown(self, o: Oscillator, u: Values) -> list[Flown]:
+        """Return all flights followed to their ends."""
+        return [Flown(o, leg, u, u[leg.tau]) for leg in self.legs]
 
     def onto(self, o: Oscillator, i: int, u: Values, flown: Sequence[Flown]) -> tuple[Ball, Ball]:
         """Return phase and position where the flight after flight i starts; after the last: the first, a period on."""
@@ -196,7 +198,7 @@ class Flights:
 
     def residuals(self, o: Oscillator, u: Values) -> tuple[list[Flown], Values]:
         """Return the flights followed to their ends, and the residuals of the closing equations."""
-        flown, found = [Flown(o, leg, u, u[leg.tau]) for leg in self.legs], list[Ball]()
+        flown, found = self.flown(o, u), list[Ball]()
         for i, (leg, there) in enumerate(zip(self.legs, flown, strict=True)):
             speed, (phase, x), start, tau = o.speed[leg.piece.end], self.onto(o, i, u, flown), u[leg.at], u[leg.tau]
             if leg.stick:
@@ -244,8 +246,6 @@ class Flights:
 
     def turn(self, o: Oscillator, belt: int, index: int) -> Ball:
         """Return the phase of the index-th turn of the forces on a belt; sin theta rises there for even indices."""
-        if isinstance(o.speed[belt], arb) and o.speed[belt].is_zero():
-            return index * arb.pi()
         angle = (-o.k * o.speed[belt] / o.drive / o.m).asin()
         return index * arb.pi() + (-angle if index % 2 else angle)
 
@@ -281,8 +281,7 @@ class Flights:
 
     def plan(self, o: Oscillator, u: Values) -> Plan:
         """Return the turns in each stick and the cuts of each flight, for all unknowns u in a box (as balls)."""
-        flown = [Flown(o, leg, u, u[leg.tau]) for leg in self.legs]
-        turns, cuts = list[list[int]](), list[list[Cut] | None]()
+        flown, turns, cuts = self.flown(o, u), list[list[int]](), list[list[Cut] | None]()
         for i, leg in enumerate(self.legs):
             end, begin = self.onto(o, i, u, flown)[0], u[leg.at] + o.Omega * u[leg.tau]
             turns.append(self.turns_between(o, leg.piece.end, begin, end) if leg.stick else [])
@@ -382,37 +381,22 @@ class Flights:
         """Prove that no flight meets a belt before its end, given that all margins are positive; else Undecided."""
         for leg, cuts in zip(self.legs, plan[1], strict=True):
             piece = leg.piece
-            sides = {belt: 1 if piece.mode > belt else -1 for belt in (piece.mode - 1, piece.mode) if belt in (1, 2)}
-            speeds = {belt: o.speed[belt] for belt in sides}
+            sides = {belt: (1 if piece.mode > belt else -1, o.speed[belt]) for belt in belts_around(piece.mode)}
             if self.beside and piece.mode != 2:  # its mirror image is between both belts
                 other = 2 if piece.mode == 1 else 1
-                sides[other], speeds[other] = (1 if piece.mode == 1 else -1), -o.speed[other]
-            for belt, side in sides.items():
+                sides[other] = (1 if piece.mode == 1 else -1), -o.speed[other]
+            for belt, (side, speed) in sides.items():
                 if belt == piece.start == piece.end and cuts is not None and self.stays(o, leg, u, cuts):
                     continue
-                if belt not in (piece.start, piece.end) and self.far(o, leg, u, side * speeds[belt]):
-                    continue
                 zeros = 0 if belt != piece.start else 2 if piece.after_stick else 1
-                gap = self.gap(o, leg, u, side, speeds[belt])
+                gap = partial(self.gap, o, leg, u, side, speed)
                 prove_positive(Margin(piece.label, gap, zeros, belt == piece.end), u[leg.tau])
 
-    def far(self, o: Oscillator, leg: Leg, u: Values, least: Ball) -> bool:
-        """Return whether a flight has too little energy to reach a belt; `least`: side (1, -1) times belt speed."""
-        s0, c0 = u[leg.at].sin_cos()
-        v = o.speed[leg.piece.start] - o.steady_c * c0 - o.steady_s * s0
-        a = Flown(o, leg, u, arb(0)).a0 - o.Omega * (o.steady_s * c0 - o.steady_c * s0)
-        steady = (o.steady_c * o.steady_c + o.steady_s * o.steady_s).upper().sqrt()
-        return bool((v * v + a * a / o.km).upper().sqrt() + steady < -least)
-
-    def gap(self, o: Oscillator, leg: Leg, u: Values, side: int, speed: Ball) -> Callable[[Ball], Jet]:
-        """Return a function of time: how far a flight is above (side 1) or below (side -1) a velocity `speed`."""
-
-        def gap(tau: Ball) -> Jet:
-            there = Flown(o, leg, u, tau)
-            jerk = there.jerk(o, (u[leg.at] + o.Omega * tau).sin())
-            return Jet(tau, side * (there.v - speed), side * there.a, side * jerk)
-
-        return gap
+    def gap(self, o: Oscillator, leg: Leg, u: Values, side: int, speed: Ball, tau: Ball) -> Jet:
+        """Return how far a flight is above (side 1) or below (side -1) a velocity `speed` at a time after its start."""
+        there = Flown(o, leg, u, tau)
+        jerk = there.jerk(o, (u[leg.at] + o.Omega * tau).sin())
+        return Jet(tau, side * (there.v - speed), side * there.a, side * jerk)
 
 
 def complexed(value: Ball) -> Ball:
@@ -430,36 +414,6 @@ def component(value: Ball, imaginary: int) -> Ball:
     if not isinstance(value, acb_series):
         return value.imag if imaginary else value.real
     return arb_series([each.imag if imaginary else each.real for each in value], prec=value.prec)
-
-
-def slope_of_exp(z: Ball) -> Ball:
-    """Return (exp(z) - 1)/z for a complex ball or series z with |z| < NEAR, where z may be 0."""
-    if not isinstance(z, acb_series):
-        return _derivatives_of_slope(z, 1)[0]
-    found = _derivatives_of_slope(z[0], z.prec)
-    change = acb_series([0, *list(z)[1:]], prec=z.prec)
-    total = acb_series([found[-1]], prec=z.prec)
-    for k in range(z.prec - 1, 0, -1):
-        total = acb_series([found[k - 1]], prec=z.prec) + total * change / k
-    return total
-
-
-def _derivatives_of_slope(z: Ball, count: int) -> list[Ball]:
-    """Return (exp(z) - 1)/z and its first derivatives, `count` numbers; the last results are remembered."""
-    for known, found in _kept:
-        if len(found) >= count and known.contains(z) and z.contains(known):
-            return found
-    size = abs(z).upper()
-    n = next(n for n in range(4, len(EXP_TERMS)) if float(size) ** n * float(EXP_TERMS[n]) < EXP_ERROR)
-    rest = 2 * arb(0, size**n * EXP_TERMS[n])  # the terms fall by more than a half from there on
-    found = []
-    for terms in EXP_OVER[:count]:
-        total = acb(0)
-        for term in reversed(terms[:n]):
-            total = total * z + term
-        found.append(total + acb(rest, rest))
-    _kept.append((z, found))
-    return found
 
 
 def longest_part(o: Oscillator) -> float:
@@ -578,8 +532,7 @@ class Surface:
         whole = [each + arb(0, r) for each, r in zip(surface, tube, strict=True)]
         if not all(set(new) <= set(old) for new, old in zip(flights.plan(wide, whole)[0], plan[0], strict=True)):
             raise NotInBox("which turns are in a stick", along)
-        flown = [Flown(wide, leg, whole, whole[leg.tau]) for leg in flights.legs]
-        for i, (what, _, by) in enumerate(flights.margins(wide, whole, flown, plan, slopes)):
+        for i, (what, _, by) in enumerate(flights.margins(wide, whole, flights.flown(wide, whole), plan, slopes)):
             bent = [curve[i] for curve in curves[:3]]
             mixed = abs(bent[2] - bent[0] - bent[1])
             near = sum((abs(each) * r for each, r in zip(by, tube, strict=True)), arb(0))
