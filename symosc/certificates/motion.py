@@ -26,6 +26,7 @@ from typing import NamedTuple
 
 from flint import arb, ctx
 
+from symosc.aliases import Record
 from symosc.certificates.balls import Ball, StateSet, Undecided, around, ball, decided_sign, sure_sign
 from symosc.certificates.flow import Curve, Flight, Jet, Oscillator, holding_force
 from symosc.model import MODE_NAMES, NEIGHBOURS, Parameters
@@ -249,6 +250,10 @@ class ProvenEvent(NamedTuple):
     target: str
     t: Ball
     x: Ball
+
+    def named(self) -> Record:
+        """Return kind, boundary, source and target by these names."""
+        return dict(zip(self._fields[:4], self[:4], strict=True))
 
 
 def goes_round(p: Parameters) -> bool:

@@ -26,6 +26,7 @@ from symosc.aliases import Number, Record
 from symosc.certificates.balls import Ball, Undecided, exact_ends, made_by, outward
 from symosc.certificates.certificate import Certificate, confirmed
 from symosc.certificates.flow import Curve, Flight, Oscillator, holding_force
+from symosc.certificates.motion import ProvenEvent, belts_around
 from symosc.model import MODE_NAMES, Parameters
 from symosc.orbits.closing_equations import OrbitPiece, pieces_of
 from symosc.words import Word
@@ -212,11 +213,10 @@ class ClosingBalls:
                 found.append(Margin(what, curve, 0, domain == self.slips_into(i), "birth of a slip"))
             return found
         flight = self.flight(i, values)
-        for boundary in (piece.mode - 1, piece.mode):
-            if boundary in (1, 2):
-                zeros = 0 if boundary != piece.start else 2 if piece.after_stick else 1
-                what = f"v {'>' if piece.mode > boundary else '<'} v{boundary} during {piece.label}"
-                found.append(Margin(what, flight.gap(boundary), zeros, boundary == piece.end))
+        for boundary in belts_around(piece.mode):
+            zeros = 0 if boundary != piece.start else 2 if piece.after_stick else 1
+            what = f"v {'>' if piece.mode > boundary else '<'} v{boundary} during {piece.label}"
+            found.append(Margin(what, flight.gap(boundary), zeros, boundary == piece.end))
         return found
 
     def prove_course(self, values: Values) -> None:
@@ -234,7 +234,7 @@ class ClosingBalls:
     def stability(self, values: Values) -> Stability:
         """Return trace and determinant of the monodromy matrix of the root in `values`."""
         o, ends = self.oscillator, self.ends(values)
-        (xx, xv), (vx, vv) = (arb(1), arb(0)), (arb(0), arb(1))
+        monodromy = unit_matrix(2)
         determinant = (-o.cm * self.turn).exp()
         for i, piece in enumerate(self.pieces):
             if piece.sticks:
@@ -244,15 +244,9 @@ class ClosingBalls:
             if not following.sticks:
                 force = o.force(following.mode, ends[2 * i], ends[2 * i + 1], o.speed[piece.end])
                 ratio = force / there.a
-            down, E, E1, phi = -o.km * there.E, there.E, there.E1, there.phi
-            xx, xv, vx, vv = (
-                phi * xx + E * vx,
-                phi * xv + E * vv,
-                ratio * (down * xx + E1 * vx),
-                ratio * (down * xv + E1 * vv),
-            )
+            monodromy = arb_mat([[there.phi, there.E], [-ratio * o.km * there.E, ratio * there.E1]]) * monodromy
             determinant = determinant * ratio
-        return Stability(xx + vv, determinant)
+        return Stability(monodromy.trace(), determinant)
 
 
 def prove_positive(margin: Margin, span: Ball) -> None:
@@ -385,14 +379,14 @@ def _marginal(closing: ClosingBalls, near: Values) -> str:
 # -- the certificate ---------------------------------------------------------------------------------------------------
 
 
-def switchings(closing: ClosingBalls, values: Values, begin: int) -> list[tuple[str, int, str, str, Ball, Ball]]:
-    """Return one period's events, from number `begin` until this repeats: kind, boundary, source, target, t, x."""
+def switchings(closing: ClosingBalls, values: Values, begin: int) -> list[ProvenEvent]:
+    """Return one period's events, from number `begin` until this repeats."""
     pieces, n, rows = closing.pieces, len(closing.pieces), []
     for j in range(begin, begin + n + 1):
         (before, piece), (t, x) = (pieces[j % n - 1], pieces[j % n]), values[2 * (j % n) : 2 * (j % n) + 2]
         kind = "slip" if before.sticks else "stick" if piece.sticks else "cross"
         t = t + closing.turn if j >= n else t
-        rows.append((kind, piece.start, MODE_NAMES[before.mode], MODE_NAMES[piece.mode], t, x))
+        rows.append(ProvenEvent(kind, piece.start, MODE_NAMES[before.mode], MODE_NAMES[piece.mode], t, x))
     return rows
 
 
@@ -419,9 +413,10 @@ def _certificate(
         moved = (closing.end_by_start(i % n, middle) * moved).mid()
         reaches.append(SPARE * (abs(moved[0, 0]) + abs(moved[0, 1])))
     rows: list[Record] = [
-        {"kind": kind, "boundary": boundary, "source": source, "target": target}
-        | {"t": list(outward(t, POINT_DIGITS)), "x": list(outward(x, POINT_DIGITS)), "reach": one_digit(reach)}
-        for (kind, boundary, source, target, t, x), reach in zip(switchings(closing, root, begin), reaches, strict=True)
+        event.named()
+        | {name: list(outward(getattr(event, name), POINT_DIGITS)) for name in "tx"}
+        | {"reach": one_digit(reach)}
+        for event, reach in zip(switchings(closing, root, begin), reaches, strict=True)
     ]
 
     def decimals(value: Ball) -> list[str]:

@@ -179,10 +179,8 @@ def _followed(o: Oscillator, state: Moving, t_end: Ball, most: int) -> Iterator[
 
 def _differentiated(task: ToProve, proof: Proof) -> Proof:
     """Return a proof with the derivatives in `wrt` added, or with the reason why one of them is undecided."""
-    changes = []
     try:
-        for name in task.wrt:
-            changes.append(event_changes(task.p, task.start, MODE_NUMBERS[proof.mode], proof.events, name))
+        changes = [_changes(task, MODE_NUMBERS[proof.mode], proof.events, name) for name in task.wrt]
         if not task.precise(*(value for column in changes for change in column for value in change)):
             raise Undecided(WIDE)
     except Undecided as undecided:
@@ -190,28 +188,13 @@ def _differentiated(task: ToProve, proof: Proof) -> Proof:
     return proof._replace(changes=changes)
 
 
-def event_changes(
-    p: Parameters, start: Sequence[Fraction], mode: int, events: Sequence[ProvenEvent], name: str
-) -> list[Change]:
-    """Enclose the derivatives of t and x of all events with respect to one number of the input, or raise Undecided."""
+def _changes(task: ToProve, mode: int, events: Sequence[ProvenEvent], name: str) -> list[Change]:
+    """Enclose the derivatives of t and x of all events by one number of the input, with power series in its change."""
+    p, start = task.p, task.start
     if name not in provable(p, start[2]):
         on_belt = start[2] in (p.v1, p.v2) and name[0] == "v"
         where = "of a start on a belt" if on_belt else "at resonance or where it is 0"
         raise Undecided(f"a derivative by {name} {where}")
-    found: list[Change] = []
-    with suppress(ZeroDivisionError, ValueError):  # series cannot be divided by what may be 0
-        for event, change in zip(events, _changes(p, start, mode, events, name), strict=True):
-            if not all(each.is_finite() for each in change):
-                raise Undecided(f"a derivative by {name} of an event", event.t)
-            found.append(change)
-        return found
-    raise Undecided(f"a derivative by {name} at critical damping")
-
-
-def _changes(
-    p: Parameters, start: Sequence[Fraction], mode: int, events: Sequence[ProvenEvent], name: str
-) -> list[Change]:
-    """Return the derivatives of t and x of all events with respect to `name`, by power series in it."""
 
     def series(value: Ball, slope: Ball) -> Ball:
         return arb_series([value, slope], prec=2)
@@ -219,25 +202,29 @@ def _changes(
     def slope(value: Ball) -> Ball:
         return value[1] if isinstance(value, arb_series) else arb(0)
 
-    o = Oscillator(p, {name: series(ball(getattr(p, name)), arb(1))} if name in PARAMETER_NAMES else None)
-    t, x, v = (series(ball(value), arb(int(name == own))) for value, own in zip(start, STARTS, strict=True))
-    found = []
-    for event in events:
-        if event.kind == "graze":
-            raise Undecided("a derivative behind a graze", event.t)
-        speed, then, target = o.speed[event.boundary], series(event.t, arb(0)), MODE_NUMBERS[event.target]
-        if mode > ON_A_BELT:
-            at_end = x + speed * (then - t)
-            force = o.force(target, then, at_end, speed)
-            dt = slope(force) / first_coefficient(o.km * speed + o.drive * (o.Omega * then).sin())
-        else:
-            flight = Flight(o, mode, t, x, v)
-            there = flight.at(then - t)
-            at_end, dt = flight.x(there), (slope(speed) - slope(there.v)) / first_coefficient(there.a)
-        dx = slope(at_end) + first_coefficient(speed) * dt
-        found.append((dt, dx))
-        mode, t, x, v = target, series(event.t, dt), series(event.x, dx), speed
-    return found
+    found: list[Change] = []
+    with suppress(ZeroDivisionError, ValueError):  # series cannot be divided by what may be 0
+        o = Oscillator(p, {name: series(ball(getattr(p, name)), arb(1))} if name in PARAMETER_NAMES else None)
+        t, x, v = (series(ball(value), arb(int(name == own))) for value, own in zip(start, STARTS, strict=True))
+        for event in events:
+            if event.kind == "graze":
+                raise Undecided("a derivative behind a graze", event.t)
+            speed, then, target = o.speed[event.boundary], series(event.t, arb(0)), MODE_NUMBERS[event.target]
+            if mode > ON_A_BELT:
+                at_end = x + speed * (then - t)
+                force = o.force(target, then, at_end, speed)
+                dt = slope(force) / first_coefficient(o.km * speed + o.drive * (o.Omega * then).sin())
+            else:
+                flight = Flight(o, mode, t, x, v)
+                there = flight.at(then - t)
+                at_end, dt = flight.x(there), (slope(speed) - slope(there.v)) / first_coefficient(there.a)
+            dx = slope(at_end) + first_coefficient(speed) * dt
+            if not (dt.is_finite() and dx.is_finite()):
+                raise Undecided(f"a derivative by {name} of an event", event.t)
+            found.append((dt, dx))
+            mode, t, x, v = target, series(event.t, dt), series(event.x, dx), speed
+        return found
+    raise Undecided(f"a derivative by {name} at critical damping")
 
 
 # -- a graze of some start ---------------------------------------------------------------------------------------------
@@ -264,11 +251,19 @@ def _with_a_graze(task: ToProve, proof: Proof, graze: tuple[int, Ball]) -> Proof
     try:
         low, high = _grazing_interval(o, arrive, boundary, task.start[place], task.errors[place], near)
         free = ball(low).union(ball(high))
-        thin, state = arrive(free.mid()), arrive(free)
+        middle, state = arrive(free.mid()), arrive(free)
         flight, there = _lowest(o, state, boundary, near)
         _only_contact(o, state, flight, there, boundary)
-        if not _one_start_grazes(o, thin, state, flight, there.tau, boundary, place, ball(low), ball(high)):
-            raise Undecided("whether a flight near this start touches", flight.t0 + there.tau)
+        # Exactly one start value between low and high has a flight that grazes near `times` (Krawczyk).
+        side, lowest = flight.side(boundary), flight.t0 + there.tau
+        times, one = around(lowest.mid(), 4 * lowest.rad()), middle.flight(o, middle.states.hull())
+        thin, wide = one.at(times.mid() - one.t0), flight.at(times - flight.t0)
+        dx, dv = flight.moved(wide, [row[place] for row in state.states.slopes])
+        J = side * arb_mat([[wide.a, dv], [flight.jerk(wide), -o.cm * dv - o.km * dx]])
+        residual = [side * (thin.v - o.speed[boundary]), side * thin.a]
+        image = krawczyk([times, free], [times.mid(), free.mid()], residual, J)
+        if image is None or not ball(low) < image[1] < ball(high):
+            raise Undecided("whether a flight near this start touches", lowest)
         states = StateSet.of([flight.t0 + there.tau, flight.x(flight.at(there.tau))])
         t, x = states.hull()
         mode = MODE_NAMES[state.mode]
@@ -301,31 +296,6 @@ def _grazing_interval(
     if max(abs(low - given), abs(high - given)) > error:
         raise Undecided("a touch that is further off than the error of the start", near)
     return low, high
-
-
-def _one_start_grazes(
-    o: Oscillator,
-    thin: Moving,
-    state: Moving,
-    flight: Flight,
-    tau: Ball,
-    boundary: int,
-    place: int,
-    low: Ball,
-    high: Ball,
-) -> bool:
-    """Return whether exactly one start value between low and high lets the flight graze near tau (Krawczyk)."""
-    # `flight` and `state` are those of all these starts, `thin` that of the middle one; `tau` encloses when the gap is
-    # least; `place` is the index of the start value that varies.
-    side, lowest, free = flight.side(boundary), flight.t0 + tau, low.union(high)
-    times, one = around(lowest.mid(), 4 * lowest.rad()), thin.flight(o, thin.states.hull())
-    there = one.at(times.mid() - one.t0)
-    residual = [side * (there.v - o.speed[boundary]), side * there.a]
-    there = flight.at(times - flight.t0)
-    dx, dv = flight.moved(there, [row[place] for row in state.states.slopes])
-    J = side * arb_mat([[there.a, dv], [flight.jerk(there), -o.cm * dv - o.km * dx]])
-    image = krawczyk([times, free], [times.mid(), free.mid()], residual, J)
-    return image is not None and bool(low < image[1] < high)
 
 
 def _lowest(o: Oscillator, state: Moving, boundary: int, near: Ball) -> tuple[Flight, Jet]:
@@ -485,8 +455,8 @@ def _start(o: Oscillator, task: ToProve) -> tuple[Moving, Fraction | None]:
 def _arrival(closing: ClosingBalls, points: Values, event: ProvenEvent) -> int | None:
     """Return the index of the orbit's switching point (after a flight) that is near an event; None if none is."""
     for i, row in enumerate(switchings(closing, points, 0)[:-1]):
-        turns = float((event.t - row[4]) / closing.turn)
-        near = abs(turns - round(turns)) < NEAR_ARRIVAL and abs(float(event.x - row[5])) < NEAR_ARRIVAL
+        turns = float((event.t - row.t) / closing.turn)
+        near = abs(turns - round(turns)) < NEAR_ARRIVAL and abs(float(event.x - row.x)) < NEAR_ARRIVAL
         if near and row[:4] == event[:4] and event.kind != "slip":
             return i
     return None
