@@ -448,20 +448,20 @@ class Surface:
         self.middle = [ball((low + high) / 2) for low, high in box]
         self.half = [ball((high - low) / 2) for low, high in box]
         self.range = [ball(low).union(ball(high)) for low, high in box]
-        self.u = [arb(value) for value in near]
-        self.slopes: list[Values] = []
+        self.u, self.slopes = column([arb(value) for value in near]), list[arb_mat]()
         o = self.oscillator(self.middle)
         for _ in range(MOST_NEWTON):
-            flown, r = flights.residuals(o, self.u)
-            self.J = arb_mat(flights.jacobian(o, self.u)[1])
+            u = self.u.entries()
+            flown, r = flights.residuals(o, u)
+            self.J = arb_mat(flights.jacobian(o, u)[1])
             self.Y = self.J.mid().inv().mid()
-            step = _mids(self._preconditioned(r))
-            self.u = [(each - change).mid() for each, change in zip(self.u, step, strict=True)]
-            size = max(abs(float(each)) for each in step)
+            step = (self.Y * column(r)).mid()
+            self.u = (self.u - step).mid()
+            size = max(abs(float(each)) for each in step.entries())
             if not size < 1e3:
                 break
             if size < CONVERGED:
-                margins = flights.margins(o, self.u, flown, flights.plan(o, self.u))
+                margins = flights.margins(o, self.u.entries(), flown, flights.plan(o, self.u.entries()))
                 what, value, _ = min(margins, key=lambda each: float(each[1]))
                 if value < 0:
                     raise NotInBox(what)
@@ -472,104 +472,102 @@ class Surface:
         """Return the oscillator with the given values of both parameters of the plane."""
         return Oscillator(self.p, self.fixed | dict(zip(self.names, values, strict=True)))
 
-    def directed(self, d: tuple[int, int], rows: Sequence[Values], count: int, wide: bool) -> tuple[Oscillator, Values]:
+    def directed(
+        self, d: tuple[int, int], rows: Sequence[arb_mat], count: int, wide: bool
+    ) -> tuple[Oscillator, Values]:
         """Return oscillator and unknowns as power series along d, about the box's middle or (`wide`) all points."""
         ctx.cap = count
         base = zip(self.range if wide else self.middle, self.half, d, strict=True)
         o = self.oscillator([arb_series([b, h * e], prec=count) for b, h, e in base])
-        return o, [arb_series(list(each), prec=count) for each in zip(*rows, strict=True)]
+        return o, [arb_series(list(each), prec=count) for each in zip(*(row.entries() for row in rows), strict=True)]
 
     def near(self, a: float, b: float) -> tuple[float, ...]:
         """Return approximate unknowns at a place (a, b) in the box as floats."""
-        return tuple(float(each) for each in (self.at(arb(a), arb(b)) if self.slopes else self.u))
+        return tuple(map(float, (self.at(arb(a), arb(b)) if self.slopes else self.u).entries()))
 
     def points(self) -> list[tuple[float, float]]:
         """Return phase and position of all switching points for the parameters at the middle of the box."""
-        return self.flights.points(self.oscillator(self.middle), self.u)
+        return self.flights.points(self.oscillator(self.middle), self.u.entries())
 
-    def at(self, a: Ball, b: Ball) -> Values:
+    def at(self, a: Ball, b: Ball) -> arb_mat:
         """Evaluate the polynomials for the unknowns at a place (a, b) in the box."""
-        rows = zip(self.u, *self.slopes, *self.squares, strict=True)
-        return [u + a * (da + a * aa + b * ab) + b * (db + b * bb) for u, da, db, aa, ab, bb in rows]
+        (da, db), (aa, ab, bb) = self.slopes, self.squares
+        return self.u + a * (da + a * aa + b * ab) + b * (db + b * bb)
 
     def prove(self) -> None:
         """Prove that an orbit with the word exists for all parameters of the box; NotInBox if that fails."""
-        flights, place, first = self.flights, arb(0, 1), list[Values]()
-        for d in DIRECTIONS[:2]:
-            _, r = flights.residuals(*self.directed(d, [self.u], 2, False))
-            first.append(_mids(self._preconditioned([-each[1] for each in r])))
-        thin, bends, rest = list[tuple[Oscillator, Values, list[Flown]]](), list[Values](), [arb(0)] * flights.count
+        flights, place, zero = self.flights, arb(0, 1), arb(0)
+        da, db = (-self._coefficients(d, [self.u], 2, False)[0][1].mid() for d in DIRECTIONS[:2])
+        thin, bends, rest = list[tuple[Oscillator, Values, list[Flown]]](), list[arb_mat](), [zero] * flights.count
         for d in DIRECTIONS[:3]:
-            line = [d[0] * a + d[1] * b for a, b in zip(*first, strict=True)]
-            o, u = self.directed(d, [self.u, line], 3, False)
-            flown, r = flights.residuals(o, u)
-            bends.append(_mids(self._preconditioned([-each[2] for each in r])))
-            last = [each[2] + more for each, more in zip(r, (self.J * column(bends[-1])).entries(), strict=True)]
-            for values in ([each[0] for each in r], [each[1] for each in r], last):
-                rest = [each + 3 * abs(more) for each, more in zip(rest, self._preconditioned(values), strict=True)]
-            thin.append((o, u, flown))
-        self.slopes, (aa, bb, both) = first, bends
-        self.squares = [aa, [c - a - b for a, b, c in zip(aa, bb, both, strict=True)], bb]
+            r, found = self._coefficients(d, [self.u, d[0] * da + d[1] * db], 3, False)
+            bends.append(-r[2].mid())
+            thin.append(found)
+            for values in (r[0], r[1], r[2] + self.Y * (self.J * bends[-1])):
+                rest = [each + 3 * abs(more) for each, more in zip(rest, values.entries(), strict=True)]
+        aa, bb, both = bends
+        self.slopes, self.squares = [da, db], (aa, both - aa - bb, bb)
         wide, surface = self.oscillator(self.range), self.at(place, place)
-        plan = flights.plan(wide, surface)
-        low, rises = self._linear_bounds([flights.margins(*each, plan) for each in thin[:2]])
-
-        cubes, curves = list[Values](), list[list[Ball]]()
-        for d in DIRECTIONS:
-            o, u = self.directed(d, [surface, *self._derivatives(d, place)], 4, True)
-            flown, r = flights.residuals(o, u)
-            cubes.append(self._preconditioned([each[3] for each in r]))
-            curves.append([_coefficient(value, 2) for _, value, _ in flights.margins(o, u, flown, plan)])
-        A, D = cubes[:2]
-        B = [(s - m) / 2 - d for s, m, d in zip(*cubes[2:], D, strict=True)]
-        C = [(s + m) / 2 - a for s, m, a in zip(*cubes[2:], A, strict=True)]
-        pushed = [abs(r) + sum(map(abs, each), arb(0)) for r, *each in zip(rest, A, B, C, D, strict=True)]
-        pushed = [each.upper() for each in pushed]
-        sizes = [max(float(abs(a) / p) for a, p in zip(each, pushed, strict=True)) for each in (A, D)]
-        along = int(sizes[1] > sizes[0])
-        tube, slopes = self._root_distances(surface, pushed, along)
-
-        whole = [each + arb(0, r) for each, r in zip(surface, tube, strict=True)]
-        if not all(set(new) <= set(old) for new, old in zip(flights.plan(wide, whole)[0], plan[0], strict=True)):
-            raise NotInBox("which turns are in a stick", along)
-        for i, (what, _, by) in enumerate(flights.margins(wide, whole, flights.flown(wide, whole), plan, slopes)):
-            bent = [curve[i] for curve in curves[:3]]
-            mixed = abs(bent[2] - bent[0] - bent[1])
-            near = sum((abs(each) * r for each, r in zip(by, tube, strict=True)), arb(0))
-            if not low[i] + bent[0].min(arb(0)) + bent[1].min(arb(0)) - mixed - near > 0:
-                raise NotInBox(what, rises[i])
-        flights.prove_flights(wide, whole, plan)
-
-    def _derivatives(self, d: tuple[int, int], place: Ball) -> tuple[Values, Values]:
-        """Return first and second Taylor coefficients of the polynomials along d, for all a and b in `place`."""
-        rows, (i, j) = list(zip(*self.slopes, *self.squares, strict=True)), d
-        slopes = [
-            i * (da + place * (2 * aa) + place * ab) + j * (db + place * (2 * bb) + place * ab)
-            for da, db, aa, ab, bb in rows
-        ]
-        return slopes, [i * i * aa + i * j * ab + j * j * bb for _, _, aa, ab, bb in rows]
-
-    def _linear_bounds(self, pairs: Sequence[list[Inequality]]) -> tuple[Values, list[int]]:
-        """Return for each margin the least value of its linear part, and the side along which this changes most."""
-        low, rises = list[Ball](), list[int]()
-        for (what, one, _), (_, other, _) in zip(*pairs, strict=True):
+        plan = flights.plan(wide, surface.entries())
+        low, rises = (
+            list[Ball](),
+            list[int](),
+        )  # of each margin the least of its linear part; along which side it changes
+        for (what, one, _), (_, other, _) in zip(*(flights.margins(*each, plan) for each in thin[:2]), strict=True):
             a, b = (abs(_coefficient(each, 1)) for each in (one, other))
             low.append(_coefficient(one, 0) - a - b)
             rises.append(int(b > a))
             if low[-1] < 0:
                 raise NotInBox(what, rises[-1])
-        return low, rises
 
-    def _root_distances(self, surface: Values, pushed: Values, along: int) -> tuple[Values, list[dict[str, Values]]]:
+        cubes, curves = list[arb_mat](), list[list[Ball]]()
+        for d in DIRECTIONS:
+            r, found = self._coefficients(d, [surface, *self._derivatives(d, place)], 4, True)
+            cubes.append(r[3])
+            curves.append([_coefficient(value, 2) for _, value, _ in flights.margins(*found, plan)])
+        A, D = cubes[:2]
+        form = A, (cubes[2] - cubes[3]) / 2 - D, (cubes[2] + cubes[3]) / 2 - A, D
+        parts = zip(rest, *(each.entries() for each in form), strict=True)
+        pushed = [(each + sum(map(abs, more), zero)).upper() for each, *more in parts]
+        sizes = [max(float(abs(a) / p) for a, p in zip(each.entries(), pushed, strict=True)) for each in (A, D)]
+        along = int(sizes[1] > sizes[0])
+        tube, slopes = self._root_distances(surface, pushed, along)
+
+        whole = (surface + column([arb(0, r) for r in tube])).entries()
+        if not all(set(new) <= set(old) for new, old in zip(flights.plan(wide, whole)[0], plan[0], strict=True)):
+            raise NotInBox("which turns are in a stick", along)
+        for i, (what, _, by) in enumerate(flights.margins(wide, whole, flights.flown(wide, whole), plan, slopes)):
+            bent = [curve[i] for curve in curves[:3]]
+            mixed = abs(bent[2] - bent[0] - bent[1])
+            near = sum((abs(each) * r for each, r in zip(by, tube, strict=True)), zero)
+            if not low[i] + bent[0].min(zero) + bent[1].min(zero) - mixed - near > 0:
+                raise NotInBox(what, rises[i])
+        flights.prove_flights(wide, whole, plan)
+
+    def _coefficients(
+        self, d: tuple[int, int], rows: Sequence[arb_mat], count: int, wide: bool
+    ) -> tuple[list[arb_mat], tuple[Oscillator, Values, list[Flown]]]:
+        """Return the Taylor coefficients of Y f along d, and oscillator, unknowns and flights as power series."""
+        o, u = self.directed(d, rows, count, wide)
+        flown, r = self.flights.residuals(o, u)
+        return [self.Y * column([each[k] for each in r]) for k in range(count)], (o, u, flown)
+
+    def _derivatives(self, d: tuple[int, int], place: Ball) -> tuple[arb_mat, arb_mat]:
+        """Return first and second Taylor coefficients of the polynomials along d, for all a and b in `place`."""
+        (da, db), (aa, ab, bb), (i, j) = self.slopes, self.squares, d
+        slope = i * (da + place * (2 * aa) + place * ab) + j * (db + place * (2 * bb) + place * ab)
+        return slope, i * i * aa + i * j * ab + j * j * bb
+
+    def _root_distances(self, surface: arb_mat, pushed: Values, along: int) -> tuple[Values, list[dict[str, Values]]]:
         """Prove how far the roots may be from the polynomials (Krawczyk); return this and the flights' derivatives."""
         flights, tube = self.flights, [INFLATION * each for each in pushed]
         for _ in range(MOST_INFLATIONS):
             tube = [(INFLATION * each).mid() for each in tube]
-            near, around = ([a + arb(0, r) for a, r in zip(each, tube, strict=True)] for each in (self.u, surface))
-            _, rows = flights.jacobian(self.oscillator(self.middle), near)
+            reach = column([arb(0, r) for r in tube])
+            _, rows = flights.jacobian(self.oscillator(self.middle), (self.u + reach).entries())
             parts = [unit_matrix(flights.count) - self.Y * arb_mat(rows)]
             for d in DIRECTIONS[:2]:
-                o, u = self.directed(d, [around, self._derivatives(d, arb(0, 1))[0]], 2, True)
+                o, u = self.directed(d, [surface + reach, self._derivatives(d, arb(0, 1))[0]], 2, True)
                 slopes, rows = flights.jacobian(o, u)
                 parts.append(self.Y * arb_mat([[_coefficient(each, 1) for each in row] for row in rows]))
             apart = [
@@ -591,17 +589,7 @@ class Surface:
                 break
         raise NotInBox("one root for all parameters", along, excess)
 
-    def _preconditioned(self, values: Values) -> Values:
-        """Multiply a vector by Y, the approximate inverse of the Jacobian J at the middle of the box."""
-        entries: Values = (self.Y * column(values)).entries()
-        return entries
-
 
 def _coefficient(value: Ball, order: int) -> Ball:
     """Return a coefficient of a power series; a ball counts as a constant series."""
     return value[order] if isinstance(value, arb_series) else value if order == 0 else arb(0)
-
-
-def _mids(values: Values) -> Values:
-    """Return the middles of balls."""
-    return [each.mid() for each in values]
