@@ -453,11 +453,8 @@ class Atlas(Drawable):
         looked = [each for each in self.grid if left_end < each[0] < right and bottom < each[1] < top]
         outside = [word for x, y, word in looked if not self._around(x, y).size]
         seen = Counter(outside or [word for *_, word in looked])
-        words = {
-            *proven,
-            *(word for *_, word in looked),
-            *(word for each in self.borders for word in each.words if word),
-        }
+        words = set(proven) | {word for *_, word in looked}
+        words |= {word for each in self.borders for word in each.words if word}
         left = max(0.0, 1 - sum(proven.values()))
         found = [Region(word, proven[word] + left * seen[word] / max(seen.total(), 1), proven[word]) for word in words]
         return tuple(sorted(found, key=lambda each: (-each.share, each.word)))

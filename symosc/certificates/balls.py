@@ -146,10 +146,7 @@ class StateSet:
 
 def _dot(row: Sequence[Ball], column: Sequence[Ball]) -> Ball:
     """Return the scalar product of a row and a column."""
-    total = row[0] * column[0]
-    for a, b in zip(row[1:], column[1:], strict=True):
-        total += a * b
-    return total
+    return sum((a * b for a, b in zip(row, column, strict=True)), arb(0))
 
 
 def _direction(carried: Matrix, box: Sequence[Ball]) -> tuple[Ball, Ball]:

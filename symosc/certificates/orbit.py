@@ -18,7 +18,7 @@ from __future__ import annotations
 from collections.abc import Iterator, Sequence
 from fractions import Fraction
 from math import floor, log10
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 from flint import arb, arb_mat, ctx
 
@@ -65,9 +65,8 @@ def krawczyk(box: Values, middle: Values, residuals: Values, J: arb_mat) -> Valu
         Y = J.mid().inv().mid()
     except ZeroDivisionError:
         return None
-    rest = column([value - c for value, c in zip(box, middle, strict=True)])
-    moved = (unit_matrix(len(box)) - Y * J) * rest - Y * column(residuals)
-    image = [c + each for c, each in zip(middle, moved.entries(), strict=True)]
+    moved = (unit_matrix(len(box)) - Y * J) * (column(box) - column(middle)) - Y * column(residuals)
+    image = (column(middle) + moved).entries()
     return image if all(value.contains_interior(each) for value, each in zip(box, image, strict=True)) else None
 
 
@@ -154,12 +153,11 @@ class ClosingBalls:
                 step = self.jacobian(values).mid().solve(column(self.residuals(values)).mid())
             except ZeroDivisionError:
                 break
-            sizes = [abs(each.mid()) for each in step.entries()]
-            values = [(value - each).mid() for value, each in zip(values, step.entries(), strict=True)]
+            values = (column(values) - step).mid().entries()
             if not all(each.is_finite() for each in values):
                 break
-            scale = max((abs(value) for value in values), key=float)
-            if all(each <= scale * arb(2) ** (16 - ctx.prec * 3 // 4) for each in sizes):
+            scale = max(map(abs, values), key=float)
+            if all(abs(each.mid()) <= scale * arb(2) ** (16 - ctx.prec * 3 // 4) for each in step.entries()):
                 return values
         raise Undecided("a root of the closing equations, which are singular or nearly so")
 
@@ -169,7 +167,7 @@ class ClosingBalls:
 
     def roots(self, middle: Values) -> Iterator[tuple[Values, Values]]:
         """Yield boxes around `middle` with exactly one root, the widest first, each with an enclosure of the root."""
-        sizes = self.turn.mid(), max((abs(value) for value in middle[1::2]), key=float) + 1
+        sizes = self.turn.mid(), max(map(abs, middle[1::2]), key=float) + 1
         for part in BOXES:
             box = [value + arb(0, (part * sizes[j % 2]).mid()) for j, value in enumerate(middle)]
             image = self.krawczyk(box, middle)
@@ -251,38 +249,30 @@ class ClosingBalls:
 
 def prove_positive(margin: Margin, span: Ball) -> None:
     """Prove that a margin stays positive from 0 to a time in `span`, or raise Undecided."""
-    last, begin, first = span.upper().mid(), arb(0), True
-    if margin.at_start == 0 and not margin.curve(begin).g > 0:
+    last, begin, zeros = span.upper().mid(), arb(0), margin.at_start
+    if zeros == 0 and not margin.curve(begin).g > 0:
         raise Undecided(f"{margin.what} at its start")
     step = (last * FIRST_COURSE_STEP).mid()
     for _ in range(4000):
         end = (begin + step).mid()
         final = bool(end >= last)
-        if final:
-            end = last
-        if _positive_on_step(margin, begin, end, first, final):
-            if final:
-                return
-            begin, first, step = end, False, (step * 1.5).mid()
+        over = begin.union(last if final else end)
+        whole, there, off = margin.curve(over), margin.curve(over.mid()), over - over.mid()
+        slope = there.dg + whole.ddg * off
+        if final and margin.at_end:
+            sure = not zeros and slope < 0
         else:
-            step = ((end - begin) / 2).mid()
+            g = there.g + there.dg * off + whole.ddg * (off * off).nonnegative_part() / 2
+            sure = g > 0 or whole.g > 0 or slope > 0 or (zeros == 2 and whole.ddg > 0)
+        if sure and final:
+            return
+        if sure:
+            begin, zeros, step = end, 0, (step * 1.5).mid()
+        else:
+            step = (((last if final else end) - begin) / 2).mid()
             if step <= last * SHORTEST_COURSE_STEP:
                 break
     raise Undecided(margin.what, begin)
-
-
-def _positive_on_step(margin: Margin, begin: Ball, end: Ball, first: bool, final: bool) -> bool:
-    """Return whether the margin is certainly positive from begin to end of a step, except where it is known to be 0."""
-    over = begin.union(end)
-    whole, middle = margin.curve(over), over.mid()
-    there, off = margin.curve(middle), over - middle
-    square = (off * off).nonnegative_part()
-    slope = there.dg + whole.ddg * off
-    if final and margin.at_end:
-        return not (first and margin.at_start) and bool(slope < 0)
-    if there.g + there.dg * off + whole.ddg * square / 2 > 0 or whole.g > 0 or slope > 0:
-        return True
-    return bool(first and margin.at_start == 2 and whole.ddg > 0)
 
 
 class Stability(NamedTuple):
@@ -328,7 +318,7 @@ def certify_orbit(
 ) -> Certificate:
     """Prove an orbit near points (t, x) with labels in order of time; raise the precision as needed."""
     word, bits = Word(labels), LEAST_ORBIT_BITS
-    near = [_exact(each) for point in points for each in point]
+    near = [arb(each) for point in points for each in point]
     while True:
         with ctx.workprec(bits):
             try:
@@ -342,12 +332,6 @@ def certify_orbit(
                     message = f"the orbit {word}, with {bits} bits: not decided: {undecided.what}{undecided.place()}"
                     return Certificate("orbit", False, message + _marginal(closing, near))
             bits *= 2
-
-
-def _exact(number: Number) -> Ball:
-    """Convert a number, of mpmath too, to a ball of radius 0 without rounding."""
-    man_exp: Any = getattr(number, "man_exp", None)  # an mpmath number has more digits than a float
-    return arb(number) if man_exp is None else arb((int(man_exp[0]), int(man_exp[1])))
 
 
 def _prove_with_word(closing: ClosingBalls, near: Values) -> tuple[Values, Values]:

@@ -351,14 +351,11 @@ def _certificate(task: ToProve, proof: Proof, bits: int) -> Certificate:
     starts = "all" if proof.free is None else "some"
     statement = question(task, bits) | {"starts": starts, "mode": proof.mode, "events": rows}
     if proof.changes:
-
-        def decimals(value: Ball) -> list[str]:
-            return list(outward(value, _known_digits(value, task.digits)))
-
-        statement |= {"wrt": list(task.wrt), "derivatives": []}
-        for of_event in zip(*proof.changes, strict=True):
-            dt, dx = ([decimals(change[i]) for change in of_event] for i in (0, 1))
-            statement["derivatives"].append({"dt": dt, "dx": dx})
+        derivatives = [
+            {d: [decimals(change[i], task.digits) for change in of_event] for i, d in enumerate(("dt", "dx"))}
+            for of_event in zip(*proof.changes, strict=True)
+        ]
+        statement |= {"wrt": list(task.wrt), "derivatives": derivatives}
     if proof.free is not None:
         name, low, high = proof.free
         statement["free"] = {"name": name, "low": show(low), "high": show(high)}
@@ -383,15 +380,16 @@ def question(task: ToProve, bits: int) -> Record:
 
 def event_row(event: ProvenEvent, digits: int) -> Record:
     """Return an event as a row of the file, with at most `digits` digits."""
-    row: Record = event._asdict()
-    return row | {name: list(outward(row[name], _known_digits(row[name], digits))) for name in "tx"}
+    return event.named() | {"t": decimals(event.t, digits), "x": decimals(event.x, digits)}
 
 
-def _known_digits(value: Ball, digits: int) -> int:
-    """Return how many digits of a ball are known, at most `digits`."""
+def decimals(value: Ball, digits: int) -> list[str]:
+    """Return both ends of a ball as decimals with the digits that are known, at most `digits`."""
     low, high = exact_ends(value)
-    scale = max(abs(low), abs(high), Fraction(1))
-    return digits if low == high else min(digits, 2 + int((_log2(scale) - _log2(high - low)) * log10(2)))
+    if low != high:
+        scale = max(abs(low), abs(high), Fraction(1))
+        digits = min(digits, 2 + int((_log2(scale) - _log2(high - low)) * log10(2)))
+    return list(outward(value, digits))
 
 
 # -- motions that settle -----------------------------------------------------------------------------------------------
@@ -400,6 +398,7 @@ def _known_digits(value: Ball, digits: int) -> int:
 class Cycle(NamedTuple):
     """A box of (t, x) that the motion over `turns` periods of an orbit maps into itself, with the events on the way."""
 
+    place: int  # the orbit's switching point in it
     middle: list[Fraction]
     widths: list[Fraction]  # half-widths
     turns: int
@@ -423,9 +422,8 @@ def prove_settled(task: ToProve, orbit: PeriodicOrbit) -> Certificate:
             for event, state in _followed(closing.oscillator, start, ball(task.t_end), MOST_EVENTS_BEFORE):
                 before.append(event)
                 i = _arrival(closing, root, event)
-                cycle = None if i is None else _invariant_box(closing, root, i, state)
-                if i is not None and cycle is not None:
-                    return _settled_certificate(task, closing, root, i, before, cycle, about)
+                if i is not None and (cycle := _invariant_box(closing, root, i, state)) is not None:
+                    return _settled_certificate(task, closing, root, before, cycle, about)
             raise Undecided(f"whether the motion settles on the orbit within {len(before)} events")
         except Undecided as undecided:
             return Certificate("settled", False, f"not decided: {undecided.what}")
@@ -490,7 +488,7 @@ def _invariant_box(closing: ClosingBalls, points: Values, i: int, state: Moving)
     inside = all(ball(w) > abs(value - ball(c)) for value, c, w in zip((t, x), middle, widths, strict=True))
     wanted = switchings(closing, points, i)[1:] * turns
     same = [event[:4] for event in events] == [row[:4] for row in wanted]
-    return Cycle(middle, widths, turns, events, states) if inside and same else None
+    return Cycle(i, middle, widths, turns, events, states) if inside and same else None
 
 
 def _contracted_box(D: arb_mat) -> tuple[Fraction, Fraction] | None:
@@ -505,21 +503,11 @@ def _contracted_box(D: arb_mat) -> tuple[Fraction, Fraction] | None:
 
 
 def _settled_certificate(
-    task: ToProve,
-    closing: ClosingBalls,
-    points: Values,
-    i: int,
-    before: Sequence[ProvenEvent],
-    cycle: Cycle,
-    about: Record,
+    task: ToProve, closing: ClosingBalls, points: Values, before: Sequence[ProvenEvent], cycle: Cycle, about: Record
 ) -> Certificate:
     """Return the certificate of the settled motion."""
-    n, turn, t_end, widths = (
-        len(cycle.events),
-        cycle.turns * closing.turn,
-        ball(task.t_end),
-        list(map(ball, cycle.widths)),
-    )
+    n, turn, t_end = len(cycle.events), cycle.turns * closing.turn, ball(task.t_end)
+    widths = list(map(ball, cycle.widths))
     box = [[show(c - w), show(c + w)] for c, w in zip(cycle.middle, cycle.widths, strict=True)]
     rows = [event_row(before[-1], DIGITS) | {"t": box[0], "x": box[1]}]
     for event in cycle.events:
@@ -541,7 +529,7 @@ def _settled_certificate(
     total, last = cycles * n + left, []
     for number in range(max(1, total - n // cycle.turns + 1), total + 1):
         k, j = divmod(number, n)
-        place, event = (i + j) % len(closing.pieces), before[-1] if j == 0 else cycle.events[j - 1]
+        place, event = (cycle.place + j) % len(closing.pieces), before[-1] if j == 0 else cycle.events[j - 1]
         spare = [2 * reach * q**k for reach in reaches[j]]
         gone = ((times[j] - points[2 * place]) / closing.turn).unique_fmpz()
         if gone is None:
