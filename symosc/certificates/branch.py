@@ -55,7 +55,7 @@ GivenEnd = tuple[str, Fraction, Values]
 class Family:
     """The closing equations of one word over an interval of one parameter, and their roots there, proven.
 
-    Undecided if it is not proven that there is one root for every value of the parameter.
+    To make one raises Undecided if it is not proven that there is one root for every value of the parameter.
     """
 
     def __init__(self, prover: BranchProver, low: Fraction, high: Fraction, near: Values) -> None:
@@ -137,7 +137,7 @@ def _scaled(value: Ball, factor: float) -> Ball:
 
 
 def violated(closing: ClosingBalls, values: Values) -> tuple[str, Ball, str] | None:
-    """Return an inequality that certainly fails for a root: its text, a time, the kind of branch end; None if none."""
+    """Return an inequality that a root certainly violates, when, and the kind of branch end that this is; else None."""
     margins = [closing.margins(i, values) for i in range(len(closing.pieces))]
     durations = [(i, span) for i, (span, *_) in enumerate(margins)]
     for i, margin in durations + [(i, margin) for i, (_, *others) in enumerate(margins) for margin in others]:

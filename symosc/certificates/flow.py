@@ -97,7 +97,7 @@ class Oscillator:
         self.turns = cache(lambda boundary: Turns(p, boundary))
 
     def entire(self, tau: Ball) -> tuple[Ball, Ball, Ball]:
-        """Return the basis functions E, E' and phi = E' + (c/m) E at the time tau."""
+        """Return E, E' and phi = E' + (c/m) E (see the module docstring) at the time tau."""
         if self.damping > 0:
             fast, slow, width = (self.fast * tau).exp(), (self.slow * tau).exp(), 2 * self.omega_d
             E, E1 = (slow - fast) / width, (self.slow * slow - self.fast * fast) / width
@@ -114,7 +114,7 @@ class Oscillator:
         return E, E1, E1 + self.cm * E
 
     def steady(self, tau: Ball, s: Ball, c: Ball) -> tuple[Ball, Ball]:
-        """Return v and a of the steady motion (at resonance: a growing one); s, c are sine, cosine of the phase."""
+        """Return v and v' of the motion with the drive's frequency (at resonance it grows); s, c: its sine, cosine."""
         if self.resonant:
             turn = self.Omega * tau
             return self.growth * (s + turn * c), self.growth * self.Omega * (2 * c - turn * s)
@@ -188,10 +188,10 @@ class Flight:
         way = o.A[self.domain] * there.tau * there.tau / 2 - o.B0 / o.Omega * swing
         return self.x0 + self.v0 * there.tau + way / o.m
 
-    def moved(self, there: FlightPoint, start: Sequence[Ball]) -> tuple[Ball, Ball]:
-        """Return how x and v at a fixed time change if t, x (and v) at the start change by `start`."""
+    def moved(self, there: FlightPoint, change: Sequence[Ball]) -> tuple[Ball, Ball]:
+        """Return the derivatives of x and v at a fixed time along a `change` of t, x (and v) at the start."""
         # A later start by dt is one at the same time with x lower by v dt and v lower by a dt.
-        dt, dx, *rest = start
+        dt, dx, *rest = change
         x, v = dx - self.v0 * dt, (rest[0] if rest else arb(0)) - self.a0 * dt
         return there.phi * x + there.E * v, there.E1 * v - self.oscillator.km * there.E * x
 
@@ -234,7 +234,7 @@ def holding_force(o: Oscillator, boundary: int, domain: int, t: Ball, x: Ball) -
 
 
 class Turns:
-    """The times (turns) at which a belt's drift changes sign; `constant`: the sign of a drift that has no turns."""
+    """The times (turns) at which the drift of the gap to a belt changes sign; `constant`: its sign if it never does."""
 
     def __init__(self, p: Parameters, boundary: int) -> None:
         bias, amplitude = p.k * p.belt(boundary), p.B0 * p.Omega

@@ -71,16 +71,13 @@ def krawczyk(box: Values, middle: Values, residuals: Values, J: arb_mat) -> Valu
 
 
 class Margin(NamedTuple):
-    """A number, or a function of time on a piece, that must be positive; `kind` is the end of a branch where it fails.
-
-    If `at_end`, the function g is known to be 0 where the piece ends. `at_start`: 1 if g, 2 if g and g' start at 0.
-    """
+    """A number, or a function g of the time on a piece, that must be positive for an orbit."""
 
     what: str
     curve: Curve | Ball
-    at_start: int = 0
-    at_end: bool = False
-    kind: str = ""
+    at_start: int = 0  # 1 if g, 2 if g and g' are known to be 0 where the piece starts
+    at_end: bool = False  # whether g is known to be 0 where it ends
+    kind: str = ""  # how a branch ends where it is 0
 
 
 class ClosingBalls:
@@ -188,10 +185,8 @@ class ClosingBalls:
     # -- the course of the word ----------------------------------------------------------------------------------------
 
     def margins(self, i: int, values: Values) -> list[Margin]:
-        """Return the margins of piece i: its duration, the forces that Theorems 4 and 5 need at its start, its course.
-
-        The end of a stick adds none: one force is 0 there, and that the other one holds is a margin of the stick.
-        """
+        """Return the margins of piece i: its duration, the forces at its start (Theorems 4 and 5), those during it."""
+        # None is needed at a start behind a stick: one force is 0 there, the other one is a margin of the stick.
         o, piece, before, (t, x) = self.oscillator, self.pieces[i], self.pieces[i - 1], values[2 * i : 2 * i + 2]
         kind = "stick" if piece.sticks else "slip" if piece.after_stick else "flight"
         found = [Margin(f"{piece.label} lasts", self.ends(values)[2 * i] - t, kind=f"vanishing of a {kind}")]
@@ -364,7 +359,7 @@ def _marginal(closing: ClosingBalls, near: Values) -> str:
 
 
 def switchings(closing: ClosingBalls, values: Values, begin: int) -> list[ProvenEvent]:
-    """Return one period's events, from number `begin` until this repeats."""
+    """Return the events of one period from number `begin` on, and at last that event again, a period later."""
     pieces, n, rows = closing.pieces, len(closing.pieces), []
     for j in range(begin, begin + n + 1):
         (before, piece), (t, x) = (pieces[j % n - 1], pieces[j % n]), values[2 * (j % n) : 2 * (j % n) + 2]

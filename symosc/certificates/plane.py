@@ -73,7 +73,7 @@ class NotInBox(Exception):
 
 
 class Leg(NamedTuple):
-    """A flight of a word: its piece, where its phase and duration stand among the unknowns, and the next stick."""
+    """A flight of a word: its piece, the indices of its phase and duration in the unknowns, the stick behind it."""
 
     piece: OrbitPiece
     at: int
@@ -99,11 +99,11 @@ def mirrors(p: Parameters, names: Sequence[str] = ()) -> dict[int, int]:
 
 
 class Flown:
-    """A flight followed for a time tau from its unknowns u; balls, or power series.
+    """A flight from its unknowns u: x, v and a after a time tau, x0 and a0 at its start; as balls or power series.
 
-    The response to the drive is E convolved with sin(theta) and cos(theta). With lambda = -h + i omega_d and
-    X(lambda) = int exp(lambda (tau - s) + i Omega s) ds the response to exp(i Omega s) is the difference quotient of X
-    at lambda and its conjugate. Near resonance the first X is an entire function.
+    E, E1 = E' and phi are those of `symosc.certificates.flow`, and v responds to the drive by E convolved with
+    sin(theta). With lambda = -c/2m + i omega_d and X(lambda) = int exp(lambda (tau - s) + i Omega s) ds the response to
+    exp(i Omega s) is the difference quotient of X at lambda and its conjugate. Near resonance the first X is entire.
     """
 
     def __init__(self, o: Oscillator, leg: Leg, u: Values, tau: Ball) -> None:
@@ -189,8 +189,8 @@ class Flights:
         """Return all flights followed to their ends."""
         return [Flown(o, leg, u, u[leg.tau]) for leg in self.legs]
 
-    def onto(self, o: Oscillator, i: int, u: Values, flown: Sequence[Flown]) -> tuple[Ball, Ball]:
-        """Return phase and position where the flight after flight i starts; after the last: the first, a period on."""
+    def next_start(self, o: Oscillator, i: int, u: Values, flown: Sequence[Flown]) -> tuple[Ball, Ball]:
+        """Return phase and position at the start of the flight behind flight i; after the last, the first again."""
         if i + 1 < len(self.legs):
             return u[self.legs[i + 1].at], flown[i + 1].x0
         x = flown[0].x0
@@ -200,7 +200,12 @@ class Flights:
         """Return the flights followed to their ends, and the residuals of the closing equations."""
         flown, found = self.flown(o, u), list[Ball]()
         for i, (leg, there) in enumerate(zip(self.legs, flown, strict=True)):
-            speed, (phase, x), start, tau = o.speed[leg.piece.end], self.onto(o, i, u, flown), u[leg.at], u[leg.tau]
+            speed, (phase, x), start, tau = (
+                o.speed[leg.piece.end],
+                self.next_start(o, i, u, flown),
+                u[leg.at],
+                u[leg.tau],
+            )
             if leg.stick:
                 found += [there.v - speed, there.x + speed * ((phase - start) / o.Omega - tau) - x]
             else:
@@ -261,11 +266,11 @@ class Flights:
         return [index for index, phase in turns if not phase < low and not phase > high]
 
     def drift(self, o: Oscillator, belt: int, phase: Ball) -> Ball:
-        """Return k v + B0 Omega sin(theta), v the belt's speed: -m times the rate of both forces on the belt."""
+        """Return k v + B0 Omega sin(theta), v the belt's speed: -m times the time derivative of both forces on it."""
         return o.k * o.speed[belt] + o.B0 * o.Omega * phase.sin()
 
     def sections(self, o: Oscillator, leg: Leg, u: Values) -> list[tuple[int, Ball, Ball]] | None:
-        """Split a flight back to its belt where L g changes sign: (sign, begin, end) each; None if undecided."""
+        """Split a flight back to its belt at the turns: (sign of L g, begin, end) of each part; None if undecided."""
         phase, belt, found = u[leg.at], leg.piece.start, []
         end = phase + o.Omega * u[leg.tau]
         turns = [self.turn(o, belt, index) for index in self.turns_between(o, belt, phase, end)]
@@ -280,16 +285,16 @@ class Flights:
         return found
 
     def plan(self, o: Oscillator, u: Values) -> Plan:
-        """Return the turns in each stick and the cuts of each flight, for all unknowns u in a box (as balls)."""
+        """Return the turns in each stick and the cuts of each flight (see `Plan`), for all unknowns in the balls u."""
         flown, turns, cuts = self.flown(o, u), list[list[int]](), list[list[Cut] | None]()
         for i, leg in enumerate(self.legs):
-            end, begin = self.onto(o, i, u, flown)[0], u[leg.at] + o.Omega * u[leg.tau]
+            end, begin = self.next_start(o, i, u, flown)[0], u[leg.at] + o.Omega * u[leg.tau]
             turns.append(self.turns_between(o, leg.piece.end, begin, end) if leg.stick else [])
             cuts.append(self.cuts(o, leg, u) if leg.piece.start == leg.piece.end else None)
         return turns, cuts
 
     def cuts(self, o: Oscillator, leg: Leg, u: Values) -> list[Cut] | None:
-        """Return the times at which a flight that returns to its belt must be off it; None: prove it in short steps."""
+        """Return the cuts of a flight that returns to its belt (see `Cut`); None if short steps have to prove it."""
         found, longest = self.sections(o, leg, u), longest_part(o)
         if found is None:
             return None
@@ -312,7 +317,7 @@ class Flights:
         return None if len(cuts) > MOST_CUTS else [(round(at / tau * 1024) / 1024, reach) for at, reach in cuts]
 
     def stays(self, o: Oscillator, leg: Leg, u: Values, cuts: list[Cut]) -> bool:
-        """Return whether a gap that is positive at the cuts is so during a whole flight, by the signs of L g."""
+        """Return whether a gap > 0 at the cuts is > 0 all the time, by the signs of L g (module docstring)."""
         found, longest, tau, left = self.sections(o, leg, u), longest_part(o), u[leg.tau], list(cuts)
         if found is None:
             return False
@@ -347,7 +352,7 @@ class Flights:
             found.append((text, value, row))
 
         for i, (leg, there) in enumerate(zip(self.legs, flown, strict=True)):
-            (phase, _), piece, stick, belt = self.onto(o, i, u, flown), leg.piece, leg.stick, leg.piece.end
+            (phase, _), piece, stick, belt = self.next_start(o, i, u, flown), leg.piece, leg.stick, leg.piece.end
             then, side, tau, jump = self.legs[(i + 1) % len(self.legs)].at, leg.side, u[leg.tau], o.jump[belt]
             meets = -side * there.a
             by_meets = (leg.at, [-side * each for each in slopes[i]["a"]] if slopes else [])
@@ -475,7 +480,7 @@ class Surface:
     def directed(
         self, d: tuple[int, int], rows: Sequence[arb_mat], count: int, wide: bool
     ) -> tuple[Oscillator, Values]:
-        """Return oscillator and unknowns as power series along d, about the box's middle or (`wide`) all points."""
+        """Return oscillator and unknowns as series of `count` terms along d, from the middle or (`wide`) any point."""
         ctx.cap = count
         base = zip(self.range if wide else self.middle, self.half, d, strict=True)
         o = self.oscillator([arb_series([b, h * e], prec=count) for b, h, e in base])
@@ -559,7 +564,8 @@ class Surface:
         return slope, i * i * aa + i * j * ab + j * j * bb
 
     def _root_distances(self, surface: arb_mat, pushed: Values, along: int) -> tuple[Values, list[dict[str, Values]]]:
-        """Prove how far the roots may be from the polynomials (Krawczyk); return this and the flights' derivatives."""
+        """Return a bound of the distance of roots from the `surface` (Krawczyk), and the derivatives of the flights."""
+        # `pushed` bounds -Y f on the surface; `along` is the side to cut if there is no proof.
         flights, tube = self.flights, [INFLATION * each for each in pushed]
         for _ in range(MOST_INFLATIONS):
             tube = [(INFLATION * each).mid() for each in tube]

@@ -93,12 +93,12 @@ class ToProve(NamedTuple):
 
 
 class Proof(NamedTuple):
-    """What is proven of a motion: first mode, events, what is undecided, and a start value that grazes (`free`)."""
+    """What is proven of a motion: its first mode and its events; and what is undecided."""
 
     mode: str
     events: list[ProvenEvent]
     undecided: Undecided | None = None
-    free: tuple[str, Fraction, Fraction] | None = None  # its name and the two fractions between which it is
+    free: tuple[str, Fraction, Fraction] | None = None  # a number of the start, and between what one value grazes
     changes: list[list[Change]] | None = None  # dt and dx of all events by each name
 
 
@@ -231,7 +231,7 @@ def _changes(task: ToProve, mode: int, events: Sequence[ProvenEvent], name: str)
 
 
 def _with_a_graze(task: ToProve, proof: Proof, graze: tuple[int, Ball]) -> Proof:
-    """Return a proof that some start within the error grazes, where "all do" and "none do" are both undecided."""
+    """Return a proof that one start within the error grazes; it is tried where a graze is possible, but undecided."""
     o, before, (boundary, near) = Oscillator(task.p), len(proof.events), graze
     name, place = next((name, place) for name, place in FREE if task.errors[place])
     events: list[ProvenEvent] = []
@@ -430,7 +430,7 @@ def prove_settled(task: ToProve, orbit: PeriodicOrbit) -> Certificate:
 
 
 def _start(o: Oscillator, task: ToProve) -> tuple[Moving, Fraction | None]:
-    """Return the initial states and, if the motion starts where a stick ends, the time until which some may stick."""
+    """Return the initial states and, if a stick may end there, a time at which every start has left the belt."""
     p, (t0, x0, v0) = task.p, task.start
     try:
         return begin(o, task.start, task.errors), None
@@ -492,7 +492,7 @@ def _invariant_box(closing: ClosingBalls, points: Values, i: int, state: Moving)
 
 
 def _contracted_box(D: arb_mat) -> tuple[Fraction, Fraction] | None:
-    """Return sides of a box (the larger is 1) that D maps into itself shrunk by a factor below MOST_Q, or None."""
+    """Return sides (the larger is 1) of a box whose image under D is in MOST_Q times the box; None if there is none."""
     sizes = [[abs(float(D[i, j])) for j in (0, 1)] for i in (0, 1)]
     e = [1.0, 1.0]
     for _ in range(60):  # towards the eigenvector of |D|

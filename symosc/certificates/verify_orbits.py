@@ -144,7 +144,7 @@ def course(data):
 
 def least(events, periods, apart):
     """Prove that no smaller number of forcing periods is a period of the orbit (point 3 of the module docstring)."""
-    # `apart` says whether t or x of an event surely differs from the first one's, that many forcing periods earlier.
+    # `apart(i, n)` says whether t or x of event i surely differs from those of event 0, n forcing periods later.
     n = len(events) - 1
     for q in range(2, periods + 1):
         if periods % q == n % q == 0 and all(events[i] == events[(i + n // q) % n] for i in range(n)):
@@ -184,8 +184,7 @@ def orbit(data, source, limits):
     for scale in (fmpq(1), SMALL, SMALL**2):  # the box stated, and one or two in it
         spare = [row["reach"] * scale for row in rows]
         wide = [row | {"t": (row["t"][0] - by, row["t"][1] + by)} for row, by in zip(rows, spare, strict=True)]
-        motions = base.follow(problem, wide, (centre, widths), base.Motion if scale == 1 else Within)
-        u, D = base.fixed_point(motions, (centre, widths), turn)
+        motions, u, D = base.period(problem, wide, centre, widths, turn, base.Motion if scale == 1 else Within)
         for each, width, c, (about, most) in zip(u, widths, centre, whole, strict=True):
             require(width - abs(each), "that an orbit is in the box, and only one")
             check(scale == 1 or abs(c - about) + width < most, "a smaller box in the other", OPEN)
@@ -199,10 +198,10 @@ def orbit(data, source, limits):
         inside(t, row["t"])
         inside(x, row["x"])
 
-    def apart(i, earlier):
-        """Return whether event i surely differs from event 0 moved by `earlier` forcing periods, in t or in x."""
+    def apart(i, later):
+        """Return whether event i is surely not event 0 repeated `later` forcing periods later, by its t or its x."""
         (t, x), (t0, x0) = points[i], points[0]
-        return not ((t - t0) * periods).overlaps(earlier * turn) or not x.overlaps(x0)
+        return not ((t - t0) * periods).overlaps(later * turn) or not x.overlaps(x0)
 
     least(events, periods, apart)
     T, d = D[0, 0] + D[1, 1], D[0, 0] * D[1, 1] - D[0, 1] * D[1, 0]
@@ -289,7 +288,7 @@ class Oscillator:
 
     @cached_property
     def frequency(self):
-        """Return whether w^2 = h^2 - k/m > 0, the root of |w^2|, and whether this is too near 0 to divide by."""
+        """Return whether w^2 = h^2 - k/m is > 0; the root of its size; whether this root is too near 0 to divide by."""
         over = coefficient(self.square) > 0
         w = (self.square if over else -self.square).sqrt()
         return over, w, not coefficient(w) > 32 * coefficient(w).rad()
@@ -430,7 +429,7 @@ class Course:
         self.turn = periods * self.forcing
 
     def piece(self, i, u, late=0):
-        """Return the motion between event i and the next, its duration, and the time at its end."""
+        """Return the motion from event i (or `late` behind it) to the next event, its duration, and when it ends."""
         until, t = u[2 * i + 2] if i + 1 < self.count else u[0] + self.turn, u[2 * i]
         return Piece(self.e, self.events[i][3], self.events[i][1], t, u[2 * i + 1], late), until - t, until
 
@@ -547,10 +546,10 @@ class Family:
             for value, ends in zip(values, row[name], strict=True):
                 inside(value, ends)
 
-    def apart(self, i, earlier):
-        """Return whether event i surely differs from event 0 moved by `earlier` forcing periods, for all values."""
+    def apart(self, i, later):
+        """Return whether event i is surely not event 0 repeated `later` forcing periods later, for all values."""
         (t, x), (t0, x0) = self.points[2 * i : 2 * i + 2], self.points[:2]
-        return not (t - t0).overlaps(earlier * self.all.forcing) or not x.overlaps(x0)
+        return not (t - t0).overlaps(later * self.all.forcing) or not x.overlaps(x0)
 
 
 def family(problem, data, events, row, part):
@@ -646,7 +645,7 @@ class Flight:
         return u[self.at] + e.Om * u[self.tau]
 
     def parts(self, e, u):
-        """Split a flight back to its belt where q changes sign: (q > 0, begin, end) of each part; None if undecided."""
+        """Split a flight back to its belt at the zeros of q (12): (q > 0, begin, end) of each; None if undecided."""
         phase, end, found = u[self.at], self.end(e, u), []
         turns = [turning(e, self.belt, n) for n in between(e, self.belt, phase, end)]
         if not all(phase < turn < end for turn in turns):
@@ -660,8 +659,8 @@ class Flight:
             found.append((q > 0, *ends))
         return found
 
-    def short(self, e, u, cuts):
-        """Return whether the distance g > 0 at the cuts proves g > 0 for the whole flight (module docstring, 12)."""
+    def stays_off(self, e, u, cuts):
+        """Return whether the distance g is > 0 in the whole flight as it is so at the cuts (module docstring, 12)."""
         found, most, at = self.parts(e, u), e.longest_part(), [(u[self.tau] * part, reach) for part, reach in cuts]
         if found is None:
             return False
@@ -702,7 +701,7 @@ def between(e, belt, low, high):
 
 
 def marks(parts, most):
-    """Choose where to check that g > 0: shares of a flight's duration, each with how far around it g > 0 follows."""
+    """Choose the cuts of a flight: shares of its duration, and for how long around each g > 0 there implies g > 0."""
     most, tau, found = 0.95 * float(most), float(parts[-1][2]), []
     spare = 2 * max(float(b.rad()) for _, _, b in parts) + tau / 500
     for i, (up, *ends) in enumerate(parts):
@@ -806,7 +805,7 @@ class Word:
                 other = 2 if flight.mode == 1 else 1
                 sides[other] = -flight.side, -e.belts[other]
             for belt, (side, speed) in sides.items():
-                if belt == flight.belt == flight.onto and not steps and flight.short(e, u, cuts):
+                if belt == flight.belt == flight.onto and not steps and flight.stays_off(e, u, cuts):
                     continue
 
                 def f(s, flight=flight, side=side, speed=speed):
@@ -837,9 +836,9 @@ class Box:
         return Oscillator(self.p | dict(zip(self.over, values, strict=True)))
 
     def series(self, side, rows, count, wide=False, plan=None):
-        """Return the Taylor coefficients of Y r, and margins as series, in the direction `side` along u of these rows.
+        """Return the first `count` Taylor coefficients of Y r in the direction `side`, and all margins as series.
 
-        They are those about the middle or, if `wide`, about all points of the box.
+        They begin at the middle or, if `wide`, at all points of the box; `rows` has the coefficients of the unknowns u.
         """
         ctx.cap = count
         start = self.wide if wide else self.middle
@@ -916,7 +915,7 @@ class Box:
         word.stays(e, around.entries(), plan, self.problem)
 
     def contract(self, p, u, slopes):
-        """Return e with p + N e < e: by Krawczyk, a root lies within e of u(d) (p, N: module docstring, 10)."""
+        """Return e with p + N e < e, by which a root is within e of u(d) for each d (module docstring, 10)."""
         size, tube = range(self.word.size), [arb(1.1) * each for each in p]
         sizes = zip(*(each.entries() for each in slopes), tube, strict=True)
         scales = [max((abs(a).upper(), abs(b).upper(), t), key=float).mid() for a, b, t in sizes]
@@ -969,7 +968,7 @@ def apart(boxes):
 
 
 def clear(boxes, points, whole):
-    """Check that no point of a border lies inside a proven box by more than rounding errors."""
+    """Require that no point of a border is inside a proven box, by more than 1e-12 of the sides of the whole plane."""
     away = [1e-12 * float(high - low) for low, high in whole]
     for box in boxes:
         (left, right), (low, high) = ((float(a) + by, float(b) - by) for (a, b), by in zip(box, away, strict=True))
