@@ -127,13 +127,13 @@ class ClosingBalls:
 
     def jacobian(self, values: Values) -> arb_mat:
         """Return the Jacobian of the residuals with respect to t and x of all points."""
-        n = len(self.pieces)
-        rows = [[arb(0)] * (2 * n) for _ in range(2 * n)]
-        for i in range(n):
-            for row, entries in zip(rows[2 * i : 2 * i + 2], self._slopes(i, values), strict=True):
-                for j, entry in enumerate(entries, 2 * i):
-                    row[j % (2 * n)] += entry
-        return arb_mat(rows)
+        count = len(values)
+        J = arb_mat(count, count)
+        for i in range(0, count, 2):
+            for row, entries in enumerate(self._slopes(i // 2, values), i):
+                for j, entry in enumerate(entries, i):
+                    J[row, j % count] += entry
+        return J
 
     def end_by_start(self, i: int, values: Values) -> arb_mat:
         """Return the derivatives of t, x at the end of piece i with respect to those at its start, approximately."""
@@ -167,20 +167,14 @@ class ClosingBalls:
         sizes = self.turn.mid(), max(map(abs, middle[1::2]), key=float) + 1
         for part in BOXES:
             box = [value + arb(0, (part * sizes[j % 2]).mid()) for j, value in enumerate(middle)]
-            image = self.krawczyk(box, middle)
-            if image is not None:
-                yield box, self._narrowed(image)
-
-    def _narrowed(self, box: Values) -> Values:
-        """Return a narrower enclosure of the root in a box with exactly one root."""
-        for _ in range(4):
-            image = self.krawczyk(box, [each.mid() for each in box])
-            if image is None:
-                return box
-            before, box = box, image
-            if all(float(a.rad()) > 0.25 * float(b.rad()) for a, b in zip(box, before, strict=True)):
-                return box
-        return box
+            root = self.krawczyk(box, middle)
+            if root is None:
+                continue
+            for _ in range(4):
+                before, root = root, self.krawczyk(root, [each.mid() for each in root]) or root
+                if all(float(a.rad()) > 0.25 * float(b.rad()) for a, b in zip(root, before, strict=True)):
+                    break
+            yield box, root
 
     # -- the course of the word ----------------------------------------------------------------------------------------
 

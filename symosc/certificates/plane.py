@@ -227,8 +227,7 @@ class Flights:
 
     def jacobian(self, o: Oscillator, u: Values) -> tuple[list[dict[str, Values]], list[Values]]:
         """Return the flights' derivatives as `slopes` gives them, and the Jacobian of the residuals (rows)."""
-        slopes = [self.slopes(o, leg, u) for leg in self.legs]
-        rows = list[Values]()
+        slopes, rows = [self.slopes(o, leg, u) for leg in self.legs], list[Values]()
         for i, (leg, by) in enumerate(zip(self.legs, slopes, strict=True)):
             follows = (i + 1) % len(self.legs)
             then, sign = self.legs[follows].at, -1 if follows == 0 and self.mirrored else 1
@@ -576,20 +575,13 @@ class Surface:
                 o, u = self.directed(d, [surface + reach, self._derivatives(d, arb(0, 1))[0]], 2, True)
                 slopes, rows = flights.jacobian(o, u)
                 parts.append(self.Y * arb_mat([[_coefficient(each, 1) for each in row] for row in rows]))
-            apart = [
-                [sum(map(abs, each), arb(0)) for each in zip(*rows, strict=True)]
-                for rows in zip(*(each.tolist() for each in parts), strict=True)
-            ]
-            image = [
-                p + sum((entry * r for entry, r in zip(row, tube, strict=True)), arb(0))
-                for p, row in zip(pushed, apart, strict=True)
-            ]
+            entries = zip(*(part.entries() for part in parts), strict=True)
+            apart = arb_mat(flights.count, flights.count, [sum(map(abs, each), arb(0)) for each in entries])
+            image = (column(pushed) + apart * column(tube)).entries()
             if all(each < r for each, r in zip(image, tube, strict=True)):
                 return tube, [{name: [_coefficient(z, 0) for z in row] for name, row in by.items()} for by in slopes]
-            excess = max(
-                sum(float(e) * float(r) for e, r in zip(row, pushed, strict=True)) / float(p)
-                for row, p in zip(apart, pushed, strict=True)
-            )
+            grown = (apart * column(pushed)).entries()
+            excess = max(float(each) / float(p) for each, p in zip(grown, pushed, strict=True))
             tube = [each.upper() for each in image]
             if not excess < 1 or not all(each < 10 for each in tube):
                 break

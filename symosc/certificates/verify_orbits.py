@@ -931,7 +931,7 @@ class Box:
                 for j, unit in enumerate(units):
                     mixed = self.squares(side, u + near, slope + unit) - own - alone[j]
                     N[j] = [x + abs(y) / scales[j] for x, y in zip(N[j], mixed.entries(), strict=True)]
-            image = [p[i] + sum((N[j][i] * tube[j] for j in size), arb(0)) for i in size]
+            image = (column(p) + arb_mat(N).transpose() * column(tube)).entries()
             if all(each < by for each, by in zip(image, tube, strict=True)):
                 return tube
             tube = [each.upper() for each in image]
