@@ -776,7 +776,7 @@ class Word:
                     turn = turning(e, flight.onto, n)
                     force = sign * (e.B0 * (turn.cos() - phase.cos()) + e.k * v * (phase - turn) / e.Om) / e.m
                     margins += [force, jump - force]
-            for part, reach in plan[1][i]:
+            for part, reach in plan[1][i] or ():
                 _, at, slope = flight.after(e, u, s * part)
                 for later in (reach, -reach) if reach else (0.0,):
                     S, S1, _, _ = e.driven(arb(later))
@@ -785,27 +785,26 @@ class Word:
         return found, margins
 
     def plan(self, e, u):
-        """Return the turns that may be in each stick, the cuts of each flight, and whether it needs short steps."""
-        turns, cuts, steps = list[Any](), list[Any](), []
+        """Return the turns that may be in each stick, and the cuts of each flight (None: it needs short steps)."""
+        turns, cuts = list[Any](), list[Any]()
         for i, flight in enumerate(self.flights):
             after = self.next(e, i, u)[0]
             turns.append(between(e, flight.onto, flight.end(e, u), after) if flight.stick else [])
             found = flight.parts(e, u) if flight.belt == flight.onto else None
             chosen = marks(found, e.longest_part()) if found else []
-            steps.append(found is None or len(chosen) > MOST_CUTS)
-            cuts.append([] if steps[-1] else chosen)
-        return turns, cuts, steps
+            cuts.append(None if found is None or len(chosen) > MOST_CUTS else chosen)
+        return turns, cuts
 
     def stays(self, e, u, plan, problem):
         """Prove for all unknowns u in a box, given margins > 0, that no flight meets a belt before its end."""
-        for flight, cuts, steps in zip(self.flights, *plan[1:], strict=True):
+        for flight, cuts in zip(self.flights, plan[1], strict=True):
             near = {flight.mode - 1, flight.mode} & {1, 2}
             sides = {belt: (1 if flight.mode > belt else -1, e.belts[belt]) for belt in near}
             if self.half and self.alone and flight.mode != 2:  # the mirror image is between both belts
                 other = 2 if flight.mode == 1 else 1
                 sides[other] = -flight.side, -e.belts[other]
             for belt, (side, speed) in sides.items():
-                if belt == flight.belt == flight.onto and not steps and flight.stays_off(e, u, cuts):
+                if belt == flight.belt == flight.onto and cuts is not None and flight.stays_off(e, u, cuts):
                     continue
 
                 def f(s, flight=flight, side=side, speed=speed):
@@ -909,7 +908,7 @@ class Box:
             least += bend[0].min(zero) + bend[1].min(zero) - abs(bend[2] - bend[0] - bend[1])
             least -= sum((abs(column[i]) * by for column, by in zip(by_u, tube, strict=True)), zero)
             if i in word.looks and not least > 0:
-                plan[2][word.looks[i]] = True  # by short steps, then
+                plan[1][word.looks[i]] = None  # by short steps, then
                 continue
             check(least > 0, "an inequality of a word in a box", OPEN)  # smaller boxes may decide it
         word.stays(e, around.entries(), plan, self.problem)
