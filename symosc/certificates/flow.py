@@ -26,9 +26,9 @@ from symosc.model import PARAMETER_NAMES, Parameters
 ROUGH = 32
 
 
-def first_coefficient(value: Ball) -> Ball:
-    """Return the first coefficient of a power series, and a ball unchanged."""
-    return value[0] if isinstance(value, arb_series) else value
+def coefficient(value: Ball, order: int = 0) -> Ball:
+    """Return a coefficient of a power series; a ball counts as a constant series."""
+    return value[order] if isinstance(value, arb_series) else arb(0) if order else value
 
 
 def entire_0f1(b: Ball, z: Ball) -> Ball:
@@ -61,12 +61,12 @@ class Oscillator:
         free = ranges.keys() & {"m", "c", "k"}
         if free:
             self.kappa = self.h * self.h - self.km
-            self.damping = sure_sign(first_coefficient(self.kappa))
+            self.damping = sure_sign(coefficient(self.kappa))
         else:
             exact = p.c * p.c / (4 * p.m * p.m) - p.k / p.m
             self.damping, self.kappa = (exact > 0) - (exact < 0), ball(exact)
         self.omega_d = (self.kappa if self.damping >= 0 else -self.kappa).sqrt()
-        frequency = first_coefficient(self.omega_d)
+        frequency = coefficient(self.omega_d)
         if not frequency > ROUGH * frequency.rad():  # it is critical, or nearly so in the family
             self.damping = 0
         if self.damping > 0:
@@ -90,7 +90,7 @@ class Oscillator:
         else:
             pull, drag = self.km - self.Omega * self.Omega, self.cm * self.Omega
             square = pull * pull + drag * drag
-            if not first_coefficient(square) > 0:
+            if not coefficient(square) > 0:
                 raise Undecided("whether the family is at resonance")
             gain = self.drive / square
             self.steady_c, self.steady_s = gain * drag, -gain * pull

@@ -37,7 +37,7 @@ from typing import NamedTuple
 from flint import acb, acb_series, arb, arb_mat, arb_series, ctx
 
 from symosc.certificates.balls import Ball, Undecided, ball
-from symosc.certificates.flow import Jet, Oscillator, entire_0f1
+from symosc.certificates.flow import Jet, Oscillator, coefficient, entire_0f1
 from symosc.certificates.motion import belts_around
 from symosc.certificates.orbit import Margin, Values, column, prove_positive, unit_matrix
 from symosc.model import PARAMETER_NAMES, Parameters
@@ -518,8 +518,8 @@ class Surface:
             list[int](),
         )  # of each margin the least of its linear part; along which side it changes
         for (what, one, _), (_, other, _) in zip(*(flights.margins(*each, plan) for each in thin[:2]), strict=True):
-            a, b = (abs(_coefficient(each, 1)) for each in (one, other))
-            low.append(_coefficient(one, 0) - a - b)
+            a, b = (abs(coefficient(each, 1)) for each in (one, other))
+            low.append(coefficient(one, 0) - a - b)
             rises.append(int(b > a))
             if low[-1] < 0:
                 raise NotInBox(what, rises[-1])
@@ -528,7 +528,7 @@ class Surface:
         for d in DIRECTIONS:
             r, found = self._coefficients(d, [surface, *self._derivatives(d, place)], 4, True)
             cubes.append(r[3])
-            curves.append([_coefficient(value, 2) for _, value, _ in flights.margins(*found, plan)])
+            curves.append([coefficient(value, 2) for _, value, _ in flights.margins(*found, plan)])
         A, D = cubes[:2]
         form = A, (cubes[2] - cubes[3]) / 2 - D, (cubes[2] + cubes[3]) / 2 - A, D
         parts = zip(rest, *(each.entries() for each in form), strict=True)
@@ -574,20 +574,15 @@ class Surface:
             for d in DIRECTIONS[:2]:
                 o, u = self.directed(d, [surface + reach, self._derivatives(d, arb(0, 1))[0]], 2, True)
                 slopes, rows = flights.jacobian(o, u)
-                parts.append(self.Y * arb_mat([[_coefficient(each, 1) for each in row] for row in rows]))
+                parts.append(self.Y * arb_mat([[coefficient(each, 1) for each in row] for row in rows]))
             entries = zip(*(part.entries() for part in parts), strict=True)
             apart = arb_mat(flights.count, flights.count, [sum(map(abs, each), arb(0)) for each in entries])
             image = (column(pushed) + apart * column(tube)).entries()
             if all(each < r for each, r in zip(image, tube, strict=True)):
-                return tube, [{name: [_coefficient(z, 0) for z in row] for name, row in by.items()} for by in slopes]
+                return tube, [{name: [coefficient(z, 0) for z in row] for name, row in by.items()} for by in slopes]
             grown = (apart * column(pushed)).entries()
             excess = max(float(each) / float(p) for each, p in zip(grown, pushed, strict=True))
             tube = [each.upper() for each in image]
             if not excess < 1 or not all(each < 10 for each in tube):
                 break
         raise NotInBox("one root for all parameters", along, excess)
-
-
-def _coefficient(value: Ball, order: int) -> Ball:
-    """Return a coefficient of a power series; a ball counts as a constant series."""
-    return value[order] if isinstance(value, arb_series) else value if order == 0 else arb(0)

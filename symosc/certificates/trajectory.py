@@ -33,7 +33,7 @@ from flint import arb, arb_mat, arb_series, ctx
 from symosc.aliases import Record
 from symosc.certificates.balls import Ball, StateSet, Undecided, around, ball, exact_ends, made_by, outward, size
 from symosc.certificates.certificate import STARTS, Certificate, confirmed, provable, stated
-from symosc.certificates.flow import Flight, Jet, Oscillator, first_coefficient
+from symosc.certificates.flow import Flight, Jet, Oscillator, coefficient
 from symosc.certificates.motion import (
     ON_A_BELT,
     Moving,
@@ -199,9 +199,6 @@ def _changes(task: ToProve, mode: int, events: Sequence[ProvenEvent], name: str)
     def series(value: Ball, slope: Ball) -> Ball:
         return arb_series([value, slope], prec=2)
 
-    def slope(value: Ball) -> Ball:
-        return value[1] if isinstance(value, arb_series) else arb(0)
-
     found: list[Change] = []
     with suppress(ZeroDivisionError, ValueError):  # series cannot be divided by what may be 0
         o = Oscillator(p, {name: series(ball(getattr(p, name)), arb(1))} if name in PARAMETER_NAMES else None)
@@ -213,12 +210,12 @@ def _changes(task: ToProve, mode: int, events: Sequence[ProvenEvent], name: str)
             if mode > ON_A_BELT:
                 at_end = x + speed * (then - t)
                 force = o.force(target, then, at_end, speed)
-                dt = slope(force) / first_coefficient(o.km * speed + o.drive * (o.Omega * then).sin())
+                dt = coefficient(force, 1) / coefficient(o.km * speed + o.drive * (o.Omega * then).sin())
             else:
                 flight = Flight(o, mode, t, x, v)
                 there = flight.at(then - t)
-                at_end, dt = flight.x(there), (slope(speed) - slope(there.v)) / first_coefficient(there.a)
-            dx = slope(at_end) + first_coefficient(speed) * dt
+                at_end, dt = flight.x(there), coefficient(speed - there.v, 1) / coefficient(there.a)
+            dx = coefficient(at_end, 1) + coefficient(speed) * dt
             if not (dt.is_finite() and dx.is_finite()):
                 raise Undecided(f"a derivative by {name} of an event", event.t)
             found.append((dt, dx))
