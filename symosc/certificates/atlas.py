@@ -91,13 +91,12 @@ class Region(NamedTuple):
 
 
 class Task(NamedTuple):
-    """A rectangle to prove, likely orbits in it (most likely first), and how often to divide it before trying."""
+    """A rectangle to prove."""
 
     box: Rectangle
-    near: tuple[Candidate, ...] = ()
-    divide: int = 0
-    #: The middle of a rectangle around it or beside it, and the word there.
-    above: Place | None = None
+    near: tuple[Candidate, ...] = ()  # orbits that it may have, that of the nearest rectangle first
+    divide: int = 0  # how many times it is halved before a proof is tried, as it is much too large
+    above: Place | None = None  # the middle of a rectangle around it or beside it, and the word there
 
 
 def area(box: Rectangle) -> Fraction:
@@ -127,7 +126,7 @@ def canonical(labels: Sequence[str]) -> str:
 
 
 def flight_first(word: str) -> tuple[str, ...]:
-    """Return the labels of a word in order of time, begun with a flight."""
+    """Return the labels of a word, which has a flight, in order of time and rotated so that a flight is first."""
     labels = read_word(word).labels
     first = next(i for i, label in enumerate(labels) if label not in ("P1", "P4"))
     return labels[first:] + labels[:first]
@@ -201,7 +200,7 @@ class Plane(NamedTuple):
     # -- borders -------------------------------------------------------------------------------------------------------
 
     def borders(self, pairs: Sequence[tuple[Place, Place]], known: Sequence[Border] = ()) -> list[Border]:
-        """Return the known borders, those between places with different words, and all that meet these."""
+        """Return the `known` borders and new ones: between the places of `pairs`, then also beside the new ones."""
         found, failed, looked, waiting = list(known), Counter[frozenset[str]](), len(known), deque(pairs)
         while waiting:
             a, b = waiting.popleft()
@@ -221,7 +220,7 @@ class Plane(NamedTuple):
         return found
 
     def beyond(self, border: Border) -> Iterator[tuple[Place, Place]]:
-        """Yield for each side of a border a place beside its middle, and one straight ahead at the plane's edge."""
+        """Yield for each side of a border two places straight off its middle: near it, and at the plane's edge."""
         middle, way = self.across(border.points)
         for step in (way, -way):
             sides = zip(np.array(self.range, dtype=float), middle, step, strict=True)
@@ -232,7 +231,7 @@ class Plane(NamedTuple):
                 yield a, b
 
     def across(self, points: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        """Return the middle of a border, and a vector at a right angle to it there, as long as the plane is wide."""
+        """Return the middle of a border and a vector at a right angle to it, of length 1 if the sides have length 1."""
         middle, size = len(points) // 2, np.array([float(high - low) for low, high in self.range])
         along = (points[middle] - points[middle - 1]) / size
         return points[middle], np.array([along[1], -along[0]]) / np.hypot(*along) * size
@@ -303,7 +302,7 @@ def _longer_side(box: Rectangle) -> int:
 
 
 def explained(found: Sequence[Border], a: Place, b: Place) -> bool:
-    """Return whether found borders that cross the segment between two places have the words of both places."""
+    """Return whether the words of two places are among those of the borders that cross the segment between them."""
     words = {word or "" for each in found if crosses(each.points, a[:2], b[:2]) for word in each.words}
     return {a[2], b[2]} <= words
 
@@ -453,11 +452,8 @@ class Atlas(Drawable):
         looked = [each for each in self.grid if left_end < each[0] < right and bottom < each[1] < top]
         outside = [word for x, y, word in looked if not self._around(x, y).size]
         seen = Counter(outside or [word for *_, word in looked])
-        words = {
-            *proven,
-            *(word for *_, word in looked),
-            *(word for each in self.borders for word in each.words if word),
-        }
+        words = set(proven) | {word for *_, word in looked}
+        words |= {word for each in self.borders for word in each.words if word}
         left = max(0.0, 1 - sum(proven.values()))
         found = [Region(word, proven[word] + left * seen[word] / max(seen.total(), 1), proven[word]) for word in words]
         return tuple(sorted(found, key=lambda each: (-each.share, each.word)))

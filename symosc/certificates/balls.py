@@ -146,14 +146,11 @@ class StateSet:
 
 def _dot(row: Sequence[Ball], column: Sequence[Ball]) -> Ball:
     """Return the scalar product of a row and a column."""
-    total = row[0] * column[0]
-    for a, b in zip(row[1:], column[1:], strict=True):
-        total += a * b
-    return total
+    return sum((a * b for a, b in zip(row, column, strict=True)), arb(0))
 
 
 def _direction(carried: Matrix, box: Sequence[Ball]) -> tuple[Ball, Ball]:
-    """Return the direction of the longest side of a set's image: the two components of a vector, balls of radius 0."""
+    """Return the direction of the longest side of the parallelogram `carried` times `box`, as balls of radius 0."""
     sides = [(a.mid() * y.rad(), b.mid() * y.rad()) for a, b, y in zip(*carried, box, strict=True)]
     a, b = max(sides, key=lambda side: (abs(side[0]) + abs(side[1])).mid())
     length = (abs(a) + abs(b)).mid()

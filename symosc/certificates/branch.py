@@ -17,7 +17,7 @@ from collections.abc import Callable
 from fractions import Fraction
 from math import comb, floor, log10
 
-from flint import arb, arb_series, ctx
+from flint import arb, arb_mat, arb_series, ctx
 
 from symosc.aliases import Record
 from symosc.certificates.balls import Ball, Undecided, ball, made_by, outward
@@ -55,7 +55,7 @@ GivenEnd = tuple[str, Fraction, Values]
 class Family:
     """The closing equations of one word over an interval of one parameter, and their roots there, proven.
 
-    Undecided if it is not proven that there is one root for every value of the parameter.
+    To make one raises Undecided if it is not proven that there is one root for every value of the parameter.
     """
 
     def __init__(self, prover: BranchProver, low: Fraction, high: Fraction, near: Values) -> None:
@@ -68,19 +68,16 @@ class Family:
             Y = thin.jacobian(start).mid().inv().mid()
         except ZeroDivisionError:
             raise Undecided("singular closing equations") from None
-        self.curve = [start]
+        self.curve = [column(start)]
         for order in range(2, ORDER + 1):
-            rest = self._coefficients(self.middle, [*self.curve, [arb(0)] * len(start)], order)[-1]
-            self.curve.append([(-each).mid() for each in (Y * column(rest)).entries()])
+            rest = self._coefficients(self.middle, [*self.curve, 0 * self.curve[0]], order)[-1]
+            self.curve.append(-(Y * rest).mid())
         # The remainder: the coefficients of order ORDER of the residuals, about all values of the parameter at once.
-        shifted = [
-            _horner([[comb(k, j) * each for each in self.curve[k]] for k in range(j, ORDER)], change)
-            for j in range(ORDER)
-        ]
+        shifted = [_horner([comb(k, j) * self.curve[k] for k in range(j, ORDER)], change) for j in range(ORDER)]
         remainder = self._coefficients(every, shifted, ORDER + 1)[-1]
         enclosed = _horner([*self._coefficients(self.middle, self.curve, ORDER), remainder], change)
-        box = pushed = [-each for each in (Y * column(enclosed)).entries()]
-        along = _horner(self.curve, change)
+        box = pushed = (-(Y * enclosed)).entries()
+        along = _horner(self.curve, change).entries()
         for _ in range(MOST_INFLATIONS):
             wider = [(INFLATION * abs(each).upper()).mid() for each in box]
             box = [arb(0, each) + arb(0, arb(2) ** (8 - ctx.prec)) for each in wider]
@@ -93,8 +90,7 @@ class Family:
                 events = switchings(self.wide, [_scaled(each, STATED_WIDTH) for each in whole], 0)
                 #: The enclosures of t and x at all events, as decimals for the file.
                 self.row: Record = {
-                    name: [list(outward(event[j], BRANCH_DIGITS)) for event in events]
-                    for name, j in (("t", 4), ("x", 5))
+                    n: [list(outward(getattr(each, n), BRANCH_DIGITS)) for each in events] for n in "tx"
                 }
                 return
             if not all(each.is_finite() for each in image):
@@ -102,17 +98,17 @@ class Family:
             box = image
         raise Undecided("one root for every value of the parameter")
 
-    def _coefficients(self, value: Ball, curve: list[Values], order: int) -> list[Values]:
+    def _coefficients(self, value: Ball, curve: list[arb_mat], order: int) -> list[arb_mat]:
         """Return the first `order` Taylor coefficients of the residuals along a curve, about a parameter value."""
         ctx.cap, wide = max(ctx.cap, order), self.wide
         series = Oscillator(wide.oscillator.p, {self.prover.name: arb_series([value, 1], prec=order)})
-        values = [arb_series(list(each), prec=order) for each in zip(*curve, strict=True)]
+        values = [arb_series(list(each), prec=order) for each in zip(*(row.entries() for row in curve), strict=True)]
         found = ClosingBalls(series, wide.pieces, wide.periods).residuals(values)
-        return [[each[j] for each in found] for j in range(order)]
+        return [column([each[j] for each in found]) for j in range(order)]
 
     def near(self, value: Fraction) -> Values:
         """Return the approximate root by the polynomial curve at a parameter value, even outside the interval."""
-        return _horner(self.curve, ball(value) - self.middle)
+        return list(_horner(self.curve, ball(value) - self.middle).entries())
 
     def holds(self, value: Fraction, points: Values) -> bool:
         """Return whether points at a value of the parameter lie in the box that has just one root."""
@@ -127,11 +123,11 @@ class Family:
         raise Undecided("whether the roots of two intervals of the parameter are one")
 
 
-def _horner(coefficients: list[Values], at: Ball) -> Values:
-    """Evaluate polynomials at `at` by Horner's scheme; row i has the i-th coefficient of each."""
+def _horner(coefficients: list[arb_mat], at: Ball) -> arb_mat:
+    """Evaluate polynomials at `at` by Horner's scheme; their i-th coefficients are column i."""
     total = coefficients[-1]
     for row in reversed(coefficients[:-1]):
-        total = [a + at * b for a, b in zip(row, total, strict=True)]
+        total = column([a + at * b for a, b in zip(row.entries(), total.entries(), strict=True)])
     return total
 
 
@@ -141,7 +137,7 @@ def _scaled(value: Ball, factor: float) -> Ball:
 
 
 def violated(closing: ClosingBalls, values: Values) -> tuple[str, Ball, str] | None:
-    """Return an inequality that certainly fails for a root: its text, a time, the kind of branch end; None if none."""
+    """Return an inequality that a root certainly violates, when, and the kind of branch end that this is; else None."""
     margins = [closing.margins(i, values) for i in range(len(closing.pieces))]
     durations = [(i, span) for i, (span, *_) in enumerate(margins)]
     for i, margin in durations + [(i, margin) for i, (_, *others) in enumerate(margins) for margin in others]:
@@ -214,7 +210,7 @@ class BranchProver:
                 message = f"the branch of {self.word} in {self.name}: not decided: {undecided.what}{near}"
                 return Certificate("branch", False, message)
             first = self.families[0]
-            changes = [event[:4] for event in switchings(first.wide, first.points, 0)]
+            changes = [event.named() for event in switchings(first.wide, first.points, 0)]
             stable = all(family.wide.stability(family.points).stable for family in self.families) or None
         statement = made_by(BRANCH_BITS) | {
             "parameters": self.p.as_dict(),
@@ -224,7 +220,7 @@ class BranchProver:
             "periods": self.periods,
             "stable": stable,
             "ends": rows,
-            "events": [dict(zip(("kind", "boundary", "source", "target"), each, strict=True)) for each in changes],
+            "events": changes,
             "boxes": [{"value": [show(each.low), show(each.high)]} | each.row for each in self.families],
         }
         return confirmed("branch", statement)

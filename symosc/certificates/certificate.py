@@ -22,7 +22,7 @@ STARTS = ("t0", "x0", "v0")
 
 
 def provable(p: Parameters, v0: Fraction) -> tuple[str, ...]:
-    """Return the names of the inputs with respect to which events' derivatives can be proven, if none is a graze."""
+    """Return the names by which derivatives of events can be proven, for a start with the velocity v0."""
     left_out = [name for n in (1, 2) if v0 == p.belt(n) for name in (f"v{n}", "v0")]
     if p.k == 0:
         left_out += ["k", "c"] if p.c == 0 else ["k"]
@@ -91,7 +91,7 @@ class Certificate(Drawable):
 
 
 def stated(kind: str, proven: bool, message: str, statement: Record, points: tuple[Any, ...] = ()) -> Certificate:
-    """Return a certificate with this statement as the contents of its file, and its events as tuples."""
+    """Return a certificate: its events are those in the statement, `points` the switching points of an orbit."""
     ends = [tuple(tuple(row[name]) for name in "tx" if name in row) for row in proven_rows(statement)]
     names = [(row["kind"], row["source"], row["target"]) for row in proven_rows(statement)]
     events = tuple((*name, *end) for name, end in zip(names, ends, strict=True))

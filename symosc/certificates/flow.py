@@ -15,9 +15,9 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from fractions import Fraction
 from functools import cache
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
-from flint import arb, arb_series
+from flint import acb_series, arb, arb_series
 
 from symosc.certificates.balls import Ball, Undecided, ball, sure_sign
 from symosc.model import PARAMETER_NAMES, Parameters
@@ -26,21 +26,21 @@ from symosc.model import PARAMETER_NAMES, Parameters
 ROUGH = 32
 
 
-def first_coefficient(value: Ball) -> Ball:
-    """Return the first coefficient of a power series, and a ball unchanged."""
-    return value[0] if isinstance(value, arb_series) else value
+def coefficient(value: Ball, order: int = 0) -> Ball:
+    """Return a coefficient of a power series; a ball counts as a constant series."""
+    return value[order] if isinstance(value, arb_series) else arb(0) if order else value
 
 
 def entire_0f1(b: Ball, z: Ball) -> Ball:
-    """Return the hypergeometric function 0F1(b; z) of a ball or a power series z."""
+    """Return the hypergeometric function 0F1(b; z) of a real or complex ball or power series z."""
     # 0F1(1/2; w^2/4) is cosh w, and 0F1(3/2; w^2/4) is sinh w/w, where w^2 may have any sign. The derivative is 0F1(b +
     # 1; z)/b, which gives the Taylor series.
-    if not isinstance(z, arb_series):
+    if not isinstance(z, arb_series | acb_series):
         return z.hypgeom_0f1(b)
-    total, factor = z * 0, arb_series([1], prec=z.prec)
+    kind: Any = type(z)
+    change, total, factor = (kind(each, prec=z.prec) for each in ([0, *list(z)[1:]], [0], [1]))
     for j in range(z.prec):
-        total = total + factor * z[0].hypgeom_0f1(b + j)
-        factor = factor * (z - z[0]) / ((b + j) * (j + 1))
+        total, factor = total + factor * z[0].hypgeom_0f1(b + j), factor * change / ((b + j) * (j + 1))
     return total
 
 
@@ -61,12 +61,12 @@ class Oscillator:
         free = ranges.keys() & {"m", "c", "k"}
         if free:
             self.kappa = self.h * self.h - self.km
-            self.damping = sure_sign(first_coefficient(self.kappa))
+            self.damping = sure_sign(coefficient(self.kappa))
         else:
             exact = p.c * p.c / (4 * p.m * p.m) - p.k / p.m
             self.damping, self.kappa = (exact > 0) - (exact < 0), ball(exact)
         self.omega_d = (self.kappa if self.damping >= 0 else -self.kappa).sqrt()
-        frequency = first_coefficient(self.omega_d)
+        frequency = coefficient(self.omega_d)
         if not frequency > ROUGH * frequency.rad():  # it is critical, or nearly so in the family
             self.damping = 0
         if self.damping > 0:
@@ -90,14 +90,14 @@ class Oscillator:
         else:
             pull, drag = self.km - self.Omega * self.Omega, self.cm * self.Omega
             square = pull * pull + drag * drag
-            if not first_coefficient(square) > 0:
+            if not coefficient(square) > 0:
                 raise Undecided("whether the family is at resonance")
             gain = self.drive / square
             self.steady_c, self.steady_s = gain * drag, -gain * pull
         self.turns = cache(lambda boundary: Turns(p, boundary))
 
     def entire(self, tau: Ball) -> tuple[Ball, Ball, Ball]:
-        """Return the basis functions E, E' and phi = E' + (c/m) E at the time tau."""
+        """Return E, E' and phi = E' + (c/m) E (see the module docstring) at the time tau."""
         if self.damping > 0:
             fast, slow, width = (self.fast * tau).exp(), (self.slow * tau).exp(), 2 * self.omega_d
             E, E1 = (slow - fast) / width, (self.slow * slow - self.fast * fast) / width
@@ -114,7 +114,7 @@ class Oscillator:
         return E, E1, E1 + self.cm * E
 
     def steady(self, tau: Ball, s: Ball, c: Ball) -> tuple[Ball, Ball]:
-        """Return v and a of the steady motion (at resonance: a growing one); s, c are sine, cosine of the phase."""
+        """Return v and v' of the motion with the drive's frequency (at resonance it grows); s, c: its sine, cosine."""
         if self.resonant:
             turn = self.Omega * tau
             return self.growth * (s + turn * c), self.growth * self.Omega * (2 * c - turn * s)
@@ -188,10 +188,10 @@ class Flight:
         way = o.A[self.domain] * there.tau * there.tau / 2 - o.B0 / o.Omega * swing
         return self.x0 + self.v0 * there.tau + way / o.m
 
-    def moved(self, there: FlightPoint, start: Sequence[Ball]) -> tuple[Ball, Ball]:
-        """Return how x and v at a fixed time change if t, x (and v) at the start change by `start`."""
+    def moved(self, there: FlightPoint, change: Sequence[Ball]) -> tuple[Ball, Ball]:
+        """Return the derivatives of x and v at a fixed time along a `change` of t, x (and v) at the start."""
         # A later start by dt is one at the same time with x lower by v dt and v lower by a dt.
-        dt, dx, *rest = start
+        dt, dx, *rest = change
         x, v = dx - self.v0 * dt, (rest[0] if rest else arb(0)) - self.a0 * dt
         return there.phi * x + there.E * v, there.E1 * v - self.oscillator.km * there.E * x
 
@@ -234,7 +234,7 @@ def holding_force(o: Oscillator, boundary: int, domain: int, t: Ball, x: Ball) -
 
 
 class Turns:
-    """The times (turns) at which a belt's drift changes sign; `constant`: the sign of a drift that has no turns."""
+    """The times (turns) at which the drift of the gap to a belt changes sign; `constant`: its sign if it never does."""
 
     def __init__(self, p: Parameters, boundary: int) -> None:
         bias, amplitude = p.k * p.belt(boundary), p.B0 * p.Omega

@@ -26,6 +26,7 @@ from typing import NamedTuple
 
 from flint import arb, ctx
 
+from symosc.aliases import Record
 from symosc.certificates.balls import Ball, StateSet, Undecided, around, ball, decided_sign, sure_sign
 from symosc.certificates.flow import Curve, Flight, Jet, Oscillator, holding_force
 from symosc.model import MODE_NAMES, NEIGHBOURS, Parameters
@@ -40,7 +41,7 @@ MOST_PIECES = 20_000
 
 
 def first_zero(flight: Flight, boundary: int, stop: Ball, on_it: bool) -> tuple[Jet, Jet] | None:
-    """Return both ends of a piece of a flight with only the first zero of its gap to a belt; None if none by `stop`."""
+    """Return the gap to a belt before and after its first zero, with no other in between; None if none by `stop`."""
     # `on_it`: the flight starts on that belt, from where it is known to leave it.
     gap = flight.gap(boundary)
     low = gap(arb(0))
@@ -70,7 +71,7 @@ def first_zero(flight: Flight, boundary: int, stop: Ball, on_it: bool) -> tuple[
 
 
 def _ends_of_pieces(flight: Flight, boundary: int, stop: Ball) -> Iterator[tuple[Ball, bool, bool]]:
-    """Yield for each piece of a flight its end, whether the scaled gap H is convex on it, and whether H is concave."""
+    """Yield the end of each piece of a flight, whether H (module docstring) is convex on it, and whether concave."""
     o, begin, at = flight.oscillator, flight.t0, arb(0)
     # Pieces are at most this long, in units of 1/omega_d: less than pi.
     longest = (arb(2.8) / o.omega_d).mid() if o.damping < 0 else None
@@ -116,7 +117,8 @@ def _dip(flight: Flight, boundary: int, gap: Curve, low: Jet, high: Jet) -> tupl
 
 
 def _where_to_cut(o: Oscillator, low: Jet, high: Jet, u: Ball, cut: int) -> Ball | None:
-    """Return the point at which to divide a convex piece, or None if the gap is positive on all of it."""
+    """Return the time at which to divide a convex piece, or None if the gap is positive on all of it."""
+    # `u` is how long the piece lasts, `cut` how many times it was divided before.
     slope_low = low.dg + o.h * low.g
     if slope_low >= 0:
         return None
@@ -168,6 +170,7 @@ def zero_in(gap: Curve, low: Ball, high: Ball, what: str, t: Ball) -> Ball:
 
 def fenced(gap: Curve, sample: Jet, spare: Ball, ends: tuple[Ball, Ball], what: str, t: Ball) -> Ball:
     """Return a ball of times around a sample in which the gap falls from > 0 to < 0, so that it has just one zero."""
+    # It lies between the two `ends`; its radius is twice the step of Newton's method, plus `spare`, or a little more.
     (low, high), here = ends, sample.tau
     width = 2 * abs(sample.g).upper() / max(abs(sample.dg).lower(), arb(2) ** -10000) + spare
     for _ in range(40):
@@ -197,10 +200,10 @@ def sharper(gap: Curve, found: Ball, slope: Ball) -> Ball:
 
 
 def end_of_stick(o: Oscillator, boundary: int, t: Ball, x: Ball, stop: Ball) -> tuple[int, Ball, Ball] | None:
-    """Return the domain into which a stick from (t, x) slips, its duration, and the force's derivative at its end.
+    """Return the domain into which a stick from (t, x) slips, its duration, and the derivative of the force then 0.
 
-    None if it lasts for a time `stop` at least. It is known that F^(below) >= 0 >= F^(above) at its start, and that it
-    goes into the stick where one of them is 0.
+    None if it lasts for a time `stop` at least. It is known that the forces hold it at its start (module docstring),
+    or right after it.
     """
     begin, turns = stop * 0, o.turns(boundary)
     for lasted, (turn, drift) in enumerate(turns.after(t), 1):
@@ -227,7 +230,7 @@ def end_of_stick(o: Oscillator, boundary: int, t: Ball, x: Ball, stop: Ball) -> 
 
 
 class Moving(NamedTuple):
-    """A set of states (t, x) in one mode; before the first event (t, x, v), unless the start is on a belt."""
+    """A set of states in one mode: (t, x) on a belt or right behind an event; (t, x, v) at a start between belts."""
 
     mode: int  # a code of `symosc.model.MODE_NAMES`
     boundary: int  # the belt that it is on or leaves just now (into its mode, which is proven), or 0
@@ -249,6 +252,10 @@ class ProvenEvent(NamedTuple):
     target: str
     t: Ball
     x: Ball
+
+    def named(self) -> Record:
+        """Return kind, boundary, source and target by these names."""
+        return dict(zip(self._fields[:4], self[:4], strict=True))
 
 
 def goes_round(p: Parameters) -> bool:
@@ -272,31 +279,24 @@ def begin(o: Oscillator, start: tuple[Fraction, ...], errors: tuple[Fraction, ..
             raise Undecided("a start on a belt whose velocity is known to an error only", values[0])
         boundary = 1 if v0 == p.v1 else 2
         exact = not any(errors) and (t0 == 0 or p.B0 == 0)  # the forces are rational
-        below, above = (_force_sign(o, domain, boundary, values, start, exact) for domain in NEIGHBOURS[boundary])
+        signs = []  # of the forces, or of the derivative of one that is exactly 0
+        for domain in NEIGHBOURS[boundary]:
+            sign = sure_sign(o.force(domain, *values))
+            if sign == 0 and not exact:
+                raise Undecided("a force on the belt at the start", values[0])
+            if sign == 0:
+                force = p.A(domain) + (p.B0 if t0 == 0 else 0) - p.k * x0 - p.c * v0
+                sign = (force > 0) - (force < 0) or next(o.turns(boundary).after(values[0]))[1]
+            if sign == 0:
+                raise Undecided("a force on the belt that is 0 for ever", values[0])
+            signs.append(sign)
+        below, above = signs
         mode = boundary + 1 if above > 0 else boundary if below < 0 else ON_A_BELT + boundary
         values.pop()
     circle = None
     if goes_round(p) and not any(errors) and mode <= ON_A_BELT:
         circle = v0, (p.A(mode) - p.k * x0) / p.m
     return Moving(mode, boundary, StateSet.of(values), circle)
-
-
-def _force_sign(
-    o: Oscillator, domain: int, boundary: int, values: list[Ball], start: tuple[Fraction, ...], exact: bool
-) -> int:
-    """Return the sign of a force on a belt at the start, or of its derivative if the force is exactly 0."""
-    p, (_, x0, v0) = o.p, start
-    sign = sure_sign(o.force(domain, *values))
-    if sign == 0 and not exact:
-        raise Undecided("a force on the belt at the start", values[0])
-    if sign == 0:
-        force = p.A(domain) + (p.B0 if start[0] == 0 else 0) - p.k * x0 - p.c * v0
-        sign = (force > 0) - (force < 0)
-        if force == 0:
-            _, sign = next(o.turns(boundary).after(values[0]))
-        if sign == 0:
-            raise Undecided("a force on the belt that is 0 for ever", values[0])
-    return sign
 
 
 def next_event(o: Oscillator, state: Moving, t_end: Ball) -> tuple[ProvenEvent, Moving] | None:

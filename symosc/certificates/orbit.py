@@ -18,7 +18,7 @@ from __future__ import annotations
 from collections.abc import Iterator, Sequence
 from fractions import Fraction
 from math import floor, log10
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 from flint import arb, arb_mat, ctx
 
@@ -26,6 +26,7 @@ from symosc.aliases import Number, Record
 from symosc.certificates.balls import Ball, Undecided, exact_ends, made_by, outward
 from symosc.certificates.certificate import Certificate, confirmed
 from symosc.certificates.flow import Curve, Flight, Oscillator, holding_force
+from symosc.certificates.motion import ProvenEvent, belts_around
 from symosc.model import MODE_NAMES, Parameters
 from symosc.orbits.closing_equations import OrbitPiece, pieces_of
 from symosc.words import Word
@@ -64,23 +65,19 @@ def krawczyk(box: Values, middle: Values, residuals: Values, J: arb_mat) -> Valu
         Y = J.mid().inv().mid()
     except ZeroDivisionError:
         return None
-    rest = column([value - c for value, c in zip(box, middle, strict=True)])
-    moved = (unit_matrix(len(box)) - Y * J) * rest - Y * column(residuals)
-    image = [c + each for c, each in zip(middle, moved.entries(), strict=True)]
+    moved = (unit_matrix(len(box)) - Y * J) * (column(box) - column(middle)) - Y * column(residuals)
+    image = (column(middle) + moved).entries()
     return image if all(value.contains_interior(each) for value, each in zip(box, image, strict=True)) else None
 
 
 class Margin(NamedTuple):
-    """A number, or a function of time on a piece, that must be positive; `kind` is the end of a branch where it fails.
-
-    If `at_end`, the function g is known to be 0 where the piece ends. `at_start`: 1 if g, 2 if g and g' start at 0.
-    """
+    """A number, or a function g of the time on a piece, that must be positive for an orbit."""
 
     what: str
     curve: Curve | Ball
-    at_start: int = 0
-    at_end: bool = False
-    kind: str = ""
+    at_start: int = 0  # 1 if g, 2 if g and g' are known to be 0 where the piece starts
+    at_end: bool = False  # whether g is known to be 0 where it ends
+    kind: str = ""  # how a branch ends where it is 0
 
 
 class ClosingBalls:
@@ -130,13 +127,13 @@ class ClosingBalls:
 
     def jacobian(self, values: Values) -> arb_mat:
         """Return the Jacobian of the residuals with respect to t and x of all points."""
-        n = len(self.pieces)
-        rows = [[arb(0)] * (2 * n) for _ in range(2 * n)]
-        for i in range(n):
-            for row, entries in zip(rows[2 * i : 2 * i + 2], self._slopes(i, values), strict=True):
-                for j, entry in enumerate(entries, 2 * i):
-                    row[j % (2 * n)] += entry
-        return arb_mat(rows)
+        count = len(values)
+        J = arb_mat(count, count)
+        for i in range(0, count, 2):
+            for row, entries in enumerate(self._slopes(i // 2, values), i):
+                for j, entry in enumerate(entries, i):
+                    J[row, j % count] += entry
+        return J
 
     def end_by_start(self, i: int, values: Values) -> arb_mat:
         """Return the derivatives of t, x at the end of piece i with respect to those at its start, approximately."""
@@ -153,12 +150,11 @@ class ClosingBalls:
                 step = self.jacobian(values).mid().solve(column(self.residuals(values)).mid())
             except ZeroDivisionError:
                 break
-            sizes = [abs(each.mid()) for each in step.entries()]
-            values = [(value - each).mid() for value, each in zip(values, step.entries(), strict=True)]
+            values = (column(values) - step).mid().entries()
             if not all(each.is_finite() for each in values):
                 break
-            scale = max((abs(value) for value in values), key=float)
-            if all(each <= scale * arb(2) ** (16 - ctx.prec * 3 // 4) for each in sizes):
+            scale = max(map(abs, values), key=float)
+            if all(abs(each.mid()) <= scale * arb(2) ** (16 - ctx.prec * 3 // 4) for each in step.entries()):
                 return values
         raise Undecided("a root of the closing equations, which are singular or nearly so")
 
@@ -168,31 +164,23 @@ class ClosingBalls:
 
     def roots(self, middle: Values) -> Iterator[tuple[Values, Values]]:
         """Yield boxes around `middle` with exactly one root, the widest first, each with an enclosure of the root."""
-        sizes = self.turn.mid(), max((abs(value) for value in middle[1::2]), key=float) + 1
+        sizes = self.turn.mid(), max(map(abs, middle[1::2]), key=float) + 1
         for part in BOXES:
             box = [value + arb(0, (part * sizes[j % 2]).mid()) for j, value in enumerate(middle)]
-            image = self.krawczyk(box, middle)
-            if image is not None:
-                yield box, self._narrowed(image)
-
-    def _narrowed(self, box: Values) -> Values:
-        """Return a narrower enclosure of the root in a box with exactly one root."""
-        for _ in range(4):
-            image = self.krawczyk(box, [each.mid() for each in box])
-            if image is None:
-                return box
-            before, box = box, image
-            if all(float(a.rad()) > 0.25 * float(b.rad()) for a, b in zip(box, before, strict=True)):
-                return box
-        return box
+            root = self.krawczyk(box, middle)
+            if root is None:
+                continue
+            for _ in range(4):
+                before, root = root, self.krawczyk(root, [each.mid() for each in root]) or root
+                if all(float(a.rad()) > 0.25 * float(b.rad()) for a, b in zip(root, before, strict=True)):
+                    break
+            yield box, root
 
     # -- the course of the word ----------------------------------------------------------------------------------------
 
     def margins(self, i: int, values: Values) -> list[Margin]:
-        """Return the margins of piece i: its duration, the forces that Theorems 4 and 5 need at its start, its course.
-
-        The end of a stick adds none: one force is 0 there, and that the other one holds is a margin of the stick.
-        """
+        """Return the margins of piece i: its duration, the forces at its start (Theorems 4 and 5), those during it."""
+        # None is needed at a start behind a stick: one force is 0 there, the other one is a margin of the stick.
         o, piece, before, (t, x) = self.oscillator, self.pieces[i], self.pieces[i - 1], values[2 * i : 2 * i + 2]
         kind = "stick" if piece.sticks else "slip" if piece.after_stick else "flight"
         found = [Margin(f"{piece.label} lasts", self.ends(values)[2 * i] - t, kind=f"vanishing of a {kind}")]
@@ -212,11 +200,10 @@ class ClosingBalls:
                 found.append(Margin(what, curve, 0, domain == self.slips_into(i), "birth of a slip"))
             return found
         flight = self.flight(i, values)
-        for boundary in (piece.mode - 1, piece.mode):
-            if boundary in (1, 2):
-                zeros = 0 if boundary != piece.start else 2 if piece.after_stick else 1
-                what = f"v {'>' if piece.mode > boundary else '<'} v{boundary} during {piece.label}"
-                found.append(Margin(what, flight.gap(boundary), zeros, boundary == piece.end))
+        for boundary in belts_around(piece.mode):
+            zeros = 0 if boundary != piece.start else 2 if piece.after_stick else 1
+            what = f"v {'>' if piece.mode > boundary else '<'} v{boundary} during {piece.label}"
+            found.append(Margin(what, flight.gap(boundary), zeros, boundary == piece.end))
         return found
 
     def prove_course(self, values: Values) -> None:
@@ -234,7 +221,7 @@ class ClosingBalls:
     def stability(self, values: Values) -> Stability:
         """Return trace and determinant of the monodromy matrix of the root in `values`."""
         o, ends = self.oscillator, self.ends(values)
-        (xx, xv), (vx, vv) = (arb(1), arb(0)), (arb(0), arb(1))
+        monodromy = unit_matrix(2)
         determinant = (-o.cm * self.turn).exp()
         for i, piece in enumerate(self.pieces):
             if piece.sticks:
@@ -244,51 +231,37 @@ class ClosingBalls:
             if not following.sticks:
                 force = o.force(following.mode, ends[2 * i], ends[2 * i + 1], o.speed[piece.end])
                 ratio = force / there.a
-            down, E, E1, phi = -o.km * there.E, there.E, there.E1, there.phi
-            xx, xv, vx, vv = (
-                phi * xx + E * vx,
-                phi * xv + E * vv,
-                ratio * (down * xx + E1 * vx),
-                ratio * (down * xv + E1 * vv),
-            )
+            monodromy = arb_mat([[there.phi, there.E], [-ratio * o.km * there.E, ratio * there.E1]]) * monodromy
             determinant = determinant * ratio
-        return Stability(xx + vv, determinant)
+        return Stability(monodromy.trace(), determinant)
 
 
 def prove_positive(margin: Margin, span: Ball) -> None:
     """Prove that a margin stays positive from 0 to a time in `span`, or raise Undecided."""
-    last, begin, first = span.upper().mid(), arb(0), True
-    if margin.at_start == 0 and not margin.curve(begin).g > 0:
+    last, begin, zeros = span.upper().mid(), arb(0), margin.at_start
+    if zeros == 0 and not margin.curve(begin).g > 0:
         raise Undecided(f"{margin.what} at its start")
     step = (last * FIRST_COURSE_STEP).mid()
     for _ in range(4000):
         end = (begin + step).mid()
         final = bool(end >= last)
-        if final:
-            end = last
-        if _positive_on_step(margin, begin, end, first, final):
-            if final:
-                return
-            begin, first, step = end, False, (step * 1.5).mid()
+        over = begin.union(last if final else end)
+        whole, there, off = margin.curve(over), margin.curve(over.mid()), over - over.mid()
+        slope = there.dg + whole.ddg * off
+        if final and margin.at_end:
+            sure = not zeros and slope < 0
         else:
-            step = ((end - begin) / 2).mid()
+            g = there.g + there.dg * off + whole.ddg * (off * off).nonnegative_part() / 2
+            sure = g > 0 or whole.g > 0 or slope > 0 or (zeros == 2 and whole.ddg > 0)
+        if sure and final:
+            return
+        if sure:
+            begin, zeros, step = end, 0, (step * 1.5).mid()
+        else:
+            step = (((last if final else end) - begin) / 2).mid()
             if step <= last * SHORTEST_COURSE_STEP:
                 break
     raise Undecided(margin.what, begin)
-
-
-def _positive_on_step(margin: Margin, begin: Ball, end: Ball, first: bool, final: bool) -> bool:
-    """Return whether the margin is certainly positive from begin to end of a step, except where it is known to be 0."""
-    over = begin.union(end)
-    whole, middle = margin.curve(over), over.mid()
-    there, off = margin.curve(middle), over - middle
-    square = (off * off).nonnegative_part()
-    slope = there.dg + whole.ddg * off
-    if final and margin.at_end:
-        return not (first and margin.at_start) and bool(slope < 0)
-    if there.g + there.dg * off + whole.ddg * square / 2 > 0 or whole.g > 0 or slope > 0:
-        return True
-    return bool(first and margin.at_start == 2 and whole.ddg > 0)
 
 
 class Stability(NamedTuple):
@@ -334,7 +307,7 @@ def certify_orbit(
 ) -> Certificate:
     """Prove an orbit near points (t, x) with labels in order of time; raise the precision as needed."""
     word, bits = Word(labels), LEAST_ORBIT_BITS
-    near = [_exact(each) for point in points for each in point]
+    near = [arb(each) for point in points for each in point]
     while True:
         with ctx.workprec(bits):
             try:
@@ -348,12 +321,6 @@ def certify_orbit(
                     message = f"the orbit {word}, with {bits} bits: not decided: {undecided.what}{undecided.place()}"
                     return Certificate("orbit", False, message + _marginal(closing, near))
             bits *= 2
-
-
-def _exact(number: Number) -> Ball:
-    """Convert a number, of mpmath too, to a ball of radius 0 without rounding."""
-    man_exp: Any = getattr(number, "man_exp", None)  # an mpmath number has more digits than a float
-    return arb(number) if man_exp is None else arb((int(man_exp[0]), int(man_exp[1])))
 
 
 def _prove_with_word(closing: ClosingBalls, near: Values) -> tuple[Values, Values]:
@@ -385,14 +352,14 @@ def _marginal(closing: ClosingBalls, near: Values) -> str:
 # -- the certificate ---------------------------------------------------------------------------------------------------
 
 
-def switchings(closing: ClosingBalls, values: Values, begin: int) -> list[tuple[str, int, str, str, Ball, Ball]]:
-    """Return one period's events, from number `begin` until this repeats: kind, boundary, source, target, t, x."""
+def switchings(closing: ClosingBalls, values: Values, begin: int) -> list[ProvenEvent]:
+    """Return the events of one period from number `begin` on, and at last that event again, a period later."""
     pieces, n, rows = closing.pieces, len(closing.pieces), []
     for j in range(begin, begin + n + 1):
         (before, piece), (t, x) = (pieces[j % n - 1], pieces[j % n]), values[2 * (j % n) : 2 * (j % n) + 2]
         kind = "slip" if before.sticks else "stick" if piece.sticks else "cross"
         t = t + closing.turn if j >= n else t
-        rows.append((kind, piece.start, MODE_NAMES[before.mode], MODE_NAMES[piece.mode], t, x))
+        rows.append(ProvenEvent(kind, piece.start, MODE_NAMES[before.mode], MODE_NAMES[piece.mode], t, x))
     return rows
 
 
@@ -419,9 +386,10 @@ def _certificate(
         moved = (closing.end_by_start(i % n, middle) * moved).mid()
         reaches.append(SPARE * (abs(moved[0, 0]) + abs(moved[0, 1])))
     rows: list[Record] = [
-        {"kind": kind, "boundary": boundary, "source": source, "target": target}
-        | {"t": list(outward(t, POINT_DIGITS)), "x": list(outward(x, POINT_DIGITS)), "reach": one_digit(reach)}
-        for (kind, boundary, source, target, t, x), reach in zip(switchings(closing, root, begin), reaches, strict=True)
+        event.named()
+        | {name: list(outward(getattr(event, name), POINT_DIGITS)) for name in "tx"}
+        | {"reach": one_digit(reach)}
+        for event, reach in zip(switchings(closing, root, begin), reaches, strict=True)
     ]
 
     def decimals(value: Ball) -> list[str]:

@@ -91,7 +91,7 @@ def prove_list(
 
 
 def _reason(again: bool, orbit: ListedOrbit) -> str:
-    """Prove an orbit of the list, or `again` check what its file says; return "" or why it failed."""
+    """Prove an orbit and, if `again`, let the checker prove its certificate; return "" or why that failed."""
     proof = orbit.prove()
     if not again:
         return "" if proof.proven else proof.message

@@ -26,18 +26,19 @@ other. On a belt with the speed 0 the mass may rest where mu FN >= |B0|, and onl
 
 from __future__ import annotations
 
-from collections import deque
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from fractions import Fraction
+from functools import partial
 from itertools import pairwise
-from math import ceil, factorial
+from math import ceil
 from typing import NamedTuple
 
 from flint import acb, acb_series, arb, arb_mat, arb_series, ctx
 
 from symosc.certificates.balls import Ball, Undecided, ball
-from symosc.certificates.flow import Jet, Oscillator
+from symosc.certificates.flow import Jet, Oscillator, coefficient, entire_0f1
+from symosc.certificates.motion import belts_around
 from symosc.certificates.orbit import Margin, Values, column, prove_positive, unit_matrix
 from symosc.model import PARAMETER_NAMES, Parameters
 from symosc.orbits.closing_equations import OrbitPiece, pieces_of
@@ -51,11 +52,8 @@ SHORTER, MOST_CUTS = 0.95, 12
 #: The directions in a box in which series are computed.
 DIRECTIONS = ((1, 0), (0, 1), (1, 1), (1, -1))
 
-#: Where (exp(z) - 1)/z is computed by its series: |z| at most, and the terms of exp and of its derivatives.
-NEAR, EXP_ERROR = 3.0, 1e-18
-EXP_TERMS = [1 / arb(factorial(n)) for n in range(40)]
-EXP_OVER = [[term / (n + k + 1) for n, term in enumerate(EXP_TERMS)] for k in range(4)]
-_kept: deque[tuple[Ball, list[Ball]]] = deque(maxlen=4)
+#: (exp(z) - 1)/z is computed without the division where |z| is less.
+NEAR = 3.0
 
 Rectangle = tuple[tuple[Fraction, Fraction], tuple[Fraction, Fraction]]
 #: A cut: a share of a flight after which the gap is > 0, and for how long before and after the free motion's is too.
@@ -75,7 +73,7 @@ class NotInBox(Exception):
 
 
 class Leg(NamedTuple):
-    """A flight of a word: its piece, where its phase and duration stand among the unknowns, and the next stick."""
+    """A flight of a word: its piece, the indices of its phase and duration in the unknowns, the stick behind it."""
 
     piece: OrbitPiece
     at: int
@@ -92,21 +90,20 @@ def mirrors(p: Parameters, names: Sequence[str] = ()) -> dict[int, int]:
     """Return the mirror image of each mode of an oscillator that is symmetric about A0/k, else {}."""
     # It is symmetric if the belts are alike with opposite speeds, or if one has no friction and the other no speed; the
     # parameters in `names` may have any values.
-    free = set(names)
-    if not free & {"v1", "v2", "mu1", "mu2"} and p.v1 == -p.v2 and p.mu1 == p.mu2:
+    if not {"v1", "v2", "mu1", "mu2"} & set(names) and p.v1 == -p.v2 and p.mu1 == p.mu2:
         return {1: 3, 2: 2, 3: 1, 4: 5, 5: 4}
     for belt, other in ((1, 2), (2, 1)):
-        if not free & {f"v{belt}", f"mu{other}"} and p.belt(belt) == 0 == getattr(p, f"mu{other}"):
+        if not {f"v{belt}", f"mu{other}"} & set(names) and p.belt(belt) == 0 == getattr(p, f"mu{other}"):
             return {belt: belt + 1, belt + 1: belt, 3 + belt: 3 + belt}
     return {}
 
 
 class Flown:
-    """A flight followed for a time tau from its unknowns u; balls, or power series.
+    """A flight from its unknowns u: x, v and a after a time tau, x0 and a0 at its start; as balls or power series.
 
-    The response to the drive is E convolved with sin(theta) and cos(theta). With lambda = -h + i omega_d and
-    X(lambda) = int exp(lambda (tau - s) + i Omega s) ds the response to exp(i Omega s) is the difference quotient of X
-    at lambda and its conjugate. Near resonance the first X is an entire function.
+    E, E1 = E' and phi are those of `symosc.certificates.flow`, and v responds to the drive by E convolved with
+    sin(theta). With lambda = -c/2m + i omega_d and X(lambda) = int exp(lambda (tau - s) + i Omega s) ds the response to
+    exp(i Omega s) is the difference quotient of X at lambda and its conjugate. Near resonance the first X is entire.
     """
 
     def __init__(self, o: Oscillator, leg: Leg, u: Values, tau: Ball) -> None:
@@ -117,7 +114,9 @@ class Flown:
             free, rate = (root * complexed(tau)).exp(), imaginary(o.Omega) - root
             z = rate * complexed(tau)
             near = float(abs(z[0] if isinstance(z, acb_series) else z).upper()) < NEAR
-            X = free * complexed(tau) * slope_of_exp(z) if near else (turned - free) / rate
+            # (exp(z) - 1)/z = exp(z/2) sinh(z/2)/(z/2)
+            slope = (z / 2).exp() * entire_0f1(acb(1.5), z * z / 16) if near else None
+            X = free * complexed(tau) * slope if near else (turned - free) / rate
             Y = (turned - (other * complexed(tau)).exp()) / (imaginary(o.Omega) - other)
             quotient = imaginary(2 * o.omega_d)
             Z, Z1 = (X - Y) / quotient, (root * X - other * Y) / quotient
@@ -177,8 +176,7 @@ class Flights:
     def points(self, o: Oscillator, u: Values) -> list[tuple[float, float]]:
         """Return phase and position of the switching point at which each label of the word begins."""
         found = list[tuple[float, float]]()
-        for leg in self.legs:
-            there = Flown(o, leg, u, u[leg.tau])
+        for leg, there in zip(self.legs, self.flown(o, u), strict=True):
             found.append((float(u[leg.at]), float(there.x0)))
             if leg.stick:
                 found.append((float(u[leg.at] + o.Omega * u[leg.tau]), float(there.x)))
@@ -187,8 +185,12 @@ class Flights:
             found += [(phase + float(arb.pi()), twice - x) for phase, x in found]
         return found
 
-    def onto(self, o: Oscillator, i: int, u: Values, flown: Sequence[Flown]) -> tuple[Ball, Ball]:
-        """Return phase and position where the flight after flight i starts; after the last: the first, a period on."""
+    def flown(self, o: Oscillator, u: Values) -> list[Flown]:
+        """Return all flights followed to their ends."""
+        return [Flown(o, leg, u, u[leg.tau]) for leg in self.legs]
+
+    def next_start(self, o: Oscillator, i: int, u: Values, flown: Sequence[Flown]) -> tuple[Ball, Ball]:
+        """Return phase and position at the start of the flight behind flight i; after the last, the first again."""
         if i + 1 < len(self.legs):
             return u[self.legs[i + 1].at], flown[i + 1].x0
         x = flown[0].x0
@@ -196,9 +198,14 @@ class Flights:
 
     def residuals(self, o: Oscillator, u: Values) -> tuple[list[Flown], Values]:
         """Return the flights followed to their ends, and the residuals of the closing equations."""
-        flown, found = [Flown(o, leg, u, u[leg.tau]) for leg in self.legs], list[Ball]()
+        flown, found = self.flown(o, u), list[Ball]()
         for i, (leg, there) in enumerate(zip(self.legs, flown, strict=True)):
-            speed, (phase, x), start, tau = o.speed[leg.piece.end], self.onto(o, i, u, flown), u[leg.at], u[leg.tau]
+            speed, (phase, x), start, tau = (
+                o.speed[leg.piece.end],
+                self.next_start(o, i, u, flown),
+                u[leg.at],
+                u[leg.tau],
+            )
             if leg.stick:
                 found += [there.v - speed, there.x + speed * ((phase - start) / o.Omega - tau) - x]
             else:
@@ -220,8 +227,7 @@ class Flights:
 
     def jacobian(self, o: Oscillator, u: Values) -> tuple[list[dict[str, Values]], list[Values]]:
         """Return the flights' derivatives as `slopes` gives them, and the Jacobian of the residuals (rows)."""
-        slopes = [self.slopes(o, leg, u) for leg in self.legs]
-        rows = list[Values]()
+        slopes, rows = [self.slopes(o, leg, u) for leg in self.legs], list[Values]()
         for i, (leg, by) in enumerate(zip(self.legs, slopes, strict=True)):
             follows = (i + 1) % len(self.legs)
             then, sign = self.legs[follows].at, -1 if follows == 0 and self.mirrored else 1
@@ -244,8 +250,6 @@ class Flights:
 
     def turn(self, o: Oscillator, belt: int, index: int) -> Ball:
         """Return the phase of the index-th turn of the forces on a belt; sin theta rises there for even indices."""
-        if isinstance(o.speed[belt], arb) and o.speed[belt].is_zero():
-            return index * arb.pi()
         angle = (-o.k * o.speed[belt] / o.drive / o.m).asin()
         return index * arb.pi() + (-angle if index % 2 else angle)
 
@@ -261,11 +265,11 @@ class Flights:
         return [index for index, phase in turns if not phase < low and not phase > high]
 
     def drift(self, o: Oscillator, belt: int, phase: Ball) -> Ball:
-        """Return k v + B0 Omega sin(theta), v the belt's speed: -m times the rate of both forces on the belt."""
+        """Return k v + B0 Omega sin(theta), v the belt's speed: -m times the time derivative of both forces on it."""
         return o.k * o.speed[belt] + o.B0 * o.Omega * phase.sin()
 
     def sections(self, o: Oscillator, leg: Leg, u: Values) -> list[tuple[int, Ball, Ball]] | None:
-        """Split a flight back to its belt where L g changes sign: (sign, begin, end) each; None if undecided."""
+        """Split a flight back to its belt at the turns: (sign of L g, begin, end) of each part; None if undecided."""
         phase, belt, found = u[leg.at], leg.piece.start, []
         end = phase + o.Omega * u[leg.tau]
         turns = [self.turn(o, belt, index) for index in self.turns_between(o, belt, phase, end)]
@@ -280,17 +284,16 @@ class Flights:
         return found
 
     def plan(self, o: Oscillator, u: Values) -> Plan:
-        """Return the turns in each stick and the cuts of each flight, for all unknowns u in a box (as balls)."""
-        flown = [Flown(o, leg, u, u[leg.tau]) for leg in self.legs]
-        turns, cuts = list[list[int]](), list[list[Cut] | None]()
+        """Return the turns in each stick and the cuts of each flight (see `Plan`), for all unknowns in the balls u."""
+        flown, turns, cuts = self.flown(o, u), list[list[int]](), list[list[Cut] | None]()
         for i, leg in enumerate(self.legs):
-            end, begin = self.onto(o, i, u, flown)[0], u[leg.at] + o.Omega * u[leg.tau]
+            end, begin = self.next_start(o, i, u, flown)[0], u[leg.at] + o.Omega * u[leg.tau]
             turns.append(self.turns_between(o, leg.piece.end, begin, end) if leg.stick else [])
             cuts.append(self.cuts(o, leg, u) if leg.piece.start == leg.piece.end else None)
         return turns, cuts
 
     def cuts(self, o: Oscillator, leg: Leg, u: Values) -> list[Cut] | None:
-        """Return the times at which a flight that returns to its belt must be off it; None: prove it in short steps."""
+        """Return the cuts of a flight that returns to its belt (see `Cut`); None if short steps have to prove it."""
         found, longest = self.sections(o, leg, u), longest_part(o)
         if found is None:
             return None
@@ -313,7 +316,7 @@ class Flights:
         return None if len(cuts) > MOST_CUTS else [(round(at / tau * 1024) / 1024, reach) for at, reach in cuts]
 
     def stays(self, o: Oscillator, leg: Leg, u: Values, cuts: list[Cut]) -> bool:
-        """Return whether a gap that is positive at the cuts is so during a whole flight, by the signs of L g."""
+        """Return whether a gap > 0 at the cuts is > 0 all the time, by the signs of L g (module docstring)."""
         found, longest, tau, left = self.sections(o, leg, u), longest_part(o), u[leg.tau], list(cuts)
         if found is None:
             return False
@@ -348,7 +351,7 @@ class Flights:
             found.append((text, value, row))
 
         for i, (leg, there) in enumerate(zip(self.legs, flown, strict=True)):
-            (phase, _), piece, stick, belt = self.onto(o, i, u, flown), leg.piece, leg.stick, leg.piece.end
+            (phase, _), piece, stick, belt = self.next_start(o, i, u, flown), leg.piece, leg.stick, leg.piece.end
             then, side, tau, jump = self.legs[(i + 1) % len(self.legs)].at, leg.side, u[leg.tau], o.jump[belt]
             meets = -side * there.a
             by_meets = (leg.at, [-side * each for each in slopes[i]["a"]] if slopes else [])
@@ -382,37 +385,22 @@ class Flights:
         """Prove that no flight meets a belt before its end, given that all margins are positive; else Undecided."""
         for leg, cuts in zip(self.legs, plan[1], strict=True):
             piece = leg.piece
-            sides = {belt: 1 if piece.mode > belt else -1 for belt in (piece.mode - 1, piece.mode) if belt in (1, 2)}
-            speeds = {belt: o.speed[belt] for belt in sides}
+            sides = {belt: (1 if piece.mode > belt else -1, o.speed[belt]) for belt in belts_around(piece.mode)}
             if self.beside and piece.mode != 2:  # its mirror image is between both belts
                 other = 2 if piece.mode == 1 else 1
-                sides[other], speeds[other] = (1 if piece.mode == 1 else -1), -o.speed[other]
-            for belt, side in sides.items():
+                sides[other] = (1 if piece.mode == 1 else -1), -o.speed[other]
+            for belt, (side, speed) in sides.items():
                 if belt == piece.start == piece.end and cuts is not None and self.stays(o, leg, u, cuts):
                     continue
-                if belt not in (piece.start, piece.end) and self.far(o, leg, u, side * speeds[belt]):
-                    continue
                 zeros = 0 if belt != piece.start else 2 if piece.after_stick else 1
-                gap = self.gap(o, leg, u, side, speeds[belt])
+                gap = partial(self.gap, o, leg, u, side, speed)
                 prove_positive(Margin(piece.label, gap, zeros, belt == piece.end), u[leg.tau])
 
-    def far(self, o: Oscillator, leg: Leg, u: Values, least: Ball) -> bool:
-        """Return whether a flight has too little energy to reach a belt; `least`: side (1, -1) times belt speed."""
-        s0, c0 = u[leg.at].sin_cos()
-        v = o.speed[leg.piece.start] - o.steady_c * c0 - o.steady_s * s0
-        a = Flown(o, leg, u, arb(0)).a0 - o.Omega * (o.steady_s * c0 - o.steady_c * s0)
-        steady = (o.steady_c * o.steady_c + o.steady_s * o.steady_s).upper().sqrt()
-        return bool((v * v + a * a / o.km).upper().sqrt() + steady < -least)
-
-    def gap(self, o: Oscillator, leg: Leg, u: Values, side: int, speed: Ball) -> Callable[[Ball], Jet]:
-        """Return a function of time: how far a flight is above (side 1) or below (side -1) a velocity `speed`."""
-
-        def gap(tau: Ball) -> Jet:
-            there = Flown(o, leg, u, tau)
-            jerk = there.jerk(o, (u[leg.at] + o.Omega * tau).sin())
-            return Jet(tau, side * (there.v - speed), side * there.a, side * jerk)
-
-        return gap
+    def gap(self, o: Oscillator, leg: Leg, u: Values, side: int, speed: Ball, tau: Ball) -> Jet:
+        """Return how far a flight is above (side 1) or below (side -1) a velocity `speed` at a time after its start."""
+        there = Flown(o, leg, u, tau)
+        jerk = there.jerk(o, (u[leg.at] + o.Omega * tau).sin())
+        return Jet(tau, side * (there.v - speed), side * there.a, side * jerk)
 
 
 def complexed(value: Ball) -> Ball:
@@ -430,36 +418,6 @@ def component(value: Ball, imaginary: int) -> Ball:
     if not isinstance(value, acb_series):
         return value.imag if imaginary else value.real
     return arb_series([each.imag if imaginary else each.real for each in value], prec=value.prec)
-
-
-def slope_of_exp(z: Ball) -> Ball:
-    """Return (exp(z) - 1)/z for a complex ball or series z with |z| < NEAR, where z may be 0."""
-    if not isinstance(z, acb_series):
-        return _derivatives_of_slope(z, 1)[0]
-    found = _derivatives_of_slope(z[0], z.prec)
-    change = acb_series([0, *list(z)[1:]], prec=z.prec)
-    total = acb_series([found[-1]], prec=z.prec)
-    for k in range(z.prec - 1, 0, -1):
-        total = acb_series([found[k - 1]], prec=z.prec) + total * change / k
-    return total
-
-
-def _derivatives_of_slope(z: Ball, count: int) -> list[Ball]:
-    """Return (exp(z) - 1)/z and its first derivatives, `count` numbers; the last results are remembered."""
-    for known, found in _kept:
-        if len(found) >= count and known.contains(z) and z.contains(known):
-            return found
-    size = abs(z).upper()
-    n = next(n for n in range(4, len(EXP_TERMS)) if float(size) ** n * float(EXP_TERMS[n]) < EXP_ERROR)
-    rest = 2 * arb(0, size**n * EXP_TERMS[n])  # the terms fall by more than a half from there on
-    found = []
-    for terms in EXP_OVER[:count]:
-        total = acb(0)
-        for term in reversed(terms[:n]):
-            total = total * z + term
-        found.append(total + acb(rest, rest))
-    _kept.append((z, found))
-    return found
 
 
 def longest_part(o: Oscillator) -> float:
@@ -494,20 +452,20 @@ class Surface:
         self.middle = [ball((low + high) / 2) for low, high in box]
         self.half = [ball((high - low) / 2) for low, high in box]
         self.range = [ball(low).union(ball(high)) for low, high in box]
-        self.u = [arb(value) for value in near]
-        self.slopes: list[Values] = []
+        self.u, self.slopes = column([arb(value) for value in near]), list[arb_mat]()
         o = self.oscillator(self.middle)
         for _ in range(MOST_NEWTON):
-            flown, r = flights.residuals(o, self.u)
-            self.J = arb_mat(flights.jacobian(o, self.u)[1])
+            u = self.u.entries()
+            flown, r = flights.residuals(o, u)
+            self.J = arb_mat(flights.jacobian(o, u)[1])
             self.Y = self.J.mid().inv().mid()
-            step = _mids(self._preconditioned(r))
-            self.u = [(each - change).mid() for each, change in zip(self.u, step, strict=True)]
-            size = max(abs(float(each)) for each in step)
+            step = (self.Y * column(r)).mid()
+            self.u = (self.u - step).mid()
+            size = max(abs(float(each)) for each in step.entries())
             if not size < 1e3:
                 break
             if size < CONVERGED:
-                margins = flights.margins(o, self.u, flown, flights.plan(o, self.u))
+                margins = flights.margins(o, self.u.entries(), flown, flights.plan(o, self.u.entries()))
                 what, value, _ = min(margins, key=lambda each: float(each[1]))
                 if value < 0:
                     raise NotInBox(what)
@@ -518,137 +476,113 @@ class Surface:
         """Return the oscillator with the given values of both parameters of the plane."""
         return Oscillator(self.p, self.fixed | dict(zip(self.names, values, strict=True)))
 
-    def directed(self, d: tuple[int, int], rows: Sequence[Values], count: int, wide: bool) -> tuple[Oscillator, Values]:
-        """Return oscillator and unknowns as power series along d, about the box's middle or (`wide`) all points."""
+    def directed(
+        self, d: tuple[int, int], rows: Sequence[arb_mat], count: int, wide: bool
+    ) -> tuple[Oscillator, Values]:
+        """Return oscillator and unknowns as series of `count` terms along d, from the middle or (`wide`) any point."""
         ctx.cap = count
         base = zip(self.range if wide else self.middle, self.half, d, strict=True)
         o = self.oscillator([arb_series([b, h * e], prec=count) for b, h, e in base])
-        return o, [arb_series(list(each), prec=count) for each in zip(*rows, strict=True)]
+        return o, [arb_series(list(each), prec=count) for each in zip(*(row.entries() for row in rows), strict=True)]
 
     def near(self, a: float, b: float) -> tuple[float, ...]:
         """Return approximate unknowns at a place (a, b) in the box as floats."""
-        return tuple(float(each) for each in (self.at(arb(a), arb(b)) if self.slopes else self.u))
+        return tuple(map(float, (self.at(arb(a), arb(b)) if self.slopes else self.u).entries()))
 
     def points(self) -> list[tuple[float, float]]:
         """Return phase and position of all switching points for the parameters at the middle of the box."""
-        return self.flights.points(self.oscillator(self.middle), self.u)
+        return self.flights.points(self.oscillator(self.middle), self.u.entries())
 
-    def at(self, a: Ball, b: Ball) -> Values:
+    def at(self, a: Ball, b: Ball) -> arb_mat:
         """Evaluate the polynomials for the unknowns at a place (a, b) in the box."""
-        rows = zip(self.u, *self.slopes, *self.squares, strict=True)
-        return [u + a * (da + a * aa + b * ab) + b * (db + b * bb) for u, da, db, aa, ab, bb in rows]
+        (da, db), (aa, ab, bb) = self.slopes, self.squares
+        return self.u + a * (da + a * aa + b * ab) + b * (db + b * bb)
 
     def prove(self) -> None:
         """Prove that an orbit with the word exists for all parameters of the box; NotInBox if that fails."""
-        flights, place, first = self.flights, arb(0, 1), list[Values]()
-        for d in DIRECTIONS[:2]:
-            _, r = flights.residuals(*self.directed(d, [self.u], 2, False))
-            first.append(_mids(self._preconditioned([-each[1] for each in r])))
-        thin, bends, rest = list[tuple[Oscillator, Values, list[Flown]]](), list[Values](), [arb(0)] * flights.count
+        flights, place, zero = self.flights, arb(0, 1), arb(0)
+        da, db = (-self._coefficients(d, [self.u], 2, False)[0][1].mid() for d in DIRECTIONS[:2])
+        thin, bends, rest = list[tuple[Oscillator, Values, list[Flown]]](), list[arb_mat](), [zero] * flights.count
         for d in DIRECTIONS[:3]:
-            line = [d[0] * a + d[1] * b for a, b in zip(*first, strict=True)]
-            o, u = self.directed(d, [self.u, line], 3, False)
-            flown, r = flights.residuals(o, u)
-            bends.append(_mids(self._preconditioned([-each[2] for each in r])))
-            last = [each[2] + more for each, more in zip(r, (self.J * column(bends[-1])).entries(), strict=True)]
-            for values in ([each[0] for each in r], [each[1] for each in r], last):
-                rest = [each + 3 * abs(more) for each, more in zip(rest, self._preconditioned(values), strict=True)]
-            thin.append((o, u, flown))
-        self.slopes, (aa, bb, both) = first, bends
-        self.squares = [aa, [c - a - b for a, b, c in zip(aa, bb, both, strict=True)], bb]
+            r, found = self._coefficients(d, [self.u, d[0] * da + d[1] * db], 3, False)
+            bends.append(-r[2].mid())
+            thin.append(found)
+            for values in (r[0], r[1], r[2] + self.Y * (self.J * bends[-1])):
+                rest = [each + 3 * abs(more) for each, more in zip(rest, values.entries(), strict=True)]
+        aa, bb, both = bends
+        self.slopes, self.squares = [da, db], (aa, both - aa - bb, bb)
         wide, surface = self.oscillator(self.range), self.at(place, place)
-        plan = flights.plan(wide, surface)
-        low, rises = self._linear_bounds([flights.margins(*each, plan) for each in thin[:2]])
-
-        cubes, curves = list[Values](), list[list[Ball]]()
-        for d in DIRECTIONS:
-            o, u = self.directed(d, [surface, *self._derivatives(d, place)], 4, True)
-            flown, r = flights.residuals(o, u)
-            cubes.append(self._preconditioned([each[3] for each in r]))
-            curves.append([_coefficient(value, 2) for _, value, _ in flights.margins(o, u, flown, plan)])
-        A, D = cubes[:2]
-        B = [(s - m) / 2 - d for s, m, d in zip(*cubes[2:], D, strict=True)]
-        C = [(s + m) / 2 - a for s, m, a in zip(*cubes[2:], A, strict=True)]
-        pushed = [abs(r) + sum(map(abs, each), arb(0)) for r, *each in zip(rest, A, B, C, D, strict=True)]
-        pushed = [each.upper() for each in pushed]
-        sizes = [max(float(abs(a) / p) for a, p in zip(each, pushed, strict=True)) for each in (A, D)]
-        along = int(sizes[1] > sizes[0])
-        tube, slopes = self._root_distances(surface, pushed, along)
-
-        whole = [each + arb(0, r) for each, r in zip(surface, tube, strict=True)]
-        if not all(set(new) <= set(old) for new, old in zip(flights.plan(wide, whole)[0], plan[0], strict=True)):
-            raise NotInBox("which turns are in a stick", along)
-        flown = [Flown(wide, leg, whole, whole[leg.tau]) for leg in flights.legs]
-        for i, (what, _, by) in enumerate(flights.margins(wide, whole, flown, plan, slopes)):
-            bent = [curve[i] for curve in curves[:3]]
-            mixed = abs(bent[2] - bent[0] - bent[1])
-            near = sum((abs(each) * r for each, r in zip(by, tube, strict=True)), arb(0))
-            if not low[i] + bent[0].min(arb(0)) + bent[1].min(arb(0)) - mixed - near > 0:
-                raise NotInBox(what, rises[i])
-        flights.prove_flights(wide, whole, plan)
-
-    def _derivatives(self, d: tuple[int, int], place: Ball) -> tuple[Values, Values]:
-        """Return first and second Taylor coefficients of the polynomials along d, for all a and b in `place`."""
-        rows, (i, j) = list(zip(*self.slopes, *self.squares, strict=True)), d
-        slopes = [
-            i * (da + place * (2 * aa) + place * ab) + j * (db + place * (2 * bb) + place * ab)
-            for da, db, aa, ab, bb in rows
-        ]
-        return slopes, [i * i * aa + i * j * ab + j * j * bb for _, _, aa, ab, bb in rows]
-
-    def _linear_bounds(self, pairs: Sequence[list[Inequality]]) -> tuple[Values, list[int]]:
-        """Return for each margin the least value of its linear part, and the side along which this changes most."""
-        low, rises = list[Ball](), list[int]()
-        for (what, one, _), (_, other, _) in zip(*pairs, strict=True):
-            a, b = (abs(_coefficient(each, 1)) for each in (one, other))
-            low.append(_coefficient(one, 0) - a - b)
+        plan = flights.plan(wide, surface.entries())
+        low, rises = (
+            list[Ball](),
+            list[int](),
+        )  # of each margin the least of its linear part; along which side it changes
+        for (what, one, _), (_, other, _) in zip(*(flights.margins(*each, plan) for each in thin[:2]), strict=True):
+            a, b = (abs(coefficient(each, 1)) for each in (one, other))
+            low.append(coefficient(one, 0) - a - b)
             rises.append(int(b > a))
             if low[-1] < 0:
                 raise NotInBox(what, rises[-1])
-        return low, rises
 
-    def _root_distances(self, surface: Values, pushed: Values, along: int) -> tuple[Values, list[dict[str, Values]]]:
-        """Prove how far the roots may be from the polynomials (Krawczyk); return this and the flights' derivatives."""
+        cubes, curves = list[arb_mat](), list[list[Ball]]()
+        for d in DIRECTIONS:
+            r, found = self._coefficients(d, [surface, *self._derivatives(d, place)], 4, True)
+            cubes.append(r[3])
+            curves.append([coefficient(value, 2) for _, value, _ in flights.margins(*found, plan)])
+        A, D = cubes[:2]
+        form = A, (cubes[2] - cubes[3]) / 2 - D, (cubes[2] + cubes[3]) / 2 - A, D
+        parts = zip(rest, *(each.entries() for each in form), strict=True)
+        pushed = [(each + sum(map(abs, more), zero)).upper() for each, *more in parts]
+        sizes = [max(float(abs(a) / p) for a, p in zip(each.entries(), pushed, strict=True)) for each in (A, D)]
+        along = int(sizes[1] > sizes[0])
+        tube, slopes = self._root_distances(surface, pushed, along)
+
+        whole = (surface + column([arb(0, r) for r in tube])).entries()
+        if not all(set(new) <= set(old) for new, old in zip(flights.plan(wide, whole)[0], plan[0], strict=True)):
+            raise NotInBox("which turns are in a stick", along)
+        for i, (what, _, by) in enumerate(flights.margins(wide, whole, flights.flown(wide, whole), plan, slopes)):
+            bent = [curve[i] for curve in curves[:3]]
+            mixed = abs(bent[2] - bent[0] - bent[1])
+            near = sum((abs(each) * r for each, r in zip(by, tube, strict=True)), zero)
+            if not low[i] + bent[0].min(zero) + bent[1].min(zero) - mixed - near > 0:
+                raise NotInBox(what, rises[i])
+        flights.prove_flights(wide, whole, plan)
+
+    def _coefficients(
+        self, d: tuple[int, int], rows: Sequence[arb_mat], count: int, wide: bool
+    ) -> tuple[list[arb_mat], tuple[Oscillator, Values, list[Flown]]]:
+        """Return the Taylor coefficients of Y f along d, and oscillator, unknowns and flights as power series."""
+        o, u = self.directed(d, rows, count, wide)
+        flown, r = self.flights.residuals(o, u)
+        return [self.Y * column([each[k] for each in r]) for k in range(count)], (o, u, flown)
+
+    def _derivatives(self, d: tuple[int, int], place: Ball) -> tuple[arb_mat, arb_mat]:
+        """Return first and second Taylor coefficients of the polynomials along d, for all a and b in `place`."""
+        (da, db), (aa, ab, bb), (i, j) = self.slopes, self.squares, d
+        slope = i * (da + place * (2 * aa) + place * ab) + j * (db + place * (2 * bb) + place * ab)
+        return slope, i * i * aa + i * j * ab + j * j * bb
+
+    def _root_distances(self, surface: arb_mat, pushed: Values, along: int) -> tuple[Values, list[dict[str, Values]]]:
+        """Return a bound of the distance of roots from the `surface` (Krawczyk), and the derivatives of the flights."""
+        # `pushed` bounds -Y f on the surface; `along` is the side to cut if there is no proof.
         flights, tube = self.flights, [INFLATION * each for each in pushed]
         for _ in range(MOST_INFLATIONS):
             tube = [(INFLATION * each).mid() for each in tube]
-            near, around = ([a + arb(0, r) for a, r in zip(each, tube, strict=True)] for each in (self.u, surface))
-            _, rows = flights.jacobian(self.oscillator(self.middle), near)
+            reach = column([arb(0, r) for r in tube])
+            _, rows = flights.jacobian(self.oscillator(self.middle), (self.u + reach).entries())
             parts = [unit_matrix(flights.count) - self.Y * arb_mat(rows)]
             for d in DIRECTIONS[:2]:
-                o, u = self.directed(d, [around, self._derivatives(d, arb(0, 1))[0]], 2, True)
+                o, u = self.directed(d, [surface + reach, self._derivatives(d, arb(0, 1))[0]], 2, True)
                 slopes, rows = flights.jacobian(o, u)
-                parts.append(self.Y * arb_mat([[_coefficient(each, 1) for each in row] for row in rows]))
-            apart = [
-                [sum(map(abs, each), arb(0)) for each in zip(*rows, strict=True)]
-                for rows in zip(*(each.tolist() for each in parts), strict=True)
-            ]
-            image = [
-                p + sum((entry * r for entry, r in zip(row, tube, strict=True)), arb(0))
-                for p, row in zip(pushed, apart, strict=True)
-            ]
+                parts.append(self.Y * arb_mat([[coefficient(each, 1) for each in row] for row in rows]))
+            entries = zip(*(part.entries() for part in parts), strict=True)
+            apart = arb_mat(flights.count, flights.count, [sum(map(abs, each), arb(0)) for each in entries])
+            image = (column(pushed) + apart * column(tube)).entries()
             if all(each < r for each, r in zip(image, tube, strict=True)):
-                return tube, [{name: [_coefficient(z, 0) for z in row] for name, row in by.items()} for by in slopes]
-            excess = max(
-                sum(float(e) * float(r) for e, r in zip(row, pushed, strict=True)) / float(p)
-                for row, p in zip(apart, pushed, strict=True)
-            )
+                return tube, [{name: [coefficient(z, 0) for z in row] for name, row in by.items()} for by in slopes]
+            grown = (apart * column(pushed)).entries()
+            excess = max(float(each) / float(p) for each, p in zip(grown, pushed, strict=True))
             tube = [each.upper() for each in image]
             if not excess < 1 or not all(each < 10 for each in tube):
                 break
         raise NotInBox("one root for all parameters", along, excess)
-
-    def _preconditioned(self, values: Values) -> Values:
-        """Multiply a vector by Y, the approximate inverse of the Jacobian J at the middle of the box."""
-        entries: Values = (self.Y * column(values)).entries()
-        return entries
-
-
-def _coefficient(value: Ball, order: int) -> Ball:
-    """Return a coefficient of a power series; a ball counts as a constant series."""
-    return value[order] if isinstance(value, arb_series) else value if order == 0 else arb(0)
-
-
-def _mids(values: Values) -> Values:
-    """Return the middles of balls."""
-    return [each.mid() for each in values]

@@ -33,7 +33,7 @@ from flint import arb, arb_mat, arb_series, ctx
 from symosc.aliases import Record
 from symosc.certificates.balls import Ball, StateSet, Undecided, around, ball, exact_ends, made_by, outward, size
 from symosc.certificates.certificate import STARTS, Certificate, confirmed, provable, stated
-from symosc.certificates.flow import Flight, Jet, Oscillator, first_coefficient
+from symosc.certificates.flow import Flight, Jet, Oscillator, coefficient
 from symosc.certificates.motion import (
     ON_A_BELT,
     Moving,
@@ -93,12 +93,12 @@ class ToProve(NamedTuple):
 
 
 class Proof(NamedTuple):
-    """What is proven of a motion: first mode, events, what is undecided, and a start value that grazes (`free`)."""
+    """What is proven of a motion: its first mode and its events; and what is undecided."""
 
     mode: str
     events: list[ProvenEvent]
     undecided: Undecided | None = None
-    free: tuple[str, Fraction, Fraction] | None = None  # its name and the two fractions between which it is
+    free: tuple[str, Fraction, Fraction] | None = None  # a number of the start, and between what one value grazes
     changes: list[list[Change]] | None = None  # dt and dx of all events by each name
 
 
@@ -179,10 +179,8 @@ def _followed(o: Oscillator, state: Moving, t_end: Ball, most: int) -> Iterator[
 
 def _differentiated(task: ToProve, proof: Proof) -> Proof:
     """Return a proof with the derivatives in `wrt` added, or with the reason why one of them is undecided."""
-    changes = []
     try:
-        for name in task.wrt:
-            changes.append(event_changes(task.p, task.start, MODE_NUMBERS[proof.mode], proof.events, name))
+        changes = [_changes(task, MODE_NUMBERS[proof.mode], proof.events, name) for name in task.wrt]
         if not task.precise(*(value for column in changes for change in column for value in change)):
             raise Undecided(WIDE)
     except Undecided as undecided:
@@ -190,61 +188,47 @@ def _differentiated(task: ToProve, proof: Proof) -> Proof:
     return proof._replace(changes=changes)
 
 
-def event_changes(
-    p: Parameters, start: Sequence[Fraction], mode: int, events: Sequence[ProvenEvent], name: str
-) -> list[Change]:
-    """Enclose the derivatives of t and x of all events with respect to one number of the input, or raise Undecided."""
+def _changes(task: ToProve, mode: int, events: Sequence[ProvenEvent], name: str) -> list[Change]:
+    """Enclose the derivatives of t and x of all events by one number of the input, with power series in its change."""
+    p, start = task.p, task.start
     if name not in provable(p, start[2]):
         on_belt = start[2] in (p.v1, p.v2) and name[0] == "v"
         where = "of a start on a belt" if on_belt else "at resonance or where it is 0"
         raise Undecided(f"a derivative by {name} {where}")
-    found: list[Change] = []
-    with suppress(ZeroDivisionError, ValueError):  # series cannot be divided by what may be 0
-        for event, change in zip(events, _changes(p, start, mode, events, name), strict=True):
-            if not all(each.is_finite() for each in change):
-                raise Undecided(f"a derivative by {name} of an event", event.t)
-            found.append(change)
-        return found
-    raise Undecided(f"a derivative by {name} at critical damping")
-
-
-def _changes(
-    p: Parameters, start: Sequence[Fraction], mode: int, events: Sequence[ProvenEvent], name: str
-) -> list[Change]:
-    """Return the derivatives of t and x of all events with respect to `name`, by power series in it."""
 
     def series(value: Ball, slope: Ball) -> Ball:
         return arb_series([value, slope], prec=2)
 
-    def slope(value: Ball) -> Ball:
-        return value[1] if isinstance(value, arb_series) else arb(0)
-
-    o = Oscillator(p, {name: series(ball(getattr(p, name)), arb(1))} if name in PARAMETER_NAMES else None)
-    t, x, v = (series(ball(value), arb(int(name == own))) for value, own in zip(start, STARTS, strict=True))
-    found = []
-    for event in events:
-        if event.kind == "graze":
-            raise Undecided("a derivative behind a graze", event.t)
-        speed, then, target = o.speed[event.boundary], series(event.t, arb(0)), MODE_NUMBERS[event.target]
-        if mode > ON_A_BELT:
-            at_end = x + speed * (then - t)
-            force = o.force(target, then, at_end, speed)
-            dt = slope(force) / first_coefficient(o.km * speed + o.drive * (o.Omega * then).sin())
-        else:
-            flight = Flight(o, mode, t, x, v)
-            there = flight.at(then - t)
-            at_end, dt = flight.x(there), (slope(speed) - slope(there.v)) / first_coefficient(there.a)
-        dx = slope(at_end) + first_coefficient(speed) * dt
-        found.append((dt, dx))
-        mode, t, x, v = target, series(event.t, dt), series(event.x, dx), speed
-    return found
+    found: list[Change] = []
+    with suppress(ZeroDivisionError, ValueError):  # series cannot be divided by what may be 0
+        o = Oscillator(p, {name: series(ball(getattr(p, name)), arb(1))} if name in PARAMETER_NAMES else None)
+        t, x, v = (series(ball(value), arb(int(name == own))) for value, own in zip(start, STARTS, strict=True))
+        for event in events:
+            if event.kind == "graze":
+                raise Undecided("a derivative behind a graze", event.t)
+            speed, then, target = o.speed[event.boundary], series(event.t, arb(0)), MODE_NUMBERS[event.target]
+            if mode > ON_A_BELT:
+                at_end = x + speed * (then - t)
+                force = o.force(target, then, at_end, speed)
+                dt = coefficient(force, 1) / coefficient(o.km * speed + o.drive * (o.Omega * then).sin())
+            else:
+                flight = Flight(o, mode, t, x, v)
+                there = flight.at(then - t)
+                at_end, dt = flight.x(there), coefficient(speed - there.v, 1) / coefficient(there.a)
+            dx = coefficient(at_end, 1) + coefficient(speed) * dt
+            if not (dt.is_finite() and dx.is_finite()):
+                raise Undecided(f"a derivative by {name} of an event", event.t)
+            found.append((dt, dx))
+            mode, t, x, v = target, series(event.t, dt), series(event.x, dx), speed
+        return found
+    raise Undecided(f"a derivative by {name} at critical damping")
 
 
 # -- a graze of some start ---------------------------------------------------------------------------------------------
 
 
 def _with_a_graze(task: ToProve, proof: Proof, graze: tuple[int, Ball]) -> Proof:
-    """Return a proof that some start within the error grazes, where "all do" and "none do" are both undecided."""
+    """Return a proof that one start within the error grazes; it is tried where a graze is possible, but undecided."""
     o, before, (boundary, near) = Oscillator(task.p), len(proof.events), graze
     name, place = next((name, place) for name, place in FREE if task.errors[place])
     events: list[ProvenEvent] = []
@@ -264,11 +248,19 @@ def _with_a_graze(task: ToProve, proof: Proof, graze: tuple[int, Ball]) -> Proof
     try:
         low, high = _grazing_interval(o, arrive, boundary, task.start[place], task.errors[place], near)
         free = ball(low).union(ball(high))
-        thin, state = arrive(free.mid()), arrive(free)
+        middle, state = arrive(free.mid()), arrive(free)
         flight, there = _lowest(o, state, boundary, near)
         _only_contact(o, state, flight, there, boundary)
-        if not _one_start_grazes(o, thin, state, flight, there.tau, boundary, place, ball(low), ball(high)):
-            raise Undecided("whether a flight near this start touches", flight.t0 + there.tau)
+        # Exactly one start value between low and high has a flight that grazes near `times` (Krawczyk).
+        side, lowest = flight.side(boundary), flight.t0 + there.tau
+        times, one = around(lowest.mid(), 4 * lowest.rad()), middle.flight(o, middle.states.hull())
+        thin, wide = one.at(times.mid() - one.t0), flight.at(times - flight.t0)
+        dx, dv = flight.moved(wide, [row[place] for row in state.states.slopes])
+        J = side * arb_mat([[wide.a, dv], [flight.jerk(wide), -o.cm * dv - o.km * dx]])
+        residual = [side * (thin.v - o.speed[boundary]), side * thin.a]
+        image = krawczyk([times, free], [times.mid(), free.mid()], residual, J)
+        if image is None or not ball(low) < image[1] < ball(high):
+            raise Undecided("whether a flight near this start touches", lowest)
         states = StateSet.of([flight.t0 + there.tau, flight.x(flight.at(there.tau))])
         t, x = states.hull()
         mode = MODE_NAMES[state.mode]
@@ -301,31 +293,6 @@ def _grazing_interval(
     if max(abs(low - given), abs(high - given)) > error:
         raise Undecided("a touch that is further off than the error of the start", near)
     return low, high
-
-
-def _one_start_grazes(
-    o: Oscillator,
-    thin: Moving,
-    state: Moving,
-    flight: Flight,
-    tau: Ball,
-    boundary: int,
-    place: int,
-    low: Ball,
-    high: Ball,
-) -> bool:
-    """Return whether exactly one start value between low and high lets the flight graze near tau (Krawczyk)."""
-    # `flight` and `state` are those of all these starts, `thin` that of the middle one; `tau` encloses when the gap is
-    # least; `place` is the index of the start value that varies.
-    side, lowest, free = flight.side(boundary), flight.t0 + tau, low.union(high)
-    times, one = around(lowest.mid(), 4 * lowest.rad()), thin.flight(o, thin.states.hull())
-    there = one.at(times.mid() - one.t0)
-    residual = [side * (there.v - o.speed[boundary]), side * there.a]
-    there = flight.at(times - flight.t0)
-    dx, dv = flight.moved(there, [row[place] for row in state.states.slopes])
-    J = side * arb_mat([[there.a, dv], [flight.jerk(there), -o.cm * dv - o.km * dx]])
-    image = krawczyk([times, free], [times.mid(), free.mid()], residual, J)
-    return image is not None and bool(low < image[1] < high)
 
 
 def _lowest(o: Oscillator, state: Moving, boundary: int, near: Ball) -> tuple[Flight, Jet]:
@@ -381,14 +348,11 @@ def _certificate(task: ToProve, proof: Proof, bits: int) -> Certificate:
     starts = "all" if proof.free is None else "some"
     statement = question(task, bits) | {"starts": starts, "mode": proof.mode, "events": rows}
     if proof.changes:
-
-        def decimals(value: Ball) -> list[str]:
-            return list(outward(value, _known_digits(value, task.digits)))
-
-        statement |= {"wrt": list(task.wrt), "derivatives": []}
-        for of_event in zip(*proof.changes, strict=True):
-            dt, dx = ([decimals(change[i]) for change in of_event] for i in (0, 1))
-            statement["derivatives"].append({"dt": dt, "dx": dx})
+        derivatives = [
+            {d: [decimals(change[i], task.digits) for change in of_event] for i, d in enumerate(("dt", "dx"))}
+            for of_event in zip(*proof.changes, strict=True)
+        ]
+        statement |= {"wrt": list(task.wrt), "derivatives": derivatives}
     if proof.free is not None:
         name, low, high = proof.free
         statement["free"] = {"name": name, "low": show(low), "high": show(high)}
@@ -413,15 +377,16 @@ def question(task: ToProve, bits: int) -> Record:
 
 def event_row(event: ProvenEvent, digits: int) -> Record:
     """Return an event as a row of the file, with at most `digits` digits."""
-    row: Record = event._asdict()
-    return row | {name: list(outward(row[name], _known_digits(row[name], digits))) for name in "tx"}
+    return event.named() | {"t": decimals(event.t, digits), "x": decimals(event.x, digits)}
 
 
-def _known_digits(value: Ball, digits: int) -> int:
-    """Return how many digits of a ball are known, at most `digits`."""
+def decimals(value: Ball, digits: int) -> list[str]:
+    """Return both ends of a ball as decimals with the digits that are known, at most `digits`."""
     low, high = exact_ends(value)
-    scale = max(abs(low), abs(high), Fraction(1))
-    return digits if low == high else min(digits, 2 + int((_log2(scale) - _log2(high - low)) * log10(2)))
+    if low != high:
+        scale = max(abs(low), abs(high), Fraction(1))
+        digits = min(digits, 2 + int((_log2(scale) - _log2(high - low)) * log10(2)))
+    return list(outward(value, digits))
 
 
 # -- motions that settle -----------------------------------------------------------------------------------------------
@@ -430,6 +395,7 @@ def _known_digits(value: Ball, digits: int) -> int:
 class Cycle(NamedTuple):
     """A box of (t, x) that the motion over `turns` periods of an orbit maps into itself, with the events on the way."""
 
+    place: int  # the orbit's switching point in it
     middle: list[Fraction]
     widths: list[Fraction]  # half-widths
     turns: int
@@ -453,16 +419,15 @@ def prove_settled(task: ToProve, orbit: PeriodicOrbit) -> Certificate:
             for event, state in _followed(closing.oscillator, start, ball(task.t_end), MOST_EVENTS_BEFORE):
                 before.append(event)
                 i = _arrival(closing, root, event)
-                cycle = None if i is None else _invariant_box(closing, root, i, state)
-                if i is not None and cycle is not None:
-                    return _settled_certificate(task, closing, root, i, before, cycle, about)
+                if i is not None and (cycle := _invariant_box(closing, root, i, state)) is not None:
+                    return _settled_certificate(task, closing, root, before, cycle, about)
             raise Undecided(f"whether the motion settles on the orbit within {len(before)} events")
         except Undecided as undecided:
             return Certificate("settled", False, f"not decided: {undecided.what}")
 
 
 def _start(o: Oscillator, task: ToProve) -> tuple[Moving, Fraction | None]:
-    """Return the initial states and, if the motion starts where a stick ends, the time until which some may stick."""
+    """Return the initial states and, if a stick may end there, a time at which every start has left the belt."""
     p, (t0, x0, v0) = task.p, task.start
     try:
         return begin(o, task.start, task.errors), None
@@ -485,8 +450,8 @@ def _start(o: Oscillator, task: ToProve) -> tuple[Moving, Fraction | None]:
 def _arrival(closing: ClosingBalls, points: Values, event: ProvenEvent) -> int | None:
     """Return the index of the orbit's switching point (after a flight) that is near an event; None if none is."""
     for i, row in enumerate(switchings(closing, points, 0)[:-1]):
-        turns = float((event.t - row[4]) / closing.turn)
-        near = abs(turns - round(turns)) < NEAR_ARRIVAL and abs(float(event.x - row[5])) < NEAR_ARRIVAL
+        turns = float((event.t - row.t) / closing.turn)
+        near = abs(turns - round(turns)) < NEAR_ARRIVAL and abs(float(event.x - row.x)) < NEAR_ARRIVAL
         if near and row[:4] == event[:4] and event.kind != "slip":
             return i
     return None
@@ -520,11 +485,11 @@ def _invariant_box(closing: ClosingBalls, points: Values, i: int, state: Moving)
     inside = all(ball(w) > abs(value - ball(c)) for value, c, w in zip((t, x), middle, widths, strict=True))
     wanted = switchings(closing, points, i)[1:] * turns
     same = [event[:4] for event in events] == [row[:4] for row in wanted]
-    return Cycle(middle, widths, turns, events, states) if inside and same else None
+    return Cycle(i, middle, widths, turns, events, states) if inside and same else None
 
 
 def _contracted_box(D: arb_mat) -> tuple[Fraction, Fraction] | None:
-    """Return sides of a box (the larger is 1) that D maps into itself shrunk by a factor below MOST_Q, or None."""
+    """Return sides (the larger is 1) of a box whose image under D is in MOST_Q times the box; None if there is none."""
     sizes = [[abs(float(D[i, j])) for j in (0, 1)] for i in (0, 1)]
     e = [1.0, 1.0]
     for _ in range(60):  # towards the eigenvector of |D|
@@ -535,21 +500,11 @@ def _contracted_box(D: arb_mat) -> tuple[Fraction, Fraction] | None:
 
 
 def _settled_certificate(
-    task: ToProve,
-    closing: ClosingBalls,
-    points: Values,
-    i: int,
-    before: Sequence[ProvenEvent],
-    cycle: Cycle,
-    about: Record,
+    task: ToProve, closing: ClosingBalls, points: Values, before: Sequence[ProvenEvent], cycle: Cycle, about: Record
 ) -> Certificate:
     """Return the certificate of the settled motion."""
-    n, turn, t_end, widths = (
-        len(cycle.events),
-        cycle.turns * closing.turn,
-        ball(task.t_end),
-        list(map(ball, cycle.widths)),
-    )
+    n, turn, t_end = len(cycle.events), cycle.turns * closing.turn, ball(task.t_end)
+    widths = list(map(ball, cycle.widths))
     box = [[show(c - w), show(c + w)] for c, w in zip(cycle.middle, cycle.widths, strict=True)]
     rows = [event_row(before[-1], DIGITS) | {"t": box[0], "x": box[1]}]
     for event in cycle.events:
@@ -571,7 +526,7 @@ def _settled_certificate(
     total, last = cycles * n + left, []
     for number in range(max(1, total - n // cycle.turns + 1), total + 1):
         k, j = divmod(number, n)
-        place, event = (i + j) % len(closing.pieces), before[-1] if j == 0 else cycle.events[j - 1]
+        place, event = (cycle.place + j) % len(closing.pieces), before[-1] if j == 0 else cycle.events[j - 1]
         spare = [2 * reach * q**k for reach in reaches[j]]
         gone = ((times[j] - points[2 * place]) / closing.turn).unique_fmpz()
         if gone is None:

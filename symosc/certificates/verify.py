@@ -71,7 +71,7 @@ def require(value, what):
 
 
 def inside(value, ends):
-    """Prove that a number lies between the two ends stated in a file; both 0 state that it is exactly 0."""
+    """Prove that a number lies between the two ends stated in a file, or that it is exactly 0 if both are 0."""
     if not (ends[0] == ends[1] == 0 and value.is_zero()):
         require(value - arb(ends[0]), "a number is not above the lower end stated")
         require(arb(ends[1]) - value, "a number is not below the upper end stated")
@@ -161,7 +161,7 @@ class Problem:
 
 
 class Mode:
-    """A mode of an oscillator: its state z obeys z' = M z; rows[n] z: n-th derivatives of the f, 0 where it ends."""
+    """A mode: z' = M z, and rows[n] z are the n-th derivatives of its functions f (module docstring, 1)."""
 
     steady = None  # a bound of the steady velocity, if there is one; `free` is then the row of v less the steady one
 
@@ -227,12 +227,12 @@ class Mode:
 
 
 class Motion:
-    """The motions in one mode from starts (t, x, v) in a set: centre + columns times [-1, 1] + rest times [-1, 1]."""
+    """The motions in one mode from a set of starts (t, x, v): centre + the sum of all sides, each times [-1, 1]."""
 
-    # `columns` contain the derivatives with respect to the first start; or, if there is a `rest`, exact numbers near
-    # them, so that the set of a long motion does not grow by what is not known of the derivatives. `leaves` are the
-    # ends whose f is 0 at the start, and the order of the first derivative that is not. `amplitude` is v^2 + v'^2 m/k,
-    # where that is constant and known.
+    # The sides are vectors: `columns` contain the derivatives with respect to the first start; or, if there is a `rest`
+    # of sides, exact numbers near them, so that the set of a long motion does not grow by what is not known of the
+    # derivatives. `leaves` are the ends whose f is 0 at the start, and the order of the first derivative that is not.
+    # `amplitude` is v^2 + v'^2 m/k, where that is constant and known.
 
     def __init__(self, problem, mode, belt, centre, columns=(), leaves=None, amplitude=None, rest=None):
         self.problem, self.mode, self.belt, self.centre = problem, problem.mode(mode), belt, centre
@@ -325,7 +325,7 @@ class Motion:
         return type(self)(self.problem, then, belt, centre, columns, leaves, None, rest)
 
     def around(self, end, row, turn):
-        """Return a ball of times around an event, and f, f', f'' at its start (f > 0), end (turn * f > 0), on all."""
+        """Return a ball of times around an event, and f, f', f'' before it, behind it (turn * f > 0), on the ball."""
         low, high = arb(row["t"][0]).lower(), arb(row["t"][1]).upper()
         for _ in range(WIDENINGS):
             first, last = self.f(end, low), self.f(end, high)
@@ -396,7 +396,7 @@ class Motion:
         return self
 
     def from_centre(self, parts):
-        """Return t and x of one start in the set: centre + the sum of all columns, each times its factor in `parts`."""
+        """Return t and x of the start centre + the sum of the columns (no rest), each times its factor in `parts`."""
         moved = [[part * each for each in column] for part, column in zip(parts, self.columns, strict=True)]
         return [sum((column[i] for column in moved), c) for i, c in enumerate(self.centre[:2])]
 
@@ -442,13 +442,13 @@ def begin(problem, start, errors, rest=None):
 
 
 def leave(problem, start, errors, until):
-    """Return the flight from a belt that encloses the motions of all starts that may stick there until a time."""
+    """Return the flight, as a set, of starts that each may stick to the belt at first, but not at the time `until`."""
     (t0, _, v0), p = start, problem.p
     at, after = 1 if v0 == p["v1"] else 2, until - t0 - errors[0]
     check(v0 in (p["v1"], p["v2"]) and errors[2] == 0 and after > 0, "a start on a belt, and a time after it")
 
     def motion(mode, t, x, leaves=None):
-        """Return the motion from all starts that differ from the given one by at most t in time and x in position."""
+        """Return the motion in a mode from all starts at most t in time and x in position from the given one."""
         columns = [(arb(t), arb(0), arb(0)), (arb(0), arb(x), arb(0))]
         return Motion(problem, mode, at, [arb(value) for value in start], columns, leaves)
 
@@ -483,7 +483,7 @@ def table(rows):
 
 
 def question(data, source):
-    """Return the start of a motion, how far off it may be, and a line that states it as the file, `source`, has it."""
+    """Return the start of a motion, its errors, and a line that states the question in the texts of the file."""
     start, errors = [data["start"][name] for name in START], data["start_error"]
     check(min(errors) >= 0, "start_error: a negative number", BAD)
     check(data["t_end"] - start[0] - errors[0] > 0, "t_end is not after the start", BAD)
@@ -575,27 +575,23 @@ def trajectory(data, source, limits):
     return [first, shown, *table(source["events"]), *lines]
 
 
-def follow(problem, rows, box, kind=Motion):
-    """Return the motions after all events, from a box (middles, half-widths) of t and x at the first event."""
-    (t, x), (dt, dx) = box
-    belt, mode = rows[0]["boundary"], rows[0]["target"]
+def period(problem, rows, centre, widths, turn, kind=Motion):
+    """Follow a box of t and x at the first event over a period; return the motions after all events, u and D.
+
+    The only fixed point of P, the map over the period less the time `turn`, is centre + u; D is the Jacobian of P.
+    """
+    (dt, dx), belt, mode = widths, rows[0]["boundary"], rows[0]["target"]
     columns, leaves = [(dt, arb(0), arb(0)), (arb(0), dx, arb(0))], {belt: 1} if mode < 4 else {}
-    motions = [kind(problem, mode, belt, [t, x, arb(problem.p[f"v{belt}"])], columns, leaves)]
+    motions = [kind(problem, mode, belt, [*centre, arb(problem.p[f"v{belt}"])], columns, leaves)]
     for row in rows[1:]:
         motions.append(motions[-1].behind(row))
-    return motions
-
-
-def fixed_point(motions, box, turn):
-    """Enclose the only fixed point in a box of P, the map over a period (minus the middle), and P's Jacobian D."""
-    (centre, widths), last = box, motions[-1]
+    last = motions[-1]
     D = arb_mat([[last.columns[j][i] / widths[j] for j in (0, 1)] for i in (0, 1)])
     moved = arb_mat([[last.centre[0] - turn - centre[0]], [last.centre[1] - centre[1]]])
     try:
-        u = (arb_mat([[1, 0], [0, 1]]) - D).solve(moved)
+        return motions, (arb_mat([[1, 0], [0, 1]]) - D).solve(moved).entries(), D
     except ZeroDivisionError:
         raise Stop(OPEN, "1 - D, which may be singular") from None
-    return [u[0, 0], u[1, 0]], D
 
 
 def settled(data, source, limits):
@@ -613,8 +609,9 @@ def settled(data, source, limits):
     check(ends[0] == ends[1] == ends[2] and cycle[0]["kind"] in ("cross", "stick"), "a cycle from the last event on")
     motion.within(cycle[0])
 
-    box = [[arb((row[1] + sign * row[0]) / 2) for row in (cycle[0]["t"], cycle[0]["x"])] for sign in (1, -1)]
-    motions, turn = follow(problem, cycle, box), 2 * data["periods"] * arb.pi() / arb(problem.p["Omega"])
+    turn = 2 * data["periods"] * arb.pi() / arb(problem.p["Omega"])
+    centre, widths = ([arb((cycle[0][name][1] + sign * cycle[0][name][0]) / 2) for name in "tx"] for sign in (1, -1))
+    motions, u, D = period(problem, cycle, centre, widths, turn)
     for motion, row in zip(motions[1:], cycle[1:], strict=True):
         motion.within(row)
     motion = motions[-1]
@@ -627,7 +624,6 @@ def settled(data, source, limits):
         low, high = cycle[gone % n]["t"]
         require(sign * (t_end - arb(low).union(arb(high)) - gone // n * turn), "so many events until t_end")
 
-    (u, D), widths = fixed_point(motions, box, turn), box[1]
     sums = [sum((abs(D[i, j]) * widths[j] for j in (0, 1)), arb(0)) / widths[i] for i in (0, 1)]
     q = sums[0].max(sums[1]).upper()
     require(1 - q, "a contraction in the norm of the box")

@@ -103,35 +103,23 @@ def curves(value, where):
 
 
 PARAMETERS, POINTS, BOX = base.MOTION["parameters"], {"t": [interval], "x": [interval]}, ((number, number),) * 2
-base.SHAPES["orbit"] = {
-    "parameters": PARAMETERS,
-    "word": str,
-    "periods": int,
-    "events": [base.WHAT | {"t": interval, "x": interval, "reach": number}],
-    "alone_within": (number, number),
-    "multipliers": ({"re": interval, "im": interval},) * 2,
-    "stable": {True, False, None},
-}
-base.SHAPES["branch"] = {
-    "parameters": PARAMETERS,
-    "word": str,
-    "periods": int,
-    "parameter": set(base.NAMES),
-    "range": (number, number),
-    "stable": {True, None},
-    "ends": (end_of_branch,) * 2,
-    "events": [base.WHAT],
-    "boxes": [POINTS | {"value": (number, number)}],
-}
+ORBIT = {"parameters": PARAMETERS, "word": str, "periods": int}
+base.SHAPES["orbit"] = (
+    ORBIT
+    | {"events": [base.WHAT | {"t": interval, "x": interval, "reach": number}], "alone_within": (number, number)}
+    | {"multipliers": ({"re": interval, "im": interval},) * 2, "stable": {True, False, None}}
+)
+base.SHAPES["branch"] = (
+    ORBIT
+    | {"parameter": set(base.NAMES), "range": (number, number), "stable": {True, None}, "ends": (end_of_branch,) * 2}
+    | {"events": [base.WHAT], "boxes": [POINTS | {"value": (number, number)}]}
+)
 base.SHAPES["atlas"] = {
     "parameters": PARAMETERS,
     "over": (set(base.NAMES), set(base.NAMES)),
     "range": BOX,
     "share": number,
-    "boxes": [{"word": str, "range": BOX, "phases": [number], "x": [number]}],
-    "open": [BOX],
-    "found": curves,
-}
+} | {"boxes": [{"word": str, "range": BOX, "phases": [number], "x": [number]}], "open": [BOX], "found": curves}
 
 
 # -- orbits ------------------------------------------------------------------------------------------------------------
@@ -156,7 +144,7 @@ def course(data):
 
 def least(events, periods, apart):
     """Prove that no smaller number of forcing periods is a period of the orbit (point 3 of the module docstring)."""
-    # `apart` says whether t or x of an event surely differs from the first one's, that many forcing periods earlier.
+    # `apart(i, n)` says whether t or x of event i surely differs from those of event 0, n forcing periods later.
     n = len(events) - 1
     for q in range(2, periods + 1):
         if periods % q == n % q == 0 and all(events[i] == events[(i + n // q) % n] for i in range(n)):
@@ -196,8 +184,7 @@ def orbit(data, source, limits):
     for scale in (fmpq(1), SMALL, SMALL**2):  # the box stated, and one or two in it
         spare = [row["reach"] * scale for row in rows]
         wide = [row | {"t": (row["t"][0] - by, row["t"][1] + by)} for row, by in zip(rows, spare, strict=True)]
-        motions = base.follow(problem, wide, (centre, widths), base.Motion if scale == 1 else Within)
-        u, D = base.fixed_point(motions, (centre, widths), turn)
+        motions, u, D = base.period(problem, wide, centre, widths, turn, base.Motion if scale == 1 else Within)
         for each, width, c, (about, most) in zip(u, widths, centre, whole, strict=True):
             require(width - abs(each), "that an orbit is in the box, and only one")
             check(scale == 1 or abs(c - about) + width < most, "a smaller box in the other", OPEN)
@@ -211,10 +198,10 @@ def orbit(data, source, limits):
         inside(t, row["t"])
         inside(x, row["x"])
 
-    def apart(i, earlier):
-        """Return whether event i surely differs from event 0 moved by `earlier` forcing periods, in t or in x."""
+    def apart(i, later):
+        """Return whether event i is surely not event 0 repeated `later` forcing periods later, by its t or its x."""
         (t, x), (t0, x0) = points[i], points[0]
-        return not ((t - t0) * periods).overlaps(earlier * turn) or not x.overlaps(x0)
+        return not ((t - t0) * periods).overlaps(later * turn) or not x.overlaps(x0)
 
     least(events, periods, apart)
     T, d = D[0, 0] + D[1, 1], D[0, 0] * D[1, 1] - D[0, 1] * D[1, 0]
@@ -244,10 +231,10 @@ def column(values):
 
 
 def horner(rows, at):
-    """Return the values of polynomials at `at`; row i has the i-th coefficient of each."""
+    """Return the values of polynomials at `at`; row i is the column of their i-th coefficients."""
     total = rows[-1]
     for row in reversed(rows[:-1]):
-        total = [a + at * b for a, b in zip(row, total, strict=True)]
+        total = row + at * total
     return total
 
 
@@ -301,7 +288,7 @@ class Oscillator:
 
     @cached_property
     def frequency(self):
-        """Return whether w^2 = h^2 - k/m > 0, the root of |w^2|, and whether this is too near 0 to divide by."""
+        """Return whether w^2 = h^2 - k/m is > 0; the root of its size; whether this root is too near 0 to divide by."""
         over = coefficient(self.square) > 0
         w = (self.square if over else -self.square).sqrt()
         return over, w, not coefficient(w) > 32 * coefficient(w).rad()
@@ -379,8 +366,8 @@ def positive(margin, until, problem):
         check(step > until * arb(2) ** -ctx.prec, margin.text, OPEN)
 
 
-def in_parts(prove, whole, halves, most, what):
-    """Call `prove` for a whole or, where it fails, for each of its `halves`, and so on; return the last result."""
+def in_parts(prove, whole, most, what):
+    """Call `prove` for a whole box or, where it fails, for its halves, and so on; return the last result."""
     parts, count, found = [whole], 0, None
     while parts:
         part, count = parts.pop(), count + 1
@@ -389,7 +376,10 @@ def in_parts(prove, whole, halves, most, what):
         except (Stop, ZeroDivisionError, ValueError) as stop:  # the latter two: a ball or a series may be 0
             check(not isinstance(stop, Stop) or stop.args[0] == OPEN, str(stop.args[-1]))
             check(count < most, what)
-            parts += halves(part)
+            sides = [(high - low) / (b - a) for (low, high), (a, b) in zip(part, whole, strict=True)]
+            i = sides.index(max(sides))
+            middle = sum(part[i]) / 2
+            parts += [(*part[:i], side, *part[i + 1 :]) for side in ((middle, part[i][1]), (part[i][0], middle))]
     return found
 
 
@@ -439,7 +429,7 @@ class Course:
         self.turn = periods * self.forcing
 
     def piece(self, i, u, late=0):
-        """Return the motion between event i and the next, its duration, and the time at its end."""
+        """Return the motion from event i (or `late` behind it) to the next event, its duration, and when it ends."""
         until, t = u[2 * i + 2] if i + 1 < self.count else u[0] + self.turn, u[2 * i]
         return Piece(self.e, self.events[i][3], self.events[i][1], t, u[2 * i + 1], late), until - t, until
 
@@ -516,17 +506,17 @@ class Family:
         fixed, name, periods = {each: arb(p[each]) for each in base.NAMES}, data["parameter"], data["periods"]
         self.course = lambda value: Course(events, periods, Oscillator(fixed | {name: value}))
         self.box = [arb(a).union(arb(b)) for a, b in ends[:-2]]
-        self.middle, every, c = arb((low + high) / 2), arb(low).union(arb(high)), [each.mid() for each in self.box]
+        self.middle, every, c = arb((low + high) / 2), arb(low).union(arb(high)), column(self.box).mid()
         thin, self.all, change = self.course(self.middle), self.course(every), every - self.middle
         for _ in range(NEWTON_STEPS):  # it finds c and proves nothing
-            self.Y = thin.jacobian(c).mid().inv().mid()
-            c = (column(c) - self.Y * column(thin.r(c))).mid().entries()
+            self.Y = thin.jacobian(c.entries()).mid().inv().mid()
+            c = (c - self.Y * column(thin.r(c.entries()))).mid()
         curve = [c]
         for order in range(1, ORDER):
-            rest = self.coefficients(self.middle, [*curve, [arb(0)] * len(c)], order + 1)[-1]
-            curve.append((-(self.Y * column(rest))).mid().entries())
+            rest = self.coefficients(self.middle, [*curve, 0 * c], order + 1)[-1]
+            curve.append(-(self.Y * rest).mid())
         self.YJ = self.Y * self.all.jacobian(self.box)
-        moved = [[[comb(k, j) * each for each in curve[k]] for k in range(j, ORDER)] for j in range(ORDER)]
+        moved = [[comb(k, j) * curve[k] for k in range(j, ORDER)] for j in range(ORDER)]
         last = self.coefficients(every, [horner(rows, change) for rows in moved], ORDER + 1)[-1]
         r = horner([*self.coefficients(self.middle, curve, ORDER), last], change)
         self.curve, self.points = curve, self.newton(horner(curve, change), r)
@@ -535,20 +525,20 @@ class Family:
     def coefficients(self, value, curve, count):
         """Return the first `count` Taylor coefficients of r along a curve, about a value of the parameter."""
         ctx.cap = max(ctx.cap, count)
-        points = [arb_series(list(each), prec=count) for each in zip(*curve, strict=True)]
+        points = [arb_series(list(each), prec=count) for each in zip(*(row.entries() for row in curve), strict=True)]
         r = self.course(arb_series([value, 1], prec=count)).r(points)
-        return [[each[j] for each in r] for j in range(count)]
+        return [column([each[j] for each in r]) for j in range(count)]
 
     def newton(self, c, r):
         """Prove that c lies in the box; return c - J^-1 r(c), which contains the root (interval Newton)."""
-        for each, whole in zip(c, self.box, strict=True):
+        for each, whole in zip(c.entries(), self.box, strict=True):
             require(arb(whole.rad()) - abs(each - whole.mid()), "a curve in the box")
-        return (column(c) - self.YJ.solve(self.Y * column(r))).entries()
+        return (c - self.YJ.solve(self.Y * r)).entries()
 
     def root(self, value):
         """Return an enclosure of the root at one value of the parameter, and the equations (a Course) there."""
-        c, course = [each.mid() for each in horner(self.curve, arb(value) - self.middle)], self.course(arb(value))
-        return self.newton(c, course.r(c)), course
+        c, course = horner(self.curve, arb(value) - self.middle).mid(), self.course(arb(value))
+        return self.newton(c, column(course.r(c.entries()))), course
 
     def within(self, row, u, course):
         """Prove that all points in u lie within the t and x stated in a row of the file."""
@@ -556,24 +546,17 @@ class Family:
             for value, ends in zip(values, row[name], strict=True):
                 inside(value, ends)
 
-    def apart(self, i, earlier):
-        """Return whether event i surely differs from event 0 moved by `earlier` forcing periods, for all values."""
+    def apart(self, i, later):
+        """Return whether event i is surely not event 0 repeated `later` forcing periods later, for all values."""
         (t, x), (t0, x0) = self.points[2 * i : 2 * i + 2], self.points[:2]
-        return not (t - t0).overlaps(earlier * self.all.forcing) or not x.overlaps(x0)
+        return not (t - t0).overlaps(later * self.all.forcing) or not x.overlaps(x0)
 
 
-def family(problem, data, events, row):
-    """Prove the orbits of a row of a branch for all values of its interval; return the Family of its last part."""
-
-    def prove(part):
-        """Prove the orbits for all parameter values of a part of the interval; return their Family."""
-        found = Family(problem, data, events, row, *part)
-        found.all.prove(found.points, data["stable"], problem)
-        return found
-
-    low, high = row["value"]
-    what = f"for all values from {low} to {high}"
-    return in_parts(prove, (low, high), lambda it: ((sum(it) / 2, it[1]), (it[0], sum(it) / 2)), MOST_PARTS, what)
+def family(problem, data, events, row, part):
+    """Prove the orbits of a row of a branch for all values of a part of its interval; return their Family."""
+    found = Family(problem, data, events, row, *part[0])
+    found.all.prove(found.points, data["stable"], problem)
+    return found
 
 
 def fails(problem, data, events, end, row):
@@ -602,13 +585,13 @@ def branch(data, source, limits):
     for row in rows:
         if tried:
             tried[-1].within(row, *tried[-1].root(row["value"][0]))
-        tried.append(family(problem, data, events, row))
+        box, what = (row["value"],), "for all values from {} to {}".format(*row["value"])
+        tried.append(in_parts(partial(family, problem, data, events, row), box, MOST_PARTS, what))
     least(events, periods, lambda *shift: any(each.apart(*shift) for each in tried))
     first = f"an orbit {data['word']} for every {name} from {source['range'][0]} to {source['range'][1]}"
     first += f", by {len(rows)} intervals"
-    for end, row, inner, side, shown in zip(
-        data["ends"], (rows[0], rows[-1]), span, (-1, 1), source["ends"], strict=True
-    ):
+    sides = data["ends"], (rows[0], rows[-1]), span, (-1, 1), source["ends"]
+    for end, row, inner, side, shown in zip(*sides, strict=True):
         beyond = side * (end["outside"] - end["inside"])
         right = end["inside"] == inner and beyond >= 0 and (beyond == 0) == (end["kind"] == RANGE_END)
         check(right, "an end of the range, or one outside of it")
@@ -662,7 +645,7 @@ class Flight:
         return u[self.at] + e.Om * u[self.tau]
 
     def parts(self, e, u):
-        """Split a flight back to its belt where q changes sign: (q > 0, begin, end) of each part; None if undecided."""
+        """Split a flight back to its belt at the zeros of q (12): (q > 0, begin, end) of each; None if undecided."""
         phase, end, found = u[self.at], self.end(e, u), []
         turns = [turning(e, self.belt, n) for n in between(e, self.belt, phase, end)]
         if not all(phase < turn < end for turn in turns):
@@ -676,8 +659,8 @@ class Flight:
             found.append((q > 0, *ends))
         return found
 
-    def short(self, e, u, cuts):
-        """Return whether the distance g > 0 at the cuts proves g > 0 for the whole flight (module docstring, 12)."""
+    def stays_off(self, e, u, cuts):
+        """Return whether the distance g is > 0 in the whole flight as it is so at the cuts (module docstring, 12)."""
         found, most, at = self.parts(e, u), e.longest_part(), [(u[self.tau] * part, reach) for part, reach in cuts]
         if found is None:
             return False
@@ -699,22 +682,10 @@ class Flight:
                 return False
         return not at
 
-    def far(self, e, u, least):
-        """Return whether the steady motion plus the energy of the free one are too slow to reach a belt."""
-        phase, (a, b) = u[self.at], e.steady
-        y = self.start(e, u) - e.A[self.mode] / e.k - a * phase.cos() - b * phase.sin()
-        dy = e.belts[self.belt] - e.Om * (b * phase.cos() - a * phase.sin())
-        ddy = -2 * e.h * dy - e.km * y
-        most = (dy * dy + ddy * ddy / e.km).upper().sqrt() + abs(e.Om) * (a * a + b * b).upper().sqrt()
-        return most < -least
-
 
 def turning(e, belt, n):
     """Return the n-th phase at which the forces on a belt turn from rising to falling or back."""
-    v = e.belts[belt]
-    if isinstance(v, arb) and v.is_zero():
-        return n * arb.pi()
-    return n * arb.pi() + (-1) ** (n % 2) * (-e.k * v / (e.B0 * e.Om)).asin()
+    return n * arb.pi() + (-1) ** (n % 2) * (-e.k * e.belts[belt] / (e.B0 * e.Om)).asin()
 
 
 def between(e, belt, low, high):
@@ -730,7 +701,7 @@ def between(e, belt, low, high):
 
 
 def marks(parts, most):
-    """Choose where to check that g > 0: shares of a flight's duration, each with how far around it g > 0 follows."""
+    """Choose the cuts of a flight: shares of its duration, and for how long around each g > 0 there implies g > 0."""
     most, tau, found = 0.95 * float(most), float(parts[-1][2]), []
     spare = 2 * max(float(b.rad()) for _, _, b in parts) + tau / 500
     for i, (up, *ends) in enumerate(parts):
@@ -805,7 +776,7 @@ class Word:
                     turn = turning(e, flight.onto, n)
                     force = sign * (e.B0 * (turn.cos() - phase.cos()) + e.k * v * (phase - turn) / e.Om) / e.m
                     margins += [force, jump - force]
-            for part, reach in plan[1][i]:
+            for part, reach in plan[1][i] or ():
                 _, at, slope = flight.after(e, u, s * part)
                 for later in (reach, -reach) if reach else (0.0,):
                     S, S1, _, _ = e.driven(arb(later))
@@ -814,29 +785,26 @@ class Word:
         return found, margins
 
     def plan(self, e, u):
-        """Return the turns that may be in each stick, the cuts of each flight, and whether it needs short steps."""
-        turns, cuts, steps = list[Any](), list[Any](), []
+        """Return the turns that may be in each stick, and the cuts of each flight (None: it needs short steps)."""
+        turns, cuts = list[Any](), list[Any]()
         for i, flight in enumerate(self.flights):
             after = self.next(e, i, u)[0]
             turns.append(between(e, flight.onto, flight.end(e, u), after) if flight.stick else [])
             found = flight.parts(e, u) if flight.belt == flight.onto else None
             chosen = marks(found, e.longest_part()) if found else []
-            steps.append(found is None or len(chosen) > MOST_CUTS)
-            cuts.append([] if steps[-1] else chosen)
-        return turns, cuts, steps
+            cuts.append(None if found is None or len(chosen) > MOST_CUTS else chosen)
+        return turns, cuts
 
     def stays(self, e, u, plan, problem):
         """Prove for all unknowns u in a box, given margins > 0, that no flight meets a belt before its end."""
-        for flight, cuts, steps in zip(self.flights, *plan[1:], strict=True):
+        for flight, cuts in zip(self.flights, plan[1], strict=True):
             near = {flight.mode - 1, flight.mode} & {1, 2}
             sides = {belt: (1 if flight.mode > belt else -1, e.belts[belt]) for belt in near}
             if self.half and self.alone and flight.mode != 2:  # the mirror image is between both belts
                 other = 2 if flight.mode == 1 else 1
                 sides[other] = -flight.side, -e.belts[other]
             for belt, (side, speed) in sides.items():
-                if belt == flight.belt == flight.onto and not steps and flight.short(e, u, cuts):
-                    continue
-                if belt not in (flight.belt, flight.onto) and flight.far(e, u, side * speed):
+                if belt == flight.belt == flight.onto and cuts is not None and flight.stays_off(e, u, cuts):
                     continue
 
                 def f(s, flight=flight, side=side, speed=speed):
@@ -854,7 +822,7 @@ class Box:
     """The proof that a word has one orbit for all parameters of a box (module docstring, 10)."""
 
     def __init__(self, p, over, word, box, u, problem):
-        self.p, self.over, self.word, self.u, self.problem = p, over, word, u, problem
+        self.p, self.over, self.word, self.u, self.problem = p, over, word, column(u), problem
         self.middle = [arb((low + high) / 2) for low, high in box]
         self.half = [arb((high - low) / 2) for low, high in box]
         self.wide = [arb(low).union(arb(high)) for low, high in box]
@@ -867,15 +835,20 @@ class Box:
         return Oscillator(self.p | dict(zip(self.over, values, strict=True)))
 
     def series(self, side, rows, count, wide=False, plan=None):
-        """Return r and margins as power series in the direction `side`, about the middle or (`wide`) all of the box."""
+        """Return the first `count` Taylor coefficients of Y r in the direction `side`, and all margins as series.
+
+        They begin at the middle or, if `wide`, at all points of the box; `rows` has the coefficients of the unknowns u.
+        """
         ctx.cap = count
         start = self.wide if wide else self.middle
         e = self.plane([arb_series([b, h * i], prec=count) for b, h, i in zip(start, self.half, side, strict=True)])
-        return self.word.r(e, [arb_series(list(each), prec=count) for each in zip(*rows, strict=True)], plan)
+        u = [arb_series(list(each), prec=count) for each in zip(*(row.entries() for row in rows), strict=True)]
+        r, margins = self.word.r(e, u, plan)
+        return [self.Y * column([each[k] for each in r]) for k in range(count)], margins
 
     def columns(self, e, u, plan=None):
         """Return for each unknown the derivatives of r and of the margins with respect to it, as balls."""
-        found, ctx.cap = [], 2
+        found, u, ctx.cap = [], u.entries(), 2
         self.problem.step(len(u) * len(self.word.flights) // 2)
         for j in range(len(u)):
             parts = self.word.r(e, [*u[:j], arb_series([u[j], 1], prec=2), *u[j + 1 :]], plan)
@@ -888,94 +861,76 @@ class Box:
         for _ in range(BOX_NEWTON_STEPS):
             self.J = arb_mat([column[0] for column in self.columns(e, self.u)]).transpose()
             self.Y = self.J.mid().inv().mid()
-            step = self.solved([each.mid() for each in self.word.r(e, self.u)[0]])
-            if all(abs(each) < NEAR for each in step):
+            step = (self.Y * column(self.word.r(e, self.u.entries())[0])).mid()
+            if all(abs(each) < NEAR for each in step.entries()):
                 return  # J is that at u
-            self.u = [(each - change).mid() for each, change in zip(self.u, step, strict=True)]
-            check(all(abs(each) < 10 for each in step), "a root at the middle of a box", OPEN)
+            self.u = (self.u - step).mid()
+            check(all(abs(each) < 10 for each in step.entries()), "a root at the middle of a box", OPEN)
         raise Stop(OPEN, "a root at the middle of a box")
-
-    def solved(self, values):
-        """Multiply a vector by Y, the approximate inverse of the Jacobian J at the middle of the box."""
-        return (self.Y * column(values)).entries()
 
     def surface(self):
         """Prove with a polynomial surface u(d) that the word has one orbit for all parameters d of the box."""
-        word, size, second, thin, d = self.word, self.word.size, [], [], arb(0, 1)
-        p = [arb(0)] * size
-        a, b = (
-            [-z.mid() for z in self.solved([r[1] for r in self.series(side, [self.u], 2)[0]])] for side in SIDES[:2]
-        )
+        word, p, second, thin, d, zero = self.word, [arb(0)] * self.word.size, [], [], arb(0, 1), arb(0)
+        a, b = (-self.series(side, [self.u], 2)[0][1].mid() for side in SIDES[:2])
         for i, j in SIDES[:3]:
-            rows = [self.u, [i * each + j * other for each, other in zip(a, b, strict=True)]]
-            r, _ = self.series((i, j), rows, 3)
-            second.append([-each.mid() for each in self.solved([each[2] for each in r])])
-            bend = (self.J * column(second[-1])).entries()
-            thin.append(rows)
-            last = [each[2] + more for each, more in zip(r, bend, strict=True)]
-            for part in ([each[0] for each in r], [each[1] for each in r], last):
-                p = [each + 3 * abs(more) for each, more in zip(p, self.solved(part), strict=True)]
-        aa, bb, ab = second[0], second[1], [z - x - y for x, y, z in zip(*second, strict=True)]
-        u = [
-            u + d * (a + d * aa + d * ab) + d * (b + d * bb)
-            for u, a, b, aa, bb, ab in zip(self.u, a, b, aa, bb, ab, strict=True)
-        ]
+            thin.append([self.u, i * a + j * b])
+            r, _ = self.series((i, j), thin[-1], 3)
+            second.append(-r[2].mid())
+            for part in (r[0], r[1], r[2] + self.Y * (self.J * second[-1])):
+                p = [each + 3 * abs(more) for each, more in zip(p, part.entries(), strict=True)]
+        aa, bb, ab = second[0], second[1], second[2] - second[0] - second[1]
+        u = self.u + d * (a + d * aa + d * ab) + d * (b + d * bb)
 
         def slopes(i, j):
             """Return the first and second coefficients of u(d) along the direction (i, j), from anywhere in the box."""
-            rows = [
-                (i * (p + 2 * d * pp + d * pq) + j * (q + 2 * d * qq + d * pq), i * i * pp + j * j * qq + i * j * pq)
-                for p, q, pp, qq, pq in zip(a, b, aa, bb, ab, strict=True)
-            ]
-            return [list(each) for each in zip(*rows, strict=True)]
+            first = i * (a + 2 * d * aa + d * ab) + j * (b + 2 * d * bb + d * ab)
+            return first, i * i * aa + j * j * bb + i * j * ab
 
         e, cubes, bends = self.plane(self.wide), [], []
-        plan = word.plan(e, u)
+        plan = word.plan(e, u.entries())
         for side in SIDES:
             r, margins = self.series(side, [u, *slopes(*side)], 4, True, plan)
-            cubes.append(self.solved([each[3] for each in r]))
+            cubes.append(r[3])
             bends.append([coefficient(each, 2) for each in margins])
         A, D, both, apart = cubes
-        for j in range(size):
-            B, C = (both[j] - apart[j]) / 2 - D[j], (both[j] + apart[j]) / 2 - A[j]
-            p[j] = (p[j] + abs(A[j]) + abs(B) + abs(C) + abs(D[j])).upper()
+        form = A, (both - apart) / 2 - D, (both + apart) / 2 - A, D
+        parts = zip(p, *(each.entries() for each in form), strict=True)
+        p = [(each + sum(map(abs, more), zero)).upper() for each, *more in parts]
         tube = self.contract(p, u, [slopes(*side)[0] for side in SIDES[:2]])
-        around = [each + arb(0, by) for each, by in zip(u, tube, strict=True)]
-        same = all(set(new) <= set(old) for new, old in zip(word.plan(e, around)[0], plan[0], strict=True))
+        around = u + column([arb(0, by) for by in tube])
+        same = all(set(new) <= set(old) for new, old in zip(word.plan(e, around.entries())[0], plan[0], strict=True))
         check(same, "which turns are in a stick", OPEN)
         by_u = [column[1] for column in self.columns(e, around, plan)]
         lines = [self.series(side, rows, 2, False, plan)[1] for side, rows in zip(SIDES[:2], thin, strict=False)]
         for i, (one, other) in enumerate(zip(*lines, strict=True)):
-            bend, zero = [each[i] for each in bends[:3]], arb(0)
+            bend = [each[i] for each in bends[:3]]
             least = coefficient(one) - abs(coefficient(one, 1)) - abs(coefficient(other, 1))
             least += bend[0].min(zero) + bend[1].min(zero) - abs(bend[2] - bend[0] - bend[1])
             least -= sum((abs(column[i]) * by for column, by in zip(by_u, tube, strict=True)), zero)
             if i in word.looks and not least > 0:
-                plan[2][word.looks[i]] = True  # by short steps, then
+                plan[1][word.looks[i]] = None  # by short steps, then
                 continue
             check(least > 0, "an inequality of a word in a box", OPEN)  # smaller boxes may decide it
-        word.stays(e, around, plan, self.problem)
+        word.stays(e, around.entries(), plan, self.problem)
 
     def contract(self, p, u, slopes):
-        """Return e with p + N e < e: by Krawczyk, a root lies within e of u(d) (p, N: module docstring, 10)."""
-        size, tube = self.word.size, [arb(1.1) * each for each in p]
-        scales = [
-            max((abs(a).upper(), abs(b).upper(), t), key=float).mid() for a, b, t in zip(*slopes, tube, strict=True)
-        ]
+        """Return e with p + N e < e, by which a root is within e of u(d) for each d (module docstring, 10)."""
+        size, tube = range(self.word.size), [arb(1.1) * each for each in p]
+        sizes = zip(*(each.entries() for each in slopes), tube, strict=True)
+        scales = [max((abs(a).upper(), abs(b).upper(), t), key=float).mid() for a, b, t in sizes]
+        units = [column([scales[j] if i == j else arb(0) for i in size]) for j in size]
         for _ in range(4):
             tube = [(arb(1.15) * each).mid() for each in tube]
-            middle, around = ([x + arb(0, by) for x, by in zip(each, tube, strict=True)] for each in (self.u, u))
-            at = [self.solved(column[0]) for column in self.columns(self.plane(self.middle), middle)]
+            near = column([arb(0, by) for by in tube])
+            at = [(self.Y * column(part[0])).entries() for part in self.columns(self.plane(self.middle), self.u + near)]
             N = [[abs(arb(int(i == j)) - each) for i, each in enumerate(row)] for j, row in enumerate(at)]
-            units = [[scales[j] if i == j else arb(0) for i in range(size)] for j in range(size)]
-            alone = [self.squares((0, 0), around, unit) for unit in units]
+            alone = [self.squares((0, 0), u + near, unit) for unit in units]
             for side, slope in zip(SIDES[:2], slopes, strict=False):
-                own = self.squares(side, around, slope)
+                own = self.squares(side, u + near, slope)
                 for j, unit in enumerate(units):
-                    both = self.squares(side, around, [x + y for x, y in zip(slope, unit, strict=True)])
-                    mixed = self.solved([x - y - z for x, y, z in zip(both, own, alone[j], strict=True)])
-                    N[j] = [x + abs(y) / scales[j] for x, y in zip(N[j], mixed, strict=True)]
-            image = [p[i] + sum((N[j][i] * tube[j] for j in range(size)), arb(0)) for i in range(size)]
+                    mixed = self.squares(side, u + near, slope + unit) - own - alone[j]
+                    N[j] = [x + abs(y) / scales[j] for x, y in zip(N[j], mixed.entries(), strict=True)]
+            image = (column(p) + arb_mat(N).transpose() * column(tube)).entries()
             if all(each < by for each, by in zip(image, tube, strict=True)):
                 return tube
             tube = [each.upper() for each in image]
@@ -984,8 +939,8 @@ class Box:
         raise Stop(OPEN, "one root for all parameters of a box")
 
     def squares(self, side, u, slope):
-        """Return the second Taylor coefficients of r in a direction, enclosed for all of the box."""
-        return [coefficient(each, 2) for each in self.series(side, [u, slope, [arb(0)] * len(u)], 3, True)[0]]
+        """Return the second Taylor coefficients of Y r in a direction, enclosed for all of the box."""
+        return self.series(side, [u, slope, 0 * slope], 3, True)[0][2]
 
 
 def rests(p, over, box):
@@ -1012,7 +967,7 @@ def apart(boxes):
 
 
 def clear(boxes, points, whole):
-    """Check that no point of a border lies inside a proven box by more than rounding errors."""
+    """Require that no point of a border is inside a proven box, by more than 1e-12 of the sides of the whole plane."""
     away = [1e-12 * float(high - low) for low, high in whole]
     for box in boxes:
         (left, right), (low, high) = ((float(a) + by, float(b) - by) for (a, b), by in zip(box, away, strict=True))
@@ -1031,20 +986,6 @@ def mirror_of(p, over):
     return {}
 
 
-def halved(whole):
-    """Return the function that halves a box across its longer side, measured by the sides of the whole."""
-
-    def halves(part):
-        """Return both halves of a box, the upper one last."""
-        sides = [(high - low) / (b - a) for (low, high), (a, b) in zip(part, whole, strict=True)]
-        along = int(sides[1] > sides[0])
-        low, high = part[along]
-        ends = (low, (low + high) / 2), ((low + high) / 2, high)
-        return [(half, part[1]) if along == 0 else (part[0], half) for half in ends]
-
-    return halves
-
-
 def atlas(data, source, limits):
     """Prove an atlas: every box, that they do not overlap, and the share of the area."""
     over, whole, p = data["over"], data["range"], data["parameters"]
@@ -1059,9 +1000,8 @@ def atlas(data, source, limits):
         check(inner, "a box beyond the range")
     apart([*boxes, *data["open"]])
     clear(boxes, data["found"], whole)
-    all_of, proven, rest = (
-        sum((b - a) * (d - c) for (a, b), (c, d) in each) for each in ([whole], boxes, data["open"])
-    )
+    kinds = [whole], boxes, data["open"]
+    all_of, proven, rest = (sum((b - a) * (d - c) for (a, b), (c, d) in each) for each in kinds)
     stated = f"a share of {source['share'][:40]}, where the boxes have {proven / all_of}"[:160]
     check(proven == data["share"] * all_of, stated)
     check(proven + rest == all_of, "boxes and open ones that fill the range")
@@ -1080,7 +1020,7 @@ def atlas(data, source, limits):
             near = word.unknowns(row, float(arb(middle.get("Omega", p["Omega"]))))
             what = f"the word {text} in the box {shown['range']}, in {MOST_BOX_PARTS} parts"
             prove = partial(Box, values, over, word, u=near, problem=problem)
-            in_parts(prove, box, halved(box), MOST_BOX_PARTS, what)
+            in_parts(prove, box, MOST_BOX_PARTS, what)
     share = f"{float((data['share'] * 10**6).floor()) / 1e6:.6f}"  # rounded down
     named = ", ".join(sorted({row["word"] for row in data["boxes"]}))
     spans = [f"{name} from {low} to {high}" for name, (low, high) in zip(over, source["range"], strict=True)]
