@@ -19,7 +19,7 @@ from symosc.arguments import public
 from symosc.errors import ParameterError
 from symosc.exact import whole_number
 from symosc.plot import drawing as common
-from symosc.plot.drawing import PARAMETER_LABELS, axes_for, read_panels, typeset
+from symosc.plot.drawing import PARAMETER_LABELS, axes_for, panels_for, read_panels, typeset, write_above
 from symosc.plot.panels import INSET_ROOM, INSET_TOP, PANELS, SHAPES, Panel, View, draw_insets, mark_style, view_of
 from symosc.quantities import read_number
 from symosc.scenes import Scene, end_time, load_scene
@@ -244,10 +244,9 @@ def branch_figure(branch: Branch, panels: str | None = None, *, ax: Axes | None 
     >>> [axes.get_ylabel() for axes in plot.branch_figure(branch).axes]
     ['position $x$ at the switching', 'moduli of the multipliers']
     """
-    panels = read_panels(panels, BRANCH_PANELS, ax, alone="b")
-    with axes_for(ax, (3.5 * len(panels), 3.1), panels, letter_at=-0.12) as (drawing, row):
-        for axes, letter in zip(row, panels, strict=True):
-            BRANCH_PANELS[letter](axes, branch)
+    how: Record = {"alone": "b", "letter_at": -0.12}
+    with panels_for(branch, BRANCH_PANELS, panels, ax, (3.5, 3.1), **how) as (drawing, row):
+        for axes in row:
             axes.set_xlabel(PARAMETER_LABELS.get(branch.parameter, f"${branch.parameter}$"))
             for end in branch.ends:
                 if end.kind in END_MARKERS:
@@ -259,7 +258,7 @@ def branch_figure(branch: Branch, panels: str | None = None, *, ax: Axes | None 
             entries[kind] = Line2D([], [], linestyle="none", marker=END_MARKERS[kind], ms=5.0, color="black")
         for name in [name for name in STABILITY_STYLES if name in stability(branch)]:
             entries[name] = Line2D([], [], color="black", ls=STABILITY_STYLES[name], lw=1.2)
-        common.add_legend(drawing, ax, entries | unit, 3 * len(panels), **LEGEND_STYLE)
+        common.add_legend(drawing, ax, entries | unit, 3 * len(row), **LEGEND_STYLE)
     return drawing
 
 
@@ -331,10 +330,9 @@ def _write_words(ax: Axes, branch: Branch) -> None:
 
     words: list[Any] = [(0.5 * (branch.values.min() + branch.values.max()), branch.word)]
     words += [(end.value, end.kind if end.kind in (NO_CONVERGENCE, MOST) else end.beyond) for end in branch.ends]
-    style: Record = {"xycoords": ("data", "axes fraction"), "textcoords": "offset points", "fontsize": 8}
     for place, word in words:
         if word:
-            ax.annotate(typeset(word), (place, 1), (0, 4), ha="center", **style)
+            write_above(ax, place, typeset(word))
 
 
 def stability(branch: Branch) -> np.ndarray:
@@ -406,10 +404,9 @@ def border_figure(border: Border | Sequence[Border], *, ax: Axes | None = None, 
             _write_words_beside(axes, borders[0])
         for point, of in {point.values: (point, each) for each in borders for point in each.special}.values():
             place = [point.values[of.parameters.index(name)] for name in names]
-            look = (
-                {"mfc": "white", "label": "fold"} if point.kind == "fold" else {"mfc": "k", "label": "codimension two"}
-            )
-            axes.plot(*place, marker="o", ms=4.5, mec="black", mew=0.8, zorder=5, linestyle="none", **look)
+            face, label = ("white", "fold") if point.kind == "fold" else ("k", "codimension two")
+            style = {"ms": 4.5, "mfc": face, "mec": "black", "mew": 0.8, "zorder": 5, "linestyle": "none"}
+            axes.plot(*place, marker="o", label=label, **style)
         common.add_legend(drawing, ax, common.legend_entries([axes]), 3 if len(borders) == 1 else 2)
     return drawing
 

@@ -8,6 +8,7 @@ from __future__ import annotations
 from base64 import b64encode
 from collections.abc import Iterator, Sequence
 from decimal import Decimal
+from functools import partial
 from io import BytesIO
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -26,7 +27,7 @@ from symosc.errors import ParameterError
 from symosc.exact import whole_number
 from symosc.files import check_folder_of, write_text
 from symosc.fit import Fit
-from symosc.plot.drawing import STYLE, add_legend, axes_for, legend_entries, read_panels
+from symosc.plot.drawing import STYLE, add_legend, axes_for, legend_entries, panels_for
 from symosc.simulation.simulate import simulate
 from symosc.simulation.trajectory import Event
 
@@ -37,6 +38,7 @@ POSITION, VELOCITY, RIGHT, WRONG, INVENTED = "#1f3fd6", "#0f8a2a", "0.72", "#d71
 # Zeros are drawn here, and no axis goes further down.
 FLOOR = 1e-17
 LEGEND: Record = {"handlelength": 1.8, "columnspacing": 1.4}
+ABOVE_EACH_OTHER: Record = {"more": 0.8, "columns": 1, "letter_at": -0.07}
 
 
 @public
@@ -61,19 +63,14 @@ def crosscheck_figure(check: CrossCheck, panels: str | None = None, *, ax: Axes 
     >>> [axes.get_ylabel() for axes in plot.crosscheck_figure(crosscheck("fig5", t, x, v), "ab").axes]
     ['global error', 'defect of the step']
     """
-    panels = read_panels(panels, "abc", ax)
     marks: list[tuple[str, Any, Record]] = [
         ("matched", [match.event for match in check.matched], {"color": RIGHT, "ls": "-", "lw": 0.7}),
         ("missed", check.missed, {"color": WRONG, "ls": "--", "lw": 1.1}),
         ("invented", check.invented, {"color": INVENTED, "ls": ":", "lw": 1.1}),
     ]
-    size = (7.0, 0.8 + 1.6 * len(panels))
-    with axes_for(ax, size, panels, columns=1, letter_at=-0.07) as (drawing, row):
-        for axes, letter in zip(row, panels, strict=True):
-            if letter == "c":
-                _velocity(axes, check)
-            else:
-                _errors(axes, check, of_steps=letter == "b")
+    draw: Record = {"a": partial(_errors, of_steps=False), "b": partial(_errors, of_steps=True), "c": _velocity}
+    with panels_for(check, draw, panels, ax, (7.0, 1.6), **ABOVE_EACH_OTHER) as (drawing, row):
+        for axes in row:
             for name, events, style in marks:
                 for event in events:
                     axes.axvline(float(event.t), zorder=0, label=f"event, {name}", **style)
@@ -132,22 +129,28 @@ def fit_figure(found: Fit, panels: str | None = None, *, ax: Axes | None = None)
     >>> [axes.get_xlabel() for axes in plot.fit_figure(found).axes]
     ['', 'time $t$']
     """
-    panels = read_panels(panels, "ab", ax)
-    times = np.linspace(float(found.trajectory.t_start), float(found.trajectory.t_end), 2000)
-    size = (7.0, 0.8 + 1.7 * len(panels))
-    with axes_for(ax, size, panels, columns=1, letter_at=-0.07) as (drawing, row):
-        for axes, letter in zip(row, panels, strict=True):
-            if letter == "a":
-                axes.plot(times, found.trajectory(times)[0], color=POSITION, lw=0.9, label="fitted motion")
-                for name, t, x, marker in _measured_points(found):
-                    axes.plot(t, x, marker, color="black", ms=3.5, mfc="none", mew=0.8, label=name)
-                axes.set_ylabel("displacement $x$")
-            else:
-                _residuals(axes, found)
-            axes.set_xlim(times[0], times[-1])
+    with panels_for(found, FIT_PANELS, panels, ax, (7.0, 1.7), **ABOVE_EACH_OTHER) as (drawing, row):
+        for axes in row:
+            axes.set_xlim(float(found.trajectory.t_start), float(found.trajectory.t_end))
         row[-1].set_xlabel("time $t$")
         add_legend(drawing, ax, legend_entries(row), 5, **LEGEND)
     return drawing
+
+
+def _motion_and_data(ax: Axes, found: Fit) -> None:
+    """Draw the fitted motion, and what was measured: samples, or the times of events, at the places of the motion."""
+    measured, motion = found._measured, found.trajectory
+    times = np.linspace(float(motion.t_start), float(motion.t_end), 2000)
+    ax.plot(times, motion(times)[0], color=POSITION, lw=0.9, label="fitted motion")
+    style: Record = {"color": "black", "ms": 3.5, "mfc": "none", "mew": 0.8}
+    if measured.states is not None:
+        ax.plot(measured.t, measured.states[0], ".", label="measured", **style)
+    for kind, marker in (("stick", "s"), ("slip", "o"), ("cross", "x"), ("graze", "^")):
+        t = measured.t[measured.kinds == kind] if measured.kinds is not None else ()
+        if len(t):
+            x = motion(np.clip(t, times[0], times[-1]))[0]
+            ax.plot(t, x, marker, label=f"measured {kind}", **style)
+    ax.set_ylabel("displacement $x$")
 
 
 def _residuals(ax: Axes, found: Fit) -> None:
@@ -164,18 +167,7 @@ def _residuals(ax: Axes, found: Fit) -> None:
     ax.set_ylabel(r"residual / $\sigma$" if measured.weighted else "residual")
 
 
-def _measured_points(found: Fit) -> Iterator[tuple[str, np.ndarray, np.ndarray, str]]:
-    """Yield each kind of measured points: name, times, positions (of events: those of the fitted motion), marker."""
-    measured, motion = found._measured, found.trajectory
-    if measured.states is not None:
-        yield "measured", measured.t, measured.states[0], "."
-        return
-    assert measured.kinds is not None
-    for kind, marker in (("stick", "s"), ("slip", "o"), ("cross", "x"), ("graze", "^")):
-        t = measured.t[measured.kinds == kind]
-        if len(t):
-            inside = np.clip(t, float(motion.t_start), float(motion.t_end))
-            yield f"measured {kind}", t, motion(inside)[0], marker
+FIT_PANELS = {"a": _motion_and_data, "b": _residuals}
 
 
 @public
@@ -203,13 +195,12 @@ def step_figure(
     >>> [axes.get_ylabel() for axes in drawing.axes]
     ['$v$', '$x$']
     """
-    panels = read_panels(panels, "ab", ax)
     if step is None:
         step = check.first_wrong.step if check.first_wrong else 0
     step = whole_number("step", step, 0, len(check.t) - 2)
-    with axes_for(ax, (4.6, 1.0 + 1.9 * len(panels)), panels, columns=1) as (drawing, row):
-        for axes, letter in zip(row, panels, strict=True):
-            _step_panel(axes, check, step, of_velocity=letter == "a")
+    draw = {"a": partial(_step_panel, step=step, of_velocity=True)}
+    draw["b"] = partial(_step_panel, step=step, of_velocity=False)
+    with panels_for(check, draw, panels, ax, (4.6, 1.9), more=1.0, columns=1) as (drawing, row):
         row[-1].set_xlabel("$t$")
         add_legend(drawing, ax, legend_entries(row[:1]), 2)
     return drawing
