@@ -10,6 +10,7 @@ from collections.abc import Sequence
 from dataclasses import replace
 from fractions import Fraction
 from functools import cache
+from itertools import count
 from math import ceil, cos, floor, log10, pi, sin, tau
 from typing import Any, NamedTuple
 from urllib.parse import parse_qsl, urlencode
@@ -32,7 +33,7 @@ from symosc.simulation.trajectory import Event, Trajectory
 
 #: More periods than this crowd the pictures.
 MOST_SHOWN_PERIODS = 100
-#: To so many digits the number of periods is shown; the end of the motion is the shortest decimal that gives them.
+#: To so many digits the number of periods is shown.
 PERIODS_DIGITS = 12
 STARTS = ("t0", "x0", "v0")
 #: How the page says what is wrong with a text that is no number.
@@ -94,7 +95,7 @@ def state_of(scene: Scene) -> dict[str, str]:
     """Return the texts of the page's fields for a scene."""
     state = {"scene": scene.name, **scene.parameters.as_dict()}
     state |= {name: show(getattr(scene, name)) for name in STARTS}
-    state["periods"] = _periods_text(scene.t0, scene.t_end, scene.parameters.Omega)
+    state["periods"] = f"{float((scene.t_end - scene.t0) * scene.parameters.Omega) / tau:.{PERIODS_DIGITS}g}"
     return state if scene.start_error is None else state | {"start_error": ",".join(map(show, scene.start_error))}
 
 
@@ -150,20 +151,12 @@ def scene_of(state: dict[str, str]) -> tuple[Scene | None, dict[str, str]]:
     return replace(scene, name=base + CHANGED if shipped else name, source=SOURCE), {}
 
 
-def _periods_text(t0: Fraction, t_end: Fraction, Omega: Fraction) -> str:
-    """Return the duration in periods of the drive, as text."""
-    return f"{float((t_end - t0) * Omega) / tau:.{PERIODS_DIGITS}g}"
-
-
 def _end_time(t0: Fraction, periods: Fraction, Omega: Fraction) -> Fraction:
     """Return t0 plus a number of periods of the drive, as the shortest decimal that gives this number back."""
-    wanted = f"{float(periods):.{PERIODS_DIGITS}g}"
-    exact = t0 + Fraction(wanted) * Fraction(tau) / Omega
-    for decimals in range(PERIODS_DIGITS + 4 + len(str(int(Omega)))):
-        end = round(exact, decimals)
-        if end > t0 and _periods_text(t0, end, Omega) == wanted:
-            return end
-    return exact
+    shown, period = f"{float(periods):.{PERIODS_DIGITS}g}", Fraction(tau) / Omega
+    exact, first = t0 + Fraction(shown) * period, floor(log10(max(float(shown), 1e-300)))
+    allowed = period * Fraction(10) ** (first + 1 - PERIODS_DIGITS) / 2  # half a unit of the last digit that is shown
+    return next(end for end in (round(exact, decimals) for decimals in count()) if abs(end - exact) < allowed)
 
 
 # --- the answer ---

@@ -18,7 +18,6 @@ from urllib.parse import urlsplit
 from symosc.aliases import Record
 from symosc.errors import MissingExtraError, ParameterError, SymoscError
 from symosc.plot.explorer.answers import (
-    ARC_COLUMNS,
     GROUPS,
     RINGS,
     answer,
@@ -211,26 +210,12 @@ INK, AXIS, GREY = "#1d2129", "#8a8f98", "#5b616e"
 FORCES = {1: (FORCE_BELOW, "solid"), 2: ("black", "dashed"), 3: (FORCE_ABOVE, "dotted")}
 #: How the marks of events are drawn.
 MARKS: Record = {"marker": "marker", "size": "size", "fill_color": "color", "line_width": 1, "line_color": "black"}
-#: Columns of each source, as an answer fills them.
-COLUMNS = {
-    "curves": "t x v F1 F2 F3",
-    "marks": "t x v marker size color label belt",
-    "sticks": "since until shade",
-    "arcs": " ".join(ARC_COLUMNS),
-    "contacts": "x y phase marker size color label",
-    "section": "x v",
-    "settled": "x v",
-    "start": "x v",
-    "now": "t x v",
-}
 
 
 def pictures() -> dict[str, Any]:
     """Return the plots by name: plane, dial, displacement, velocity, forces."""
-    sources = {
-        name: ColumnDataSource({column: [] for column in columns.split()}, name=name)
-        for name, columns in COLUMNS.items()
-    }
+    columns = answer("", shipped_scenes()["fig5"])["sources"] | {"settled": ["x", "v"], "now": ["t", "x", "v"]}
+    sources = {name: ColumnDataSource({key: [] for key in keys}, name=name) for name, keys in columns.items()}
     ranges = {name: Range1d(start=0, end=1, name=f"range-{name}") for name in ("t", "x", "v", "F")}
     return {
         "plane": _plane(sources, ranges),
