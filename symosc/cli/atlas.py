@@ -15,17 +15,12 @@ if TYPE_CHECKING:
 
 @click.command()
 @options.scene_argument
-@option(
-    "--over NAME=LO:HI",
-    "A parameter of the plane and its range. Give two.",
-    multiple=True,
-    shell_complete=options.PARAMETER,
-)
+@option("--over NAME=LO:HI", "A parameter of the plane and its range. Give two.", multiple=True)
 @options.set_option
 @option("--prove SHARE", "Part of the area to prove: 0 to 1.", default="0", show_default=True)
 @option("--seconds S", "When to stop proving.")
-@option("--workers N", "Processes. Default: one for each core.", type=options.WholeNumber())
-@options.file_option("-o, --output FILE", "Write it as JSON; what an earlier run left there is taken up.", "path")
+@option("--workers N", "Processes. Default: one for each core.")
+@option("-o, --output FILE", "Write it as JSON; what an earlier run left there is taken up.", "path")
 @options.plot_option
 @options.json_option
 def atlas(scene: str, over: tuple[str, ...], settings: Settings, path: Text, plot: Text, **how: Any) -> None:
@@ -41,8 +36,7 @@ def atlas(scene: str, over: tuple[str, ...], settings: Settings, path: Text, plo
     from symosc.certificates.atlas import atlas as draw_up
 
     spans = [options.read_span(side, "--over") for side in over]
-    if len(dict(spans)) != 2 or len(spans) != 2:
-        raise click.UsageError("give --over twice, with two parameters")
+    options.refuse((len(dict(spans)) != 2 or len(spans) != 2, "give --over twice, with two parameters"))
     made = draw_up(options.scene_with(scene, settings), dict(spans), **how, path=path, progress=True)
     output.draw(plot, made.plot)
     output.report(made.statement, lambda: _print_atlas(made, path, plot))

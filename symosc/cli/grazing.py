@@ -10,7 +10,6 @@ from symosc.aliases import Order, Record
 from symosc.cli import options, output
 from symosc.cli.options import Settings, Text, flag, option
 from symosc.display.progress import late_bar
-from symosc.errors import ParameterError
 from symosc.exact import show
 from symosc.mappings.theorem7_cases import ORDERS, PLACES, place
 from symosc.model import PARAMETER_NAMES, Parameters
@@ -25,13 +24,7 @@ if TYPE_CHECKING:
 @click.command()
 @options.optional_scene
 @options.set_option
-@option(
-    "--map MAP",
-    "P2, P3, P5 or P6. Repeatable. Default: all.",
-    "mappings",
-    multiple=True,
-    shell_complete=options.complete(PLACES),
-)
+@option("--map MAP", "P2, P3, P5 or P6. Repeatable. Default: all.", "mappings", multiple=True)
 @option(
     "--order",
     "paper: as printed, by the sign of G1. full: by the first G-function that is not 0 (default).",
@@ -41,22 +34,12 @@ if TYPE_CHECKING:
 @flag("--latex", "Print LaTeX, one window a line.", callback=output.claim_stdout)
 @options.json_option
 @option("--check N", "Check the windows at N phases each.", "phases", type=options.WholeNumber(min=1))
-@options.picture_option("--plot FILE", "Draw windows, contact curves and grazing curves: .pdf, .svg or .png.")
+@options.picture("--plot FILE", "Draw windows, contact curves and grazing curves: .pdf, .svg or .png.")
 @option("--solve NAME[,NAME]", "For which values of Omega, B0, k, v1 or v2, or of two, see --phase.")
 @option("--phase PHASE[:PHASE]", "With --solve: where it grazes at this phase, or at all in between.")
 @option("--against NAME[=LOW:HIGH]", "With --plot and one --map: the window against Omega, B0, k, v1 or v2.")
 def grazing(
-    *,
-    scene: Text,
-    settings: Settings,
-    mappings: tuple[str, ...],
-    order: Order,
-    latex: bool,
-    phases: int | None,
-    plot: Text,
-    solve: Text,
-    phase: Text,
-    against: Text,
+    scene: Text, settings: Settings, mappings: tuple[str, ...], order: Order, latex: bool, plot: Text, **asked: Any
 ) -> int:
     """Print the grazing windows of a scene: at which phases Omega t mod 2 pi a touching flow turns back (Theorem 7).
 
@@ -85,14 +68,13 @@ def grazing(
       symosc grazing fig9 --map P2 --solve Omega,k --phase 7*pi/6 --plot region.pdf
       symosc grazing --map P3 --solve Omega --phase pi
     """
-    if latex and output.prints_json():
-        raise click.UsageError("give --latex or --json, not both; the JSON has the LaTeX")
-    if phase is not None and solve is None:
-        raise click.UsageError("--phase needs --solve, which says what is asked for")
-    if solve is not None and (phases is not None or against is not None):
-        raise click.UsageError("--solve goes without --check and --against")
-    if against is not None and (plot is None or len(mappings) != 1):
-        raise click.UsageError("--against needs --plot FILE and one --map")
+    phases, solve, phase, against = (asked[name] for name in ("phases", "solve", "phase", "against"))
+    options.refuse(
+        (latex and output.prints_json(), "give --latex or --json, not both; the JSON has the LaTeX"),
+        (phase is not None and solve is None, "--phase needs --solve, which says what is asked for"),
+        (solve is not None and (phases, against) != (None, None), "--solve goes without --check and --against"),
+        (against is not None and (plot is None or len(mappings) != 1), "--against needs --plot FILE and one --map"),
+    )
     in_letters = solve is not None and scene is None and not settings
     name, p = (None, None) if in_letters else _parameters(scene, settings)
     chosen = list(dict.fromkeys(mappings))
@@ -101,10 +83,9 @@ def grazing(
     if solve is not None:
         answers = _solve(p, chosen, solve, phase, order, plot)
         given = None if p is None else p.as_dict()
-        output.report(
-            lambda: {"parameters": given, "order": order, "answers": list(map(_answer_data, answers))},
-            lambda: output.write("\n".join(each.latex() if latex else each.text() for each in answers)),
-        )
+        data: Record = {"parameters": given, "order": order, "answers": list(map(_answer_data, answers))}
+        texts = [each.latex() if latex else each.text() for each in answers]
+        output.report(lambda: data, lambda: output.write("\n".join(texts)))
         return 0
     assert p is not None
     from symosc.grazing.window import grazing_window
@@ -116,11 +97,10 @@ def grazing(
 
         reports = [check_grazing(p, mapping, n=phases, progress=True) for mapping in chosen or PLACES]
     output.draw(plot, _draw_windows, windows, against)
-    data: Record = {"scene": name, "parameters": p.as_dict(), "order": order}
+    data = {"scene": name, "parameters": p.as_dict(), "order": order}
     data |= {"checks": [report.to_dict() for report in reports]} if reports else {}
-    output.report(
-        lambda: data | {"windows": list(map(_window_data, windows))}, lambda: _print_windows(windows, reports, latex)
-    )
+    data["windows"] = list(map(_window_data, windows))
+    output.report(lambda: data, lambda: _print_windows(windows, reports, latex))
     return int(any(not report.ok for report in reports))
 
 
@@ -146,35 +126,23 @@ def _print_windows(windows: list[GrazingWindow], reports: list[Any], latex: bool
 def _parameters(scene: Text, settings: Settings) -> tuple[Text, Parameters]:
     """Return the scene's name and parameters, or None and the parameters that were all given by --set."""
     changes = options.read_parameters(settings)
-    if scene is not None:
-        problem = options.reduced_scene(load_scene(scene).changed(**changes))
-        return problem.name, problem.parameters
-    for name in changes:
-        if name not in PARAMETER_NAMES:
-            known = f"is not a parameter; the parameters are {', '.join(PARAMETER_NAMES)}"
-            raise ParameterError(name, changes[name], known)
-    missing = [name for name in PARAMETER_NAMES if name not in changes]
+    problem = options.reduced_scene(load_scene(scene or "fig5").changed(**changes))
+    missing = [name for name in PARAMETER_NAMES if name not in changes and scene is None]
     if missing:
         raise click.UsageError(f"give a SCENE, or every parameter by --set; missing: {', '.join(missing)}")
-    return None, Parameters(**changes)
+    return None if scene is None else problem.name, problem.parameters
 
 
 def _window_data(window: GrazingWindow) -> Record:
     from symosc.grazing.window import critical_text, phases_text
 
     exact, names = critical_text(window), ("low", "high", "low_closed", "high_closed")
-    return {
-        "map": window.mapping,
-        "domain": window.place.domain,
-        "boundary": window.place.boundary,
-        "case": window.case,
-        "gamma": show(window.gamma),
-        "amplitude": show(window.amplitude),
-        "theta_cr": None if exact == "none" else {"exact": exact, "value": float(window.critical_phase())},
-        "phases": phases_text(window),
-        "intervals": [dict(zip(names, interval, strict=True)) for interval in window.intervals],
-        "latex": window.latex(),
-    }
+    data: Record = {"map": window.mapping, "domain": window.place.domain, "boundary": window.place.boundary}
+    data |= {"case": window.case, "gamma": show(window.gamma), "amplitude": show(window.amplitude)}
+    data["theta_cr"] = None if exact == "none" else {"exact": exact, "value": float(window.critical_phase())}
+    data["phases"] = phases_text(window)
+    data["intervals"] = [dict(zip(names, interval, strict=True)) for interval in window.intervals]
+    return data | {"latex": window.latex()}
 
 
 def _draw_windows(windows: list[GrazingWindow], against: Text) -> Any:
@@ -193,16 +161,19 @@ def _draw_windows(windows: list[GrazingWindow], against: Text) -> Any:
 
 
 def _solve(p: Parameters | None, mappings: list[str], names: str, phases: Text, order: Order, plot: Text) -> list[Any]:
-    """Return for which parameters (formulas if p is None) maps have the property asked for; draw a region if asked."""
+    """Return for which values of the parameters `names` the windows have the phases, are empty or everything.
+
+    The answers are formulas if p is None. If `plot` names a file, the region of two parameters is drawn.
+    """
     from symosc.symbolic.inverse import values_containing, values_empty, values_everything
 
     asked = tuple(name.strip() for name in names.split(","))
     if not all(asked) or len(asked) > 2:
         raise click.BadParameter(f"{names!r} is not NAME or NAME,NAME, such as Omega", param_hint="--solve")
-    if p is None and len(asked) > 1:
-        raise click.UsageError("--solve NAME,NAME needs numbers: give a SCENE, or every parameter by --set")
-    if plot is not None and (p is None or len(asked) == 1 or phases is None or len(mappings) != 1):
-        raise click.UsageError("--solve --plot draws one region: give numbers, NAME,NAME, one --map and --phase")
+    one_region = len(asked) == 2 and phases is not None and len(mappings) == 1
+    needs_numbers = "--solve NAME,NAME needs numbers: give a SCENE, or every parameter by --set"
+    draws_one = "--solve --plot draws one region: give numbers, NAME,NAME, one --map and --phase"
+    options.refuse((p is None and len(asked) > 1, needs_numbers), (plot is not None and not one_region, draws_one))
     low, colon, high = (phases or "").partition(":")
     if colon and not (low.strip() and high.strip()):
         raise click.BadParameter(f"{phases!r} is not PHASE or LOW:HIGH, such as pi:3*pi/2", param_hint="--phase")

@@ -12,6 +12,7 @@ from click.shell_completion import CompletionItem
 from symosc.cli.output import claim_stdout, note
 from symosc.exact import read_start_error
 from symosc.files import STDOUT
+from symosc.mappings.theorem7_cases import PLACES
 from symosc.model import PARAMETER_NAMES
 from symosc.quantities import read_number
 from symosc.scenes import START_NAMES, Scene, load_scene, scene_names
@@ -23,16 +24,19 @@ Settings: TypeAlias = tuple[str, ...]
 Completion: TypeAlias = Callable[[click.Context, click.Parameter, str], list[CompletionItem]]
 
 
-def option(form: str, about: str, *names: str, **settings: Any) -> Callable[[Any], Any]:
-    """Return a click option, given its form in --help, such as "-o, --output FILE", and its text there."""
-    *short, long = form.split(", ")
-    long, _, metavar = long.partition(" ")
-    return click.option(*short, long, *names, metavar=metavar or None, help=about, **settings)
+def complete(names: Callable[[], Iterable[str]], end: str = "") -> Completion:
+    """Return a function that completes, for the shell, the last name of a list with commas; `names` returns all."""
+
+    def matching(context: click.Context, argument: click.Parameter, text: str) -> list[CompletionItem]:
+        before, comma, word = text.rpartition(",")
+        return [CompletionItem(f"{before}{comma}{name}{end}") for name in names() if name.startswith(word)]
+
+    return matching
 
 
-def flag(form: str, about: str, *names: str, **settings: Any) -> Callable[[Any], Any]:
-    """Return a click option that takes no value."""
-    return option(form, about, *names, is_flag=True, **settings)
+def complete_scene(context: click.Context, argument: click.Parameter, text: str) -> list[CompletionItem]:
+    """Return the scenes whose names begin with a text; without any, the shell completes files."""
+    return complete(scene_names)(context, argument, text) or [CompletionItem(text, type="file")]
 
 
 def read_file(context: click.Context, given: click.Parameter, path: Text) -> Text:
@@ -52,31 +56,6 @@ def read_picture(context: click.Context, given: click.Parameter, path: Text) -> 
     return path
 
 
-def file_option(form: str, about: str, *names: str, **settings: Any) -> Callable[[Any], Any]:
-    """Return a click option that names a file to write."""
-    return option(form, about, *names, callback=read_file, **settings)
-
-
-def picture_option(form: str, about: str, *names: str, **settings: Any) -> Callable[[Any], Any]:
-    """Return a click option that names the file of a figure."""
-    return option(form, about, *names, callback=read_picture, **settings)
-
-
-def complete(names: Iterable[str], end: str = "") -> Completion:
-    """Return a function that completes, for the shell, the last name of a list with commas."""
-
-    def matching(context: click.Context, argument: click.Parameter, text: str) -> list[CompletionItem]:
-        before, comma, word = text.rpartition(",")
-        return [CompletionItem(f"{before}{comma}{name}{end}") for name in names if name.startswith(word)]
-
-    return matching
-
-
-def complete_scene(context: click.Context, argument: click.Parameter, text: str) -> list[CompletionItem]:
-    """Return the scenes whose names begin with a text; without any, the shell completes files."""
-    return complete(scene_names())(context, argument, text) or [CompletionItem(text, type="file")]
-
-
 class WholeNumber(click.IntRange):
     """The option type of whole numbers in ASCII digits; Python itself also accepts 1_000 and full-width digits."""
 
@@ -91,24 +70,58 @@ class WholeNumber(click.IntRange):
         return "" if self.min is None and self.max is None else super()._describe_range()
 
 
-#: Completions of the name in NAME=VALUE, and in a list of names.
-PARAMETER, PARAMETER_LIST = complete(PARAMETER_NAMES, "="), complete(PARAMETER_NAMES, ",")
+#: How options are read and completed whose values have these names in --help; a name and = complete a parameter.
+KINDS: dict[str, dict[str, Any]] = {
+    "N": {"type": WholeNumber()},
+    "SCENE": {"shell_complete": complete_scene},
+    "MAP": {"shell_complete": complete(lambda: PLACES)},
+    "NAMES": {"shell_complete": complete(lambda: PARAMETER_NAMES, ",")},
+    "NAME=": {"shell_complete": complete(lambda: PARAMETER_NAMES, "=")},
+    **{name: {"callback": read_file} for name in ("FILE", "FOLDER", "PATH")},
+    "FIGURE": {"callback": read_picture},
+}
+
+
+def option(form: str, about: str, *names: str, **settings: Any) -> Callable[[Any], Any]:
+    """Return a click option, given its form in --help, such as "-o, --output FILE", and its text there.
+
+    The name of its value there says how it is read and completed, see `KINDS`; `settings` are click's.
+    """
+    *short, long = form.split(", ")
+    long, _, metavar = long.partition(" ")
+    kind = KINDS.get("".join(re.findall("^[A-Z]+=?", metavar)), {})
+    return click.option(*short, long, *names, metavar=metavar or None, help=about, **kind | settings)
+
+
+def picture(form: str, about: str, *names: str, **settings: Any) -> Callable[[Any], Any]:
+    """Return a click option that names the file of a figure."""
+    return option(form, about, *names, callback=read_picture, **settings)
+
+
+def flag(form: str, about: str, *names: str, **settings: Any) -> Callable[[Any], Any]:
+    """Return a click option that takes no value."""
+    return option(form, about, *names, is_flag=True, **settings)
+
+
 scene_argument = click.argument("scene", shell_complete=complete_scene)
 optional_scene = click.argument("scene", required=False, shell_complete=complete_scene)
 json_option = flag("--json", "Print JSON in place of the table.", expose_value=False, callback=claim_stdout)
 set_option = option(
-    "--set NAME=VALUE",
-    "Change a parameter, such as k=3 or Omega=2*pi. Repeatable.",
-    "settings",
-    multiple=True,
-    shell_complete=PARAMETER,
+    "--set NAME=VALUE", "Change a parameter, such as k=3 or Omega=2*pi. Repeatable.", "settings", multiple=True
 )
-plot_option = picture_option("--plot FILE", "Draw it: .pdf, .svg or .png. -: SVG to stdout.")
+plot_option = picture("--plot FILE", "Draw it: .pdf, .svg or .png. -: SVG to stdout.")
 start_error_option = option(
     "--start-error E",
     "How far t0, x0, v0 may be off: a number, or three with commas.",
     callback=lambda context, given, text: read_start_error(text.split(",") if text and "," in text else text),
 )
+
+
+def refuse(*rules: tuple[object, str]) -> None:
+    """Raise UsageError with the text of the first of these rules whose condition is true."""
+    for broken, text in rules:
+        if broken:
+            raise click.UsageError(text)
 
 
 def folder_name(output: str, hint: str = "--output") -> str:

@@ -6,7 +6,6 @@ from collections import Counter
 from typing import TYPE_CHECKING, Any
 
 import click
-from click.shell_completion import CompletionItem
 
 from symosc.aliases import Record
 from symosc.cli import options, output
@@ -18,10 +17,15 @@ if TYPE_CHECKING:
     import xarray
 
 
-def _columns_begun(context: click.Context, given: click.Parameter, begun: str) -> list[CompletionItem]:
+def _columns() -> list[str]:
+    """Return the names of the columns that a sweep can record."""
     from symosc.simulation.tables import SUMMARY_COLUMNS
 
-    return options.complete(tuple(SUMMARY_COLUMNS))(context, given, begun)
+    return list(SUMMARY_COLUMNS)
+
+
+AXES = options.complete(lambda: (*PARAMETER_NAMES, *START_NAMES[:3]), "=")
+COLUMNS: Record = {"default": "word", "show_default": True, "shell_complete": options.complete(_columns)}
 
 
 @click.command()
@@ -31,23 +35,15 @@ def _columns_begun(context: click.Context, given: click.Parameter, begun: str) -
     "An axis: a parameter, or t0, x0 or v0. Repeatable.",
     "axes",
     multiple=True,
-    shell_complete=options.complete((*PARAMETER_NAMES, *START_NAMES[:3]), "="),
+    shell_complete=AXES,
 )
 @options.set_option
-@option(
-    "--record NAMES",
-    "Columns, such as word,sticks,section:64.",
-    default="word",
-    show_default=True,
-    shell_complete=_columns_begun,
-)
+@option("--record NAMES", "Columns, such as word,sticks,section:64.", **COLUMNS)
 @option("--t-end T", "End of all motions; 60T: after 60 periods. Default: the scene's.")
 @option("--skip T", "Leave out this time at the start; 40T: 40 periods.", default="0")
-@options.file_option(
-    "-o, --output FILE", "Write it, and keep finished chunks beside it meanwhile: .nc, .zarr or .csv.", "path"
-)
+@option("-o, --output FILE", "Write it, and keep finished chunks beside it meanwhile: .nc, .zarr or .csv.", "path")
 @options.plot_option
-@option("--workers N", "Threads; with --executor chunks under way at a time.", type=options.WholeNumber())
+@option("--workers N", "Threads; with --executor chunks under way at a time.")
 @option("--executor dask:ADDRESS", "Compute on a dask cluster, such as dask:tcp://host:8786.")
 @flag("--status", "Only tell how far it is.")
 @flag("--restart", "Use nothing that an earlier run has left.")
@@ -75,8 +71,7 @@ def sweep(
     times = {name: options.read_duration(name, text) for name, text in times.items() if text}
     asked: Record = {"record": tuple(record.split(",")), **times, "path": path}
     if status:
-        if path is None:
-            raise click.UsageError("--status tells about the file of -o; name it")
+        options.refuse((path is None, "--status tells about the file of -o; name it"))
         about = sweep_status(problem, over, **asked)
         share, end = about.done / about.total, "written" if about.written else "not yet written"
         line = f"{about.path}: {about.done:,} of {about.total:,} motions ({share:.1%}), {end}"
@@ -85,11 +80,10 @@ def sweep(
     dataset = _swept(problem, over, asked, **how)
     output.draw(plot, lambda: dataset.symosc.plot())
     sizes = {str(name): size for name, size in dataset.sizes.items()}
-    attributes = {str(name): value for name, value in dataset.attrs.items()}
-    output.report(
-        lambda: {"output": path, "sizes": sizes, "columns": _columns(dataset), **attributes},
-        lambda: _print_dataset(dataset, path, plot),
-    )
+    found = {str(name): _summary(column) for name, column in dataset.items()}
+    data: Record = {"output": path, "sizes": sizes, "columns": found}
+    data |= {str(name): value for name, value in dataset.attrs.items()}
+    output.report(lambda: data, lambda: _print_dataset(dataset["status"], found, path, plot))
 
 
 def _swept(problem: Any, over: dict[str, str], asked: Record, workers: Any, executor: Any, restart: bool) -> Any:
@@ -108,35 +102,29 @@ def _swept(problem: Any, over: dict[str, str], asked: Record, workers: Any, exec
     except KeyboardInterrupt:
         if asked["path"] is not None:
             about = sweep_status(problem, over, **asked)
-            output.complain(
-                f"interrupted: {about.done:,} of {about.total:,} motions are kept; the same command goes on"
-            )
+            kept = f"{about.done:,} of {about.total:,} motions are kept"
+            output.complain(f"interrupted: {kept}; the same command goes on")
         raise
     finally:
         if executor is not None:
             executor.close()
 
 
-def _columns(dataset: xarray.Dataset) -> Record:
-    """Return for each column its different values with their counts, or its smallest and largest number."""
-    found: Record = {}
-    for name, column in dataset.items():
-        if column.dtype.kind in "UO":
-            found[str(name)] = dict(Counter(map(str, column.values.ravel().tolist())).most_common())
-        else:
-            found[str(name)] = {"least": column.values.min().item(), "largest": column.values.max().item()}
-    return found
+def _summary(column: xarray.DataArray) -> Record:
+    """Return the different texts of a column with their counts, or its smallest and largest number."""
+    if column.dtype.kind in "UO":
+        return dict(Counter(map(str, column.values.ravel().tolist())).most_common())
+    return {"least": column.values.min().item(), "largest": column.values.max().item()}
 
 
-def _print_dataset(dataset: xarray.Dataset, *files: Text) -> None:
-    total = dataset["status"].size
-    sizes = " × ".join(f"{name} ({dataset.sizes[name]})" for name in map(str, dataset["status"].dims))
-    output.write(f"{sizes}: {total:,} motions")
-    for name, found in _columns(dataset).items():
+def _print_dataset(status: xarray.DataArray, columns: Record, *files: Text) -> None:
+    sizes = " × ".join(f"{name} ({size})" for name, size in status.sizes.items())
+    output.write(f"{sizes}: {status.size:,} motions")
+    for name, found in columns.items():
         if "least" in found and "largest" in found:
             output.write(f"{name}: from {found['least']:.6g} to {found['largest']:.6g}")
             continue
-        shown = [f"{value or 'no event'} {count / total:.1%}" for value, count in list(found.items())[:8]]
+        shown = [f"{value or 'no event'} {count / status.size:.1%}" for value, count in list(found.items())[:8]]
         more = len(found) - len(shown)
         output.write(f"{name}: {', '.join(shown)}{f', and {more} more' if more else ''}")
     output.name_files(*files)
