@@ -15,7 +15,7 @@ from symosc.aliases import Record
 from symosc.cli import options, output
 from symosc.cli.options import Text, flag, option
 from symosc.derive.chapters import CHAPTERS
-from symosc.display.progress import VERBOSE, bar, level
+from symosc.display.progress import VERBOSE, bar
 from symosc.errors import OutputError, ParameterError, SymoscError, meant
 from symosc.files import STDOUT, check_new_folder, write_text
 from symosc.scenes import load_scene
@@ -151,8 +151,8 @@ def _bars() -> Iterator[Callable[[str, int, int], None]]:
                 stack.close()
                 shown[subject] = stack.enter_context(bar(subject, count))
             shown[subject](done, count)
-            if done == count and level() == VERBOSE:
-                output.note(f"{subject}: {count} steps checked")
+            if done == count:
+                output.note(f"{subject}: {count} steps checked", VERBOSE)
 
         yield progress
 

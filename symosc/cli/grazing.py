@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from functools import partial
 from typing import TYPE_CHECKING, Any
 
 import click
@@ -99,8 +100,8 @@ def grazing(
     output.draw(plot, _draw_windows, windows, against)
     data = {"scene": name, "parameters": p.as_dict(), "order": order}
     data |= {"checks": [report.to_dict() for report in reports]} if reports else {}
-    data["windows"] = list(map(_window_data, windows))
-    output.report(lambda: data, lambda: _print_windows(windows, reports, latex))
+    printed = partial(_print_windows, windows, reports, latex)
+    output.report(lambda: data | {"windows": list(map(_window_data, windows))}, printed)  # LaTeX needs sympy
     return int(any(not report.ok for report in reports))
 
 

@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING, Any, NoReturn
 
 import click
 
-from symosc.display.progress import QUIET, level, pause_working
+from symosc.display import progress
 from symosc.files import STDOUT, drop_stdout
 
 if TYPE_CHECKING:
@@ -66,7 +66,7 @@ def draw(path: str | None, plot: Callable[..., Any], *given: Any) -> None:
 
 def write(text: str, end: str = "\n") -> None:
     """Print to stdout. A reader that closes the pipe is no error."""
-    pause_working()
+    progress.pause_working()
     try:
         click.echo(text + end, nl=False)
     except BrokenPipeError:
@@ -75,7 +75,7 @@ def write(text: str, end: str = "\n") -> None:
 
 def complain(text: str) -> None:
     """Print an error on stderr."""
-    pause_working()
+    progress.pause_working()
     click.echo(f"symosc: {text}", err=True)
 
 
@@ -94,9 +94,9 @@ def failing(kind: type[Exception], before: str = "") -> Iterator[None]:
         fail(f"{before}{error}")
 
 
-def note(text: str) -> None:
-    """Print a note on stderr, unless --quiet is given."""
-    if level() > QUIET:
+def note(text: str, least: int = progress.NORMAL) -> None:
+    """Print a note on stderr, unless --quiet is given; with VERBOSE as the least level only with --verbose."""
+    if progress.level >= least:
         complain(text)
 
 
