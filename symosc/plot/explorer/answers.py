@@ -42,42 +42,37 @@ CHANGED, SOURCE = ", changed", "symosc explore"
 
 
 class Field(NamedTuple):
-    """An input field of a number on the page: its name, and its slider's range, which a typed number may exceed."""
+    """An input field of a number on the page, and the range of its slider, which a typed number may exceed."""
 
     name: str
     symbol: str
+    low: str
+    high: str
+    step: str
     meaning: str
     unit: str
-    low: float
-    high: float
-    step: float
 
 
-def _fields(*rows: tuple[str, str, float, float, float]) -> tuple[Field, ...]:
-    """Return the input fields of these quantities, with their symbols and ranges (low, high, step)."""
-    units = {"1": ""}
-    return tuple(
-        Field(name, symbol, QUANTITIES[name].meaning, units.get(unit_of(name), unit_of(name)), low, high, step)
-        for name, symbol, low, high, step in rows
-    )
+def _fields(*rows: str) -> list[Field]:
+    """Return the input fields of these rows: name, symbol, and lowest and highest value and step of the slider."""
+    fields = []
+    for name, symbol, low, high, step in map(str.split, rows):
+        meaning, unit = QUANTITIES[name].meaning, unit_of(name)
+        if name == "periods":
+            meaning, unit = "forcing periods shown", "2π/Ω"
+        fields.append(Field(name, symbol, low, high, step, meaning, "" if unit == "1" else unit))
+    return fields
 
 
 #: The numbers of the page in the groups that it shows them in.
 GROUPS = {
-    "Mass": _fields(("m", "m", 0.1, 5, 0.01), ("c", "c", 0, 5, 0.01), ("k", "k", 0, 20, 0.05)),
-    "Excitation A₀ + B₀ cos Ωt": _fields(
-        ("A0", "A₀", -30, 30, 0.1), ("B0", "B₀", -30, 30, 0.1), ("Omega", "Ω", 0.05, 8, 0.01)
-    ),
+    "Mass": _fields("m m 0.1 5 0.01", "c c 0 5 0.01", "k k 0 20 0.05"),
+    "Excitation A₀ + B₀ cos Ωt": _fields("A0 A₀ -30 30 0.1", "B0 B₀ -30 30 0.1", "Omega Ω 0.05 8 0.01"),
     "Belts": _fields(
-        ("v1", "v₁", -15, 15, 0.05),
-        ("v2", "v₂", -15, 30, 0.05),
-        ("mu1", "μ₁", 0, 1.5, 0.01),
-        ("mu2", "μ₂", 0, 1.5, 0.01),
-        ("FN", "F_N", 0, 30, 0.1),
+        "v1 v₁ -15 15 0.05", "v2 v₂ -15 30 0.05", "mu1 μ₁ 0 1.5 0.01", "mu2 μ₂ 0 1.5 0.01", "FN F_N 0 30 0.1"
     ),
-    "Start, and how much is shown": (
-        *_fields(("t0", "t₀", 0, 10, 0.01), ("x0", "x₀", -10, 10, 0.01), ("v0", "v₀", -15, 15, 0.01)),
-        Field("periods", "N", "forcing periods shown", "2π/Ω", 0.1, 20, 0.1),
+    "Start, and how much is shown": _fields(
+        "t0 t₀ 0 10 0.01", "x0 x₀ -10 10 0.01", "v0 v₀ -15 15 0.01", "periods N 0.1 20 0.1"
     ),
 }
 FIELDS = {field.name: field for fields in GROUPS.values() for field in fields}
