@@ -126,7 +126,7 @@ def _verbosity_options() -> list[click.Option]:
 
 
 def _is_interrupt(error: BaseException | None) -> bool:
-    """Return whether an error is, or comes from, an interrupt (one in a class definition becomes a RuntimeError)."""
+    """Return whether an error is an interrupt, or the RuntimeError that Python makes of it in a class definition."""
     return isinstance(error, KeyboardInterrupt) or (error is not None and _is_interrupt(error.__cause__))
 
 

@@ -24,7 +24,7 @@ if TYPE_CHECKING:
 @options.plot_option
 @options.json_option
 def atlas(scene: str, over: tuple[str, ...], settings: Settings, path: Text, plot: Text, **how: Any) -> None:
-    """Draw up the plane of two parameters: words, borders, special points, and boxes in which the word is proven.
+    """Compute the plane of two parameters: words, borders, special points, and boxes in which the word is proven.
 
     `symosc verify` proves the file of -o once more.
 

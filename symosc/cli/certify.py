@@ -48,7 +48,7 @@ def certify(scene: Text, settings: Settings, t_end: Text, orbits: bool, path: Te
     """
     if orbits:
         options.refuse((scene is not None, "--orbits proves its own list; give no scene"))
-        return _listed("proven", False)
+        return _listed(again=False)
     if scene is None:
         raise click.UsageError("Missing argument 'SCENE'.")
     if any(map(asked.get, ("word", "span", "mapping"))) and (t_end or asked["start_error"] or asked["wrt"]):
@@ -107,11 +107,11 @@ def _print_certificate(certificate: Certificate) -> None:
         output.write(f"proven: {certificate.message}")
 
 
-def _listed(verb: str, again: bool) -> int:
-    """Prove the shipped list of orbits (or prove it `again`); print how many are proven, and which are not."""
+def _listed(again: bool) -> int:
+    """Certify the shipped list of orbits, or verify its certificates `again`; print how many are proven, which not."""
     from symosc.certificates.orbit_list import listed_orbits, prove_list
 
-    orbits = listed_orbits()
+    orbits, verb = listed_orbits(), "proven again" if again else "proven"
     with bar(verb, len(orbits), "orbits") as report:
         answers = prove_list(progress=report, again=again)
     proven = [orbit for orbit, answer in zip(orbits, answers, strict=True) if not answer]
@@ -148,7 +148,7 @@ def verify(file: Text, orbits: bool, **limits: int | None) -> int:
     except ImportError:
         raise MissingExtraError("verify", "certify") from None
     if file is None:
-        return _listed("proven again", True)
+        return _listed(again=True)
     code, answer = verify_orbits.verify(file, **{name: most for name, most in limits.items() if most is not None})
     (output.complain if code else output.write)(answer)
     return code

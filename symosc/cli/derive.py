@@ -68,7 +68,7 @@ Examples:
 @flag("--alone", "Fragments: a document of its own.")
 @options.json_option
 def derive(subject: str, scene: Text, path: Text, pdf: bool, format: str, **of_fragments: Any) -> int:
-    """Derive SUBJECT; see `HELP`."""
+    """Derive a chapter, all chapters or a fragment, and write or print it. The text of --help is `HELP`."""
     from symosc.derive.fragments import FRAGMENTS
 
     if subject not in subjects():
@@ -213,7 +213,7 @@ def _export_code(word: str, language: str, fix: Text, name: Text, folder: str, f
 
 
 def _kernels(regenerate: bool) -> int:
-    """Write symosc's own kernels, or compare them with what the formulas print."""
+    """Write symosc's own kernels from the formulas of sympy, or compare the file with what these give."""
     from symosc.symbolic import codegen as generator
 
     if regenerate:

@@ -44,8 +44,8 @@ def grazing(
 ) -> int:
     """Print the grazing windows of a scene: at which phases Omega t mod 2 pi a touching flow turns back (Theorem 7).
 
-    Columns: the map; the paper's case, (55.1) is the first of (55), letters and shifts are cases that it lacks; gamma =
-    k v/m; B0 Omega/m; Theta_cr; the window. A window is exact: asin(1/12) + pi is not rounded to a decimal.
+    Columns: the map; the paper's case, where (55.1) is the first of (55), and letters and shifts are cases that the
+    paper lacks; gamma = k v/m; B0 Omega/m; Theta_cr; the window. A window is exact: asin(1/12) + pi is not rounded.
 
     With --check each window is compared with three independent decisions, at random phases and close to its ends: by
     the signs of the G-functions, by the exact flow around the contact, and by scipy's DOP853. A mismatch gives exit

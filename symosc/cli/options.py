@@ -25,7 +25,10 @@ Completion: TypeAlias = Callable[[click.Context, click.Parameter, str], list[Com
 
 
 def complete(names: Callable[[], Iterable[str]], end: str = "") -> Completion:
-    """Return a function that completes, for the shell, the last name of a list with commas; `names` returns all."""
+    """Return a function that completes the last name of a list with commas for the shell, and appends `end` to it.
+
+    `names` returns the names that there are.
+    """
 
     def matching(context: click.Context, argument: click.Parameter, text: str) -> list[CompletionItem]:
         before, comma, word = text.rpartition(",")
@@ -40,7 +43,7 @@ def complete_scene(context: click.Context, argument: click.Parameter, text: str)
 
 
 def read_file(context: click.Context, given: click.Parameter, path: Text) -> Text:
-    """Return the name of a file to write; if it is "-", standard output, the command prints nothing else there."""
+    """Check the name of a file to write and return it; with "-" the command prints only the file."""
     if path == "":
         hint = max(given.opts, key=len) if isinstance(given, click.Option) else given.make_metavar(context)
         raise click.BadParameter("give the name of a file; '-' is standard output", param_hint=hint)
@@ -152,7 +155,7 @@ def read_span(text: str, hint: str) -> tuple[str, tuple[str, str]]:
 
 
 def read_settings(settings: Settings) -> dict[str, str]:
-    """Return names and values of --set options; BadParameter for anything else and for names of the start."""
+    """Return names and values of --set options as texts; BadParameter for other forms and for names of the start."""
     changes: dict[str, str] = {}
     for setting in settings:
         name, value = split_setting(setting, "--set", "NAME=VALUE, such as k=3", changes)
@@ -195,7 +198,7 @@ def read_duration(name: str, text: str) -> Any:
 
 
 def read_typed(name: str, text: str) -> Any:
-    """Return the text of a number as it is; an expression such as 2*pi is turned into the number."""
+    """Return the text of a number unchanged, and the value of an expression such as 2*pi, with a note if rounded."""
     if not re.search(r"pi|π|[*^()]", text):
         return text
     number, exact = read_number(name, text)

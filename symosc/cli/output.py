@@ -31,7 +31,10 @@ _PRINTING = f"{__name__}.printing"
 
 
 def claim_stdout(context: click.Context, option: click.Parameter, value: Any) -> Any:
-    """Record that an option prints to standard output; BadParameter if a file and other output would mix there."""
+    """Return the value of an option, and record in the context if with it the command prints to standard output.
+
+    BadParameter if a file and other output would mix there.
+    """
     if value is True or value == STDOUT:
         printing = context.meta.setdefault(_PRINTING, {})
         printing[option.name] = option

@@ -169,8 +169,10 @@ def default_panels(scene: Scene) -> str:
 
 @common.own_style()
 def assemble(panels: Sequence[tuple[Panel, View]], columns: int, width: float, *, tall: int | None = None) -> Figure:
-    """Draw panels into the rows of one figure (`width` in inches), with a letter for each and one legend below them."""
-    # What a view magnifies is drawn above the panel with the index `tall`, whose row is higher.
+    """Draw panels into one figure of this width in inches, with a letter for each and one legend below them.
+
+    There are so many `columns` of panels. `tall` is the index of the panel above which the insets of its view stand.
+    """
     square = len(panels) == 1 and panels[0][0] is PANELS["c"]
     heights = [3.0 if square else 2.0] * -(-len(panels) // columns)
     if tall is not None:
@@ -317,7 +319,7 @@ def multiplier_curves(values: np.ndarray, multipliers: np.ndarray) -> tuple[np.n
 
 
 def _mark_ends(ax: Axes, branch: Branch, heights: Sequence[Any], color: str) -> None:
-    """Mark both ends of the branch at these heights, with a symbol for the kind of each end."""
+    """Mark both ends of the branch with a symbol for their kinds, each at all of its `heights`."""
     style: Record = {"ms": 5.0, "mfc": color, "mec": "white", "mew": 0.5, "zorder": 5, "clip_on": False}
     for end, places in zip(branch.ends, heights, strict=True):
         for height in places if end.kind in END_MARKERS else ():
@@ -325,7 +327,7 @@ def _mark_ends(ax: Axes, branch: Branch, heights: Sequence[Any], color: str) -> 
 
 
 def _write_words(ax: Axes, branch: Branch) -> None:
-    """Write words above the axes: the branch's word over its middle, and over each end the word past that end."""
+    """Write words above the axes: that of the branch over its middle, and at each end that of the orbit beyond it."""
     from symosc.orbits.branch import MOST, NO_CONVERGENCE
 
     words: list[Any] = [(0.5 * (branch.values.min() + branch.values.max()), branch.word)]
@@ -345,7 +347,7 @@ def stability(branch: Branch) -> np.ndarray:
 
 
 def _stretches(branch: Branch) -> list[tuple[slice, Any]]:
-    """Return stretches of a branch with equal stability, each up to the first point of the next, and line styles."""
+    """Return the stretches of a branch with equal stability: points, with the first of the next one, and line style."""
     states = stability(branch)
     cuts = [0, *(np.flatnonzero(states[1:] != states[:-1]) + 1), len(states)]
     return [(slice(a, min(b + 1, len(states))), STABILITY_STYLES[str(states[a])]) for a, b in pairwise(cuts)]

@@ -384,8 +384,8 @@ LEAST_UNITS, MOST_UNITS, FAULTY, ABSENT = 1e-3, 1e10, 1e12, 1e14
 def score_figure(scores: Sequence[Score]) -> Figure:
     """Draw the scores of solvers on reference cases.
 
-    There is a column per case, in groups: below, the largest error in units of the problem's rounding; above, the cases
-    with wrong events or too large an error, and those without results.
+    There is a column per case, in groups: below, the largest error in units of what rounding the case's numbers to
+    doubles changes; above, the cases with wrong events or too large an error, and those without results.
 
     Parameters
     ----------

@@ -69,7 +69,10 @@ def axes_of(column: Any) -> list[str]:
 
 
 def read_axes(column: Any, count: int, what: str) -> list[str]:
-    """Return the `count` axes of a column, each with a coordinate; raise ParameterError otherwise."""
+    """Return the names of the swept dimensions of a column; ParameterError unless there are `count` with values.
+
+    `what` names the figure in the error.
+    """
     if "component" in column.dims:
         raise ParameterError("name", column.name, "has x and v at many times; bifurcation_figure draws it")
     axes = axes_of(column)

@@ -54,9 +54,9 @@ def window_figure(
 ) -> Figure:
     """Draw windows, one row each.
 
-    Left: the circle of phases with the window, its ends and Theta_cr; the horizontal line is sin theta =
-    -k v_lambda/(B0 Omega), which the phases of the window are above (P2, P5 with B0 > 0) or below. Right: the place
-    x_m(theta) of the contact, over the window and (thin) over the other phases.
+    Left: the circle of phases with the window, its ends and Theta_cr. The horizontal line is sin theta =
+    -k v_lambda/(B0 Omega); the window is above it (P2, P5 with B0 > 0) or below it. Right: the place x_m(theta) of the
+    contact, over the window and (thin) over the other phases.
 
     Parameters
     ----------
@@ -189,7 +189,7 @@ def sweep_figure(
     *,
     ax: Axes | None = None,
 ) -> Figure:
-    """Draw the window of a map against one parameter; its border is the curve of the arcsine.
+    """Draw the grazing window of a mapping against one parameter: the phases between Theta_cr and pi - Theta_cr.
 
     Parameters
     ----------
@@ -276,7 +276,10 @@ def _equalities(p: Parameters, mapping: str, name: str) -> list[Fraction]:
 
 
 def _window_areas(axes: Axes, values: np.ndarray, found: WindowColumns, above: Any) -> None:
-    """Shade the window; where it is the full circle, it begins and ends at 3 pi/2 if `above` > 0, else at pi/2."""
+    """Shade the window over a parameter; a full circle begins and ends at 3 pi/2 where `above` > 0, else at pi/2.
+
+    `above` is positive where the window is above the line of its critical phases.
+    """
     if np.all(found.kind == EMPTY):
         axes.text(0.5, 0.5, "the window is empty", transform=axes.transAxes, ha="center")
     everything = np.isin(found.kind, (EVERYTHING, ALL_BUT_ONE))
@@ -356,7 +359,7 @@ def _margin(condition: Any, letters: tuple[Any, Any], x: np.ndarray, y: np.ndarr
 
 
 def _axis_range(region: ParameterRegion, name: str, given: Any) -> tuple[float, float]:
-    """Return the given range of an axis, by default one with the region's value and, for v1 or v2, the other speed."""
+    """Return the given range of an axis; by default one that has the region's value, and for v1 or v2 both speeds."""
     p = region.parameters
     if given is not None:
         low, high = (float(read_exact(name, end)) for end in given)
@@ -424,8 +427,8 @@ def figure_grazing_curve(curve: GrazingCurve, panels: str | None = None, *, ax: 
     """Draw a grazing curve.
 
     Left: the switching plane, phases mod 2 pi, with the starts (x_i, Omega t_i) and the tangencies (x_m, theta_m).
-    Right: the flight from start to tangency, in phase, over theta_m. An open dot is an end at the window's end, a full
-    one an end inside the window; phases in the window without a start are shaded.
+    Right: how far the phase advances in the flight from start to tangency, over theta_m. Where a curve ends at an end
+    of the window its dot is open, else full; phases in the window that no start reaches are shaded.
 
     Parameters
     ----------

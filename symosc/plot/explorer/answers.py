@@ -95,7 +95,10 @@ def state_of(scene: Scene) -> dict[str, str]:
 
 
 def read_link(query: str, default: Scene) -> tuple[dict[str, str], list[str]]:
-    """Return the fields' texts in a link's query, and errors; missing texts are those of its scene or `default`."""
+    """Return the fields' texts in a link's query, and errors.
+
+    Texts that it lacks are those of the shipped scene that it names, or else of `default`.
+    """
     texts = parse_qsl(query, keep_blank_values=True)
     given = {name: text for name, text in texts if name in FIELDS or name in OTHER_KEYS}
     notes = [f"the link has an unknown name {name!r}, which is left out" for name, _ in texts if name not in given]
@@ -147,7 +150,7 @@ def scene_of(state: dict[str, str]) -> tuple[Scene | None, dict[str, str]]:
 
 
 def _end_time(t0: Fraction, periods: Fraction, Omega: Fraction) -> Fraction:
-    """Return t0 plus a number of periods of the drive, as the shortest decimal that gives this number back."""
+    """Return t0 plus a number of periods of the drive, as the shortest decimal that gives so many periods back."""
     shown, period = f"{float(periods):.{PERIODS_DIGITS}g}", Fraction(tau) / Omega
     exact, first = t0 + Fraction(shown) * period, floor(log10(max(float(shown), 1e-300)))
     allowed = period * Fraction(10) ** (first + 1 - PERIODS_DIGITS) / 2  # half a unit of the last digit that is shown

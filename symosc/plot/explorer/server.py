@@ -101,7 +101,7 @@ class _Handler(BaseHTTPRequestHandler):
         """Do not log requests."""
 
     def _is_for_us(self) -> bool:
-        """Return whether a request names this machine as its host and comes from our page, a link, or no browser."""
+        """Return whether a request names this machine, and was sent by our page, a link or no browser at all."""
         host = self.headers.get("Host", "").lower()
         if host.partition(":")[0] not in (HOST, "localhost"):
             return False  # a page of another site may point a name of its own here
