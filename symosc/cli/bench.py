@@ -10,6 +10,7 @@ from typing import Any
 
 import click
 
+import symosc
 from symosc.aliases import Record
 from symosc.cli import options, output
 from symosc.cli.options import Text, flag, option
@@ -51,7 +52,6 @@ def bench(quick: bool, hard: bool, picture: Text, readme: Text, scores: Text, gr
       symosc bench --scores docs/results/scores.md
       symosc bench --gradients docs/results/gradients.md
     """
-    from symosc import plot
     from symosc.bench import cases, error_map, results, speed, work
 
     alone = [(name, path) for name, path in (("--scores", scores), ("--gradients", gradients)) if path is not None]
@@ -78,7 +78,7 @@ def bench(quick: bool, hard: bool, picture: Text, readme: Text, scores: Text, gr
     written = [] if readme is None else results.write(readme, result)
     if picture is not None:
         drawing = error_map.figure(result["error_map"]) if hard else work.figure(result["work_precision"])
-        written.append(plot.save(drawing, picture))
+        written.append(symosc.plot.save(drawing, picture))
 
     def show() -> None:
         if readme is None and hard:

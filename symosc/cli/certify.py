@@ -3,19 +3,16 @@
 from __future__ import annotations
 
 from collections import Counter
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import click
 
+import symosc
 from symosc.certificates.certificate import common_complex, common_digits
 from symosc.cli import options, output
 from symosc.cli.options import Settings, Text, flag, option
 from symosc.display.progress import bar
 from symosc.errors import MissingExtraError
-
-if TYPE_CHECKING:
-    from symosc.certificates.certificate import Certificate
-    from symosc.scenes import Scene
 
 
 @click.command()
@@ -63,34 +60,28 @@ def certify(scene: Text, settings: Settings, t_end: Text, orbits: bool, path: Te
     return 0
 
 
-def _proof(problem: Scene, start_error: Any, wrt: Text, word: Text, span: Text, mapping: Text) -> Certificate:
+def _proof(
+    problem: symosc.Scene, start_error: Any, wrt: Text, word: Text, span: Text, mapping: Text
+) -> symosc.Certificate:
     """Make the certificate that the options ask for; the command fails if there is no such orbit."""
-    from symosc.certificates.certify import certify as prove
-
     if mapping is not None:
-        from symosc.grazing.window import grazing_window
-
-        return prove(grazing_window(problem.parameters, mapping))
+        return symosc.certify(symosc.grazing_window(problem.parameters, mapping))
     if word is None and span is None:
         names = None if wrt is None else [name.strip() for name in wrt.split(",")]
-        return prove(problem, start_error=start_error, wrt=names)
-    from symosc.orbits.branch import continue_orbit
-    from symosc.orbits.closing_equations import ConvergenceError
-    from symosc.orbits.find import find_orbit
-
+        return symosc.certify(problem, start_error=start_error, wrt=names)
     word = word or problem.structure
     options.refuse((word is None, f"the scene {problem.name} has no structure of its own; give --orbit"))
-    with output.failing(ConvergenceError, "not proven: "):
-        found = find_orbit(problem.parameters, word)
+    with output.failing(symosc.ConvergenceError, "not proven: "):
+        found = symosc.find_orbit(problem.parameters, word)
     if not found.admissible:
         output.fail(f"not proven: {found.word} is {found.message}")
     if span is None:
-        return prove(found)
+        return symosc.certify(found)
     name, limits = options.read_span(span, "--branch")
-    return prove(continue_orbit(found.parameters, found.word, name, limits, found), progress=True)
+    return symosc.certify(symosc.continue_orbit(found.parameters, found.word, name, limits, found), progress=True)
 
 
-def _print_certificate(certificate: Certificate) -> None:
+def _print_certificate(certificate: symosc.Certificate) -> None:
     # The events of a branch have no times: these depend on the parameter.
     timed = [event for event in certificate.events if len(event) > 3]
     if timed:

@@ -9,6 +9,7 @@ from typing import Any
 
 import click
 
+import symosc
 from symosc.cli import options, output
 from symosc.cli.options import Settings, Text, flag, option
 from symosc.display.progress import bar
@@ -84,14 +85,13 @@ def check(files: Sequence[str], scene: Text, case: Text, settings: Settings, pic
         from symosc.reference.cases import reference_case
 
         asked = reference_case(case).scene
-    from symosc.crosschecks.compare import crosscheck
     from symosc.crosschecks.objects import run_solver
 
     problem = options.scene_with(asked, settings, t_end=t_end)
     limits = {name: value for name, value in how.items() if value is not None}
     limits["columns"] = _split_columns(limits.get("columns"))
     source = files[0] if len(files) == 1 else files if solver is None else run_solver(solver, problem)
-    result = crosscheck(problem, source, progress=True, **limits)
+    result = symosc.crosscheck(problem, source, progress=True, **limits)
     for path, hint in ((picture, "--output"), (report, "--report")):
         if path is not None and isinstance(result, list):
             raise click.BadParameter(f"shows one solution, and there are {len(result)}", param_hint=hint)
@@ -182,9 +182,7 @@ def score(folder: str, results: tuple[str, ...], tolerance: Text, page: Text, pl
     if page is not None and as_page is not None:
         write_text(page, as_page(scores, "Scores on the reference cases", version))
     if plot is not None:
-        from symosc.plot import score_figure
-
-        output.draw(plot, score_figure, scores)
+        output.draw(plot, symosc.plot.score_figure, scores)
     data = {"set_version": version, "scores": [each.as_dict() for each in scores]}
     output.report(lambda: data, lambda: output.write(as_text(scores)))
     return int(not all(each.ok for each in scores))

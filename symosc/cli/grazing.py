@@ -3,10 +3,11 @@
 from __future__ import annotations
 
 from functools import partial
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import click
 
+import symosc
 from symosc.aliases import Order, Record
 from symosc.cli import options, output
 from symosc.cli.options import Settings, Text, flag, option
@@ -15,11 +16,6 @@ from symosc.exact import show
 from symosc.mappings.theorem7_cases import ORDERS, PLACES, place
 from symosc.model import PARAMETER_NAMES, Parameters
 from symosc.scenes import load_scene
-
-if TYPE_CHECKING:
-    from matplotlib.axes import Axes
-
-    from symosc.grazing.window import GrazingWindow
 
 
 @click.command()
@@ -89,14 +85,10 @@ def grazing(
         output.report(lambda: data, lambda: output.write("\n".join(texts)))
         return 0
     assert p is not None
-    from symosc.grazing.window import grazing_window
-
-    windows = [grazing_window(p, mapping, order) for mapping in chosen or PLACES]
+    windows = [symosc.grazing_window(p, mapping, order) for mapping in chosen or PLACES]
     reports = []
     if phases is not None:
-        from symosc.grazing.check import check_grazing
-
-        reports = [check_grazing(p, mapping, n=phases, progress=True) for mapping in chosen or PLACES]
+        reports = [symosc.check_grazing(p, mapping, n=phases, progress=True) for mapping in chosen or PLACES]
     output.draw(plot, _draw_windows, windows, against)
     data = {"scene": name, "parameters": p.as_dict(), "order": order}
     data |= {"checks": [report.to_dict() for report in reports]} if reports else {}
@@ -105,7 +97,7 @@ def grazing(
     return int(any(not report.ok for report in reports))
 
 
-def _print_windows(windows: list[GrazingWindow], reports: list[Any], latex: bool) -> None:
+def _print_windows(windows: list[symosc.GrazingWindow], reports: list[Any], latex: bool) -> None:
     from symosc.grazing.window import critical_text, phases_text
 
     if latex:
@@ -134,7 +126,7 @@ def _parameters(scene: Text, settings: Settings) -> tuple[Text, Parameters]:
     return None if scene is None else problem.name, problem.parameters
 
 
-def _window_data(window: GrazingWindow) -> Record:
+def _window_data(window: symosc.GrazingWindow) -> Record:
     from symosc.grazing.window import critical_text, phases_text
 
     exact, names = critical_text(window), ("low", "high", "low_closed", "high_closed")
@@ -146,13 +138,12 @@ def _window_data(window: GrazingWindow) -> Record:
     return data | {"latex": window.latex()}
 
 
-def _draw_windows(windows: list[GrazingWindow], against: Text) -> Any:
+def _draw_windows(windows: list[symosc.GrazingWindow], against: Text) -> Any:
     """Return the figure of windows, or of a single one against a parameter."""
-    from symosc.grazing.curve import grazing_curve
     from symosc.plot.windows import draw_plane, sweep_figure, window_figure
 
-    def plane(axes: Axes, window: GrazingWindow) -> None:
-        draw_plane(axes, grazing_curve(window.parameters, window.mapping, progress=True))
+    def plane(axes: Any, window: symosc.GrazingWindow) -> None:
+        draw_plane(axes, symosc.grazing_curve(window.parameters, window.mapping, progress=True))
 
     window = windows[0]
     if against is None:
@@ -166,8 +157,6 @@ def _solve(p: Parameters | None, mappings: list[str], names: str, phases: Text, 
 
     The answers are formulas if p is None. If `plot` names a file, the region of two parameters is drawn.
     """
-    from symosc.symbolic.inverse import values_containing, values_empty, values_everything
-
     asked = tuple(name.strip() for name in names.split(","))
     if not all(asked) or len(asked) > 2:
         raise click.BadParameter(f"{names!r} is not NAME or NAME,NAME, such as Omega", param_hint="--solve")
@@ -185,10 +174,11 @@ def _solve(p: Parameters | None, mappings: list[str], names: str, phases: Text, 
     answers: list[Any] = []
     with late_bar(True, "solve", "maps") as advance:
         for count, mapping in enumerate(mappings, start=1):
+            of: Any = (p, mapping, question)
             if phases is None:
-                answers += [values_empty(p, mapping, question), values_everything(p, mapping, question, order)]
+                answers += [symosc.values_empty(*of), symosc.values_everything(*of, order)]
             else:
-                answers.append(values_containing(p, mapping, question, (low, high) if colon else phases, order))
+                answers.append(symosc.values_containing(*of, (low, high) if colon else phases, order))
             if advance:
                 advance(count / len(mappings), count)
     output.draw(plot, lambda: answers[0].plot())
@@ -196,14 +186,14 @@ def _solve(p: Parameters | None, mappings: list[str], names: str, phases: Text, 
 
 
 def _answer_data(answer: Any) -> Record:
-    from symosc.symbolic.inverse import Answers, ParameterRegion, condition_text, interval_text
+    from symosc.symbolic.inverse import condition_text, interval_text
 
     question = answer.question
     data: Record = {"map": question.mapping, "names": list(question.names), "question": question.text()}
-    if isinstance(answer, Answers):
+    if isinstance(answer, symosc.Answers):
         texts = ((condition_text(each.condition), interval_text(each.values)) for each in answer)
         data["answers"] = [{"condition": condition, "values": values} for condition, values in texts]
-    elif isinstance(answer, ParameterRegion):
+    elif isinstance(answer, symosc.ParameterRegion):
         data |= {"condition": condition_text(answer.condition), "allowed": condition_text(answer.allowed)}
     else:
         data["values"] = interval_text(answer.values)

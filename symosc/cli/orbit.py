@@ -2,21 +2,17 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import click
 
+import symosc
 from symosc.aliases import Record
 from symosc.cli import options, output
 from symosc.cli.options import Settings, Text, option
 from symosc.exact import show
 from symosc.files import STDOUT
 from symosc.reductions import MODEL_NAMES
-
-if TYPE_CHECKING:
-    from symosc.orbits.branch import Branch
-    from symosc.orbits.periodic_orbit import PeriodicOrbit
-    from symosc.scenes import Scene
 
 
 @click.command()
@@ -51,9 +47,6 @@ def orbit(
       symosc orbit fig9 --structure P32 --continue Omega=3:5 -o branch.pdf
       symosc orbit fig9 --response Omega=1:8:80 -o response.pdf
     """
-    from symosc.orbits.closing_equations import ConvergenceError
-    from symosc.orbits.find import find_orbit
-
     problem = options.scene_with(scene, settings)
     if response is not None:
         if structure or span or any(exact.values()):
@@ -65,16 +58,14 @@ def orbit(
         reason = f"{problem.name} is of another model, whose drive changes with its parameters: no branch is followed"
         raise click.BadParameter(reason, param_hint="--continue")
     problem = options.reduced_scene(problem)
-    with output.failing(ConvergenceError):
-        found = find_orbit(problem.parameters, structure or problem.structure, **exact)
+    with output.failing(symosc.ConvergenceError):
+        found = symosc.find_orbit(problem.parameters, structure or problem.structure, **exact)
     branch = None
     if found.admissible:
         if span is not None:
-            from symosc.orbits.branch import continue_orbit
-
             name, limits = options.read_span(span, "--continue")
             how: Record = {"periods": exact["periods"], "progress": True}
-            branch = continue_orbit(found.parameters, found.word, name, limits, found, **how)
+            branch = symosc.continue_orbit(found.parameters, found.word, name, limits, found, **how)
         output.draw(picture, (branch or found).plot)
     text = _report_text(problem, found, branch)
     output.report(lambda: _orbit_data(problem, found, branch), lambda: output.write(text))
@@ -83,12 +74,10 @@ def orbit(
     return 0 if found.admissible else output.FAILED
 
 
-def _print_response(problem: Scene, over: str, picture: Text) -> None:
+def _print_response(problem: symosc.Scene, over: str, picture: Text) -> None:
     """Print and draw a frequency response."""
-    from symosc.response import frequency_response
-
     name, values = options.split_setting(over, "--response", "NAME=LOW:HIGH:N, such as Omega=1:5:80")
-    found = frequency_response(problem, {name: values}, progress=True)
+    found = symosc.frequency_response(problem, {name: values}, progress=True)
     output.draw(picture, found.plot)
     columns = {head: column.tolist() for head, column in found.columns().items()}
     rows = zip(*columns.values(), strict=True)
@@ -97,14 +86,14 @@ def _print_response(problem: Scene, over: str, picture: Text) -> None:
     output.report(lambda: {"scene": problem.name, **columns}, lambda: output.write_table(texts, heads))
 
 
-def _orbit_data(scene: Scene, found: PeriodicOrbit, branch: Branch | None) -> Record:
+def _orbit_data(scene: symosc.Scene, found: symosc.PeriodicOrbit, branch: symosc.Branch | None) -> Record:
     data = {"scene": scene.name, **found.as_dict()}
     if found.admissible:
         data["start"] = found.approach(scene)._asdict()
     return data if branch is None else data | {"branch": branch.as_dict()}
 
 
-def _report_text(scene: Scene, found: PeriodicOrbit, branch: Branch | None) -> str:
+def _report_text(scene: symosc.Scene, found: symosc.PeriodicOrbit, branch: symosc.Branch | None) -> str:
     def decimal(value: Any) -> str:
         return output.FLOAT_FORMAT.format(value) if found.digits is None else value.context.nstr(value, found.digits)
 
@@ -126,7 +115,7 @@ def _report_text(scene: Scene, found: PeriodicOrbit, branch: Branch | None) -> s
     return "\n".join(lines)
 
 
-def _start_text(scene: Scene, found: PeriodicOrbit) -> str:
+def _start_text(scene: symosc.Scene, found: symosc.PeriodicOrbit) -> str:
     near = found.approach(scene)
     place = f"the start of {scene.name} (t = {show(scene.t0)}) is off the orbit by {near.offset_x:.3g} in x and"
     place += f" {near.offset_v:.3g} in v"

@@ -9,15 +9,13 @@ import sys
 from collections.abc import Callable, Collection, Iterator, Sequence
 from contextlib import contextmanager
 from math import isfinite
-from typing import TYPE_CHECKING, Any, NoReturn
+from typing import Any, NoReturn
 
 import click
 
+import symosc
 from symosc.display import progress
 from symosc.files import STDOUT, drop_stdout
-
-if TYPE_CHECKING:
-    from symosc.simulation.trajectory import Trajectory
 
 FAILED, BAD_INPUT, INTERRUPTED = 1, 2, 130
 FLOAT_FORMAT = "{:.14g}"  # one digit less than every double has; CSV and JSON have them all
@@ -62,9 +60,7 @@ def report(data: Callable[[], object], show: Callable[[], object]) -> None:
 def draw(path: str | None, plot: Callable[..., Any], *given: Any) -> None:
     """Write the figure that `plot(*given)` returns to a file; do nothing if no file is named."""
     if path is not None:
-        from symosc.plot.drawing import save
-
-        save(plot(*given), path)
+        symosc.plot.save(plot(*given), path)
 
 
 def write(text: str, end: str = "\n") -> None:
@@ -153,7 +149,7 @@ def name_files(*paths: Any) -> None:
             write(f"wrote {click.format_filename(path)}")
 
 
-def undecidable(trajectory: Trajectory) -> bool:
+def undecidable(trajectory: symosc.Trajectory) -> bool:
     """Print an error, and return True, if a trajectory ended because its precision did not suffice."""
     if trajectory.status == "undecidable":
         complain(f"undecidable: {trajectory.message}")

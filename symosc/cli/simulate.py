@@ -94,12 +94,12 @@ def figure(scene: str, path: str, settings: Settings, t_end: Text, panels: Text,
       symosc figure fig8 -o phase.svg --panels c --t-end 22
       symosc figure fig10 -o product.pdf --panels bdg --boundary 2
     """
-    from symosc.plot import figures, save
+    from symosc.plot import figures
 
     problem = options.scene_with(scene, settings)
     trajectory = figures.simulated(problem, None if t_end is None else options.read_duration("t_end", t_end))
     panels = figures.default_panels(problem) if panels is None else panels
-    save(figures.figure(trajectory, panels=panels, **how), path)
+    symosc.plot.save(figures.figure(trajectory, panels=panels, **how), path)
     span = f"t = {float(trajectory.t_start):.6g} to {float(trajectory.t_end):.6g}"
     if path != STDOUT:
         output.write(f"{click.format_filename(path)}: {span}, {output.count_events(trajectory.events)}")

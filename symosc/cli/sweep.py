@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
+import symosc
 from symosc.aliases import Record
 from symosc.cli import options, output
 from symosc.cli.options import Settings, Text, flag, option
@@ -61,8 +62,6 @@ def sweep(
       symosc sweep fig9 --over Omega=1:6:60 --over FN=1:20:40 --t-end 60T --skip 50T -o map.nc --plot map.png
       symosc sweep fig9 --over Omega=1:6:500 --record section:32 --t-end 100T --plot bifurcation.png
     """
-    from symosc.sweeps.sweep import sweep_status
-
     problem, over = options.scene_with(scene, settings), dict[str, str]()
     for axis in axes:
         name, values = options.split_setting(axis, "--over", "NAME=LO:HI:N, such as Omega=1:6:500", over)
@@ -72,7 +71,7 @@ def sweep(
     asked: Record = {"record": tuple(record.split(",")), **times, "path": path}
     if status:
         options.refuse((path is None, "--status tells about the file of -o; name it"))
-        about = sweep_status(problem, over, **asked)
+        about = symosc.sweep_status(problem, over, **asked)
         share, end = about.done / about.total, "written" if about.written else "not yet written"
         line = f"{about.path}: {about.done:,} of {about.total:,} motions ({share:.1%}), {end}"
         output.report(about._asdict, lambda: output.write(line))
@@ -88,20 +87,20 @@ def sweep(
 
 def _swept(problem: Any, over: dict[str, str], asked: Record, workers: Any, executor: Any, restart: bool) -> Any:
     """Run a sweep; on an interrupt, print how much of it is done."""
-    from symosc.sweeps.sweep import dask_client, sweep_status
-    from symosc.sweeps.sweep import sweep as sweep_all
-
     if executor is not None:
+        from symosc.sweeps.sweep import dask_client
+
         kind, _, address = executor.partition(":")
         if kind != "dask" or not address:
             reason = f"{executor!r} is not dask:ADDRESS, such as dask:tcp://host:8786"
             raise click.BadParameter(reason, param_hint="--executor")
         executor = dask_client(address)
     try:
-        return sweep_all(problem, over, **asked, workers=workers, executor=executor, resume=not restart, progress=True)
+        how: Record = {"workers": workers, "executor": executor, "resume": not restart, "progress": True}
+        return symosc.sweep(problem, over, **asked, **how)
     except KeyboardInterrupt:
         if asked["path"] is not None:
-            about = sweep_status(problem, over, **asked)
+            about = symosc.sweep_status(problem, over, **asked)
             kept = f"{about.done:,} of {about.total:,} motions are kept"
             output.complain(f"interrupted: {kept}; the same command goes on")
         raise
