@@ -141,7 +141,7 @@ function show(answer) {
   fill($("events"), answer.table.map(([kind, ...rest], i) => [i + 1, SYMBOLS[kind], ...rest]));
   const more = answer.count - answer.table.length;
   $("count").textContent = more > 0 ? `(the first ${answer.table.length} of ${answer.count})` : "";
-  fill($("windows"), answer.windows.map(each => [each.map, each.place, each.from, each.phases, each.case]));
+  fill($("windows"), answer.windows);
 }
 
 function element(tag, text) {
