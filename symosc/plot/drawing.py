@@ -174,6 +174,14 @@ def write_above(ax: Axes, x: float, text: str, up: float = 4.0) -> None:
     ax.annotate(text, (x, 1), (0, up), ha="center", **style)
 
 
+def draw_belts(ax: Axes, speeds: Iterable[Any], low: float, high: float) -> None:
+    """Draw dashed lines at the speeds of the belts that lie between two velocities, with their names on the right."""
+    for belt, speed in enumerate(map(float, speeds), 1):
+        if low < speed < high:
+            ax.axhline(speed, color="black", lw=0.8, ls=(0, (4, 2)))
+            ax.annotate(f"$v_{belt}$", (1, speed), (3, 0), ("axes fraction", "data"), "offset points", va="center")
+
+
 def legend_entries(axes: Iterable[Axes]) -> dict[str, Any]:
     """Return what several axes show in a legend: the drawn objects by their labels, each label once."""
     entries: dict[str, Any] = {}

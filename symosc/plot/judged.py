@@ -27,7 +27,7 @@ from symosc.errors import ParameterError
 from symosc.exact import whole_number
 from symosc.files import check_folder_of, write_text
 from symosc.fit import Fit
-from symosc.plot.drawing import STYLE, add_legend, axes_for, legend_entries, panels_for
+from symosc.plot.drawing import STYLE, add_legend, axes_for, draw_belts, legend_entries, panels_for
 from symosc.simulation.simulate import simulate
 from symosc.simulation.trajectory import Event
 
@@ -106,10 +106,8 @@ def _velocity(ax: Axes, check: CrossCheck) -> None:
     """Draw the velocity of the samples, and the belts that are near."""
     ax.set_ylabel(r"$\dot{x}$")
     ax.plot(check.t, check.v, color=VELOCITY, lw=0.8)
-    low, high = float(np.min(check.v)), float(np.max(check.v))
-    for speed in (float(check.trajectory.parameters.belt(belt)) for belt in (1, 2)):
-        if low - (high - low) <= speed <= high + (high - low):
-            ax.axhline(speed, color="black", lw=0.8, label="belt")
+    low, high, p = float(np.min(check.v)), float(np.max(check.v)), check.trajectory.parameters
+    draw_belts(ax, (p.v1, p.v2), 2 * low - high, 2 * high - low)
 
 
 @public
@@ -224,10 +222,8 @@ def _step_panel(ax: Axes, check: CrossCheck, step: int, of_velocity: bool) -> No
     ax.plot(check.t[step + 1], values[step + 1], "x", color=WRONG, ms=7, mew=1.6, label="given, end of this step")
     margin = 0.08 * (float(np.ptp(shown)) or 1.0)
     low, high = float(np.min(shown)) - margin, float(np.max(shown)) + margin
-    for belt in (1, 2) if of_velocity else ():
-        if low < (speed := float(p.belt(belt))) < high:
-            ax.axhline(speed, color="0.25", lw=0.7, ls=(0, (5, 2)), zorder=0)
-            ax.text(1.0, speed, f" $v_{belt}$", transform=ax.get_yaxis_transform(), va="center")
+    if of_velocity:
+        draw_belts(ax, (p.v1, p.v2), low, high)
     for number, event in enumerate(events):
         ax.axvline(float(event.t), color="0.6", lw=0.9, zorder=0, label="" if number else "exact event")
         if of_velocity:
@@ -305,7 +301,7 @@ CAPTIONS = (
         "Crosses are wrong steps. Vertical lines are events: grey matched, red missed, orange invented.",
     ),
     ("a", "Global error", "The samples minus the exact motion from the start, in the same units."),
-    ("c", "Velocity", "The samples' velocity; black lines are the belts' speeds."),
+    ("c", "Velocity", "The samples' velocity; dashed lines are the belts' speeds."),
 )
 
 

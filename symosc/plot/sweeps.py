@@ -26,7 +26,16 @@ from symosc.aliases import Record
 from symosc.arguments import public
 from symosc.engine.events import KIND_NAMES
 from symosc.errors import ParameterError
-from symosc.plot.drawing import PARAMETER_LABELS, add_legend, axes_for, legend_entries, panels_for, typeset, write_above
+from symosc.plot.drawing import (
+    PARAMETER_LABELS,
+    add_legend,
+    axes_for,
+    draw_belts,
+    legend_entries,
+    panels_for,
+    typeset,
+    write_above,
+)
 from symosc.plot.figures import BORDER_STYLES
 from symosc.plot.panels import EVENT_MARKS, SHAPES
 from symosc.simulation.tables import EventTable, Summary
@@ -340,12 +349,7 @@ def basin_figure(dataset: xarray.Dataset, name: str | None = None, *, ax: Axes |
     scene = loads(dataset.attrs.get("scene", "{}"))
     with axes_for(ax, (5.2, 3.8)) as (drawing, (axes,)):
         _draw_map(axes, dataset, column.transpose("x0", "v0"), new=ax is None)
-        low, high = axes.get_ylim()
-        for belt in (1, 2):
-            if f"v{belt}" in scene and low < (speed := float(Fraction(scene[f"v{belt}"]))) < high:
-                axes.axhline(speed, color="black", lw=0.8, ls=(0, (4, 2)))
-                place: Record = {"xycoords": ("axes fraction", "data"), "textcoords": "offset points"}
-                axes.annotate(f"$v_{belt}$", (1, speed), (3, 0), va="center", **place)
+        draw_belts(axes, [Fraction(scene[name]) for name in ("v1", "v2") if name in scene], *axes.get_ylim())
     return drawing
 
 
