@@ -191,13 +191,15 @@ def legend_entries(axes: Iterable[Axes]) -> dict[str, Any]:
     return entries
 
 
-def add_legend(drawing: Figure, ax: Axes | None, entries: dict[str, Any], columns: int, **options: Any) -> None:
-    """Add a legend: in axes given by the user, else below the panels of a figure."""
+def add_legend(drawing: Figure, ax: Axes | None, shown: dict[str, Any] | Iterable[Axes], columns: int) -> None:
+    """Add a legend of entries, or of what axes show: in axes given by the user, else below the panels of a figure."""
+    entries = shown if isinstance(shown, dict) else legend_entries(shown)
     if ax is not None and entries:
         ax.legend(list(entries.values()), list(entries))
     elif entries:
-        options |= {"loc": "outside lower center", "frameon": False, "ncols": min(columns, len(entries))}
-        drawing.legend(list(entries.values()), list(entries), **options)
+        style: Record = {"loc": "outside lower center", "frameon": False, "ncols": min(columns, len(entries))}
+        style |= {"handlelength": 1.6, "columnspacing": 1.4, "borderpad": 0.1}
+        drawing.legend(list(entries.values()), list(entries), **style)
 
 
 def read_panels(panels: Any, known: Iterable[str], ax: Any = None, alone: str = "a") -> str:

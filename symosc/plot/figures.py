@@ -39,7 +39,6 @@ PERIODS_SHOWN = 2.5
 MOST_DRAWN_EVENTS = 1000
 
 LEGEND_ORDER = ("mass", "belt", "onset of stick", "end of stick", "crossing", "grazing point", "start")
-LEGEND_STYLE: Record = {"handlelength": 1.6, "columnspacing": 1.4, "borderpad": 0.1}
 
 
 @public
@@ -204,7 +203,7 @@ def assemble(panels: Sequence[tuple[Panel, View]], columns: int, width: float, *
     rows = -(-len(order) // round(width))
     if rows == 2:  # filled by columns: what belongs together stands in one
         order.sort(key=lambda label: label not in LEGEND_ORDER[:4] and not label.startswith("$F"))
-    common.add_legend(drawing, None, {label: entries[label] for label in order}, -(-len(order) // rows), **LEGEND_STYLE)
+    common.add_legend(drawing, None, {label: entries[label] for label in order}, -(-len(order) // rows))
     return drawing
 
 
@@ -260,7 +259,7 @@ def branch_figure(branch: Branch, panels: str | None = None, *, ax: Axes | None 
             entries[kind] = Line2D([], [], linestyle="none", marker=END_MARKERS[kind], ms=5.0, color="black")
         for name in [name for name in STABILITY_STYLES if name in stability(branch)]:
             entries[name] = Line2D([], [], color="black", ls=STABILITY_STYLES[name], lw=1.2)
-        common.add_legend(drawing, ax, entries | unit, 3 * len(row), **LEGEND_STYLE)
+        common.add_legend(drawing, ax, entries | unit, 3 * len(row))
     return drawing
 
 
@@ -409,7 +408,7 @@ def border_figure(border: Border | Sequence[Border], *, ax: Axes | None = None, 
             face, label = ("white", "fold") if point.kind == "fold" else ("k", "codimension two")
             style = {"ms": 4.5, "mfc": face, "mec": "black", "mew": 0.8, "zorder": 5, "linestyle": "none"}
             axes.plot(*place, marker="o", label=label, **style)
-        common.add_legend(drawing, ax, common.legend_entries([axes]), 3 if len(borders) == 1 else 2)
+        common.add_legend(drawing, ax, [axes], 3 if len(borders) == 1 else 2)
     return drawing
 
 

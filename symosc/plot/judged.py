@@ -14,7 +14,6 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
-from matplotlib import rc_context
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
@@ -27,7 +26,7 @@ from symosc.errors import ParameterError
 from symosc.exact import whole_number
 from symosc.files import check_folder_of, write_text
 from symosc.fit import Fit
-from symosc.plot.drawing import STYLE, add_legend, axes_for, draw_belts, legend_entries, panels_for
+from symosc.plot.drawing import add_legend, axes_for, draw_belts, own_style, panels_for
 from symosc.simulation.simulate import simulate
 from symosc.simulation.trajectory import Event
 
@@ -37,7 +36,6 @@ if TYPE_CHECKING:
 POSITION, VELOCITY, RIGHT, WRONG, INVENTED = "#1f3fd6", "#0f8a2a", "0.72", "#d7191c", "#e08214"
 # Zeros are drawn here, and no axis goes further down.
 FLOOR = 1e-17
-LEGEND: Record = {"handlelength": 1.8, "columnspacing": 1.4}
 ABOVE_EACH_OTHER: Record = {"more": 0.8, "columns": 1, "letter_at": -0.07}
 
 
@@ -76,7 +74,7 @@ def crosscheck_figure(check: CrossCheck, panels: str | None = None, *, ax: Axes 
                     axes.axvline(float(event.t), zorder=0, label=f"event, {name}", **style)
             axes.set_xlim(check.t[0], check.t[-1])
         row[-1].set_xlabel("$t$")
-        add_legend(drawing, ax, legend_entries(row), 5, **LEGEND)
+        add_legend(drawing, ax, row, 5)
     return drawing
 
 
@@ -131,7 +129,7 @@ def fit_figure(found: Fit, panels: str | None = None, *, ax: Axes | None = None)
         for axes in row:
             axes.set_xlim(float(found.trajectory.t_start), float(found.trajectory.t_end))
         row[-1].set_xlabel("time $t$")
-        add_legend(drawing, ax, legend_entries(row), 5, **LEGEND)
+        add_legend(drawing, ax, row, 5)
     return drawing
 
 
@@ -200,7 +198,7 @@ def step_figure(
     draw["b"] = partial(_step_panel, step=step, of_velocity=False)
     with panels_for(check, draw, panels, ax, (4.6, 1.9), more=1.0, columns=1) as (drawing, row):
         row[-1].set_xlabel("$t$")
-        add_legend(drawing, ax, legend_entries(row[:1]), 2)
+        add_legend(drawing, ax, row[:1], 2)
     return drawing
 
 
@@ -316,7 +314,7 @@ def _pictures(check: CrossCheck) -> Iterator[Record]:
         yield _picture(crosscheck_figure(check, letter), many, title, said)
 
 
-@rc_context(STYLE)
+@own_style()
 def _picture(drawing: Figure, pixels: bool, title: str, caption: str) -> Record:
     """Return a figure with its title and caption as the values that the page's template needs."""
     width, height = drawing.get_size_inches()
@@ -404,7 +402,7 @@ def score_figure(scores: Sequence[Score]) -> Figure:
         mark = SOLVER_MARKS[(i + i // len(SOLVER_COLOURS)) % len(SOLVER_MARKS)]
         look: Record = {"color": SOLVER_COLOURS[i % len(SOLVER_COLOURS)], "marker": mark, "linestyle": "none"}
         looks.append(look | {"markersize": 3.2, "markeredgewidth": 0})
-    with rc_context(STYLE), axes_for(None, (10.0, 4.2)) as (drawing, (ax,)):
+    with axes_for(None, (10.0, 4.2)) as (drawing, (ax,)):
         for i, each in enumerate(scores):
             shift = 0.8 * ((i + 0.5) / len(scores) - 0.5)
             drawn = [(k + shift, h) for k, h in enumerate(map(_height, each.cases)) if h is not None]

@@ -26,16 +26,7 @@ from symosc.aliases import Record
 from symosc.arguments import public
 from symosc.engine.events import KIND_NAMES
 from symosc.errors import ParameterError
-from symosc.plot.drawing import (
-    PARAMETER_LABELS,
-    add_legend,
-    axes_for,
-    draw_belts,
-    legend_entries,
-    panels_for,
-    typeset,
-    write_above,
-)
+from symosc.plot.drawing import PARAMETER_LABELS, add_legend, axes_for, draw_belts, panels_for, typeset, write_above
 from symosc.plot.figures import BORDER_STYLES
 from symosc.plot.panels import EVENT_MARKS, SHAPES
 from symosc.simulation.tables import EventTable, Summary
@@ -258,8 +249,7 @@ def response_figure(found: FrequencyResponse, panels: str | None = None, *, ax: 
             _mark_changes(axes, found.values[order], words, named=axes is row[0])
         for axes in row[-2:]:
             axes.set_xlabel(PARAMETER_LABELS[found.name])
-        style: Record = {"handlelength": 1.8, "columnspacing": 1.4, "borderpad": 0.1}
-        add_legend(drawing, ax, legend_entries(row), 5, **style)
+        add_legend(drawing, ax, row, 5)
     return drawing
 
 

@@ -236,7 +236,7 @@ def sweep_figure(
             axes.set_xlim(low - 0.04 * width * near_low, high + 0.04 * width * near_high)
         axes.set_yticks(np.arange(5) * pi / 2, PHASE_TICKS)
         axes.set_title(f"grazing window of ${tex(mapping)}$, {order} order")
-        add_legend(drawing, ax, legend_entries([axes]), 3)
+        add_legend(drawing, ax, [axes], 3)
     return drawing
 
 
