@@ -303,23 +303,26 @@ def map_figure(dataset: xarray.Dataset, name: str | None = None, *, ax: Axes | N
     >>> [axes.get_ylabel() for axes in plot.map_figure(found).axes]
     ['$F_N$']
     """
-    with axes_for(ax, (5.2, 3.8)) as (drawing, (axes,)):
-        _draw_map(axes, dataset, read_column(dataset, name), new=ax is None)
-    return drawing
+    return _map(dataset, read_column(dataset, name), ax)
 
 
-def _draw_map(axes: Axes, dataset: xarray.Dataset, column: Any, new: bool) -> None:
-    """Draw a map over two axes; the legend stands beside the axes of a new figure."""
+def _map(dataset: xarray.Dataset, column: Any, ax: Axes | None) -> Figure:
+    """Draw a map over two axes, with the belts where the second one is v0; return the figure."""
     first, second = over = read_axes(column, 2, "a map")
     column = column.sortby(over).transpose(*over)
     unknown = read_column(dataset, "status").sortby(over).transpose(*over).values == "undecidable"
     values = column.values
     edges = _cell_edges(column[first].values), _cell_edges(column[second].values)
-    if values.dtype.kind in "UO" or (values.dtype.kind in "iu" and len(np.unique(values)) <= 24):
-        _draw_classes(axes, edges, *classes_of(values, unknown), new)
-    else:
-        _draw_shades(axes, edges, np.where(unknown, np.nan, values.astype(float)), label(str(column.name)))
-    axes.set(xlabel=label(first), ylabel=label(second), xlim=edges[0][[0, -1]], ylim=edges[1][[0, -1]])
+    with axes_for(ax, (5.2, 3.8)) as (drawing, (axes,)):
+        if values.dtype.kind in "UO" or (values.dtype.kind in "iu" and len(np.unique(values)) <= 24):
+            _draw_classes(axes, edges, *classes_of(values, unknown), new=ax is None)
+        else:
+            _draw_shades(axes, edges, np.where(unknown, np.nan, values.astype(float)), label(str(column.name)))
+        axes.set(xlabel=label(first), ylabel=label(second), xlim=edges[0][[0, -1]], ylim=edges[1][[0, -1]])
+        scene = loads(dataset.attrs.get("scene", "{}"))
+        if second == "v0":
+            draw_belts(axes, [Fraction(scene[name]) for name in ("v1", "v2") if name in scene], *axes.get_ylim())
+    return drawing
 
 
 @public
@@ -336,11 +339,7 @@ def basin_figure(dataset: xarray.Dataset, name: str | None = None, *, ax: Axes |
     column = read_column(dataset, name)
     if set(read_axes(column, 2, "a basin")) != {"x0", "v0"}:
         raise ParameterError("dataset", "axes " + ", ".join(map(str, column.dims)), "a basin has the axes x0 and v0")
-    scene = loads(dataset.attrs.get("scene", "{}"))
-    with axes_for(ax, (5.2, 3.8)) as (drawing, (axes,)):
-        _draw_map(axes, dataset, column.transpose("x0", "v0"), new=ax is None)
-        draw_belts(axes, [Fraction(scene[name]) for name in ("v1", "v2") if name in scene], *axes.get_ylim())
-    return drawing
+    return _map(dataset, column.transpose("x0", "v0"), ax)
 
 
 def classes_of(values: np.ndarray, undecidable: np.ndarray) -> tuple[np.ndarray, list[Look]]:
