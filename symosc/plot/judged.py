@@ -242,7 +242,7 @@ def write_page(check: CrossCheck, path: str | Path) -> Path:
 
     check_folder_of(path)
     events = _events(check)
-    content: Record = {"check": check, "verdict": _verdict(check), "facts": _facts(check), "events": events[:MOST_ROWS]}
+    content: Record = {"check": check, "verdict": _verdict(check), "events": events[:MOST_ROWS]}
     content |= {"causes": CAUSES, "reasons": REASONS, "pictures": list(_pictures(check)), "event_count": len(events)}
     faults = []
     for each in check.faults[:MOST_ROWS]:
@@ -262,19 +262,6 @@ def _verdict(check: CrossCheck) -> str:
     events = f"events missed: {len(check.missed)}, invented: {len(check.invented)}"
     beside = "".join(f" {said[0].upper()}{said[1:]}." for said in (check.wrong_start, check.early_end) if said)
     return f"Not right: {wrong}; {events} (tolerance {check.tolerance:g} per step).{beside}"
-
-
-def _facts(check: CrossCheck) -> dict[str, str]:
-    """Return texts for the page by their headings: samples, largest errors, events and digits."""
-    counts = {"right": check.matched, "missed": check.missed, "invented": check.invented}
-    counts["not decided"] = check.unresolved
-    return {
-        "Samples": f"{len(check.t)}, from t = {check.t[0]:.10g} to {check.t[-1]:.10g}",
-        "Largest error of x": f"{check.max_error_x:.2e} (allowed {check.limits_there[0]:.1e})",
-        "Largest error of v": f"{check.max_error_v:.2e} (allowed {check.limits_there[1]:.1e})",
-        "Events": ", ".join(f"{len(events)} {name}" for name, events in counts.items()),
-        "Digits": ", ".join(f"{name} to {text}" for name, text in check.rounded.items()) or "those of doubles",
-    }
 
 
 def _events(check: CrossCheck) -> list[tuple[Any, ...]]:
