@@ -73,8 +73,8 @@ def check(files: Sequence[str], scene: Text, case: Text, settings: Settings, pic
     if report is not None and not report.lower().endswith((".html", ".htm")):
         raise click.BadParameter(f"{report!r}: a page's name must end in .html", param_hint="--report")
     asked: Any = scene
-    if case is None and scene is None and len(files) > (solver is None):
-        asked, *files = files
+    if case is None and scene is None and len(files) >= (1 if solver else 2):
+        asked, *files = files  # the first word is the scene
     options.refuse(
         (case is not None and scene is not None, "give --scene or --case, not both"),
         (case is None and asked is None, "give SCENE FILE, FILE --scene SCENE, or FILE --case NAME"),

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator
 from contextlib import ExitStack, contextmanager
+from functools import partial
 from os.path import exists
 from pathlib import Path
 from typing import Any
@@ -101,7 +102,8 @@ def _print_fragment(name: str, scene: Text, path: Text, **how: Any) -> int:
     elif path is not None:
         write_text(Path(path), text)
     data = {"fragment": name, "text": text, "steps": fragment.log()}
-    output.report(lambda: data, lambda: output.write(*(text, "") if path is None else (str(Path(path)),)))
+    show = partial(output.write, text, end="") if path is None else partial(output.write, str(Path(path)))
+    output.report(lambda: data, show)
     return 0
 
 

@@ -174,11 +174,11 @@ def _solve(p: Parameters | None, mappings: list[str], names: str, phases: Text, 
     answers: list[Any] = []
     with late_bar(True, "solve", "maps") as advance:
         for count, mapping in enumerate(mappings, start=1):
-            of: Any = (p, mapping, question)
             if phases is None:
-                answers += [symosc.values_empty(*of), symosc.values_everything(*of, order)]
+                answers.append(symosc.values_empty(p, mapping, question))
+                answers.append(symosc.values_everything(p, mapping, question, order))
             else:
-                answers.append(symosc.values_containing(*of, (low, high) if colon else phases, order))
+                answers.append(symosc.values_containing(p, mapping, question, (low, high) if colon else phases, order))
             if advance:
                 advance(count / len(mappings), count)
     output.draw(plot, lambda: answers[0].plot())

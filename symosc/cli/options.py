@@ -92,8 +92,9 @@ def option(form: str, about: str, *names: str, **settings: Any) -> Callable[[Any
     """
     *short, long = form.split(", ")
     long, _, metavar = long.partition(" ")
-    kind = KINDS.get("".join(re.findall("^[A-Z]+=?", metavar)), {})
-    return click.option(*short, long, *names, metavar=metavar or None, help=about, **kind | settings)
+    value, equals, _ = metavar.partition("=")
+    known = KINDS.get(value + equals, {})
+    return click.option(*short, long, *names, metavar=metavar or None, help=about, **known | settings)
 
 
 def picture(form: str, about: str, *names: str, **settings: Any) -> Callable[[Any], Any]:
