@@ -130,7 +130,10 @@ def working(label: str) -> Iterator[None]:
     if shows_bars():
         _waiting = Timer(delay(), _show_spinner, [label])
         _waiting.daemon = True
-        _waiting.start()
+        if delay() > 0:
+            _waiting.start()
+        else:
+            _show_spinner(label)
     try:
         yield
     finally:
