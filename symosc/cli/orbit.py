@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from functools import partial
 from typing import Any
 
 import click
@@ -67,10 +68,10 @@ def orbit(
             how: Record = {"periods": exact["periods"], "progress": True}
             branch = symosc.continue_orbit(found.parameters, found.word, name, limits, found, **how)
         output.draw(picture, (branch or found).plot)
-    text = _report_text(problem, found, branch)
-    output.report(lambda: _orbit_data(problem, found, branch), lambda: output.write(text))
+    text = partial(_report_text, problem, found, branch)
+    output.report(lambda: _orbit_data(problem, found, branch), lambda: output.write(text()))
     if picture == STDOUT and not found.admissible:
-        click.echo(text, err=True)
+        click.echo(text(), err=True)
     return 0 if found.admissible else output.FAILED
 
 

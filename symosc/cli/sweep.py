@@ -25,19 +25,13 @@ def _columns() -> list[str]:
     return list(SUMMARY_COLUMNS)
 
 
-AXES = options.complete(lambda: (*PARAMETER_NAMES, *START_NAMES[:3]), "=")
+AXES: Record = {"multiple": True, "shell_complete": options.complete(lambda: (*PARAMETER_NAMES, *START_NAMES[:3]), "=")}
 COLUMNS: Record = {"default": "word", "show_default": True, "shell_complete": options.complete(_columns)}
 
 
 @click.command()
 @options.scene_argument
-@option(
-    "--over NAME=LO:HI:N",
-    "An axis: a parameter, or t0, x0 or v0. Repeatable.",
-    "axes",
-    multiple=True,
-    shell_complete=AXES,
-)
+@option("--over NAME=LO:HI:N", "An axis: a parameter, or t0, x0 or v0. Repeatable.", "axes", **AXES)
 @options.set_option
 @option("--record NAMES", "Columns, such as word,sticks,section:64.", **COLUMNS)
 @option("--t-end T", "End of all motions; 60T: after 60 periods. Default: the scene's.")
