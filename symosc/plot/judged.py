@@ -14,6 +14,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
+from matplotlib import rc_context
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
@@ -26,7 +27,7 @@ from symosc.errors import ParameterError
 from symosc.exact import whole_number
 from symosc.files import check_folder_of, write_text
 from symosc.fit import Fit
-from symosc.plot.drawing import add_legend, axes_for, draw_belts, own_style, panels_for
+from symosc.plot.drawing import STYLE, add_legend, axes_for, draw_belts, panels_for
 from symosc.simulation.simulate import simulate
 from symosc.simulation.trajectory import Event
 
@@ -301,7 +302,7 @@ def _pictures(check: CrossCheck) -> Iterator[Record]:
         yield _picture(crosscheck_figure(check, letter), many, title, said)
 
 
-@own_style()
+@rc_context(STYLE)
 def _picture(drawing: Figure, pixels: bool, title: str, caption: str) -> Record:
     """Return a figure with its title and caption as the values that the page's template needs."""
     width, height = drawing.get_size_inches()
