@@ -133,9 +133,12 @@ def cases(folder: Text, group: Text) -> None:
         return
     heads = ["name", "group", "events", "status", "hard"]
     rows = [[case.name, case.group, case.count, case.status, case.hard] for case in wanted]
-    table = output.plain_table(heads[:-1], [list(map(str, row)) for row in rows])
-    text = f"{table}\n\n{len(wanted)} cases, {sum(case.proven for case in wanted)} of them proven"
-    output.report(lambda: {"cases": [dict(zip(heads, row, strict=True)) for row in rows]}, lambda: output.write(text))
+
+    def show() -> None:
+        output.write_table([list(map(str, row[:-1])) for row in rows], heads[:-1])
+        output.write(f"\n{len(wanted)} cases, {sum(case.proven for case in wanted)} of them proven")
+
+    output.report(lambda: {"cases": [dict(zip(heads, row, strict=True)) for row in rows]}, show)
 
 
 @click.command()
