@@ -26,7 +26,7 @@ from symosc.kernels.double_double import HALF_PI, THREE_HALVES_PI
 from symosc.mappings.theorem7_cases import ALL_BUT_ONE, ARC, EMPTY, EVERYTHING, WRAPPED_ARC, place
 from symosc.model import Parameters
 from symosc.plot import drawing as common
-from symosc.plot.drawing import PARAMETER_LABELS, add_legend, axes_for, legend_entries, panels_for, read_panels
+from symosc.plot.drawing import PARAMETER_LABELS, add_legend, axes_for, legend_entries, panels_for, read_panels, typeset
 from symosc.scenes import ParametersLike
 
 if TYPE_CHECKING:
@@ -95,11 +95,6 @@ def window_figure(
     return drawing
 
 
-def tex(mapping: str) -> str:
-    """Return the label of a mapping, such as P3, as LaTeX."""
-    return f"P_{mapping.removeprefix('P')}"
-
-
 def _circle(axes: Axes, window: GrazingWindow) -> None:
     """Draw the circle of phases, on it the window as a thick arc, and the phases Theta_cr and pi - Theta_cr."""
 
@@ -129,7 +124,7 @@ def _circle(axes: Axes, window: GrazingWindow) -> None:
             axes.text(1.12 * x, 1.2 * y, PHASE_TICKS[quarter], ha=side, va="center", fontsize=7)
     axes.set(xlim=(-1.9, 1.9), ylim=(-1.5, 1.5), aspect="equal")
     axes.set_axis_off()
-    axes.set_title(f"${tex(window.mapping)}$: case {window.case}, {window.order} order", fontsize=8)
+    axes.set_title(f"{typeset(window.mapping)}: case {window.case}, {window.order} order", fontsize=8)
 
 
 def critical_phases(window: GrazingWindow) -> list[tuple[float, bool]]:
@@ -235,7 +230,7 @@ def sweep_figure(
             near_low, near_high = value - low < 0.02 * width, high - value < 0.02 * width
             axes.set_xlim(low - 0.04 * width * near_low, high + 0.04 * width * near_high)
         axes.set_yticks(np.arange(5) * pi / 2, PHASE_TICKS)
-        axes.set_title(f"grazing window of ${tex(mapping)}$, {order} order")
+        axes.set_title(f"grazing window of {typeset(mapping)}, {order} order")
         add_legend(drawing, ax, [axes], 3)
     return drawing
 
@@ -468,7 +463,7 @@ def draw_plane(axes: Axes, curve: GrazingCurve) -> None:
         _line(axes, piece.theta_m, piece.x_m, color="#1f3fd6", label="grazing point", linestyle=(0, (4, 1.6)))
         _draw_ends(axes, piece, lambda end: (end.theta % TURN, end.x))
     belt = place(curve.mapping).boundary
-    title = rf"${tex(curve.mapping)}$ on the plane $\dot x = v_{belt}$"
+    title = rf"{typeset(curve.mapping)} on the plane $\dot x = v_{belt}$"
     axes.set(xlabel=r"$\mathrm{mod}(\Omega t, 2\pi)$", ylabel="$x$", title=title)
     _finish(axes, curve, (0, TURN))
 

@@ -192,10 +192,8 @@ MARKS: Record = {"marker": "marker", "size": "size", "fill_color": "color", "lin
 
 def pictures() -> dict[str, Any]:
     """Return the plots by name: plane, dial, displacement, velocity, forces."""
-    columns = answers.answer("", answers.shipped_scenes()["fig5"])["sources"] | {
-        "settled": ["x", "v"],
-        "now": ["t", "x", "v"],
-    }
+    columns = answers.answer("", answers.shipped_scenes()["fig5"])["sources"]
+    columns |= {"settled": ["x", "v"], "now": ["t", "x", "v"]}
     sources = {name: models.ColumnDataSource({key: [] for key in keys}, name=name) for name, keys in columns.items()}
     ranges = {name: models.Range1d(start=0, end=1, name=f"range-{name}") for name in ("t", "x", "v", "F")}
     return {
