@@ -8,7 +8,7 @@ from __future__ import annotations
 import os
 import sys
 from collections.abc import Callable, Iterator
-from contextlib import ExitStack, contextmanager, suppress
+from contextlib import AbstractContextManager, ExitStack, contextmanager, suppress
 from datetime import timedelta
 from threading import Lock, Timer
 from time import monotonic
@@ -60,11 +60,9 @@ def reporting(
             yield lambda done, of: show(done, of, done - there)
 
 
-@contextmanager
-def bar(label: str, total: float, unit: str = "steps") -> Iterator[Report]:
-    """Show a progress bar; yield the function that takes what is done and the total."""
-    with reporting(True, 0, total, label, unit) as report:
-        yield report
+def bar(label: str, total: float, unit: str = "steps") -> AbstractContextManager[Report]:
+    """Show a progress bar in a `with` block, which gets the function that takes what is done and the total."""
+    return reporting(True, 0, total, label, unit)
 
 
 @contextmanager
