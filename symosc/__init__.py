@@ -15,16 +15,8 @@ files, model, words, reductions, aliases), display and scenes serve all. The pub
 and loaded on first use: importing symosc loads neither sympy nor matplotlib nor numba.
 """
 
-from functools import partial
-from importlib import import_module
-
 import lazy_loader
 
-from symosc.display import drawable
-
 __version__ = "0.2.0"
-
-drawable.loaders.append(partial(import_module, "symosc.plot"))
-drawable.page_loaders.append(partial(import_module, "symosc.plot.notebooks"))
 
 __getattr__, __dir__, __all__ = lazy_loader.attach_stub(__name__, __file__)

@@ -102,16 +102,15 @@ class CommandLine(click.Group):
         try:
             with progress.working("working"):
                 code = super().invoke(ctx)
-            if progress.level() == progress.VERBOSE:
-                about = f"symosc {symosc.__version__}, Python {python_version()}"
-                note(f"{ctx.invoked_subcommand}: {monotonic() - begin:.2f} s; {about}")
+            about = f"symosc {symosc.__version__}, Python {python_version()}"
+            note(f"{ctx.invoked_subcommand}: {monotonic() - begin:.2f} s; {about}", progress.VERBOSE)
             return code
         except (KeyboardInterrupt, RuntimeError) as error:
             if not _is_interrupt(error):
                 raise
             ctx.exit(INTERRUPTED)
         finally:
-            progress.set_level(progress.NORMAL)  # a program that runs commands itself goes on as it was
+            progress.level = progress.NORMAL  # a program that runs commands itself goes on as it was
 
 
 def _verbosity_options() -> list[click.Option]:
@@ -119,7 +118,7 @@ def _verbosity_options() -> list[click.Option]:
 
     def set_verbosity(context: click.Context, option: click.Parameter, wanted: bool) -> None:
         if wanted:
-            progress.set_level(progress.QUIET if option.name == "quiet" else progress.VERBOSE)
+            progress.level = progress.QUIET if option.name == "quiet" else progress.VERBOSE
 
     about = {"quiet": "Print results and errors only: no bars, no notes.", "verbose": "Print more on stderr."}
     options: dict[str, Any] = {"is_flag": True, "expose_value": False, "callback": set_verbosity}
@@ -127,7 +126,7 @@ def _verbosity_options() -> list[click.Option]:
 
 
 def _is_interrupt(error: BaseException | None) -> bool:
-    """Return whether an error is, or comes from, an interrupt (one in a class definition becomes a RuntimeError)."""
+    """Return whether an error is an interrupt, or the RuntimeError that Python makes of it in a class definition."""
     return isinstance(error, KeyboardInterrupt) or (error is not None and _is_interrupt(error.__cause__))
 
 

@@ -2,34 +2,27 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import click
 
+import symosc
 from symosc.cli import options, output
 from symosc.cli.options import Settings, Text, option
-
-if TYPE_CHECKING:
-    from symosc.certificates.atlas import Atlas
 
 
 @click.command()
 @options.scene_argument
-@option(
-    "--over NAME=LO:HI",
-    "A parameter of the plane and its range. Give two.",
-    multiple=True,
-    shell_complete=options.PARAMETER,
-)
+@option("--over NAME=LO:HI", "A parameter of the plane and its range. Give two.", multiple=True)
 @options.set_option
 @option("--prove SHARE", "Part of the area to prove: 0 to 1.", default="0", show_default=True)
 @option("--seconds S", "When to stop proving.")
-@option("--workers N", "Processes. Default: one for each core.", type=options.WholeNumber())
-@options.file_option("-o, --output FILE", "Write it as JSON; what an earlier run left there is taken up.", "path")
+@option("--workers N", "Processes. Default: one for each core.")
+@option("-o, --output FILE", "Write it as JSON; what an earlier run left there is taken up.", "path")
 @options.plot_option
 @options.json_option
 def atlas(scene: str, over: tuple[str, ...], settings: Settings, path: Text, plot: Text, **how: Any) -> None:
-    """Draw up the plane of two parameters: words, borders, special points, and boxes in which the word is proven.
+    """Compute the plane of two parameters: words, borders, special points, and boxes in which the word is proven.
 
     `symosc verify` proves the file of -o once more.
 
@@ -38,17 +31,14 @@ def atlas(scene: str, over: tuple[str, ...], settings: Settings, path: Text, plo
       symosc atlas fig9 --over Omega=3:5 --over FN=5:12 --plot plane.svg
       symosc atlas fig9 --over Omega=3.9:4.1 --over FN=9.5:10.5 --prove 0.9 -o plane.json
     """
-    from symosc.certificates.atlas import atlas as draw_up
-
     spans = [options.read_span(side, "--over") for side in over]
-    if len(dict(spans)) != 2 or len(spans) != 2:
-        raise click.UsageError("give --over twice, with two parameters")
-    made = draw_up(options.scene_with(scene, settings), dict(spans), **how, path=path, progress=True)
+    options.refuse((len(dict(spans)) != 2 or len(spans) != 2, "give --over twice, with two parameters"))
+    made = symosc.atlas(options.scene_with(scene, settings), dict(spans), **how, path=path, progress=True)
     output.draw(plot, made.plot)
     output.report(made.statement, lambda: _print_atlas(made, path, plot))
 
 
-def _print_atlas(made: Atlas, *files: Text) -> None:
+def _print_atlas(made: symosc.Atlas, *files: Text) -> None:
     rows = [[region.word or "none found", f"{region.share:.4%}", f"{region.proven:.4%}"] for region in made.regions]
     output.write_table(rows, ["word", "share", "proven"])
     for border in made.borders:

@@ -10,6 +10,7 @@ from typing import Any
 
 import click
 
+import symosc
 from symosc.aliases import Record
 from symosc.cli import options, output
 from symosc.cli.options import Text, flag, option
@@ -21,9 +22,7 @@ from symosc.errors import MissingExtraError
 @flag("--quick", "Fewer scenes, tolerances, cases and repeats: half a minute.")
 @flag("--hard", "The hard cases in place of speed, work and precision.")
 @options.json_option
-@options.picture_option(
-    "-o, --output FIGURE", "Draw error against time per event: .pdf, .svg or .png. -: SVG to stdout.", "picture"
-)
+@option("-o, --output FIGURE", "Draw error against time per event: .pdf, .svg or .png. -: SVG to stdout.", "picture")
 @option("--results README", "Run everything, and write it between the README's marks.", "readme")
 @option("--scores FILE", "Score all solvers on the reference cases: a Markdown page.")
 @option("--gradients FILE", "Score ways to differentiate the events: a Markdown page.")
@@ -53,17 +52,16 @@ def bench(quick: bool, hard: bool, picture: Text, readme: Text, scores: Text, gr
       symosc bench --scores docs/results/scores.md
       symosc bench --gradients docs/results/gradients.md
     """
-    from symosc import plot
     from symosc.bench import cases, error_map, results, speed, work
 
     alone = [(name, path) for name, path in (("--scores", scores), ("--gradients", gradients)) if path is not None]
     if alone:
-        if quick or hard or output.prints_json() or picture is not None or readme is not None or len(alone) > 1:
-            raise click.UsageError(f"{alone[0][0]} is a run of its own: leave out the other options")
+        others = quick or hard or output.prints_json() or picture is not None or readme is not None or len(alone) > 1
+        options.refuse((others, f"{alone[0][0]} is a run of its own: leave out the other options"))
         return _score(*alone[0])
     if readme is not None:
-        if hard or picture is not None:
-            raise click.UsageError("--results runs everything and draws its own pictures: leave out --hard and -o")
+        rest = "leave out --hard and -o"
+        options.refuse((hard or picture is not None, f"--results runs everything and draws its own pictures: {rest}"))
         results.check(readme)
     result: Record = {"quick": quick}
     if not hard:
@@ -80,7 +78,7 @@ def bench(quick: bool, hard: bool, picture: Text, readme: Text, scores: Text, gr
     written = [] if readme is None else results.write(readme, result)
     if picture is not None:
         drawing = error_map.figure(result["error_map"]) if hard else work.figure(result["work_precision"])
-        written.append(plot.save(drawing, picture))
+        written.append(symosc.plot.save(drawing, picture))
 
     def show() -> None:
         if readme is None and hard:

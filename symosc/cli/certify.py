@@ -3,55 +3,31 @@
 from __future__ import annotations
 
 from collections import Counter
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import click
 
+import symosc
 from symosc.certificates.certificate import common_complex, common_digits
 from symosc.cli import options, output
 from symosc.cli.options import Settings, Text, flag, option
 from symosc.display.progress import bar
 from symosc.errors import MissingExtraError
-from symosc.mappings.theorem7_cases import PLACES
-
-if TYPE_CHECKING:
-    from symosc.certificates.certificate import Certificate
-    from symosc.orbits.periodic_orbit import PeriodicOrbit
-    from symosc.scenes import Scene
 
 
 @click.command()
 @options.optional_scene
 @option("--t-end T", "End time in place of the scene's; 10T: after 10 periods.")
 @options.start_error_option
-@option(
-    "--wrt NAMES",
-    "Enclose the derivatives of all events too, by parameters and t0, x0, v0, such as mu1,x0.",
-    shell_complete=options.PARAMETER_LIST,
-)
+@option("--wrt NAMES", "Enclose the derivatives of all events too, by parameters and t0, x0, v0, such as mu1,x0.")
 @option("--orbit WORD", "Prove the periodic orbit with this structure, such as P32.", "word")
-@option(
-    "--branch NAME=LO:HI", "Prove the orbit for every value of a parameter.", "span", shell_complete=options.PARAMETER
-)
-@option(
-    "--window MAP", "Prove the grazing window of a map, such as P2.", "mapping", shell_complete=options.complete(PLACES)
-)
+@option("--branch NAME=LO:HI", "Prove the orbit for every value of a parameter.", "span")
+@option("--window MAP", "Prove the grazing window of a map, such as P2.", "mapping")
 @flag("--orbits", "Prove the list of orbits that ships, in two processes.")
 @options.set_option
-@options.file_option("-o, --output FILE", "Write the certificate, a JSON file. -: to stdout, and only that.", "path")
+@option("-o, --output FILE", "Write the certificate, a JSON file. -: to stdout, and only that.", "path")
 @options.json_option
-def certify(
-    scene: Text,
-    t_end: Text,
-    start_error: Any,
-    wrt: Text,
-    word: Text,
-    span: Text,
-    mapping: Text,
-    orbits: bool,
-    settings: Settings,
-    path: Text,
-) -> int:
+def certify(scene: Text, settings: Settings, t_end: Text, orbits: bool, path: Text, **asked: Any) -> int:
     """Prove all events of a scene: that each is the next one, of its kind, and between which times and positions.
 
     Or prove its periodic orbit, a branch of such orbits up to its ends, or a grazing window. With --branch the
@@ -68,15 +44,14 @@ def certify(
       symosc certify fig9 --branch Omega=3:6
     """
     if orbits:
-        if scene is not None:
-            raise click.UsageError("--orbits proves its own list; give no scene")
-        return _listed("proven", False)
+        options.refuse((scene is not None, "--orbits proves its own list; give no scene"))
+        return _listed(again=False)
     if scene is None:
         raise click.UsageError("Missing argument 'SCENE'.")
-    if (word or span or mapping) and (t_end or start_error or wrt):
+    if any(map(asked.get, ("word", "span", "mapping"))) and (t_end or asked["start_error"] or asked["wrt"]):
         raise click.UsageError("--t-end, --start-error and --wrt are for motions, not for an orbit, branch or window")
     problem = options.reduced_scene(options.scene_with(scene, settings, t_end=t_end))
-    certificate = _proof(problem, start_error, wrt, word, span, mapping)
+    certificate = _proof(problem, **asked)
     if path is not None:
         certificate.to_json(path)
     output.report(certificate.as_dict, lambda: _print_certificate(certificate))
@@ -85,43 +60,28 @@ def certify(
     return 0
 
 
-def _proof(problem: Scene, start_error: Any, wrt: Text, word: Text, span: Text, mapping: Text) -> Certificate:
+def _proof(
+    problem: symosc.Scene, start_error: Any, wrt: Text, word: Text, span: Text, mapping: Text
+) -> symosc.Certificate:
     """Make the certificate that the options ask for; the command fails if there is no such orbit."""
-    from symosc.certificates.certify import certify as prove
-
     if mapping is not None:
-        from symosc.grazing.window import grazing_window
-
-        return prove(grazing_window(problem.parameters, mapping))
+        return symosc.certify(symosc.grazing_window(problem.parameters, mapping))
     if word is None and span is None:
         names = None if wrt is None else [name.strip() for name in wrt.split(",")]
-        return prove(problem, start_error=start_error, wrt=names)
-    found = _orbit(problem, word)
-    if span is None:
-        return prove(found)
-    from symosc.orbits.branch import continue_orbit
-
-    name, limits = options.read_span(span, "--branch")
-    return prove(continue_orbit(found.parameters, found.word, name, limits, found), progress=True)
-
-
-def _orbit(problem: Scene, word: Text) -> PeriodicOrbit:
-    from symosc.orbits.closing_equations import ConvergenceError
-    from symosc.orbits.find import find_orbit
-
+        return symosc.certify(problem, start_error=start_error, wrt=names)
     word = word or problem.structure
-    if word is None:
-        raise click.UsageError(f"the scene {problem.name} has no structure of its own; give --orbit")
-    try:
-        found = find_orbit(problem.parameters, word)
-    except ConvergenceError as error:
-        output.fail(f"not proven: {error}")
+    options.refuse((word is None, f"the scene {problem.name} has no structure of its own; give --orbit"))
+    with output.failing(symosc.ConvergenceError, "not proven: "):
+        found = symosc.find_orbit(problem.parameters, word)
     if not found.admissible:
         output.fail(f"not proven: {found.word} is {found.message}")
-    return found
+    if span is None:
+        return symosc.certify(found)
+    name, limits = options.read_span(span, "--branch")
+    return symosc.certify(symosc.continue_orbit(found.parameters, found.word, name, limits, found), progress=True)
 
 
-def _print_certificate(certificate: Certificate) -> None:
+def _print_certificate(certificate: symosc.Certificate) -> None:
     # The events of a branch have no times: these depend on the parameter.
     timed = [event for event in certificate.events if len(event) > 3]
     if timed:
@@ -138,11 +98,11 @@ def _print_certificate(certificate: Certificate) -> None:
         output.write(f"proven: {certificate.message}")
 
 
-def _listed(verb: str, again: bool) -> int:
-    """Prove the shipped list of orbits (or prove it `again`); print how many are proven, and which are not."""
+def _listed(again: bool) -> int:
+    """Certify the shipped list of orbits, or verify its certificates `again`; print how many are proven, which not."""
     from symosc.certificates.orbit_list import listed_orbits, prove_list
 
-    orbits = listed_orbits()
+    orbits, verb = listed_orbits(), "proven again" if again else "proven"
     with bar(verb, len(orbits), "orbits") as report:
         answers = prove_list(progress=report, again=again)
     proven = [orbit for orbit, answer in zip(orbits, answers, strict=True) if not answer]
@@ -157,9 +117,9 @@ def _listed(verb: str, again: bool) -> int:
 @click.command()
 @click.argument("file", required=False)
 @flag("--orbits", "Certify and verify the list of orbits that ships.")
-@option("--bytes N", "Largest file. Default: 10,000,000.", type=click.IntRange(1))
-@option("--events N", "Most events and boxes. Default: 50,000.", type=click.IntRange(1))
-@option("--steps N", "Most steps of the proof. Default: 2,000,000.", type=click.IntRange(1))
+@option("--bytes N", "Largest file. Default: 10,000,000.", type=options.WholeNumber(1))
+@option("--events N", "Most events and boxes. Default: 50,000.", type=options.WholeNumber(1))
+@option("--steps N", "Most steps of the proof. Default: 2,000,000.", type=options.WholeNumber(1))
 def verify(file: Text, orbits: bool, **limits: int | None) -> int:
     """Prove a certificate file once more, by other means than `symosc certify`, and print what is proven.
 
@@ -179,7 +139,7 @@ def verify(file: Text, orbits: bool, **limits: int | None) -> int:
     except ImportError:
         raise MissingExtraError("verify", "certify") from None
     if file is None:
-        return _listed("proven again", True)
+        return _listed(again=True)
     code, answer = verify_orbits.verify(file, **{name: most for name, most in limits.items() if most is not None})
     (output.complain if code else output.write)(answer)
     return code

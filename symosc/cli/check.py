@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from itertools import count
 from pathlib import Path
 from typing import Any
 
 import click
 
+import symosc
 from symosc.cli import options, output
 from symosc.cli.options import Settings, Text, flag, option
 from symosc.display.progress import bar
@@ -26,11 +28,7 @@ def _split_columns(text: Text) -> dict[str, str]:
 
 @click.command()
 @click.argument("files", nargs=-1, shell_complete=options.complete_scene)
-@option(
-    "--scene SCENE",
-    "Name of a scene or path of a TOML file, if it is not the first word.",
-    shell_complete=options.complete_scene,
-)
+@option("--scene SCENE", "Name of a scene or path of a TOML file, if it is not the first word.")
 @option("--case NAME", "A reference case in place of a scene; `symosc cases` lists them.")
 @options.set_option
 @option("--solver MODULE:FUNCTION", "Run FUNCTION(parameters, t0, x0, v0, t_end) and check that.")
@@ -45,19 +43,9 @@ def _split_columns(text: Text) -> dict[str, str]:
 )
 @option("--workers N", "Processes for several solutions; default 1.", type=options.WholeNumber(min=1))
 @options.json_option
-@options.picture_option("-o, --output FIGURE", "Draw the errors against time as well: .pdf, .svg or .png.", "picture")
+@option("-o, --output FIGURE", "Draw the errors against time as well: .pdf, .svg or .png.", "picture")
 @option("--report FILE.html", "Write a page with diagnosis, events and pictures as well.")
-def check(
-    files: tuple[str, ...],
-    scene: Text,
-    case: Text,
-    settings: Settings,
-    solver: Text,
-    t_end: Text,
-    picture: Text,
-    report: Text,
-    **limits: Any,
-) -> int:
+def check(files: Sequence[str], scene: Text, case: Text, settings: Settings, picture: Text, **how: Any) -> int:
     """Check somebody's solution against the exact motion.
 
     Give SCENE FILE, FILE --scene SCENE, or FILE --case NAME; FILE is - for standard input. It holds samples t, x, v in
@@ -81,31 +69,29 @@ def check(
       symosc check run.csv --case late-start-t0-1e8-fig9
       symosc check fig9 --set k=3 --solver mysolver:solve
     """
+    solver, t_end, report = (how.pop(name) for name in ("solver", "t_end", "report"))
     if report is not None and not report.lower().endswith((".html", ".htm")):
         raise click.BadParameter(f"{report!r}: a page's name must end in .html", param_hint="--report")
-    if case is not None and scene is not None:
-        raise click.UsageError("give --scene or --case, not both")
     asked: Any = scene
+    if case is None and scene is None and len(files) >= (1 if solver else 2):
+        asked, *files = files  # the first word is the scene
+    options.refuse(
+        (case is not None and scene is not None, "give --scene or --case, not both"),
+        (case is None and asked is None, "give SCENE FILE, FILE --scene SCENE, or FILE --case NAME"),
+        (solver is not None and files, "give files or --solver, not both"),
+        (solver is None and not files, "give a file of samples, or --solver MODULE:FUNCTION"),
+    )
     if case is not None:
         from symosc.reference.cases import reference_case
 
         asked = reference_case(case).scene
-    elif scene is None:
-        if len(files) < 1 + (solver is None):
-            raise click.UsageError("give SCENE FILE, FILE --scene SCENE, or FILE --case NAME")
-        asked, files = files[0], files[1:]
-    if solver is not None and files:
-        raise click.UsageError("give files or --solver, not both")
-    if solver is None and not files:
-        raise click.UsageError("give a file of samples, or --solver MODULE:FUNCTION")
-    from symosc.crosschecks.compare import crosscheck
     from symosc.crosschecks.objects import run_solver
 
     problem = options.scene_with(asked, settings, t_end=t_end)
-    limits = {name: value for name, value in limits.items() if value is not None}
+    limits = {name: value for name, value in how.items() if value is not None}
     limits["columns"] = _split_columns(limits.get("columns"))
     source = files[0] if len(files) == 1 else files if solver is None else run_solver(solver, problem)
-    result = crosscheck(problem, source, progress=True, **limits)
+    result = symosc.crosscheck(problem, source, progress=True, **limits)
     for path, hint in ((picture, "--output"), (report, "--report")):
         if path is not None and isinstance(result, list):
             raise click.BadParameter(f"shows one solution, and there are {len(result)}", param_hint=hint)
@@ -141,22 +127,18 @@ def cases(folder: Text, group: Text) -> None:
         written, folder = count(1), options.folder_name(folder)
         with bar("cases", len(wanted), "cases") as progress:
             path = write_cases(folder, wanted, progress=lambda _: progress(next(written), len(wanted)))
-        output.report(
-            lambda: {"folder": str(path), "cases": [case.name for case in wanted]},
-            lambda: output.write(f"wrote {len(wanted)} cases into {click.format_filename(path)}"),
-        )
+        text = f"wrote {len(wanted)} cases into {click.format_filename(path)}"
+        data = {"folder": str(path), "cases": [case.name for case in wanted]}
+        output.report(lambda: data, lambda: output.write(text))
         return
-    rows = [
-        {"name": case.name, "group": case.group, "events": case.count, "status": case.status, "hard": case.hard}
-        for case in wanted
-    ]
-    heads = ["name", "group", "events", "status"]
+    heads = ["name", "group", "events", "status", "hard"]
+    rows = [[case.name, case.group, case.count, case.status, case.hard] for case in wanted]
 
     def show() -> None:
-        output.write_table([[str(row[name]) for name in heads] for row in rows], heads)
+        output.write_table([list(map(str, row[:-1])) for row in rows], heads[:-1])
         output.write(f"\n{len(wanted)} cases, {sum(case.proven for case in wanted)} of them proven")
 
-    output.report(lambda: {"cases": rows}, show)
+    output.report(lambda: {"cases": [dict(zip(heads, row, strict=True)) for row in rows]}, show)
 
 
 @click.command()
@@ -164,7 +146,7 @@ def cases(folder: Text, group: Text) -> None:
 @click.argument("results", metavar="THEIRS", nargs=-1, required=True)
 @option("--tolerance E", "Allowed error, relative to max(1, t - t0), max(1, |x|); default 1e-9.")
 @option("-o, --output FILE", "Write a page: .md or .html.", "page")
-@options.picture_option("--plot FIGURE", "Draw all errors: .pdf, .svg or .png. -: SVG to stdout.")
+@option("--plot FIGURE", "Draw all errors: .pdf, .svg or .png. -: SVG to stdout.")
 @options.json_option
 def score(folder: str, results: tuple[str, ...], tolerance: Text, page: Text, plot: Text) -> int:
     """Judge the events that solvers have found in the reference cases.
@@ -202,11 +184,7 @@ def score(folder: str, results: tuple[str, ...], tolerance: Text, page: Text, pl
     if page is not None and as_page is not None:
         write_text(page, as_page(scores, "Scores on the reference cases", version))
     if plot is not None:
-        from symosc.plot import score_figure
-
-        output.draw(plot, score_figure, scores)
-    output.report(
-        lambda: {"set_version": version, "scores": [each.as_dict() for each in scores]},
-        lambda: output.write(as_text(scores)),
-    )
+        output.draw(plot, symosc.plot.score_figure, scores)
+    data = {"set_version": version, "scores": [each.as_dict() for each in scores]}
+    output.report(lambda: data, lambda: output.write(as_text(scores)))
     return int(not all(each.ok for each in scores))

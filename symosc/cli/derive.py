@@ -4,29 +4,33 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator
 from contextlib import ExitStack, contextmanager
+from functools import partial
 from os.path import exists
 from pathlib import Path
 from typing import Any
 
 import click
 from click.core import ParameterSource
-from click.shell_completion import CompletionItem
 
+from symosc.aliases import Record
 from symosc.cli import options, output
 from symosc.cli.options import Text, flag, option
 from symosc.derive.chapters import CHAPTERS
-from symosc.display.progress import VERBOSE, bar, level
+from symosc.display.progress import VERBOSE, bar
 from symosc.errors import OutputError, ParameterError, SymoscError, meant
 from symosc.files import STDOUT, check_new_folder, write_text
+from symosc.scenes import load_scene
 from symosc.symbolic.export import LANGUAGES
 
+FORMATS: Record = {"type": click.Choice(["latex", "html"]), "default": "latex"}
 FILES = (".tex", ".pdf", ".txt", ".csv", ".json", ".html")
 
 
-def _subjects(context: click.Context, argument: click.Parameter, begun: str) -> list[CompletionItem]:
+def subjects() -> list[str]:
+    """Return the names of all chapters and fragments."""
     from symosc.derive.fragments import FRAGMENTS
 
-    return options.complete(["all", *CHAPTERS, *FRAGMENTS])(context, argument, begun)
+    return ["all", *CHAPTERS, *FRAGMENTS]
 
 
 HELP = f"""Derive SUBJECT step by step, checking each step before it is written.
@@ -44,25 +48,16 @@ Examples:
 
 
 @click.command(help=HELP)
-@click.argument("subject", shell_complete=_subjects)
-@option(
-    "--scene SCENE",
-    "Put a scene's numbers in; only what the scene needs appears.",
-    shell_complete=options.complete_scene,
-)
+@click.argument("subject", shell_complete=options.complete(subjects))
+@option("--scene SCENE", "Put a scene's numbers in; only what the scene needs appears.")
 @options.set_option
-@options.file_option(
+@option(
     "-o, --output PATH",
     "Chapters: folder for the files (made if needed), here by default. Fragments: a file. -: print.",
     "path",
 )
 @flag("--pdf", "Compile the LaTeX of chapters to derivations.pdf as well.")
-@option(
-    "--format",
-    "Chapters: LaTeX, or one HTML page. Fragments are LaTeX.",
-    type=click.Choice(["latex", "html"]),
-    default="latex",
-)
+@option("--format", "Chapters: LaTeX, or one HTML page. Fragments are LaTeX.", **FORMATS)
 @option(
     "--form",
     "Fragments: the motion by functions for all regimes of damping, or by e^(-ct/2m) cos omega_d t.",
@@ -74,17 +69,16 @@ Examples:
 @flag("--alone", "Fragments: a document of its own.")
 @options.json_option
 def derive(subject: str, scene: Text, path: Text, pdf: bool, format: str, **of_fragments: Any) -> int:
-    """Derive SUBJECT; see `HELP`."""
+    """Derive a chapter, all chapters or a fragment, and write or print it. The text of --help is `HELP`."""
     from symosc.derive.fragments import FRAGMENTS
-    from symosc.scenes import load_scene
 
-    if subject != "all" and subject not in CHAPTERS and subject not in FRAGMENTS:
+    if subject not in subjects():
         known = f"must be one of all, {', '.join(CHAPTERS)} (chapters) or {', '.join(FRAGMENTS)} (fragments)"
-        raise ParameterError("subject", subject, known + meant(subject, ["all", *CHAPTERS, *FRAGMENTS]))
+        raise ParameterError("subject", subject, known + meant(subject, subjects()))
     if subject in FRAGMENTS:
         if pdf or format == "html":
             raise click.BadParameter("is for chapters", param_hint="--pdf" if pdf else "--format html")
-        return _print_fragment(subject, None if scene is None else load_scene(scene), path, **of_fragments)
+        return _print_fragment(subject, scene, path, **of_fragments)
     for name, value in of_fragments.items():
         if value:
             hint = "--set" if name == "settings" else f"--{name}"
@@ -92,36 +86,24 @@ def derive(subject: str, scene: Text, path: Text, pdf: bool, format: str, **of_f
     return _write_chapters(subject, scene, path, format, pdf)
 
 
-def _print_fragment(
-    name: str,
-    scene: Any,
-    path: Text,
-    settings: options.Settings,
-    form: Text,
-    digits: int | None,
-    tags: Text,
-    prefix: Text,
-    alone: bool,
-) -> int:
+def _print_fragment(name: str, scene: Text, path: Text, **how: Any) -> int:
     from symosc.derive import fragments
     from symosc.derive.scope import fragment_scope
     from symosc.derive.steps import StepError
 
-    scope = fragment_scope(options.read_settings(settings), scene, form or "entire", digits)
-    try:
+    numbers, problem = options.read_settings(how["settings"]), None if scene is None else load_scene(scene)
+    scope = fragment_scope(numbers, problem, how["form"] or "entire", how["digits"])
+    with output.failing(StepError, "check failed: "):
         fragment = fragments.check_fragment(name, scope)
-    except StepError as error:
-        output.fail(f"check failed: {error}")
-    label = fragments.PREFIX if prefix is None else prefix
-    text = fragments.as_latex(fragment, scope, label, tags == "paper", alone)
-    if path is not None and path != STDOUT:
-        write_text(Path(path), text)
-    if output.prints_json():
-        output.write_json({"fragment": name, "text": text, "steps": fragment.log()})
-    elif path in (None, STDOUT):
+    label = fragments.PREFIX if how["prefix"] is None else how["prefix"]
+    text = fragments.as_latex(fragment, scope, label, how["tags"] == "paper", how["alone"])
+    if path == STDOUT:
         output.write(text, end="")
-    else:
-        output.write(str(Path(path or "")))
+    elif path is not None:
+        write_text(Path(path), text)
+    data = {"fragment": name, "text": text, "steps": fragment.log()}
+    show = partial(output.write, text, end="") if path is None else partial(output.write, str(Path(path)))
+    output.report(lambda: data, show)
     return 0
 
 
@@ -129,7 +111,6 @@ def _write_chapters(subject: str, scene: Text, path: Text, form: str, pdf: bool)
     from symosc.derive import document
     from symosc.derive.scope import Scope
     from symosc.derive.steps import StepError
-    from symosc.scenes import load_scene
 
     if pdf and (form != "latex" or path == STDOUT):
         raise click.BadParameter("needs --format latex and a folder", param_hint="--pdf")
@@ -140,12 +121,9 @@ def _write_chapters(subject: str, scene: Text, path: Text, form: str, pdf: bool)
     if folder.suffix.lower() in FILES and not exists(folder):
         raise OutputError(str(folder), "is named like a file, and --output names a folder")
     problem = None if scene is None else load_scene(scene)
-    try:
-        with _bars() as progress:
-            keys, scope = [*CHAPTERS] if subject == "all" else [subject], Scope(problem)
-            chapters = [document.check_chapter(key, scope, progress) for key in keys]
-    except StepError as error:
-        output.fail(f"check failed: {error}")
+    with output.failing(StepError, "check failed: "), _bars() as progress:
+        keys, scope = [*CHAPTERS] if subject == "all" else [subject], Scope(problem)
+        chapters = [document.check_chapter(key, scope, progress) for key in keys]
     if path == STDOUT:
         output.write(document.printed(chapters, scope, form), end="")
         return 0
@@ -158,14 +136,10 @@ def _write_chapters(subject: str, scene: Text, path: Text, form: str, pdf: bool)
             status = output.FAILED
     kinds = [evidence.kind for chapter in chapters for _, evidence in chapter.steps()]
     parts = ", ".join(f"{kinds.count(kind)} {kind}" for kind in ("exact", "sign", "numeric") if kind in kinds)
-    output.report(
-        lambda: {
-            "scene": problem.name if problem else None,
-            "files": list(map(str, paths)),
-            "steps": [{"subject": chapter.key, **row} for chapter in chapters for row in chapter.log()],
-        },
-        lambda: output.write("\n".join([f"{len(kinds)} steps checked: {parts}", *map(str, paths)])),
-    )
+    names = list(map(str, paths))
+    steps = [{"subject": chapter.key, **row} for chapter in chapters for row in chapter.log()]
+    data = {"scene": problem.name if problem else None, "files": names, "steps": steps}
+    output.report(lambda: data, lambda: output.write("\n".join([f"{len(kinds)} steps checked: {parts}", *names])))
     return status
 
 
@@ -180,8 +154,8 @@ def _bars() -> Iterator[Callable[[str, int, int], None]]:
                 stack.close()
                 shown[subject] = stack.enter_context(bar(subject, count))
             shown[subject](done, count)
-            if done == count and level() == VERBOSE:
-                output.note(f"{subject}: {count} steps checked")
+            if done == count:
+                output.note(f"{subject}: {count} steps checked", VERBOSE)
 
         yield progress
 
@@ -191,15 +165,9 @@ def _bars() -> Iterator[Callable[[str, int, int], None]]:
 @flag("--check", "Without WORD: compare symosc's own kernels; exit code 1 if they differ.")
 @flag("--regenerate", "Without WORD: write symosc's own kernels anew.")
 @option("-l, --language", "What to write.", type=click.Choice(LANGUAGES), default="python", show_default=True)
-@option(
-    "--fix SCENE",
-    "Fold the parameters of a scene in and drop what that leaves unused.",
-    shell_complete=options.complete_scene,
-)
+@option("--fix SCENE", "Fold the parameters of a scene in and drop what that leaves unused.")
 @option("--name", "Base of the file names, and of the names in C and Julia. Default: from the word.")
-@options.file_option(
-    "-o, --output FOLDER", "Where to write; made if needed. Default: here. '-': print.", "folder", default="."
-)
+@option("-o, --output FOLDER", "Where to write; made if needed. Default: here. '-': print.", "folder", default=".")
 @flag("--force", "Replace files that have another content.")
 @options.json_option
 @click.pass_context
@@ -220,27 +188,24 @@ def codegen(ctx: click.Context, /, word: Text, check: bool, regenerate: bool, **
       symosc codegen --check
     """
     if word is not None:
-        if check or regenerate:
-            raise click.UsageError(
-                f"--{'check' if check else 'regenerate'} is about symosc's own kernels; leave WORD out"
-            )
+        asked = "--check" if check else "--regenerate"
+        options.refuse((check or regenerate, f"{asked} is about symosc's own kernels; leave WORD out"))
         return _export_code(word, **how)
     names = {str(each.name): max(each.opts, key=len) for each in ctx.command.params}
     given = [names[name] for name in names if ctx.get_parameter_source(name) is ParameterSource.COMMANDLINE]
     given = [name for name in given if name not in ("--check", "--regenerate")]
-    if given:
-        raise click.UsageError(f"{', '.join(given)} needs a WORD, such as P32")
-    if check == regenerate:
-        raise click.UsageError(f"give --check or --regenerate, {'not both' if check else 'or a WORD, such as P32'}")
+    rest = "not both" if check else "or a WORD, such as P32"
+    options.refuse(
+        (given, f"{', '.join(given)} needs a WORD, such as P32"),
+        (check == regenerate, f"give --check or --regenerate, {rest}"),
+    )
     return _kernels(regenerate)
 
 
 def _export_code(word: str, language: str, fix: Text, name: Text, folder: str, force: bool) -> int:
-    from symosc.scenes import load_scene
     from symosc.symbolic.export import export, write_export
 
-    if folder == STDOUT and force:
-        raise click.UsageError("--force is about files; leave it out with -o -")
+    options.refuse((folder == STDOUT and force, "--force is about files; leave it out with -o -"))
     parameters = None if fix is None else load_scene(fix).parameters
     if folder == STDOUT:
         output.write("\n".join(export(word, language, parameters, name).values()), end="")
@@ -251,7 +216,7 @@ def _export_code(word: str, language: str, fix: Text, name: Text, folder: str, f
 
 
 def _kernels(regenerate: bool) -> int:
-    """Write symosc's own kernels, or compare them with what the formulas print."""
+    """Write symosc's own kernels from the formulas of sympy, or compare the file with what these give."""
     from symosc.symbolic import codegen as generator
 
     if regenerate:

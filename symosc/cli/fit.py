@@ -27,20 +27,13 @@ def _columns(file: TextIO) -> dict[str, list[str]]:
 @click.command()
 @options.scene_argument
 @click.argument("file", type=click.File(encoding="utf-8-sig"))
-@option(
-    "--free NAMES",
-    "What to fit: names of parameters, and t0, x0, v0, such as mu1,c.",
-    required=True,
-    shell_complete=options.PARAMETER_LIST,
-)
+@option("--free NAMES", "What to fit: names of parameters, and t0, x0, v0, such as mu1,c.", required=True)
 @option("--sigma S", "Standard deviation of the times, or of x and v: 1e-3 or 1e-3,1e-2. Default: estimated.")
 @option("--start NAME=VALUE", "First value of a free number. Repeatable.", multiple=True)
 @options.plot_option
 @options.set_option
 @options.json_option
-def fit(
-    scene: str, file: TextIO, free: str, sigma: Text, start: tuple[str, ...], plot: Text, settings: Settings
-) -> int:
+def fit(scene: str, file: TextIO, free: str, sigma: Text, start: Settings, plot: Text, settings: Settings) -> int:
     """Fit parameters to measured events or samples in a CSV file.
 
     FILE has a line of names: t and kind (cross, stick, slip or graze) of events, some of which may be missing; or t and

@@ -2,36 +2,26 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any
+from functools import partial
+from typing import Any
 
 import click
 
+import symosc
 from symosc.aliases import Order, Record
 from symosc.cli import options, output
 from symosc.cli.options import Settings, Text, flag, option
 from symosc.display.progress import late_bar
-from symosc.errors import ParameterError
 from symosc.exact import show
 from symosc.mappings.theorem7_cases import ORDERS, PLACES, place
 from symosc.model import PARAMETER_NAMES, Parameters
 from symosc.scenes import load_scene
 
-if TYPE_CHECKING:
-    from matplotlib.axes import Axes
-
-    from symosc.grazing.window import GrazingWindow
-
 
 @click.command()
 @options.optional_scene
 @options.set_option
-@option(
-    "--map MAP",
-    "P2, P3, P5 or P6. Repeatable. Default: all.",
-    "mappings",
-    multiple=True,
-    shell_complete=options.complete(PLACES),
-)
+@option("--map MAP", "P2, P3, P5 or P6. Repeatable. Default: all.", "mappings", multiple=True)
 @option(
     "--order",
     "paper: as printed, by the sign of G1. full: by the first G-function that is not 0 (default).",
@@ -41,27 +31,17 @@ if TYPE_CHECKING:
 @flag("--latex", "Print LaTeX, one window a line.", callback=output.claim_stdout)
 @options.json_option
 @option("--check N", "Check the windows at N phases each.", "phases", type=options.WholeNumber(min=1))
-@options.picture_option("--plot FILE", "Draw windows, contact curves and grazing curves: .pdf, .svg or .png.")
+@options.picture("--plot FILE", "Draw windows, contact curves and grazing curves: .pdf, .svg or .png.")
 @option("--solve NAME[,NAME]", "For which values of Omega, B0, k, v1 or v2, or of two, see --phase.")
 @option("--phase PHASE[:PHASE]", "With --solve: where it grazes at this phase, or at all in between.")
 @option("--against NAME[=LOW:HIGH]", "With --plot and one --map: the window against Omega, B0, k, v1 or v2.")
 def grazing(
-    *,
-    scene: Text,
-    settings: Settings,
-    mappings: tuple[str, ...],
-    order: Order,
-    latex: bool,
-    phases: int | None,
-    plot: Text,
-    solve: Text,
-    phase: Text,
-    against: Text,
+    scene: Text, settings: Settings, mappings: tuple[str, ...], order: Order, latex: bool, plot: Text, **asked: Any
 ) -> int:
     """Print the grazing windows of a scene: at which phases Omega t mod 2 pi a touching flow turns back (Theorem 7).
 
-    Columns: the map; the paper's case, (55.1) is the first of (55), letters and shifts are cases that it lacks; gamma =
-    k v/m; B0 Omega/m; Theta_cr; the window. A window is exact: asin(1/12) + pi is not rounded to a decimal.
+    Columns: the map; the paper's case, where (55.1) is the first of (55), and letters and shifts are cases that the
+    paper lacks; gamma = k v/m; B0 Omega/m; Theta_cr; the window. A window is exact: asin(1/12) + pi is not rounded.
 
     With --check each window is compared with three independent decisions, at random phases and close to its ends: by
     the signs of the G-functions, by the exact flow around the contact, and by scipy's DOP853. A mismatch gives exit
@@ -85,14 +65,13 @@ def grazing(
       symosc grazing fig9 --map P2 --solve Omega,k --phase 7*pi/6 --plot region.pdf
       symosc grazing --map P3 --solve Omega --phase pi
     """
-    if latex and output.prints_json():
-        raise click.UsageError("give --latex or --json, not both; the JSON has the LaTeX")
-    if phase is not None and solve is None:
-        raise click.UsageError("--phase needs --solve, which says what is asked for")
-    if solve is not None and (phases is not None or against is not None):
-        raise click.UsageError("--solve goes without --check and --against")
-    if against is not None and (plot is None or len(mappings) != 1):
-        raise click.UsageError("--against needs --plot FILE and one --map")
+    phases, solve, phase, against = (asked[name] for name in ("phases", "solve", "phase", "against"))
+    options.refuse(
+        (latex and output.prints_json(), "give --latex or --json, not both; the JSON has the LaTeX"),
+        (phase is not None and solve is None, "--phase needs --solve, which says what is asked for"),
+        (solve is not None and (phases, against) != (None, None), "--solve goes without --check and --against"),
+        (against is not None and (plot is None or len(mappings) != 1), "--against needs --plot FILE and one --map"),
+    )
     in_letters = solve is not None and scene is None and not settings
     name, p = (None, None) if in_letters else _parameters(scene, settings)
     chosen = list(dict.fromkeys(mappings))
@@ -101,30 +80,24 @@ def grazing(
     if solve is not None:
         answers = _solve(p, chosen, solve, phase, order, plot)
         given = None if p is None else p.as_dict()
-        output.report(
-            lambda: {"parameters": given, "order": order, "answers": list(map(_answer_data, answers))},
-            lambda: output.write("\n".join(each.latex() if latex else each.text() for each in answers)),
-        )
+        data: Record = {"parameters": given, "order": order, "answers": list(map(_answer_data, answers))}
+        texts = [each.latex() if latex else each.text() for each in answers]
+        output.report(lambda: data, lambda: output.write("\n".join(texts)))
         return 0
     assert p is not None
-    from symosc.grazing.window import grazing_window
-
-    windows = [grazing_window(p, mapping, order) for mapping in chosen or PLACES]
+    windows = [symosc.grazing_window(p, mapping, order) for mapping in chosen or PLACES]
     reports = []
     if phases is not None:
-        from symosc.grazing.check import check_grazing
-
-        reports = [check_grazing(p, mapping, n=phases, progress=True) for mapping in chosen or PLACES]
+        reports = [symosc.check_grazing(p, mapping, n=phases, progress=True) for mapping in chosen or PLACES]
     output.draw(plot, _draw_windows, windows, against)
-    data: Record = {"scene": name, "parameters": p.as_dict(), "order": order}
+    data = {"scene": name, "parameters": p.as_dict(), "order": order}
     data |= {"checks": [report.to_dict() for report in reports]} if reports else {}
-    output.report(
-        lambda: data | {"windows": list(map(_window_data, windows))}, lambda: _print_windows(windows, reports, latex)
-    )
+    printed = partial(_print_windows, windows, reports, latex)
+    output.report(lambda: data | {"windows": list(map(_window_data, windows))}, printed)  # LaTeX needs sympy
     return int(any(not report.ok for report in reports))
 
 
-def _print_windows(windows: list[GrazingWindow], reports: list[Any], latex: bool) -> None:
+def _print_windows(windows: list[symosc.GrazingWindow], reports: list[Any], latex: bool) -> None:
     from symosc.grazing.window import critical_text, phases_text
 
     if latex:
@@ -146,44 +119,31 @@ def _print_windows(windows: list[GrazingWindow], reports: list[Any], latex: bool
 def _parameters(scene: Text, settings: Settings) -> tuple[Text, Parameters]:
     """Return the scene's name and parameters, or None and the parameters that were all given by --set."""
     changes = options.read_parameters(settings)
-    if scene is not None:
-        problem = options.reduced_scene(load_scene(scene).changed(**changes))
-        return problem.name, problem.parameters
-    for name in changes:
-        if name not in PARAMETER_NAMES:
-            known = f"is not a parameter; the parameters are {', '.join(PARAMETER_NAMES)}"
-            raise ParameterError(name, changes[name], known)
-    missing = [name for name in PARAMETER_NAMES if name not in changes]
+    problem = options.reduced_scene(load_scene(scene or "fig5").changed(**changes))
+    missing = [name for name in PARAMETER_NAMES if name not in changes and scene is None]
     if missing:
         raise click.UsageError(f"give a SCENE, or every parameter by --set; missing: {', '.join(missing)}")
-    return None, Parameters(**changes)
+    return None if scene is None else problem.name, problem.parameters
 
 
-def _window_data(window: GrazingWindow) -> Record:
+def _window_data(window: symosc.GrazingWindow) -> Record:
     from symosc.grazing.window import critical_text, phases_text
 
     exact, names = critical_text(window), ("low", "high", "low_closed", "high_closed")
-    return {
-        "map": window.mapping,
-        "domain": window.place.domain,
-        "boundary": window.place.boundary,
-        "case": window.case,
-        "gamma": show(window.gamma),
-        "amplitude": show(window.amplitude),
-        "theta_cr": None if exact == "none" else {"exact": exact, "value": float(window.critical_phase())},
-        "phases": phases_text(window),
-        "intervals": [dict(zip(names, interval, strict=True)) for interval in window.intervals],
-        "latex": window.latex(),
-    }
+    data: Record = {"map": window.mapping, "domain": window.place.domain, "boundary": window.place.boundary}
+    data |= {"case": window.case, "gamma": show(window.gamma), "amplitude": show(window.amplitude)}
+    data["theta_cr"] = None if exact == "none" else {"exact": exact, "value": float(window.critical_phase())}
+    data["phases"] = phases_text(window)
+    data["intervals"] = [dict(zip(names, interval, strict=True)) for interval in window.intervals]
+    return data | {"latex": window.latex()}
 
 
-def _draw_windows(windows: list[GrazingWindow], against: Text) -> Any:
+def _draw_windows(windows: list[symosc.GrazingWindow], against: Text) -> Any:
     """Return the figure of windows, or of a single one against a parameter."""
-    from symosc.grazing.curve import grazing_curve
     from symosc.plot.windows import draw_plane, sweep_figure, window_figure
 
-    def plane(axes: Axes, window: GrazingWindow) -> None:
-        draw_plane(axes, grazing_curve(window.parameters, window.mapping, progress=True))
+    def plane(axes: Any, window: symosc.GrazingWindow) -> None:
+        draw_plane(axes, symosc.grazing_curve(window.parameters, window.mapping, progress=True))
 
     window = windows[0]
     if against is None:
@@ -193,16 +153,17 @@ def _draw_windows(windows: list[GrazingWindow], against: Text) -> Any:
 
 
 def _solve(p: Parameters | None, mappings: list[str], names: str, phases: Text, order: Order, plot: Text) -> list[Any]:
-    """Return for which parameters (formulas if p is None) maps have the property asked for; draw a region if asked."""
-    from symosc.symbolic.inverse import values_containing, values_empty, values_everything
+    """Return for which values of the parameters `names` the windows have the phases, are empty or everything.
 
+    The answers are formulas if p is None. If `plot` names a file, the region of two parameters is drawn.
+    """
     asked = tuple(name.strip() for name in names.split(","))
     if not all(asked) or len(asked) > 2:
         raise click.BadParameter(f"{names!r} is not NAME or NAME,NAME, such as Omega", param_hint="--solve")
-    if p is None and len(asked) > 1:
-        raise click.UsageError("--solve NAME,NAME needs numbers: give a SCENE, or every parameter by --set")
-    if plot is not None and (p is None or len(asked) == 1 or phases is None or len(mappings) != 1):
-        raise click.UsageError("--solve --plot draws one region: give numbers, NAME,NAME, one --map and --phase")
+    one_region = len(asked) == 2 and phases is not None and len(mappings) == 1
+    needs_numbers = "--solve NAME,NAME needs numbers: give a SCENE, or every parameter by --set"
+    draws_one = "--solve --plot draws one region: give numbers, NAME,NAME, one --map and --phase"
+    options.refuse((p is None and len(asked) > 1, needs_numbers), (plot is not None and not one_region, draws_one))
     low, colon, high = (phases or "").partition(":")
     if colon and not (low.strip() and high.strip()):
         raise click.BadParameter(f"{phases!r} is not PHASE or LOW:HIGH, such as pi:3*pi/2", param_hint="--phase")
@@ -214,9 +175,10 @@ def _solve(p: Parameters | None, mappings: list[str], names: str, phases: Text, 
     with late_bar(True, "solve", "maps") as advance:
         for count, mapping in enumerate(mappings, start=1):
             if phases is None:
-                answers += [values_empty(p, mapping, question), values_everything(p, mapping, question, order)]
+                answers.append(symosc.values_empty(p, mapping, question))
+                answers.append(symosc.values_everything(p, mapping, question, order))
             else:
-                answers.append(values_containing(p, mapping, question, (low, high) if colon else phases, order))
+                answers.append(symosc.values_containing(p, mapping, question, (low, high) if colon else phases, order))
             if advance:
                 advance(count / len(mappings), count)
     output.draw(plot, lambda: answers[0].plot())
@@ -224,14 +186,14 @@ def _solve(p: Parameters | None, mappings: list[str], names: str, phases: Text, 
 
 
 def _answer_data(answer: Any) -> Record:
-    from symosc.symbolic.inverse import Answers, ParameterRegion, condition_text, interval_text
+    from symosc.symbolic.inverse import condition_text, interval_text
 
     question = answer.question
     data: Record = {"map": question.mapping, "names": list(question.names), "question": question.text()}
-    if isinstance(answer, Answers):
+    if isinstance(answer, symosc.Answers):
         texts = ((condition_text(each.condition), interval_text(each.values)) for each in answer)
         data["answers"] = [{"condition": condition, "values": values} for condition, values in texts]
-    elif isinstance(answer, ParameterRegion):
+    elif isinstance(answer, symosc.ParameterRegion):
         data |= {"condition": condition_text(answer.condition), "allowed": condition_text(answer.allowed)}
     else:
         data["values"] = interval_text(answer.values)

@@ -12,6 +12,7 @@ from click.shell_completion import CompletionItem
 from symosc.cli.output import claim_stdout, note
 from symosc.exact import read_start_error
 from symosc.files import STDOUT
+from symosc.mappings.theorem7_cases import PLACES
 from symosc.model import PARAMETER_NAMES
 from symosc.quantities import read_number
 from symosc.scenes import START_NAMES, Scene, load_scene, scene_names
@@ -23,20 +24,26 @@ Settings: TypeAlias = tuple[str, ...]
 Completion: TypeAlias = Callable[[click.Context, click.Parameter, str], list[CompletionItem]]
 
 
-def option(form: str, about: str, *names: str, **settings: Any) -> Callable[[Any], Any]:
-    """Return a click option, given its form in --help, such as "-o, --output FILE", and its text there."""
-    *short, long = form.split(", ")
-    long, _, metavar = long.partition(" ")
-    return click.option(*short, long, *names, metavar=metavar or None, help=about, **settings)
+def complete(names: Callable[[], Iterable[str]], end: str = "") -> Completion:
+    """Return a function that completes the last name of a list with commas for the shell, and appends `end` to it.
+
+    `names` returns the names that there are.
+    """
+
+    def matching(context: click.Context, argument: click.Parameter, text: str) -> list[CompletionItem]:
+        before, comma, word = text.rpartition(",")
+        return [CompletionItem(f"{before}{comma}{name}{end}") for name in names() if name.startswith(word)]
+
+    return matching
 
 
-def flag(form: str, about: str, *names: str, **settings: Any) -> Callable[[Any], Any]:
-    """Return a click option that takes no value."""
-    return option(form, about, *names, is_flag=True, **settings)
+def complete_scene(context: click.Context, argument: click.Parameter, text: str) -> list[CompletionItem]:
+    """Return the scenes whose names begin with a text; without any, the shell completes files."""
+    return complete(scene_names)(context, argument, text) or [CompletionItem(text, type="file")]
 
 
 def read_file(context: click.Context, given: click.Parameter, path: Text) -> Text:
-    """Return the name of a file to write; if it is "-", standard output, the command prints nothing else there."""
+    """Check the name of a file to write and return it; with "-" the command prints only the file."""
     if path == "":
         hint = max(given.opts, key=len) if isinstance(given, click.Option) else given.make_metavar(context)
         raise click.BadParameter("give the name of a file; '-' is standard output", param_hint=hint)
@@ -50,31 +57,6 @@ def read_picture(context: click.Context, given: click.Parameter, path: Text) -> 
 
         check_suffix(path or "")
     return path
-
-
-def file_option(form: str, about: str, *names: str, **settings: Any) -> Callable[[Any], Any]:
-    """Return a click option that names a file to write."""
-    return option(form, about, *names, callback=read_file, **settings)
-
-
-def picture_option(form: str, about: str, *names: str, **settings: Any) -> Callable[[Any], Any]:
-    """Return a click option that names the file of a figure."""
-    return option(form, about, *names, callback=read_picture, **settings)
-
-
-def complete(names: Iterable[str], end: str = "") -> Completion:
-    """Return a function that completes, for the shell, the last name of a list with commas."""
-
-    def matching(context: click.Context, argument: click.Parameter, text: str) -> list[CompletionItem]:
-        before, comma, word = text.rpartition(",")
-        return [CompletionItem(f"{before}{comma}{name}{end}") for name in names if name.startswith(word)]
-
-    return matching
-
-
-def complete_scene(context: click.Context, argument: click.Parameter, text: str) -> list[CompletionItem]:
-    """Return the scenes whose names begin with a text; without any, the shell completes files."""
-    return complete(scene_names())(context, argument, text) or [CompletionItem(text, type="file")]
 
 
 class WholeNumber(click.IntRange):
@@ -91,24 +73,59 @@ class WholeNumber(click.IntRange):
         return "" if self.min is None and self.max is None else super()._describe_range()
 
 
-#: Completions of the name in NAME=VALUE, and in a list of names.
-PARAMETER, PARAMETER_LIST = complete(PARAMETER_NAMES, "="), complete(PARAMETER_NAMES, ",")
+#: How options are read and completed whose values have these names in --help; a name and = complete a parameter.
+KINDS: dict[str, dict[str, Any]] = {
+    "N": {"type": WholeNumber()},
+    "SCENE": {"shell_complete": complete_scene},
+    "MAP": {"shell_complete": complete(lambda: PLACES)},
+    "NAMES": {"shell_complete": complete(lambda: PARAMETER_NAMES, ",")},
+    "NAME=": {"shell_complete": complete(lambda: PARAMETER_NAMES, "=")},
+    **{name: {"callback": read_file} for name in ("FILE", "FOLDER", "PATH")},
+    "FIGURE": {"callback": read_picture},
+}
+
+
+def option(form: str, about: str, *names: str, **settings: Any) -> Callable[[Any], Any]:
+    """Return a click option, given its form in --help, such as "-o, --output FILE", and its text there.
+
+    The name of its value there says how it is read and completed, see `KINDS`; `settings` are click's.
+    """
+    *short, long = form.split(", ")
+    long, _, metavar = long.partition(" ")
+    value, equals, _ = metavar.partition("=")
+    known = KINDS.get(value + equals, {})
+    return click.option(*short, long, *names, metavar=metavar or None, help=about, **known | settings)
+
+
+def picture(form: str, about: str, *names: str, **settings: Any) -> Callable[[Any], Any]:
+    """Return a click option that names the file of a figure."""
+    return option(form, about, *names, callback=read_picture, **settings)
+
+
+def flag(form: str, about: str, *names: str, **settings: Any) -> Callable[[Any], Any]:
+    """Return a click option that takes no value."""
+    return option(form, about, *names, is_flag=True, **settings)
+
+
 scene_argument = click.argument("scene", shell_complete=complete_scene)
 optional_scene = click.argument("scene", required=False, shell_complete=complete_scene)
 json_option = flag("--json", "Print JSON in place of the table.", expose_value=False, callback=claim_stdout)
 set_option = option(
-    "--set NAME=VALUE",
-    "Change a parameter, such as k=3 or Omega=2*pi. Repeatable.",
-    "settings",
-    multiple=True,
-    shell_complete=PARAMETER,
+    "--set NAME=VALUE", "Change a parameter, such as k=3 or Omega=2*pi. Repeatable.", "settings", multiple=True
 )
-plot_option = picture_option("--plot FILE", "Draw it: .pdf, .svg or .png. -: SVG to stdout.")
+plot_option = picture("--plot FILE", "Draw it: .pdf, .svg or .png. -: SVG to stdout.")
 start_error_option = option(
     "--start-error E",
     "How far t0, x0, v0 may be off: a number, or three with commas.",
     callback=lambda context, given, text: read_start_error(text.split(",") if text and "," in text else text),
 )
+
+
+def refuse(*rules: tuple[object, str]) -> None:
+    """Raise UsageError with the text of the first of these rules whose condition is true."""
+    for broken, text in rules:
+        if broken:
+            raise click.UsageError(text)
 
 
 def folder_name(output: str, hint: str = "--output") -> str:
@@ -139,7 +156,7 @@ def read_span(text: str, hint: str) -> tuple[str, tuple[str, str]]:
 
 
 def read_settings(settings: Settings) -> dict[str, str]:
-    """Return names and values of --set options; BadParameter for anything else and for names of the start."""
+    """Return names and values of --set options as texts; BadParameter for other forms and for names of the start."""
     changes: dict[str, str] = {}
     for setting in settings:
         name, value = split_setting(setting, "--set", "NAME=VALUE, such as k=3", changes)
@@ -182,7 +199,7 @@ def read_duration(name: str, text: str) -> Any:
 
 
 def read_typed(name: str, text: str) -> Any:
-    """Return the text of a number as it is; an expression such as 2*pi is turned into the number."""
+    """Return the text of a number unchanged, and the value of an expression such as 2*pi, with a note if rounded."""
     if not re.search(r"pi|π|[*^()]", text):
         return text
     number, exact = read_number(name, text)

@@ -2,53 +2,38 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any
+from functools import partial
+from typing import Any
 
 import click
 
+import symosc
 from symosc.aliases import Record
 from symosc.cli import options, output
-from symosc.cli.options import Settings, Text, WholeNumber, option
+from symosc.cli.options import Settings, Text, option
 from symosc.exact import show
 from symosc.files import STDOUT
 from symosc.reductions import MODEL_NAMES
-
-if TYPE_CHECKING:
-    from symosc.orbits.branch import Branch
-    from symosc.orbits.periodic_orbit import PeriodicOrbit
-    from symosc.scenes import Scene
 
 
 @click.command()
 @options.scene_argument
 @option("--structure WORD", "Mapping structure, such as P32. Default: the scene's, or that of the settled motion.")
 @options.set_option
-@option("--periods N", "Close after N forcing periods. Default: what simulations do.", type=WholeNumber())
-@option("--digits N", "N correct digits, instead of double precision.", type=WholeNumber())
-@option(
-    "--continue NAME=LOW:HIGH",
-    "Follow it over a parameter, such as Omega=3:5.",
-    "span",
-    shell_complete=options.PARAMETER,
-)
+@option("--periods N", "Close after N forcing periods. Default: what simulations do.")
+@option("--digits N", "N correct digits, instead of double precision.")
+@option("--continue NAME=LOW:HIGH", "Follow it over a parameter, such as Omega=3:5.", "span")
 @option(
     "--response NAME=LOW:HIGH:N",
     "Amplitude, energies and so on of the settled motion over a parameter, such as Omega=1:5:80.",
-    shell_complete=options.complete(MODEL_NAMES, "="),
+    shell_complete=options.complete(lambda: MODEL_NAMES, "="),
 )
-@options.picture_option(
+@options.picture(
     "-o, --output FILE", "Draw orbit, branch or response: .pdf, .svg or .png. -: SVG to stdout.", "picture"
 )
 @options.json_option
 def orbit(
-    scene: str,
-    structure: Text,
-    settings: Settings,
-    periods: int | None,
-    digits: int | None,
-    span: Text,
-    response: Text,
-    picture: Text,
+    scene: str, structure: Text, settings: Settings, span: Text, response: Text, picture: Text, **exact: int | None
 ) -> int:
     """Find a periodic orbit, and say whether it is stable: that of a mapping structure, or of the settled motion.
 
@@ -63,12 +48,9 @@ def orbit(
       symosc orbit fig9 --structure P32 --continue Omega=3:5 -o branch.pdf
       symosc orbit fig9 --response Omega=1:8:80 -o response.pdf
     """
-    from symosc.orbits.closing_equations import ConvergenceError
-    from symosc.orbits.find import find_orbit
-
     problem = options.scene_with(scene, settings)
     if response is not None:
-        if structure or span or periods or digits:
+        if structure or span or any(exact.values()):
             reason = "it is that of the settled motion: leave out --structure, --continue, --periods and --digits"
             raise click.BadParameter(reason, param_hint="--response")
         _print_response(problem, response, picture)
@@ -77,51 +59,42 @@ def orbit(
         reason = f"{problem.name} is of another model, whose drive changes with its parameters: no branch is followed"
         raise click.BadParameter(reason, param_hint="--continue")
     problem = options.reduced_scene(problem)
-    try:
-        found = find_orbit(problem.parameters, structure or problem.structure, digits=digits, periods=periods)
-    except ConvergenceError as error:
-        output.fail(f"{error}")
+    with output.failing(symosc.ConvergenceError):
+        found = symosc.find_orbit(problem.parameters, structure or problem.structure, **exact)
     branch = None
     if found.admissible:
         if span is not None:
-            from symosc.orbits.branch import continue_orbit
-
             name, limits = options.read_span(span, "--continue")
-            branch = continue_orbit(found.parameters, found.word, name, limits, found, periods=periods, progress=True)
+            how: Record = {"periods": exact["periods"], "progress": True}
+            branch = symosc.continue_orbit(found.parameters, found.word, name, limits, found, **how)
         output.draw(picture, (branch or found).plot)
-    output.report(
-        lambda: _orbit_data(problem, found, branch), lambda: output.write(_report_text(problem, found, branch))
-    )
+    text = partial(_report_text, problem, found, branch)
+    output.report(lambda: _orbit_data(problem, found, branch), lambda: output.write(text()))
     if picture == STDOUT and not found.admissible:
-        click.echo(_report_text(problem, found, branch), err=True)
+        click.echo(text(), err=True)
     return 0 if found.admissible else output.FAILED
 
 
-def _print_response(problem: Scene, over: str, picture: Text) -> None:
+def _print_response(problem: symosc.Scene, over: str, picture: Text) -> None:
     """Print and draw a frequency response."""
-    from symosc.response import frequency_response
-
     name, values = options.split_setting(over, "--response", "NAME=LOW:HIGH:N, such as Omega=1:5:80")
-    found = frequency_response(problem, {name: values}, progress=True)
+    found = symosc.frequency_response(problem, {name: values}, progress=True)
     output.draw(picture, found.plot)
     columns = {head: column.tolist() for head, column in found.columns().items()}
-
-    def show() -> None:
-        rows = zip(*columns.values(), strict=True)
-        texts = [[f"{each:.8g}" if isinstance(each, float) else each for each in row] for row in rows]
-        output.write_table(texts, [head.replace("_", " ") for head in columns])
-
-    output.report(lambda: {"scene": problem.name, **columns}, show)
+    rows = zip(*columns.values(), strict=True)
+    texts = [[f"{each:.8g}" if isinstance(each, float) else each for each in row] for row in rows]
+    heads = [head.replace("_", " ") for head in columns]
+    output.report(lambda: {"scene": problem.name, **columns}, lambda: output.write_table(texts, heads))
 
 
-def _orbit_data(scene: Scene, found: PeriodicOrbit, branch: Branch | None) -> Record:
+def _orbit_data(scene: symosc.Scene, found: symosc.PeriodicOrbit, branch: symosc.Branch | None) -> Record:
     data = {"scene": scene.name, **found.as_dict()}
     if found.admissible:
         data["start"] = found.approach(scene)._asdict()
     return data if branch is None else data | {"branch": branch.as_dict()}
 
 
-def _report_text(scene: Scene, found: PeriodicOrbit, branch: Branch | None) -> str:
+def _report_text(scene: symosc.Scene, found: symosc.PeriodicOrbit, branch: symosc.Branch | None) -> str:
     def decimal(value: Any) -> str:
         return output.FLOAT_FORMAT.format(value) if found.digits is None else value.context.nstr(value, found.digits)
 
@@ -143,7 +116,7 @@ def _report_text(scene: Scene, found: PeriodicOrbit, branch: Branch | None) -> s
     return "\n".join(lines)
 
 
-def _start_text(scene: Scene, found: PeriodicOrbit) -> str:
+def _start_text(scene: symosc.Scene, found: symosc.PeriodicOrbit) -> str:
     near = found.approach(scene)
     place = f"the start of {scene.name} (t = {show(scene.t0)}) is off the orbit by {near.offset_x:.3g} in x and"
     place += f" {near.offset_v:.3g} in v"

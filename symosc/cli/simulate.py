@@ -11,7 +11,7 @@ import click
 import symosc
 from symosc.aliases import Record
 from symosc.cli import options, output
-from symosc.cli.options import Settings, Text, WholeNumber, file_option, flag, option
+from symosc.cli.options import Settings, Text, WholeNumber, flag, option
 from symosc.engine.events import EVENT_COLUMNS
 from symosc.files import STDOUT
 from symosc.words import collapsed
@@ -25,19 +25,11 @@ from symosc.words import collapsed
 @option("--v0 V", "Start velocity in place of the scene's.")
 @options.start_error_option
 @options.set_option
-@option("--max-events N", "Stop after N events.", type=WholeNumber())
-@option("--digits N", "N digits, relative to max(1, |value|); default: doubles.", type=WholeNumber())
-@file_option("--csv FILE", "Write the events, all digits, as CSV as well. -: only that.")
+@option("--max-events N", "Stop after N events.")
+@option("--digits N", "N digits, relative to max(1, |value|); default: doubles.")
+@option("--csv FILE", "Write the events, all digits, as CSV as well. -: only that.")
 @options.json_option
-def simulate(
-    scene: str,
-    start_error: Any,
-    settings: Settings,
-    max_events: int | None,
-    digits: int | None,
-    csv: Text,
-    **start: Text,
-) -> int:
+def simulate(scene: str, settings: Settings, csv: Text, **how: Any) -> int:
     """Follow a scene and print its events.
 
     Columns: time, position, velocity and phase (Omega t mod 2 pi) of each event; its kind (cross a belt's speed, stick:
@@ -54,9 +46,9 @@ def simulate(
       symosc simulate fig5
       symosc simulate fig8 --set c=3.9 --t-end 20 --digits 30 --csv events.csv
     """
+    start = {name: how.pop(name) for name in ("t_end", "t0", "x0", "v0")}
     problem = options.scene_with(scene, settings, **start)
-    exact = {"max_events": max_events, "digits": digits, "start_error": start_error}
-    trajectory = symosc.simulate(problem, progress=True, **exact)
+    trajectory = symosc.simulate(problem, progress=True, **how)
     if csv is not None:
         trajectory.to_csv(csv)
     output.report(lambda: {"scene": problem.name, **trajectory.as_dict()}, lambda: _print_events(trajectory))
@@ -87,7 +79,7 @@ def _cell(name: str, row: Record) -> str:
 
 @click.command()
 @options.scene_argument
-@options.picture_option("-o, --output FILE", "The file: .pdf, .svg or .png. -: SVG to stdout.", "path", required=True)
+@options.picture("-o, --output FILE", "The file: .pdf, .svg or .png. -: SVG to stdout.", "path", required=True)
 @option("--t-end T", "End of the time axis; 10T: 10 periods. Default: what the paper shows, else the scene's.")
 @options.set_option
 @option("--panels LETTERS", "a x(t), b v(t), c phase plane, forces: d (t), e (x), f (v), g their product (t).")
@@ -102,12 +94,12 @@ def figure(scene: str, path: str, settings: Settings, t_end: Text, panels: Text,
       symosc figure fig8 -o phase.svg --panels c --t-end 22
       symosc figure fig10 -o product.pdf --panels bdg --boundary 2
     """
-    from symosc.plot import figures, save
+    from symosc.plot import figures
 
     problem = options.scene_with(scene, settings)
     trajectory = figures.simulated(problem, None if t_end is None else options.read_duration("t_end", t_end))
     panels = figures.default_panels(problem) if panels is None else panels
-    save(figures.figure(trajectory, panels=panels, **how), path)
+    symosc.plot.save(figures.figure(trajectory, panels=panels, **how), path)
     span = f"t = {float(trajectory.t_start):.6g} to {float(trajectory.t_end):.6g}"
     if path != STDOUT:
         output.write(f"{click.format_filename(path)}: {span}, {output.count_events(trajectory.events)}")

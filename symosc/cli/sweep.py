@@ -6,8 +6,8 @@ from collections import Counter
 from typing import TYPE_CHECKING, Any
 
 import click
-from click.shell_completion import CompletionItem
 
+import symosc
 from symosc.aliases import Record
 from symosc.cli import options, output
 from symosc.cli.options import Settings, Text, flag, option
@@ -18,36 +18,27 @@ if TYPE_CHECKING:
     import xarray
 
 
-def _columns_begun(context: click.Context, given: click.Parameter, begun: str) -> list[CompletionItem]:
+def _columns() -> list[str]:
+    """Return the names of the columns that a sweep can record."""
     from symosc.simulation.tables import SUMMARY_COLUMNS
 
-    return options.complete(tuple(SUMMARY_COLUMNS))(context, given, begun)
+    return list(SUMMARY_COLUMNS)
+
+
+AXES: Record = {"multiple": True, "shell_complete": options.complete(lambda: (*PARAMETER_NAMES, *START_NAMES[:3]), "=")}
+COLUMNS: Record = {"default": "word", "show_default": True, "shell_complete": options.complete(_columns)}
 
 
 @click.command()
 @options.scene_argument
-@option(
-    "--over NAME=LO:HI:N",
-    "An axis: a parameter, or t0, x0 or v0. Repeatable.",
-    "axes",
-    multiple=True,
-    shell_complete=options.complete((*PARAMETER_NAMES, *START_NAMES[:3]), "="),
-)
+@option("--over NAME=LO:HI:N", "An axis: a parameter, or t0, x0 or v0. Repeatable.", "axes", **AXES)
 @options.set_option
-@option(
-    "--record NAMES",
-    "Columns, such as word,sticks,section:64.",
-    default="word",
-    show_default=True,
-    shell_complete=_columns_begun,
-)
+@option("--record NAMES", "Columns, such as word,sticks,section:64.", **COLUMNS)
 @option("--t-end T", "End of all motions; 60T: after 60 periods. Default: the scene's.")
 @option("--skip T", "Leave out this time at the start; 40T: 40 periods.", default="0")
-@options.file_option(
-    "-o, --output FILE", "Write it, and keep finished chunks beside it meanwhile: .nc, .zarr or .csv.", "path"
-)
+@option("-o, --output FILE", "Write it, and keep finished chunks beside it meanwhile: .nc, .zarr or .csv.", "path")
 @options.plot_option
-@option("--workers N", "Threads; with --executor chunks under way at a time.", type=options.WholeNumber())
+@option("--workers N", "Threads; with --executor chunks under way at a time.")
 @option("--executor dask:ADDRESS", "Compute on a dask cluster, such as dask:tcp://host:8786.")
 @flag("--status", "Only tell how far it is.")
 @flag("--restart", "Use nothing that an earlier run has left.")
@@ -65,8 +56,6 @@ def sweep(
       symosc sweep fig9 --over Omega=1:6:60 --over FN=1:20:40 --t-end 60T --skip 50T -o map.nc --plot map.png
       symosc sweep fig9 --over Omega=1:6:500 --record section:32 --t-end 100T --plot bifurcation.png
     """
-    from symosc.sweeps.sweep import sweep_status
-
     problem, over = options.scene_with(scene, settings), dict[str, str]()
     for axis in axes:
         name, values = options.split_setting(axis, "--over", "NAME=LO:HI:N, such as Omega=1:6:500", over)
@@ -75,9 +64,8 @@ def sweep(
     times = {name: options.read_duration(name, text) for name, text in times.items() if text}
     asked: Record = {"record": tuple(record.split(",")), **times, "path": path}
     if status:
-        if path is None:
-            raise click.UsageError("--status tells about the file of -o; name it")
-        about = sweep_status(problem, over, **asked)
+        options.refuse((path is None, "--status tells about the file of -o; name it"))
+        about = symosc.sweep_status(problem, over, **asked)
         share, end = about.done / about.total, "written" if about.written else "not yet written"
         line = f"{about.path}: {about.done:,} of {about.total:,} motions ({share:.1%}), {end}"
         output.report(about._asdict, lambda: output.write(line))
@@ -85,58 +73,51 @@ def sweep(
     dataset = _swept(problem, over, asked, **how)
     output.draw(plot, lambda: dataset.symosc.plot())
     sizes = {str(name): size for name, size in dataset.sizes.items()}
-    attributes = {str(name): value for name, value in dataset.attrs.items()}
-    output.report(
-        lambda: {"output": path, "sizes": sizes, "columns": _columns(dataset), **attributes},
-        lambda: _print_dataset(dataset, path, plot),
-    )
+    found = {str(name): _summary(column) for name, column in dataset.items()}
+    data: Record = {"output": path, "sizes": sizes, "columns": found}
+    data |= {str(name): value for name, value in dataset.attrs.items()}
+    output.report(lambda: data, lambda: _print_dataset(dataset["status"], found, path, plot))
 
 
 def _swept(problem: Any, over: dict[str, str], asked: Record, workers: Any, executor: Any, restart: bool) -> Any:
     """Run a sweep; on an interrupt, print how much of it is done."""
-    from symosc.sweeps.sweep import dask_client, sweep_status
-    from symosc.sweeps.sweep import sweep as sweep_all
-
     if executor is not None:
+        from symosc.sweeps.sweep import dask_client
+
         kind, _, address = executor.partition(":")
         if kind != "dask" or not address:
             reason = f"{executor!r} is not dask:ADDRESS, such as dask:tcp://host:8786"
             raise click.BadParameter(reason, param_hint="--executor")
         executor = dask_client(address)
     try:
-        return sweep_all(problem, over, **asked, workers=workers, executor=executor, resume=not restart, progress=True)
+        how: Record = {"workers": workers, "executor": executor, "resume": not restart, "progress": True}
+        return symosc.sweep(problem, over, **asked, **how)
     except KeyboardInterrupt:
         if asked["path"] is not None:
-            about = sweep_status(problem, over, **asked)
-            output.complain(
-                f"interrupted: {about.done:,} of {about.total:,} motions are kept; the same command goes on"
-            )
+            about = symosc.sweep_status(problem, over, **asked)
+            kept = f"{about.done:,} of {about.total:,} motions are kept"
+            output.complain(f"interrupted: {kept}; the same command goes on")
         raise
     finally:
         if executor is not None:
             executor.close()
 
 
-def _columns(dataset: xarray.Dataset) -> Record:
-    """Return for each column its different values with their counts, or its smallest and largest number."""
-    found: Record = {}
-    for name, column in dataset.items():
-        if column.dtype.kind in "UO":
-            found[str(name)] = dict(Counter(map(str, column.values.ravel().tolist())).most_common())
-        else:
-            found[str(name)] = {"least": column.values.min().item(), "largest": column.values.max().item()}
-    return found
+def _summary(column: xarray.DataArray) -> Record:
+    """Return the different texts of a column with their counts, or its smallest and largest number."""
+    if column.dtype.kind in "UO":
+        return dict(Counter(map(str, column.values.ravel().tolist())).most_common())
+    return {"least": column.values.min().item(), "largest": column.values.max().item()}
 
 
-def _print_dataset(dataset: xarray.Dataset, *files: Text) -> None:
-    total = dataset["status"].size
-    sizes = " × ".join(f"{name} ({dataset.sizes[name]})" for name in map(str, dataset["status"].dims))
-    output.write(f"{sizes}: {total:,} motions")
-    for name, found in _columns(dataset).items():
+def _print_dataset(status: xarray.DataArray, columns: Record, *files: Text) -> None:
+    sizes = " × ".join(f"{name} ({size})" for name, size in status.sizes.items())
+    output.write(f"{sizes}: {status.size:,} motions")
+    for name, found in columns.items():
         if "least" in found and "largest" in found:
             output.write(f"{name}: from {found['least']:.6g} to {found['largest']:.6g}")
             continue
-        shown = [f"{value or 'no event'} {count / total:.1%}" for value, count in list(found.items())[:8]]
+        shown = [f"{value or 'no event'} {count / status.size:.1%}" for value, count in list(found.items())[:8]]
         more = len(found) - len(shown)
         output.write(f"{name}: {', '.join(shown)}{f', and {more} more' if more else ''}")
     output.name_files(*files)

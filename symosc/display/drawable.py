@@ -1,39 +1,45 @@
 """Base classes of results that display themselves: by ``.plot()``, and as a page in notebooks.
 
-`symosc.plot` and `symosc.plot.notebooks` register here what shows each kind of them: no answer imports a figure.
+Modules that are loaded when a result is first shown register here what shows each kind: no answer imports a figure.
 """
 
 from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import fields
+from importlib import import_module
 from pathlib import Path
 from typing import Any, Literal, TypeVar
 
-Show = Callable[..., Any]
 Item = TypeVar("Item")
 # Number of entries shown of a listing that has more than the second number of them.
 SHOWN, MOST_SHOWN = 3, 10
-#: The registered functions by what they do, then by the qualified name of the answers' class.
-_registered: dict[str, dict[str, Show]] = {"draw": {}, "page": {}, "write": {}}
-#: Called before the first drawing, report or page; they load what registers.
-loaders: list[Callable[[], object]] = []
-page_loaders: list[Callable[[], object]] = []
+#: The ways to show a result, each with the module that registers functions for it when it is loaded.
+MODULES = {"draw": "symosc.plot", "write": "symosc.plot", "page": "symosc.plot.notebooks"}
+#: The registered functions by the way to show a result, and the qualified name of its class.
+_registered: dict[tuple[str, str], Callable[..., Any]] = {}
 
 
-def register(kind: type | str, show: Show, what: Literal["draw", "page", "write"] = "draw") -> None:
-    """Register a function that draws results of a class (or its qualified name), or writes a page of them."""
-    # "draw": ``answer.plot(**options)`` returns ``show(answer, **options)``. "page": notebooks show the HTML of
-    # ``show(answer)``. "write": ``answer.to_html(path)`` returns ``show(answer, path)``.
-    _registered[what][kind if isinstance(kind, str) else f"{kind.__module__}.{kind.__qualname__}"] = show
+def register(kind: type | str, show: Callable[..., Any], what: Literal["draw", "page", "write"] = "draw") -> None:
+    """Register what shows the results of a class, which may be given by its qualified name.
+
+    "draw": ``result.plot(**options)`` returns ``show(result, **options)``. "page": notebooks show the HTML that
+    ``show(result)`` returns. "write": ``result.to_html(path)`` returns ``show(result, path)``.
+    """
+    _registered[what, kind if isinstance(kind, str) else f"{kind.__module__}.{kind.__qualname__}"] = show
 
 
-def _found(answer: object, what: str, load: list[Callable[[], object]]) -> Show | None:
-    """Run the loaders, and return the function registered for a result's class; None if there is none."""
-    while load:
-        load.pop()()
-    shows, names = _registered[what], (f"{kind.__module__}.{kind.__qualname__}" for kind in type(answer).__mro__)
-    return next((shows[name] for name in names if name in shows), None)
+def _found(result: object, what: str) -> Callable[..., Any] | None:
+    """Return the function that is registered for the class of a result; None if there is none."""
+    import_module(MODULES[what])
+    names = (f"{kind.__module__}.{kind.__qualname__}" for kind in type(result).__mro__)
+    return next((_registered[what, name] for name in names if (what, name) in _registered), None)
+
+
+def _notebook_page(result: object) -> Any:
+    """Return the notebook page of a result as HTML, or None, in which case its repr is shown."""
+    page = _found(result, "page")
+    return None if page is None else page(result)
 
 
 class Drawable:
@@ -62,15 +68,12 @@ class Drawable:
         >>> [axes.get_xlabel() for axes in drawing.axes]
         ['time $t$', 'displacement $x$']
         """
-        draw = _found(self, "draw", loaders)
+        draw = _found(self, "draw")
         if draw is None:
             raise NotImplementedError(f"nothing draws a {type(self).__name__}")
         return draw(self, *given, **options)
 
-    def _repr_html_(self) -> str | None:
-        """Return the notebook page, or None, in which case the repr is shown."""
-        page = _found(self, "page", page_loaders)
-        return None if page is None else page(self)
+    _repr_html_ = _notebook_page
 
     def __dir__(self) -> list[str]:
         """Return the names that a user is meant to use, for completion."""
@@ -115,10 +118,7 @@ class Listing(tuple[Item, ...]):
             return super().__repr__()
         return f"({', '.join(map(repr, self[:SHOWN]))}, ... {len(self):,} in all)"
 
-    def _repr_html_(self) -> str | None:
-        """Return a table for notebooks, or None, in which case the repr is shown."""
-        page = _found(self, "page", page_loaders)
-        return None if page is None else page(self)
+    _repr_html_ = _notebook_page
 
 
 class Reportable:
@@ -153,7 +153,7 @@ class Reportable:
         ...     crosscheck("fig5", t, x, v).to_html(f"{folder}/check.html").name
         'check.html'
         """
-        write = _found(self, "write", loaders)
+        write = _found(self, "write")
         if write is None:
             raise NotImplementedError(f"nothing writes a page about a {type(self).__name__}")
         return Path(write(self, path))

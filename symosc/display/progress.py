@@ -8,7 +8,7 @@ from __future__ import annotations
 import os
 import sys
 from collections.abc import Callable, Iterator
-from contextlib import ExitStack, contextmanager, suppress
+from contextlib import AbstractContextManager, ExitStack, contextmanager, suppress
 from datetime import timedelta
 from threading import Lock, Timer
 from time import monotonic
@@ -25,23 +25,13 @@ USUAL_DELAY = 2.0
 #: Seconds between two drawings of a bar.
 LEAST_PAUSE = 0.1
 
-_level = NORMAL
-
-
-def set_level(level: int) -> None:
-    """Set the verbosity of messages: QUIET, NORMAL or VERBOSE."""
-    global _level
-    _level = level
-
-
-def level() -> int:
-    """Return the verbosity of messages: QUIET, NORMAL or VERBOSE."""
-    return _level
+#: The verbosity of messages: QUIET, NORMAL or VERBOSE.
+level = NORMAL
 
 
 def shows_bars() -> bool:
     """Return whether progress bars are shown: on a terminal, unless quiet."""
-    return _level > QUIET and sys.stderr is not None and sys.stderr.isatty()
+    return level > QUIET and sys.stderr is not None and sys.stderr.isatty()
 
 
 def delay() -> float:
@@ -57,7 +47,10 @@ def delay() -> float:
 def reporting(
     progress: Any, there: float, total: float, label: str = "sweep", unit: str = "motions"
 ) -> Iterator[Report]:
-    """Yield a function that takes the amount done and the total: `progress`, or one that draws a bar from `there`."""
+    """Yield a function that takes the amount done and the total: `progress`, or one that draws a bar.
+
+    `there` is the amount that is done already; without a `unit` the bar shows percents.
+    """
     if callable(progress):
         yield progress
     elif not (progress and shows_bars()):
@@ -67,16 +60,17 @@ def reporting(
             yield lambda done, of: show(done, of, done - there)
 
 
-@contextmanager
-def bar(label: str, total: float, unit: str = "steps") -> Iterator[Report]:
-    """Show a progress bar; yield the function that takes what is done and the total."""
-    with reporting(True, 0, total, label, unit) as report:
-        yield report
+def bar(label: str, total: float, unit: str = "steps") -> AbstractContextManager[Report]:
+    """Show a progress bar in a `with` block, which gets the function that takes what is done and the total."""
+    return reporting(True, 0, total, label, unit)
 
 
 @contextmanager
 def late_bar(progress: Any, label: str, unit: str) -> Iterator[Advance]:
-    """Yield a function that takes the fraction done and how many of `unit` are done; None if no bar is shown."""
+    """Yield a function that takes the fraction done (0 to 1) and how many of `unit` are done; None if no bar is shown.
+
+    It is for work whose end is known and whose number of steps is not.
+    """
     if callable(progress):
         yield lambda part, count: progress(part, 1.0)
     elif not (progress and shows_bars()):
@@ -90,11 +84,11 @@ def late_bar(progress: Any, label: str, unit: str) -> Iterator[Advance]:
 def _bar_drawer(
     label: str, unit: str, total: float = 1.0, there: float = 0.0, counted: bool = False
 ) -> Iterator[Callable[[float, float, float], None]]:
-    """Yield a function that draws a bar after a delay, given the amount done, the total, and a count for the rate."""
+    """Yield a function that draws a bar after a delay: of the amount done, the total, and the steps for the rate."""
     begin = since = monotonic()
     last, drawn = there, -LEAST_PAUSE
+    shown: Any = None
     with ExitStack() as stack:
-        shown: Any = None
 
         def show(done: float, total: float, count: float) -> None:
             nonlocal since, last, drawn, shown
@@ -105,7 +99,14 @@ def _bar_drawer(
             if now - begin < delay() or (done < total and now - drawn < LEAST_PAUSE):
                 return
             if shown is None:
-                shown = stack.enter_context(_rich_bar(counted))
+                from rich.console import Console
+                from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn
+
+                pause_working()
+                amount = MofNCompleteColumn() if counted else TextColumn("{task.percentage:.0f} %")
+                columns = TextColumn("{task.description}"), BarColumn(), amount, TextColumn("{task.fields[pace]}")
+                # Without a thread of its own: processes that are forked meanwhile inherit no lock of it.
+                shown = stack.enter_context(Progress(*columns, console=Console(file=sys.stderr), auto_refresh=False))
                 shown.add_task(label, total=total, pace="")
             drawn, seconds, gained = now, max(now - since, 1e-9), done - there
             rate = f"{count / seconds:,.0f}" if count >= 10 * seconds else f"{count / seconds:.2g}"
@@ -116,66 +117,45 @@ def _bar_drawer(
         yield show
 
 
-def _rich_bar(counted: bool) -> Any:
-    """Return a progress bar of rich: label, bar, numbers (if `counted`) or percents, and pace."""
-    from rich.console import Console
-    from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn
-
-    pause_working()
-    amount = MofNCompleteColumn() if counted else TextColumn("{task.percentage:.0f} %")
-    columns = TextColumn("{task.description}"), BarColumn(), amount, TextColumn("{task.fields[pace]}")
-    # Without a thread of its own: processes that are forked meanwhile inherit no lock of it.
-    return Progress(*columns, console=Console(file=sys.stderr), auto_refresh=False)
-
-
-class _Working:
-    """A spinner on a line of the terminal, shown once work has taken a while."""
-
-    def __init__(self, label: str) -> None:
-        self.label, self.lock, self.over, self.shown = label, Lock(), False, ExitStack()
-        self.timer = Timer(delay(), self.begin)
-        self.timer.daemon = True
-        if self.timer.interval > 0:
-            self.timer.start()
-        else:
-            self.begin()
-
-    def begin(self) -> None:
-        with self.lock, suppress(ImportError):
-            if not self.over and shows_bars():
-                from rich.console import Console
-                from rich.progress import Progress, SpinnerColumn, TextColumn, TimeElapsedColumn
-
-                columns = SpinnerColumn(), TextColumn("{task.description}"), TimeElapsedColumn()
-                spinner = Progress(*columns, console=Console(file=sys.stderr), transient=True)
-                spinner.add_task(self.label, total=None)
-                self.shown.enter_context(spinner)
-
-    def end(self) -> None:
-        self.timer.cancel()
-        with self.lock:
-            self.over = True
-            self.shown.close()
-
-
-_working: _Working | None = None
+#: The spinner that is shown, and the timer that is to show it.
+_spinner, _waiting, _lock = ExitStack(), None, Lock()
 
 
 @contextmanager
 def working(label: str) -> Iterator[None]:
     """Show a spinner on a terminal if work takes longer than two seconds and no bar is shown."""
-    global _working
+    global _waiting
     if shows_bars():
-        _working = _Working(label)
+        _waiting = Timer(delay(), _show_spinner, [label])
+        _waiting.daemon = True
+        if delay() > 0:
+            _waiting.start()
+        else:
+            _show_spinner(label)
     try:
         yield
     finally:
         pause_working()
 
 
+def _show_spinner(label: str) -> None:
+    """Show the spinner, unless it is no longer to be shown."""
+    with _lock, suppress(ImportError):
+        if _waiting is not None and shows_bars():
+            from rich.console import Console
+            from rich.progress import Progress, SpinnerColumn, TextColumn, TimeElapsedColumn
+
+            columns = SpinnerColumn(), TextColumn("{task.description}"), TimeElapsedColumn()
+            spinner = Progress(*columns, console=Console(file=sys.stderr), transient=True)
+            spinner.add_task(label, total=None)
+            _spinner.enter_context(spinner)
+
+
 def pause_working() -> None:
     """Remove the spinner, if one is shown: a bar takes its place, or a result is printed."""
-    global _working
-    if _working is not None:
-        _working.end()
-        _working = None
+    global _waiting
+    if _waiting is not None:
+        _waiting.cancel()
+        with _lock:
+            _waiting = None
+            _spinner.close()

@@ -9,13 +9,13 @@ from .judged import crosscheck_figure as crosscheck_figure
 from .judged import fit_figure as fit_figure
 from .judged import score_figure as score_figure
 from .judged import step_figure as step_figure
-from .response import response_figure as response_figure
 from .sweeps import atlas_figure as atlas_figure
 from .sweeps import basin_figure as basin_figure
 from .sweeps import bifurcation_figure as bifurcation_figure
 from .sweeps import curve_figure as curve_figure
 from .sweeps import events_figure as events_figure
 from .sweeps import map_figure as map_figure
+from .sweeps import response_figure as response_figure
 from .sweeps import summary_figure as summary_figure
 from .sweeps import swept_figure as swept_figure
 from .windows import figure_grazing_curve as figure_grazing_curve

@@ -5,7 +5,7 @@ A figure is built without pyplot, so that nothing global changes and nothing sta
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from contextlib import contextmanager
 from io import BytesIO
 from pathlib import Path
@@ -81,27 +81,58 @@ def own_style() -> Iterator[None]:
 
 @contextmanager
 def axes_for(
-    ax: Any, size: tuple[float, float], panels: str = "a", *, columns: int | None = None, letter_at: float | None = None
+    ax: Any, size: tuple[float, float], count: int = 1, *, columns: int | None = None, letter_at: float | None = None
 ) -> Iterator[tuple[Figure, Any]]:
-    """Yield a figure and the axes of its panels: the user's axes `ax`, or new ones in the style of symosc."""
-    # New ones stand in one row, or in `columns` over one horizontal axis; `size` of the figure is in inches. Panels of
-    # several have their letters at `letter_at`, None for none.
+    """Yield a figure and a list of its axes: a new figure with `count` axes in the style of symosc, or that of `ax`.
+
+    Axes that a user gives as `ax` are then the only ones. New ones stand in one row, or in `columns` above one common
+    horizontal axis; `size` of the figure is in inches. Several get the letters (a), (b) ... above them, at the
+    horizontal place `letter_at`, unless it is None.
+    """
     if ax is not None:
         yield figure_of(ax), [ax]
         return
-    rows, across = (1, len(panels)) if columns is None else (-(-len(panels) // columns), columns)
+    across = count if columns is None else columns
     with own_style():
         drawing = Drawing(figsize=size, layout="constrained")
-        every = drawing.subplots(rows, across, sharex=columns is not None, squeeze=False).ravel()
-        axes = every[: len(panels)]
-        for empty in every[len(panels) :]:
+        every = drawing.subplots(-(-count // across), across, sharex=columns is not None, squeeze=False).ravel()
+        axes = every[:count]
+        for empty in every[count:]:
             empty.remove()
         for each, letter in zip(axes, ascii_lowercase, strict=False):
-            if letter_at is not None and len(panels) > 1:
+            if letter_at is not None and count > 1:
                 each.set_title(f"({letter})", loc="left", x=letter_at, pad=4)
             each.tick_params(labelfontfamily=rcParams["font.family"][0])
         for each in axes[-across:]:
             each.tick_params(labelbottom=True)
+        yield drawing, axes
+
+
+@contextmanager
+def panels_for(
+    answer: Any,
+    draw: Mapping[str, Callable[[Axes, Any], None]],
+    panels: str | None,
+    ax: Any,
+    size: tuple[float, float],
+    *,
+    alone: str = "a",
+    more: float = 0.0,
+    columns: int | None = None,
+    letter_at: float | None = None,
+) -> Iterator[tuple[Figure, Any]]:
+    """Draw panels of an answer by the functions of their letters; yield the figure and the axes as `axes_for` does.
+
+    `panels` has the letters (None: all; with `ax` the one panel `alone`). A panel has this `size` in inches, and the
+    figure `more` height.
+    """
+    letters = read_panels(panels, draw, ax, alone)
+    across = len(letters) if columns is None else min(columns, len(letters))
+    whole = size[0] * across, more + size[1] * -(-len(letters) // across)
+    common: Record = {"columns": None if columns is None else across, "letter_at": letter_at}
+    with axes_for(ax, whole, len(letters), **common) as (drawing, axes):
+        for each, letter in zip(axes, letters, strict=True):
+            draw[letter](each, answer)
         yield drawing, axes
 
 
@@ -137,6 +168,20 @@ def figure_of(ax: Any) -> Figure:
     return ax.figure  # type: ignore[return-value]
 
 
+def write_above(ax: Axes, x: float, text: str, up: float = 4.0) -> None:
+    """Write a text above axes, `up` points over them, with its middle at x."""
+    style: Record = {"xycoords": ("data", "axes fraction"), "textcoords": "offset points", "fontsize": 8}
+    ax.annotate(text, (x, 1), (0, up), ha="center", **style)
+
+
+def draw_belts(ax: Axes, speeds: Iterable[Any], low: float, high: float) -> None:
+    """Draw dashed lines at the speeds of the belts that lie between two velocities, with their names on the right."""
+    for belt, speed in enumerate(map(float, speeds), 1):
+        if low < speed < high:
+            ax.axhline(speed, color="black", lw=0.8, ls=(0, (4, 2)))
+            ax.annotate(f"$v_{belt}$", (1, speed), (3, 0), ("axes fraction", "data"), "offset points", va="center")
+
+
 def legend_entries(axes: Iterable[Axes]) -> dict[str, Any]:
     """Return what several axes show in a legend: the drawn objects by their labels, each label once."""
     entries: dict[str, Any] = {}
@@ -146,19 +191,21 @@ def legend_entries(axes: Iterable[Axes]) -> dict[str, Any]:
     return entries
 
 
-def add_legend(drawing: Figure, ax: Axes | None, entries: dict[str, Any], columns: int, **options: Any) -> None:
-    """Add a legend: in axes given by the user, else below the panels of a figure."""
+def add_legend(drawing: Figure, ax: Axes | None, shown: dict[str, Any] | Iterable[Axes], columns: int) -> None:
+    """Add a legend of entries, or of what axes show: in axes given by the user, else below the panels of a figure."""
+    entries = shown if isinstance(shown, dict) else legend_entries(shown)
     if ax is not None and entries:
         ax.legend(list(entries.values()), list(entries))
     elif entries:
-        options |= {"loc": "outside lower center", "frameon": False, "ncols": min(columns, len(entries))}
-        drawing.legend(list(entries.values()), list(entries), **options)
+        style: Record = {"loc": "outside lower center", "frameon": False, "ncols": min(columns, len(entries))}
+        style |= {"handlelength": 1.6, "columnspacing": 1.4, "borderpad": 0.1}
+        drawing.legend(list(entries.values()), list(entries), **style)
 
 
 def read_panels(panels: Any, known: Iterable[str], ax: Any = None, alone: str = "a") -> str:
     """Return the letters of the panels; None means all, or the panel `alone` for axes given by the user.
 
-    ParameterError unless they are different known letters; with `ax`, which must be axes, it must be one.
+    ParameterError unless they are different letters out of `known`, and a single one where axes are given.
     """
     letters = "".join(known)
     if panels is None:

@@ -19,7 +19,7 @@ from symosc.arguments import public
 from symosc.errors import ParameterError
 from symosc.exact import whole_number
 from symosc.plot import drawing as common
-from symosc.plot.drawing import PARAMETER_LABELS, axes_for, read_panels, typeset
+from symosc.plot.drawing import PARAMETER_LABELS, axes_for, panels_for, read_panels, typeset, write_above
 from symosc.plot.panels import INSET_ROOM, INSET_TOP, PANELS, SHAPES, Panel, View, draw_insets, mark_style, view_of
 from symosc.quantities import read_number
 from symosc.scenes import Scene, end_time, load_scene
@@ -39,7 +39,6 @@ PERIODS_SHOWN = 2.5
 MOST_DRAWN_EVENTS = 1000
 
 LEGEND_ORDER = ("mass", "belt", "onset of stick", "end of stick", "crossing", "grazing point", "start")
-LEGEND_STYLE: Record = {"handlelength": 1.6, "columnspacing": 1.4, "borderpad": 0.1}
 
 
 @public
@@ -169,8 +168,10 @@ def default_panels(scene: Scene) -> str:
 
 @common.own_style()
 def assemble(panels: Sequence[tuple[Panel, View]], columns: int, width: float, *, tall: int | None = None) -> Figure:
-    """Draw panels into the rows of one figure (`width` in inches), with a letter for each and one legend below them."""
-    # What a view magnifies is drawn above the panel with the index `tall`, whose row is higher.
+    """Draw panels into one figure of this width in inches, with a letter for each and one legend below them.
+
+    There are so many `columns` of panels. `tall` is the index of the panel above which the insets of its view stand.
+    """
     square = len(panels) == 1 and panels[0][0] is PANELS["c"]
     heights = [3.0 if square else 2.0] * -(-len(panels) // columns)
     if tall is not None:
@@ -202,7 +203,7 @@ def assemble(panels: Sequence[tuple[Panel, View]], columns: int, width: float, *
     rows = -(-len(order) // round(width))
     if rows == 2:  # filled by columns: what belongs together stands in one
         order.sort(key=lambda label: label not in LEGEND_ORDER[:4] and not label.startswith("$F"))
-    common.add_legend(drawing, None, {label: entries[label] for label in order}, -(-len(order) // rows), **LEGEND_STYLE)
+    common.add_legend(drawing, None, {label: entries[label] for label in order}, -(-len(order) // rows))
     return drawing
 
 
@@ -244,10 +245,9 @@ def branch_figure(branch: Branch, panels: str | None = None, *, ax: Axes | None 
     >>> [axes.get_ylabel() for axes in plot.branch_figure(branch).axes]
     ['position $x$ at the switching', 'moduli of the multipliers']
     """
-    panels = read_panels(panels, BRANCH_PANELS, ax, alone="b")
-    with axes_for(ax, (3.5 * len(panels), 3.1), panels, letter_at=-0.12) as (drawing, row):
-        for axes, letter in zip(row, panels, strict=True):
-            BRANCH_PANELS[letter](axes, branch)
+    how: Record = {"alone": "b", "letter_at": -0.12}
+    with panels_for(branch, BRANCH_PANELS, panels, ax, (3.5, 3.1), **how) as (drawing, row):
+        for axes in row:
             axes.set_xlabel(PARAMETER_LABELS.get(branch.parameter, f"${branch.parameter}$"))
             for end in branch.ends:
                 if end.kind in END_MARKERS:
@@ -259,7 +259,7 @@ def branch_figure(branch: Branch, panels: str | None = None, *, ax: Axes | None 
             entries[kind] = Line2D([], [], linestyle="none", marker=END_MARKERS[kind], ms=5.0, color="black")
         for name in [name for name in STABILITY_STYLES if name in stability(branch)]:
             entries[name] = Line2D([], [], color="black", ls=STABILITY_STYLES[name], lw=1.2)
-        common.add_legend(drawing, ax, entries | unit, 3 * len(panels), **LEGEND_STYLE)
+        common.add_legend(drawing, ax, entries | unit, 3 * len(row))
     return drawing
 
 
@@ -318,7 +318,7 @@ def multiplier_curves(values: np.ndarray, multipliers: np.ndarray) -> tuple[np.n
 
 
 def _mark_ends(ax: Axes, branch: Branch, heights: Sequence[Any], color: str) -> None:
-    """Mark both ends of the branch at these heights, with a symbol for the kind of each end."""
+    """Mark both ends of the branch with a symbol for their kinds, each at all of its `heights`."""
     style: Record = {"ms": 5.0, "mfc": color, "mec": "white", "mew": 0.5, "zorder": 5, "clip_on": False}
     for end, places in zip(branch.ends, heights, strict=True):
         for height in places if end.kind in END_MARKERS else ():
@@ -326,15 +326,14 @@ def _mark_ends(ax: Axes, branch: Branch, heights: Sequence[Any], color: str) -> 
 
 
 def _write_words(ax: Axes, branch: Branch) -> None:
-    """Write words above the axes: the branch's word over its middle, and over each end the word past that end."""
+    """Write words above the axes: that of the branch over its middle, and at each end that of the orbit beyond it."""
     from symosc.orbits.branch import MOST, NO_CONVERGENCE
 
     words: list[Any] = [(0.5 * (branch.values.min() + branch.values.max()), branch.word)]
     words += [(end.value, end.kind if end.kind in (NO_CONVERGENCE, MOST) else end.beyond) for end in branch.ends]
-    style: Record = {"xycoords": ("data", "axes fraction"), "textcoords": "offset points", "fontsize": 8}
     for place, word in words:
         if word:
-            ax.annotate(typeset(word), (place, 1), (0, 4), ha="center", **style)
+            write_above(ax, place, typeset(word))
 
 
 def stability(branch: Branch) -> np.ndarray:
@@ -347,7 +346,7 @@ def stability(branch: Branch) -> np.ndarray:
 
 
 def _stretches(branch: Branch) -> list[tuple[slice, Any]]:
-    """Return stretches of a branch with equal stability, each up to the first point of the next, and line styles."""
+    """Return the stretches of a branch with equal stability: points, with the first of the next one, and line style."""
     states = stability(branch)
     cuts = [0, *(np.flatnonzero(states[1:] != states[:-1]) + 1), len(states)]
     return [(slice(a, min(b + 1, len(states))), STABILITY_STYLES[str(states[a])]) for a, b in pairwise(cuts)]
@@ -406,11 +405,10 @@ def border_figure(border: Border | Sequence[Border], *, ax: Axes | None = None, 
             _write_words_beside(axes, borders[0])
         for point, of in {point.values: (point, each) for each in borders for point in each.special}.values():
             place = [point.values[of.parameters.index(name)] for name in names]
-            look = (
-                {"mfc": "white", "label": "fold"} if point.kind == "fold" else {"mfc": "k", "label": "codimension two"}
-            )
-            axes.plot(*place, marker="o", ms=4.5, mec="black", mew=0.8, zorder=5, linestyle="none", **look)
-        common.add_legend(drawing, ax, common.legend_entries([axes]), 3 if len(borders) == 1 else 2)
+            face, label = ("white", "fold") if point.kind == "fold" else ("k", "codimension two")
+            style = {"ms": 4.5, "mfc": face, "mec": "black", "mew": 0.8, "zorder": 5, "linestyle": "none"}
+            axes.plot(*place, marker="o", label=label, **style)
+        common.add_legend(drawing, ax, [axes], 3 if len(borders) == 1 else 2)
     return drawing
 
 

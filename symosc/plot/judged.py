@@ -8,6 +8,7 @@ from __future__ import annotations
 from base64 import b64encode
 from collections.abc import Iterator, Sequence
 from decimal import Decimal
+from functools import partial
 from io import BytesIO
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -26,7 +27,7 @@ from symosc.errors import ParameterError
 from symosc.exact import whole_number
 from symosc.files import check_folder_of, write_text
 from symosc.fit import Fit
-from symosc.plot.drawing import STYLE, add_legend, axes_for, legend_entries, read_panels
+from symosc.plot.drawing import STYLE, add_legend, axes_for, draw_belts, panels_for
 from symosc.simulation.simulate import simulate
 from symosc.simulation.trajectory import Event
 
@@ -36,7 +37,7 @@ if TYPE_CHECKING:
 POSITION, VELOCITY, RIGHT, WRONG, INVENTED = "#1f3fd6", "#0f8a2a", "0.72", "#d7191c", "#e08214"
 # Zeros are drawn here, and no axis goes further down.
 FLOOR = 1e-17
-LEGEND: Record = {"handlelength": 1.8, "columnspacing": 1.4}
+ABOVE_EACH_OTHER: Record = {"more": 0.8, "columns": 1, "letter_at": -0.07}
 
 
 @public
@@ -61,25 +62,20 @@ def crosscheck_figure(check: CrossCheck, panels: str | None = None, *, ax: Axes 
     >>> [axes.get_ylabel() for axes in plot.crosscheck_figure(crosscheck("fig5", t, x, v), "ab").axes]
     ['global error', 'defect of the step']
     """
-    panels = read_panels(panels, "abc", ax)
     marks: list[tuple[str, Any, Record]] = [
         ("matched", [match.event for match in check.matched], {"color": RIGHT, "ls": "-", "lw": 0.7}),
         ("missed", check.missed, {"color": WRONG, "ls": "--", "lw": 1.1}),
         ("invented", check.invented, {"color": INVENTED, "ls": ":", "lw": 1.1}),
     ]
-    size = (7.0, 0.8 + 1.6 * len(panels))
-    with axes_for(ax, size, panels, columns=1, letter_at=-0.07) as (drawing, row):
-        for axes, letter in zip(row, panels, strict=True):
-            if letter == "c":
-                _velocity(axes, check)
-            else:
-                _errors(axes, check, of_steps=letter == "b")
+    draw: Record = {"a": partial(_errors, of_steps=False), "b": partial(_errors, of_steps=True), "c": _velocity}
+    with panels_for(check, draw, panels, ax, (7.0, 1.6), **ABOVE_EACH_OTHER) as (drawing, row):
+        for axes in row:
             for name, events, style in marks:
                 for event in events:
                     axes.axvline(float(event.t), zorder=0, label=f"event, {name}", **style)
             axes.set_xlim(check.t[0], check.t[-1])
         row[-1].set_xlabel("$t$")
-        add_legend(drawing, ax, legend_entries(row), 5, **LEGEND)
+        add_legend(drawing, ax, row, 5)
     return drawing
 
 
@@ -109,10 +105,8 @@ def _velocity(ax: Axes, check: CrossCheck) -> None:
     """Draw the velocity of the samples, and the belts that are near."""
     ax.set_ylabel(r"$\dot{x}$")
     ax.plot(check.t, check.v, color=VELOCITY, lw=0.8)
-    low, high = float(np.min(check.v)), float(np.max(check.v))
-    for speed in (float(check.trajectory.parameters.belt(belt)) for belt in (1, 2)):
-        if low - (high - low) <= speed <= high + (high - low):
-            ax.axhline(speed, color="black", lw=0.8, label="belt")
+    low, high, p = float(np.min(check.v)), float(np.max(check.v)), check.trajectory.parameters
+    draw_belts(ax, (p.v1, p.v2), 2 * low - high, 2 * high - low)
 
 
 @public
@@ -132,22 +126,28 @@ def fit_figure(found: Fit, panels: str | None = None, *, ax: Axes | None = None)
     >>> [axes.get_xlabel() for axes in plot.fit_figure(found).axes]
     ['', 'time $t$']
     """
-    panels = read_panels(panels, "ab", ax)
-    times = np.linspace(float(found.trajectory.t_start), float(found.trajectory.t_end), 2000)
-    size = (7.0, 0.8 + 1.7 * len(panels))
-    with axes_for(ax, size, panels, columns=1, letter_at=-0.07) as (drawing, row):
-        for axes, letter in zip(row, panels, strict=True):
-            if letter == "a":
-                axes.plot(times, found.trajectory(times)[0], color=POSITION, lw=0.9, label="fitted motion")
-                for name, t, x, marker in _measured_points(found):
-                    axes.plot(t, x, marker, color="black", ms=3.5, mfc="none", mew=0.8, label=name)
-                axes.set_ylabel("displacement $x$")
-            else:
-                _residuals(axes, found)
-            axes.set_xlim(times[0], times[-1])
+    with panels_for(found, FIT_PANELS, panels, ax, (7.0, 1.7), **ABOVE_EACH_OTHER) as (drawing, row):
+        for axes in row:
+            axes.set_xlim(float(found.trajectory.t_start), float(found.trajectory.t_end))
         row[-1].set_xlabel("time $t$")
-        add_legend(drawing, ax, legend_entries(row), 5, **LEGEND)
+        add_legend(drawing, ax, row, 5)
     return drawing
+
+
+def _motion_and_data(ax: Axes, found: Fit) -> None:
+    """Draw the fitted motion, and what was measured: samples, or the times of events, at the places of the motion."""
+    measured, motion = found._measured, found.trajectory
+    times = np.linspace(float(motion.t_start), float(motion.t_end), 2000)
+    ax.plot(times, motion(times)[0], color=POSITION, lw=0.9, label="fitted motion")
+    style: Record = {"color": "black", "ms": 3.5, "mfc": "none", "mew": 0.8}
+    if measured.states is not None:
+        ax.plot(measured.t, measured.states[0], ".", label="measured", **style)
+    for kind, marker in (("stick", "s"), ("slip", "o"), ("cross", "x"), ("graze", "^")):
+        t = measured.t[measured.kinds == kind] if measured.kinds is not None else ()
+        if len(t):
+            x = motion(np.clip(t, times[0], times[-1]))[0]
+            ax.plot(t, x, marker, label=f"measured {kind}", **style)
+    ax.set_ylabel("displacement $x$")
 
 
 def _residuals(ax: Axes, found: Fit) -> None:
@@ -164,18 +164,7 @@ def _residuals(ax: Axes, found: Fit) -> None:
     ax.set_ylabel(r"residual / $\sigma$" if measured.weighted else "residual")
 
 
-def _measured_points(found: Fit) -> Iterator[tuple[str, np.ndarray, np.ndarray, str]]:
-    """Yield each kind of measured points: name, times, positions (of events: those of the fitted motion), marker."""
-    measured, motion = found._measured, found.trajectory
-    if measured.states is not None:
-        yield "measured", measured.t, measured.states[0], "."
-        return
-    assert measured.kinds is not None
-    for kind, marker in (("stick", "s"), ("slip", "o"), ("cross", "x"), ("graze", "^")):
-        t = measured.t[measured.kinds == kind]
-        if len(t):
-            inside = np.clip(t, float(motion.t_start), float(motion.t_end))
-            yield f"measured {kind}", t, motion(inside)[0], marker
+FIT_PANELS = {"a": _motion_and_data, "b": _residuals}
 
 
 @public
@@ -203,15 +192,14 @@ def step_figure(
     >>> [axes.get_ylabel() for axes in drawing.axes]
     ['$v$', '$x$']
     """
-    panels = read_panels(panels, "ab", ax)
     if step is None:
         step = check.first_wrong.step if check.first_wrong else 0
     step = whole_number("step", step, 0, len(check.t) - 2)
-    with axes_for(ax, (4.6, 1.0 + 1.9 * len(panels)), panels, columns=1) as (drawing, row):
-        for axes, letter in zip(row, panels, strict=True):
-            _step_panel(axes, check, step, of_velocity=letter == "a")
+    draw = {"a": partial(_step_panel, step=step, of_velocity=True)}
+    draw["b"] = partial(_step_panel, step=step, of_velocity=False)
+    with panels_for(check, draw, panels, ax, (4.6, 1.9), more=1.0, columns=1) as (drawing, row):
         row[-1].set_xlabel("$t$")
-        add_legend(drawing, ax, legend_entries(row[:1]), 2)
+        add_legend(drawing, ax, row[:1], 2)
     return drawing
 
 
@@ -233,10 +221,8 @@ def _step_panel(ax: Axes, check: CrossCheck, step: int, of_velocity: bool) -> No
     ax.plot(check.t[step + 1], values[step + 1], "x", color=WRONG, ms=7, mew=1.6, label="given, end of this step")
     margin = 0.08 * (float(np.ptp(shown)) or 1.0)
     low, high = float(np.min(shown)) - margin, float(np.max(shown)) + margin
-    for belt in (1, 2) if of_velocity else ():
-        if low < (speed := float(p.belt(belt))) < high:
-            ax.axhline(speed, color="0.25", lw=0.7, ls=(0, (5, 2)), zorder=0)
-            ax.text(1.0, speed, f" $v_{belt}$", transform=ax.get_yaxis_transform(), va="center")
+    if of_velocity:
+        draw_belts(ax, (p.v1, p.v2), low, high)
     for number, event in enumerate(events):
         ax.axvline(float(event.t), color="0.6", lw=0.9, zorder=0, label="" if number else "exact event")
         if of_velocity:
@@ -257,7 +243,7 @@ def write_page(check: CrossCheck, path: str | Path) -> Path:
 
     check_folder_of(path)
     events = _events(check)
-    content: Record = {"check": check, "verdict": _verdict(check), "facts": _facts(check), "events": events[:MOST_ROWS]}
+    content: Record = {"check": check, "verdict": _verdict(check), "events": events[:MOST_ROWS]}
     content |= {"causes": CAUSES, "reasons": REASONS, "pictures": list(_pictures(check)), "event_count": len(events)}
     faults = []
     for each in check.faults[:MOST_ROWS]:
@@ -277,19 +263,6 @@ def _verdict(check: CrossCheck) -> str:
     events = f"events missed: {len(check.missed)}, invented: {len(check.invented)}"
     beside = "".join(f" {said[0].upper()}{said[1:]}." for said in (check.wrong_start, check.early_end) if said)
     return f"Not right: {wrong}; {events} (tolerance {check.tolerance:g} per step).{beside}"
-
-
-def _facts(check: CrossCheck) -> dict[str, str]:
-    """Return texts for the page by their headings: samples, largest errors, events and digits."""
-    counts = {"right": check.matched, "missed": check.missed, "invented": check.invented}
-    counts["not decided"] = check.unresolved
-    return {
-        "Samples": f"{len(check.t)}, from t = {check.t[0]:.10g} to {check.t[-1]:.10g}",
-        "Largest error of x": f"{check.max_error_x:.2e} (allowed {check.limits_there[0]:.1e})",
-        "Largest error of v": f"{check.max_error_v:.2e} (allowed {check.limits_there[1]:.1e})",
-        "Events": ", ".join(f"{len(events)} {name}" for name, events in counts.items()),
-        "Digits": ", ".join(f"{name} to {text}" for name, text in check.rounded.items()) or "those of doubles",
-    }
 
 
 def _events(check: CrossCheck) -> list[tuple[Any, ...]]:
@@ -314,7 +287,7 @@ CAPTIONS = (
         "Crosses are wrong steps. Vertical lines are events: grey matched, red missed, orange invented.",
     ),
     ("a", "Global error", "The samples minus the exact motion from the start, in the same units."),
-    ("c", "Velocity", "The samples' velocity; black lines are the belts' speeds."),
+    ("c", "Velocity", "The samples' velocity; dashed lines are the belts' speeds."),
 )
 
 
@@ -393,8 +366,8 @@ LEAST_UNITS, MOST_UNITS, FAULTY, ABSENT = 1e-3, 1e10, 1e12, 1e14
 def score_figure(scores: Sequence[Score]) -> Figure:
     """Draw the scores of solvers on reference cases.
 
-    There is a column per case, in groups: below, the largest error in units of the problem's rounding; above, the cases
-    with wrong events or too large an error, and those without results.
+    There is a column per case, in groups: below, the largest error in units of what rounding the case's numbers to
+    doubles changes; above, the cases with wrong events or too large an error, and those without results.
 
     Parameters
     ----------
@@ -416,7 +389,7 @@ def score_figure(scores: Sequence[Score]) -> Figure:
         mark = SOLVER_MARKS[(i + i // len(SOLVER_COLOURS)) % len(SOLVER_MARKS)]
         look: Record = {"color": SOLVER_COLOURS[i % len(SOLVER_COLOURS)], "marker": mark, "linestyle": "none"}
         looks.append(look | {"markersize": 3.2, "markeredgewidth": 0})
-    with rc_context(STYLE), axes_for(None, (10.0, 4.2)) as (drawing, (ax,)):
+    with axes_for(None, (10.0, 4.2)) as (drawing, (ax,)):
         for i, each in enumerate(scores):
             shift = 0.8 * ((i + 0.5) / len(scores) - 0.5)
             drawn = [(k + shift, h) for k, h in enumerate(map(_height, each.cases)) if h is not None]

@@ -41,6 +41,12 @@ MOST_DOTS = 60
 HEAD_ROWS, TAIL_ROWS = 7, 3
 #: Size of a small picture, and the margin around what it shows.
 PICTURE_WIDTH, PICTURE_HEIGHT, PICTURE_MARGIN = 260, 130, 6
+#: Of a width and height: the size of its frame, what it shows, the path of a curve, and dots on it.
+PICTURE = Markup(
+    '<svg xmlns="http://www.w3.org/2000/svg" role="img" width="{0}" height="{1}" viewBox="0 0 {0} {1}">'
+    '<title>{4}</title><rect x="0.5" y="0.5" width="{2}" height="{3}" fill="none" stroke="currentColor" '
+    'stroke-opacity="0.25"/><path d="{5}" fill="none" stroke="currentColor" stroke-width="1.2"/>{6}</svg>'
+)
 #: Points of a curve, at most.
 MOST_POINTS = 600
 CELL = "text-align:left;padding:1px 12px 1px 0;white-space:nowrap"
@@ -94,8 +100,10 @@ def facts(values: dict[str, Any]) -> Markup:
 
 
 def curve(says: str, x: Any, y: Any, marks: Iterable[tuple[float, float]] = ()) -> Markup:
-    """Return a small SVG picture of a curve, interrupted at NaN, with dots at `marks`; "" for fewer than two points."""
-    # `says` is what the picture shows, in words: for who cannot see it, and when the mouse is over it.
+    """Return a small SVG picture of a curve, interrupted at NaN, with dots at `marks`; "" for fewer than two points.
+
+    `says` is what it shows, in words: for who cannot see it, and when the mouse is over it.
+    """
     x, y = (np.asarray(each, dtype=float) for each in (x, y))
     if len(x) > MOST_POINTS:
         chosen = np.linspace(0, len(x) - 1, MOST_POINTS).astype(int)
@@ -104,24 +112,18 @@ def curve(says: str, x: Any, y: Any, marks: Iterable[tuple[float, float]] = ()) 
     if known.sum() < 2:
         return Markup("")
     across, up = _scale(x[known], PICTURE_WIDTH), _scale(y[known], PICTURE_HEIGHT)
-    text, pen = [], "M"
+    text, pen = "", "M"
     for one, other, there in zip(x.tolist(), y.tolist(), known.tolist(), strict=True):
         if there:
-            text.append(f"{pen}{across(one):.1f} {PICTURE_HEIGHT - up(other):.1f}")
+            text += f"{pen}{across(one):.1f} {PICTURE_HEIGHT - up(other):.1f}"
         pen = "L" if there else "M"
-    line = Markup('<path d="{}" fill="none" stroke="currentColor" stroke-width="1.2"/>').format("".join(text))
-    dot = Markup('<circle cx="{:.1f}" cy="{:.1f}" r="2.6" fill="#d7191c"/>')
-    dots = [dot.format(across(one), PICTURE_HEIGHT - up(other)) for one, other in marks]
-    start = Markup('<svg xmlns="http://www.w3.org/2000/svg" role="img" width="{0}" height="{1}" viewBox="0 0 {0} {1}">')
-    frame = Markup(
-        '<title>{}</title><rect x="0.5" y="0.5" width="{}" height="{}" fill="none" stroke="currentColor" '
-        'stroke-opacity="0.25"/>{}</svg>'
-    )
-    inside = frame.format(says, PICTURE_WIDTH - 1, PICTURE_HEIGHT - 1, Markup("").join([line, *dots]))
-    return start.format(PICTURE_WIDTH, PICTURE_HEIGHT) + inside
+    dot = '<circle cx="{:.1f}" cy="{:.1f}" r="2.6" fill="#d7191c"/>'
+    dots = "".join(dot.format(across(one), PICTURE_HEIGHT - up(other)) for one, other in marks)
+    frame = PICTURE_WIDTH - 1, PICTURE_HEIGHT - 1
+    return PICTURE.format(PICTURE_WIDTH, PICTURE_HEIGHT, *frame, says, text, Markup(dots))
 
 
-def _scale(values: np.ndarray, size: int) -> Any:
+def _scale(values: np.ndarray, size: int) -> Callable[[float], float]:
     """Return the function that maps values to coordinates in a picture of this size, with room at its edges."""
     low, high = float(values.min()), float(values.max())
     middle, extent = low / 2 + high / 2, high - low
@@ -216,16 +218,14 @@ def complex_text(value: complex) -> str:
 def branch_page(branch: Branch) -> str:
     """Return the page of a branch: some of its points, why it ends, and the position of its first switching."""
     sizes, x, name = np.abs(branch.multipliers).max(axis=1), branch.points[:, 0, 1], branch.parameter
-
-    def row(i: int) -> list[Any]:
-        return [branch.values[i], *branch.points[i, 0], f"{sizes[i]:.6g}", "yes" if branch.stable[i] else "no"]
-
+    stable = np.where(branch.stable, "yes", "no")
     marks = [(float(branch.values[i]), float(x[i])) for i in (0, -1)]
     drawn = curve(f"x of the first switching against {name}", branch.values, x, marks)
     ends = [f"{end.kind} at {name} = {end.value:.10g}: {end.message}" for end in branch.ends]
-    points = table((name, "t", "x", "largest |multiplier|", "stable"), len(branch.values), row)
+    heads = (name, "t", "x", "largest |multiplier|", "stable")
+    rows = table(heads, len(x), lambda i: [branch.values[i], *branch.points[i, 0], f"{sizes[i]:.6g}", stable[i]])
     line = f"{branch.word} in {name}, {len(branch.values)} points"
-    return page("Branch", line, points, drawn, facts(dict(zip(END_NAMES, ends, strict=True))))
+    return page("Branch", line, rows, drawn, facts(dict(zip(END_NAMES, ends, strict=True))))
 
 
 def border_page(border: Border) -> str:
@@ -236,9 +236,8 @@ def border_page(border: Border) -> str:
         at = f"{first} = {point.values[0]:.10g}, {second} = {point.values[1]:.10g}"
         return f"{point.kind} at {at}: {point.message}"
 
-    points = table(
-        (first, second, "error"), len(border), lambda i: [*border.points[i], f"{border.errors[i].max():.0e}"]
-    )
+    heads, errors = (first, second, "error"), border.errors.max(axis=1)
+    points = table(heads, len(border), lambda i: [*border.points[i], f"{errors[i]:.0e}"])
     marks = [(float(point.values[0]), float(point.values[1])) for point in border.special]
     drawn = curve(f"{second} against {first}", border.points[:, 0], border.points[:, 1], marks)
     about = dict(zip(END_NAMES, map(where, border.ends), strict=True))
@@ -258,32 +257,21 @@ def response_page(found: FrequencyResponse) -> str:
 
 def atlas_page(atlas: Atlas) -> str:
     """Return the page of an atlas: its words and their shares, and its borders."""
-
-    def region(i: int) -> list[Any]:
-        each = atlas.regions[i]
-        return [each.word or "none found", f"{each.share:.4%}", f"{each.proven:.4%}"]
-
-    def border(i: int) -> list[Any]:
-        each = atlas.borders[i]
-        return [" | ".join(word or "?" for word in each.words), each.sliding or each.kind, len(each)]
-
+    shares = [[each.word or "none found", f"{each.share:.4%}", f"{each.proven:.4%}"] for each in atlas.regions]
+    lines = [[" | ".join(w or "?" for w in each.words), each.sliding or each.kind, len(each)] for each in atlas.borders]
     sides = (f"{name} = {show(low)} … {show(high)}" for name, (low, high) in zip(atlas.over, atlas.range, strict=True))
-    regions = table(("word", "share", "proven"), len(atlas.regions), region)
-    borders = table(("border", "kind", "points"), len(atlas.borders), border)
+    regions = table(("word", "share", "proven"), len(shares), shares.__getitem__)
+    borders = table(("border", "kind", "points"), len(lines), lines.__getitem__)
     return page("Atlas", f"{', '.join(sides)}: {atlas.proven:.4%} of the area proven", regions, borders)
 
 
 def window_page(window: GrazingWindow) -> str:
     """Return the page of a grazing window: its intervals and its case."""
-
-    def row(i: int) -> list[Any]:
-        low, high, low_closed, high_closed = window.intervals[i]
-        return ["[" if low_closed else "(", low, high, "]" if high_closed else ")"]
-
+    rows = [["(["[low_in], low, high, ")]"[high_in]] for low, high, low_in, high_in in window.intervals]
     values = {"case": window.case, "γ": str(window.gamma), "B₀Ω/m": str(window.amplitude), "order": window.order}
     line = f"{window.mapping}: domain {window.place.domain} at belt {window.place.boundary}, Ω t mod 2π"
     line += "" if window.intervals else ": empty, no phase grazes"
-    return page("GrazingWindow", line, table(("", "from", "to", ""), len(window.intervals), row), facts(values))
+    return page("GrazingWindow", line, table(("", "from", "to", ""), len(rows), rows.__getitem__), facts(values))
 
 
 def crosscheck_page(check: CrossCheck) -> str:

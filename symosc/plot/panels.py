@@ -67,10 +67,12 @@ class Contact(NamedTuple):
 
 @dataclass(frozen=True)
 class View:
-    """What the panels draw: samples t, x, v of a trajectory, its marks and contacts, and the boundary of the forces."""
+    """What the panels draw: samples t, x, v of a trajectory, marks for its events, and its contacts with the belts.
 
-    # Panel (a) shows the displacement of a point of a belt at the `contacts`, and beyond them by the fractions
-    # `belt_reach` of both axes; panel (b) shows at most two `magnified` ones in insets.
+    The forces are those on both sides of `boundary`, the belt 1 or 2. Panel (a) shows the displacement of a point of a
+    belt at the `contacts`, and beyond them by the fractions `belt_reach` of both axes; panel (b) shows `magnified` ones
+    in insets. `style` has properties of the curves as matplotlib names them.
+    """
 
     trajectory: Trajectory
     boundary: int
@@ -81,11 +83,11 @@ class View:
     contacts: tuple[Contact, ...]
     magnified: tuple[Contact, ...]
     belt_reach: tuple[float, float] = (0.06, 0.15)
-    style: Record = field(default_factory=dict)  # of the curves, as matplotlib names it
+    style: Record = field(default_factory=dict)
 
     @property
     def scale(self) -> float:
-        """The relative size of marks and lines: 1 for up to 16 marks, smaller for more, to cover the same area."""
+        """The relative size of marks and lines: 1 for up to 16 marks; more marks cover the same area in all."""
         return max(min(1.0, sqrt(16 / max(len(self.marks), 1))), 0.2)
 
     @property
@@ -107,11 +109,11 @@ class View:
 
 
 class Sampling(NamedTuple):
-    """How many points the curves have: per period of the drive, at least per segment, and at most in all."""
+    """How many points the curves have."""
 
-    per_period: int
-    least: int
-    most: int
+    per_period: int  # of the drive, or of the free oscillation if that is shorter
+    least: int  # between two events
+    most: int  # in the whole motion
 
 
 FINE = Sampling(per_period=120, least=40, most=20_000)
@@ -164,7 +166,7 @@ AXIS_LABELS = {"t": "time $t$", "x": "displacement $x$", "v": r"velocity $\dot{x
 
 
 def _motion_panel(ax: Axes, view: View, across: str, up: str) -> None:
-    """Draw x or v, named by `up`, over `across`, with marks and the paths or speeds of the belts."""
+    """Draw x or v, named by `up`, over `across`, with marks; with x the paths of belts, with v their speeds."""
     style: Record = {"color": MASS_COLOR, "linewidth": 1.3 * max(view.scale, 0.5), "label": "mass"} | view.style
     ax.plot(getattr(view, across), getattr(view, up), **style)
     ax.set_ylabel(AXIS_LABELS[up])
@@ -269,7 +271,7 @@ def _belt_speeds(ax: Axes, view: View) -> None:
 
 
 def _marks_of_forces(view: View) -> list[Mark]:
-    """Return the marks for the panels of forces: those at their belt, or at none, except for the start."""
+    """Return the marks for the panels of forces: those of events at the belt `view.boundary`, and those of no belt."""
     return [mark for mark in view.marks if mark.label != "start" and mark.belt in (view.boundary, None)]
 
 
@@ -304,7 +306,7 @@ def _sticks(trajectory: Trajectory) -> list[Contact]:
 
 
 def _inset_sticks(contacts: Sequence[Contact], t: np.ndarray) -> tuple[Contact, ...]:
-    """Choose the sticks to show in insets: those too short to be seen; if many, those far shorter than the median."""
+    """Return the sticks to show in insets: too short to be seen over the times t; of many, only the very shortest."""
     longest, finest = SHORT_STICK * (t[-1] - t[0]), 1e-10 * np.abs(t).max()  # a shorter one would show rounding errors
     short = [each for each in contacts if finest < each.until - each.since < longest and each.until < t[-1]]
     if len(short) > MOST_INSETS:

@@ -1,4 +1,4 @@
-"""Figures of many motions: sweeps over one or two axes, events and summaries of ensembles, and atlases.
+"""Figures of many motions: sweeps over one or two axes, frequency responses, events and summaries, and atlases.
 
 In maps every class has its own lightness, a line around it, and its name in its largest place where there is room. So a
 map can be read in greyscale.
@@ -7,9 +7,11 @@ map can be read in greyscale.
 from __future__ import annotations
 
 from fractions import Fraction
+from functools import partial
 from itertools import pairwise
 from json import loads
-from typing import TYPE_CHECKING, Any, Literal, NamedTuple
+from math import pi
+from typing import TYPE_CHECKING, Any, Literal
 
 import numpy as np
 from matplotlib import colormaps
@@ -24,7 +26,7 @@ from symosc.aliases import Record
 from symosc.arguments import public
 from symosc.engine.events import KIND_NAMES
 from symosc.errors import ParameterError
-from symosc.plot.drawing import PARAMETER_LABELS, add_legend, axes_for, typeset
+from symosc.plot.drawing import PARAMETER_LABELS, add_legend, axes_for, draw_belts, panels_for, typeset, write_above
 from symosc.plot.figures import BORDER_STYLES
 from symosc.plot.panels import EVENT_MARKS, SHAPES
 from symosc.simulation.tables import EventTable, Summary
@@ -33,6 +35,7 @@ if TYPE_CHECKING:
     import xarray
 
     from symosc.certificates.atlas import Atlas, Rectangle
+    from symosc.response import FrequencyResponse
     from symosc.sweeps.output import SweptDataset
 
 LABELS = PARAMETER_LABELS | {"stuck": "share of time stuck", "x": "last $x$", "v": r"last $\dot{x}$"}
@@ -66,7 +69,10 @@ def axes_of(column: Any) -> list[str]:
 
 
 def read_axes(column: Any, count: int, what: str) -> list[str]:
-    """Return the `count` axes of a column, each with a coordinate; raise ParameterError otherwise."""
+    """Return the names of the swept dimensions of a column; ParameterError unless there are `count` with values.
+
+    `what` names the figure in the error.
+    """
     if "component" in column.dims:
         raise ParameterError("name", column.name, "has x and v at many times; bifurcation_figure draws it")
     axes = axes_of(column)
@@ -139,26 +145,24 @@ def bifurcation_figure(
     values = section[name].values
     with axes_for(ax, (5.0, 3.4)) as (drawing, (axes,)):
         _scatter(axes, np.repeat(values, points.shape[1]), points.ravel())
-        axes.set(xlabel=label(name), ylabel=COMPONENT_LABELS[component])
-        _limit_axis(axes, values)
+        axes.set(xlabel=label(name), ylabel=COMPONENT_LABELS[component], xlim=(values.min(), values.max()))
         if "word" in dataset:
-            words = dataset["word"].isel(start=0) if "start" in dataset["word"].dims else dataset["word"]
-            _mark_changes(axes, words.squeeze([each for each in words.dims if each != name]).sortby(name), name)
+            words = read_column(dataset, "word")
+            words = (words.isel(start=0) if "start" in words.dims else words).sortby(name)
+            _mark_changes(axes, words[name].values, words.values.astype(str))
     return drawing
 
 
-def _mark_changes(axes: Axes, words: Any, name: str) -> None:
-    """Mark where the word changes along an axis; write each word above the stretch where it holds, if wide enough."""
-    values, texts = words[name].values, words.values.astype(str)
-    cuts = [0, *(np.flatnonzero(texts[1:] != texts[:-1]) + 1), len(texts)]
+def _mark_changes(axes: Axes, values: np.ndarray, words: np.ndarray, named: bool = True) -> None:
+    """Mark where the word changes between increasing values; if `named` write each above its stretch where it fits."""
+    cuts = [0, *(np.flatnonzero(words[1:] != words[:-1]) + 1), len(words)]
     low, high = axes.get_xlim()
     places = [low, *((values[i - 1] + values[i]) / 2 for i in cuts[1:-1]), high]
     for right in places[1:-1]:
         axes.axvline(right, color="0.6", lw=0.6, ls=(0, (4, 2)), zorder=0)
     for i, (left, right) in zip(cuts, pairwise(places), strict=False):
-        if right - left > (high - low) * (0.02 + 0.015 * len(texts[i])):
-            style: Record = {"xycoords": ("data", "axes fraction"), "textcoords": "offset points", "fontsize": 8}
-            axes.annotate(typeset(texts[i]), ((left + right) / 2, 1), (0, 3), ha="center", **style)
+        if named and right - left > (high - low) * (0.02 + 0.015 * len(words[i])):
+            write_above(axes, (left + right) / 2, typeset(words[i]), 3)
 
 
 @public
@@ -183,15 +187,8 @@ def curve_figure(dataset: xarray.Dataset, name: str | None = None, *, ax: Axes |
             axes.set_yticks(range(len(words)), [typeset(word) for word in words])
         else:
             axes.plot(values, shown, color="black", lw=0.8, drawstyle="steps-mid" if shown.dtype.kind in "iu" else None)
-        axes.set(xlabel=label(axis), ylabel=label(str(column.name)))
-        _limit_axis(axes, values)
+        axes.set(xlabel=label(axis), ylabel=label(str(column.name)), xlim=values[[0, -1]])
     return drawing
-
-
-def _limit_axis(axes: Axes, values: Any) -> None:
-    """Limit the horizontal axis to the range of these values."""
-    if values.min() < values.max():
-        axes.set_xlim(values.min(), values.max())
 
 
 def _scatter(axes: Axes, x: np.ndarray, y: np.ndarray) -> None:
@@ -200,14 +197,96 @@ def _scatter(axes: Axes, x: np.ndarray, y: np.ndarray) -> None:
     axes.scatter(x, y, s=size, color="black", linewidths=0, rasterized=True)
 
 
+# -- frequency responses ----------------------------------------------------------------------------------------------
+
+BALANCE_COLOR = "#d55e00"
+#: Styles of the columns of a frequency response, and their labels; others are black lines without a label.
+RESPONSE_STYLES: dict[str, Record] = {
+    "amplitude": {"label": "exact"},
+    "balance": {"color": BALANCE_COLOR, "ls": (0, (4, 2)), "label": "harmonic balance"},
+    "damper": {"color": "#0072b2", "ls": "-.", "label": "in the damper"},
+    "friction": {"color": "#cc79a7", "ls": (0, (1, 1)), "label": "in friction"},
+    "balance_error": {"color": BALANCE_COLOR},
+}
+#: The columns of each panel of a frequency response, the label of its axis, and the height of a thin line across.
+RESPONSE_PANELS: dict[str, tuple[tuple[str, ...], str, float | None]] = {
+    "a": (("amplitude", "balance"), "amplitude", None),
+    "b": (("transmissibility",), "transmissibility", 1),
+    "c": (("phase",), "phase behind the excitation", None),
+    "d": (("dissipated", "damper", "friction"), "energy per cycle", None),
+    "e": (("stuck",), "share of time stuck", None),
+    "f": (("balance_error",), "error of harmonic balance in %", 0),
+}
+#: How much higher than all but the highest fifth of a resonance a panel is.
+HIGHEST = 4.0
+
+
+@public
+def response_figure(found: FrequencyResponse, panels: str | None = None, *, ax: Axes | None = None) -> Figure:
+    """Draw a frequency response; the words stand above the first panel, and lines mark where they change.
+
+    Parameters
+    ----------
+    found : FrequencyResponse
+    panels, ax : optional
+        As for `symosc.plot.figure`. The panels are a amplitude, with that of harmonic balance, b transmissibility, c
+        phase, d energies per cycle, e share of the time stuck, f error of harmonic balance. Default: all, with `ax` a.
+
+    Examples
+    --------
+    >>> from symosc import frequency_response, plot
+    >>> found = frequency_response("fig9", {"Omega": "3:5:9"})
+    >>> [axes.get_ylabel() for axes in plot.response_figure(found, "ac").axes]
+    ['amplitude', 'phase behind the excitation']
+    """
+    order = np.argsort(found.values)
+    words = np.where(found.status == "rest", "rest", [_cyclic_word(word) or " " for word in found.word])[order]
+    how: Record = {"more": 0.5, "columns": 2, "letter_at": -0.12}
+    draw = {letter: partial(_response_panel, letter=letter) for letter in RESPONSE_PANELS}
+    with panels_for(found, draw, panels, ax, (3.5, 2.1), **how) as (drawing, row):
+        for axes in row:
+            axes.set_xlim(found.values.min(), found.values.max())
+            _mark_changes(axes, found.values[order], words, named=axes is row[0])
+        for axes in row[-2:]:
+            axes.set_xlabel(PARAMETER_LABELS[found.name])
+        add_legend(drawing, ax, row, 5)
+    return drawing
+
+
+def _response_panel(axes: Axes, found: FrequencyResponse, letter: str) -> None:
+    """Draw a panel of a frequency response, with gaps where a column is infinite."""
+    names, text, level = RESPONSE_PANELS[letter]
+    order = np.argsort(found.values)
+    shift = {"phase": 2 * pi * (found.phase < -pi / 2)}  # phases from -pi/2 to 3 pi/2
+    for name in names:
+        column = getattr(found, name)[order] + shift.get(name, np.zeros(len(order)))[order]
+        column = np.where(np.isfinite(column), column, np.nan) * (100 if name == "balance_error" else 1)
+        style: Record = {"color": "black", "lw": 1.2} | RESPONSE_STYLES.get(name, {})
+        axes.plot(found.values[order], column, **style)
+    if level is not None:
+        axes.axhline(level, color="0.6", lw=0.6, zorder=0)
+    axes.set_ylabel(text)
+    known = getattr(found, names[0])[np.isfinite(getattr(found, names[0]))]
+    if letter == "c":
+        axes.set_yticks([0, pi / 2, pi], ["0", r"$\pi/2$", r"$\pi$"])
+    elif letter == "e":
+        axes.set_ylim(-0.02, 1.02)
+    elif letter in "abd" and len(known):  # from 0, without a resonance that would make all else look flat
+        top = min(float(known.max()), HIGHEST * float(np.quantile(known, 0.8))) or float(known.max()) or 1.0
+        axes.set_ylim(0, 1.08 * top)
+
+
+def _cyclic_word(word: str) -> str:
+    """Return the same word for all words of one cycle of mappings, whichever mapping they begin with."""
+    letters = word.removeprefix("P")
+    return "P" + max(letters[i:] + letters[:i] for i in range(len(letters))) if letters else ""
+
+
 # -- sweeps over two axes ----------------------------------------------------------------------------------------------
 
 
-class Classes(NamedTuple):
-    """The classes of a map: `codes` has a number for each cell, `looks` the name, colour and hatch of each number."""
-
-    codes: np.ndarray
-    looks: list[tuple[str, Any, str]]
+#: The name of a class of cells of a map, its colour and its hatch.
+Look = tuple[str, Any, str]
 
 
 @public
@@ -224,24 +303,26 @@ def map_figure(dataset: xarray.Dataset, name: str | None = None, *, ax: Axes | N
     >>> [axes.get_ylabel() for axes in plot.map_figure(found).axes]
     ['$F_N$']
     """
-    with axes_for(ax, (5.2, 3.8)) as (drawing, (axes,)):
-        _draw_map(axes, dataset, read_column(dataset, name), new=ax is None)
-    return drawing
+    return _map(dataset, read_column(dataset, name), ax)
 
 
-def _draw_map(axes: Axes, dataset: xarray.Dataset, column: Any, new: bool) -> None:
-    """Draw a map over two axes; the legend stands beside the axes of a new figure."""
+def _map(dataset: xarray.Dataset, column: Any, ax: Axes | None) -> Figure:
+    """Draw a map over two axes, with the belts where the second one is v0; return the figure."""
     first, second = over = read_axes(column, 2, "a map")
     column = column.sortby(over).transpose(*over)
-    status = dataset["status"].squeeze([each for each in dataset["status"].dims if dataset.sizes[each] == 1])
-    unknown = status.sortby(over).transpose(*over).values == "undecidable"
+    unknown = read_column(dataset, "status").sortby(over).transpose(*over).values == "undecidable"
     values = column.values
     edges = _cell_edges(column[first].values), _cell_edges(column[second].values)
-    if values.dtype.kind in "UO" or (values.dtype.kind in "iu" and len(np.unique(values)) <= 24):
-        _draw_classes(axes, edges, classes_of(values, unknown), new)
-    else:
-        _draw_shades(axes, edges, np.where(unknown, np.nan, values.astype(float)), label(str(column.name)))
-    axes.set(xlabel=label(first), ylabel=label(second), xlim=edges[0][[0, -1]], ylim=edges[1][[0, -1]])
+    with axes_for(ax, (5.2, 3.8)) as (drawing, (axes,)):
+        if values.dtype.kind in "UO" or (values.dtype.kind in "iu" and len(np.unique(values)) <= 24):
+            _draw_classes(axes, edges, *classes_of(values, unknown), new=ax is None)
+        else:
+            _draw_shades(axes, edges, np.where(unknown, np.nan, values.astype(float)), label(str(column.name)))
+        axes.set(xlabel=label(first), ylabel=label(second), xlim=edges[0][[0, -1]], ylim=edges[1][[0, -1]])
+        scene = loads(dataset.attrs.get("scene", "{}"))
+        if second == "v0":
+            draw_belts(axes, [Fraction(scene[name]) for name in ("v1", "v2") if name in scene], *axes.get_ylim())
+    return drawing
 
 
 @public
@@ -258,20 +339,11 @@ def basin_figure(dataset: xarray.Dataset, name: str | None = None, *, ax: Axes |
     column = read_column(dataset, name)
     if set(read_axes(column, 2, "a basin")) != {"x0", "v0"}:
         raise ParameterError("dataset", "axes " + ", ".join(map(str, column.dims)), "a basin has the axes x0 and v0")
-    scene = loads(dataset.attrs.get("scene", "{}"))
-    with axes_for(ax, (5.2, 3.8)) as (drawing, (axes,)):
-        _draw_map(axes, dataset, column.transpose("x0", "v0"), new=ax is None)
-        low, high = axes.get_ylim()
-        for belt in (1, 2):
-            if f"v{belt}" in scene and low < (speed := float(Fraction(scene[f"v{belt}"]))) < high:
-                axes.axhline(speed, color="black", lw=0.8, ls=(0, (4, 2)))
-                place: Record = {"xycoords": ("axes fraction", "data"), "textcoords": "offset points"}
-                axes.annotate(f"$v_{belt}$", (1, speed), (3, 0), va="center", **place)
-    return drawing
+    return _map(dataset, column.transpose("x0", "v0"), ax)
 
 
-def classes_of(values: np.ndarray, undecidable: np.ndarray) -> Classes:
-    """Return the cells of a map as `Classes`: numbers in their order, words from the most frequent to the rarest."""
+def classes_of(values: np.ndarray, undecidable: np.ndarray) -> tuple[np.ndarray, list[Look]]:
+    """Return the number of each cell's class, and the classes: numbers in their order, words by falling frequency."""
     words = values.dtype.kind in "UO"
     texts = np.where(values == "", "no event", values).astype(str) if words else values
     kinds, codes, counts = np.unique(texts, return_inverse=True, return_counts=True)
@@ -291,12 +363,12 @@ def classes_of(values: np.ndarray, undecidable: np.ndarray) -> Classes:
     if undecidable.any():
         codes = np.where(undecidable, len(looks), codes)
         looks.append(("undecidable", UNDECIDED_COLOR, "xxxxxx"))
-    return Classes(codes, looks)
+    return codes, looks
 
 
-def _draw_classes(axes: Axes, edges: tuple[np.ndarray, np.ndarray], classes: Classes, new: bool) -> None:
+def _draw_classes(axes: Axes, edges: tuple[np.ndarray, np.ndarray], codes: Any, looks: list[Look], new: bool) -> None:
     """Draw a map of classes: coloured or hatched cells, borders, names in large areas, and a legend."""
-    (x, y), (codes, looks) = edges, classes
+    x, y = edges
     colors = ListedColormap([color for _, color, _ in looks])
     axes.pcolormesh(x, y, codes.T, cmap=colors, vmin=-0.5, vmax=len(looks) - 0.5, rasterized=True)
     axes.add_collection(LineCollection(borders(x, y, codes), colors="black", linewidths=0.5))

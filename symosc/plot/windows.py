@@ -8,7 +8,7 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from fractions import Fraction
 from math import cos, pi, sin
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from matplotlib.axes import Axes
@@ -26,7 +26,7 @@ from symosc.kernels.double_double import HALF_PI, THREE_HALVES_PI
 from symosc.mappings.theorem7_cases import ALL_BUT_ONE, ARC, EMPTY, EVERYTHING, WRAPPED_ARC, place
 from symosc.model import Parameters
 from symosc.plot import drawing as common
-from symosc.plot.drawing import PARAMETER_LABELS, add_legend, axes_for, legend_entries, read_panels
+from symosc.plot.drawing import PARAMETER_LABELS, add_legend, axes_for, legend_entries, panels_for, read_panels, typeset
 from symosc.scenes import ParametersLike
 
 if TYPE_CHECKING:
@@ -54,9 +54,9 @@ def window_figure(
 ) -> Figure:
     """Draw windows, one row each.
 
-    Left: the circle of phases with the window, its ends and Theta_cr; the horizontal line is sin theta =
-    -k v_lambda/(B0 Omega), which the phases of the window are above (P2, P5 with B0 > 0) or below. Right: the place
-    x_m(theta) of the contact, over the window and (thin) over the other phases.
+    Left: the circle of phases with the window, its ends and Theta_cr. The horizontal line is sin theta =
+    -k v_lambda/(B0 Omega); the window is above it (P2, P5 with B0 > 0) or below it. Right: the place x_m(theta) of the
+    contact, over the window and (thin) over the other phases.
 
     Parameters
     ----------
@@ -95,11 +95,6 @@ def window_figure(
     return drawing
 
 
-def tex(mapping: str) -> str:
-    """Return the label of a mapping, such as P3, as LaTeX."""
-    return f"P_{mapping.removeprefix('P')}"
-
-
 def _circle(axes: Axes, window: GrazingWindow) -> None:
     """Draw the circle of phases, on it the window as a thick arc, and the phases Theta_cr and pi - Theta_cr."""
 
@@ -129,7 +124,7 @@ def _circle(axes: Axes, window: GrazingWindow) -> None:
             axes.text(1.12 * x, 1.2 * y, PHASE_TICKS[quarter], ha=side, va="center", fontsize=7)
     axes.set(xlim=(-1.9, 1.9), ylim=(-1.5, 1.5), aspect="equal")
     axes.set_axis_off()
-    axes.set_title(f"${tex(window.mapping)}$: case {window.case}, {window.order} order", fontsize=8)
+    axes.set_title(f"{typeset(window.mapping)}: case {window.case}, {window.order} order", fontsize=8)
 
 
 def critical_phases(window: GrazingWindow) -> list[tuple[float, bool]]:
@@ -189,7 +184,7 @@ def sweep_figure(
     *,
     ax: Axes | None = None,
 ) -> Figure:
-    """Draw the window of a map against one parameter; its border is the curve of the arcsine.
+    """Draw the grazing window of a mapping against one parameter: the phases between Theta_cr and pi - Theta_cr.
 
     Parameters
     ----------
@@ -235,8 +230,8 @@ def sweep_figure(
             near_low, near_high = value - low < 0.02 * width, high - value < 0.02 * width
             axes.set_xlim(low - 0.04 * width * near_low, high + 0.04 * width * near_high)
         axes.set_yticks(np.arange(5) * pi / 2, PHASE_TICKS)
-        axes.set_title(f"grazing window of ${tex(mapping)}$, {order} order")
-        add_legend(drawing, ax, legend_entries([axes]), 3)
+        axes.set_title(f"grazing window of {typeset(mapping)}, {order} order")
+        add_legend(drawing, ax, [axes], 3)
     return drawing
 
 
@@ -276,7 +271,10 @@ def _equalities(p: Parameters, mapping: str, name: str) -> list[Fraction]:
 
 
 def _window_areas(axes: Axes, values: np.ndarray, found: WindowColumns, above: Any) -> None:
-    """Shade the window; where it is the full circle, it begins and ends at 3 pi/2 if `above` > 0, else at pi/2."""
+    """Shade the window over a parameter; a full circle begins and ends at 3 pi/2 where `above` > 0, else at pi/2.
+
+    `above` is positive where the window is above the line of its critical phases.
+    """
     if np.all(found.kind == EMPTY):
         axes.text(0.5, 0.5, "the window is empty", transform=axes.transAxes, ha="center")
     everything = np.isin(found.kind, (EVERYTHING, ALL_BUT_ONE))
@@ -325,10 +323,13 @@ def region_figure(
     names = region.question.names
     spans = [_axis_range(region, name, given) for name, given in zip(names, (first, second), strict=True)]
     x, y = np.meshgrid(*(np.linspace(*span, 401) for span in spans))
-    allowed = _margin(region.allowed, region.letters, x, y)
-    inside = _margin(region.condition, region.letters, x, y)
+    allowed, inside, closed = (
+        _margin(condition, region.letters, x, y, more)
+        for condition, more in ((region.allowed, 0.0), (region.condition, 0.0), (region.condition, 1.0))
+    )
     with axes_for(ax, (4.6, 3.9)) as (drawing, (axes,)):
-        shown = [*_region_areas(axes, x, y, inside, allowed), *_region_borders(axes, x, y, inside, allowed)]
+        shown = _region_areas(axes, x, y, inside, allowed)
+        shown += _region_borders(axes, x, y, np.where(allowed < 0, np.nan, inside), closed > inside)
         shown += _mark_given(axes, region, spans)
         axes.set(xlabel=PARAMETER_LABELS[names[0]], ylabel=PARAMETER_LABELS[names[1]], xlim=spans[0], ylim=spans[1])
         axes.set_title(f"${region.question.latex()}$")
@@ -336,34 +337,24 @@ def region_figure(
     return drawing
 
 
-class _Margin(NamedTuple):
-    """By how much a condition holds at points (> 0: it holds, 0: at its border), and if the border belongs to it."""
+def _margin(condition: Any, letters: tuple[Any, Any], x: np.ndarray, y: np.ndarray, more: float = 0.0) -> np.ndarray:
+    """Return by how much a sympy condition on two symbols holds at points: > 0 where it holds, 0 at its border.
 
-    values: np.ndarray
-    closed: np.ndarray
-
-
-def _margin(condition: Any, letters: tuple[Any, Any], x: np.ndarray, y: np.ndarray) -> _Margin:
-    """Return by how much a sympy condition on the two symbols `letters` holds at the points (x, y)."""
+    `more` is added where a border that belongs to the condition decides.
+    """
     import sympy as sp
 
     if condition in (sp.true, sp.false):
-        return _Margin(np.full_like(x, np.inf if condition == sp.true else -np.inf), np.zeros(x.shape, dtype=bool))
+        return np.full_like(x, np.inf if condition == sp.true else -np.inf)
     if isinstance(condition, sp.And | sp.Or):
-        margins = [_margin(each, letters, x, y) for each in condition.args]
-        values = np.stack([each.values for each in margins])
-        extreme, any_or_all = (np.min, np.all) if isinstance(condition, sp.And) else (np.max, np.any)
-        decisive = extreme(values, axis=0)
-        closed = np.stack([each.closed for each in margins])
-        neutral = isinstance(condition, sp.And)  # what does not decide has no say in the border
-        return _Margin(decisive, any_or_all(np.where(values == decisive, closed, neutral), axis=0))
+        margins = [_margin(each, letters, x, y, more) for each in condition.args]
+        return (np.min if isinstance(condition, sp.And) else np.max)(margins, axis=0)
     found = sp.lambdify(letters, condition.gts - condition.lts, "numpy")(x, y)
-    closed = np.full(x.shape, isinstance(condition, sp.Ge | sp.Le))
-    return _Margin(np.asarray(np.broadcast_to(found, x.shape), dtype=float), closed)
+    return np.broadcast_to(found, x.shape) + more * isinstance(condition, sp.Ge | sp.Le)
 
 
 def _axis_range(region: ParameterRegion, name: str, given: Any) -> tuple[float, float]:
-    """Return the given range of an axis, by default one with the region's value and, for v1 or v2, the other speed."""
+    """Return the given range of an axis; by default one that has the region's value, and for v1 or v2 both speeds."""
     p = region.parameters
     if given is not None:
         low, high = (float(read_exact(name, end)) for end in given)
@@ -376,14 +367,14 @@ def _axis_range(region: ParameterRegion, name: str, given: Any) -> tuple[float, 
     return (0.0, reach) if name in ("k", "Omega") else (-reach, reach)
 
 
-def _region_areas(axes: Axes, x: np.ndarray, y: np.ndarray, inside: _Margin, allowed: _Margin) -> list[Any]:
+def _region_areas(axes: Axes, x: np.ndarray, y: np.ndarray, inside: np.ndarray, allowed: np.ndarray) -> list[Any]:
     """Shade the region, hatch forbidden values, and return the legend entries."""
     shown = []
-    both = np.minimum(inside.values, allowed.values)
+    both = np.minimum(inside, allowed)
     if not (both > 0).any():
         box = {"facecolor": "white", "linewidth": 0}
         axes.text(0.5, 0.5, "nowhere here", transform=axes.transAxes, ha="center", bbox=box)
-    for label, values, style in (("inside", both, INSIDE), ("not allowed", -allowed.values, FORBIDDEN)):
+    for label, values, style in (("inside", both, INSIDE), ("not allowed", -allowed, FORBIDDEN)):
         if (values > 0).any():
             finite, hatch = np.nan_to_num(values, posinf=1.0, neginf=-1.0), style.get("hatch")
             filled: Record = {"colors": [style["facecolor"]], "hatches": [hatch], "zorder": 0}
@@ -393,14 +384,11 @@ def _region_areas(axes: Axes, x: np.ndarray, y: np.ndarray, inside: _Margin, all
     return shown
 
 
-def _region_borders(axes: Axes, x: np.ndarray, y: np.ndarray, inside: _Margin, allowed: _Margin) -> list[Any]:
-    """Draw the border, full where it belongs to the region, and return the legend entries."""
+def _region_borders(axes: Axes, x: np.ndarray, y: np.ndarray, inside: np.ndarray, closed: np.ndarray) -> list[Any]:
+    """Draw the border where `inside` is 0, full where it belongs to the region, and return the legend entries."""
     shown: list[Any] = []
-    if not inside.values.min() <= 0 <= inside.values.max() < np.inf:
-        return shown
-    kinds = (SOLID, ~inside.closed, "border, inside"), (DASHES, inside.closed, "border, not inside")
-    for style, hidden, label in kinds:
-        part = np.ma.masked_where(hidden | (allowed.values < 0), inside.values)
+    for style, hidden, label in ((SOLID, ~closed, "border, inside"), (DASHES, closed, "border, not inside")):
+        part = np.ma.masked_invalid(np.where(hidden, np.nan, inside))
         if part.count() == 0 or not part.min() <= 0 <= part.max():
             continue
         lines = axes.contour(x, y, part, [0], colors=[INSIDE_COLOR], linewidths=1.2, linestyles=[style], zorder=2)
@@ -434,8 +422,8 @@ def figure_grazing_curve(curve: GrazingCurve, panels: str | None = None, *, ax: 
     """Draw a grazing curve.
 
     Left: the switching plane, phases mod 2 pi, with the starts (x_i, Omega t_i) and the tangencies (x_m, theta_m).
-    Right: the flight from start to tangency, in phase, over theta_m. An open dot is an end at the window's end, a full
-    one an end inside the window; phases in the window without a start are shaded.
+    Right: how far the phase advances in the flight from start to tangency, over theta_m. Where a curve ends at an end
+    of the window its dot is open, else full; phases in the window that no start reaches are shaded.
 
     Parameters
     ----------
@@ -450,11 +438,8 @@ def figure_grazing_curve(curve: GrazingCurve, panels: str | None = None, *, ax: 
     >>> drawing.axes[1].get_title()
     'flight to the grazing point'
     """
-    panels = read_panels(panels, CURVE_PANELS, ax)
-    with axes_for(ax, (3.5 * len(panels), 3.2), panels) as (drawing, row):
-        for axes, letter in zip(row, panels, strict=True):
-            CURVE_PANELS[letter](axes, curve)
-    return drawing
+    with panels_for(curve, CURVE_PANELS, panels, ax, (3.5, 3.2)) as (drawing, _):
+        return drawing
 
 
 def _draw_flight(axes: Axes, curve: GrazingCurve) -> None:
@@ -478,7 +463,7 @@ def draw_plane(axes: Axes, curve: GrazingCurve) -> None:
         _line(axes, piece.theta_m, piece.x_m, color="#1f3fd6", label="grazing point", linestyle=(0, (4, 1.6)))
         _draw_ends(axes, piece, lambda end: (end.theta % TURN, end.x))
     belt = place(curve.mapping).boundary
-    title = rf"${tex(curve.mapping)}$ on the plane $\dot x = v_{belt}$"
+    title = rf"{typeset(curve.mapping)} on the plane $\dot x = v_{belt}$"
     axes.set(xlabel=r"$\mathrm{mod}(\Omega t, 2\pi)$", ylabel="$x$", title=title)
     _finish(axes, curve, (0, TURN))
 

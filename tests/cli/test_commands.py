@@ -279,7 +279,7 @@ def test_an_interrupt_tells_how_far_it_is(tmp_path: Path, monkeypatch: pytest.Mo
         raise KeyboardInterrupt
 
     monkeypatch.chdir(tmp_path)
-    monkeypatch.setattr("symosc.sweeps.sweep.sweep", interrupted)
+    monkeypatch.setattr("symosc.sweep", interrupted)
     result = run(*CALL, "-o", "map.nc")
     assert result.exit_code == 130
     assert result.stderr == "symosc: interrupted: 0 of 6 motions are kept; the same command goes on\n"

@@ -226,7 +226,7 @@ def test_the_level_of_output_ends_with_its_command() -> None:
     """A program may run commands itself."""
     for option in ("--quiet", "--verbose"):
         run("simulate", "fig7", option)
-        assert progress.level() == progress.NORMAL
+        assert progress.level == progress.NORMAL
 
 
 def test_simulate_loads_nothing_heavy() -> None:

@@ -42,13 +42,11 @@ def test_tables_have_colours_on_a_terminal_alone(tmp_path: Path) -> None:
     plain = on_terminal("simulate", "fig6", folder=tmp_path, NO_COLOR="1")
     narrow = on_terminal("simulate", "fig6", folder=tmp_path, columns=60)
     assert len(set(COLOUR.findall(shown.text))) > 2
-    assert not re.search(r"\x1b\[[\d;]*3\d", plain.text)
+    assert not COLOUR.search(plain.text)
     piped = good("simulate", "fig6")
     assert "\x1b" not in piped
-    words = [word for word in piped.split() if not set(word) <= {"-"}]
-    for each in (shown, plain):
-        assert [word for word in COLOUR.sub("", each.text).split() if not set(word) <= {"─", "-"}] == words
-    assert narrow.text.replace("\r\n", "\n") == piped  # no number is cut, no cell folded
+    for each in (shown, plain, narrow):  # no number is cut, no cell folded
+        assert COLOUR.sub("", each.text).replace("\r\n", "\n") == piped
 
 
 def test_work_of_unknown_length_shows_that_it_goes_on(tmp_path: Path) -> None:

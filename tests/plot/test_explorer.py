@@ -79,13 +79,13 @@ def test_the_dial_has_the_windows(state: dict[str, str]) -> None:
     content, scene = shown(state), scene_of(state)[0]
     assert scene is not None
     arcs = content["sources"]["arcs"]
-    for row in content["windows"]:
-        window = grazing_window(scene.parameters, row["map"])
-        mine = [i for i, name in enumerate(arcs["map"]) if name == row["map"]]
+    for mapping, _, _, said, _ in content["windows"]:
+        window = grazing_window(scene.parameters, mapping)
+        mine = [i for i, name in enumerate(arcs["map"]) if name == mapping]
         length = sum(arcs["high"][i] - arcs["low"][i] for i in mine)
         assert length == pytest.approx(sum(high - low for low, high, *_ in window.intervals))
         assert len(mine) <= 1  # through the phase 0 as well
-        assert (row["phases"] == "none") == (not mine)
+        assert (said == "none") == (not mine)
         for i in mine:
             assert arcs["radius"][i] == RINGS[window.place.boundary]
             middle = (arcs["low"][i] + arcs["high"][i]) / 2 % (2 * pi)

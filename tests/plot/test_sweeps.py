@@ -72,10 +72,10 @@ def test_cells_have_the_class_of_their_value(seed: int) -> None:
     rng = np.random.default_rng(seed)
     words = rng.choice(["P32", "P2", "", "P56", *(f"P{i}" for i in range(100, 100 + 5 * seed))], (12, 9))
     doubt = rng.random(words.shape) < 0.1
-    found = classes_of(words, doubt)
-    names = [name for name, _, _ in found.looks]
+    codes, looks = classes_of(words, doubt)
+    names = [name for name, _, _ in looks]
     assert len(names) <= MOST_CLASSES + 1
-    for word, code, undecided in zip(words.ravel(), found.codes.ravel(), doubt.ravel(), strict=True):
+    for word, code, undecided in zip(words.ravel(), codes.ravel(), doubt.ravel(), strict=True):
         name = names[code]
         assert name == ("undecidable" if undecided else word or "no event") or name.endswith(" others")
     kept = [name for name in names if name != "undecidable" and not name.endswith(" others")]

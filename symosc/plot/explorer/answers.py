@@ -6,10 +6,11 @@ number. One more number: a field in GROUPS. One more curve: a column in `_page_d
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import replace
 from fractions import Fraction
 from functools import cache
+from itertools import count
 from math import ceil, cos, floor, log10, pi, sin, tau
 from typing import Any, NamedTuple
 from urllib.parse import parse_qsl, urlencode
@@ -21,7 +22,7 @@ from symosc.errors import ParameterError, SymoscError
 from symosc.exact import read_start_error, show
 from symosc.grazing.window import GrazingWindow, grazing_window
 from symosc.mappings.theorem7_cases import PLACES
-from symosc.model import NEIGHBOURS, PARAMETER_NAMES, Parameters
+from symosc.model import PARAMETER_NAMES, Parameters
 from symosc.orbits.find import find_orbit
 from symosc.plot.figures import simulate_orbit
 from symosc.plot.panels import EVENT_MARKS, SHAPES, Sampling, View, view_of
@@ -32,7 +33,7 @@ from symosc.simulation.trajectory import Event, Trajectory
 
 #: More periods than this crowd the pictures.
 MOST_SHOWN_PERIODS = 100
-#: To so many digits the number of periods is shown; the end of the motion is the shortest decimal that gives them.
+#: To so many digits the number of periods is shown.
 PERIODS_DIGITS = 12
 STARTS = ("t0", "x0", "v0")
 #: How the page says what is wrong with a text that is no number.
@@ -41,42 +42,37 @@ CHANGED, SOURCE = ", changed", "symosc explore"
 
 
 class Field(NamedTuple):
-    """An input field of a number on the page: its name, and its slider's range, which a typed number may exceed."""
+    """An input field of a number on the page, and the range of its slider, which a typed number may exceed."""
 
     name: str
     symbol: str
+    low: str
+    high: str
+    step: str
     meaning: str
     unit: str
-    low: float
-    high: float
-    step: float
 
 
-def _fields(*rows: tuple[str, str, float, float, float]) -> tuple[Field, ...]:
-    """Return the input fields of these quantities, with their symbols and ranges (low, high, step)."""
-    units = {"1": ""}
-    return tuple(
-        Field(name, symbol, QUANTITIES[name].meaning, units.get(unit_of(name), unit_of(name)), low, high, step)
-        for name, symbol, low, high, step in rows
-    )
+def _fields(*rows: str) -> list[Field]:
+    """Return the input fields of these rows: name, symbol, and lowest and highest value and step of the slider."""
+    fields = []
+    for name, symbol, low, high, step in map(str.split, rows):
+        meaning, unit = QUANTITIES[name].meaning, unit_of(name)
+        if name == "periods":
+            meaning, unit = "forcing periods shown", "2π/Ω"
+        fields.append(Field(name, symbol, low, high, step, meaning, "" if unit == "1" else unit))
+    return fields
 
 
 #: The numbers of the page in the groups that it shows them in.
 GROUPS = {
-    "Mass": _fields(("m", "m", 0.1, 5, 0.01), ("c", "c", 0, 5, 0.01), ("k", "k", 0, 20, 0.05)),
-    "Excitation A₀ + B₀ cos Ωt": _fields(
-        ("A0", "A₀", -30, 30, 0.1), ("B0", "B₀", -30, 30, 0.1), ("Omega", "Ω", 0.05, 8, 0.01)
-    ),
+    "Mass": _fields("m m 0.1 5 0.01", "c c 0 5 0.01", "k k 0 20 0.05"),
+    "Excitation A₀ + B₀ cos Ωt": _fields("A0 A₀ -30 30 0.1", "B0 B₀ -30 30 0.1", "Omega Ω 0.05 8 0.01"),
     "Belts": _fields(
-        ("v1", "v₁", -15, 15, 0.05),
-        ("v2", "v₂", -15, 30, 0.05),
-        ("mu1", "μ₁", 0, 1.5, 0.01),
-        ("mu2", "μ₂", 0, 1.5, 0.01),
-        ("FN", "F_N", 0, 30, 0.1),
+        "v1 v₁ -15 15 0.05", "v2 v₂ -15 30 0.05", "mu1 μ₁ 0 1.5 0.01", "mu2 μ₂ 0 1.5 0.01", "FN F_N 0 30 0.1"
     ),
-    "Start, and how much is shown": (
-        *_fields(("t0", "t₀", 0, 10, 0.01), ("x0", "x₀", -10, 10, 0.01), ("v0", "v₀", -15, 15, 0.01)),
-        Field("periods", "N", "forcing periods shown", "2π/Ω", 0.1, 20, 0.1),
+    "Start, and how much is shown": _fields(
+        "t0 t₀ 0 10 0.01", "x0 x₀ -10 10 0.01", "v0 v₀ -15 15 0.01", "periods N 0.1 20 0.1"
     ),
 }
 FIELDS = {field.name: field for fields in GROUPS.values() for field in fields}
@@ -94,12 +90,15 @@ def state_of(scene: Scene) -> dict[str, str]:
     """Return the texts of the page's fields for a scene."""
     state = {"scene": scene.name, **scene.parameters.as_dict()}
     state |= {name: show(getattr(scene, name)) for name in STARTS}
-    state["periods"] = _periods_text(scene.t0, scene.t_end, scene.parameters.Omega)
+    state["periods"] = f"{float((scene.t_end - scene.t0) * scene.parameters.Omega) / tau:.{PERIODS_DIGITS}g}"
     return state if scene.start_error is None else state | {"start_error": ",".join(map(show, scene.start_error))}
 
 
 def read_link(query: str, default: Scene) -> tuple[dict[str, str], list[str]]:
-    """Return the fields' texts in a link's query, and errors; missing texts are those of its scene or `default`."""
+    """Return the fields' texts in a link's query, and errors.
+
+    Texts that it lacks are those of the shipped scene that it names, or else of `default`.
+    """
     texts = parse_qsl(query, keep_blank_values=True)
     given = {name: text for name, text in texts if name in FIELDS or name in OTHER_KEYS}
     notes = [f"the link has an unknown name {name!r}, which is left out" for name, _ in texts if name not in given]
@@ -150,20 +149,12 @@ def scene_of(state: dict[str, str]) -> tuple[Scene | None, dict[str, str]]:
     return replace(scene, name=base + CHANGED if shipped else name, source=SOURCE), {}
 
 
-def _periods_text(t0: Fraction, t_end: Fraction, Omega: Fraction) -> str:
-    """Return the duration in periods of the drive, as text."""
-    return f"{float((t_end - t0) * Omega) / tau:.{PERIODS_DIGITS}g}"
-
-
 def _end_time(t0: Fraction, periods: Fraction, Omega: Fraction) -> Fraction:
-    """Return t0 plus a number of periods of the drive, as the shortest decimal that gives this number back."""
-    wanted = f"{float(periods):.{PERIODS_DIGITS}g}"
-    exact = t0 + Fraction(wanted) * Fraction(tau) / Omega
-    for decimals in range(PERIODS_DIGITS + 4 + len(str(int(Omega)))):
-        end = round(exact, decimals)
-        if end > t0 and _periods_text(t0, end, Omega) == wanted:
-            return end
-    return exact
+    """Return t0 plus a number of periods of the drive, as the shortest decimal that gives so many periods back."""
+    shown, period = f"{float(periods):.{PERIODS_DIGITS}g}", Fraction(tau) / Omega
+    exact, first = t0 + Fraction(shown) * period, floor(log10(max(float(shown), 1e-300)))
+    allowed = period * Fraction(10) ** (first + 1 - PERIODS_DIGITS) / 2  # half a unit of the last digit that is shown
+    return next(end for end in (round(exact, decimals) for decimals in count()) if abs(end - exact) < allowed)
 
 
 # --- the answer ---
@@ -177,7 +168,7 @@ AXIS_MARGIN = 0.06
 
 #: The dial: the radius of a belt's ring, and how far inside of it its events are marked.
 RINGS, INSIDE = {1: 0.62, 2: 1.0}, 0.15
-ARC_COLUMNS = ("radius", "low", "high", "color", "text", "map", "label_x", "label_y")
+SHADES = {1: "#e3e6eb", 2: "#b4bac6"}  # of sticks on each belt
 MARKERS = {"o": "circle", "s": "square", "^": "triangle", "*": "star"}
 
 
@@ -223,20 +214,24 @@ def _page_data(scene: Scene, trajectory: Trajectory) -> Record:
     ranges = _ranges(view, curves)
     windows = [grazing_window(scene.parameters, mapping) for mapping in PLACES]
     hint = " (symosc simulate --digits)" if trajectory.status == "undecidable" else ""
-    sticks = [each for each in view.contacts if each.until > each.since]
+    sticks = [(each.since, each.until, SHADES[each.belt]) for each in view.contacts if each.until > each.since]
+    marks = []
+    for mark in view.marks:
+        belt = f"belt {mark.belt}" if mark.belt else ""
+        marks.append((mark.t, *trajectory(mark.t).tolist(), mark.color, belt, *_shape(mark.label, 2)))
+    contacts = []
+    for event in trajectory.events:
+        radius, theta, (label, color) = RINGS[event.boundary] - INSIDE, event.theta, EVENT_MARKS[event.kind]
+        contacts.append((radius * cos(theta), radius * sin(theta), theta, color, *_shape(label, 1.7)))
     period = tau / float(scene.parameters.Omega)
     whole = np.arange(ceil(view.t[0] / period), floor(view.t[-1] / period) + 1) * period
     x, v = trajectory(np.clip(whole, view.t[0], view.t[-1]))  # the Poincaré section
     sources = {
         "curves": {name: _rounded(values) for name, values in curves.items()},
-        "marks": _marks(view),
-        "sticks": {
-            "since": [each.since for each in sticks],
-            "until": [each.until for each in sticks],
-            "shade": [{1: "#e3e6eb", 2: "#b4bac6"}[each.belt] for each in sticks],
-        },
-        "arcs": _arcs(windows),
-        "contacts": _dial_marks(view),
+        "marks": _columns("t x v color belt marker size label", marks),
+        "sticks": _columns("since until shade", sticks),
+        "arcs": _columns("radius low high color text map label_x label_y", _arcs(windows)),
+        "contacts": _columns("x y phase color marker size label", contacts),
         "section": {"x": x.tolist(), "v": v.tolist()},
         "start": {"x": [float(scene.x0)], "v": [float(scene.v0)]},
     }
@@ -247,7 +242,7 @@ def _page_data(scene: Scene, trajectory: Trajectory) -> Record:
         "message": trajectory.message + hint,
         "count": len(trajectory.events),
         "table": [_table_row(event) for event in trajectory.events[:TABLE_ROWS]],
-        "windows": [_window(window) for window in windows],
+        "windows": [_window_row(window) for window in windows],
         "sources": sources,
         "ranges": ranges,
         "belts": _belts(view, ranges["v"]),
@@ -281,25 +276,16 @@ def _rounded(values: np.ndarray) -> list[float]:
     return rounded
 
 
-def _shapes(labels: Sequence[str], scale: float) -> Record:
-    """Return the names, shapes and sizes of the marks with these labels, as columns for bokeh."""
-    shapes = [SHAPES[label] for label in labels]
-    sizes = [scale * size for _, size in shapes]
-    return {"marker": [MARKERS[shape] for shape, _ in shapes], "size": sizes, "label": list(labels)}
+def _columns(names: str, rows: Iterable[Sequence[Any]]) -> Record:
+    """Return rows as the columns of a source of bokeh with these names."""
+    rows = list(rows)
+    return {name: [row[i] for row in rows] for i, name in enumerate(names.split())}
 
 
-def _marks(view: View) -> Record:
-    """Return the marks of the events as columns for the plots: places, colours, belts and shapes."""
-    times = np.array([mark.t for mark in view.marks])
-    x, v = view.trajectory(times)
-    return {
-        "t": times.tolist(),
-        "x": x.tolist(),
-        "v": v.tolist(),
-        "color": [mark.color for mark in view.marks],
-        "belt": [f"belt {mark.belt}" if mark.belt else "" for mark in view.marks],
-        **_shapes([mark.label for mark in view.marks], 2),
-    }
+def _shape(label: str, scale: float) -> tuple[str, float, str]:
+    """Return shape, size and label of a mark of an event."""
+    shape, size = SHAPES[label]
+    return MARKERS[shape], scale * size, label
 
 
 def _ranges(view: View, curves: dict[str, np.ndarray]) -> dict[str, tuple[float, float]]:
@@ -332,49 +318,25 @@ def _belts(view: View, v_range: tuple[float, float]) -> Record:
 # --- the dial ---
 
 
-def _window(window: GrazingWindow) -> Record:
-    """Return what the page's table says of a grazing window."""
+def _window_row(window: GrazingWindow) -> list[str]:
+    """Return the texts of the cells of a grazing window's row in the page's table."""
     arcs = [f"{'(['[a]}{low:.4f}, {high:.4f}{')]'[b]}" for low, high, a, b in window.intervals]
-    return {
-        "map": window.mapping,
-        "place": f"Ω{'₁₂₃'[window.place.domain - 1]} at belt {window.place.boundary}",
-        "from": "below" if _is_from_below(window) else "above",
-        "phases": " ∪ ".join(arcs) or "none",
-        "case": window.case,
-    }
+    place = f"Ω{'₁₂₃'[window.place.domain - 1]} at belt {window.place.boundary}"
+    side = "below" if window.place.side > 0 else "above"
+    return [window.mapping, place, side, " ∪ ".join(arcs) or "none", window.case]
 
 
-def _arcs(windows: Sequence[GrazingWindow]) -> Record:
-    """Return the windows as arcs on the rings of their belts, dark for contacts from below, light from above."""
-    rows = []
+def _arcs(windows: Sequence[GrazingWindow]) -> Iterator[tuple[Any, ...]]:
+    """Yield the windows as arcs on the rings of their belts, dark for contacts from below, light from above."""
     for window in windows:
         radius = RINGS[window.place.boundary]
-        colors = ("#1f3fd6", "white") if _is_from_below(window) else ("#c3cdf5", "black")
+        colors = ("#1f3fd6", "white") if window.place.side > 0 else ("#c3cdf5", "black")
         pieces = [(low, high) for low, high, *_ in window.intervals]
         if len(pieces) == 2:  # they meet at the phase 0
             pieces = [(pieces[1][0] - 2 * pi, pieces[0][1])]
         for low, high in pieces:
             middle = (low + high) / 2 if high - low < 2 * pi else pi / 2
-            rows.append((radius, low, high, *colors, window.mapping, radius * cos(middle), radius * sin(middle)))
-    return {name: [row[i] for row in rows] for i, name in enumerate(ARC_COLUMNS)}
-
-
-def _is_from_below(window: GrazingWindow) -> bool:
-    """Return whether the contacts of a window come from below: from the domain below its belt."""
-    return window.place.domain == NEIGHBOURS[window.place.boundary][0]
-
-
-def _dial_marks(view: View) -> Record:
-    """Return marks for the events on the dial, the circle of phases: each inside the ring of its belt."""
-    events = view.trajectory.events
-    places = [(RINGS[event.boundary] - INSIDE, event.theta) for event in events]
-    return {
-        "x": [radius * cos(theta) for radius, theta in places],
-        "y": [radius * sin(theta) for radius, theta in places],
-        "phase": [theta for _, theta in places],
-        "color": [EVENT_MARKS[event.kind][1] for event in events],
-        **_shapes([EVENT_MARKS[event.kind][0] for event in events], 1.7),
-    }
+            yield (radius, low, high, *colors, window.mapping, radius * cos(middle), radius * sin(middle))
 
 
 def _table_row(event: Event) -> list[str]:

@@ -12,43 +12,18 @@ from http.server import BaseHTTPRequestHandler, ThreadingHTTPServer
 from importlib.resources import files
 from math import cos, pi, sin
 from threading import Lock
-from typing import Any
+from typing import Any, TypeAlias
 from urllib.parse import urlsplit
 
 from symosc.aliases import Record
 from symosc.errors import MissingExtraError, ParameterError, SymoscError
-from symosc.plot.explorer.answers import (
-    ARC_COLUMNS,
-    GROUPS,
-    RINGS,
-    answer,
-    link_of,
-    read_link,
-    scene_of,
-    settled,
-    shipped_scenes,
-    state_of,
-)
+from symosc.plot.explorer import answers
 from symosc.plot.panels import BELT_COLOR, FORCE_ABOVE, FORCE_BELOW, MASS_COLOR
 from symosc.scenes import Scene, as_toml, read_scene
 
 try:
+    from bokeh import models
     from bokeh.embed import components
-    from bokeh.models import (
-        ColumnDataSource,
-        CrosshairTool,
-        FixedTicker,
-        HoverTool,
-        LinearAxis,
-        PanTool,
-        PointDrawTool,
-        Range1d,
-        ResetTool,
-        SaveTool,
-        WheelZoomTool,
-    )
-    from bokeh.models.annotations import Span
-    from bokeh.models.tools import BoxZoomTool
     from bokeh.plotting import figure
     from bokeh.settings import settings
 except ImportError:
@@ -97,12 +72,12 @@ class _Handler(BaseHTTPRequestHandler):
         if not self._is_for_us():
             self.send_error(HTTPStatus.FORBIDDEN)
         elif url.path == "/":
-            self._send(page(read_link(url.query, scene)[0]), "text/html")
+            self._send(page(answers.read_link(url.query, scene)[0]), "text/html")
         elif url.path == "/answer":
             with self.server.busy:
-                self._send_json(answer(url.query, scene))
+                self._send_json(answers.answer(url.query, scene))
         elif url.path == "/settled":
-            self._send_json(settled(url.query, scene))
+            self._send_json(answers.settled(url.query, scene))
         elif url.path == "/scene.toml":
             self._send_file(url.query)
         elif url.path in ("/page.css", "/page.js"):
@@ -126,7 +101,7 @@ class _Handler(BaseHTTPRequestHandler):
         """Do not log requests."""
 
     def _is_for_us(self) -> bool:
-        """Return whether a request names this machine as its host and comes from our page, a link, or no browser."""
+        """Return whether a request names this machine, and was sent by our page, a link or no browser at all."""
         host = self.headers.get("Host", "").lower()
         if host.partition(":")[0] not in (HOST, "localhost"):
             return False  # a page of another site may point a name of its own here
@@ -152,7 +127,7 @@ class _Handler(BaseHTTPRequestHandler):
 
     def _send_file(self, query: str) -> None:
         """Send the scene file of a link."""
-        scene, errors = scene_of(read_link(query, self.server.scene)[0])
+        scene, errors = answers.scene_of(answers.read_link(query, self.server.scene)[0])
         if scene is None:
             said = "; ".join(f"{name} {said}" for name, said in errors.items())
             self.send_error(HTTPStatus.BAD_REQUEST, explain=said)
@@ -171,7 +146,7 @@ class _Handler(BaseHTTPRequestHandler):
             return
         try:
             scene = read_scene(self.rfile.read(int(length)).decode("utf-8-sig"), "of this file")
-            self._send_json({"state": state_of(scene), "notes": list(scene.notes)})
+            self._send_json({"state": answers.state_of(scene), "notes": list(scene.notes)})
         except TimeoutError:
             self.send_error(HTTPStatus.REQUEST_TIMEOUT)
         except UnicodeDecodeError:
@@ -187,8 +162,8 @@ def page(state: dict[str, str]) -> str:
     loader = PackageLoader("symosc.plot.explorer", "page")
     environment = Environment(loader=loader, autoescape=True, undefined=StrictUndefined)
     script, places = _plots()
-    scenes = {name: link_of(state_of(scene)) for name, scene in shipped_scenes().items()}
-    content = {"state": state, "groups": GROUPS, "scenes": scenes, "script": script, "places": places}
+    scenes = {name: answers.link_of(answers.state_of(scene)) for name, scene in answers.shipped_scenes().items()}
+    content = {"state": state, "groups": answers.GROUPS, "scenes": scenes, "script": script, "places": places}
     return environment.get_template("page.html.j2").render(content)
 
 
@@ -209,29 +184,18 @@ def _bokeh_script() -> str:
 INK, AXIS, GREY = "#1d2129", "#8a8f98", "#5b616e"
 #: The colour of each force, and its dashes, which tell the three apart without colour.
 FORCES = {1: (FORCE_BELOW, "solid"), 2: ("black", "dashed"), 3: (FORCE_ABOVE, "dotted")}
+Sources: TypeAlias = dict[str, models.ColumnDataSource]
+Ranges: TypeAlias = dict[str, models.Range1d]
 #: How the marks of events are drawn.
 MARKS: Record = {"marker": "marker", "size": "size", "fill_color": "color", "line_width": 1, "line_color": "black"}
-#: Columns of each source, as an answer fills them.
-COLUMNS = {
-    "curves": "t x v F1 F2 F3",
-    "marks": "t x v marker size color label belt",
-    "sticks": "since until shade",
-    "arcs": " ".join(ARC_COLUMNS),
-    "contacts": "x y phase marker size color label",
-    "section": "x v",
-    "settled": "x v",
-    "start": "x v",
-    "now": "t x v",
-}
 
 
 def pictures() -> dict[str, Any]:
     """Return the plots by name: plane, dial, displacement, velocity, forces."""
-    sources = {
-        name: ColumnDataSource({column: [] for column in columns.split()}, name=name)
-        for name, columns in COLUMNS.items()
-    }
-    ranges = {name: Range1d(start=0, end=1, name=f"range-{name}") for name in ("t", "x", "v", "F")}
+    columns = answers.answer("", answers.shipped_scenes()["fig5"])["sources"]
+    columns |= {"settled": ["x", "v"], "now": ["t", "x", "v"]}
+    sources = {name: models.ColumnDataSource({key: [] for key in keys}, name=name) for name, keys in columns.items()}
+    ranges = {name: models.Range1d(start=0, end=1, name=f"range-{name}") for name in ("t", "x", "v", "F")}
     return {
         "plane": _plane(sources, ranges),
         "dial": _dial(sources),
@@ -241,9 +205,9 @@ def pictures() -> dict[str, Any]:
     }
 
 
-def _plot(x_label: str, y_label: str, x_range: Range1d, y_range: Range1d, height: int, name: str) -> Any:
+def _plot(x_label: str, y_label: str, x_range: models.Range1d, y_range: models.Range1d, height: int, name: str) -> Any:
     """Return an empty plot; no drag tool is active at first, so that a finger scrolls the page."""
-    tools = [PanTool(), BoxZoomTool(), WheelZoomTool(), ResetTool(), SaveTool()]
+    tools = [models.PanTool(), models.BoxZoomTool(), models.WheelZoomTool(), models.ResetTool(), models.SaveTool()]
     ranges: Record = {"x_range": x_range, "y_range": y_range, "x_axis_label": x_label, "y_axis_label": y_label}
     # With this room beside the plots their time axes are one below the other.
     style: Record = {"sizing_mode": "stretch_width", "min_border_left": 70, "min_border_right": 78, "height": height}
@@ -257,11 +221,11 @@ def _plot(x_label: str, y_label: str, x_range: Range1d, y_range: Range1d, height
     return plot
 
 
-def _marks(plot: Any, sources: dict[str, ColumnDataSource], x: str, y: str) -> None:
+def _marks(plot: Any, sources: Sources, x: str, y: str) -> None:
     """Draw the marks of events, and a dot for the mass that moves while the motion is played."""
     marks = plot.scatter(x, y, source=sources["marks"], level="overlay", **MARKS)
     place = [("t", "@t{0.000000}"), ("x", "@x{0.000000}"), ("v", "@v{0.000000}")]
-    plot.add_tools(HoverTool(renderers=[marks], tooltips=[("", "@label @belt"), *place]))
+    plot.add_tools(models.HoverTool(renderers=[marks], tooltips=[("", "@label @belt"), *place]))
     plot.scatter(x, y, source=sources["now"], size=11, fill_color=MASS_COLOR, line_color="white", level="overlay")
 
 
@@ -269,13 +233,13 @@ def _belts(plot: Any) -> None:
     """Draw lines for both belts and their names on an axis to the right; the browser moves them to the speeds."""
     for belt, dash in ((1, "solid"), (2, "dashed")):
         style = {"line_color": BELT_COLOR, "line_width": 1.4, "line_dash": dash}
-        plot.add_layout(Span(dimension="width", location=0, tags=[f"belt-{belt}"], **style))
+        plot.add_layout(models.Span(dimension="width", location=0, tags=[f"belt-{belt}"], **style))
     names: Record = {"major_label_text_font_size": "12px", "major_label_text_color": INK, "axis_line_color": None}
-    names |= {"major_tick_line_color": BELT_COLOR, "major_tick_in": 0, "ticker": FixedTicker(ticks=[])}
-    plot.add_layout(LinearAxis(tags=["belt-names"], **names), "right")
+    names |= {"major_tick_line_color": BELT_COLOR, "major_tick_in": 0, "ticker": models.FixedTicker(ticks=[])}
+    plot.add_layout(models.LinearAxis(tags=["belt-names"], **names), "right")
 
 
-def _plane(sources: dict[str, ColumnDataSource], ranges: dict[str, Range1d]) -> Any:
+def _plane(sources: Sources, ranges: Ranges) -> Any:
     """Return the plot of the phase plane."""
     plot = _plot("position x [m]", "velocity v [m/s]", ranges["x"], ranges["v"], 380, "plane")
     plot.line("x", "v", source=sources["settled"], line_color="black", line_width=5, line_alpha=0.22)
@@ -283,19 +247,19 @@ def _plane(sources: dict[str, ColumnDataSource], ranges: dict[str, Range1d]) -> 
     _belts(plot)
     plot.scatter("x", "v", source=sources["section"], marker="x", size=9, line_color="black", line_width=1.6)
     start = plot.scatter("x", "v", source=sources["start"], size=16, fill_alpha=0.0, line_color=GREY)
-    plot.add_tools(PointDrawTool(renderers=[start], add=False, tags=["drag-start"]))
+    plot.add_tools(models.PointDrawTool(renderers=[start], add=False, tags=["drag-start"]))
     _marks(plot, sources, "x", "v")
     return plot
 
 
-def _time_plot(sources: dict[str, ColumnDataSource], ranges: dict[str, Range1d], name: str, label: str) -> Any:
+def _time_plot(sources: Sources, ranges: Ranges, name: str, label: str) -> Any:
     """Return the plot of x, v or the forces F over time, with sticks shaded, those on belt 2 darker."""
     height = 230 if name == "F" else 190
     plot = _plot("time t [s]", label, ranges["t"], ranges[name], height, f"{name}-of-t")
     style = {"fill_color": "shade", "line_color": None, "level": "underlay"}
     plot.vstrip(x0="since", x1="until", source=sources["sticks"], **style)
     if name == "F":
-        plot.add_layout(Span(dimension="width", location=0, line_color=GREY, line_width=1))
+        plot.add_layout(models.Span(dimension="width", location=0, line_color=GREY, line_width=1))
         for domain, (color, dash) in FORCES.items():
             plot.line("t", f"F{domain}", source=sources["curves"], line_color=color, line_dash=dash, line_width=1.8)
     else:
@@ -303,18 +267,18 @@ def _time_plot(sources: dict[str, ColumnDataSource], ranges: dict[str, Range1d],
         if name == "v":
             _belts(plot)
         _marks(plot, sources, "t", name)
-    plot.add_tools(CrosshairTool(dimensions="height", line_color=AXIS))
+    plot.add_tools(models.CrosshairTool(dimensions="height", line_color=AXIS))
     return plot
 
 
-def _dial(sources: dict[str, ColumnDataSource]) -> Any:
+def _dial(sources: Sources) -> Any:
     """Return the plot of phases on a circle: a ring for each belt, with windows as arcs and events inside."""
-    ranges: Record = {name: Range1d(start=-1.45, end=1.45) for name in ("x_range", "y_range")}
+    ranges: Record = {name: models.Range1d(start=-1.45, end=1.45) for name in ("x_range", "y_range")}
     size: Record = {"width": 300, "height": 300, "match_aspect": True, "tools": "save", "toolbar_location": None}
     plot = figure(name="dial", **ranges, **size)
     plot.axis.visible = plot.grid.visible = False
     plot.outline_line_color = None
-    for radius in RINGS.values():
+    for radius in answers.RINGS.values():
         plot.arc(0, 0, radius, 0, 2 * pi, line_color=AXIS, line_width=1)
     sides = (("0", "left", 0), ("π/2", "center", -7), ("π", "right", 0), ("3π/2", "center", 7))
     for quarter, (text, side, down) in enumerate(sides):
@@ -326,5 +290,5 @@ def _dial(sources: dict[str, ColumnDataSource]) -> Any:
     name: Record = {"text_font_size": "11px", "text_font_style": "bold", "text_align": "center", "text_color": "text"}
     plot.text("label_x", "label_y", "map", source=sources["arcs"], text_baseline="middle", **name)
     marks = plot.scatter("x", "y", source=sources["contacts"], **MARKS)
-    plot.add_tools(HoverTool(renderers=[marks], tooltips=[("", "@label"), ("phase", "@phase{0.0000} rad")]))
+    plot.add_tools(models.HoverTool(renderers=[marks], tooltips=[("", "@label"), ("phase", "@phase{0.0000} rad")]))
     return plot

@@ -141,7 +141,7 @@ function show(answer) {
   fill($("events"), answer.table.map(([kind, ...rest], i) => [i + 1, SYMBOLS[kind], ...rest]));
   const more = answer.count - answer.table.length;
   $("count").textContent = more > 0 ? `(the first ${answer.table.length} of ${answer.count})` : "";
-  fill($("windows"), answer.windows.map(each => [each.map, each.place, each.from, each.phases, each.case]));
+  fill($("windows"), answer.windows);
 }
 
 function element(tag, text) {
@@ -221,9 +221,9 @@ function play(begin) {
 function ready() {
   const bokeh = Bokeh.documents[0], model = name => bokeh.get_model_by_name(name);
   plots.ranges = Object.fromEntries(["t", "x", "v", "F"].map(name => [name, model(`range-${name}`)]));
-  const names = ["curves", "marks", "sticks", "arcs", "contacts", "section", "settled", "start", "now"];
-  plots.sources = Object.fromEntries(names.map(name => [name, model(name)]));
-  const tagged = tag => [...bokeh._all_models.values()].filter(each => each.tags?.includes(tag));
+  const models = [...bokeh._all_models.values()], tagged = tag => models.filter(each => each.tags?.includes(tag));
+  const sources = models.filter(each => each.type === "ColumnDataSource" && each.name);
+  plots.sources = Object.fromEntries(sources.map(source => [source.name, source]));
   plots.belts = [1, 2].map(belt => tagged(`belt-${belt}`));
   plots.names = tagged("belt-names");
   const [drag] = tagged("drag-start"), plane = model("plane");
