@@ -25,10 +25,10 @@ from symosc.kernels.entire import EPS
 from symosc.model import PARAMETER_NAMES, Parameters
 from symosc.orbits import border_system
 from symosc.orbits.admissibility import Condition, conditions, failures, scales
-from symosc.orbits.border_system import BorderSystem, ClosedForm, Node, Orbit, Plane, Zero, names_of, zeros_of
+from symosc.orbits.border_system import BorderSystem, ClosedForm, Node, Plane, Zero, names_of, zeros_of
 from symosc.orbits.branch import MOST, NO_CONVERGENCE, RANGE, Branch, read_range
-from symosc.orbits.closing_equations import ClosingEquations, ConvergenceError, solve
-from symosc.orbits.find import SETTLING_EVENTS, find_orbit, follow, orbit_of
+from symosc.orbits.closing_equations import ClosingEquations, ConvergenceError, Orbit, solve
+from symosc.orbits.find import find_orbit, settling
 from symosc.orbits.floquet import rest_positions
 from symosc.quantities import least
 from symosc.words import Word, cycle
@@ -334,12 +334,10 @@ def motion_at(parameters: Parameters, orbit: Orbit) -> Orbit | None:
     solution = solve(equations, orbit.points)
     if solution.converged and not failures(equations, solution.points):
         return orbit._replace(points=solution.points)
-    for piece, (x, theta) in zip(equations.pieces, orbit.points.tolist(), strict=True):
-        passages, _ = follow(equations, x, theta % (2 * pi), piece.start, SETTLING_EVENTS)
-        found = orbit_of(equations, passages, float(np.abs(orbit.points[:, 0]).max()))
-        if found is not None:
-            return Orbit(found[0].word, found[0].periods, found[1])
-    return None
+    size = float(np.abs(orbit.points[:, 0]).max())
+    starts = zip(equations.pieces, orbit.points.tolist(), strict=True)
+    found = (settling(equations, x, theta % (2 * pi), piece.start, size)[0] for piece, (x, theta) in starts)
+    return next((each for each in found if each is not None), None)
 
 
 # -- along a border ----------------------------------------------------------------------------------------------------

@@ -40,8 +40,7 @@ from symosc.kernels.entire import EPS
 from symosc.model import NEIGHBOURS, PARAMETER_NAMES, Parameters
 from symosc.orbits import admissibility
 from symosc.orbits.admissibility import Condition, conditions, gaps, holds, scales
-from symosc.orbits.closing_equations import ClosingEquations, OrbitPiece, pieces_of
-from symosc.words import Word, cycle
+from symosc.orbits.closing_equations import ClosingEquations, Orbit, OrbitPiece, pieces_of
 
 AT_FAR, AT_ARRIVAL, AT_FLAT, AT_HOLD, AT_TOUCH, AT_BEND = "far", "arrival", "flat", "hold", "touch", "bend"
 TIMED = (AT_HOLD, AT_TOUCH)  # zeros at a phase that is an unknown
@@ -92,19 +91,6 @@ class Node(NamedTuple):
     z: np.ndarray
     tangent: np.ndarray
     error: np.ndarray
-
-
-class Orbit(NamedTuple):
-    """An orbit, given by its word, its number of forcing periods, and its points (x, theta), an (n, 2) array."""
-
-    word: Word
-    periods: int
-    points: np.ndarray
-
-    @property
-    def cycle(self) -> str:
-        """The word as text, the same text for all its rotations."""
-        return cycle(str(self.word))
 
 
 class Numbers:
@@ -307,9 +293,8 @@ class BorderSystem:
         equations, points, _ = self.at(u)
         size, rows = scales(equations, points), []
         largest = max(abs(x) for x, _ in points)
-        for piece, start, end in zip(self.pieces, points, equations.ends(points), strict=True):
-            tau = abs(end[1] - start[1]) / equations.K.Om
-            rows += [largest, size.a if piece.sticks else size.v * min(1.0, tau) / tau**piece.zeros]
+        for piece, _, _, tau in equations.spans(points):
+            rows += [largest, size.a if piece.sticks else size.v * min(1.0, abs(tau)) / abs(tau) ** piece.zeros]
         for zero in self.zeros:
             rows += [size.v, size.a / size.t] if zero.kind == AT_TOUCH else [size.a] * (2 if zero.kind in TIMED else 1)
         return np.array(rows)
@@ -450,9 +435,7 @@ class ClosedForm(BorderSystem):
 
 def turns_of(equations: ClosingEquations, points: Any, i: int, kind: str) -> list[tuple[Number, Number, int]]:
     """Return (margin, phase, belt or domain) of each extremum in piece i at which a zero of this kind may appear."""
-    start, end = points[i], equations.ends(points)[i]
-    tau = (end[1] - start[1]) / equations.K.Om
-    return list((gaps if kind == AT_TOUCH else holds)(equations, equations.pieces[i], start, tau))
+    return list((gaps if kind == AT_TOUCH else holds)(equations, equations.spans(points)[i]))
 
 
 def zero_values(equations: ClosingEquations, points: Any, zero: Zero, theta: Number) -> list[Number]:

@@ -18,7 +18,7 @@ import math
 from dataclasses import dataclass
 from functools import cached_property
 from math import inf
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -30,7 +30,7 @@ from symosc.errors import SymoscError
 from symosc.kernels import _generated as kernels
 from symosc.kernels.entire import EPS
 from symosc.model import Parameters
-from symosc.words import Word
+from symosc.words import Word, cycle
 
 MOST_NEWTON_STEPS, MOST_POLISHING = 60, 80
 # A step may take at most this part of a piece's duration away: a flight must not shrink to its trivial root tau = 0.
@@ -68,9 +68,6 @@ class ConvergenceError(SymoscError, ArithmeticError):
         about = f" (smallest residual {residual:.1e})" if residual < inf else ""
         super().__init__(f"no periodic orbit{' ' * bool(word)}{word} was found: {reason}{about}")
 
-    def __reduce__(self) -> tuple[object, ...]:
-        return type(self), (self.word, self.best, self.periods, self.residual, self.reason)
-
 
 @dataclass(frozen=True)
 class OrbitPiece:
@@ -104,19 +101,35 @@ def pieces_of(word: Word) -> tuple[OrbitPiece, ...]:
     return tuple(pieces)
 
 
+class Span(NamedTuple):
+    """A piece between two points: start and end (x, theta), phases not wrapped, and duration `tau`."""
+
+    piece: OrbitPiece
+    start: Point
+    end: Point
+    tau: Number
+
+
+class Orbit(NamedTuple):
+    """An orbit, given by its word, its number of forcing periods, and its points (x, theta), an (n, 2) array."""
+
+    word: Word
+    periods: int
+    points: np.ndarray
+
+    @property
+    def cycle(self) -> str:
+        """The word as text, the same text for all its rotations."""
+        return cycle(str(self.word))
+
+
 class ClosingEquations:
     """The closing equations of an orbit: of one word, number of periods and parameter set, in one arithmetic."""
 
     def __init__(
-        self,
-        parameters: Parameters,
-        word: Word,
-        periods: int,
-        digits: int | None = None,
-        arithmetic: Arithmetic | None = None,
+        self, parameters: Parameters, word: Word, periods: int, digits: int | None = None, arithmetic: Any = None
     ) -> None:
-        self.parameters, self.word, self.periods = parameters, word, periods
-        self.pieces = pieces_of(word)
+        self.parameters, self.word, self.periods, self.pieces = parameters, word, periods, pieces_of(word)
         self.arithmetic = arithmetic or (Arithmetic(parameters) if digits is None else MpArithmetic(parameters, digits))
         self.K, self.basis = self.arithmetic.K, self.arithmetic.namespace["basis"]
         self.context: Any = getattr(self.arithmetic, "context", None)  # of mpmath; None: doubles
@@ -139,25 +152,22 @@ class ClosingEquations:
         x, theta = points[0]
         return [*points[1:], (x, theta + self.turn)]
 
+    def spans(self, points: Points) -> list[Span]:
+        """Return every piece with its start, its end and its duration."""
+        ends = zip(self.pieces, points, self.ends(points), strict=True)
+        return [Span(piece, start, end, (end[1] - start[1]) / self.K.Om) for piece, start, end in ends]
+
     def residuals(self, points: Points) -> list[Number]:
         """Return f1, f2 of each piece in order, with known roots tau = 0 of f2 divided out."""
         values = []
-        for piece, start, end in self._ends_of_pieces(points):
-            f1, f2 = self._residual(piece, start, end)
-            values += [f1, f2 / ((end[1] - start[1]) / self.K.Om) ** piece.zeros]
+        for span in self.spans(points):
+            f1, f2 = self._residual(span)
+            values += [f1, f2 / span.tau**span.piece.zeros]
         return values
 
     def largest_residual(self, points: Points) -> Number:
         """Return the largest |f1|, |f2| of eq. (54)."""
-        return max(abs(value) for each in self._ends_of_pieces(points) for value in self._residual(*each))
-
-    def blocks(self, points: Points) -> list[Any]:
-        """Return the 2x4 Jacobian of every piece with respect to its start and its end."""
-        return [self._jacobian(*each) for each in self._ends_of_pieces(points)]
-
-    def _ends_of_pieces(self, points: Points) -> Any:
-        """Return each piece with its start and end point."""
-        return zip(self.pieces, points, self.ends(points), strict=True)
+        return max(abs(value) for span in self.spans(points) for value in self._residual(span))
 
     def force(self, domain: int, x: Number, v: Number, theta: Number) -> Number:
         """Return F^(domain) of eq. (9), which is the acceleration in this domain."""
@@ -174,9 +184,9 @@ class ClosingEquations:
         a = 0 * start[0] if piece.after_stick else self.force(piece.mode, start[0], v, start[1])
         return Launch(v, a, self.sin(start[1]), self.cos(start[1]))
 
-    def _residual(self, piece: OrbitPiece, start: Point, end: Point) -> tuple[Number, Number]:
-        """Return f1, f2 of a piece, with the known roots divided out."""
-        K, tau, v_end = self.K, (end[1] - start[1]) / self.K.Om, self.belt(piece.end).v
+    def _residual(self, span: Span) -> tuple[Number, Number]:
+        """Return f1, f2 of a piece."""
+        (piece, start, end, tau), K, v_end = span, self.K, self.belt(span.piece.end).v
         if piece.sticks:
             A = (K.A1, K.A2, K.A3)[piece.start - (piece.side < 0)]  # of the domain that it leaves to
             return kernels.stick_residual(start[0], v_end, tau, end[0], self.cos(end[1]), A, K.cm, K.w0sq, K.f0)
@@ -184,9 +194,9 @@ class ClosingEquations:
         basis = self.basis(tau, K)[:5]
         return kernels.flight_residual(start[0], v, a, s, c, end[0], v_end, K.cm, K.w0sq, K.f0, K.Om, *basis)
 
-    def _jacobian(self, piece: OrbitPiece, start: Point, end: Point) -> Any:
-        """Return the 2x4 Jacobian of a piece."""
-        K, tau = self.K, (end[1] - start[1]) / self.K.Om
+    def _jacobian(self, span: Span) -> Any:
+        """Return the 2x4 Jacobian of a piece with respect to its start and its end."""
+        (piece, start, end, tau), K = span, self.K
         if piece.sticks:
             v, s = self.belt(piece.start).v, self.sin(end[1])
             x_th0, x_th1, v_x1, v_th1 = kernels.stick_jacobian(v, s, K.w0sq, K.f0, K.Om)
@@ -203,14 +213,14 @@ class ClosingEquations:
             v_x0, v_th0, v_th1 = v_x0 / power, (v_th0 + shift) / power, (v_th1 - shift) / power
         return (x_x0, x_th0, -1, x_th1), (v_x0, v_th0, 0, v_th1)
 
-    def matrix(self, points: Points) -> np.ndarray:
-        """Return the block-cyclic Jacobian, (2n, 2n) floats."""
-        n = len(self.pieces)
-        matrix = np.zeros((2 * n, 2 * n))
-        for i, block in enumerate(self.blocks(points)):
-            j, values = (i + 1) % n, np.asarray(block, dtype=float)
-            matrix[2 * i : 2 * i + 2, 2 * i : 2 * i + 2] += values[:, :2]
-            matrix[2 * i : 2 * i + 2, 2 * j : 2 * j + 2] += values[:, 2:]
+    def matrix(self, points: Points) -> Any:
+        """Return the block-cyclic Jacobian: a (2n, 2n) array of floats, or a matrix of mpmath."""
+        size = 2 * len(self.pieces)
+        matrix = self.context.zeros(size) if self.context else np.zeros((size, size))
+        for i, span in enumerate(self.spans(points)):
+            for row, values in enumerate(self._jacobian(span)):
+                for column, value in enumerate(values):
+                    matrix[2 * i + row, (2 * i + column) % size] += value
         return matrix
 
     def durations(self, points: np.ndarray) -> np.ndarray:
@@ -310,17 +320,12 @@ def polish(equations: ClosingEquations, points: Points) -> Solution:
     # inverted.
     context = equations.context
     points = [tuple(context.convert(value) for value in point) for point in points]
-    n, last, linear = len(points), context.inf, 0
+    last, linear = context.inf, 0
     for steps in range(1, MOST_POLISHING + 1):
         values = equations.residuals(points)
-        matrix = context.zeros(2 * n)
-        for i, block in enumerate(equations.blocks(points)):
-            for row in range(2):
-                for column in range(4):
-                    matrix[2 * i + row, (2 * i + column) % (2 * n)] += block[row][column]
         largest = max(map(abs, values))
         try:
-            step = context.lu_solve(matrix, context.matrix([-value for value in values]))
+            step = context.lu_solve(equations.matrix(points), context.matrix([-value for value in values]))
         except ZeroDivisionError:
             return Solution(points, largest, steps, False, SINGULAR)
         size = max(abs(value) for value in step)

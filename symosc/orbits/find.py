@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping
+from contextlib import suppress
 from dataclasses import replace
 from itertools import chain, islice, pairwise, product
 from math import ceil, cos, floor, inf, pi, sin
@@ -21,8 +22,8 @@ from symosc.exact import read_digits, unmasked, whole_number
 from symosc.mappings.numbers import real_array
 from symosc.model import MODE_NAMES, Parameters
 from symosc.orbits.admissibility import FLIGHT_LASTS, STICK_LASTS, failures, grazing_distance
-from symosc.orbits.closing_equations import ClosingEquations, ConvergenceError, Solution, polish, solve
-from symosc.orbits.floquet import inside, monodromy, rest_positions
+from symosc.orbits.closing_equations import ClosingEquations, ConvergenceError, Orbit, Solution, polish, solve
+from symosc.orbits.floquet import inside, multipliers_of, rest_positions
 from symosc.orbits.periodic_orbit import PeriodicOrbit, SwitchingPoint
 from symosc.scenes import ParametersLike
 from symosc.simulation.ensemble import simulate_many
@@ -114,9 +115,9 @@ def find_orbit(
         raise ParameterError("k", 0, "must be > 0: without a spring nothing fixes the position of an orbit")
     digits = read_digits(digits)
     equations = ClosingEquations(parameters, found, periods or 1)
-    guesses: Iterator[Guess] = chain(from_simulations(equations, periods), evenly_spaced(equations, periods or 1))
     if guess is not None:
-        guesses = iter([_read_guess(guess, equations, periods)])
+        return orbit_at(*_best_root(equations, [_read_guess(guess, equations, periods)]), digits)
+    guesses = chain(from_simulations(equations, periods), evenly_spaced(equations, periods or 1))
     return orbit_at(*_best_root(equations, guesses), digits)
 
 
@@ -150,16 +151,16 @@ def settled_orbit(parameters: Parameters, digits: int | None = None, most: int =
     raise ConvergenceError(tried[-1], (), 1, inf, reason)
 
 
-def _best_root(equations: ClosingEquations, guesses: Iterator[Guess]) -> tuple[ClosingEquations, Solution]:
+def _best_root(equations: ClosingEquations, guesses: Iterable[Guess]) -> tuple[ClosingEquations, Solution]:
     """Return the first admissible root, else the one that fails least; repetitions of shorter words last."""
     roots: list[tuple[tuple[bool, bool, float], ClosingEquations, Solution]] = []
-    best: Solution | None = None
-    tried = equations
+    best, tried = None, equations
     for guess in guesses:
         tried = ClosingEquations(equations.parameters, equations.word, guess.periods)
         solution = solve(tried, guess.points)
         if not solution.converged:
-            best = solution if best is None or solution.residual < best.residual else best
+            if best is None or solution.residual < best.residual:
+                best = solution
             continue
         if any(_is_same_root(tried, solution, others, other) for _, others, other in roots):
             continue
@@ -173,8 +174,8 @@ def _best_root(equations: ClosingEquations, guesses: Iterator[Guess]) -> tuple[C
     word = str(equations.word)
     if best is None:
         raise ConvergenceError(word, (), 0, inf, f"no guess was found{_other_motion_text(tried)}")
-    points = tuple(switching_points(tried, best.points))
-    raise ConvergenceError(word, points, tried.periods, float(best.residual), best.reason + _other_motion_text(tried))
+    reason = best.reason + _other_motion_text(tried)
+    raise ConvergenceError(word, switching_points(tried, best.points), tried.periods, float(best.residual), reason)
 
 
 def _is_same_root(equations: ClosingEquations, a: Solution, others: ClosingEquations, b: Solution) -> bool:
@@ -213,14 +214,14 @@ def orbit_at(equations: ClosingEquations, solution: Solution, digits: int | None
         final = equations.with_digits(digits + 15)
         solution = polish(final, double)
         if not solution.converged:
-            best = tuple(switching_points(equations, solution.points))
+            best = switching_points(equations, solution.points)
             raise ConvergenceError(word, best, equations.periods, float(solution.residual), solution.reason)
         steps += solution.steps
-    first, second = monodromy(final, solution.points).multipliers
 
     def rounded(value: Number) -> Number:
         return value if digits is None else +mp_context(digits).convert(value)
 
+    first, second = multipliers_of(final, solution.points)
     values = (complex(first), complex(second)) if digits is None else (rounded(first), rounded(second))
     gap = inside(equations, double, values)
     stable = True if not failed and equations.parameters.c > 0 else None if gap is None else gap > 0
@@ -246,7 +247,7 @@ def orbit_at(equations: ClosingEquations, solution: Solution, digits: int | None
         parameters=equations.parameters,
         word=word,
         labels=equations.word.labels,
-        points=tuple(SwitchingPoint(rounded(t), rounded(x)) for t, x in switching_points(final, solution.points)),
+        points=tuple(SwitchingPoint(*map(rounded, point)) for point in switching_points(final, solution.points)),
         period=rounded(final.turn / final.K.Om),
         periods=equations.periods,
         multipliers=values,
@@ -268,17 +269,17 @@ def _other_motion_text(equations: ClosingEquations, resting: bool = False) -> st
         if positions is not None:
             return f"; the mass stays on belt {boundary}, {rest_interval_text(positions)}"
     centre, size = largest_displacement(equations)
-    passages, rests = follow(equations, centre, 0.0, equations.pieces[0].start, SETTLING_EVENTS)
     once = ClosingEquations(equations.parameters, equations.word, 1)
-    found = orbit_of(once, passages, size) if equations.parameters.c > 0 else None
-    if found is not None:
-        return f"; the motion settles to {found[0].word}"
-    return f"; {resting_text(equations, passages[-1].mode)}" if rests else ""
+    orbit, instead = settling(
+        once, centre, 0.0, equations.pieces[0].start, size if equations.parameters.c > 0 else None
+    )
+    text = f"the motion settles to {orbit.word}" if orbit else instead
+    return text and f"; {text}"
 
 
-def switching_points(equations: ClosingEquations, points: Points) -> list[SwitchingPoint]:
+def switching_points(equations: ClosingEquations, points: Points) -> tuple[SwitchingPoint, ...]:
     """Convert points (x, theta) to switching points (t, x), in the arithmetic of the equations."""
-    return [SwitchingPoint(equations.number(theta / equations.K.Om), equations.number(x)) for x, theta in points]
+    return tuple(SwitchingPoint(equations.number(theta / equations.K.Om), equations.number(x)) for x, theta in points)
 
 
 def _read_guess(guess: Any, equations: ClosingEquations, periods: int | None) -> Guess:
@@ -352,53 +353,48 @@ def mappings_between(passages: list[Passage]) -> list[str | None]:
     return [MAP_LABELS.get((a.boundary, MODE_NAMES[a.mode], b.boundary)) for a, b in pairwise(passages)]
 
 
-def orbit_of(
-    equations: ClosingEquations, passages: list[Passage], size: float
-) -> tuple[ClosingEquations, np.ndarray] | None:
-    """Return the equations and points of an admissible orbit that a simulation approaches."""
-    for word in _words_of_a_period(equations, passages):
+def settling(
+    equations: ClosingEquations, x: float, theta: float, boundary: int, size: float | None
+) -> tuple[Orbit | None, str]:
+    """Follow the motion from a belt; return the admissible orbit that it approaches, or None and where it rests ("").
+
+    `size` is that of the positions on the orbit; None: no orbit is looked for.
+    """
+    passages, rests = follow(equations, x, theta, boundary, SETTLING_EVENTS)
+    for word in _words_of_a_period(equations, passages) if size is not None else ():
         trial = ClosingEquations(equations.parameters, word, equations.periods)
-        found = guesses_of_word(passages, word.labels, equations.periods, max(size, 1e-300))
+        found = guesses_of_word(passages, word.labels, equations.periods, max(size or 0.0, 1e-300))
         for guess in sorted(found, key=lambda each: each.defect)[:4]:
             solution = solve(trial, guess.points)
             if solution.converged and not failures(trial, solution.points):
-                return trial, solution.points
-    return None
+                return Orbit(word, equations.periods, solution.points), ""
+    return None, resting_text(equations.parameters, passages[-1].mode) if rests else ""
 
 
 def _words_of_a_period(equations: ClosingEquations, passages: list[Passage]) -> list[Word]:
     """Return the words of one period that occur in the simulation, the last ones first."""
-    labels, found = mappings_between(passages), list[Word]()
+    labels, found, begin = mappings_between(passages), list[Word](), equations.word.labels[0]
     phases = np.array([passage.theta for passage in passages])
     turn = 2 * pi * equations.periods
     for last in range(len(labels), 0, -1):
         first = int(np.argmin(np.abs(phases - (phases[last] - turn))))
-        part = labels[first:last]
-        if not 0 < len(part) <= 24 or None in part or phases[last] - turn < phases[0] - 1:
+        part = tuple(label for label in labels[first:last] if label)
+        if not 0 < len(part) <= 24 or len(part) < last - first or phases[last] - turn < phases[0] - 1:
             continue
-        try:
-            word = read_word(rotated(tuple(label for label in part if label), equations))
-        except WordError:
-            continue
-        if word not in found:
-            found.append(word)
+        i = part.index(begin) if begin in part else 0  # they begin as the equations' word does, if possible
+        with suppress(WordError):
+            word = read_word(Word(part[i:] + part[:i]))
+            found += [word] if word not in found else []
         if len(found) >= 6:
             break
     return found
 
 
-def rotated(labels: tuple[str, ...], equations: ClosingEquations) -> Word:
-    """Return the periodic word of `labels`, rotated to begin as the equations' word does, if possible."""
-    first = equations.word.labels[0]
-    begin = labels.index(first) if first in labels else 0
-    return Word(labels[begin:] + labels[:begin])
-
-
-def resting_text(equations: ClosingEquations, mode: int) -> str:
+def resting_text(parameters: Parameters, mode: int) -> str:
     """Describe where a motion without further events in a mode comes to rest."""
     if mode <= 3:
         return f"the motion ends up in Omega{mode} and meets no belt any more"
-    positions = rest_positions(equations.parameters, mode - 3)
+    positions = rest_positions(parameters, mode - 3)
     if positions is None:
         return f"the motion ends up on belt {mode - 3} for ever"
     return f"the motion comes to rest on belt {mode - 3}, {rest_interval_text(positions)}"
