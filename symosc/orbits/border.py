@@ -165,7 +165,7 @@ class Border(Drawable):
     def __init__(self, system: BorderSystem, nodes: list[Node], ends: Any, special: Any) -> None:
         self._plane, self._system, self._nodes = system.plane, system, nodes
         self.parameters, self.fixed, self.ends, self.special = system.names, system.plane.fixed, ends, tuple(special)
-        self.points = np.array([node.z[-2:] * system.scale[-2:] for node in nodes])
+        self.points = np.array([system.values(node.z) for node in nodes])
         self.errors = np.array([node.error for node in nodes])
         self.kind, self.sliding = names_of(system)
         self._side = 1.0
@@ -202,11 +202,7 @@ class Border(Drawable):
     @public
     def orbit(self, i: int) -> Orbit:
         """Return the orbit at the border's i-th point: its word (the one with fewer pieces), periods and points."""
-        return self._system.orbit(self._nodes[self._index(i)].z)
-
-    def _index(self, i: int) -> int:
-        """Return i, checked to be in range for a list as long as the border (-1 is the last point)."""
-        return whole_number("i", i, -len(self), len(self) - 1)
+        return self._system.orbit(self._nodes[whole_number("i", i, -len(self), len(self) - 1)].z)
 
     @public
     def beside(self, i: int, distance: NumberLike = 1e-6) -> tuple[Parameters, Parameters]:
@@ -214,13 +210,12 @@ class Border(Drawable):
 
         `distance` is a part of the ranges; the way there is at a right angle to the border, in units of the ranges.
         """
-        node, far = self._nodes[self._index(i)], float(read_exact("distance", distance))
+        i, far = whole_number("i", i, -len(self), len(self) - 1), float(read_exact("distance", distance))
         if not 0 < far <= 0.01:
             raise ParameterError("distance", distance, "must be > 0 and at most 0.01")
-        along = node.tangent[-2:] / np.linalg.norm(node.tangent[-2:])
-        away = self._side * far * np.array([-along[1], along[0]])
-        here = node.z[-2:] * self._system.scale[-2:]
-        first, second = (self._plane.parameters((here + way * away * self._plane.widths).tolist()) for way in (1, -1))
+        along = self._nodes[i].tangent[-2:] / np.linalg.norm(self._nodes[i].tangent[-2:])
+        away = self._side * far * np.array([-along[1], along[0]]) * self._plane.widths
+        first, second = (self._plane.parameters((self.points[i] + way * away).tolist()) for way in (1, -1))
         return first, second
 
     @public
@@ -232,18 +227,20 @@ class Border(Drawable):
         It is complete where no end is left that is not a point of codimension two from which all borders are followed,
         an end of the range, or "no convergence".
         """
-        how: dict[str, Any] = {"step": step, "max_points": max_points}
-        _read_steps(**how)
+        how, plane = _read_steps(step, max_points), self._plane
         found, done, waiting = [self], list[tuple[float, float]](), [self]
         while waiting:
             here = waiting.pop()
             for end in here.ends:
-                points = (each for each in here.special if each.kind != FOLD)
-                point = next((each for each in points if here._plane.near(each.values, end.values)), None)
-                if point is None or any(here._plane.near(point.values, other) for other in done):
+                points = (each.values for each in here.special if each.kind != FOLD)
+                at = next((values for values in points if plane.near(values, end.values)), None)
+                if at is None or any(plane.near(at, other) for other in done):
                     continue
-                done.append(point.values)
-                for other in borders_leaving(here, point, **how):
+                done.append(at)
+                # All borders that leave the point, this one among them, cross a small circle around it.
+                around = _circle(plane, at, here.orbit(int(np.abs(here.points - at).sum(axis=1).argmin())))
+                chords = pairwise([*around, *around[:1]])  # the plane's range is convex: the last chord is in it too
+                for other in _distinct((each for chord in chords for each in all_crossings(plane, *chord)), *how):
                     if not any(passes(each, other.points[len(other) // 2], other.words) for each in found):
                         found.append(other)
                         waiting.append(other)
@@ -352,12 +349,13 @@ class Tracer:
 
     def border(self) -> Border:
         """Follow the border both ways from the first point and return it."""
-        forward, last, special = self._follow(self.first)
-        if last.kind == CLOSED:
-            return Border(self.system, forward, (last, last), special)
-        backward, begin, others = self._follow(self.first._replace(tangent=-self.first.tangent))
-        turned = [node._replace(tangent=-node.tangent) for node in reversed(backward[1:])]
-        return Border(self.system, turned + forward, (begin, last), [*reversed(others), *special])
+        path, last, special = self._follow(self.first)
+        begin = last
+        if last.kind != CLOSED:
+            backward, begin, others = self._follow(self.first._replace(tangent=-self.first.tangent))
+            path = [node._replace(tangent=-node.tangent) for node in reversed(backward[1:])] + path
+            special = [*reversed(others), *special]
+        return Border(self.system, path, (begin, last), special)
 
     def _follow(self, first: Node) -> tuple[list[Node], BorderEnd, list[SpecialPoint]]:
         """Follow the border along the first node's tangent; return its nodes, its end and its special points."""
@@ -365,7 +363,7 @@ class Tracer:
         self.margins: list[Condition] | None = None
 
         def end(kind: str, message: str) -> tuple[list[Node], BorderEnd, list[SpecialPoint]]:
-            return path, BorderEnd(kind, self._values(path[-1].z), message), special
+            return path, BorderEnd(kind, _pair(self.system, path[-1].z), message), special
 
         while True:
             here = path[-1]
@@ -391,13 +389,18 @@ class Tracer:
             if outside is not None and np.linalg.norm(node.z - here.z) < LOCATED:
                 path.pop()  # it was there already
             path.append(node)
-            closed = len(path) > CHECKED and outside is None and self._closes(here, node)
+            closed = False
+            if len(path) > CHECKED and outside is None:  # it is if the first point lies between the last two
+                away, along = first.z - here.z, node.z - here.z
+                length = float(np.linalg.norm(along))
+                part = away @ along / length**2
+                closed = bool(0 <= part <= 1 and np.linalg.norm(away - part * along) < FARTHEST * length)
             if outside is not None or closed or len(path) > self.most or len(path) - checked > CHECKED:
                 at = self._first_failure(path, checked)
                 if at is not None:
                     cut, point = self._codimension_two(path[at - 1], path[at])
                     del path[at:]
-                    kept = {self._values(node.z) for node in path}
+                    kept = {_pair(self.system, node.z) for node in path}
                     special[:] = [*(each for each in special if each.values in kept), point]
                     path.append(cut)
                     return end("codimension two", f"{point.kind}: {point.message}")
@@ -412,11 +415,6 @@ class Tracer:
                 return end(MOST, f"stopped after {self.most} points")
             step = min(1.5 * step, self.longest)
 
-    def _values(self, z: np.ndarray) -> tuple[float, float]:
-        """Return the values of the two parameters at scaled unknowns z."""
-        a, b = z[-2:] * self.system.scale[-2:]
-        return float(a), float(b)
-
     def _outside(self, node: Node) -> tuple[int, float] | None:
         """Return which parameter (0 or 1) is outside its range, and the bound it passed (scaled); None if none is."""
         for j, (value, low, high) in enumerate(zip(node.z[-2:], self.low, self.high, strict=True)):
@@ -430,13 +428,6 @@ class Tracer:
         guess = between(here, node, float(part))
         guess[-2 + j] = bound
         return self.system.node(guess, here.tangent, np.eye(len(guess))[-2 + j]) or here
-
-    def _closes(self, here: Node, node: Node) -> bool:
-        """Return whether the border is closed: between two nodes it passes its first point again."""
-        away, along = self.first.z - here.z, node.z - here.z
-        length = float(np.linalg.norm(along))
-        part = away @ along / length**2
-        return bool(0 <= part <= 1 and np.linalg.norm(away - part * along) < FARTHEST * length)
 
     def _failing(self, node: Node) -> Condition | None:
         """Return the inequality that fails most at a node, if any."""
@@ -488,7 +479,7 @@ class Tracer:
             if abs(change) <= 4 * EPS * abs(q):
                 break
             q += change
-        values, tangent = self._values(z), tangent * float(np.sign(tangent @ here.tangent))
+        values, tangent = _pair(system, z), tangent * float(np.sign(tangent @ here.tangent))
         error = max(abs(change), *(2 * EPS * abs(value) for value in values))
         message = f"{self.plane.names[j]} is {'largest' if here.tangent[-2 + j] > 0 else 'smallest'} along the border"
         return Node(z, tangent, np.full(2, error)), SpecialPoint(FOLD, values, message, error)
@@ -504,7 +495,7 @@ class Tracer:
                 break
             failed = self._failing(middle)
             good, bad, condition = (middle, bad, condition) if failed is None else (good, middle, failed)
-        values, closed = self._values(good.z), isinstance(system, ClosedForm)
+        values, closed = _pair(system, good.z), isinstance(system, ClosedForm)
         found = None if closed else meeting(self.plane, system.orbit(good.z), values)
         if found is None:
             text = "" if condition is None else condition.text
@@ -514,6 +505,12 @@ class Tracer:
         z = good.z.copy()
         z[-2:] = np.array(found.values) / system.scale[-2:]
         return good._replace(z=z, error=np.full(2, found.error)), found
+
+
+def _pair(system: BorderSystem, z: np.ndarray) -> tuple[float, float]:
+    """Return the values of the two parameters as floats."""
+    first, second = system.values(z).tolist()
+    return first, second
 
 
 def _scaled_margin(condition: Condition) -> float:
@@ -642,7 +639,7 @@ def crossings(
         if length <= max(1e-3 * whole, 1e-6):  # short enough for the equations
             for place, orbit in sorted((low, high), key=lambda end: len(end[1].points)):
                 for system, node in starts(plane, place, orbit, way):
-                    part = (node.z[-2:] * system.scale[-2:] - low[0]) @ way / (way @ way)
+                    part = (system.values(node.z) - low[0]) @ way / (way @ way)
                     if -0.5 <= part <= 1.5:
                         yield system, node
                         return
@@ -662,7 +659,7 @@ def all_crossings(
     """Yield, in order, borders that cross a segment of the plane, until they explain the words at both of its ends."""
     for system, node in crossings(plane, start, stop):
         way = (stop[0] - start[0]) / np.abs((stop[0] - start[0]) / plane.widths).max()
-        place, own = node.z[-2:] * system.scale[-2:], system.orbit(node.z)
+        place, own = system.values(node.z), system.orbit(node.z)
         if not 0 <= (place - start[0]) @ way <= (stop[0] - start[0]) @ way:
             return  # the border at the segment's end, once more
         for shift in SHIFTS:
@@ -735,24 +732,12 @@ def _loss_of_word(plane: Plane, inside: Any, place: np.ndarray) -> Any:
     return None if beside is None else ((near, beside), closed_form(plane, at, beside))
 
 
-def borders_leaving(border: Border, special: SpecialPoint, **how: Any) -> list[Border]:
-    """Return all borders that leave one of a border's points of codimension two, that border among them.
-
-    They are found by the words of the motions on a small circle around it; a word on a smaller part of the circle than
-    doubles can resolve is missed. `how` is `step` and `max_points` of `continue_border`.
-    """
-    plane, nearest = border._plane, np.abs(border.points - special.values).sum(axis=1).argmin()
-    around = _circle(plane, special.values, border.orbit(int(nearest)))
-    chords = pairwise([*around, *around[:1]])  # the plane's range is convex: the last chord is in it too
-    return _distinct((found for chord in chords for found in all_crossings(plane, *chord)), *_read_steps(**how))
-
-
 def _distinct(begun: Iterable[tuple[BorderSystem, Node]], step: float, most: int) -> list[Border]:
     """Follow the border through each of the given nodes; return each border once."""
     found = list[Border]()
     for system, node in begun:
         border = Tracer(system, node, step, most).border()
-        if len(border) > 1 and not any(passes(each, node.z[-2:] * system.scale[-2:], border.words) for each in found):
+        if len(border) > 1 and not any(passes(each, system.values(node.z), border.words) for each in found):
             found.append(border)
     return found
 

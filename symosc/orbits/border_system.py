@@ -154,8 +154,12 @@ class BorderSystem:
         n = 2 * self.n
         return list(zip(u[:n:2], u[1:n:2], strict=True)), u[n:-2]
 
+    def values(self, z: np.ndarray) -> np.ndarray:
+        """Return the two parameters at scaled unknowns z."""
+        return np.asarray(z[-2:] * self.scale[-2:])
+
     def orbit(self, z: np.ndarray) -> Orbit:
-        """Return the orbit at a point of the border, given by its scaled unknowns z."""
+        """Return the orbit at scaled unknowns z."""
         return Orbit(self.word, self.periods, (z * self.scale)[: 2 * self.n].reshape(-1, 2))
 
     def residuals(self, u: Any, digits: int | None = None) -> list[Number]:
@@ -181,33 +185,25 @@ class BorderSystem:
         found[:n, :n] = equations.matrix(points)
         touched = {(2 * zero.piece + j) % n for zero in self.zeros for j in range(4)}
         for j in (*touched, *range(n, size - 2)):
-            beside = list(u)
-            beside[j] += (step := DIFFERENCE * self.scale[j] / POINTS_WEIGHT)
-            found[n:, j] = (np.array(self._zeros(equations, *self._split(beside))) - values[n:]) / step
-        found[:, -2:] = self._by_parameters(u, values)
-        return values, found
-
-    def _by_parameters(self, u: list[float], values: np.ndarray) -> np.ndarray:
-        """Return the derivatives of the residuals with respect to both parameters, by finite differences."""
-        columns = []
+            step = DIFFERENCE * self.scale[j] / POINTS_WEIGHT
+            found[n:, j] = _slope(lambda each: self._zeros(equations, *self._split(each)), u, values[n:], j, step)
         for j in (-2, -1):
-            beside = list(u)
-            beside[j] += (step := DIFFERENCE * self.scale[j])
-            columns.append((np.array(self.residuals(beside)) - values) / step)
-        return np.transpose(columns)
+            found[:, j] = _slope(self.residuals, u, values, j, DIFFERENCE * self.scale[j])
+        return values, found
 
     def fine_tangent(self, u: Sequence[Any]) -> np.ndarray:
         """Return the unit tangent in scaled unknowns, right to nearly all digits of a double."""
         step, (equations, _, _) = u[0].context.mpf(10) ** -20, self.at(u, FINE_DIGITS)
-        values, columns = self.residuals(u, FINE_DIGITS), []
-        for j in range(len(u)):
-            beside = [value + step * (i == j) for i, value in enumerate(u)]
-            if j < len(u) - 2:
-                points, phases = self._split(beside)
-                now = equations.residuals(points) + self._zeros(equations, points, phases)
-            else:
-                now = self.residuals(beside, FINE_DIGITS)
-            columns.append([float((a - b) / step) for a, b in zip(now, values, strict=True)])
+
+        def at_fixed_parameters(each: Sequence[Any]) -> list[Number]:
+            points, phases = self._split(each)
+            return equations.residuals(points) + self._zeros(equations, points, phases)
+
+        def at_any(each: Sequence[Any]) -> list[Number]:
+            return self.residuals(each, FINE_DIGITS)
+
+        values, functions = np.array(at_any(u)), [at_fixed_parameters] * (len(u) - 2) + [at_any] * 2
+        columns = [_slope(function, u, values, j, step).astype(float) for j, function in enumerate(functions)]
         tangent: np.ndarray = np.linalg.svd(np.array(columns).T * self.scale)[2][-1]
         return tangent
 
@@ -393,7 +389,8 @@ class ClosedForm(BorderSystem):
     def _linearised(self, u: list[float]) -> tuple[np.ndarray, np.ndarray]:
         """Return the residual at u and its derivatives, in doubles."""
         values = np.array(self.residuals(u))
-        return values, self._by_parameters(u, values)
+        columns = [_slope(self.residuals, u, values, j, DIFFERENCE * self.scale[j]) for j in (0, 1)]
+        return values, np.transpose(columns)
 
     def _sizes(self, u: Sequence[float]) -> np.ndarray:
         """Return the size of the terms of the residual."""
@@ -431,6 +428,13 @@ class ClosedForm(BorderSystem):
         points[:, 0] = float(p.A(domain) / p.k)
         points[:, 1] = phases + 2 * pi * np.round((points[:, 1] - phases) / (2 * pi))
         return Orbit(self.word, self.periods, points)
+
+
+def _slope(function: Any, u: Sequence[Any], values: np.ndarray, j: int, step: Any) -> np.ndarray:
+    """Return the derivative of a function, with the given values at u, by its j-th argument: a finite difference."""
+    beside = list(u)
+    beside[j] += step
+    return np.asarray((np.array(function(beside)) - values) / step)
 
 
 def turns_of(equations: ClosingEquations, points: Any, i: int, kind: str) -> list[tuple[Number, Number, int]]:

@@ -59,7 +59,7 @@ from symosc.model import PARAMETER_NAMES, Parameters
 from symosc.orbits import admissibility
 from symosc.orbits.admissibility import MARGINAL, SAMPLE, Condition, concerns_whole_piece, conditions, failing, failures
 from symosc.orbits.closing_equations import CONVERGING, ClosingEquations, solve
-from symosc.orbits.find import find_orbit, largest_displacement, settling
+from symosc.orbits.find import find_orbit, largest_displacement, settling, switching_points
 from symosc.orbits.floquet import NEAR_ONE, multipliers_of
 from symosc.orbits.periodic_orbit import PeriodicOrbit, SwitchingPoint
 from symosc.scenes import ParametersLike
@@ -177,24 +177,20 @@ class Branch(Drawable):
     @public
     def parameters(self, i: int) -> Parameters:
         """Return the parameters of the branch's i-th point; i as for a list, so that -1 is the last one."""
-        return self._orbit.parameters.replace(**{self.parameter: float(self.values[self._index(i)])})
+        i = whole_number("i", i, -len(self.values), len(self.values) - 1)
+        return self._orbit.parameters.replace(**{self.parameter: float(self.values[i])})
 
     @public
     def orbit(self, i: int, digits: int | None = None) -> PeriodicOrbit:
         """Return the orbit at the branch's i-th point; `digits` as for `symosc.find_orbit`."""
-        return find_orbit(self.parameters(i), self.word, self.points[self._index(i)], digits, periods=self.periods)
-
-    def _index(self, i: int) -> int:
-        """Return i, checked to be in range for a list as long as the branch (-1 is the last point)."""
-        return whole_number("i", i, -len(self.values), len(self.values) - 1)
+        return find_orbit(self.parameters(i), self.word, self.points[int(i)], digits, periods=self.periods)
 
     def as_dict(self) -> Record:
         """Return everything as plain values."""
-        ends = [
-            end._asdict()
-            | {"points": [list(point) for point in end.points], "conditions": [c._asdict() for c in end.conditions]}
-            for end in self.ends
-        ]
+        ends = [end._asdict() for end in self.ends]
+        for end in ends:
+            end["points"] = [list(point) for point in end["points"]]
+            end["conditions"] = [c._asdict() for c in end["conditions"]]
         return {
             "word": self.word,
             "parameters": self._orbit.parameters.as_dict(),
@@ -632,8 +628,7 @@ class Curve:
 
     def _switchings(self, point: BranchPoint) -> tuple[SwitchingPoint, ...]:
         """Return the switching points of a branch point as (t, x)."""
-        Omega = point.value if self.parameter == "Omega" else float(self.orbit.parameters.Omega)
-        return tuple(SwitchingPoint(float(theta / Omega), float(x)) for x, theta in point.points)
+        return switching_points(self.equations(point.value), point.points)
 
 
 def _begins_to_rest(p: Parameters) -> int | None:
