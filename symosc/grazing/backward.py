@@ -86,10 +86,11 @@ def first_root(p: list[Number], noise: Number, eps: Number) -> tuple[bool, Numbe
         low, high, b = stack.pop()
         if min(b) > noise:
             continue
-        if b[0] > noise and b[-1] < -noise and _count_crossings(b, noise) == 1 and _count_crossings(b, -noise) == 1:
+        falls = b[0] > noise and b[-1] < -noise
+        if falls and all(_count_changes([value > level for value in b]) == 1 for level in (noise, -noise)):
             return False, _newton(p, slope, low, high, eps)
         rising = [second > first for first, second in pairwise(b)]
-        if len(rising) > 1 and not rising[0] and rising[-1] and sum(a != c for a, c in pairwise(rising)) == 1:
+        if rising and not rising[0] and rising[-1] and _count_changes(rising) == 1:
             bottom = _newton([-term for term in slope], [-k * q for k, q in enumerate(slope)][1:], low, high, eps)
             value = _polynomial(p, bottom)
             if value > noise:
@@ -119,10 +120,9 @@ def bernstein(p: list[Number]) -> list[Number]:
     return coefficients
 
 
-def _count_crossings(b: list[Number], level: Number) -> int:
-    """Count how often a sequence of numbers crosses a level."""
-    signs = [value > level for value in b]
-    return sum(first != second for first, second in pairwise(signs))
+def _count_changes(flags: list[bool]) -> int:
+    """Count how often neighbours in a sequence differ."""
+    return sum(first != second for first, second in pairwise(flags))
 
 
 def _polynomial(p: list[Number], sigma: Number) -> Number:
@@ -438,15 +438,6 @@ class Flights:
             return None, rounded(self.state(theta, state.tau + steps.H))
         return steps.contact(after, taken, found), rounded(state)
 
-    def missing_digits(self, arrival: BackwardState, wanted: int) -> int:
-        """Return the number of digits after the decimal point that a refined arrival lacks."""
-        if arrival.kind not in (CONTACT, REACHED):
-            return 0
-        t_error = arrival.v_error / abs(arrival.a) if arrival.kind == CONTACT else 0 * arrival.a
-        x_error = arrival.x_error + abs(arrival.v) * t_error
-        worst = max(t_error, x_error, arrival.v_error if arrival.kind == REACHED else 0 * arrival.a)
-        return int(self.context.ceil(self.context.log10(worst))) + wanted + 2 if worst > 0 else 0
-
 
 def rounded(state: BackwardState) -> BackwardState:
     """Round a state to doubles; add the rounding to its errors."""
@@ -480,21 +471,20 @@ class Origins:
         angle: Angle | float,
         order: int = 1,
         far: float | None = None,
-        careful: bool = True,
         digits: int = 60,
         repeats: int = len(REPEATED_STEPS),
         most_steps: int = MOST_BACKWARD_STEPS,
     ) -> BackwardState:
         """Follow the flow back from a tangency in doubles, to the first contact or for the time `far`."""
         # `order` is that of the first G-function that does not vanish there. An undecided step is repeated with
-        # `digits` (keeping them if it has the contact), then with twice as many; without `careful` it is a touch.
+        # `digits` (keeping them if it has the contact), then with twice as many; without repeats it is a touch.
         steps, theta = self.steps, float(angle)
         far = SEARCH_PERIODS * self.K.period if far is None else far
         # At most so many undecided steps are repeated: a flight that stays near a boundary for longer stays undecided.
         state, repeats_left = steps.begin(0.0), 40
         for _ in range(most_steps):
             found, step, state = steps.take(theta, order, state)
-            if careful and found and found[0] and state.tau <= far:
+            if repeats and found and found[0] and state.tau <= far:
                 tau, repeats_left = state.tau, repeats_left - 1
                 for times, length in enumerate(REPEATED_STEPS[:repeats], start=1):
                     flights = self.flights(times * digits)
@@ -549,7 +539,14 @@ class Origins:
             if arrival.kind not in (REACHED, LONG) and arrival.tau > far(flights):
                 found = found._replace(kind=REACHED, boundary=0)
                 continue
-            missing = flights.missing_digits(arrival, wanted)
+            # The errors of a contact's time and position, or of the state at the end of the search.
+            worst, context = 0 * arrival.a, flights.context
+            if arrival.kind == CONTACT:
+                t_error = arrival.v_error / abs(arrival.a)
+                worst = max(t_error, arrival.x_error + abs(arrival.v) * t_error)
+            elif arrival.kind == REACHED:
+                worst = max(arrival.x_error, arrival.v_error)
+            missing = int(context.ceil(context.log10(worst))) + wanted + 2 if worst > 0 else 0
             if missing <= 0:
                 return arrival, flights
             flights = self.flights(flights.digits + missing + 3)

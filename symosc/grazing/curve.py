@@ -263,7 +263,7 @@ class Tracer(Origins):
         flat = abs(level + K.fB * sin(theta_m)) <= 1e-13 * abs(level)
         order = 3 if flat and abs(self.p.k * self.p.belt(self.place.boundary)) == top else 1
         steps = max(50, min(MOST_BACKWARD_STEPS, self.steps_left))
-        arrival = self.arrival(theta_m, order, None, careful, digits=30, repeats=1, most_steps=steps)
+        arrival = self.arrival(theta_m, order, digits=30, repeats=int(careful), most_steps=steps)
         tau, dx, a = float(arrival.tau), float(arrival.dx), float(arrival.a)
         self.steps_left -= int(tau * K.rate / STEP)
         x_m = self.rest + self.gain * cos(theta_m)
