@@ -134,7 +134,7 @@ def _flight(equations: ClosingEquations, span: Span, following: OrbitPiece, size
         arrival = side * equations.arithmetic.namespace["state_at"](tau, equations.start_of_flight(piece, start), K).F
         rank, size = STAYS_INSIDE, sizes.a * short
     yield f"{piece.label} meets v{piece.end} with F^({piece.mode}) {sign} 0", arrival, end[1], GRAZING, rank, size
-    gap, nearest, _ = min(gaps(equations, span), default=(inf, end[1], 0))
+    gap, nearest, _ = min(clearances(equations, span), default=(inf, end[1], 0))
     yield f"{piece.label} stays in Omega{piece.mode}", gap, nearest, GRAZING, STAYS_INSIDE, sizes.v * short
     far = piece.mode + side
     beyond = side * equations.force(far, end[0], v_end, end[1])
@@ -151,7 +151,7 @@ def _stick(equations: ClosingEquations, span: Span, sizes: Scales) -> Iterator[M
     (piece, _, end, tau), K, belt = span, equations.K, equations.belt(span.piece.start)
     low, high = piece.start, piece.start + 1
     yield f"{piece.label} lasts", tau, end[1], VANISHING, STICK_LASTS, sizes.t
-    hold, nearest, _ = min(holds(equations, span), default=(inf, end[1], 0))
+    hold, nearest, _ = min(holding_forces(equations, span), default=(inf, end[1], 0))
     yield f"F^({low}) > 0 > F^({high}) during {piece.label} (Theorem 4)", hold, nearest, SLIP_BIRTH, HOLD, sizes.a
     slope = piece.side * (belt.drift - K.fB * equations.sin(end[1]))
     change = f"F^({low}) falls" if piece.side < 0 else f"F^({high}) rises"
@@ -159,8 +159,8 @@ def _stick(equations: ClosingEquations, span: Span, sizes: Scales) -> Iterator[M
     yield f"{change} where {piece.label} ends", slope, end[1], SLIP_VANISHING, STICK_END, size
 
 
-def gaps(equations: ClosingEquations, span: Span) -> Iterator[tuple[Number, Number, int]]:
-    """Yield, for each velocity extremum of a flight, the distance from the belt it points to, phase and belt."""
+def clearances(equations: ClosingEquations, span: Span) -> Iterator[tuple[Number, Number, int]]:
+    """Yield the velocity extrema of a flight that turn back before a belt: velocity left to it, phase, and belt."""
     piece, start, _, tau = span
     flight = equations.start_of_flight(piece, start)
     for extremum in extrema(0 * tau, tau, flight, piece.after_stick, equations) if tau > 0 else ():
@@ -171,8 +171,8 @@ def gaps(equations: ClosingEquations, span: Span) -> Iterator[tuple[Number, Numb
             yield clearance, start[1] + equations.K.Om * extremum.tau, belt
 
 
-def holds(equations: ClosingEquations, span: Span) -> Iterator[tuple[Number, Number, int]]:
-    """Yield, at each extremum of the forces during a stick, the smaller of the two that hold it, phase and domain."""
+def holding_forces(equations: ClosingEquations, span: Span) -> Iterator[tuple[Number, Number, int]]:
+    """Yield the extrema of the forces during a stick: the smaller of F^(below) and -F^(above), phase, and domain."""
     (piece, start, _, tau), K, names = span, equations.K, equations.arithmetic.namespace
     belt, s0, c0 = equations.belt(piece.start), equations.sin(start[1]), equations.cos(start[1])
     below = equations.force(piece.start, start[0], belt.v, start[1])
@@ -222,7 +222,7 @@ def _extremum(low: float, high: float, falls: bool, flight: Launch, equations: C
 
 
 def grazing_distance(equations: ClosingEquations, points: Points) -> float:
-    """Return the least velocity difference by which a flight avoids or passes a graze."""
+    """Return the least size of the velocity by which a flight misses a belt or exceeds one that it meets."""
     # At an extremum inside a flight that is the gap to the belt. At a flight's end it is how far the flight would go
     # past the belt if the motion of its domain went on. Both are 0 where the orbit grazes, seen from below and from
     # above.
@@ -241,7 +241,7 @@ def concerns_whole_piece(condition: Condition) -> bool:
 
 
 def failing(found: list[Condition]) -> list[Condition]:
-    """Return the conditions that fail, by rank: one that explains others comes before them."""
+    """Return the conditions that fail in the order of their `Condition.rank`."""
     return sorted((c for c in found if not c.value > 0), key=lambda c: c.rank)
 
 

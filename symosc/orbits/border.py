@@ -208,7 +208,7 @@ class Border(Drawable):
     def beside(self, i: int, distance: NumberLike = 1e-6) -> tuple[Parameters, Parameters]:
         """Return the parameters on both sides of the i-th point, in the order of `words`.
 
-        `distance` is a part of the ranges; the way there is at a right angle to the border, in units of the ranges.
+        They lie at a right angle to the border in a plot over the ranges, `distance` (a fraction of them) away.
         """
         i, far = whole_number("i", i, -len(self), len(self) - 1), float(read_exact("distance", distance))
         if not 0 < far <= 0.01:
@@ -485,7 +485,7 @@ class Tracer:
         return Node(z, tangent, np.full(2, error)), SpecialPoint(FOLD, values, message, error)
 
     def _codimension_two(self, good: Node, bad: Node) -> tuple[Node, SpecialPoint]:
-        """Locate the point between two nodes at which an inequality vanishes, as a last node and a special point."""
+        """Return the border's last node and special point, where an inequality vanishes between `good` and `bad`."""
         system, condition = self.system, self._failing(bad)
         for _ in range(MOST_HALVINGS):
             if np.linalg.norm(bad.z - good.z) < LOCATED:
@@ -522,10 +522,9 @@ def _scaled_margin(condition: Condition) -> float:
 
 
 def meeting(plane: Plane, orbit: Orbit, values: tuple[float, float]) -> SpecialPoint | None:
-    """Find the point near some values where two inequalities vanish, with the simplest word there; None if not found.
+    """Find the point near some values where two inequalities vanish; None if not found.
 
-    The word that has fewest pieces of those around the point has the simplest equations there: in the others a piece
-    has no length at the point.
+    If a piece of the orbit has no duration there, the word with the fewest pieces around the point is taken instead.
     """
     durations = ClosingEquations(plane.parameters(values), orbit.word, orbit.periods).durations(orbit.points)
     found = None if durations.min() < 1e-3 else _two_zeros(plane, orbit, values)
@@ -535,7 +534,11 @@ def meeting(plane: Plane, orbit: Orbit, values: tuple[float, float]) -> SpecialP
     return found
 
 
-def _circle(plane: Plane, values: Sequence[float], orbit: Orbit) -> list[tuple[np.ndarray, Orbit]]:
+#: A point of the plane and an orbit there.
+Motion = tuple[np.ndarray, Orbit]
+
+
+def _circle(plane: Plane, values: Sequence[float], orbit: Orbit) -> list[Motion]:
     """Return points on a small circle around a point of the plane that are in the ranges, with the orbits there."""
     found = []
     for i in range(24):
@@ -591,7 +594,7 @@ def _two_zeros(plane: Plane, orbit: Orbit, values: tuple[float, float]) -> Speci
 
 
 def closed_form(plane: Plane, place: np.ndarray, orbit: Orbit) -> tuple[ClosedForm, Node] | None:
-    """Return the border in closed form through a place, beyond which the motion has no word; None if there is none."""
+    """Return the border with a formula through a place, beyond which the mass rests or meets no belt; or None."""
     p = plane.parameters(place.tolist())
     system = ClosedForm(plane, p, orbit)
     holds, drives = system.terms(place)
@@ -627,10 +630,8 @@ def starts(plane: Plane, place: np.ndarray, orbit: Orbit, direction: np.ndarray)
             yield system, first
 
 
-def crossings(
-    plane: Plane, start: tuple[np.ndarray, Orbit], stop: tuple[np.ndarray, Orbit]
-) -> Iterator[tuple[BorderSystem, Node]]:
-    """Yield the first border that crosses a segment of the plane between two places with their orbits."""
+def first_crossing(plane: Plane, start: Motion, stop: Motion) -> tuple[BorderSystem, Node] | None:
+    """Return the first border that crosses the segment between two points of the plane, if one is found."""
     whole, word = float(np.abs((stop[0] - start[0]) / plane.widths).max()), start[1].cycle
     low, high = start, stop
     while word != stop[1].cycle:
@@ -641,40 +642,39 @@ def crossings(
                 for system, node in starts(plane, place, orbit, way):
                     part = (system.values(node.z) - low[0]) @ way / (way @ way)
                     if -0.5 <= part <= 1.5:
-                        yield system, node
-                        return
+                        return system, node
         if length < 1e-9:
-            return
+            break
         places = (low[0] + part * way for part in (0.5, 0.4))  # the first may be on the border
         found = ((place, orbit_beside(plane, place, low[1], high[1])) for place in places)
         place, middle = next((each for each in found if each[1] is not None), (low[0], None))
         if middle is None:
-            return
+            break
         low, high = ((place, middle), high) if middle.cycle == word else (low, (place, middle))
+    return None
 
 
-def all_crossings(
-    plane: Plane, start: tuple[np.ndarray, Orbit], stop: tuple[np.ndarray, Orbit]
-) -> Iterator[tuple[BorderSystem, Node]]:
-    """Yield, in order, borders that cross a segment of the plane, until they explain the words at both of its ends."""
-    for system, node in crossings(plane, start, stop):
-        way = (stop[0] - start[0]) / np.abs((stop[0] - start[0]) / plane.widths).max()
-        place, own = system.values(node.z), system.orbit(node.z)
-        if not 0 <= (place - start[0]) @ way <= (stop[0] - start[0]) @ way:
-            return  # the border at the segment's end, once more
-        for shift in SHIFTS:
-            before, after = (
-                (place + sign * shift * way, orbit_beside(plane, place + sign * shift * way, own, start[1], stop[1]))
-                for sign in (-1, 1)
-            )
-            words = {end[1].cycle for end in (before, after) if end[1] is not None}
-            if len(words) == 2 and own.cycle in words:
-                break
-        if before[1] is not None and (before[0] - start[0]) @ way > 0:
-            yield from all_crossings(plane, start, (before[0], before[1]))
-        yield system, node
-        if after[1] is not None and (stop[0] - after[0]) @ way > 0:
-            yield from all_crossings(plane, (after[0], after[1]), stop)
+def all_crossings(plane: Plane, start: Motion, stop: Motion) -> Iterator[tuple[BorderSystem, Node]]:
+    """Yield, in order, the borders that cross the segment between two points until the words between them agree."""
+    found = first_crossing(plane, start, stop)
+    if found is None:
+        return
+    system, node = found
+    way = (stop[0] - start[0]) / np.abs((stop[0] - start[0]) / plane.widths).max()
+    place, own = system.values(node.z), system.orbit(node.z)
+    if not 0 <= (place - start[0]) @ way <= (stop[0] - start[0]) @ way:
+        return  # the border at the segment's end, once more
+    for shift in SHIFTS:
+        before, after = (place - shift * way, place + shift * way)
+        orbits = [orbit_beside(plane, beside, own, start[1], stop[1]) for beside in (before, after)]
+        words = {orbit.cycle for orbit in orbits if orbit is not None}
+        if len(words) == 2 and own.cycle in words:
+            break
+    if orbits[0] is not None and (before - start[0]) @ way > 0:
+        yield from all_crossings(plane, start, (before, orbits[0]))
+    yield system, node
+    if orbits[1] is not None and (stop[0] - after) @ way > 0:
+        yield from all_crossings(plane, (after, orbits[1]), stop)
 
 
 def borders_between(
@@ -712,8 +712,8 @@ def _settled(plane: Plane, p: Parameters) -> tuple[np.ndarray, Orbit | None]:
     return place, Orbit(Word(orbit.labels), orbit.periods, orbit.phases())
 
 
-def _loss_of_word(plane: Plane, inside: Any, place: np.ndarray) -> Any:
-    """Return the border in closed form between an orbit and a place with none, and an orbit next to it; or None."""
+def _loss_of_word(plane: Plane, inside: Any, place: np.ndarray) -> tuple[Motion, Any] | None:
+    """Return the border in closed form between an orbit and a place with none, after an orbit beside it; or None."""
     system = ClosedForm(plane, plane.parameters(place.tolist()), inside[1])
 
     def word(part: float) -> bool:
@@ -822,8 +822,9 @@ def continue_border(
         inside, outside = (orbit_beside(plane, values + way * shift, near) for way in (1, -1))
         if inside is None or outside is None:
             continue
-        for system, node in crossings(plane, (values + shift, inside), (values - shift, outside)):
-            border = Tracer(system, node, longest, most).border()
+        found = first_crossing(plane, (values + shift, inside), (values - shift, outside))
+        if found is not None:
+            border = Tracer(*found, longest, most).border()
             if border.words[1] == cycle(branch.word):
                 border.words, border._side, border.kind = border.words[::-1], -border._side, reason.kind
             return border

@@ -39,7 +39,7 @@ from symosc.kernels._generated import motion, next_derivative
 from symosc.kernels.entire import EPS
 from symosc.model import NEIGHBOURS, PARAMETER_NAMES, Parameters
 from symosc.orbits import admissibility
-from symosc.orbits.admissibility import Condition, conditions, gaps, holds, scales
+from symosc.orbits.admissibility import Condition, clearances, conditions, holding_forces, scales
 from symosc.orbits.closing_equations import ClosingEquations, Orbit, OrbitPiece, pieces_of
 
 AT_FAR, AT_ARRIVAL, AT_FLAT, AT_HOLD, AT_TOUCH, AT_BEND = "far", "arrival", "flat", "hold", "touch", "bend"
@@ -51,7 +51,7 @@ POINTS_WEIGHT = 4.0  # by which switching points count less than the parameters 
 
 
 class Zero(NamedTuple):
-    """A margin that vanishes on a border: its kind, its piece, its place (the belt of a graze, a force's domain)."""
+    """An inequality that is 0 on a border: its kind, its piece, and the belt (of a graze) or domain (of a force)."""
 
     kind: str
     piece: int
@@ -59,7 +59,7 @@ class Zero(NamedTuple):
 
     @property
     def bend(self) -> Zero:
-        """The same zero one derivative higher, which vanishes too if the margin has a multiple zero."""
+        """The zero of the next derivative by time, which is 0 too where this one is no simple zero."""
         return self._replace(kind=AT_BEND if self.kind in TIMED else AT_FLAT)
 
 
@@ -110,9 +110,10 @@ class QuickArithmetic(Arithmetic):
 
 
 class BorderSystem:
-    """The closing equations of a word, and its vanishing margins; unknowns u: x, theta per point, phases, parameters.
+    """The closing equations of a word together with the inequalities that are 0 on a border.
 
-    With one vanishing margin (a `Zero`) the roots are a curve, with two a point. Lengths are measured in z = u/scale.
+    The unknowns u are x and theta of each switching point, the phases of the extrema of `timed` zeros, and the two
+    parameters. With one zero the roots are a curve, with two a point. Lengths are measured in z = u/scale.
     """
 
     def __init__(self, plane: Plane, orbit: Orbit, zeros: Sequence[Zero]) -> None:
@@ -124,14 +125,14 @@ class BorderSystem:
         self.n = len(self.pieces)
         self.sizes = np.zeros(0)
         self.hidden: tuple[int, ...] = ()  # conditions that are 0 all along, as the border's own or by symmetry
-        self.pieces = self._at_rest_after(zero.piece for zero in self.zeros if zero.kind == AT_FAR)
+        self.pieces = self._unaccelerated_after(zero.piece for zero in self.zeros if zero.kind == AT_FAR)
         self.symmetric_pieces = self.pieces
         size = max(np.ptp(points[:, 0]), 0.1 * np.abs(points[:, 0]).max())
         weight = POINTS_WEIGHT * np.sqrt(2 * self.n)
         self.scale = np.array([*[size * weight, weight] * self.n, *[weight] * len(self.timed), *plane.widths])
 
-    def _at_rest_after(self, crossings: Iterable[int]) -> tuple[OrbitPiece, ...]:
-        """Return the pieces; flights after the given crossings are marked to start with acceleration 0."""
+    def _unaccelerated_after(self, crossings: Iterable[int]) -> tuple[OrbitPiece, ...]:
+        """Return the pieces with the flights after the given crossings started with acceleration 0."""
         pieces = list(self.pieces)
         for i in crossings:
             j = (i + 1) % self.n
@@ -210,9 +211,10 @@ class BorderSystem:
     # -- Newton's method -----------------------------------------------------------------------------------------------
 
     def correct(self, z: np.ndarray, row: np.ndarray | None) -> tuple[np.ndarray, np.ndarray, float] | None:
-        """Find the root in the plane through z with the normal `row` (None: no plane is needed); None if not found.
+        """Solve the equations by Newton's method from z; return root, inverse Jacobian and error, or None.
 
-        It comes with the inverse of the Jacobian of all scaled equations, and with an estimate of its error.
+        `row` is the normal of a plane through z that contains the root; None if the equations alone fix it. Root and
+        error are in scaled unknowns.
         """
         start, inverse, before = z, None, inf
         try:
@@ -311,10 +313,10 @@ class BorderSystem:
         self.hidden = tuple({*small, *(i for i, c in enumerate(found) if (kind_of(c), c.piece) in own)})
         # Only for the inequalities: the equations would not fix an orbit that is at rest twice.
         crossings = [c.piece for i, c in enumerate(found) if i in small and c.rank == admissibility.PASSING]
-        self.symmetric_pieces = self._at_rest_after(crossings)
+        self.symmetric_pieces = self._unaccelerated_after(crossings)
 
     def margins(self, z: np.ndarray) -> list[Condition]:
-        """Return the inequalities that must hold on the border, also those that keep its zeros simple ones."""
+        """Return the inequalities that must hold on the border, also those by which its zeros are simple."""
         equations, points, phases = self.at((z * self.scale).tolist())
         equations.pieces = self.symmetric_pieces
         found, size = conditions(equations, points), scales(equations, points)
@@ -350,11 +352,12 @@ class BorderSystem:
 
 
 class ClosedForm(BorderSystem):
-    """A border beyond which the motion has no word: one equation in both parameters, about the slower belt.
+    """A border beyond which the motion has no word (it rests, or meets no belt): one equation in both parameters.
 
-    If its speed is 0 the mass may rest on it where mu FN >= |B0|; in a plane of this speed that is a line between two
-    words. Else no belt is met if it is as fast as the steady motion at its fastest: |v| sqrt((k - m Omega^2)^2 +
-    (c Omega)^2) >= |B0| Omega. The parameters `fixed` are on the border, the `orbit` is one beside it.
+    It is about the slower belt. If its speed is 0, the mass may rest on it where mu FN >= |B0|. Where that speed is one
+    of the two parameters, the border is the line of speed 0, and a word lies on either side. A belt that moves is not
+    met if it is at least as fast as the steady motion: |v| sqrt((k - m Omega^2)^2 + (c Omega)^2) >= |B0| Omega. The
+    parameters `fixed` are on the border, the `orbit` is one beside it.
     """
 
     def __init__(self, plane: Plane, fixed: Parameters, orbit: Orbit) -> None:
@@ -438,8 +441,8 @@ def _slope(function: Any, u: Sequence[Any], values: np.ndarray, j: int, step: An
 
 
 def turns_of(equations: ClosingEquations, points: Any, i: int, kind: str) -> list[tuple[Number, Number, int]]:
-    """Return (margin, phase, belt or domain) of each extremum in piece i at which a zero of this kind may appear."""
-    return list((gaps if kind == AT_TOUCH else holds)(equations, equations.spans(points)[i]))
+    """Return the extrema in piece i of what a zero of this kind is about: velocity or force, phase, belt or domain."""
+    return list((clearances if kind == AT_TOUCH else holding_forces)(equations, equations.spans(points)[i]))
 
 
 def zero_values(equations: ClosingEquations, points: Any, zero: Zero, theta: Number) -> list[Number]:
@@ -498,7 +501,10 @@ def kind_of(condition: Condition) -> str:
 
 
 def zeros_of(equations: ClosingEquations, points: Any, condition: Condition) -> list[tuple[Zero, list[float]]]:
-    """Return the zeros that a nearly vanishing condition may stand for, each with the phase of its extremum, if any."""
+    """Return the zeros that a condition close to 0 may stand for, each with the phase of its extremum, if any.
+
+    There are two where a flight behind a crossing turns back at once: its graze is a zero too.
+    """
     kind, i = kind_of(condition), condition.piece
     piece, end = equations.pieces[i], equations.ends(points)[i]
     if kind == AT_FAR:

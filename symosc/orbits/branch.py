@@ -515,9 +515,11 @@ class Curve:
     def _scan(
         self, a: BranchPoint, b: BranchPoint, around: float = np.inf
     ) -> tuple[list[BranchPoint], BranchPoint | None] | None:
-        """Divide the branch from a to b; return the orbits found and the first point that is not an orbit, or None."""
-        # None if the points do not lie on one smooth curve. `around` is the length of the shortest piece that has both
-        # and is known to end in a change.
+        """Divide the branch from a to b; return (orbits found, first point that is no orbit or None).
+
+        The whole result is None if the points do not lie on one smooth curve: a shorter step is needed. `around` is the
+        length of the shortest piece around both that is known to end in a point that is no orbit.
+        """
         length, changed = self.distance(a, b), bool(b.failures)
         around = min(around, length) if changed else around
         if changed and length < NO_GAP:
@@ -567,7 +569,7 @@ class Curve:
         return replace(point, failures=tuple(failures(self.equations(point.value), point.points)))
 
     def _located(self, good: BranchPoint, bad: BranchPoint) -> tuple[list[BranchPoint], BranchPoint]:
-        """Bisect for an end; return a list of the last orbit before it (empty: that is `good`), and the point after."""
+        """Bisect for an end; return the points of the branch that were added (one or none), and the point behind it."""
         begin = good
         while self.distance(good, bad) > RESOLUTION:
             m = self.middle(good, bad)
@@ -654,7 +656,10 @@ def _largest_bends(values: np.ndarray, axis: int) -> np.ndarray:
 
 
 def _proven_positive(values: np.ndarray, deficit: float | np.ndarray = 0.0) -> np.ndarray:
-    """Return for each column of (5, n) values, at five points of a branch, whether it stays > 0 between them too."""
+    """Return for each column of (5, n) values, at five points of a branch, whether it stays > 0 between them too.
+
+    `deficit` is what the columns' functions may be below these values beside them; the bound is in the module's text.
+    """
     bend, least = _largest_bends(values, axis=0), values - deficit
     roots = np.sqrt(np.maximum(least, 0.0))
     far = roots[:-1] + roots[1:] > np.sqrt(0.5 * MARGIN_SAFETY * bend)
@@ -662,7 +667,10 @@ def _proven_positive(values: np.ndarray, deficit: float | np.ndarray = 0.0) -> n
 
 
 def _stay_positive(nodes: list[Node], i: int, u: np.ndarray, depth: int) -> bool:
-    """Return whether the margins of piece i stay positive at and between the parts u of its duration."""
+    """Return whether the margins of piece i stay positive between the parts u (0 to 1) of its duration.
+
+    Where five values do not show it, u is refined, at most `depth` times.
+    """
     for rows in zip(*(piece_margins(equations, points, i, u) for equations, points in nodes), strict=True):
         values = np.array(rows)
         good = _proven_positive(values, MARGIN_SAFETY / 8 * _largest_bends(values, axis=1))

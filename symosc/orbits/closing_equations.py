@@ -33,8 +33,8 @@ from symosc.model import Parameters
 from symosc.words import Word, cycle
 
 MOST_NEWTON_STEPS, MOST_POLISHING = 60, 80
-# A step may take at most this part of a piece's duration away: a flight must not shrink to its trivial root tau = 0.
-SHORTEN = 0.8
+# A step takes at most this part of a flight's duration away: it must not shrink to its trivial root tau = 0.
+MOST_SHORTENING = 0.8
 # Below this size of a (relative) correction Newton's method is taken to converge; it then goes on to the last digit.
 CONVERGING = 1e-8
 SINGULAR = "the Jacobian became singular"
@@ -87,7 +87,7 @@ class OrbitPiece:
 
     @property
     def zeros(self) -> int:
-        """The multiplicity of f2's root at duration 0: 0 between belts, 1 back to the same belt, 2 if after a stick."""
+        """How often f2 has the root tau = 0: once for a flight back to its belt, after a stick twice, else never."""
         return 0 if self.sticks or self.start != self.end else 2 if self.after_stick else 1
 
 
@@ -264,7 +264,7 @@ def newton(equations: ClosingEquations, guess: np.ndarray) -> Solution:
         if size <= 4 * EPS or (size < CONVERGING and size > size_before / 4):
             return Solution(points, equations.largest_residual(points), steps, True, "")
         size_before = size
-        damping = min(1.0, 4.0 * damping, _longest(equations, points, step))
+        damping = min(1.0, 4.0 * damping, _largest_part(equations, points, step))
         while True:
             trial = points + damping * step
             values = np.array(equations.residuals(trial), dtype=float)
@@ -304,13 +304,13 @@ def solve(equations: ClosingEquations, guess: np.ndarray) -> Solution:
     return Solution(points, equations.largest_residual(points), solution.steps + finer.steps, True, "")
 
 
-def _longest(equations: ClosingEquations, points: np.ndarray, step: np.ndarray) -> float:
-    """Return the largest part of a Newton step that leaves every flight at least 1 - SHORTEN of its duration."""
+def _largest_part(equations: ClosingEquations, points: np.ndarray, step: np.ndarray) -> float:
+    """Return the largest part of a Newton step that shortens no flight by more than `MOST_SHORTENING`."""
     # A stick may shrink to nothing and beyond: its equations have roots of negative duration, which are inadmissible.
     durations = equations.durations(points)
     changes = np.append(step[1:, 1], step[0, 1]) - step[:, 1]
     shrinking = np.array([not piece.sticks for piece in equations.pieces]) & (changes < 0)
-    return float((SHORTEN * durations[shrinking] / -changes[shrinking]).min(initial=1.0))
+    return float((MOST_SHORTENING * durations[shrinking] / -changes[shrinking]).min(initial=1.0))
 
 
 def polish(equations: ClosingEquations, points: Points) -> Solution:

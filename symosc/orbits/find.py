@@ -23,7 +23,7 @@ from symosc.mappings.numbers import real_array
 from symosc.model import MODE_NAMES, Parameters
 from symosc.orbits.admissibility import FLIGHT_LASTS, STICK_LASTS, failures, grazing_distance
 from symosc.orbits.closing_equations import ClosingEquations, ConvergenceError, Orbit, Solution, polish, solve
-from symosc.orbits.floquet import inside, multipliers_of, rest_positions
+from symosc.orbits.floquet import multipliers_of, rest_positions, stability_margin
 from symosc.orbits.periodic_orbit import PeriodicOrbit, SwitchingPoint
 from symosc.scenes import ParametersLike
 from symosc.simulation.ensemble import simulate_many
@@ -152,7 +152,7 @@ def settled_orbit(parameters: Parameters, digits: int | None = None, most: int =
 
 
 def _best_root(equations: ClosingEquations, guesses: Iterable[Guess]) -> tuple[ClosingEquations, Solution]:
-    """Return the first admissible root, else the one that fails least; repetitions of shorter words last."""
+    """Return the first admissible root that repeats no shorter orbit; else one that does, or the one that fails least."""
     roots: list[tuple[tuple[bool, bool, float], ClosingEquations, Solution]] = []
     best, tried = None, equations
     for guess in guesses:
@@ -223,7 +223,7 @@ def orbit_at(equations: ClosingEquations, solution: Solution, digits: int | None
 
     first, second = multipliers_of(final, solution.points)
     values = (complex(first), complex(second)) if digits is None else (rounded(first), rounded(second))
-    gap = inside(equations, double, values)
+    gap = stability_margin(equations, double, values)
     stable = True if not failed and equations.parameters.c > 0 else None if gap is None else gap > 0
     if failed:
         texts, resting = [], False
@@ -432,7 +432,7 @@ def largest_displacement(equations: ClosingEquations) -> tuple[float, float]:
 
 
 def from_simulations(equations: ClosingEquations, periods: int | None) -> Iterator[Guess]:
-    """Yield guesses from motions simulated from the word's belts; of every eight the four that close best."""
+    """Yield guesses from motions simulated from the word's belts, from each eight starts the four that close best."""
     # They start at 7 positions, in units of the largest displacement expected, at 8 phases.
     centre, size = largest_displacement(equations)
     boundaries = sorted({piece.start for piece in equations.pieces})

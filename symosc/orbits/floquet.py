@@ -81,8 +81,8 @@ def multipliers(trace: Number, determinant: Number, root: Callable[[Number], Any
     return large, determinant / large if large != 0 else 0 * large
 
 
-def inside(equations: ClosingEquations, points: Points, values: tuple[Number, Number]) -> float | None:
-    """Return 1 minus the size of the larger multiplier, > 0 if stable; None if that size is 1 to many digits."""
+def stability_margin(equations: ClosingEquations, points: Points, values: tuple[Number, Number]) -> float | None:
+    """Return 1 minus the size of the larger multiplier, > 0 if stable; None if it is 0 to 25 digits (marginal)."""
     gap = float(1 - max(abs(value) for value in values))
     if abs(gap) > NEAR_ONE:
         return gap
