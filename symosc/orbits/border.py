@@ -168,19 +168,16 @@ class Border(Drawable):
         self.points = np.array([system.values(node.z) for node in nodes])
         self.errors = np.array([node.error for node in nodes])
         self.kind, self.sliding = names_of(system)
+        own = cycle(str(system.word))
         self._side = 1.0
-        self.words: tuple[str | None, str | None] = self._find_words()
-
-    def _find_words(self) -> tuple[str | None, str | None]:
-        """Return the words beside the middle point, that of the border's equations first; note on which side it is."""
-        own = cycle(str(self._system.word))
+        self.words: tuple[str | None, str | None] = own, None  # beside the middle point, that of the equations first
         for distance in BESIDE:
             words = self.words_beside(len(self) // 2, distance)
             if words[0] != own and own in words:
                 self._side, words = -self._side, words[::-1]
             if words[0] == own and words[1] != own:
-                return words
-        return own, None
+                self.words = words
+                break
 
     @public
     def words_beside(self, i: int, distance: NumberLike = 1e-6) -> tuple[str | None, str | None]:
@@ -376,9 +373,16 @@ class Tracer:
                     return end(NO_CONVERGENCE, "the steps became too short: the equations are singular there")
                 continue
             bend = (node.tangent - here.tangent) / np.linalg.norm(node.z - here.z)
-            outside = self._outside(node)
-            if outside is not None:
-                node = self._at_bound(here, node, *outside)
+            outside = None
+            for j, (value, low, high) in enumerate(zip(node.z[-2:], self.low, self.high, strict=True)):
+                # A border along a bound is not outside.
+                if outside is None and not low - 1e-14 <= value <= high + 1e-14:
+                    outside = j, float(low if value < low else high)
+            if outside is not None:  # end at the bound
+                j, bound = outside
+                guess = between(here, node, float((bound - here.z[-2 + j]) / (node.z[-2 + j] - here.z[-2 + j])))
+                guess[-2 + j] = bound
+                node = self.system.node(guess, here.tangent, np.eye(len(guess))[-2 + j]) or here
             for j in (0, 1):
                 slopes = np.array([here.tangent[-2 + j], node.tangent[-2 + j]])
                 if slopes.prod() < 0 and np.ptp(slopes) > 1e-6:  # rounding alone on a line along an axis
@@ -414,20 +418,6 @@ class Tracer:
             if len(path) > self.most:
                 return end(MOST, f"stopped after {self.most} points")
             step = min(1.5 * step, self.longest)
-
-    def _outside(self, node: Node) -> tuple[int, float] | None:
-        """Return which parameter (0 or 1) is outside its range, and the bound it passed (scaled); None if none is."""
-        for j, (value, low, high) in enumerate(zip(node.z[-2:], self.low, self.high, strict=True)):
-            if not low - 1e-14 <= value <= high + 1e-14:  # a border along a bound is not outside
-                return j, float(low if value < low else high)
-        return None
-
-    def _at_bound(self, here: Node, node: Node, j: int, bound: float) -> Node:
-        """Return the node between two at which parameter j is at a bound of its range."""
-        part = (bound - here.z[-2 + j]) / (node.z[-2 + j] - here.z[-2 + j])
-        guess = between(here, node, float(part))
-        guess[-2 + j] = bound
-        return self.system.node(guess, here.tangent, np.eye(len(guess))[-2 + j]) or here
 
     def _failing(self, node: Node) -> Condition | None:
         """Return the inequality that fails most at a node, if any."""

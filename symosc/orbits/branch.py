@@ -466,7 +466,13 @@ class Curve:
         self, direction: float, most: int, advance: Advance, before: int = 0
     ) -> tuple[list[BranchPoint], BranchEnd]:
         """Follow the curve in one direction; return its points and why they end. `before`: number of earlier points."""
-        path, length, reached = self._first_points(direction), 0.02, 0.0
+        z, length, reached = self.joined(self.start, self.value), 0.02, 0.0
+        path = [self.point(z, np.append(np.zeros(len(z) - 1), direction))]
+        # At an end margins are rounding noise. Then a point just after it follows; between the two nothing is proven.
+        at_end = not all(condition.value > 1e-6 * condition.scale for condition in path[0].conditions)
+        beside = (self.step(path[0], shift) for shift in ((1e-6, 1e-5, 1e-4) if at_end else ()))
+        orbits = (each for each in beside if each and not each.failures and not self._verified(each).failures)
+        path += [each for each in (next(orbits, None),) if each]
         done = self.value - self.low if before else 0.0  # the other way is done, wherever it ended
 
         def end(kind: str, message: str, *conditions: Condition) -> tuple[list[BranchPoint], BranchEnd]:
@@ -500,18 +506,6 @@ class Curve:
                 return path, self._end_at(path, failed, direction)
             length = min(1.5 * length, LONGEST_STEP)
 
-    def _first_points(self, direction: float) -> list[BranchPoint]:
-        """Return the first point; if it is at an end, where margins are rounding noise, also one just after it."""
-        # On the way between the two nothing is proven (as before an end, see NO_GAP).
-        z = self.joined(self.start, self.value)
-        first = self.point(z, np.append(np.zeros(len(z) - 1), direction))
-        at_end = not all(condition.value > 1e-6 * condition.scale for condition in first.conditions)
-        for length in (1e-6, 1e-5, 1e-4) if at_end else ():
-            point = self.step(first, length)
-            if point is not None and not point.failures and not self._verified(point).failures:
-                return [first, point]
-        return [first]
-
     def _scan(
         self, a: BranchPoint, b: BranchPoint, around: float = np.inf
     ) -> tuple[list[BranchPoint], BranchPoint | None] | None:
@@ -522,8 +516,11 @@ class Curve:
         """
         length, changed = self.distance(a, b), bool(b.failures)
         around = min(around, length) if changed else around
-        if changed and length < NO_GAP:
-            return self._located(a, b)
+        if changed and length < NO_GAP:  # bisect for the end
+            good, bad = a, b
+            while self.distance(good, bad) > RESOLUTION and (m := self.middle(good, bad)) is not None:
+                good, bad = (good, m) if m.failures else (m, bad)
+            return ([] if good is a else [good]), bad
         m = self.middle(a, b)
         if m is None:
             return None
@@ -567,16 +564,6 @@ class Curve:
     def _verified(self, point: BranchPoint) -> BranchPoint:
         """Return the point with its failing conditions decided anew, with more digits and by following the orbit."""
         return replace(point, failures=tuple(failures(self.equations(point.value), point.points)))
-
-    def _located(self, good: BranchPoint, bad: BranchPoint) -> tuple[list[BranchPoint], BranchPoint]:
-        """Bisect for an end; return the points of the branch that were added (one or none), and the point behind it."""
-        begin = good
-        while self.distance(good, bad) > RESOLUTION:
-            m = self.middle(good, bad)
-            if m is None:
-                break
-            good, bad = (good, m) if m.failures else (m, bad)
-        return ([] if good is begin else [good]), bad
 
     # -- the end -------------------------------------------------------------------------------------------------------
 

@@ -152,7 +152,7 @@ def settled_orbit(parameters: Parameters, digits: int | None = None, most: int =
 
 
 def _best_root(equations: ClosingEquations, guesses: Iterable[Guess]) -> tuple[ClosingEquations, Solution]:
-    """Return the first admissible root that repeats no shorter orbit; else one that does, or the one that fails least."""
+    """Return the first admissible root that repeats no shorter orbit; else one that does, or that which fails least."""
     roots: list[tuple[tuple[bool, bool, float], ClosingEquations, Solution]] = []
     best, tried = None, equations
     for guess in guesses:
@@ -162,7 +162,7 @@ def _best_root(equations: ClosingEquations, guesses: Iterable[Guess]) -> tuple[C
             if best is None or solution.residual < best.residual:
                 best = solution
             continue
-        if any(_is_same_root(tried, solution, others, other) for _, others, other in roots):
+        if any(_is_same_root(solution, other) for _, others, other in roots if others.periods == tried.periods):
             continue
         failed = failures(tried, solution.points)
         repeats = repetitions(tried, solution.points) > 1
@@ -178,10 +178,8 @@ def _best_root(equations: ClosingEquations, guesses: Iterable[Guess]) -> tuple[C
     raise ConvergenceError(word, switching_points(tried, best.points), tried.periods, float(best.residual), reason)
 
 
-def _is_same_root(equations: ClosingEquations, a: Solution, others: ClosingEquations, b: Solution) -> bool:
+def _is_same_root(a: Solution, b: Solution) -> bool:
     """Return whether two roots are equal, except for whole turns of the phase."""
-    if equations.periods != others.periods:
-        return False
     away = np.asarray(a.points) - np.asarray(b.points)
     away[:, 1] -= 2 * pi * np.round(away[0, 1] / (2 * pi))
     return bool((np.abs(away) < SAME_ORBIT * np.array([max(1.0, np.abs(a.points[:, 0]).max()), 1.0])).all())
