@@ -67,9 +67,11 @@ CUT = 0.4831  # where an interval is divided: not a fraction at which roots are 
 
 
 def first_root(p: list[Number], noise: Number, eps: Number) -> tuple[bool, Number]:
-    """Return (touch, sigma): sigma is the first root in (0, 1] of a polynomial known within `noise`, or None."""
-    # `touch` says that the polynomial comes to 0 within the noise, and whether it passes is undecided.
-    #
+    """Return (touch, sigma): the first root sigma in (0, 1] of a polynomial whose values are known within `noise`.
+
+    `touch` is true where the polynomial comes within the noise of 0, and whether it has a root is undecided. Without
+    either, sigma is None.
+    """
     # If the Bernstein coefficients on an interval all exceed the noise, there is no root in it. If the polynomial falls
     # from above the noise to below it with one change of sign, there is exactly one. If its slope changes sign exactly
     # once, from falling to rising, the value at the bottom decides. Above the noise there is no root, below it there
@@ -168,7 +170,10 @@ class Boundary(NamedTuple):
 
 
 class BackwardState(NamedTuple):
-    """The state of a flight at the time `tau` before its tangency, `dx` away; `kind`: why a search ends here."""
+    """The state of a flight at the time `tau` before its tangency, whose position is `dx` from the tangency's.
+
+    The last state of a search has the `kind` of its end, and the `boundary` that it reaches.
+    """
 
     tau: Number
     dx: Number
@@ -178,7 +183,7 @@ class BackwardState(NamedTuple):
     x_error: Number
     energy_error: Number
     kind: str = ""
-    boundary: int = 0  # at the end of a search, the one that it reaches
+    boundary: int = 0
 
 
 #: A contact in a step: whether it is a graze, its part of the step, and the boundary.
@@ -220,16 +225,12 @@ class BackwardSteps:
             self.recurrence.append((power, cm / (k + 2), w0sq / ((k + 1) * (k + 2))))
             power = power * K.Om * self.H
         self.drive_remainder = abs(power)
-        self._matrix = self._linear() if functions is math else None
-
-    def _linear(self) -> np.ndarray:
-        """Return the matrix from (v, a, sin, cos) to the Taylor and Bernstein coefficients and the end of a step."""
-        columns = []
-        for i in range(4):
-            *T, behind = self._taylor(*(float(i == j) for j in range(4)))
+        self._matrix, columns = None, []
+        for unit in np.eye(4).tolist() if functions is math else ():  # from (v, a, sin, cos) to all of a step at once
+            *T, behind = self._taylor(*unit)
             dv, slope, area = _changes_over(T, 1.0)
             columns.append([*T, behind, *bernstein([0.0, *T[1:]]), dv, -slope / self.H, -self.H * area])
-        return np.array(columns).T.copy()
+            self._matrix = np.array(columns).T.copy()
 
     def begin(self, zero: Number) -> BackwardState:
         """Return the state at the tangency, where the steps begin; `zero` is 0 in the arithmetic used."""
@@ -238,8 +239,10 @@ class BackwardSteps:
     def take(
         self, theta: Number, order: int, state: BackwardState
     ) -> tuple[BackwardHit | None, BackwardStep, BackwardState]:
-        """Take a backward step from a state; return its first contact or None, the step, and the state at its end."""
-        # `order` is that of the first G-function that does not vanish at the tangency, 1 or 3.
+        """Take a backward step; return its first contact or None, the step, and `state` with the errors of its end.
+
+        `order`, 1 or 3, is that of the first G-function that does not vanish at the tangency.
+        """
         K, H, eps = self.K, self.H, self.eps
         tau, v, a = state.tau, state.v, state.a
         step = self._taylor_step(v, a, *self.wave(theta, tau))
@@ -427,7 +430,7 @@ class Flights:
     def repeat_step(
         self, theta: Number, order: int, tau: float, step: float
     ) -> tuple[BackwardState | None, BackwardState]:
-        """Repeat the step at tau with more digits and the length `step`; return its contact or None, and the state."""
+        """Repeat a step, `step` long, in more digits; return its contact or None, and the state to go on from."""
         if step not in self._steps:
             where, context = self.place, self.context
             self._steps[step] = BackwardSteps(self.K, where.boundary, where.domain, context, context.eps, step)
@@ -447,7 +450,10 @@ def rounded(state: BackwardState) -> BackwardState:
 
 
 class Origins:
-    """The origins of the flows into the tangencies of one mapping; ParameterError without grazing or for k = 0."""
+    """A search for where the flows into the tangencies of one mapping come from.
+
+    ParameterError for a mapping that cannot graze, and for k = 0.
+    """
 
     def __init__(self, p: Parameters, mapping: str) -> None:
         where = place(mapping)
@@ -475,9 +481,11 @@ class Origins:
         repeats: int = len(REPEATED_STEPS),
         most_steps: int = MOST_BACKWARD_STEPS,
     ) -> BackwardState:
-        """Follow the flow back from a tangency in doubles, to the first contact or for the time `far`."""
-        # `order` is that of the first G-function that does not vanish there. An undecided step is repeated with
-        # `digits` (keeping them if it has the contact), then with twice as many; without repeats it is a touch.
+        """Follow the flow back from the tangency at a phase, in doubles, to the first contact or to the time `far`.
+
+        `order` is that of the first G-function that does not vanish there. A step with an undecided contact is repeated
+        up to `repeats` times, with `digits`, then with twice as many; after that, or without repeats, it is a touch.
+        """
         steps, theta = self.steps, float(angle)
         far = SEARCH_PERIODS * self.K.period if far is None else far
         # At most so many undecided steps are repeated: a flight that stays near a boundary for longer stays undecided.
@@ -512,7 +520,7 @@ class Origins:
         return self.steps.moved(state, step, (far - state.tau) / self.steps.H)._replace(kind=REACHED)
 
     def _never_came(self, theta: float, state: BackwardState) -> bool:
-        """Return whether the backward flow from a state never meets a boundary; it always does if underdamped."""
+        """Return whether the backward flow never meets a boundary; that never happens below critical damping."""
         K = self.K
         if K.under or self.place.domain == 2:
             return False

@@ -342,16 +342,18 @@ def _cut(tracer: Tracer, samples: list[Sample], arc: tuple[float, float, bool]) 
 
 
 def _continuous(left: Sample, right: Sample) -> bool:
-    """Return whether the start's phase Omega t_i changes between two samples as their slopes predict, or hardly."""
+    """Return whether the start's phase Omega t_i changes between two samples by little, or as their slopes predict."""
     change = right.theta - left.theta
     expected = 0.5 * (left.slope_theta + right.slope_theta) * (right.theta_m - left.theta_m)
     return not abs(change) > 0.2 or abs(change - expected) <= 0.25 * abs(change)
 
 
 def _edge(tracer: Tracer, left: Sample, right: Sample) -> tuple[list[Sample], list[Sample], float] | None:
-    """Return the samples on both sides of the first change of origin, or jump, between two, and its theta_m."""
-    # The former are in order from `left` inward, the latter from `right` inward, beginning with `right`. None:
-    # there is no edge. Jumps among flows from the other belt are no edges, but something may hide behind them.
+    """Locate a change of origin, or a jump, between two samples: (samples before, samples behind, its theta_m) or None.
+
+    Those before it are in order from `left` inward, those behind it from `right` inward, beginning with `right`.
+    """
+    # Jumps among flows from the other belt are no edges, but something may hide behind them.
     if left.origin == right.origin and _continuous(left, right):
         return None
     lefts, rights = list[Sample](), [right]

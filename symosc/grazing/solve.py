@@ -345,7 +345,7 @@ class Candidates:
         return None
 
     def _solve_among_grazes(self, theta_m: float, target: Number) -> tuple[Number, Number] | None:
-        """Return the solution among flights from graze to graze, which all last equally long; None if not found."""
+        """Return the solution where flights start at a graze too, so that all have one duration; None if not found."""
         flights, phase = self.flights, Fraction(theta_m)
         arrival, _ = self.source.exact(phase, 1, lambda each: each.K.period * SEARCH_PERIODS, flights.digits)
         if arrival.kind != TOUCH:
@@ -383,7 +383,7 @@ class Candidates:
         return True
 
     def _note_endless(self, end: CurveEnd, point: Point, index: int, piece: CurvePiece) -> None:
-        """Add a note where a curve continues forever below the resolution of doubles."""
+        """Add a note where a piece ends and further solutions may lie nearer to its end than doubles resolve."""
         if end.reason in ("end of the window", "closed"):
             return
         if end.reason.endswith("(within the search)"):

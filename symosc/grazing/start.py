@@ -31,7 +31,6 @@ from symosc.kernels._generated import next_derivative
 from symosc.mappings import numbers
 from symosc.mappings.numbers import LatexAnswer, latex_number, latex_point, latex_words, number_of, reduced
 from symosc.mappings.theorem7_cases import place
-from symosc.model import Parameters
 from symosc.scenes import ParametersLike
 
 DEFAULT_DIGITS = 40
@@ -146,9 +145,23 @@ def grazing_start(
     >>> simulate(p, **found.start, t_end="0.3").events[0].kind
     'graze'
     """
-    origins = Origins(p, mapping)
-    time, angle = _tangency(p, theta, t_m, t0)
-    until = None if t0 is None else read_exact("t0", t0)
+    origins, until = Origins(p, mapping), None
+    if (theta is None) == (t_m is None):
+        raise ParameterError("theta", theta, "give either theta or t_m")
+    if t_m is not None:
+        time = numbers.read_angle("t_m", t_m)
+        angle = reduced(numbers.times(time, p.Omega))
+    else:
+        angle = reduced(numbers.read_phase("theta", theta))
+        time = numbers.times(angle, 1 / p.Omega)
+    if t0 is not None:
+        until = read_exact("t0", t0)
+        if t_m is None:  # the first time after t0
+            import sympy
+
+            gap = numbers.symbolic(until * p.Omega) - numbers.symbolic(angle)
+            turns = sympy.floor(gap / (2 * sympy.pi)) + 1
+            time = numbers.times(numbers.symbolic(angle) + 2 * sympy.pi * turns, 1 / p.Omega)
     digits, number = read_digits(digits, MOST_START_DIGITS), float(read_exact("periods", periods))
     if not 0 < number <= MOST_PERIODS_BACK:
         raise ParameterError("periods", periods, f"must be > 0 and at most {MOST_PERIODS_BACK:g}")
@@ -232,25 +245,6 @@ def _text(value: Number, digits: int, context: Context) -> str:
     """Return a decimal with at least `digits` digits after the point, readable as an exact number."""
     whole = len(str(int(abs(value))))
     return str(context.nstr(value, digits + whole, strip_zeros=False, min_fixed=-inf, max_fixed=inf))
-
-
-def _tangency(
-    p: Parameters, theta: NumberLike | None, t_m: NumberLike | None, t0: NumberLike | None
-) -> tuple[Angle, Angle]:
-    """Return the exact time and phase of the tangency."""
-    if (theta is None) == (t_m is None):
-        raise ParameterError("theta", theta, "give either theta or t_m")
-    if t_m is not None:
-        time = numbers.read_angle("t_m", t_m)
-        return time, reduced(numbers.times(time, p.Omega))
-    angle = reduced(numbers.read_phase("theta", theta))
-    if t0 is None:
-        return numbers.times(angle, 1 / p.Omega), angle
-    import sympy
-
-    gap = numbers.symbolic(read_exact("t0", t0) * p.Omega) - numbers.symbolic(angle)
-    turns = sympy.floor(gap / (2 * sympy.pi)) + 1
-    return numbers.times(numbers.symbolic(angle) + 2 * sympy.pi * turns, 1 / p.Omega), angle
 
 
 # --- Theorem 6 at a state ---

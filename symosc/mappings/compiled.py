@@ -185,7 +185,7 @@ def _read(columns: tuple[Any, ...], names: tuple[str, ...], dimensions: int) -> 
 
 @lru_cache(maxsize=KINDS)
 def _loops(kind: int) -> dict[str, Any]:
-    """Return the functions over arrays by name, compiled with one kind of closed form."""
+    """Return the functions over arrays by name, compiled with the formula of one kind of `symosc.kernels.mapping`."""
     outlined = {"flights", "flights_and_slopes", "sticks", "sticks_and_slopes", "load", "store", "kinds_of"}
     if kind == WIDE:
         return compile_modules((mapping,), outlined | {"flight", "flight_slopes"}, compiled())

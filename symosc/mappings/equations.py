@@ -243,7 +243,10 @@ UNWRAPPED = "must be >= theta_i: give unwrapped phases, the flight takes (theta_
 def read_points(
     p: Parameters, label: str, start: Pair, end: Pair, exit: str | None = None
 ) -> tuple[Map, MapArithmetic, list[Any], tuple[int, ...] | None]:
-    """Check a map's arguments; return its row of the table, functions, flat points, and shape (None for scalars)."""
+    """Check a map's arguments; return its row of `MAPS`, the functions for the kind of numbers given, and the points.
+
+    Points are four numbers, or flat arrays with the shape that they had (None for numbers).
+    """
     if label not in MAPS:
         raise ParameterError("label", label, f"must be one of {', '.join(MAPS)}")
     row = MAPS[label]

@@ -553,13 +553,9 @@ class Curve:
         values = np.array([[c.value for c in row if not concerns_whole_piece(c)] for row in margins])
         if not _proven_positive(values).all():
             return False
-        equations, points = nodes[2]
-        for i, duration in enumerate(equations.durations(points)):
-            parts = duration / equations.K.Om * equations.K.rate / SAMPLE
-            u = np.linspace(0.0, 1.0, 1 + int(min(MOST_PARTS, max(12, parts))))
-            if not _stay_positive(nodes, i, u, 30):
-                return False
-        return True
+        spans, rate = nodes[2][0].spans(m.points), nodes[2][0].K.rate
+        parts = [1 + int(min(MOST_PARTS, max(12, span.tau * rate / SAMPLE))) for span in spans]
+        return all(_stay_positive(nodes, i, np.linspace(0.0, 1.0, count), 30) for i, count in enumerate(parts))
 
     def _verified(self, point: BranchPoint) -> BranchPoint:
         """Return the point with its failing conditions decided anew, with more digits and by following the orbit."""

@@ -263,9 +263,8 @@ def orbit_at(equations: ClosingEquations, solution: Solution, digits: int | None
 def _other_motion_text(equations: ClosingEquations, resting: bool = False) -> str:
     """Describe what the motion at these parameters does instead of the orbit; `resting`: the root may stick forever."""
     for boundary in {piece.start for piece in equations.pieces if piece.sticks and resting}:
-        positions = rest_positions(equations.parameters, boundary)
-        if positions is not None:
-            return f"; the mass stays on belt {boundary}, {rest_interval_text(positions)}"
+        if rest_positions(equations.parameters, boundary) is not None:
+            return f"; {resting_text(equations.parameters, 3 + boundary, 'the mass stays')}"
     centre, size = largest_displacement(equations)
     once = ClosingEquations(equations.parameters, equations.word, 1)
     orbit, instead = settling(
@@ -388,20 +387,15 @@ def _words_of_a_period(equations: ClosingEquations, passages: list[Passage]) -> 
     return found
 
 
-def resting_text(parameters: Parameters, mode: int) -> str:
+def resting_text(parameters: Parameters, mode: int, what: str = "the motion comes to rest") -> str:
     """Describe where a motion without further events in a mode comes to rest."""
     if mode <= 3:
         return f"the motion ends up in Omega{mode} and meets no belt any more"
     positions = rest_positions(parameters, mode - 3)
     if positions is None:
         return f"the motion ends up on belt {mode - 3} for ever"
-    return f"the motion comes to rest on belt {mode - 3}, {rest_interval_text(positions)}"
-
-
-def rest_interval_text(positions: tuple[Number, Number]) -> str:
-    """Describe an interval of rest positions."""
     low, high = (f"{float(value):.6g}" for value in positions)
-    return f"where every x from {low} to {high} is a position of rest"
+    return f"{what} on belt {mode - 3}, where every x from {low} to {high} is a position of rest"
 
 
 def guesses_of_word(passages: list[Passage], labels: tuple[str, ...], periods: int | None, size: float) -> list[Guess]:
