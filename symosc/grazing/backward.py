@@ -191,13 +191,12 @@ BackwardHit: TypeAlias = tuple[bool, Number, Boundary]
 
 
 class BackwardStep(NamedTuple):
-    """A backward step: Taylor coefficients T of v, their remainder, bounds of v, and its end (change of v, a, dx)."""
+    """A backward step: its first state with the errors of its last, Taylor coefficients T of v, and first contact."""
 
+    begin: BackwardState
     T: list[Number]
-    remainder: Number
-    low: Number
-    high: Number
-    end: tuple[Number, ...]
+    end: tuple[Number, ...]  # change of v, a, and change of dx, in double precision only
+    found: BackwardHit | None
 
 
 class BackwardSteps:
@@ -236,16 +235,21 @@ class BackwardSteps:
         """Return the state at the tangency, where the steps begin; `zero` is 0 in the arithmetic used."""
         return BackwardState(zero, zero, self.touched.v + zero, zero, zero, zero, zero)
 
-    def take(
-        self, theta: Number, order: int, state: BackwardState
-    ) -> tuple[BackwardHit | None, BackwardStep, BackwardState]:
-        """Take a backward step; return its first contact or None, the step, and `state` with the errors of its end.
-
-        `order`, 1 or 3, is that of the first G-function that does not vanish at the tangency.
-        """
+    def take(self, theta: Number, order: int, state: BackwardState) -> BackwardStep:
+        """Take a backward step; `order`, 1 or 3, is that of the first nonzero G-function at the tangency."""
         K, H, eps = self.K, self.H, self.eps
-        tau, v, a = state.tau, state.v, state.a
-        step = self._taylor_step(v, a, *self.wave(theta, tau))
+        n, tau, v, a = len(self.recurrence) + 1, state.tau, state.v, state.a
+        s, c = self.wave(theta, tau)
+        if self._matrix is None:
+            *T, behind = self._taylor(v, a, s, c)
+            end, reach = (), sum(map(abs, T[1:]))
+            low, high = v - reach, v + reach
+        else:
+            rows = (self._matrix @ np.array((v, a, s, c))).tolist()
+            T, behind, changes, end = rows[:n], rows[n], rows[n + 1 : -3], tuple(rows[-3:])
+            low, high = v + min(changes), v + max(changes)
+        # The remainder is bounded by the last coefficient and the next one.
+        remainder = self.growth * (abs(behind) + K.w0 * H * abs(T[-1]) / n + self.drive_remainder)
         drive = abs(K.fB) * (1 + abs(theta) + K.Om * tau)
         rounding = BACKWARD_ROUNDING * eps * (abs(a) * H + (K.w0sq * abs(v) + drive) * H * H)
         energy_error = self.growth * state.energy_error + rounding / H
@@ -256,25 +260,26 @@ class BackwardSteps:
         found: BackwardHit | None = None
         for boundary in self.boundaries:
             at_start = tau == 0 and boundary is self.touched
-            noise = step.remainder + (rounding if at_start else v_error)
-            if not at_start and (step.low - boundary.v if boundary.inward > 0 else boundary.v - step.high) > noise:
+            noise = remainder + (rounding if at_start else v_error)
+            if not at_start and (low - boundary.v if boundary.inward > 0 else boundary.v - high) > noise:
                 continue
             if at_start:
-                p = [boundary.inward * term for term in step.T[order + 1 :]]
+                p = [boundary.inward * term for term in T[order + 1 :]]
             else:
-                p = [boundary.inward * (v - boundary.v), *(boundary.inward * term for term in step.T[1:])]
+                p = [boundary.inward * (v - boundary.v), *(boundary.inward * term for term in T[1:])]
             touch, sigma = first_root(p, noise, eps)
             if sigma is not None and (found is None or sigma < found[1]):
                 found = touch, sigma, boundary
-        return found, step, state._replace(v_error=v_error, energy_error=energy_error)
+        return BackwardStep(state._replace(v_error=v_error, energy_error=energy_error), T, end, found)
 
     def wave(self, theta: Number, tau: Number) -> tuple[Number, Number]:
         """Return sine and cosine of the phase at the time tau before the tangency at theta."""
         angle = theta - self.K.Om * tau
         return self.functions.sin(angle), self.functions.cos(angle)
 
-    def moved(self, state: BackwardState, step: BackwardStep, sigma: Number = None) -> BackwardState:
+    def moved(self, step: BackwardStep, sigma: Number = None) -> BackwardState:
         """Return the state at the fraction `sigma` of a step (None: its end), with the error bounds of its end."""
+        state = step.begin
         if sigma is None:
             tau, (dv, a, dx) = self.H, step.end
         else:
@@ -284,11 +289,11 @@ class BackwardSteps:
         x_error = state.x_error + self.H * state.v_error + self.eps * abs(dx)
         return BackwardState(state.tau + tau, dx, state.v + dv, a, state.v_error, x_error, state.energy_error)
 
-    def contact(self, state: BackwardState, step: BackwardStep, found: BackwardHit) -> BackwardState:
-        """Return the state at a contact that was found in the step that begins at `state`."""
+    def contact(self, step: BackwardStep, found: BackwardHit) -> BackwardState:
+        """Return the state at the contact that was found in a step."""
         touch, sigma, boundary = found
         kind = TOUCH if touch else CONTACT
-        return self.moved(state, step, sigma)._replace(v=boundary.v, kind=kind, boundary=boundary.number)
+        return self.moved(step, sigma)._replace(v=boundary.v, kind=kind, boundary=boundary.number)
 
     def _taylor(self, v: Number, a: Number, s: Number, c: Number) -> list[Number]:
         """Return the Taylor coefficients of v in units of the backward step, and the next one after them."""
@@ -297,21 +302,6 @@ class BackwardSteps:
         for k, (power, cm, w0sq) in enumerate(self.recurrence):
             T.append(next_derivative(T[k + 1], T[k], power * sines[k % 4], cm, w0sq))
         return T
-
-    def _taylor_step(self, v: Number, a: Number, s: Number, c: Number) -> BackwardStep:
-        """Return the backward Taylor step from v, a at sin, cos of the phase, with its remainder and range of v."""
-        n, end = len(self.recurrence) + 1, ()
-        if self._matrix is None:
-            *T, behind = self._taylor(v, a, s, c)
-            high = sum(map(abs, T[1:]))
-            low = -high
-        else:
-            rows = (self._matrix @ np.array((v, a, s, c))).tolist()
-            T, behind, changes, end = rows[:n], rows[n], rows[n + 1 : -3], tuple(rows[-3:])
-            low, high = min(changes), max(changes)
-        # The remainder is bounded by the last coefficient and the next one.
-        remainder = self.growth * (abs(behind) + self.K.w0 * self.H * abs(T[-1]) / n + self.drive_remainder)
-        return BackwardStep(T, remainder, v + low, v + high, end)
 
 
 def _changes_over(T: list[Number], sigma: Number) -> tuple[Number, Number, Number]:
@@ -436,10 +426,10 @@ class Flights:
             self._steps[step] = BackwardSteps(self.K, where.boundary, where.domain, context, context.eps, step)
         steps, back = self._steps[step], (step - STEP) / 2 / self.K.rate
         state = self.state(theta, tau - back) if tau > back else steps.begin(0 * theta)
-        found, taken, after = steps.take(theta, order, state)
-        if found is None:
+        taken = steps.take(theta, order, state)
+        if taken.found is None:
             return None, rounded(self.state(theta, state.tau + steps.H))
-        return steps.contact(after, taken, found), rounded(state)
+        return steps.contact(taken, taken.found), rounded(state)
 
 
 def rounded(state: BackwardState) -> BackwardState:
@@ -491,7 +481,8 @@ class Origins:
         # At most so many undecided steps are repeated: a flight that stays near a boundary for longer stays undecided.
         state, repeats_left = steps.begin(0.0), 40
         for _ in range(most_steps):
-            found, step, state = steps.take(theta, order, state)
+            step = steps.take(theta, order, state)
+            state, found = step.begin, step.found
             if repeats and found and found[0] and state.tau <= far:
                 tau, repeats_left = state.tau, repeats_left - 1
                 for times, length in enumerate(REPEATED_STEPS[:repeats], start=1):
@@ -506,18 +497,18 @@ class Origins:
             if state.tau + (found[1] if found else 1.0) * steps.H > far:
                 return self._state_at_limit(theta, order, state, far)
             if found:
-                return steps.contact(state, step, found)
+                return steps.contact(step, found)
             if state.tau > 0 and self._never_came(theta, state):
                 return state._replace(kind=NEVER)
-            state = steps.moved(state, step)
+            state = steps.moved(step)
             if abs(state.v) > HUGE:
                 return state._replace(kind=LARGE)
         return state._replace(kind=LONG)
 
     def _state_at_limit(self, theta: float, order: int, state: BackwardState, far: float) -> BackwardState:
         """Return the last state of a search that ends at the time `far`, within the step that begins at `state`."""
-        _, step, state = self.steps.take(theta, order, state)
-        return self.steps.moved(state, step, (far - state.tau) / self.steps.H)._replace(kind=REACHED)
+        step = self.steps.take(theta, order, state)
+        return self.steps.moved(step, (far - state.tau) / self.steps.H)._replace(kind=REACHED)
 
     def _never_came(self, theta: float, state: BackwardState) -> bool:
         """Return whether the backward flow never meets a boundary; that never happens below critical damping."""

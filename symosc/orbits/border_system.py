@@ -25,6 +25,7 @@ Where the motion loses its word, as it comes to rest or meets no belt, the borde
 from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Sequence
+from contextlib import suppress
 from dataclasses import replace
 from fractions import Fraction
 from math import inf, pi
@@ -217,7 +218,7 @@ class BorderSystem:
         error are in scaled unknowns.
         """
         start, inverse, before = z, None, inf
-        try:
+        with suppress(np.linalg.LinAlgError, ZeroDivisionError, OverflowError, ValueError):
             for _ in range(12):
                 u = (z * self.scale).tolist()
                 if inverse is None:
@@ -238,8 +239,6 @@ class BorderSystem:
                 if size > before / 16:
                     inverse = None
                 before = size
-        except (np.linalg.LinAlgError, ZeroDivisionError, OverflowError, ValueError):
-            pass
         return None
 
     def polish(self, z: np.ndarray, fixed: tuple[int, Any] | None = None) -> list[Number] | None:
@@ -254,7 +253,7 @@ class BorderSystem:
             return None
         number = ClosingEquations(self.fixed, self.word, self.periods, FINE_DIGITS).arithmetic.number
         u, before = [number(Fraction(value)) for value in (got[0] * self.scale).tolist()], inf
-        try:
+        with suppress(ZeroDivisionError, ValueError):
             for _ in range(30):
                 if fixed is not None:
                     u[fixed[0]] = number(fixed[1])
@@ -267,8 +266,6 @@ class BorderSystem:
                 if size < 1e-30 or size > before / 2:
                     return u if size < 1e-30 else None
                 before = size
-        except (ZeroDivisionError, ValueError):
-            pass
         return None
 
     def node(self, z: np.ndarray, along: np.ndarray, row: np.ndarray | None = None) -> Node | None:
@@ -465,7 +462,7 @@ def zero_values(equations: ClosingEquations, points: Any, zero: Zero, theta: Num
     if zero.kind == AT_BEND:
         return [next_derivative(a, launch.v + dv, K.fB * equations.sin(theta), K.cm, K.w0sq)]
     gap = (launch.v - equations.belt(zero.place).v) + dv
-    roots = 0 if zero.place != piece.start else 2 if piece.after_stick else 1
+    roots = piece.roots(zero.place)
     if roots == 0:
         return [gap, a]
     # gap = g tau^roots (1 + ...): what is left of a once the multiple of gap with the same first term is taken away.

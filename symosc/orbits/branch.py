@@ -689,7 +689,7 @@ def piece_margins(equations: ClosingEquations, points: Points, i: int, u: np.nda
     for boundary, sign in ((piece.mode - 1, 1.0), (piece.mode, -1.0)):
         if boundary not in (1, 2):
             continue
-        roots = 0 if boundary != piece.start else 2 if piece.after_stick else 1
+        roots = piece.roots(boundary)
         gap = sign * ((v - equations.belt(boundary).v) + dv)
         inner = u > 0 if roots else np.ones(len(u), dtype=bool)
         q = np.empty(len(u))

@@ -85,10 +85,14 @@ class OrbitPiece:
         """Whether the mass sticks to a belt."""
         return self.mode > 3
 
+    def roots(self, boundary: int) -> int:
+        """Return how often v - v_boundary has the root tau = 0: on the belt of its start once, after a stick twice."""
+        return 0 if self.sticks or boundary != self.start else 2 if self.after_stick else 1
+
     @property
     def zeros(self) -> int:
-        """How often f2 has the root tau = 0: once for a flight back to its belt, after a stick twice, else never."""
-        return 0 if self.sticks or self.start != self.end else 2 if self.after_stick else 1
+        """How often f2 has the root tau = 0, which is divided out of it."""
+        return self.roots(self.end)
 
 
 def pieces_of(word: Word) -> tuple[OrbitPiece, ...]:
