@@ -86,9 +86,9 @@ class CurvePiece:
     Attributes
     ----------
     theta_m, x_m : (n,) arrays
-        Phase and place of the tangency. The phase is continuous, so it may leave [0, 2 pi).
+        Phase and position of the tangency. Phases are continuous along the piece, so they may leave [0, 2 pi).
     theta, x : (n,) arrays
-        The start on the switching plane: Omega t_i = theta_m - Omega tau, unwrapped, and x_i.
+        Phase and position of the start on the switching plane: Omega t_i = theta_m - Omega tau, unwrapped, and x_i.
     slope_theta, slope_x : (n,) arrays
         Their derivatives with respect to theta_m.
     low, high : CurveEnd

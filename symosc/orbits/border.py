@@ -212,7 +212,7 @@ class Border(Drawable):
             raise ParameterError("distance", distance, "must be > 0 and at most 0.01")
         along = self._nodes[i].tangent[-2:] / np.linalg.norm(self._nodes[i].tangent[-2:])
         away = self._side * far * np.array([-along[1], along[0]]) * self._plane.widths
-        first, second = (self._plane.parameters((self.points[i] + way * away).tolist()) for way in (1, -1))
+        first, second = (self._plane.parameters(self.points[i] + way * away) for way in (1, -1))
         return first, second
 
     @public
@@ -318,20 +318,23 @@ def between(a: Node, b: Node, part: float) -> np.ndarray:
     return np.asarray(first * a.z + second * b.z + slope)
 
 
-def motion_at(parameters: Parameters, orbit: Orbit) -> Orbit | None:
-    """Find an admissible orbit at some parameters, near the given orbit; None if none is found.
+def motion_at(parameters: Parameters, *near: Orbit) -> Orbit | None:
+    """Find an admissible orbit at some parameters, from each of the orbits near them in turn; None if none is found.
 
-    The given word is tried first, then those that the motion from the given orbit goes through. With c > 0 an
-    admissible orbit is the motion to which all others settle (`symosc.orbits.floquet`).
+    An orbit's own word is tried first, then those that the motion from it goes through. With c > 0 an admissible orbit
+    is the motion to which all others settle (`symosc.orbits.floquet`).
     """
-    equations = ClosingEquations(parameters, orbit.word, orbit.periods)
-    solution = solve(equations, orbit.points)
-    if solution.converged and not failures(equations, solution.points):
-        return orbit._replace(points=solution.points)
-    size = float(np.abs(orbit.points[:, 0]).max())
-    starts = zip(equations.pieces, orbit.points.tolist(), strict=True)
-    found = (settling(equations, x, theta % (2 * pi), piece.start, size)[0] for piece, (x, theta) in starts)
-    return next((each for each in found if each is not None), None)
+    for orbit in near:
+        equations = ClosingEquations(parameters, orbit.word, orbit.periods)
+        solution = solve(equations, orbit.points)
+        if solution.converged and not failures(equations, solution.points):
+            return orbit._replace(points=solution.points)
+        size = float(np.abs(orbit.points[:, 0]).max())
+        for piece, (x, theta) in zip(equations.pieces, orbit.points.tolist(), strict=True):
+            found, _ = settling(equations, x, theta % (2 * pi), piece.start, size)
+            if found is not None:
+                return found
+    return None
 
 
 # -- along a border ----------------------------------------------------------------------------------------------------
@@ -360,7 +363,7 @@ class Tracer:
         self.margins: list[Condition] | None = None
 
         def end(kind: str, message: str) -> tuple[list[Node], BorderEnd, list[SpecialPoint]]:
-            return path, BorderEnd(kind, _pair(self.system, path[-1].z), message), special
+            return path, BorderEnd(kind, self.system.values(path[-1].z), message), special
 
         while True:
             here = path[-1]
@@ -404,7 +407,7 @@ class Tracer:
                 if at is not None:
                     cut, point = self._codimension_two(path[at - 1], path[at])
                     del path[at:]
-                    kept = {_pair(self.system, node.z) for node in path}
+                    kept = {self.system.values(node.z) for node in path}
                     special[:] = [*(each for each in special if each.values in kept), point]
                     path.append(cut)
                     return end("codimension two", f"{point.kind}: {point.message}")
@@ -469,7 +472,7 @@ class Tracer:
             if abs(change) <= 4 * EPS * abs(q):
                 break
             q += change
-        values, tangent = _pair(system, z), tangent * float(np.sign(tangent @ here.tangent))
+        values, tangent = system.values(z), tangent * float(np.sign(tangent @ here.tangent))
         error = max(abs(change), *(2 * EPS * abs(value) for value in values))
         message = f"{self.plane.names[j]} is {'largest' if here.tangent[-2 + j] > 0 else 'smallest'} along the border"
         return Node(z, tangent, np.full(2, error)), SpecialPoint(FOLD, values, message, error)
@@ -485,7 +488,7 @@ class Tracer:
                 break
             failed = self._failing(middle)
             good, bad, condition = (middle, bad, condition) if failed is None else (good, middle, failed)
-        values, closed = _pair(system, good.z), isinstance(system, ClosedForm)
+        values, closed = system.values(good.z), isinstance(system, ClosedForm)
         found = None if closed else meeting(self.plane, system.orbit(good.z), values)
         if found is None:
             text = "" if condition is None else condition.text
@@ -495,12 +498,6 @@ class Tracer:
         z = good.z.copy()
         z[-2:] = np.array(found.values) / system.scale[-2:]
         return good._replace(z=z, error=np.full(2, found.error)), found
-
-
-def _pair(system: BorderSystem, z: np.ndarray) -> tuple[float, float]:
-    """Return the values of the two parameters as floats."""
-    first, second = system.values(z).tolist()
-    return first, second
 
 
 def _scaled_margin(condition: Condition) -> float:
@@ -535,7 +532,7 @@ def _circle(plane: Plane, values: Sequence[float], orbit: Orbit) -> list[Motion]
         angle = 2 * pi * (i + 0.5) / 24
         place = np.array(values) + 1e-3 * plane.widths * np.array([cos(angle), sin(angle)])
         inside = (plane.low <= place).all() and (place <= plane.high).all()
-        there = motion_at(plane.parameters(place.tolist()), orbit) if inside else None
+        there = motion_at(plane.parameters(place), orbit) if inside else None
         if there is not None:
             found.append((place, there))
     return found
@@ -585,7 +582,7 @@ def _two_zeros(plane: Plane, orbit: Orbit, values: tuple[float, float]) -> Speci
 
 def closed_form(plane: Plane, place: np.ndarray, orbit: Orbit) -> tuple[ClosedForm, Node] | None:
     """Return the border with a formula through a place, beyond which the mass rests or meets no belt; or None."""
-    p = plane.parameters(place.tolist())
+    p = plane.parameters(place)
     system = ClosedForm(plane, p, orbit)
     holds, drives = system.terms(place)
     if not (holds > drives > 0 if system.line else abs(holds - drives) < 1e-6 * drives):
@@ -601,7 +598,7 @@ def closed_form(plane: Plane, place: np.ndarray, orbit: Orbit) -> tuple[ClosedFo
 
 def starts(plane: Plane, place: np.ndarray, orbit: Orbit, direction: np.ndarray) -> Iterator[tuple[BorderSystem, Node]]:
     """Yield the borders of an orbit's word that lie next to a place, in a direction of the plane, the nearest first."""
-    equations, points = ClosingEquations(plane.parameters(place.tolist()), orbit.word, orbit.periods), orbit.points
+    equations, points = ClosingEquations(plane.parameters(place), orbit.word, orbit.periods), orbit.points
     nearest = sorted(conditions(equations, points), key=lambda c: abs(_scaled_margin(c)))[:6]
     for zero, phases in (found for c in nearest for found in zeros_of(equations, points, c)):
         if zero.kind == border_system.AT_ARRIVAL:  # it belongs to the word with more pieces
@@ -636,7 +633,7 @@ def first_crossing(plane: Plane, start: Motion, stop: Motion) -> tuple[BorderSys
         if length < 1e-9:
             break
         places = (low[0] + part * way for part in (0.5, 0.4))  # the first may be on the border
-        found = ((place, orbit_beside(plane, place, low[1], high[1])) for place in places)
+        found = ((place, motion_at(plane.parameters(place), low[1], high[1])) for place in places)
         place, middle = next((each for each in found if each[1] is not None), (low[0], None))
         if middle is None:
             break
@@ -656,7 +653,7 @@ def all_crossings(plane: Plane, start: Motion, stop: Motion) -> Iterator[tuple[B
         return  # the border at the segment's end, once more
     for shift in SHIFTS:
         before, after = (place - shift * way, place + shift * way)
-        orbits = [orbit_beside(plane, beside, own, start[1], stop[1]) for beside in (before, after)]
+        orbits = [motion_at(plane.parameters(beside), own, start[1], stop[1]) for beside in (before, after)]
         words = {orbit.cycle for orbit in orbits if orbit is not None}
         if len(words) == 2 and own.cycle in words:
             break
@@ -704,7 +701,7 @@ def _settled(plane: Plane, p: Parameters) -> tuple[np.ndarray, Orbit | None]:
 
 def _loss_of_word(plane: Plane, inside: Any, place: np.ndarray) -> tuple[Motion, Any] | None:
     """Return the border in closed form between an orbit and a place with none, after an orbit beside it; or None."""
-    system = ClosedForm(plane, plane.parameters(place.tolist()), inside[1])
+    system = ClosedForm(plane, plane.parameters(place), inside[1])
 
     def word(part: float) -> bool:
         holds, drives = system.terms(place + part * (inside[0] - place))
@@ -718,7 +715,7 @@ def _loss_of_word(plane: Plane, inside: Any, place: np.ndarray) -> tuple[Motion,
         low, high = (low, middle) if word(middle) else (middle, high)
     at, near = (place + part * (inside[0] - place) for part in (high, high + (1 - high) * BESIDE[1]))
     found = closed_form(plane, at, inside[1])
-    beside = None if found is None else motion_at(plane.parameters(near.tolist()), found[0].orbit(found[1].z))
+    beside = None if found is None else motion_at(plane.parameters(near), found[0].orbit(found[1].z))
     return None if beside is None else ((near, beside), closed_form(plane, at, beside))
 
 
@@ -732,7 +729,7 @@ def _distinct(begun: Iterable[tuple[BorderSystem, Node]], step: float, most: int
     return found
 
 
-def passes(border: Border, values: np.ndarray, words: Any) -> bool:
+def passes(border: Border, values: Sequence[float] | np.ndarray, words: Any) -> bool:
     """Return whether a border between these words passes through a point of its plane, near enough for its steps."""
     if set(border.words) != set(words):
         return False
@@ -741,12 +738,6 @@ def passes(border: Border, values: np.ndarray, words: Any) -> bool:
     squares = np.maximum((way * way).sum(axis=1), 1e-300)
     part = np.clip(-(places[:-1] * way).sum(axis=1) / squares, 0, 1)
     return bool((np.abs(places[:-1] + part[:, None] * way).max(axis=1) < 1e-4).any())
-
-
-def orbit_beside(plane: Plane, place: np.ndarray, *near: Orbit) -> Orbit | None:
-    """Return the orbit at a point of the plane, found from one of the orbits near it; None if none leads to one."""
-    found = (motion_at(plane.parameters(place.tolist()), orbit) for orbit in near)
-    return next((orbit for orbit in found if orbit is not None), None)
 
 
 @public
@@ -809,7 +800,7 @@ def continue_border(
         return border
     for distance in AWAY:
         shift = np.array([inward * distance * plane.widths[0], 0.0])
-        inside, outside = (orbit_beside(plane, values + way * shift, near) for way in (1, -1))
+        inside, outside = (motion_at(plane.parameters(values + way * shift), near) for way in (1, -1))
         if inside is None or outside is None:
             continue
         found = first_crossing(plane, (values + shift, inside), (values - shift, outside))

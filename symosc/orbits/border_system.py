@@ -72,9 +72,9 @@ class Plane(NamedTuple):
     low: np.ndarray
     high: np.ndarray
 
-    def parameters(self, values: Sequence[Any]) -> Parameters:
+    def parameters(self, values: Sequence[float] | np.ndarray) -> Parameters:
         """Return the parameters at a point of the plane."""
-        return self.fixed.replace(**dict(zip(self.names, values, strict=True)))
+        return self.fixed.replace(**dict(zip(self.names, map(float, values), strict=True)))
 
     def near(self, a: Sequence[float], b: Sequence[float]) -> bool:
         """Return whether two points are the same within errors."""
@@ -156,9 +156,10 @@ class BorderSystem:
         n = 2 * self.n
         return list(zip(u[:n:2], u[1:n:2], strict=True)), u[n:-2]
 
-    def values(self, z: np.ndarray) -> np.ndarray:
-        """Return the two parameters at scaled unknowns z."""
-        return np.asarray(z[-2:] * self.scale[-2:])
+    def values(self, z: np.ndarray) -> tuple[float, float]:
+        """Return the values of the two parameters at scaled unknowns z."""
+        first, second = (z[-2:] * self.scale[-2:]).tolist()
+        return first, second
 
     def orbit(self, z: np.ndarray) -> Orbit:
         """Return the orbit at scaled unknowns z."""
