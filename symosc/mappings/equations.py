@@ -157,6 +157,8 @@ def _residual(row: Map, numbers: MapArithmetic, points: Sequence[Numbers], exit:
         return numbers.of["flight"](*points, *flight_arguments(row, K), K)
     v, sides = stick_arguments(row, K, exit)
     (f1, below), (_, above) = (numbers.of["stick"](*points, v, A, K) for A in sides)
+    if exit is not None:  # they are one
+        return f1, below
     nearer_below = abs(below) <= abs(above)
     if isinstance(nearer_below, np.ndarray):
         return f1, np.where(nearer_below, below, above)

@@ -295,8 +295,8 @@ def _read_guess(guess: Any, equations: ClosingEquations, periods: int | None) ->
         raise ParameterError("guess", f"an array of shape {values.shape}" if values.size else guess, allowed)
     theta = Omega * values[:, 0]
     if len(values) == 1:
-        passages, _ = follow(equations, values[0, 1], theta[0], equations.pieces[0].start, LEAST_RUN_EVENTS + n)
-        found = guesses_of_word(passages, equations.word.labels, periods, largest_displacement(equations)[1])
+        run = follow(equations, values[0, 1], theta[0], equations.pieces[0].start, LEAST_RUN_EVENTS + n)
+        found = guesses_of_word(run, equations.word.labels, periods, largest_displacement(equations)[1])
         if not found:
             raise ParameterError("guess", guess, "the motion from there never follows the word; give all switchings")
         return min(found, key=lambda each: each.defect)
@@ -312,13 +312,13 @@ def _read_guess(guess: Any, equations: ClosingEquations, periods: int | None) ->
 # -- guesses -----------------------------------------------------------------------------------------------------------
 
 
-class Passage(NamedTuple):
-    """An event of a simulation: position, phase (not reduced mod 2 pi), belt, and the mode that follows."""
+class Run(NamedTuple):
+    """A simulated motion: its switching points (x, theta) and the mappings between them; phases are not wrapped."""
 
-    x: float
-    theta: float
-    boundary: int
-    mode: int
+    points: np.ndarray
+    labels: list[str | None]
+    mode: int  # after the last point
+    rests: bool
 
 
 class Guess(NamedTuple):
@@ -329,25 +329,22 @@ class Guess(NamedTuple):
     defect: float
 
 
-def follow(equations: ClosingEquations, x: float, theta: float, boundary: int, most: int) -> tuple[list[Passage], bool]:
-    """Follow the motion from a belt in doubles; return its start and `most` events, and whether it comes to rest."""
+def follow(equations: ClosingEquations, x: float, theta: float, boundary: int, most: int) -> Run:
+    """Follow the motion from a belt in doubles through `most` events, or until it comes to rest."""
     K, turns = equations.K, int(theta // (2 * pi))
     start = belt_start(boundary, x, (sin(theta), cos(theta)), equations.arithmetic)
     angle = theta - 2 * pi * turns
     state = belt_state(start, (turns, angle), (sin(angle), cos(angle)), x, Covariance(0.0, 0.0, 0.0), K)
-    passages, code = [Passage(x, theta, boundary, start.mode)], END
+    points, planes, code = [(x, theta)], [(boundary, start.mode)], END
     for _ in range(20 * most):
         code, belt_met, _, _, state = equations.arithmetic.advance(state, 1e6 * K.period, 0.0, K)
         if code in (CROSS, STICK, SLIP):
-            passages.append(Passage(state.x, 2 * pi * state.n + state.theta, belt_met, state.mode))
-        if code in (END, REST, FAILED) or len(passages) > most:
+            points.append((state.x, 2 * pi * state.n + state.theta))
+            planes.append((belt_met, state.mode))
+        if code in (END, REST, FAILED) or len(points) > most:
             break
-    return passages, code == REST
-
-
-def mappings_between(passages: list[Passage]) -> list[str | None]:
-    """Return the mappings between the passages, in order of time."""
-    return [MAP_LABELS.get((a.boundary, MODE_NAMES[a.mode], b.boundary)) for a, b in pairwise(passages)]
+    labels = [MAP_LABELS.get((a, MODE_NAMES[mode], b)) for (a, mode), (b, _) in pairwise(planes)]
+    return Run(np.array(points), labels, planes[-1][1], code == REST)
 
 
 def settling(
@@ -357,21 +354,20 @@ def settling(
 
     `size` is that of the positions on the orbit; None: no orbit is looked for.
     """
-    passages, rests = follow(equations, x, theta, boundary, SETTLING_EVENTS)
-    for word in _words_of_a_period(equations, passages) if size is not None else ():
+    run = follow(equations, x, theta, boundary, SETTLING_EVENTS)
+    for word in _words_of_a_period(equations, run) if size is not None else ():
         trial = ClosingEquations(equations.parameters, word, equations.periods)
-        found = guesses_of_word(passages, word.labels, equations.periods, max(size or 0.0, 1e-300))
+        found = guesses_of_word(run, word.labels, equations.periods, max(size or 0.0, 1e-300))
         for guess in sorted(found, key=lambda each: each.defect)[:4]:
             solution = solve(trial, guess.points)
             if solution.converged and not failures(trial, solution.points):
                 return Orbit(word, equations.periods, solution.points), ""
-    return None, resting_text(equations.parameters, passages[-1].mode) if rests else ""
+    return None, resting_text(equations.parameters, run.mode) if run.rests else ""
 
 
-def _words_of_a_period(equations: ClosingEquations, passages: list[Passage]) -> list[Word]:
-    """Return the words of one period that occur in the simulation, the last ones first."""
-    labels, found, begin = mappings_between(passages), list[Word](), equations.word.labels[0]
-    phases = np.array([passage.theta for passage in passages])
+def _words_of_a_period(equations: ClosingEquations, run: Run) -> list[Word]:
+    """Return the words of one period that occur in a simulated motion, the last ones first."""
+    labels, phases, found, begin = run.labels, run.points[:, 1], list[Word](), equations.word.labels[0]
     turn = 2 * pi * equations.periods
     for last in range(len(labels), 0, -1):
         first = int(np.argmin(np.abs(phases - (phases[last] - turn))))
@@ -398,21 +394,17 @@ def resting_text(parameters: Parameters, mode: int, what: str = "the motion come
     return f"{what} on belt {mode - 3}, where every x from {low} to {high} is a position of rest"
 
 
-def guesses_of_word(passages: list[Passage], labels: tuple[str, ...], periods: int | None, size: float) -> list[Guess]:
-    """Return a guess from each run of passages that has the word's mappings, with the gap left after its periods."""
-    n = len(labels)
-    done, found = mappings_between(passages), []
-    for k in range(len(done) - n + 1):
-        if tuple(done[k : k + n]) != labels:
-            continue
-        first, last = passages[k], passages[k + n]
-        turns = (last.theta - first.theta) / (2 * pi)
-        count = periods or max(1, round(turns))
-        shift = 2 * pi * (first.theta // (2 * pi))
-        points = np.array([(p.x, p.theta - shift) for p in passages[k : k + n]])
-        if points[-1, 1] - points[0, 1] < 2 * pi * count:
-            defect = max(abs(last.x - first.x) / size, 2 * pi * abs(turns - count))
-            found.append(Guess(points, count, float(defect)))
+def guesses_of_word(run: Run, labels: tuple[str, ...], periods: int | None, size: float) -> list[Guess]:
+    """Return a guess from each part of a motion that has the word's mappings, with the gap left after its periods."""
+    n, found = len(labels), []
+    for k in range(len(run.labels) - n + 1):
+        if tuple(run.labels[k : k + n]) == labels:
+            points, (dx, dtheta) = run.points[k : k + n].copy(), (run.points[k + n] - run.points[k]).tolist()
+            turns = dtheta / (2 * pi)
+            count = periods or max(1, round(turns))
+            points[:, 1] -= 2 * pi * (points[0, 1] // (2 * pi))
+            if points[-1, 1] - points[0, 1] < 2 * pi * count:
+                found.append(Guess(points, count, max(abs(dx) / size, 2 * pi * abs(turns - count))))
     return found
 
 
@@ -433,8 +425,8 @@ def from_simulations(equations: ClosingEquations, periods: int | None) -> Iterat
     while batch := list(islice(starts, 8)):
         found: list[Guess] = []
         for offset, j, boundary in batch:
-            passages, _ = follow(equations, centre + offset * size, 2 * pi * j / 8, boundary, most)
-            found += guesses_of_word(passages, equations.word.labels, periods, size)
+            run = follow(equations, centre + offset * size, 2 * pi * j / 8, boundary, most)
+            found += guesses_of_word(run, equations.word.labels, periods, size)
         yield from sorted(found, key=lambda guess: guess.defect)[:4]
 
 
