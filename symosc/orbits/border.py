@@ -700,7 +700,7 @@ def _settled(plane: Plane, p: Parameters) -> tuple[np.ndarray, Orbit | None]:
 
 
 def _loss_of_word(plane: Plane, inside: Any, place: np.ndarray) -> tuple[Motion, Any] | None:
-    """Return the border in closed form between an orbit and a place with none, after an orbit beside it; or None."""
+    """Find the border in closed form between an orbit and a place with none: (a point and orbit beside it, border)."""
     system = ClosedForm(plane, plane.parameters(place), inside[1])
 
     def word(part: float) -> bool:
