@@ -67,9 +67,11 @@ CUT = 0.4831  # where an interval is divided: not a fraction at which roots are 
 
 
 def first_root(p: list[Number], noise: Number, eps: Number) -> tuple[bool, Number]:
-    """Return (touch, sigma): sigma is the first root in (0, 1] of a polynomial known within `noise`, or None."""
-    # `touch` says that the polynomial comes to 0 within the noise, and whether it passes is undecided.
-    #
+    """Return (touch, sigma): the first root sigma in (0, 1] of a polynomial whose values are known within `noise`.
+
+    `touch` is true where the polynomial comes within the noise of 0, and whether it has a root is undecided. Without
+    either, sigma is None.
+    """
     # If the Bernstein coefficients on an interval all exceed the noise, there is no root in it. If the polynomial falls
     # from above the noise to below it with one change of sign, there is exactly one. If its slope changes sign exactly
     # once, from falling to rising, the value at the bottom decides. Above the noise there is no root, below it there
@@ -86,10 +88,11 @@ def first_root(p: list[Number], noise: Number, eps: Number) -> tuple[bool, Numbe
         low, high, b = stack.pop()
         if min(b) > noise:
             continue
-        if b[0] > noise and b[-1] < -noise and _count_crossings(b, noise) == 1 and _count_crossings(b, -noise) == 1:
+        falls = b[0] > noise and b[-1] < -noise
+        if falls and all(_count_changes([value > level for value in b]) == 1 for level in (noise, -noise)):
             return False, _newton(p, slope, low, high, eps)
         rising = [second > first for first, second in pairwise(b)]
-        if len(rising) > 1 and not rising[0] and rising[-1] and sum(a != c for a, c in pairwise(rising)) == 1:
+        if rising and not rising[0] and rising[-1] and _count_changes(rising) == 1:
             bottom = _newton([-term for term in slope], [-k * q for k, q in enumerate(slope)][1:], low, high, eps)
             value = _polynomial(p, bottom)
             if value > noise:
@@ -119,10 +122,9 @@ def bernstein(p: list[Number]) -> list[Number]:
     return coefficients
 
 
-def _count_crossings(b: list[Number], level: Number) -> int:
-    """Count how often a sequence of numbers crosses a level."""
-    signs = [value > level for value in b]
-    return sum(first != second for first, second in pairwise(signs))
+def _count_changes(flags: list[bool]) -> int:
+    """Count how often neighbours in a sequence differ."""
+    return sum(first != second for first, second in pairwise(flags))
 
 
 def _polynomial(p: list[Number], sigma: Number) -> Number:
@@ -168,7 +170,10 @@ class Boundary(NamedTuple):
 
 
 class BackwardState(NamedTuple):
-    """The state of a flight at the time `tau` before its tangency, `dx` away; `kind`: why a search ends here."""
+    """The state of a flight at the time `tau` before its tangency, whose position is `dx` from the tangency's.
+
+    The last state of a search has the `kind` of its end, and the `boundary` that it reaches.
+    """
 
     tau: Number
     dx: Number
@@ -178,7 +183,7 @@ class BackwardState(NamedTuple):
     x_error: Number
     energy_error: Number
     kind: str = ""
-    boundary: int = 0  # at the end of a search, the one that it reaches
+    boundary: int = 0
 
 
 #: A contact in a step: whether it is a graze, its part of the step, and the boundary.
@@ -186,13 +191,12 @@ BackwardHit: TypeAlias = tuple[bool, Number, Boundary]
 
 
 class BackwardStep(NamedTuple):
-    """A backward step: Taylor coefficients T of v, their remainder, bounds of v, and its end (change of v, a, dx)."""
+    """A backward step: its first state with the errors of its last, Taylor coefficients T of v, and first contact."""
 
+    begin: BackwardState
     T: list[Number]
-    remainder: Number
-    low: Number
-    high: Number
-    end: tuple[Number, ...]
+    end: tuple[Number, ...]  # change of v, a, and change of dx, in double precision only
+    found: BackwardHit | None
 
 
 class BackwardSteps:
@@ -220,29 +224,32 @@ class BackwardSteps:
             self.recurrence.append((power, cm / (k + 2), w0sq / ((k + 1) * (k + 2))))
             power = power * K.Om * self.H
         self.drive_remainder = abs(power)
-        self._matrix = self._linear() if functions is math else None
-
-    def _linear(self) -> np.ndarray:
-        """Return the matrix from (v, a, sin, cos) to the Taylor and Bernstein coefficients and the end of a step."""
-        columns = []
-        for i in range(4):
-            *T, behind = self._taylor(*(float(i == j) for j in range(4)))
+        self._matrix, columns = None, []
+        for unit in np.eye(4).tolist() if functions is math else ():  # from (v, a, sin, cos) to all of a step at once
+            *T, behind = self._taylor(*unit)
             dv, slope, area = _changes_over(T, 1.0)
             columns.append([*T, behind, *bernstein([0.0, *T[1:]]), dv, -slope / self.H, -self.H * area])
-        return np.array(columns).T.copy()
+            self._matrix = np.array(columns).T.copy()
 
     def begin(self, zero: Number) -> BackwardState:
         """Return the state at the tangency, where the steps begin; `zero` is 0 in the arithmetic used."""
         return BackwardState(zero, zero, self.touched.v + zero, zero, zero, zero, zero)
 
-    def take(
-        self, theta: Number, order: int, state: BackwardState
-    ) -> tuple[BackwardHit | None, BackwardStep, BackwardState]:
-        """Take a backward step from a state; return its first contact or None, the step, and the state at its end."""
-        # `order` is that of the first G-function that does not vanish at the tangency, 1 or 3.
+    def take(self, theta: Number, order: int, state: BackwardState) -> BackwardStep:
+        """Take a backward step; `order`, 1 or 3, is that of the first nonzero G-function at the tangency."""
         K, H, eps = self.K, self.H, self.eps
-        tau, v, a = state.tau, state.v, state.a
-        step = self._taylor_step(v, a, *self.wave(theta, tau))
+        n, tau, v, a = len(self.recurrence) + 1, state.tau, state.v, state.a
+        s, c = self.wave(theta, tau)
+        if self._matrix is None:
+            *T, behind = self._taylor(v, a, s, c)
+            end, reach = (), sum(map(abs, T[1:]))
+            low, high = v - reach, v + reach
+        else:
+            rows = (self._matrix @ np.array((v, a, s, c))).tolist()
+            T, behind, changes, end = rows[:n], rows[n], rows[n + 1 : -3], tuple(rows[-3:])
+            low, high = v + min(changes), v + max(changes)
+        # The remainder is bounded by the last coefficient and the next one.
+        remainder = self.growth * (abs(behind) + K.w0 * H * abs(T[-1]) / n + self.drive_remainder)
         drive = abs(K.fB) * (1 + abs(theta) + K.Om * tau)
         rounding = BACKWARD_ROUNDING * eps * (abs(a) * H + (K.w0sq * abs(v) + drive) * H * H)
         energy_error = self.growth * state.energy_error + rounding / H
@@ -253,25 +260,26 @@ class BackwardSteps:
         found: BackwardHit | None = None
         for boundary in self.boundaries:
             at_start = tau == 0 and boundary is self.touched
-            noise = step.remainder + (rounding if at_start else v_error)
-            if not at_start and (step.low - boundary.v if boundary.inward > 0 else boundary.v - step.high) > noise:
+            noise = remainder + (rounding if at_start else v_error)
+            if not at_start and (low - boundary.v if boundary.inward > 0 else boundary.v - high) > noise:
                 continue
             if at_start:
-                p = [boundary.inward * term for term in step.T[order + 1 :]]
+                p = [boundary.inward * term for term in T[order + 1 :]]
             else:
-                p = [boundary.inward * (v - boundary.v), *(boundary.inward * term for term in step.T[1:])]
+                p = [boundary.inward * (v - boundary.v), *(boundary.inward * term for term in T[1:])]
             touch, sigma = first_root(p, noise, eps)
             if sigma is not None and (found is None or sigma < found[1]):
                 found = touch, sigma, boundary
-        return found, step, state._replace(v_error=v_error, energy_error=energy_error)
+        return BackwardStep(state._replace(v_error=v_error, energy_error=energy_error), T, end, found)
 
     def wave(self, theta: Number, tau: Number) -> tuple[Number, Number]:
         """Return sine and cosine of the phase at the time tau before the tangency at theta."""
         angle = theta - self.K.Om * tau
         return self.functions.sin(angle), self.functions.cos(angle)
 
-    def moved(self, state: BackwardState, step: BackwardStep, sigma: Number = None) -> BackwardState:
+    def moved(self, step: BackwardStep, sigma: Number = None) -> BackwardState:
         """Return the state at the fraction `sigma` of a step (None: its end), with the error bounds of its end."""
+        state = step.begin
         if sigma is None:
             tau, (dv, a, dx) = self.H, step.end
         else:
@@ -281,11 +289,11 @@ class BackwardSteps:
         x_error = state.x_error + self.H * state.v_error + self.eps * abs(dx)
         return BackwardState(state.tau + tau, dx, state.v + dv, a, state.v_error, x_error, state.energy_error)
 
-    def contact(self, state: BackwardState, step: BackwardStep, found: BackwardHit) -> BackwardState:
-        """Return the state at a contact that was found in the step that begins at `state`."""
+    def contact(self, step: BackwardStep, found: BackwardHit) -> BackwardState:
+        """Return the state at the contact that was found in a step."""
         touch, sigma, boundary = found
         kind = TOUCH if touch else CONTACT
-        return self.moved(state, step, sigma)._replace(v=boundary.v, kind=kind, boundary=boundary.number)
+        return self.moved(step, sigma)._replace(v=boundary.v, kind=kind, boundary=boundary.number)
 
     def _taylor(self, v: Number, a: Number, s: Number, c: Number) -> list[Number]:
         """Return the Taylor coefficients of v in units of the backward step, and the next one after them."""
@@ -294,21 +302,6 @@ class BackwardSteps:
         for k, (power, cm, w0sq) in enumerate(self.recurrence):
             T.append(next_derivative(T[k + 1], T[k], power * sines[k % 4], cm, w0sq))
         return T
-
-    def _taylor_step(self, v: Number, a: Number, s: Number, c: Number) -> BackwardStep:
-        """Return the backward Taylor step from v, a at sin, cos of the phase, with its remainder and range of v."""
-        n, end = len(self.recurrence) + 1, ()
-        if self._matrix is None:
-            *T, behind = self._taylor(v, a, s, c)
-            high = sum(map(abs, T[1:]))
-            low = -high
-        else:
-            rows = (self._matrix @ np.array((v, a, s, c))).tolist()
-            T, behind, changes, end = rows[:n], rows[n], rows[n + 1 : -3], tuple(rows[-3:])
-            low, high = min(changes), max(changes)
-        # The remainder is bounded by the last coefficient and the next one.
-        remainder = self.growth * (abs(behind) + self.K.w0 * self.H * abs(T[-1]) / n + self.drive_remainder)
-        return BackwardStep(T, remainder, v + low, v + high, end)
 
 
 def _changes_over(T: list[Number], sigma: Number) -> tuple[Number, Number, Number]:
@@ -427,25 +420,16 @@ class Flights:
     def repeat_step(
         self, theta: Number, order: int, tau: float, step: float
     ) -> tuple[BackwardState | None, BackwardState]:
-        """Repeat the step at tau with more digits and the length `step`; return its contact or None, and the state."""
+        """Repeat a step, `step` long, in more digits; return its contact or None, and the state to go on from."""
         if step not in self._steps:
             where, context = self.place, self.context
             self._steps[step] = BackwardSteps(self.K, where.boundary, where.domain, context, context.eps, step)
         steps, back = self._steps[step], (step - STEP) / 2 / self.K.rate
         state = self.state(theta, tau - back) if tau > back else steps.begin(0 * theta)
-        found, taken, after = steps.take(theta, order, state)
-        if found is None:
+        taken = steps.take(theta, order, state)
+        if taken.found is None:
             return None, rounded(self.state(theta, state.tau + steps.H))
-        return steps.contact(after, taken, found), rounded(state)
-
-    def missing_digits(self, arrival: BackwardState, wanted: int) -> int:
-        """Return the number of digits after the decimal point that a refined arrival lacks."""
-        if arrival.kind not in (CONTACT, REACHED):
-            return 0
-        t_error = arrival.v_error / abs(arrival.a) if arrival.kind == CONTACT else 0 * arrival.a
-        x_error = arrival.x_error + abs(arrival.v) * t_error
-        worst = max(t_error, x_error, arrival.v_error if arrival.kind == REACHED else 0 * arrival.a)
-        return int(self.context.ceil(self.context.log10(worst))) + wanted + 2 if worst > 0 else 0
+        return steps.contact(taken, taken.found), rounded(state)
 
 
 def rounded(state: BackwardState) -> BackwardState:
@@ -456,7 +440,10 @@ def rounded(state: BackwardState) -> BackwardState:
 
 
 class Origins:
-    """The origins of the flows into the tangencies of one mapping; ParameterError without grazing or for k = 0."""
+    """A search for where the flows into the tangencies of one mapping come from.
+
+    ParameterError for a mapping that cannot graze, and for k = 0.
+    """
 
     def __init__(self, p: Parameters, mapping: str) -> None:
         where = place(mapping)
@@ -480,21 +467,23 @@ class Origins:
         angle: Angle | float,
         order: int = 1,
         far: float | None = None,
-        careful: bool = True,
         digits: int = 60,
         repeats: int = len(REPEATED_STEPS),
         most_steps: int = MOST_BACKWARD_STEPS,
     ) -> BackwardState:
-        """Follow the flow back from a tangency in doubles, to the first contact or for the time `far`."""
-        # `order` is that of the first G-function that does not vanish there. An undecided step is repeated with
-        # `digits` (keeping them if it has the contact), then with twice as many; without `careful` it is a touch.
+        """Follow the flow back from the tangency at a phase, in doubles, to the first contact or to the time `far`.
+
+        `order` is that of the first G-function that does not vanish there. A step with an undecided contact is repeated
+        up to `repeats` times, with `digits`, then with twice as many; after that, or without repeats, it is a touch.
+        """
         steps, theta = self.steps, float(angle)
         far = SEARCH_PERIODS * self.K.period if far is None else far
         # At most so many undecided steps are repeated: a flight that stays near a boundary for longer stays undecided.
         state, repeats_left = steps.begin(0.0), 40
         for _ in range(most_steps):
-            found, step, state = steps.take(theta, order, state)
-            if careful and found and found[0] and state.tau <= far:
+            step = steps.take(theta, order, state)
+            state, found = step.begin, step.found
+            if repeats and found and found[0] and state.tau <= far:
                 tau, repeats_left = state.tau, repeats_left - 1
                 for times, length in enumerate(REPEATED_STEPS[:repeats], start=1):
                     flights = self.flights(times * digits)
@@ -508,21 +497,21 @@ class Origins:
             if state.tau + (found[1] if found else 1.0) * steps.H > far:
                 return self._state_at_limit(theta, order, state, far)
             if found:
-                return steps.contact(state, step, found)
+                return steps.contact(step, found)
             if state.tau > 0 and self._never_came(theta, state):
                 return state._replace(kind=NEVER)
-            state = steps.moved(state, step)
+            state = steps.moved(step)
             if abs(state.v) > HUGE:
                 return state._replace(kind=LARGE)
         return state._replace(kind=LONG)
 
     def _state_at_limit(self, theta: float, order: int, state: BackwardState, far: float) -> BackwardState:
         """Return the last state of a search that ends at the time `far`, within the step that begins at `state`."""
-        _, step, state = self.steps.take(theta, order, state)
-        return self.steps.moved(state, step, (far - state.tau) / self.steps.H)._replace(kind=REACHED)
+        step = self.steps.take(theta, order, state)
+        return self.steps.moved(step, (far - state.tau) / self.steps.H)._replace(kind=REACHED)
 
     def _never_came(self, theta: float, state: BackwardState) -> bool:
-        """Return whether the backward flow from a state never meets a boundary; it always does if underdamped."""
+        """Return whether the backward flow never meets a boundary; that never happens below critical damping."""
         K = self.K
         if K.under or self.place.domain == 2:
             return False
@@ -549,7 +538,14 @@ class Origins:
             if arrival.kind not in (REACHED, LONG) and arrival.tau > far(flights):
                 found = found._replace(kind=REACHED, boundary=0)
                 continue
-            missing = flights.missing_digits(arrival, wanted)
+            # The errors of a contact's time and position, or of the state at the end of the search.
+            worst, context = 0 * arrival.a, flights.context
+            if arrival.kind == CONTACT:
+                t_error = arrival.v_error / abs(arrival.a)
+                worst = max(t_error, arrival.x_error + abs(arrival.v) * t_error)
+            elif arrival.kind == REACHED:
+                worst = max(arrival.x_error, arrival.v_error)
+            missing = int(context.ceil(context.log10(worst))) + wanted + 2 if worst > 0 else 0
             if missing <= 0:
                 return arrival, flights
             flights = self.flights(flights.digits + missing + 3)

@@ -26,7 +26,7 @@ from typing import Any
 import numpy as np
 from mpmath.ctx_iv import MPIntervalContext
 
-from symosc.aliases import Context, Expr, Number, Numbers, Progress, Record
+from symosc.aliases import Expr, Number, Numbers, Progress, Record
 from symosc.arguments import public
 from symosc.display.progress import late_bar
 from symosc.engine.arithmetic import MpArithmetic
@@ -297,12 +297,16 @@ class Ways:
         return np.where(np.abs(slope) > FLOW_ROUNDING * EPS, np.where(slope > 0, YES, NO), NOT_DECIDED)
 
     def verdict_by_intervals(self, theta: Number, zero: bool) -> tuple[int, int]:
-        """Decide whether theta grazes, by the first nonzero G-function in 50-digit intervals: (verdict, order)."""
-        # `zero` says that G^(1) is exactly 0 at theta. F = 0 at the contact, so G^(1) = -(k v + B0 Omega sin)/m. Where
-        # that is 0, G^(2) = -(B0 Omega/m) Omega cos decides. It is 0 too iff |k v| = |B0| Omega; then the next one
-        # decides.
+        """Decide by the first nonzero G-function in 50-digit intervals; return verdict and order (0: none).
+
+        `zero` tells that G^(1) is exactly 0 at theta.
+        """
+        # F = 0 at the contact, so G^(1) = -(k v + B0 Omega sin)/m. Where that is 0, G^(2) = -(B0 Omega/m) Omega cos
+        # decides. It is 0 too iff |k v| = |B0| Omega; then the next one decides.
         iv, p, interval = self._intervals, self.p, partial(number_of, context=self._intervals)
-        angle = iv.mpf(bounds(theta, self.fine.context))
+        context = self.fine.context  # decimals just below and above theta are the ends of its interval
+        shift = context.mpf(10) ** (-INTERVAL_DIGITS - 5) * max(1, abs(theta))
+        angle = iv.mpf([context.nstr(theta + sign * shift, INTERVAL_DIGITS + 15) for sign in (-1, 1)])
         s, c, Om, drive = iv.sin(angle), iv.cos(angle), interval(p.Omega), interval(p.B0 * p.Omega / p.m)
         values = [-(interval(p.k * self.window.speed / p.m) + drive * s), -drive * Om * c, drive * Om * Om * s]
         known_zero = [zero, zero and abs(p.k * self.window.speed) == abs(p.B0) * p.Omega, False]
@@ -358,7 +362,7 @@ class Ways:
         return verdicts
 
     def gap_by_solver(self, theta: np.ndarray, tau: float) -> np.ndarray:
-        """Return the velocity gap at tau by DOP853 (> 0: in the domain), divided by `size` times tau^2."""
+        """Return the velocity gap at tau by DOP853 (> 0: in the domain), divided by `self.size` times tau^2."""
         # The unknowns are y = (x - x_m)/tau and u = (v - v_lambda)/(size tau^2), as functions of time/tau. The force is
         # the difference from its value 0 at the contact, where a difference of cosines is written as a product.
         from scipy.integrate import solve_ivp
@@ -379,9 +383,3 @@ def _verdicts(gaps: list[np.ndarray], least: float) -> np.ndarray:
     """Return YES where the gaps before and after contact are > 0, NO if one is < 0; NOT_DECIDED within `least`."""
     decided = (np.abs(gaps[0]) > least) & (np.abs(gaps[1]) > least)
     return np.where(decided, np.where((gaps[0] > 0) & (gaps[1] > 0), YES, NO), NOT_DECIDED)
-
-
-def bounds(value: Number, context: Context) -> list[str]:
-    """Return decimals just below and above a value, the ends of an interval of 50 digits."""
-    shift = context.mpf(10) ** (-INTERVAL_DIGITS - 5) * max(1, abs(value))
-    return [context.nstr(value + sign * shift, INTERVAL_DIGITS + 15) for sign in (-1, 1)]

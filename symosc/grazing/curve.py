@@ -86,9 +86,9 @@ class CurvePiece:
     Attributes
     ----------
     theta_m, x_m : (n,) arrays
-        Phase and place of the tangency. The phase is continuous, so it may leave [0, 2 pi).
+        Phase and position of the tangency. Phases are continuous along the piece, so they may leave [0, 2 pi).
     theta, x : (n,) arrays
-        The start on the switching plane: Omega t_i = theta_m - Omega tau, unwrapped, and x_i.
+        Phase and position of the start on the switching plane: Omega t_i = theta_m - Omega tau, unwrapped, and x_i.
     slope_theta, slope_x : (n,) arrays
         Their derivatives with respect to theta_m.
     low, high : CurveEnd
@@ -263,7 +263,7 @@ class Tracer(Origins):
         flat = abs(level + K.fB * sin(theta_m)) <= 1e-13 * abs(level)
         order = 3 if flat and abs(self.p.k * self.p.belt(self.place.boundary)) == top else 1
         steps = max(50, min(MOST_BACKWARD_STEPS, self.steps_left))
-        arrival = self.arrival(theta_m, order, None, careful, digits=30, repeats=1, most_steps=steps)
+        arrival = self.arrival(theta_m, order, digits=30, repeats=int(careful), most_steps=steps)
         tau, dx, a = float(arrival.tau), float(arrival.dx), float(arrival.a)
         self.steps_left -= int(tau * K.rate / STEP)
         x_m = self.rest + self.gain * cos(theta_m)
@@ -342,16 +342,18 @@ def _cut(tracer: Tracer, samples: list[Sample], arc: tuple[float, float, bool]) 
 
 
 def _continuous(left: Sample, right: Sample) -> bool:
-    """Return whether the start's phase Omega t_i changes between two samples as their slopes predict, or hardly."""
+    """Return whether the start's phase Omega t_i changes between two samples by little, or as their slopes predict."""
     change = right.theta - left.theta
     expected = 0.5 * (left.slope_theta + right.slope_theta) * (right.theta_m - left.theta_m)
     return not abs(change) > 0.2 or abs(change - expected) <= 0.25 * abs(change)
 
 
 def _edge(tracer: Tracer, left: Sample, right: Sample) -> tuple[list[Sample], list[Sample], float] | None:
-    """Return the samples on both sides of the first change of origin, or jump, between two, and its theta_m."""
-    # The former are in order from `left` inward, the latter from `right` inward, beginning with `right`. None:
-    # there is no edge. Jumps among flows from the other belt are no edges, but something may hide behind them.
+    """Locate a change of origin, or a jump, between two samples: (samples before, samples behind, its theta_m) or None.
+
+    Those before it are in order from `left` inward, those behind it from `right` inward, beginning with `right`.
+    """
+    # Jumps among flows from the other belt are no edges, but something may hide behind them.
     if left.origin == right.origin and _continuous(left, right):
         return None
     lefts, rights = list[Sample](), [right]

@@ -128,13 +128,32 @@ def solve_grazing(
     whole_number("n", n, curves.LEAST_CURVE_POINTS, curves.MOST_CURVE_POINTS)
     read_digits(digits, MOST_START_DIGITS)
     exact = read_exact(name, value) if name in ("x_i", "x_j") else numbers.read_phase(name, value)
+    found, notes, complete = list[GrazingStart](), list[str](), True
     if name in ("x_i", "theta_i"):
-        solutions = _on_curve(window, name, exact, n, digits, progress)
+        curve = grazing_curve(p, mapping, n, progress=progress)
+        candidates = Candidates(curve, name, exact, digits or DEFAULT_DIGITS)
+        notes = candidates.notes
+        for phase in filter(window.contains, candidates.phases):
+            start = start_of(curve._source, times(phase, 1 / p.Omega), phase, digits=digits)
+            if start.found and _has_value(start, p, name, exact, digits or DEFAULT_DIGITS):
+                found.append(start)
+            else:
+                notes.append(f"near theta_m = {float(phase):.12g} a solution could not be confirmed")
+        complete = not notes
+        if not found and complete:
+            notes.append(candidates.why_none())
+        if len(notes) > MOST_NOTES:
+            notes[MOST_NOTES:] = [f"and {len(notes) - MOST_NOTES} more such places"]
     else:
-        solutions = _at_phases(window, _phases_of_contact(window, exact) if name == "x_j" else [reduced(exact)], digits)
-    if not solutions and not window.kind:
-        solutions.message = "the grazing window is empty"
-    return solutions
+        phases = _phases_of_contact(window, exact) if name == "x_j" else [reduced(exact)]
+        starts = [grazing_start(p, mapping, phase, digits=digits) for phase in phases if window.contains(phase)]
+        found = [start for start in starts if start.found]
+        complete = not any(start.undecided for start in starts)
+        notes = [f"theta_m = {float(start.theta_m):.12g}: {start.reason}" for start in starts if not start.found]
+        notes = notes if starts else [f"no tangency in the grazing window has this value: {window!r}"]
+    found.sort(key=lambda start: float(start.theta_m))
+    message = "the grazing window is empty" if not found and not window.kind else "; ".join(notes)
+    return GrazingSolutions(found, complete, message)
 
 
 def _phases_of_contact(window: GrazingWindow, value: Fraction) -> list[Angle]:
@@ -147,42 +166,6 @@ def _phases_of_contact(window: GrazingWindow, value: Fraction) -> list[Angle]:
         return []
     theta = sympy.acos(numbers.symbolic(cosine))
     return [theta] if abs(cosine) == 1 else [theta, 2 * sympy.pi - theta]
-
-
-def _at_phases(window: GrazingWindow, phases: list[Angle], digits: int | None) -> GrazingSolutions:
-    """Return the starts of tangencies at exact phases."""
-    inside = [phase for phase in phases if window.contains(phase)]
-    if not inside:
-        return GrazingSolutions(message=f"no tangency in the grazing window has this value: {window!r}")
-    starts = [grazing_start(window.parameters, window.mapping, phase, digits=digits) for phase in inside]
-    found = sorted((start for start in starts if start.found), key=lambda start: float(start.theta_m))
-    lost = [f"theta_m = {float(start.theta_m):.12g}: {start.reason}" for start in starts if not start.found]
-    return GrazingSolutions(found, not any(start.undecided for start in starts), "; ".join(lost))
-
-
-def _on_curve(
-    window: GrazingWindow, name: str, value: Any, n: int, digits: int | None, progress: Any
-) -> GrazingSolutions:
-    """Return the starts on the grazing curve with a given value of x_i or theta_i."""
-    p = window.parameters
-    curve = grazing_curve(p, window.mapping, n, progress=progress)
-    candidates = Candidates(curve, name, value, digits or DEFAULT_DIGITS)
-    found, notes = list[GrazingStart](), candidates.notes
-    for phase in candidates.phases:
-        if not window.contains(phase):
-            continue
-        start = start_of(curve._source, times(phase, 1 / p.Omega), phase, digits=digits)
-        if start.found and _has_value(start, p, name, value, digits or DEFAULT_DIGITS):
-            found.append(start)
-        else:
-            notes.append(f"near theta_m = {float(phase):.12g} a solution could not be confirmed")
-    found.sort(key=lambda start: float(start.theta_m))
-    complete = not notes
-    if not found and complete:
-        notes.append(candidates.why_none())
-    if len(notes) > MOST_NOTES:
-        notes[MOST_NOTES:] = [f"and {len(notes) - MOST_NOTES} more such places"]
-    return GrazingSolutions(found, complete, "; ".join(notes))
 
 
 def _has_value(start: GrazingStart, p: Parameters, name: str, value: Any, digits: int) -> bool:
@@ -362,7 +345,7 @@ class Candidates:
         return None
 
     def _solve_among_grazes(self, theta_m: float, target: Number) -> tuple[Number, Number] | None:
-        """Return the solution among flights from graze to graze, which all last equally long; None if not found."""
+        """Return the solution where flights start at a graze too, so that all have one duration; None if not found."""
         flights, phase = self.flights, Fraction(theta_m)
         arrival, _ = self.source.exact(phase, 1, lambda each: each.K.period * SEARCH_PERIODS, flights.digits)
         if arrival.kind != TOUCH:
@@ -400,7 +383,7 @@ class Candidates:
         return True
 
     def _note_endless(self, end: CurveEnd, point: Point, index: int, piece: CurvePiece) -> None:
-        """Add a note where a curve continues forever below the resolution of doubles."""
+        """Add a note where a piece ends and further solutions may lie nearer to its end than doubles resolve."""
         if end.reason in ("end of the window", "closed"):
             return
         if end.reason.endswith("(within the search)"):

@@ -15,12 +15,11 @@ four unknowns (x_i, Omega t_i, x_m, Omega t_m): a curve (`symosc.grazing.curve`)
 
 from __future__ import annotations
 
-from collections.abc import Iterator
 from dataclasses import dataclass
 from fractions import Fraction
 from math import inf
 
-from symosc.aliases import Angle, Context, Mpf, Number, NumberLike, Record
+from symosc.aliases import Angle, Context, Number, NumberLike, Record
 from symosc.arguments import public
 from symosc.engine.arithmetic import mp_context
 from symosc.errors import ParameterError
@@ -31,8 +30,7 @@ from symosc.grazing.window import grazing_window
 from symosc.kernels._generated import next_derivative
 from symosc.mappings import numbers
 from symosc.mappings.numbers import LatexAnswer, latex_number, latex_point, latex_words, number_of, reduced
-from symosc.mappings.theorem7_cases import Place, place
-from symosc.model import Parameters
+from symosc.mappings.theorem7_cases import place
 from symosc.scenes import ParametersLike
 
 DEFAULT_DIGITS = 40
@@ -147,9 +145,23 @@ def grazing_start(
     >>> simulate(p, **found.start, t_end="0.3").events[0].kind
     'graze'
     """
-    origins = Origins(p, mapping)
-    time, angle = _tangency(p, theta, t_m, t0)
-    until = None if t0 is None else read_exact("t0", t0)
+    origins, until = Origins(p, mapping), None
+    if (theta is None) == (t_m is None):
+        raise ParameterError("theta", theta, "give either theta or t_m")
+    if t_m is not None:
+        time = numbers.read_angle("t_m", t_m)
+        angle = reduced(numbers.times(time, p.Omega))
+    else:
+        angle = reduced(numbers.read_phase("theta", theta))
+        time = numbers.times(angle, 1 / p.Omega)
+    if t0 is not None:
+        until = read_exact("t0", t0)
+        if t_m is None:  # the first time after t0
+            import sympy
+
+            gap = numbers.symbolic(until * p.Omega) - numbers.symbolic(angle)
+            turns = sympy.floor(gap / (2 * sympy.pi)) + 1
+            time = numbers.times(numbers.symbolic(angle) + 2 * sympy.pi * turns, 1 / p.Omega)
     digits, number = read_digits(digits, MOST_START_DIGITS), float(read_exact("periods", periods))
     if not 0 < number <= MOST_PERIODS_BACK:
         raise ParameterError("periods", periods, f"must be > 0 and at most {MOST_PERIODS_BACK:g}")
@@ -165,8 +177,12 @@ def start_of(
     periods: float = SEARCH_PERIODS,
 ) -> GrazingStart:
     """Return the result of `grazing_start` for an exact time and phase and checked arguments."""
-    p, decimals = origins.p, digits or DEFAULT_DIGITS
-    order = order_at(p, origins.mapping, angle)
+    p, mapping, decimals = origins.p, origins.mapping, digits or DEFAULT_DIGITS
+    window = grazing_window(p, mapping)
+    if not window.contains(angle):
+        raise ParameterError("theta", str(angle), f"is outside the grazing window: {window!r}")
+    # G^(1) = G^(2) = 0 in the full window only, at the quartic tangency of the equality: there G^(3) decides.
+    order = 1 if grazing_window(p, mapping, "paper").contains(angle) else 3
 
     def far(flights: Flights) -> Number:
         if until is None:
@@ -211,7 +227,7 @@ def start_of(
     start["start_error"] = units[0], units[1], Fraction(0) if boundary else units[2]  # belts have exact speeds
     values = {"t": t, "x": x, "v": flights.number(velocity), "theta": theta}
     return GrazingStart(
-        mapping=origins.mapping,
+        mapping=mapping,
         found=found,
         reason=None if found else reasons.get(kind, reason),
         **{name: None if nowhere else out(value) for name, value in values.items()},
@@ -229,34 +245,6 @@ def _text(value: Number, digits: int, context: Context) -> str:
     """Return a decimal with at least `digits` digits after the point, readable as an exact number."""
     whole = len(str(int(abs(value))))
     return str(context.nstr(value, digits + whole, strip_zeros=False, min_fixed=-inf, max_fixed=inf))
-
-
-def _tangency(
-    p: Parameters, theta: NumberLike | None, t_m: NumberLike | None, t0: NumberLike | None
-) -> tuple[Angle, Angle]:
-    """Return the exact time and phase of the tangency."""
-    if (theta is None) == (t_m is None):
-        raise ParameterError("theta", theta, "give either theta or t_m")
-    if t_m is not None:
-        time = numbers.read_angle("t_m", t_m)
-        return time, reduced(numbers.times(time, p.Omega))
-    angle = reduced(numbers.read_phase("theta", theta))
-    if t0 is None:
-        return numbers.times(angle, 1 / p.Omega), angle
-    import sympy
-
-    gap = numbers.symbolic(read_exact("t0", t0) * p.Omega) - numbers.symbolic(angle)
-    turns = sympy.floor(gap / (2 * sympy.pi)) + 1
-    return numbers.times(numbers.symbolic(angle) + 2 * sympy.pi * turns, 1 / p.Omega), angle
-
-
-def order_at(p: Parameters, mapping: str, angle: Angle) -> int:
-    """Return the order (1 or 3) of the first nonzero G-function at a phase of the mapping's window."""
-    window = grazing_window(p, mapping)
-    if not window.contains(angle):
-        raise ParameterError("theta", str(angle), f"is outside the grazing window: {window!r}")
-    # In the full window only: G^(1) = G^(2) = 0, the quartic tangency of the equality.
-    return 1 if grazing_window(p, mapping, "paper").contains(angle) else 3
 
 
 # --- Theorem 6 at a state ---
@@ -298,12 +286,10 @@ class GrazingVerdict(LatexAnswer):
     def latex(self) -> str:
         """Return the G-functions that decide, with the reason, as LaTeX (no dollar signs)."""
         names = ["F", *(f"G^{{({order})}}" for order in range(1, len(self.values)))]
-        small = [margin <= self.tolerance for margin in self.margins]
-        shown = [
-            f"{name} = {'0' if zero else latex_number(value)}"
-            for name, value, zero in zip(names, self.values, small, strict=True)
-        ]
-        return rf"{', '.join(shown)}:\quad \text{{{'it grazes' if self.grazing else 'it does not graze'}}}"
+        values = zip(self.values, self.margins, strict=True)
+        texts = ["0" if margin <= self.tolerance else latex_number(value) for value, margin in values]
+        shown = ", ".join(f"{name} = {text}" for name, text in zip(names, texts, strict=True))
+        return rf"{shown}:\quad \text{{{'it grazes' if self.grazing else 'it does not graze'}}}"
 
 
 @public
@@ -347,9 +333,14 @@ def is_grazing(
     context = mp_context(50)
     angle = number_of(numbers.read_phase("theta", theta), context)
     position = number_of(numbers.read_angle("x", x), context)
+    v, Om = (number_of(q, context) for q in (p.belt(where.boundary), p.Omega))
+    cm, w0sq, f0 = (number_of(q / p.m, context) for q in (p.c, p.k, p.B0))
+    terms = [number_of(p.A(where.domain) / p.m, context), f0 * context.cos(angle), -w0sq * position, -cm * v]
+    value, size = sum(terms), sum(abs(term) for term in terms)
+    before, sines = v, (context.sin(angle), context.cos(angle))
     values, margins, grazing = list[float](), list[float](), False
     reason, last = "F and all its derivatives vanish: the flow stays on the belt", MOST_G_ORDERS
-    for order, (value, size) in enumerate(_g_functions(p, where, position, angle, context)):
+    for order in range(MOST_G_ORDERS):  # G^(0) = F, G^(1), ..., each with the size of its terms, if all before are 0
         margin = abs(value) / size if size > 0 else abs(value)
         values.append(float(value))
         margins.append(float(margin))
@@ -365,21 +356,9 @@ def is_grazing(
             else:
                 reason = f"G^({order}) leads out of the domain: there is no flow of it near"
             break
-    return GrazingVerdict(grazing, last, tuple(values), tuple(margins), tolerance, reason)
-
-
-def _g_functions(p: Parameters, where: Place, x: Mpf, theta: Mpf, context: Context) -> Iterator[tuple[Mpf, Mpf]]:
-    """Yield G^(0) = F, G^(1), ... at (x, theta) on the belt, each with the size of its terms, if all before are 0."""
-    v = number_of(p.belt(where.boundary), context)
-    cm, w0sq, f0 = (number_of(q / p.m, context) for q in (p.c, p.k, p.B0))
-    Om = number_of(p.Omega, context)
-    terms = [number_of(p.A(where.domain) / p.m, context), f0 * context.cos(theta), -w0sq * x, -cm * v]
-    value, size = sum(terms), sum(abs(term) for term in terms)
-    before, sines = v, (context.sin(theta), context.cos(theta))
-    for order in range(MOST_G_ORDERS):
-        yield value, size
         now = 0 * value
         forcing = f0 * Om ** (order + 1) * sines[order % 2] * (1 if order % 4 < 2 else -1)
         value = next_derivative(now, before, forcing, cm, w0sq)
         size = abs(forcing) + abs(w0sq * before) + abs(f0) * Om ** (order + 1)
         before = now
+    return GrazingVerdict(grazing, last, tuple(values), tuple(margins), tolerance, reason)

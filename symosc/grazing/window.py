@@ -118,8 +118,8 @@ class GrazingWindow(Drawable, LatexAnswer):
     def case(self) -> str:
         """The paper's case: "(55.1)" is the first case of (55).
 
-        Letters are cases that the paper lacks: a, |gamma| = |B0| Omega/m with nothing; b and c, B0 = 0 with everything
-        and nothing. B0 < 0 adds "shifted by pi".
+        Letters are cases that the paper lacks: a is |gamma| = |B0| Omega/m with an empty window, b is B0 = 0 where
+        every phase grazes, c is B0 = 0 where none does. B0 < 0 adds "shifted by pi".
         """
         return cases.case_label(self.place, *self.signs)
 
@@ -248,7 +248,7 @@ class GrazingWindow(Drawable, LatexAnswer):
 
     @cached_property
     def contact_phases(self) -> Expr:
-        """The phases of existing grazing contacts: `phases`, or for k = 0 those with F = 0.
+        """The phases at which there is a contact that grazes: `phases`, or for k = 0 those of them with F = 0.
 
         Without a spring F does not depend on x: B0 cos theta = c v_lambda - A_alpha leaves at most one phase.
         """
@@ -267,7 +267,13 @@ class GrazingWindow(Drawable, LatexAnswer):
 
     def _sign_at(self, theta: NumberLike) -> int:
         """Return the sign of side (gamma + amplitude sin theta): 1 for a graze, -1 for none, 0 at a window end."""
-        exact = _read_phase(theta)
+        theta = theta[()] if isinstance(theta, np.ndarray) else theta  # an array of dimension 0
+        exact: Any
+        if isinstance(theta, str):
+            exact = read_phase_text("theta", theta)
+        else:
+            angle = numbers.read_phase("theta", theta)
+            exact = ExactPhase(angle) if isinstance(angle, Fraction) else numbers.of_sympy(angle) or angle
         if self.kind in (EMPTY, EVERYTHING):
             return 1 if self.kind == EVERYTHING else -1
         if isinstance(exact, ExactPhase):
@@ -297,16 +303,6 @@ class GrazingWindow(Drawable, LatexAnswer):
         return " or ".join(parts) or "empty"
 
 
-def _read_phase(theta: Any) -> ExactPhase | Expr:
-    """Return a phase as an ExactPhase, or as a sympy expression if it is not a + b pi."""
-    if isinstance(theta, np.ndarray):
-        theta = theta[()]  # an array of dimension 0
-    if isinstance(theta, str):
-        return read_phase_text("theta", theta)
-    angle = numbers.read_phase("theta", theta)
-    return ExactPhase(angle) if isinstance(angle, Fraction) else numbers.of_sympy(angle) or angle
-
-
 # --- exact text without sympy: ends are multiples of pi, or asin of a rational number and these ---
 
 #: Rational sines with a rational multiple of pi (Niven), all of them in [-pi/2, pi/2].
@@ -314,19 +310,18 @@ NIVEN = {Fraction(0): Fraction(0), Fraction(1, 2): Fraction(1, 6), Fraction(1): 
 NIVEN |= {-sine: -part for sine, part in NIVEN.items()}
 
 
-def angle_text(sign: int, sine: Fraction, turns: Fraction | int) -> str:
-    """Return the angle ``sign asin(sine) + turns pi`` as sympy prints it."""
+def angle_text(sign: int, sine: Fraction, halves: Fraction | int) -> str:
+    """Return the angle ``sign asin(sine) + halves pi`` as sympy prints it."""
     if sine in NIVEN:
-        sign, turns = 0, turns + sign * NIVEN[sine]
-    top = {0: "0", 1: "pi", -1: "-pi"}.get(turns.numerator, f"{turns.numerator}*pi")
-    multiple = top if turns.denominator == 1 else f"{top}/{turns.denominator}"
+        sign, halves = 0, halves + sign * NIVEN[sine]
+    top = {0: "0", 1: "pi", -1: "-pi"}.get(halves.numerator, f"{halves.numerator}*pi")
+    multiple = top if halves.denominator == 1 else f"{top}/{halves.denominator}"
     if not sign:
         return multiple
-    sign *= 1 if sine > 0 else -1
-    arcsine = f"asin({abs(sine)})"
-    if sign < 0 and turns == 1:
+    minus, arcsine = sign * sine < 0, f"asin({abs(sine)})"
+    if minus and halves == 1:
         return f"pi - {arcsine}"
-    return ("-" if sign < 0 else "") + arcsine + (f" + {multiple}" if turns else "")
+    return ("-" if minus else "") + arcsine + (f" + {multiple}" if halves else "")
 
 
 def critical_text(window: GrazingWindow) -> str:

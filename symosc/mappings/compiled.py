@@ -141,7 +141,7 @@ class CompiledResidual:
         name = ("sticks" if row.sticks else "flights") + ("" if J is None else "_and_slopes")
         if row.sticks:
             wide = n > 0 and max(points[3].max(), -points[3].min()) > elementary.WIDEST
-            v, sides = _belt_and_sides(row, K, self.exit)
+            v, sides = stick_arguments(row, K, self.exit)
             _loops(WIDE if wide else CLOSED_FORM)[name](points, v, sides, K, *results)
             return f, J
         kinds = np.empty(n, dtype=np.uint8)
@@ -170,9 +170,10 @@ def _read(columns: tuple[Any, ...], names: tuple[str, ...], dimensions: int) -> 
         raise ParameterError("points", f"{len(columns)} arrays", f"must be {', '.join(names)}")
     given = [unmasked(name, column) for name, column in zip(names, columns, strict=True)]
     try:
-        if any(np.asarray(column).dtype.kind not in "iufO" for column in given):
+        given = [np.asarray(column) for column in given]
+        if any(column.dtype.kind not in "iufO" for column in given):
             raise TypeError
-        arrays = tuple(np.require(np.asarray(column), dtype=float, requirements=["C", "W"]) for column in given)
+        arrays = tuple(np.require(column, dtype=float, requirements=["C", "W"]) for column in given)
     except (TypeError, ValueError, OverflowError):
         raise ParameterError("points", columns, "must be arrays of real numbers") from None
     shapes = [array.shape for array in arrays]
@@ -182,15 +183,9 @@ def _read(columns: tuple[Any, ...], names: tuple[str, ...], dimensions: int) -> 
     return arrays
 
 
-def _belt_and_sides(row: Map, K: Constants, exit: str | None) -> tuple[float, tuple[float, float]]:
-    """Return the belt speed of a stick, and A_alpha/m of the domains that it may slip into."""
-    v, below, above = stick_arguments(row, K)
-    return v, {None: (below, above), "below": (below, below), "above": (above, above)}[exit]
-
-
 @lru_cache(maxsize=KINDS)
 def _loops(kind: int) -> dict[str, Any]:
-    """Return the functions over arrays by name, compiled with one kind of closed form."""
+    """Return the functions over arrays by name, compiled with the formula of one kind of `symosc.kernels.mapping`."""
     outlined = {"flights", "flights_and_slopes", "sticks", "sticks_and_slopes", "load", "store", "kinds_of"}
     if kind == WIDE:
         return compile_modules((mapping,), outlined | {"flight", "flight_slopes"}, compiled())
@@ -207,11 +202,11 @@ def _scalar(row: Map, K: Constants, jacobian: bool, exit: str | None) -> Any:
     """Return a compiled function for the residual (and Jacobian) of a map at one pair of switching points."""
     import numba
 
-    functions = _loops(WIDE)
-    flight, flight_slopes = functions["flight"], functions["flight_slopes"]
-    stick, stick_slopes = functions["stick"], functions["stick_slopes"]
+    flight, flight_slopes, stick, stick_slopes = (
+        _loops(WIDE)[name] for name in ("flight", "flight_slopes", "stick", "stick_slopes")
+    )
     if row.sticks:
-        v, (below, above) = _belt_and_sides(row, K, exit)
+        v, (below, above) = stick_arguments(row, K, exit)
 
         def residual(x_i, theta_i, x_j, theta_j):
             f1, force_below = stick(x_i, theta_i, x_j, theta_j, v, below, K)
@@ -232,12 +227,10 @@ def _scalar(row: Map, K: Constants, jacobian: bool, exit: str | None) -> Any:
             return x_x0, x_th0, -1.0, x_th1, v_x0, v_th0, 0.0, v_th1
 
     compile_ = numba.njit(error_model="numpy")
-    if not jacobian:
-        return compile_(residual)
     residual, slopes = compile_(residual), compile_(slopes)
 
     def both(x_i, theta_i, x_j, theta_j):
         f1, f2 = residual(x_i, theta_i, x_j, theta_j)
         return f1, f2, slopes(x_i, theta_i, theta_j)
 
-    return compile_(both)
+    return compile_(both) if jacobian else residual

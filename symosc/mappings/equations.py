@@ -80,9 +80,7 @@ def residual(p: ParametersLike, label: str, start: Pair, end: Pair, exit: str | 
     -0.146366 1.642603
     """
     row, numbers, points, shape = read_points(p, label, start, end, exit)
-    if shape is None:
-        return _residual(row, numbers, points, exit)
-    f1, f2 = _in_blocks(lambda block: np.stack(_residual(row, numbers, block, exit)), points, (2,), shape)
+    f1, f2 = _in_blocks(lambda each: _residual(row, numbers, each, exit), points, (2,), shape)
     return f1, f2
 
 
@@ -106,9 +104,7 @@ def jacobian(p: ParametersLike, label: str, start: Pair, end: Pair, exit: str | 
     [[-0.0776, -0.5228, -1.0, 0.6607], [2.3223, -0.0394, 0.0, 22.5695]]
     """
     row, numbers, points, shape = read_points(p, label, start, end, exit)
-    if shape is None:
-        return _matrix(_jacobian(row, numbers, points))
-    return _in_blocks(lambda block: _matrix(_jacobian(row, numbers, block)), points, (2, 4), shape)
+    return np.asarray(_in_blocks(lambda each: _matrix(_jacobian(row, numbers, each)), points, (2, 4), shape))
 
 
 @public
@@ -147,10 +143,11 @@ def flight_arguments(row: Map, K: Constants) -> tuple[Number, Number, Number]:
     return v_i, v_j, constant_force(row.domain, K)
 
 
-def stick_arguments(row: Map, K: Constants) -> tuple[Number, Number, Number]:
-    """Return the belt speed of a stick, and A_alpha/m below and above the belt."""
+def stick_arguments(row: Map, K: Constants, exit: str | None) -> tuple[Number, tuple[Number, Number]]:
+    """Return the belt speed of a stick, and A_alpha/m of the two domains it may slip into: twice that of its exit."""
     below, above = (constant_force(domain, K) for domain in NEIGHBOURS[row.start.boundary])
-    return (K.belt1 if row.start.boundary == 1 else K.belt2).v, below, above
+    sides = {None: (below, above), "below": (below, below), "above": (above, above)}[exit]
+    return (K.belt1 if row.start.boundary == 1 else K.belt2).v, sides
 
 
 def _residual(row: Map, numbers: MapArithmetic, points: Sequence[Numbers], exit: str | None) -> Any:
@@ -158,9 +155,14 @@ def _residual(row: Map, numbers: MapArithmetic, points: Sequence[Numbers], exit:
     K = numbers.K
     if not row.sticks:
         return numbers.of["flight"](*points, *flight_arguments(row, K), K)
-    v, *beside = stick_arguments(row, K)
-    (f1, below), (_, above) = (numbers.of["stick"](*points, v, A, K) for A in beside)
-    return f1, _by_exit(exit, below, above, below, above)
+    v, sides = stick_arguments(row, K, exit)
+    (f1, below), (_, above) = (numbers.of["stick"](*points, v, A, K) for A in sides)
+    if exit is not None:  # they are one
+        return f1, below
+    nearer_below = abs(below) <= abs(above)
+    if isinstance(nearer_below, np.ndarray):
+        return f1, np.where(nearer_below, below, above)
+    return f1, below if nearer_below else above
 
 
 def _jacobian(row: Map, numbers: MapArithmetic, points: Sequence[Numbers]) -> Any:
@@ -168,7 +170,7 @@ def _jacobian(row: Map, numbers: MapArithmetic, points: Sequence[Numbers]) -> An
     K, (x_i, theta_i, _, theta_j) = numbers.K, points
     one, zero = 1 + 0 * x_i, 0 * x_i
     if row.sticks:
-        v, _, _ = stick_arguments(row, K)
+        v, _ = stick_arguments(row, K, None)
         x_th0, x_th1, v_x1, v_th1 = numbers.of["stick_slopes"](theta_j, v, K)
         return (one, x_th0 * one, -one, x_th1 * one), (zero, zero, v_x1 * one, v_th1 * one)
     v_i, _, A = flight_arguments(row, K)
@@ -184,11 +186,11 @@ def _parameter_jacobian(
     m, zero, domain = numbers.number(p.m), 0 * x_i, row.domain
     begin, end = f"v{row.start.boundary}", f"v{row.end.boundary}"
     if row.sticks:
-        v_i, _, _ = stick_arguments(row, K)
-        below, above = (_residual(row, numbers, points, way)[1] for way in EXITS)
-        domain = _by_exit(exit, below, above, *NEIGHBOURS[row.start.boundary])
-        F = _by_exit(exit, below, above, below, above)
-        found = numbers.of["stick_by_parameters"](x_j, theta_i, theta_j, v_i, F, m, K)
+        v_i, _ = stick_arguments(row, K, None)
+        forces = [_residual(row, numbers, points, way)[1] for way in EXITS]
+        i = EXITS.index(exit) if exit else int(not abs(forces[0]) <= abs(forces[1]))
+        domain = NEIGHBOURS[row.start.boundary][i]
+        found = numbers.of["stick_by_parameters"](x_j, theta_i, theta_j, v_i, forces[i], m, K)
         v_c, v_k, v_A, v_B, v_v0, v_m, x_Om, x_v0 = found
         by_letter = [(zero, v_m), (zero, v_c), (zero, v_k), (zero, v_A), (zero, v_B), (x_Om, zero)]
     else:
@@ -204,16 +206,6 @@ def _parameter_jacobian(
     for name, weight in (("mu1", drag1 * FN), ("mu2", drag2 * FN), ("FN", drag1 * mu1 + drag2 * mu2)):  # of A_alpha
         columns[name] = x_A * weight, v_A * weight
     return tuple(tuple(columns[name][equation] for name in PARAMETER_NAMES) for equation in (0, 1))
-
-
-def _by_exit(exit: str | None, force_below: Numbers, force_above: Numbers, below: Any, above: Any) -> Any:
-    """Return `below` or `above`: the one that `exit` names or, if it is None, the one with the smaller force."""
-    if exit is not None:
-        return below if exit == "below" else above
-    nearer_below = abs(force_below) <= abs(force_above)
-    if isinstance(nearer_below, np.ndarray):
-        return np.where(nearer_below, below, above)
-    return below if nearer_below else above
 
 
 # --- arithmetics ---
@@ -253,7 +245,10 @@ UNWRAPPED = "must be >= theta_i: give unwrapped phases, the flight takes (theta_
 def read_points(
     p: Parameters, label: str, start: Pair, end: Pair, exit: str | None = None
 ) -> tuple[Map, MapArithmetic, list[Any], tuple[int, ...] | None]:
-    """Check a map's arguments; return its row of the table, functions, flat points, and shape (None for scalars)."""
+    """Check a map's arguments; return its row of `MAPS`, the functions for the kind of numbers given, and the points.
+
+    Points are four numbers, or flat arrays with the shape that they had (None for numbers).
+    """
     if label not in MAPS:
         raise ParameterError("label", label, f"must be one of {', '.join(MAPS)}")
     row = MAPS[label]
@@ -274,11 +269,12 @@ def read_points(
     return row, numbers, points, shape
 
 
-def _in_blocks(evaluate: Any, points: list[np.ndarray], head: tuple[int, ...], shape: tuple[int, ...]) -> np.ndarray:
-    """Evaluate points in blocks small enough for the processor's cache; return an array of shape head + shape."""
-    size = len(points[0])
-    found = np.empty((*head, size))
-    for begin in range(0, size, 16384):
+def _in_blocks(evaluate: Any, points: list[Any], head: tuple[int, ...], shape: tuple[int, ...] | None) -> Any:
+    """Evaluate numbers at once, arrays in blocks small enough for the processor's cache, into one of head + shape."""
+    if shape is None:
+        return evaluate(points)
+    found = np.empty((*head, len(points[0])))
+    for begin in range(0, len(points[0]), 16384):
         block = slice(begin, begin + 16384)
         found[..., block] = evaluate([column[block] for column in points])
     return found.reshape((*head, *shape))
@@ -318,9 +314,6 @@ class MapError(SymoscError, ValueError):
     def __init__(self, label: str, x: Number, theta: Number, reason: str, actual: str | None = None) -> None:
         self.label, self.x, self.theta, self.reason, self.actual = label, x, theta, reason, actual
         super().__init__(f"{label} from x = {float(x)!r}, theta = {float(theta)!r}: {reason}")
-
-    def __reduce__(self) -> tuple[object, ...]:
-        return type(self), (self.label, self.x, self.theta, self.reason, self.actual)
 
 
 @dataclass(frozen=True, slots=True)
@@ -396,7 +389,14 @@ def solve_map(p: ParametersLike, label: str, x_i: Number, theta_i: Number) -> Ma
         raise MapError(label, x, theta, f"the motion ends on belt {boundary}: that is {actual}", actual)
     exit = EXITS[end.mode - boundary] if event.code == SLIP else None
     x_j, theta_j = convert(end.x), theta + convert(gain)
-    derivative = None if grazing else _map_derivative(jacobian(p, label, (x, theta), (x_j, theta_j)))
+    derivative = None
+    if not grazing:
+        J = jacobian(p, label, (x, theta), (x_j, theta_j))
+        start, ((x_x1, x_th1), (v_x1, v_th1)) = J[:, :2], J[:, 2:]
+        determinant = x_x1 * v_th1 - x_th1 * v_x1
+        if determinant != 0:
+            rows = x_th1 * start[1] - v_th1 * start[0], v_x1 * start[0] - x_x1 * start[1]
+            derivative = np.array(rows) / determinant
     return MapPoint(label, x_j, theta_j, exit, grazing, derivative)
 
 
@@ -431,13 +431,3 @@ def _next_event(row: Map, arithmetic: Arithmetic, x: Number, theta: Number) -> t
     if event.code == FAILED:
         raise MapError(row.label, x, theta, "the next contact cannot be found in this precision; give mpmath numbers")
     return event, event.state.n * two_pi + (event.state.theta - phase)
-
-
-def _map_derivative(J: np.ndarray) -> np.ndarray | None:
-    """Return d(x_j, theta_j)/d(x_i, theta_i), from the Jacobian J of f1 and f2; None if it is undefined."""
-    start, ((x_x1, x_th1), (v_x1, v_th1)) = J[:, :2], J[:, 2:]
-    determinant = x_x1 * v_th1 - x_th1 * v_x1
-    if determinant == 0:
-        return None
-    rows = x_th1 * start[1] - v_th1 * start[0], v_x1 * start[0] - x_x1 * start[1]
-    return np.array(rows) / determinant

@@ -194,18 +194,21 @@ def sine_sign(level: Fraction, amplitude: Fraction, phase: ExactPhase) -> int:
 
 
 def read_phase(name: str, value: object) -> Angle:
-    """Read an angle from a number, text or sympy expression; a float counts as its exact binary value."""
+    """Read a phase like `read_angle`, but a float as its exact binary value: phases are computed and not typed."""
     if isinstance(value, float | np.floating) and math.isfinite(value):
         value = Fraction(float(value))
     return read_angle(name, value)
 
 
 def read_angle(name: str, value: Any) -> Angle:
-    """Read an angle from a number, a text such as "3*pi/2" or a sympy expression: a Fraction or a sympy constant."""
+    """Read a number, a text such as "3*pi/2" or a sympy expression as a Fraction or a sympy constant.
+
+    A float is read as the decimal that it prints as.
+    """
     forms = f"{NUMBER_FORMS}, or a real constant such as sympy.pi or '3*pi/2'"
     if has_pi(value):
         return read_phase_text(name, value).symbolic()
-    if is_symbolic(value):
+    if getattr(value, "is_Float", None) is False and not value.is_Rational:  # of sympy, and no plain number
         plain = hasattr(value, "is_real") and not value.free_symbols and value.is_number
         if not (plain and value.is_real is not False and value.evalf().is_Float):
             raise ParameterError(name, value, forms)
@@ -214,11 +217,6 @@ def read_angle(name: str, value: Any) -> Angle:
         return read_exact(name, value)
     except ParameterError as error:
         raise ParameterError(name, value, error.allowed if "finite" in error.allowed else forms) from None
-
-
-def is_symbolic(value: Any) -> bool:
-    """Return whether a value is a sympy expression and not a plain number."""
-    return getattr(value, "is_Float", None) is False and not value.is_Rational
 
 
 def number_of(value: Angle, context: Context) -> Number:

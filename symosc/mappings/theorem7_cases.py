@@ -35,7 +35,7 @@ class Place(NamedTuple):
     ----------
     domain, boundary : int
     side : int
-        Where the flow touches its domain's boundary: 1 above itself (a contact from below), -1 below itself.
+        1 if the flow touches the boundary from below, the upper end of its domain; -1 if it does from above.
     equation : int
         Its number in the paper: 55 to 58.
 
@@ -74,7 +74,10 @@ def place(mapping: str) -> Place:
 
 
 def window_kind(side: int, gamma_sign: int, amplitude_sign: int, excess_sign: int, full: bool) -> int:
-    """Return the kind of window from the signs of gamma, the amplitude and |gamma| - |amplitude|."""
+    """Return the kind of window from the signs of gamma, the amplitude and |gamma| - |amplitude| (the excess).
+
+    `full` is the order "full" of `symosc.grazing_window`: a tangency of fourth order counts too.
+    """
     # At |gamma| = |amplitude| the order 1 excludes one phase. G^(1) = G^(2) = 0 there. G^(3) = -gamma Omega^2 has the
     # sign of a graze at `side` iff the rest of the circle is in the window; then `full` includes the phase.
     level = side * gamma_sign
@@ -101,7 +104,10 @@ def case_label(place: Place, gamma_sign: int, amplitude_sign: int, excess_sign: 
 
 
 def window(k, v, B, Omega, side, full):
-    """Return a window's kind, its ends low and high, and theta_cr, from k, v, B0 and Omega as pairs of doubles."""
+    """Return a window's kind, its ends low and high, and theta_cr, from k, v, B0 and Omega as pairs of doubles.
+
+    `side` is that of `Place`, `full` as in `window_kind`. Ends that a kind does not have are nan.
+    """
     # An ARC reaches from low up to high, both excluded, a WRAPPED_ARC from low through 0 to high. With ALL_BUT_ONE, low
     # = high is the excluded phase. EQUALITY_UNDECIDED: too near |k v| = |B0 Omega| for numbers that are no doubles.
     # theta_cr is nan where Theta_cr does not exist.

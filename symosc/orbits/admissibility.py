@@ -24,13 +24,13 @@ from typing import NamedTuple
 
 import numpy as np
 
-from symosc.aliases import Number, Point, Points
+from symosc.aliases import Number, Points
 from symosc.engine.state import Launch
 from symosc.kernels._generated import motion
 from symosc.kernels.entire import EPS
 from symosc.kernels.entire_array import basis
 from symosc.model import MODE_NAMES, NEIGHBOURS
-from symosc.orbits.closing_equations import ClosingEquations, OrbitPiece, Solution, polish
+from symosc.orbits.closing_equations import ClosingEquations, OrbitPiece, Solution, Span, polish
 from symosc.simulation.simulate import simulate
 
 MARGINAL = 1e-9  # a margin below this part of the terms that it is a difference of is decided in more digits
@@ -109,17 +109,13 @@ def scales(equations: ClosingEquations, points: Points) -> Scales:
 
 def conditions(equations: ClosingEquations, points: Points) -> list[Condition]:
     """Return every inequality of a root with its margin, in the order of the pieces."""
-    number, K = equations.number, equations.K
-    points = [(number(x), number(theta)) for x, theta in points]
+    points = [(equations.number(x), equations.number(theta)) for x, theta in points]
     sizes, found = scales(equations, points), list[Condition]()
-    for i, (piece, start, end) in enumerate(zip(equations.pieces, points, equations.ends(points), strict=True)):
+    for i, span in enumerate(equations.spans(points)):
         following = equations.pieces[(i + 1) % len(points)]
-        if piece.sticks:
-            rows = _stick_margins(equations, piece, start, end, sizes)
-        else:
-            rows = _flight_margins(equations, piece, following, start, end, sizes)
+        rows = _stick(equations, span, sizes) if span.piece.sticks else _flight(equations, span, following, sizes)
         for text, value, theta, event, rank, size in rows:
-            found.append(Condition(i, text, float(value), float(theta / K.Om), event, rank, size))
+            found.append(Condition(i, text, float(value), float(theta / equations.K.Om), event, rank, size))
     return found
 
 
@@ -127,20 +123,18 @@ def conditions(equations: ClosingEquations, points: Points) -> list[Condition]:
 MarginRow = tuple[str, Number, Number, str, int, float]
 
 
-def _flight_margins(
-    equations: ClosingEquations, piece: OrbitPiece, following: OrbitPiece, start: Point, end: Point, sizes: Scales
-) -> Iterator[MarginRow]:
-    """Return the conditions of a flight with their margins."""
-    K, v_end, side = equations.K, equations.belt(piece.end).v, piece.side
-    tau = (end[1] - start[1]) / K.Om
-    short, sign, opposite = float(min(1, abs(tau) * K.rate)), "><"[side < 0], "<>"[side < 0]
+def _flight(equations: ClosingEquations, span: Span, following: OrbitPiece, sizes: Scales) -> Iterator[MarginRow]:
+    """Yield the conditions of a flight with their margins."""
+    (piece, start, end, tau), K, side = span, equations.K, span.piece.side
+    v_end, short = equations.belt(piece.end).v, float(min(1, abs(tau) * K.rate))
+    sign, opposite = "><" if side > 0 else "<>"
     yield f"{piece.label} lasts", tau, end[1], FLIGHT_VANISHING, FLIGHT_LASTS, sizes.t
     arrival, rank, size = side * equations.force(piece.mode, end[0], v_end, end[1]), ARRIVAL, sizes.a
     if piece.zeros == 2:  # at the end of a short slip the force is lost in rounding, its change since the start is not
         arrival = side * equations.arithmetic.namespace["state_at"](tau, equations.start_of_flight(piece, start), K).F
         rank, size = STAYS_INSIDE, sizes.a * short
     yield f"{piece.label} meets v{piece.end} with F^({piece.mode}) {sign} 0", arrival, end[1], GRAZING, rank, size
-    gap, nearest, _ = min(gaps(equations, piece, start, tau), default=(inf, end[1], 0))
+    gap, nearest, _ = min(clearances(equations, span), default=(inf, end[1], 0))
     yield f"{piece.label} stays in Omega{piece.mode}", gap, nearest, GRAZING, STAYS_INSIDE, sizes.v * short
     far = piece.mode + side
     beyond = side * equations.force(far, end[0], v_end, end[1])
@@ -152,14 +146,12 @@ def _flight_margins(
         yield text, beyond, end[1], BIRTH, PASSING, sizes.a
 
 
-def _stick_margins(
-    equations: ClosingEquations, piece: OrbitPiece, start: Point, end: Point, sizes: Scales
-) -> Iterator[MarginRow]:
-    """Return the conditions of a stick with their margins."""
-    K, belt = equations.K, equations.belt(piece.start)
-    low, high, tau = piece.start, piece.start + 1, (end[1] - start[1]) / K.Om
+def _stick(equations: ClosingEquations, span: Span, sizes: Scales) -> Iterator[MarginRow]:
+    """Yield the conditions of a stick with their margins."""
+    (piece, _, end, tau), K, belt = span, equations.K, equations.belt(span.piece.start)
+    low, high = piece.start, piece.start + 1
     yield f"{piece.label} lasts", tau, end[1], VANISHING, STICK_LASTS, sizes.t
-    hold, nearest, _ = min(holds(equations, piece, start, tau), default=(inf, end[1], 0))
+    hold, nearest, _ = min(holding_forces(equations, span), default=(inf, end[1], 0))
     yield f"F^({low}) > 0 > F^({high}) during {piece.label} (Theorem 4)", hold, nearest, SLIP_BIRTH, HOLD, sizes.a
     slope = piece.side * (belt.drift - K.fB * equations.sin(end[1]))
     change = f"F^({low}) falls" if piece.side < 0 else f"F^({high}) rises"
@@ -167,10 +159,9 @@ def _stick_margins(
     yield f"{change} where {piece.label} ends", slope, end[1], SLIP_VANISHING, STICK_END, size
 
 
-def gaps(
-    equations: ClosingEquations, piece: OrbitPiece, start: Point, tau: Number
-) -> Iterator[tuple[Number, Number, int]]:
-    """Yield, for each velocity extremum of a flight, the distance from the belt it points to, phase and belt."""
+def clearances(equations: ClosingEquations, span: Span) -> Iterator[tuple[Number, Number, int]]:
+    """Yield the velocity extrema of a flight that turn back before a belt: velocity left to it, phase, and belt."""
+    piece, start, _, tau = span
     flight = equations.start_of_flight(piece, start)
     for extremum in extrema(0 * tau, tau, flight, piece.after_stick, equations) if tau > 0 else ():
         belt = piece.mode - 1 if extremum.b > 0 else piece.mode  # a minimum is turned to the belt below
@@ -180,12 +171,10 @@ def gaps(
             yield clearance, start[1] + equations.K.Om * extremum.tau, belt
 
 
-def holds(
-    equations: ClosingEquations, piece: OrbitPiece, start: Point, tau: Number
-) -> Iterator[tuple[Number, Number, int]]:
-    """Yield, at each extremum of the forces during a stick, the smaller of the two that hold it, phase and domain."""
-    K, belt, names = equations.K, equations.belt(piece.start), equations.arithmetic.namespace
-    s0, c0 = equations.sin(start[1]), equations.cos(start[1])
+def holding_forces(equations: ClosingEquations, span: Span) -> Iterator[tuple[Number, Number, int]]:
+    """Yield the extrema of the forces during a stick: the smaller of F^(below) and -F^(above), phase, and domain."""
+    (piece, start, _, tau), K, names = span, equations.K, equations.arithmetic.namespace
+    belt, s0, c0 = equations.belt(piece.start), equations.sin(start[1]), equations.cos(start[1])
     below = equations.force(piece.start, start[0], belt.v, start[1])
     for angle in (belt.angle, names["PI"] - belt.angle) if belt.turns else ():
         turn = (angle - start[1]) % names["TWO_PI"] / K.Om
@@ -233,15 +222,14 @@ def _extremum(low: float, high: float, falls: bool, flight: Launch, equations: C
 
 
 def grazing_distance(equations: ClosingEquations, points: Points) -> float:
-    """Return the least velocity difference by which a flight avoids or passes a graze."""
+    """Return the least size of the velocity by which a flight misses a belt or exceeds one that it meets."""
     # At an extremum inside a flight that is the gap to the belt. At a flight's end it is how far the flight would go
     # past the belt if the motion of its domain went on. Both are 0 where the orbit grazes, seen from below and from
     # above.
     K, points = equations.K, [(float(x), float(theta)) for x, theta in points]
     found = [c.value for c in conditions(equations, points) if "stays in" in c.text]
-    for piece, start, end in zip(equations.pieces, points, equations.ends(points), strict=True):
+    for piece, start, _, tau in equations.spans(points):
         if not piece.sticks:
-            tau = (end[1] - start[1]) / K.Om
             past = extrema(tau, tau + K.period, equations.start_of_flight(piece, start), False, equations)
             found += [abs(each.v - equations.belt(piece.end).v) for each in past[:1]]
     return float(min(found, default=inf))
@@ -252,9 +240,9 @@ def concerns_whole_piece(condition: Condition) -> bool:
     return " stays in " in condition.text or " during " in condition.text
 
 
-def failing(all_of_them: list[Condition]) -> list[Condition]:
-    """Return the conditions that fail, by rank: one that explains others comes before them."""
-    return sorted((c for c in all_of_them if not c.value > 0), key=lambda condition: condition.rank)
+def failing(found: list[Condition]) -> list[Condition]:
+    """Return the conditions that fail in the order of their `Condition.rank`."""
+    return sorted((c for c in found if not c.value > 0), key=lambda c: c.rank)
 
 
 # -- the verdict -------------------------------------------------------------------------------------------------------
@@ -272,11 +260,19 @@ def failures(equations: ClosingEquations, points: Points) -> list[Condition]:
     with suppress(ZeroDivisionError, ValueError):  # a flight loses all its length on the way
         root = polish(fine, points)
     if not root.converged:
-        gone = _vanishing(equations, points, found, fine, root)
-        if gone or small or failing(found):
-            return gone or _undecided(found)
+        # The pieces whose duration tends to 0 in Newton's method, at a multiple root, and what may fail else.
+        was, now = equations.spans(points), fine.spans(root.points)
+        gone = {i for i in range(len(was)) if abs(fine.K.Om * now[i].tau) < 1e-2 * abs(equations.K.Om * was[i].tau)}
+        lasts = [c for c in found if c.piece in gone and c.rank in (STICK_LASTS, FLIGHT_LASTS)]
+        if lasts:
+            return [c._replace(value=0.0) for c in lasts]
+        nearest = sorted((c for c in found if abs(c.value) < 1e-6 * c.scale), key=lambda c: c.rank)
+        text = " (it cannot be decided: the equations are singular there)"
+        undecided = failing(found) or [c._replace(text=c.text + text, value=0.0) for c in nearest]
+        if small or failing(found):
+            return undecided
         wrong = engine_contradiction(equations, points)
-        return [] if wrong is None else _undecided(found) or [wrong]
+        return [] if wrong is None else undecided or [wrong]
     decided = conditions(fine, root.points)
     # So small a margin is 0 even there.
     failed = failing([c._replace(value=0.0) if abs(c.value) < 1e-25 * c.scale else c for c in decided])
@@ -297,33 +293,12 @@ def ill_conditioned(equations: ClosingEquations, points: Points) -> bool:
     x_size = max(abs(float(x)) for x, _ in points)
     for piece, duration in zip(equations.pieces, equations.durations(np.asarray(points)), strict=True):
         rows += [x_size, sizes.a if piece.sticks else sizes.v]
-        if piece.zeros:
-            rows[-1] *= (abs(duration) / equations.K.Om) ** -piece.zeros * min(1.0, abs(duration))
+        rows[-1] *= (abs(duration) / equations.K.Om) ** -piece.zeros * min(1.0, abs(duration)) if piece.zeros else 1
     try:
         inverse = np.linalg.inv(equations.matrix(points))
     except np.linalg.LinAlgError:
         return True
     return bool((np.abs(inverse[1::2]) @ np.array(rows)).max() * EPS > MARGINAL)
-
-
-def _vanishing(
-    equations: ClosingEquations, points: Points, found: list[Condition], fine: ClosingEquations, root: Solution
-) -> list[Condition]:
-    """Return, as failing conditions, the pieces whose duration tends to 0 in Newton's method (at a multiple root)."""
-    was, now = (
-        [end[1] - start[1] for start, end in zip(each, of.ends(each), strict=True)]
-        for of, each in ((equations, points), (fine, root.points))
-    )
-    gone = {i for i in range(len(was)) if abs(now[i]) < 1e-2 * abs(was[i])}
-    lasts = [c for c in found if c.piece in gone and c.rank in (STICK_LASTS, FLIGHT_LASTS)]
-    return [c._replace(value=0.0) for c in lasts]
-
-
-def _undecided(found: list[Condition]) -> list[Condition]:
-    """Return the conditions that fail, or may fail, at a root that Newton's method did not find with more digits."""
-    nearest = sorted((c for c in found if abs(c.value) < 1e-6 * c.scale), key=lambda c: c.rank)
-    text = " (it cannot be decided: the equations are singular there)"
-    return failing(found) or [c._replace(text=c.text + text, value=0.0) for c in nearest]
 
 
 def engine_contradiction(equations: ClosingEquations, points: Points, digits: int | None = None) -> Condition | None:

@@ -25,10 +25,10 @@ from symosc.kernels.entire import EPS
 from symosc.model import PARAMETER_NAMES, Parameters
 from symosc.orbits import border_system
 from symosc.orbits.admissibility import Condition, conditions, failures, scales
-from symosc.orbits.border_system import BorderSystem, ClosedForm, Node, Orbit, Plane, Zero, names_of, zeros_of
+from symosc.orbits.border_system import BorderSystem, ClosedForm, Node, Plane, Zero, names_of, zeros_of
 from symosc.orbits.branch import MOST, NO_CONVERGENCE, RANGE, Branch, read_range
-from symosc.orbits.closing_equations import ClosingEquations, ConvergenceError, solve
-from symosc.orbits.find import SETTLING_EVENTS, find_orbit, follow, orbit_of
+from symosc.orbits.closing_equations import ClosingEquations, ConvergenceError, Orbit, solve
+from symosc.orbits.find import find_orbit, settling
 from symosc.orbits.floquet import rest_positions
 from symosc.quantities import least
 from symosc.words import Word, cycle
@@ -165,22 +165,19 @@ class Border(Drawable):
     def __init__(self, system: BorderSystem, nodes: list[Node], ends: Any, special: Any) -> None:
         self._plane, self._system, self._nodes = system.plane, system, nodes
         self.parameters, self.fixed, self.ends, self.special = system.names, system.plane.fixed, ends, tuple(special)
-        self.points = np.array([node.z[-2:] * system.scale[-2:] for node in nodes])
+        self.points = np.array([system.values(node.z) for node in nodes])
         self.errors = np.array([node.error for node in nodes])
         self.kind, self.sliding = names_of(system)
+        own = cycle(str(system.word))
         self._side = 1.0
-        self.words: tuple[str | None, str | None] = self._find_words()
-
-    def _find_words(self) -> tuple[str | None, str | None]:
-        """Return the words beside the middle point, that of the border's equations first; note on which side it is."""
-        own = cycle(str(self._system.word))
+        self.words: tuple[str | None, str | None] = own, None  # beside the middle point, that of the equations first
         for distance in BESIDE:
             words = self.words_beside(len(self) // 2, distance)
             if words[0] != own and own in words:
                 self._side, words = -self._side, words[::-1]
             if words[0] == own and words[1] != own:
-                return words
-        return own, None
+                self.words = words
+                break
 
     @public
     def words_beside(self, i: int, distance: NumberLike = 1e-6) -> tuple[str | None, str | None]:
@@ -202,25 +199,20 @@ class Border(Drawable):
     @public
     def orbit(self, i: int) -> Orbit:
         """Return the orbit at the border's i-th point: its word (the one with fewer pieces), periods and points."""
-        return self._system.orbit(self._nodes[self._index(i)].z)
-
-    def _index(self, i: int) -> int:
-        """Return i, checked to be in range for a list as long as the border (-1 is the last point)."""
-        return whole_number("i", i, -len(self), len(self) - 1)
+        return self._system.orbit(self._nodes[whole_number("i", i, -len(self), len(self) - 1)].z)
 
     @public
     def beside(self, i: int, distance: NumberLike = 1e-6) -> tuple[Parameters, Parameters]:
         """Return the parameters on both sides of the i-th point, in the order of `words`.
 
-        `distance` is a part of the ranges; the way there is at a right angle to the border, in units of the ranges.
+        They lie at a right angle to the border in a plot over the ranges, `distance` (a fraction of them) away.
         """
-        node, far = self._nodes[self._index(i)], float(read_exact("distance", distance))
+        i, far = whole_number("i", i, -len(self), len(self) - 1), float(read_exact("distance", distance))
         if not 0 < far <= 0.01:
             raise ParameterError("distance", distance, "must be > 0 and at most 0.01")
-        along = node.tangent[-2:] / np.linalg.norm(node.tangent[-2:])
-        away = self._side * far * np.array([-along[1], along[0]])
-        here = node.z[-2:] * self._system.scale[-2:]
-        first, second = (self._plane.parameters((here + way * away * self._plane.widths).tolist()) for way in (1, -1))
+        along = self._nodes[i].tangent[-2:] / np.linalg.norm(self._nodes[i].tangent[-2:])
+        away = self._side * far * np.array([-along[1], along[0]]) * self._plane.widths
+        first, second = (self._plane.parameters(self.points[i] + way * away) for way in (1, -1))
         return first, second
 
     @public
@@ -232,18 +224,20 @@ class Border(Drawable):
         It is complete where no end is left that is not a point of codimension two from which all borders are followed,
         an end of the range, or "no convergence".
         """
-        how: dict[str, Any] = {"step": step, "max_points": max_points}
-        _read_steps(**how)
+        how, plane = _read_steps(step, max_points), self._plane
         found, done, waiting = [self], list[tuple[float, float]](), [self]
         while waiting:
             here = waiting.pop()
             for end in here.ends:
-                points = (each for each in here.special if each.kind != FOLD)
-                point = next((each for each in points if here._plane.near(each.values, end.values)), None)
-                if point is None or any(here._plane.near(point.values, other) for other in done):
+                points = (each.values for each in here.special if each.kind != FOLD)
+                at = next((values for values in points if plane.near(values, end.values)), None)
+                if at is None or any(plane.near(at, other) for other in done):
                     continue
-                done.append(point.values)
-                for other in borders_leaving(here, point, **how):
+                done.append(at)
+                # All borders that leave the point, this one among them, cross a small circle around it.
+                around = _circle(plane, at, here.orbit(int(np.abs(here.points - at).sum(axis=1).argmin())))
+                chords = pairwise([*around, *around[:1]])  # the plane's range is convex: the last chord is in it too
+                for other in _distinct((each for chord in chords for each in all_crossings(plane, *chord)), *how):
                     if not any(passes(each, other.points[len(other) // 2], other.words) for each in found):
                         found.append(other)
                         waiting.append(other)
@@ -324,21 +318,22 @@ def between(a: Node, b: Node, part: float) -> np.ndarray:
     return np.asarray(first * a.z + second * b.z + slope)
 
 
-def motion_at(parameters: Parameters, orbit: Orbit) -> Orbit | None:
-    """Find an admissible orbit at some parameters, near the given orbit; None if none is found.
+def motion_at(parameters: Parameters, *near: Orbit) -> Orbit | None:
+    """Find an admissible orbit at some parameters, from each of the orbits near them in turn; None if none is found.
 
-    The given word is tried first, then those that the motion from the given orbit goes through. With c > 0 an
-    admissible orbit is the motion to which all others settle (`symosc.orbits.floquet`).
+    An orbit's own word is tried first, then those that the motion from it goes through. With c > 0 an admissible orbit
+    is the motion to which all others settle (`symosc.orbits.floquet`).
     """
-    equations = ClosingEquations(parameters, orbit.word, orbit.periods)
-    solution = solve(equations, orbit.points)
-    if solution.converged and not failures(equations, solution.points):
-        return orbit._replace(points=solution.points)
-    for piece, (x, theta) in zip(equations.pieces, orbit.points.tolist(), strict=True):
-        passages, _ = follow(equations, x, theta % (2 * pi), piece.start, SETTLING_EVENTS)
-        found = orbit_of(equations, passages, float(np.abs(orbit.points[:, 0]).max()))
-        if found is not None:
-            return Orbit(found[0].word, found[0].periods, found[1])
+    for orbit in near:
+        equations = ClosingEquations(parameters, orbit.word, orbit.periods)
+        solution = solve(equations, orbit.points)
+        if solution.converged and not failures(equations, solution.points):
+            return orbit._replace(points=solution.points)
+        size = float(np.abs(orbit.points[:, 0]).max())
+        for piece, (x, theta) in zip(equations.pieces, orbit.points.tolist(), strict=True):
+            found, _ = settling(equations, x, theta % (2 * pi), piece.start, size)
+            if found is not None:
+                return found
     return None
 
 
@@ -354,12 +349,13 @@ class Tracer:
 
     def border(self) -> Border:
         """Follow the border both ways from the first point and return it."""
-        forward, last, special = self._follow(self.first)
-        if last.kind == CLOSED:
-            return Border(self.system, forward, (last, last), special)
-        backward, begin, others = self._follow(self.first._replace(tangent=-self.first.tangent))
-        turned = [node._replace(tangent=-node.tangent) for node in reversed(backward[1:])]
-        return Border(self.system, turned + forward, (begin, last), [*reversed(others), *special])
+        path, last, special = self._follow(self.first)
+        begin = last
+        if last.kind != CLOSED:
+            backward, begin, others = self._follow(self.first._replace(tangent=-self.first.tangent))
+            path = [node._replace(tangent=-node.tangent) for node in reversed(backward[1:])] + path
+            special = [*reversed(others), *special]
+        return Border(self.system, path, (begin, last), special)
 
     def _follow(self, first: Node) -> tuple[list[Node], BorderEnd, list[SpecialPoint]]:
         """Follow the border along the first node's tangent; return its nodes, its end and its special points."""
@@ -367,7 +363,7 @@ class Tracer:
         self.margins: list[Condition] | None = None
 
         def end(kind: str, message: str) -> tuple[list[Node], BorderEnd, list[SpecialPoint]]:
-            return path, BorderEnd(kind, self._values(path[-1].z), message), special
+            return path, BorderEnd(kind, self.system.values(path[-1].z), message), special
 
         while True:
             here = path[-1]
@@ -380,9 +376,16 @@ class Tracer:
                     return end(NO_CONVERGENCE, "the steps became too short: the equations are singular there")
                 continue
             bend = (node.tangent - here.tangent) / np.linalg.norm(node.z - here.z)
-            outside = self._outside(node)
-            if outside is not None:
-                node = self._at_bound(here, node, *outside)
+            outside = None
+            for j, (value, low, high) in enumerate(zip(node.z[-2:], self.low, self.high, strict=True)):
+                # A border along a bound is not outside.
+                if outside is None and not low - 1e-14 <= value <= high + 1e-14:
+                    outside = j, float(low if value < low else high)
+            if outside is not None:  # end at the bound
+                j, bound = outside
+                guess = between(here, node, float((bound - here.z[-2 + j]) / (node.z[-2 + j] - here.z[-2 + j])))
+                guess[-2 + j] = bound
+                node = self.system.node(guess, here.tangent, np.eye(len(guess))[-2 + j]) or here
             for j in (0, 1):
                 slopes = np.array([here.tangent[-2 + j], node.tangent[-2 + j]])
                 if slopes.prod() < 0 and np.ptp(slopes) > 1e-6:  # rounding alone on a line along an axis
@@ -393,13 +396,18 @@ class Tracer:
             if outside is not None and np.linalg.norm(node.z - here.z) < LOCATED:
                 path.pop()  # it was there already
             path.append(node)
-            closed = len(path) > CHECKED and outside is None and self._closes(here, node)
+            closed = False
+            if len(path) > CHECKED and outside is None:  # it is if the first point lies between the last two
+                away, along = first.z - here.z, node.z - here.z
+                length = float(np.linalg.norm(along))
+                part = away @ along / length**2
+                closed = bool(0 <= part <= 1 and np.linalg.norm(away - part * along) < FARTHEST * length)
             if outside is not None or closed or len(path) > self.most or len(path) - checked > CHECKED:
                 at = self._first_failure(path, checked)
                 if at is not None:
                     cut, point = self._codimension_two(path[at - 1], path[at])
                     del path[at:]
-                    kept = {self._values(node.z) for node in path}
+                    kept = {self.system.values(node.z) for node in path}
                     special[:] = [*(each for each in special if each.values in kept), point]
                     path.append(cut)
                     return end("codimension two", f"{point.kind}: {point.message}")
@@ -413,32 +421,6 @@ class Tracer:
             if len(path) > self.most:
                 return end(MOST, f"stopped after {self.most} points")
             step = min(1.5 * step, self.longest)
-
-    def _values(self, z: np.ndarray) -> tuple[float, float]:
-        """Return the values of the two parameters at scaled unknowns z."""
-        a, b = z[-2:] * self.system.scale[-2:]
-        return float(a), float(b)
-
-    def _outside(self, node: Node) -> tuple[int, float] | None:
-        """Return which parameter (0 or 1) is outside its range, and the bound it passed (scaled); None if none is."""
-        for j, (value, low, high) in enumerate(zip(node.z[-2:], self.low, self.high, strict=True)):
-            if not low - 1e-14 <= value <= high + 1e-14:  # a border along a bound is not outside
-                return j, float(low if value < low else high)
-        return None
-
-    def _at_bound(self, here: Node, node: Node, j: int, bound: float) -> Node:
-        """Return the node between two at which parameter j is at a bound of its range."""
-        part = (bound - here.z[-2 + j]) / (node.z[-2 + j] - here.z[-2 + j])
-        guess = between(here, node, float(part))
-        guess[-2 + j] = bound
-        return self.system.node(guess, here.tangent, np.eye(len(guess))[-2 + j]) or here
-
-    def _closes(self, here: Node, node: Node) -> bool:
-        """Return whether the border is closed: between two nodes it passes its first point again."""
-        away, along = self.first.z - here.z, node.z - here.z
-        length = float(np.linalg.norm(along))
-        part = away @ along / length**2
-        return bool(0 <= part <= 1 and np.linalg.norm(away - part * along) < FARTHEST * length)
 
     def _failing(self, node: Node) -> Condition | None:
         """Return the inequality that fails most at a node, if any."""
@@ -490,13 +472,13 @@ class Tracer:
             if abs(change) <= 4 * EPS * abs(q):
                 break
             q += change
-        values, tangent = self._values(z), tangent * float(np.sign(tangent @ here.tangent))
+        values, tangent = system.values(z), tangent * float(np.sign(tangent @ here.tangent))
         error = max(abs(change), *(2 * EPS * abs(value) for value in values))
         message = f"{self.plane.names[j]} is {'largest' if here.tangent[-2 + j] > 0 else 'smallest'} along the border"
         return Node(z, tangent, np.full(2, error)), SpecialPoint(FOLD, values, message, error)
 
     def _codimension_two(self, good: Node, bad: Node) -> tuple[Node, SpecialPoint]:
-        """Locate the point between two nodes at which an inequality vanishes, as a last node and a special point."""
+        """Return the border's last node and special point, where an inequality vanishes between `good` and `bad`."""
         system, condition = self.system, self._failing(bad)
         for _ in range(MOST_HALVINGS):
             if np.linalg.norm(bad.z - good.z) < LOCATED:
@@ -506,7 +488,7 @@ class Tracer:
                 break
             failed = self._failing(middle)
             good, bad, condition = (middle, bad, condition) if failed is None else (good, middle, failed)
-        values, closed = self._values(good.z), isinstance(system, ClosedForm)
+        values, closed = system.values(good.z), isinstance(system, ClosedForm)
         found = None if closed else meeting(self.plane, system.orbit(good.z), values)
         if found is None:
             text = "" if condition is None else condition.text
@@ -527,10 +509,9 @@ def _scaled_margin(condition: Condition) -> float:
 
 
 def meeting(plane: Plane, orbit: Orbit, values: tuple[float, float]) -> SpecialPoint | None:
-    """Find the point near some values where two inequalities vanish, with the simplest word there; None if not found.
+    """Find the point near some values where two inequalities vanish; None if not found.
 
-    The word that has fewest pieces of those around the point has the simplest equations there: in the others a piece
-    has no length at the point.
+    If a piece of the orbit has no duration there, the word with the fewest pieces around the point is taken instead.
     """
     durations = ClosingEquations(plane.parameters(values), orbit.word, orbit.periods).durations(orbit.points)
     found = None if durations.min() < 1e-3 else _two_zeros(plane, orbit, values)
@@ -540,14 +521,18 @@ def meeting(plane: Plane, orbit: Orbit, values: tuple[float, float]) -> SpecialP
     return found
 
 
-def _circle(plane: Plane, values: Sequence[float], orbit: Orbit) -> list[tuple[np.ndarray, Orbit]]:
+#: A point of the plane and an orbit there.
+Motion = tuple[np.ndarray, Orbit]
+
+
+def _circle(plane: Plane, values: Sequence[float], orbit: Orbit) -> list[Motion]:
     """Return points on a small circle around a point of the plane that are in the ranges, with the orbits there."""
     found = []
     for i in range(24):
         angle = 2 * pi * (i + 0.5) / 24
         place = np.array(values) + 1e-3 * plane.widths * np.array([cos(angle), sin(angle)])
         inside = (plane.low <= place).all() and (place <= plane.high).all()
-        there = motion_at(plane.parameters(place.tolist()), orbit) if inside else None
+        there = motion_at(plane.parameters(place), orbit) if inside else None
         if there is not None:
             found.append((place, there))
     return found
@@ -596,8 +581,8 @@ def _two_zeros(plane: Plane, orbit: Orbit, values: tuple[float, float]) -> Speci
 
 
 def closed_form(plane: Plane, place: np.ndarray, orbit: Orbit) -> tuple[ClosedForm, Node] | None:
-    """Return the border in closed form through a place, beyond which the motion has no word; None if there is none."""
-    p = plane.parameters(place.tolist())
+    """Return the border with a formula through a place, beyond which the mass rests or meets no belt; or None."""
+    p = plane.parameters(place)
     system = ClosedForm(plane, p, orbit)
     holds, drives = system.terms(place)
     if not (holds > drives > 0 if system.line else abs(holds - drives) < 1e-6 * drives):
@@ -613,7 +598,7 @@ def closed_form(plane: Plane, place: np.ndarray, orbit: Orbit) -> tuple[ClosedFo
 
 def starts(plane: Plane, place: np.ndarray, orbit: Orbit, direction: np.ndarray) -> Iterator[tuple[BorderSystem, Node]]:
     """Yield the borders of an orbit's word that lie next to a place, in a direction of the plane, the nearest first."""
-    equations, points = ClosingEquations(plane.parameters(place.tolist()), orbit.word, orbit.periods), orbit.points
+    equations, points = ClosingEquations(plane.parameters(place), orbit.word, orbit.periods), orbit.points
     nearest = sorted(conditions(equations, points), key=lambda c: abs(_scaled_margin(c)))[:6]
     for zero, phases in (found for c in nearest for found in zeros_of(equations, points, c)):
         if zero.kind == border_system.AT_ARRIVAL:  # it belongs to the word with more pieces
@@ -632,10 +617,8 @@ def starts(plane: Plane, place: np.ndarray, orbit: Orbit, direction: np.ndarray)
             yield system, first
 
 
-def crossings(
-    plane: Plane, start: tuple[np.ndarray, Orbit], stop: tuple[np.ndarray, Orbit]
-) -> Iterator[tuple[BorderSystem, Node]]:
-    """Yield the first border that crosses a segment of the plane between two places with their orbits."""
+def first_crossing(plane: Plane, start: Motion, stop: Motion) -> tuple[BorderSystem, Node] | None:
+    """Return the first border that crosses the segment between two points of the plane, if one is found."""
     whole, word = float(np.abs((stop[0] - start[0]) / plane.widths).max()), start[1].cycle
     low, high = start, stop
     while word != stop[1].cycle:
@@ -644,42 +627,41 @@ def crossings(
         if length <= max(1e-3 * whole, 1e-6):  # short enough for the equations
             for place, orbit in sorted((low, high), key=lambda end: len(end[1].points)):
                 for system, node in starts(plane, place, orbit, way):
-                    part = (node.z[-2:] * system.scale[-2:] - low[0]) @ way / (way @ way)
+                    part = (system.values(node.z) - low[0]) @ way / (way @ way)
                     if -0.5 <= part <= 1.5:
-                        yield system, node
-                        return
+                        return system, node
         if length < 1e-9:
-            return
+            break
         places = (low[0] + part * way for part in (0.5, 0.4))  # the first may be on the border
-        found = ((place, orbit_beside(plane, place, low[1], high[1])) for place in places)
+        found = ((place, motion_at(plane.parameters(place), low[1], high[1])) for place in places)
         place, middle = next((each for each in found if each[1] is not None), (low[0], None))
         if middle is None:
-            return
+            break
         low, high = ((place, middle), high) if middle.cycle == word else (low, (place, middle))
+    return None
 
 
-def all_crossings(
-    plane: Plane, start: tuple[np.ndarray, Orbit], stop: tuple[np.ndarray, Orbit]
-) -> Iterator[tuple[BorderSystem, Node]]:
-    """Yield, in order, borders that cross a segment of the plane, until they explain the words at both of its ends."""
-    for system, node in crossings(plane, start, stop):
-        way = (stop[0] - start[0]) / np.abs((stop[0] - start[0]) / plane.widths).max()
-        place, own = node.z[-2:] * system.scale[-2:], system.orbit(node.z)
-        if not 0 <= (place - start[0]) @ way <= (stop[0] - start[0]) @ way:
-            return  # the border at the segment's end, once more
-        for shift in SHIFTS:
-            before, after = (
-                (place + sign * shift * way, orbit_beside(plane, place + sign * shift * way, own, start[1], stop[1]))
-                for sign in (-1, 1)
-            )
-            words = {end[1].cycle for end in (before, after) if end[1] is not None}
-            if len(words) == 2 and own.cycle in words:
-                break
-        if before[1] is not None and (before[0] - start[0]) @ way > 0:
-            yield from all_crossings(plane, start, (before[0], before[1]))
-        yield system, node
-        if after[1] is not None and (stop[0] - after[0]) @ way > 0:
-            yield from all_crossings(plane, (after[0], after[1]), stop)
+def all_crossings(plane: Plane, start: Motion, stop: Motion) -> Iterator[tuple[BorderSystem, Node]]:
+    """Yield, in order, the borders that cross the segment between two points until the words between them agree."""
+    found = first_crossing(plane, start, stop)
+    if found is None:
+        return
+    system, node = found
+    way = (stop[0] - start[0]) / np.abs((stop[0] - start[0]) / plane.widths).max()
+    place, own = system.values(node.z), system.orbit(node.z)
+    if not 0 <= (place - start[0]) @ way <= (stop[0] - start[0]) @ way:
+        return  # the border at the segment's end, once more
+    for shift in SHIFTS:
+        before, after = (place - shift * way, place + shift * way)
+        orbits = [motion_at(plane.parameters(beside), own, start[1], stop[1]) for beside in (before, after)]
+        words = {orbit.cycle for orbit in orbits if orbit is not None}
+        if len(words) == 2 and own.cycle in words:
+            break
+    if orbits[0] is not None and (before - start[0]) @ way > 0:
+        yield from all_crossings(plane, start, (before, orbits[0]))
+    yield system, node
+    if orbits[1] is not None and (stop[0] - after) @ way > 0:
+        yield from all_crossings(plane, (after, orbits[1]), stop)
 
 
 def borders_between(
@@ -717,9 +699,9 @@ def _settled(plane: Plane, p: Parameters) -> tuple[np.ndarray, Orbit | None]:
     return place, Orbit(Word(orbit.labels), orbit.periods, orbit.phases())
 
 
-def _loss_of_word(plane: Plane, inside: Any, place: np.ndarray) -> Any:
-    """Return the border in closed form between an orbit and a place with none, and an orbit next to it; or None."""
-    system = ClosedForm(plane, plane.parameters(place.tolist()), inside[1])
+def _loss_of_word(plane: Plane, inside: Any, place: np.ndarray) -> tuple[Motion, Any] | None:
+    """Find the border in closed form between an orbit and a place with none: (a point and orbit beside it, border)."""
+    system = ClosedForm(plane, plane.parameters(place), inside[1])
 
     def word(part: float) -> bool:
         holds, drives = system.terms(place + part * (inside[0] - place))
@@ -733,20 +715,8 @@ def _loss_of_word(plane: Plane, inside: Any, place: np.ndarray) -> Any:
         low, high = (low, middle) if word(middle) else (middle, high)
     at, near = (place + part * (inside[0] - place) for part in (high, high + (1 - high) * BESIDE[1]))
     found = closed_form(plane, at, inside[1])
-    beside = None if found is None else motion_at(plane.parameters(near.tolist()), found[0].orbit(found[1].z))
+    beside = None if found is None else motion_at(plane.parameters(near), found[0].orbit(found[1].z))
     return None if beside is None else ((near, beside), closed_form(plane, at, beside))
-
-
-def borders_leaving(border: Border, special: SpecialPoint, **how: Any) -> list[Border]:
-    """Return all borders that leave one of a border's points of codimension two, that border among them.
-
-    They are found by the words of the motions on a small circle around it; a word on a smaller part of the circle than
-    doubles can resolve is missed. `how` is `step` and `max_points` of `continue_border`.
-    """
-    plane, nearest = border._plane, np.abs(border.points - special.values).sum(axis=1).argmin()
-    around = _circle(plane, special.values, border.orbit(int(nearest)))
-    chords = pairwise([*around, *around[:1]])  # the plane's range is convex: the last chord is in it too
-    return _distinct((found for chord in chords for found in all_crossings(plane, *chord)), *_read_steps(**how))
 
 
 def _distinct(begun: Iterable[tuple[BorderSystem, Node]], step: float, most: int) -> list[Border]:
@@ -754,12 +724,12 @@ def _distinct(begun: Iterable[tuple[BorderSystem, Node]], step: float, most: int
     found = list[Border]()
     for system, node in begun:
         border = Tracer(system, node, step, most).border()
-        if len(border) > 1 and not any(passes(each, node.z[-2:] * system.scale[-2:], border.words) for each in found):
+        if len(border) > 1 and not any(passes(each, system.values(node.z), border.words) for each in found):
             found.append(border)
     return found
 
 
-def passes(border: Border, values: np.ndarray, words: Any) -> bool:
+def passes(border: Border, values: Sequence[float] | np.ndarray, words: Any) -> bool:
     """Return whether a border between these words passes through a point of its plane, near enough for its steps."""
     if set(border.words) != set(words):
         return False
@@ -768,12 +738,6 @@ def passes(border: Border, values: np.ndarray, words: Any) -> bool:
     squares = np.maximum((way * way).sum(axis=1), 1e-300)
     part = np.clip(-(places[:-1] * way).sum(axis=1) / squares, 0, 1)
     return bool((np.abs(places[:-1] + part[:, None] * way).max(axis=1) < 1e-4).any())
-
-
-def orbit_beside(plane: Plane, place: np.ndarray, *near: Orbit) -> Orbit | None:
-    """Return the orbit at a point of the plane, found from one of the orbits near it; None if none leads to one."""
-    found = (motion_at(plane.parameters(place.tolist()), orbit) for orbit in near)
-    return next((orbit for orbit in found if orbit is not None), None)
 
 
 @public
@@ -836,11 +800,12 @@ def continue_border(
         return border
     for distance in AWAY:
         shift = np.array([inward * distance * plane.widths[0], 0.0])
-        inside, outside = (orbit_beside(plane, values + way * shift, near) for way in (1, -1))
+        inside, outside = (motion_at(plane.parameters(values + way * shift), near) for way in (1, -1))
         if inside is None or outside is None:
             continue
-        for system, node in crossings(plane, (values + shift, inside), (values - shift, outside)):
-            border = Tracer(system, node, longest, most).border()
+        found = first_crossing(plane, (values + shift, inside), (values - shift, outside))
+        if found is not None:
+            border = Tracer(*found, longest, most).border()
             if border.words[1] == cycle(branch.word):
                 border.words, border._side, border.kind = border.words[::-1], -border._side, reason.kind
             return border

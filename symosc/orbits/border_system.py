@@ -25,6 +25,7 @@ Where the motion loses its word, as it comes to rest or meets no belt, the borde
 from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Sequence
+from contextlib import suppress
 from dataclasses import replace
 from fractions import Fraction
 from math import inf, pi
@@ -39,9 +40,8 @@ from symosc.kernels._generated import motion, next_derivative
 from symosc.kernels.entire import EPS
 from symosc.model import NEIGHBOURS, PARAMETER_NAMES, Parameters
 from symosc.orbits import admissibility
-from symosc.orbits.admissibility import Condition, conditions, gaps, holds, scales
-from symosc.orbits.closing_equations import ClosingEquations, OrbitPiece, pieces_of
-from symosc.words import Word, cycle
+from symosc.orbits.admissibility import Condition, clearances, conditions, holding_forces, scales
+from symosc.orbits.closing_equations import ClosingEquations, Orbit, OrbitPiece, pieces_of
 
 AT_FAR, AT_ARRIVAL, AT_FLAT, AT_HOLD, AT_TOUCH, AT_BEND = "far", "arrival", "flat", "hold", "touch", "bend"
 TIMED = (AT_HOLD, AT_TOUCH)  # zeros at a phase that is an unknown
@@ -52,7 +52,7 @@ POINTS_WEIGHT = 4.0  # by which switching points count less than the parameters 
 
 
 class Zero(NamedTuple):
-    """A margin that vanishes on a border: its kind, its piece, its place (the belt of a graze, a force's domain)."""
+    """An inequality that is 0 on a border: its kind, its piece, and the belt (of a graze) or domain (of a force)."""
 
     kind: str
     piece: int
@@ -60,7 +60,7 @@ class Zero(NamedTuple):
 
     @property
     def bend(self) -> Zero:
-        """The same zero one derivative higher, which vanishes too if the margin has a multiple zero."""
+        """The zero of the next derivative by time, which is 0 too where this one is no simple zero."""
         return self._replace(kind=AT_BEND if self.kind in TIMED else AT_FLAT)
 
 
@@ -72,9 +72,9 @@ class Plane(NamedTuple):
     low: np.ndarray
     high: np.ndarray
 
-    def parameters(self, values: Sequence[Any]) -> Parameters:
+    def parameters(self, values: Sequence[float] | np.ndarray) -> Parameters:
         """Return the parameters at a point of the plane."""
-        return self.fixed.replace(**dict(zip(self.names, values, strict=True)))
+        return self.fixed.replace(**dict(zip(self.names, map(float, values), strict=True)))
 
     def near(self, a: Sequence[float], b: Sequence[float]) -> bool:
         """Return whether two points are the same within errors."""
@@ -94,19 +94,6 @@ class Node(NamedTuple):
     error: np.ndarray
 
 
-class Orbit(NamedTuple):
-    """An orbit, given by its word, its number of forcing periods, and its points (x, theta), an (n, 2) array."""
-
-    word: Word
-    periods: int
-    points: np.ndarray
-
-    @property
-    def cycle(self) -> str:
-        """The word as text, the same text for all its rotations."""
-        return cycle(str(self.word))
-
-
 class Numbers:
     """A parameter set as floats, from which constants are derived several times faster than from fractions."""
 
@@ -124,9 +111,10 @@ class QuickArithmetic(Arithmetic):
 
 
 class BorderSystem:
-    """The closing equations of a word, and its vanishing margins; unknowns u: x, theta per point, phases, parameters.
+    """The closing equations of a word together with the inequalities that are 0 on a border.
 
-    With one vanishing margin (a `Zero`) the roots are a curve, with two a point. Lengths are measured in z = u/scale.
+    The unknowns u are x and theta of each switching point, the phases of the extrema of `timed` zeros, and the two
+    parameters. With one zero the roots are a curve, with two a point. Lengths are measured in z = u/scale.
     """
 
     def __init__(self, plane: Plane, orbit: Orbit, zeros: Sequence[Zero]) -> None:
@@ -138,14 +126,14 @@ class BorderSystem:
         self.n = len(self.pieces)
         self.sizes = np.zeros(0)
         self.hidden: tuple[int, ...] = ()  # conditions that are 0 all along, as the border's own or by symmetry
-        self.pieces = self._at_rest_after(zero.piece for zero in self.zeros if zero.kind == AT_FAR)
+        self.pieces = self._unaccelerated_after(zero.piece for zero in self.zeros if zero.kind == AT_FAR)
         self.symmetric_pieces = self.pieces
         size = max(np.ptp(points[:, 0]), 0.1 * np.abs(points[:, 0]).max())
         weight = POINTS_WEIGHT * np.sqrt(2 * self.n)
         self.scale = np.array([*[size * weight, weight] * self.n, *[weight] * len(self.timed), *plane.widths])
 
-    def _at_rest_after(self, crossings: Iterable[int]) -> tuple[OrbitPiece, ...]:
-        """Return the pieces; flights after the given crossings are marked to start with acceleration 0."""
+    def _unaccelerated_after(self, crossings: Iterable[int]) -> tuple[OrbitPiece, ...]:
+        """Return the pieces with the flights after the given crossings started with acceleration 0."""
         pieces = list(self.pieces)
         for i in crossings:
             j = (i + 1) % self.n
@@ -168,8 +156,13 @@ class BorderSystem:
         n = 2 * self.n
         return list(zip(u[:n:2], u[1:n:2], strict=True)), u[n:-2]
 
+    def values(self, z: np.ndarray) -> tuple[float, float]:
+        """Return the values of the two parameters at scaled unknowns z."""
+        first, second = (z[-2:] * self.scale[-2:]).tolist()
+        return first, second
+
     def orbit(self, z: np.ndarray) -> Orbit:
-        """Return the orbit at a point of the border, given by its scaled unknowns z."""
+        """Return the orbit at scaled unknowns z."""
         return Orbit(self.word, self.periods, (z * self.scale)[: 2 * self.n].reshape(-1, 2))
 
     def residuals(self, u: Any, digits: int | None = None) -> list[Number]:
@@ -195,45 +188,38 @@ class BorderSystem:
         found[:n, :n] = equations.matrix(points)
         touched = {(2 * zero.piece + j) % n for zero in self.zeros for j in range(4)}
         for j in (*touched, *range(n, size - 2)):
-            beside = list(u)
-            beside[j] += (step := DIFFERENCE * self.scale[j] / POINTS_WEIGHT)
-            found[n:, j] = (np.array(self._zeros(equations, *self._split(beside))) - values[n:]) / step
-        found[:, -2:] = self._by_parameters(u, values)
-        return values, found
-
-    def _by_parameters(self, u: list[float], values: np.ndarray) -> np.ndarray:
-        """Return the derivatives of the residuals with respect to both parameters, by finite differences."""
-        columns = []
+            step = DIFFERENCE * self.scale[j] / POINTS_WEIGHT
+            found[n:, j] = _slope(lambda each: self._zeros(equations, *self._split(each)), u, values[n:], j, step)
         for j in (-2, -1):
-            beside = list(u)
-            beside[j] += (step := DIFFERENCE * self.scale[j])
-            columns.append((np.array(self.residuals(beside)) - values) / step)
-        return np.transpose(columns)
+            found[:, j] = _slope(self.residuals, u, values, j, DIFFERENCE * self.scale[j])
+        return values, found
 
     def fine_tangent(self, u: Sequence[Any]) -> np.ndarray:
         """Return the unit tangent in scaled unknowns, right to nearly all digits of a double."""
         step, (equations, _, _) = u[0].context.mpf(10) ** -20, self.at(u, FINE_DIGITS)
-        values, columns = self.residuals(u, FINE_DIGITS), []
-        for j in range(len(u)):
-            beside = [value + step * (i == j) for i, value in enumerate(u)]
-            if j < len(u) - 2:
-                points, phases = self._split(beside)
-                now = equations.residuals(points) + self._zeros(equations, points, phases)
-            else:
-                now = self.residuals(beside, FINE_DIGITS)
-            columns.append([float((a - b) / step) for a, b in zip(now, values, strict=True)])
+
+        def at_fixed_parameters(each: Sequence[Any]) -> list[Number]:
+            points, phases = self._split(each)
+            return equations.residuals(points) + self._zeros(equations, points, phases)
+
+        def at_any(each: Sequence[Any]) -> list[Number]:
+            return self.residuals(each, FINE_DIGITS)
+
+        values, functions = np.array(at_any(u)), [at_fixed_parameters] * (len(u) - 2) + [at_any] * 2
+        columns = [_slope(function, u, values, j, step).astype(float) for j, function in enumerate(functions)]
         tangent: np.ndarray = np.linalg.svd(np.array(columns).T * self.scale)[2][-1]
         return tangent
 
     # -- Newton's method -----------------------------------------------------------------------------------------------
 
     def correct(self, z: np.ndarray, row: np.ndarray | None) -> tuple[np.ndarray, np.ndarray, float] | None:
-        """Find the root in the plane through z with the normal `row` (None: no plane is needed); None if not found.
+        """Solve the equations by Newton's method from z; return root, inverse Jacobian and error, or None.
 
-        It comes with the inverse of the Jacobian of all scaled equations, and with an estimate of its error.
+        `row` is the normal of a plane through z that contains the root; None if the equations alone fix it. Root and
+        error are in scaled unknowns.
         """
         start, inverse, before = z, None, inf
-        try:
+        with suppress(np.linalg.LinAlgError, ZeroDivisionError, OverflowError, ValueError):
             for _ in range(12):
                 u = (z * self.scale).tolist()
                 if inverse is None:
@@ -254,8 +240,6 @@ class BorderSystem:
                 if size > before / 16:
                     inverse = None
                 before = size
-        except (np.linalg.LinAlgError, ZeroDivisionError, OverflowError, ValueError):
-            pass
         return None
 
     def polish(self, z: np.ndarray, fixed: tuple[int, Any] | None = None) -> list[Number] | None:
@@ -270,7 +254,7 @@ class BorderSystem:
             return None
         number = ClosingEquations(self.fixed, self.word, self.periods, FINE_DIGITS).arithmetic.number
         u, before = [number(Fraction(value)) for value in (got[0] * self.scale).tolist()], inf
-        try:
+        with suppress(ZeroDivisionError, ValueError):
             for _ in range(30):
                 if fixed is not None:
                     u[fixed[0]] = number(fixed[1])
@@ -283,8 +267,6 @@ class BorderSystem:
                 if size < 1e-30 or size > before / 2:
                     return u if size < 1e-30 else None
                 before = size
-        except (ZeroDivisionError, ValueError):
-            pass
         return None
 
     def node(self, z: np.ndarray, along: np.ndarray, row: np.ndarray | None = None) -> Node | None:
@@ -307,9 +289,8 @@ class BorderSystem:
         equations, points, _ = self.at(u)
         size, rows = scales(equations, points), []
         largest = max(abs(x) for x, _ in points)
-        for piece, start, end in zip(self.pieces, points, equations.ends(points), strict=True):
-            tau = abs(end[1] - start[1]) / equations.K.Om
-            rows += [largest, size.a if piece.sticks else size.v * min(1.0, tau) / tau**piece.zeros]
+        for piece, _, _, tau in equations.spans(points):
+            rows += [largest, size.a if piece.sticks else size.v * min(1.0, abs(tau)) / abs(tau) ** piece.zeros]
         for zero in self.zeros:
             rows += [size.v, size.a / size.t] if zero.kind == AT_TOUCH else [size.a] * (2 if zero.kind in TIMED else 1)
         return np.array(rows)
@@ -330,10 +311,10 @@ class BorderSystem:
         self.hidden = tuple({*small, *(i for i, c in enumerate(found) if (kind_of(c), c.piece) in own)})
         # Only for the inequalities: the equations would not fix an orbit that is at rest twice.
         crossings = [c.piece for i, c in enumerate(found) if i in small and c.rank == admissibility.PASSING]
-        self.symmetric_pieces = self._at_rest_after(crossings)
+        self.symmetric_pieces = self._unaccelerated_after(crossings)
 
     def margins(self, z: np.ndarray) -> list[Condition]:
-        """Return the inequalities that must hold on the border, also those that keep its zeros simple ones."""
+        """Return the inequalities that must hold on the border, also those by which its zeros are simple."""
         equations, points, phases = self.at((z * self.scale).tolist())
         equations.pieces = self.symmetric_pieces
         found, size = conditions(equations, points), scales(equations, points)
@@ -369,11 +350,12 @@ class BorderSystem:
 
 
 class ClosedForm(BorderSystem):
-    """A border beyond which the motion has no word: one equation in both parameters, about the slower belt.
+    """A border beyond which the motion has no word (it rests, or meets no belt): one equation in both parameters.
 
-    If its speed is 0 the mass may rest on it where mu FN >= |B0|; in a plane of this speed that is a line between two
-    words. Else no belt is met if it is as fast as the steady motion at its fastest: |v| sqrt((k - m Omega^2)^2 +
-    (c Omega)^2) >= |B0| Omega. The parameters `fixed` are on the border, the `orbit` is one beside it.
+    It is about the slower belt. If its speed is 0, the mass may rest on it where mu FN >= |B0|. Where that speed is one
+    of the two parameters, the border is the line of speed 0, and a word lies on either side. A belt that moves is not
+    met if it is at least as fast as the steady motion: |v| sqrt((k - m Omega^2)^2 + (c Omega)^2) >= |B0| Omega. The
+    parameters `fixed` are on the border, the `orbit` is one beside it.
     """
 
     def __init__(self, plane: Plane, fixed: Parameters, orbit: Orbit) -> None:
@@ -408,7 +390,8 @@ class ClosedForm(BorderSystem):
     def _linearised(self, u: list[float]) -> tuple[np.ndarray, np.ndarray]:
         """Return the residual at u and its derivatives, in doubles."""
         values = np.array(self.residuals(u))
-        return values, self._by_parameters(u, values)
+        columns = [_slope(self.residuals, u, values, j, DIFFERENCE * self.scale[j]) for j in (0, 1)]
+        return values, np.transpose(columns)
 
     def _sizes(self, u: Sequence[float]) -> np.ndarray:
         """Return the size of the terms of the residual."""
@@ -448,11 +431,16 @@ class ClosedForm(BorderSystem):
         return Orbit(self.word, self.periods, points)
 
 
+def _slope(function: Any, u: Sequence[Any], values: np.ndarray, j: int, step: Any) -> np.ndarray:
+    """Return the derivative of a function, with the given values at u, by its j-th argument: a finite difference."""
+    beside = list(u)
+    beside[j] += step
+    return np.asarray((np.array(function(beside)) - values) / step)
+
+
 def turns_of(equations: ClosingEquations, points: Any, i: int, kind: str) -> list[tuple[Number, Number, int]]:
-    """Return (margin, phase, belt or domain) of each extremum in piece i at which a zero of this kind may appear."""
-    start, end = points[i], equations.ends(points)[i]
-    tau = (end[1] - start[1]) / equations.K.Om
-    return list((gaps if kind == AT_TOUCH else holds)(equations, equations.pieces[i], start, tau))
+    """Return the extrema in piece i of what a zero of this kind is about: velocity or force, phase, belt or domain."""
+    return list((clearances if kind == AT_TOUCH else holding_forces)(equations, equations.spans(points)[i]))
 
 
 def zero_values(equations: ClosingEquations, points: Any, zero: Zero, theta: Number) -> list[Number]:
@@ -475,7 +463,7 @@ def zero_values(equations: ClosingEquations, points: Any, zero: Zero, theta: Num
     if zero.kind == AT_BEND:
         return [next_derivative(a, launch.v + dv, K.fB * equations.sin(theta), K.cm, K.w0sq)]
     gap = (launch.v - equations.belt(zero.place).v) + dv
-    roots = 0 if zero.place != piece.start else 2 if piece.after_stick else 1
+    roots = piece.roots(zero.place)
     if roots == 0:
         return [gap, a]
     # gap = g tau^roots (1 + ...): what is left of a once the multiple of gap with the same first term is taken away.
@@ -511,7 +499,10 @@ def kind_of(condition: Condition) -> str:
 
 
 def zeros_of(equations: ClosingEquations, points: Any, condition: Condition) -> list[tuple[Zero, list[float]]]:
-    """Return the zeros that a nearly vanishing condition may stand for, each with the phase of its extremum, if any."""
+    """Return the zeros that a condition close to 0 may stand for, each with the phase of its extremum, if any.
+
+    There are two where a flight behind a crossing turns back at once: its graze is a zero too.
+    """
     kind, i = kind_of(condition), condition.piece
     piece, end = equations.pieces[i], equations.ends(points)[i]
     if kind == AT_FAR:

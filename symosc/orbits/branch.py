@@ -44,7 +44,7 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike
 
-from symosc.aliases import DataFrame, NumberLike, Point, Points, Progress, Record
+from symosc.aliases import DataFrame, NumberLike, Points, Progress, Record
 from symosc.arguments import public
 from symosc.display.drawable import Drawable
 from symosc.display.frames import imported
@@ -58,9 +58,9 @@ from symosc.kernels.entire_array import basis
 from symosc.model import PARAMETER_NAMES, Parameters
 from symosc.orbits import admissibility
 from symosc.orbits.admissibility import MARGINAL, SAMPLE, Condition, concerns_whole_piece, conditions, failing, failures
-from symosc.orbits.closing_equations import CONVERGING, ClosingEquations, OrbitPiece, solve
-from symosc.orbits.find import SETTLING_EVENTS, find_orbit, follow, largest_displacement, orbit_of, resting_text
-from symosc.orbits.floquet import NEAR_ONE, monodromy
+from symosc.orbits.closing_equations import CONVERGING, ClosingEquations, solve
+from symosc.orbits.find import find_orbit, largest_displacement, settling, switching_points
+from symosc.orbits.floquet import NEAR_ONE, multipliers_of
 from symosc.orbits.periodic_orbit import PeriodicOrbit, SwitchingPoint
 from symosc.scenes import ParametersLike
 from symosc.words import WordLike, read_word
@@ -92,9 +92,6 @@ class BranchError(SymoscError, ValueError):
     def __init__(self, orbit: PeriodicOrbit) -> None:
         self.orbit = orbit
         super().__init__(f"the branch of {orbit.word} has no first orbit: {orbit.message}")
-
-    def __reduce__(self) -> tuple[object, ...]:
-        return type(self), (self.orbit,)
 
 
 class BranchEnd(NamedTuple):
@@ -180,24 +177,20 @@ class Branch(Drawable):
     @public
     def parameters(self, i: int) -> Parameters:
         """Return the parameters of the branch's i-th point; i as for a list, so that -1 is the last one."""
-        return self._orbit.parameters.replace(**{self.parameter: float(self.values[self._index(i)])})
+        i = whole_number("i", i, -len(self.values), len(self.values) - 1)
+        return self._orbit.parameters.replace(**{self.parameter: float(self.values[i])})
 
     @public
     def orbit(self, i: int, digits: int | None = None) -> PeriodicOrbit:
         """Return the orbit at the branch's i-th point; `digits` as for `symosc.find_orbit`."""
-        return find_orbit(self.parameters(i), self.word, self.points[self._index(i)], digits, periods=self.periods)
-
-    def _index(self, i: int) -> int:
-        """Return i, checked to be in range for a list as long as the branch (-1 is the last point)."""
-        return whole_number("i", i, -len(self.values), len(self.values) - 1)
+        return find_orbit(self.parameters(i), self.word, self.points[int(i)], digits, periods=self.periods)
 
     def as_dict(self) -> Record:
         """Return everything as plain values."""
-        ends = [
-            end._asdict()
-            | {"points": [list(point) for point in end.points], "conditions": [c._asdict() for c in end.conditions]}
-            for end in self.ends
-        ]
+        ends = [end._asdict() for end in self.ends]
+        for end in ends:
+            end["points"] = [list(point) for point in end["points"]]
+            end["conditions"] = [c._asdict() for c in end["conditions"]]
         return {
             "word": self.word,
             "parameters": self._orbit.parameters.as_dict(),
@@ -429,11 +422,10 @@ class Curve:
         equations, z = self.equations(value), self.joined(points, value)
         matrix = np.vstack([self.matrix(z, self.slope(z)), self.level(along)])
         tangent = np.linalg.solve(matrix, np.append(np.zeros(len(z) - 1), 1.0))
-        first, second = monodromy(equations, points).multipliers
-        margins = conditions(equations, points)
         tangent /= np.linalg.norm(self.level(tangent))
-        both = (complex(first), complex(second))
-        return BranchPoint(value, points, z, tangent, both, tuple(margins), tuple(failing(margins)))
+        first, second = map(complex, multipliers_of(equations, points))
+        margins = conditions(equations, points)
+        return BranchPoint(value, points, z, tangent, (first, second), tuple(margins), tuple(failing(margins)))
 
     def accepted(self, z: np.ndarray | None, before: BranchPoint) -> BranchPoint | None:
         """Return the point at z, or None if there is none or the curve turns too sharply towards it."""
@@ -474,7 +466,13 @@ class Curve:
         self, direction: float, most: int, advance: Advance, before: int = 0
     ) -> tuple[list[BranchPoint], BranchEnd]:
         """Follow the curve in one direction; return its points and why they end. `before`: number of earlier points."""
-        path, length, reached = self._first_points(direction), 0.02, 0.0
+        z, length, reached = self.joined(self.start, self.value), 0.02, 0.0
+        path = [self.point(z, np.append(np.zeros(len(z) - 1), direction))]
+        # At an end margins are rounding noise. Then a point just after it follows; between the two nothing is proven.
+        at_end = not all(condition.value > 1e-6 * condition.scale for condition in path[0].conditions)
+        beside = (self.step(path[0], shift) for shift in ((1e-6, 1e-5, 1e-4) if at_end else ()))
+        orbits = (each for each in beside if each and not each.failures and not self._verified(each).failures)
+        path += [each for each in (next(orbits, None),) if each]
         done = self.value - self.low if before else 0.0  # the other way is done, wherever it ended
 
         def end(kind: str, message: str, *conditions: Condition) -> tuple[list[BranchPoint], BranchEnd]:
@@ -508,28 +506,21 @@ class Curve:
                 return path, self._end_at(path, failed, direction)
             length = min(1.5 * length, LONGEST_STEP)
 
-    def _first_points(self, direction: float) -> list[BranchPoint]:
-        """Return the first point; if it is at an end, where margins are rounding noise, also one just after it."""
-        # On the way between the two nothing is proven (as before an end, see NO_GAP).
-        z = self.joined(self.start, self.value)
-        first = self.point(z, np.append(np.zeros(len(z) - 1), direction))
-        at_end = not all(condition.value > 1e-6 * condition.scale for condition in first.conditions)
-        for length in (1e-6, 1e-5, 1e-4) if at_end else ():
-            point = self.step(first, length)
-            if point is not None and not point.failures and not self._verified(point).failures:
-                return [first, point]
-        return [first]
-
     def _scan(
         self, a: BranchPoint, b: BranchPoint, around: float = np.inf
     ) -> tuple[list[BranchPoint], BranchPoint | None] | None:
-        """Divide the branch from a to b; return the orbits found and the first point that is not an orbit, or None."""
-        # None if the points do not lie on one smooth curve. `around` is the length of the shortest piece that has both
-        # and is known to end in a change.
+        """Divide the branch from a to b; return (orbits found, first point that is no orbit or None).
+
+        The whole result is None if the points do not lie on one smooth curve: a shorter step is needed. `around` is the
+        length of the shortest piece around both that is known to end in a point that is no orbit.
+        """
         length, changed = self.distance(a, b), bool(b.failures)
         around = min(around, length) if changed else around
-        if changed and length < NO_GAP:
-            return self._located(a, b)
+        if changed and length < NO_GAP:  # bisect for the end
+            good, bad = a, b
+            while self.distance(good, bad) > RESOLUTION and (m := self.middle(good, bad)) is not None:
+                good, bad = (good, m) if m.failures else (m, bad)
+            return ([] if good is a else [good]), bad
         m = self.middle(a, b)
         if m is None:
             return None
@@ -555,30 +546,20 @@ class Curve:
 
     def _proven(self, a: BranchPoint, m: BranchPoint, b: BranchPoint) -> bool:
         """Return whether no margin can reach 0 between a and b."""
-        nodes, margins = [], []
-        for point in (a, self.halfway(a, m), m, self.halfway(m, b), b):
-            if isinstance(point, BranchPoint):
-                nodes.append((self.equations(point.value), point.points))
-                margins.append(point.conditions)
-                continue
-            points, value = self.split(point)
-            nodes.append((self.equations(value), points))
-            margins.append(tuple(conditions(*nodes[-1])))
-        return no_margin_vanishes(nodes, margins)
+        first, middle, last = ((each.points, each.value) for each in (a, m, b))
+        places = first, self.split(self.halfway(a, m)), middle, self.split(self.halfway(m, b)), last
+        nodes = [(self.equations(value), points) for points, value in places]
+        margins = [a.conditions, conditions(*nodes[1]), m.conditions, conditions(*nodes[3]), b.conditions]
+        values = np.array([[c.value for c in row if not concerns_whole_piece(c)] for row in margins])
+        if not _proven_positive(values).all():
+            return False
+        spans, rate = nodes[2][0].spans(m.points), nodes[2][0].K.rate
+        parts = [1 + int(min(MOST_PARTS, max(12, span.tau * rate / SAMPLE))) for span in spans]
+        return all(_stay_positive(nodes, i, np.linspace(0.0, 1.0, count), 30) for i, count in enumerate(parts))
 
     def _verified(self, point: BranchPoint) -> BranchPoint:
         """Return the point with its failing conditions decided anew, with more digits and by following the orbit."""
         return replace(point, failures=tuple(failures(self.equations(point.value), point.points)))
-
-    def _located(self, good: BranchPoint, bad: BranchPoint) -> tuple[list[BranchPoint], BranchPoint]:
-        """Bisect for an end; return a list of the last orbit before it (empty: that is `good`), and the point after."""
-        begin = good
-        while self.distance(good, bad) > RESOLUTION:
-            m = self.middle(good, bad)
-            if m is None:
-                break
-            good, bad = (good, m) if m.failures else (m, bad)
-        return ([] if good is begin else [good]), bad
 
     # -- the end -------------------------------------------------------------------------------------------------------
 
@@ -623,18 +604,16 @@ class Curve:
                 equations = self.equations(value)
             except ParameterError:  # there is no such system
                 break
-            x, theta = (float(value) for value in point.points[0])
-            passages, rests = follow(equations, x, theta % (2 * pi), equations.pieces[0].start, SETTLING_EVENTS)
-            found = orbit_of(equations, passages, float(np.abs(point.points[:, 0]).max()))
+            (x, theta), size = point.points[0].tolist(), float(np.abs(point.points[:, 0]).max())
+            found, text = settling(equations, x, theta % (2 * pi), equations.pieces[0].start, size)
             if found is not None:
-                return str(found[0].word), ""
-            instead = instead or (resting_text(equations, passages[-1].mode) if rests else "")
+                return str(found.word), ""
+            instead = instead or text
         return None, instead
 
     def _switchings(self, point: BranchPoint) -> tuple[SwitchingPoint, ...]:
         """Return the switching points of a branch point as (t, x)."""
-        Omega = point.value if self.parameter == "Omega" else float(self.orbit.parameters.Omega)
-        return tuple(SwitchingPoint(float(theta / Omega), float(x)) for x, theta in point.points)
+        return switching_points(self.equations(point.value), point.points)
 
 
 def _begins_to_rest(p: Parameters) -> int | None:
@@ -651,37 +630,33 @@ def _begins_to_rest(p: Parameters) -> int | None:
 Node = tuple[ClosingEquations, np.ndarray]
 
 
-def no_margin_vanishes(nodes: list[Node], margins: list[tuple[Condition, ...]]) -> bool:
-    """Return whether no margin reaches 0 between the first and the last of five points of a branch."""
-    if not _proven_positive(np.array([[c.value for c in row if not concerns_whole_piece(c)] for row in margins])).all():
-        return False
-    equations, points = nodes[2]
-    for i, duration in enumerate(equations.durations(points)):
-        parts = duration / equations.K.Om * equations.K.rate / SAMPLE
-        u = np.linspace(0.0, 1.0, 1 + int(min(MOST_PARTS, max(12, parts))))
-        if not _stay_positive(nodes, i, u, 30):
-            return False
-    return True
+def _largest_bends(values: np.ndarray, axis: int) -> np.ndarray:
+    """Return the largest second difference along an axis of (5, n) values, of each column and those beside it."""
+    bend = np.abs(np.diff(values, 2, axis=axis)).max(axis=0)
+    bend = bend if axis == 0 else np.concatenate([bend[:1], bend, bend[-1:]])
+    bend[1:-1] = np.maximum(bend[1:-1], np.maximum(bend[:-2], bend[2:]))
+    return bend
 
 
 def _proven_positive(values: np.ndarray, deficit: float | np.ndarray = 0.0) -> np.ndarray:
-    """Return for each column of (5, n) values, at five points of a branch, whether it stays > 0 between them too."""
-    bend = np.abs(np.diff(values, 2, axis=0)).max(axis=0)
-    if bend.size > 2:
-        bend[1:-1] = np.maximum(bend[1:-1], np.maximum(bend[:-2], bend[2:]))
-    least = values - deficit
+    """Return for each column of (5, n) values, at five points of a branch, whether it stays > 0 between them too.
+
+    `deficit` is what the columns' functions may be below these values beside them; the bound is in the module's text.
+    """
+    bend, least = _largest_bends(values, axis=0), values - deficit
     roots = np.sqrt(np.maximum(least, 0.0))
-    return (least > 0).all(axis=0) & (roots[:-1] + roots[1:] > np.sqrt(0.5 * MARGIN_SAFETY * bend)).all(axis=0)
+    far = roots[:-1] + roots[1:] > np.sqrt(0.5 * MARGIN_SAFETY * bend)
+    return np.asarray((least > 0).all(axis=0) & far.all(axis=0))
 
 
 def _stay_positive(nodes: list[Node], i: int, u: np.ndarray, depth: int) -> bool:
-    """Return whether the margins of piece i stay positive at and between the parts u of its duration."""
+    """Return whether the margins of piece i stay positive between the parts u (0 to 1) of its duration.
+
+    Where five values do not show it, u is refined, at most `depth` times.
+    """
     for rows in zip(*(piece_margins(equations, points, i, u) for equations, points in nodes), strict=True):
         values = np.array(rows)
-        bend = np.abs(np.diff(values, 2, axis=1)).max(axis=0)
-        bend = np.concatenate([bend[:1], bend, bend[-1:]])
-        bend[1:-1] = np.maximum(bend[1:-1], np.maximum(bend[:-2], bend[2:]))
-        good = _proven_positive(values, MARGIN_SAFETY / 8 * bend)
+        good = _proven_positive(values, MARGIN_SAFETY / 8 * _largest_bends(values, axis=1))
         if good.all():
             continue
         if depth == 0 or not _proven_positive(values)[~good].all():
@@ -697,16 +672,16 @@ def _stay_positive(nodes: list[Node], i: int, u: np.ndarray, depth: int) -> bool
 
 def piece_margins(equations: ClosingEquations, points: Points, i: int, u: np.ndarray) -> list[np.ndarray]:
     """Return the margins of piece i (distances to belts or forces that hold) at parts u of its duration."""
-    piece, start, end = equations.pieces[i], points[i], equations.ends(points)[i]
-    tau = (end[1] - start[1]) / equations.K.Om
-    return (_stick_margins if piece.sticks else _flight_margins)(equations, piece, start, end, tau, u)
-
-
-def _flight_margins(
-    equations: ClosingEquations, piece: OrbitPiece, start: Point, end: Point, tau: float, u: np.ndarray
-) -> list[np.ndarray]:
-    """Return the margins of a flight, its distances to belts, at parts u of its duration."""
-    K, times = equations.K, tau * u
+    piece, start, end, tau = equations.spans(points)[i]
+    K, belt = equations.K, equations.belt(piece.start)
+    if piece.sticks:
+        before = -(1 - u) * tau  # time, counted from the end of the stick, where the force that ends it is 0
+        half = 0.5 * K.Om * before
+        force = -piece.side * (belt.drift * before - 2 * K.f0 * np.sin(end[1] + half) * np.sin(half))
+        slope = piece.side * (belt.drift - K.fB * equations.sin(end[1]))
+        ratio = np.where(u == 1, slope, force / np.where(u == 1, 1.0, -before))
+        return [ratio, belt.J - force]
+    times = tau * u
     v, a, s, c = equations.start_of_flight(piece, start)
     _, dv, acceleration = motion(v, a, s, c, K.cm, K.w0sq, K.f0, K.Om, *basis(times, K)[:5])
     b = derivatives(v, a, s, c, K)[0]
@@ -714,7 +689,7 @@ def _flight_margins(
     for boundary, sign in ((piece.mode - 1, 1.0), (piece.mode, -1.0)):
         if boundary not in (1, 2):
             continue
-        roots = 0 if boundary != piece.start else 2 if piece.after_stick else 1
+        roots = piece.roots(boundary)
         gap = sign * ((v - equations.belt(boundary).v) + dv)
         inner = u > 0 if roots else np.ones(len(u), dtype=bool)
         q = np.empty(len(u))
@@ -726,16 +701,3 @@ def _flight_margins(
             q[ends] = -sign * acceleration[ends] * tau ** (1 - roots)
         found.append(q)
     return found
-
-
-def _stick_margins(
-    equations: ClosingEquations, piece: OrbitPiece, start: Point, end: Point, tau: float, u: np.ndarray
-) -> list[np.ndarray]:
-    """Return the margins of a stick, the forces that hold it, at parts u of its duration."""
-    K, belt = equations.K, equations.belt(piece.start)
-    before = -(1 - u) * tau  # time, counted from the end of the stick, where the force that ends it is 0
-    half = 0.5 * K.Om * before
-    force = -piece.side * (belt.drift * before - 2 * K.f0 * np.sin(end[1] + half) * np.sin(half))
-    slope = piece.side * (belt.drift - K.fB * equations.sin(end[1]))
-    ratio = np.where(u == 1, slope, force / np.where(u == 1, 1.0, -before))
-    return [ratio, belt.J - force]

@@ -18,7 +18,7 @@ import math
 from dataclasses import dataclass
 from functools import cached_property
 from math import inf
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -30,11 +30,11 @@ from symosc.errors import SymoscError
 from symosc.kernels import _generated as kernels
 from symosc.kernels.entire import EPS
 from symosc.model import Parameters
-from symosc.words import Word
+from symosc.words import Word, cycle
 
 MOST_NEWTON_STEPS, MOST_POLISHING = 60, 80
-# A step may take at most this part of a piece's duration away: a flight must not shrink to its trivial root tau = 0.
-SHORTEN = 0.8
+# A step takes at most this part of a flight's duration away: it must not shrink to its trivial root tau = 0.
+MOST_SHORTENING = 0.8
 # Below this size of a (relative) correction Newton's method is taken to converge; it then goes on to the last digit.
 CONVERGING = 1e-8
 SINGULAR = "the Jacobian became singular"
@@ -68,9 +68,6 @@ class ConvergenceError(SymoscError, ArithmeticError):
         about = f" (smallest residual {residual:.1e})" if residual < inf else ""
         super().__init__(f"no periodic orbit{' ' * bool(word)}{word} was found: {reason}{about}")
 
-    def __reduce__(self) -> tuple[object, ...]:
-        return type(self), (self.word, self.best, self.periods, self.residual, self.reason)
-
 
 @dataclass(frozen=True)
 class OrbitPiece:
@@ -88,10 +85,14 @@ class OrbitPiece:
         """Whether the mass sticks to a belt."""
         return self.mode > 3
 
+    def roots(self, boundary: int) -> int:
+        """Return how often v - v_boundary has the root tau = 0: on the belt of its start once, after a stick twice."""
+        return 0 if self.sticks or boundary != self.start else 2 if self.after_stick else 1
+
     @property
     def zeros(self) -> int:
-        """The multiplicity of f2's root at duration 0: 0 between belts, 1 back to the same belt, 2 if after a stick."""
-        return 0 if self.sticks or self.start != self.end else 2 if self.after_stick else 1
+        """How often f2 has the root tau = 0, which is divided out of it."""
+        return self.roots(self.end)
 
 
 def pieces_of(word: Word) -> tuple[OrbitPiece, ...]:
@@ -104,19 +105,35 @@ def pieces_of(word: Word) -> tuple[OrbitPiece, ...]:
     return tuple(pieces)
 
 
+class Span(NamedTuple):
+    """A piece between two points: start and end (x, theta), phases not wrapped, and duration `tau`."""
+
+    piece: OrbitPiece
+    start: Point
+    end: Point
+    tau: Number
+
+
+class Orbit(NamedTuple):
+    """An orbit, given by its word, its number of forcing periods, and its points (x, theta), an (n, 2) array."""
+
+    word: Word
+    periods: int
+    points: np.ndarray
+
+    @property
+    def cycle(self) -> str:
+        """The word as text, the same text for all its rotations."""
+        return cycle(str(self.word))
+
+
 class ClosingEquations:
     """The closing equations of an orbit: of one word, number of periods and parameter set, in one arithmetic."""
 
     def __init__(
-        self,
-        parameters: Parameters,
-        word: Word,
-        periods: int,
-        digits: int | None = None,
-        arithmetic: Arithmetic | None = None,
+        self, parameters: Parameters, word: Word, periods: int, digits: int | None = None, arithmetic: Any = None
     ) -> None:
-        self.parameters, self.word, self.periods = parameters, word, periods
-        self.pieces = pieces_of(word)
+        self.parameters, self.word, self.periods, self.pieces = parameters, word, periods, pieces_of(word)
         self.arithmetic = arithmetic or (Arithmetic(parameters) if digits is None else MpArithmetic(parameters, digits))
         self.K, self.basis = self.arithmetic.K, self.arithmetic.namespace["basis"]
         self.context: Any = getattr(self.arithmetic, "context", None)  # of mpmath; None: doubles
@@ -139,25 +156,22 @@ class ClosingEquations:
         x, theta = points[0]
         return [*points[1:], (x, theta + self.turn)]
 
+    def spans(self, points: Points) -> list[Span]:
+        """Return every piece with its start, its end and its duration."""
+        ends = zip(self.pieces, points, self.ends(points), strict=True)
+        return [Span(piece, start, end, (end[1] - start[1]) / self.K.Om) for piece, start, end in ends]
+
     def residuals(self, points: Points) -> list[Number]:
         """Return f1, f2 of each piece in order, with known roots tau = 0 of f2 divided out."""
         values = []
-        for piece, start, end in self._ends_of_pieces(points):
-            f1, f2 = self._residual(piece, start, end)
-            values += [f1, f2 / ((end[1] - start[1]) / self.K.Om) ** piece.zeros]
+        for span in self.spans(points):
+            f1, f2 = self._residual(span)
+            values += [f1, f2 / span.tau**span.piece.zeros]
         return values
 
     def largest_residual(self, points: Points) -> Number:
         """Return the largest |f1|, |f2| of eq. (54)."""
-        return max(abs(value) for each in self._ends_of_pieces(points) for value in self._residual(*each))
-
-    def blocks(self, points: Points) -> list[Any]:
-        """Return the 2x4 Jacobian of every piece with respect to its start and its end."""
-        return [self._jacobian(*each) for each in self._ends_of_pieces(points)]
-
-    def _ends_of_pieces(self, points: Points) -> Any:
-        """Return each piece with its start and end point."""
-        return zip(self.pieces, points, self.ends(points), strict=True)
+        return max(abs(value) for span in self.spans(points) for value in self._residual(span))
 
     def force(self, domain: int, x: Number, v: Number, theta: Number) -> Number:
         """Return F^(domain) of eq. (9), which is the acceleration in this domain."""
@@ -174,9 +188,9 @@ class ClosingEquations:
         a = 0 * start[0] if piece.after_stick else self.force(piece.mode, start[0], v, start[1])
         return Launch(v, a, self.sin(start[1]), self.cos(start[1]))
 
-    def _residual(self, piece: OrbitPiece, start: Point, end: Point) -> tuple[Number, Number]:
-        """Return f1, f2 of a piece, with the known roots divided out."""
-        K, tau, v_end = self.K, (end[1] - start[1]) / self.K.Om, self.belt(piece.end).v
+    def _residual(self, span: Span) -> tuple[Number, Number]:
+        """Return f1, f2 of a piece."""
+        (piece, start, end, tau), K, v_end = span, self.K, self.belt(span.piece.end).v
         if piece.sticks:
             A = (K.A1, K.A2, K.A3)[piece.start - (piece.side < 0)]  # of the domain that it leaves to
             return kernels.stick_residual(start[0], v_end, tau, end[0], self.cos(end[1]), A, K.cm, K.w0sq, K.f0)
@@ -184,9 +198,9 @@ class ClosingEquations:
         basis = self.basis(tau, K)[:5]
         return kernels.flight_residual(start[0], v, a, s, c, end[0], v_end, K.cm, K.w0sq, K.f0, K.Om, *basis)
 
-    def _jacobian(self, piece: OrbitPiece, start: Point, end: Point) -> Any:
-        """Return the 2x4 Jacobian of a piece."""
-        K, tau = self.K, (end[1] - start[1]) / self.K.Om
+    def _jacobian(self, span: Span) -> Any:
+        """Return the 2x4 Jacobian of a piece with respect to its start and its end."""
+        (piece, start, end, tau), K = span, self.K
         if piece.sticks:
             v, s = self.belt(piece.start).v, self.sin(end[1])
             x_th0, x_th1, v_x1, v_th1 = kernels.stick_jacobian(v, s, K.w0sq, K.f0, K.Om)
@@ -203,14 +217,14 @@ class ClosingEquations:
             v_x0, v_th0, v_th1 = v_x0 / power, (v_th0 + shift) / power, (v_th1 - shift) / power
         return (x_x0, x_th0, -1, x_th1), (v_x0, v_th0, 0, v_th1)
 
-    def matrix(self, points: Points) -> np.ndarray:
-        """Return the block-cyclic Jacobian, (2n, 2n) floats."""
-        n = len(self.pieces)
-        matrix = np.zeros((2 * n, 2 * n))
-        for i, block in enumerate(self.blocks(points)):
-            j, values = (i + 1) % n, np.asarray(block, dtype=float)
-            matrix[2 * i : 2 * i + 2, 2 * i : 2 * i + 2] += values[:, :2]
-            matrix[2 * i : 2 * i + 2, 2 * j : 2 * j + 2] += values[:, 2:]
+    def matrix(self, points: Points) -> Any:
+        """Return the block-cyclic Jacobian: a (2n, 2n) array of floats, or a matrix of mpmath."""
+        size = 2 * len(self.pieces)
+        matrix = self.context.zeros(size) if self.context else np.zeros((size, size))
+        for i, span in enumerate(self.spans(points)):
+            for row, values in enumerate(self._jacobian(span)):
+                for column, value in enumerate(values):
+                    matrix[2 * i + row, (2 * i + column) % size] += value
         return matrix
 
     def durations(self, points: np.ndarray) -> np.ndarray:
@@ -254,7 +268,7 @@ def newton(equations: ClosingEquations, guess: np.ndarray) -> Solution:
         if size <= 4 * EPS or (size < CONVERGING and size > size_before / 4):
             return Solution(points, equations.largest_residual(points), steps, True, "")
         size_before = size
-        damping = min(1.0, 4.0 * damping, _longest(equations, points, step))
+        damping = min(1.0, 4.0 * damping, _largest_part(equations, points, step))
         while True:
             trial = points + damping * step
             values = np.array(equations.residuals(trial), dtype=float)
@@ -294,13 +308,13 @@ def solve(equations: ClosingEquations, guess: np.ndarray) -> Solution:
     return Solution(points, equations.largest_residual(points), solution.steps + finer.steps, True, "")
 
 
-def _longest(equations: ClosingEquations, points: np.ndarray, step: np.ndarray) -> float:
-    """Return the largest part of a Newton step that leaves every flight at least 1 - SHORTEN of its duration."""
+def _largest_part(equations: ClosingEquations, points: np.ndarray, step: np.ndarray) -> float:
+    """Return the largest part of a Newton step that shortens no flight by more than `MOST_SHORTENING`."""
     # A stick may shrink to nothing and beyond: its equations have roots of negative duration, which are inadmissible.
     durations = equations.durations(points)
     changes = np.append(step[1:, 1], step[0, 1]) - step[:, 1]
     shrinking = np.array([not piece.sticks for piece in equations.pieces]) & (changes < 0)
-    return float((SHORTEN * durations[shrinking] / -changes[shrinking]).min(initial=1.0))
+    return float((MOST_SHORTENING * durations[shrinking] / -changes[shrinking]).min(initial=1.0))
 
 
 def polish(equations: ClosingEquations, points: Points) -> Solution:
@@ -310,17 +324,12 @@ def polish(equations: ClosingEquations, points: Points) -> Solution:
     # inverted.
     context = equations.context
     points = [tuple(context.convert(value) for value in point) for point in points]
-    n, last, linear = len(points), context.inf, 0
+    last, linear = context.inf, 0
     for steps in range(1, MOST_POLISHING + 1):
         values = equations.residuals(points)
-        matrix = context.zeros(2 * n)
-        for i, block in enumerate(equations.blocks(points)):
-            for row in range(2):
-                for column in range(4):
-                    matrix[2 * i + row, (2 * i + column) % (2 * n)] += block[row][column]
         largest = max(map(abs, values))
         try:
-            step = context.lu_solve(matrix, context.matrix([-value for value in values]))
+            step = context.lu_solve(equations.matrix(points), context.matrix([-value for value in values]))
         except ZeroDivisionError:
             return Solution(points, largest, steps, False, SINGULAR)
         size = max(abs(value) for value in step)

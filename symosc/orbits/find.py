@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping
+from contextlib import suppress
 from dataclasses import replace
 from itertools import chain, islice, pairwise, product
 from math import ceil, cos, floor, inf, pi, sin
@@ -21,8 +22,8 @@ from symosc.exact import read_digits, unmasked, whole_number
 from symosc.mappings.numbers import real_array
 from symosc.model import MODE_NAMES, Parameters
 from symosc.orbits.admissibility import FLIGHT_LASTS, STICK_LASTS, failures, grazing_distance
-from symosc.orbits.closing_equations import ClosingEquations, ConvergenceError, Solution, polish, solve
-from symosc.orbits.floquet import inside, monodromy, rest_positions
+from symosc.orbits.closing_equations import ClosingEquations, ConvergenceError, Orbit, Solution, polish, solve
+from symosc.orbits.floquet import multipliers_of, rest_positions, stability_margin
 from symosc.orbits.periodic_orbit import PeriodicOrbit, SwitchingPoint
 from symosc.scenes import ParametersLike
 from symosc.simulation.ensemble import simulate_many
@@ -114,9 +115,9 @@ def find_orbit(
         raise ParameterError("k", 0, "must be > 0: without a spring nothing fixes the position of an orbit")
     digits = read_digits(digits)
     equations = ClosingEquations(parameters, found, periods or 1)
-    guesses: Iterator[Guess] = chain(from_simulations(equations, periods), evenly_spaced(equations, periods or 1))
     if guess is not None:
-        guesses = iter([_read_guess(guess, equations, periods)])
+        return orbit_at(*_best_root(equations, [_read_guess(guess, equations, periods)]), digits)
+    guesses = chain(from_simulations(equations, periods), evenly_spaced(equations, periods or 1))
     return orbit_at(*_best_root(equations, guesses), digits)
 
 
@@ -150,18 +151,18 @@ def settled_orbit(parameters: Parameters, digits: int | None = None, most: int =
     raise ConvergenceError(tried[-1], (), 1, inf, reason)
 
 
-def _best_root(equations: ClosingEquations, guesses: Iterator[Guess]) -> tuple[ClosingEquations, Solution]:
-    """Return the first admissible root, else the one that fails least; repetitions of shorter words last."""
+def _best_root(equations: ClosingEquations, guesses: Iterable[Guess]) -> tuple[ClosingEquations, Solution]:
+    """Return the first admissible root that repeats no shorter orbit; else one that does, or that which fails least."""
     roots: list[tuple[tuple[bool, bool, float], ClosingEquations, Solution]] = []
-    best: Solution | None = None
-    tried = equations
+    best, tried = None, equations
     for guess in guesses:
         tried = ClosingEquations(equations.parameters, equations.word, guess.periods)
         solution = solve(tried, guess.points)
         if not solution.converged:
-            best = solution if best is None or solution.residual < best.residual else best
+            if best is None or solution.residual < best.residual:
+                best = solution
             continue
-        if any(_is_same_root(tried, solution, others, other) for _, others, other in roots):
+        if any(_is_same_root(solution, other) for _, others, other in roots if others.periods == tried.periods):
             continue
         failed = failures(tried, solution.points)
         repeats = repetitions(tried, solution.points) > 1
@@ -173,14 +174,12 @@ def _best_root(equations: ClosingEquations, guesses: Iterator[Guess]) -> tuple[C
     word = str(equations.word)
     if best is None:
         raise ConvergenceError(word, (), 0, inf, f"no guess was found{_other_motion_text(tried)}")
-    points = tuple(switching_points(tried, best.points))
-    raise ConvergenceError(word, points, tried.periods, float(best.residual), best.reason + _other_motion_text(tried))
+    reason = best.reason + _other_motion_text(tried)
+    raise ConvergenceError(word, switching_points(tried, best.points), tried.periods, float(best.residual), reason)
 
 
-def _is_same_root(equations: ClosingEquations, a: Solution, others: ClosingEquations, b: Solution) -> bool:
+def _is_same_root(a: Solution, b: Solution) -> bool:
     """Return whether two roots are equal, except for whole turns of the phase."""
-    if equations.periods != others.periods:
-        return False
     away = np.asarray(a.points) - np.asarray(b.points)
     away[:, 1] -= 2 * pi * np.round(away[0, 1] / (2 * pi))
     return bool((np.abs(away) < SAME_ORBIT * np.array([max(1.0, np.abs(a.points[:, 0]).max()), 1.0])).all())
@@ -213,16 +212,16 @@ def orbit_at(equations: ClosingEquations, solution: Solution, digits: int | None
         final = equations.with_digits(digits + 15)
         solution = polish(final, double)
         if not solution.converged:
-            best = tuple(switching_points(equations, solution.points))
+            best = switching_points(equations, solution.points)
             raise ConvergenceError(word, best, equations.periods, float(solution.residual), solution.reason)
         steps += solution.steps
-    first, second = monodromy(final, solution.points).multipliers
 
     def rounded(value: Number) -> Number:
         return value if digits is None else +mp_context(digits).convert(value)
 
+    first, second = multipliers_of(final, solution.points)
     values = (complex(first), complex(second)) if digits is None else (rounded(first), rounded(second))
-    gap = inside(equations, double, values)
+    gap = stability_margin(equations, double, values)
     stable = True if not failed and equations.parameters.c > 0 else None if gap is None else gap > 0
     if failed:
         texts, resting = [], False
@@ -246,7 +245,7 @@ def orbit_at(equations: ClosingEquations, solution: Solution, digits: int | None
         parameters=equations.parameters,
         word=word,
         labels=equations.word.labels,
-        points=tuple(SwitchingPoint(rounded(t), rounded(x)) for t, x in switching_points(final, solution.points)),
+        points=tuple(SwitchingPoint(*map(rounded, point)) for point in switching_points(final, solution.points)),
         period=rounded(final.turn / final.K.Om),
         periods=equations.periods,
         multipliers=values,
@@ -264,21 +263,20 @@ def orbit_at(equations: ClosingEquations, solution: Solution, digits: int | None
 def _other_motion_text(equations: ClosingEquations, resting: bool = False) -> str:
     """Describe what the motion at these parameters does instead of the orbit; `resting`: the root may stick forever."""
     for boundary in {piece.start for piece in equations.pieces if piece.sticks and resting}:
-        positions = rest_positions(equations.parameters, boundary)
-        if positions is not None:
-            return f"; the mass stays on belt {boundary}, {rest_interval_text(positions)}"
+        if rest_positions(equations.parameters, boundary) is not None:
+            return f"; {resting_text(equations.parameters, 3 + boundary, 'the mass stays')}"
     centre, size = largest_displacement(equations)
-    passages, rests = follow(equations, centre, 0.0, equations.pieces[0].start, SETTLING_EVENTS)
     once = ClosingEquations(equations.parameters, equations.word, 1)
-    found = orbit_of(once, passages, size) if equations.parameters.c > 0 else None
-    if found is not None:
-        return f"; the motion settles to {found[0].word}"
-    return f"; {resting_text(equations, passages[-1].mode)}" if rests else ""
+    orbit, instead = settling(
+        once, centre, 0.0, equations.pieces[0].start, size if equations.parameters.c > 0 else None
+    )
+    text = f"the motion settles to {orbit.word}" if orbit else instead
+    return text and f"; {text}"
 
 
-def switching_points(equations: ClosingEquations, points: Points) -> list[SwitchingPoint]:
+def switching_points(equations: ClosingEquations, points: Points) -> tuple[SwitchingPoint, ...]:
     """Convert points (x, theta) to switching points (t, x), in the arithmetic of the equations."""
-    return [SwitchingPoint(equations.number(theta / equations.K.Om), equations.number(x)) for x, theta in points]
+    return tuple(SwitchingPoint(equations.number(theta / equations.K.Om), equations.number(x)) for x, theta in points)
 
 
 def _read_guess(guess: Any, equations: ClosingEquations, periods: int | None) -> Guess:
@@ -297,8 +295,8 @@ def _read_guess(guess: Any, equations: ClosingEquations, periods: int | None) ->
         raise ParameterError("guess", f"an array of shape {values.shape}" if values.size else guess, allowed)
     theta = Omega * values[:, 0]
     if len(values) == 1:
-        passages, _ = follow(equations, values[0, 1], theta[0], equations.pieces[0].start, LEAST_RUN_EVENTS + n)
-        found = guesses_of_word(passages, equations.word.labels, periods, largest_displacement(equations)[1])
+        run = follow(equations, values[0, 1], theta[0], equations.pieces[0].start, LEAST_RUN_EVENTS + n)
+        found = guesses_of_word(run, equations.word.labels, periods, largest_displacement(equations)[1])
         if not found:
             raise ParameterError("guess", guess, "the motion from there never follows the word; give all switchings")
         return min(found, key=lambda each: each.defect)
@@ -314,13 +312,13 @@ def _read_guess(guess: Any, equations: ClosingEquations, periods: int | None) ->
 # -- guesses -----------------------------------------------------------------------------------------------------------
 
 
-class Passage(NamedTuple):
-    """An event of a simulation: position, phase (not reduced mod 2 pi), belt, and the mode that follows."""
+class Run(NamedTuple):
+    """A simulated motion: its switching points (x, theta) and the mappings between them; phases are not wrapped."""
 
-    x: float
-    theta: float
-    boundary: int
-    mode: int
+    points: np.ndarray
+    labels: list[str | None]
+    mode: int  # after the last point
+    rests: bool
 
 
 class Guess(NamedTuple):
@@ -331,100 +329,82 @@ class Guess(NamedTuple):
     defect: float
 
 
-def follow(equations: ClosingEquations, x: float, theta: float, boundary: int, most: int) -> tuple[list[Passage], bool]:
-    """Follow the motion from a belt in doubles; return its start and `most` events, and whether it comes to rest."""
+def follow(equations: ClosingEquations, x: float, theta: float, boundary: int, most: int) -> Run:
+    """Follow the motion from a belt in doubles through `most` events, or until it comes to rest."""
     K, turns = equations.K, int(theta // (2 * pi))
     start = belt_start(boundary, x, (sin(theta), cos(theta)), equations.arithmetic)
     angle = theta - 2 * pi * turns
     state = belt_state(start, (turns, angle), (sin(angle), cos(angle)), x, Covariance(0.0, 0.0, 0.0), K)
-    passages, code = [Passage(x, theta, boundary, start.mode)], END
+    points, planes, code = [(x, theta)], [(boundary, start.mode)], END
     for _ in range(20 * most):
         code, belt_met, _, _, state = equations.arithmetic.advance(state, 1e6 * K.period, 0.0)
         if code in (CROSS, STICK, SLIP):
-            passages.append(Passage(state.x, 2 * pi * state.n + state.theta, belt_met, state.mode))
-        if code in (END, REST, FAILED) or len(passages) > most:
+            points.append((state.x, 2 * pi * state.n + state.theta))
+            planes.append((belt_met, state.mode))
+        if code in (END, REST, FAILED) or len(points) > most:
             break
-    return passages, code == REST
+    labels = [MAP_LABELS.get((a, MODE_NAMES[mode], b)) for (a, mode), (b, _) in pairwise(planes)]
+    return Run(np.array(points), labels, planes[-1][1], code == REST)
 
 
-def mappings_between(passages: list[Passage]) -> list[str | None]:
-    """Return the mappings between the passages, in order of time."""
-    return [MAP_LABELS.get((a.boundary, MODE_NAMES[a.mode], b.boundary)) for a, b in pairwise(passages)]
+def settling(
+    equations: ClosingEquations, x: float, theta: float, boundary: int, size: float | None
+) -> tuple[Orbit | None, str]:
+    """Follow the motion from a belt; return the admissible orbit that it approaches, or None and where it rests ("").
 
-
-def orbit_of(
-    equations: ClosingEquations, passages: list[Passage], size: float
-) -> tuple[ClosingEquations, np.ndarray] | None:
-    """Return the equations and points of an admissible orbit that a simulation approaches."""
-    for word in _words_of_a_period(equations, passages):
+    `size` is that of the positions on the orbit; None: no orbit is looked for.
+    """
+    run = follow(equations, x, theta, boundary, SETTLING_EVENTS)
+    for word in _words_of_a_period(equations, run) if size is not None else ():
         trial = ClosingEquations(equations.parameters, word, equations.periods)
-        found = guesses_of_word(passages, word.labels, equations.periods, max(size, 1e-300))
+        found = guesses_of_word(run, word.labels, equations.periods, max(size or 0.0, 1e-300))
         for guess in sorted(found, key=lambda each: each.defect)[:4]:
             solution = solve(trial, guess.points)
             if solution.converged and not failures(trial, solution.points):
-                return trial, solution.points
-    return None
+                return Orbit(word, equations.periods, solution.points), ""
+    return None, resting_text(equations.parameters, run.mode) if run.rests else ""
 
 
-def _words_of_a_period(equations: ClosingEquations, passages: list[Passage]) -> list[Word]:
-    """Return the words of one period that occur in the simulation, the last ones first."""
-    labels, found = mappings_between(passages), list[Word]()
-    phases = np.array([passage.theta for passage in passages])
+def _words_of_a_period(equations: ClosingEquations, run: Run) -> list[Word]:
+    """Return the words of one period that occur in a simulated motion, the last ones first."""
+    labels, phases, found, begin = run.labels, run.points[:, 1], list[Word](), equations.word.labels[0]
     turn = 2 * pi * equations.periods
     for last in range(len(labels), 0, -1):
         first = int(np.argmin(np.abs(phases - (phases[last] - turn))))
-        part = labels[first:last]
-        if not 0 < len(part) <= 24 or None in part or phases[last] - turn < phases[0] - 1:
+        part = tuple(label for label in labels[first:last] if label)
+        if not 0 < len(part) <= 24 or len(part) < last - first or phases[last] - turn < phases[0] - 1:
             continue
-        try:
-            word = read_word(rotated(tuple(label for label in part if label), equations))
-        except WordError:
-            continue
-        if word not in found:
-            found.append(word)
+        i = part.index(begin) if begin in part else 0  # they begin as the equations' word does, if possible
+        with suppress(WordError):
+            word = read_word(Word(part[i:] + part[:i]))
+            found += [word] if word not in found else []
         if len(found) >= 6:
             break
     return found
 
 
-def rotated(labels: tuple[str, ...], equations: ClosingEquations) -> Word:
-    """Return the periodic word of `labels`, rotated to begin as the equations' word does, if possible."""
-    first = equations.word.labels[0]
-    begin = labels.index(first) if first in labels else 0
-    return Word(labels[begin:] + labels[:begin])
-
-
-def resting_text(equations: ClosingEquations, mode: int) -> str:
+def resting_text(parameters: Parameters, mode: int, what: str = "the motion comes to rest") -> str:
     """Describe where a motion without further events in a mode comes to rest."""
     if mode <= 3:
         return f"the motion ends up in Omega{mode} and meets no belt any more"
-    positions = rest_positions(equations.parameters, mode - 3)
+    positions = rest_positions(parameters, mode - 3)
     if positions is None:
         return f"the motion ends up on belt {mode - 3} for ever"
-    return f"the motion comes to rest on belt {mode - 3}, {rest_interval_text(positions)}"
-
-
-def rest_interval_text(positions: tuple[Number, Number]) -> str:
-    """Describe an interval of rest positions."""
     low, high = (f"{float(value):.6g}" for value in positions)
-    return f"where every x from {low} to {high} is a position of rest"
+    return f"{what} on belt {mode - 3}, where every x from {low} to {high} is a position of rest"
 
 
-def guesses_of_word(passages: list[Passage], labels: tuple[str, ...], periods: int | None, size: float) -> list[Guess]:
-    """Return a guess from each run of passages that has the word's mappings, with the gap left after its periods."""
-    n = len(labels)
-    done, found = mappings_between(passages), []
-    for k in range(len(done) - n + 1):
-        if tuple(done[k : k + n]) != labels:
-            continue
-        first, last = passages[k], passages[k + n]
-        turns = (last.theta - first.theta) / (2 * pi)
-        count = periods or max(1, round(turns))
-        shift = 2 * pi * (first.theta // (2 * pi))
-        points = np.array([(p.x, p.theta - shift) for p in passages[k : k + n]])
-        if points[-1, 1] - points[0, 1] < 2 * pi * count:
-            defect = max(abs(last.x - first.x) / size, 2 * pi * abs(turns - count))
-            found.append(Guess(points, count, float(defect)))
+def guesses_of_word(run: Run, labels: tuple[str, ...], periods: int | None, size: float) -> list[Guess]:
+    """Return a guess from each part of a motion that has the word's mappings, with the gap left after its periods."""
+    n, found = len(labels), []
+    for k in range(len(run.labels) - n + 1):
+        if tuple(run.labels[k : k + n]) == labels:
+            points, (dx, dtheta) = run.points[k : k + n].copy(), (run.points[k + n] - run.points[k]).tolist()
+            turns = dtheta / (2 * pi)
+            count = periods or max(1, round(turns))
+            points[:, 1] -= 2 * pi * (points[0, 1] // (2 * pi))
+            if points[-1, 1] - points[0, 1] < 2 * pi * count:
+                found.append(Guess(points, count, max(abs(dx) / size, 2 * pi * abs(turns - count))))
     return found
 
 
@@ -436,7 +416,7 @@ def largest_displacement(equations: ClosingEquations) -> tuple[float, float]:
 
 
 def from_simulations(equations: ClosingEquations, periods: int | None) -> Iterator[Guess]:
-    """Yield guesses from motions simulated from the word's belts; of every eight the four that close best."""
+    """Yield guesses from motions simulated from the word's belts, from each eight starts the four that close best."""
     # They start at 7 positions, in units of the largest displacement expected, at 8 phases.
     centre, size = largest_displacement(equations)
     boundaries = sorted({piece.start for piece in equations.pieces})
@@ -445,8 +425,8 @@ def from_simulations(equations: ClosingEquations, periods: int | None) -> Iterat
     while batch := list(islice(starts, 8)):
         found: list[Guess] = []
         for offset, j, boundary in batch:
-            passages, _ = follow(equations, centre + offset * size, 2 * pi * j / 8, boundary, most)
-            found += guesses_of_word(passages, equations.word.labels, periods, size)
+            run = follow(equations, centre + offset * size, 2 * pi * j / 8, boundary, most)
+            found += guesses_of_word(run, equations.word.labels, periods, size)
         yield from sorted(found, key=lambda guess: guess.defect)[:4]
 
 

@@ -38,7 +38,7 @@ from __future__ import annotations
 import cmath
 from collections.abc import Callable
 from fractions import Fraction
-from typing import Any, NamedTuple
+from typing import Any
 
 from symosc.aliases import Number, Points
 from symosc.kernels._generated import motion
@@ -48,23 +48,14 @@ from symosc.orbits.closing_equations import ClosingEquations, polish
 NEAR_ONE = 1e-9  # a multiplier this near to the unit circle is computed again with 50 digits
 
 
-class Monodromy(NamedTuple):
-    """The effect of one period on a perturbation of (x, v) just after the first switching point."""
-
-    trace: Number
-    determinant: Number
-    multipliers: tuple[Number, Number]
-
-
-def monodromy(equations: ClosingEquations, points: Points) -> Monodromy:
-    """Return the monodromy matrix of the orbit through `points` (x, theta), in the arithmetic of `equations`."""
-    K, pieces = equations.K, equations.pieces
+def multipliers_of(equations: ClosingEquations, points: Points) -> tuple[Number, Number]:
+    """Return the multipliers of the orbit through `points` (x, theta), in the arithmetic of `equations`."""
+    # The matrix is that of perturbations (dx, dv) just after the first switching point.
+    K, pieces, determinant = equations.K, equations.pieces, 1
     xx, xv, vx, vv = 1, 0, 0, 1
-    determinant = 1
-    for i, (piece, start, end) in enumerate(zip(pieces, points, equations.ends(points), strict=True)):
+    for i, (piece, start, end, tau) in enumerate(equations.spans(points)):
         if piece.sticks:
             continue
-        tau = (end[1] - start[1]) / K.Om
         basis = E0, E1, E2, _, _ = equations.basis(tau, K)[:5]
         _, _, a = motion(*equations.start_of_flight(piece, start), K.cm, K.w0sq, K.f0, K.Om, *basis)
         C, D = 1 - K.w0sq * E2, -K.w0sq * E1
@@ -75,9 +66,9 @@ def monodromy(equations: ClosingEquations, points: Points) -> Monodromy:
         xx, xv, vx, vv = C * xx + E1 * vx, C * xv + E1 * vv, ratio * (D * xx + E0 * vx), ratio * (D * xv + E0 * vv)
         determinant = determinant * ratio
     determinant = determinant * equations.exp(-K.cm * equations.turn / K.Om)
-    trace, context = xx + vv, equations.context
+    context = equations.context
     root = cmath.sqrt if context is None else lambda value: context.mpc(context.sqrt(value))
-    return Monodromy(trace, determinant, multipliers(trace, determinant, root))
+    return multipliers(xx + vv, determinant, root)
 
 
 def multipliers(trace: Number, determinant: Number, root: Callable[[Number], Any]) -> tuple[Number, Number]:
@@ -90,8 +81,8 @@ def multipliers(trace: Number, determinant: Number, root: Callable[[Number], Any
     return large, determinant / large if large != 0 else 0 * large
 
 
-def inside(equations: ClosingEquations, points: Points, values: tuple[Number, Number]) -> float | None:
-    """Return 1 minus the size of the larger multiplier, > 0 if stable; None if that size is 1 to many digits."""
+def stability_margin(equations: ClosingEquations, points: Points, values: tuple[Number, Number]) -> float | None:
+    """Return 1 minus the size of the larger multiplier, > 0 if stable; None if it is 0 to 25 digits (marginal)."""
     gap = float(1 - max(abs(value) for value in values))
     if abs(gap) > NEAR_ONE:
         return gap
@@ -99,16 +90,15 @@ def inside(equations: ClosingEquations, points: Points, values: tuple[Number, Nu
     root = polish(fine, points)
     if not root.converged:  # orbits that are not isolated have a multiplier of 1
         return None
-    gap = float(1 - max(abs(value) for value in monodromy(fine, root.points).multipliers))
+    gap = float(1 - max(abs(value) for value in multipliers_of(fine, root.points)))
     return None if abs(gap) < 1e-25 else gap
 
 
 def rest_positions(parameters: Parameters, boundary: int) -> tuple[Fraction, Fraction] | None:
     """Return the lowest and highest x at which the mass may rest on a belt forever, or None if it cannot."""
     # The belt has to be at rest, and F^(below) >= 0 >= F^(above) has to hold at every phase.
-    p = parameters
-    if p.belt(boundary) != 0 or p.k == 0:
+    if parameters.belt(boundary) != 0 or parameters.k == 0:
         return None
-    below, above = (p.A(domain) for domain in NEIGHBOURS[boundary])
-    low, high = (above + abs(p.B0)) / p.k, (below - abs(p.B0)) / p.k
+    below, above = (parameters.A(domain) for domain in NEIGHBOURS[boundary])
+    low, high = ((A + way * abs(parameters.B0)) / parameters.k for A, way in ((above, 1), (below, -1)))
     return (low, high) if low <= high else None

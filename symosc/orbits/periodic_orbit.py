@@ -21,7 +21,7 @@ from symosc.mappings.numbers import latex_number, real_array
 from symosc.model import PARAMETER_NAMES, Parameters
 from symosc.orbits.admissibility import Condition, conditions
 from symosc.orbits.closing_equations import ClosingEquations, ConvergenceError, polish
-from symosc.orbits.floquet import monodromy
+from symosc.orbits.floquet import multipliers_of
 from symosc.scenes import Scene, load_scene
 from symosc.simulation.simulate import simulate
 from symosc.words import Word
@@ -177,9 +177,14 @@ class PeriodicOrbit(Drawable):
 
     def _repr_latex_(self) -> str:
         """Return word, switching points and multipliers, for notebooks."""
+
+        def shown(value: complex) -> str:
+            real, imag = (latex_number(float(f"{part:.6g}")) for part in (value.real, abs(value.imag)))
+            return real if value.imag == 0 else rf"{real} {'-' if value.imag < 0 else '+'} {imag}\,\mathrm{{i}}"
+
         points = zip(self.labels, self.points, strict=True)
         rows = r" \\ ".join(f"P_{label[1:]}: & {float(t):.12g} & {float(x):.12g}" for label, (t, x) in points)
-        multipliers = r",\; ".join(_latex_complex(complex(value)) for value in self.multipliers)
+        multipliers = r",\; ".join(shown(complex(value)) for value in self.multipliers)
         table = rf"\begin{{array}}{{lll}} \text{{from}} & t & x \\ {rows} \end{{array}}"
         return rf"${Word(self.labels).latex()},\quad {table},\quad \lambda = {multipliers}$"
 
@@ -201,8 +206,18 @@ class PeriodicOrbit(Drawable):
         """Return [x, v] at times t."""
         times = real_array("t", t, "must be real numbers")
         equations, points = self.equations(), self.phases()
-        states = np.array([_state(equations, points, time) for time in times.ravel()], dtype=float).reshape(-1, 2)
-        return states[0] if times.ndim == 0 else states.T.reshape((2, *times.shape))
+        K, turn, states = equations.K, float(equations.turn), np.empty((2, times.size))
+        for j, time in enumerate(times.ravel()):
+            theta = (time * K.Om - points[0, 1]) % turn + points[0, 1]
+            i = int(np.searchsorted(points[:, 1], theta, side="right")) - 1
+            piece, (x, begin) = equations.pieces[i], (float(value) for value in points[i])
+            tau, v = (theta - begin) / K.Om, equations.belt(piece.start).v
+            if piece.sticks:
+                states[:, j] = x + v * tau, v
+            else:
+                now = state_at(tau, equations.start_of_flight(piece, (x, begin)), K)
+                states[:, j] = x + now.dx, v + now.dv
+        return states.reshape((2, *times.shape))
 
     @public
     def sensitivities(self, wrt: str | Sequence[str]) -> OrbitSensitivities:
@@ -263,30 +278,21 @@ class PeriodicOrbit(Drawable):
             raise ParameterError("within", within, "must be > 0")
         if scene.parameters != self.parameters:
             raise ParameterError("scene", scene.name, "must have the orbit's parameters")
-        offset = np.array([float(scene.x0), float(scene.v0)]) - self._at(scene, np.zeros(1))[:, 0]
-        dt, dx = self._nearest_switching(scene)
-        length = float(self.period)
-        path = simulate(scene.reduced(), t_end=float(scene.t0) + 400.5 * length)
-        elapsed = length * np.arange(1 + int((float(path.t_end) - float(scene.t0)) / length))
-        away = np.abs(path(float(scene.t0) + elapsed) - self._at(scene, elapsed)).max(axis=0)
-        periods = int(np.flatnonzero(away > near).max(initial=-1)) + 1
-        reached = periods if periods < len(away) else None
-        return Approach(dt, dx, float(offset[0]), float(offset[1]), reached, near)
-
-    def _at(self, scene: Scene, elapsed: np.ndarray) -> np.ndarray:
-        """Return the orbit's states at times since the scene's start, shifted by the whole periods that fit best."""
-        T, start = float(self.period) / self.periods, np.array([[float(scene.x0)], [float(scene.v0)]])
-        choices = [self(float(scene.t0) + elapsed + shift * T) for shift in range(self.periods)]
-        return min(choices, key=lambda states: float(np.abs(states[:, :1] - start).max()))
-
-    def _nearest_switching(self, scene: Scene) -> tuple[float, float]:
-        """Return the distance (dt, dx) from the scene's start to the nearest switching point."""
-        T, found = float(self.period) / self.periods, []
+        (t0, x0, v0), length, found = map(float, (scene.t0, scene.x0, scene.v0)), float(self.period), []
+        T = length / self.periods
         for piece, (t, x) in zip(self.equations().pieces, self.points, strict=True):
             if scene.v0 == self.parameters.belt(piece.start):
-                dt = (float(scene.t0) - float(t) + T / 2) % T - T / 2
-                found.append((dt, float(scene.x0) - float(x)))
-        return min(found, key=lambda pair: max(map(abs, pair)), default=(nan, nan))
+                found.append(((t0 - float(t) + T / 2) % T - T / 2, x0 - float(x)))
+        dt, dx = min(found, key=lambda pair: max(map(abs, pair)), default=(nan, nan))
+        path = simulate(scene.reduced(), t_end=t0 + 400.5 * length)
+        elapsed = length * np.arange(1 + int((float(path.t_end) - t0) / length))
+        # The orbit's states at these times, shifted by the whole forcing periods that fit best.
+        choices = [self(t0 + elapsed + shift * T) for shift in range(self.periods)]
+        states = min(choices, key=lambda each: float(np.abs(each[:, 0] - (x0, v0)).max()))
+        offset = np.array([x0, v0]) - states[:, 0]
+        away = np.abs(path(t0 + elapsed) - states).max(axis=0)
+        periods = int(np.flatnonzero(away > near).max(initial=-1)) + 1
+        return Approach(dt, dx, float(offset[0]), float(offset[1]), periods if periods < len(away) else None, near)
 
     def as_dict(self) -> Record:
         """Return everything as plain values; numbers with more than double precision become text."""
@@ -314,35 +320,13 @@ class PeriodicOrbit(Drawable):
         return f"<PeriodicOrbit {self.word}: {self.message}>"
 
 
-def _state(equations: ClosingEquations, points: np.ndarray, t: float) -> tuple[float, float]:
-    """Return the state (x, v) of the orbit at time t."""
-    K, turn = equations.K, float(equations.turn)
-    theta = (t * K.Om - points[0, 1]) % turn + points[0, 1]
-    i = int(np.searchsorted(points[:, 1], theta, side="right")) - 1
-    piece, (x, begin) = equations.pieces[i], (float(value) for value in points[i])
-    tau, v = (theta - begin) / K.Om, equations.belt(piece.start).v
-    if piece.sticks:
-        return x + v * tau, v
-    now = state_at(tau, equations.start_of_flight(piece, (x, begin)), K)
-    return x + now.dx, v + now.dv
-
-
-def _latex_complex(value: complex) -> str:
-    """Return a complex number as LaTeX, with 6 digits."""
-    real, imag = (latex_number(float(f"{part:.6g}")) for part in (value.real, abs(value.imag)))
-    return real if value.imag == 0 else rf"{real} {'-' if value.imag < 0 else '+'} {imag}\,\mathrm{{i}}"
-
-
 def _neighbour(orbit: PeriodicOrbit, name: str, value: Fraction) -> list[Any]:
     """Return times, positions and multipliers, in this order, of the same orbit for another value of a parameter."""
     parameters = orbit.parameters.replace(**{name: value})
-    equations = ClosingEquations(parameters, Word(orbit.labels), orbit.periods).with_digits(50)
-    guess = np.array([(float(point.x), float(point.t) * float(parameters.Omega)) for point in orbit.points])
-    solution = polish(equations, guess)
+    equations = ClosingEquations(parameters, Word(orbit.labels), orbit.periods, 50)
+    solution = polish(equations, [(float(x), float(t) * float(parameters.Omega)) for t, x in orbit.points])
     if not solution.converged:
         raise ConvergenceError(orbit.word, (), orbit.periods, float(solution.residual), solution.reason)
-    first, second = monodromy(equations, solution.points).multipliers
     target = complex(orbit.multipliers[0])
-    if abs(complex(first) - target) > abs(complex(second) - target):
-        first, second = second, first
-    return [*(theta / equations.K.Om for _, theta in solution.points), *(x for x, _ in solution.points), first, second]
+    pair = sorted(multipliers_of(equations, solution.points), key=lambda value: abs(complex(value) - target))
+    return [*(theta / equations.K.Om for _, theta in solution.points), *(x for x, _ in solution.points), *pair]
