@@ -22,7 +22,7 @@ from symosc.engine.state import Flown
 from symosc.kernels._generated import motion, next_derivative
 from symosc.kernels.elementary import exp, select
 from symosc.kernels.entire import SIXTH, basis
-from symosc.kernels.pair_columns import PairColumn, as_double, atan2_of_columns, either, exactly, larger
+from symosc.kernels.pair_columns import PairColumn, as_double, atan2_of_columns, either, exactly, larger, sign
 from symosc.model import Parameters
 
 # Steady state and transient are separated (in bounds, and in the closed form) when |i Omega - l1| |i Omega - l2| is
@@ -57,7 +57,7 @@ class BeltConstants(NamedTuple):
     s_cr: Number
     c_cr: Number  # +sqrt(1 - s_cr^2)
     angle: Number  # asin(s_cr) in (-pi/2, pi/2)
-    limit_below: Number  # F^(below) and F^(above) on the belt without spring and drive: (A_alpha - c v)/m
+    limit_below: Number  # signs of F^(below) and F^(above) on the belt without spring and drive: of A_alpha - c v
     limit_above: Number
 
 
@@ -243,7 +243,8 @@ def _period_rest(period: float, Om: float) -> Fraction:
 def _belt_constants(parameters: Parameters, boundary: int, number: Any, root: Any, angle: Any) -> BeltConstants:
     """Return the constants of a stick on one belt."""
     v, mu = parameters.belt(boundary), (parameters.mu1 if boundary == 1 else parameters.mu2)
-    limits = [number((parameters.A(domain) - parameters.c * v) / parameters.m) for domain in (boundary, boundary + 1)]
+    # Signs, as the forces themselves may be too small for a double.
+    below, above = (number(sign(parameters.A(domain) - parameters.c * v)) for domain in (boundary, boundary + 1))
     pull, drive = -parameters.k * v, parameters.B0 * parameters.Omega
     turns = abs(pull) < abs(drive)  # with equality the slope touches 0 and keeps its sign
     sine = either(turns, pull / either(turns, drive, Fraction(1)), Fraction(0))
@@ -256,8 +257,8 @@ def _belt_constants(parameters: Parameters, boundary: int, number: Any, root: An
         s_cr=s_cr,
         c_cr=c_cr,
         angle=angle(s_cr, c_cr),
-        limit_below=limits[0],
-        limit_above=limits[1],
+        limit_below=below,
+        limit_above=above,
     )
 
 

@@ -109,6 +109,11 @@ def either(condition: Any, one: Any, other: Any) -> Any:
     return some._with_doubts(b, np.where(condition, a.hi, b.hi), np.where(condition, a.lo, b.lo))
 
 
+def sign(value: Any) -> Any:
+    """Return the sign -1, 0 or 1 of a number as a Fraction, or of each row of a column as a column."""
+    return PairColumn(np.sign(value.hi)) if isinstance(value, PairColumn) else Fraction(int(value > 0) - int(value < 0))
+
+
 def larger(a: Any, b: Any) -> Any:
     """Return the larger of two numbers, or the row-by-row maximum of two columns."""
     return either(b > a, b, a)

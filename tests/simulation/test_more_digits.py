@@ -52,6 +52,12 @@ def test_a_contact_that_stays_open_ends_the_motion_and_says_what_to_ask_for() ->
     assert float(event.t) == pytest.approx(40 * math.log(10), rel=1e-9)
 
 
+def test_a_belt_just_below_the_limit_is_not_taken_for_one_that_is_never_met() -> None:
+    """The speed to which v tends lies 1e-401 beyond the belt's, nearer than the least double; met at t = 923."""
+    found = simulate(LIMIT.replace(A0=f"-0.{'9' * 401}"), t_end=1000)
+    assert (found.status, list(found.events)) == ("undecidable", [])
+
+
 @pytest.mark.slow
 def test_more_digits_than_anybody_waits_for_are_not_taken(monkeypatch: pytest.MonkeyPatch) -> None:
     """All events before are right, and the message says where more digits would go on."""
