@@ -126,7 +126,7 @@ def _verbosity_options() -> list[click.Option]:
 
 
 def _is_interrupt(error: BaseException | None) -> bool:
-    """Return whether an error is an interrupt, or the RuntimeError that Python makes of it in a class definition."""
+    """Return whether an error is a KeyboardInterrupt, or was caused by one as its `__cause__` says."""
     return isinstance(error, KeyboardInterrupt) or (error is not None and _is_interrupt(error.__cause__))
 
 
@@ -134,7 +134,7 @@ _as_python_does = warnings.showwarning
 
 
 def _warn(message: Any, category: type[Warning], *where: Any, **more: Any) -> None:
-    """Print symosc's own warnings without a file and a line of code."""
+    """Print a warning of symosc as one line without the place in the code, and any other as Python does."""
     if issubclass(category, CodeCacheWarning):
         note(str(message))
     else:

@@ -94,7 +94,10 @@ def bench(quick: bool, hard: bool, picture: Text, readme: Text, scores: Text, gr
 
 
 def _score(hint: str, page: str) -> int:
-    """Run all solvers on the reference cases and write the page; return the exit code."""
+    """Score all solvers on the reference cases, and write the Markdown file `page`; return the exit code.
+
+    `hint` is the option that asks for it: "--scores" for events, else for derivatives.
+    """
     from symosc.bench import cases, gradients
     from symosc.files import check_folder_of
 

@@ -13,7 +13,7 @@ from symosc.errors import ParameterError
 
 
 def _columns(file: TextIO) -> dict[str, list[str]]:
-    """Return the columns of a CSV file, whose first line names them."""
+    """Return the columns of a CSV file by the names in its first line."""
     try:
         rows = list(csv.DictReader(file, skipinitialspace=True, strict=True))
     except (csv.Error, UnicodeDecodeError) as error:

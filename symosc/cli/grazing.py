@@ -40,8 +40,9 @@ def grazing(
 ) -> int:
     """Print the grazing windows of a scene: at which phases Omega t mod 2 pi a touching flow turns back (Theorem 7).
 
-    Columns: the map; the paper's case, where (55.1) is the first of (55), and letters and shifts are cases that the
-    paper lacks; gamma = k v/m; B0 Omega/m; Theta_cr; the window. A window is exact: asin(1/12) + pi is not rounded.
+    Columns: the map; the case; gamma = k v/m; B0 Omega/m; Theta_cr; the window. Case (55.1) is the first of the paper's
+    (55); cases with a letter a, b or c, or shifted by pi, are missing in the paper. A window is exact: asin(1/12) + pi
+    is not rounded.
 
     With --check each window is compared with three independent decisions, at random phases and close to its ends: by
     the signs of the G-functions, by the exact flow around the contact, and by scipy's DOP853. A mismatch gives exit
@@ -153,9 +154,11 @@ def _draw_windows(windows: list[symosc.GrazingWindow], against: Text) -> Any:
 
 
 def _solve(p: Parameters | None, mappings: list[str], names: str, phases: Text, order: Order, plot: Text) -> list[Any]:
-    """Return for which values of the parameters `names` the windows have the phases, are empty or everything.
+    """Return for which values of the parameters `names` the windows contain the phase, or every phase from LOW to HIGH.
 
-    The answers are formulas if p is None. If `plot` names a file, the region of two parameters is drawn.
+    `names` is NAME or NAME,NAME. If `phases` is None, two questions are answered for each mapping: for which values is
+    the window empty, and for which is it all phases? The answers are formulas if `p` is None. If `plot` names a file,
+    the region of two parameters is drawn.
     """
     asked = tuple(name.strip() for name in names.split(","))
     if not all(asked) or len(asked) > 2:

@@ -43,7 +43,7 @@ def complete_scene(context: click.Context, argument: click.Parameter, text: str)
 
 
 def read_file(context: click.Context, given: click.Parameter, path: Text) -> Text:
-    """Check the name of a file to write and return it; with "-" the command prints only the file."""
+    """Return the name of a file to write; BadParameter if it is empty, or if "-" would mix it with other output."""
     if path == "":
         hint = max(given.opts, key=len) if isinstance(given, click.Option) else given.make_metavar(context)
         raise click.BadParameter("give the name of a file; '-' is standard output", param_hint=hint)
@@ -86,9 +86,9 @@ KINDS: dict[str, dict[str, Any]] = {
 
 
 def option(form: str, about: str, *names: str, **settings: Any) -> Callable[[Any], Any]:
-    """Return a click option, given its form in --help, such as "-o, --output FILE", and its text there.
+    """Return a click option from its form, such as "-o, --output FILE", and its text `about`, as in --help.
 
-    The name of its value there says how it is read and completed, see `KINDS`; `settings` are click's.
+    The last word of the form (FILE) says how the value is read and completed, see `KINDS`; `settings` are click's.
     """
     *short, long = form.split(", ")
     long, _, metavar = long.partition(" ")
@@ -136,7 +136,10 @@ def folder_name(output: str, hint: str = "--output") -> str:
 
 
 def split_setting(text: str, hint: str, form: str, known: Iterable[str] = ()) -> tuple[str, str]:
-    """Return name and value of NAME=VALUE; BadParameter if one is empty, or the name was given before (`known`)."""
+    """Return name and value of a text NAME=VALUE; BadParameter if one is empty, or if the name is in `known`.
+
+    The error names the option as `hint`, and the form that its text should have as `form`.
+    """
     name, _, value = (part.strip() for part in text.partition("="))
     if not (name and value):
         raise click.BadParameter(f"{text!r} is not {form}", param_hint=hint)

@@ -29,9 +29,9 @@ _PRINTING = f"{__name__}.printing"
 
 
 def claim_stdout(context: click.Context, option: click.Parameter, value: Any) -> Any:
-    """Return the value of an option, and record in the context if with it the command prints to standard output.
+    """Return the value of an option, and record in the context if this option prints to standard output.
 
-    BadParameter if a file and other output would mix there.
+    Raise BadParameter if a file and other output would be mixed on standard output.
     """
     if value is True or value == STDOUT:
         printing = context.meta.setdefault(_PRINTING, {})
@@ -86,7 +86,7 @@ def fail(text: str) -> NoReturn:
 
 @contextmanager
 def failing(kind: type[Exception], before: str = "") -> Iterator[None]:
-    """End the command with exit code 1 at an error of this kind, and print its text after that of `before`."""
+    """End the command with exit code 1 at an error of this kind, and print `before` and the text of the error."""
     try:
         yield
     except kind as error:
@@ -94,7 +94,7 @@ def failing(kind: type[Exception], before: str = "") -> Iterator[None]:
 
 
 def note(text: str, least: int = progress.NORMAL) -> None:
-    """Print a note on stderr, unless --quiet is given; with VERBOSE as the least level only with --verbose."""
+    """Print a note on stderr, unless --quiet is given; a note whose `least` is VERBOSE only with --verbose."""
     if progress.level >= least:
         complain(text)
 

@@ -47,9 +47,10 @@ def delay() -> float:
 def reporting(
     progress: Any, there: float, total: float, label: str = "sweep", unit: str = "motions"
 ) -> Iterator[Report]:
-    """Yield a function that takes the amount done and the total: `progress`, or one that draws a bar.
+    """Yield a function of the amount done and the total, which reports progress.
 
-    `there` is the amount that is done already; without a `unit` the bar shows percents.
+    This function is `progress` itself if it can be called. Else it draws a bar if `progress` is true, or does nothing.
+    `there` is the amount that was done before; without a `unit` the bar shows percents.
     """
     if callable(progress):
         yield progress
@@ -84,7 +85,11 @@ def late_bar(progress: Any, label: str, unit: str) -> Iterator[Advance]:
 def _bar_drawer(
     label: str, unit: str, total: float = 1.0, there: float = 0.0, counted: bool = False
 ) -> Iterator[Callable[[float, float, float], None]]:
-    """Yield a function that draws a bar after a delay: of the amount done, the total, and the steps for the rate."""
+    """Yield a function that draws a bar once the work has taken some seconds.
+
+    Its arguments are the amount done, the total, and the number of steps done in this run, from which the bar shows the
+    rate. The bar shows numbers if `counted`, else percents.
+    """
     begin = since = monotonic()
     last, drawn = there, -LEAST_PAUSE
     shown: Any = None
@@ -139,7 +144,7 @@ def working(label: str) -> Iterator[None]:
 
 
 def _show_spinner(label: str) -> None:
-    """Show the spinner, unless it is no longer to be shown."""
+    """Show the spinner with `label`, unless the work that it stands for is over."""
     with _lock, suppress(ImportError):
         if _waiting is not None and shows_bars():
             from rich.console import Console

@@ -53,7 +53,7 @@ def _draw(figure_name: str, answer: object, /, *given: Any, **options: Any) -> A
 
 
 def _write(answer: Any, path: Any) -> Any:
-    """Write the page of a cross-check to a file; return what `write_page` does."""
+    """Write the page of a cross-check to the file `path`, and return that path."""
     from symosc.plot.judged import write_page
 
     return write_page(answer, path)

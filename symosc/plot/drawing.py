@@ -83,10 +83,10 @@ def own_style() -> Iterator[None]:
 def axes_for(
     ax: Any, size: tuple[float, float], count: int = 1, *, columns: int | None = None, letter_at: float | None = None
 ) -> Iterator[tuple[Figure, Any]]:
-    """Yield a figure and a list of its axes: a new figure with `count` axes in the style of symosc, or that of `ax`.
+    """Yield a figure and a list of its axes: new ones in the style of symosc or, if `ax` is given, its figure and `ax`.
 
-    Axes that a user gives as `ax` are then the only ones. New ones stand in one row, or in `columns` above one common
-    horizontal axis; `size` of the figure is in inches. Several get the letters (a), (b) ... above them, at the
+    `size` in inches, `count`, `columns` and `letter_at` are for a new figure. It has `count` axes: in one row, or in
+    `columns` with one common horizontal axis below. If they are several, letters (a), (b) ... stand above them at the
     horizontal place `letter_at`, unless it is None.
     """
     if ax is not None:
@@ -121,10 +121,10 @@ def panels_for(
     columns: int | None = None,
     letter_at: float | None = None,
 ) -> Iterator[tuple[Figure, Any]]:
-    """Draw panels of an answer by the functions of their letters; yield the figure and the axes as `axes_for` does.
+    """Make axes for the panels, call ``draw[letter](axes, answer)`` for each, and yield the figure and its axes.
 
-    `panels` has the letters (None: all; with `ax` the one panel `alone`). A panel has this `size` in inches, and the
-    figure `more` height.
+    `answer` is the result to draw. `panels` has the letters; None means all or, if the user gives `ax`, only the panel
+    `alone`. A panel has this `size` in inches; `more` inches are added to the height of the figure.
     """
     letters = read_panels(panels, draw, ax, alone)
     across = len(letters) if columns is None else min(columns, len(letters))
@@ -175,7 +175,7 @@ def write_above(ax: Axes, x: float, text: str, up: float = 4.0) -> None:
 
 
 def draw_belts(ax: Axes, speeds: Iterable[Any], low: float, high: float) -> None:
-    """Draw dashed lines at the speeds of the belts that lie between two velocities, with their names on the right."""
+    """Draw dashed lines, with names on the right, at those belt speeds that lie between `low` and `high`."""
     for belt, speed in enumerate(map(float, speeds), 1):
         if low < speed < high:
             ax.axhline(speed, color="black", lw=0.8, ls=(0, (4, 2)))
@@ -192,7 +192,10 @@ def legend_entries(axes: Iterable[Axes]) -> dict[str, Any]:
 
 
 def add_legend(drawing: Figure, ax: Axes | None, shown: dict[str, Any] | Iterable[Axes], columns: int) -> None:
-    """Add a legend of entries, or of what axes show: in axes given by the user, else below the panels of a figure."""
+    """Add a legend of the entries `shown`, or of what the axes `shown` contain.
+
+    It stands inside `ax` if the user gave axes, else below the panels of the figure.
+    """
     entries = shown if isinstance(shown, dict) else legend_entries(shown)
     if ax is not None and entries:
         ax.legend(list(entries.values()), list(entries))

@@ -60,8 +60,8 @@ def figure(
     subject : Trajectory, Scene or str
         A scene (or its name) is simulated first.
     t_end : number, optional
-        End of the time axis, for scenes only. Default: the scene's own end, a few periods for a scene with a periodic
-        structure, and for the paper's scenes what the paper speaks of.
+        End of the time axis, for scenes only. Default: the scene's own end; for a scene with a periodic structure a few
+        periods, and for a scene of the paper the time that the paper describes.
     panels : str, optional
         Letters of the panels: a x(t), b x'(t), c phase plane, d forces against t, e forces against x, f forces
         against x', g the product of the forces against t (> 0 at a passage, < 0 in a stick). Default: "abcd", for
@@ -116,7 +116,7 @@ def figure(
 
 
 def simulated(scene: Scene, t_end: NumberLike | None = None) -> Trajectory:
-    """Return the motion of a scene for its figure."""
+    """Return the motion of a scene up to `t_end` or, if that is None, to the default end of its figure."""
     end = default_end(scene) if t_end is None else t_end
     found = simulate(scene, t_end=end, max_events=MOST_DRAWN_EVENTS)
     if found.status == "max_events":
@@ -170,7 +170,8 @@ def default_panels(scene: Scene) -> str:
 def assemble(panels: Sequence[tuple[Panel, View]], columns: int, width: float, *, tall: int | None = None) -> Figure:
     """Draw panels into one figure of this width in inches, with a letter for each and one legend below them.
 
-    There are so many `columns` of panels. `tall` is the index of the panel above which the insets of its view stand.
+    The panels stand in as many columns as `columns` says. If `tall` is given, the panel with this index is made taller,
+    and the insets of its view stand above it.
     """
     square = len(panels) == 1 and panels[0][0] is PANELS["c"]
     heights = [3.0 if square else 2.0] * -(-len(panels) // columns)
@@ -298,7 +299,10 @@ BRANCH_PANELS = {"a": _positions, "b": _multipliers}
 
 
 def multiplier_curves(values: np.ndarray, multipliers: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Return many parameter values along part of a branch, and there both multipliers' moduli, larger first."""
+    """Interpolate part of a branch: return many parameter values, and at each the moduli of both multipliers.
+
+    The larger modulus comes first. `values` and `multipliers` are those of the computed points.
+    """
     # Trace and determinant of the monodromy matrix are smooth along a branch and are interpolated; the multipliers are
     # not where a real pair turns complex, and follow from them.
     trace, determinant = multipliers.sum(axis=1).real, multipliers.prod(axis=1).real
@@ -318,7 +322,7 @@ def multiplier_curves(values: np.ndarray, multipliers: np.ndarray) -> tuple[np.n
 
 
 def _mark_ends(ax: Axes, branch: Branch, heights: Sequence[Any], color: str) -> None:
-    """Mark both ends of the branch with a symbol for their kinds, each at all of its `heights`."""
+    """Mark both ends of the branch with the symbols in `END_MARKERS`; `heights` has the ordinates for each end."""
     style: Record = {"ms": 5.0, "mfc": color, "mec": "white", "mew": 0.5, "zorder": 5, "clip_on": False}
     for end, places in zip(branch.ends, heights, strict=True):
         for height in places if end.kind in END_MARKERS else ():
@@ -326,7 +330,7 @@ def _mark_ends(ax: Axes, branch: Branch, heights: Sequence[Any], color: str) -> 
 
 
 def _write_words(ax: Axes, branch: Branch) -> None:
-    """Write words above the axes: that of the branch over its middle, and at each end that of the orbit beyond it."""
+    """Write words above the axes: the branch's over its middle, and the next orbit's at each end of the branch."""
     from symosc.orbits.branch import MOST, NO_CONVERGENCE
 
     words: list[Any] = [(0.5 * (branch.values.min() + branch.values.max()), branch.word)]
@@ -346,7 +350,10 @@ def stability(branch: Branch) -> np.ndarray:
 
 
 def _stretches(branch: Branch) -> list[tuple[slice, Any]]:
-    """Return the stretches of a branch with equal stability: points, with the first of the next one, and line style."""
+    """Return for each stretch of equal stability its slice of the branch's points, and its line style.
+
+    The slice also has the first point of the next stretch, so that the lines join.
+    """
     states = stability(branch)
     cuts = [0, *(np.flatnonzero(states[1:] != states[:-1]) + 1), len(states)]
     return [(slice(a, min(b + 1, len(states))), STABILITY_STYLES[str(states[a])]) for a, b in pairwise(cuts)]

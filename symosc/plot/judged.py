@@ -80,7 +80,7 @@ def crosscheck_figure(check: CrossCheck, panels: str | None = None, *, ax: Axes 
 
 
 def _errors(ax: Axes, check: CrossCheck, of_steps: bool) -> None:
-    """Draw the global errors (or the defects `of_steps`) against time, with the limits that they may not exceed."""
+    """Draw the errors against time, or the defects if `of_steps` is true, and the limits that they must not exceed."""
     if of_steps:
         t, errors, limits = check.t[1:], check.defects, check.allowed
     else:
@@ -135,7 +135,7 @@ def fit_figure(found: Fit, panels: str | None = None, *, ax: Axes | None = None)
 
 
 def _motion_and_data(ax: Axes, found: Fit) -> None:
-    """Draw the fitted motion, and what was measured: samples, or the times of events, at the places of the motion."""
+    """Draw x(t) of the fitted motion and the measured samples; times of measured events are marked on x(t)."""
     measured, motion = found._measured, found.trajectory
     times = np.linspace(float(motion.t_start), float(motion.t_end), 2000)
     ax.plot(times, motion(times)[0], color=POSITION, lw=0.9, label="fitted motion")
@@ -366,8 +366,9 @@ LEAST_UNITS, MOST_UNITS, FAULTY, ABSENT = 1e-3, 1e10, 1e12, 1e14
 def score_figure(scores: Sequence[Score]) -> Figure:
     """Draw the scores of solvers on reference cases.
 
-    There is a column per case, in groups: below, the largest error in units of what rounding the case's numbers to
-    doubles changes; above, the cases with wrong events or too large an error, and those without results.
+    There is a column per case, in groups. Below is the largest error; its unit is the change of the events when the
+    numbers of the case are rounded to doubles. Above are the cases with wrong events or too large an error, and those
+    without results.
 
     Parameters
     ----------
@@ -409,7 +410,7 @@ def score_figure(scores: Sequence[Score]) -> Figure:
 
 
 def _height(case: CaseScore) -> float | None:
-    """Return the height at which a case is drawn; None if no error can be measured: no event exists or is reported."""
+    """Return the height at which a case is drawn; None if there is no event whose error could be measured."""
     if not case.given:
         return ABSENT
     if not case.right:

@@ -185,7 +185,7 @@ def summary_page(summary: Summary) -> str:
 
 
 def cut(text: str) -> str:
-    """Return text, truncated to the width of a page."""
+    """Return text, truncated to `LONGEST_SHOWN` characters."""
     return text if len(text) <= LONGEST_SHOWN else f"{text[: LONGEST_SHOWN - 1]}…"
 
 
@@ -266,7 +266,7 @@ def atlas_page(atlas: Atlas) -> str:
 
 
 def window_page(window: GrazingWindow) -> str:
-    """Return the page of a grazing window: its intervals and its case."""
+    """Return the page of a grazing window: its intervals of phases and its case of the paper's (55) to (58)."""
     rows = [["(["[low_in], low, high, ")]"[high_in]] for low, high, low_in, high_in in window.intervals]
     values = {"case": window.case, "γ": str(window.gamma), "B₀Ω/m": str(window.amplitude), "order": window.order}
     line = f"{window.mapping}: domain {window.place.domain} at belt {window.place.boundary}, Ω t mod 2π"

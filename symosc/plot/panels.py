@@ -69,9 +69,10 @@ class Contact(NamedTuple):
 class View:
     """What the panels draw: samples t, x, v of a trajectory, marks for its events, and its contacts with the belts.
 
-    The forces are those on both sides of `boundary`, the belt 1 or 2. Panel (a) shows the displacement of a point of a
-    belt at the `contacts`, and beyond them by the fractions `belt_reach` of both axes; panel (b) shows `magnified` ones
-    in insets. `style` has properties of the curves as matplotlib names them.
+    The forces are those on both sides of `boundary`, the belt 1 or 2. Panel (a) shows the path of a point of the belt
+    at each of the `contacts`. The path goes beyond the contact by the fractions `belt_reach` of the width and the
+    height of the axes. Panel (b) shows the `magnified` contacts in insets. `style` has properties of the curves as
+    matplotlib names them.
     """
 
     trajectory: Trajectory
@@ -87,7 +88,7 @@ class View:
 
     @property
     def scale(self) -> float:
-        """The relative size of marks and lines: 1 for up to 16 marks; more marks cover the same area in all."""
+        """The relative size of marks and lines: 1 for up to 16 marks, less for more so that they cover no more."""
         return max(min(1.0, sqrt(16 / max(len(self.marks), 1))), 0.2)
 
     @property
@@ -101,7 +102,7 @@ class View:
         return isinstance(self.trajectory, MovedTrajectory) and self.trajectory.model.shift.bound() != 0
 
     def belts(self) -> list[int]:
-        """Return the belts whose speeds lie near the velocities drawn, and the belt of the forces."""
+        """Return the belts to draw: those with speeds near the velocities drawn, and `boundary` of the forces."""
         low, high = self.v.min(), self.v.max()
         p, allowed = self.trajectory.parameters, 0.65 * (high - low)  # of the axis may be added for them
         near = [belt for belt in (1, 2) if low - allowed <= p.belt(belt) <= high + allowed]
@@ -126,7 +127,10 @@ def view_of(
     since: float = -inf,
     style: Record | None = None,
 ) -> View:
-    """Sample a trajectory from the time `since` on; by default the forces are those at the first event's boundary."""
+    """Sample a trajectory from the time `since` on, and return what the panels draw of it.
+
+    If `boundary` is None, the forces are those at the boundary of the first event.
+    """
     p, events, start = trajectory.parameters, trajectory.events, float(trajectory.t_start)
     t = _sample_times(trajectory, sampling, since)
     x, v = trajectory(t)
@@ -166,7 +170,7 @@ AXIS_LABELS = {"t": "time $t$", "x": "displacement $x$", "v": r"velocity $\dot{x
 
 
 def _motion_panel(ax: Axes, view: View, across: str, up: str) -> None:
-    """Draw x or v, named by `up`, over `across`, with marks; with x the paths of belts, with v their speeds."""
+    """Draw `up` ("x" or "v") against `across` ("t", "x" or "v"), with marks, and paths or speeds of the belts."""
     style: Record = {"color": MASS_COLOR, "linewidth": 1.3 * max(view.scale, 0.5), "label": "mass"} | view.style
     ax.plot(getattr(view, across), getattr(view, up), **style)
     ax.set_ylabel(AXIS_LABELS[up])
@@ -271,7 +275,7 @@ def _belt_speeds(ax: Axes, view: View) -> None:
 
 
 def _marks_of_forces(view: View) -> list[Mark]:
-    """Return the marks for the panels of forces: those of events at the belt `view.boundary`, and those of no belt."""
+    """Return the marks for the panels of forces, without the start and the marks of the other belt."""
     return [mark for mark in view.marks if mark.label != "start" and mark.belt in (view.boundary, None)]
 
 
@@ -306,7 +310,10 @@ def _sticks(trajectory: Trajectory) -> list[Contact]:
 
 
 def _inset_sticks(contacts: Sequence[Contact], t: np.ndarray) -> tuple[Contact, ...]:
-    """Return the sticks to show in insets: too short to be seen over the times t; of many, only the very shortest."""
+    """Return the sticks to show in insets, which are too short to be seen over the times `t`.
+
+    If there are more than `MOST_INSETS`, only those shorter than a tenth of the median stick are taken.
+    """
     longest, finest = SHORT_STICK * (t[-1] - t[0]), 1e-10 * np.abs(t).max()  # a shorter one would show rounding errors
     short = [each for each in contacts if finest < each.until - each.since < longest and each.until < t[-1]]
     if len(short) > MOST_INSETS:

@@ -69,7 +69,7 @@ def axes_of(column: Any) -> list[str]:
 
 
 def read_axes(column: Any, count: int, what: str) -> list[str]:
-    """Return the names of the swept dimensions of a column; ParameterError unless there are `count` with values.
+    """Return the names of the swept axes of a column; ParameterError unless there are `count`, each with coordinates.
 
     `what` names the figure in the error.
     """
@@ -343,7 +343,11 @@ def basin_figure(dataset: xarray.Dataset, name: str | None = None, *, ax: Axes |
 
 
 def classes_of(values: np.ndarray, undecidable: np.ndarray) -> tuple[np.ndarray, list[Look]]:
-    """Return the number of each cell's class, and the classes: numbers in their order, words by falling frequency."""
+    """Return for each cell the number of its class, and for each class its name, colour and hatching.
+
+    Classes of numbers are in increasing order, words by falling frequency. Cells that are `undecidable` get a class of
+    their own.
+    """
     words = values.dtype.kind in "UO"
     texts = np.where(values == "", "no event", values).astype(str) if words else values
     kinds, codes, counts = np.unique(texts, return_inverse=True, return_counts=True)
@@ -367,7 +371,11 @@ def classes_of(values: np.ndarray, undecidable: np.ndarray) -> tuple[np.ndarray,
 
 
 def _draw_classes(axes: Axes, edges: tuple[np.ndarray, np.ndarray], codes: Any, looks: list[Look], new: bool) -> None:
-    """Draw a map of classes: coloured or hatched cells, borders, names in large areas, and a legend."""
+    """Draw a map of classes: coloured or hatched cells, borders, names in large areas, and a legend.
+
+    `codes` has the class of each cell, `looks` the name, colour and hatching of each class. The legend stands outside
+    the axes; `new` says whether the figure is new, so that it may have a legend of its own.
+    """
     x, y = edges
     colors = ListedColormap([color for _, color, _ in looks])
     axes.pcolormesh(x, y, codes.T, cmap=colors, vmin=-0.5, vmax=len(looks) - 0.5, rasterized=True)
@@ -389,7 +397,7 @@ def _draw_classes(axes: Axes, edges: tuple[np.ndarray, np.ndarray], codes: Any, 
 
 
 def _label_class(axes: Axes, edges: Any, inside: np.ndarray, name: str, color: Any) -> None:
-    """Write the name of a class into its area, at the point farthest from the border, if there is room."""
+    """Write the name of a class at the point deepest within its cells, where `inside` is true, if there is room."""
     from scipy.ndimage import distance_transform_edt  # takes longer to load than most figures to draw
 
     depth = distance_transform_edt(np.pad(inside, 1), sampling=[1 / length for length in inside.shape])[1:-1, 1:-1]
@@ -402,7 +410,7 @@ def _label_class(axes: Axes, edges: Any, inside: np.ndarray, name: str, color: A
 
 
 def borders(x: np.ndarray, y: np.ndarray, codes: np.ndarray) -> list[list[tuple[float, float]]]:
-    """Return the lines between cells of different classes; `x` and `y` are the edges of the cells."""
+    """Return the lines between cells of different classes: `codes` numbers the classes, `x` and `y` are cell edges."""
     upright = [[(x[i + 1], y[j]), (x[i + 1], y[j + 1])] for i, j in np.argwhere(codes[1:] != codes[:-1])]
     level = [[(x[i], y[j + 1]), (x[i + 1], y[j + 1])] for i, j in np.argwhere(codes[:, 1:] != codes[:, :-1])]
     return upright + level
@@ -421,7 +429,7 @@ def _draw_shades(axes: Axes, edges: tuple[np.ndarray, np.ndarray], values: np.nd
 
 
 def _cell_edges(values: np.ndarray) -> np.ndarray:
-    """Return the edges between cells, halfway between their increasing values, and those outside."""
+    """Return the edges of cells around increasing values: the middles between them, and one edge at each end."""
     if len(values) == 1:
         return values[0] + np.array([-0.5, 0.5])
     middles = (values[1:] + values[:-1]) / 2
@@ -469,9 +477,9 @@ def summary_figure(summary: Summary, name: str | None = None, *, ax: Axes | None
     summary : Summary
         What ``simulate_many(…, record="summary")`` returns.
     name : str, optional
-        The column. "section" draws the points in the phase plane, a column of text or whole numbers how often each
-        value is there, another one how its values are spread. Default: the first of word, section and the others that
-        is there.
+        The column to draw. "section": the points in the phase plane. A column of text or whole numbers: how often each
+        value occurs. Any other column: a histogram of its values. Default: "word" if it was recorded, else "section",
+        else the first column.
 
     Examples
     --------

@@ -139,7 +139,7 @@ def critical_phases(window: GrazingWindow) -> list[tuple[float, bool]]:
 
 
 def draw_dot(axes: Axes, x: float, y: float, belongs: bool, label: str | None = None) -> None:
-    """Draw a point, filled if it belongs to a window, else open."""
+    """Draw a dot at (x, y): a full one if this point belongs to a window, else an open one."""
     style: Record = {"color": INSIDE_COLOR, "markerfacecolor": INSIDE_COLOR if belongs else "white", "markersize": 4.5}
     axes.plot([x], [y], "o", zorder=4, clip_on=False, linestyle="none", label=label, **style)
 
@@ -271,9 +271,10 @@ def _equalities(p: Parameters, mapping: str, name: str) -> list[Fraction]:
 
 
 def _window_areas(axes: Axes, values: np.ndarray, found: WindowColumns, above: Any) -> None:
-    """Shade the window over a parameter; a full circle begins and ends at 3 pi/2 where `above` > 0, else at pi/2.
+    """Shade the grazing window `found`, between its lower and upper phases, over the values of a parameter.
 
-    `above` is positive where the window is above the line of its critical phases.
+    `above` is positive where the window is above the line of its critical phases. A window that is the full circle
+    begins and ends at 3 pi/2 where `above` > 0, and at pi/2 elsewhere.
     """
     if np.all(found.kind == EMPTY):
         axes.text(0.5, 0.5, "the window is empty", transform=axes.transAxes, ha="center")
@@ -308,9 +309,10 @@ def region_figure(
     Parameters
     ----------
     region : ParameterRegion
-        As `symosc.values_containing` and its like return for two names.
+        The answer of `symosc.values_containing`, `values_empty` or `values_everything` for two parameters.
     first, second : pair of numbers, optional
-        Ranges of the two parameters. Default: from 0 (both signs for B0 and the belts) to twice the given value.
+        Ranges of the two parameters. Default: from 0 to twice the value in the region's parameters, with both signs for
+        B0, v1 and v2.
 
     Examples
     --------
@@ -340,7 +342,7 @@ def region_figure(
 def _margin(condition: Any, letters: tuple[Any, Any], x: np.ndarray, y: np.ndarray, more: float = 0.0) -> np.ndarray:
     """Return by how much a sympy condition on two symbols holds at points: > 0 where it holds, 0 at its border.
 
-    `more` is added where a border that belongs to the condition decides.
+    `more` is added to the margin of every inequality >= or <=, which also holds at its border.
     """
     import sympy as sp
 
@@ -354,7 +356,7 @@ def _margin(condition: Any, letters: tuple[Any, Any], x: np.ndarray, y: np.ndarr
 
 
 def _axis_range(region: ParameterRegion, name: str, given: Any) -> tuple[float, float]:
-    """Return the given range of an axis; by default one that has the region's value, and for v1 or v2 both speeds."""
+    """Return the range of an axis: `given`, or one with the parameter's value in it, and both belts for v1 or v2."""
     p = region.parameters
     if given is not None:
         low, high = (float(read_exact(name, end)) for end in given)
@@ -368,7 +370,7 @@ def _axis_range(region: ParameterRegion, name: str, given: Any) -> tuple[float, 
 
 
 def _region_areas(axes: Axes, x: np.ndarray, y: np.ndarray, inside: np.ndarray, allowed: np.ndarray) -> list[Any]:
-    """Shade the region, hatch forbidden values, and return the legend entries."""
+    """Shade where `inside` > 0, hatch where `allowed` < 0, at the points (x, y), and return the legend entries."""
     shown = []
     both = np.minimum(inside, allowed)
     if not (both > 0).any():
@@ -385,7 +387,7 @@ def _region_areas(axes: Axes, x: np.ndarray, y: np.ndarray, inside: np.ndarray, 
 
 
 def _region_borders(axes: Axes, x: np.ndarray, y: np.ndarray, inside: np.ndarray, closed: np.ndarray) -> list[Any]:
-    """Draw the border where `inside` is 0, full where it belongs to the region, and return the legend entries."""
+    """Draw the border where `inside` is 0, full where `closed`, else broken, and return the legend entries."""
     shown: list[Any] = []
     for style, hidden, label in ((SOLID, ~closed, "border, inside"), (DASHES, closed, "border, not inside")):
         part = np.ma.masked_invalid(np.where(hidden, np.nan, inside))
@@ -399,7 +401,7 @@ def _region_borders(axes: Axes, x: np.ndarray, y: np.ndarray, inside: np.ndarray
 
 
 def _mark_given(axes: Axes, region: ParameterRegion, spans: list[tuple[float, float]]) -> list[Any]:
-    """Mark the point of the given parameter values if it is within the axes; return it for the legend."""
+    """Mark the point of the given parameter values if it is within the ranges `spans`; return it for the legend."""
     names = region.question.names
     at = [float(getattr(region.parameters, name)) for name in names]
     if not all(low <= value <= high for value, (low, high) in zip(at, spans, strict=True)):
@@ -495,7 +497,7 @@ def _line(axes: Axes, theta: np.ndarray, x: np.ndarray, **style: Any) -> None:
 
 
 def _draw_ends(axes: Axes, piece: CurvePiece, at: Callable[[Any], tuple[float, float]]) -> None:
-    """Draw both ends of a piece of a grazing curve, open dots at ends of the window; `at` returns an end's place."""
+    """Mark both ends of a piece of a grazing curve, where `at(end)` says; at ends of the window the dots are open."""
     for end in (piece.low, piece.high):
         if end.reason != "closed":
             shape = next((shape for start, shape in END_SHAPES.items() if end.reason.startswith(start)), "D")

@@ -95,9 +95,10 @@ def state_of(scene: Scene) -> dict[str, str]:
 
 
 def read_link(query: str, default: Scene) -> tuple[dict[str, str], list[str]]:
-    """Return the fields' texts in a link's query, and errors.
+    """Return the text of each field for the query of a link, and error messages.
 
-    Texts that it lacks are those of the shipped scene that it names, or else of `default`.
+    A field that is missing in the link gets its text from the shipped scene that the link names, or else from
+    `default`.
     """
     texts = parse_qsl(query, keep_blank_values=True)
     given = {name: text for name, text in texts if name in FIELDS or name in OTHER_KEYS}
@@ -277,19 +278,22 @@ def _rounded(values: np.ndarray) -> list[float]:
 
 
 def _columns(names: str, rows: Iterable[Sequence[Any]]) -> Record:
-    """Return rows as the columns of a source of bokeh with these names."""
+    """Return rows as the columns, with these names, of a data source for a plot in the browser."""
     rows = list(rows)
     return {name: [row[i] for row in rows] for i, name in enumerate(names.split())}
 
 
 def _shape(label: str, scale: float) -> tuple[str, float, str]:
-    """Return shape, size and label of a mark of an event."""
+    """Return shape, size (multiplied by `scale`) and label of the mark for an event with this label."""
     shape, size = SHAPES[label]
     return MARKERS[shape], scale * size, label
 
 
 def _ranges(view: View, curves: dict[str, np.ndarray]) -> dict[str, tuple[float, float]]:
-    """Return the ranges of the axes t, x, v and F, with a margin; v includes belts nearby, F includes zero."""
+    """Return the ranges of the axes t, x, v and F for a motion and its forces F1 and F3 in `curves`, with a margin.
+
+    The range of v includes the speeds of belts nearby, the range of F includes zero.
+    """
     speeds = [float(view.trajectory.parameters.belt(belt)) for belt in view.belts()]
     forces = np.concatenate([[0.0], curves["F1"], curves["F3"]])
     ranges = {"t": (float(view.t[0]), float(view.t[-1]))}
@@ -301,7 +305,7 @@ def _ranges(view: View, curves: dict[str, np.ndarray]) -> dict[str, tuple[float,
 
 
 def _belts(view: View, v_range: tuple[float, float]) -> Record:
-    """Return the speeds of both belts, whether they are drawn, and their labels."""
+    """Return the speeds of both belts, whether each lies in the shown range `v_range`, and the labels with places."""
     # The name of a belt that is too far away to be drawn is at the edge, with an arrow.
     speeds = [float(view.trajectory.parameters.belt(belt)) for belt in (1, 2)]
     low, high = v_range
@@ -327,7 +331,7 @@ def _window_row(window: GrazingWindow) -> list[str]:
 
 
 def _arcs(windows: Sequence[GrazingWindow]) -> Iterator[tuple[Any, ...]]:
-    """Yield the windows as arcs on the rings of their belts, dark for contacts from below, light from above."""
+    """Yield arcs (radius, ends, colours, mapping, label's place) that show grazing windows on a circle of phases."""
     for window in windows:
         radius = RINGS[window.place.boundary]
         colors = ("#1f3fd6", "white") if window.place.side > 0 else ("#c3cdf5", "black")

@@ -51,7 +51,7 @@ class ExplorerServer(ThreadingHTTPServer):
 
     @property
     def address(self) -> str:
-        """The link of the page."""
+        """The address at which a browser finds the page."""
         return f"http://{HOST}:{self.server_address[1]}/"
 
     def handle_error(self, request: Any, client_address: Any) -> None:
@@ -101,7 +101,7 @@ class _Handler(BaseHTTPRequestHandler):
         """Do not log requests."""
 
     def _is_for_us(self) -> bool:
-        """Return whether a request names this machine, and was sent by our page, a link or no browser at all."""
+        """Return whether a request names this machine as its host and does not come from a page of another site."""
         host = self.headers.get("Host", "").lower()
         if host.partition(":")[0] not in (HOST, "localhost"):
             return False  # a page of another site may point a name of its own here
@@ -111,7 +111,7 @@ class _Handler(BaseHTTPRequestHandler):
         return site in (None, "same-origin", "none") or mode == "navigate"
 
     def _send(self, text: str, kind: str, keep: str = "no-store", **headers: str) -> None:
-        """Send a text as the answer; `kind` is its media type, `keep` says how long browsers may keep it."""
+        """Send a text of the media type `kind` with more `headers`; `keep` says how long browsers may keep it."""
         content = text.encode()
         self.send_response(HTTPStatus.OK)
         about = {"Content-Type": f"{kind}; charset=utf-8", "Content-Length": str(len(content)), "Cache-Control": keep}
@@ -222,7 +222,7 @@ def _plot(x_label: str, y_label: str, x_range: models.Range1d, y_range: models.R
 
 
 def _marks(plot: Any, sources: Sources, x: str, y: str) -> None:
-    """Draw the marks of events, and a dot for the mass that moves while the motion is played."""
+    """Draw event marks, and a moving dot for the mass, from the columns `x` and `y` of the browser's data `sources`."""
     marks = plot.scatter(x, y, source=sources["marks"], level="overlay", **MARKS)
     place = [("t", "@t{0.000000}"), ("x", "@x{0.000000}"), ("v", "@v{0.000000}")]
     plot.add_tools(models.HoverTool(renderers=[marks], tooltips=[("", "@label @belt"), *place]))
@@ -240,7 +240,7 @@ def _belts(plot: Any) -> None:
 
 
 def _plane(sources: Sources, ranges: Ranges) -> Any:
-    """Return the plot of the phase plane."""
+    """Return the plot of v against x, with curve, belts, Poincaré section, marks and a start that can be dragged."""
     plot = _plot("position x [m]", "velocity v [m/s]", ranges["x"], ranges["v"], 380, "plane")
     plot.line("x", "v", source=sources["settled"], line_color="black", line_width=5, line_alpha=0.22)
     plot.line("x", "v", source=sources["curves"], line_color=MASS_COLOR, line_width=1.8)
