@@ -118,14 +118,18 @@ def run(quick: bool = False, progress: Progress = iter, taus: Sequence[float] = 
 
 
 def error(values: Sequence[float], exact: Sequence[Number], tau: float) -> float:
-    """Return the largest error of E0, E1, E2, R2, I2, each relative to its amplitude as in the module's docstring."""
+    """Return the largest error of the flow's five basis functions at `tau`, each relative to its amplitude there.
+
+    The functions are E0, E1, E2 (responses to an impulse) and R2, I2 (to the drive). The amplitude is that of the
+    oscillation, so a zero of a function does no harm.
+    """
     E0, E1, E2, R2, I2 = (abs(value) for value in exact[:5])
     sizes = (max(1, E0), E1 + E0 * tau / (1 + tau), E2, R2 + I2, R2 + I2)
     return max(float(abs(b - a) / size) for a, b, size in zip(values, exact, sizes, strict=False))
 
 
 def closed_form(tau: float, K: Constants) -> tuple[float, ...]:
-    """Return E0, E1, E2, R2, I2 of an underdamped system by the cheap closed form, at whatever error."""
+    """Return the flow's five basis functions of an underdamped system by the cheap formula, however inexact."""
     angle, drive = K.omega_d * tau, K.Om * tau
     waves = (sin(angle), cos(angle), sin(drive), cos(drive))
     values: tuple[float, ...] = entire.basis_apart(exp(-K.h * tau), *waves, K.h, K.omega_d, K.w0sq, K.Om, K.p, K.q)
@@ -141,12 +145,12 @@ _naming_basis = types.FunctionType(
 
 
 def _formula(tau: float, K: Constants) -> str:
-    """Name the formula by which symosc computes E0, E1, ...: "series", "apart" (the cheap one) or "careful"."""
+    """Name symosc's formula for the basis functions at `tau`: "series", "apart" (the cheap one) or "careful"."""
     return "" if tau > K.chunk else str(_naming_basis(tau, 0.0, 1.0, K)[0])
 
 
 def _exact(p: Parameters) -> Callable[[float], tuple[Number, ...]]:
-    """Return the function from tau to the exact E0, E1, E2, R2, I2."""
+    """Return a function from the time tau to the flow's five basis functions with 50 digits."""
     context = mp_context(MAP_DIGITS)
 
     def number(value: Fraction) -> Number:
@@ -200,7 +204,10 @@ def figure(result: Record) -> Figure:
 
 
 def _borders(ax: Axes, result: Record, column: int, shipped: bool) -> None:
-    """Draw in a time's panel the border of symosc's cheap formula; if `shipped`, the borders of all its formulas."""
+    """Draw where symosc stops to use its cheap formula; if `shipped`, all borders between formulas, with names.
+
+    `column` is the number of the map's time w0 tau.
+    """
     from scipy.ndimage import label
 
     chosen = np.array(result["formulas"][column])

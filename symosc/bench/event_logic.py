@@ -58,7 +58,7 @@ class PeerError(SymoscError, RuntimeError):
 
 
 class Problem(NamedTuple):
-    """A parameter set as floats: coefficients of eq. (9), belt speeds, and the shorter of drive's and free period."""
+    """A parameter set as floats: coefficients of eq. (9), belt speeds, the shorter one of drive's and free period."""
 
     A1: float
     A2: float
@@ -112,7 +112,7 @@ def margins(q, mode, t, x, v):
 
 
 def turn(q, mode, t, x, v):
-    """Return the time derivative of the margins, but for the sign: between its zeros both margins are monotone."""
+    """Return the time derivative of a margin, up to its sign; between its zeros both margins of a mode are monotone."""
     if mode < 4:
         return force(q, mode, t, x, v)
     return q.swing * q.Omega * sin(q.Omega * t + q.theta) + q.stiffness * v
@@ -155,7 +155,11 @@ def start_mode(q, x, v):
 
 
 def root(q, mode, side, piece, a, b, fa, fb, tolerance):
-    """Return the time between a and b at which a solver's `margin` of a side, fa and fb there, changes its sign."""
+    """Return the time between a and b at which the margin to the exit on one side changes its sign.
+
+    `fa` and `fb` are the margins at a and b; `piece` is the solver's data of the flight or stick, handed on to its
+    `margin`.
+    """
     # Chandrupatla's method (1997). `piece` is whatever the solver's `margin` takes.
     c, fc, part = a, fa, 0.5
     for _ in range(200):
@@ -179,7 +183,11 @@ def root(q, mode, side, piece, a, b, fa, fb, tolerance):
 
 
 def follow(q, s, t, x, v, mode, boundary, offset, t_end):
-    """Follow a motion by the solver with settings s; return rows of events, their count, an outcome, the last mode."""
+    """Follow a motion by a solver; return rows of events, their count, how it ended, and the last mode.
+
+    `s` has the settings of the solver. `boundary` is the belt at which the motion starts, 0 for none. A flight from a
+    belt starts with a velocity that is off the belt's by `offset`.
+    """
     # A row is t, x, place in EVENT_KINDS, boundary; the outcome is 0 (t_end reached), CHATTERS or GAVE_UP. A flight
     # from a belt starts with a velocity that is off the belt's by `offset`.
     rows = np.empty((64, 4))
@@ -217,7 +225,11 @@ def follow(q, s, t, x, v, mode, boundary, offset, t_end):
 
 
 def runner(scene: Scene, functions: Record, settings: Any, offset: float) -> Callable[[], Iterator[FoundEvent]]:
-    """Return a function that follows a scene and returns its events, or raises PeerError."""
+    """Return a function that follows a scene and returns its events, or raises PeerError.
+
+    `functions` are those of this module with the solver's own, `settings` are the solver's. `offset` is a part of the
+    larger belt speed, by which flights from a belt start off it.
+    """
     # `functions`: this module's, bound to the solver's `leave`; `settings`: the argument `s` of that. Flights from a
     # belt start with a velocity that is off the belt's by the part `offset` of the larger belt speed.
     q, t0, x, v = problem(scene.parameters, scene.t0), float(scene.t0), float(scene.x0), float(scene.v0)

@@ -92,7 +92,7 @@ def stages(q, s, mode, t, x, v, h, begin, end):
 
 
 def error_of(s, x, v, X, V, h):
-    """Return the error of a step in units of the tolerance, as DOP853 estimates it."""
+    """Return DOP853's error estimate of a step h from (x, v) to (X, V) in units of the tolerance; s has its stages."""
     third = fifth = 0.0
     for row in range(2):
         e3 = e5 = 0.0

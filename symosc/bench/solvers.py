@@ -175,7 +175,7 @@ def _one_process() -> ProcessPool:
 
 @contextmanager
 def processor_limit(seconds: float) -> Iterator[None]:
-    """Raise TimeoutError in a block that takes more processor time; compiled code runs to its end before."""
+    """Raise TimeoutError if the `with` block takes more processor time; a compiled function is not interrupted."""
     # In the main thread only, and where the system has such a timer.
     if not hasattr(signal, "setitimer"):
         yield
@@ -222,7 +222,10 @@ def _drop_output() -> None:
 def in_parallel(
     chunks: Sequence[Sequence[tuple[Any, ...]]], steps: Iterator[Any], limit: float = FIRST_LIMIT
 ) -> dict[Any, Outcome]:
-    """Run each chunk of jobs (key, function, arguments ...) in its own worker; return the outcomes by key."""
+    """Run each chunk of jobs (key, function, arguments ...) in its own worker; return the outcomes by key.
+
+    Before each job one step is taken of `steps`, the iterator of a progress bar. A job may take `limit` seconds.
+    """
     # The first job of a chunk is done once more before it in each new process, where it may take FIRST_LIMIT.
     stop, turn, done = Flag(), Lock(), dict[Any, Outcome]()
 

@@ -56,7 +56,10 @@ LONG, SHORT = 5.0, 0.01
 
 
 class Call(NamedTuple):
-    """A call to measure: its name, what its time is given per, such as an event, the function, and how many it has."""
+    """A call to measure: the function `action`, called `what` in tables; its time is divided by its number of `units`.
+
+    `per` names a unit, such as an event.
+    """
 
     what: str
     per: str
@@ -74,7 +77,11 @@ class Group(NamedTuple):
 
 
 def closed_form(count, h, w, Om, P, Q, R, S):
-    """Evaluate the closed form of x and x' (underdamped) `count` times: a lower bound on the time of an event."""
+    """Evaluate the closed form of x and x' (underdamped) `count` times: a lower bound on the time of an event.
+
+    `h` is the decay rate, `w` and `Om` are the angular frequencies of the free motion and of the drive. `P` and `Q` are
+    the amplitudes of the response to the drive, `R` and `S` those of the free motion.
+    """
     total = 0.0
     for i in range(count):
         tau = 1e-3 * (i % 3000)
@@ -171,7 +178,7 @@ def _ensemble(count: int) -> Iterator[Call]:
 
 
 def _derivatives(count: int) -> Iterator[Call]:
-    """Yield calls of `simulate_many` with and without derivatives, and a fit."""
+    """Yield calls of `simulate_many` with and without derivatives, and a call of `fit` for three parameters."""
     follow = partial(simulate_many, *_starts(count), **ONE_CORE)
     yield Call("rows of events", "event", follow)
     for last in ("mu1", "Omega"):

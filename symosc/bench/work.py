@@ -98,9 +98,10 @@ def run(
     solvers: Sequence[Solver] | None = None,
     scenes: dict[str, tuple[int, int, int]] | None = None,
 ) -> Record:
-    """Measure and return plain data; with `quick` two scenes, and only the finest tolerance of each peer."""
-    # `solvers` and `scenes` (with numbers of events, as in SCENE_SPANS) replace all. Keys: machine; floor_ns, one
-    # closed-form evaluation; limit_s; skipped, solver: why it cannot run; notes, solver: its precautions; rows, one per
+    """Measure time and error of solvers; return plain data. With `quick`: two scenes, each peer's finest tolerance."""
+    # `solvers` and `scenes` replace all; the numbers of a scene are the events of the short span, those to compare in
+    # the long span, and the events of the long span, as in SCENE_SPANS. Keys: machine; floor_ns, one closed-form
+    # evaluation; limit_s; skipped, solver: why it cannot run; notes, solver: its precautions; rows, one per
     # scene, solver and tolerance, with
     #     scene, solver, tolerance;
     #     failure: "" or what went wrong; the numbers that are then not known are None;
@@ -153,7 +154,10 @@ def run(
 
 
 def _spans(scene: Scene, short: int, compared: int, long: int) -> tuple[Span, Span]:
-    """Return a scene cut off after `short` and after `long` events; of the long span `compared` are compared."""
+    """Return a scene cut off after `short` events, and cut off after `long` events; the first is compared as a whole.
+
+    Of the second only the first `compared` events are compared with the exact ones.
+    """
     far = scene.t0 + 10**6
 
     def until(events: Sequence[Event], number: int) -> float:
@@ -222,7 +226,7 @@ def compare(found: Iterable[FoundEvent], scene: Scene, exact: Sequence[Event]) -
 
 
 def table(result: Record, markdown: bool = False) -> str:
-    """Return the result of `run` as text, one table per scene, ratios first."""
+    """Return the result of `run` as text, one table per scene: first each solver's time as a multiple of symosc's."""
     heads = ["solver", "tolerance", "time / ours", "us per event", "error"]
     heads += ["events", "missed", "invented", "what went wrong"]
     parts = []
