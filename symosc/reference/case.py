@@ -49,8 +49,9 @@ class KnownEvent(NamedTuple):
     t, x : tuple of str
         The two decimals between which the time, and the position, lies.
     kind, source, target : str
+        What happens (cross, stick, slip or graze), and the modes before and after it, as in `symosc.Event`.
     boundary : int
-        In the words of `symosc.Event`.
+        The belt, 1 or 2, at which it happens.
     word : str
         The mapping that ends with the event: "P1" to "P8", "" for the way from a start between the belts.
 
@@ -208,7 +209,7 @@ class ReferenceCase:
 
     @cached_property
     def derivatives(self) -> tuple[dict[str, KnownChange], ...]:
-        """For each event its derivatives by the parameters and start values by which it has any; none in a long run."""
+        """For each event its derivatives by those parameters and start values by which they exist; none in a long run."""
         if self.periods:
             return ({},) * len(self.events)
         names, stated = self.certificate.statement.get("wrt", ()), self.certificate.derivatives
@@ -287,7 +288,10 @@ def last_period(scene: Scene, digits: int) -> Sequence[Event]:
 
 
 def conditions(scene: Scene, events: Callable[[Scene, int], Sequence[Event]]) -> list[float]:
-    """Return the condition number of every event of a scene, with respect to all parameters and start values."""
+    """Return the condition number of every event of a scene, with respect to all parameters and start values.
+
+    ``events(scene, digits)`` has to return the events of a scene, computed with this number of digits.
+    """
     # They are infinite from the first event on that the smallest change of the input turns into another one.
     # `events(scene, digits)` follows the scene, and those with one number changed.
     first, least_digits = INPUT_CHANGES[0]

@@ -131,7 +131,11 @@ def hard_cases() -> tuple[ReferenceCase, ...]:
 
 
 def _hard(group: str, name: str, scene: Scene, quick: bool = False, periods: int = 0) -> ReferenceCase:
-    """Return a hard case of a group; the case's name joins the group and `name`, which must be unique in the group."""
+    """Return a hard case of a group, named by the group and by `name`, which must be unique in the group.
+
+    `quick` cases are in `symosc bench --quick`. A run over many `periods` of the drive gives the last one's events
+    only.
+    """
     own = f"{group} {name}"  # in letters, digits and single hyphens
     for sign, word in {"+": " plus ", "=": " ", "^": "", "'": "", "- ": "minus "}.items():
         own = own.replace(sign, word)
@@ -147,7 +151,7 @@ def short(value: Number | Fraction) -> str:
 
 
 def _scene(p: Parameters | str, start: Start, t_end: NumberLike, name: str = "case", **changes: NumberLike) -> Scene:
-    """Return a scene with parameters p, or with those of the shipped scene p but for `changes`."""
+    """Return a scene with the parameters p or, if p names a shipped scene, with its parameters but for `changes`."""
     p = load_scene(p).parameters.replace(**changes) if isinstance(p, str) else p
     t0, x0, v0, end = (read_exact("start", value) for value in (*start, t_end))
     return Scene(name, p, t0, x0, v0, end)
@@ -308,7 +312,7 @@ GAP = Fraction(1)
 def _case(
     group: str, scene: Scene, hard: str, source: str, closed: Sequence[str] = (), reason: str = ""
 ) -> ReferenceCase:
-    """Return a case named as its scene: what is `hard`, `closed` forms of events, the `reason` for having no proof."""
+    """Return a case named like its scene: what is `hard` about it, `closed` forms, the `reason` why it is not proven."""
     return ReferenceCase(scene.name, group, scene, hard, source, tuple(closed), reason)
 
 

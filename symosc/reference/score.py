@@ -188,7 +188,10 @@ class _Judge:
             self._fault("invented", float(found[j].t), "", _event_text(found[j]))
 
     def _of_last_period(self, events: Sequence[GivenEvent]) -> Sequence[GivenEvent]:
-        """Return the events to compare; if the case has only its last period's, only count those before."""
+        """Return the events to judge one by one; if the case has only its last period's, those of that period.
+
+        Of the events before that period only the number is compared.
+        """
         uncompared = self.case.count - len(self.case.events)
         if not uncompared:
             return events
@@ -202,7 +205,7 @@ class _Judge:
         return last
 
     def _boundary(self, event: GivenEvent) -> int:
-        """Return the belt of a solver's event, or if it has none that of the case's nearest event of its kind."""
+        """Return the belt of a solver's event; if none is given, that of the case's nearest event of this kind."""
         same = [i for i, known in enumerate(self.case.events) if known.kind == event.kind]
         if event.boundary or not same:
             return event.boundary
@@ -266,7 +269,11 @@ class _Judge:
 def align(
     found: Sequence[Any], reference: Sequence[Any], times: Sequence[float], window: float
 ) -> list[tuple[int, int]]:
-    """Return the pairs (reference, found) of the best alignment: as many as possible, and of these the nearest."""
+    """Pair events of the same kind and belt, at most `window` apart in time; return pairs (reference, found).
+
+    There are as many pairs as possible and, among such choices, the times are nearest. `times` are those of the
+    reference.
+    """
     # Events have a kind and a boundary. Those found have a t, and are in order of it; `times` are those of the
     # reference, and no pair is farther apart than the window.
     found_times, pairs = [float(event.t) for event in found], []
@@ -296,7 +303,10 @@ NO_RESULT = "no result"
 
 
 def case_cell(case: CaseScore) -> str:
-    """Return a solver's result for a case as short text: its faults, or its largest error over condition * 1e-16."""
+    """Return a solver's result for a case as short text: its faults or, if there are none, its largest error.
+
+    The error is divided by condition * 1e-16.
+    """
     if not case.given:
         return case.note or NO_RESULT
     counts = {"missed": case.missed, "invented": case.invented, "wrong kind": case.kinds}
@@ -314,7 +324,10 @@ def case_cell(case: CaseScore) -> str:
 
 
 def group_cell(cases: Sequence[CaseScore]) -> str:
-    """Return a solver's result for a group as text: its right cases, and the largest error over condition * 1e-16."""
+    """Return a solver's result for a group as text: how many cases are right, and their largest error.
+
+    The error is divided by condition * 1e-16.
+    """
     given, right = [case for case in cases if case.given], [case for case in cases if case.right]
     if not given:
         return next((case.note for case in cases if case.note), NO_RESULT)
@@ -355,7 +368,10 @@ def group_table(scores: Sequence[Score], form: str = "simple") -> str:
 
 
 def case_table(scores: Sequence[Score], form: str = "simple", with_absent: bool = True) -> str:
-    """Return a table with a row per case, also those `with_absent` results; of a single solver with all its errors."""
+    """Return a table with a row per case, for a single solver with all its errors.
+
+    Cases for which no solver has a result are left out unless `with_absent`.
+    """
     heads, rows = ["case", "events", "condition", *(score.name for score in scores)], []
     alone = len(scores) == 1
     for i, case in enumerate(scores[0].cases):
@@ -369,7 +385,7 @@ def case_table(scores: Sequence[Score], form: str = "simple", with_absent: bool 
 
 
 def faults(score: Score) -> list[str]:
-    """Return the faults of a solver as lines; of more than 40 the first 40, and how many more there are."""
+    """Return the faults of a solver as lines: the first 40, and how many more there are."""
     found = [f"{case.name}: {wrong}" for case in score.given for wrong in case.wrong]
     more = [f"and {len(found) - MOST_LISTED_FAULTS} more; --json has all"] if len(found) > MOST_LISTED_FAULTS else []
     return [*found[:MOST_LISTED_FAULTS], *more]
@@ -411,7 +427,10 @@ def as_text(scores: Sequence[Score]) -> str:
 def _page(
     scores: Sequence[Score], title: str, version: int, form: str, more: Sequence[str], with_faults: bool
 ) -> Iterator[tuple[str, Any]]:
-    """Yield the parts of a page as (HTML tag, content): text, lists of lines, tables in a format of tabulate."""
+    """Yield the parts of the page of scores as (HTML tag, content): text, lists of lines, tables made by tabulate.
+
+    `more` are lines below the title; the lists of faults are left out unless `with_faults`.
+    """
     yield "h1", title
     yield from (("p", line) for line in (f"Set of reference cases: version {version}.", *more))
     yield "ul", [verdict(score) for score in scores]
@@ -428,7 +447,7 @@ def _page(
 def as_markdown(
     scores: Sequence[Score], title: str, version: int, more: Sequence[str] = (), with_faults: bool = True
 ) -> str:
-    """Return a page in Markdown."""
+    """Return the page of scores in Markdown, with `more` lines below its title, and faults if `with_faults`."""
     marks = {"h1": "# ", "h2": "## "}
     parts = [
         "\n".join(f"- {line}" for line in content) if tag == "ul" else marks.get(tag, "") + content
@@ -443,7 +462,7 @@ tr:nth-child(even) { background: #f2f2f2 } th { border-bottom: 1px solid }"""
 
 
 def as_html(scores: Sequence[Score], title: str, version: int) -> str:
-    """Return a page in HTML that needs no other file."""
+    """Return the page of scores in HTML that needs no other file."""
     parts = []
     for tag, content in _page(scores, title, version, "html", (), True):
         if tag == "ul":
