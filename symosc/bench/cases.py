@@ -86,7 +86,7 @@ def run(
 
 
 def solved(case: ReferenceCase, with_derivatives: bool) -> Record:
-    """Compute what is known of a case, as arguments of `with_known`."""
+    """Compute the events, condition numbers and derivatives of a case, as arguments of `with_known`."""
     derivatives = case.derivatives if with_derivatives else ({},) * len(case.events)
     return {"events": case.events, "conditions": case.conditions, "derivatives": derivatives}
 
