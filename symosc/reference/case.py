@@ -209,7 +209,7 @@ class ReferenceCase:
 
     @cached_property
     def derivatives(self) -> tuple[dict[str, KnownChange], ...]:
-        """For each event its derivatives by those parameters and start values by which they exist; none in a long run."""
+        """For each event its derivatives by those parameters and start values where they exist; none in a long run."""
         if self.periods:
             return ({},) * len(self.events)
         names, stated = self.certificate.statement.get("wrt", ()), self.certificate.derivatives

@@ -312,7 +312,7 @@ GAP = Fraction(1)
 def _case(
     group: str, scene: Scene, hard: str, source: str, closed: Sequence[str] = (), reason: str = ""
 ) -> ReferenceCase:
-    """Return a case named like its scene: what is `hard` about it, `closed` forms, the `reason` why it is not proven."""
+    """Return a case named like its scene: what is `hard` in it, `closed` forms, the `reason` why it is not proven."""
     return ReferenceCase(scene.name, group, scene, hard, source, tuple(closed), reason)
 
 
