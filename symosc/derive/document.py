@@ -142,7 +142,10 @@ def numbers_of(chapters: Iterable[Checked]) -> dict[str, str]:
 
 
 def resolved(text: str, numbers: dict[str, str], link: Callable[[str, str], str] | None = None) -> str:
-    """Replace references to other documents by "Chapter n" and, if there is a `link`, all others by its links."""
+    """Replace references to other documents by "Chapter n"; if `link` is given, replace all others by what it returns.
+
+    `numbers` has the numbers of the labels in this document; `link` is called with a label and its number.
+    """
 
     def replace(found: re.Match[str]) -> str:
         word, command, label = found.groups()

@@ -61,8 +61,11 @@ def check_fragment(name: str, scope: FragmentScope) -> Checked:
 def as_latex(
     fragment: Checked, scope: FragmentScope, prefix: str = PREFIX, paper_tags: bool = False, alone: bool = False
 ) -> str:
-    """Return a fragment as LaTeX, in which labels begin with `prefix` and a colon, as in symosc:P3-f1."""
-    # `paper_tags` gives equations their numbers in the paper (LaTeX tags); `alone` makes a complete document.
+    """Return a fragment as LaTeX, in which labels begin with `prefix` and a colon, as in symosc:P3-f1.
+
+    `scope` has the numbers and the form of the fragment. If `paper_tags`, equations get their numbers in the paper; if
+    `alone`, a complete document is made.
+    """
     if not re.fullmatch(r"[A-Za-z0-9.:_-]*", prefix):
         raise ParameterError("prefix", prefix, "may have letters, digits and . : _ - only")
     tags = FRAGMENTS[fragment.key].tags if paper_tags else {}

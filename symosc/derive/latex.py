@@ -225,7 +225,7 @@ def _factor_key(factor: Expr) -> tuple[int, int, Any]:
 
 
 def _place(letters: set[str]) -> int:
-    """Return the place in `ORDER` of the first letter that is one of these, its length if none is."""
+    """Return the place in `ORDER` of the first letter that is in `letters`; if none is, the length of `ORDER`."""
     return next((place for place, name in enumerate(ORDER) if name in letters), len(ORDER))
 
 
@@ -301,7 +301,7 @@ def lines(statement: Step, decimals: bool = False, left_width: float | None = No
 
 
 def _pieces(expr: Expr, decimals: bool, room: float) -> list[str]:
-    """Return the LaTeX of a sum in pieces, before each of which a row may end: its terms, with the long ones broken."""
+    """Return the LaTeX of a sum in pieces, between which a row may be broken; terms wider than `room` are split."""
     found: list[str] = []
     for term in terms(expr):
         text = _signed(latex(term, decimals), not found)

@@ -61,7 +61,7 @@ class Flight:
         return _as_function(expr, letters)(*(known[letter] for letter in letters))
 
     def basis(self, time: Any) -> dict[Any, Any]:
-        """Return the values of the basis functions E0, E1 and E2 at a time after the start."""
+        """Return the response to a unit impulse (E1), its derivative (E0) and its integral (E2) at a time."""
         return {name: self.value(self.regime.basis()[name], {tau: time}) for name in BASIS[:3]}
 
 
@@ -89,12 +89,18 @@ class Formulas(Flight):
         return trace**2 - 2 * determinant, determinant**2
 
     def slide_bound(self, angle: Any) -> Any:
-        """Return B(phi), see `coulomb.slide_function`: at this angle the mass moves down if and only if p_0 > B F/k."""
+        """Return B at an angle after the highest point: the mass moves down there if and only if p_0 > B F/k.
+
+        p_0 is the steady part of the motion at the highest point, and F the friction.
+        """
         angle = MP.mpf(angle)
         return self.value(coulomb.slide_function(), self.basis(angle / self.numbers[solution.Omega]) | {phi: angle})
 
     def largest_slide_bound(self) -> tuple[Any, Any]:
-        """Return the supremum of B(phi) over (0, pi) and the angle where it is reached, 0 for the limit phi -> 0."""
+        """Return the supremum of `slide_bound` over the angles (0, pi), and the angle where it is reached.
+
+        The angle is 0 if the supremum is the limit for small angles.
+        """
         # A maximum inside counts if it is above that limit by 1e-10, relative to it: far above rounding errors.
         slope, limit = partial(MP.diff, self.slide_bound), self.value(coulomb.slide_limit())
         angles = np.linspace(0, pi, 4001)[1:-1]
@@ -123,7 +129,7 @@ def _as_function(expr: Any, letters: tuple[Any, ...]) -> Callable[..., Any]:
 
 @cache
 def _slide_bounds(regime: solution.Regime) -> tuple[Callable[..., Any], list[Any]]:
-    """Return the slide bound B as a numpy function of angles and further arguments, and the symbols of the latter."""
+    """Return `slide_bound` in a damping regime as a numpy function, and the symbols that it takes after the angle."""
     closed = coulomb.closed(coulomb.slide_function(), regime, phi / solution.Omega)
     letters = sorted(closed.free_symbols - {phi}, key=str)
     return sp.lambdify([phi, *letters], closed, "numpy"), letters
@@ -145,7 +151,10 @@ def _turning_points(parameters: Parameters, x0: Any, t_end: int, digits: int | N
 
 
 def resonance_growth(F: Any, P: Any, digits: int = 30) -> list[Any]:
-    """Simulate a motion at resonance, Omega = 1 and c = 0; return for each cycle how far its highest point rises."""
+    """Simulate a motion at resonance with friction F and drive P; return how far its highest point rises per cycle.
+
+    Here Omega = 1 and c = 0.
+    """
     # From x = (P/2 - F)/k at t = 0, with any velocity that is large enough, turning points are at theta = pi/2 + n pi.
     highest = _turning_points(wall(F, 1, P=P), Fraction(P) / 2 - Fraction(F), 40, digits)[::2]
     return [after - before for before, after in pairwise(highest)]
@@ -164,13 +173,13 @@ def _free_amplitude(n: int) -> Fraction:
 
 
 def one_sided_path(F: Any, n: int, middle: Fraction, cycles: Fraction) -> Trajectory:
-    """Simulate some cycles from where an orbit without stops, with this mean of its turning points, is highest."""
+    """Simulate some cycles of an orbit without stops from its highest point; `middle` is its turning points' mean."""
     t_end = cycles * Fraction(4 * pi * n)
     return simulate(wall(F, Fraction(1, 2 * n)), t0=0, x0=middle + _free_amplitude(n), v0=0, t_end=t_end, accuracy=1e-6)
 
 
 def one_sided_end(F: Any, n: int) -> float:
-    """Return the largest middle of turning points for which the motion has no stops or further turns, by bisection."""
+    """Bisect for the largest mean of both turning points with which the motion has no further turns or stops."""
     return _largest_without_stops(lambda middle: (F, n, middle))
 
 
@@ -180,7 +189,7 @@ def last_friction(n: int) -> float:
 
 
 def _largest_without_stops(motion: Callable[[Fraction], tuple[Any, int, Fraction]]) -> float:
-    """Bisect for the largest number in (0, 1) with no stop in `one_sided_path` of the arguments that `motion` gives."""
+    """Return the largest z in (0, 1) for which ``one_sided_path(*motion(z), 9/4)`` has no stops, by bisection."""
     low, high = Fraction(0), Fraction(1)
     while high - low > 1e-9:
         middle = (low + high) / 2
@@ -193,7 +202,10 @@ def _largest_without_stops(motion: Callable[[Fraction], tuple[Any, int, Fraction
 
 
 def meeting_point(c: Any, guess: tuple[float, float]) -> tuple[Any, Any]:
-    """Return the (Omega, F) at which crossing-sliding meets a graze: the mass turns, and may stick, at a peak of P."""
+    """Return (Omega, F) at which the mass turns without acceleration just when the drive has its peak.
+
+    There the border of crossing-sliding meets that of grazing.
+    """
 
     def conditions(Omega: Any, F: Any) -> tuple[Any, Any]:
         formulas = Formulas(wall(MP.nstr(F, 55), MP.nstr(Omega, 55), c))
@@ -216,7 +228,7 @@ def meeting_point_by_running(c: Any, guess: tuple[float, float]) -> tuple[float,
 
 
 def end_without_stops(c: Any, P: Any, near: float) -> tuple[Any, Any]:
-    """Return the Omega near a value at which the motion without stops ceases to exist for F = 1, and its amplitude."""
+    """Return the Omega next to `near` at which the motion without stops ends for friction F = 1, and its amplitude."""
 
     def formulas(Omega: Any) -> Formulas:
         return Formulas(wall(1, MP.nstr(Omega, 55), c, P=P))
@@ -232,7 +244,7 @@ def end_without_stops(c: Any, P: Any, near: float) -> tuple[Any, Any]:
 
 
 def base_and_wall(F: Any, Omega: Any) -> Parameters:
-    """Return the parameters of x - y where base and wall both move with y = cos(Omega t); m = k = 1."""
+    """Return the parameters of the motion x - y where base and wall both move with y = cos(Omega t); m = k = 1."""
     return wall(F, Omega, P=Fraction(Omega) ** 2)
 
 
@@ -267,7 +279,7 @@ def transmissibility_by_running(F: Any, Omega: Any) -> float:
 
 
 def inversion(F: Any, height: Callable[[Any, Any], Any]) -> float:
-    """Return the r = Omega at which friction leaves the mass's amplitude, height(F, Omega), as it is for F = 0."""
+    """Return the frequency ratio Omega at which the amplitude ``height(F, Omega)`` is as large as without friction."""
     return float(optimize.brentq(lambda r: float(height(F, Fraction(r))) * (r * r - 1) - 1, 1.38, 1.6, xtol=1e-13))
 
 
@@ -330,7 +342,7 @@ def find_border(low: Any, high: Any, Omega: Any, c: Any = 0) -> Border:
 
 
 def solve_border(Omega: Any, border: Border) -> tuple[Any, str]:
-    """Solve for F/P at a border, c = 0; return also what has no length there: a stop ("graze") or a slide ("birth")."""
+    """Solve for F/P at a border, c = 0; return also what shrinks to nothing: a stop ("graze") or a slide ("birth")."""
     # With P = k = 1 half a cycle is n slides down. Each starts where a stop ends, x = cos(theta) + F, and ends at rest,
     # the last one at minus the first one's start: 2 n equations for n phases and n durations. The border is where
     # "graze": a slide comes to rest on the way without staying, v = x'' = 0: a stop of no length (with its time, two
@@ -370,7 +382,10 @@ def _half_cycle(p: Parameters, F: Any, phases: Any, times: Any) -> list[Any]:
 
 
 def _slide_ends(F: Any, phases: Any) -> list[Any]:
-    """Return where each slide ends: at the start cos(theta) + F of the next one, the last at minus the first start."""
+    """Return the position where each slide ends: it is that where the next one starts, cos(theta) + F.
+
+    The last slide ends at minus the start of the first one.
+    """
     starts = [MP.cos(phase) + F for phase in phases]
     return [*starts[1:], -starts[0]]
 
@@ -387,7 +402,10 @@ def _slide(p: Parameters) -> tuple[Callable[..., Any], ...]:
 
 
 def _slides_near_border(p: Parameters, count: int) -> tuple[list[tuple[float, float]], list[Any]]:
-    """Return phase and duration of each slide down in half a cycle, and how near each is to a graze or a birth."""
+    """Return phase and duration of each slide down in half a cycle, and how near each is to both kinds of border.
+
+    To a "birth" this is the distance of the slide's end from x = F - 1, to a "graze" the least speed within the slide.
+    """
     path = from_rest(p, 22)
     late = [event for event in path.events if event.t > 40 * pi / float(p.Omega)]
     pairs = [(a, b) for a, b in pairwise(late) if a.kind == "slip"]
@@ -463,7 +481,10 @@ TABLES: dict[str, tuple[str, tuple[str, ...], Callable[[], Iterator[Value]]]] = 
 
 
 def _compared(key: str, title: str, *sources: str) -> Callable[..., Any]:
-    """Return the decorator that registers a function as the one that yields the rows of a table."""
+    """Return the decorator that registers a function as the source of the rows of the table with this key.
+
+    `sources` are the references from which the formulas are.
+    """
     return lambda rows: TABLES.setdefault(key, (title, sources, rows))
 
 
@@ -521,7 +542,7 @@ def _ends() -> Iterator[Value]:
 
 @_compared("resonance", "Growth per cycle at resonance", "denhartog1930", "butikov2015")
 def _growth() -> Iterator[Value]:
-    """Yield for each case the rise per cycle, by formula and the simulated one that differs most from it."""
+    """Yield the rise of the highest point per cycle by formula, and the simulated rise that is farthest from it."""
     for F, P in (("0.5", "1"), ("0.3", "0.5")):
         formula, rises = MP.pi * MP.mpf(P) - 4 * MP.mpf(F), resonance_growth(F, P)
         _, worst = max((abs(MP.mpf(rise) - formula), rise) for rise in rises)

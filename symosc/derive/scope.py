@@ -46,7 +46,7 @@ class Scope:
 
     @property
     def values(self) -> tuple[tuple[str, Any], ...]:
-        """The parameters given as numbers; if there are some, numbers that end are printed as decimals."""
+        """The parameters given as numbers, by name; none without a scene."""
         return tuple((name, getattr(self.scene.parameters, name)) for name in PARAMETER_NAMES) if self.scene else ()
 
     @cached_property
@@ -107,7 +107,7 @@ class FragmentScope(Scope):
     instances: dict[Expr, Expr] = field(default_factory=dict, hash=False, compare=False)
 
     def shown(self, expr: Expr) -> Expr:
-        """Return an expression in the form to be printed: `instances` and numbers put in, rounded if wanted."""
+        """Return an expression as printed: with the letters in `instances` and numbers put in, rounded to `digits`."""
         expr = sp.sympify(expr).xreplace(self.instances).xreplace(PAPER_LETTERS).xreplace(self.instances)
         expr = expr.xreplace(self.numbers)
         return expr if self.digits is None or not self.values else _rounded(expr, self.digits)
@@ -126,7 +126,7 @@ def _rounded(expr: Expr, digits: int) -> Expr:
 def fragment_scope(
     settings: dict[str, str], scene: Scene | None = None, form: str = "entire", digits: int | None = None
 ) -> FragmentScope:
-    """Return the scope of a fragment: parameters as text, those of a scene for the others; `form` as in the class."""
+    """Return the scope of a fragment: parameters from `settings` (texts) and, if given, the others from `scene`."""
     # To check the given parameters, the others get any allowed values, and so does the speed of the other belt.
     base = scene.parameters if scene else Parameters(**dict.fromkeys(PARAMETER_NAMES, 1) | {"v1": -1, "v2": 1})
     given = {name: read_exact(name, settings[name]) for name in ("v1", "v2") if name in settings and not scene}

@@ -74,7 +74,11 @@ class Step:
 
 
 def step(left: Expr, op: str, right: Expr, check: Any = None, label: str = "", **options: Any) -> Step:
-    """Return a step; `check`: a check; or what `exact` puts in for `left`, or for each symbol (a dictionary)."""
+    """Return the step ``left op right``, which has to pass a check.
+
+    `check` is a function that checks it; or a dictionary of what symbols stand for; or what `left` stands for. In the
+    latter cases both sides have to be equal with that put in, see `exact`.
+    """
     if not isfunction(check):
         check = exact({} if check is None else check if isinstance(check, dict) else {left: check})
     return Step(sp.sympify(left), op, sp.sympify(right), check, label, **options)
@@ -174,10 +178,13 @@ Meaning = dict[Expr, Any]
 
 
 def exact(meaning: Meaning | None = None, tidy: Callable[[Expr], Expr] = sp.expand, independent: bool = True) -> Check:
-    """Return the check that both sides are equal once `meaning` has been put in for the symbols that it defines."""
-    # `meaning` has an independent expression by its name, and is applied until nothing changes. `tidy` reduces a
-    # difference that vanishes to 0; what it leaves is simplified. Unless the letters that are left are `independent` of
-    # each other, no random values try to refute the statement first.
+    """Return the check that both sides are equal once `meaning` has been put in for the symbols that it defines.
+
+    `tidy` brings the difference to 0. If the symbols that are left are `independent`, random values first try to refute
+    it.
+    """
+    # `meaning` has an independent expression by its name, and is applied until nothing changes. What `tidy` leaves is
+    # simplified.
 
     def check(statement: Step) -> StepEvidence:
         difference = resolve(statement.left, meaning) - resolve(statement.right, meaning)
@@ -190,7 +197,7 @@ def exact(meaning: Meaning | None = None, tidy: Callable[[Expr], Expr] = sp.expa
 
 
 def cases(*checks: Check) -> Check:
-    """Return the check that runs several, one for each meaning of a statement's symbols, such as the two belts."""
+    """Return a check that runs several checks, one for each meaning of the symbols, such as belt 1 and belt 2."""
 
     def check(statement: Step) -> StepEvidence:
         kinds = {each(statement).kind for each in checks}

@@ -171,7 +171,7 @@ def items(scope: Scope) -> Items:
 
 
 def flow() -> tuple[Step, ...]:
-    """Return the steps on the acceleration at the start of a flight, and on its x, v and a a time tau later."""
+    """Return the steps on a flight in a domain: the acceleration at its start, then x, v and acceleration at tau."""
     flow = solution.flow()
     force = solution._force_at_start() + f0 * sp.cos(theta_i + Omega * tau)
     velocity, acceleration = named(r"\dot{x}(\tau)"), named(r"\ddot{x}(\tau)")
@@ -186,7 +186,11 @@ def flow() -> tuple[Step, ...]:
 
 
 def solved_functions(generic: dict[Any, Any]) -> Items:
-    """Return the corollary that gives E_2, R_2, I_2 by E_0, E_1; `generic`: the closed forms of `generic_basis`."""
+    """Return the corollary that expresses the basis functions E_2, R_2, I_2 of the motion by E_0 and E_1.
+
+    E_1 is the response to a unit impulse, E_0 its derivative, E_2 its integral; R_2 and I_2 are responses to the drive.
+    `generic` has their closed forms, as `generic_basis` returns them.
+    """
     still = sp.cos(Omega * tau) - E0 - cm * E1
     swing = sp.sin(Omega * tau) - Omega * E1
     meaning = generic | {name: value.xreplace(generic) for name, value in NORMS.items()}
@@ -208,7 +212,10 @@ def solved_functions(generic: dict[Any, Any]) -> Items:
 
 
 def generic_basis() -> dict[Any, Any]:
-    """Return the basis functions for two different characteristic roots, as divided differences of exp(z tau)."""
+    """Return the five basis functions of a flight, by their symbols, for two different characteristic roots.
+
+    They are divided differences of exp(z tau) in z at these roots. The dictionary also has the roots' meaning.
+    """
     mean, half = sp.symbols("r q", positive=True)
     regime = solution.Regime("two roots", sp.true, -mean, half, {})
     return regime.basis() | regime.parameters()
@@ -238,7 +245,10 @@ MODES = {
 
 
 class PaperForm(NamedTuple):
-    """The motion with constants of integration: x, v, the constants, the check of x, and the letters' meaning."""
+    """The motion with constants of integration: `check` verifies that x solves eq. (5) from the given start.
+
+    `constants` are those of integration, and `meaning` has what each letter stands for.
+    """
 
     x: Any
     v: Any
@@ -271,7 +281,10 @@ def paper_form(regime: solution.Regime) -> PaperForm:
 
 
 def _one_exponential(v: Any, mode: Any) -> Any:
-    """Rewrite a velocity so that e^{-ct/2m} occurs once, and each sine or cosine once within its factor."""
+    """Rewrite the velocity v with e^{-ct/2m} as one common factor, in which each sine or cosine occurs once.
+
+    `mode` is a free motion in the same regime; if it has no exponential, v is only expanded.
+    """
     if not mode.has(sp.exp):
         return sp.expand(v)
     v, stand_in = sp.expand(v), sp.Dummy()
@@ -334,7 +347,10 @@ def tidy(expr: Any) -> Any:
 
 
 def _sampled(join: solution.Join) -> Step:
-    """Return the step that the basis function R2 near a border of two damping regimes is close to its limit there."""
+    """Return the step that R2 (a response to the drive) is near its limit at a border of two damping regimes.
+
+    It compares numbers at one sample point close to that border.
+    """
     source, target = solution.REGIMES[join.source].basis(), solution.REGIMES[join.target].basis()
     values = {solution.h: "3/7", omega_d: "5/4", eta: "2/9", omega_0: "7/5", Omega: "8/5", tau: "9/4"}
     point = {letter: sp.Rational(value) for letter, value in values.items()}

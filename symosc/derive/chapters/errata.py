@@ -98,7 +98,10 @@ def _up_to_slip(scene: str, digits: int, target: str) -> list[Any]:
 
 
 def _graze(scene: str, alpha: int, speed: Any, time: Any) -> tuple[Any, Any, Any]:
-    """Return the x of a graze of a belt's speed at a time, and the x, v at the paper's t0 = 2.5 that lead to it."""
+    """Return the position of a graze at a time, and x, v at t0 = 2.5 of the flight in domain `alpha` that leads to it.
+
+    `speed` is the speed of the grazed belt.
+    """
     scope = Scope(load_scene(scene))
     numbers = scope.numbers
     force = solution.in_paper_letters(solution.acceleration()).subs(solution.A, solution.force_constant(alpha))

@@ -219,7 +219,7 @@ def _exponents_table() -> Table:
     decay = CONTEXT.log(product) * number(load_scene("fig9-orbit").parameters.Omega) / (2 * CONTEXT.pi)
 
     def growth(scene: str, of: Any) -> Any:
-        """Return `of` the Lyapunov exponents, measured over the periods 50 to 100 only: without the transient."""
+        """Apply `of`, such as sum, to a scene's Lyapunov exponents over the periods 50 to 100 only."""
         early, late = (of(sensitivities(scene, "x0", t_end=f"{n}T").lyapunov) for n in (50, 100))
         return 2 * late - early
 

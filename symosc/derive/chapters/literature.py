@@ -374,7 +374,7 @@ def _numbers(key: str, caption: str) -> Table:
 
 
 def _free_motion(start: Any, rate: Any) -> tuple[Any, Any]:
-    """Return x and v of the motion without forces a time tau after the start with x = `start`, v = `rate`."""
+    """Return x and v of the motion without drive and friction, a time tau after x = `start`, v = `rate`."""
     flow = solution.flow()
     at = {solution.x_i: start, solution.v_i: rate, solution.a_i: -w0sq * start - cm * rate, solution.f0: 0}
     return tuple(sp.expand(part.xreplace(at).xreplace(RELATION)) for part in (flow.x, flow.v))

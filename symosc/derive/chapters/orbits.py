@@ -97,7 +97,10 @@ def items(scope: Scope) -> Items:
 
 
 class Piece(NamedTuple):
-    """One mapping of an orbit (row of `MAPS`), the one before, its start (x, theta), f1, f2, other letters' meaning."""
+    """One mapping of an orbit: its `row` of `MAPS`, the mapping `before` it, and its equations f1 and f2.
+
+    `letters` are its start (x, theta); `meaning` has what the other letters in f1 and f2 stand for.
+    """
 
     row: Map
     before: Map
@@ -257,12 +260,15 @@ FUNCTIONS = [{name: getattr(CONTEXT, name) for name in ("sin", "cos", "sinh", "c
 def _extremes(
     scope: Scope, piece: Piece, start: tuple[Any, Any], end: Any
 ) -> Iterator[tuple[str, Any, str, list[tuple[str, Any]]]]:
-    """Yield name, extreme value and bounds (in words, and as operators with numbers) of what must stay in bounds."""
+    """Yield the extremes of the velocity in a flight, or of both forces in a stick, with the bounds to be kept.
+
+    Each is a tuple: a name, the extreme value, the bounds in words, and the bounds as pairs of operator and number.
+    """
     row, belt = piece.row, piece.row.start.boundary
     speed, duration = BELTS[belt], ((end - start[1]) % (2 * CONTEXT.pi)) / steps.evaluate(Omega, scope.numbers)
 
     def extremes(expr: Any, slope: Any) -> tuple[Any, list[Any]]:
-        """Return an expression as a function of the time since the start, and the times at which it is extreme."""
+        """Return `expr` as a function of the time since the start, and the zeros of its time derivative `slope`."""
         put = (_substituted(scope, each.xreplace(scope.display)) for each in (expr, slope))
         value, rate = (partial(sp.lambdify((x_i, theta_i, tau), each, FUNCTIONS), *start) for each in put)
         return value, _zeros(rate, duration)

@@ -18,7 +18,7 @@ TITLE = "Sticks and their two ends"
 
 
 def force_on_belt(phase: Any) -> Any:
-    """Return F^(alpha) during a stick, tau after its start with the value a_i, where the drive has a given phase."""
+    """Return F^(alpha) at the time tau of a stick on which it starts as a_i; `phase` is the drive's phase at tau."""
     here = solution.acceleration(x_i + v_lambda * tau, v_lambda, phase)
     return a_i + here - solution.acceleration(x_i, v_lambda, theta_i)
 

@@ -21,7 +21,11 @@ def items(scope: Scope) -> Items:
     first, second = named(r"G^{(0,\alpha)}"), named(r"G^{(1,\alpha)}")
 
     def product(normal: str, dot: str) -> Any:
-        """Return a symbol that prints a derivative of n ("", "D" or "D^2") times one of the distance (LaTeX accent)."""
+        """Return a symbol that prints n^T (x^(alpha) - x^(0)) with `normal` before n, and the accent `dot` on each x.
+
+        `normal` is "", "D" or "D^2", for the normal n or a derivative of n; `dot` is LaTeX for a time derivative, or
+        "".
+        """
         x_alpha, x_0 = (rf"{dot}{{\mathbf{{x}}}}^{{({each})}}" for each in (r"\alpha", "0"))
         return named(rf"{normal}\mathbf{{n}}^T ({x_alpha} - {x_0})".replace("{\\mathbf{x}}", r"{\mathbf{x}}"))
 
