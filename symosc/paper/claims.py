@@ -98,9 +98,11 @@ class Unjudged(NamedTuple):
 def read_claims(
     pictures: Collection[str], path: Path = CLAIMS_FILE, checks: str = "symosc.paper.checks"
 ) -> tuple[tuple[Claim, ...], tuple[Unjudged, ...]]:
-    """Read all claims, in the order of PARTS, and the parts of the paper without a verdict."""
-    # `pictures` are the keys that claims may refer to, `checks` is the package with the check functions. RecordsError
-    # says what is wrong with a file.
+    """Read all claims of claims.toml, part by part, and the parts of the paper without a verdict.
+
+    Claims may refer to the `pictures` with these keys; `checks` is the package with the check functions. RecordsError
+    says what is wrong with the file.
+    """
     data, claims, unjudged = read_toml(path), dict[str, Claim](), []
     for says, row in data.pop("unjudged", {}).items():
         if not isinstance(row, list) or [type(text) for text in row] != [str, str]:
@@ -148,7 +150,11 @@ def _check_texts(where: str, table: dict[str, Any]) -> None:
 
 
 def _check_call(where: str, package: str, text: str) -> Callable[[], Evidence]:
-    """Return a function that makes the call "motions.together(FIG5, 1)": of motions.together, with motions.FIG5."""
+    """Return the function call that a text such as "motions.together(FIG5, 1)" describes, ready to be run.
+
+    Functions and capital names are those of the module, here `motions`, in `package`; `where` names the claim in
+    errors.
+    """
     name, _, arguments = text.partition("(")
     module, _, function = name.rpartition(".")
     try:

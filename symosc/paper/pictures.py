@@ -218,7 +218,7 @@ def _paper_form(panels: list[tuple[Panel, View]], columns: int, tall: int | None
 
 
 def printed_figure(name: str, columns: int = 2) -> Figure:
-    """Draw (a) displacement, (b) velocity, (c) phase plane, (d) forces, of Figs. 9 and 10 also against x and v."""
+    """Draw displacement, velocity, phase plane and forces; for Figs. 9 and 10 also forces against x and v."""
     letters = "abcdef" if load_scene(name).structure else "abcd"
     return _paper_form([(PANELS[letter], printed_view(name)) for letter in letters], columns)
 
@@ -429,7 +429,10 @@ WINDOW_SCENES = {"P2": "fig7-exact", "P3": "fig8-exact", "P5": "fig10", "P6": "f
 
 
 def window_parameters(mapping: str) -> tuple[Parameters, Fraction, Parameters]:
-    """Return the parameters, the speed with |gamma| = B0 Omega/m, and parameters with the other belt out of the way."""
+    """Return a mapping's parameters, the belt speed with |gamma| = B0 Omega/m, and the parameters with one change.
+
+    The change moves the other belt out of the way.
+    """
     p = load_scene(WINDOW_SCENES[mapping]).parameters
     equality = abs(p.B0) * p.Omega / p.k
     far = 2 * equality + 1  # the window is independent of the other belt's speed

@@ -47,7 +47,7 @@ class Done(NamedTuple):
 
 
 class Drawn(NamedTuple):
-    """A picture as SVG text, its caption, and the SVG text for phones ("": that for the page)."""
+    """A picture as SVG text, its caption, and SVG text for phones; if that is "", the first one serves for both."""
 
     svg: str
     caption: str

@@ -307,13 +307,17 @@ def sticks_later(figure: Graze) -> Evidence:
 
 
 def stick_after(figure: Graze, check: str, *domains: int) -> Evidence:
-    """Run the check of this name in `motions` on the stick that follows the graze, with the exact start."""
+    """Run a check of `motions` on the stick that follows the graze from the exact start.
+
+    `check` is "together", "forces_hold", or "flight_after" with the `domains` into which the flight after the stick may
+    go.
+    """
     checks = {"together": together, "forces_hold": forces_hold, "flight_after": flight_after}
     return checks[check](exact(figure, Fraction(10) if domains else None), figure.place.boundary, *domains)
 
 
 def curves_meet(figure: Graze) -> Evidence:
-    """Check that the mass meets the curves x(t) of the red and the blue point of belt 1 there, and nowhere else."""
+    """Check Fig. 8's paths of two belt points: the mass meets them at the red and the blue point, and nowhere else."""
     # It does if it is never slower than the belt: then it never falls back to a point of it.
 
     def as_described(path: Trajectory) -> bool:
@@ -373,7 +377,7 @@ def misprints(scene: Scene, found: Sequence[FreeValue]) -> str:
 
 
 def start_grazes(figure: Graze) -> Evidence:
-    """Check that the printed start is, rounded, the nearest of all starts from which the flow grazes."""
+    """Check that the start nearest to the printed one from which the flow grazes rounds to the printed one."""
     scene, printed = figure.scene, figure.printed.parameters
     near = nearest_graze(scene, figure.mapping)
     values = {name: getattr(scene.parameters, name) for name in PARAMETER_NAMES}
@@ -398,7 +402,10 @@ def start_grazes(figure: Graze) -> Evidence:
 
 
 def _grazes_exactly(figure: Graze, t_m: Fraction, numbers: dict[str, str]) -> bool:
-    """Return whether the start computed for a graze at t_m leads to it, by 40 digits and by another closed form."""
+    """Return whether the start computed for a graze at t_m leads to that graze, by two independent computations.
+
+    They are the simulation with 40 digits, and a closed form in doubles. What they find is added to `numbers`.
+    """
     scene, at, p = figure.scene, figure.place, figure.scene.parameters
     found = grazing_start(p, figure.mapping, t_m=t_m, t0=scene.t0)
     start: dict[str, Any] = {name: Fraction(found.start[name]) for name in ("x0", "v0")}
@@ -470,7 +477,7 @@ def starts_that_graze(scene: Scene, mapping: str, t_m: np.ndarray) -> np.ndarray
 
 
 def nearest_graze(scene: Scene, mapping: str) -> NearestGraze:
-    """Find the grazing start nearest to the printed one, and the times of those that round to it."""
+    """Find the grazing start nearest to the printed start, and the span of graze times of starts that round to it."""
     printed = np.array([[float(scene.x0)], [float(scene.v0)]])
 
     def away(t: float) -> float:
@@ -523,7 +530,10 @@ def values_that_graze(scene: Scene, mapping: str, name: str) -> list[FreeValue]:
 
 
 def _gap(scene: Scene, mapping: str, change: dict[str, float]) -> tuple[float, float, bool]:
-    """Return how far the flow's peak passes the belt (< 0: not reached), its time, and if it stayed inside before."""
+    """Return how far the flow's peak passes the belt (< 0: does not reach it), its time, and whether the flow may graze.
+
+    It may graze if it stays in the mapping's domain before. `change` has other values for numbers of the scene.
+    """
     at = place(mapping)
     start = tuple(change.get(name, float(getattr(scene, name))) for name in START)
     exact = {name: Fraction(value) for name, value in change.items() if name not in START}

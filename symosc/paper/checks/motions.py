@@ -201,7 +201,10 @@ def is_zero(force: Any) -> bool:
 
 
 def certificate_of(what: Scene | PeriodicOrbit) -> dict[str, str]:
-    """Return what the certificate of a motion or orbit states, as an entry of `numbers`; no verdict rests on it."""
+    """Return a line for the `numbers` of an Evidence: what the certificate of a motion or orbit states.
+
+    No verdict rests on it.
+    """
     try:
         proof = certify(what)
         said = f"{'proven' if proof.proven else 'not proven'}: {proof.message}"
@@ -245,8 +248,10 @@ def stretches_of(what: Trajectory | PeriodicOrbit) -> list[Stretch]:
 
 
 def fly_again(p: Parameters, stretches: list[Stretch]) -> tuple[float, int]:
-    """Recompute the parts of a motion; return the largest relative difference and the number of contradictions."""
-    # A contradiction is a stretch that is not where it is said to be, or one that cannot follow the one before.
+    """Recompute each stretch of a motion; return the largest relative difference of its end from the given one.
+
+    Also return how many stretches leave their domain or belt, or cannot follow the one before.
+    """
     differences, contradictions = [0.0], 0
     for stretch in stretches:
         (t0, x0, v0), (t1, x1, v1) = stretch.start, stretch.end
@@ -273,7 +278,10 @@ def field(p: Parameters, alpha: int, t: Any, x: Any, v: Any) -> Any:
 
 
 def _follows(p: Parameters, end: tuple[float, ...], then: int) -> bool:
-    """Return whether, by Theorems 4 and 5, the part `then` (as Stretch.where) may follow the state `end` on a belt."""
+    """Return whether a domain or belt may follow at the state `end` on a belt, by Theorems 4 and 5.
+
+    `then` is 1 to 3 for a domain, -1 or -2 for a belt.
+    """
     belt = 1 if abs(end[2] - float(p.v1)) < abs(end[2] - float(p.v2)) else 2
     lo, hi = NEIGHBOURS[belt]
     below, above = float(field(p, lo, *end)), float(field(p, hi, *end))
@@ -432,7 +440,7 @@ def product_after(scene: Scene, belt: int) -> Evidence:
 
 
 def sticks_at_start(scene: Scene, belt: int) -> Evidence:
-    """Check that the mass sticks from the start on (Theorem 4); one that sticks later needs a correction."""
+    """Check that the mass sticks from the start on (Theorem 4); if it sticks only later, say that it is CORRECTED."""
     p, domains, mode = scene.parameters, NEIGHBOURS[belt], mode_text(motion(scene).segments[0].mode)
     both = forces(p, start_contact(scene, belt))[:2]
     values = (f"{force_names(each)} = {text(value, 8)}" for each, value in zip(domains, both, strict=True))

@@ -222,7 +222,10 @@ def ends(scene: Scene, belt: int) -> Evidence:
 
 
 def closing_conditions(scene: Scene, closed: bool = False) -> Evidence:
-    """Check whether the printed equations determine a periodic motion, or do if it is `closed` by two more."""
+    """Check whether the printed equations (54) determine a periodic motion.
+
+    If `closed`, two more equations are added, which say that the last point is the first one a period later.
+    """
     found, p = orbit_of(scene), scene.parameters
     Omega, count = number(p, p.Omega), len(found.labels)
     points = [(point.x, Omega * point.t) for point in found.points]
@@ -366,7 +369,7 @@ class Nearest:
 
 
 def search_start(scene: Scene) -> list[Nearest]:
-    """Vary each number of the start in turn, with the parameters as printed."""
+    """Return for each of t0, x0, v0 the value that alone brings the printed start nearest to the periodic orbit."""
     orbit = find_orbit(scene.parameters, str(scene.structure))
     t0, x0, gaps = float(scene.t0), float(scene.x0), _gaps(orbit, scene)
     dt, off_x = min(gaps, key=lambda gap: abs(gap[1]))
@@ -380,7 +383,7 @@ def search_start(scene: Scene) -> list[Nearest]:
 
 
 def search_parameters(scene: Scene, names: tuple[str, ...] = PARAMETER_NAMES) -> list[Nearest]:
-    """Vary each of the parameters in turn; return one result for each, the nearest first."""
+    """Return for each parameter the value with which an orbit is nearest to the printed start, nearest first."""
     return sorted((_search_parameter(scene, name) for name in names), key=lambda each: each.distance)
 
 
@@ -429,7 +432,7 @@ def range_of(p: Parameters, name: str) -> tuple[float, float]:
 
 
 def _misses(scene: Scene, name: str, values: np.ndarray) -> np.ndarray:
-    """For each value of a parameter, return (dt, dx): of all contacts, the nearest to the start moved by one period."""
+    """Return, for each value of a parameter, (dt, dx) from the start one period later to the nearest contact."""
     boundary = 1 if scene.v0 == scene.parameters.v1 else 2
     sets = [scene.parameters.replace(**{name: float(value)}) for value in values]
     periods = np.array([2 * pi / float(p.Omega) for p in sets])

@@ -153,7 +153,10 @@ def _zero_force_contacts() -> tuple[tuple[int, RationalContact], ...]:
 
 
 def window(mapping: str, *scenes: str) -> Evidence:
-    """Check the printed cases (55) to (58) by the exact flow, and computed windows in three numerical ways."""
+    """Check the printed cases (55) to (58) of a mapping by the exact flow at rational contacts.
+
+    For the `scenes`, the computed windows are compared with three numerical decisions, see `check_grazing`.
+    """
     rows = [row for row in rows_of(mapping) if row.case]
     wrong = [row for row in rows if not row.right]
     generic = sum(not row.fourth_order for row in wrong)

@@ -60,7 +60,7 @@ def slope_along_boundary(contact: RationalContact, alpha: int) -> Fraction:
 
 
 def all_contacts() -> tuple[RationalContact, ...]:
-    """Return the contacts of both belts."""
+    """Return random rational contacts with both belts, which Theorems 4 to 6 are checked at."""
     return (*contacts(1), *contacts(2))
 
 
