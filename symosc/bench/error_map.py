@@ -204,7 +204,7 @@ def figure(result: Record) -> Figure:
 
 
 def _borders(ax: Axes, result: Record, column: int, shipped: bool) -> None:
-    """Draw where symosc stops to use its cheap formula; if `shipped`, all borders between formulas, with names.
+    """Draw where symosc stops using its cheap formula; if `shipped`, all borders between formulas, with names.
 
     `column` is the number of the map's time w0 tau.
     """

@@ -160,7 +160,7 @@ def root(q, mode, side, piece, a, b, fa, fb, tolerance):
     `fa` and `fb` are the margins at a and b; `piece` is the solver's data of the flight or stick, handed on to its
     `margin`.
     """
-    # Chandrupatla's method (1997). `piece` is whatever the solver's `margin` takes.
+    # Chandrupatla's method (1997).
     c, fc, part = a, fa, 0.5
     for _ in range(200):
         tau = a + part * (b - a)
@@ -188,8 +188,7 @@ def follow(q, s, t, x, v, mode, boundary, offset, t_end):
     `s` has the settings of the solver. `boundary` is the belt at which the motion starts, 0 for none. A flight from a
     belt starts with a velocity that is off the belt's by `offset`.
     """
-    # A row is t, x, place in EVENT_KINDS, boundary; the outcome is 0 (t_end reached), CHATTERS or GAVE_UP. A flight
-    # from a belt starts with a velocity that is off the belt's by `offset`.
+    # A row is t, x, place in EVENT_KINDS, boundary; the outcome is 0 (t_end reached), CHATTERS or GAVE_UP.
     rows = np.empty((64, 4))
     count = 0
     while t < t_end:
@@ -227,11 +226,9 @@ def follow(q, s, t, x, v, mode, boundary, offset, t_end):
 def runner(scene: Scene, functions: Record, settings: Any, offset: float) -> Callable[[], Iterator[FoundEvent]]:
     """Return a function that follows a scene and returns its events, or raises PeerError.
 
-    `functions` are those of this module with the solver's own, `settings` are the solver's. `offset` is a part of the
-    larger belt speed, by which flights from a belt start off it.
+    `functions` are those of this module, bound to the solver's `leave`, and `settings` are the solver's. Flights from a
+    belt start off the belt's velocity by the part `offset` of the larger belt speed.
     """
-    # `functions`: this module's, bound to the solver's `leave`; `settings`: the argument `s` of that. Flights from a
-    # belt start with a velocity that is off the belt's by the part `offset` of the larger belt speed.
     q, t0, x, v = problem(scene.parameters, scene.t0), float(scene.t0), float(scene.x0), float(scene.v0)
     arguments = q, settings, 0.0, x, v, *start_mode(q, x, v), offset * max(abs(q.v1), abs(q.v2))
     duration, follow = float(scene.t_end - scene.t0), functions["follow"]
