@@ -31,7 +31,7 @@ def certify(scene: Text, settings: Settings, t_end: Text, orbits: bool, path: Te
     """Prove all events of a scene: that each is the next one, of its kind, and between which times and positions.
 
     Or prove its periodic orbit, a branch of such orbits up to its ends, or a grazing window. With --branch the
-    structure is that of --orbit, or the scene's. The table shows the digits to which both ends of an enclosure round.
+    structure is that of --orbit, or the scene's. The table rounds an enclosure to the digits that both ends share.
     Proven is only what the checker, `symosc verify`, proves again by other means. If anything stays open, one line says
     what, and the exit code is 1.
 
