@@ -382,7 +382,7 @@ def _half_cycle(p: Parameters, F: Any, phases: Any, times: Any) -> list[Any]:
 
 
 def _slide_ends(F: Any, phases: Any) -> list[Any]:
-    """Return the position where each slide ends: it is that where the next one starts, cos(theta) + F.
+    """Return the positions where slides end: each where the next one starts, at cos(theta) + F for its phase theta.
 
     The last slide ends at minus the start of the first one.
     """

@@ -180,8 +180,8 @@ Meaning = dict[Expr, Any]
 def exact(meaning: Meaning | None = None, tidy: Callable[[Expr], Expr] = sp.expand, independent: bool = True) -> Check:
     """Return the check that both sides are equal once `meaning` has been put in for the symbols that it defines.
 
-    `tidy` brings the difference to 0. If the symbols that are left are `independent`, random values first try to refute
-    it.
+    `tidy` rewrites the difference, which has to become 0. If the symbols that are left are `independent`, random values
+    first try to refute the equality.
     """
     # `meaning` has an independent expression by its name, and is applied until nothing changes. What `tidy` leaves is
     # simplified.

@@ -171,7 +171,7 @@ def items(scope: Scope) -> Items:
 
 
 def flow() -> tuple[Step, ...]:
-    """Return the steps on a flight in a domain: the acceleration at its start, then x, v and acceleration at tau."""
+    """Return the steps on a flight in a domain: its initial acceleration, and x, v and acceleration after tau."""
     flow = solution.flow()
     force = solution._force_at_start() + f0 * sp.cos(theta_i + Omega * tau)
     velocity, acceleration = named(r"\dot{x}(\tau)"), named(r"\ddot{x}(\tau)")

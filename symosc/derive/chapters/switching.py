@@ -23,8 +23,7 @@ def items(scope: Scope) -> Items:
     def product(normal: str, dot: str) -> Any:
         """Return a symbol that prints n^T (x^(alpha) - x^(0)) with `normal` before n, and the accent `dot` on each x.
 
-        `normal` is "", "D" or "D^2", for the normal n or a derivative of n; `dot` is LaTeX for a time derivative, or
-        "".
+        `normal` ("", "D" or "D^2") marks a derivative of the normal n, `dot` (LaTeX) a time derivative of x.
         """
         x_alpha, x_0 = (rf"{dot}{{\mathbf{{x}}}}^{{({each})}}" for each in (r"\alpha", "0"))
         return named(rf"{normal}\mathbf{{n}}^T ({x_alpha} - {x_0})".replace("{\\mathbf{x}}", r"{\mathbf{x}}"))
