@@ -377,7 +377,7 @@ def misprints(scene: Scene, found: Sequence[FreeValue]) -> str:
 
 
 def start_grazes(figure: Graze) -> Evidence:
-    """Check that the start nearest to the printed one from which the flow grazes rounds to the printed one."""
+    """Check that, of all starts from which the flow grazes, the nearest to the printed start rounds to it."""
     scene, printed = figure.scene, figure.printed.parameters
     near = nearest_graze(scene, figure.mapping)
     values = {name: getattr(scene.parameters, name) for name in PARAMETER_NAMES}
@@ -404,7 +404,7 @@ def start_grazes(figure: Graze) -> Evidence:
 def _grazes_exactly(figure: Graze, t_m: Fraction, numbers: dict[str, str]) -> bool:
     """Return whether the start computed for a graze at t_m leads to that graze, by two independent computations.
 
-    They are the simulation with 40 digits, and a closed form in doubles. What they find is added to `numbers`.
+    They are a simulation in many digits, and a closed form in doubles. What they find is added to `numbers`.
     """
     scene, at, p = figure.scene, figure.place, figure.scene.parameters
     found = grazing_start(p, figure.mapping, t_m=t_m, t0=scene.t0)
@@ -434,7 +434,7 @@ HALF_UNIT = float(LAST_HALF_UNIT)
 
 @dataclass(frozen=True)
 class NearestGraze:
-    """The start of a grazing flow that is next to a printed start: the time of the graze, and grazing minus printed."""
+    """The grazing start next to a printed start: the time t_m of its graze, and the differences dx and dv of both."""
 
     t_m: float
     dx: float
@@ -530,9 +530,9 @@ def values_that_graze(scene: Scene, mapping: str, name: str) -> list[FreeValue]:
 
 
 def _gap(scene: Scene, mapping: str, change: dict[str, float]) -> tuple[float, float, bool]:
-    """Return how far the flow's peak passes the belt (< 0: does not reach it), its time, and whether the flow may graze.
+    """Return how far the flow's peak passes the belt (< 0: does not reach it), its time, and whether it can be a graze.
 
-    It may graze if it stays in the mapping's domain before. `change` has other values for numbers of the scene.
+    It can be one if the flow is in the mapping's domain before. `change` has other values for numbers of the scene.
     """
     at = place(mapping)
     start = tuple(change.get(name, float(getattr(scene, name))) for name in START)

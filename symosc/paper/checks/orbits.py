@@ -412,7 +412,7 @@ def _search_parameter(scene: Scene, name: str) -> Nearest:
 
 
 def _least(miss: Callable[[float], np.ndarray], around: tuple[float, float]) -> tuple[float, np.ndarray]:
-    """Return the number with the least max(|dt|, |dx|) of `miss(number)` = (dt, dx), and that (dt, dx)."""
+    """Minimize max(|dt|, |dx|) of ``miss(number) = (dt, dx)`` in a range; return the number, and (dt, dx) there."""
 
     def size(number: float) -> float:
         return min(float(np.abs(miss(float(number))).max()), 1e9)  # parabolas through infinite values are none

@@ -69,7 +69,7 @@ def gamma_of(p: Parameters, acceleration: Fraction, velocity: Fraction) -> Fract
 
 
 def quarter_turns(s: Any, c: Any) -> Any:
-    """Return an angle, given by sine and cosine, in rational quarter turns: in [0, 4), growing with it, not linear."""
+    """Convert an angle, given by sine and cosine, to a rational number in [0, 4) that grows with the angle."""
     if s >= 0:
         return s / (s + c) if c > 0 else 1 - c / (s - c)
     return 2 + s / (s + c) if c < 0 else 3 + c / (c - s)
