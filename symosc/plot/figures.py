@@ -322,7 +322,7 @@ def multiplier_curves(values: np.ndarray, multipliers: np.ndarray) -> tuple[np.n
 
 
 def _mark_ends(ax: Axes, branch: Branch, heights: Sequence[Any], color: str) -> None:
-    """Mark both ends of the branch with the symbols in `END_MARKERS`; `heights` has the ordinates for each end."""
+    """Mark both ends of the branch, at the `heights` given for each end, with symbols for why it ends."""
     style: Record = {"ms": 5.0, "mfc": color, "mec": "white", "mew": 0.5, "zorder": 5, "clip_on": False}
     for end, places in zip(branch.ends, heights, strict=True):
         for height in places if end.kind in END_MARKERS else ():
@@ -330,7 +330,7 @@ def _mark_ends(ax: Axes, branch: Branch, heights: Sequence[Any], color: str) -> 
 
 
 def _write_words(ax: Axes, branch: Branch) -> None:
-    """Write words above the axes: the branch's over its middle, and the next orbit's at each end of the branch."""
+    """Write above the axes the word of the branch, over its middle, and at its ends the words of the orbits beyond."""
     from symosc.orbits.branch import MOST, NO_CONVERGENCE
 
     words: list[Any] = [(0.5 * (branch.values.min() + branch.values.max()), branch.word)]

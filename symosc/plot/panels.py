@@ -88,7 +88,7 @@ class View:
 
     @property
     def scale(self) -> float:
-        """The relative size of marks and lines: 1 for up to 16 marks, less for more so that they cover no more."""
+        """The relative size of marks and lines: 1 for up to 16 marks, smaller if there are more."""
         return max(min(1.0, sqrt(16 / max(len(self.marks), 1))), 0.2)
 
     @property
@@ -102,7 +102,7 @@ class View:
         return isinstance(self.trajectory, MovedTrajectory) and self.trajectory.model.shift.bound() != 0
 
     def belts(self) -> list[int]:
-        """Return the belts to draw: those with speeds near the velocities drawn, and `boundary` of the forces."""
+        """Return the belts to draw: `boundary`, and any belt with a speed near the velocities drawn."""
         low, high = self.v.min(), self.v.max()
         p, allowed = self.trajectory.parameters, 0.65 * (high - low)  # of the axis may be added for them
         near = [belt for belt in (1, 2) if low - allowed <= p.belt(belt) <= high + allowed]
