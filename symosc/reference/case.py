@@ -293,7 +293,6 @@ def conditions(scene: Scene, events: Callable[[Scene, int], Sequence[Event]]) ->
     ``events(scene, digits)`` has to return the events of a scene, computed with this number of digits.
     """
     # They are infinite from the first event on that the smallest change of the input turns into another one.
-    # `events(scene, digits)` follows the scene, and those with one number changed.
     first, least_digits = INPUT_CHANGES[0]
     exact = {least_digits: events(scene, least_digits)}
     certain = len(exact[least_digits])

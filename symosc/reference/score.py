@@ -188,7 +188,7 @@ class _Judge:
             self._fault("invented", float(found[j].t), "", _event_text(found[j]))
 
     def _of_last_period(self, events: Sequence[GivenEvent]) -> Sequence[GivenEvent]:
-        """Return the events to judge one by one; if the case has only its last period's, those of that period.
+        """Return the events to judge one by one: those of the last period if the case has only these, else all.
 
         Of the events before that period only the number is compared.
         """
@@ -274,8 +274,7 @@ def align(
     There are as many pairs as possible and, among such choices, the times are nearest. `times` are those of the
     reference.
     """
-    # Events have a kind and a boundary. Those found have a t, and are in order of it; `times` are those of the
-    # reference, and no pair is farther apart than the window.
+    # Those found are in order of time.
     found_times, pairs = [float(event.t) for event in found], []
     for i, (event, time) in enumerate(zip(reference, times, strict=True)):
         for j in range(bisect_left(found_times, time - window), bisect_right(found_times, time + window)):
@@ -368,7 +367,7 @@ def group_table(scores: Sequence[Score], form: str = "simple") -> str:
 
 
 def case_table(scores: Sequence[Score], form: str = "simple", with_absent: bool = True) -> str:
-    """Return a table with a row per case, for a single solver with all its errors.
+    """Return a table with a row per case; a single solver's table also has its errors and seconds.
 
     Cases for which no solver has a result are left out unless `with_absent`.
     """
