@@ -126,7 +126,7 @@ def sweep(
 
 
 def _fill(columns: Columns, count: int, begin: int, end: int, chunk: Columns) -> None:
-    """Copy the columns of a chunk, which begins at cell `begin`, into columns of `count` cells."""
+    """Copy the columns of a chunk, with the cells from `begin` up to `end`, into columns of all `count` cells."""
     for name, values in chunk.items():
         if name not in columns:
             columns[name] = np.zeros((count, *values.shape[1:]), values.dtype)
@@ -160,8 +160,11 @@ class Here(Executor):
 
 
 def read_executor(executor: Any, workers: Any) -> tuple[Executor, int]:
-    """Return the executor, one in this process for None, and how many chunks may be under way in it at a time."""
-    # `workers` is the number of threads of this process (default: all cores), or of these chunks.
+    """Return the executor that computes chunks, and how many chunks may be under way in it at a time.
+
+    Without an `executor` this process computes them, on so many threads as `workers` says (default: all cores). With
+    one `workers` is the number of chunks under way.
+    """
     count = None if workers is None else whole_number("workers", workers, 1)
     if executor is None:
         return Here(count), 1
@@ -214,7 +217,10 @@ def _carried_out(
 
 
 def _next_chunk(todo: list[Range], size: int, under_way: int) -> Range:
-    """Take the next chunk off the cells still to do; near the end these are shared among the `under_way` workers."""
+    """Take the next chunk, of about `size` cells, off the ranges still to do.
+
+    Near the end chunks are smaller, so that all the `under_way` workers have some.
+    """
     left = sum(end - begin for begin, end in todo)
     begin, end = todo.pop()
     middle = min(end, begin + max(min(size, -(-left // under_way)), 1))
