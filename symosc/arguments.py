@@ -277,7 +277,7 @@ class Rule:
 
 
 class Rules:
-    """The rules for a function's arguments, with one for all of ``*args`` (`more`), one for all of ``**kwargs`` (`others`)."""
+    """The rules for a function's arguments: for each name, for ``*args`` (`more`) and for ``**kwargs`` (`others`)."""
 
     __slots__ = ("by_name", "in_order", "more", "others", "parameters", "title")
 
@@ -304,7 +304,7 @@ class Rules:
         return TypeError(f"{self.title} takes {f'only {in_order}' if in_order else 'nothing'} without a name{more}")
 
     def check_unknown(self, name: str, value: object) -> None:
-        """Raise an error if a keyword argument is no parameter, or if its value is not allowed by ``**``."""
+        """Raise an error if a keyword argument is no parameter, or if ``**kwargs`` do not allow its value."""
         if self.others is not None:
             Rule(name, self.others.kinds).check(value)
             return

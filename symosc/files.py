@@ -18,7 +18,7 @@ DRAFT_PREFIX = ".symosc-"
 
 
 def write_whole(path: str | Path, write: Callable[[Path], object], suffix: str = "") -> Path:
-    """Let `write` write a draft beside `path`, then move it there; after an error no file remains."""
+    """Let `write` make a draft of a file beside `path`, then move the draft there; after an error no file remains."""
     # ``"-"`` is standard output; the draft then has the given suffix. OutputError if the folder cannot be written to.
     name = read_path(path)
     target = Path(name).resolve()  # a link stays one

@@ -265,7 +265,7 @@ def _read(data: Any) -> Measured:
 
 
 def _columns(data: Any) -> dict[str, list[Any]]:
-    """Return those of the columns t, kind, x and v that a table or rows of data have."""
+    """Return the columns t, kind, x and v of a table or of rows, as far as the data have them."""
     if isinstance(data, Mapping) or hasattr(data, "columns"):
         return {name: list(unmasked(name, data[name])) for name in ("t", "kind", "x", "v") if name in data}
     if isinstance(data, str | bytes | bytearray):

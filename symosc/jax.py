@@ -135,7 +135,7 @@ def _values(parameters: Any, *start: Any) -> Any:
 
 
 def _functions() -> tuple[Callable[..., Any], Callable[..., Any]]:
-    """Return `_made()` after a check that JAX is installed (MissingExtraError) and computes in doubles."""
+    """Return the functions of `_made` after a check that JAX is there (MissingExtraError) and computes in doubles."""
     jax = optional("jax", "symosc.jax", "jax")
     if not jax.config.read("jax_enable_x64"):
         hint = 'must be True, since events need doubles: jax.config.update("jax_enable_x64", True)'

@@ -148,7 +148,7 @@ class OtherModel:
     exact : bool
         Whether these are exact. If not they, and a start, are known to 40 digits.
     delay : Fraction
-        A time of the model minus the same time of the oscillator, a constant, to 80 digits.
+        The time of the model minus that of the oscillator at the same instant, a constant, to 80 digits.
 
     Raises
     ------
@@ -209,7 +209,7 @@ class OtherModel:
 
     @cached_property
     def shift(self) -> Harmonic:
-        """The oscillation w of the belts about their constant motion: the model has x = z + w, symosc's oscillator z."""
+        """The oscillation w of the belts about their constant motion: the model has x = z + w, the oscillator z."""
         rate = harmonic(self.W, self.W_phase)
         own = Harmonic(-rate.S / self.Omega, rate.C / self.Omega, rate.exact)  # its integral with mean 0
         return own.plus(self.base) if self.joined else own
@@ -228,7 +228,7 @@ class OtherModel:
 
     @property
     def delay(self) -> Fraction:
-        """The constant difference in time: a time of this model minus the same time of symosc's oscillator."""
+        """The constant shift of time: the time of this model minus that of symosc's oscillator at the same instant."""
         return self._drive[1] / self.Omega
 
     @cached_property

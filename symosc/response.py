@@ -55,7 +55,7 @@ COLUMNS = (
 
 
 class FrequencyResponse(Columns):
-    """The settled motion for each value of one parameter, as columns; of another model in that model's coordinates.
+    """The settled motion for each value of one parameter, as columns in the coordinates of the model that was given.
 
     Attributes
     ----------

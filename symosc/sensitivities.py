@@ -51,7 +51,7 @@ REASONS = {
 class Sensitivities(Comparable):
     """The derivatives of a motion.
 
-    Calling it gives those of the state: ``s(t)`` are the derivatives of [x, v] at a fixed time, of shape (2, wrt) for a
+    Call it for the derivatives of the state: ``s(t)`` are those of [x, v] at a fixed time, of shape (2, wrt) for a
     scalar and (2, n, wrt) for n times.
 
     Attributes
@@ -59,7 +59,7 @@ class Sensitivities(Comparable):
     trajectory : Trajectory
         The motion.
     wrt : tuple of str
-        What it is differentiated by.
+        The names of the numbers by which the motion is differentiated.
     dt, dx : array, (events, wrt)
         Total derivatives of the time and the position of each event.
     regular : array of bool, (events, wrt)

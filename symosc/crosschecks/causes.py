@@ -277,7 +277,7 @@ class Case:
     # exact motion, and `inside_wrong` and `flights_wrong` those of them that are wrong, and their fraction.
 
     def __init__(self, check: Any) -> None:
-        """Follow the exact motion over all steps, or, of many, over a part that begins before the first wrong one."""
+        """Follow the exact motion over the samples of a `CrossCheck`, or if they are many over its `tried_samples`."""
         part = tried_samples(check)
         self.check, self.offset, self.parameters = check, part.start, check.trajectory.parameters
         self.allowed, self.scales = check.allowed[part.start : part.stop - 1], np.array(check.scales)
@@ -383,9 +383,11 @@ def _limits(sizes: np.ndarray, part: float) -> np.ndarray:
 
 
 def explained_share(before: np.ndarray, after: np.ndarray, part: float = EXPLAINS) -> float:
-    """Return (wrong steps that a cause explains - right steps that it makes wrong) / (all wrong steps)."""
-    # From the sizes of the defects without and with it. A wrong step is explained if at most `part` is left. The share
-    # is negative if more steps become wrong than right.
+    """Return (wrong steps that a cause explains - right steps that it makes wrong) / (all wrong steps).
+
+    `before` and `after` are the sizes of the defects without and with the cause. A wrong step is explained if at most
+    the fraction `part` of its defect is left. The result is negative if more steps become wrong than right.
+    """
     wrong, fits = ~(before <= 1.0), np.asarray(after <= _limits(before, part))
     return (int(np.sum(fits & wrong)) - int(np.sum(~fits & ~wrong))) / max(1, int(np.sum(wrong)))
 

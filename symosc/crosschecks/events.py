@@ -124,8 +124,11 @@ def labels(steps: ExactSteps, near: np.ndarray, drift: np.ndarray) -> np.ndarray
 
 
 def find_events(steps: ExactSteps, label: np.ndarray, wrong: np.ndarray) -> tuple[list[FoundEvent], np.ndarray]:
-    """Return the events that the mode codes `label` of the samples show, in order of time, and corrected codes."""
-    # The corrected codes are 0 for samples at a belt that only pass or graze it, and else equal.
+    """Return the events that the mode codes `label` of the samples show, in order of time, and corrected codes.
+
+    The corrected codes are 0 for samples at a belt that only pass or graze it, and else equal. `wrong` marks wrong
+    steps.
+    """
     modes = label.copy()
     starts = np.flatnonzero((np.diff(label, prepend=0) != 0) | _reached_by_flight(steps, label, wrong))
     ends = np.append(starts[1:], len(label)) - 1
@@ -341,7 +344,7 @@ class Matcher:
         return int(rows[np.argmin(np.abs(events.t[rows] - time))]) if len(rows) else None
 
     def _own_time(self, i: int) -> float | None:
-        """Return the time of exact event number `i` on the motions that begin at the samples; None if these lack it."""
+        """Return the time of exact event number `i` on the motions restarted at the samples; None if these lack it."""
         return None if self.local[i] is None else float(self.steps.events.t[self.local[i]])
 
     def _pair(self) -> None:
@@ -364,7 +367,7 @@ class Matcher:
             self.matched.append(Match(self.exact[i], self.found[j].t, self.found[j]))
 
     def _allow_start(self) -> None:
-        """Allow that a list names a start on a belt: it is no event, but solvers list it."""
+        """Drop a listed event that is the start on a belt: this is no event, but solvers list it."""
         boundary = int(self.label[0]) - 3
         if boundary <= 0 or not self.found_free:
             return
@@ -394,7 +397,7 @@ class Matcher:
                     break
 
     def _allow_close_events(self) -> None:
-        """Ignore differences where exact events at one belt are too close together for the tolerance."""
+        """Set aside unpaired events where exact ones at a belt are too close together to tell them apart."""
         partner = {id(match.event): match.found for match in self.matched}
         index = {id(event): j for j, event in enumerate(self.found)}
         clusters: list[list[int]] = []
@@ -421,7 +424,7 @@ class Matcher:
                 self._set_aside(loose, self.exact_free & set(cluster))
 
     def _allow_near_grazes(self) -> None:
-        """Ignore listed contacts where the exact motion nearly touches a belt, closer than the tolerance."""
+        """Set aside listed contacts where the exact motion nearly touches a belt, closer than the tolerance."""
         runs: list[list[int]] = []
         for j in sorted(self.found_free):
             time = self.found[j].t

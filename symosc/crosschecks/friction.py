@@ -248,7 +248,7 @@ def _paths(case: Case, steps: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
 
 
 def _smoothing_effect(case: Case, time: np.ndarray, velocity: np.ndarray, width: float, curve: Curve) -> np.ndarray:
-    """Return the first-order effect of smoothed friction on x and v at the ends of steps, shape (steps, 2)."""
+    """Return the effect of smoothed friction on x and v at the ends of steps, to first order along their `_paths`."""
     K = case.steps.K
     push = np.zeros((len(time), PIECES))
     for belt in (K.belt1, K.belt2):

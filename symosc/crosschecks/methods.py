@@ -232,7 +232,7 @@ def truncation(case: Case) -> Iterator[Diagnosis]:
 
 
 def double_roots(case: Case) -> Iterator[Diagnosis]:
-    """Yield the diagnosis of steps in which v meets a belt twice, which signs of v - v_belt at the ends do not show."""
+    """Yield the diagnosis that v crosses a belt's speed and comes back within a step, and that this goes unnoticed."""
     s = case.steps
     source, target = case.domain[:-1], case.domain[1:]
     there = case.wrong & (source > 0) & (source == target) & (s.first == source)

@@ -292,7 +292,7 @@ def _phase_shift(case: Case, flights: np.ndarray) -> float | None:
 
 
 def _shift_or_phase(case: Case, turn: float, error: float) -> Candidate:
-    """Return the diagnosis of a shifted clock (the scene's motion at other times) or of another phase of the drive."""
+    """Return the diagnosis of a drive ahead by the angle `turn`: a shifted clock, or another phase of the drive."""
     Om, s, start = case.steps.K.Om, case.steps, case.check.own_start
     quarters = round(turn / (pi / 2))
     names = {-1: " (sine in place of cosine)", 1: " (-sine in place of cosine)", 2: " (-cosine)", -2: " (-cosine)"}

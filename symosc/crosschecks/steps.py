@@ -65,7 +65,7 @@ def propagated(p: Parameters, off: np.ndarray, tau: Any) -> np.ndarray:
 
 
 def double_rounding(p: Parameters, t: np.ndarray, scales: np.ndarray) -> np.ndarray:
-    """Bound the errors that rounded doubles make in x and v over the steps, for largest |x| and |v| `scales`."""
+    """Bound the errors that rounding of doubles makes in x and v over steps; `scales` are the largest |x| and |v|."""
     ticks = 2.0 * np.spacing(np.maximum(np.abs(t[1:]), np.abs(t[:-1])))
     return np.outer(ticks, [scales[1], float(_push_bound(p, *scales))]) + 8.0 * np.finfo(float).eps * scales
 

@@ -83,7 +83,7 @@ def with_velocities(samples: Samples, scene: Scene | Parameters, tolerance: floa
 def _fit_motion(samples: Samples, scene: Scene | Parameters, half: np.ndarray, off: float) -> Samples | None:
     """Return samples with the velocities of one exact motion through all positions; None if none is found.
 
-    It may miss each position by `half` a unit of its last place and by `off`, the tolerance.
+    The motion may miss each position by `half`, half a unit of its last place, and by the tolerance `off`.
     """
     t, x = samples.t, samples.x
     p = scene if isinstance(scene, Parameters) else scene.parameters
@@ -143,7 +143,7 @@ def _first_guesses(p: Parameters, t: np.ndarray, x: np.ndarray) -> list[float]:
 
 
 def _fitted(p: Parameters, t: np.ndarray, x: np.ndarray, v0: float) -> Trajectory | None:
-    """Fit a start to positions, over longer and longer times; return the exact motion, None if that fails."""
+    """Fit a start to positions, from the velocity `v0` and over longer and longer times; return the motion or None."""
     start, span = np.array([x[0], v0]), 1.0 / fastest_rate(p)
     tick = 1e-4 * np.array([1.0, fastest_rate(p)]) * max(float(np.ptp(x)), 1e-300)
     while True:

@@ -226,10 +226,7 @@ def _to_disk(path: Path) -> None:
 
 
 def _checksum(path: Path) -> tuple[str, str, int]:
-    """Return the checksum that an output should state, the one that it states, and the place of the latter.
-
-    If none is stated it is "".
-    """
+    """Return the checksum that an output should have, the one that it states ("" if none), and where this begins."""
     place, stated, begin, found = _text_file(path), "", 0, sha256()
     for name, file in (_files_in(path) or {"": path}).items():
         content = memoryview(file.read_bytes())

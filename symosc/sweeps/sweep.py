@@ -71,9 +71,10 @@ def sweep(
     starts : array_like, shape (3,) or (n, 3), optional
         t0, x0, v0; several rows are one more dimension, "start".
     workers, executor : optional
-        Threads; or an executor of concurrent.futures or Client of dask, and how many chunks are under way there.
+        The number of threads. With an executor of concurrent.futures, or a Client of dask, it is the number of chunks
+        that are under way there.
     path, resume : optional
-        Output: .nc, .zarr or .csv, and whether what an earlier run has left of the same sweep is used.
+        The output file (.nc, .zarr or .csv), and whether to use what an earlier run of the same sweep has left.
     progress : bool or callable
         True: a bar, on a terminal. Or what gets the numbers of motions done and of all.
 
@@ -162,8 +163,8 @@ class Here(Executor):
 def read_executor(executor: Any, workers: Any) -> tuple[Executor, int]:
     """Return the executor that computes chunks, and how many chunks may be under way in it at a time.
 
-    Without an `executor` this process computes them, on so many threads as `workers` says (default: all cores). With
-    one `workers` is the number of chunks under way.
+    Without an `executor` this process computes them, on so many threads as `workers` says (default: all cores). With an
+    executor, `workers` is the number of chunks under way.
     """
     count = None if workers is None else whole_number("workers", workers, 1)
     if executor is None:
