@@ -25,7 +25,7 @@ MOST_ENTRIES, MOST_DEPTH = 10**8, 8
 
 
 class Kind(NamedTuple):
-    """One kind of value that an argument may be."""
+    """A kind of value that an argument may be, such as a number or a scene, with its text for messages."""
 
     text: str  # what it is, for messages
     of_type: Callable[[type], bool]  # whether values of a type may be of this kind
@@ -71,12 +71,12 @@ def _is_file_name(kind: type) -> bool:
 
 
 def _is_short(value: Any) -> bool:
-    """Return whether all entries of a row can be read: it is an array with dimensions, or not too long a sequence."""
+    """Return whether a row is an array with dimensions, or a sequence of at most MOST_ENTRIES entries."""
     return value.shape != () if hasattr(value, "dtype") else len(value) <= MOST_ENTRIES
 
 
 def _is_shallow(value: Any, depth: int = MOST_DEPTH) -> bool:
-    """Return whether nested lists are not too deep and have not too many entries to be read."""
+    """Return whether nested lists are not deeper than `depth` and short enough to be read."""
     if not isinstance(value, list | tuple | range):
         return True
     if not depth or not _is_short(value):
@@ -219,7 +219,7 @@ def _text(kinds: list[Kind]) -> str:
 
 
 def _each(kinds: list[Kind] | None) -> str:
-    """Return the end of a message about a row of such entries, as ", each a number"; "" if entries may be anything."""
+    """Return how a message names the entries of a row: ", each a number" for numbers, "" if they may be anything."""
     return f", each {_text(kinds)}" if kinds else ""
 
 
@@ -234,7 +234,10 @@ def _kind_of_row(entries: list[list[Kind] | None]) -> Kind:
 
 
 def _kind_of_sequence(entry: list[Kind] | None, once: bool) -> Kind:
-    """Return the kind of a sequence of any length; with `once` also an iterator, whose entries are not checked."""
+    """Return the kind of a sequence of any length, given the kinds of its entries.
+
+    With `once` an iterator is of this kind too; its entries are not checked, as they can be read only once.
+    """
 
     def fits(value: Any) -> bool:
         return not _is_row(type(value)) or (_is_short(value) and all(_fits(entry, each) for each in value))
@@ -252,7 +255,7 @@ def _mapping(key: list[Kind] | None, value: list[Kind] | None) -> Kind:
 
 
 class Rule:
-    """The check of one parameter's values."""
+    """The kinds of values that one parameter of a function takes, and the check of an argument against them."""
 
     # `known` are types of values that were allowed, by their type alone: these are not checked again.
     __slots__ = ("kinds", "known", "name")
@@ -261,7 +264,7 @@ class Rule:
         self.name, self.kinds, self.known = name, kinds, set[type]()
 
     def check(self, value: object) -> Any:
-        """Return a value, converted if necessary; raise ParameterError unless it is allowed."""
+        """Return an argument, converted if its kind says so; raise ParameterError unless it is of an allowed kind."""
         for kind in self.kinds:
             if kind.takes(value):
                 if kind.converted:
@@ -274,7 +277,7 @@ class Rule:
 
 
 class Rules:
-    """The rules for a function's arguments: by position, for ``*``, by name, and for ``**``."""
+    """The rules for a function's arguments: for each name, for ``*args`` (`more`) and for ``**kwargs`` (`others`)."""
 
     __slots__ = ("by_name", "in_order", "more", "others", "parameters", "title")
 
@@ -301,7 +304,7 @@ class Rules:
         return TypeError(f"{self.title} takes {f'only {in_order}' if in_order else 'nothing'} without a name{more}")
 
     def check_unknown(self, name: str, value: object) -> None:
-        """Raise an error if a keyword argument is no parameter, or if its value is not allowed by ``**``."""
+        """Raise an error if a keyword argument is no parameter, or if ``**kwargs`` do not allow its value."""
         if self.others is not None:
             Rule(name, self.others.kinds).check(value)
             return

@@ -175,7 +175,7 @@ class ResultError(SymoscError, ValueError):
 
 
 def optional(package: str, what: str, extra: str) -> Any:
-    """Import and return a package; if it is not installed, MissingExtraError: `what` needs the `extra` that has it."""
+    """Import and return a package; if it is missing, MissingExtraError says that `what` needs symosc's `extra`."""
     try:
         return import_module(package)
     except ImportError:

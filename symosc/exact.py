@@ -37,7 +37,7 @@ SMALLEST = 1 / LARGEST
 
 
 def read_exact(name: str, value: object) -> Fraction:
-    """Return `value` as an exact Fraction, at most LARGEST in size."""
+    """Return `value` as an exact Fraction of at most 10^50 in size; messages call the number `name`."""
     # A float is read as the decimal that it prints as (0.8 is 4/5); an mpmath number as its exact binary value.
     # ParameterError for all that is no finite exact number of moderate size.
     number = _read(name, value)
@@ -47,7 +47,7 @@ def read_exact(name: str, value: object) -> Fraction:
 
 
 def _read(name: str, value: Any) -> Fraction:
-    """Convert a value of any number type, or a text, to the exact Fraction."""
+    """Convert a number of any type, or its text, to an exact Fraction of any size."""
     if isinstance(value, Fraction):
         return value
     # numpy takes its timedelta64 for an integer
@@ -119,7 +119,7 @@ def read_digits(digits: object, most: int = MOST_ASKED_DIGITS) -> int | None:
 
 
 def read_start_error(value: Any) -> tuple[Fraction, Fraction, Fraction] | None:
-    """Return the half-widths to which t0, x0 and v0 are known, from one number >= 0, three numbers, or None (exact)."""
+    """Return by how much t0, x0 and v0 may be off, given one number >= 0 for all, three numbers, or None (exact)."""
     if value is None:
         return None
     is_array = hasattr(type(value), "dtype")

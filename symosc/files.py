@@ -18,7 +18,7 @@ DRAFT_PREFIX = ".symosc-"
 
 
 def write_whole(path: str | Path, write: Callable[[Path], object], suffix: str = "") -> Path:
-    """Let `write` write a draft beside `path`, then move it there; after an error no file remains."""
+    """Let `write` make a draft of a file beside `path`, then move the draft there; after an error no file remains."""
     # ``"-"`` is standard output; the draft then has the given suffix. OutputError if the folder cannot be written to.
     name = read_path(path)
     target = Path(name).resolve()  # a link stays one
@@ -104,9 +104,12 @@ def write_text(path: str | Path, text: str) -> Path:
 
 
 def write_folder(path: str | Path, texts: Mapping[str, str], earlier: Callable[[Path], Container[str]]) -> Path:
-    """Write a folder of text files whole or not at all, in place of an existing one that an earlier run wrote."""
-    # `earlier(folder)` returns the names of the files that an earlier run has written into an existing folder; with any
-    # other file in it the folder stays as it is. OutputError then, and if it cannot be written.
+    """Write a folder of text files whole or not at all; it may replace only a folder that an earlier run wrote.
+
+    `texts` has the text of each file by its name. `earlier(folder)` returns the names of the files that an earlier run
+    has written into an existing folder: if it has any other file it stays as it is.
+    """
+    # OutputError if it stays, and if it cannot be written.
     target = check_folder(path, earlier)
     try:
         with tempfile.TemporaryDirectory(prefix=DRAFT_PREFIX, dir=target.parent) as folder:
@@ -128,7 +131,10 @@ def write_folder(path: str | Path, texts: Mapping[str, str], earlier: Callable[[
 
 
 def check_folder(path: str | Path, earlier: Callable[[Path], Container[str]]) -> Path:
-    """Return the folder that `write_folder` would write; raise its errors before long work."""
+    """Return the path of a folder to be written, or before long work raise the errors of `write_folder`.
+
+    `earlier` is as in `write_folder`: it returns the names of files that may be replaced.
+    """
     name = read_path(path)
     if name == STDOUT:
         raise ParameterError("path", name, "must be the name of a folder")

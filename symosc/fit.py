@@ -178,9 +178,12 @@ def fit(
 def _spread(
     names: tuple[str, ...], residuals: np.ndarray, slopes: np.ndarray, steps: np.ndarray, estimated: bool
 ) -> tuple[np.ndarray, np.ndarray, str, str]:
-    """Return standard errors and covariance from the Jacobian `slopes`, and two texts on what is not determined."""
-    # The texts name the numbers, and their undetermined combinations in units of their first values `steps`.
-    # `estimated`: the variance is that of the residuals, else 1.
+    """Return standard errors and covariance of the fitted numbers, and two texts on what is not determined.
+
+    `slopes` is the Jacobian of `residuals`. The first text has the `names` of numbers that the data do not determine,
+    the second their undetermined combinations in units of the first values `steps`. If `estimated`, the variance is
+    that of the residuals, else 1.
+    """
     _, sizes, rows = np.linalg.svd(slopes * steps, full_matrices=len(residuals) < len(names))
     sizes = np.append(sizes, np.zeros(len(names) - len(sizes)))
     free = sizes <= UNDETERMINED * max(float(sizes.max(initial=0.0)), 1e-300)
@@ -199,7 +202,11 @@ def _spread(
 def _residuals(
     moved: Sensitivities, measured: Measured, scale: np.ndarray, end: float
 ) -> tuple[np.ndarray, np.ndarray, Trajectory]:
-    """Return (motion - data) / sigma, its derivatives with respect to the free numbers, and the motion."""
+    """Return (motion - data) / sigma, the derivatives of this with respect to the free numbers, and the motion.
+
+    `moved` are the sensitivities of the motion, `scale` is sigma for t or x and for v. An event of which the motion has
+    none of its kind is compared with the time `end`.
+    """
     trajectory, count = moved.trajectory, len(moved.wrt)
     if measured.kinds is None:
         assert measured.states is not None
@@ -230,7 +237,7 @@ def _sigma(sigma: Any) -> np.ndarray:
 
 
 def _read(data: Any) -> Measured:
-    """Return the columns of measured data."""
+    """Return measured data, given as a table or as rows, as columns; ParameterError if they have no such columns."""
     try:
         columns = _columns(data)
     except (TypeError, ValueError, KeyError):  # of what is no table
@@ -258,7 +265,7 @@ def _read(data: Any) -> Measured:
 
 
 def _columns(data: Any) -> dict[str, list[Any]]:
-    """Return those of the columns t, kind, x and v that a table or rows of data have."""
+    """Return the columns t, kind, x and v of a table or of rows, as far as the data have them."""
     if isinstance(data, Mapping) or hasattr(data, "columns"):
         return {name: list(unmasked(name, data[name])) for name in ("t", "kind", "x", "v") if name in data}
     if isinstance(data, str | bytes | bytearray):

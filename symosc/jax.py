@@ -25,7 +25,7 @@ __all__ = ["Events", "events", "flow"]
 
 
 class Events(NamedTuple):
-    """The first events of a motion, filled up to a fixed number.
+    """The first events of a motion, as arrays of a fixed length; the rest is filled up, with inf, 0 or False.
 
     Attributes
     ----------
@@ -117,7 +117,7 @@ def flow(parameters: Parameters | Mapping[str, Any], t: Any, *, t0: Any = 0.0, x
 
 
 def _values(parameters: Any, *start: Any) -> Any:
-    """Return parameters and start as one JAX array, in the order of NAMES."""
+    """Return the eleven parameters, then t0, x0 and v0, as one JAX array: the order of NAMES."""
     if isinstance(parameters, Parameters):
         parameters = {name: float(getattr(parameters, name)) for name in PARAMETER_NAMES}
     if not isinstance(parameters, Mapping):
@@ -135,7 +135,7 @@ def _values(parameters: Any, *start: Any) -> Any:
 
 
 def _functions() -> tuple[Callable[..., Any], Callable[..., Any]]:
-    """Return `_made()` after a check that JAX is installed (MissingExtraError) and computes in doubles."""
+    """Return the functions of `_made` after a check that JAX is there (MissingExtraError) and computes in doubles."""
     jax = optional("jax", "symosc.jax", "jax")
     if not jax.config.read("jax_enable_x64"):
         hint = 'must be True, since events need doubles: jax.config.update("jax_enable_x64", True)'
@@ -145,7 +145,10 @@ def _functions() -> tuple[Callable[..., Any], Callable[..., Any]]:
 
 @lru_cache(maxsize=1)
 def _made() -> tuple[Callable[..., Any], Callable[..., Any]]:
-    """Make two functions that JAX can differentiate, for the events and for the flow, once for all calls."""
+    """Make the functions `events_(values, t_end, count)` and `flow_(values, times)` that JAX can differentiate.
+
+    They are made once for all calls. `values` are the parameters and the start, as `_values` returns them.
+    """
     import jax
 
     def computed(function: Callable[..., Any], shapes: Any, *given: Any) -> Any:
@@ -186,7 +189,10 @@ def _made() -> tuple[Callable[..., Any], Callable[..., Any]]:
 
 
 def _events_of(values: Any, t_end: Any, count: int) -> tuple[np.ndarray, ...]:
-    """Return t, x, kind, boundary, regular, and dt, dx (by all of NAMES) of the first events of a batch of motions."""
+    """Return t, x, kind, boundary, regular, dt and dx of the first `count` events of each motion of a batch.
+
+    The last axis of `values`, and of the derivatives dt and dx, has the eleven parameters and t0, x0, v0.
+    """
     values, lead = np.asarray(values), np.shape(values)[:-1]
     rows, ends = values.reshape(-1, len(NAMES)), np.broadcast_to(np.asarray(t_end), lead).reshape(-1)
     columns = dict(zip(NAMES, rows.T, strict=True))
@@ -206,7 +212,10 @@ def _events_of(values: Any, t_end: Any, count: int) -> tuple[np.ndarray, ...]:
 
 
 def _states_of(values: Any, times: Any) -> tuple[np.ndarray, ...]:
-    """Return [x, v] of a batch of motions at times, and its derivatives with respect to NAMES and to time."""
+    """Return [x, v] of a batch of motions at times, and the derivatives with respect to all numbers and to time.
+
+    The last axis of `values` has the eleven parameters and t0, x0, v0 of a motion: the numbers of NAMES.
+    """
     values, times = np.asarray(values), np.asarray(times)
     lead, n = values.shape[:-1], times.shape[-1]
     rows, instants = values.reshape(-1, len(NAMES)), np.broadcast_to(times, (*lead, n)).reshape(-1, n)

@@ -72,7 +72,7 @@ UNITS = {
 
 
 def _quantity(name: str) -> Quantity:
-    """Return the `Quantity` of a number; the name may be that of an entry of a swept column, such as Omega[3]."""
+    """Return the `Quantity` of the number `name`; Omega[3], the name of an entry of a column, gives that of Omega."""
     return QUANTITIES[name.partition("[")[0]]
 
 

@@ -44,7 +44,7 @@ Three = tuple[Fraction, Fraction, Fraction]
 
 
 class Harmonic(NamedTuple):
-    """A function C cos(Omega t) + S sin(Omega t), and whether C and S are exact."""
+    """A function C cos(Omega t) + S sin(Omega t) with rational C and S; `exact` is False if these were rounded."""
 
     C: Fraction
     S: Fraction
@@ -74,8 +74,11 @@ def harmonic(size: Fraction, phase: Fraction) -> Harmonic:
 
 
 def cos_sin(angle: Fraction) -> tuple[Fraction, Fraction, bool]:
-    """Return cosine and sine, and whether they are exact: of 0, and of what is a multiple of pi/2 to 40 digits."""
-    # Such an angle is taken to be that multiple.
+    """Return the cosine and the sine of an angle, and whether they are exact.
+
+    They are exact for 0, and for an angle that is a multiple of pi/2 up to the rounding of its 40th digit: it is taken
+    to be this multiple.
+    """
     turns = round(2 * angle / PI)
     if abs(angle - turns * PI / 2) <= (half_unit(angle) if turns else 0):
         return Fraction((1, 0, -1, 0)[turns % 4]), Fraction((0, 1, 0, -1)[turns % 4]), True
@@ -145,7 +148,7 @@ class OtherModel:
     exact : bool
         Whether these are exact. If not they, and a start, are known to 40 digits.
     delay : Fraction
-        What the time of the oscillator is behind that of the model, to 80 digits.
+        The time of the model minus that of the oscillator at the same instant, a constant, to 80 digits.
 
     Raises
     ------
@@ -206,7 +209,7 @@ class OtherModel:
 
     @cached_property
     def shift(self) -> Harmonic:
-        """The displacement w of the belts beside their constant motion: x = z + w, with symosc's position z."""
+        """The oscillation w of the belts about their constant motion: the model has x = z + w, the oscillator z."""
         rate = harmonic(self.W, self.W_phase)
         own = Harmonic(-rate.S / self.Omega, rate.C / self.Omega, rate.exact)  # its integral with mean 0
         return own.plus(self.base) if self.joined else own
@@ -225,7 +228,7 @@ class OtherModel:
 
     @property
     def delay(self) -> Fraction:
-        """The time of this model minus that of symosc's oscillator."""
+        """The constant shift of time: the time of this model minus that of symosc's oscillator at the same instant."""
         return self._drive[1] / self.Omega
 
     @cached_property
@@ -327,7 +330,7 @@ def reduced_time(model: OtherModel, t: Fraction) -> Fraction:
 
 
 def reduced_start(model: OtherModel, t0: Fraction, x0: Fraction, v0: Fraction) -> tuple[Three, Three]:
-    """Convert a start of a model to one of symosc's oscillator; return it, and half-widths where it is not exact."""
+    """Convert a start of a model to one of symosc's oscillator; return this, and half-widths where it is not exact."""
     p, zero, (cos, sin, exact) = model.parameters, Fraction(0), cos_sin(model.Omega * t0)
     s0, s_error = reduced_time(model, t0), half_unit(abs(t0) + abs(model.delay)) if model.delay else zero
     if model.shift.bound() == 0:
@@ -360,7 +363,7 @@ def _read_arrays(**given: Any) -> list[np.ndarray]:
 
 
 def number_like(value: Number) -> Callable[[Fraction], Number]:
-    """Return the function that converts a Fraction to a number like a given one: a float, or an mpf of its context."""
+    """Return the function that turns a Fraction into a number like `value`: a float, or an mpf of the same context."""
     context = getattr(value, "context", None)
     return float if context is None else lambda exact: context.mpf(exact.numerator) / exact.denominator
 

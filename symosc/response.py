@@ -55,7 +55,7 @@ COLUMNS = (
 
 
 class FrequencyResponse(Columns):
-    """The settled motion for each value of one parameter, as columns; of another model in that model's coordinates.
+    """The settled motion for each value of one parameter, as columns in the coordinates of the model that was given.
 
     Attributes
     ----------
@@ -104,7 +104,7 @@ class FrequencyResponse(Columns):
         raise AttributeError(f"FrequencyResponse has no column {name!r}; it has {', '.join(COLUMNS)}")
 
     def columns(self) -> dict[str, np.ndarray]:
-        """Return all columns by name, that of the parameter first."""
+        """Return all columns by name, first the column of the parameter."""
         return {self.name: self.values} | {name: getattr(self, name) for name in COLUMNS}
 
     def to_pandas(self) -> Any:
@@ -197,8 +197,10 @@ def model_of(what: Any) -> OtherModel:
 
 
 def respond(model: OtherModel, before: PeriodicOrbit | None = None) -> tuple[Record, PeriodicOrbit | None]:
-    """Return a row of the response of a model, and its orbit if any; `before` is an orbit for nearby parameters."""
-    # The columns of `FrequencyResponse` that are known.
+    """Return one row of a `FrequencyResponse`, the known columns by name, and an orbit for the next row if any.
+
+    The orbit is that of this `model`, or else `before`, an orbit for nearby parameters.
+    """
     p = model.parameters
     if p.k == 0:
         raise ParameterError("k", 0, "must be > 0: without a spring nothing fixes the position of a settled motion")
@@ -228,7 +230,11 @@ Settled = tuple[str, tuple[Any, Any, Any], PeriodicOrbit | None]
 
 
 def settle(p: Parameters, guess: tuple[float, float], before: PeriodicOrbit | None) -> Settled:
-    """Find the settled motion; ConvergenceError if there is none. `guess` is roughly x and v on it at t = 0."""
+    """Find the settled motion; ConvergenceError if there is none.
+
+    It is looked for near `before`, an orbit for nearby parameters, and else by following a motion that starts at t = 0
+    with x and v of `guess`.
+    """
     for boundary in (1, 2):
         rests = rest_positions(p, boundary)
         if rests is not None:
@@ -254,8 +260,11 @@ def _nearby_orbit(p: Parameters, before: PeriodicOrbit | None) -> PeriodicOrbit 
 
 
 def _orbit_reached(p: Parameters, guess: tuple[float, float]) -> PeriodicOrbit | None:
-    """Follow a motion, and find the orbit near the second last of its periods; None if there is none, or unstable."""
-    # The mappings that begin in that period end before the motion does. A marginal orbit counts as stable.
+    """Follow the motion from x and v of `guess` and find the orbit that it approaches; None if none, or unstable.
+
+    The orbit is looked for near the events of the second last period followed: mappings that begin there end before the
+    motion does. A marginal orbit counts as stable.
+    """
     period = 2 * pi / float(p.Omega)
     for count in FOLLOWED:
         motion = simulate(p, t0=0, x0=guess[0], v0=guess[1], t_end=count * period)
@@ -300,7 +309,7 @@ def harmonic_balance(p: Parameters) -> tuple[float, complex]:
     stiffness = hypot(k / Omega - m * Omega, c)
 
     def sides(V: float) -> tuple[float, float]:
-        """Return the two sides of the balance at a velocity amplitude V: the drive needed in phase with x, and x'."""
+        """Return the two parts of the drive that sustain a velocity amplitude V: in phase with x, and with x'."""
         friction = sum(force * sqrt(1 - (v / V) ** 2) for force, v in belts if abs(v) < V)
         return (k / Omega - m * Omega) * V, c * V + 4 / pi * friction
 
@@ -329,14 +338,21 @@ Part = tuple[Segment, tuple[float, float], np.ndarray, np.ndarray, np.ndarray, n
 
 @cache
 def _gauss() -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """Return Gauss's points and weights, and the matrix from values at them to Legendre coefficients."""
+    """Return the POINTS points and weights of Gauss in [-1, 1], and a matrix that makes Legendre coefficients.
+
+    The matrix makes them of the values that a function has at these points.
+    """
     points, weights = legendre.leggauss(POINTS)
     degrees = np.arange(POINTS)
     return points, weights, (degrees + 0.5)[:, None] * legendre.legvander(points, POINTS - 1).T * weights
 
 
 def parts(motion: Trajectory) -> Iterator[Part]:
-    """Yield pieces of a motion, each so short that a polynomial through its values at Gauss's points is accurate."""
+    """Yield the parts of a motion on which a polynomial through its values at Gauss's points is accurate.
+
+    A `Part` has the segment, its two ends in time, the times of Gauss's points, their weights, and z and u (the
+    oscillator's position and velocity) at them.
+    """
     p, (points, weights, coefficients) = motion.parameters, _gauss()
     # Periods of a motion without events are cut into parts of this angle of the fastest of drive and oscillator.
     longest = 2.0 / max(float(p.Omega), sqrt(p.k / p.m))
@@ -361,8 +377,10 @@ def parts(motion: Trajectory) -> Iterator[Part]:
 
 
 def turning_points(values: np.ndarray) -> np.ndarray:
-    """Return where in [-1, 1] a function may have extremes: the ends, and the turning points of its polynomial."""
-    # The polynomial goes through the given values at Gauss's points.
+    """Return where in [-1, 1] a function may have extremes, given its values at Gauss's points.
+
+    These are the two ends, and the turning points of the polynomial that goes through the values.
+    """
     found = _gauss()[2] @ values
     slope = legendre.legder(legendre.legtrim(found, CONVERGED * np.abs(found).max()))
     roots = legendre.legroots(slope) if len(slope) > 1 else np.empty(0)

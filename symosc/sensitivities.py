@@ -51,7 +51,7 @@ REASONS = {
 class Sensitivities(Comparable):
     """The derivatives of a motion.
 
-    Calling it gives those of the state: ``s(t)`` are the derivatives of [x, v] at a fixed time, of shape (2, wrt) for a
+    Call it for the derivatives of the state: ``s(t)`` are those of [x, v] at a fixed time, of shape (2, wrt) for a
     scalar and (2, n, wrt) for n times.
 
     Attributes
@@ -59,7 +59,7 @@ class Sensitivities(Comparable):
     trajectory : Trajectory
         The motion.
     wrt : tuple of str
-        What it is differentiated by.
+        The names of the numbers by which the motion is differentiated.
     dt, dx : array, (events, wrt)
         Total derivatives of the time and the position of each event.
     regular : array of bool, (events, wrt)
@@ -120,7 +120,7 @@ class Sensitivities(Comparable):
 
 
 class _Columns:
-    """The events of a motion as columns in its arithmetic, in the form that `symosc.engine.tangent` takes."""
+    """The events of a motion as columns of doubles or mpmath numbers, from which all derivatives are computed."""
 
     def __init__(self, trajectory: Trajectory, start: Start) -> None:
         self.trajectory, p = trajectory, trajectory.parameters
@@ -144,20 +144,28 @@ class _Columns:
 
     @property
     def numbers(self) -> MapArithmetic:
-        """The functions and constants in this arithmetic; they are not stored, as they cannot be pickled."""
+        """The motion's constants and the functions of its mappings, for doubles or for numbers of mpmath.
+
+        They are not stored, as they cannot be pickled.
+        """
         return map_arithmetic(self.trajectory.parameters, self.context)
 
     def loop(self, name: str, count: int) -> tuple[Callable[..., None], Any]:
-        """Return the function of a name in `symosc.engine.tangent`, compiled for many rows, and its constants."""
+        """Return the function `name` of `symosc.engine.tangent`, and the motion's constants in the form it takes.
+
+        It is compiled if possible; code on disk is looked for if `count`, the number of its rows, is large.
+        """
         compiled = tangent_loops(count > MANY) if self.context is None else None
         if compiled:
             return compiled[name], table_of([self.numbers.K])
         return self.numbers.of[name], [self.numbers.K]
 
     def event_derivatives(self, wrt: tuple[str, ...], count: int) -> tuple[np.ndarray, ...]:
-        """Return dt, dx and marks with respect to the first `count` names, and three more results of `tangents`."""
-        # A mark is 1 where the derivative exists, else says why not. The others: for each event the code of a reason
-        # (`REASONS`), 0 if there is none; the logarithms of how lengths and areas grow; derivatives at the last start.
+        """Return derivatives dt and dx of events by the first `count` names, marks of these, and three more results.
+
+        A mark is 1 where the derivative exists, else says why not. The others: for each event the code of a reason
+        (`REASONS`), 0 if there is none; the logarithms of how lengths and areas grow; derivatives at the last start.
+        """
         codes, events = codes_of(wrt), len(self.rows[0])
         kept = [np.zeros((events, count), self.kind) for _ in range(2)]
         out = *kept, np.zeros((events, count), np.int8), np.zeros(events, np.int8), np.zeros((1, 2))
@@ -167,7 +175,10 @@ class _Columns:
         return *out, work
 
     def pieces(self) -> tuple[np.ndarray, np.ndarray]:
-        """Return the starts of all pieces between events, and the numbers of events that begin all but the first."""
+        """Return the starts of all pieces of the motion between events, and the numbers of the events there.
+
+        A start is a row mode, t, theta, x, v. The first piece begins at the start of the motion, at no event.
+        """
         t, theta, x, v, kinds, _, targets = self.rows
         events = np.flatnonzero(kinds != GRAZE)
         rows = np.array([targets, t, theta, x, v], dtype=self.kind).T[events]
@@ -187,8 +198,11 @@ class _Columns:
     def _state_derivatives(
         self, loop: Any, times: np.ndarray, pieces: np.ndarray, starts: np.ndarray, launched: np.ndarray, codes: Any
     ) -> np.ndarray:
-        """Return derivatives of x and v at times, by the names with `codes`, given the number of each time's piece."""
-        # `launched` are the derivatives of t, x and v at the starts of the pieces, `loop` is the function to use.
+        """Return the derivatives of x and v at times by the names with `codes`, from those at the starts of the pieces.
+
+        `pieces` has for each time the number of its piece, whose start is a row of `starts`; `launched` are the
+        derivatives of t, x and v there. `loop` is the function to use, with the motion's constants.
+        """
         out, (function, table) = np.zeros((2, len(times), len(codes)), self.kind), loop
         work = work_space(codes, self.kind)
         function(times, pieces, starts, launched, codes, is_deep(codes), self.letters, table, out, work)
@@ -266,8 +280,11 @@ def sensitivities(
 
 
 def _reasons(columns: _Columns, wrt: tuple[str, ...], marks: np.ndarray, codes: np.ndarray) -> tuple[str | None, ...]:
-    """Return for each event why the motion is not differentiable from there on, None where it is."""
-    # The first entry also says so of the start. `marks` and `codes` are those of `event_derivatives`.
+    """Return for each event why the motion is not differentiable from there on, None where it is.
+
+    The first entry also says so of the start. `marks` say for each event and name whether the derivative exists,
+    `codes` which of REASONS an event has.
+    """
     found: list[str | None] = [None] * len(codes)
     for n in np.flatnonzero(codes).tolist():
         event = columns.trajectory.events[n]
@@ -283,8 +300,10 @@ def _reasons(columns: _Columns, wrt: tuple[str, ...], marks: np.ndarray, codes: 
 
 
 def _kink_at_start(columns: _Columns, wrt: tuple[str, ...], marks: np.ndarray) -> str | None:
-    """Return a text on why and by which names a start on a belt is not differentiable; None if it is by all."""
-    # `marks` are 0 where a derivative does not exist.
+    """Return a text on why a start on a belt is not differentiable, with the names concerned; None if it is.
+
+    `marks` are 0 for the names of `wrt` by which no derivative exists.
+    """
     mode, _, _, _, v = columns.starts[0]
     p, number = columns.trajectory.parameters, columns.numbers.number
     on = [name for n, name in ((1, "v1"), (2, "v2")) if v == number(p.belt(n))]

@@ -44,7 +44,10 @@ class WordError(SymoscError, ValueError):
 
 
 class Plane(NamedTuple):
-    """A switching plane of the paper; superscript 0: sticking on the belt, 1: just below its speed, 2: just above."""
+    """A switching plane of the paper: the boundary where it is, and on which side of the belt's speed.
+
+    The `superscript` is 0 for sticking on the belt, 1 for just below its speed and 2 for just above.
+    """
 
     superscript: int
     boundary: int
@@ -122,8 +125,8 @@ class Word(NamedTuple):
     def exits(self) -> tuple[str | None, ...]:
         """Return for each map that is a stick whether the next map moves "below" or "above" the belt.
 
-        It is None for flights. The last map is followed by the first one, as on a periodic orbit; it is None too if
-        that does not begin at the same belt.
+        The entry is None for a flight. The last map is followed by the first one, as on a periodic orbit. If that does
+        not begin at the belt of a stick before it, the stick's entry is None too.
         """
         found: list[str | None] = []
         for step, after in zip(self.maps, [*self.maps[1:], self.maps[0]], strict=True):
@@ -163,8 +166,10 @@ class Labels(list[str]):
 
 
 def collapsed(labels: Sequence[str]) -> str:
-    """Return labels as text, a group that is repeated up to the end written once: P1 P3 (P1 P2)×46 P1."""
-    # After the last whole group there may be the beginning of one more.
+    """Return labels as text in which a group that is repeated up to the end is written once: P1 P3 (P1 P2)×46.
+
+    After the last whole group there may be the beginning of one more.
+    """
     if len(labels) <= MOST_PRINTED:
         return " ".join(labels)
     best, count = (0, 1, 0), len(labels)  # begin, length and number of the repetitions

@@ -90,7 +90,11 @@ ChangeColumns = Callable[[np.ndarray, np.ndarray, np.ndarray], tuple[np.ndarray,
 
 
 class Candidate(NamedTuple):
-    """A diagnosis, and the change that should make all steps right: its words (""), with parameters or columns."""
+    """A diagnosis and, where there is one, the change of parameters or columns that should make all steps right.
+
+    `words` describe the change, such as "with m = 2"; without a change they are "". The exact motion gets the
+    `parameters`, or the function `columns` makes new columns t, x, v.
+    """
 
     diagnosis: Diagnosis
     words: str = ""
@@ -170,10 +174,12 @@ def explain(
     allowed: np.ndarray,
     near: np.ndarray,
 ) -> tuple[Fault, ...]:
-    """Describe the wrong steps number `chosen` of the samples as faults, each with a guess at its cause."""
-    # `modes`: the mode code of each sample, 0 where it only passes a belt. `allowed`: the largest right defect of each
-    # step in x and v. `sizes`: the defect of each step, divided by `allowed`. `near`: how far the v of each sample may
-    # be from a belt's speed and still count as on the belt.
+    """Describe the wrong steps with the numbers `chosen` as faults, each with a guess at its cause.
+
+    `modes` are the mode codes of the samples, 0 where a sample only passes a belt. `allowed` is the largest right
+    defect of each step in x and v, and `sizes` the defect of each step divided by it. The v of a sample may be off a
+    belt's speed by `near` and still count as on the belt.
+    """
     since = np.array(chosen, dtype=int)
     misses = []  # of flights with the force of each domain, to the next sample and to the one after
     for n in (1, 2):
@@ -182,9 +188,11 @@ def explain(
         misses.append(np.max(np.abs(gaps / allowed[since]), axis=2))
 
     def guess(i: int, to_next: np.ndarray, over_next: np.ndarray) -> tuple[str, str]:
-        """Return why step i is probably wrong: a key of REASONS, and a sentence about this step."""
-        # A flight from sample i with the force of each domain misses the next sample by `to_next`, the one after it by
-        # `over_next` (both divided by `allowed`).
+        """Return why step `i` is probably wrong: a key of REASONS, and a sentence about this step.
+
+        A flight from sample i with the force of each domain misses the next sample by `to_next`, and the sample after
+        that by `over_next`, both divided by the allowed defect.
+        """
         if not np.isfinite(sizes[i]):
             return "undecidable", "the exact motion over the step cannot be decided in double precision"
         if steps.t[i + 1] == steps.t[i]:
@@ -253,7 +261,7 @@ class Fit(NamedTuple):
 
 
 def tried_samples(check: Any) -> slice:
-    """Return the samples of a `CrossCheck` on which causes are tried: at most MOST_TRIED_STEPS steps."""
+    """Return which samples of a `CrossCheck` are used to test possible causes, at most MOST_TRIED_STEPS steps."""
     # They begin 300 steps before the first wrong one, or earlier if few follow it.
     first = int(check.wrong_steps[0]) if len(check.wrong_steps) else 0
     low = max(0, min(first - 300, len(check.t) - MOST_TRIED_STEPS - 1))
@@ -269,7 +277,7 @@ class Case:
     # exact motion, and `inside_wrong` and `flights_wrong` those of them that are wrong, and their fraction.
 
     def __init__(self, check: Any) -> None:
-        """Follow the exact motion over all steps, or, of many, over a part that begins before the first wrong one."""
+        """Follow the exact motion over the samples of a `CrossCheck`, or if they are many over its `tried_samples`."""
         part = tried_samples(check)
         self.check, self.offset, self.parameters = check, part.start, check.trajectory.parameters
         self.allowed, self.scales = check.allowed[part.start : part.stop - 1], np.array(check.scales)
@@ -298,15 +306,19 @@ class Case:
         return bool(np.any(np.diff(stays) == 1))
 
     def limits(self, part: float = EXPLAINS) -> np.ndarray:
-        """Return the defect below which each step of the case counts as explained: `part` of its own, at least 1."""
+        """Return the defect up to which each step counts as explained: the allowed or, if larger, `part` of its own."""
         return _limits(self.sizes, part)
 
     def share(self, sizes: np.ndarray, of: np.ndarray | None = None, part: float = EXPLAINS) -> float:
-        """Return the `explained_share` of a cause that leaves defects `sizes` in the steps `of` (None: in all)."""
+        """Return the fraction of wrong steps that a cause explains if it leaves defects `sizes` in the steps `of`.
+
+        Steps that the cause makes wrong are subtracted, see `explained_share`. `of` are step numbers, None for all
+        steps.
+        """
         return explained_share(self.sizes if of is None else self.sizes[of], sizes, part)
 
     def misses(self, ends: np.ndarray, steps: np.ndarray) -> np.ndarray:
-        """Return computed end states x, v of some steps minus the next samples, in units of the allowed differences."""
+        """Return computed states x, v at the ends of `steps` minus the samples there, in units of allowed defects."""
         return np.asarray((ends - self.steps.states[steps + 1]) / self.allowed[steps])
 
     def miss_sizes(self, ends: np.ndarray, steps: np.ndarray) -> np.ndarray:
@@ -314,12 +326,12 @@ class Case:
         return larger(self.misses(ends, steps))
 
     def defects_with(self, p: Parameters, ahead: float = 0.0) -> np.ndarray:
-        """Return the defects of all steps, divided by those allowed, with parameters p and times later by `ahead`."""
+        """Return the defects of all steps, divided by the allowed, for parameters `p` and times later by `ahead`."""
         s = self.steps
         return np.asarray(follow_steps(p, s.t + ahead, s.x, s.v, self.near, self.scales).defects / self.allowed)
 
     def share_mended_by(self, t: np.ndarray, x: np.ndarray, v: np.ndarray) -> float:
-        """Return the fraction of the wrong steps that become right if t, x, v (perhaps shorter) replace the samples."""
+        """Return the fraction of wrong steps that become right with other columns t, x, v, which may be shorter."""
         if len(t) < 2:
             return 0.0
         found = follow_steps(self.parameters, t, x, v, float(np.median(self.near)), self.scales)
@@ -332,14 +344,16 @@ class Case:
         return chosen[np.linspace(0, len(chosen) - 1, most).astype(int)]
 
     def some_defects_with(self, p: Parameters, chosen: np.ndarray) -> np.ndarray:
-        """Return the defects of the chosen steps with parameters p, relative to the allowed, of shape (steps, 2)."""
+        """Return the defects of the steps `chosen` for parameters `p`, divided by the allowed, as rows x, v."""
         begin = np.column_stack([self.steps.t, self.steps.states])[chosen]
         return self.defects_from(begin, chosen + 1, self.near[chosen], p) / self.allowed[chosen]
 
     def defects_from(self, begin: np.ndarray, until: np.ndarray, near: Any, p: Parameters | None = None) -> np.ndarray:
-        """Follow the exact motion from each row t, x, v of `begin` to a sample; return its ends minus these samples."""
-        # `until` are the numbers of the samples, `near` is as in `follow_steps`, for the rows. No row may begin before
-        # the one before ends.
+        """Follow the exact motion from each row t, x, v of `begin` to a sample; return its ends minus these samples.
+
+        `until` has the number of the sample for each row, and `near` is as in `follow_steps`. No row may begin before
+        the motion of the row before it has ended.
+        """
         end = np.column_stack([self.steps.t, self.steps.states])[until]
         found, moving = begin[:, 1:] - end[:, 1:], begin[:, 0] < end[:, 0]
         if np.any(moving):
@@ -349,9 +363,11 @@ class Case:
         return np.asarray(found)
 
     def flight_misses(self, K: Constants, turn: float = 0.0, chosen: np.ndarray | None = None) -> np.ndarray:
-        """Return how far flights over the chosen steps (None: `inside`) miss the next samples, in allowed defects."""
-        # Each has the force of the domain of its sample, with the constants K of another system, and a drive whose
-        # phase is ahead by the angle `turn`.
+        """Return how far flights over steps miss the next samples in x and v, divided by the allowed defects.
+
+        The steps are those numbered `chosen`, or all of `inside`. Each flight has the force of the domain of its first
+        sample, the constants `K` of another system, and a drive whose phase is ahead by the angle `turn`.
+        """
         chosen, s = self.inside if chosen is None else chosen, self.steps
         other = replace(s, K=K, theta=s.theta + (K.Om - s.K.Om) * s.t + turn)
         return self.misses(other.flight(self.domain[chosen], chosen, chosen + 1), chosen)
@@ -367,15 +383,17 @@ def _limits(sizes: np.ndarray, part: float) -> np.ndarray:
 
 
 def explained_share(before: np.ndarray, after: np.ndarray, part: float = EXPLAINS) -> float:
-    """Return (wrong steps that a cause explains - right steps that it makes wrong) / (all wrong steps)."""
-    # From the sizes of the defects without and with it. A wrong step is explained if at most `part` is left. The share
-    # is negative if more steps become wrong than right.
+    """Return (wrong steps that a cause explains - right steps that it makes wrong) / (all wrong steps).
+
+    `before` and `after` are the sizes of the defects without and with the cause. A wrong step is explained if at most
+    the fraction `part` of its defect is left. The result is negative if more steps become wrong than right.
+    """
     wrong, fits = ~(before <= 1.0), np.asarray(after <= _limits(before, part))
     return (int(np.sum(fits & wrong)) - int(np.sum(~fits & ~wrong))) / max(1, int(np.sum(wrong)))
 
 
 def mended_share(before: np.ndarray, after: np.ndarray) -> float:
-    """Return the fraction of the wrong steps that a change mends, from defect sizes of other steps than `before`."""
+    """Return the fraction of wrong steps that other samples mend, from the defects of the old and the new steps."""
     wrong = ~(before <= 1.0)
     usual = before[wrong & np.isfinite(before)]
     limit = max(1.0, EXPLAINS * float(np.median(usual))) if len(usual) else 1.0
@@ -383,9 +401,11 @@ def mended_share(before: np.ndarray, after: np.ndarray) -> float:
 
 
 def fitted(misses: Callable[[np.ndarray], np.ndarray], start: np.ndarray, ticks: np.ndarray) -> Fit | None:
-    """Fit numbers robustly to the misses of steps, leaving out steps that miss by far more than the others."""
-    # `misses(numbers)` returns by how much each step then misses the next sample in x and v, shape (steps, 2).
-    # Derivatives are difference quotients over `ticks`. None if the numbers are not determined.
+    """Fit numbers to steps, from first values `start`; leave out steps that miss the samples by far more than others.
+
+    `misses(numbers)` returns by how much each step then misses the next sample in x and v, shape (steps, 2).
+    Derivatives are difference quotients over the small changes `ticks`. None if the numbers are not determined.
+    """
     value = np.array(start, dtype=float)
     kept, error = None, np.zeros(len(value))
     for _ in range(8):
@@ -410,8 +430,11 @@ def fitted(misses: Callable[[np.ndarray], np.ndarray], start: np.ndarray, ticks:
 
 
 def _median_change(here: np.ndarray, J: np.ndarray) -> tuple[np.ndarray, np.ndarray] | None:
-    """Return the change of a single fitted number and its deviation, from the misses `here` and their derivatives."""
-    # It is the weighted median of the changes that the single steps ask for.
+    """Return by how much to change a single fitted number, and the standard deviation of the number.
+
+    It is the weighted median of the changes that the single steps ask for. `here` are the misses of the steps, `J` the
+    derivatives of these misses with respect to the number.
+    """
     squares = np.sum(J[..., 0] ** 2, axis=1)
     used = squares > 0.0
     if not np.any(used):
@@ -438,9 +461,11 @@ def _least_squares(here: np.ndarray, J: np.ndarray) -> tuple[np.ndarray, np.ndar
 def best_between(
     misses: Callable[[np.ndarray], np.ndarray], low: np.ndarray, high: np.ndarray, points: int, enough: np.ndarray
 ) -> tuple[np.ndarray, np.ndarray]:
-    """Find for each step the number in its [low, high] at which it misses least; return the numbers and the misses."""
-    # `misses(numbers)` returns the miss of each step at its own number. A grid with so many `points` is refined around
-    # the best of them, at most 8 times, or until the miss of every step is at most its `enough`.
+    """Find for each step the number between its `low` and `high` at which it misses least; return numbers and misses.
+
+    `misses(numbers)` returns the miss of each step at its own number. A grid with so many `points` is refined around
+    the best of them, at most 8 times, or until the miss of every step is at most its `enough`.
+    """
     best, leaves, begin, end = low, np.full(len(low), np.inf), low, high
     for _ in range(8):
         for part in np.linspace(0.0, 1.0, points):

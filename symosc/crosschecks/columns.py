@@ -42,7 +42,7 @@ def other_columns(case: Case) -> Iterator[Candidate]:
 
 
 def changed_columns(p: Parameters, t: np.ndarray, x: np.ndarray, v: np.ndarray) -> Iterator[Candidate]:
-    """Yield columns with other signs, order or units as candidates; units only if x agrees with the integral of v."""
+    """Yield candidates with other signs, order or units of columns; units only if x then fits the integral of v."""
     m, Om = float(p.m), float(p.Omega)
     table: list[tuple[str, str, str, str, float | None, Callable[..., Columns]]] = [
         ("sign", "x", "x has the wrong sign", "with -x", None, lambda t, x, v: (t, -x, v)),
@@ -83,7 +83,7 @@ def changed_columns(p: Parameters, t: np.ndarray, x: np.ndarray, v: np.ndarray) 
 
 
 def _divided(names: list[str], factor: float, *columns: np.ndarray) -> Columns:
-    """Return t, x, v with the named columns divided by a factor."""
+    """Return the columns t, x, v, those in `names` divided by `factor`."""
     t, x, v = (each / factor if name in names else each for name, each in zip("txv", columns, strict=True))
     return t, x, v
 
@@ -141,8 +141,11 @@ def _velocities_from_positions(case: Case) -> tuple[int, np.ndarray] | None:
 
 
 def _velocities_beside(case: Case, first: int, v: np.ndarray, part: float) -> np.ndarray:
-    """Return the exact velocity at a time beside each sample from number `first` on, whose velocities are `v`."""
-    # The time is a fraction `part` of the step before the sample, or after it if negative. NaN where no step is there.
+    """Return the exact velocities at times next to the samples from number `first` on, which have velocities `v`.
+
+    Each time lies before its sample by the fraction `part` of the step to it, or if `part` is negative after its sample
+    by this fraction of the next step. NaN where there is no such step.
+    """
     s = case.steps
     t, x = s.t[first:], s.x[first:]
     time = (t[1:] if part > 0.0 else t[:-1]) - part * np.diff(t)
@@ -298,7 +301,7 @@ def _without(rows: list[int], t: np.ndarray, x: np.ndarray, v: np.ndarray) -> Co
 
 
 def noise(case: Case) -> Iterator[Diagnosis]:
-    """Yield the diagnosis of noise in the samples: the defects of successive steps are anticorrelated."""
+    """Yield the diagnosis of noise if the defects of successive steps are anticorrelated, as noise makes them."""
     inside = case.inside_wrong
     pairs = inside[:-1][np.diff(inside) == 1]
     if len(pairs) < 12:

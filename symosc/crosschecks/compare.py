@@ -83,12 +83,12 @@ def crosscheck(
         Allowed defect of a step, relative to the largest |x| and |v| of the exact motion. A sample whose v differs
         from a belt's speed by less is on the belt. Samples with few digits (3 decimals, single precision) that fail
         are judged once more at that precision; `rounded` and a note say so. Then half a unit of the last place of
-        each sample is allowed beside the tolerance, and what the exact motion makes of that of the sample before; and
-        the same over spans of 4, 16, 64, ... steps.
+        each sample is allowed beside the tolerance, and what the exact motion makes of such an error of the sample
+        before. Spans of 4, 16, 64, ... steps are judged in the same way.
     global_tolerance : float, optional
         Allowed global error, relative to the same values. Default: 1000 times `tolerance`, at most 0.01; of rounded
         samples at most 5 last places, or 100 times `tolerance` where that is more. The rounding of the sample is
-        allowed beside it, and what the exact motion makes of that of the first sample.
+        allowed beside it, and what the exact motion makes of the rounding of the first sample.
     own_start, partial : bool
         Allow a solution of a scene that starts elsewhere, and one that ends before the scene's `t_end`.
     columns : mapping, optional
@@ -163,7 +163,7 @@ class Task:
         return usual if self.given_limit is None else self.given_limit
 
     def verdict(self) -> CrossCheck:
-        """Judge the samples and return the result; if they fail and are rounded, judge them with that error allowed."""
+        """Judge the samples and return the result; if they fail but are rounded, judge again and allow rounding."""
         samples, rounding, p = self.samples, self.rounding, self.parameters
         if rounding is None:
             samples = with_velocities(samples, self.scene, self.tolerance) if samples.lacks_v else samples
@@ -186,7 +186,11 @@ class Task:
         return replace(result, ok=result.ok and not early, early_end=early)
 
     def _judge_cut_off(self, half: np.ndarray, listed: np.ndarray, result: CrossCheck) -> CrossCheck | None:
-        """Judge the samples as if their last digits were cut off, not rounded; None if they are wrong then too."""
+        """Judge the samples as if their last digits had been cut off, not rounded; return None if they still fail.
+
+        `half` is half a unit in the last place of each t, x and v, `listed` the rounding of listed times of events, and
+        `result` the verdict that the samples are wrong if their digits are rounded.
+        """
         samples = self.samples
         # Digits that are cut off, not rounded, make no larger errors.
         if not np.any(half) or np.nanmax(np.abs(result.errors) / result.limits) > 4.0:
@@ -202,7 +206,11 @@ class Task:
         return None
 
     def _with_coarser(self, half: np.ndarray, listed: np.ndarray, result: CrossCheck) -> CrossCheck:
-        """Return the result with a check of every n-th sample as its `coarser`, n being the longest wrong span."""
+        """Return a failed `result` with a verdict on every n-th sample as its `coarser`.
+
+        n is the number of steps of the longest of its `wrong_spans`. `half` is half a unit in the last place of each t,
+        x and v, and `listed` the rounding of listed times of events.
+        """
         # Over one dense step the rounding of the samples is larger than what a wrong model does; over n it is not.
         spans, samples = result.wrong_spans, self.samples
         # A few spans show no cause, and where most steps are wrong these show it themselves.
@@ -300,7 +308,10 @@ class Task:
         )
 
     def _start(self, loose: np.ndarray, rounding: np.ndarray) -> tuple[Record, str]:
-        """Return the start of the exact motion, and a note if it differs from the scene's start."""
+        """Return the start of the exact motion, and a note if the samples start elsewhere than the scene.
+
+        `rounding` is that of the first t, x and v, and `loose` are the errors that it allows in the first x and v.
+        """
         # {} is the scene's own start, which may have more digits than the first sample.
         scene, samples, limit, rate = self.scene, self.samples, self.limit, fastest_rate(self.parameters)
         first = np.array([samples.t[0], samples.x[0], samples.v[0]])
@@ -343,10 +354,13 @@ class Task:
         return f"the solution ends at t = {last:.10g}; the motion of {scene.name} goes on to t = {t_end:.10g}"
 
     def _wrong_spans(self, loose: np.ndarray, near: np.ndarray, scales: np.ndarray) -> np.ndarray:
-        """Return the spans of steps, as first and last sample, over which rounded samples leave the exact motion."""
-        # `loose` are the errors that their rounding allows, `near` the distances in v from a belt that count as on it,
-        # `scales` the units of x and v. The tolerances of the steps of a span add up.
-        # The length is chosen at which many spans, and a great part of all, are wrong.
+        """Return the spans of steps, as first and last sample, over which rounded samples leave the exact motion.
+
+        `loose` are the errors of x and v that the rounding of each sample allows, `near` the distances of v from a
+        belt's speed that count as on the belt, and `scales` the units of x and v.
+        """
+        # The tolerances of the steps of a span add up. The length is chosen at which many spans, and a great part of
+        # all, are wrong.
         p, samples, best = self.parameters, self.samples, np.empty((0, 2), int)
         count, length, most = len(samples.t), SPAN_FACTOR, 0.0
         while length < count and np.any(loose):
@@ -365,9 +379,11 @@ class Task:
     def _match(
         self, trajectory: Trajectory, start: Record, found: list[FoundEvent], reach: Reach, label: Any, wrong: Any
     ) -> Matcher:
-        """Match the exact events with the events of the solver's list or, if none was given, with those `found`."""
-        # `found` are read off the samples, whose mode codes are `label`; `wrong` marks the wrong steps; `reach` tells
-        # how far times of events may be off.
+        """Match the exact events with the solver's list of events or, if none was given, with those `found`.
+
+        The events `found` were read off the samples. `label` are the mode codes of the samples, `wrong` marks the wrong
+        steps, and `reach` tells how far times of events may be off.
+        """
         events, until, last = self.samples.events, float(trajectory.t_end), float(self.samples.t[-1])
         there = until if until < last else np.inf  # where the exact motion has ended there is nothing to match
         if events is None or (events and not any(kind for _, kind in events)):
@@ -384,7 +400,7 @@ class Task:
         return Matcher(trajectory, exact, given_events(reach.steps, pairs), True, reach, label, wrong)
 
     def _simulate(self, t_end: float, start: Record) -> Trajectory:
-        """Return the exact motion from a start to t_end, or less if it has far more events than there are samples."""
+        """Return the exact motion from a start to t_end, cut short if it has far more events than there are samples."""
         return simulate(self.scene, t_end=t_end, max_events=2_000 + 10 * len(self.samples.t), **start)
 
 
@@ -396,7 +412,7 @@ def _every(n: int, count: int) -> np.ndarray:
 def _faults(
     steps: ExactSteps, modes: np.ndarray, sizes: np.ndarray, allowed: np.ndarray, near: np.ndarray, matching: Matcher
 ) -> tuple[Fault, ...]:
-    """Describe the first MOST_FAULTS wrong steps, and all that miss or invent an event; see `explain`."""
+    """Describe wrong steps by `explain`: the first MOST_FAULTS, and all in which an event is missed or invented."""
     wrong = ~(sizes <= 1.0)
     odd = {event.step for event in matching.invented}
     odd |= {int(np.searchsorted(steps.t, float(event.t))) - 1 for event in matching.missed}

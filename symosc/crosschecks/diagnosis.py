@@ -34,7 +34,7 @@ STAGES: tuple[tuple[Callable[[Case], Iterable[Candidate | Diagnosis]], ...], ...
     (columns.velocity_column, columns.frozen_positions, columns.resampled),
     (methods.double_roots, models.coefficients),
     (models.far_coefficients,),
-    (methods.repeated, methods.interpolated),
+    (methods.known_methods, methods.interpolated),
     (friction.smoothed_flights, friction.at_belts, friction.stick_ends, friction.drift_within_steps),
     (methods.delays, friction.smoothed_passages),
     (columns.other_velocities, methods.truncation, models.forces),
@@ -91,7 +91,7 @@ def _best(case: Case, check: Any) -> tuple[Diagnosis, ...]:
 
 
 def _tested(tried: list[Candidate], check: Any) -> list[Diagnosis]:
-    """Repeat the check with the changes of the best candidates; return the diagnoses that it confirms."""
+    """Repeat the check with the changes of the best candidates; return the diagnoses that these checks confirm."""
     waiting = list(tried)
     while waiting and (best := waiting[0].diagnosis.share) >= NAMED:
         good = [one for one in waiting if one.diagnosis.share >= max(NAMED, best - AS_GOOD)]
@@ -111,7 +111,10 @@ def _tested(tried: list[Candidate], check: Any) -> list[Diagnosis]:
 
 
 def with_evidence(candidate: Candidate, check: Any) -> Diagnosis | None:
-    """Repeat a check with a candidate's change; return its diagnosis with the result, None if that is impossible."""
+    """Repeat a check with the change of a candidate; return its diagnosis with the result as evidence.
+
+    Return None if the changed samples cannot be checked at all.
+    """
     diagnosis, change = candidate.diagnosis, candidate.words
     if not change:
         return diagnosis

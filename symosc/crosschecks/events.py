@@ -109,9 +109,11 @@ class Match:
 
 
 def labels(steps: ExactSteps, near: np.ndarray, drift: np.ndarray) -> np.ndarray:
-    """Return the mode code of each sample: 1 to 3 for the domain that it is in, 4 at belt 1, 5 at belt 2."""
-    # A sample is at a belt if its v differs from the belt's by at most `near`, or by at most `drift` where the exact
-    # motion sticks to the belt in the step before or after: solvers let v drift off there.
+    """Return the mode code of each sample: 1 to 3 for the domain that it is in, 4 at belt 1, 5 at belt 2.
+
+    A sample is at a belt, sticking or passing, if its v differs from the belt's by at most `near`, or by at most
+    `drift` where the exact motion sticks to the belt in the step before or after: solvers let v drift off there.
+    """
     v, K = steps.v, steps.K
     label = np.int8(1) + (v > K.belt1.v) + (v > K.belt2.v)
     for boundary, speed in ((1, K.belt1.v), (2, K.belt2.v)):
@@ -122,8 +124,11 @@ def labels(steps: ExactSteps, near: np.ndarray, drift: np.ndarray) -> np.ndarray
 
 
 def find_events(steps: ExactSteps, label: np.ndarray, wrong: np.ndarray) -> tuple[list[FoundEvent], np.ndarray]:
-    """Return the events that the mode codes `label` of the samples show, in order of time, and corrected codes."""
-    # The corrected codes are 0 for samples at a belt that only pass or graze it, and else equal.
+    """Return the events that the mode codes `label` of the samples show, in order of time, and corrected codes.
+
+    The corrected codes are 0 for samples at a belt that only pass or graze it, and else equal. `wrong` marks wrong
+    steps.
+    """
     modes = label.copy()
     starts = np.flatnonzero((np.diff(label, prepend=0) != 0) | _reached_by_flight(steps, label, wrong))
     ends = np.append(starts[1:], len(label)) - 1
@@ -172,7 +177,7 @@ def find_events(steps: ExactSteps, label: np.ndarray, wrong: np.ndarray) -> tupl
 
 
 def _reached_by_flight(steps: ExactSteps, label: np.ndarray, wrong: np.ndarray) -> np.ndarray:
-    """Mark samples at a belt that follow one at the same belt, with a flight and no stick in the right step between."""
+    """Mark samples at a belt that a right step reaches from a sample at the same belt by a flight, without a stick."""
     held = (steps.first == label[:-1]) | (steps.last == label[:-1])
     for i in np.flatnonzero((label[:-1] > 3) & ~held).tolist():
         held[i] = bool(np.any(steps.events.target[steps.events.rows(i, i)] == label[i]))
@@ -194,7 +199,11 @@ def _is_stick(steps: ExactSteps, mode: int, first: int, last: int, wrong: np.nda
 def _event(
     steps: ExactSteps, kind: str, boundary: int, source: int, target: int, step: int, last_step: int, sample: int | None
 ) -> FoundEvent:
-    """Return an event between two samples, at the time of the exact event, of a sample, or by interpolation."""
+    """Return an event that the samples show between sample `step` and the sample after `last_step`.
+
+    Its time is that of the exact event in these steps if there is one, else that of sample number `sample`, and if this
+    is None it is interpolated.
+    """
     last_step = min(last_step, len(steps.first) - 1)
     i, j, rows = step, last_step + 1, steps.events.rows(step, last_step)
     times = steps.events.t[rows][(steps.events.kind[rows] == CODES[kind]) & (steps.events.boundary[rows] == boundary)]
@@ -220,7 +229,7 @@ def given_events(steps: ExactSteps, pairs: Iterable[tuple[float, str]]) -> list[
 
 @dataclass(frozen=True)
 class Reach:
-    """Computes by how much times of events may be off, given the tolerance and the errors of the samples."""
+    """The tolerances of event times: by how much they may be off, given the tolerance and the errors of the samples."""
 
     steps: ExactSteps
     errors: np.ndarray  # allowed errors of the samples in x and v, (n, 2)
@@ -234,7 +243,7 @@ class Reach:
         return self._width(t, x, theta, event.boundary, MODES[event.source])
 
     def of_row(self, row: int) -> float:
-        """Return by how much a solver's time of the event in a row of `steps.events` may be off."""
+        """Return by how much a solver's time of the exact event in one `row` of `steps.events` may be off."""
         events = self.steps.events
         step, boundary = int(events.step[row]), int(events.boundary[row])
         starts = row == 0 or events.step[row - 1] != step
@@ -271,8 +280,8 @@ class Reach:
         return float(acceleration(x, v, cos(theta), (K.A1, K.A2, K.A3)[domain - 1], K.cm, K.w0sq, K.f0))
 
     def _spread(self, time: float) -> tuple[float, float]:
-        """Bound the errors of x and v around a time; that of v is valid for all later times of the motion too."""
-        # V^2 + (k/m) X^2 never grows for the differences X, V of two motions: an error of x may become one of v.
+        """Return bounds of the errors of x and v around a time; the second bounds all later errors of v too."""
+        # For the differences X, V of two motions V^2 + (k/m) X^2 never grows: an error of x may become one of v.
         j = int(np.searchsorted(self.steps.t, time))
         dx, dv = (float(value) for value in np.max(self.errors[max(j - 2, 0) : j + 2], axis=0))
         return dx, sqrt(dv * dv + self.steps.K.w0sq * dx * dx)
@@ -296,7 +305,7 @@ class Reach:
 
 
 class Matcher:
-    """Pairs of exact events and events of the samples or of a solver's list (`given`), and verdicts on all others."""
+    """Exact events paired with those of the samples or of a solver's list (`given`), and verdicts on the others."""
 
     # `exact` may have events shortly after the last sample too; `label` are the codes of `labels`; `wrong` marks steps.
     # The results `matched`, `missed`, `invented`, `unresolved` and `notes` are those of `CrossCheck`.
@@ -326,8 +335,8 @@ class Matcher:
         self.matched.sort(key=lambda match: float(match.event.t))
 
     def _local(self, event: Event) -> int | None:
-        """Return the row of an event of the exact motion among the events of the right steps; None if they lack it."""
-        # Those of the steps are `steps.events`: the motion begins anew at every sample.
+        """Return the row in `steps.events` of an event of the exact motion; None if no right step has this event."""
+        # In `steps.events` the motion begins anew at every sample.
         events, time = self.steps.events, float(event.t)
         rows = np.arange(*np.searchsorted(events.t, [time - self.window, time + self.window]))
         same = (events.kind[rows] == CODES[event.kind]) & (events.boundary[rows] == event.boundary)
@@ -335,7 +344,7 @@ class Matcher:
         return int(rows[np.argmin(np.abs(events.t[rows] - time))]) if len(rows) else None
 
     def _own_time(self, i: int) -> float | None:
-        """Return the time of exact event number i on the motion restarted at each sample; None if that lacks it."""
+        """Return the time of exact event number `i` on the motions restarted at the samples; None if these lack it."""
         return None if self.local[i] is None else float(self.steps.events.t[self.local[i]])
 
     def _pair(self) -> None:
@@ -358,7 +367,7 @@ class Matcher:
             self.matched.append(Match(self.exact[i], self.found[j].t, self.found[j]))
 
     def _allow_start(self) -> None:
-        """Allow that a list names a start on a belt: it is no event, but solvers list it."""
+        """Drop a listed event that is the start on a belt: this is no event, but solvers list it."""
         boundary = int(self.label[0]) - 3
         if boundary <= 0 or not self.found_free:
             return
@@ -369,7 +378,7 @@ class Matcher:
             self.notes.append(f"the list's event at t = {time:.10g} is the start on belt {boundary}")
 
     def _allow_events_of_the_samples(self) -> None:
-        """Set aside listed events that a right step has, though the motion from the first sample has none there."""
+        """Set aside listed events that the motion over a right step has, but not the motion from the first sample."""
         events = self.steps.events
         used = {row for row in self.local if row is not None}
         for j in sorted(self.found_free):
@@ -388,7 +397,7 @@ class Matcher:
                     break
 
     def _allow_close_events(self) -> None:
-        """Ignore differences where exact events at one belt are too close together for the tolerance."""
+        """Set aside unpaired events where exact ones at a belt are too close together to tell them apart."""
         partner = {id(match.event): match.found for match in self.matched}
         index = {id(event): j for j, event in enumerate(self.found)}
         clusters: list[list[int]] = []
@@ -415,7 +424,7 @@ class Matcher:
                 self._set_aside(loose, self.exact_free & set(cluster))
 
     def _allow_near_grazes(self) -> None:
-        """Ignore listed contacts where the exact motion nearly touches a belt, closer than the tolerance."""
+        """Set aside listed contacts where the exact motion nearly touches a belt, closer than the tolerance."""
         runs: list[list[int]] = []
         for j in sorted(self.found_free):
             time = self.found[j].t
@@ -444,7 +453,11 @@ class Matcher:
         return bool(self.wrong[self.steps.at(low)[0] : self.steps.at(high)[1] + 1].any())
 
     def _judge_exact(self) -> None:
-        """Classify exact events without partner: missed, matched inside a single step, or in no right step at all."""
+        """Classify exact events without partner: missed, matched as inside a right step, or else unresolved.
+
+        An event is missed if a step around it is wrong, or if the given list should have it; it is matched if the exact
+        motion over a right step has it.
+        """
         t, slack = self.steps.t, 1e-6 * self.steps.K.period
         for i in sorted(self.exact_free):
             own, time, reach = self.exact[i], float(self.times[i]), self.reaches[i]
@@ -469,7 +482,7 @@ class Matcher:
                 self.unresolved.append(own)
 
     def _judge_found(self) -> None:
-        """Classify found events without partner: invented, or present only on the motion restarted at each sample."""
+        """Classify found events without partner: invented if listed or in a wrong step, else unresolved."""
         events = self.steps.events
         for j in sorted(self.found_free):
             event = self.found[j]

@@ -93,7 +93,11 @@ def read_content(path: str | Path, choose: Choose) -> Any:
 
 
 def _read(path: str | Path, where: str, asked: Asked | None, text: Reader) -> Any:
-    """Return the contents of a file, read according to its format; any error becomes a one-line ParameterError."""
+    """Return the contents of a file, read according to its format; any error becomes a one-line ParameterError.
+
+    `asked` are the wanted columns (None: all), and the function `text` reads plain text. Messages call the file
+    `where`.
+    """
     library = ""
     try:
         with _opened(path, where) as file:
@@ -178,7 +182,10 @@ def _suffix_of_content(beginning: bytes) -> str:
 
 
 def _format_of(path: str | Path, file: io.BufferedReader, where: str, text: Reader) -> tuple[str, Reader]:
-    """Return the name of a file's format, which is "" unless a library reads it, and the function that reads it."""
+    """Return the name of a file's format for messages, and the function that reads it; plain text is read by `text`.
+
+    The name is "" for plain text and JSON, the errors of which say enough.
+    """
     suffix = "" if path == STDOUT else suffix_of(path)
     if suffix and suffix not in SUFFIXES:
         raise ParameterError("file", where, f"must end in {', '.join(SUFFIXES)}, and perhaps {', '.join(PACKED)}")
@@ -249,7 +256,10 @@ def plain_number(cell: str) -> str:
 def _table(
     file: IO[bytes], choose: Choose, where: str
 ) -> tuple[str | None, dict[str, int], Iterator[tuple[int, list[str]]]]:
-    """Return the delimiter of a text table, the positions of the chosen columns, and its rows with line numbers."""
+    """Return the delimiter of a text table, the positions of the columns to be read, and its rows with line numbers.
+
+    The function `choose` returns which columns to read, given the names of all.
+    """
     lines = _lines(file, where)
     head = list(islice(lines, 1000))  # lines that may hold the header
     data = [i for i, (_, _, has_data) in enumerate(head) if has_data]
@@ -344,7 +354,10 @@ def _are_numbers(cells: list[str], delimiter: str | None) -> bool:
 
 
 def read_json(file: IO[bytes], asked: Asked | None, where: str) -> Any:
-    """Return the content of a JSON file; for samples it must be columns, or a list of rows or of pieces that join."""
+    """Return the content of a JSON file, with Decimals for floats if all of it is wanted (`asked` is None).
+
+    Else it must be columns by name, or a list of rows or of pieces of a solution, where one ends as the next begins.
+    """
     text = _whole(file, where).decode("utf-8-sig")
     if not text.strip():
         raise ParameterError("file", where, f"is empty; it must hold columns, such as {EXAMPLE}")
@@ -396,7 +409,7 @@ def _read_feather(file: IO[bytes], asked: Asked | None, where: str) -> Any:
 
 
 def _unwrapped(found: Record) -> Any:
-    """Return the variables of a file; if it has only one, return the fields of this struct, or this array."""
+    """Return the variables of a file by name; of a file with a single array or struct return this alone."""
     only = next(iter(found.values())) if len(found) == 1 else None
     return found if only is None or (np.ndim(only) == 0 and not isinstance(only, dict)) else only
 
@@ -405,7 +418,7 @@ def _unwrapped(found: Record) -> Any:
 
 
 def _read_hdf5(file: IO[bytes], asked: Asked | None, where: str) -> Any:
-    """Return the datasets of an HDF5 or netCDF 4 file: those of the outermost group that has some."""
+    """Return the datasets in one group of an HDF5 or netCDF 4 file: the first at the least depth that has any."""
     h5py = optional("h5py", "an HDF5 file", "tables")
     groups: dict[str, Record] = {}
 
@@ -431,7 +444,7 @@ def _read_hdf5(file: IO[bytes], asked: Asked | None, where: str) -> Any:
 
 
 def _hdf5_value(item: Any) -> Any:
-    """Return the value of an HDF5 dataset; or the list of the values in the dict of an Octave cell array."""
+    """Return the value of an HDF5 dataset, or for an Octave cell array, which is a dict, the list of its values."""
     if isinstance(item, dict):
         return [_hdf5_value(item[i]) for i in sorted(item)]
     values, octave = item[()], "OCTAVE_NEW_FORMAT" in item.parent.attrs
@@ -457,7 +470,10 @@ def _octave_range(base: float, limit: float, increment: float, count: int) -> np
 
 
 def read_octave(file: IO[bytes], asked: Asked | None, where: str) -> Any:
-    """Return the numbers and strings in a text of Octave's `save`: variables, and fields of structs, by their names."""
+    """Return the variables in a text of Octave's `save` by name; the fields of a struct count as variables.
+
+    The values are numbers, arrays, strings, or lists of these. A single array is returned alone.
+    """
     lines = iter(_whole(file, where).decode("utf-8-sig", "replace").splitlines())
     found, name, cells = dict[str, Any](), "", list[Any]()
     for line in lines:
@@ -534,7 +550,11 @@ def has_wrong_tags(data: bytes) -> bool:
 
 
 def _is_sound(data: bytes, order: str, kind: int, begin: int, end: int, depth: int) -> bool:
-    """Return whether the data elements of a MATLAB file between two positions have valid tags."""
+    """Return whether a data element of a MATLAB file, and every element inside it, has a valid tag.
+
+    `kind` is the number of the element's type; its content is from `begin` to `end`. `order` is the byte order, "<" or
+    ">", and `depth` counts the elements around it.
+    """
     if kind != 14:  # no matrix: numbers, a packed matrix, which has a checksum of its own, or text
         return kind in (1, 2, 3, 4, 5, 6, 7, 9, 12, 13, 15, 16, 17, 18)
     parts = list(_tags(data, order, begin, end, True))
@@ -547,8 +567,10 @@ def _is_sound(data: bytes, order: str, kind: int, begin: int, end: int, depth: i
 
 
 def _tags(data: bytes, order: str, at: int, end: int, inside: bool) -> Iterator[tuple[int, int, int]]:
-    """Yield kind, begin and end of each data element between two positions of a MATLAB file."""
-    # `inside` a matrix each element is followed by zeros up to a multiple of 8 bytes.
+    """Yield the tags of the data elements between two positions of a MATLAB file: number of the type, begin and end.
+
+    Elements `inside` a matrix are followed by zeros up to a multiple of 8 bytes. `order` is the byte order.
+    """
     while at < end:
         kind, size = struct.unpack_from(f"{order}II", data, at)
         if kind >> 16:  # a short one, in the tag itself

@@ -17,7 +17,7 @@ from symosc.model import NEIGHBOURS
 
 
 class Curve(NamedTuple):
-    """A curve f(z) in place of sign(z), z = (v - v_belt)/width: f, its inverse, and an integral of f(z) - sign(z)."""
+    """A curve f(z) that replaces sign(z), z = (v - v_belt)/width: f, its inverse, and an integral of f(z) - sign(z)."""
 
     of: Callable[[Any], Any]
     inverse: Callable[[Any], Any]
@@ -60,7 +60,7 @@ def _smoothed(name: str, width: float, error: float, evidence: str, share: float
 
 
 def _median_and_deviation(values: np.ndarray) -> tuple[float, float]:
-    """Return the median, and the standard deviation from the median absolute deviation (MAD)."""
+    """Return the median of values, and their standard deviation by the median absolute deviation (MAD)."""
     middle = float(np.median(values))
     return middle, 1.4826 * float(np.median(np.abs(values - middle)))
 
@@ -106,8 +106,8 @@ def at_belts(case: Case) -> Iterator[Diagnosis]:
         yield Diagnosis("drift", "", words, f"{len(gap)} samples, on one side of the belt", largest, None, share)
 
 
-def _push(case: Case, x: np.ndarray, v: np.ndarray, theta: np.ndarray, boundary: np.ndarray) -> np.ndarray:
-    """Return the acceleration of a mass at a belt without the friction of this belt."""
+def _free_acceleration(case: Case, x: np.ndarray, v: np.ndarray, theta: np.ndarray, boundary: np.ndarray) -> np.ndarray:
+    """Return the acceleration in states x, v, theta at the belts `boundary` if these belts had no friction."""
     K = case.steps.K
     below, above = np.array([NEIGHBOURS[b] for b in (1, 2)])[boundary - 1].T
     A = np.array([K.A1, K.A2, K.A3])
@@ -123,10 +123,13 @@ def _half_jump(case: Case, boundary: np.ndarray) -> np.ndarray:
 def _widths_in_sticks(
     case: Case, steps: np.ndarray, boundary: np.ndarray, gap: np.ndarray
 ) -> list[tuple[str, float, float, float]]:
-    """Fit each of CURVES to samples in sticks whose v is off the belt's by `gap`; return name, width, error, spread."""
-    # The spread is the deviation of the widths that the single samples ask for, divided by their median.
+    """Fit each of CURVES to samples in sticks whose v is off the belt's by `gap`; return name, width, error, spread.
+
+    The spread is the deviation of the widths that the single samples ask for, divided by their median. The error is the
+    standard deviation of the width.
+    """
     s, K, i, half = case.steps, case.steps.K, steps + 1, _half_jump(case, boundary)
-    push = _push(case, s.x[i], s.v[i], s.theta[i], boundary)
+    push = _free_acceleration(case, s.x[i], s.v[i], s.theta[i], boundary)
     slope = -K.w0sq * s.belts[boundary - 1] - K.fB * np.sin(s.theta[i])  # of the push, in a stick
     found = []
     for name, curve in CURVES.items():
@@ -152,7 +155,7 @@ def _widths_in_sticks(
 
 
 def smoothed_flights(case: Case) -> Iterator[Diagnosis]:
-    """Yield the smoothed friction law (curve and width) whose integration reproduces the wrong steps."""
+    """Yield the diagnosis of smoothed friction with the curve and width whose integration repeats the wrong steps."""
     wrong = case.moving_wrong[np.isfinite(case.sizes[case.moving_wrong])]
     if len(wrong) < 2:
         return
@@ -180,7 +183,10 @@ def smoothed_flights(case: Case) -> Iterator[Diagnosis]:
 
 
 def _misses_with_smoothing(case: Case, steps: np.ndarray, widths: np.ndarray, curve: Curve) -> np.ndarray:
-    """Return by how much steps with smoothed friction miss the next samples, shape (widths, steps, 2)."""
+    """Return the misses of `steps` integrated with smoothed friction of each width, shape (widths, steps, 2).
+
+    A miss is the integrated state x, v minus the next sample, divided by the allowed defect.
+    """
     s, K = case.steps, case.steps.K
     length = s.t[steps + 1] - s.t[steps]
     pull = max(K.belt1.J, K.belt2.J, 2.0 * float(np.max(np.abs(s.v[steps + 1] - s.v[steps]) / length)))
@@ -226,7 +232,7 @@ def smoothed_passages(case: Case) -> Iterator[Diagnosis]:
 
 
 def _paths(case: Case, steps: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Return the ends of the PIECES into which steps are cut: times since the step's start, and exact velocities."""
+    """Cut each step into PIECES; return times from the step's start and exact velocities at the ends of the pieces."""
     s, order = case.steps, np.argsort(steps)
     time = np.outer(s.t[steps + 1] - s.t[steps], np.linspace(0.0, 1.0, PIECES + 1))
     velocity = np.repeat(s.v[steps][:, None], PIECES + 1, axis=1)
@@ -242,7 +248,7 @@ def _paths(case: Case, steps: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
 
 
 def _smoothing_effect(case: Case, time: np.ndarray, velocity: np.ndarray, width: float, curve: Curve) -> np.ndarray:
-    """Return the first-order effect of smoothed friction on x and v at the ends of steps, shape (steps, 2)."""
+    """Return the effect of smoothed friction on x and v at the ends of steps, to first order along their `_paths`."""
     K = case.steps.K
     push = np.zeros((len(time), PIECES))
     for belt in (K.belt1, K.belt2):
@@ -307,7 +313,7 @@ def _nearest_belt(case: Case, samples: np.ndarray) -> np.ndarray:
 
 
 def _kept_on(case: Case, steps: np.ndarray) -> np.ndarray:
-    """Mark the steps that begin on a belt and move with it to their end."""
+    """Mark those of `steps` in which the samples begin on a belt and move with it up to the next sample."""
     s = case.steps
     speed = s.belts[_nearest_belt(case, steps) - 1]
     ends = np.column_stack([s.x[steps] + speed * (s.t[steps + 1] - s.t[steps]), speed])
@@ -365,7 +371,11 @@ def _kept_too_long(case: Case) -> Iterator[Diagnosis]:
 
 
 def _diagnose_late_end(held: np.ndarray, evidence: str, share: float) -> Diagnosis:
-    """Return the diagnosis of late ends of sticks; `held` is the friction needed there, divided by its limit."""
+    """Return the diagnosis of sticks that end late: too much friction holds them, or their ends are not located.
+
+    `held` is the friction needed at each late end, divided by the largest possible friction; it differs from stick to
+    stick if the ends are not located.
+    """
     ratio, count = float(np.median(held)), len(held)
     alike = np.abs(held - ratio) <= SAME_RATE * abs(ratio - 1.0) + ONE_NUMBER
     if count >= 3 and 2 * np.sum(alike) < count:
@@ -378,9 +388,11 @@ def _diagnose_late_end(held: np.ndarray, evidence: str, share: float) -> Diagnos
 
 
 def _needed_friction(case: Case, sticks: StickSteps, time: np.ndarray) -> np.ndarray:
-    """Return the friction needed to keep the mass on the belt at a time of each stick, divided by its limit."""
+    """Return the friction that keeps the mass on the belt at a time of each stick, divided by the largest possible."""
     speed = case.steps.belts[sticks.boundary - 1]
-    push = _push(case, sticks.x + speed * (time - sticks.begin), speed, _phase(case, sticks, time), sticks.boundary)
+    push = _free_acceleration(
+        case, sticks.x + speed * (time - sticks.begin), speed, _phase(case, sticks, time), sticks.boundary
+    )
     return np.asarray(np.abs(push) / _half_jump(case, sticks.boundary))
 
 
@@ -391,8 +403,10 @@ def _phase(case: Case, sticks: StickSteps, time: np.ndarray) -> np.ndarray:
 
 
 def _misses_at(case: Case, sticks: StickSteps, time: np.ndarray, side: int, dx: Any = 0.0, dv: Any = 0.0) -> np.ndarray:
-    """Return the misses of steps whose sticks end at `time`, with errors dx and dv, and are followed by flights."""
-    # The flights are all below the belt (side 0), or all above it (side 1).
+    """Return the misses of steps whose sticks end at `time`, with errors dx of x and dv of v, and turn to flights.
+
+    All flights are below the belt (`side` 0) or above it (1), and go on to the next samples.
+    """
     s, speed = case.steps, case.steps.belts[sticks.boundary - 1]
     x, tau = sticks.x + speed * (time - sticks.begin) + dx, s.t[sticks.step + 1] - time
     return case.misses(s.fly(sticks.boundary + side, x, speed + dv, _phase(case, sticks, time), tau), sticks.step)

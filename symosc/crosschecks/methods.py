@@ -29,9 +29,11 @@ DELAY_LEAVES = 0.005
 def nystrom(
     stages: Sequence[tuple[float, float, Sequence[float], Sequence[float]]], x_weights: Any, v_weights: Any
 ) -> Method:
-    """Return an explicit Nyström method, given its stages and the weights of their accelerations in x and in v."""
-    # A stage (time, way, x_row, v_row) is at t + time h, x + way h v + h^2 sum(x_row a), v + h sum(v_row a), where `a`
-    # are the accelerations of the stages before it.
+    """Return an explicit Nyström method, given its stages and the weights of their accelerations in x and in v.
+
+    A stage (time, way, x_row, v_row) is at t + time h, x + way h v + h^2 sum(x_row a), v + h sum(v_row a), where `a`
+    are the accelerations of the stages before it.
+    """
 
     def total(weights: Any, found: list[Any]) -> Any:
         return sum(weight * each for weight, each in zip(weights, found, strict=True))
@@ -47,14 +49,14 @@ def nystrom(
 
 
 def runge_kutta(rows: Sequence[Sequence[float]], *weights: float) -> Method:
-    """Return the explicit Runge-Kutta method with these rows of the tableau and these weights."""
+    """Return the explicit Runge-Kutta method with these `rows` and `weights` in its Butcher tableau."""
     A = np.array([[*row, *[0.0] * (len(rows) - len(row))] for row in rows])
     stages = [(sum(row), sum(row), (A @ A)[i, :i].tolist(), row) for i, row in enumerate(rows)]
     return nystrom(stages, (np.array(weights) @ A).tolist(), weights)
 
 
 def implicit(part: float) -> Method:
-    """Return the implicit rule with weight `part` at a step's end: order 1 for part 1, order 2 for 1/2 (trapezoid)."""
+    """Return the implicit rule that weights the slope at a step's end by `part`, that at its start by 1 - `part`."""
 
     def step(a: Force, t: Any, x: Any, v: Any, h: Any) -> State:
         first, ahead = a(t, x, v), v
@@ -96,8 +98,8 @@ FIXED_STEP_METHODS: dict[str, Method | None] = {
 RARE = {name for name in FIXED_STEP_METHODS if name.startswith(("RK4 with", "RK3", "implicit", "trapez", "constant"))}
 
 
-def repeated(case: Case) -> Iterator[Diagnosis]:
-    """Yield the diagnosis of a known method with a fixed step that reproduces the wrong steps."""
+def known_methods(case: Case) -> Iterator[Diagnosis]:
+    """Yield the diagnosis that one of FIXED_STEP_METHODS made the wrong steps: with a fixed step it repeats them."""
     wrong, inside = case.moving_wrong, case.inside_wrong
     at_events = case.thinned(np.setdiff1d(wrong, inside), MOST_REPEATED)
     flights = case.thinned(inside, MOST_REPEATED)
@@ -154,9 +156,11 @@ def _other_weights(case: Case, flights: np.ndarray) -> Iterator[Diagnosis]:
 
 
 def _not_located(case: Case, name: str, h: float, share: float, unseen: bool, held: bool) -> Diagnosis:
-    """Return the diagnosis that a method with steps h does not locate events: "chatter" if the mass should stick."""
-    # `unseen`: most of the steps end on the side of the belt where they began; `held`: the friction is that at the
-    # beginning of a step, not that of each stage.
+    """Return the diagnosis that a method does not locate events: "chatter" if the mass should stick.
+
+    The method `name` with steps `h` repeats the fraction `share` of the steps with events. `unseen`: most of them end
+    on the side of the belt where they began. `held`: the friction is that at the beginning of a step.
+    """
     if name == "exact" and unseen:
         words = "belts are met and left within a step, and that is not seen"
         evidence = f"the force at the beginning repeats {share:.0%} of the steps with events"
@@ -175,8 +179,10 @@ def _not_located(case: Case, name: str, h: float, share: float, unseen: bool, he
 
 
 def _share_repeated(case: Case, chosen: np.ndarray, method: Method | None, count: int, held: bool = False) -> float:
-    """Return the fraction of the chosen steps that `count` substeps of a method reproduce."""
-    # Friction is that of each stage's v; `held`: that at the beginning of each substep.
+    """Return the fraction of the steps `chosen` that `count` substeps of a method (None: exact flights) reproduce.
+
+    Friction is that of each stage's v, or if `held` that at the beginning of each substep.
+    """
     if not len(chosen):
         return 0.0
     s, K = case.steps, case.steps.K
@@ -226,7 +232,7 @@ def truncation(case: Case) -> Iterator[Diagnosis]:
 
 
 def double_roots(case: Case) -> Iterator[Diagnosis]:
-    """Yield the diagnosis that v meets a belt twice within a step, unnoticed as it ends on the side where it began."""
+    """Yield the diagnosis that v crosses a belt's speed and comes back within a step, and that this goes unnoticed."""
     s = case.steps
     source, target = case.domain[:-1], case.domain[1:]
     there = case.wrong & (source > 0) & (source == target) & (s.first == source)
@@ -273,8 +279,11 @@ def delays(case: Case) -> Iterator[Diagnosis]:
 
 
 def _with_delay(case: Case, chosen: np.ndarray, rows: np.ndarray, delay: np.ndarray, onto: bool) -> np.ndarray:
-    """Return the misses of the chosen steps if the first event of each, in a row of the events, is late by `delay`."""
-    # `onto`: at the delayed event v is set to the belt's speed.
+    """Return the misses of the steps `chosen` if the first event of each, in `rows` of the events, is late by `delay`.
+
+    If `onto`, v is set to the belt's speed at the delayed event.
+    """
+    # Up to its delayed end a mode goes on as before the event.
     s = case.steps
     time = np.minimum(s.events.t[rows] + delay, s.t[chosen + 1])
     source, tau = s.first[chosen], time - s.t[chosen]
@@ -328,8 +337,10 @@ def interpolated(case: Case) -> Iterator[Diagnosis]:
 
 
 def _first_events(case: Case, usable: np.ndarray) -> tuple[np.ndarray, np.ndarray, int]:
-    """Return up to MOST_DELAYS wrong steps with events that are `usable`, and the row of the first event of each."""
-    # The third result is the number of all such steps.
+    """Return up to MOST_DELAYS wrong steps with events, the row of the first event of each, and the number of all.
+
+    `usable` marks the steps that may be taken.
+    """
     steps = np.unique(case.steps.events.step)
     steps = steps[case.wrong[steps] & usable[steps]]
     chosen = case.thinned(steps, MOST_DELAYS)

@@ -55,8 +55,10 @@ def other_systems(case: Case) -> Iterator[Candidate]:
 
 
 def _systems(p: Parameters) -> Iterator[tuple[str, str, str, str, Record]]:
-    """Yield common modelling mistakes, likely ones first, with the parameters that they make of the right ones."""
-    # Each is: cause, subject and words of the `Diagnosis`; the change in words; the changed parameters by name.
+    """Yield common modelling mistakes, likely ones first, each as five values.
+
+    These are cause, subject and words of the `Diagnosis`, the change in words, and the changed parameters by name.
+    """
     m, Om = float(p.m), float(p.Omega)
     for name in ("A0", "B0", "v1", "v2"):
         yield "sign", name, f"{name} has the wrong sign", f"-{name}", {name: -getattr(p, name)}
@@ -190,7 +192,7 @@ def _tick(p: Parameters, name: str) -> np.ndarray:
 
 
 def _fit_flights(case: Case, name: str, start: float | None = None) -> Fit | None:
-    """Fit one coefficient to wrong flights; None if it leaves much of their defects."""
+    """Fit one coefficient to the flights of the samples; None if more than LEFT_OVER of their median defect is left."""
     p, flights = case.parameters, case.thinned(case.inside, MOST_FLOWN)
     before = _median(case.sizes[flights])
     if not before > 1.0:
@@ -205,7 +207,7 @@ def _fit_flights(case: Case, name: str, start: float | None = None) -> Fit | Non
 
 
 def _constants(p: Parameters, name: str, value: float) -> Constants | None:
-    """Return the engine's constants with one parameter replaced."""
+    """Return the engine's constants with one parameter replaced; None if the model does not allow the value."""
     other = _replaced(p, **{name: value})
     if other is not None:
         return Arithmetic(other).K
@@ -260,7 +262,7 @@ def phases_of_drive(case: Case) -> Iterator[Candidate]:
     flights, K, fit = case.thinned(case.inside, MOST_FLOWN), case.steps.K, None
     if not case.parameters.B0:
         return
-    turn, tick = _turn_of_flights(case, flights) if len(flights) >= FEWEST_FAR else None, np.array([1e-5])
+    turn, tick = _phase_shift(case, flights) if len(flights) >= FEWEST_FAR else None, np.array([1e-5])
     chosen = case.thinned(case.moving_wrong, MOST_FOLLOWED)
 
     def misses(value: np.ndarray) -> np.ndarray:
@@ -275,8 +277,8 @@ def phases_of_drive(case: Case) -> Iterator[Candidate]:
         yield _shift_or_phase(case, remainder(float(fit.value[0]), 2.0 * pi), float(fit.error[0]))
 
 
-def _turn_of_flights(case: Case, flights: np.ndarray) -> float | None:
-    """Return the phase shift of the drive that fits the flights; None if they show a drive of another amplitude."""
+def _phase_shift(case: Case, flights: np.ndarray) -> float | None:
+    """Return by which angle the drive is ahead in the steps `flights`; None if they show another amplitude of it."""
     K = case.steps.K
 
     def misses(value: np.ndarray) -> np.ndarray:
@@ -290,7 +292,7 @@ def _turn_of_flights(case: Case, flights: np.ndarray) -> float | None:
 
 
 def _shift_or_phase(case: Case, turn: float, error: float) -> Candidate:
-    """Return the diagnosis of a shifted clock (the scene's motion at other times) or of another phase of the drive."""
+    """Return the diagnosis of a drive ahead by the angle `turn`: a shifted clock, or another phase of the drive."""
     Om, s, start = case.steps.K.Om, case.steps, case.check.own_start
     quarters = round(turn / (pi / 2))
     names = {-1: " (sine in place of cosine)", 1: " (-sine in place of cosine)", 2: " (-cosine)", -2: " (-cosine)"}

@@ -80,7 +80,7 @@ def plain(name: str) -> str:
 
 
 def is_wanted(name: str, asked: Asked | None) -> bool:
-    """Return whether a column of a file is needed, by its name; what the others hold is not read. None asks for all."""
+    """Return whether the column `name` of a file must be read: all are if `asked` is None, else only known names."""
     if asked is None or plain(name) in set().union(*USUAL_NAMES.values()):
         return True
     return name.lower() in {column.lower() for column in asked.values() if column} | {EVENTS, *STATE_NAMES}
@@ -139,7 +139,10 @@ Problem = Scene | Parameters | None
 
 
 def solutions_in(source: Any, asked: Asked, problem: Problem = None, where: str = "") -> list[Samples]:
-    """Return the solutions in an object; `where` names it in messages."""
+    """Return the solutions in an object; `where` names it in messages, `asked` are the names of its columns.
+
+    `problem` is the scene or the parameters that a function needs for its times, and None if it is not known.
+    """
     # A list of objects is several solutions, or pieces of one if each begins where the one before ends.
     where = where or type(source).__name__
     if isinstance(source, Trajectory):
@@ -176,7 +179,10 @@ def _has_x(source: Any) -> bool:
 
 
 def _read_result(source: Any, problem: Problem) -> list[Samples] | None:
-    """Return the solutions in a solver result (t and y, or ts and ys), or None for another object."""
+    """Return the solutions in a solver result (t and y, or ts and ys), or None for another object.
+
+    `problem` has the belts whose events are taken from the result; without it none are.
+    """
     of = source.get if isinstance(source, Mapping) else partial(getattr, source)
     for times, states in (("t", "y"), ("ts", "ys")):
         t, y = of(times, MISSING), of(states, MISSING)
@@ -195,7 +201,10 @@ def _read_result(source: Any, problem: Problem) -> list[Samples] | None:
 
 
 def _read_states(t: np.ndarray, y: Any, name: str) -> list[Samples]:
-    """Return solutions from times and states: x and v as two rows, two columns or a pair; or a batch of such."""
+    """Return solutions from times and states: x and v as two rows, two columns or a pair.
+
+    Of a batch, times of shape (solutions, n) and states with one more axis, each row is a solution.
+    """
     try:
         y = np.asarray(y, dtype=float)
     except (TypeError, ValueError):
@@ -314,7 +323,7 @@ def _read_table(table: Table, asked: Asked, where: str) -> list[Samples]:
 
 
 def _array(values: Any) -> np.ndarray:
-    """Return values as a numpy array, empty if they have no common shape."""
+    """Return a column as a numpy array; an empty one if its entries have different lengths, which is refused later."""
     try:
         return np.asarray(values)
     except ValueError:  # ragged; the check of the samples says where
@@ -370,8 +379,11 @@ def _grid(t0: float, t_end: float, problem: Scene | Parameters) -> np.ndarray:
 
 
 def of_function(function: Callable[..., Any], problem: Problem, times: Any = None) -> Samples:
-    """Return samples of a function t -> (x, v) at given times, or (None) at many times of an interval."""
-    # The interval is t_min to t_max if the function has these attributes, as scipy's OdeSolution, else the scene's.
+    """Return samples of a function t -> (x, v) at given `times`, or if None at many times of an interval.
+
+    The interval is t_min to t_max if the function has these attributes, as scipy's OdeSolution, else that of the scene
+    `problem`.
+    """
     if times is None:
         ends: list[Any] = [getattr(function, name, None) for name in ("t_min", "t_max")]
         if None in ends and isinstance(problem, Scene):
@@ -411,7 +423,7 @@ def _evaluated(function: Callable[..., Any], times: np.ndarray) -> np.ndarray:
 
 
 def dense_note(trajectory: Trajectory, dense: Callable[[np.ndarray], Any], until: float) -> str:
-    """Return a note on the errors of a solver's dense output up to the time `until`; no verdict depends on them."""
+    """Return a note on how far a solver's dense output is off up to the time `until`; verdicts do not use it."""
     ends = (getattr(dense, "t_min", -inf), getattr(dense, "t_max", inf))
     low, high = max(float(trajectory.t_start), float(ends[0])), min(until, float(ends[1]))
     if not low < high:

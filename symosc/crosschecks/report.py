@@ -46,15 +46,15 @@ class CrossCheck(Comparable, Drawable, Reportable):
     errors : (n, 2) array
         Global errors of x and v; NaN after the end of the exact motion (`compared_until`).
     limits : (n, 2) array
-        How large they may be: the global tolerance in units of x and v, plus the rounding of the sample, and
-        what the exact motion makes of that of the first sample.
+        How large `errors` may be: the global tolerance in units of x and v, plus the rounding of the sample, and
+        what the exact motion makes of the rounding of the first sample.
     defects : (n - 1, 2) array
         Local errors: the exact motion from a sample over the step, minus the next sample.
     wrong_steps : int array
         Steps whose defect is larger than `allowed`.
     allowed : (n - 1, 2) array
-        The tolerance in units of x and v, plus the rounding of the times, and of samples with few digits: that of the
-        next sample, and what the exact motion makes of that of the sample before.
+        The tolerance in units of x and v, plus the rounding of the times. For samples with few digits also the rounding
+        of the next sample, and what the exact motion makes of the rounding of the sample before.
     wrong_spans : (m, 2) int array
         Spans of rounded samples, each from one sample to a later one, over which the exact motion leads elsewhere.
     matched : tuple of Match
@@ -147,7 +147,7 @@ class CrossCheck(Comparable, Drawable, Reportable):
 
     @property
     def limits_there(self) -> tuple[float, float]:
-        """The limit of x at the sample where the error of x is largest, and that of v where that of v is."""
+        """The limits of the errors of x and v, each at the sample where this error is largest."""
         worst = np.nanargmax(np.abs(self.errors), axis=0)
         return float(self.limits[worst[0], 0]), float(self.limits[worst[1], 1])
 
@@ -242,7 +242,7 @@ class CrossCheck(Comparable, Drawable, Reportable):
 
 
 def _first_lines(name: str, items: Sequence[str]) -> list[str]:
-    """Return the first items as lines, and the number of omitted ones."""
+    """Return the first items as lines that begin with `name`, and a line with the number of items left out."""
     more = [f"{name}: and {len(items) - EVENTS_LISTED} more"] if len(items) > EVENTS_LISTED else []
     return [*(f"{name}: {item}" for item in items[:EVENTS_LISTED]), *more]
 
@@ -340,7 +340,7 @@ class CrossChecks(list[CrossCheck]):
 
 
 def _judged(task: Callable[[Samples], Any], name: str, samples: Samples) -> CrossCheck:
-    """Judge one of several solutions; a ParameterError gets the solution's name."""
+    """Judge one of several solutions; if it raises a ParameterError, add the solution's name to the message."""
     try:
         found: CrossCheck = task(samples).verdict()
     except ParameterError as error:

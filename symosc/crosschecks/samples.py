@@ -67,9 +67,11 @@ def checked(t: object, x: object, v: object = None, events: object = None) -> Sa
 
 
 def check_joints(samples: Samples, part: float, slack: np.ndarray) -> None:
-    """Raise ParameterError where a time is repeated with a state so different that no two pieces are joined there."""
-    # Where two pieces of one solution are joined, their states differ by at most `part` of the largest |x| and |v|,
-    # and by twice `slack`, the errors allowed to the samples, shape (n, 2).
+    """Raise ParameterError if the states at a repeated time differ by more than those of two joined pieces may.
+
+    They may differ by the fraction `part` of the largest |x| and |v|, and by twice `slack`, the errors allowed to the
+    samples, shape (n, 2).
+    """
     twice = np.flatnonzero(np.diff(samples.t) == 0.0)
     for name, values, more in (("x", samples.x, slack[:, 0]), ("v", samples.v, slack[:, 1])):
         limit = part * np.max(np.abs(values)) + more[twice] * 2.0
@@ -161,10 +163,12 @@ class Digits(NamedTuple):
 
 
 def find_rounding(samples: Samples, speeds: Iterable[float], start: float | None = None) -> dict[str, Digits]:
-    """Return the rounding of the columns "t", "x", "v" and of listed "events" that have fewer digits than a double."""
-    # The `speeds` of the belts are short numbers by nature, so that v in a stick shows no rounding. Times are taken as
-    # rounded only if x or v are rounded and the times are not an even grid: a time such as 0.05 is exact, unless the
-    # first one is the scene's `start`, rounded.
+    """Return the rounding of the columns "t", "x", "v" and of listed "events" that have fewer digits than a double.
+
+    Velocities that are `speeds` of the belts are short by nature and show no rounding. A time such as 0.05 is exact:
+    times on an even grid count as rounded only if the first one is the scene's time `start`, rounded.
+    """
+    # Times are taken as rounded only if x or v are.
     x, v = find_digits(samples.x, samples.x[:1]), find_digits(samples.v, [*speeds, samples.v[0]])
     if not samples.lacks_v:
         x, v = x or _as_neighbour(samples.x, v), v or _as_neighbour(samples.v, x)
@@ -181,10 +185,12 @@ def find_rounding(samples: Samples, speeds: Iterable[float], start: float | None
 
 
 def find_digits(values: np.ndarray, natural: Iterable[float] = (), least: int = LEAST_SHOWN) -> Digits | None:
-    """Return the rounding of `values`; None if they are full doubles, or if too few of them show a rounding."""
-    # At least `least` must show it; 0 and the numbers `natural`, which are short anyway, do not. Fixed decimals and
-    # significant digits are tried. Rounded numbers fit both, one of them with more digits than were written: the
-    # coarser unit is the right one for every number.
+    """Return the rounding of `values`; None if they are full doubles, or if too few of them show a rounding.
+
+    At least `least` of them must show it; 0 and the numbers `natural`, which are short anyway, do not.
+    """
+    # Fixed decimals and significant digits are tried. Rounded numbers fit both, one of them with more digits than were
+    # written: the coarser unit is the right one for every number.
     numbers = values[(values != 0.0) & ~np.isin(values, list(natural))]
     if len(numbers) < least:
         return None
@@ -195,14 +201,14 @@ def find_digits(values: np.ndarray, natural: Iterable[float] = (), least: int = 
 
 
 def _as_neighbour(values: np.ndarray, beside: Digits | None) -> Digits | None:
-    """Return the rounding of another column (x of v, v of x) if the values fit it too; None if not."""
+    """Return `beside`, the rounding of x or v, if it fits `values` of the other of these columns too; else None."""
     if beside is None or np.ptp(beside.units) > 0.0:
         return None
     return beside if _are_multiples(values, beside.units) else None
 
 
 def _decimal(values: np.ndarray, numbers: np.ndarray) -> Digits | None:
-    """Return the rounding of all `values` to decimals or significant digits, which `numbers`, some of them, show."""
+    """Return to how many decimals or digits `values` are rounded, as their part `numbers` shows; None if to none."""
     exponents = _exponents(numbers)
     # Hardly a double has at most 13 significant digits by chance (one of a thousand).
     significant = next((n for n in range(1, 14) if _fits(numbers, n - 1 - exponents)), None)
@@ -220,7 +226,7 @@ def _decimal(values: np.ndarray, numbers: np.ndarray) -> Digits | None:
 
 
 def _single(values: np.ndarray, numbers: np.ndarray) -> Digits | None:
-    """Return the rounding of all `values` if `numbers`, some of them, are in single or half precision, or None."""
+    """Return the rounding of `values` to single or half precision, as their part `numbers` shows, or None."""
     for kind, name in ((np.float16, "half"), (np.float32, "single")):
         with np.errstate(over="ignore"):
             fits = np.array_equal(numbers.astype(kind), numbers)
@@ -230,7 +236,7 @@ def _single(values: np.ndarray, numbers: np.ndarray) -> Digits | None:
 
 
 def _grid(values: np.ndarray, numbers: np.ndarray) -> Digits | None:
-    """Return the rounding of all `values` to an even grid, as of an analogue-digital converter, that `numbers` show."""
+    """Return the rounding of `values` to an even grid, as of a converter, as their part `numbers` shows, or None."""
     # Two halves of the numbers, or all but one of a few, must give the same step, of a few numbers to a factor of 2: a
     # single number beside a grid would make a much finer one.
     levels = np.unique(np.abs(numbers))
@@ -271,7 +277,7 @@ def _exponents(values: np.ndarray) -> np.ndarray:
 
 
 def _fits(values: np.ndarray, places: np.ndarray) -> bool:
-    """Return whether all values are multiples of 10^-places; if the first few are not, the others are not tried."""
+    """Return whether each of `values` is a multiple of 10^-n, n being its number of decimals in `places`."""
     if len(values) > FEW_VALUES and not _fits(values[:FEW_VALUES], places[:FEW_VALUES]):
         return False
     with np.errstate(over="ignore", invalid="ignore"):

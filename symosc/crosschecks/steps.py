@@ -49,7 +49,7 @@ CLEARANCE = 1e-9
 
 
 def propagated(p: Parameters, off: np.ndarray, tau: Any) -> np.ndarray:
-    """Bound the difference [x, v] of two exact motions after a time `tau`, given the difference `off` at its start."""
+    """Bound the difference [x, v] of two exact motions a time `tau` after it was `off`, whatever events they have."""
     if not np.any(off):
         return np.zeros(2)
     x, v = off[..., 0], off[..., 1]
@@ -65,7 +65,7 @@ def propagated(p: Parameters, off: np.ndarray, tau: Any) -> np.ndarray:
 
 
 def double_rounding(p: Parameters, t: np.ndarray, scales: np.ndarray) -> np.ndarray:
-    """Bound the errors of x and v over the steps by the rounding of doubles, shape (n - 1, 2)."""
+    """Bound the errors that rounding of doubles makes in x and v over steps; `scales` are the largest |x| and |v|."""
     ticks = 2.0 * np.spacing(np.maximum(np.abs(t[1:]), np.abs(t[:-1])))
     return np.outer(ticks, [scales[1], float(_push_bound(p, *scales))]) + 8.0 * np.finfo(float).eps * scales
 
@@ -91,7 +91,11 @@ def sample_errors(p: Parameters, samples: Samples, rounding: np.ndarray) -> np.n
 
 
 class StepEvents(NamedTuple):
-    """Events of the exact motion inside steps in order of step and time, with codes for kind, boundary, target."""
+    """Events of the exact motion inside steps, as columns in order of step and time.
+
+    `kind` is a code of `engine.events.KIND_NAMES`, `boundary` is 1 or 2, and `target` is the mode after the event, a
+    code of `model.MODE_NAMES`.
+    """
 
     step: np.ndarray
     t: np.ndarray
@@ -138,11 +142,11 @@ class ExactSteps:
         return min(max(int(low), 0), last), min(max(int(high), 0), last)
 
     def flight(self, domain: Any, since: Any, until: Any) -> np.ndarray:
-        """Return x, v at samples `until` after flights from samples `since` with the force of `domain` alone."""
+        """Return x, v of flights from samples `since`, at the times of samples `until`, with the force of `domain`."""
         return self.fly(domain, self.x[since], self.v[since], self.theta[since], self.t[until] - self.t[since])
 
     def fly(self, domain: Any, x: np.ndarray, v: np.ndarray, theta: np.ndarray, tau: np.ndarray) -> np.ndarray:
-        """Return x, v after flights with the force of `domain` (one, or an array) over times `tau`."""
+        """Return x, v after flights over times `tau` with the force of `domain`, one number or an array."""
         K, s, c = self.K, np.sin(theta), np.cos(theta)
         a = acceleration(x, v, c, np.take([K.A1, K.A2, K.A3], domain - 1), K.cm, K.w0sq, K.f0)
         E0, E1, E2, R2, I2, _, _ = entire_array.basis(tau, K)
@@ -151,10 +155,13 @@ class ExactSteps:
 
 
 def follow_steps(parameters: Parameters, t: Any, x: Any, v: Any, near: Any, scales: Any) -> ExactSteps:
-    """Restart the exact motion from every sample and follow it to the time of the next one."""
-    # `near`, a number or an array (n,): a sample whose v differs from a belt's speed by at most so much may be meant to
-    # be on the belt or beside it. Both are followed, and the one counts that is nearer to the next sample, in units of
-    # x and v `scales`, (2,) or (n - 1, 2). Where a time is repeated nothing moves: the defect is the jump.
+    """Restart the exact motion from every sample and follow it to the time of the next one.
+
+    A sample whose v differs from a belt's speed by at most `near`, a number or an array (n,), may be meant to be on the
+    belt or beside it. Both are followed, and the one counts that is nearer to the next sample, in units of x and v
+    `scales`, (2,) or (n - 1, 2).
+    """
+    # Where a time is repeated nothing moves: the defect is the jump.
     K = Arithmetic(parameters).K._replace(sigmas=0.0)
     count = len(t) - 1
     near, scales = np.broadcast_to(near, count + 1), np.broadcast_to(scales, (count, 2))
@@ -176,7 +183,10 @@ def follow_steps(parameters: Parameters, t: Any, x: Any, v: Any, near: Any, scal
 def _follow_samples(
     K: Constants, samples: np.ndarray, near: np.ndarray, scales: np.ndarray
 ) -> tuple[np.ndarray, np.ndarray, StepEvents]:
-    """Follow the steps between samples, rows t, x, v, theta; return defects, first and last modes, and events."""
+    """Follow the steps between samples, rows t, x, v, theta; return defects, modes and events.
+
+    The modes are those at the start and at the end of each step. `near` and `scales` are as in `follow_steps`.
+    """
     t, x, v, _ = samples
     gaps = np.abs(v[:-1, None] - np.array([K.belt1.v, K.belt2.v]))
     closest, beside = np.argmin(gaps, axis=1) + 1, gaps.min(axis=1)
@@ -200,8 +210,11 @@ def _follow_samples(
 def follow_from(
     K: Constants, samples: np.ndarray, steps: np.ndarray, on: np.ndarray
 ) -> tuple[np.ndarray, np.ndarray, StepEvents]:
-    """Follow some steps, by number, from their samples, rows t, x, v, theta; return defects, modes and events."""
-    # Where `on` is 1 or 2, v is first set to the speed of that belt, and the motion begins on it.
+    """Follow the exact motion over the steps numbered `steps` of samples; return defects, modes and events.
+
+    `samples` has the rows t, x, v and theta. Where `on` is 1 or 2, v is first set to the speed of that belt, and the
+    motion begins on it. The modes are those at the start and at the end of each step.
+    """
     t, x, v, theta = samples
     left, start_v = t[steps + 1] - t[steps], np.where(on > 0, np.array([K.belt1.v, K.belt2.v])[on - 1], v[steps])
     rows, _ = start_rows(on, theta[steps], x[steps], start_v, (0.0, 0.0, left, 0.0, 0.0), K)
@@ -231,7 +244,10 @@ def phases(parameters: Parameters, t: Any) -> np.ndarray:
 
 
 def quiet_ends(rows: np.ndarray, left: np.ndarray, K: Constants) -> tuple[np.ndarray, np.ndarray]:
-    """Return which of the starts `rows` surely have no event in the time `left`, and their final states [x, v]."""
+    """Return the numbers of starts that surely have no event in the time `left` to them, and their final states [x, v].
+
+    `rows` are starts as `engine.start.start_rows` makes them.
+    """
     numbers = np.flatnonzero(K.rate * left < 0.5)  # the bounds say nothing of longer steps
     tau = left[numbers]
     mode, _, _, theta, x, v, below, above = rows[numbers, :8].T
@@ -261,7 +277,10 @@ def quiet_ends(rows: np.ndarray, left: np.ndarray, K: Constants) -> tuple[np.nda
 
 
 def _follow(rows: np.ndarray, left: np.ndarray, K: Constants) -> tuple[np.ndarray, np.ndarray, StepEvents]:
-    """Follow each start event by event; return final modes, final states [x, v], and events timed from the start."""
+    """Follow each start event by event for its time `left`; return final modes, final states [x, v], and events.
+
+    `rows` are starts as in `quiet_ends`. Times of the events are counted from the start.
+    """
     batch = batch_of(rows.copy())
     few = len(rows) < 4000 and FEW_STEPS.events > 0 and loaded_loop() is None
     follow = chosen_loops(False if few else None).follow
@@ -298,8 +317,11 @@ def _ends(rows: np.ndarray, modes: np.ndarray, left: np.ndarray, events: StepEve
 
 
 def _follow_one(batch: Batch, rows: np.ndarray, i: int, K: Constants) -> list[tuple[Any, ...]]:
-    """Follow the start in row i, where doubles cannot decide a contact with a belt, and return its events."""
-    # Both answers are right within rounding, and the first is taken. The final state goes into the `batch`.
+    """Follow the start in row `i`, whose contact with a belt doubles cannot decide, and return its events.
+
+    Contact or none, both answers are right within rounding, and the first is taken. The final state goes into the
+    `batch`.
+    """
     state, (t_end, t_end_low) = state_of(rows, i), rows[i, 13:15].tolist()
     events, code = list[tuple[Any, ...]](), MOVED
     while code not in (END, REST, FAILED) and len(events) < MOST_STEP_EVENTS:

@@ -81,8 +81,10 @@ def with_velocities(samples: Samples, scene: Scene | Parameters, tolerance: floa
 
 
 def _fit_motion(samples: Samples, scene: Scene | Parameters, half: np.ndarray, off: float) -> Samples | None:
-    """Return samples with the velocities of one exact motion through all positions; None if none is found."""
-    # It may miss each position by `half` a unit of its last place and by `off`, the tolerance.
+    """Return samples with the velocities of one exact motion through all positions; None if none is found.
+
+    The motion may miss each position by `half`, half a unit of its last place, and by the tolerance `off`.
+    """
     t, x = samples.t, samples.x
     p = scene if isinstance(scene, Parameters) else scene.parameters
     digits = find_digits(t, t[:1])
@@ -141,7 +143,7 @@ def _first_guesses(p: Parameters, t: np.ndarray, x: np.ndarray) -> list[float]:
 
 
 def _fitted(p: Parameters, t: np.ndarray, x: np.ndarray, v0: float) -> Trajectory | None:
-    """Fit a start to positions, over longer and longer times; return the exact motion, None if that fails."""
+    """Fit a start to positions, from the velocity `v0` and over longer and longer times; return the motion or None."""
     start, span = np.array([x[0], v0]), 1.0 / fastest_rate(p)
     tick = 1e-4 * np.array([1.0, fastest_rate(p)]) * max(float(np.ptp(x)), 1e-300)
     while True:
@@ -175,7 +177,10 @@ def _is_start(scene: Scene | Parameters, samples: Samples, off: float, clock: fl
 
 
 def _flight_velocities(t: np.ndarray, x: np.ndarray, theta: np.ndarray, K: Constants) -> tuple[np.ndarray, np.ndarray]:
-    """Return velocities at both ends of a flight over each step, for domains 1 to 3, (3, n - 1); NaN if impossible."""
+    """Return velocities at the starts and at the ends of flights over all steps, each of shape (3, n - 1).
+
+    The rows are domains 1 to 3. NaN where no flight in the domain joins the two positions of a step.
+    """
     tau, s, c = np.diff(t), np.sin(theta[:-1]), np.cos(theta[:-1])
     usable = (tau > 0.0) & (K.rate * tau < LONGEST_FLIGHT)
     E0, E1, E2, R2, I2, _, _ = entire_array.basis(np.where(usable, tau, 0.5 * LONGEST_FLIGHT / K.rate), K)
@@ -198,8 +203,11 @@ def _flight_velocities(t: np.ndarray, x: np.ndarray, theta: np.ndarray, K: Const
 
 
 def _nearest(starts: np.ndarray, ends: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """Return for each inner sample the pair of flights, to it and from it, whose velocities there differ least."""
-    # Each flight, over one step, may have the force of any domain. Returned are the difference, and both domains.
+    """Return for each inner sample which flights to it and from it have the most similar velocities there.
+
+    The first result is the difference of these velocities, the others are the rows of `ends` and `starts` that have it:
+    each flight, over one step, may have the force of any domain.
+    """
     inner = starts.shape[1] - 1
     best, left, right = np.full(inner, np.inf), np.zeros(inner, np.int8), np.zeros(inner, np.int8)
     for i in range(len(ends)):
@@ -211,8 +219,11 @@ def _nearest(starts: np.ndarray, ends: np.ndarray) -> tuple[np.ndarray, np.ndarr
 
 
 def _agreed(starts: np.ndarray, ends: np.ndarray, left: np.ndarray, right: np.ndarray, sure: np.ndarray) -> np.ndarray:
-    """Return the velocities at the ends of pairs of flights that agree about the sample between them; elsewhere NaN."""
-    # `sure` are the numbers of these samples, from the second one on; `left` and `right` the domains of `_nearest`.
+    """Return velocities of samples where the flights to and from a sample agree about its velocity; elsewhere NaN.
+
+    `sure` are the numbers of these samples, from the second one on; `left` and `right` are the rows of `_nearest`, for
+    the flights to a sample and from it.
+    """
     v = np.full(starts.shape[1] + 1, np.nan)
     left, right = left[sure], right[sure]
     v[sure], v[sure + 2] = starts[left, sure], ends[right, sure + 1]

@@ -38,12 +38,14 @@ STARTS = START_NAMES[:3]
 class Original(NamedTuple):
     """The problem as it was given for a scene of an `OtherModel`, in the coordinates of that model.
 
+    In the example the base moves by Y cos(Omega t), and the belts are joined to it.
+
     Attributes
     ----------
     model : OtherModel
     t0, x0, v0, t_end : Fraction
     start_error : three Fractions or None
-        Half-widths to which t0, x0 and v0 are known.
+        By how much t0, x0 and v0 may be off, up or down; None if they are exact.
 
     Examples
     --------
@@ -80,7 +82,7 @@ class Scene(Drawable):
     source : str
         Where the numbers come from.
     start_error : number or three numbers, optional
-        Half-widths to which t0, x0 and v0 are known; kept as three Fractions. None: the start is exact.
+        By how much t0, x0 and v0 may be off, up or down; kept as three Fractions. None: the start is exact.
     notes : tuple of str
         What is to be said about its numbers, such as that one is known to 40 digits; not compared.
     original : Original or None
@@ -146,10 +148,10 @@ class Scene(Drawable):
 
     @public
     def started(self, given: Mapping[str, NumberLike]) -> Scene:
-        """Return a copy with another t0, x0, v0 or t_end; the scene's `start_error` does not apply to what is given.
+        """Return a copy with another t0, x0, v0 or t_end; numbers that are not given keep the scene's `start_error`.
 
         The end may be text such as "10T": so many periods of the drive after t0. For a scene of another model, give
-        them in the coordinates of that model.
+        the numbers in the coordinates of that model.
         """
         for name in given:
             if name not in START_NAMES:
@@ -169,13 +171,16 @@ class Scene(Drawable):
 
     @public
     def changed(self, **changes: NumberLike | bool) -> Scene:
-        """Return a copy with other parameters, or numbers of its model: ``scene.changed(Omega=2)``."""
+        """Return a copy with other parameters: ``scene.changed(Omega=2)``.
+
+        For a scene of an OtherModel, give numbers of that model.
+        """
         if self.original is not None:
             return moved_scene(self, self.original, parameters=self.original.model.replace(**changes))
         return replace(self, parameters=self.parameters.replace(**changes))
 
     def reduced(self) -> Scene:
-        """Return the scene in the coordinates of symosc's oscillator, no longer as a scene of another model."""
+        """Return the scene in the coordinates of symosc's oscillator, without an OtherModel as its `original`."""
         return replace(self, original=None)
 
 
@@ -186,7 +191,10 @@ def moved_scene(scene: Scene, original: Original, **changes: Any) -> Scene:
 
 
 def _reduced_problem(given: Original) -> tuple[dict[str, Fraction], StartErrors | None]:
-    """Convert start and end of another model to symosc's coordinates; return them and the start's half-widths."""
+    """Convert start and end of another model to symosc's coordinates; return them by name, and half-widths.
+
+    The half-widths tell how far t0, x0 and v0 may be off; they are None if the start is exact.
+    """
     model, t0, x0, v0, t_end, error = given
     start, known = reduced_start(model, t0, x0, v0)
     if error is not None:  # an error of t0 moves the belts
@@ -198,13 +206,13 @@ def _reduced_problem(given: Original) -> tuple[dict[str, Fraction], StartErrors 
 
 
 def not_reduced_error(scene: Any) -> ParameterError:
-    """Return the error for a scene of another model that is raised where results are not in its coordinates."""
+    """Return the error of a function that takes no scene of another model, since it cannot convert its results back."""
     allowed = "is of another model, and this does not turn results back into its coordinates; give scene.reduced()"
     return ParameterError("scene", scene.name if isinstance(scene, Scene) else str(scene), allowed)
 
 
 def start_numbers(given: Mapping[str, Any], p: Parameters) -> tuple[dict[str, Fraction], StartErrors | None]:
-    """Return the numbers of a start, and half-widths of t0, x0 and v0; None for these if all numbers are exact."""
+    """Read the numbers of a start; return them by name, and half-widths of t0, x0 and v0, or None if all are exact."""
     # An expression with pi is known to 40 digits. On a belt the mass has its speed, however many digits that has.
     numbers, errors = dict[str, Fraction](), dict.fromkeys(START_NAMES, Fraction(0))
     for name, value in given.items():
@@ -326,7 +334,7 @@ def _read_file(path: Path, where: str) -> Scene:
 
 
 def read_scene(text: str, where: str) -> Scene:
-    """Return a scene from the text of a TOML file; `where` is what messages call it. See `load_scene`."""
+    """Return a scene from the text of a TOML file, which messages call `where`; `load_scene` explains its form."""
     file = read_scene_file(text, where)
     data = file.data
     try:

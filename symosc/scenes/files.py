@@ -140,7 +140,7 @@ def _check_keys(file: SceneFile, name: str) -> None:
 
 
 def _check_number(file: SceneFile, table: Record, name: str) -> None:
-    """Check a number that is given as text; if it is not exact, add this to the notes of the file."""
+    """Check a number that is given as text; if it is read to 40 digits only, add a note on it to `file.notes`."""
     if isinstance(table[name], str):
         try:
             number, exact = read_number(name, table[name])

@@ -106,7 +106,10 @@ def dataset_of(plan: SweepPlan, columns: Columns) -> xarray.Dataset:
 
 
 def _call_text(plan: SweepPlan) -> str:
-    """Return the call of `sweep` that gives this result again, as Python source; long axes refer to the dataset."""
+    """Return the call of `sweep` that gives this result again, as Python source.
+
+    Axes with more than 2000 values are not written out: the call takes them from the variable `dataset`.
+    """
     over = {name: each for name, each in plan.coordinates.items() if each.dimension != START_AXIS}
     scene, axes = plan.scene, list[str]()
     for name, axis in over.items():  # axes with more values are not written out in the call; the coordinates have them
@@ -144,9 +147,12 @@ def output_path(path: Any) -> Path:
 
 
 def plan_of(path: Path, to_replace: bool = False) -> str | None:
-    """Return the plan's key (`SweepPlan.key`) that an output file states; None if there is no such file."""
-    # SweepError if it is no output of a sweep, or, if it is a folder `to_replace`, has files of somebody else. The file
-    # is read as bytes: the libraries do not fail well.
+    """Return the plan's key (`SweepPlan.key`) that an output file states; None if there is no such file.
+
+    SweepError if the file is no output of a sweep, or if it is a folder that is `to_replace` but has files of somebody
+    else.
+    """
+    # The file is read as bytes: the libraries do not fail well.
     if not os.path.lexists(path):
         return None
     found, place, ending = list[bytes](), _text_file(path), path.suffix.lower()
@@ -162,7 +168,7 @@ def plan_of(path: Path, to_replace: bool = False) -> str | None:
 
 
 def _text_file(path: Path) -> Path:
-    """Return the file that holds plan and checksum of an output: the output itself, or one in it if it is a folder."""
+    """Return the file with the plan and the checksum of an output: the output itself or, in a folder, zarr.json."""
     return path / "zarr.json" if path.is_dir() else path
 
 
@@ -182,8 +188,8 @@ def read_columns(path: Path) -> Columns:
 
 
 def write_output(dataset: xarray.Dataset, path: Path, folder: Path) -> None:
-    """Write a result atomically: into `folder` next to its place first, and then move it there."""
-    # OutputError if it cannot be written, SweepError if there is something else in its place.
+    """Write the result of a sweep atomically: as a draft in `folder`, which is then moved to its place `path`."""
+    # OutputError if that fails, SweepError if there is something in its place that is no output of a sweep.
     suffix = path.suffix.lower()
     draft = folder / f"{DRAFT}{suffix}"
     try:
@@ -207,7 +213,10 @@ def write_output(dataset: xarray.Dataset, path: Path, folder: Path) -> None:
 
 
 def _to_disk(path: Path) -> None:
-    """Force a file, or the list of names in a folder, onto the disk, before the chunks are removed."""
+    """Force a file, or the names of the files in a folder, out of the system's memory onto the disk.
+
+    A result has to be there before the chunks that it was made of are removed.
+    """
     with suppress(OSError) if path.is_dir() else nullcontext():  # not every system does it for folders
         handle = os.open(path, os.O_RDONLY)
         try:
@@ -217,7 +226,7 @@ def _to_disk(path: Path) -> None:
 
 
 def _checksum(path: Path) -> tuple[str, str, int]:
-    """Return the right checksum of an output; the stated one, "" if there is none; and the stated one's offset."""
+    """Return the checksum that an output should have, the one that it states ("" if none), and where this begins."""
     place, stated, begin, found = _text_file(path), "", 0, sha256()
     for name, file in (_files_in(path) or {"": path}).items():
         content = memoryview(file.read_bytes())
@@ -281,7 +290,7 @@ def _write_csv(dataset: xarray.Dataset, draft: Path) -> None:
 
 
 def _read_dataset(path: Path, engine: Any) -> Columns:
-    """Return the columns of a netCDF file or a zarr group."""
+    """Return the columns of a netCDF file or a zarr group, read by the backend of xarray with the name `engine`."""
     columns: Columns = {}
     with need_xarray().open_dataset(path, engine=engine) as dataset:
         count, cells = dataset["status"].ndim, dataset["status"].size

@@ -72,7 +72,11 @@ class Duration:
 
 @dataclass(frozen=True, eq=False)
 class SweepPlan:
-    """A sweep with all settings that decide its numbers; its cells are in C order of the dimensions."""
+    """A sweep with all settings that decide its numbers.
+
+    A cell is one motion of the sweep, at one point of the grid or in one row of the table. Cells are numbered in C
+    order of the dimensions.
+    """
 
     # Swept values are doubles, each read as the decimal that it prints as: a coordinate of the result says exactly what
     # was computed. What is not swept stays exact. Periods of `t_end` count from the start of each motion; `skip` is
@@ -149,8 +153,10 @@ class SweepPlan:
 
 
 def compute(arguments: Record, kernels: str, workers: int | None = 1) -> tuple[dict[str, np.ndarray], float]:
-    """Compute a chunk, given the arguments of `simulate_many`; return its columns and the processor seconds."""
-    # `kernels` is the `kernels_hash` of the program that asks: SweepError in a worker with another version of symosc.
+    """Compute a chunk, given the arguments of `simulate_many`; return its columns and the processor seconds.
+
+    `kernels` is the `kernels_hash` of the program that asks: SweepError in a worker with another version of symosc.
+    """
     if kernels != kernels_hash():
         raise SweepError("a worker has another version of symosc than this program")
     wall, processor = perf_counter(), process_time()
@@ -163,7 +169,7 @@ def compute(arguments: Record, kernels: str, workers: int | None = 1) -> tuple[d
 
 
 def cycles(words: np.ndarray) -> np.ndarray:
-    """Return for each word the form `words.cycle` of its cycle: P32 for P32 and for P23."""
+    """Return for each word the rotation that stands for its cycle, the same for all of them: P32 for P32 and P23."""
     # Where a cycle is cut into periods depends on the phases of its events, and so on the parameters; a map over them
     # shows borders only where the cycle itself changes.
     texts, places = np.unique(words, return_inverse=True)
@@ -205,7 +211,7 @@ def read_plan(scene: Any, over: Any, record: Any, t_end: Any, skip: Any, starts:
 
 
 def read_coordinates(scene: Scene, over: Any, starts: np.ndarray | None = None) -> Coordinates:
-    """Return the swept values by name, of axes or of a table; the rows `starts` are one more dimension."""
+    """Return the swept values by name, from the axes or the table `over`; the rows `starts` are one more dimension."""
     table = _table_columns(over)
     found = _axes(over) if table is None else {name: Coordinate(SET_AXIS, values) for name, values in table.items()}
     if starts is not None:
@@ -340,7 +346,7 @@ def _check_values(scene: Scene, coordinates: Coordinates) -> None:
 
 
 def read_duration(name: str, given: Any) -> Duration:
-    """Return a time from a number, or from text such as "60T"."""
+    """Return a `Duration` from a number, or from text such as "60T" for 60 periods of the drive."""
     periods = forcing_periods(name, given)
     if periods is None:
         return Duration(read_number(name, given)[0])
@@ -350,8 +356,10 @@ def read_duration(name: str, given: Any) -> Duration:
 
 
 def _read_record(record: Any) -> tuple[tuple[str, ...], int]:
-    """Return the columns to record, and the number of points of a Poincaré section, 0 if none is recorded."""
-    # The names are those of columns of a summary; "section:64" is a section with 64 points.
+    """Return the names of the columns to record, and the number of points of a Poincaré section, 0 without one.
+
+    `record` has names of columns of a summary; "section:64" asks for a section with 64 points.
+    """
     columns, sections = list[str](), 0
     for name in [record] if isinstance(record, str) else record:
         column, colon, count = name.partition(":")

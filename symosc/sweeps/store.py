@@ -83,7 +83,7 @@ class Store:
         return SweepError(f"{self.folder} has the chunks of another sweep: name another output, or start anew")
 
     def _clear(self, whole: bool) -> None:
-        """Remove half-written files (drafts) of a killed program, and if `whole` also the chunks and their plan."""
+        """Remove half-written files that a killed program has left; if `whole`, also the chunks and their plan."""
         for path in self.folder.iterdir():
             if DRAFT_FORM.fullmatch(path.name) or (
                 whole and (path.name == PLAN_FILE or CHUNK_FORM.fullmatch(path.name))
@@ -146,7 +146,10 @@ class Store:
                     path.unlink()
 
     def remove(self, key: str) -> None:
-        """Remove the chunks of a plan, unless another program works on them; foreign files stay. Release the lock."""
+        """Remove the chunks of the plan `key`, unless another program works on them, and release the lock.
+
+        The folder is removed too, unless it holds files that are not symosc's.
+        """
         with closing(self), suppress(OSError, SweepError):
             if self.key() != key:
                 return

@@ -71,9 +71,10 @@ def sweep(
     starts : array_like, shape (3,) or (n, 3), optional
         t0, x0, v0; several rows are one more dimension, "start".
     workers, executor : optional
-        Threads; or an executor of concurrent.futures or Client of dask, and how many chunks are under way there.
+        The number of threads. With an executor of concurrent.futures, or a Client of dask, it is the number of chunks
+        that are under way there.
     path, resume : optional
-        Output: .nc, .zarr or .csv, and whether what an earlier run has left of the same sweep is used.
+        The output file (.nc, .zarr or .csv), and whether to use what an earlier run of the same sweep has left.
     progress : bool or callable
         True: a bar, on a terminal. Or what gets the numbers of motions done and of all.
 
@@ -126,7 +127,7 @@ def sweep(
 
 
 def _fill(columns: Columns, count: int, begin: int, end: int, chunk: Columns) -> None:
-    """Copy the columns of a chunk, which begins at cell `begin`, into columns of `count` cells."""
+    """Copy the columns of a chunk, with the cells from `begin` up to `end`, into columns of all `count` cells."""
     for name, values in chunk.items():
         if name not in columns:
             columns[name] = np.zeros((count, *values.shape[1:]), values.dtype)
@@ -160,8 +161,11 @@ class Here(Executor):
 
 
 def read_executor(executor: Any, workers: Any) -> tuple[Executor, int]:
-    """Return the executor, one in this process for None, and how many chunks may be under way in it at a time."""
-    # `workers` is the number of threads of this process (default: all cores), or of these chunks.
+    """Return the executor that computes chunks, and how many chunks may be under way in it at a time.
+
+    Without an `executor` this process computes them, on so many threads as `workers` says (default: all cores). With an
+    executor, `workers` is the number of chunks under way.
+    """
     count = None if workers is None else whole_number("workers", workers, 1)
     if executor is None:
         return Here(count), 1
@@ -214,7 +218,10 @@ def _carried_out(
 
 
 def _next_chunk(todo: list[Range], size: int, under_way: int) -> Range:
-    """Take the next chunk off the cells still to do; near the end these are shared among the `under_way` workers."""
+    """Take the next chunk, of about `size` cells, off the ranges still to do.
+
+    Near the end chunks are smaller, so that all the `under_way` workers have some.
+    """
     left = sum(end - begin for begin, end in todo)
     begin, end = todo.pop()
     middle = min(end, begin + max(min(size, -(-left // under_way)), 1))
