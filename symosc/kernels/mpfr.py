@@ -46,7 +46,7 @@ def to_mpf(number: Any, context: Any) -> Any:
 
 @lru_cache(maxsize=256)
 def mpfr_context(bits: int) -> MpfrContext:
-    """Return the context with that many bits."""
+    """Return the shared context of MPFR with `bits` bits."""
     return MpfrContext(bits)
 
 
@@ -81,12 +81,12 @@ class MpfrContext:
 
     @staticmethod
     def own(number: Any) -> Any:
-        """Return the number itself, which any context may use (compare `FixedContext.own`)."""
+        """Return `number` unchanged: unlike one of mpmath, a number of MPFR belongs to no context."""
         return number
 
     @staticmethod
     def rounded(numbers: Any, context: MpfrContext) -> tuple[Any, ...]:
-        """Return numbers rounded to the precision of the current context."""
+        """Return `numbers` rounded to MPFR's current precision; `context` must be the current one."""
         return tuple([+number for number in numbers])
 
     convert = staticmethod(mpfr)
