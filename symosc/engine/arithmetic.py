@@ -90,8 +90,7 @@ def bind(
     `wrap`, such as a compiler, is applied to each copy; `literal` converts each float that is written in the source,
     such as 0.5.
     """
-    # `wrap` is applied to every copy, such as numba.njit; `literal` converts the floats in the source once, such as 0.5
-    # and the limits with a name. A name in `replaced` must be one that the functions could see.
+    # `literal` converts limits with a name too. A name in `replaced` must be one that the functions could see.
     modules = tuple(modules)
     shared: dict[str, Any] = {}
     for module in modules:
@@ -134,10 +133,8 @@ def compile_modules(
     compiled functions to call instead of those of the same name. `replaced` and `literal` are as in `bind`, and the
     code counts as old when a module in `beside` changes.
     """
-    # All functions but those in `outlined` (None: all) are inlined into each caller. `callees` are compiled functions
-    # that replace those of the same name; those that no module sees are left out. `replaced` and `literal` are as in
-    # `bind`. The modules `beside` are compiled too, such as operators of a type. Raise MissingExtraError without
-    # numba.
+    # If `outlined` is None, nothing is inlined. `callees` that no module sees are left out. The modules `beside` are
+    # compiled too, such as operators of a type. Raise MissingExtraError without numba.
     try:
         import numba
 
@@ -229,17 +226,17 @@ class Arithmetic:
         self.parameters, self.K = parameters, _float_constants(parameters)
 
     def phase(self, t: Fraction) -> Number:
-        """Return the phase Omega t mod 2 pi, in [0, 2 pi), correctly rounded."""
+        """Return the phase Omega t mod 2 pi of an exact time `t`, in [0, 2 pi), correctly rounded."""
         theta = _angle_in_turn(self.parameters.Omega * t, self.digits)
         return self.rounded(theta) if theta else self.number(Fraction(0))
 
     def time(self, t: Fraction) -> tuple[Number, Number]:
-        """Return a time as the sum (high, low) of two numbers of this arithmetic."""
+        """Return an exact time as the sum (high, low) of two numbers of this arithmetic."""
         high = float(t)
         return high, float(t - Fraction(high))
 
     def advance(self, state: State, t_end: Number, t_end_low: Number) -> NextEvent:
-        """Return the next event after `state`; without an event, END at t_end + t_end_low, MOVED or REST before."""
+        """Return the NextEvent after `state`: an event, or END at the time t_end + t_end_low, MOVED or REST."""
         found: NextEvent = next_event.advance(state, t_end, t_end_low, self.K)
         return found
 
@@ -286,7 +283,7 @@ def loaded_loop() -> dict[str, Any] | None:
 
 @lru_cache(maxsize=1)
 def compiled_tangents() -> dict[str, Any]:
-    """Return the compiled functions that differentiate motions; raise MissingExtraError if numba is not installed."""
+    """Return the compiled functions for derivatives of events; raise MissingExtraError without numba."""
     outlined = {"tangents", "changes_at", "divided_difference", "difference_by_series", "repeated"}
     callees = {name: function for name, function in compiled().items() if name != "exp"}  # theirs is of complex numbers
     return compile_modules((mapping, tangent), outlined, callees)
@@ -312,7 +309,7 @@ def column_functions() -> dict[str, Any]:
 
 
 class MpArithmetic(Arithmetic):
-    """Numbers of mpmath with `digits` decimal digits; `context` is their mpmath context."""
+    """Numbers with `digits` decimal digits; `context` is their mpmath context, and MPFR follows motions if `fast`."""
 
     # Motions are followed by MPFR where gmpy2 is installed, at the same precision and six times as fast: `inward` and
     # `outward` convert, and arithmetic on its numbers belongs into a block ``with arithmetic.precision():``. Both round
@@ -343,7 +340,7 @@ class MpArithmetic(Arithmetic):
 
     @cached_property
     def namespace(self) -> dict[str, Any]:  # type: ignore[override]
-        """The engine's functions for these numbers, by name."""
+        """The engine's functions for mpmath numbers of this precision, by name."""
         return bind(SOURCES, self._replaced, literal=self.context.mpf)
 
     def number(self, value: Fraction) -> Number:
@@ -351,7 +348,7 @@ class MpArithmetic(Arithmetic):
         return self.context.mpf(value.numerator) / value.denominator
 
     def time(self, t: Fraction) -> tuple[Number, Number]:
-        """Return a time as (t, 0)."""
+        """Return a time as the pair (t, 0) of numbers with all digits."""
         return self.number(t), self.number(Fraction(0))
 
     @cached_property
@@ -385,14 +382,14 @@ class MpArithmetic(Arithmetic):
             self._inner.leave(before)
 
     def advance(self, state: State, t_end: Number, t_end_low: Number) -> NextEvent:
-        """Return the next event after `state`; without an event, END at t_end + t_end_low, MOVED or REST before."""
+        """Return the NextEvent after `state`: an event, or END at the time t_end + t_end_low, MOVED or REST."""
         with self.precision():
             given = self.inward((state, t_end, t_end_low))
             found: NextEvent = self.outward(self.following["advance"](*given, self.inner_K))
             return found
 
     def inward(self, value: Any) -> Any:
-        """Convert an mpmath number, or the numbers in a tuple, to those of the event loop."""
+        """Convert an mpmath number, or all in a tuple, to the numbers that the event loop computes with (MPFR's)."""
         inner = self._inner
         if inner is self.context:
             return value
@@ -401,7 +398,7 @@ class MpArithmetic(Arithmetic):
 
     @cached_property
     def inner_K(self) -> Constants:
-        """The constants as numbers of the event loop."""
+        """The constants K as the numbers that the event loop computes with (MPFR's if gmpy2 is installed)."""
         found: Constants = self.inward(self.K)
         return found
 
@@ -423,7 +420,7 @@ def many_digits(parameters: Parameters, digits: int) -> MpArithmetic:
 
 
 def mp_context(digits: int) -> Any:
-    """Return an mpmath context of fixed precision (`symosc.kernels.multiprecision`, which loads mpmath)."""
+    """Return the mpmath context of fixed precision with `digits` digits; mpmath is loaded at the first call."""
     from symosc.kernels.multiprecision import mp_context
 
     return mp_context(digits)
@@ -439,7 +436,7 @@ PLAIN_IN_PAIRS = {
 
 
 class PairLoops(NamedTuple):
-    """The two functions of `symosc.engine.batch` that start and follow motions in double-double numbers (pairs)."""
+    """The two functions that start (`first_pairs`) and follow (`follow_pairs`) motions in double-double numbers."""
 
     first_pairs: Any
     follow_pairs: Any

@@ -96,14 +96,14 @@ def large_array(shape: tuple[int, ...], dtype: Any = np.float64) -> np.ndarray:
 
 
 def joined_arrays(pieces: list[np.ndarray]) -> np.ndarray:
-    """Concatenate columns, or rows, of one type in contiguous memory."""
+    """Concatenate arrays of one type along their first axis, in contiguous memory."""
     if len(pieces) == 1:
         return np.ascontiguousarray(pieces[0])
     return np.concatenate(pieces, out=large_array((sum(map(len, pieces)), *pieces[0].shape[1:]), pieces[0].dtype))
 
 
 def contiguous_copy(columns: np.ndarray) -> np.ndarray:
-    """Return a contiguous copy of columns."""
+    """Return a copy of the array `columns` in contiguous memory."""
     out = large_array(columns.shape, columns.dtype)
     out[...] = columns
     return out
@@ -117,7 +117,7 @@ def batch_of(states: np.ndarray, sets: np.ndarray | None = None) -> Batch:
 
 
 def event_buffer(events: int) -> EventRows:
-    """Return a buffer with room for this many events."""
+    """Return an empty buffer with room for so many `events`."""
     return EventRows(large_array((len(FLOAT_COLUMNS), events)), large_array((1 + len(CODE_COLUMNS), events), np.int32))
 
 
@@ -133,7 +133,7 @@ def joined(parts: Iterable[EventRows]) -> EventRows:
 
 
 def piece_buffer(pieces: int) -> np.ndarray:
-    """Return a buffer with room for this many pieces of a motion."""
+    """Return an empty buffer with room for so many `pieces` of a motion, a column each (see PIECE_COLUMNS)."""
     return np.empty((len(PIECE_COLUMNS), pieces))
 
 
@@ -158,7 +158,7 @@ def state_of(states, i):
 
 
 def keep_state(states, i, state):
-    """Write a state into row i of a table of states."""
+    """Write `state` into row `i` of a table of states."""
     states[i, 0], states[i, 1], states[i, 2] = state.mode, state.at, state.n
     states[i, 3], states[i, 4], states[i, 5] = state.theta, state.x, state.v
     states[i, 6], states[i, 7] = state.Fb, state.Fa
@@ -192,7 +192,11 @@ def follow_all(begin, batch, most, accuracy, out, pieces, tally, table):
 
 
 def follow_one(i, once, rows, parts, batch, most, accuracy, out, pieces, tally, table):
-    """Follow trajectory `i` as `follow_all` does, or for one step if `once`; return the rows filled in both buffers."""
+    """Follow trajectory `i` until it ends or a buffer is full, or for one step if `once`.
+
+    Return how many rows of `out` and columns of `pieces` are filled, starting from `rows` and `parts`; the other
+    arguments are those of `follow_all`.
+    """
     batch, out, pieces, tally, table = borrowed((batch, out, pieces, tally, table))
     states, sets, counts, codes = batch
     recorded, tallied = pieces.shape[1] > 0, tally.floats.shape[0] > 0
@@ -245,7 +249,7 @@ def end_by_phase(row, K):
 
 
 def searched(state, row, K):
-    """Find the next event after a state, up to the end time that a batch row holds; return a NextEvent."""
+    """Find the next event after `state`, up to the end time in the batch row `row`; return a NextEvent."""
     t_end, t_end_low, _ = end_by_phase(row, K)
     return advance(state, t_end, t_end_low, K)
 
@@ -264,13 +268,18 @@ def open_free_time(found, state, K):
 
 
 def doubt_row(states, count, most, accuracy, table):
-    """Look up to 16 steps ahead of the state in row 0; return the number of the first undecided event, or 0."""
+    """Look up to 16 steps ahead of the state in row 0; return the number of the first undecided event, or 0.
+
+    Events are numbered on from `count`; those after number `most` do not matter.
+    """
     return next_undecided(state_of(states, 0), count, states[0], most, accuracy, table[0])
 
 
 def next_undecided(state, count, row, most, accuracy, K):
-    """Look up to 16 steps ahead of `state`; return the number of the first event doubles cannot decide, or 0."""
-    # Before the state there were `count` events; events after number `most` are of no interest.
+    """Look up to 16 steps ahead of `state`; return the number of the first event doubles cannot decide, or 0.
+
+    Events are numbered on from `count`; those after number `most` do not matter.
+    """
     t0 = float(row[15])
     for _ in range(LOOK_AHEAD):
         step, _, decided, t_error, state = searched(state, row, K)
@@ -335,7 +344,11 @@ def first_pairs(pairs, K):
 
 
 def follow_pairs(chosen, wanted, pairs, batch, out, pieces, K, tally, limits):
-    """Follow the `chosen` trajectories in double-double numbers until each has `wanted` events or has ended."""
+    """Follow the `chosen` trajectories in double-double numbers until each has `wanted` events or has ended.
+
+    Return how many rows of `out` and of `pieces` are filled. `pairs` holds the states in these numbers and `batch`
+    those in doubles; both are updated.
+    """
     # Doubles search for each event as far as they are sure (`advance_near`). A motion that doubles could soon not
     # decide again is followed farther, as long as the buffer holds its events.
     #   chosen : (m,) numbers of the trajectories to follow, in order.

@@ -81,7 +81,7 @@ COLUMN_TYPES = {each.name: {"int": int, "str": str}.get(str(each.type), float) f
 
 
 def events_from(rows: Any) -> list[Event]:
-    """Return the events of an `EventRows` buffer."""
+    """Return the events in an `EventRows` buffer as a list of `Event`."""
     columns = dict(zip((*FLOAT_COLUMNS, *CODE_COLUMNS), (*rows.floats.tolist(), *rows.ints[1:].tolist()), strict=True))
     columns |= {name: [names[code] for code in columns[name]] for name, names in CODE_NAMES.items()}
     return list(map(Event, *(columns[name] for name in EVENT_COLUMNS)))

@@ -137,9 +137,12 @@ def constants(
     angle: Callable[[Number, Number], Number] = atan2,
     pi: Number = pi,
 ) -> Constants:
-    """Return the constants of `parameters`; each is derived in rational numbers and rounded once by `number`."""
-    # `number` rounds a Fraction: ``float``, or a conversion to mpmath; `root`, `angle` and `pi` are square root, atan2
-    # and pi of such numbers. Parameters may be columns of pairs (`constant_table`): then the constants are arrays.
+    """Return the constants of `parameters`; each is derived in rational numbers and rounded once by `number`.
+
+    `root`, `angle` and `pi` are square root, atan2 and pi for numbers of that kind.
+    """
+    # `number` is ``float``, or a conversion to mpmath. Parameters may be columns of pairs (`constant_table`): then the
+    # constants are arrays.
     m, Om = parameters.m, parameters.Omega
     h, w0sq, f0 = parameters.c / (2 * m), parameters.k / m, parameters.B0 / m
     omega, zero, doubles = number(Om), number(Fraction(0)), isinstance(pi, float)
@@ -241,7 +244,7 @@ def _period_rest(period: float, Om: float) -> Fraction:
 
 
 def _belt_constants(parameters: Parameters, boundary: int, number: Any, root: Any, angle: Any) -> BeltConstants:
-    """Return the constants of a stick on one belt."""
+    """Return the constants of a stick on belt 1 or 2; `number`, `root`, `angle` are as in `constants`."""
     v, mu = parameters.belt(boundary), (parameters.mu1 if boundary == 1 else parameters.mu2)
     # Signs, as the forces themselves may be too small for a double.
     below, above = (number(sign(parameters.A(domain) - parameters.c * v)) for domain in (boundary, boundary + 1))
@@ -406,7 +409,10 @@ def fifth_derivative(G3, G2, c, K):
 
 
 def velocity_scale(tau, v0, F0, K):
-    """Return the size of the terms of v - v0 at `tau` after a launch with velocity `v0` and acceleration `F0`."""
+    """Return the size of the terms of v - v0, at `tau` after a launch with velocity `v0` and acceleration `F0`.
+
+    The rounding error of v - v0 is in proportion to it.
+    """
     # Not the terms themselves: they come back to 0 after a period of a free oscillation, their errors do not.
     rise = 0.5 * tau * tau
     drive = abs(K.fB) * rise

@@ -38,7 +38,7 @@ MOST_CORRECTIONS = 8  # each of them doubles the digits
 
 @dataclass(frozen=True)
 class Start:
-    """An exact initial value problem; `start_error`: half-widths of t0, x0 and v0 (None: exact)."""
+    """An exact initial value problem; `start_error` holds the half-widths of t0, x0 and v0 (None: exact)."""
 
     parameters: Parameters
     t0: Fraction
@@ -101,9 +101,10 @@ def belt_state(
 def start_rows(
     at: np.ndarray, theta: np.ndarray, x: np.ndarray, v: np.ndarray, times: Sequence[Any], K: Any
 ) -> tuple[np.ndarray, np.ndarray]:
-    """Return batch rows for columns of starts (on belt `at` if > 0), and where doubles do not decide the forces."""
-    # `times` are t, t_low, t_end, t_end_low and t0, and K may be columns of constants by name. Also return where a
-    # force on the belt is so small that doubles do not decide.
+    """Return batch rows for columns of starts (on belt `at` if > 0), and where doubles do not decide the forces.
+
+    `times` holds t, t_low, t_end, t_end_low and t0; `K` has the constants, for all rows or one for each.
+    """
     mode = np.where(at > 0, at, 1 + (v > K.belt1.v) + (v > K.belt2.v))
     s, c = column_functions()["sine_cosine"](theta)
     A_below, A_above = (np.choose(n - 1, [K.A1, K.A2, K.A3]) for n in (mode, mode + (at > 0)))
@@ -156,7 +157,7 @@ def first_state(start: Start, arithmetic: Arithmetic) -> State:
 
 
 def sine_and_cosine(theta: Number, arithmetic: Arithmetic) -> Phase:
-    """Return sine and cosine of a phase."""
+    """Return sine and cosine of the phase `theta` in the given arithmetic."""
     return arithmetic.namespace["sin"](theta), arithmetic.namespace["cos"](theta)
 
 
@@ -186,7 +187,7 @@ def last_time(start: Start, arithmetic: Arithmetic) -> tuple[Number, Number]:
 
 
 def first_row(start: Start, arithmetic: Arithmetic) -> list[Number]:
-    """Return the batch row of a motion at its start."""
+    """Return the batch row (state, t_end in two parts, t0) of a motion at its start."""
     return row_of(first_state(start, arithmetic), *last_time(start, arithmetic))
 
 

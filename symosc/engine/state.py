@@ -74,7 +74,7 @@ class Launch(NamedTuple):
 
 
 class Flown(NamedTuple):
-    """The state of a flight at `tau` after its launch."""
+    """A point of a flight at `tau` after its launch: gains of x and v, derivatives of v, phase, and E0, E1, E2."""
 
     tau: Number
     dx: Number  # what x and v have gained

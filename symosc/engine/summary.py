@@ -176,7 +176,7 @@ def tally_step(i, before, found, t0, tally, K):
 
 
 def launch_of(state):
-    """Return the launch of a flight from a state."""
+    """Return the Launch (v, F, and the phase's sine and cosine) of a flight that begins in `state`."""
     return Launch(state.v, state.Fb, state.s, state.c)
 
 
@@ -258,7 +258,10 @@ def lies_within(i, state, tau, seen, open_ends, tally, K):
 
 
 def tally_sections(i, before, last, S, tally, K):
-    """Store the Poincaré sections from the state `before` to the end of period number `last` in the tally."""
+    """Store the Poincaré sections from the state `before` to the end of period number `last` in the tally.
+
+    `S` is the covariance of the errors of x and v at the end.
+    """
     ring = tally.words.shape[1]
     first = before.n + 1
     if last - first >= ring:  # a long way without an event: all but the last words are empty
@@ -272,7 +275,10 @@ def tally_sections(i, before, last, S, tally, K):
 
 
 def keep_section(i, before, tau, S_x, S_v, tally):
-    """Store the section at `tau` after the state `before`, and end the word of its period if that is still open."""
+    """Store the section at `tau` after the state `before`, and end the word of its period if that is still open.
+
+    `S_x` and `S_v` are the variances of x and v there.
+    """
     ints = tally.ints
     if ints[i, EARLY] == 0:
         close_word(i, tally)
@@ -363,7 +369,11 @@ def flown(x, start, tau, s_Om, c_Om, K):
 
 
 def settle(tally, sets, table, sections, repeats):
-    """Fill `sections` with x and v at the last sections of motions, `repeats` with the periods until they repeat."""
+    """Fill `sections`, (n, m, 2), with x and v at the last m sections of motions, `repeats` with their multiplicity.
+
+    The multiplicity is the number of periods after which a motion repeats, or 0; `sets` are indices of constants in
+    `table`.
+    """
     # `sets` (n,) are the parameter sets of the motions, `table` their constants. `sections` (n, m, 2) is filled with x
     # and v at the last m sections in order of time, as far as they were reached, and `repeats`, (n,) or (0,), with the
     # periods, 0 for a motion that does not repeat.
@@ -440,7 +450,10 @@ def widened(seen, x, v):
 
 
 def flight_extremes(begin, last, start, x0, own, open_ends, K):
-    """Extend `own`, the extremes of the ends of a flight, to those of the flight from time `begin` to point `last`."""
+    """Extend `own`, the extremes of the ends of a flight, to those of the flight from time `begin` to point `last`.
+
+    `start` is its Launch, `x0` the position there, and `open_ends` says which extremes are in question.
+    """
     now = state_at(begin, start, K) if begin > 0.0 else point(0.0, 0.0, 0.0, start, K)
     cell = FIRST_CELL * K.moment
     for _ in range(MOST_CELLS):
@@ -474,7 +487,10 @@ def point(tau, dx, dv, there, K):
 
 
 def cell_extremes(now, then, M4, start, x0, own, open_ends, K):
-    """Extend the extremes `own` by those of a flight between the points `now` and `then`, which `own` includes."""
+    """Extend the extremes `own` by those of a flight between the points `now` and `then`, which `own` includes.
+
+    `M4` bounds the fourth derivative of v, `x0` is the position at launch, and `open_ends` says what is in question.
+    """
     while (then.tau - now.tau) * K.rate > SHORTEST_CELL and not cell_within(now, then, M4, start.v, x0, own, open_ends):
         middle = cut_at(now, then, start, open_ends, K)
         own = widened(own, x0 + middle.dx, start.v + middle.dv)
@@ -490,7 +506,10 @@ def cell_within(now, then, M4, v0, x0, seen, open_ends):
 
 
 def within(reach, way, now, M4, v0, x0, seen, open_ends):
-    """Return whether a flight stays in the extremes `seen` for a time `reach` after point `now` (or before: way -1)."""
+    """Return whether a flight stays in the extremes `seen` for a time `reach` after point `now` (or before: way -1).
+
+    `M4` bounds the fourth derivative of v, and v0 and x0 are velocity and position at launch.
+    """
     v, x = v0 + now.dv, x0 + now.dx
     if open_ends.v_max or open_ends.v_min:
         slack = WIDTH_SLACK * (abs(seen.v_min) + abs(seen.v_max))
