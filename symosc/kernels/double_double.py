@@ -59,13 +59,13 @@ def pair_sum(ah, al, bh, bl):
 
 
 def pair_product(ah, al, bh, bl):
-    """Return a b for pairs; exact for two doubles."""
+    """Return the product of the pairs ah + al and bh + bl as a pair; it is exact for two doubles."""
     p, e = two_product(ah, bh)
     return fast_sum(p, e + (ah * bl + al * bh))
 
 
 def pair_quotient(ah, al, bh, bl):
-    """Return a/b for pairs."""
+    """Return the quotient of the pairs ah + al and bh + bl as a pair."""
     q = ah / bh
     p, e = two_product(q, bh)
     rest = ((ah - p) - e) + (al - q * bl)  # the first difference is exact
@@ -73,7 +73,7 @@ def pair_quotient(ah, al, bh, bl):
 
 
 def pair_root(ah, al):
-    """Return the square root of a pair > 0."""
+    """Return the square root of the pair ah + al > 0 as a pair."""
     root = sqrt(ah)
     ph, pl = two_product(root, root)
     rh, _ = pair_sum(ah, al, -ph, -pl)

@@ -76,7 +76,7 @@ def careful(tau: np.ndarray, s: np.ndarray, c: np.ndarray, K: Any) -> tuple[np.n
 
 
 def expm1_over(z: complex, tau: np.ndarray) -> np.ndarray:
-    """Return (exp(z tau) - 1) / z; `tau` at z = 0."""
+    """Return (exp(z tau) - 1) / z for an array of times; `tau` if z = 0."""
     if z == 0.0:
         return tau
     half = np.sin(0.5 * z.imag * tau)

@@ -58,7 +58,7 @@ class _LanesModel(models.PrimitiveModel):
 @lower_cast(types.Integer, LanesType)
 @lower_cast(types.Boolean, LanesType)
 def _spread(context: Any, builder: Any, given: Any, wanted: Any, value: Any) -> Any:
-    """Return LLVM code that puts a scalar into all lanes."""
+    """Return LLVM code that copies a scalar `value` into all lanes of the type `wanted`."""
     value = context.cast(builder, value, given, types.boolean if wanted.flags else types.float64)
     nothing = ir.Constant(context.get_value_type(wanted), ir.Undefined)
     first = builder.insert_element(nothing, value, ir.Constant(PLACE, 0))
@@ -104,7 +104,7 @@ _operator(operator.invert, True, True, ir.IRBuilder.not_)
 
 
 def _llvm_intrinsic(name: str) -> Any:
-    """Return a numba function of lanes that calls the LLVM intrinsic of that name."""
+    """Return a numba function of lanes that calls the LLVM intrinsic `name`, such as "sqrt"."""
 
     def function(typingctx: Any, x: Any) -> Any:
         def code(context: Any, builder: Any, declared: Any, arguments: Any) -> Any:
@@ -152,7 +152,7 @@ def _power_of_two(typingctx: Any, n: Any) -> Any:
 
 @numba.njit(forceinline=True)
 def power_of_two(n):
-    """Return 2^n for whole numbers n as doubles."""
+    """Return 2^n for whole numbers n as doubles, in all lanes."""
     return _power_of_two(n)  # type: ignore[call-arg]
 
 
@@ -243,7 +243,6 @@ def tuple_loader(width: int, kind: Any, nested: dict[str, Any], alike: frozenset
 
     The fields `nested` are tuples themselves; those in `alike`, the same in all lanes, become single numbers.
     """
-    # A field in `alike`, which is the same in all lanes, is loaded as a single number.
 
     def typed(of: Any, outer: bool = True) -> Any:
         def entry(name: str) -> Any:

@@ -134,7 +134,7 @@ def divided_difference(n0, n1, n2, n3, nodes, tau, known, there):
 
     The list `known` keeps differences found before at this `tau`; `there` flags its entries.
     """
-    # `known` keeps the differences at this `tau`, `there` says which. A stack, since numba keeps no recursion on disk.
+    # A stack, since numba keeps no recursion on disk.
     stack = [(n0, n1, n2, n3)]
     key = key_of(stack[0])
     while not there[key]:
@@ -169,7 +169,7 @@ def one_less(counts, i):
 
 
 def farthest(counts, nodes):
-    """Return the distance of the two nodes that are farthest apart, and their numbers."""
+    """Return the distance of the two nodes that are farthest apart, and their numbers; counts[i] = 0: no node i."""
     far, first, last = -1.0, 0, 3
     for i in range(4):
         for j in range(i):
@@ -283,7 +283,10 @@ def flights(points, speeds, A, K, f):
 
 
 def flights_and_slopes(points, speeds, A, K, f, J):
-    """Fill f (2, n) with residuals of flights, J (2, 4, n) with derivatives by x_i, theta_i, x_j, theta_j."""
+    """Fill f (2, n) with the residuals (x, v) of flights, J (2, 4, n) with derivatives by x_i, theta_i, x_j, theta_j.
+
+    `points` are four arrays of these letters, `speeds` those of the belts, and A is A_alpha/m of the domain.
+    """
     v_i, v_j = speeds
     block = np.empty(12 * BLOCK)
     J[0, 2], J[1, 2] = -1.0, 0.0
@@ -321,7 +324,10 @@ def sticks(points, v, sides, K, f):
 
 
 def sticks_and_slopes(points, v, sides, K, f, J):
-    """Fill f (2, n) with the residuals of sticks, J (2, 4, n) with derivatives by x_i, theta_i, x_j, theta_j."""
+    """Fill f (2, n) with the residuals of sticks, J (2, 4, n) with derivatives by x_i, theta_i, x_j, theta_j.
+
+    `points` are four arrays of these letters, v is the belt's speed, and `sides` has A_alpha/m below and above.
+    """
     sticks(points, v, sides, K, f)
     J[0, 0], J[0, 2], J[1, 0], J[1, 1] = 1.0, -1.0, 0.0, 0.0
     for n in range(len(points[0])):

@@ -69,14 +69,14 @@ class MpfrContext:
         self.leave(before)
 
     def enter(self) -> Any:
-        """Make this precision current in this thread; return the previous context."""
+        """Make this precision MPFR's current one in this thread; return the context that was current before."""
         before = gmpy2.get_context()
         gmpy2.set_context(self._context)
         return before
 
     @staticmethod
     def leave(before: Any) -> None:
-        """Restore the context that was current before `enter`."""
+        """Make the context `before`, which `enter` has returned, current again."""
         gmpy2.set_context(before)
 
     @staticmethod

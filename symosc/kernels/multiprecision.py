@@ -23,7 +23,7 @@ from symosc.model import Parameters
 
 @contextmanager
 def interrupts_held_back() -> Iterator[None]:
-    """Delay an interrupt (Ctrl-C) until the end of a block."""
+    """Return a context manager that delays an interrupt (Ctrl-C) until the end of its block."""
     # gmpy2, which mpmath loads too, drops every exception of some lines that it runs while it is imported.
     usual = signal.getsignal(signal.SIGINT)
     if usual is None or threading.current_thread() is not threading.main_thread():
@@ -165,7 +165,7 @@ class BasisMP:
         return l1, l2, context.mpc(0, Om)
 
     def __call__(self, tau: Mpf, K: Any) -> tuple[Mpf, ...]:
-        """Return E0, E1, E2, R2, I2 and sin, cos of Omega tau for the constants `K`; tau of any sign."""
+        """Return E0, E1, E2, R2, I2 (responses to an impulse and to the drive) and sin, cos of Omega tau."""
         tau = self.context.convert(tau)
         short = K.rate * abs(tau) < MP_SERIES_BELOW
         inner = self.for_series if short else self.for_differences

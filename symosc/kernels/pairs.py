@@ -114,7 +114,7 @@ def pair_of(hi: float, lo: float) -> Pair:
 
 
 def _parts_of(value: Any) -> tuple[float, float]:
-    """Return hi and lo of a number."""
+    """Return hi and lo of a number: a Pair, int or float."""
     return (value.hi, value.lo) if type(value) is Pair else (float(value), 0.0)
 
 
@@ -439,13 +439,13 @@ def turned_sine(x, quarters):
 
 @register_jitable
 def sine(x):
-    """Return the sine of an angle; for the error see `turned_sine`."""
+    """Return the sine of an angle in radians, with an absolute error of at most 1.8e-32 up to 1e6."""
     return turned_sine(x, 0)
 
 
 @register_jitable
 def cosine(x):
-    """Return the cosine of an angle; for the error see `turned_sine`."""
+    """Return the cosine of an angle in radians, with an absolute error of at most 1.8e-32 up to 1e6."""
     return turned_sine(x, 1)
 
 
