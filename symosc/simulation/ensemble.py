@@ -144,7 +144,7 @@ def simulate_many(
 
 
 class Task(NamedTuple):
-    """The settings shared by all chunks: at most `most` events per motion, followed with `accuracy`."""
+    """The settings shared by all chunks: problems, loops, at most `most` events per motion, and the accuracy."""
 
     problems: Problems
     loops: loops.Loops
@@ -153,7 +153,7 @@ class Task(NamedTuple):
 
 
 class Chunk:
-    """Some of many motions, numbered from 0; making the object follows them to their ends."""
+    """Some of the motions of `simulate_many`, those in `rows`; making the object follows them to their ends."""
 
     # `buffer` is used meanwhile. `keep`, if given, returns the tally of motions from their numbers and their rows at
     # the start: then no events are recorded. `batch` has the last states and what each motion ended with, `rows` the
@@ -281,7 +281,7 @@ class Chunk:
         return pairs
 
     def _statuses(self) -> list[str]:
-        """Return the status of each motion."""
+        """Return for each motion why it ended, as text such as "t_end" or "max_events"."""
         codes, periods = self.batch.codes, self.batch.states[:, 2]
         status: list[str] = np.where(codes == FULL, "max_events", "t_end").tolist()
         # Motions without a drive may have come to rest.
@@ -352,7 +352,7 @@ class SummaryRequest:
         return name in self.names
 
     def start_tallies(self, longest: int, motions: Any, states: np.ndarray) -> Tally:
-        """Return the tally of some motions (a slice, or numbers) at their starts, for words up to `longest`."""
+        """Return the tally at the start of some motions (a slice, or numbers), for words up to `longest` mappings."""
         repeats, extremes = "multiplicity" in self, not EXTREMES.keys().isdisjoint(self.names)
         ring = 2 * kept.LONGEST_REPEAT if repeats else kept.LEAST_RING if "word" in self or "section" in self else 0
         ring = max(ring, self.sections) if "section" in self else ring

@@ -46,7 +46,7 @@ MOST_SHRINKING = 600
 
 
 class Limits(NamedTuple):
-    """Limits up to which a motion is followed in more precise numbers: how many events, and how exact they are."""
+    """How far a motion is followed in more precise numbers: how many events, and how exact they must be."""
 
     most: int  # events
     accuracy: float  # what doubles are asked for
@@ -159,7 +159,7 @@ class Motion:
         return found
 
     def undo(self) -> None:
-        """Take back the last step: its state, its piece and its event."""
+        """Take back the last step: its state, its piece, and its event if it had one."""
         self._state, self._rough = self._before, None
         del self._columns[-1]
         if self.code <= GRAZE:
@@ -200,7 +200,7 @@ class Motion:
         self._events.append((numbers, event_codes(before, found)))
 
     def _next_event(self, state: State) -> NextEvent:
-        """Return the next event with many digits, searched in doubles where possible."""
+        """Return the event after `state` with many digits; doubles search for it where they can."""
         rough = self.rounded_state() if self._search else None
         ahead = self._search.next_event(rough) if self._search and rough else None
         self._rough, functions = None, self.arithmetic.following
@@ -282,7 +282,7 @@ class MotionInPairs:
                 return self.code != UNDECIDED
 
     def take(self) -> tuple[EventRows, np.ndarray]:
-        """Return the events and pieces found since the last call."""
+        """Return the events and the pieces (parts between steps) found since the last call, as columns."""
         found = joined(self._events), np.concatenate(self._pieces, axis=1)
         self._events, self._pieces = [], []
         return found
@@ -336,7 +336,7 @@ class MotionInDigits(Motion):
         return continued(self.state, Fraction(1, 1 << self.arithmetic.context.prec), finer)
 
     def take(self) -> tuple[EventRows, np.ndarray]:
-        """Return the events and pieces found since the last call."""
+        """Return the events and the pieces (parts between steps) found since the last call, as columns."""
         rows, pieces = event_buffer(len(self._events)), self.columns()[:, 1:]
         for n, (numbers, codes) in enumerate(self._events):
             rows.floats[:, n], rows.ints[:, n] = numbers, (0, *codes)
@@ -346,7 +346,7 @@ class MotionInDigits(Motion):
 
 
 class FinerMotion:
-    """A motion in more precise numbers, from its start on, followed until doubles suffice again."""
+    """A motion in pairs of doubles or in many digits, from its start on, followed until doubles suffice again."""
 
     # Pairs follow it, if `loops` are given or this process has them compiled, else FINER_DIGITS digits. Past a contact
     # that these leave undecided it goes on with as many digits as confirm a graze (`digits_to_confirm_graze`): from the
@@ -374,7 +374,7 @@ class FinerMotion:
         return reached
 
     def _take(self) -> None:
-        """Append what was found in double-double or many-digit numbers to `events` and `pieces`."""
+        """Append the events and pieces found since the last call to `events` and `pieces`."""
         events, pieces = self.now.take()
         self.events.append(events)
         self.pieces.append(pieces)

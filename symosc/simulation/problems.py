@@ -41,7 +41,7 @@ DECIMAL_CONTEXT = Context(prec=800)
 
 
 class NumberColumn:
-    """One number for all rows, or one for each row: exactly as given, and as doubles `hi` with remainders `lo`."""
+    """A column of numbers as given, one per row or one for all: exact, and as doubles `hi` with remainders `lo`."""
 
     def __init__(self, name: str, given: Any) -> None:
         given = _as_numpy(name, given)
@@ -208,7 +208,7 @@ class ParameterSets:
         return self._known[i]
 
     def column(self, name: str) -> NumberColumn:
-        """Return the column of the parameter of this name."""
+        """Return the column of the parameter `name`."""
         if name not in self.columns:
             self.columns[name] = NumberColumn(name, [getattr(p, name) for p in self._known.values()])
         return self.columns[name]
@@ -229,7 +229,7 @@ class ParameterSets:
 
 
 class Problems:
-    """Initial value problems in columns; `Start` objects are made on demand."""
+    """Initial value problems in columns; indexing makes the `Start` of one of them."""
 
     def __init__(self, parameters: Any, starts: Any, t_end: Any, start_error: Any = None) -> None:
         self.sets = ParameterSets(parameters)
@@ -313,8 +313,7 @@ class Problems:
 
         `states` are the same starts in doubles, and `phase` computes the phase at a time.
         """
-        # `states` are their rows in doubles, and `phase` returns the phase at a time, as such a number. Forces and what
-        # follows from them are left to `symosc.engine.batch.first_pairs`.
+        # Forces and what follows from them are left to `symosc.engine.batch.first_pairs`.
         made = np.zeros((len(rows), STATE_WIDTH), complex)
         made[:, :2] = states[:, :2]
         for place, column in ((4, self.x0), (5, self.v0), (11, self.t0)):
@@ -331,7 +330,7 @@ class Problems:
 
 
 def _start_columns(starts: Any) -> tuple[NumberColumn, NumberColumn, NumberColumn]:
-    """Return the columns t0, x0 and v0."""
+    """Return the columns t0, x0 and v0 of starts, given as rows of these or as a mapping of these names."""
     starts = named("starts", starts, START_COLUMNS)
     if isinstance(starts, Mapping):
         columns = [starts[name] for name in START_COLUMNS]

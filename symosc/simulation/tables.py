@@ -123,7 +123,7 @@ class EventTable(Columns):
 
 
 def write_csv(path: str | Path, header: Iterable[str], rows: Iterable[Iterable[Any]]) -> None:
-    """Write a table as a CSV file."""
+    """Write `rows` under a `header` as a CSV file ("-": to standard output)."""
 
     def write(draft: Path) -> None:
         with draft.open("w", encoding="utf-8", newline="") as file:
@@ -252,7 +252,7 @@ class Summary(Columns):
         return f"<Summary of {counted(len(self), 'motion')}: {what}>"
 
     def columns(self) -> dict[str, np.ndarray]:
-        """Return the columns by name."""
+        """Return the columns that were asked for, by name."""
         return dict(vars(self))
 
     def to_pandas(self) -> Any:

@@ -151,7 +151,7 @@ class Trajectory(Drawable):
 
     @property
     def word(self) -> Labels:
-        """Mapping labels in order of time."""
+        """The labels "P1" to "P8" of the mappings, in order of time."""
         return Labels(segment.label for segment in self.segments if segment.label)
 
     @public
@@ -194,7 +194,7 @@ class Trajectory(Drawable):
         return np.maximum(np.searchsorted(self._pieces[-1], elapsed, "right") - 1, 0)
 
     def _state(self, t: float) -> tuple[float, float, float]:
-        """Return x, v and the cosine of the phase at a time."""
+        """Return x, v and the cosine of the phase at a single time."""
         if not float(self.t_start) <= t <= float(self.t_end):
             self._check_times(np.array([t]))
         elapsed, K = t - self._t0, self._K
@@ -373,13 +373,13 @@ class MovedTrajectory(Trajectory):
 
     @public
     def __call__(self, t: ArrayLike) -> np.ndarray:
-        """Return [x, v] at the times `t`, as those of a Trajectory."""
+        """Return [x, v] in the coordinates of the model at the times `t`."""
         times, own = self._times(t)
         return np.asarray(self.reduced(own) + np.stack(motion_of_belts(self.model, times)))
 
     @public
     def mode(self, t: ArrayLike) -> Any:
-        """Return the mode at a time, or an array of them."""
+        """Return the mode ("Omega1" … "belt2") at a time, or an array of them; at an event the one that follows."""
         return self.reduced.mode(self._times(t)[1])
 
     @public
