@@ -68,7 +68,7 @@ OUTLINED = """
 
 
 def functions_of(modules: Iterable[types.ModuleType]) -> dict[str, types.FunctionType]:
-    """Return the functions that are written in `modules`, by name; names must be unique."""
+    """Return the functions that the `modules` define (not those that they import), by name; refuse a name twice."""
     found: dict[str, types.FunctionType] = {}
     for module in modules:
         for name, value in vars(module).items():
@@ -85,9 +85,12 @@ def bind(
     wrap: Callable[[Any], Any] | None = None,
     literal: Callable[[float], Any] | None = None,
 ) -> dict[str, Any]:
-    """Copy the functions of `modules` so that they call each other, and see the values of `replaced` by these names."""
-    # `wrap` is applied to every copy, such as numba.njit; `literal` converts the floats in the source once, such as 0.5
-    # and the limits with a name. A name in `replaced` must be one that the functions could see.
+    """Copy the functions of `modules` so that they call each other, and use `replaced[name]` for a global `name`.
+
+    `wrap`, such as a compiler, is applied to each copy; `literal` converts each float that is written in the source,
+    such as 0.5.
+    """
+    # `literal` converts limits with a name too. A name in `replaced` must be one that the functions could see.
     modules = tuple(modules)
     shared: dict[str, Any] = {}
     for module in modules:
@@ -124,11 +127,14 @@ def compile_modules(
     literal: Callable[[float], Any] | None = None,
     beside: Iterable[types.ModuleType] = (),
 ) -> dict[str, Any]:
-    """Return the functions of `modules` by name, compiled by numba at their first call; the code is kept on disk."""
-    # All functions but those in `outlined` (None: all) are inlined into each caller. `callees` are compiled functions
-    # that replace those of the same name; those that no module sees are left out. `replaced` and `literal` are as in
-    # `bind`. The modules `beside` are compiled too, such as operators of a type. Raise MissingExtraError without
-    # numba.
+    """Compile the functions of `modules` by numba, each at its first call; return them by name.
+
+    The code is kept on disk. Functions that are not in `outlined` are inlined into their callers. `callees` are
+    compiled functions to call instead of those of the same name. `replaced` and `literal` are as in `bind`, and the
+    code counts as old when a module in `beside` changes.
+    """
+    # If `outlined` is None, nothing is inlined. `callees` that no module sees are left out. The modules `beside` are
+    # compiled too, such as operators of a type. Raise MissingExtraError without numba.
     try:
         import numba
 
@@ -188,7 +194,7 @@ def converted(value: Any, number: Callable[[Any], Any]) -> Any:
 
 
 def interpreted(function: Callable[..., Any]) -> Callable[..., Any]:
-    """Wrap an interpreted function of the engine so that it accepts tables of constants, as compiled ones do."""
+    """Wrap an interpreted event loop so that any argument may be a numpy table of constants (dtype `ROW`)."""
 
     def readable(given: Any) -> Any:
         return ConstantRows(given) if getattr(given, "dtype", None) == ROW else given
@@ -197,7 +203,7 @@ def interpreted(function: Callable[..., Any]) -> Callable[..., Any]:
 
 
 def product_and_zero(a, b):
-    """Return (a b, 0): replaces `two_product`, the exact product of two doubles, for numbers of other kinds."""
+    """Return (a b, 0.0) for pairs or many digits, in place of the exact product `two_product` of two doubles."""
     return a * b, 0.0 * a
 
 
@@ -208,7 +214,7 @@ IN_DOUBLES = {name: value for module in SOURCES for name, value in vars(module).
 
 
 class Arithmetic:
-    """The numbers and constants of the engine in double precision; base class of the other arithmetics."""
+    """Double precision: constants `K`, conversion of numbers, and `advance`; base class for pairs and many digits."""
 
     K: Constants
     digits = 40  # that the reduction of phases takes; more than doubles have, for phases next to 0 or 2 pi
@@ -220,30 +226,30 @@ class Arithmetic:
         self.parameters, self.K = parameters, _float_constants(parameters)
 
     def phase(self, t: Fraction) -> Number:
-        """Return the phase Omega t mod 2 pi, in [0, 2 pi), correctly rounded."""
+        """Return the phase Omega t mod 2 pi of an exact time `t`, in [0, 2 pi), correctly rounded."""
         theta = _angle_in_turn(self.parameters.Omega * t, self.digits)
         return self.rounded(theta) if theta else self.number(Fraction(0))
 
     def time(self, t: Fraction) -> tuple[Number, Number]:
-        """Return a time as the sum (high, low) of two numbers of this arithmetic."""
+        """Return an exact time as the sum (high, low) of two numbers of this arithmetic."""
         high = float(t)
         return high, float(t - Fraction(high))
 
     def advance(self, state: State, t_end: Number, t_end_low: Number) -> NextEvent:
-        """Return the next event after a state, or the end of an interval without events (see `next_event.advance`)."""
+        """Return the NextEvent after `state`: an event, or END at the time t_end + t_end_low, MOVED or REST."""
         found: NextEvent = next_event.advance(state, t_end, t_end_low, self.K)
         return found
 
 
 @lru_cache(maxsize=1024)
 def _float_constants(parameters: Parameters) -> Constants:
-    """Return the constants as floats, cached: their exact derivation takes longer than many short runs."""
+    """Return the constants of `parameters` as floats, from a cache: to derive them exactly takes long."""
     return with_march(constants(parameters), entire.basis)
 
 
 @lru_cache(maxsize=256)
 def _angle_in_turn(angle: Fraction, digits: int) -> Any:
-    """Return an angle modulo 2 pi to `digits` digits (None for 0), cached because many starts share their phase."""
+    """Return an exact angle modulo 2 pi to `digits` digits (None for 0), from a cache: many starts share a phase."""
     if angle == 0:
         return None
     context = mp_context(digits + 20 + len(str(abs(int(angle)))))
@@ -253,7 +259,7 @@ def _angle_in_turn(angle: Fraction, digits: int) -> Any:
 
 @cache
 def compiled(width: int = 0) -> dict[str, Any]:
-    """Return the compiled engine for doubles, by name; `width`: how many motions run in lanes (0: the best number)."""
+    """Return the compiled engine for doubles, by name; it follows `width` motions at once (0: the best number)."""
     try:
         from symosc.kernels import lane_types
     except ImportError:
@@ -270,14 +276,14 @@ def compiled(width: int = 0) -> dict[str, Any]:
 
 
 def loaded_loop() -> dict[str, Any] | None:
-    """Return the engine's compiled functions if this process has already run its compiled loop, else None."""
+    """Return the compiled engine if its event loop `follow_all` has already run in this process, else None."""
     functions = compiled() if compiled.cache_info().currsize else {}
     return functions if functions and functions["follow_all"].overloads else None
 
 
 @lru_cache(maxsize=1)
 def compiled_tangents() -> dict[str, Any]:
-    """Return the compiled functions that differentiate motions; raise MissingExtraError if numba is not installed."""
+    """Return the compiled functions for derivatives of events; raise MissingExtraError without numba."""
     outlined = {"tangents", "changes_at", "divided_difference", "difference_by_series", "repeated"}
     callees = {name: function for name, function in compiled().items() if name != "exp"}  # theirs is of complex numbers
     return compile_modules((mapping, tangent), outlined, callees)
@@ -288,7 +294,7 @@ def compiled_tangents() -> dict[str, Any]:
 
 @lru_cache(maxsize=1)
 def column_functions() -> dict[str, Any]:
-    """Return functions for arrays by name: sin, cos, exp, basis …, with the same bits on every processor."""
+    """Return sine, cosine, exp, expm1 and the basis (E0 to I2) for numpy arrays, the same bits on every processor."""
     powers = {"select": np.where, "power_of_two": lambda n: np.ldexp(1.0, n.astype(np.int64))}
     own = bind((elementary,), powers)
     short_sin, short_cos, widest = own["short_sin"], own["short_cos"], elementary.WIDEST
@@ -303,7 +309,7 @@ def column_functions() -> dict[str, Any]:
 
 
 class MpArithmetic(Arithmetic):
-    """Numbers of mpmath with `digits` decimal digits; `context` is their mpmath context."""
+    """Numbers with `digits` decimal digits; `context` is their mpmath context, and MPFR follows motions if `fast`."""
 
     # Motions are followed by MPFR where gmpy2 is installed, at the same precision and six times as fast: `inward` and
     # `outward` convert, and arithmetic on its numbers belongs into a block ``with arithmetic.precision():``. Both round
@@ -334,7 +340,7 @@ class MpArithmetic(Arithmetic):
 
     @cached_property
     def namespace(self) -> dict[str, Any]:  # type: ignore[override]
-        """The engine's functions for these numbers, by name."""
+        """The engine's functions for mpmath numbers of this precision, by name."""
         return bind(SOURCES, self._replaced, literal=self.context.mpf)
 
     def number(self, value: Fraction) -> Number:
@@ -342,12 +348,12 @@ class MpArithmetic(Arithmetic):
         return self.context.mpf(value.numerator) / value.denominator
 
     def time(self, t: Fraction) -> tuple[Number, Number]:
-        """Return a time as (t, 0)."""
+        """Return a time as the pair (t, 0) of numbers with all digits."""
         return self.number(t), self.number(Fraction(0))
 
     @cached_property
     def _inner(self) -> Any:
-        """The context of the numbers in which the event loop computes: MPFR if available, else mpmath."""
+        """The context that computes the motion: of MPFR if gmpy2 is installed and `fast` is set, else of mpmath."""
         try:
             from symosc.kernels.mpfr import mpfr_context
         except ImportError:
@@ -356,7 +362,7 @@ class MpArithmetic(Arithmetic):
 
     @cached_property
     def following(self) -> dict[str, Any]:
-        """The engine's functions by name as `namespace` has them, but for MPFR's numbers where gmpy2 is installed."""
+        """The engine's functions by name, for numbers of MPFR if these follow the motion, else of mpmath."""
         inner = self._inner
         if inner is self.context:
             return self.namespace
@@ -368,7 +374,7 @@ class MpArithmetic(Arithmetic):
 
     @contextmanager
     def precision(self) -> Iterator[None]:
-        """Make the precision of the event loop's numbers the current one."""
+        """Return a context manager: within its block MPFR rounds to this precision, as the event loop needs."""
         before = self._inner.enter()
         try:
             yield
@@ -376,14 +382,14 @@ class MpArithmetic(Arithmetic):
             self._inner.leave(before)
 
     def advance(self, state: State, t_end: Number, t_end_low: Number) -> NextEvent:
-        """Return the next event after a state, or the end of an interval without events (see `next_event.advance`)."""
+        """Return the NextEvent after `state`: an event, or END at the time t_end + t_end_low, MOVED or REST."""
         with self.precision():
             given = self.inward((state, t_end, t_end_low))
             found: NextEvent = self.outward(self.following["advance"](*given, self.inner_K))
             return found
 
     def inward(self, value: Any) -> Any:
-        """Convert an mpmath number, or the numbers in a tuple, to those of the event loop."""
+        """Convert an mpmath number, or all in a tuple, to the numbers that the event loop computes with (MPFR's)."""
         inner = self._inner
         if inner is self.context:
             return value
@@ -392,12 +398,12 @@ class MpArithmetic(Arithmetic):
 
     @cached_property
     def inner_K(self) -> Constants:
-        """The constants as numbers of the event loop."""
+        """The constants K as the numbers that the event loop computes with (MPFR's if gmpy2 is installed)."""
         found: Constants = self.inward(self.K)
         return found
 
     def outward(self, value: Any, context: Any = None) -> Any:
-        """Convert a number, or the numbers in a tuple, to mpmath numbers of this arithmetic's context or another."""
+        """Convert a number, or all in a tuple, to mpmath numbers of `context` (None: this arithmetic's own)."""
         context, inner = context or self.context, self._inner
         if inner is self.context:
             return value if context is inner else converted(value, context.mpf)
@@ -409,12 +415,12 @@ class MpArithmetic(Arithmetic):
 
 @lru_cache(maxsize=64)
 def many_digits(parameters: Parameters, digits: int) -> MpArithmetic:
-    """Return the arithmetic with that many digits, cached: its constants take long to derive."""
+    """Return the arithmetic with `digits` decimal digits, from a cache: its constants take long to derive."""
     return MpArithmetic(parameters, digits)
 
 
 def mp_context(digits: int) -> Any:
-    """Return an mpmath context of fixed precision (`symosc.kernels.multiprecision`, which loads mpmath)."""
+    """Return the mpmath context of fixed precision with `digits` digits; mpmath is loaded at the first call."""
     from symosc.kernels.multiprecision import mp_context
 
     return mp_context(digits)
@@ -430,7 +436,7 @@ PLAIN_IN_PAIRS = {
 
 
 class PairLoops(NamedTuple):
-    """The two functions of `symosc.engine.batch` that start and follow motions in double-double numbers (pairs)."""
+    """The two functions that start (`first_pairs`) and follow (`follow_pairs`) motions in double-double numbers."""
 
     first_pairs: Any
     follow_pairs: Any
@@ -499,7 +505,7 @@ def pairs_are_compiled() -> bool:
 
 
 def pairs_are_loaded() -> bool:
-    """Return whether the loops of pairs are compiled, and compiled code is in use in this process already."""
+    """Return whether the loops of pairs are compiled, and the compiled loop of doubles has run in this process."""
     return loaded_loop() is not None and pairs_are_compiled()
 
 
@@ -518,5 +524,5 @@ def pairs_as_complex(value: Any) -> Any:
 
 @lru_cache(maxsize=1024)
 def pair_constants(parameters: Parameters) -> Constants:
-    """Return the constants as pairs, stored as complex numbers hi + i lo, each rounded once."""
+    """Return the constants as pairs, each stored as a complex number hi + i lo and rounded once, from 50 digits."""
     return pairs_as_complex(many_digits(parameters, ROUNDED_FROM).K)

@@ -2,6 +2,11 @@
 
 These are the loops that `simulate_many` compiles. `follow_pairs` and `first_pairs` are bound to pairs; what they hand
 out are doubles, whose only error is their rounding unless that of the pairs is not negligible beside it.
+
+Arguments that many functions share: `states` are rows of numbers, one for each motion (STATE_WIDTH), `table` has the
+constants of all parameter sets and `K` those of one. A motion is followed to `most` events; it ends as INEXACT at the
+first that is known to less than `accuracy`. Events go into `out` (EventRows), parts between steps into `pieces`, and
+counts and extremes into `tally` instead of `out` if summaries are asked for (`symosc.engine.summary`).
 """
 
 from __future__ import annotations
@@ -47,7 +52,7 @@ PAGE = 1 << 21  # bytes of a large page
 
 
 class Batch(NamedTuple):
-    """Many trajectories in columns: current states, numbers of their parameter sets, counts of events, end codes."""
+    """Many trajectories, a row each: current state, index of the parameter set, count of events, and end code."""
 
     states: np.ndarray  # (n, STATE_WIDTH), rows as `row_of` makes them
     sets: np.ndarray  # (n,)
@@ -56,7 +61,7 @@ class Batch(NamedTuple):
 
 
 class EventRows(NamedTuple):
-    """A buffer of events: `floats` holds FLOAT_COLUMNS, `ints` the number of the trajectory and CODE_COLUMNS."""
+    """A buffer with a column per event: `floats` has the numbers (t, x ...), `ints` the trajectory and codes."""
 
     floats: np.ndarray  # (columns, rows)
     ints: np.ndarray
@@ -68,7 +73,7 @@ NO_PIECES = np.empty((len(PIECE_COLUMNS), 0))
 
 
 class PairLimits(NamedTuple):
-    """The limits of a run in pairs (events, accuracy, room in the buffer), and the constants in doubles."""
+    """The limits of a run in double-double numbers: events, accuracy, buffer space; and tables of constants."""
 
     most: int  # events after which a trajectory is FULL
     accuracy: float
@@ -91,28 +96,28 @@ def large_array(shape: tuple[int, ...], dtype: Any = np.float64) -> np.ndarray:
 
 
 def joined_arrays(pieces: list[np.ndarray]) -> np.ndarray:
-    """Concatenate columns, or rows, of one type in contiguous memory."""
+    """Concatenate arrays of one type along their first axis, in contiguous memory."""
     if len(pieces) == 1:
         return np.ascontiguousarray(pieces[0])
     return np.concatenate(pieces, out=large_array((sum(map(len, pieces)), *pieces[0].shape[1:]), pieces[0].dtype))
 
 
 def contiguous_copy(columns: np.ndarray) -> np.ndarray:
-    """Return a contiguous copy of columns."""
+    """Return a copy of the array `columns` in contiguous memory."""
     out = large_array(columns.shape, columns.dtype)
     out[...] = columns
     return out
 
 
 def batch_of(states: np.ndarray, sets: np.ndarray | None = None) -> Batch:
-    """Return a batch of trajectories at their starts; all have the first parameter set unless `sets` is given."""
+    """Return a batch of trajectories from rows of start states; `sets` are indices of parameter sets (None: all 0)."""
     count = len(states)
     sets = np.zeros(count, np.int64) if sets is None else sets
     return Batch(states, sets, np.zeros(count, np.int64), np.zeros(count, np.int64))
 
 
 def event_buffer(events: int) -> EventRows:
-    """Return a buffer with room for this many events."""
+    """Return an empty buffer with room for so many `events`."""
     return EventRows(large_array((len(FLOAT_COLUMNS), events)), large_array((1 + len(CODE_COLUMNS), events), np.int32))
 
 
@@ -128,17 +133,17 @@ def joined(parts: Iterable[EventRows]) -> EventRows:
 
 
 def piece_buffer(pieces: int) -> np.ndarray:
-    """Return a buffer with room for this many pieces of a motion."""
+    """Return an empty buffer with room for so many `pieces` of a motion, a column each (see PIECE_COLUMNS)."""
     return np.empty((len(PIECE_COLUMNS), pieces))
 
 
 def row_of(state: State, t_end: Number, t_end_low: Number) -> list[Number]:
-    """Return one row of a batch for a motion that starts in a state: the state, t_end in two parts, and t0."""
+    """Return the batch row of a motion that starts in `state`: this state, t_end in two parts, and t0."""
     return [*state[:8], *state.S, state.t, state.t_low, t_end, t_end_low, state.t, *state[11:]]
 
 
 def borrowed(arrays):
-    """Return arrays as they are; compiled code instead gets views whose references numba does not count."""
+    """Return a tuple of arrays unchanged; compiled code replaces this by views, to save numba's reference counts."""
     return arrays
 
 
@@ -153,7 +158,7 @@ def state_of(states, i):
 
 
 def keep_state(states, i, state):
-    """Write a state into row i of a table of states."""
+    """Write `state` into row `i` of a table of states."""
     states[i, 0], states[i, 1], states[i, 2] = state.mode, state.at, state.n
     states[i, 3], states[i, 4], states[i, 5] = state.theta, state.x, state.v
     states[i, 6], states[i, 7] = state.Fb, state.Fa
@@ -166,7 +171,10 @@ def keep_state(states, i, state):
 
 
 def follow_all(begin, batch, most, accuracy, out, pieces, tally, table):
-    """Follow trajectories until all end, or a buffer is full; return the next one, and the filled rows and pieces."""
+    """Follow the trajectories of `batch` from number `begin` on, until all have ended or a buffer is full.
+
+    Return the number of the trajectory to go on with, and how many events (`out`) and pieces were written.
+    """
     #   begin : first trajectory to follow; it may have been begun before.
     #   batch : Batch, updated.
     #   most : events after which a trajectory is FULL.
@@ -184,7 +192,11 @@ def follow_all(begin, batch, most, accuracy, out, pieces, tally, table):
 
 
 def follow_one(i, once, rows, parts, batch, most, accuracy, out, pieces, tally, table):
-    """Follow trajectory i as `follow_all` does, until it ends or a buffer is full; if `once`, for one step only."""
+    """Follow trajectory `i` until it ends or a buffer is full, or for one step if `once`.
+
+    Return how many rows of `out` and columns of `pieces` are filled, starting from `rows` and `parts`; the other
+    arguments are those of `follow_all`.
+    """
     batch, out, pieces, tally, table = borrowed((batch, out, pieces, tally, table))
     states, sets, counts, codes = batch
     recorded, tallied = pieces.shape[1] > 0, tally.floats.shape[0] > 0
@@ -225,19 +237,19 @@ def follow_one(i, once, rows, parts, batch, most, accuracy, out, pieces, tally, 
 
 
 def is_inexact(t, t_error, x, x_error, t0, accuracy):
-    """Return whether the time or position of an event is known less accurately than `accuracy`."""
+    """Return whether an event's t or x has an error above `accuracy` max(1, |value|), for t also above that of |t0|."""
     late = (t_error > accuracy) & (t_error > accuracy * abs(t)) & (t_error > accuracy * abs(t0))
     return late | ((x_error > accuracy) & (x_error > accuracy * abs(x)))
 
 
 def end_by_phase(row, K):
-    """Return t_end (in two parts) and t0 of a batch row, t_end on the clock of states (see `flow.clock_time`)."""
+    """Return t_end, t_end_low and t0 of a batch row, t_end corrected for the rounding of Omega as state times are."""
     t_end, t0 = float(row[13]), float(row[15])
     return t_end, float(row[14]) - (t_end - t0) * K.Om_gain, t0
 
 
 def searched(state, row, K):
-    """Find the next event after a state, up to the end time that a batch row holds; return a NextEvent."""
+    """Find the next event after `state`, up to the end time in the batch row `row`; return a NextEvent."""
     t_end, t_end_low, _ = end_by_phase(row, K)
     return advance(state, t_end, t_end_low, K)
 
@@ -251,18 +263,23 @@ def search_row(states, table):
 
 
 def open_free_time(found, state, K):
-    """Return how long the flight from `state` certainly touches no belt, if the contact found is undecided; else 0."""
+    """Return how long the flight from `state` surely meets no wall if its contact `found` is undecided, else 0."""
     return free_time(state, K) if found.boundary > 0 and not found.decided else 0.0
 
 
 def doubt_row(states, count, most, accuracy, table):
-    """Return the number of the next event, after `count`, that doubles cannot decide; 0 if none of LOOK_AHEAD is."""
+    """Look up to 16 steps ahead of the state in row 0; return the number of the first undecided event, or 0.
+
+    Events are numbered on from `count`; those after number `most` do not matter.
+    """
     return next_undecided(state_of(states, 0), count, states[0], most, accuracy, table[0])
 
 
 def next_undecided(state, count, row, most, accuracy, K):
-    """Return the number of the first event that `follow_all` cannot decide; 0 if it decides the next LOOK_AHEAD."""
-    # Before the state there were `count` events; events after number `most` are of no interest.
+    """Look up to 16 steps ahead of `state`; return the number of the first event doubles cannot decide, or 0.
+
+    Events are numbered on from `count`; those after number `most` do not matter.
+    """
     t0 = float(row[15])
     for _ in range(LOOK_AHEAD):
         step, _, decided, t_error, state = searched(state, row, K)
@@ -280,7 +297,7 @@ def next_undecided(state, count, row, most, accuracy, K):
 
 
 def write_event(out, row, i, before, found, clock, K):
-    """Write the event between the states `before` and `found.state` of trajectory i into a row of the buffer `out`."""
+    """Write an event of trajectory `i` into row `row` of `out`; `clock` is its time, with the errors of t and x."""
     numbers, codes = event_numbers(before, found, clock, K), event_codes(before, found)
     for n in range(len(numbers)):
         out.floats[n, row] = numbers[n]
@@ -290,7 +307,7 @@ def write_event(out, row, i, before, found, clock, K):
 
 
 def write_piece(pieces, row, state, elapsed):
-    """Write the PIECE_COLUMNS of the piece of a motion that begins at `state` into column `row` of `pieces`."""
+    """Write a motion's piece that begins at `state`, a time `elapsed` after t0, into column `row` of `pieces`."""
     pieces[0, row], pieces[1, row], pieces[2, row] = state.n, state.theta, state.mode
     pieces[3, row], pieces[4, row] = state.x, state.v
     pieces[5, row], pieces[6, row] = (state.Fb if state.mode <= ON_BELT else 0.0), elapsed
@@ -304,12 +321,12 @@ open_free_time_in_doubles, write_event_in_doubles, write_piece_in_doubles = open
 
 
 def from_complex(value):
-    """Return a value as it is; loops of pairs instead convert its complex numbers hi + i lo to pairs."""
+    """Return `value` unchanged in doubles; the version for pairs converts complex hi + i lo to pairs."""
     return value
 
 
 def first_pairs(pairs, K):
-    """Complete rows of starts in pairs (velocity, forces, errors); a belt's forces must differ clearly from 0."""
+    """Fill in velocity, forces, sine, cosine and errors of start states in pairs; on a belt no force may be near 0."""
     K = from_complex(K)
     for i in range(pairs.shape[0]):
         mode, at, theta = int(pairs[i, 0]), int(pairs[i, 1]), float(pairs[i, 3])
@@ -327,7 +344,11 @@ def first_pairs(pairs, K):
 
 
 def follow_pairs(chosen, wanted, pairs, batch, out, pieces, K, tally, limits):
-    """Follow the `chosen` trajectories in pairs to `wanted` events or their end; return counts of rows and pieces."""
+    """Follow the `chosen` trajectories in double-double numbers until each has `wanted` events or has ended.
+
+    Return how many rows of `out` and of `pieces` are filled. `pairs` holds the states in these numbers and `batch`
+    those in doubles; both are updated.
+    """
     # Doubles search for each event as far as they are sure (`advance_near`). A motion that doubles could soon not
     # decide again is followed farther, as long as the buffer holds its events.
     #   chosen : (m,) numbers of the trajectories to follow, in order.
@@ -394,7 +415,7 @@ def follow_pairs(chosen, wanted, pairs, batch, out, pieces, K, tally, limits):
 
 
 def in_doubles(state, t0, K):
-    """Round a state of pairs to doubles, and add the rounding to its covariance; K are constants in doubles."""
+    """Round a state of pairs to doubles, and add the rounding to its covariance; `K` and `t0` belong to the motion."""
     x, v, t, S = state.x.hi, state.v.hi, state.t.hi, state.S
     S11, S12, S22 = rounded_covariance(state.at, x, v, S.S11.hi, S.S12.hi, S.S22.hi)
     t_low = ((state.t - t) + state.t_low).hi - (t - t0.hi) * K.Om_gain
@@ -407,12 +428,12 @@ def in_doubles(state, t0, K):
 
 
 def is_below(part, error, value):
-    """Return whether the error of a value is at most `part` times the error of rounding it to a double."""
+    """Return whether `error` is at most the fraction `part` of the error of rounding `value` to a double."""
     return error <= part * (EPS * abs(value))
 
 
 def rounding_error(error, value):
-    """Return the error of a value after it is rounded to a double: the rounding, plus `error` unless negligible."""
+    """Return the error of `value` rounded to a double: the rounding, plus `error` unless that is negligible."""
     rounding = EPS * abs(value)
     return rounding if is_below(NEGLIGIBLE, error, value) else error + rounding
 

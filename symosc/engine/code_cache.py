@@ -33,7 +33,7 @@ def _warn(problem: str, reason: str) -> None:
 
 
 class _CheckedFiles(IndexDataCacheFile):
-    """Reader and writer of numba's index and data files, with a checksum at their ends, where pickle does not read."""
+    """Reader and writer of numba's cache files; a checksum at the end of each shows whether it is damaged."""
 
     @contextmanager
     def _open_for_write(self, filepath: str) -> Iterator[Any]:
@@ -60,7 +60,7 @@ def _check(path: str) -> None:
 
 
 class _BesideSource(InTreeCacheLocator):
-    """Locator of the cache folder next to the source, even a read-only one: its code may be compiled for all users."""
+    """Locator of the cache folder next to the source; a read-only one may hold code compiled for all users."""
 
     @classmethod
     def from_function(cls, py_func: Any, py_file: str) -> Any:

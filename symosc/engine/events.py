@@ -57,7 +57,7 @@ class Event:
 
 
 def event_numbers(before, found, clock, K):
-    """Return the fields of an event of type Number or float, in the order of `Event`."""
+    """Return t, x, v, theta, t_error and x_error of an event; `clock` is (t, t_error, x_error), `found` a NextEvent."""
     # From the state before the search, the NextEvent found, and (t, t_error, x_error) of `time_with_errors`.
     state = found.state
     t, t_error, x_error = clock
@@ -65,7 +65,7 @@ def event_numbers(before, found, clock, K):
 
 
 def event_codes(before, found):
-    """Return the fields of an event that are integers or text, as codes, in the order of `Event`."""
+    """Return kind, boundary, source and target of an event as codes, from the state before and the NextEvent found."""
     return found.code, found.boundary, before.mode, found.state.mode
 
 
@@ -81,7 +81,7 @@ COLUMN_TYPES = {each.name: {"int": int, "str": str}.get(str(each.type), float) f
 
 
 def events_from(rows: Any) -> list[Event]:
-    """Return the events of an `EventRows` buffer."""
+    """Return the events in an `EventRows` buffer as a list of `Event`."""
     columns = dict(zip((*FLOAT_COLUMNS, *CODE_COLUMNS), (*rows.floats.tolist(), *rows.ints[1:].tolist()), strict=True))
     columns |= {name: [names[code] for code in columns[name]] for name, names in CODE_NAMES.items()}
     return list(map(Event, *(columns[name] for name in EVENT_COLUMNS)))

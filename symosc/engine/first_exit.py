@@ -32,6 +32,13 @@ The bound and the steps are a proof in real arithmetic, derived in the chapter o
 decisions must exceed ROUNDING errors, and marching steps MARCH_SLACK of the size of the gap; that these margins are
 wide enough in doubles was measured, not proven.
 
+Arguments that many functions share: `start` is the Launch of a flight, with velocity `v0`; `now` and `there` are points
+of it (`Flown`), `tau` a time since the launch, and `tau_max` the end of the search. `walls` are the gaps at launch, and
+`side` is -1 for the lower wall and 1 for the upper one. `M4` is the bound above, and `S` the covariance of the errors
+at launch. `slack` is what a gap must exceed in a march, `margin` what the errors can do to it, `thin` the square below
+which it is compared with its error. `over` is the distance of a gap or force from 0. For sticks, `held` is the State at
+the beginning, `s0` and `c0` are sine and cosine of the phase then, `s` and `c` those now. `K` are the Constants.
+
 All functions are scalar and run on floats (CPython, numba) and, with other globals, on pairs and mpmath numbers.
 """
 
@@ -80,7 +87,10 @@ MOST_STALLS = 150
 
 
 def fourth_derivative_bound(G2, G3, s, c, K):
-    """Return a bound M4 of |v''''|: for all later times if K.steady, else over the next 1/Omega."""
+    """Return M4 >= |v''''|: for all later times if `K.steady`, else for the next 1/Omega.
+
+    G2 and G3 are the third and fourth derivative of v now, and s and c the sine and cosine of the phase.
+    """
     if not K.steady:
         return sqrt(G3 * G3 + K.w0sq * G2 * G2) + abs(K.fB) * K.Om * K.Om
     Om3 = K.Om * K.Om * K.Om
@@ -90,7 +100,7 @@ def fourth_derivative_bound(G2, G3, s, c, K):
 
 
 def positive_on(s, P):
-    """Return whether P = p0 + p1 r + ... + p4 r^4 is proven positive for r in [0, s], by its Bernstein coefficients."""
+    """Return whether P = p0 + p1 r + ... + p4 r^4 is proven positive for all r in [0, s], by Bernstein coefficients."""
     p0, p1, p2, p3, p4 = P
     t1, t2, t3 = p1 * s, p2 * s * s, p3 * s * s * s
     if p0 <= 0.0 or p0 + 0.25 * t1 <= 0.0 or p0 + 0.5 * t1 + SIXTH * t2 <= 0.0:
@@ -99,7 +109,10 @@ def positive_on(s, P):
 
 
 def safe_step(cap, P):
-    """Return (s, root): a step s <= cap with P > 0 on [0, s], and an estimate, at most cap, of P's first root."""
+    """Return (s, root): a step s <= cap on which the polynomial `P` stays positive, and an estimate of its first root.
+
+    `P` holds the coefficients p0 to p4; the estimate is at most cap.
+    """
     # First the root of the quadratic, then Halley's method; the result is checked before it is used.
     p0, p1, p2, p3, p4 = P
     if p0 <= 0.0:
@@ -135,12 +148,15 @@ def safe_step(cap, P):
 
 
 def gap_to(side, now, walls):
-    """Return how far v is, at a point of a flight, from the wall (speed of the belt) on a side: -1 below, 1 above."""
+    """Return the distance of v at point `now` from the lower (`side` -1) or upper (1) of the `walls` of a flight."""
     return select(side < 0, walls.below + now.dv, walls.above - now.dv)
 
 
 def gap_bound(side, now, M4, margin, walls):
-    """Return coefficients and degree of P, a polynomial in the time from `now` on that bounds the gap from below."""
+    """Return (P, degree): a polynomial in the time since point `now` that is never above the gap on `side`.
+
+    `M4` bounds the fourth derivative of v; `margin` is held back for the error of the start.
+    """
     # The margin for the error of the start is held back from the gap, or half the gap if that is not much larger. At a
     # start on the wall P is divided by its root there.
     g, g1, g2, g3 = gap_to(side, now, walls), -side * now.F, -side * now.G1, -side * now.G2
@@ -157,7 +173,11 @@ def gap_bound(side, now, M4, margin, walls):
 
 
 def is_near(root, P, degree, M4, size, K):
-    """Return whether a root of P is alone nearby, known to NEAR/rate, and followed by a clearly negative gap."""
+    """Return three flags about a `root` of the lower bound `P` of a gap, for the gap's own root beside it.
+
+    They say whether the gap surely has one root nearby and no other, whether `root` is accurate enough to take it from
+    there by Taylor's formula, and whether the gap becomes clearly negative behind it.
+    """
     # One root near `root`, and only one: the gap there is known to be within `missing` of 0, and its slope keeps its
     # sign up to there and over what makes up for `missing` (Kantorovich).
     p0, p1, p2, p3, p4 = P
@@ -180,7 +200,7 @@ def is_near(root, P, degree, M4, size, K):
 
 
 def local_root(over, F, G1, G2, G3, resolution):
-    """Return the root near 0 of over + F s + G1 s^2/2 + G2 s^3/6 + G3 s^4/24, to `resolution`; FAR: none is found."""
+    """Return the root s near 0 of over + F s + G1 s^2/2 + G2 s^3/6 + G3 s^4/24 (FAR if none), to `resolution`."""
     # The inverted series places a near simple root to `resolution`; from there on Newton's method.
     s = 0.0 * resolution
     if abs(over * G1) < 0.1 * F * F:
@@ -191,7 +211,7 @@ def local_root(over, F, G1, G2, G3, resolution):
 
 
 def root_by_series(over, F, G1, G2, G3):
-    """Return the root near 0 of the Taylor polynomial of a gap by its inverted series, and a bound of the error."""
+    """Estimate the root s near 0 of over + F s + G1 s^2/2 + ... + G3 s^4/24 by the inverse series; bound its error."""
     inverse = 1.0 / F
     linear = over * inverse
     B, W = 0.5 * G1 * inverse * linear, SIXTH * G2 * inverse * linear * linear
@@ -200,7 +220,7 @@ def root_by_series(over, F, G1, G2, G3):
 
 
 def newton_root(s, over, F, G1, G2, G3, resolution):
-    """Return the root near `s` of the Taylor polynomial of a gap by Newton's method; FAR if it does not converge."""
+    """Find the root near `s` of over + F s + G1 s^2/2 + ... + G3 s^4/24 by Newton's method (1e300 or more: none)."""
     for _ in range(MOST_NEWTON):
         slope = F + (G1 + (0.5 * G2 + SIXTH * G3 * s) * s) * s
         if slope == 0.0:
@@ -218,7 +238,7 @@ def newton_root(s, over, F, G1, G2, G3, resolution):
 
 
 class Marched(NamedTuple):
-    """The result of a march in fixed steps: where it ended, and whether the next step surely meets a wall."""
+    """The result of a march in fixed steps: where it ended, and which wall the next step surely meets, if any."""
 
     now: Flown  # up to there no wall is met; without dx and the entire functions
     M4: Number  # the bound of the fourth derivative from there on
@@ -227,7 +247,10 @@ class Marched(NamedTuple):
 
 
 def march(tau_max, v0, now, walls, margin, K):
-    """Follow a flight by fixed steps that surely meet no wall and cost no exp, sin or cos; return a `Marched`."""
+    """Follow a flight from point `now` by fixed steps that surely meet no wall, up to `tau_max`; return a `Marched`.
+
+    `v0` is the velocity at launch; gaps must exceed `margin`, what the error of the start can do to them.
+    """
     # Over a fixed step the transient is multiplied by a constant matrix and the steady state turns by a constant angle,
     # so the derivatives cost no exp, sin or cos. Their rounding errors are far below the slack that the gaps are given.
     # Strides are tried where the gaps look wide enough.
@@ -274,7 +297,10 @@ def march(tau_max, v0, now, walls, margin, K):
 
 
 def free_motion(v0, now, walls, margin, K):
-    """Return v and F of the transient, the slack that gaps must exceed, and flags: lower, upper wall out of reach."""
+    """Return v and v' of the transient at point `now`, the slack for gaps, and whether each wall is out of reach.
+
+    `v0` is the velocity at launch; gaps must exceed the slack, which includes `margin`.
+    """
     v_free, F_free = v0 - (K.Ss * now.s + K.Sc * now.c), now.F - K.Om * (K.Ss * now.c - K.Sc * now.s)
     slack = MARCH_SLACK * (abs(v0) + K.V0 + abs(v_free) + abs(F_free) * K.swing) + margin
     # The steady amplitude and the energy of the transient bound v: walls beyond that do not count.
@@ -286,7 +312,10 @@ def free_motion(v0, now, walls, margin, K):
 
 
 def marched(v_free, F_free, v0, now, M, K):
-    """Advance a flight by one fixed step; return v and acceleration of its transient, and its new point."""
+    """Advance a flight by a fixed step `M` from point `now`; return v and v' of its transient, and the new point.
+
+    `v_free` and `F_free` are v and v' of the transient at `now`, and `v0` is the velocity of the flight at launch.
+    """
     v_next, F_next = M.C * v_free + M.E1 * F_free, M.D * v_free + M.E0 * F_free
     s, c = M.c * now.s + M.s * now.c, M.c * now.c - M.s * now.s
     dv, F = v_next + (K.Ss * s + K.Sc * c) - v0, F_next + K.Om * (K.Ss * c - K.Sc * s)
@@ -295,12 +324,15 @@ def marched(v_free, F_free, v0, now, M, K):
 
 
 def lifted(h, M4, slack):
-    """Return what the middle Bernstein coefficient of a gap must exceed for a step of length h (see `is_free`)."""
+    """Return what the middle Bernstein coefficient of a gap must exceed in a step of length `h` (see `is_free`).
+
+    `M4` bounds the fourth derivative of v, and `slack` is what the gap must exceed.
+    """
     return 0.25 * SIXTH * SIXTH * (h * h) * (h * h) * M4 + slack
 
 
 def with_derivatives(now, v0, K):
-    """Complete a point of a flight by its derivatives of v; at tau = 0 they are known, and exact zeros stay exact."""
+    """Return the point `now` with v'', v''' and v'''' computed, except at tau = 0, where they are known."""
     if now.tau == 0.0:
         return now
     tau, dx, dv, F, _, _, _, s, c, E0, E1, E2 = now
@@ -309,12 +341,15 @@ def with_derivatives(now, v0, K):
 
 
 def gaps_exceed(least, dv, walls):
-    """Return whether the gaps to all walls are wider than `least` after a velocity gain dv."""
+    """Return whether the gaps to all `walls` exceed `least` when the velocity has grown by `dv` since the launch."""
     return (not walls.has_below or walls.below + dv > least) and (not walls.has_above or walls.above - dv > least)
 
 
 def is_free(side, now, there, lift, slack, walls):
-    """Return whether a step certainly meets no wall, except at its start if that is on the wall."""
+    """Return whether the step from point `now` to `there` surely meets no wall on `side`, except as it leaves it.
+
+    `slack` is what the gap must exceed, and `lift` comes from `lifted`.
+    """
     # The cubic less its error is a polynomial of degree four whose Bernstein coefficients are g0, g0 + d0/4, (g0 +
     # g1)/2 + (d0 - d1)/6 - M4 h^4/144, g1 - d1/4 and g1, with the values g0, g1 and the slopes times h, d0, d1, at both
     # ends. If they are positive, so is the gap. At a start on the wall, where g0 = 0, the other four show that it has
@@ -328,20 +363,27 @@ def is_free(side, now, there, lift, slack, walls):
 
 
 def stays_open(g0, d0, g1, d1, lift, slack):
-    """Return whether a gap exceeds `slack` throughout a step, from its values and slopes times h at both ends."""
+    """Return whether a gap exceeds `slack` in a whole step; g0, g1: its values at the ends, d0, d1: slopes times h."""
     ends = (g0 > slack) & (g0 + 0.25 * d0 > slack) & (g1 > slack) & (g1 - 0.25 * d1 > slack)
     return ends & (0.5 * (g0 + g1) + SIXTH * (d0 - d1) > lift)
 
 
 def opens(d0, b0, g1, d1, lift, slack):
-    """Return whether a gap is > 0 in a step after its start, where it is 0; d0, b0: slope times h, bend times h^2."""
+    """Return whether a gap that is 0 at the start of a step is surely positive in the rest of it.
+
+    At the start d0 and b0 are its slope and its second derivative, times h and h^2, for a step of length h; at the end
+    g1 and d1 are its value and its slope times h.
+    """
     steep = (d0 >= 0.0) & (g1 - 0.25 * d1 > slack) & (0.5 * g1 + SIXTH * (d0 - d1) > lift)
     flat = (d0 == 0.0) & (b0 >= 0.0) & (0.125 * b0 + 0.25 * g1 > 1.5 * lift)
     return (g1 > slack) & (steep | flat)
 
 
 def meets_once(side, now, there, M4, slack, walls):
-    """Return whether a gap is certainly positive at `now`, negative at `there`, and 0 exactly once between them."""
+    """Return whether the gap on `side` is surely > 0 at point `now`, < 0 at `there`, and 0 just once between them.
+
+    `M4` bounds the fourth derivative of v, and `slack` is what counts as clearly different from 0.
+    """
     # It is if its slope, d0 and d1 at the ends, is negative all the way, or if its bend, b0 and b1, keeps its sign.
     meets = (gap_to(side, there, walls) < -slack) & (gap_to(side, now, walls) > slack)
     h = there.tau - now.tau
@@ -358,7 +400,7 @@ def meets_once(side, now, there, M4, slack, walls):
 
 
 def tolerance(side, now, start, walls, S, K):
-    """Return the error bound of a gap at a point of a flight: rounding, and the effect of the launch error S."""
+    """Return how far the gap on `side` may be wrong at point `now`, by rounding and the covariance `S` at launch."""
     start_gap = walls.below if side < 0 else walls.above
     pull = -K.w0sq * now.E1
     variance = pull * pull * S.S11 + 2.0 * pull * now.E0 * S.S12 + now.E0 * now.E0 * S.S22
@@ -367,10 +409,12 @@ def tolerance(side, now, start, walls, S, K):
 
 
 def closest_approach(tau, earliest, side, M4, start, walls, S, K):
-    """Find the minimum of a gap near `tau`, after `earliest`, by Newton's method; return a code and the time found."""
-    # NOTHING: the gap is positive up to tau_min. HIT: it is negative at tau_min. TANGENCY: it is 0 there within its
-    # error, and not for good; LOST: for good. STALLED: no minimum was found nearby, or the way to it is not proven
-    # free.
+    """Find the next minimum of the gap on `side` near `tau`; return a code, and its time.
+
+    NOTHING: it is positive. HIT: negative. TANGENCY, LOST: 0 within its error, for a moment or for good. STALLED: it is
+    not found, or comes before `earliest`. `M4` bounds the fourth derivative of v.
+    """
+    # NOTHING says that the gap is positive on the way there too, STALLED also that this is not proven.
     begin, sign, last, depth_known = tau, -side, FAR, False
     for _ in range(MOST_DESCENTS):
         now = state_at(tau, start, K)
@@ -398,7 +442,7 @@ def closest_approach(tau, earliest, side, M4, start, walls, S, K):
 
 
 def gap_reopens(tau, side, start, walls, S, K):
-    """Return whether a gap that is 0 within its error at `tau` is certainly not 0 soon afterwards."""
+    """Return whether a gap that is 0 within its error at `tau` clearly differs from 0 half a time scale later."""
     for rate in (K.rate, K.Om):
         now = state_at(tau + 0.5 / rate, start, K)
         if abs(gap_to(side, now, walls)) > 4.0 * tolerance(side, now, start, walls, S, K):
@@ -407,14 +451,17 @@ def gap_reopens(tau, side, start, walls, S, K):
 
 
 def gap_stays_zero(tau, side, start, walls, S, K):
-    """Return whether a gap is 0 within its error on an interval around `tau`."""
+    """Return whether a gap is 0 within its error at `tau` and changes too slowly to leave 0 within 0.01/rate."""
     now = state_at(tau, start, K)
     allowed = tolerance(side, now, start, walls, S, K)
     return gap_to(side, now, walls) <= allowed and abs(now.F) <= allowed * K.rate / SOON
 
 
 def side_of_zero_gap(now, thin, start, walls, S, K):
-    """Return on which side (-1, 1) the gap stays 0 within its error for a while; 0: neither (`thin`: limit of g^2)."""
+    """Return the side (-1 below, 1 above) of the wall to which the gap is and stays 0 within its error; else 0.
+
+    Only a gap whose square is below `thin` is asked about.
+    """
     below, above, away = walls.below + now.dv, walls.above - now.dv, now.tau > 0.0
     thin_below = walls.has_below and below * below < thin and (away or not walls.on_below)
     thin_above = walls.has_above and above * above < thin and (away or not walls.on_above)
@@ -429,7 +476,10 @@ def side_of_zero_gap(now, thin, start, walls, S, K):
 
 
 def first_exit(tau_max, start, walls, S, K):
-    """Find the first contact of a flight with a wall within the time tau_max; return a `FlightEnd`."""
+    """Find the first contact of the flight `start` with one of the `walls` within `tau_max`; return a `FlightEnd`.
+
+    `S` is the covariance of the errors of x and v at launch.
+    """
     # Its code is NOTHING (at tau_max), HIT, TANGENCY or STALLED. A contact is returned even if the last correction
     # moved it past tau_max. S is the Covariance of the errors of the start.
     now, flat, thin, margin = search_begin(tau_max, start, walls, S, K)
@@ -450,9 +500,11 @@ def first_exit(tau_max, start, walls, S, K):
 
 
 def search_begin(tau_max, start, walls, S, K):
-    """Return (now, flat, thin, margin): where a search begins, if the gap is flat there, and two limits of gaps."""
-    # A gap whose square is below `thin` is compared with its error. The margin is what the error of the start can do to
-    # a gap; where that is less than rounding, `tolerance` includes it.
+    """Return (now, flat, thin, margin): the point where a search begins, and whether the gap is flat (tau^4) there.
+
+    A gap with a square below `thin` is compared with its error; `margin` is what the start's error can do to a gap.
+    """
+    # Where the margin is less than rounding, it is 0, and `tolerance` includes it.
     v0, F0, s0, c0 = start
     zero = 0.0 * tau_max
     G1, G2, G3 = derivatives(v0, F0, s0, c0, K)
@@ -473,7 +525,10 @@ def search_begin(tau_max, start, walls, S, K):
 
 
 def behind_flat_start(tau_max, G2, G3, start, K):
-    """Return a point of a flight up to which a gap that starts as tau^4 has no other root."""
+    """Return the point of a flight up to which a gap that grows like tau^4 from 0 surely has no other root.
+
+    G2 and G3 are the third and fourth derivative of v at launch.
+    """
     Om4 = K.Om * K.Om * K.Om * K.Om
     fifth = fifth_derivative(G3, G2, start.c, K)
     if K.steady:
@@ -488,7 +543,10 @@ def behind_flat_start(tau_max, G2, G3, start, K):
 
 
 def stepped(tau_max, now, M4, thin, margin, start, walls, S, K):
-    """Find the first contact from the point `now` on by safe steps, where fixed steps were undecided."""
+    """Search from point `now` on, by steps that surely meet no wall, for the first contact; return a `FlightEnd`.
+
+    `M4` bounds the fourth derivative of v; `thin` and `margin` are the limits from `search_begin`.
+    """
     code, tau, low, high = STALLED, now.tau, now.tau, now.tau  # what was found, where, and in which bracket
     crossing, tau_deep, stalled = 0, now.tau, 0  # the side on which the gap is known to be negative, and where
     for _ in range(MOST_STEPS):
@@ -544,7 +602,11 @@ def stepped(tau_max, now, M4, thin, margin, start, walls, S, K):
 
 
 def nearest_root(cap, now, M4, margin, walls):
-    """Return (side, step, root, P, degree) of the wall that allows the shorter safe step; P is its gap's bound."""
+    """Return (side, step, root, P, degree) for the wall with the shorter safe step; `P` bounds its gap from below.
+
+    `root` estimates the first root of `P`, and neither it nor `step` exceeds `cap`; for `M4` and `margin` see
+    `gap_bound`.
+    """
     side = -1 if walls.has_below else 1
     P, degree = gap_bound(side, now, M4, margin, walls)
     step, root = safe_step(cap, P)
@@ -559,7 +621,10 @@ def nearest_root(cap, now, M4, margin, walls):
 
 
 def graze_ahead(now, side, step, M4, start, walls, S, K):
-    """Return code and time of the next minimum of the gap to a wall; STALLED if the other wall may come first."""
+    """Find the next minimum of the gap on `side`; return a code of `closest_approach` and the time.
+
+    The code is STALLED if the other wall may come before, behind the safe `step`.
+    """
     verdict, tau_min = closest_approach(now.tau, now.tau, side, M4, start, walls, S, K)
     reach = tau_min - now.tau
     if walls.has_below and walls.has_above and verdict != STALLED and reach > step:
@@ -569,7 +634,7 @@ def graze_ahead(now, side, step, M4, start, walls, S, K):
 
 
 def part_to_root(now, there, side, walls):
-    """Estimate after which fraction of the time between two points a gap vanishes, by its values and slopes there."""
+    """Estimate at which fraction of the time from point `now` to `there` the gap on `side` vanishes."""
     h, gap, beyond = there.tau - now.tau, gap_to(side, now, walls), -gap_to(side, there, walls)
     inverse = 1.0 / (gap + beyond)
     part = gap * inverse
@@ -580,7 +645,7 @@ def part_to_root(now, there, side, walls):
 
 
 def sharpened(root, side, now, walls, K):
-    """Refine the estimated time of a root by one step of Halley's method on a polynomial of degree five."""
+    """Improve the estimate `root`, the time from `now` until the gap on `side` is 0, by one step of Halley's method."""
     # So one evaluation of the flow is enough to make it exact. The root is counted from `now`.
     half, third, fourth = 0.5 * now.G1, SIXTH * now.G2, 0.25 * SIXTH * now.G3
     fifth = 0.05 * SIXTH * fifth_derivative(now.G3, now.G2, now.c, K)
@@ -596,7 +661,7 @@ def sharpened(root, side, now, walls, K):
 
 
 def polish(tau, low, high, side, start, walls, K):
-    """Refine the time `tau` of a contact in [low, high] to full precision, by roots of local polynomials."""
+    """Refine the time `tau` in [low, high] of a contact with the wall on `side` to full precision, as a `FlightEnd`."""
     # The gap is positive at `low`. A step that leaves the bracket is replaced by halving it; it narrows. Mostly the
     # first point is near enough.
     now, slack = state_at(tau, start, K), 4.0 * EPS * high
@@ -618,7 +683,7 @@ def polish(tau, low, high, side, start, walls, K):
 
 
 def shifted(now, shift, v0, K):
-    """Move a point of a flight by a time so short that Taylor's formula has full precision."""
+    """Return the point `now` of a flight moved by a time `shift` that is short enough for Taylor's formula."""
     _, dx, dv, F, G1, G2, G3, s, c, E0, E1, E2 = now
     square = shift * shift
     dx = dx + ((v0 + dv) * shift + square * ((0.5 * F + SIXTH * G1 * shift) + square * (0.25 * SIXTH * G2)))
@@ -632,13 +697,19 @@ def shifted(now, shift, v0, K):
 
 
 def force_gain(tau, s0, c0, belt, K):
-    """Return Delta, the change of the forces on a belt in the time tau of a stick, and s, c of the phase then."""
+    """Return Delta, the gain of both forces on a belt after `tau` of stick, and sine and cosine of the phase then.
+
+    s0 and c0 are sine and cosine of the phase when the stick began.
+    """
     half = 0.5 * K.Om * tau
     return force_gain_at(tau, sin(half), cos(half), s0, c0, belt, K)
 
 
 def force_gain_at(tau, s, c, s0, c0, belt, K):
-    """Return what `force_gain` returns; s and c are sine and cosine of half the phase gained since the stick began."""
+    """Return Delta, the gain of both forces on a belt after `tau` of stick, and sine and cosine of the phase then.
+
+    s0 and c0 are sine and cosine of the phase when the stick began, s and c those of Omega tau/2.
+    """
     swing = -2.0 * (s0 * c + c0 * s) * s  # cos(theta + Omega tau) - cos(theta)
     Delta = stick_acceleration(0.0 * tau, belt.v, tau, swing, K.w0sq, K.f0)
     s_Om, c_Om = 2.0 * s * c, 1.0 - 2.0 * s * s
@@ -646,7 +717,7 @@ def force_gain_at(tau, s, c, s0, c0, belt, K):
 
 
 def force_slopes(s, c, belt, K):
-    """Return Delta' and Delta'', the first two derivatives of the forces on a belt, at a phase."""
+    """Return two time derivatives of the force on a belt at the phase with sine `s` and cosine `c`."""
     return belt.drift - K.fB * s, -K.fB * K.Om * c
 
 
@@ -664,7 +735,7 @@ def phase_ahead(angle):
 
 
 def belt_exit(tau_max, held, belt, K):
-    """Find the end of a stick within `tau_max` (at most one forcing period); return a `StickEnd`."""
+    """Find when the stick that begins in state `held` ends, within `tau_max` <= one period; return a `StickEnd`."""
     # `held` is the State at its beginning, with F^(below) >= 0 >= F^(above). NOTHING: the stick lasts (Delta at
     # tau_max). HIT: it ends at tau into the domain below (side -1) or above (+1), where Delta has `slope` and `bend`.
     # TANGENCY: a force is 0 within its error at tau.
@@ -705,13 +776,17 @@ def belt_exit(tau_max, held, belt, K):
 
 
 def force_noise(F_below, tau, S11, belt, K):
-    """Return the error bound of a force on the belt `tau` after the start of the stick."""
+    """Return how far a force on a belt may be wrong `tau` after the stick began; S11: variance of x at its start."""
     size = abs(F_below) + abs(belt.drift) * tau + 2.0 * abs(K.f0)
     return ROUNDING * EPS * size + K.sigmas * K.w0sq * sqrt(S11)
 
 
 def exit_root(force, side, low, high, Delta, s, c, held, belt, K):
-    """Find the end of a stick between `low` and `high`: the only root there of force + Delta, which is monotone."""
+    """Find the end of a stick: the only time from `low` to `high` at which force + Delta = 0, with Delta monotone.
+
+    Delta is what the force has gained since the state `held`; it is given at `low`, as are sine s and cosine c of the
+    phase.
+    """
     # Delta, s and c are those at `low`. Steps to the root of the local parabola (Euler's method, which needs no slope),
     # corrected for the third derivative, and `local_root` from nearby. Halving when a step leaves the bracket or the
     # steps do not shrink.
@@ -762,12 +837,15 @@ def exit_root(force, side, low, high, Delta, s, c, held, belt, K):
 
 
 def is_beside(over, slope, bend, K):
-    """Return whether the root of a force `over`, with these derivatives, is so near that a polynomial may place it."""
+    """Return whether a force is so near 0 that a polynomial gives the time at which it vanishes.
+
+    `over` is its value now, `slope` and `bend` are its first two time derivatives.
+    """
     return (abs(over * bend) < 0.1 * slope * slope) & (abs(over) * K.Om < 2.0 * NEAR * abs(slope))
 
 
 def slips_at(tau, step, side, Delta, s, c, belt, K):
-    """Return the `StickEnd` at tau + step, with the slopes there, from sine and cosine of the phase at tau."""
+    """Return the `StickEnd` at the time tau + step; `Delta`: the force's gain, s and c: sine and cosine at `tau`."""
     slope, bend = force_slopes(s, c, belt, K)
     third = K.Om * K.Om * (belt.drift - slope)
     incline = slope + (bend + 0.5 * third * step) * step
@@ -779,7 +857,10 @@ def slips_at(tau, step, side, Delta, s, c, belt, K):
 
 
 def contact_at_dip(tau, free, side, start, walls, S, K):
-    """Find the contact where a gap dips below 0 near `tau`, if it is surely the first contact; else STALLED."""
+    """Find where the gap on `side`, which dips below 0 near `tau`, first becomes 0; STALLED if this is not sure.
+
+    The flight is known to meet no wall up to the time `free`.
+    """
     # It is if the polynomial bound of the gap to each wall, taken backward from it, is positive as far as the flight is
     # not known to be `free`.
     now = state_at(tau, start, K)
@@ -818,7 +899,7 @@ def contact_at_dip(tau, free, side, start, walls, S, K):
 
 
 def contact_near(tau, uncertainty, side, start, walls, K):
-    """Find the contact with the wall on a side within `uncertainty` of the time `tau`; STALLED if there is none."""
+    """Find the contact with the wall on `side` within `uncertainty` of the time `tau`; STALLED if there is none."""
     first = tau
     now = state_at(tau, start, K)
     for _ in range(MOST_CORRECTIONS):
@@ -834,7 +915,7 @@ def contact_near(tau, uncertainty, side, start, walls, K):
 
 
 def slip_near(tau, uncertainty, side, held, belt, K):
-    """Find the end of a stick within `uncertainty` of the time `tau`; STALLED if there is none."""
+    """Find when the stick that began in state `held` ends, within `uncertainty` of `tau`; STALLED if it does not."""
     first, force = tau, held.Fa if side > 0 else held.Fb
     Om2 = K.Om * K.Om
     for _ in range(MOST_CORRECTIONS):

@@ -74,7 +74,7 @@ class MarchConstants(NamedTuple):
 
 
 class Constants(NamedTuple):
-    """A parameter set as the numbers that the fast paths use; floats or mpmath numbers, correctly rounded."""
+    """The numbers that the engine computes from a parameter set, correctly rounded: floats or mpmath numbers."""
 
     # Units: 1/time for cm, h, omega_d, w0, Om and the roots; acceleration for f0 and A1 to A3; velocity for V0.
 
@@ -137,9 +137,12 @@ def constants(
     angle: Callable[[Number, Number], Number] = atan2,
     pi: Number = pi,
 ) -> Constants:
-    """Return the constants of `parameters`; each is derived in rational numbers and rounded once."""
-    # `number` rounds a Fraction: ``float``, or a conversion to mpmath; `root`, `angle` and `pi` are square root, atan2
-    # and pi of such numbers. Parameters may be columns of pairs (`constant_table`): then the constants are arrays.
+    """Return the constants of `parameters`; each is derived in rational numbers and rounded once by `number`.
+
+    `root`, `angle` and `pi` are square root, atan2 and pi for numbers of that kind.
+    """
+    # `number` is ``float``, or a conversion to mpmath. Parameters may be columns of pairs (`constant_table`): then the
+    # constants are arrays.
     m, Om = parameters.m, parameters.Omega
     h, w0sq, f0 = parameters.c / (2 * m), parameters.k / m, parameters.B0 / m
     omega, zero, doubles = number(Om), number(Fraction(0)), isinstance(pi, float)
@@ -207,7 +210,7 @@ def constants(
 
 
 def with_march(K: Constants, basis: Callable[[Number, Constants], tuple[Number, ...]]) -> Constants:
-    """Return K completed by the constants of fixed steps: `march` for the usual step, `stride` for a longer one."""
+    """Return K with the coefficients that carry a flight over a fixed step: `march`, and the longer `stride`."""
     march, stride = (MarchConstants(*march_constants(step, basis(step, K), K)) for step in march_steps(K))
     return K._replace(march=march, stride=stride)
 
@@ -218,7 +221,7 @@ def march_steps(K):
 
 
 def march_rows(table, out):
-    """Write the constants for fixed steps of each parameter set of a table into `out`, (rows, 2, fields)."""
+    """Write the coefficients of both fixed steps for each parameter set of `table` into `out`, (sets, 2, fields)."""
     for i in range(out.shape[0]):
         K = table[i]
         for which in range(2):
@@ -229,7 +232,7 @@ def march_rows(table, out):
 
 
 def march_constants(step, functions, K):
-    """Return the fields of a MarchConstants, from a step's length and the entire functions there."""
+    """Return the fields of a MarchConstants; `functions` are E0, E1, E2, R2, I2, sin and cos at the time `step`."""
     E0, E1, E2, _, _, s, c = functions
     return step, 1 - K.w0sq * E2, E1, -K.w0sq * E1, E0, s, c
 
@@ -241,7 +244,7 @@ def _period_rest(period: float, Om: float) -> Fraction:
 
 
 def _belt_constants(parameters: Parameters, boundary: int, number: Any, root: Any, angle: Any) -> BeltConstants:
-    """Return the constants of a stick on one belt."""
+    """Return the constants of a stick on belt 1 or 2; `number`, `root`, `angle` are as in `constants`."""
     v, mu = parameters.belt(boundary), (parameters.mu1 if boundary == 1 else parameters.mu2)
     # Signs, as the forces themselves may be too small for a double.
     below, above = (number(sign(parameters.A(domain) - parameters.c * v)) for domain in (boundary, boundary + 1))
@@ -282,7 +285,7 @@ class ConstantRows(Sequence[Constants]):
 
 
 class ParameterColumns:
-    """Many parameter sets, a column of pairs for each parameter; forces are computed from these as in `Parameters`."""
+    """Many parameter sets: each parameter is a column of double-double numbers; A and belt are as in `Parameters`."""
 
     A, belt = Parameters.A, Parameters.belt
 
@@ -298,7 +301,10 @@ def table_of(rows: Iterable[Constants]) -> np.ndarray:
 def constant_table(
     columns: dict[str, PairColumn], count: int, alone: Callable[[int], Constants], march_rows: Callable[..., None]
 ) -> np.ndarray:
-    """Return the constants of `count` parameter sets; `alone(i)` makes set i exactly where columns lose digits."""
+    """Return a table of the constants of `count` parameter sets, computed from columns of double-double numbers.
+
+    A set for which these lose digits is replaced by `alone(i)`; `march_rows` adds the coefficients of fixed steps.
+    """
     doubts = np.zeros(count, dtype=bool)
     given = {name: PairColumn(column.hi, column.lo, doubts) for name, column in columns.items()}
     for column in given.values():
@@ -331,7 +337,7 @@ def _fill(table: np.ndarray, values: Any) -> None:
 
 
 def clock_time(t, t_low, t0, K):
-    """Return the time of a state; its t + t_low is phase/Om since t0, where Om is Omega rounded: undo that rounding."""
+    """Return the true time of a state, in which `t` + `t_low` counts phase/Omega with Omega rounded to a double."""
     return t + (t_low + (t - t0) * K.Om_gain)
 
 
@@ -353,7 +359,7 @@ def speeds_around(domain, K):
 
 
 def state_at(tau, start, K):
-    """Return the state of a flight (`Flown`) at `tau` after its launch, with its first derivatives."""
+    """Return the point (`Flown`) of a flight at `tau` after its launch `start`, with v' to v''''."""
     v0, F0, s0, c0 = start
     E0, E1, E2, R2, I2, s_Om, c_Om = basis(tau, K)
     dx, dv, F = motion(v0, F0, s0, c0, K.cm, K.w0sq, K.f0, K.Om, E0, E1, E2, R2, I2)
@@ -366,7 +372,7 @@ def state_at(tau, start, K):
 
 
 def turned(s, c, angle):
-    """Return sine and cosine of a phase moved by a small angle, by Taylor's formula."""
+    """Return the sine `s` and cosine `c` of a phase after it has moved by a small `angle`, by Taylor's formula."""
     half = 0.5 * angle
     sixth = SIXTH * angle * angle
     last = 0.25 * angle * sixth
@@ -374,7 +380,7 @@ def turned(s, c, angle):
 
 
 def derivatives(v, F, s, c, K):
-    """Return v'', v''' and v'''' (G^(1), G^(2), G^(3)) from v, v' = F, and the sine and cosine of the phase."""
+    """Return v'', v''' and v'''' (the paper's G^(1) to G^(3)) from v, F = v', and sine and cosine of the phase."""
     G1 = next_derivative(F, v, K.fB * s, K.cm, K.w0sq)
     G2 = next_derivative(G1, F, K.fB * K.Om * c, K.cm, K.w0sq)
     G3 = next_derivative(G2, G1, -K.fB * K.Om * K.Om * s, K.cm, K.w0sq)
@@ -382,7 +388,7 @@ def derivatives(v, F, s, c, K):
 
 
 def stiff_derivatives(tau, start, s, c, K):
-    """Return v'', v''' and v'''' as sums over the fast and the slow decaying term and the steady motion."""
+    """Return v'', v''' and v'''' at `tau` after launch, for strong damping, as sums over decaying and steady terms."""
     # `derivatives` multiplies what rounding left of F by the fast root once per order; here it has died away.
     v0, F0, s0, c0 = start
     Om2 = K.Om * K.Om
@@ -398,12 +404,15 @@ def stiff_derivatives(tau, start, s, c, K):
 
 
 def fifth_derivative(G3, G2, c, K):
-    """Return the fifth derivative of v from the fourth and third and the cosine of the phase."""
+    """Return the fifth derivative of v from the fourth, G3, the third, G2, and the cosine `c` of the phase."""
     return next_derivative(G3, G2, -K.fB * K.Om * K.Om * K.Om * c, K.cm, K.w0sq)
 
 
 def velocity_scale(tau, v0, F0, K):
-    """Return the size of the terms that add up to v - v0 at `tau` after a start: the scale of its rounding error."""
+    """Return the size of the terms of v - v0, at `tau` after a launch with velocity `v0` and acceleration `F0`.
+
+    The rounding error of v - v0 is in proportion to it.
+    """
     # Not the terms themselves: they come back to 0 after a period of a free oscillation, their errors do not.
     rise = 0.5 * tau * tau
     drive = abs(K.fB) * rise

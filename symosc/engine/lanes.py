@@ -6,7 +6,8 @@ Theorems 4 and 5 decide there beyond doubt. Where anything else happens, the lan
 loop makes this step. So results have the same bits, whatever the number of lanes, and whichever motions are neighbours.
 
 What the scalar functions do without a branch is called as it is; here are the loops and branches, with flags instead.
-A wall that is not there has an infinite gap. Lanes without a result may hold any numbers.
+A wall that is not there has an infinite gap. Lanes without a result may hold any numbers; `good` flags those with one.
+Other arguments are those of the scalar functions, one number for each lane.
 """
 
 from __future__ import annotations
@@ -83,7 +84,7 @@ MOST_EVALUATIONS = 3
 
 
 def belts(boundary, K):
-    """Return the constants of the belts with the given numbers, one in each lane."""
+    """Return the BeltConstants for several motions at once, lane by lane: of belt 1 or 2 as `boundary` says."""
     first, one, two = boundary == 1, K.belt1, K.belt2
     v, J, drift = select(first, one.v, two.v), select(first, one.J, two.J), select(first, one.drift, two.drift)
     turns, s_cr = select(first, one.turns, two.turns) != 0.0, select(first, one.s_cr, two.s_cr)
@@ -92,12 +93,12 @@ def belts(boundary, K):
 
 
 def suits_lanes(K):
-    """Return whether motions with these constants may be followed side by side."""
+    """Return whether motions with constants K suit lanes: underdamped, far from resonance, and no slow drive."""
     return K.apart != 0 and K.slow_drive == 0 and (K.omega_d + K.Om) * K.chunk < 0.5 * WIDEST
 
 
 def end_of_group(begin, sets, table):
-    """Return up to which motion from `begin` on all may go side by side, and whether they share one parameter set."""
+    """Return (end, alike): motions `begin` to `end` - 1 may be followed side by side; `alike`: they share a set."""
     end, count, K = begin + 1, sets.shape[0], table[sets[begin]]
     if not suits_lanes(K):
         return end, True
@@ -114,7 +115,10 @@ def end_of_group(begin, sets, table):
 
 
 def fly(state, remaining, K):
-    """Advance lanes in flight; return (good, code, boundary, t_error, state) by lanes; others are left to `advance`."""
+    """Advance flights, one in each lane, to their next event; return (good, code, boundary, t_error, state).
+
+    A lane that is not `good` has no result: the scalar loop has to make this step. `remaining` is the time to the end.
+    """
     mode, at, n, theta, x, v0, F0, _, S, t, t_low, s0, c0, theta_low = state
     tau_max = select(remaining <= K.chunk, remaining + PAST_END * remaining, K.chunk)
     lower = select(mode == 1, -inf, select(mode == 2, K.belt1.v, K.belt2.v))
@@ -173,7 +177,11 @@ def fly(state, remaining, K):
 
 
 def march_side_by_side(tau_max, v0, now, walls, margin, K):
-    """Return (hit, now, there, side) of a march: `hit` where the step from now to there meets that wall just once."""
+    """March one flight per lane by fixed steps; return (hit, now, there, side).
+
+    In a lane with `hit` the step from point `now` to `there` meets the wall on `side` exactly once. v0, walls and
+    margin are as in `march`.
+    """
     v_free, F_free, slack, beyond_below, beyond_above = free_motion(v0, now, walls, margin, K)
     below, above = select(beyond_below, inf, walls.below), select(beyond_above, inf, walls.above)
     walls = Walls(below, above, True, True, walls.on_below, walls.on_above)
@@ -226,14 +234,17 @@ def march_side_by_side(tau_max, v0, now, walls, margin, K):
 
 
 def chosen(which, one, other):
-    """Return lane by lane the points of the march `one` where the flag `which` is set, else those of `other`."""
+    """Return for each lane the point `one` where the flag `which` is set, else the point `other`."""
     tau, dv, F = select(which, one.tau, other.tau), select(which, one.dv, other.dv), select(which, one.F, other.F)
     G1, s, c = select(which, one.G1, other.G1), select(which, one.s, other.s), select(which, one.c, other.c)
     return Flown(tau, other.dx, dv, F, G1, other.G2, other.G3, s, c, other.E0, other.E1, other.E2)
 
 
 def polish_side_by_side(good, now, there, side, v0, F0, s0, c0, walls, K):
-    """Return (good, point): the contacts with a wall between the points `now` and `there` (see `polish`)."""
+    """Return (good, point): for each lane the contact with the wall on `side` between points `now` and `there`.
+
+    v0, F0, s0, c0 are v, v' and the phase's sine and cosine at launch; a lane that is not `good` has no result.
+    """
     low, high = now.tau, there.tau
     slack, h = 4.0 * EPS * high, high - low
     part = part_to_root(now, there, side, walls)
@@ -263,7 +274,10 @@ def polish_side_by_side(good, now, there, side, v0, F0, s0, c0, walls, K):
 
 
 def flown_side_by_side(tau, v0, F0, s0, c0, K):
-    """Return the points of flights `tau` after their launch, by the closed form (`symosc.engine.flow.state_at`)."""
+    """Return for each lane the point of a flight at `tau` after launch, by the closed form.
+
+    v0, F0, s0, c0 are v, v' and the phase's sine and cosine at launch.
+    """
     decay, (s_w, c_w), (s_Om, c_Om) = exp(-K.h * tau), sine_cosine(K.omega_d * tau), sine_cosine(K.Om * tau)
     E0, E1, E2, R2, I2 = basis_apart(decay, s_w, c_w, s_Om, c_Om, K.h, K.omega_d, K.w0sq, K.Om, K.p, K.q)
     dx, dv, F = motion(v0, F0, s0, c0, K.cm, K.w0sq, K.f0, K.Om, E0, E1, E2, R2, I2)
@@ -273,7 +287,10 @@ def flown_side_by_side(tau, v0, F0, s0, c0, K):
 
 
 def advance_phases(n, theta, theta_low, s, c, tau, K):
-    """Advance phases by `tau` as `advance_phase` does; the first value flags lanes that pass more than one turn."""
+    """Advance the phase of each lane by `tau`; return (late, n, theta, theta_low, s, c).
+
+    `n` counts periods, the phase is theta + theta_low, and `late` flags a lane that passes more than one turn.
+    """
     theta, theta_low = phase_after(theta, theta_low, tau, K)
     turned = theta >= TWO_PI
     theta, theta_low = select(turned, theta - TWO_PI, theta), select(turned, theta_low - TWO_PI_REST, theta_low)
@@ -289,7 +306,10 @@ def advance_phases(n, theta, theta_low, s, c, tau, K):
 
 
 def slip(state, remaining, K):
-    """Advance lanes that stick to the ends of their sticks; `good` is False where the scalar loop has to do it."""
+    """Advance sticks, one in each lane, to where they end; return (good, code, boundary, t_error, state).
+
+    A lane that is not `good` has no result: the scalar loop has to make this step. `remaining` is the time to the end.
+    """
     mode, _, n, theta, x, v, Fb, _, S, t, t_low, _, _, theta_low = state
     boundary = mode - ON_BELT
     belt = belts(boundary, K)
@@ -314,7 +334,11 @@ def slip(state, remaining, K):
 
 
 def end_of_stick(held, belt, K):
-    """Return (good, force, side, low, high, Delta, s, c): the monotone piece in which a stick ends (`belt_exit`)."""
+    """Find for each lane the piece, from `low` to `high`, in which a force on the belt changes monotonically to 0.
+
+    Return (good, force, side, low, high, Delta, s, c): the force at the start, and its gain and the phase's sine and
+    cosine at `low`.
+    """
     zero, period = 0.0 * held.theta, K.period
     first, second = phase_ahead(belt.angle - held.theta) / K.Om, phase_ahead(PI - belt.angle - held.theta) / K.Om
     swap = belt.turns & (second < first)
@@ -350,7 +374,11 @@ def end_of_stick(held, belt, K):
 
 
 def slip_side_by_side(good, force, side, low, high, Delta, s, c, held, belt, K):
-    """Return (good, tau, slope, bend, s, c): the roots of the force in monotone pieces (`exit_root`)."""
+    """Return (good, tau, slope, bend, s, c): for each lane the time tau between `low` and `high` when a stick ends.
+
+    It ends when force + Delta = 0; slope and bend are the force's time derivatives then, s and c the phase's sine and
+    cosine.
+    """
     tau, over = low, force + Delta
     sine = select(side * K.fB < 0.0, 1.0, -1.0)
     inflection = wrap_phase(0.5 * sine * PI - held.theta) / K.Om
@@ -398,7 +426,10 @@ def slip_side_by_side(good, force, side, low, high, Delta, s, c, held, belt, K):
 
 
 def force_gain_in_lanes(tau, s0, c0, belt, K):
-    """Return Delta, and sine and cosine of the phase (`symosc.engine.first_exit.force_gain`)."""
+    """Return for each lane Delta, the gain of both forces after `tau` of stick, and sine and cosine of the phase.
+
+    s0 and c0 are sine and cosine of the phase when the stick began.
+    """
     s, c = sine_cosine(0.5 * K.Om * tau)
     return force_gain_at(tau, s, c, s0, c0, belt, K)
 
@@ -407,17 +438,21 @@ def force_gain_in_lanes(tau, s0, c0, belt, K):
 
 
 def block(flights, given, found, accuracy, K):
-    """Advance states in the columns of `given`, in flight or, not `flights`, on belts; return a bit per good lane."""
+    """Advance a flight (`flights`) or a stick in each lane by one step, all of one parameter set.
+
+    Column n of `given` is the state in lane n, and its result goes into column n of `found`; return a number whose bit
+    n is set where that result is good.
+    """
     return advance_side_by_side(flights, given, found, accuracy, K)
 
 
 def block_of_sets(flights, given, found, accuracy, constants):
-    """Return what `block` does, where each lane has its own parameter set, a column of `constants`."""
+    """Advance all lanes as `block` does, but each with its own parameter set, a column of the array `constants`."""
     return advance_side_by_side(flights, given, found, accuracy, load_constants(constants))
 
 
 def advance_side_by_side(flights, given, found, accuracy, K):
-    """Return what `block` does; the constants in K are the same for all lanes, or one for each lane."""
+    """Advance all lanes, for `block` and `block_of_sets`; a constant in K is one number or one for each lane."""
     S = Covariance(load(given, 8), load(given, 9), load(given, 10))
     mode, at, n, theta = load(given, 0), load(given, 1), load(given, 2), load(given, 3)
     x, v, Fb, Fa = load(given, 4), load(given, 5), load(given, 6), load(given, 7)
@@ -439,7 +474,7 @@ def advance_side_by_side(flights, given, found, accuracy, K):
 
 
 def keep_lanes(found, state):
-    """Store the states of all lanes in the columns of `found`."""
+    """Store the State of all lanes in the array `found`, a row for each number and a column for each lane."""
     store(found, 0, state.mode)
     store(found, 1, state.at)
     store(found, 2, state.n)
@@ -459,7 +494,7 @@ def keep_lanes(found, state):
 
 
 def follow_lanes(begin, batch, most, accuracy, out, pieces, tally, table):
-    """Follow trajectories as `follow_all` does, those of one parameter set side by side where that is possible."""
+    """Follow the trajectories of `batch` as `follow_all` does, with motions side by side where that is possible."""
     # Not in order: where a buffer is full, a trajectory may have ended before one of a smaller number.
     rows, parts, count = 0, 0, batch.states.shape[0]
     _, sets, _, codes = batch
@@ -483,7 +518,10 @@ def follow_lanes(begin, batch, most, accuracy, out, pieces, tally, table):
 
 
 def follow_group(begin, end, alike, rows, batch, most, accuracy, out, pieces, tally, table, space):
-    """Follow the trajectories from `begin` to `end` (`alike`: all of one parameter set); return the rows filled."""
+    """Follow trajectories `begin` to `end` - 1 side by side; return how many rows of `out` are filled.
+
+    `alike`: all have one parameter set. `space` is scratch memory; the others are those of `follow_all`.
+    """
     out, pieces, tally, table, batch, space = borrowed((out, pieces, tally, table, batch, space))
     queue, given, constants, found = space
     states, sets, counts, codes = batch
@@ -545,7 +583,7 @@ def follow_group(begin, end, alike, rows, batch, most, accuracy, out, pieces, ta
 
 
 def tally_lanes(good, taken, members, found, batch, most, tally, table):
-    """Add the steps of `taken` lanes, of the motions `members`, to the tally where the bits of `good` say so."""
+    """Add a step of each lane whose bit in `good` is set to the tally of its motion, `members[lane]`."""
     members, found, table, batch, tally = borrowed((members, found, table, batch, tally))
     states, sets, counts, _ = batch
     for lane in range(taken):

@@ -20,6 +20,11 @@ A flight has no end if it meets no belt any more. Three arguments show that, eac
   never closes (`creeps_for_ever`). For k = 0 u is constant, a rational number whose sign is exact. About an exact start
   `symosc.engine.start.settles` decides the same in rational numbers, before anything is simulated.
 
+Arguments that many functions share: `state` is the State before the step, `start` the Launch of its flight, `walls` the
+gaps then, `now` a point of the flight and `there` the State at it. `remaining` is the time from `state` to the end of
+the motion, t_end + t_end_low, and `tau_max` that to the end of the search. `v_noise` is the rounding error of the
+velocity, `S` the covariance of the errors of x and v, and `s`, `c` are sine and cosine of the phase.
+
 All functions are scalar and run on floats (CPython, numba) and, with other globals, on pairs and mpmath numbers.
 """
 
@@ -91,7 +96,10 @@ USUAL_LENGTH = 1.0625
 
 
 def advance(state, t_end, t_end_low, K):
-    """Advance a state to its next event, or to the end of an interval without events; return a `NextEvent`."""
+    """Advance `state` to its next event or, without one, to the end of a search interval; return a `NextEvent`.
+
+    The motion ends at the time t_end + t_end_low.
+    """
     # Its code is CROSS, STICK, SLIP, GRAZE (an event on `boundary`), MOVED (no event, the search goes on from here),
     # END, REST (no event will come any more; at rest or in a steady motion: the state is the last start, from which the
     # end is reached in one piece) or FAILED. The simulation ends at the time t_end + t_end_low.
@@ -114,7 +122,7 @@ def advance(state, t_end, t_end_low, K):
 
 
 def launched(state, K):
-    """Return the launch of a flight and the walls around it."""
+    """Return the Launch of a flight that begins in `state`, and its Walls (the gaps to the belts beside it)."""
     mode, at, v = state.mode, state.at, state.v
     lower, upper = speeds_around(mode, K)
     walls = Walls(v - lower, upper - v, mode > 1, mode < 3, at > 0 and at == mode - 1, at == mode)
@@ -122,14 +130,17 @@ def launched(state, K):
 
 
 def past_end(tau_max, remaining):
-    """Return the time limit of a search: `tau_max`, but at most a little past the end of the motion."""
+    """Return `tau_max`, but at most a little more than `remaining`, so that a contact right at the end is found."""
     if tau_max >= remaining:
         return remaining + PAST_END * remaining if remaining > 0.0 else remaining
     return tau_max
 
 
 def apart_from_walls(end, tau_max, remaining, state, start, walls, K):
-    """Extend a search that ended so near a wall that a graze is possible there; return the new end."""
+    """Prolong a flight's search if its `end`, at `tau_max`, is so near a wall that it may graze; return the end.
+
+    `remaining` is the time from `state` to the end of the motion.
+    """
     # Two searches must not meet where a belt is: each would leave a touch there to the other.
     while end.code == NOTHING and tau_max < remaining and tau_max <= 1.5 * K.chunk:
         if not ends_beside_wall(state, end.now, K):
@@ -140,14 +151,17 @@ def apart_from_walls(end, tau_max, remaining, state, start, walls, K):
 
 
 def ends_beside_wall(state, now, K):
-    """Return whether a flight ends so near a wall, at the point `now`, that a graze is possible there."""
+    """Return whether point `now` of the flight from `state` is so near a wall that a graze is possible there."""
     v, (lower, upper) = state.v, speeds_around(state.mode, K)
     size = abs(v) + abs(now.dv) + (abs(state.Fb) + abs(K.f0)) * K.moment
     return v + now.dv - lower <= BESIDE * size or upper - (v + now.dv) <= BESIDE * size
 
 
 def after_flight(state, end, start, remaining, K):
-    """Return the NextEvent at the end of a flight from `state`, given its launch and the search result."""
+    """Return the NextEvent that follows from `end`, the FlightEnd found for the flight from `state`.
+
+    `start` is its Launch, and `remaining` the time from there to the end of the motion.
+    """
     mode, at, n, theta, x, v, F, _, S, t, t_low, s, c, theta_low = state
     if end.now.tau > remaining and end.code != STALLED:
         end = FlightEnd(NOTHING, 0, point_at_end(remaining, start, K))
@@ -178,12 +192,15 @@ def after_flight(state, end, start, remaining, K):
 
 
 def point_at_end(remaining, start, K):
-    """Return the point of a flight at the end of the motion, which the search has passed."""
+    """Return the point of the flight `start` after the `remaining` time, where the motion ends."""
     return state_at(remaining, start, K)
 
 
 def no_contact(state, there, now, remaining, K):
-    """Return the NextEvent of a flight that met no wall: END (of the motion), REST (none ever comes) or MOVED."""
+    """Return the NextEvent of a flight from `state` that met no wall up to the state `there` (the point `now`).
+
+    Its code is END (the motion ends), REST (no contact ever comes) or MOVED (the search goes on).
+    """
     mode, _, n, theta, x, v, F, _, S, t, t_low, _, _, theta_low = there
     if now.tau >= remaining:
         return NextEvent(END, 0, True, 0.0, there)
@@ -255,7 +272,7 @@ def flight_noise(state, now, K):
 
 
 def carried_error(S, now, x_noise, v_noise, K):
-    """Carry the covariance S of (x, v) from the launch of a flight to the point `now`, and add rounding errors."""
+    """Carry the covariance S of (x, v) from launch to point `now`, and add the rounding errors x_noise and v_noise."""
     # Perturbations obey the unforced equation in every domain, so the entire functions carry them: dx gains E1 dv, dv
     # gains -(k/m) E1 dx. The rounding errors of the step are added.
     E0, E1, S11, S12, S22 = now.E0, now.E1, S.S11, S.S12, S.S22
@@ -271,7 +288,10 @@ def carried_error(S, now, x_noise, v_noise, K):
 
 
 def meet_belt(there, end, v_noise, remaining, K):
-    """Return the NextEvent where a flight meets a belt: a graze, or a stick or crossing (Theorems 4 and 5)."""
+    """Return the NextEvent of a flight that meets a belt in state `there`: a graze, stick or crossing.
+
+    `end` is its FlightEnd, and `v_noise` the rounding error of its velocity.
+    """
     # `there` is the State at the contact, in the domain that the flight comes from, `end` its FlightEnd, v_noise the
     # rounding error of the velocity, and `remaining` the time to the end from the start of the flight. A vague contact
     # that is no touch is a triple root: the velocity goes on through that of the belt, as far as friction lets it.
@@ -320,7 +340,10 @@ def meet_belt(there, end, v_noise, remaining, K):
 
 
 def graze_belt(there, G1, G2, G3, v_noise, tau, remaining, K):
-    """Return the NextEvent of a graze, at a contact `tau` after launch; G1, G2, G3: the acceleration's derivatives."""
+    """Return the NextEvent of a graze in state `there`, at `tau` after launch; G1 to G3 are v'' to v'''' there.
+
+    `v_noise` is the rounding error of the velocity, and `remaining` the time from launch to the end of the motion.
+    """
     mode, boundary, n, theta, x, v, F, _, S, t, t_low, s, c, theta_low = there
     if F * G1 < 0.0:  # from a crossing that is none as far as this precision tells to the touch behind
         shift = min(-F / G1, remaining - tau)
@@ -336,7 +359,10 @@ def graze_belt(there, G1, G2, G3, v_noise, tau, remaining, K):
 
 
 def resolve(v, F_below, F_above, s, c, K):
-    """Return where a motion goes on from a point of a boundary: DOMAIN_BELOW, BELT or DOMAIN_ABOVE (Theorems 4, 5)."""
+    """Return where a motion goes on from a belt: DOMAIN_BELOW, BELT or DOMAIN_ABOVE (Theorems 4, 5).
+
+    F_below and F_above are the forces, 0 only if they vanish; `v` is the belt's speed, s and c belong to the phase.
+    """
     # F_below - F_above = 2 mu FN/m >= 0 always, so the flow cannot leave on both sides at once.
     if following_sign(v, F_above, s, c, K) > 0:
         return DOMAIN_ABOVE
@@ -346,7 +372,10 @@ def resolve(v, F_below, F_above, s, c, K):
 
 
 def following_sign(v, F, s, c, K):
-    """Return the sign (-1, 0, 1) that a force has just after a contact, by its first G-function that is not 0."""
+    """Return the sign (-1, 0, 1) of the force F on a belt just after a contact, or of its first derivative not 0.
+
+    `v` is the speed of the belt, and `s` and `c` are sine and cosine of the phase.
+    """
     # v is the velocity of the belt, F the acceleration, which is exact (F = 0 means that it vanishes), and s, c are
     # sine and cosine of the phase.
     if F != 0.0:
@@ -368,7 +397,7 @@ def following_sign(v, F, s, c, K):
 
 
 def after_stick(state, end, remaining, K):
-    """Return the NextEvent at the end of a stick from `state`, given the search result."""
+    """Return the NextEvent that follows from `end`, the StickEnd found for the stick that begins in `state`."""
     mode, boundary, n, theta, x, v, Fb, Fa, S, t, t_low, _, _, theta_low = state
     boundary, zero = mode - ON_BELT, 0.0 * Fb
     belt = K.belt1 if boundary == 1 else K.belt2
@@ -404,7 +433,7 @@ def after_stick(state, end, remaining, K):
 
 
 def advance_phase(n, theta, theta_low, tau, K):
-    """Advance a phase by the time `tau`; return periods and phase in two parts, so that rounding does not add up."""
+    """Advance the phase theta + theta_low by the time `tau`; return (n, theta, theta_low), `n` counts whole periods."""
     if tau == K.period:  # exactly
         return n + 1, theta, theta_low
     theta, theta_low = phase_after(theta, theta_low, tau, K)
@@ -419,7 +448,7 @@ def advance_phase(n, theta, theta_low, tau, K):
 
 
 def phase_after(theta, theta_low, tau, K):
-    """Advance a phase by the time `tau`; return it in two parts, not reduced modulo 2 pi."""
+    """Return the phase theta + theta_low advanced by the time `tau`, in two parts and not reduced modulo 2 pi."""
     turn = K.Om * tau
     total = theta + turn
     part = total - theta
@@ -429,7 +458,7 @@ def phase_after(theta, theta_low, tau, K):
 
 
 def in_two_parts(theta, theta_low):
-    """Return a phase theta + theta_low as the nearest number >= 0 and the rest (which alone is < 0 just below 0)."""
+    """Return a phase theta + theta_low as (rounded, rest), with rounded >= 0; only the rest may be negative."""
     total = theta + theta_low
     theta_low = theta_low - (total - theta)
     return select(total < 0.0, 0.0 * total, total), select(total < 0.0, theta_low + total, theta_low)
@@ -446,20 +475,26 @@ def advance_time(t, t_low, tau, K):
 
 
 def passing_time(error, first, second, third, K):
-    """Return the uncertainty of the time at which a quantity with an error passes 0, from its derivatives there."""
+    """Return how uncertain the time is at which a quantity with an `error` passes 0.
+
+    `first`, `second` and `third` are its time derivatives there.
+    """
     if passes_at_once(error, abs(first), second, third):
         return error / abs(first)
     return slow_passing_time(error, first, second, third, K)
 
 
 def passes_at_once(error, speed, second, third):
-    """Return whether the first derivative alone determines how long a quantity with an error may take to pass 0."""
+    """Return whether a quantity passes 0 so fast that error/speed is how uncertain the time is.
+
+    `speed` is the size of its first time derivative; `second` and `third` must be too small to matter.
+    """
     limit = 1e-3 * speed * speed
     return (error * abs(second) < limit) & (error * error * abs(third) < limit * speed)
 
 
 def slow_passing_time(error, first, second, third, K):
-    """Return how long a quantity with an error may take to pass 0, where its higher derivatives count too."""
+    """Return how uncertain the time is at which a quantity with an `error` passes 0, if all derivatives count."""
     best = 1.0 / K.Om
     if error == 0.0:
         return 0.0 * best
@@ -471,7 +506,10 @@ def slow_passing_time(error, first, second, third, K):
 
 
 def time_with_errors(t, t_low, t0, x, v, t_error, S11, K):
-    """Return the time of an event, and standard errors of t and x that include their rounding."""
+    """Return the true time of an event (`clock_time`), and the standard errors of t and x, rounding included.
+
+    `t_error` is that of t before rounding, `S11` the variance of x at a fixed time, and `v` the velocity.
+    """
     # What a motion is locked to is the phase: the rounding of Omega is taken back in the time that it stands for.
     out = clock_time(t, t_low, t0, K)
     t_error, x_error = t_error + EPS * (abs(out) + 0.25 * (t - t0)), abs(v) * t_error + sqrt(S11) + EPS * abs(x)
@@ -482,14 +520,16 @@ def time_with_errors(t, t_low, t0, x, v, t_error, S11, K):
 
 
 def advance_near(state, rough, found, free, t_end, t_end_low, K):
-    """Advance a state to its next event with many digits, near the event `found` by doubles from the state `rough`."""
+    """Advance `state` to its next event with many digits, beside the event `found` by doubles from `rough`.
+
+    `rough` is the same state in doubles; if they left a touch open, `free` is how long they surely met no wall.
+    """
     # Doubles decide by more than the rounding of their start and their own. Where they are sure which contact is the
     # first and how it is met, many digits would find the same one. So these begin at its time, take a step of Newton's
     # method or two with the exact flow, and go on as after a search of their own. Where doubles see a touch they begin
     # there too (`contact_at_dip`). They search themselves where the end found so is not the one expected, where doubles
-    # cannot decide otherwise, and where the end of the search is the question. `rough` is the state in doubles, with
-    # the rounding as its error, `found` the NextEvent of `advance` in doubles, `free` their `free_time` if that is a
-    # touch.
+    # cannot decide otherwise, and where the end of the search is the question. The rounding of `rough` is a part of its
+    # error.
     code, boundary, decided, t_error, there = found
     tau = (there.t - rough.t) + (there.t_low - rough.t_low)
     if K.creeps or not tau > 0.0:
@@ -520,7 +560,7 @@ def advance_near(state, rough, found, free, t_end, t_end_low, K):
 
 
 def free_time(state, K):
-    """Return a time during which a flight certainly meets no wall, by fixed steps; 0 where these are not possible."""
+    """Return a time during which the flight from `state` surely meets no wall, by fixed steps; 0 if they fail."""
     if state.mode > ON_BELT or not K.apart:
         return 0.0 * state.v
     start, walls = launched(state, K)

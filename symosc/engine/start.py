@@ -38,7 +38,7 @@ MOST_CORRECTIONS = 8  # each of them doubles the digits
 
 @dataclass(frozen=True)
 class Start:
-    """An exact initial value problem; `start_error`: half-widths of t0, x0 and v0 (None: exact)."""
+    """An exact initial value problem; `start_error` holds the half-widths of t0, x0 and v0 (None: exact)."""
 
     parameters: Parameters
     t0: Fraction
@@ -53,7 +53,7 @@ class Start:
 
     @property
     def spare_digits(self) -> int:
-        """Decimals needed to tell v0 from the belt speeds and to resolve the errors of the start."""
+        """How many digits more than usual tell v0 from the belt speeds and resolve the errors of the start."""
         p = self.parameters
         small = [abs(value) for value in (*(self.start_error or ()), self.v0 - p.v1, self.v0 - p.v2) if value != 0]
         return max(0, *(ceil(-log10(value)) for value in small))
@@ -69,7 +69,7 @@ class BeltStart(NamedTuple):
 
     @property
     def forces(self) -> tuple[Number, Number]:
-        """Both accelerations of the initial state: F^(below) and F^(above) in a stick, else its domain's, twice."""
+        """Both accelerations in the first state: those on either side in a stick, else one value for both."""
         if self.mode > ON_BELT:
             return self.below, self.above
         force = self.above if self.mode > self.boundary else self.below
@@ -77,7 +77,7 @@ class BeltStart(NamedTuple):
 
 
 def belt_start(boundary: int, x: Number, phase: Phase, arithmetic: Arithmetic, allowed: Number = 0) -> BeltStart:
-    """Decide how a motion goes on from a point of a belt (Theorems 4 and 5), in the given arithmetic."""
+    """Decide how a motion goes on at `x` of a belt (Theorems 4 and 5); forces up to `allowed` in size count as 0."""
     # A force that is not larger than `allowed` is 0: then its first G-function that does not vanish decides.
     K = arithmetic.K
     v, (s, c) = (K.belt1 if boundary == 1 else K.belt2).v, phase
@@ -93,7 +93,7 @@ def belt_start(boundary: int, x: Number, phase: Phase, arithmetic: Arithmetic, a
 def belt_state(
     start: BeltStart, clock: tuple[int, Number], phase: Phase, x: Number, S: Covariance, K: Constants
 ) -> State:
-    """Return the state at time 0 for a start on a belt; `clock`: the number of whole periods, and the phase."""
+    """Return the State of a motion that starts on a belt, at time 0; `clock`: whole periods before, and the phase."""
     v, zero = (K.belt1 if start.boundary == 1 else K.belt2).v, 0 * x
     return State(start.mode, start.boundary, *clock, x, v, *start.forces, S, zero, zero, *phase, zero)
 
@@ -101,9 +101,10 @@ def belt_state(
 def start_rows(
     at: np.ndarray, theta: np.ndarray, x: np.ndarray, v: np.ndarray, times: Sequence[Any], K: Any
 ) -> tuple[np.ndarray, np.ndarray]:
-    """Return batch rows of many starts (on belt `at` if > 0), and a flag where doubles do not decide the forces."""
-    # `times` are t, t_low, t_end, t_end_low and t0, and K may be columns of constants by name. Also return where a
-    # force on the belt is so small that doubles do not decide.
+    """Return batch rows for columns of starts (on belt `at` if > 0), and where doubles do not decide the forces.
+
+    `times` holds t, t_low, t_end, t_end_low and t0; `K` has the constants, for all rows or one for each.
+    """
     mode = np.where(at > 0, at, 1 + (v > K.belt1.v) + (v > K.belt2.v))
     s, c = column_functions()["sine_cosine"](theta)
     A_below, A_above = (np.choose(n - 1, [K.A1, K.A2, K.A3]) for n in (mode, mode + (at > 0)))
@@ -126,7 +127,7 @@ def force_terms(boundary: int, x: Number, K: Constants) -> Number:
 
 
 def first_state(start: Start, arithmetic: Arithmetic) -> State:
-    """Return the initial state of a motion; its periods of the drive are counted from t0."""
+    """Return the first State of a motion in the given arithmetic; its count of forcing periods is 0 at t0."""
     # On a belt the forces decide where it goes (`belt_start`). Where one of them may be 0 that is decided with more
     # digits than the numbers of the problem have together: at t0 = 0 the forces are rational, and so this is exact. A
     # force that the error of the start can make 0 is 0.
@@ -156,19 +157,19 @@ def first_state(start: Start, arithmetic: Arithmetic) -> State:
 
 
 def sine_and_cosine(theta: Number, arithmetic: Arithmetic) -> Phase:
-    """Return sine and cosine of a phase."""
+    """Return sine and cosine of the phase `theta` in the given arithmetic."""
     return arithmetic.namespace["sin"](theta), arithmetic.namespace["cos"](theta)
 
 
 def reach_of_error(start: Start, arithmetic: Arithmetic) -> Number:
-    """Return the largest change of the forces on a belt that is possible within the error of the start."""
+    """Return the largest change of the forces on a belt that the error of the start may cause."""
     K, number = arithmetic.K, arithmetic.number
     dt, dx, dv = (number(error) for error in start.start_error or (Fraction(0),) * 3)
     return K.w0sq * (dx + abs(number(start.v0)) * dt) + K.cm * dv + abs(K.fB) * dt
 
 
 def _decided_start(start: Start, boundary: int) -> BeltStart:
-    """Decide how a motion goes on from a start on a belt, with enough digits to distinguish a force from 0."""
+    """Decide whether a motion sticks or leaves at its start on a belt, with enough digits to tell a force from 0."""
     p = start.parameters
     numbers = [start.t0, start.x0, start.v0, *(getattr(p, name) for name in PARAMETER_NAMES)]
     digits = SPARE_DIGITS + sum(len(str(abs(q.numerator))) + len(str(q.denominator)) for q in numbers)
@@ -186,12 +187,12 @@ def last_time(start: Start, arithmetic: Arithmetic) -> tuple[Number, Number]:
 
 
 def first_row(start: Start, arithmetic: Arithmetic) -> list[Number]:
-    """Return the batch row of a motion at its start."""
+    """Return the batch row (state, t_end in two parts, t0) of a motion at its start."""
     return row_of(first_state(start, arithmetic), *last_time(start, arithmetic))
 
 
 def is_steady(start: Start) -> bool:
-    """Return whether a start at t0 = 0 is on the steady motion of its domain, decided in rational numbers."""
+    """Return whether a start at t0 = 0 lies on the periodic motion of its domain, by rational numbers; else False."""
     p = start.parameters
     pull, drag = p.k - p.m * p.Omega**2, p.c * p.Omega
     size = pull * pull + drag * drag
@@ -204,7 +205,7 @@ def is_steady(start: Start) -> bool:
 
 
 def settles(start: Start) -> bool:
-    """Return whether a start between the belts comes to rest without a contact, decided in rational numbers."""
+    """Return whether a start off the belts comes to rest without a contact, decided in rational numbers."""
     # The conditions are those of `symosc.engine.next_event`. The sign of u = g' + (h + w) g >= 0 follows from the
     # squares of its two parts.
     p = start.parameters
@@ -227,7 +228,7 @@ def settles(start: Start) -> bool:
 
 
 def rounded(state: State, t0: float, gain: float) -> State:
-    """Round a state to doubles and add the rounding to its error; `gain`: K.Om_gain, the relative error of K.Om."""
+    """Round a state to doubles and add this rounding to its error; `gain` is the relative rounding error of Omega."""
     mode, at, n, theta, x, v, Fb, Fa, S, t, t_low, s, c, theta_low = state
     high, phase, x, v = float(t), float(theta), float(x), float(v)
     low = float(t - high + t_low) - (high - t0) * gain  # see `symosc.engine.flow.clock_time`
@@ -237,7 +238,7 @@ def rounded(state: State, t0: float, gain: float) -> State:
 
 
 def continued(state: State, eps: Fraction, arithmetic: MpArithmetic) -> State:
-    """Convert a state of mpmath numbers to more digits; its rounding `eps` becomes a part of its error."""
+    """Convert a state of mpmath numbers to more digits, and add the rounding `eps` that it has to its error."""
     # Phase and time have the rounding too: it is an error of x and v that such a part of a period makes. Where the
     # force is 0, at the end of a stick or a touch, the time is made right to all digits: else a force would act for
     # ever.

@@ -55,7 +55,7 @@ class State(NamedTuple):
 
 
 class NextEvent(NamedTuple):
-    """The result of one step: event code, belt (0: none), and the state afterwards."""
+    """The result of one step: code (kind of event, or END, REST, MOVED, FAILED), belt (0: none), and new state."""
 
     code: int
     boundary: int
@@ -65,7 +65,7 @@ class NextEvent(NamedTuple):
 
 
 class Launch(NamedTuple):
-    """The initial point of a flight: velocity, acceleration, sine and cosine of the phase."""
+    """The start of a flight: velocity v, acceleration F, and sine s and cosine c of the phase."""
 
     v: Number
     F: Number
@@ -74,7 +74,7 @@ class Launch(NamedTuple):
 
 
 class Flown(NamedTuple):
-    """The state of a flight at `tau` after its launch."""
+    """A point of a flight at `tau` after its launch: gains of x and v, derivatives of v, phase, and E0, E1, E2."""
 
     tau: Number
     dx: Number  # what x and v have gained
@@ -102,7 +102,7 @@ class Walls(NamedTuple):
 
 
 class FlightEnd(NamedTuple):
-    """The result of a search along a flight: code, side (-1 the lower wall, 1 the upper), and point."""
+    """The result of a search along a flight: code (NOTHING, HIT, TANGENCY, STALLED), side of the wall, point."""
 
     code: int
     side: int
@@ -110,7 +110,7 @@ class FlightEnd(NamedTuple):
 
 
 class StickEnd(NamedTuple):
-    """The result of a search along a stick: code, the side on which the mass slips, and point."""
+    """The result of a search along a stick: code (NOTHING, HIT, TANGENCY, STALLED), side of the slip, and time."""
 
     code: int
     side: int

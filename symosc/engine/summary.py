@@ -13,6 +13,11 @@ other is searched. A cell of it lies within the extremes found if the bounds of 
 both of its ends, say so: v and x minus an extreme are gaps like those to a belt. Any other cell is cut, at a stationary
 point where there is one between its ends, and each new end is evaluated exactly. So no extreme is missed.
 
+Arguments that many functions share: `i` is the number of the motion, `tally` holds the tallies of all, `t0` is its
+start and `K` its constants. `seen` and `own` are extremes, of the motion and of one flight, and `open_ends` says which
+of them are in question. `start` is the Launch of a flight at position `x0`; `now` and `then` are points of it, and `M4`
+bounds the fourth derivative of v.
+
 All functions are scalar and run on floats (CPython, numba).
 """
 
@@ -68,7 +73,7 @@ MAP_OF = np.array([_MAP_CODES.get((at, mode, to), 0) for at in range(3) for mode
 
 
 class Kept(NamedTuple):
-    """Which optional parts a tally keeps: time on belts, extremes, sections and words."""
+    """What a tally (the running summary of a motion) keeps beside events: time on belts, extremes, sections, words."""
 
     stuck: bool  # the time on belts
     extent: bool  # the extremes at the ends of steps
@@ -78,7 +83,7 @@ class Kept(NamedTuple):
 
 
 class Tally(NamedTuple):
-    """The summaries of motions, one row each; ring buffers hold the last sections and words."""
+    """The running summaries of many motions, a row each, with ring buffers of the last sections, words and flights."""
 
     asked: Kept
     floats: np.ndarray  # (n, 13)
@@ -99,7 +104,7 @@ class Extremes(NamedTuple):
 
 
 class Open(NamedTuple):
-    """Which bounds of v a flight may still exceed, and whether those of x (only where v may change its sign)."""
+    """Which extremes a flight may still exceed: the least v, the largest v, and those of x."""
 
     v_min: bool
     v_max: bool
@@ -108,7 +113,7 @@ class Open(NamedTuple):
 
 @cache
 def no_tally() -> Tally:
-    """Return a tally of no motion, with which the event loop records events instead."""
+    """Return a tally without a motion; given this, the event loop records single events instead of summaries."""
     return new_tally(np.zeros((0, 16)), np.zeros(0), Kept(False, False, False, 0, 0))
 
 
@@ -127,12 +132,12 @@ def new_tally(states: np.ndarray, skipped: np.ndarray, asked: Kept) -> Tally:
 
 
 def select_tallies(tally: Tally, rows: Any) -> Tally:
-    """Return a copy of the tallies of some motions."""
+    """Return a copy of the tally with the given `rows` (motions) only."""
     return Tally(tally.asked, *(column[rows].copy() for column in tally[1:])) if len(tally.floats) else tally
 
 
 def store_tallies(tally: Tally, rows: Any, own: Tally) -> None:
-    """Write tallies of some motions, copied by `select_tallies`, back into those of all."""
+    """Write `own`, the tally of some motions from `select_tallies`, back into `rows` of the tally of all."""
     if len(tally.floats):
         for column, part in zip(tally[1:], own[1:], strict=True):
             column[rows] = part
@@ -142,7 +147,7 @@ def store_tallies(tally: Tally, rows: Any, own: Tally) -> None:
 
 
 def tally_step(i, before, found, t0, tally, K):
-    """Count a step of motion `i` from the state `before` to the NextEvent `found`."""
+    """Add a step of motion `i`, from the state `before` to the NextEvent `found`, to its tally."""
     after, asked, ints = found.state, tally.asked, tally.ints
     if found.code <= GRAZE and (after.t - t0) + after.t_low >= tally.floats[i, SKIPPED]:
         ints[i, EVENTS_SO_FAR] += 1
@@ -171,12 +176,12 @@ def tally_step(i, before, found, t0, tally, K):
 
 
 def launch_of(state):
-    """Return the launch of a flight from a state."""
+    """Return the Launch (v, F, and the phase's sine and cosine) of a flight that begins in `state`."""
     return Launch(state.v, state.Fb, state.s, state.c)
 
 
 def tally_stretch(i, before, after, tau, t0, tally, K):
-    """Add stick time and extremes between two states to the tally of motion i, as far as they are past SKIPPED."""
+    """Add stick time and extremes between two states, `tau` apart, to motion i's tally, from time SKIPPED on."""
     floats, asked = tally.floats, tally.asked
     begin = floats[i, SKIPPED] - ((before.t - t0) + before.t_low)
     if tau < begin:
@@ -213,7 +218,7 @@ def tally_stretch(i, before, after, tau, t0, tally, K):
 
 
 def keep_flight(i, state, tau, own, tally):
-    """Store a flight whose extremes were searched (launch, duration, extremes `own`), to compare later ones with it."""
+    """Store a flight (start `state`, duration `tau`, extremes `own`) in the tally, to compare later flights with."""
     flights, n = tally.flights, tally.ints[i, SEARCHED] % KEPT_FLIGHTS
     tally.ints[i, SEARCHED] += 1
     flights[i, n, MODE], flights[i, n, THETA], flights[i, n, X] = state.mode, state.theta, state.x
@@ -222,12 +227,12 @@ def keep_flight(i, state, tau, own, tally):
 
 
 def lies_within(i, state, tau, seen, open_ends, tally, K):
-    """Return whether a flight stays within the extremes so far (with slack), by comparison with a searched flight.
+    """Return whether a flight from `state` surely stays within the extremes `seen`, as a similar earlier flight did.
 
-    Two flights in one domain differ, at equal times since their launch, by a steady motion, driven by the difference
-    of their drives, plus a free motion, whose energy dv^2 + (k/m) dx^2 never grows. Where these two are not separated
-    (near resonance), the root of the energy grows no faster than the difference of the drives, which is B0/m times that
-    of the phases.
+    `open_ends` says which extremes are in question. Two flights in one domain differ, at equal times since their
+    launch, by a steady motion, driven by the difference of their drives, plus a free motion, whose energy dv^2 + (k/m)
+    dx^2 never grows. Where these two are not separated (near resonance), the root of the energy grows no faster than
+    the difference of the drives, which is B0/m times that of the phases.
     """
     if K.w0 == 0.0:  # without a spring the energy says nothing of x
         return False
@@ -253,7 +258,10 @@ def lies_within(i, state, tau, seen, open_ends, tally, K):
 
 
 def tally_sections(i, before, last, S, tally, K):
-    """Store the Poincaré sections between a state and the end of period `last`; the ring buffer keeps the latest."""
+    """Store the Poincaré sections from the state `before` to the end of period number `last` in the tally.
+
+    `S` is the covariance of the errors of x and v at the end.
+    """
     ring = tally.words.shape[1]
     first = before.n + 1
     if last - first >= ring:  # a long way without an event: all but the last words are empty
@@ -267,7 +275,10 @@ def tally_sections(i, before, last, S, tally, K):
 
 
 def keep_section(i, before, tau, S_x, S_v, tally):
-    """Store the section `tau` after a state; close the word of its period unless an event just before it did."""
+    """Store the section at `tau` after the state `before`, and end the word of its period if that is still open.
+
+    `S_x` and `S_v` are the variances of x and v there.
+    """
     ints = tally.ints
     if ints[i, EARLY] == 0:
         close_word(i, tally)
@@ -280,7 +291,7 @@ def keep_section(i, before, tau, S_x, S_v, tally):
 
 
 def close_word(i, tally):
-    """Store the word of the ending period if it is complete, and begin the next."""
+    """Store the word of the period that ends now, if its beginning was seen, and begin the word of the next."""
     ints, labels, ring = tally.ints, tally.labels, tally.words.shape[1]
     length = ints[i, LENGTH]
     if ints[i, WHOLE] == 1:
@@ -294,7 +305,7 @@ def close_word(i, tally):
 
 
 def finish_tally(i, last, code, remaining, t0, tally, K):
-    """Store the last state of a motion that ended or continues later; `remaining`: the time to its end."""
+    """Store the `last` state of motion `i` in its tally, moved on by `remaining` if no more events come (REST)."""
     n, theta, t, x, v = last.n, last.theta, clock_time(last.t, last.t_low, t0, K), last.x, last.v
     if code == REST:  # without any more events
         rest = rest_of(remaining, K)
@@ -316,7 +327,7 @@ def finish_tally(i, last, code, remaining, t0, tally, K):
 
 
 def rest_of(tau, K):
-    """Return the remainder of a time after whole forcing periods, with the rounding of the period taken back."""
+    """Return `tau` modulo the forcing period, corrected for the rounding error of that period."""
     if tau < K.period:
         return tau
     rest = tau % K.period
@@ -326,7 +337,7 @@ def rest_of(tau, K):
 
 
 def rest_stretches(i, state, remaining, t0, tally, K):
-    """Add the stick time and the extremes of a motion after its last event."""
+    """Add stick time and extremes of the motion after its last event, for the `remaining` time, to its tally."""
     # Its extremes are searched piece by piece, until the transient is over; then one period shows all that is to come.
     decay = K.h if K.under else -K.l1
     fades = decay > 0.0 and K.w0 > 0.0 and state.mode <= ON_BELT
@@ -348,7 +359,7 @@ def rest_stretches(i, state, remaining, t0, tally, K):
 
 
 def flown(x, start, tau, s_Om, c_Om, K):
-    """Return x and v of a flight from x after the time tau; s_Om, c_Om: sine and cosine of the phase gained."""
+    """Return x and v of a flight `tau` after its Launch `start` at `x`; s_Om, c_Om: sine and cosine of Omega tau."""
     E0, E1, E2, R2, I2, _, _ = basis_with_drive(tau, s_Om, c_Om, K)
     dx, dv, _ = motion(start.v, start.F, start.s, start.c, K.cm, K.w0sq, K.f0, K.Om, E0, E1, E2, R2, I2)
     return x + dx, start.v + dv
@@ -358,7 +369,11 @@ def flown(x, start, tau, s_Om, c_Om, K):
 
 
 def settle(tally, sets, table, sections, repeats):
-    """Compute the last `sections` of motions, and the periods after which these and the words repeat (`repeats`)."""
+    """Fill `sections`, (n, m, 2), with x and v at the last m sections of motions, `repeats` with their multiplicity.
+
+    The multiplicity is the number of periods after which a motion repeats, or 0; `sets` are indices of constants in
+    `table`.
+    """
     # `sets` (n,) are the parameter sets of the motions, `table` their constants. `sections` (n, m, 2) is filled with x
     # and v at the last m sections in order of time, as far as they were reached, and `repeats`, (n,) or (0,), with the
     # periods, 0 for a motion that does not repeat.
@@ -385,7 +400,7 @@ def periods(i, tally, K):
 
 
 def same_words(i, m, tally):
-    """Return whether the last m words are complete and equal the m words before."""
+    """Return whether the last m words of motion `i` are complete and equal the m words before."""
     words, ring, there = tally.words, tally.words.shape[1], tally.ints[i, SECTIONS]
     for n in range(there - m, there):
         before = words[i, (n - m) % ring]
@@ -395,7 +410,7 @@ def same_words(i, m, tally):
 
 
 def same_sections(i, m, tally, K):
-    """Return whether the last m sections equal the m sections before."""
+    """Return whether the last m sections equal the m before them, within 1e-6 of the extent and 8 times the errors."""
     floats, there = tally.floats, tally.ints[i, SECTIONS]
     x_extent, v_extent = floats[i, X_HIGH] - floats[i, X_LOW], floats[i, V_HIGH] - floats[i, V_LOW]
     for n in range(there - m, there):
@@ -409,7 +424,7 @@ def same_sections(i, m, tally, K):
 
 
 def section(i, n, tally, K):
-    """Return Poincaré section number n from the ring buffer; compute its x and v if this is the first time."""
+    """Return Poincaré section number `n` of motion `i` from its tally; compute x and v there at the first call."""
     kept = tally.sections[i, n % tally.words.shape[1]]
     x, v, tau, theta = kept[FROM_X], kept[FROM_V], kept[SINCE], kept[FROM_THETA]
     if kept[FLIES] > 0.0:
@@ -435,9 +450,9 @@ def widened(seen, x, v):
 
 
 def flight_extremes(begin, last, start, x0, own, open_ends, K):
-    """Extend `own`, the extremes of a flight's ends at `begin` and `last` (Flown), to those of the whole flight.
+    """Extend `own`, the extremes of the ends of a flight, to those of the flight from time `begin` to point `last`.
 
-    `start` is its Launch, x0 the position there.
+    `start` is its Launch, `x0` the position there, and `open_ends` says which extremes are in question.
     """
     now = state_at(begin, start, K) if begin > 0.0 else point(0.0, 0.0, 0.0, start, K)
     cell = FIRST_CELL * K.moment
@@ -457,7 +472,7 @@ def flight_extremes(begin, last, start, x0, own, open_ends, K):
 
 
 def end_of_flight(before, after, tau, K):
-    """Return the end of a flight as `Flown`, from the states before and after it, without the entire functions."""
+    """Return the end of a flight as a point (`Flown`, without its E0, E1, E2) from the states before and after it."""
     if K.stiff:
         return state_at(tau, launch_of(before), K)
     F = acceleration(after.x, after.v, after.c, constant_force(before.mode, K), K.cm, K.w0sq, K.f0)
@@ -465,14 +480,17 @@ def end_of_flight(before, after, tau, K):
 
 
 def point(tau, dx, dv, there, K):
-    """Return a `Flown` at tau with gains dx, dv, from v, F, sine and cosine at that point; no entire functions."""
+    """Return a point (`Flown`) with gains dx, dv at `tau`; `there` has v, F, sine, cosine; E0, E1, E2 are unset."""
     v, F, s, c = there
     G1, G2, G3 = derivatives(v, F, s, c, K)
     return Flown(tau, dx, dv, F, G1, G2, G3, s, c, 1.0, 0.0, 0.0)
 
 
 def cell_extremes(now, then, M4, start, x0, own, open_ends, K):
-    """Extend the extremes `own`, which include two points of a flight, by the flight between these points."""
+    """Extend the extremes `own` by those of a flight between the points `now` and `then`, which `own` includes.
+
+    `M4` bounds the fourth derivative of v, `x0` is the position at launch, and `open_ends` says what is in question.
+    """
     while (then.tau - now.tau) * K.rate > SHORTEST_CELL and not cell_within(now, then, M4, start.v, x0, own, open_ends):
         middle = cut_at(now, then, start, open_ends, K)
         own = widened(own, x0 + middle.dx, start.v + middle.dv)
@@ -482,13 +500,16 @@ def cell_extremes(now, then, M4, start, x0, own, open_ends, K):
 
 
 def cell_within(now, then, M4, v0, x0, seen, open_ends):
-    """Return whether bounds from both ends of a cell, a part of a flight, prove it to lie within the extremes."""
+    """Return whether bounds from both ends prove that a flight between points `now` and `then` stays within `seen`."""
     half = 0.5 * (then.tau - now.tau)
     return within(half, 1.0, now, M4, v0, x0, seen, open_ends) and within(half, -1.0, then, M4, v0, x0, seen, open_ends)
 
 
 def within(reach, way, now, M4, v0, x0, seen, open_ends):
-    """Return whether a flight stays within the extremes for a time `reach` after a point, or before it (way -1)."""
+    """Return whether a flight stays in the extremes `seen` for a time `reach` after point `now` (or before: way -1).
+
+    `M4` bounds the fourth derivative of v, and v0 and x0 are velocity and position at launch.
+    """
     v, x = v0 + now.dv, x0 + now.dx
     if open_ends.v_max or open_ends.v_min:
         slack = WIDTH_SLACK * (abs(seen.v_min) + abs(seen.v_max))
@@ -508,14 +529,14 @@ def within(reach, way, now, M4, v0, x0, seen, open_ends):
 
 
 def stays_positive(reach, p0, p1, p2, p3, p4):
-    """Return whether p0 + p1 s + ... + p4 s^4 > 0 on [0, reach]; a parabola that dips but stays > 0 is split off."""
+    """Return whether p0 + p1 s + ... + p4 s^4 is proven positive for s in [0, reach]; a shallow dip is no obstacle."""
     if p1 < 0.0 and p2 > 0.0 and p1 * p1 < 2.0 * p0 * p2:  # p1 s + p2 s^2/2 is not below -p1^2/(2 p2)
         return positive_on(reach, (p0 - 0.5 * p1 * p1 / p2, 0.0, 0.5 * p2, p3, p4))
     return positive_on(reach, (p0, p1, p2, p3, p4))
 
 
 def cut_at(now, then, start, open_ends, K):
-    """Return the point at which to divide a cell: a zero of the acceleration or velocity, else the middle."""
+    """Return the point at which to divide a part of a flight: one where v or x is stationary, else the middle."""
     width = then.tau - now.tau
     for of_v in (True, False):
         if not (open_ends.v_min or open_ends.v_max if of_v else open_ends.x):
@@ -568,7 +589,7 @@ def stationary(now, then, of_v, start, K):
 
 
 def parabola_root(f0, slope, f1, width):
-    """Return the root in (0, width) of the parabola that is f0 at 0, with this slope, and f1 at `width`; f0 f1 < 0."""
+    """Return the root in (0, width) of a parabola with value f0 and `slope` at 0 and value f1 at `width`; f0 f1 < 0."""
     bend = (f1 - f0 - slope * width) / (width * width)
     square = slope * slope - 4.0 * bend * f0
     root = sqrt(square) if square > 0.0 else 0.0

@@ -6,7 +6,10 @@ vanishes) gives the derivative of the event's time by the implicit function theo
 follow from each other, through crossings and sticks; nothing is differenced.
 
 A motion needs no more than its columns of events: `tangents` runs over those of many motions. Each column of
-derivatives has a code: the number of a parameter in `symosc.model.PARAMETER_NAMES`, or T0, X0, V0.
+derivatives has a code: the number of a parameter in `symosc.model.PARAMETER_NAMES`, or T0, X0, V0. `codes` are those
+asked for, and `deep` says whether m, c, k or Omega is among them. `work` is scratch space, with a row for each of DT to
+BY_V. `starts` are rows of mode, t, theta, x, v; `sets` are indices of the motions' constants in `table` and of their
+parameters in `letters`.
 """
 
 from __future__ import annotations
@@ -78,18 +81,21 @@ def launch_at(mode, t, theta, x, v):
 
 
 def letters_of(row):
-    """Return a row of the parameters m, mu1, mu2, FN as `Letters`."""
+    """Return four parameter values, in the order m, mu1, mu2, FN, as `Letters`."""
     return Letters(row[0], row[1], row[2], row[3])
 
 
 def phase_between(start, t, theta, K):
-    """Return the phase gained since a start, from the phases at both ends, which are more exact than late times."""
+    """Return the phase gained, turns included, from `start` to the time `t`, where it is `theta`."""
     turn = theta - start.theta
     return turn + TWO_PI * floor((K.Om * (t - start.t) - turn) / TWO_PI + 0.5)
 
 
 def fill_parameters(work, row, domain, letters, by_m, by_c, by_k, by_A, by_B, by_Om):
-    """Fill a row of `work` with a quantity's derivatives by all parameters; by_A is that by A_alpha of the domain."""
+    """Write a quantity's derivatives by all 11 parameters into a row of `work`, from those by m, c, k, A, B0, Omega.
+
+    by_A is the derivative by A_alpha, the constant force of the domain, which contains A0, mu1, mu2 and FN.
+    """
     drag1, drag2 = friction_signs(domain)
     work[row, M], work[row, C], work[row, K_] = by_m, by_c, by_k
     work[row, A0], work[row, B0], work[row, OMEGA] = by_A, by_B, by_Om
@@ -99,7 +105,11 @@ def fill_parameters(work, row, domain, letters, by_m, by_c, by_k, by_A, by_B, by
 
 
 def piece_changes(start, t, turn, codes, deep, letters, K, work):
-    """Write derivatives of x and v at a fixed time t by the numbers `codes` into `work`; return the acceleration."""
+    """Write derivatives of x and v at time `t` of the piece from `start`, one for each of `codes`; return v' there.
+
+    `codes` are numbers of parameters or start values, `turn` is the phase gained, and `deep` says whether m, c, k or
+    Omega is one.
+    """
     # The phase has gone on by `turn`. `deep` says whether any column needs the functions of repeated roots: those for
     # m, c, k and Omega. `codes` are the numbers of the parameters and start values, one for each column.
     if start.mode > ON_BELT:
@@ -147,13 +157,16 @@ def force(domain, now, K):
 
 
 def vanishes(domain, now, K):
-    """Return whether the acceleration in a domain is 0 up to rounding."""
+    """Return whether the acceleration in a domain is 0 up to rounding at the point `now`."""
     F, rounding = force(domain, now, K)
     return abs(F) <= VANISHES * rounding
 
 
 def force_changes(domain, now, codes, letters, K, work):
-    """Write derivatives of a domain's F at a fixed time into row SIZE; return the parts of dF/dt by x and by phase."""
+    """Write derivatives of a domain's force at a fixed time, one for each of `codes`, into row SIZE of `work`.
+
+    Return how fast the force changes in time because x moves, and because the phase does.
+    """
     # Rows END_X and END_V have the derivatives of x and v at this time.
     F, rounding = force(domain, now, K)
     F = 0.0 * F if abs(F) <= VANISHES * rounding else F
@@ -170,7 +183,7 @@ def force_changes(domain, now, codes, letters, K, work):
 
 
 def vanishing_times(domain, now, codes, letters, K, work):
-    """Write derivatives of the time when a force passes 0 into row DT; return why they may not exist (or REGULAR)."""
+    """Write derivatives of the time when a force passes 0 into row DT of `work`; return REGULAR, or what is wrong."""
     # Rows END_X and END_V have the derivatives of x and v at this fixed time.
     of_way, of_drive = force_changes(domain, now, codes, letters, K, work)
     rate, rounding = of_way + of_drive, EPS * (abs(of_way) + abs(K.f0 * K.Om))
@@ -181,7 +194,7 @@ def vanishing_times(domain, now, codes, letters, K, work):
 
 
 def contact_times(domain, other, belt, now, a, codes, K, work):
-    """Write derivatives of the time when a flight meets a belt into row DT; return if they are REGULAR, or why not."""
+    """Write derivatives of the time when a flight meets a belt into row DT; return REGULAR, or what is wrong."""
     # `a` is the acceleration that the flight arrives with: the balance of forces at a rounded point may know it worse.
     for j in range(len(codes)):
         own = 1.0 if codes[j] == belt else 0.0
@@ -193,7 +206,10 @@ def contact_times(domain, other, belt, now, a, codes, K, work):
 
 
 def kinks(above, belt, codes, marks, n, regular, before, work):
-    """Mark in `marks` which parameters or start values lift a graze off its belt or sink it; return if any does."""
+    """Mark by which parameters and start values a graze becomes a crossing or a miss; return if there is any.
+
+    `marks[n]` gets the direction for each of `codes`, and `regular` becomes False there.
+    """
     found = False
     for j in range(len(regular)):
         own = 1.0 if codes[j] == belt else 0.0
@@ -205,7 +221,11 @@ def kinks(above, belt, codes, marks, n, regular, before, work):
 
 
 def tangents(motions, cuts, starts, sets, rows, codes, deep, letters, table, out, work):
-    """Write derivatives of all events of some motions by the numbers `codes` into `out`; `work` is scratch space."""
+    """Write derivatives of t and x at all events of the chosen `motions` into `out`, one for each of `codes`.
+
+    `codes` are numbers of parameters or start values, `rows` the columns of events, and `cuts` says which rows belong
+    to which motion.
+    """
     # `cuts` are the first rows of the motions and the end of the last one, `starts` rows of mode, t, theta, x, v.
     # `rows` are t, theta, x, v of the events and their kind, boundary and target. `out` has dt, dx, marks and reasons
     # of the events, and for each motion the logarithms of what its last columns and its areas have grown by: columns
@@ -252,7 +272,11 @@ def tangents(motions, cuts, starts, sets, rows, codes, deep, letters, table, out
 
 
 def changes_at(times, pieces, starts, launched, codes, deep, letters, table, out, work):
-    """Write derivatives of x and v at fixed times, with respect to `codes`, into `out` (2, times, columns)."""
+    """Write derivatives of x and v at fixed `times` into `out`, (2, times, codes).
+
+    `pieces` are the numbers of the pieces in which the times lie, and `launched` the derivatives of t, x and v where
+    these begin.
+    """
     # `pieces` are the numbers of the pieces in which the times lie. Pieces begin at `starts`, rows as in `tangents`;
     # `launched` (3, pieces, columns) are the derivatives of t, x and v where they begin.
     K, mine = table[0], letters_of(letters[0])
@@ -268,7 +292,7 @@ def changes_at(times, pieces, starts, launched, codes, deep, letters, table, out
 
 
 def begin(start, codes, count, letters, K, work):
-    """Write the derivatives at a start into `work`; return for which of `count` numbers a motion is differentiable."""
+    """Write derivatives of t, x, v at a start into `work`; return for which of the first `count` codes they exist."""
     # On a belt it is not for a number that takes the start off the belt, or that may change a force that is 0 there.
     regular = [True] * count
     for j in range(len(codes)):
@@ -294,7 +318,7 @@ def begin(start, codes, count, letters, K, work):
 
 
 def grow(i, start, now, kind, turn, growth, count, columns, K, work):
-    """Scale the columns from `count` on to size 1; add to `growth` the logs of their growth and of that of areas."""
+    """Scale the derivatives from column `count` on to size 1; add the logs of their and areas' growth to `growth`."""
     size = 0.0
     for row in range(DV + 1):
         for j in range(count, columns):

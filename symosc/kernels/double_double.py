@@ -27,7 +27,7 @@ ATAN = (
 
 
 def two_sum(a, b):
-    """Return (s, e): s = a + b rounded and e its error (Knuth)."""
+    """Return (s, e): the rounded sum s of the doubles a and b, and its rounding error e (Knuth)."""
     s = a + b
     rest = s - a
     return s, (a - (s - rest)) + (b - rest)
@@ -40,7 +40,7 @@ def fast_sum(a, b):
 
 
 def two_product(a, b):
-    """Return (p, e): p = a b rounded and e its error (Dekker)."""
+    """Return (p, e): the rounded product p of the doubles a and b, and its rounding error e (Dekker)."""
     p = a * b
     big = SPLITTER * a
     ah = big - (big - a)
@@ -51,7 +51,7 @@ def two_product(a, b):
 
 
 def pair_sum(ah, al, bh, bl):
-    """Return a + b for pairs; the error is relative to the result, even after cancellation, if lo parts are exact."""
+    """Return the sum of the pairs ah + al and bh + bl as a pair; it has all its digits even after cancellation."""
     s, e = two_sum(ah, bh)
     t, f = two_sum(al, bl)
     s, e = fast_sum(s, e + t)
@@ -59,13 +59,13 @@ def pair_sum(ah, al, bh, bl):
 
 
 def pair_product(ah, al, bh, bl):
-    """Return a b for pairs; exact for two doubles."""
+    """Return the product of the pairs ah + al and bh + bl as a pair; it is exact for two doubles."""
     p, e = two_product(ah, bh)
     return fast_sum(p, e + (ah * bl + al * bh))
 
 
 def pair_quotient(ah, al, bh, bl):
-    """Return a/b for pairs."""
+    """Return the quotient of the pairs ah + al and bh + bl as a pair."""
     q = ah / bh
     p, e = two_product(q, bh)
     rest = ((ah - p) - e) + (al - q * bl)  # the first difference is exact
@@ -73,7 +73,7 @@ def pair_quotient(ah, al, bh, bl):
 
 
 def pair_root(ah, al):
-    """Return the square root of a pair > 0."""
+    """Return the square root of the pair ah + al > 0 as a pair."""
     root = sqrt(ah)
     ph, pl = two_product(root, root)
     rh, _ = pair_sum(ah, al, -ph, -pl)
@@ -81,7 +81,7 @@ def pair_root(ah, al):
 
 
 def pair_atan(yh, yl, xh, xl):
-    """Return atan(y/x) for pairs 0 <= y <= x: atan(j/8) from the table plus the series of the rest, up to 1/16."""
+    """Return atan(y/x) for pairs 0 <= y <= x, by atan(j/8) with j/8 near y/x and a series for the difference."""
     j = int(8.0 * (yh / xh) + 0.5)
     node = 0.125 * j
     # atan(y/x) - atan(node) = atan((y - node x)/(x + node y))
@@ -122,5 +122,5 @@ def scaled_product(ah, al, bh, bl):
 
 
 def sign(value):
-    """Return -1, 0 or 1."""
+    """Return the sign of a number as -1, 0 or 1."""
     return (1 if value > 0.0 else 0) - (1 if value < 0.0 else 0)

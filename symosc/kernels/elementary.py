@@ -47,12 +47,12 @@ def select(condition, one, other):
 
 
 def power_of_two(n):
-    """Return 2^n for a whole number n as a double; compiled code has its own (`symosc.kernels.lane_types`)."""
+    """Return 2^n for a whole number n as a double, by `ldexp`; compiled code replaces this by bit operations."""
     return ldexp(1.0, int(n))
 
 
 def sine_cosine(x):
-    """Return the sine and the cosine of an angle in radians, up to WIDEST."""
+    """Return the sine and the cosine of an angle in radians, accurate for angles up to 1.6e6 (WIDEST)."""
     n = (x * TWO_OVER_PI + TO_INTEGER) - TO_INTEGER
     rest = x - n * HALF_PI_HIGH
     part = n * HALF_PI_MIDDLE
@@ -73,12 +73,12 @@ def sine_cosine(x):
 
 
 def short_sin(x):
-    """Return the sine of an angle in radians, right up to WIDEST only, without the branch that `sin` has."""
+    """Return the sine of an angle in radians, accurate up to 1.6e6 (WIDEST) only; `sin` serves larger angles too."""
     return sine_cosine(x)[0]
 
 
 def short_cos(x):
-    """Return the cosine of an angle in radians, right up to WIDEST only, without the branch that `cos` has."""
+    """Return the cosine of an angle in radians, accurate up to 1.6e6 (WIDEST) only; `cos` serves larger ones too."""
     return sine_cosine(x)[1]
 
 

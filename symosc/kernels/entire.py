@@ -32,7 +32,11 @@ INVERSES = (0.0, *(1.0 / n for n in range(1, 40)))
 
 
 def basis(tau, K):
-    """Return the entire functions E0, E1, E2, R2, I2 (see the module) and sin, cos of Omega tau, for tau >= 0."""
+    """Return E0, E1, E2, R2, I2 (responses to an impulse and to the drive) and sin, cos of Omega tau, at tau >= 0.
+
+    E1 is the response of the free oscillator to a unit impulse, E0 its derivative and E2 its integral; R2 + i I2 is the
+    response to exp(i Omega t).
+    """
     if K.apart and K.rate * tau >= SERIES_BELOW and K.w0 * tau >= APART_ABOVE:
         # The drive comes last, since it is needed last: a processor goes on with the rest meanwhile.
         w_tau = K.omega_d * tau
@@ -44,7 +48,7 @@ def basis(tau, K):
 
 
 def basis_with_drive(tau, s, c, K):
-    """Return E0, E1, E2, R2, I2, s, c as `basis` does, with s, c = sin, cos(Omega tau) given, not computed from tau."""
+    """Return what `basis` does, the responses E0 to I2 and s, c, with s, c = sin, cos(Omega tau) given."""
     if K.rate * tau < SERIES_BELOW:
         E0, E1, E2, R2, I2 = series(tau, K.cm, K.w0sq, K.Om)
     elif K.apart and K.w0 * tau >= APART_ABOVE:
@@ -55,13 +59,16 @@ def basis_with_drive(tau, s, c, K):
 
 
 def closed_form(tau, s, c, K):
-    """Return E0, E1, E2, R2, I2 by sin, cos and exp, for characteristic roots far from i Omega; s, c: of Omega tau."""
+    """Return the responses E0, E1, E2, R2, I2 of `basis` in closed form, for a system far from resonance.
+
+    s and c are sine and cosine of Omega tau.
+    """
     w_tau = K.omega_d * tau
     return basis_apart(exp(-K.h * tau), sin(w_tau), cos(w_tau), s, c, K.h, K.omega_d, K.w0sq, K.Om, K.p, K.q)
 
 
 def series(tau, cm, w0sq, Om):
-    """Return the basis E0, E1, E2, R2, I2 from its Taylor series; cm is c/m, w0sq is k/m, Om is Omega."""
+    """Return the responses E0, E1, E2, R2, I2 of `basis` by Taylor series; cm is c/m, w0sq k/m and Om Omega."""
     # The n-th derivatives at 0 obey s[n+1] = -cm s[n] - w0sq s[n-1] (for S) and z[n+1] = s[n] + i Omega z[n] (for Z).
     before, term = 0.0, tau  # s[n] tau^n / n! for n = 0 and 1: the terms of E1
     E0, E1, E2 = 1.0, tau, 0.5 * tau * tau
@@ -87,7 +94,7 @@ def series(tau, cm, w0sq, Om):
 
 
 def careful(tau, s, c, K):
-    """Return the basis E0, E1, E2, R2, I2 by divided differences, for times at which the closed form would cancel."""
+    """Return the responses E0, E1, E2, R2, I2 of `basis` by divided differences, where others lose digits."""
     if K.rate0 * tau < SERIES_BELOW:  # a fast drive on a slow oscillator: only Z needs divided differences
         E0, E1, E2, _, _ = series(tau, K.cm, K.w0sq, 0.0)
     else:
@@ -98,7 +105,7 @@ def careful(tau, s, c, K):
 
 
 def impulse(tau, K):
-    """Return E1, the response to an impulse, and its derivative E0."""
+    """Return E1, the response at `tau` to a unit impulse, and its derivative E0, as (E0, E1)."""
     if K.under:
         decay = exp(-K.h * tau)
         E1 = decay * sin(K.omega_d * tau) / K.omega_d
@@ -113,14 +120,14 @@ def impulse(tau, K):
 
 
 def impulse_integral(tau, E1, K):
-    """Return E2, the integral of E1, by divided differences; not for k = 0 without damping."""
+    """Return E2, the integral of the impulse response E1; the system must have damping or a spring."""
     real1, imag1, real2, imag2 = roots(K)
     real, imag = expm1_over(real1, imag1, tau)
     return -((real - E1) * real2 + imag * imag2) / (real2 * real2 + imag2 * imag2)
 
 
 def wave_integrals(tau, s, c, E1, K):
-    """Return R2, I2, real and imaginary part of the response to exp(i Omega t); s, c are sin, cos(Omega tau)."""
+    """Return R2 and I2: the response to the force exp(i Omega t) is R2 + i I2; s, c are sin, cos(Omega tau)."""
     real1, _, real2, imag2 = roots(K)
     real, imag = expm1_over(real1, K.detuning, tau)  # over l1 - i Om
     top_real, top_imag = c * real - s * imag - E1, c * imag + s * real

@@ -14,12 +14,12 @@ TERMS = 18
 
 
 def basis(tau: np.ndarray, K: Any) -> tuple[np.ndarray, ...]:
-    """Return E0, E1, E2, R2, I2 and sin, cos of Omega tau for an array of times tau >= 0 and the constants `K`."""
+    """Return the responses E0, E1, E2, R2, I2 (to impulse and drive) and sin, cos of Omega tau, for times tau >= 0."""
     return basis_with_drive(tau, np.sin(K.Om * tau), np.cos(K.Om * tau), K)
 
 
 def basis_with_drive(tau: np.ndarray, s: np.ndarray, c: np.ndarray, K: Any) -> tuple[np.ndarray, ...]:
-    """Return E0, E1, E2, R2, I2, s, c for arrays, with s, c = sin, cos(Omega tau) given, not computed from tau."""
+    """Return what `basis` does, the responses E0 to I2 and s, c, with s, c = sin, cos(Omega tau) given."""
     short = K.rate * tau < SERIES_BELOW
     if K.apart:  # for all: most times are long, and picking them out would cost more
         found = np.array(apart(tau, s, c, K))
@@ -34,13 +34,13 @@ def basis_with_drive(tau: np.ndarray, s: np.ndarray, c: np.ndarray, K: Any) -> t
 
 
 def apart(tau: np.ndarray, s: np.ndarray, c: np.ndarray, K: Any) -> Any:
-    """Return E0, E1, E2, R2, I2 by sin, cos and exp: for an underdamped system far from resonance (K.apart)."""
+    """Return the responses E0 to I2 of `basis` in closed form, if underdamped and far from resonance (K.apart)."""
     decay, w_tau = np.exp(-K.h * tau), K.omega_d * tau
     return basis_apart(decay, np.sin(w_tau), np.cos(w_tau), s, c, K.h, K.omega_d, K.w0sq, K.Om, K.p, K.q)
 
 
 def series(tau: np.ndarray, cm: float, w0sq: float, Om: float) -> tuple[np.ndarray, ...]:
-    """Return E0, E1, E2, R2, I2 for an array of short times, from a fixed number of terms of their Taylor series."""
+    """Return the responses E0 to I2 of `basis` for short times by Taylor series; cm is c/m, w0sq k/m, Om Omega."""
     before, term = 0.0 * tau, tau
     E0, E1, E2 = 1.0 + before, tau, 0.5 * tau * tau
     r, i = E2, before
@@ -55,7 +55,7 @@ def series(tau: np.ndarray, cm: float, w0sq: float, Om: float) -> tuple[np.ndarr
 
 
 def careful(tau: np.ndarray, s: np.ndarray, c: np.ndarray, K: Any) -> tuple[np.ndarray, ...]:
-    """Return E0, E1, E2, R2, I2 for an array of times by divided differences, where the closed form would cancel."""
+    """Return the responses E0 to I2 of `basis` by divided differences, for times where the closed form cancels."""
     if K.under:
         l1, l2 = complex(-K.h, K.omega_d), complex(-K.h, -K.omega_d)
         decay = np.exp(-K.h * tau)
@@ -76,7 +76,7 @@ def careful(tau: np.ndarray, s: np.ndarray, c: np.ndarray, K: Any) -> tuple[np.n
 
 
 def expm1_over(z: complex, tau: np.ndarray) -> np.ndarray:
-    """Return (exp(z tau) - 1) / z; `tau` at z = 0."""
+    """Return (exp(z tau) - 1) / z for an array of times; `tau` if z = 0."""
     if z == 0.0:
         return tau
     half = np.sin(0.5 * z.imag * tau)

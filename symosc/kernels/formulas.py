@@ -14,14 +14,14 @@ all_terms = entire_array.series  # with a fixed number of terms
 
 
 def by_closed_form(tau, K):
-    """Return E0, E1, E2, R2, I2, s, c of an underdamped system far from resonance, where tau is not short."""
+    """Return what `entire.basis` does (E0 to I2, sin, cos) in closed form: far from resonance, tau not short."""
     s, c = sin(K.Om * tau), cos(K.Om * tau)
     E0, E1, E2, R2, I2 = closed_form(tau, s, c, K)
     return E0, E1, E2, R2, I2, s, c
 
 
 def by_division(tau, K):
-    """Return E0, E1, E2, R2, I2, s, c by divided differences: tau is long for the oscillator and for the drive."""
+    """Return what `entire.basis` does (E0 to I2, sin, cos) by divided differences, for a tau that is not short."""
     s, c = sin(K.Om * tau), cos(K.Om * tau)
     E0, E1 = impulse(tau, K)
     R2, I2 = wave_integrals(tau, s, c, E1, K)
@@ -29,7 +29,7 @@ def by_division(tau, K):
 
 
 def by_division_and_series(tau, K):
-    """Return E0, E1, E2, R2, I2, s, c for a tau that is short for the oscillator but not for the drive."""
+    """Return what `entire.basis` does, for a tau that is short for the free oscillation, not for the drive."""
     s, c = sin(K.Om * tau), cos(K.Om * tau)
     E0, E1, E2, _, _ = all_terms(tau, K.cm, K.w0sq, 0.0)
     R2, I2 = wave_integrals(tau, s, c, E1, K)
@@ -37,6 +37,6 @@ def by_division_and_series(tau, K):
 
 
 def by_series(tau, K):
-    """Return E0, E1, E2, R2, I2, s, c for a tau that is short for the oscillator and for the drive."""
+    """Return what `entire.basis` does, by Taylor series, for a tau short for the free oscillation and for the drive."""
     E0, E1, E2, R2, I2 = all_terms(tau, K.cm, K.w0sq, K.Om)
     return E0, E1, E2, R2, I2, sin(K.Om * tau), cos(K.Om * tau)

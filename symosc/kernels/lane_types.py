@@ -34,15 +34,15 @@ class LanesType(types.Type):
         super().__init__(name=f"lanes({width}, {'flags' if flags else 'doubles'})")
 
     def holds(self, other: Any) -> bool:
-        """Return whether a scalar of the type `other` may stand for lanes that all have its value."""
+        """Return whether a scalar of numba type `other` can be copied into all lanes of this type."""
         return isinstance(other, types.Boolean if self.flags else (types.Float, types.Integer))
 
     def can_convert_from(self, typingctx: Any, other: Any) -> Any:
-        """Allow a scalar where lanes are expected."""
+        """Tell numba whether a value of type `other` may be passed where lanes are expected (None: no)."""
         return Conversion.promote if self.holds(other) else None
 
     def unify(self, typingctx: Any, other: Any) -> Any:
-        """Choose lanes as the type of a variable that is lanes in one branch and a scalar in another."""
+        """Tell numba the type of a variable that is lanes in one branch and of type `other` in another."""
         return self if self.holds(other) else None
 
 
@@ -58,7 +58,7 @@ class _LanesModel(models.PrimitiveModel):
 @lower_cast(types.Integer, LanesType)
 @lower_cast(types.Boolean, LanesType)
 def _spread(context: Any, builder: Any, given: Any, wanted: Any, value: Any) -> Any:
-    """Return LLVM code that puts a scalar into all lanes."""
+    """Return LLVM code that copies a scalar `value` into all lanes of the type `wanted`."""
     value = context.cast(builder, value, given, types.boolean if wanted.flags else types.float64)
     nothing = ir.Constant(context.get_value_type(wanted), ir.Undefined)
     first = builder.insert_element(nothing, value, ir.Constant(PLACE, 0))
@@ -66,7 +66,7 @@ def _spread(context: Any, builder: Any, given: Any, wanted: Any, value: Any) -> 
 
 
 def lanes_among(arguments: Any, flags: bool) -> Any:
-    """Return the lanes type among argument types if the other arguments can be used with it, else None."""
+    """Return the LanesType (of flags or doubles, as `flags` says) among argument types if the others fit, else None."""
     found = [each for each in arguments if isinstance(each, LanesType)]
     if not found or found[0].flags is not flags:
         return None
@@ -74,7 +74,10 @@ def lanes_among(arguments: Any, flags: bool) -> Any:
 
 
 def _operator(name: Callable[..., Any], of_flags: bool, to_flags: bool, code: Callable[..., Any]) -> None:
-    """Register the typing and the LLVM code of an operator on lanes."""
+    """Register the operator `name` on lanes (of flags if `of_flags`) with numba; `code` makes its LLVM code.
+
+    The result is lanes of flags if `to_flags`, else of doubles.
+    """
 
     @infer_global(name)
     class Typing(AbstractTemplate):
@@ -101,7 +104,7 @@ _operator(operator.invert, True, True, ir.IRBuilder.not_)
 
 
 def _llvm_intrinsic(name: str) -> Any:
-    """Return a numba function of lanes that calls the LLVM intrinsic of that name."""
+    """Return a numba function of lanes that calls the LLVM intrinsic `name`, such as "sqrt"."""
 
     def function(typingctx: Any, x: Any) -> Any:
         def code(context: Any, builder: Any, declared: Any, arguments: Any) -> Any:
@@ -130,7 +133,7 @@ def _size(x):
 
 @intrinsic
 def _power_of_two(typingctx: Any, n: Any) -> Any:
-    """Return 2^n, made of bits: n + 1023, read from the last bits of n + TO_INTEGER, becomes a double's exponent."""
+    """Return 2^n for a whole number n: n + 1023 becomes the bits of a double's exponent."""
 
     def code(context: Any, builder: Any, declared: Any, arguments: Any) -> Any:
         kind = arguments[0].type
@@ -149,7 +152,7 @@ def _power_of_two(typingctx: Any, n: Any) -> Any:
 
 @numba.njit(forceinline=True)
 def power_of_two(n):
-    """Return 2^n for whole numbers n as doubles."""
+    """Return 2^n for whole numbers n as doubles, in all lanes."""
     return _power_of_two(n)  # type: ignore[call-arg]
 
 
@@ -192,14 +195,14 @@ def bits_of(typingctx: Any, flags: Any) -> Any:
 
 
 def _row_address(context: Any, builder: Any, array: Any, kind: Any, value: Any, row: Any) -> Any:
-    """Return LLVM code for the address of a row of an array with as many columns as there are lanes."""
+    """Return LLVM code for the address of row `row` of `array` (its value `value`), read as a vector of type `kind`."""
     data = context.make_array(array)(context, builder, value=value).data
     begin = builder.mul(row, ir.Constant(LONG, kind.count))
     return builder.bitcast(builder.gep(data, [begin]), kind.as_pointer())
 
 
 def loader(width: int) -> Any:
-    """Return the function that loads a row of an array (n, width) of doubles into lanes."""
+    """Return the function that loads row `row` of an array (n, width) of doubles into lanes."""
 
     def load(typingctx: Any, array: Any, row: Any) -> Any:
         def code(context: Any, builder: Any, declared: Any, arguments: Any) -> Any:
@@ -236,8 +239,10 @@ def number_in(typingctx: Any, table: Any, row: Any, n: Any) -> Any:
 
 
 def tuple_loader(width: int, kind: Any, nested: dict[str, Any], alike: frozenset[str]) -> Any:
-    """Return what loads a NamedTuple (fields `nested` are tuples too) from an array with a row for each number."""
-    # A field in `alike`, which is the same in all lanes, is loaded as a single number.
+    """Return the function that loads a NamedTuple of type `kind` in lanes from an array, a row for each number.
+
+    The fields `nested` are tuples themselves; those in `alike`, the same in all lanes, become single numbers.
+    """
 
     def typed(of: Any, outer: bool = True) -> Any:
         def entry(name: str) -> Any:
@@ -291,10 +296,10 @@ def _without_owner(typingctx: Any, arrays: Any) -> Any:
 
 @numba.njit(forceinline=True)
 def borrowed(arrays):
-    """Return views of the given arrays whose references numba does not count; the caller must keep the arrays alive.
+    """Return views of `arrays` whose references numba does not count; the caller must keep the arrays alive.
 
-    Numba counts references wherever a function takes an array, by instructions that wait for the memory: a fifth of
-    the time of an event.
+    Numba counts references wherever a function takes an array, by instructions that wait for memory. They would take a
+    fifth of the time of an event.
     """
     return _without_owner(arrays)  # type: ignore[call-arg]
 

@@ -56,7 +56,10 @@ KINDS = 6
 
 
 def flight(x_i, theta_i, x_j, theta_j, v_i, v_j, A, K):
-    """Return f1 = x - x_j and f2 = v - v_j at the end of a flight from (x_i, theta_i), eq. (54)."""
+    """Return the residuals of a flight, eq. (54): at its end, f1 = position - x_j and f2 = velocity - v_j.
+
+    It begins at x_i, theta_i with velocity v_i, in the domain with A = A_alpha/m, and ends at phase theta_j.
+    """
     s0, c0 = sin(theta_i), cos(theta_i)
     E0, E1, E2, R2, I2, _, _ = basis((theta_j - theta_i) / K.Om, K)
     a0 = acceleration(x_i, v_i, c0, A, K.cm, K.w0sq, K.f0)
@@ -64,7 +67,7 @@ def flight(x_i, theta_i, x_j, theta_j, v_i, v_j, A, K):
 
 
 def flight_slopes(x_i, theta_i, theta_j, v_i, A, K):
-    """Return the derivatives of f1, then of f2, with respect to x_i, theta_i, theta_j; those for x_j are -1 and 0."""
+    """Return the derivatives of a flight's residuals f1 (position), then f2 (velocity), by x_i, theta_i, theta_j."""
     s0, c0 = sin(theta_i), cos(theta_i)
     E0, E1, E2, R2, I2, _, _ = basis((theta_j - theta_i) / K.Om, K)
     a0 = acceleration(x_i, v_i, c0, A, K.cm, K.w0sq, K.f0)
@@ -73,7 +76,7 @@ def flight_slopes(x_i, theta_i, theta_j, v_i, A, K):
 
 
 def flight_by_parameters(x_i, theta_i, theta_j, v_i, A, m, K):
-    """Return the derivatives of x and v - v_i at the end with respect to m, c, k, A_alpha, B0, Omega, v_i in turn."""
+    """Return derivatives of a flight's final x, v - v_i by m, then by c, k, A_alpha, B0, Omega, v_i; A is A_alpha/m."""
     s0, c0, tau = sin(theta_i), cos(theta_i), (theta_j - theta_i) / K.Om
     E0, E1, E2, R2, I2, s, c = basis(tau, K)
     U0, U1, U2, V, W, P, Q = repeated(tau, E0, E1, E2, R2, I2, s, c, K)
@@ -87,17 +90,20 @@ def flight_by_parameters(x_i, theta_i, theta_j, v_i, A, m, K):
 
 
 def stick(x_i, theta_i, x_j, theta_j, v, A, K):
-    """Return f1, f2 of a stick at speed v that slips into the domain with A = A_alpha/m."""
+    """Return the residuals of a stick at belt speed v: f1 = position - x_j at its end, and f2, the force there.
+
+    The force is the acceleration in the domain with A = A_alpha/m, into which the mass then slips.
+    """
     return stick_residual(x_i, v, (theta_j - theta_i) / K.Om, x_j, cos(theta_j), A, K.cm, K.w0sq, K.f0)
 
 
 def stick_slopes(theta_j, v, K):
-    """Return df1/dtheta_i, df1/dtheta_j, df2/dx_j and df2/dtheta_j of a stick; the other derivatives are 1, -1 or 0."""
+    """Return df1/dtheta_i, df1/dtheta_j, df2/dx_j, df2/dtheta_j for the residuals f1, f2 of a stick (x, force)."""
     return stick_jacobian(v, sin(theta_j), K.w0sq, K.f0, K.Om)
 
 
 def stick_by_parameters(x_j, theta_i, theta_j, v, F, m, K):
-    """Return df2 by c, k, A_alpha, B0, v, m (f2 is the force F), then df1 by Omega, v."""
+    """Return derivatives of a stick's final force F by c, k, A_alpha, B0, v, m, then of its position by Omega, v."""
     return stick_parameters(v, (theta_j - theta_i) / K.Om, x_j, cos(theta_j), F, m, K.cm, K.Om)
 
 
@@ -105,7 +111,7 @@ def stick_by_parameters(x_j, theta_i, theta_j, v, F, m, K):
 
 
 def repeated(tau, E0, E1, E2, R2, I2, s, c, K):
-    """Return U0, U1, U2, V, W, P, Q (see the module), the divided differences over repeated roots, at `tau` >= 0."""
+    """Return U0, U1, U2, V, W, P, Q: the divided differences over repeated roots for derivatives by parameters."""
     if K.apart and K.omega_d * tau >= FAR_APART:
         return repeated_apart(tau, K.h, K.omega_d, K.cm, K.w0sq, K.Om, K.p, K.q, E0, E1, E2, R2, I2, s, c)
     zero = 0.0 * K.Om
@@ -124,8 +130,11 @@ def repeated(tau, E0, E1, E2, R2, I2, s, c, K):
 
 
 def divided_difference(n0, n1, n2, n3, nodes, tau, known, there):
-    """Return the divided difference of z -> exp(z tau) over the four `nodes`, taken n0, n1, n2 and n3 times."""
-    # `known` keeps the differences at this `tau`, `there` says which. A stack, since numba keeps no recursion on disk.
+    """Return the divided difference of exp(z tau) over four `nodes`, taken n0, n1, n2 and n3 times.
+
+    The list `known` keeps differences found before at this `tau`; `there` flags its entries.
+    """
+    # A stack, since numba keeps no recursion on disk.
     stack = [(n0, n1, n2, n3)]
     key = key_of(stack[0])
     while not there[key]:
@@ -150,17 +159,17 @@ def divided_difference(n0, n1, n2, n3, nodes, tau, known, there):
 
 
 def key_of(counts):
-    """Encode how often each of four nodes of a divided difference occurs as a whole number below 54."""
+    """Return the place (0 to 53) in a list for a divided difference: `counts` says how often it takes each node."""
     return ((counts[0] * 3 + counts[1]) * 3 + counts[2]) * 3 + counts[3]
 
 
 def one_less(counts, i):
-    """Return how often each node occurs when node number `i` occurs once less."""
+    """Return `counts`, how often a divided difference takes each of four nodes, with node `i` taken once less."""
     return counts[0] - (i == 0), counts[1] - (i == 1), counts[2] - (i == 2), counts[3] - (i == 3)
 
 
 def farthest(counts, nodes):
-    """Return the distance of the two nodes that are farthest apart, and their numbers."""
+    """Return the distance of the two nodes that are farthest apart, and their numbers; counts[i] = 0: no node i."""
     far, first, last = -1.0, 0, 3
     for i in range(4):
         for j in range(i):
@@ -172,7 +181,7 @@ def farthest(counts, nodes):
 
 
 def difference_by_series(counts, nodes, tau):
-    """Return the divided difference of exp(z tau) over nodes near each other, by a series about their centre."""
+    """Return the divided difference of exp(z tau) over `nodes` near each other, node i taken counts[i] times."""
     # h_j is the complete homogeneous symmetric polynomial of degree j of the nodes, which are n + 1.
     size, largest, total = 0, 0.0 * tau, 0.0 * nodes[0]
     for i in range(4):
@@ -210,7 +219,7 @@ def difference_by_series(counts, nodes, tau):
 
 
 def kinds_of(theta_i, theta_j, K, kinds):
-    """Write which formula suits each flight (CLOSED_FORM to BACKWARD) into `kinds`; return the number of each."""
+    """Write the number of the formula that suits each flight (0 CLOSED_FORM to 5 BACKWARD) into `kinds`; count them."""
     counts = np.zeros(KINDS, dtype=np.int64)
     fastest = K.Om + K.omega_d if K.under else K.Om
     for n in range(len(theta_i)):
@@ -231,7 +240,10 @@ def kinds_of(theta_i, theta_j, K, kinds):
 
 
 def load(block, points, begin):
-    """Copy up to BLOCK points into rows 0 to 3 of a block, and return how many; copies of the first fill the rest."""
+    """Copy up to 256 pairs of points, from number `begin` on, into four rows of `block`; return how many.
+
+    The last places of a row that is not full repeat the first of these points.
+    """
     count = min(BLOCK, len(points[0]) - begin)
     for row in range(4):
         column = points[row]
@@ -243,7 +255,7 @@ def load(block, points, begin):
 
 
 def pair(block, n):
-    """Return x_i, theta_i, x_j, theta_j of the n-th pair of points in a block."""
+    """Return x_i, theta_i, x_j, theta_j of the n-th pair of points in `block`, which `load` has filled."""
     return block[n], block[BLOCK + n], block[2 * BLOCK + n], block[3 * BLOCK + n]
 
 
@@ -254,7 +266,10 @@ def store(column, begin, count, block, row):
 
 
 def flights(points, speeds, A, K, f):
-    """Fill f (2, n) with f1, f2 of flights through the domain with A = A_alpha/m between belts of these two speeds."""
+    """Fill f (2, n) with the residuals (position, velocity) of flights between belts with the two `speeds`.
+
+    `points` are four arrays x_i, theta_i, x_j, theta_j, and A is A_alpha/m of the domain.
+    """
     v_i, v_j = speeds
     block = np.empty(6 * BLOCK)
     for begin in range(0, len(points[0]), BLOCK):
@@ -268,7 +283,10 @@ def flights(points, speeds, A, K, f):
 
 
 def flights_and_slopes(points, speeds, A, K, f, J):
-    """Fill f (2, n) with f1, f2 of flights, J (2, 4, n) with derivatives with respect to x_i, theta_i, x_j, theta_j."""
+    """Fill f (2, n) with the residuals (x, v) of flights, J (2, 4, n) with derivatives by x_i, theta_i, x_j, theta_j.
+
+    `points` are four arrays of these letters, `speeds` those of the belts, and A is A_alpha/m of the domain.
+    """
     v_i, v_j = speeds
     block = np.empty(12 * BLOCK)
     J[0, 2], J[1, 2] = -1.0, 0.0
@@ -289,7 +307,7 @@ def flights_and_slopes(points, speeds, A, K, f, J):
 
 
 def sticks(points, v, sides, K, f):
-    """Fill f (2, n) with f1, f2 of sticks at speed v; `sides`: A_alpha/m of the domain below and of that above."""
+    """Fill f (2, n) with the residuals (x, smaller force) of sticks at belt speed v; `sides` has both A_alpha/m."""
     # `sides` has A_alpha/m of the domains that a stick may slip into; of f2 the smaller counts.
     below, above = sides
     block = np.empty(6 * BLOCK)
@@ -306,7 +324,10 @@ def sticks(points, v, sides, K, f):
 
 
 def sticks_and_slopes(points, v, sides, K, f, J):
-    """Fill f (2, n) with f1, f2 of sticks, J (2, 4, n) with derivatives with respect to x_i, theta_i, x_j, theta_j."""
+    """Fill f (2, n) with the residuals of sticks, J (2, 4, n) with derivatives by x_i, theta_i, x_j, theta_j.
+
+    `points` are four arrays of these letters, v is the belt's speed, and `sides` has A_alpha/m below and above.
+    """
     sticks(points, v, sides, K, f)
     J[0, 0], J[0, 2], J[1, 0], J[1, 1] = 1.0, -1.0, 0.0, 0.0
     for n in range(len(points[0])):

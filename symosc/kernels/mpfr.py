@@ -46,7 +46,7 @@ def to_mpf(number: Any, context: Any) -> Any:
 
 @lru_cache(maxsize=256)
 def mpfr_context(bits: int) -> MpfrContext:
-    """Return the context with that many bits."""
+    """Return the shared context of MPFR with `bits` bits."""
     return MpfrContext(bits)
 
 
@@ -69,24 +69,24 @@ class MpfrContext:
         self.leave(before)
 
     def enter(self) -> Any:
-        """Make this precision current in this thread; return the previous context."""
+        """Make this precision MPFR's current one in this thread; return the context that was current before."""
         before = gmpy2.get_context()
         gmpy2.set_context(self._context)
         return before
 
     @staticmethod
     def leave(before: Any) -> None:
-        """Restore the context that was current before `enter`."""
+        """Make the context `before`, which `enter` has returned, current again."""
         gmpy2.set_context(before)
 
     @staticmethod
     def own(number: Any) -> Any:
-        """Return the number itself, which any context may use (compare `FixedContext.own`)."""
+        """Return `number` unchanged: unlike one of mpmath, a number of MPFR belongs to no context."""
         return number
 
     @staticmethod
     def rounded(numbers: Any, context: MpfrContext) -> tuple[Any, ...]:
-        """Return numbers rounded to the precision of the current context."""
+        """Return `numbers` rounded to MPFR's current precision; `context` must be the current one."""
         return tuple([+number for number in numbers])
 
     convert = staticmethod(mpfr)

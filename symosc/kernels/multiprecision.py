@@ -23,7 +23,7 @@ from symosc.model import Parameters
 
 @contextmanager
 def interrupts_held_back() -> Iterator[None]:
-    """Delay an interrupt (Ctrl-C) until the end of a block."""
+    """Return a context manager that delays an interrupt (Ctrl-C) until the end of its block."""
     # gmpy2, which mpmath loads too, drops every exception of some lines that it runs while it is imported.
     usual = signal.getsignal(signal.SIGINT)
     if usual is None or threading.current_thread() is not threading.main_thread():
@@ -52,12 +52,12 @@ SERIES_GUARD_BITS, SHORT_TIME_BITS, ROOT_BITS = 10, 24, 200
 
 @lru_cache(maxsize=256)
 def mp_context(digits: int) -> FixedContext:
-    """Return the mpmath context with that many decimal digits; its precision cannot be changed."""
+    """Return the shared mpmath context with `digits` decimal digits; its precision cannot be changed."""
     return FixedContext(digits)
 
 
 def with_bits(bits: int) -> FixedContext:
-    """Return a context with at least that many bits."""
+    """Return the shared mpmath context of fixed precision with at least `bits` bits."""
     return mp_context(math.ceil(bits / BITS_PER_DIGIT))
 
 
@@ -78,7 +78,7 @@ class FixedContext(MPContext):
     dps = property(lambda self: self._dps, _refuse)
 
     def enter(self) -> None:
-        """Do nothing: mpmath numbers carry their precision (compare `symosc.kernels.mpfr`)."""
+        """Do nothing: here mpmath keeps its precision per context, where MPFR has to set a current one."""
 
     leave = staticmethod(lambda before: None)
 
@@ -97,7 +97,7 @@ class FixedContext(MPContext):
         return self.U_solve(factors, self.L_solve(factors, self.matrix(b), order))
 
     def clone(self) -> MPContext:
-        """Return a new mpmath context of the same, but changeable, precision."""
+        """Return a new mpmath context with the precision of this one, which can be changed there."""
         context = MPContext()
         context.dps = self.dps
         return context
@@ -117,7 +117,7 @@ def _complex(digits: int, real: object, imag: object) -> Number:
 
 
 class BasisMP:
-    """The entire functions for many digits; an instance is called like `symosc.kernels.entire.basis`."""
+    """The responses E0, E1, E2 (to an impulse), R2, I2 (to the drive) in many digits, as a function of time tau."""
 
     # Close roots cost digits in divided differences, and so do short times. How many is known beforehand, so they are
     # computed with as many more, in contexts of their own; coinciding roots are found in rational arithmetic. Very
@@ -150,7 +150,7 @@ class BasisMP:
         self.for_differences.leave(before)
 
     def _roots(self, context: Context) -> tuple[Mpf, Mpf, Mpf]:
-        """Return l1 (the slow root, or the one above the real axis), l2 and i Omega as numbers of a context."""
+        """Return the characteristic roots l1 (slow, or upper), l2 of the free motion, and i Omega, in a context."""
         h, w0sq, Om = (_number(q, context) for q in (self.h, self.w0sq, self.Om))
         square = self.w0sq - self.h * self.h
         w = context.sqrt(_number(abs(square), context))
@@ -165,7 +165,7 @@ class BasisMP:
         return l1, l2, context.mpc(0, Om)
 
     def __call__(self, tau: Mpf, K: Any) -> tuple[Mpf, ...]:
-        """Return E0, E1, E2, R2, I2 and sin, cos of Omega tau for the constants `K`; tau of any sign."""
+        """Return E0, E1, E2, R2, I2 (responses to an impulse and to the drive) and sin, cos of Omega tau."""
         tau = self.context.convert(tau)
         short = K.rate * abs(tau) < MP_SERIES_BELOW
         inner = self.for_series if short else self.for_differences
@@ -180,7 +180,7 @@ class BasisMP:
         return inner.rounded(values, self.context)
 
     def _series(self, tau: Mpf) -> tuple[Mpf, ...]:
-        """Return the entire functions by their Taylor series in tau."""
+        """Return E0, E1, E2, R2, I2 and sine, cosine of Omega tau, by Taylor series in tau."""
         context, (cm, w0sq, Om) = self.for_series, self.constants
         one, zero, eps = context.one, context.zero, +context.eps
         before, term, pull = zero, tau, w0sq * tau
@@ -202,14 +202,14 @@ class BasisMP:
             small_before = small  # single terms may be 0 by accident
 
     def _closed_form(self, tau: Mpf) -> tuple[Mpf, ...]:
-        """Return the entire functions by the generated formulas in sine, cosine and exp."""
+        """Return E0, E1, E2, R2, I2 and sine, cosine of Omega tau, by the closed form that sympy generated."""
         context, (h, w, _, Om, _, _) = self.for_differences, self.closed
         c_w, s_w = context.cos_sin(w * tau)
         c, s = context.cos_sin(Om * tau)
         return *basis_apart(context.exp(-h * tau), s_w, c_w, s, c, *self.closed), s, c
 
     def _divided_differences(self, tau: Mpf) -> tuple[Mpf, ...]:
-        """Return the entire functions by divided differences of exp."""
+        """Return E0, E1, E2, R2, I2 and sine, cosine of Omega tau, by divided differences of exp."""
         context, (l1, l2, i_Om) = self.for_differences, self.roots
         over_roots, over_0_l1, over_Om_l1, over_0_l2, over_Om_l2 = self.inverses
         wave = context.expj(i_Om.imag * tau)

@@ -20,13 +20,13 @@ CANCELLED = 2.0**-90
 
 
 def _comparison(name: str) -> Callable[[Any, Any], Any]:
-    """Return the method that compares columns row by row, by the sign of their difference."""
+    """Return a method that compares two columns row by row by the operator `name`, such as "gt"."""
     compare = getattr(operator, name)
     return lambda column, other: compare((column - other).hi, 0.0)
 
 
 class PairColumn:
-    """A column of numbers, each a pair hi + lo of doubles; `doubts` is True in rows that need exact arithmetic."""
+    """A column of double-double numbers hi + lo; `doubts` flags rows that lost digits, to be computed exactly."""
 
     __slots__ = ("doubts", "hi", "lo")
 
@@ -43,7 +43,7 @@ class PairColumn:
         return PairColumn(np.asarray(other, dtype=float))
 
     def _with_doubts(self, other: PairColumn, hi: Any, lo: Any) -> PairColumn:
-        """Return the result hi + lo of an operation with `other` as a column that keeps the doubts of the operands."""
+        """Return hi + lo, computed from this column and `other`, as a column with the doubts of both."""
         return PairColumn(hi, lo, self.doubts if other.doubts is None else other.doubts)
 
     def __neg__(self) -> PairColumn:

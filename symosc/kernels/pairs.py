@@ -47,13 +47,13 @@ DOUBLE = ir.DoubleType()
 
 
 def _compared(name: str) -> Callable[[Any, Any], bool]:
-    """Return the method that compares high parts and, where they are equal, low parts."""
+    """Return the method of `Pair` for the comparison `name`, such as "lt": by hi, and by lo where hi is equal."""
     compare = getattr(operator, name)
     return lambda number, other: compare((number.hi, number.lo), _parts_of(other))
 
 
 class Pair:
-    """A number as hi + lo, for CPython and as a constant in compiled code; made of a Fraction, float or mpf."""
+    """A double-double number hi + lo, made from a Fraction, float or mpf; CPython computes with it."""
 
     __slots__ = ("hi", "lo")
     __hash__ = None  # type: ignore[assignment]
@@ -114,7 +114,7 @@ def pair_of(hi: float, lo: float) -> Pair:
 
 
 def _parts_of(value: Any) -> tuple[float, float]:
-    """Return hi and lo of a number."""
+    """Return hi and lo of a number: a Pair, int or float."""
     return (value.hi, value.lo) if type(value) is Pair else (float(value), 0.0)
 
 
@@ -128,11 +128,11 @@ class PairType(types.Type):
         super().__init__(name="Pair")
 
     def can_convert_from(self, typingctx: Any, other: Any) -> Any:
-        """Allow ints and floats where a pair is expected."""
+        """Tell numba whether a value of type `other` may be passed where a pair is expected (None: no)."""
         return Conversion.promote if isinstance(other, (types.Float, types.Integer)) else None
 
     def unify(self, typingctx: Any, other: Any) -> Any:
-        """Use a pair for a variable that is a pair in one branch and an int or float in another."""
+        """Tell numba the type of a variable that is a pair in one branch and of type `other` in another."""
         return self if isinstance(other, (types.Float, types.Integer)) else None
 
 
@@ -182,7 +182,7 @@ def _cast(context: Any, builder: Any, given: Any, wanted: Any, value: Any) -> An
 
 
 def _fma(b: Any, x: Any, y: Any, z: Any) -> Any:
-    """Return LLVM code for the fused multiply-add x y + z."""
+    """Return LLVM code, made by the builder `b`, for the fused multiply-add x y + z."""
     declared = b.module.declare_intrinsic("llvm.fma", [DOUBLE], ir.FunctionType(DOUBLE, [DOUBLE] * 3))
     return b.call(declared, [x, y, z])
 
@@ -241,7 +241,7 @@ def _comparison(sign: str) -> Callable[..., Any]:
 
 
 def _operator(name: Callable[..., Any], result: Any, code: Callable[..., Any]) -> None:
-    """Define an operator for two pairs, and for a pair and an int or float."""
+    """Register the operator `name` on pairs with numba; `code` makes its LLVM code, `result` is its type."""
 
     @infer_global(name)
     class Typing(AbstractTemplate):
@@ -266,7 +266,7 @@ for _name, _sign in {"lt": "<", "le": "<=", "gt": ">", "ge": ">=", "eq": "==", "
 
 
 def _pair(typingctx: Any, hi: Any, lo: Any) -> Any:
-    """Return the pair hi + lo of two non-overlapping floats."""
+    """Compile the construction of a pair from two non-overlapping floats (numba intrinsic)."""
 
     def code(context: Any, builder: Any, declared: Any, arguments: Any) -> Any:
         return _packed(context, builder, *arguments)
@@ -321,7 +321,7 @@ to_complex: Any = intrinsic(_to_complex)
 
 
 def as_pair(z):
-    """Return the pair stored in a complex number; in compiled loops of pairs this is what `float` does."""
+    """Return the pair stored in a complex number; compiled code of pairs calls this for `float(z)`."""
     return from_complex(z)
 
 
@@ -330,19 +330,19 @@ def as_pair(z):
 
 @overload(operator.neg)
 def _minus(x):
-    """Return -x."""
+    """Provide numba's negation of a pair."""
     return (lambda x: pair(-x.hi, -x.lo)) if x is pair_type else None
 
 
 @overload(abs)
 def _absolute(x):
-    """Return |x|."""
+    """Provide numba's `abs` for a pair."""
     return (lambda x: -x if x.hi < 0.0 or (x.hi == 0.0 and x.lo < 0.0) else x) if x is pair_type else None
 
 
 @overload(int)
 def _whole(x):
-    """Return the integer part of a pair, for numba's `int`."""
+    """Provide numba's `int` for a pair: its integer part."""
 
     def whole(x):
         size = abs(x)
@@ -406,7 +406,7 @@ F6, F7, F8, F9 = (1.0 / math.factorial(n) for n in range(6, 10))
 
 @register_jitable
 def root(x):
-    """Return the square root: error at most 3 units of the result."""
+    """Return the square root of a pair, with a relative error of at most 3 x 2^-106."""
     if not x.hi > 0.0:
         return pair(0.0 if x.hi == 0.0 else math.nan, 0.0)
     first = math.sqrt(x.hi)
@@ -439,19 +439,19 @@ def turned_sine(x, quarters):
 
 @register_jitable
 def sine(x):
-    """Return the sine of an angle; for the error see `turned_sine`."""
+    """Return the sine of an angle in radians, with an absolute error of at most 1.8e-32 up to 1e6."""
     return turned_sine(x, 0)
 
 
 @register_jitable
 def cosine(x):
-    """Return the cosine of an angle; for the error see `turned_sine`."""
+    """Return the cosine of an angle in radians, with an absolute error of at most 1.8e-32 up to 1e6."""
     return turned_sine(x, 1)
 
 
 @register_jitable
 def small_expm1(x):
-    """Return exp(x) - 1 for |x| up to log(2)/2: Taylor's series at x/2^9, doubled nine times."""
+    """Return exp(x) - 1 for |x| up to log(2)/2: Taylor's series at x/2^9, then nine doublings of the argument."""
     m = pair(x.hi * PART, x.lo * PART)
     q = m.hi
     tail = pair(q * (F6 + q * (F7 + q * (F8 + q * F9))), 0.0)

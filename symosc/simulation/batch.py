@@ -43,7 +43,7 @@ MOST_WORKERS = 256
 
 @dataclass
 class InterpretBudget:
-    """How many events may still be interpreted before a loop is compiled: about as long as compiling takes."""
+    """How many events one kind of loop may still interpret in this process before it is compiled instead."""
 
     events: int
 
@@ -52,7 +52,7 @@ DOUBLES, PAIRS = InterpretBudget(250_000), InterpretBudget(25_000)
 
 
 class Loops(NamedTuple):
-    """The functions that start, follow and finish motions, compiled or not; constants are given as a table."""
+    """The functions that start, follow and finish motions, compiled or not; they take constants as a numpy table."""
 
     march_rows: Callable[..., None]
     follow: Callable[..., tuple[int, int, int]]
@@ -65,7 +65,7 @@ INTERPRETED = Loops(interpreted(flow.march_rows), FOLLOW, interpreted(summary.se
 
 
 def chosen_loops(use_numba: Any) -> Loops:
-    """Return the loops: compiled (True), interpreted (False), or whichever is available (None)."""
+    """Return the loops: compiled (True), interpreted (False), or compiled if numba is installed (None)."""
     if use_numba is not None and not use_numba:
         return INTERPRETED
     try:
@@ -83,13 +83,16 @@ def chosen_loops(use_numba: Any) -> Loops:
 
 
 def pair_loops(events: int) -> PairLoops:
-    """Return the loops in pairs for this many events: compiled, or interpreted if that is quicker."""
+    """Return the loops for double-double numbers, compiled, or interpreted if that is quicker for so many `events`."""
     pays = events > PAIRS.events or arithmetic.pairs_are_compiled()
     return compiled_pairs() if pays else arithmetic.interpreted_pairs()
 
 
 def _interpreted_first(compiled_one: Callable[..., Any]) -> Callable[..., tuple[int, int, int]]:
-    """Return an event loop that interprets TURN rows a call while DOUBLES has events left, and then is compiled."""
+    """Return an event loop that first interprets, up to 2048 events per call, and is compiled in later calls.
+
+    It interprets until the shared budget DOUBLES is used up, or until the compiled code is on disk.
+    """
 
     def follow(begin: int, batch: Batch, most: int, accuracy: float, out: EventRows, *others: Any) -> Any:
         if DOUBLES.events <= 0 or is_compiled(compiled_one):
@@ -111,7 +114,10 @@ def follow_batch(
     buffer: EventRows | None = None,
     tally: Tally | None = None,
 ) -> Iterator[EventRows]:
-    """Follow a batch to its end; yield copies of its event rows, each time that `buffer` is full and at the end."""
+    """Follow all trajectories of a batch by the loop `follow`; yield copies of event rows each time `buffer` is full.
+
+    `most`, `accuracy`, `table` and `tally` are as in `symosc.engine.batch.follow_all`.
+    """
     buffer, tally, begin = buffer or event_buffer(4 * len(batch.states) + 64), tally or no_tally(), 0
     while begin < len(batch.states):
         begin, filled, _ = follow(begin, batch, most, accuracy, buffer, NO_PIECES, tally, table)
@@ -150,7 +156,10 @@ def in_chunks(
     workers: int,
     progress: Callable[[int, int], object],
 ) -> list[Result]:
-    """Call `work` for chunks of `count` rows, each with an event buffer to itself; return the results in order."""
+    """Call `work` for chunks of `count` rows, each with its own event buffer; return the results in order.
+
+    `progress` is called with the number of rows done and `count`.
+    """
     # An interrupt, or an error of any chunk, ends all of them at their next `CancelToken.check`, and is raised.
     least = LEAST_IN_CHUNK if workers > 1 else LEAST_ALONE
     size = max(least, min(MOST_IN_CHUNK, -(-count // (CHUNKS_PER_WORKER * workers))))
@@ -198,7 +207,7 @@ class Warmed(NamedTuple):
 
 
 def warm() -> list[Warmed]:
-    """Compile the functions that `simulate_many` calls, unless they are on disk; MissingExtraError without numba."""
+    """Compile what `simulate_many` calls, unless it is on disk; raise MissingExtraError if numba is not installed."""
     loops, doubles, pairs = chosen_loops(True), compiled(), compiled_pairs()
     tangents = arithmetic.compiled_tangents()["tangents"]
     scene, nothing, none = load_scene("fig8"), np.arange(0), np.zeros((0, STATE_WIDTH))

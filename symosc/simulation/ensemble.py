@@ -144,7 +144,7 @@ def simulate_many(
 
 
 class Task(NamedTuple):
-    """The settings shared by all chunks: at most `most` events per motion, followed with `accuracy`."""
+    """The settings shared by all chunks: problems, loops, at most `most` events per motion, and the accuracy."""
 
     problems: Problems
     loops: loops.Loops
@@ -153,7 +153,7 @@ class Task(NamedTuple):
 
 
 class Chunk:
-    """Some of many motions, numbered from 0; making the object follows them to their ends."""
+    """Some of the motions of `simulate_many`, those in `rows`; making the object follows them to their ends."""
 
     # `buffer` is used meanwhile. `keep`, if given, returns the tally of motions from their numbers and their rows at
     # the start: then no events are recorded. `batch` has the last states and what each motion ended with, `rows` the
@@ -185,7 +185,7 @@ class Chunk:
         return self.task.problems[self._first + i]
 
     def launches(self) -> tuple[np.ndarray, ...]:
-        """Return what `tangents` needs of the motions: starts, parameter set numbers, `Letters` and constants."""
+        """Return starts (mode, t, theta, x, v), set indices, m, mu1, mu2, FN and constants, for event derivatives."""
         starts, sets = self._starts[:, [0, 0, 3, 4, 5]], self.task.problems.sets
         rows = slice(self._first, self._first + len(starts))
         starts[:, 1] = self.task.problems.t0.pairs(rows).hi
@@ -207,7 +207,10 @@ class Chunk:
             yield rows
 
     def _in_pairs(self, members: list[int]) -> dict[int, EventRows]:
-        """Follow undecided motions again from their starts, in pairs where these suffice; return events by number."""
+        """Follow undecided motions again from their starts, in double-double numbers; return events by motion.
+
+        Motions for which these are not precise enough are left out.
+        """
         found: dict[int, EventRows] = {}
         numbers = self._first + np.array(members, np.int64)
         apart = self.task.problems.are_apart(numbers, self._starts[members, 1], FAR_OFF)
@@ -225,7 +228,10 @@ class Chunk:
         return found
 
     def _escalate(self, parameters: Parameters, members: list[int]) -> Iterator[EventRows]:
-        """Follow motions of one parameter set to their ends, in pairs where doubles are in doubt; yield event rows."""
+        """Follow motions of one parameter set to their ends, in double-double numbers where doubles are in doubt.
+
+        Yield their event rows.
+        """
         # Pairs go on from their own last state where doubles are in doubt again: a double has 16 digits of it only.
         most, K = self.task.most, pair_constants(parameters)
         pairs, tally = self._pair_rows(parameters, members), select_tallies(self.tally, members)
@@ -262,7 +268,7 @@ class Chunk:
         store_tallies(self.tally, members, tally)
 
     def _pair_rows(self, parameters: Parameters, members: list[int]) -> np.ndarray:
-        """Return the initial states of motions of one parameter set as complex numbers that represent pairs."""
+        """Return the first states of motions in double-double numbers hi + lo, stored as complex numbers hi + i lo."""
         starts = self._starts[members]
         numbers = self._first + np.array(members, np.int64)
         arithmetic = many_digits(parameters, ROUNDED_FROM)
@@ -275,7 +281,7 @@ class Chunk:
         return pairs
 
     def _statuses(self) -> list[str]:
-        """Return the status of each motion."""
+        """Return for each motion why it ended, as text such as "t_end" or "max_events"."""
         codes, periods = self.batch.codes, self.batch.states[:, 2]
         status: list[str] = np.where(codes == FULL, "max_events", "t_end").tolist()
         # Motions without a drive may have come to rest.
@@ -301,7 +307,7 @@ def with_replaced(parts: Sequence[EventRows], again: dict[int, EventRows]) -> li
 
 
 def careful_table(table: np.ndarray) -> np.ndarray:
-    """Return constants by which doubles leave open what is within the errors of a state (`sigmas` > 0)."""
+    """Return the table with `sigmas` > 0, so that doubles decide only what a state's error cannot change."""
     if len(table) and (table["sigmas"] == 0.0).any():
         table = table.copy()
         table["sigmas"] = float(SIGMAS)
@@ -311,7 +317,7 @@ def careful_table(table: np.ndarray) -> np.ndarray:
 def events_of(
     task: Task, wrt: tuple[str, ...], use_numba: bool | None, rows: slice, buffer: EventRows, cancel: CancelToken
 ) -> tuple[list[EventRows], list[str], tuple[np.ndarray, ...]]:
-    """Return a chunk's events in order of motion and time, its statuses, and dt, dx and `regular` for names `wrt`."""
+    """Return a chunk's events in order, its statuses and, by each of `wrt`, derivatives dt, dx and if they exist."""
     chunk, changes = Chunk(task, rows, buffer, cancel), tuple[np.ndarray, ...]()
     if wrt:
         chunk.rows = [joined(chunk.rows)]
@@ -323,7 +329,7 @@ def events_of(
 
 
 class SummaryRequest:
-    """What a caller asks of a summary: its columns, the time to skip, and how many sections to keep."""
+    """What a caller asks of a summary: columns, the time to skip, and the number of Poincaré sections to keep."""
 
     def __init__(self, record: Any, skip: Any, sections: Any, problems: Problems) -> None:
         names = [record] if isinstance(record, str) else list(record)
@@ -346,7 +352,7 @@ class SummaryRequest:
         return name in self.names
 
     def start_tallies(self, longest: int, motions: Any, states: np.ndarray) -> Tally:
-        """Return the tally of some motions (a slice, or numbers) at their starts, for words up to `longest`."""
+        """Return the tally at the start of some motions (a slice, or numbers), for words up to `longest` mappings."""
         repeats, extremes = "multiplicity" in self, not EXTREMES.keys().isdisjoint(self.names)
         ring = 2 * kept.LONGEST_REPEAT if repeats else kept.LEAST_RING if "word" in self or "section" in self else 0
         ring = max(ring, self.sections) if "section" in self else ring
@@ -358,7 +364,7 @@ class SummaryRequest:
 def summary_of(
     task: Task, asked: SummaryRequest, rows: slice, buffer: EventRows, cancel: CancelToken, longest: int = USUAL_WORD
 ) -> Record:
-    """Return the summary columns of a chunk; motions with a longer word are followed once more."""
+    """Return the summary columns of a chunk; motions whose word exceeds `longest` mappings are followed once more."""
     chunk = Chunk(task, rows, buffer, cancel, partial(asked.start_tallies, longest))
     tally, sets, t0 = chunk.tally, chunk.batch.sets, task.problems.t0.pairs(rows).hi
     modes = chunk.batch.states[:, 0].astype(int)
@@ -389,7 +395,7 @@ def summary_of(
 
 
 def words_of(tally: Tally) -> np.ndarray:
-    """Return the last words as text, computed once per distinct word."""
+    """Return for each motion the word of its last whole forcing period as text, computed once per distinct word."""
     width = tally.labels.shape[2]
     there = np.arange(width) < tally.ints[:, kept.LAST_LENGTH, None]
     rows = np.where(there, tally.labels[:, 1], np.uint8(0)).view(f"S{width}")[:, 0]
@@ -400,7 +406,10 @@ def words_of(tally: Tally) -> np.ndarray:
 
 
 def tally_alone(i: int, trajectory: Trajectory, tally: Tally, table: np.ndarray, set_: int) -> int:
-    """Fill in the tally of motion i from the trajectory that `in_doubles` found for it; return its last mode."""
+    """Fill in the tally of motion `i` from its `trajectory`; return the mode (domain or belt) that it ends in.
+
+    `set_` is the index of its constants in `table`.
+    """
     K, t0 = ConstantRows(table)[set_]._replace(Om_gain=0.0), float(trajectory.t_start)  # pieces have true times
     states, rows = [_state_of_piece(*piece) for piece in trajectory._pieces.T.tolist()], trajectory.rows()
     floats = (rows.floats[FLOAT_COLUMNS.index(name)].tolist() for name in ("x", "theta", "t_error"))
@@ -422,7 +431,7 @@ def tally_alone(i: int, trajectory: Trajectory, tally: Tally, table: np.ndarray,
 
 
 def _state_of_piece(n: float, theta: float, mode: float, x: float, v: float, a: float, elapsed: float) -> State:
-    """Return the state at the start of a piece, given its PIECE_COLUMNS, as the tally needs it."""
+    """Return the State at the start of a piece, without errors: period, phase, mode, x, v, acceleration, time."""
     at = int(mode) - ON_BELT if mode > ON_BELT else 0
     exact = Covariance(0.0, 0.0, 0.0)
     return State(int(mode), at, int(n), theta, x, v, a, a, exact, elapsed, 0.0, sin(theta), cos(theta), 0.0)

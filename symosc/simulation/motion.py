@@ -46,7 +46,7 @@ MOST_SHRINKING = 600
 
 
 class Limits(NamedTuple):
-    """Limits up to which a motion is followed in more precise numbers: how many events, and how exact they are."""
+    """How far a motion is followed in more precise numbers: how many events, and how exact they must be."""
 
     most: int  # events
     accuracy: float  # what doubles are asked for
@@ -54,19 +54,19 @@ class Limits(NamedTuple):
 
 
 def fits_pairs(start: Start) -> bool:
-    """Return whether pairs of doubles are precise enough to replace many digits for a motion from this start."""
+    """Return whether double-double numbers (32 digits) are precise enough for a motion from this start."""
     return start.start_error is None and start.spare_digits <= PAIR_SPARE and not settles(start)
 
 
 def row_to_end(start: Start) -> np.ndarray:
-    """Return a batch row of a motion in doubles that has its last time and its t0, and no state yet."""
+    """Return a batch row with the end time and the t0 of a motion in doubles; its state is still to be filled in."""
     row = np.zeros((1, batch.STATE_WIDTH))
     row[0, 13:16] = *last_time(start, Arithmetic(start.parameters)), float(start.t0)
     return row
 
 
 class SearchInDoubles:
-    """The search in doubles for the next events of one motion, compiled if that is loaded; not thread-safe."""
+    """The search in doubles for the next events of one motion, by compiled code if in use; not thread-safe."""
 
     # `K` are the constants with which doubles are tested for doubt (`next_doubt`). The decisions of `next_event`, for
     # more precise numbers, always exceed the errors of a state.
@@ -81,7 +81,7 @@ class SearchInDoubles:
         self._careful, self._K = (table_of([each]) if compiled else [each] for each in (careful, K))
 
     def next_event(self, state: State) -> tuple[NextEvent, float] | None:
-        """Return the next event and, if it is undecided, how long the flight surely meets no wall; None on overflow."""
+        """Return the event after `state`, and how long surely no wall is met if it is undecided; None on overflow."""
         keep_state(self._row, 0, state)
         SEARCHES.events -= 1
         try:
@@ -91,7 +91,7 @@ class SearchInDoubles:
             return None
 
     def next_doubt(self, state: State, count: int, limits: Limits) -> int:
-        """Return the number of the next event after `count` that doubles cannot decide; 0 if there is none soon."""
+        """Return the number of the next event after `count` that doubles cannot decide; 0 if none comes soon."""
         keep_state(self._row, 0, state)
         SEARCHES.events -= batch.LOOK_AHEAD
         try:
@@ -144,7 +144,7 @@ class Motion:
         return len(self._events)
 
     def events(self, context: Any = None) -> list[Event]:
-        """Return the events so far with all digits, or rounded to an mpmath context, which their errors include."""
+        """Return the events in all digits, or rounded to an mpmath context; then their errors include the rounding."""
         half, found = float(context.eps) / 2 if context else 0.0, list[Event]()
         for numbers, codes in self._events:
             values: dict[str, Any] = dict(zip(FLOAT_COLUMNS, numbers, strict=True))
@@ -159,21 +159,21 @@ class Motion:
         return found
 
     def undo(self) -> None:
-        """Take back the last step: its state, its piece and its event."""
+        """Take back the last step: its state, its piece, and its event if it had one."""
         self._state, self._rough = self._before, None
         del self._columns[-1]
         if self.code <= GRAZE:
             del self._events[-1]
 
     def _record_piece(self, elapsed: Number) -> None:
-        """Store the piece that begins after a step, `elapsed` after the exact t0."""
+        """Store the piece of the motion that begins now, a time `elapsed` after t0 (as a number of this precision)."""
         s = self._state
         a = s.Fb if s.mode <= ON_BELT else 0.0
         elapsed = float(elapsed + self._t0_low)  # rounded once, as in pairs
         self._columns.append((s.n, *map(float, (s.theta, s.mode, s.x, s.v, a)), elapsed))
 
     def columns(self) -> np.ndarray:
-        """Return the pieces of the motion so far, in columns."""
+        """Return the pieces of the motion between steps as columns: n, theta, mode, x, v, acceleration, time."""
         return np.array(self._columns, dtype=float).T
 
     def step(self) -> None:
@@ -200,7 +200,7 @@ class Motion:
         self._events.append((numbers, event_codes(before, found)))
 
     def _next_event(self, state: State) -> NextEvent:
-        """Return the next event with many digits, searched in doubles where possible."""
+        """Return the event after `state` with many digits; doubles search for it where they can."""
         rough = self.rounded_state() if self._search else None
         ahead = self._search.next_event(rough) if self._search and rough else None
         self._rough, functions = None, self.arithmetic.following
@@ -225,7 +225,7 @@ class Motion:
 
     @property
     def state(self) -> State:
-        """The current state."""
+        """The current State (mode, phase, x, v, forces, errors, time) in mpmath numbers."""
         return self.arithmetic.outward(self._state)
 
     @property
@@ -236,7 +236,7 @@ class Motion:
 
 
 class MotionInPairs:
-    """A motion in pairs of doubles, compiled, followed only until doubles suffice again."""
+    """A motion in double-double numbers, followed only until doubles can decide its events again."""
 
     # It stops before an event that pairs do not decide, or do not know accurately enough. `K` are the constants by
     # which doubles are in doubt.
@@ -261,14 +261,14 @@ class MotionInPairs:
         return state_of(self._batch.states, 0)
 
     def last_sure(self, finer: MpArithmetic) -> State:
-        """Return the last state that pairs are sure of, converted to an arithmetic of more digits."""
+        """Return the state before the first event that pairs leave open, in the more precise arithmetic `finer`."""
         number = finer.context.mpf
         row = [number(z.real) + number(z.imag) for z in self._pairs[0].tolist()]
         numbers: tuple[Any, ...] = (*map(int, row[:3]), *row[3:8], Covariance(*row[8:11]), *row[11:13], *row[16:])
         return continued(State(*numbers), arithmetic.PAIR_EPS, finer)
 
     def reach(self, count: int) -> bool:
-        """Follow to `count` events, and on while doubles cannot decide the next; return False where pairs cannot."""
+        """Follow to `count` events, then on until doubles can decide again; return False if an event stays open."""
         first, wanted = np.arange(1), np.array([count])
         while True:
             size = 2 * (max(count - self.count, 0) + MOST_MORE)
@@ -282,14 +282,14 @@ class MotionInPairs:
                 return self.code != UNDECIDED
 
     def take(self) -> tuple[EventRows, np.ndarray]:
-        """Return the events and pieces found since the last call."""
+        """Return the events and the pieces (parts between steps) found since the last call, as columns."""
         found = joined(self._events), np.concatenate(self._pieces, axis=1)
         self._events, self._pieces = [], []
         return found
 
 
 class MotionInDigits(Motion):
-    """A motion with many digits that records events as doubles; it may go on from where `other` stopped."""
+    """A motion with many digits that stores events as doubles; it starts at t0, or where the motion `other` is."""
 
     # If it does, an event that it knows less accurately than the limits allow counts as undecided.
 
@@ -304,7 +304,7 @@ class MotionInDigits(Motion):
 
     @property
     def count(self) -> int:
-        """The number of events so far, including those of the motions from which it went on."""
+        """The number of events since t0, those of the motion that it continues included."""
         return self._skipped + len(self._events)
 
     def reach(self, count: int) -> bool:
@@ -332,11 +332,11 @@ class MotionInDigits(Motion):
         self._events.append((tuple(map(float, numbers)), event_codes(before, found)))
 
     def last_sure(self, finer: MpArithmetic) -> State:
-        """Return the current state converted to an arithmetic of more digits."""
+        """Return the current state in the more precise arithmetic `finer`."""
         return continued(self.state, Fraction(1, 1 << self.arithmetic.context.prec), finer)
 
     def take(self) -> tuple[EventRows, np.ndarray]:
-        """Return the events and pieces found since the last call."""
+        """Return the events and the pieces (parts between steps) found since the last call, as columns."""
         rows, pieces = event_buffer(len(self._events)), self.columns()[:, 1:]
         for n, (numbers, codes) in enumerate(self._events):
             rows.floats[:, n], rows.ints[:, n] = numbers, (0, *codes)
@@ -346,7 +346,7 @@ class MotionInDigits(Motion):
 
 
 class FinerMotion:
-    """A motion in more precise numbers, from its start on, followed until doubles suffice again."""
+    """A motion in pairs of doubles or in many digits, from its start on, followed until doubles suffice again."""
 
     # Pairs follow it, if `loops` are given or this process has them compiled, else FINER_DIGITS digits. Past a contact
     # that these leave undecided it goes on with as many digits as confirm a graze (`digits_to_confirm_graze`): from the
@@ -366,7 +366,7 @@ class FinerMotion:
             self.now = MotionInDigits(*self._problem, self._least, None)
 
     def reach(self, count: int) -> bool:
-        """Follow to `count` events, and on while doubles cannot decide; return False at a contact that stays open."""
+        """Follow to `count` events, then on until doubles can decide again; return False at an undecidable contact."""
         reached = self.now.reach(count)
         while not reached and self._settle_contact():
             reached = self.now.reach(self._goal)
@@ -374,7 +374,7 @@ class FinerMotion:
         return reached
 
     def _take(self) -> None:
-        """Append what was found in double-double or many-digit numbers to `events` and `pieces`."""
+        """Append the events and pieces found since the last call to `events` and `pieces`."""
         events, pieces = self.now.take()
         self.events.append(events)
         self.pieces.append(pieces)
@@ -402,7 +402,7 @@ class FinerMotion:
         return self._go_on(int(max(needed, most)), now)
 
     def _go_on(self, digits: int, other: MotionInPairs | MotionInDigits | None = None) -> bool:
-        """Go on with more digits from the last state of `other`, or if None from t0; return if this gets as far."""
+        """Go on with `digits` digits from where `other` is, or from t0; return whether the present event is reached."""
         self._take()
         before, count = self.now, self.now.count
         self.now = now = MotionInDigits(*self._problem, digits, other)
@@ -419,7 +419,10 @@ class FinerMotion:
 
 
 def digits_to_confirm_graze(motion: Motion, elapsed: Number, digits: int, least: int = 0) -> int | None:
-    """Return the digits (at least `least`) at which a contact still undecided is a graze; None: more than are tried."""
+    """Return with how many digits a contact must stay undecided to be called a graze; None: too many to try.
+
+    `elapsed` is the time since t0, in which gaps that tend to a graze shrink, and `digits` is the precision wanted.
+    """
     # A motion that tends to one that grazes has gaps that shrink like exp(-rate t), and each of them is a near miss or
     # a crossing. The rate is the larger one of the free motion, or, where that takes too many digits, the smaller one:
     # only starts without any share of the slow decay are fooled by that. A start that is on the steady motion has none

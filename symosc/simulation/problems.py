@@ -41,7 +41,7 @@ DECIMAL_CONTEXT = Context(prec=800)
 
 
 class NumberColumn:
-    """One number for all rows, or one for each row: exactly as given, and as doubles `hi` with remainders `lo`."""
+    """A column of numbers as given, one per row or one for all: exact, and as doubles `hi` with remainders `lo`."""
 
     def __init__(self, name: str, given: Any) -> None:
         given = _as_numpy(name, given)
@@ -61,7 +61,7 @@ class NumberColumn:
         self.is_plain = plain or self.single  # then equal doubles are equal numbers
 
     def _split_doubles(self, given: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        """Return an array of doubles, and for each what it lacks of the decimal that it prints as (and stands for)."""
+        """Return the doubles `given`, and the differences to the decimals that they print as, which are meant."""
         largest = f"must be at most {float(LARGEST):g} in size"
         for bad, reason in ((~np.isfinite(given), "must be finite"), (abs(given) > float(LARGEST), largest)):
             if bad.any():
@@ -109,7 +109,7 @@ class NumberColumn:
 
 
 def _as_numpy(name: str, value: Any) -> Any:
-    """Convert a pandas or xarray column, or a 0-d array, to numpy's form; refuse masked ones."""
+    """Convert an array-like (pandas or xarray column) to a numpy array, a 0-d array to a number; refuse masked ones."""
     unmasked(name, value)
     if isinstance(value, np.ndarray) or (hasattr(value, "__array__") and hasattr(value, "shape")):
         array = np.asarray(value)
@@ -135,7 +135,7 @@ def named(name: str, given: Any, wanted: tuple[str, ...]) -> Any:
 
 
 def decimal_rest(values: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Return, for each double, its shortest decimal minus itself, rounded once, and a flag: whether that was found."""
+    """Return the shortest decimal of each double minus the double, and a flag: whether this difference was found."""
     # The shortest decimal has 15, 16 or 17 digits: the first of them that is within half a unit of the double. Scaled
     # by a power of ten that is exact as a double, its distance from the double is exact.
     size = abs(values)
@@ -208,7 +208,7 @@ class ParameterSets:
         return self._known[i]
 
     def column(self, name: str) -> NumberColumn:
-        """Return the column of the parameter of this name."""
+        """Return the column of the parameter `name`."""
         if name not in self.columns:
             self.columns[name] = NumberColumn(name, [getattr(p, name) for p in self._known.values()])
         return self.columns[name]
@@ -219,7 +219,7 @@ class ParameterSets:
         return np.stack(columns, axis=1)
 
     def table(self, rows: slice, march_rows: Callable[..., None]) -> np.ndarray:
-        """Return a table of the constants of some sets."""
+        """Return a table of the constants of the sets in `rows`; `march_rows` adds those of fixed steps."""
         if self._is_object:
             return table_of([Arithmetic(self[0]).K])
         # However few they are: the bits must not depend on how a sweep is cut into calls.
@@ -229,7 +229,7 @@ class ParameterSets:
 
 
 class Problems:
-    """Initial value problems in columns; `Start` objects are made on demand."""
+    """Initial value problems in columns; indexing makes the `Start` of one of them."""
 
     def __init__(self, parameters: Any, starts: Any, t_end: Any, start_error: Any = None) -> None:
         self.sets = ParameterSets(parameters)
@@ -255,7 +255,7 @@ class Problems:
         return Start(self.sets[i], t0, x0, v0, end, self.start_error)
 
     def begin(self, rows: slice, march_rows: Callable[..., None]) -> tuple[Batch, np.ndarray]:
-        """Return the initial states of some rows, and the constants of their parameter sets."""
+        """Return the initial states of some rows, and the constants of their sets, with fixed steps by `march_rows`."""
         size = rows.stop - rows.start
         table = self.sets.table(rows if len(self.sets) > 1 else slice(0, 1), march_rows)
         sets = np.arange(size) if len(self.sets) > 1 else np.zeros(size, np.int64)
@@ -269,7 +269,7 @@ class Problems:
         return batch_of(states, sets), table
 
     def _start_rows(self, rows: slice, table: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        """Return the initial states of some rows, and which of them need more than doubles."""
+        """Return the initial states of some rows in doubles, and which of them doubles do not decide."""
         size = rows.stop - rows.start
         unclear, at = np.zeros(size, dtype=bool), np.zeros(size, np.int64)
         t0, t_end, x0, v0 = (column.pairs(rows) for column in (self.t0, self.t_end, self.x0, self.v0))
@@ -291,7 +291,7 @@ class Problems:
         return states, unclear | small_force | bool(self.start_error)
 
     def _at_belt(self, boundary: int, rows: slice) -> tuple[np.ndarray, np.ndarray]:
-        """Return which rows start on a belt, and which start beside it although both speeds are the same double."""
+        """Return which rows have v0 equal to the speed of belt `boundary`, and which only if rounded to doubles."""
         speed = self.sets.column(f"v{boundary}")
         v, belt = self.v0.pairs(rows), speed.pairs(rows)
         near = np.flatnonzero(np.broadcast_to(v.hi == belt.hi, rows.stop - rows.start))
@@ -301,7 +301,7 @@ class Problems:
         return near[on_belt], near[~on_belt]
 
     def are_apart(self, rows: np.ndarray, at: np.ndarray, gap: float) -> np.ndarray:
-        """Return which motions pairs surely suit: with a drive, exactly started, v0 off by `gap` from other belts."""
+        """Return which motions surely suit pairs: B0 not 0, exact start, v0 more than `gap` off all belts but `at`."""
         v, B0 = self.v0.pairs(rows).hi, self.sets.column("B0").pairs(rows).hi
         apart = np.full(len(rows), self.start_error is None) & (B0 != 0.0)
         for boundary in (1, 2):
@@ -309,9 +309,11 @@ class Problems:
         return apart
 
     def pair_rows(self, rows: np.ndarray, states: np.ndarray, phase: Callable[[Fraction], complex]) -> np.ndarray:
-        """Return the starts of motions of one parameter set as rows of complex numbers that represent pairs."""
-        # `states` are their rows in doubles, and `phase` returns the phase at a time, as such a number. Forces and what
-        # follows from them are left to `symosc.engine.batch.first_pairs`.
+        """Return starts in double-double numbers, stored as complex numbers hi + i lo, for one parameter set.
+
+        `states` are the same starts in doubles, and `phase` computes the phase at a time.
+        """
+        # Forces and what follows from them are left to `symosc.engine.batch.first_pairs`.
         made = np.zeros((len(rows), STATE_WIDTH), complex)
         made[:, :2] = states[:, :2]
         for place, column in ((4, self.x0), (5, self.v0), (11, self.t0)):
@@ -328,7 +330,7 @@ class Problems:
 
 
 def _start_columns(starts: Any) -> tuple[NumberColumn, NumberColumn, NumberColumn]:
-    """Return the columns t0, x0 and v0."""
+    """Return the columns t0, x0 and v0 of starts, given as rows of these or as a mapping of these names."""
     starts = named("starts", starts, START_COLUMNS)
     if isinstance(starts, Mapping):
         columns = [starts[name] for name in START_COLUMNS]
@@ -346,7 +348,7 @@ def _start_columns(starts: Any) -> tuple[NumberColumn, NumberColumn, NumberColum
 
 
 def common_length(lengths: dict[str, int]) -> int:
-    """Return the number of rows that columns have in common, given their lengths by name; length 1 suits all."""
+    """Return the common number of rows of columns, given their lengths by name; a single number fits any length."""
     count = max(lengths.values(), key=lambda length: (length != 1, length))
     for name, length in lengths.items():
         if length not in (1, count):

@@ -64,8 +64,8 @@ def simulate(
     Parameters
     ----------
     scene : Scene, str, Parameters or OtherModel
-        A scene or the name of one (t0, x0, v0 and t_end then replace the scene's own), or parameters. Of another model
-        start, end and answer are in its coordinates.
+        A scene or the name of one (t0, x0, v0 and t_end then replace the scene's own), or parameters. For another
+        model, start, end and answer are in the coordinates of that model.
     t0, x0, v0, t_end : number
         Start and end, read exactly like parameters; in the parameters' units. With parameters t0, x0 and v0 are 0
         unless they are given. "10T" as an end is ten periods of the drive after t0.
@@ -120,7 +120,7 @@ def simulate(
 
 
 def read_start(scene: Scene | Parameters | SceneName, given: dict[str, Any], start_error: Any) -> Start:
-    """Return the initial value problem of a scene or of keyword arguments; refuse one of another model."""
+    """Return the initial value problem of a scene or of keyword arguments; refuse a scene of another model."""
     start, original = read_problem(scene, given, start_error)
     if original is not None:
         raise not_reduced_error(scene)
@@ -128,7 +128,7 @@ def read_start(scene: Scene | Parameters | SceneName, given: dict[str, Any], sta
 
 
 def read_problem(scene: Any, given: dict[str, Any], start_error: Any) -> tuple[Start, Original | None]:
-    """Return the initial value problem of a scene or of keyword arguments, and the model from which it was reduced."""
+    """Return the initial value problem of a scene or of arguments, and the other model it stands for, if any."""
     if isinstance(scene, Parameters | OtherModel):
         if given["t_end"] is None:
             what = "parameters" if isinstance(scene, Parameters) else "a model"
@@ -162,14 +162,17 @@ def read_accuracy(value: Any) -> float:
 
 
 def attainable(accuracy: float, start_error: tuple[Fraction, Fraction, Fraction] | None) -> float:
-    """Return the accuracy to ask of events: inf (none) if the errors of the start are larger than `accuracy`."""
+    """Return the accuracy to ask of events: inf (none) if an error of the start is larger than `accuracy`."""
     return inf if start_error and max(start_error) > accuracy else accuracy
 
 
 def in_doubles(
     start: Start, most: int, accuracy: float, advance: Advance = None, loops: PairLoops | None = None
 ) -> Trajectory:
-    """Follow a motion in doubles, and with pairs (`loops`) or digits where these are in doubt; report to `advance`."""
+    """Follow a motion in doubles, and in pairs or many digits where doubles are in doubt; return its Trajectory.
+
+    `loops` are those for pairs; `advance` is called with the part done and the number of events.
+    """
     # It is a batch of one. Given `loops` in pairs, these come before digits whatever is loaded, with the noise that
     # `simulate_many` allows. With accuracy inf decisions exceed their own rounding only, not the errors of the state.
     arithmetic, needed, t0 = Arithmetic(start.parameters), attainable(accuracy, start.start_error), float(start.t0)
@@ -213,7 +216,10 @@ def in_doubles(
 
 
 def single_loop(count: int, K: Constants) -> tuple[Callable[..., tuple[int, int, int]], Any, int]:
-    """Return the event loop for a motion with `count` events so far, its constants, and the rows of its buffer."""
+    """Return an event loop for a motion with `count` events so far, its constants, and how many rows to give it.
+
+    It is interpreted at first, and compiled when that pays.
+    """
     if functions := loaded_loop():
         return functions["follow_all"], table_of([K]), LARGEST_BLOCK
     if count < TURN:
@@ -228,7 +234,10 @@ def _part_done(start: Start, elapsed: Number, count: int, most: int) -> float:
 
 
 def in_digits(start: Start, most: int, digits: int, advance: Advance = None) -> Trajectory:
-    """Follow a motion in ever more digits until all contacts are decided and every event has `digits` digits."""
+    """Follow a motion, with ever more digits, until all contacts are decided and each event has `digits` digits.
+
+    Stop after `most` events; `advance` is called with the part done and the number of events.
+    """
     working = digits + 10 + start.spare_digits
     asked_at, settled = inf, settles(start)  # the number of the event before a contact that took more digits
     while True:
@@ -266,7 +275,7 @@ def in_digits(start: Start, most: int, digits: int, advance: Advance = None) -> 
 
 
 def check_reached(start: Start, periods: int) -> None:
-    """Raise ParameterError if a motion stopped at MOST_PERIODS before its t_end."""
+    """Raise ParameterError for a motion that was given up after 1e8 forcing `periods`, before its t_end."""
     if periods >= MOST_PERIODS:
         reason = f"is more than {MOST_PERIODS:.0e} forcing periods after t0 = {show(start.t0)}, more than are followed"
         raise ParameterError("t_end", show(start.t_end), reason)
@@ -293,6 +302,6 @@ def _ended(start: Start, code: int, state: State) -> tuple[str, str]:
 
 
 def _open_contact(t: float, used: int, asked: int | None = None) -> str:
-    """Return the message about a contact near `t` that `used` digits do not decide, of a call for `asked` digits."""
+    """Return the message that `used` digits do not decide the contact near `t`; `asked` were asked for."""
     hint = f"ask for more digits, such as digits={2 * (asked or used)}"
     return f"the contact near t = {t!r} cannot be decided with {used} digits; {hint}"

@@ -25,7 +25,7 @@ CHANGES = ("dt", "dx", "regular")
 
 
 class Columns(Drawable):
-    """Base class of results whose columns are attributes; two of one class are equal if all their columns are."""
+    """Base class of results whose columns are attributes; two of the same class are equal if all columns are."""
 
     __hash__ = None  # type: ignore[assignment]  # arrays have none
 
@@ -50,10 +50,10 @@ class EventTable(Columns):
     trajectory : (rows,) int array
         Number of the trajectory, an index into `status`.
     t, x, v, theta, t_error, x_error : (rows,) float arrays
-        As in `Event`, whose fields all are columns here.
+        As in `Event`; each of its fields is a column here.
     boundary : (rows,) int array
     kind, source, target : (rows,) arrays of str
-        As in `Event`; made on access from the columns kind_code, source_code and target_code.
+        As in `Event`; the table keeps them as numbers, kind_code, source_code and target_code.
     status : list of str
         Per trajectory: "t_end", "max_events", "equilibrium" or "undecidable", as in `Trajectory`.
     wrt : tuple of str
@@ -99,7 +99,7 @@ class EventTable(Columns):
         return f"<EventTable of {counted(len(self), 'event')} of {motions}>"
 
     def columns(self) -> dict[str, np.ndarray]:
-        """Return the columns by name, with names for codes; derivatives are dt_mu1, dx_mu1 and so on."""
+        """Return the columns by name, text for kind, source, target; derivatives are dt_mu1, dx_mu1 and so on."""
         columns = {name: getattr(self, name) for name in ("trajectory", *EVENT_COLUMNS)}
         for change in CHANGES if self.wrt else ():
             columns |= {f"{change}_{name}": getattr(self, change)[:, n] for n, name in enumerate(self.wrt)}
@@ -123,7 +123,7 @@ class EventTable(Columns):
 
 
 def write_csv(path: str | Path, header: Iterable[str], rows: Iterable[Iterable[Any]]) -> None:
-    """Write a table as a CSV file."""
+    """Write `rows` under a `header` as a CSV file ("-": to standard output)."""
 
     def write(draft: Path) -> None:
         with draft.open("w", encoding="utf-8", newline="") as file:
@@ -141,7 +141,7 @@ def select_rows(table: EventTable, rows: Any, status: list[str]) -> EventTable:
 
 
 def table_from(parts: Sequence[EventRows], status: list[str], wrt: tuple[str, ...] = (), **changes: Any) -> EventTable:
-    """Return blocks of event rows as one table; `changes`: derivatives dt, dx by `wrt`, and if they are regular."""
+    """Return blocks of event rows as one table; `changes` are dt, dx (derivatives by `wrt`) and whether they exist."""
     parts, columns = parts or [event_buffer(0)], dict[str, Any]()
     for names, which in ((FLOAT_COLUMNS, 0), (("trajectory", *CODE_ATTRIBUTES), 1)):
         for n, name in enumerate(names):
@@ -203,7 +203,7 @@ class Summary(Columns):
     t, x, v : (n,) float arrays
         The last state: at t_end, or at the last event of a motion that ended before.
     mode : (n,) array of str
-        Its mode, "Omega1" … "belt2".
+        The mode of the last state, "Omega1" … "belt2".
     word : (n,) array of str
         Mappings that ended in the last whole forcing period, written like `PeriodicOrbit.word`; "" if none did. The one
         that was under way when the period began counts as its last: on an orbit of one period it is so at its end too.
@@ -252,7 +252,7 @@ class Summary(Columns):
         return f"<Summary of {counted(len(self), 'motion')}: {what}>"
 
     def columns(self) -> dict[str, np.ndarray]:
-        """Return the columns by name."""
+        """Return the columns that were asked for, by name."""
         return dict(vars(self))
 
     def to_pandas(self) -> Any:

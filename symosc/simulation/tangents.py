@@ -39,19 +39,22 @@ def codes_of(wrt: Sequence[str]) -> np.ndarray:
 
 
 def is_deep(codes: np.ndarray) -> bool:
-    """Return whether any code is m, c, k or Omega: only these need divided differences over repeated roots."""
+    """Return whether any code is m, c, k or Omega, which take more work: divided differences at double roots."""
     return bool(np.isin(codes, (M, C, K_, OMEGA)).any())
 
 
 def work_space(codes: np.ndarray, kind: Any = float) -> np.ndarray:
-    """Return an array in which the engine keeps the derivatives of one motion after another."""
+    """Return scratch memory for derivatives by `codes`, for one motion at a time, with numbers of type `kind`."""
     return np.zeros((SIZE + 3, max(len(codes), PARAMETERS)), dtype=kind)
 
 
 def event_changes(
     events: EventRows, launches: tuple[np.ndarray, ...], wrt: tuple[str, ...], loop: Callable[..., None]
 ) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """Return dt and dx by the names `wrt`, and whether they exist (regular), each (events, wrt), motion by motion."""
+    """Return dt, dx (derivatives of each event's t and x by each of `wrt`) and a flag: whether they exist.
+
+    `launches` are the starts of the motions, as `Chunk.launches` returns them.
+    """
     (starts, sets, letters, table), codes, shape = launches, codes_of(wrt), (events.floats.shape[1], len(wrt))
     cuts = np.searchsorted(events.ints[0], np.arange(len(starts) + 1))
     dt, dx, marks, why = large_array(shape), large_array(shape), np.zeros(shape, np.int8), np.zeros(shape[0], np.int8)
@@ -68,7 +71,7 @@ def columns_of(events: EventRows) -> tuple[np.ndarray, ...]:
 
 
 def tangent_loops(wanted: bool) -> dict[str, Any] | None:
-    """Return the compiled loops of derivatives if on disk, and if numba is loaded or `wanted`; else None."""
+    """Return the compiled loops of derivatives, or None if not on disk or if (not `wanted`) numba is not in use."""
     if not wanted and loaded_loop() is None:
         return None
     try:
@@ -79,7 +82,10 @@ def tangent_loops(wanted: bool) -> dict[str, Any] | None:
 
 
 def chosen_tangents(events: int, in_threads: bool, use_numba: bool | None) -> Callable[..., None]:
-    """Return the loop for the derivatives of `events` events: compiled, unless interpreting these is quicker."""
+    """Return the loop for the derivatives of `events` events: compiled, or interpreted if that is quicker.
+
+    It is interpreted too unless `in_threads` says that the motions were followed by compiled code.
+    """
     if not in_threads:
         return INTERPRETED
     compiled: Callable[..., None] = compiled_tangents()["tangents"]

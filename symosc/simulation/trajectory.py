@@ -49,7 +49,7 @@ class Segment:
     mode : str
         "Omega1", "Omega2", "Omega3", "belt1" or "belt2".
     label : str or None
-        The mapping "P1" to "P8" that the segment is, None for one that starts or ends between the belts.
+        The mapping, "P1" to "P8"; None if the segment starts or ends between the belts.
 
     Examples
     --------
@@ -74,7 +74,7 @@ class Trajectory(Drawable):
     ----------
     parameters : Parameters
     events : tuple of Event
-        They are made when somebody looks; the trajectory keeps columns.
+        Made at the first access.
     segments : tuple of Segment
     status : str
         "t_end" (reached), "max_events", "equilibrium" (at rest, or settling with no event left) or "undecidable" (a
@@ -151,7 +151,7 @@ class Trajectory(Drawable):
 
     @property
     def word(self) -> Labels:
-        """Mapping labels in order of time."""
+        """The labels "P1" to "P8" of the mappings, in order of time."""
         return Labels(segment.label for segment in self.segments if segment.label)
 
     @public
@@ -194,7 +194,7 @@ class Trajectory(Drawable):
         return np.maximum(np.searchsorted(self._pieces[-1], elapsed, "right") - 1, 0)
 
     def _state(self, t: float) -> tuple[float, float, float]:
-        """Return x, v and the cosine of the phase at a time."""
+        """Return x, v and the cosine of the phase at a single time."""
         if not float(self.t_start) <= t <= float(self.t_end):
             self._check_times(np.array([t]))
         elapsed, K = t - self._t0, self._K
@@ -233,8 +233,8 @@ class Trajectory(Drawable):
     def table(self) -> list[dict[str, Any]]:
         """Return the events as rows of plain values.
 
-        With ``digits=`` the numbers t, x, v and theta are text of that many digits: no table and no JSON reader rounds
-        text to doubles (RFC 7493 recommends it for numbers with more digits). In double precision they are floats.
+        With ``digits=`` the numbers t, x, v and theta are text of that many digits, as a table or a reader of JSON
+        would round numbers to doubles (RFC 7493 recommends text for these). In double precision they are floats.
         """
         return [{name: self._plain(getattr(event, name)) for name in EVENT_COLUMNS} for event in self.events]
 
@@ -306,7 +306,7 @@ class Trajectory(Drawable):
         return hash((self.parameters, self.digits, self.status, float(self.t_end), self._pieces.shape[1]))
 
     def _content(self) -> tuple[Any, ...]:
-        """Return the data by which trajectories are compared."""
+        """Return what must be equal in equal trajectories: parameters, status, events, segments and pieces."""
         about = self.parameters, self.digits, self.status, self.message
         return *about, self.events, self.segments, self._pieces.tolist()
 
@@ -329,7 +329,7 @@ def read_times(t: Any) -> np.ndarray:
 
 
 class MovedTrajectory(Trajectory):
-    """The motion of another model, computed as that of the oscillator to which a change of coordinates reduces it.
+    """The motion of another model: that of the oscillator of symosc, moved back to the coordinates of the model.
 
     Attributes
     ----------
@@ -362,7 +362,10 @@ class MovedTrajectory(Trajectory):
         return replace(event, t=t, x=x, v=v, theta=theta, x_error=x_error)
 
     def _times(self, t: Any) -> tuple[np.ndarray, np.ndarray]:
-        """Return the times t of the model, and the oscillator's; ParameterError for one that is out of range."""
+        """Return the times `t` and the oscillator's times, which are earlier by the model's delay.
+
+        Raise ParameterError for a time that is out of range.
+        """
         times = read_times(t)
         self._check_times(times)
         ends = float(self.reduced.t_start), float(self.reduced.t_end)
@@ -370,18 +373,18 @@ class MovedTrajectory(Trajectory):
 
     @public
     def __call__(self, t: ArrayLike) -> np.ndarray:
-        """Return [x, v] at the times `t`, as those of a Trajectory."""
+        """Return [x, v] in the coordinates of the model at the times `t`."""
         times, own = self._times(t)
         return np.asarray(self.reduced(own) + np.stack(motion_of_belts(self.model, times)))
 
     @public
     def mode(self, t: ArrayLike) -> Any:
-        """Return the mode at a time, or an array of them."""
+        """Return the mode ("Omega1" … "belt2") at a time, or an array of them; at an event the one that follows."""
         return self.reduced.mode(self._times(t)[1])
 
     @public
     def force(self, alpha: int, t: ArrayLike) -> Any:
-        """Return F^(alpha) of eq. (9), relative to the belts, whose own motion may be accelerated."""
+        """Return F^(alpha) of eq. (9) of the oscillator: the acceleration of x relative to the (oscillating) belts."""
         return self.reduced.force(alpha, self._times(t)[1])
 
     def as_dict(self) -> dict[str, Any]:
@@ -393,7 +396,10 @@ class MovedTrajectory(Trajectory):
 
 
 def belt_path(trajectory: Trajectory, boundary: int, t: np.ndarray) -> np.ndarray:
-    """Return displacement and velocity, (2, n), of a point of a belt at times t, in the trajectory's coordinates."""
+    """Return position and velocity, (2, n), of a point of a belt at times `t`, in the trajectory's coordinates.
+
+    The position is the speed times t, plus what belts of another model oscillate by.
+    """
     speed = float(trajectory.parameters.belt(boundary))
     path = np.stack([speed * t, np.full(t.shape, speed)])
     return path + np.stack(motion_of_belts(trajectory.model, t)) if isinstance(trajectory, MovedTrajectory) else path
