@@ -179,10 +179,7 @@ class Plane(NamedTuple):
             return ""
 
     def grid(self, pool: Executor | None) -> tuple[Place, ...]:
-        """Return the places of a grid over the plane and its edges, each with the word of the settled motion there.
-
-        The word is "" where none is found. The second parameter changes first.
-        """
+        """Return places on a grid and on the edges, each with the word of its settled motion ("" if not found)."""
         parts = [Fraction(0), *(Fraction(2 * i + 1, 2 * GRID) for i in range(GRID)), Fraction(1)]
         axes = [[low + (high - low) * part for part in parts] for low, high in self.range]
         points = [(x, y) for x in axes[0] for y in axes[1]]
@@ -238,7 +235,7 @@ class Plane(NamedTuple):
                 yield a, b
 
     def across(self, points: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        """Return the middle one of a border's `points`, and a normal vector there; its unit is a side of the plane."""
+        """Return the middle one of a border's `points` and a vector across the border, in units of the plane's size."""
         middle, size = len(points) // 2, np.array([float(high - low) for low, high in self.range])
         along = (points[middle] - points[middle - 1]) / size
         return points[middle], np.array([along[1], -along[0]]) / np.hypot(*along) * size
@@ -389,10 +386,7 @@ class Cover:
             report(min(float(self.area), float(share)), float(share))
 
     def take_up(self, boxes: Sequence[ProvenBox], left: Sequence[Rectangle]) -> None:
-        """Continue an earlier run with its proven `boxes` and its open rectangles, which are in `left`.
-
-        For an open rectangle the orbits of the nearest proven boxes are tried first.
-        """
+        """Add an earlier run's proven `boxes` and, with their orbits as hints, the rectangles `left` to prove."""
         self.prove(*boxes)
         orbits, plane = [each for each in boxes if each.points], self.plane
         sizes = np.array([float(high - low) for low, high in plane.range])

@@ -102,7 +102,7 @@ def _decimal(exact: Fraction) -> str:
 class StateSet:
     """A set of states: all sums ``centre + matrix y``, where the vector y is anywhere in `box`.
 
-    The centre and the matrix are exact. The box has a ball around 0 for each component of y.
+    Centre and matrix are exact. The box has a ball around 0 for each component of y.
     """
 
     # The image of a map with the value f at the centre and the Jacobian J over the whole set lies in f + (J matrix) y

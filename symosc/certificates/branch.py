@@ -101,7 +101,7 @@ class Family:
     def _coefficients(self, value: Ball, curve: list[arb_mat], order: int) -> list[arb_mat]:
         """Return the first `order` Taylor coefficients of the closing equations' residuals, about a parameter value.
 
-        The unknowns follow `curve`: its entries are their coefficients in the change of the parameter.
+        The unknowns are polynomials in the change of the parameter, with the coefficients in `curve`.
         """
         ctx.cap, wide = max(ctx.cap, order), self.wide
         series = Oscillator(wide.oscillator.p, {self.prover.name: arb_series([value, 1], prec=order)})
@@ -253,7 +253,7 @@ class BranchProver:
         return row | {"at": t.mid().str(BRANCH_DIGITS, radius=False)} | family.row
 
     def _cover(self, low: Fraction, high: Fraction, progress: Callable[[float], None] | None) -> None:
-        """Prove the orbits for all values from `low` to `high`, an interval at a time, with one root where two meet."""
+        """Prove the orbits for all values from `low` to `high` by intervals, and that the roots of neighbours join."""
         whole, (kind, value, near), at = high - low, self.ends[0], low
         width = FIRST_WIDTH * whole if kind == END_OF_RANGE else (low - value) / 2
         while at < high:

@@ -22,7 +22,7 @@ STARTS = ("t0", "x0", "v0")
 
 
 def provable(p: Parameters, v0: Fraction) -> tuple[str, ...]:
-    """Return which parameters and start values events have provable derivatives by, if the start's velocity is v0."""
+    """Return the names by which `certify` can prove derivatives (`wrt`), for a start with the velocity v0."""
     left_out = [name for n in (1, 2) if v0 == p.belt(n) for name in (f"v{n}", "v0")]
     if p.k == 0:
         left_out += ["k", "c"] if p.c == 0 else ["k"]

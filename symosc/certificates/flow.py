@@ -117,10 +117,7 @@ class Oscillator:
         return E, E1, E1 + self.cm * E
 
     def steady(self, tau: Ball, s: Ball, c: Ball) -> tuple[Ball, Ball]:
-        """Return v and v' of the steady motion; `s` and `c` are the sine and the cosine of the drive's phase then.
-
-        At resonance the motion is not steady, but grows with the time `tau` since the start.
-        """
+        """Return v and v' of the steady motion (at resonance it grows); `s`, `c` are sine and cosine of the phase."""
         if self.resonant:
             turn = self.Omega * tau
             return self.growth * (s + turn * c), self.growth * self.Omega * (2 * c - turn * s)
@@ -208,10 +205,7 @@ class Flight:
         return there.phi * x + there.E * v, there.E1 * v - self.oscillator.km * there.E * x
 
     def stays_within(self, there: FlightPoint) -> Ball:
-        """Return a bound of |v| for all times after a point of the flight, by the energy of the motion without drive.
-
-        It is infinite without a spring and at resonance.
-        """
+        """Return a bound of |v| after a point, by the energy of the motion without drive; infinity if it gives none."""
         # The free motion y loses energy: y^2 + (m/k) y'^2 never grows.
         o = self.oscillator
         if o.resonant or o.p.k == 0:
@@ -226,10 +220,7 @@ class Flight:
         return 1 if self.domain > boundary else -1
 
     def gap(self, boundary: int) -> Curve:
-        """Return a function from a time after the start to the `Jet` of the gap to a belt there.
-
-        The gap is v - v_belt for a flight above the belt's speed, v_belt - v for one below.
-        """
+        """Return the gap to a belt, which is how far v is from its speed, as a function from the time to a `Jet`."""
         speed, side = self.oscillator.speed[boundary], self.side(boundary)
 
         def gap(tau: Ball) -> Jet:
@@ -278,10 +269,7 @@ class Turns:
         return (angle + 2 * turn * arb.pi()) / self.Omega
 
     def after(self, t: Ball) -> Iterator[tuple[Ball | None, int]]:
-        """Yield for each turn after the time t when it is, and the sign of the drift before it.
-
-        If there are no turns, yield None and the sign of the drift, once.
-        """
+        """Yield for each turn after t its time and the drift's sign before it; without turns, (None, sign) once."""
         if self.constant is not None:
             yield None, self.constant
             return

@@ -73,7 +73,7 @@ def first_zero(flight: Flight, boundary: int, stop: Ball, on_it: bool) -> tuple[
 def _ends_of_pieces(flight: Flight, boundary: int, stop: Ball) -> Iterator[tuple[Ball, bool, bool]]:
     """Yield the end of each piece of a flight, and whether H is convex on that piece, and whether it is concave.
 
-    H is the gap to the belt after a change of variables (module docstring). The last piece ends at `stop`.
+    H is the gap to the belt after a change of variables, as in the module docstring. The last piece ends at `stop`.
     """
     o, begin, at = flight.oscillator, flight.t0, arb(0)
     # Pieces are at most this long, in units of 1/omega_d: less than pi.
@@ -98,7 +98,7 @@ def _ends_of_pieces(flight: Flight, boundary: int, stop: Ball) -> Iterator[tuple
 def _dip(flight: Flight, boundary: int, gap: Curve, low: Jet, high: Jet) -> tuple[Jet, Jet] | None:
     """Search a piece of a flight for the first zero of the gap; return jets before and after it, None if there is none.
 
-    The gap is > 0 at both ends of the piece, `low` and `high`, and H of the module docstring is convex on it.
+    The gap is > 0 at both ends of the piece. H, as defined in the module docstring, is convex on it.
     """
     o, pending = flight.oscillator, [high]
     for cut in range(200):
@@ -123,7 +123,7 @@ def _dip(flight: Flight, boundary: int, gap: Curve, low: Jet, high: Jet) -> tupl
 
 
 def _where_to_cut(o: Oscillator, low: Jet, high: Jet, u: Ball, cut: int) -> Ball | None:
-    """Return when to cut the part of a flight from `low` to `high`; None if the gap to the belt is > 0 on all of it."""
+    """Return when to cut a piece of a flight from `low` to `high`; None if the gap to the belt is > 0 on all of it."""
     # `u` is how long the piece lasts, `cut` how many times it was divided before.
     slope_low = low.dg + o.h * low.g
     if slope_low >= 0:
@@ -242,7 +242,7 @@ def end_of_stick(o: Oscillator, boundary: int, t: Ball, x: Ball, stop: Ball) -> 
 
 
 class Moving(NamedTuple):
-    """A set of states in one mode: (t, x, v) for a start between the belts, else (t, x), with v that of a belt."""
+    """A set of states in one mode: (t, x, v) at a start between belts; else (t, x), as v is the speed of a belt."""
 
     mode: int  # a code of `symosc.model.MODE_NAMES`
     boundary: int  # the belt that it is on or leaves just now (into its mode, which is proven), or 0
@@ -317,10 +317,7 @@ def next_event(o: Oscillator, state: Moving, t_end: Ball) -> tuple[ProvenEvent, 
 
 
 def _first_contact(flight: Flight, belts: list[int], on: int, t_end: Ball) -> tuple[int, Ball] | None:
-    """Return the belt that a flight meets first, and when; None if it meets none until t_end.
-
-    `on` is the belt from which the flight starts, 0 if it starts between the belts.
-    """
+    """Return the belt that a flight from belt `on` (0: from none) meets first, and when; None if none until t_end."""
     best, stop = None, t_end - flight.t0
     for boundary in belts:
         found = first_zero(flight, boundary, stop, boundary == on)
@@ -378,10 +375,7 @@ def _contact(o: Oscillator, state: Moving, t_end: Ball) -> tuple[ProvenEvent, Mo
 
 
 def _exact_grazes(p: Parameters, v0: Fraction, a0: Fraction, belts: list[int]) -> dict[int, Ball]:
-    """Return the belts that a flight without damping and drive just touches, each with its first touch.
-
-    The flight starts with velocity `v0` and acceleration `a0`; a touch is given as the time since then.
-    """
+    """Return the belts that a flight from v0, a0 without damping and drive just touches, and after how much time."""
     square, found = v0**2 + a0**2 * p.m / p.k, {}
     for boundary in belts:
         speed = p.belt(boundary)

@@ -91,7 +91,7 @@ class ClosingBalls:
         self.periods, self.turn = periods, 2 * periods * arb.pi() / oscillator.Omega
 
     def ends(self, values: Values) -> Values:
-        """Return t and x at the end of each piece: those of the next point; at last those of point 0 a period later."""
+        """Return t and x at the end of each piece: of the next point; for the last piece, of point 0 a period later."""
         return [*values[2:], values[0] + self.turn, values[1]]
 
     def flight(self, i: int, values: Values) -> Flight:
@@ -118,10 +118,7 @@ class ClosingBalls:
         return found
 
     def _slopes(self, i: int, values: Values) -> tuple[Sequence[Ball], Sequence[Ball]]:
-        """Return the derivatives of the first and of the second residual of piece i.
-
-        Each of both has four: with respect to t and x at the start of the piece, and t and x at its end.
-        """
+        """Return for both residuals of piece i their derivatives by t and x at its start, and by t and x at its end."""
         o, piece = self.oscillator, self.pieces[i]
         t0, t1, v0, one, zero = values[2 * i], self.ends(values)[2 * i], o.speed[piece.start], arb(1), arb(0)
         if piece.sticks:
@@ -311,10 +308,7 @@ class Stability(NamedTuple):
 def certify_orbit(
     p: Parameters, labels: tuple[str, ...], periods: int, points: Sequence[tuple[Number, Number]]
 ) -> Certificate:
-    """Prove an orbit of `periods` forcing periods near `points` (t, x), with labels in order of time.
-
-    The precision is raised until the proof succeeds or reaches its limit.
-    """
+    """Prove an orbit of `periods` forcing periods and given `labels` near `points` (t, x), with enough bits."""
     word, bits = Word(labels), LEAST_ORBIT_BITS
     near = [arb(each) for point in points for each in point]
     while True:
@@ -362,7 +356,7 @@ def _marginal(closing: ClosingBalls, near: Values) -> str:
 
 
 def switchings(closing: ClosingBalls, values: Values, begin: int) -> list[ProvenEvent]:
-    """Return the events of one period, from event number `begin` on, and at the end event `begin` a period later."""
+    """Return the events of one period, beginning with number `begin`, and at the end event `begin` a period later."""
     pieces, n, rows = closing.pieces, len(closing.pieces), []
     for j in range(begin, begin + n + 1):
         (before, piece), (t, x) = (pieces[j % n - 1], pieces[j % n]), values[2 * (j % n) : 2 * (j % n) + 2]
@@ -382,10 +376,7 @@ def one_digit(radius: Ball) -> str:
 def _certificate(
     p: Parameters, word: Word, closing: ClosingBalls, box: Values, root: Values, stability: Stability, bits: int
 ) -> Certificate:
-    """Write the enclosures of an orbit as a file, let the checker prove them, and return the certificate.
-
-    `root` is enclosed in `box`, which has no other root; `bits` is the precision.
-    """
+    """Let the checker prove an orbit, a `root` that is the only one in its `box`; return the certificate."""
     pieces, n = closing.pieces, len(closing.pieces)
     # It begins at the end of a flight: there the forces say how the motion goes on.
     begin = next(i for i in range(n) if not pieces[i - 1].sticks)

@@ -53,7 +53,7 @@ class ListedOrbit(NamedTuple):
         return [(self.t, self.x), *((event.t, event.x) for event in events)][: len(labels)]
 
     def prove(self) -> Certificate:
-        """Prove the orbit."""
+        """Prove the orbit and return its certificate."""
         return certify_orbit(self.p, read_word(self.word).labels, 1, self.points())
 
 

@@ -155,7 +155,7 @@ class Flown:
 class Flights:
     """The closing equations of a word; the unknowns are phase, x and duration of each flight.
 
-    A flight after a stick has no x among the unknowns: that its force is 0 at the end of the stick says where it is.
+    After a stick x is no unknown: it follows from the force, which is 0 where the stick ends.
     """
 
     # `labels` begin with a flight; if their second half is the mirror image of the first, only the first is followed.
@@ -227,10 +227,7 @@ class Flights:
         return flown, found
 
     def slopes(self, o: Oscillator, leg: Leg, u: Values, share: float = 1) -> dict[str, Values]:
-        """Return the derivatives of x0, x, v and a of a flight by its unknowns, as a dict with these four keys.
-
-        x0 is at the start of the flight, the others are after a `share` of its duration.
-        """
+        """Return a dict of derivatives by a flight's unknowns: of x0, and of x, v, a after a `share` of its time."""
         tau = u[leg.tau] * share
         d, s0, s1 = Flown(o, leg, u, tau), u[leg.at].sin(), (u[leg.at] + o.Omega * tau).sin()
         crossed = not leg.piece.after_stick
@@ -316,7 +313,7 @@ class Flights:
         return turns, cuts
 
     def cuts(self, o: Oscillator, leg: Leg, u: Values) -> list[Cut] | None:
-        """Return the cuts of a flight back to its belt, at which the gap is to be shown > 0; None if they do not do."""
+        """Return the cuts of a flight back to its belt, where to show that the gap is > 0; None: use short steps."""
         found, longest = self.sections(o, leg, u), longest_part(o)
         if found is None:
             return None
@@ -510,7 +507,8 @@ class Surface:
     ) -> tuple[Oscillator, Values]:
         """Return oscillator and unknowns as power series of `count` terms along the direction `d` in the box.
 
-        `rows` has the coefficients of the unknowns. The series begin at the middle or, if `wide`, anywhere in the box.
+        `rows` has the coefficients of the unknowns. The series are about the middle or, if `wide`, about all of the
+        box.
         """
         ctx.cap = count
         base = zip(self.range if wide else self.middle, self.half, d, strict=True)

@@ -138,7 +138,7 @@ def _log2(number: Fraction) -> int:
 
 
 def _follow(task: ToProve) -> Proof:
-    """Prove events with the working precision until t_end, or up to the first undecided question."""
+    """Prove events with the working precision until t_end, or up to the first sign that is undecided."""
     mode, events, o = "", [], Oscillator(task.p)
     try:
         state = begin(o, task.start, task.errors)
@@ -189,10 +189,7 @@ def _differentiated(task: ToProve, proof: Proof) -> Proof:
 
 
 def _changes(task: ToProve, mode: int, events: Sequence[ProvenEvent], name: str) -> list[Change]:
-    """Enclose the derivatives of t and x of all events with respect to `name`, a parameter or a start value.
-
-    The motion begins in `mode`. The derivatives are coefficients of power series.
-    """
+    """Enclose derivatives of t and x of all events by `name`, a parameter or start value; `mode` is the first mode."""
     p, start = task.p, task.start
     if name not in provable(p, start[2]):
         on_belt = start[2] in (p.v1, p.v2) and name[0] == "v"
@@ -305,7 +302,7 @@ def _grazing_interval(
 
 
 def _lowest(o: Oscillator, state: Moving, boundary: int, near: Ball) -> tuple[Flight, Jet]:
-    """Return the flight, and the jet of its gap to a belt where the gap is least, near the time `near`.
+    """Return the flight, and the jet of its gap to a belt at the time when the gap is least, near `near`.
 
     It is proven that the gap turns just once in the enclosure of that time.
     """
@@ -348,10 +345,7 @@ def _only_contact(o: Oscillator, state: Moving, flight: Flight, there: Jet, boun
 
 
 def _certificate(task: ToProve, proof: Proof, bits: int) -> Certificate:
-    """Write what is proven of a motion, with `bits` bits, as a file; return the certificate.
-
-    If nothing is undecided, the checker proves the file first.
-    """
+    """Return the certificate of a motion: with the checker's verdict, or with what `bits` bits leave undecided."""
     rows, before, undecided = [], ball(task.start[0]), proof.undecided
     for event in proof.events:
         digits, since = task.digits, event.t - before
@@ -419,10 +413,7 @@ class Cycle(NamedTuple):
 
 
 def prove_settled(task: ToProve, orbit: PeriodicOrbit) -> Certificate:
-    """Prove all events until t_end of a motion that settles on an orbit; return the certificate.
-
-    From some event on, the events of the motion are those of the orbit, period after period.
-    """
+    """Prove all events until t_end of a motion that settles on an orbit, by a cycle of events; return a certificate."""
     with ctx.workprec(SETTLED_BITS):
         closing = ClosingBalls(Oscillator(task.p), pieces_of(Word(orbit.labels)), orbit.periods)
         before: list[ProvenEvent] = []
@@ -447,8 +438,8 @@ def prove_settled(task: ToProve, orbit: PeriodicOrbit) -> Certificate:
 def _start(o: Oscillator, task: ToProve) -> tuple[Moving, Fraction | None]:
     """Return the set of initial states, and None.
 
-    If a stick may end at the start, return the states right after it, and a time before which the mass slips for every
-    start within the error.
+    If a stick may end at the start, return the states of the flight after it, and a time at which the mass has left the
+    belt from every start within the error.
     """
     p, (t0, x0, v0) = task.p, task.start
     try:
@@ -480,10 +471,7 @@ def _arrival(closing: ClosingBalls, points: Values, event: ProvenEvent) -> int |
 
 
 def _invariant_box(closing: ClosingBalls, points: Values, i: int, state: Moving) -> Cycle | None:
-    """Return a box around the orbit's point i that contains the `state`, and into which all motions from it return.
-
-    The box is returned as a `Cycle`; None if there is none that is small enough.
-    """
+    """Return a box around the orbit's point i that contains `state`, and to which motions from it return, else None."""
     n, turns, once = len(closing.pieces), 1, unit_matrix(2)
     for j in range(i, i + n):  # the derivative of the map from point i to itself, approximately
         once = (closing.end_by_start(j % n, points) * once).mid()
@@ -527,10 +515,7 @@ def _contracted_box(D: arb_mat) -> tuple[Fraction, Fraction] | None:
 def _settled_certificate(
     task: ToProve, closing: ClosingBalls, points: Values, before: Sequence[ProvenEvent], cycle: Cycle, about: Record
 ) -> Certificate:
-    """Write a proof that a motion settles as a file, let the checker prove it, and return the certificate.
-
-    `before` has the events up to the cycle, `points` those of the orbit, `about` the first entries of the file.
-    """
+    """Let the checker prove that a motion goes from the events `before` into a `cycle`; return the certificate."""
     n, turn, t_end = len(cycle.events), cycle.turns * closing.turn, ball(task.t_end)
     widths = list(map(ball, cycle.widths))
     box = [[show(c - w), show(c + w)] for c, w in zip(cycle.middle, cycle.widths, strict=True)]

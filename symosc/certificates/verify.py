@@ -129,7 +129,7 @@ def mode_number(value, where):
 
 
 def optional(value, where):
-    """Read a number, or null as None, if an entry may have none; `where` names the entry of the file."""
+    """Read a number or, if the entry of the file is null, return None; `where` names the entry."""
     return None if value is None else number(value, where)
 
 
@@ -347,7 +347,7 @@ class Motion:
         return type(self)(self.problem, then, belt, centre, columns, leaves, None, rest)
 
     def around(self, end, row, turn):
-        """Return a ball of times around an event, and f, f', f'' at its begin, at its end, and on all of it.
+        """Return a ball of times around an event, and f, f', f'' at its lower end, at its upper end, and on all of it.
 
         The event is where f of the mode's `end` is 0. f > 0 is proven before it, and turn * f > 0 after it.
         """
@@ -427,7 +427,7 @@ class Motion:
         return self
 
     def from_centre(self, parts):
-        """Return t and x of one start: the centre plus each of the columns times its factor in `parts`."""
+        """Return t and x of one start: the centre plus each of the columns, multiplied by its factor in `parts`."""
         moved = [[part * each for each in column] for part, column in zip(parts, self.columns, strict=True)]
         return [sum((column[i] for column in moved), c) for i, c in enumerate(self.centre[:2])]
 
@@ -476,13 +476,13 @@ def begin(problem, start, errors, rest=None):
 
 
 def leave(problem, start, errors, until):
-    """Return as one set the flights of all starts within the errors; the mass may stick first, but slips by `until`."""
+    """Prove that all starts within the errors leave the belt before `until`; return the set of their flights."""
     (t0, _, v0), p = start, problem.p
     at, after = 1 if v0 == p["v1"] else 2, until - t0 - errors[0]
     check(v0 in (p["v1"], p["v2"]) and errors[2] == 0 and after > 0, "a start on a belt, and a time after it")
 
     def motion(mode, t, x, leaves=None):
-        """Return the motion in a mode from all starts near the given one: `t` off in time, `x` in position at most."""
+        """Return the motion in a mode from all starts within a time `t` and a distance `x` of the given one."""
         columns = [(arb(t), arb(0), arb(0)), (arb(0), arb(x), arb(0))]
         return Motion(problem, mode, at, [arb(value) for value in start], columns, leaves)
 
@@ -526,9 +526,9 @@ def question(data, source):
 
 
 def varied(problem, number, name):
-    """Return the derivatives by a parameter of M and of the rows of f in the mode with a number.
+    """Return derivatives by the parameter `name` of M and of the rows of f, in z' = M z and f = row z of a mode.
 
-    Both are affine in the parameter (m: in 1/m), so that a difference is exact.
+    M and the rows are affine in the parameter (m: in 1/m).
     """
     if name in START:
         return fmpq_mat(5, 5), fmpq_mat(2, 5)
@@ -695,7 +695,7 @@ def keeps(bias, swing, low, high, problem):
 
 
 def window(data, source, limits):
-    """Prove at which phases a contact at which the force F is 0 grazes, as the file states; return lines of text."""
+    """Prove at which phases a contact with a force F = 0 is a graze, as the file states; return lines of text."""
     problem, where, ends = Problem(data["parameters"], limits), data["grazes"], data["ends"]
     p, (belt, side) = problem.p, {"P2": (1, 1), "P3": (1, -1), "P5": (2, 1), "P6": (2, -1)}[data["map"]]
     bias, swing, circle = side * p["k"] * p[f"v{belt}"], side * p["B0"] * p["Omega"], (arb(0), 2 * arb.pi())

@@ -129,10 +129,7 @@ base.SHAPES["atlas"] = {
 
 
 def course(data):
-    """Prove that an orbit's events can follow each other, close, and have the stated word; return the events.
-
-    Each event is returned as a tuple of its kind, its belt, and the numbers of the modes before and after it.
-    """
+    """Prove that an orbit's events fit and have the stated word; return tuples (kind, belt, source, target)."""
     rows = data["events"]
     check(0 < data["periods"] < 10_000 and len(rows) > 2, "a number of periods, and three events at least", BAD)
     found = [tuple(base.what(row)) for row in rows]
@@ -161,10 +158,7 @@ def least(events, periods, apart):
 
 
 def eigenvalues(T, d):
-    """Return real and imaginary parts of both eigenvalues of a matrix with the trace T and the determinant d.
-
-    They are the roots of z^2 - T z + d. If they are real, the larger one in size is first.
-    """
+    """Return real and imaginary parts of both eigenvalues of a matrix with trace T and determinant d, largest first."""
     zero, square = arb(0), T * T / 4 - d
     if d.is_zero():
         return (T, zero), (zero, zero)
@@ -350,7 +344,7 @@ class Oscillator:
 
 
 class Margin(NamedTuple):
-    """A function f of time that must be > 0 on a piece of an orbit, and the kind of a branch end at which it fails."""
+    """A function f of time that must be > 0 on a piece of an orbit, and the kind of branch end that f = 0 makes."""
 
     text: str
     kind: str
@@ -384,9 +378,9 @@ def positive(margin, until, problem):
 
 
 def in_parts(prove, whole, most, what):
-    """Call `prove` for the box `whole` or, where it fails, for its halves, and so on; return the last result.
+    """Call `prove` for the box `whole` or, if that fails, for halves and so on; return the last result.
 
-    If `most` parts are not enough, raise Stop with the text `what`.
+    Raise Stop with the text `what` if `most` parts are not enough.
     """
     parts, count, found = [whole], 0, None
     while parts:
@@ -453,17 +447,17 @@ class Course:
         self.turn = periods * self.forcing
 
     def piece(self, i, u, late=0):
-        """Return the motion from event i to the next one, its duration, and when it ends, from the unknowns u.
+        """Return the motion from event i to event i + 1, its duration, and when it ends, from the unknowns u.
 
-        `late` is by how much the event is later, for a derivative by its time.
+        `late`, a small delay of event i, serves for derivatives with respect to its time.
         """
         until, t = u[2 * i + 2] if i + 1 < self.count else u[0] + self.turn, u[2 * i]
         return Piece(self.e, self.events[i][3], self.events[i][1], t, u[2 * i + 1], late), until - t, until
 
     def residual(self, i, u, late=0):
-        """Return two residuals of the motion from event i to the next one: of x, and of v (a flight) or of F (a stick).
+        """Return two residuals of the motion from event i to the next one: of x, and of v or, after a stick, of F.
 
-        `late` is by how much event i is later, for a derivative by its time.
+        `late`, a small delay of event i, serves for derivatives with respect to its time.
         """
         (piece, s, until), (_, belt, _, target) = self.piece(i, u, late), self.events[i + 1]
         sticks, onto = piece.mode > 3, u[(2 * i + 3) % len(u)]
@@ -512,7 +506,7 @@ class Course:
         return found
 
     def prove(self, u, stable, problem):
-        """Prove all margins for all unknowns in u and, if `stable`, that both multipliers are less than 1 in size."""
+        """Prove all margins for all unknowns in u and, if `stable`, that the multipliers are inside the unit circle."""
         period, D, J = arb_mat([[1, 0], [0, 1]]), arb(1), self.jacobian(u)
         for i in range(self.count):
             piece, s, until = self.piece(i, u)
@@ -684,9 +678,9 @@ class Flight:
         return u[self.at] + e.Om * u[self.tau]
 
     def parts(self, e, u):
-        """Split a flight back to its belt where q is 0; return (q > 0, begin, end) of each part, or None if undecided.
+        """Split a flight back to its belt at the zeros of q; return (q > 0, begin, end) of each part; None: undecided.
 
-        q says how the distance g from the belt is driven: m g'' + c g' + k g = q.
+        q drives the distance g from the belt: m g'' + c g' + k g = q.
         """
         phase, end, found = u[self.at], self.end(e, u), []
         turns = [turning(e, self.belt, n) for n in between(e, self.belt, phase, end)]
@@ -743,7 +737,7 @@ def between(e, belt, low, high):
 
 
 def marks(parts, most):
-    """Choose the cuts of a flight, where its distance g from the belt is to be shown > 0, from its `parts`.
+    """Choose the cuts of a flight from its `parts`: where its distance g from the belt is to be shown > 0.
 
     A cut is a share of the duration, and how long before and after it g is > 0 as well. `most` is less than half a
     period of the motion without drive.
@@ -805,7 +799,7 @@ class Word:
         return (u[0] + arb.pi(), (e.A[1] + e.A[3]) / e.k - x) if self.half else (u[0] + 2 * arb.pi(), x)
 
     def r(self, e, u, plan=None):
-        """Return the residuals r of the oscillator `e` at the unknowns u and, given a `plan`, margins, to be > 0."""
+        """Return the residuals r of oscillator `e` at unknowns u and, given a `plan`, the margins, to be shown > 0."""
         found, margins, self.looks = [], [], {}  # the margins by which a flight is looked at, and its number
         for i, flight in enumerate(self.flights):
             s, (phase, x), v, end = u[flight.tau], self.next(e, i, u), e.belts[flight.onto], flight.end(e, u)
@@ -834,10 +828,7 @@ class Word:
         return found, margins
 
     def plan(self, e, u):
-        """Return where to look at the margins: the turns of the forces in each stick, and the cuts of each flight.
-
-        A flight has None in place of cuts if short steps have to prove it.
-        """
+        """Return the turns of the forces in each stick, and the cuts of each flight, None if it needs short steps."""
         turns, cuts = list[Any](), list[Any]()
         for i, flight in enumerate(self.flights):
             after = self.next(e, i, u)[0]
@@ -871,7 +862,7 @@ class Word:
 
 
 class Box:
-    """A box of two parameters, with the proof that a word has one orbit for all of them (module docstring, 10)."""
+    """A box of two parameters; to make one is to prove that a word has one orbit for all of them, or to raise Stop."""
 
     def __init__(self, p, over, word, box, u, problem):
         self.p, self.over, self.word, self.u, self.problem = p, over, word, column(u), problem
@@ -900,7 +891,7 @@ class Box:
         return [self.Y * column([each[k] for each in r]) for k in range(count)], margins
 
     def columns(self, e, u, plan=None):
-        """Return for each unknown the derivatives of the residuals r and, given a `plan`, of the margins, by it."""
+        """Return for each unknown the derivatives by it of the residuals r and, given a `plan`, of the margins."""
         found, u, ctx.cap = [], u.entries(), 2
         self.problem.step(len(u) * len(self.word.flights) // 2)
         for j in range(len(u)):
@@ -995,10 +986,7 @@ class Box:
         raise Stop(OPEN, "one root for all parameters of a box")
 
     def squares(self, side, u, slope):
-        """Return the second Taylor coefficients of Y r in the direction `side`, enclosed for all of the box.
-
-        The unknowns are u at first, and change at the rate `slope`; Y is near the inverse of the Jacobian.
-        """
+        """Return second Taylor coefficients of Y r along `side`, for all of the box; u changes at the rate `slope`."""
         return self.series(side, [u, slope, 0 * slope], 3, True)[0][2]
 
 
@@ -1011,7 +999,7 @@ def rests(p, over, box):
 
 
 def apart(boxes):
-    """Prove that no two boxes overlap: a vertical line moves over them, and those that it cuts must not overlap."""
+    """Prove that no two boxes overlap: a vertical line moves across, and the boxes that it cuts are compared."""
     events = sorted((box[0][side], side == 0, i) for i, box in enumerate(boxes) for side in (0, 1))
     there = list[Any]()
     for _, begins, i in events:
