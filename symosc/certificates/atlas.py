@@ -64,7 +64,8 @@ class ProvenBox(NamedTuple):
     range : tuple of two pairs of Fractions
         The lower and the upper value of each parameter.
     points : tuple of (phase, x)
-        The switchings of the orbit at the middle of the box, nearly; from its first flight on.
+        Approximate switching points of the orbit that the box has at its middle, in order of time. A flight begins at
+        the first of them.
     """
 
     word: str
@@ -80,7 +81,7 @@ class Region(NamedTuple):
     word : str
         "rest" where the mass may rest on a belt for ever, "" where no word was found.
     share : float
-        The region's part of the whole area, estimated where the word is not proven.
+        The region's part of the whole area: what is proven, and a part of the rest, estimated from the grid.
     proven : float
         The part of the whole area in which the word is proven.
     """
@@ -91,7 +92,7 @@ class Region(NamedTuple):
 
 
 class Task(NamedTuple):
-    """A rectangle to prove."""
+    """A rectangle of the plane of two parameters in which a word is still to be proven, with hints for the proof."""
 
     box: Rectangle
     near: tuple[Candidate, ...] = ()  # orbits that it may have, that of the nearest rectangle first
@@ -100,7 +101,7 @@ class Task(NamedTuple):
 
 
 def area(box: Rectangle) -> Fraction:
-    """Return the area of a rectangle."""
+    """Return the area of a rectangle in the plane of two parameters."""
     (a, b), (c, d) = box
     return (b - a) * (d - c)
 
@@ -133,7 +134,7 @@ def flight_first(word: str) -> tuple[str, ...]:
 
 
 class Plane(NamedTuple):
-    """A plane of two parameters: their names and ranges; the other nine parameters are those of `p`."""
+    """A plane of two parameters, with their names and ranges; `p` has the values of the other nine parameters."""
 
     p: Parameters
     names: tuple[str, str]
@@ -154,7 +155,7 @@ class Plane(NamedTuple):
         return any(least >= high for least, _ in holds) or (None if any(most > low for _, most in holds) else False)
 
     def cut_at_rest(self) -> list[Rectangle]:
-        """Return the plane cut along the borders of the region of rest, as far as these are parallel to a side."""
+        """Cut the plane along those borders of the region of rest that are parallel to an axis; return the parts."""
         parts, p = [self.range], self.p
         for belt in "12":
             mu = getattr(p, "mu" + belt)
@@ -178,7 +179,7 @@ class Plane(NamedTuple):
             return ""
 
     def grid(self, pool: Executor | None) -> tuple[Place, ...]:
-        """Return the words of the settled motions on a grid and on the edges, row by row; "" where none is found."""
+        """Return places on a grid and on the edges, each with the word of its settled motion ("" if not found)."""
         parts = [Fraction(0), *(Fraction(2 * i + 1, 2 * GRID) for i in range(GRID)), Fraction(1)]
         axes = [[low + (high - low) * part for part in parts] for low, high in self.range]
         points = [(x, y) for x in axes[0] for y in axes[1]]
@@ -200,7 +201,10 @@ class Plane(NamedTuple):
     # -- borders -------------------------------------------------------------------------------------------------------
 
     def borders(self, pairs: Sequence[tuple[Place, Place]], known: Sequence[Border] = ()) -> list[Border]:
-        """Return the `known` borders and new ones: between the places of `pairs`, then also beside the new ones."""
+        """Return the `known` borders between regions with different words, and all new ones that are found.
+
+        A search begins between both places of each of the `pairs`, then between places beside each new border.
+        """
         found, failed, looked, waiting = list(known), Counter[frozenset[str]](), len(known), deque(pairs)
         while waiting:
             a, b = waiting.popleft()
@@ -220,7 +224,7 @@ class Plane(NamedTuple):
         return found
 
     def beyond(self, border: Border) -> Iterator[tuple[Place, Place]]:
-        """Yield for each side of a border two places straight off its middle: near it, and at the plane's edge."""
+        """Yield for each side of a border two places, one beside it and one at the plane's edge, to search between."""
         middle, way = self.across(border.points)
         for step in (way, -way):
             sides = zip(np.array(self.range, dtype=float), middle, step, strict=True)
@@ -231,7 +235,7 @@ class Plane(NamedTuple):
                 yield a, b
 
     def across(self, points: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        """Return the middle of a border and a vector at a right angle to it, of length 1 if the sides have length 1."""
+        """Return the middle one of a border's `points` and a vector across the border, in units of the plane's size."""
         middle, size = len(points) // 2, np.array([float(high - low) for low, high in self.range])
         along = (points[middle] - points[middle - 1]) / size
         return points[middle], np.array([along[1], -along[0]]) / np.hypot(*along) * size
@@ -239,7 +243,7 @@ class Plane(NamedTuple):
     # -- boxes ---------------------------------------------------------------------------------------------------------
 
     def orbit_near(self, box: Rectangle) -> Candidate | None:
-        """Return labels and unknowns of the orbit on which the motion at a box's middle settles, or None."""
+        """Return the labels and the unknowns (`Flights`) of the orbit that attracts at a box's middle, or None."""
         middle = self.at([(low + high) / 2 for low, high in box])
         try:
             orbit = find_orbit(middle)
@@ -253,7 +257,10 @@ class Plane(NamedTuple):
         return wanted, tuple(_flights(wanted, self.p, self.names).unknowns(Omega, points))
 
     def attempt(self, task: Task) -> tuple[str, ProvenBox | None, list[Task]]:
-        """Try to prove a rectangle with likely orbits; return the word, proven box or None, and parts still to try."""
+        """Try to prove one word in a task's rectangle; return the word, the proven box or None, and parts still to try.
+
+        The orbits in `task.near` and that of the middle are tried. The word is "" if none of them exists at the middle.
+        """
         from symosc.certificates.plane import NotInBox, Surface, box_arithmetic
 
         box, found, surface, labels = task.box, list(task.near), None, tuple[str, ...]()
@@ -302,18 +309,18 @@ def _longer_side(box: Rectangle) -> int:
 
 
 def explained(found: Sequence[Border], a: Place, b: Place) -> bool:
-    """Return whether the words of two places are among those of the borders that cross the segment between them."""
+    """Return whether the words of `a` and `b` both occur at those of the `found` borders that pass between them."""
     words = {word or "" for each in found if crosses(each.points, a[:2], b[:2]) for word in each.words}
     return {a[2], b[2]} <= words
 
 
 def _is_among(border: Border, found: Sequence[Border]) -> bool:
-    """Return whether a border was already found: whether one in `found`, with the same words, passes its middle."""
+    """Return whether one of the `found` borders has the words of `border` and passes through its middle point."""
     return any(passes(each, border.points[len(border) // 2], border.words) for each in found)
 
 
 def crosses(points: np.ndarray, a: Any, b: Any) -> bool:
-    """Return whether the polygonal line through points crosses the segment from a to b."""
+    """Return whether the polygonal line through `points` crosses the segment from `a` to `b`."""
 
     def sides(of: np.ndarray, start: np.ndarray, end: np.ndarray) -> np.ndarray:
         along, to = end - start, of - start
@@ -331,7 +338,7 @@ def neighbours(grid: Sequence[Place]) -> list[tuple[Place, Place]]:
 
 
 class Cover:
-    """A division of the plane into boxes: proven ones, and a queue of those to prove, the larger ones first."""
+    """A division of the plane into boxes: proven ones, and a queue of those still to prove, the larger ones first."""
 
     def __init__(self, plane: Plane) -> None:
         self.plane, self.count, self.area = plane, 0, Fraction(0)
@@ -352,7 +359,7 @@ class Cover:
                 self.count += 1
 
     def prove(self, *boxes: ProvenBox) -> None:
-        """Add proven boxes."""
+        """Record boxes as proven, and add their area to the share that is proven."""
         self.proven += boxes
         self.area += sum((area(box.range) for box in boxes), Fraction(0)) / area(self.plane.range)
 
@@ -361,7 +368,10 @@ class Cover:
         return [*(task.box for _, _, task in sorted(self.heap)), *self.small]
 
     def run(self, share: Fraction, until: float, pool: Executor | None, report: Any) -> None:
-        """Prove boxes until the proven part of the area is `share`, or until the time `until` (monotonic clock)."""
+        """Try to prove the rectangles of the queue until the proven share of the plane is `share`, or the time is up.
+
+        `until` is a time of the monotonic clock. The workers of `pool` do the proofs, and `report` is told the share.
+        """
         work = self.plane.attempt
         while self.heap and self.area < share and monotonic() < until:
             tasks = [heapq.heappop(self.heap)[2] for _ in range(min(BATCH, len(self.heap)))]
@@ -376,7 +386,7 @@ class Cover:
             report(min(float(self.area), float(share)), float(share))
 
     def take_up(self, boxes: Sequence[ProvenBox], left: Sequence[Rectangle]) -> None:
-        """Add the boxes of an earlier run; for open ones the orbits of the nearest proven boxes are tried first."""
+        """Add an earlier run's proven `boxes` and, with their orbits as hints, the rectangles `left` to prove."""
         self.prove(*boxes)
         orbits, plane = [each for each in boxes if each.points], self.plane
         sizes = np.array([float(high - low) for low, high in plane.range])
@@ -434,12 +444,12 @@ class Atlas(Drawable):
 
     @property
     def _share(self) -> Fraction:
-        """The part of the area in which the word is proven."""
+        """The part of the area in which the word is proven, as an exact fraction."""
         return sum((area(box.range) for box in self.boxes), Fraction(0)) / area(self.range)
 
     @property
     def proven(self) -> float:
-        """The part of the area in which the word is proven."""
+        """The part of the area in which the word is proven, as a float."""
         return float(self._share)
 
     @cached_property
@@ -460,7 +470,7 @@ class Atlas(Drawable):
 
     @property
     def special(self) -> tuple[Any, ...]:
-        """The folds of borders and points of codimension two, each once."""
+        """The special points of all borders (`SpecialPoint`), folds and points of codimension two, each once."""
         found, size = dict[tuple[Any, ...], Any](), [float(high - low) for low, high in self.range]
         for each in (point for border in self.borders for point in border.special):
             found.setdefault((each.kind, *(round(v / s, 6) for v, s in zip(each.values, size, strict=True))), each)
@@ -504,12 +514,12 @@ class Atlas(Drawable):
 
     @cached_property
     def _ends(self) -> np.ndarray:
-        """The lower and upper ends of all boxes in both parameters, an array with a row for each."""
+        """An array with a column for each box: low and high end of the first parameter, low and high of the second."""
         rows = [[float(end) for side in box.range for end in side] for box in self.boxes]
         return np.array(rows).reshape(-1, 4).T
 
     def _around(self, x: float, y: float) -> np.ndarray:
-        """Return the indices of the boxes that contain a point."""
+        """Return the indices of the boxes that contain the point at which the plane's parameters are `x` and `y`."""
         low_x, high_x, low_y, high_y = self._ends
         return np.flatnonzero((low_x <= x) & (x <= high_x) & (low_y <= y) & (y <= high_y))
 
@@ -534,7 +544,7 @@ class Atlas(Drawable):
         }
 
     def to_json(self, path: str | Path) -> None:
-        """Write the atlas as JSON, which `symosc verify` proves ("-": to standard output)."""
+        """Write the atlas to a JSON file that `symosc verify` can prove again ("-": to standard output)."""
         about = {"format": FORMAT, "kind": "atlas", "proven": bool(self.boxes), "made_by": "symosc"}
         text = json.dumps(about | self.statement(), separators=(",", ":"))
         write_text(path, text.replace('{"word"', '\n{"word"') + "\n")
@@ -558,9 +568,10 @@ def atlas(
 ) -> Atlas:
     """Draw up the plane of two parameters: the words of the settled motions, their borders, and boxes with proofs.
 
-    The words are first looked for on a grid. Where they change, borders are continued, and from their points of
-    codimension two others in turn (`symosc.continue_border`). A box is proven if an orbit of its word exists, and is
-    admissible, for all of its parameters: then it is the motion that settles (extra ``certify``).
+    The words are first looked for on a grid. Where two neighbours differ, the border between their words is continued.
+    Other borders begin at its points of codimension two, and are continued in turn (`symosc.continue_border`). A box is
+    proven if an orbit of its word exists, and is admissible, for all parameters in the box: then all motions settle on
+    that orbit (extra ``certify``).
 
     Parameters
     ----------
@@ -630,7 +641,7 @@ def atlas(
 
 
 def _read_plane(p: Parameters, over: Mapping[str, Any]) -> Plane:
-    """Check the arguments of `atlas`; return the plane of two parameters and their ranges."""
+    """Check the arguments of `atlas`, and return the oscillator, both names and both ranges as a `Plane`."""
     if len(over) != 2 or not set(over) <= set(PARAMETER_NAMES):
         names = ", ".join(PARAMETER_NAMES)
         raise ParameterError("over", ", ".join(map(str, over)), f"give two parameters out of {names}")

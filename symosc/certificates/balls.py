@@ -30,7 +30,7 @@ Matrix: TypeAlias = Sequence[Sequence[Ball]]
 
 
 class Undecided(Exception):
-    """Raised if balls cannot decide a sign; a higher precision, or a more accurate start, may do so."""
+    """Raised if balls cannot decide a sign; a higher precision, or a smaller error of the start, may decide it."""
 
     # `near` is a time nearby. If a graze is possible, `graze` has the belt and the time after the start of the flight.
 
@@ -44,7 +44,7 @@ class Undecided(Exception):
 
 
 def made_by(bits: int) -> dict[str, Any]:
-    """Return the entry of a file that says which program and versions made it, with how many bits."""
+    """Return the entry of a file that names the program, its versions, and the working precision in bits."""
     return {"made_by": f"symosc, python-flint {FLINT_VERSION}, {bits} bits"}
 
 
@@ -64,7 +64,7 @@ def sure_sign(value: Ball) -> int:
 
 
 def decided_sign(value: Ball, what: str, near: Ball | None = None) -> int:
-    """Return the sign of all numbers in a ball; raise Undecided if they differ in sign."""
+    """Return the sign of all numbers in a ball; raise Undecided, with `what` and the time `near`, if they differ."""
     sign = sure_sign(value)
     if sign == 0:
         raise Undecided(what, near)
@@ -100,7 +100,10 @@ def _decimal(exact: Fraction) -> str:
 
 @dataclass(frozen=True)
 class StateSet:
-    """A set of states ``centre + matrix y`` with an exact centre and matrix, and y in a box of balls around 0."""
+    """A set of states: all sums ``centre + matrix y``, where the vector y is anywhere in `box`.
+
+    Centre and matrix are exact. The box has a ball around 0 for each component of y.
+    """
 
     # The image of a map with the value f at the centre and the Jacobian J over the whole set lies in f + (J matrix) y
     # (mean value theorem). It is turned into an orthogonal frame along its longest side (Lohner's QR), in which the box
@@ -150,7 +153,7 @@ def _dot(row: Sequence[Ball], column: Sequence[Ball]) -> Ball:
 
 
 def _direction(carried: Matrix, box: Sequence[Ball]) -> tuple[Ball, Ball]:
-    """Return the direction of the longest side of the parallelogram `carried` times `box`, as balls of radius 0."""
+    """Return the direction, as exact balls, of the longest side of the image of `box` under the matrix `carried`."""
     sides = [(a.mid() * y.rad(), b.mid() * y.rad()) for a, b, y in zip(*carried, box, strict=True)]
     a, b = max(sides, key=lambda side: (abs(side[0]) + abs(side[1])).mid())
     length = (abs(a) + abs(b)).mid()

@@ -53,9 +53,9 @@ GivenEnd = tuple[str, Fraction, Values]
 
 
 class Family:
-    """The closing equations of one word over an interval of one parameter, and their roots there, proven.
+    """All orbits of one word for an interval of one parameter: closing equations, and enclosures of their roots.
 
-    To make one raises Undecided if it is not proven that there is one root for every value of the parameter.
+    The constructor proves that there is one root for every value of the parameter; it raises Undecided if it cannot.
     """
 
     def __init__(self, prover: BranchProver, low: Fraction, high: Fraction, near: Values) -> None:
@@ -99,7 +99,10 @@ class Family:
         raise Undecided("one root for every value of the parameter")
 
     def _coefficients(self, value: Ball, curve: list[arb_mat], order: int) -> list[arb_mat]:
-        """Return the first `order` Taylor coefficients of the residuals along a curve, about a parameter value."""
+        """Return the first `order` Taylor coefficients of the closing equations' residuals, about a parameter value.
+
+        The unknowns are polynomials in the change of the parameter, with the coefficients in `curve`.
+        """
         ctx.cap, wide = max(ctx.cap, order), self.wide
         series = Oscillator(wide.oscillator.p, {self.prover.name: arb_series([value, 1], prec=order)})
         values = [arb_series(list(each), prec=order) for each in zip(*(row.entries() for row in curve), strict=True)]
@@ -107,11 +110,11 @@ class Family:
         return [column([each[j] for each in found]) for j in range(order)]
 
     def near(self, value: Fraction) -> Values:
-        """Return the approximate root by the polynomial curve at a parameter value, even outside the interval."""
+        """Return the approximate root at a parameter value, even outside the interval, by the polynomial `curve`."""
         return list(_horner(self.curve, ball(value) - self.middle).entries())
 
     def holds(self, value: Fraction, points: Values) -> bool:
-        """Return whether points at a value of the parameter lie in the box that has just one root."""
+        """Return whether `points`, unknowns at a parameter value, lie in the box with just one root about the curve."""
         return all((c + r).contains(each) for c, r, each in zip(self.near(value), self.tube, points, strict=True))
 
     def root(self, value: Fraction) -> tuple[ClosingBalls, Values]:
@@ -124,7 +127,7 @@ class Family:
 
 
 def _horner(coefficients: list[arb_mat], at: Ball) -> arb_mat:
-    """Evaluate polynomials at `at` by Horner's scheme; their i-th coefficients are column i."""
+    """Evaluate several polynomials at `at` by Horner's scheme; `coefficients[i]` is a column of those of order i."""
     total = coefficients[-1]
     for row in reversed(coefficients[:-1]):
         total = column([a + at * b for a, b in zip(row.entries(), total.entries(), strict=True)])
@@ -137,7 +140,10 @@ def _scaled(value: Ball, factor: float) -> Ball:
 
 
 def violated(closing: ClosingBalls, values: Values) -> tuple[str, Ball, str] | None:
-    """Return an inequality that a root certainly violates, when, and the kind of branch end that this is; else None."""
+    """Return an inequality that a root certainly violates, or None if none is found.
+
+    It is returned as its text, the time at which it fails, and the kind of branch end that this makes.
+    """
     margins = [closing.margins(i, values) for i in range(len(closing.pieces))]
     durations = [(i, span) for i, (span, *_) in enumerate(margins)]
     for i, margin in durations + [(i, margin) for i, (_, *others) in enumerate(margins) for margin in others]:
@@ -155,7 +161,7 @@ def violated(closing: ClosingBalls, values: Values) -> tuple[str, Ball, str] | N
 
 
 def _below(margin: Margin, span: Ball) -> Ball | None:
-    """Return a time between 0 and `span` at which a margin is certainly negative; None if none is found."""
+    """Return a time from 0 to `span` (since the start of a piece) at which its `margin` is certainly < 0, else None."""
     last, curve = span.lower().mid(), margin.curve
     tau = min(((last * part / LOW_SAMPLES).mid() for part in range(1, LOW_SAMPLES)), key=lambda t: float(curve(t).g))
     for _ in range(MOST_LOW_STEPS):
@@ -186,7 +192,7 @@ def prove_branch(branch: Branch, progress: Callable[[float], None] | bool | None
 
 
 class BranchProver:
-    """A prover of a word's orbits for all values of a parameter between two ends, the lower one first."""
+    """A prover of a word's orbits for all values of the parameter `name` between both `ends`, the lower one first."""
 
     def __init__(
         self, p: Parameters, name: str, labels: tuple[str, ...], periods: int, ends: tuple[GivenEnd, GivenEnd]
@@ -226,7 +232,11 @@ class BranchProver:
         return confirmed("branch", statement)
 
     def _end(self, kind: str, value: Fraction, near: Values, side: int) -> Record:
-        """Prove an end of the branch: past it the root exists, but an inequality fails; return its row of the file."""
+        """Prove an end of the branch near a value of the parameter; return its row of the file.
+
+        `near` is the approximate orbit there, `side` the direction (-1, 1) in which the branch ends. Just beyond it the
+        root still exists, but violates an inequality.
+        """
         if kind == END_OF_RANGE:
             return {"kind": kind, "inside": show(value), "outside": show(value)}
         width = Fraction(10) ** floor(log10(END_WIDTH * max(abs(value), self.ends[1][1] - self.ends[0][1])))
@@ -243,7 +253,7 @@ class BranchProver:
         return row | {"at": t.mid().str(BRANCH_DIGITS, radius=False)} | family.row
 
     def _cover(self, low: Fraction, high: Fraction, progress: Callable[[float], None] | None) -> None:
-        """Prove the orbits for all values from low to high, interval by interval; neighbours share a root."""
+        """Prove the orbits for all values from `low` to `high` by intervals, and that the roots of neighbours join."""
         whole, (kind, value, near), at = high - low, self.ends[0], low
         width = FIRST_WIDTH * whole if kind == END_OF_RANGE else (low - value) / 2
         while at < high:

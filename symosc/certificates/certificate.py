@@ -22,7 +22,7 @@ STARTS = ("t0", "x0", "v0")
 
 
 def provable(p: Parameters, v0: Fraction) -> tuple[str, ...]:
-    """Return the names by which derivatives of events can be proven, for a start with the velocity v0."""
+    """Return the names by which `certify` can prove derivatives (`wrt`), for a start with the velocity v0."""
     left_out = [name for n in (1, 2) if v0 == p.belt(n) for name in (f"v{n}", "v0")]
     if p.k == 0:
         left_out += ["k", "c"] if p.c == 0 else ["k"]
@@ -38,14 +38,15 @@ class Certificate(Drawable):
     Attributes
     ----------
     kind : str
-        "trajectory", "orbit", "branch" or "window"; "settled" for a trajectory that goes on as an orbit.
+        "trajectory", "orbit", "branch", "window" or "atlas"; "settled" for a trajectory that is proven to settle on an
+        orbit.
     proven : bool
         Whether all of it is proven.
     message : str
-        What is proven, as the checker says it; or what could not be, and where.
+        What is proven, in the words of the checker; otherwise what could not be proven, and where.
     events : tuple
         The proven events: (kind, source, target, (t_low, t_high), (x_low, x_high)), the numbers as decimals. Of a
-        settled one those of its last periods.
+        trajectory that settles, those of its last periods only.
     points, multipliers : tuple
         Of an orbit: enclosures of the switching points, and of the multipliers.
     stable : bool or None
@@ -91,7 +92,7 @@ class Certificate(Drawable):
 
 
 def stated(kind: str, proven: bool, message: str, statement: Record, points: tuple[Any, ...] = ()) -> Certificate:
-    """Return a certificate: its events are those in the statement, `points` the switching points of an orbit."""
+    """Make a certificate from `statement`, the contents of its file; an orbit has its switching points in `points`."""
     ends = [tuple(tuple(row[name]) for name in "tx" if name in row) for row in proven_rows(statement)]
     names = [(row["kind"], row["source"], row["target"]) for row in proven_rows(statement)]
     events = tuple((*name, *end) for name, end in zip(names, ends, strict=True))
@@ -102,7 +103,7 @@ def stated(kind: str, proven: bool, message: str, statement: Record, points: tup
 
 
 def confirmed(kind: str, statement: Record, points: tuple[Any, ...] = ()) -> Certificate:
-    """Let the independent checker prove a statement; return the certificate, proven or not, with its message."""
+    """Let the independent checker prove a statement, the contents of a file; return a certificate with its verdict."""
     from symosc.certificates.verify_orbits import judge
 
     code, answer = judge({"format": FORMAT, "kind": kind, "proven": True} | statement)
@@ -112,12 +113,12 @@ def confirmed(kind: str, statement: Record, points: tuple[Any, ...] = ()) -> Cer
 
 
 def proven_rows(statement: Record) -> list[Record]:
-    """Return the rows of the events in a statement; for a settled motion, only those of its last events."""
+    """Return the events that a statement has, as dicts; for a settled motion only the last ones, before t_end."""
     return list(statement.get("last") or statement.get("events") or ())
 
 
 def common_digits(low: str, high: str) -> str:
-    """Return the digits of a number to which both ends of its enclosure round."""
+    """Return a number to as many digits as possible, such that both ends of its enclosure round to it."""
     for digits in range(SHOWN_DIGITS, 0, -1):
         shown = {f"{Decimal(end):.{digits}g}" for end in (low, high)}
         if len(shown) == 1:

@@ -37,11 +37,13 @@ def certify(
     wrt: str | Sequence[str] | None = None,
     progress: Callable[[float], None] | bool | None = None,
 ) -> Certificate:
-    """Prove a motion: every event until t_end, that it is the next one, of its kind, and what follows it.
+    """Prove a motion: when and where each event until t_end is, of what kind it is, and that none is left out.
 
-    Or an orbit: that it exists, is alone in a box and has its word; its multipliers. Or a branch: such an orbit for
-    every value of its parameter, up to where it ends. Or a grazing window: all phases. A motion of a thousand periods,
-    of a scene with a structure, is proven to settle on that orbit: a cycle that comes again and again (kind "settled").
+    Or prove an orbit: it exists, is the only one in a box and has its word; its multipliers are enclosed. Or prove a
+    branch: there is such an orbit for every value of its parameter, up to where the branch ends. Or prove a grazing
+    window, for all phases. A motion of a thousand periods is proven to settle on an orbit (kind "settled") if its scene
+    names the word of that orbit as its structure: from some event on, a cycle of events repeats.
+
     Nothing is taken from a simulation; all numbers are balls (python-flint), with as many bits as it takes.
 
     Parameters
@@ -118,7 +120,7 @@ def certify(
 
 
 def _motion(scene: Scene, t_end: Any, start_error: Any, digits: Any, wrt: tuple[str, ...]) -> Certificate:
-    """Prove the motion of a scene, event by event or, if it settles on an orbit, by this orbit."""
+    """Prove the motion of a scene event by event or, if it settles on an orbit, by that orbit; options as `certify`."""
     from symosc.certificates.trajectory import DIGITS, EXACT, ToProve, prove_settled, prove_trajectory
 
     if t_end is not None:

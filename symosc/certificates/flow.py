@@ -27,7 +27,7 @@ ROUGH = 32
 
 
 def coefficient(value: Ball, order: int = 0) -> Ball:
-    """Return a coefficient of a power series; a ball counts as a constant series."""
+    """Return the coefficient of a given `order` in a power series; a ball counts as a constant series."""
     return value[order] if isinstance(value, arb_series) else arb(0) if order else value
 
 
@@ -97,7 +97,10 @@ class Oscillator:
         self.turns = cache(lambda boundary: Turns(p, boundary))
 
     def entire(self, tau: Ball) -> tuple[Ball, Ball, Ball]:
-        """Return E, E' and phi = E' + (c/m) E (see the module docstring) at the time tau."""
+        """Return E, E' and phi = E' + (c/m) E a time `tau` after a start.
+
+        These are velocities of the motion without drive: E begins with v = 0 and v' = 1, phi with v = 1 and v' = 0.
+        """
         if self.damping > 0:
             fast, slow, width = (self.fast * tau).exp(), (self.slow * tau).exp(), 2 * self.omega_d
             E, E1 = (slow - fast) / width, (self.slow * slow - self.fast * fast) / width
@@ -114,7 +117,7 @@ class Oscillator:
         return E, E1, E1 + self.cm * E
 
     def steady(self, tau: Ball, s: Ball, c: Ball) -> tuple[Ball, Ball]:
-        """Return v and v' of the motion with the drive's frequency (at resonance it grows); s, c: its sine, cosine."""
+        """Return v and v' of the steady motion (at resonance it grows); `s`, `c` are sine and cosine of the phase."""
         if self.resonant:
             turn = self.Omega * tau
             return self.growth * (s + turn * c), self.growth * self.Omega * (2 * c - turn * s)
@@ -122,7 +125,7 @@ class Oscillator:
         return P * c + R * s, Omega * (R * c - P * s)
 
     def force(self, domain: int, t: Ball, x: Ball, v: Ball) -> Ball:
-        """Return the acceleration in a domain."""
+        """Return the force per mass, which is the acceleration, in a domain at time t, position x and velocity v."""
         return (self.A[domain] + self.B0 * (self.Omega * t).cos() - self.k * x - self.c * v) / self.m
 
 
@@ -139,7 +142,10 @@ Curve = Callable[[Ball], Jet]
 
 
 class FlightPoint(NamedTuple):
-    """A point of a flight, a time tau after its start: v, a, the drive's sine s and cosine c, and E, E1 = E', phi."""
+    """A point of a flight, a time tau after its start: v, a, sine s and cosine c of the phase, E, E1 = E' and phi.
+
+    E and phi are the motions without drive of `Oscillator.entire`.
+    """
 
     tau: Ball
     v: Ball
@@ -152,7 +158,7 @@ class FlightPoint(NamedTuple):
 
 
 class Flight:
-    """The motion in one domain, from every start in the balls t, x, v."""
+    """The motion in one domain that starts at time `t` with position `x` and velocity `v`, which may be wide balls."""
 
     def __init__(self, oscillator: Oscillator, domain: int, t: Ball, x: Ball, v: Ball) -> None:
         self.oscillator, self.domain, self.t0, self.x0, self.v0 = oscillator, domain, t, x, v
@@ -176,7 +182,7 @@ class Flight:
         return -o.cm * there.a - o.km * there.v - o.drive * there.s
 
     def x(self, there: FlightPoint) -> Ball:
-        """Return the position at a point, from the balance of forces or (without a spring) of momentum."""
+        """Return the position at a point of the flight, by the balance of forces or, if k = 0, that of momentum."""
         o, p = self.oscillator, self.oscillator.p
         if p.k > 0:
             change = o.B0 * (there.c - self.c0) - o.c * (there.v - self.v0) - o.m * (there.a - self.a0)
@@ -189,14 +195,17 @@ class Flight:
         return self.x0 + self.v0 * there.tau + way / o.m
 
     def moved(self, there: FlightPoint, change: Sequence[Ball]) -> tuple[Ball, Ball]:
-        """Return the derivatives of x and v at a fixed time along a `change` of t, x (and v) at the start."""
+        """Return how fast x and v at a point change, at a fixed time, if the start moves along `change`.
+
+        `change` is (dt, dx) for a start on a belt, whose velocity is fixed, and (dt, dx, dv) for any other.
+        """
         # A later start by dt is one at the same time with x lower by v dt and v lower by a dt.
         dt, dx, *rest = change
         x, v = dx - self.v0 * dt, (rest[0] if rest else arb(0)) - self.a0 * dt
         return there.phi * x + there.E * v, there.E1 * v - self.oscillator.km * there.E * x
 
     def stays_within(self, there: FlightPoint) -> Ball:
-        """Return a bound of |v| for all times after a point of the flight, by energy; infinity if there is none."""
+        """Return a bound of |v| after a point, by the energy of the motion without drive; infinity if it gives none."""
         # The free motion y loses energy: y^2 + (m/k) y'^2 never grows.
         o = self.oscillator
         if o.resonant or o.p.k == 0:
@@ -207,11 +216,11 @@ class Flight:
         return free + (o.steady_c * o.steady_c + o.steady_s * o.steady_s).sqrt()
 
     def side(self, boundary: int) -> int:
-        """Return 1 if the flight is above a belt's speed, -1 if it is below."""
+        """Return 1 if the flight is in a domain above the speed of a belt (`boundary`), -1 if it is in one below."""
         return 1 if self.domain > boundary else -1
 
     def gap(self, boundary: int) -> Curve:
-        """Return the gap to a belt, side * (v - v_belt), as a function of time that returns a jet."""
+        """Return the gap to a belt, which is how far v is from its speed, as a function from the time to a `Jet`."""
         speed, side = self.oscillator.speed[boundary], self.side(boundary)
 
         def gap(tau: Ball) -> Jet:
@@ -222,7 +231,10 @@ class Flight:
 
 
 def holding_force(o: Oscillator, boundary: int, domain: int, t: Ball, x: Ball) -> Curve:
-    """Return the force per mass that presses the mass on the belt during a stick from (t, x); > 0 while it holds."""
+    """Return a function from a time after (t, x), where a stick begins, to the `Jet` of a force per mass that holds it.
+
+    While that force is > 0, the mass does not slip from the belt into `domain`.
+    """
     speed, side = o.speed[boundary], 1 if domain == boundary else -1
 
     def force(tau: Ball) -> Jet:
@@ -234,7 +246,10 @@ def holding_force(o: Oscillator, boundary: int, domain: int, t: Ball, x: Ball) -
 
 
 class Turns:
-    """The times (turns) at which the drift of the gap to a belt changes sign; `constant`: its sign if it never does."""
+    """The times (turns) at which the drift of the gap to a belt, -(k v_belt + B0 Omega sin(Omega t)), changes sign.
+
+    If the drift never changes its sign, there are no turns, and `constant` is that sign; otherwise it is None.
+    """
 
     def __init__(self, p: Parameters, boundary: int) -> None:
         bias, amplitude = p.k * p.belt(boundary), p.B0 * p.Omega
@@ -254,7 +269,7 @@ class Turns:
         return (angle + 2 * turn * arb.pi()) / self.Omega
 
     def after(self, t: Ball) -> Iterator[tuple[Ball | None, int]]:
-        """Yield each turn after t (not at t): its time, None for never, and the sign of the drift before it."""
+        """Yield for each turn after t its time and the drift's sign before it; without turns, (None, sign) once."""
         if self.constant is not None:
             yield None, self.constant
             return

@@ -41,7 +41,7 @@ MOST_PIECES = 20_000
 
 
 def first_zero(flight: Flight, boundary: int, stop: Ball, on_it: bool) -> tuple[Jet, Jet] | None:
-    """Return the gap to a belt before and after its first zero, with no other in between; None if none by `stop`."""
+    """Return two jets of the gap to a belt, before and after its first zero in a flight; None without one by `stop`."""
     # `on_it`: the flight starts on that belt, from where it is known to leave it.
     gap = flight.gap(boundary)
     low = gap(arb(0))
@@ -71,7 +71,10 @@ def first_zero(flight: Flight, boundary: int, stop: Ball, on_it: bool) -> tuple[
 
 
 def _ends_of_pieces(flight: Flight, boundary: int, stop: Ball) -> Iterator[tuple[Ball, bool, bool]]:
-    """Yield the end of each piece of a flight, whether H (module docstring) is convex on it, and whether concave."""
+    """Yield the end of each piece of a flight, and whether H is convex on that piece, and whether it is concave.
+
+    H is the gap to the belt after a change of variables, as in the module docstring. The last piece ends at `stop`.
+    """
     o, begin, at = flight.oscillator, flight.t0, arb(0)
     # Pieces are at most this long, in units of 1/omega_d: less than pi.
     longest = (arb(2.8) / o.omega_d).mid() if o.damping < 0 else None
@@ -93,7 +96,10 @@ def _ends_of_pieces(flight: Flight, boundary: int, stop: Ball) -> Iterator[tuple
 
 
 def _dip(flight: Flight, boundary: int, gap: Curve, low: Jet, high: Jet) -> tuple[Jet, Jet] | None:
-    """Divide a piece (H convex, gap > 0 at its ends) until the first zero is between two jets, or excluded (None)."""
+    """Search a piece of a flight for the first zero of the gap; return jets before and after it, None if there is none.
+
+    The gap is > 0 at both ends of the piece. H, as defined in the module docstring, is convex on it.
+    """
     o, pending = flight.oscillator, [high]
     for cut in range(200):
         high = pending[-1]
@@ -117,7 +123,7 @@ def _dip(flight: Flight, boundary: int, gap: Curve, low: Jet, high: Jet) -> tupl
 
 
 def _where_to_cut(o: Oscillator, low: Jet, high: Jet, u: Ball, cut: int) -> Ball | None:
-    """Return the time at which to divide a convex piece, or None if the gap is positive on all of it."""
+    """Return when to cut a piece of a flight from `low` to `high`; None if the gap to the belt is > 0 on all of it."""
     # `u` is how long the piece lasts, `cut` how many times it was divided before.
     slope_low = low.dg + o.h * low.g
     if slope_low >= 0:
@@ -144,7 +150,10 @@ def _where_to_cut(o: Oscillator, low: Jet, high: Jet, u: Ball, cut: int) -> Ball
 
 
 def zero_in(gap: Curve, low: Ball, high: Ball, what: str, t: Ball) -> Ball:
-    """Enclose the only zero of a gap between two times; the gap is > 0 at the first and < 0 at the second."""
+    """Enclose the only zero of a gap between the times `low`, where the gap is > 0, and `high`, where it is < 0.
+
+    Times count from `t`; `what` names the zero in a message.
+    """
     # Newton's method finds it, kept between points where the sign is known; two signs prove the enclosure. The slope
     # has one sign on it.
     ends, here = (low, high), high.mid()
@@ -169,7 +178,10 @@ def zero_in(gap: Curve, low: Ball, high: Ball, what: str, t: Ball) -> Ball:
 
 
 def fenced(gap: Curve, sample: Jet, spare: Ball, ends: tuple[Ball, Ball], what: str, t: Ball) -> Ball:
-    """Return a ball of times around a sample in which the gap falls from > 0 to < 0, so that it has just one zero."""
+    """Return a ball of times around a `sample` in which the gap falls from > 0 to < 0, so that it has just one zero.
+
+    Times count from `t`; `what` names the zero in a message.
+    """
     # It lies between the two `ends`; its radius is twice the step of Newton's method, plus `spare`, or a little more.
     (low, high), here = ends, sample.tau
     width = 2 * abs(sample.g).upper() / max(abs(sample.dg).lower(), arb(2) ** -10000) + spare
@@ -187,7 +199,7 @@ def fenced(gap: Curve, sample: Jet, spare: Ball, ends: tuple[Ball, Ball], what: 
 
 
 def sharper(gap: Curve, found: Ball, slope: Ball) -> Ball:
-    """Narrow the enclosure `found` of a gap's zero by two interval Newton steps."""
+    """Narrow the enclosure `found` of a gap's zero by two interval Newton steps; `slope` encloses the derivative."""
     # `slope` encloses the derivative of the gap over `found`, and may do so for other starts as well.
     for _ in range(2):
         middle = found.mid()
@@ -200,10 +212,10 @@ def sharper(gap: Curve, found: Ball, slope: Ball) -> Ball:
 
 
 def end_of_stick(o: Oscillator, boundary: int, t: Ball, x: Ball, stop: Ball) -> tuple[int, Ball, Ball] | None:
-    """Return the domain into which a stick from (t, x) slips, its duration, and the derivative of the force then 0.
+    """Return the domain into which a stick from (t, x) slips, its duration, and the derivative of the force at its end.
 
-    None if it lasts for a time `stop` at least. It is known that the forces hold it at its start (module docstring),
-    or right after it.
+    Return None if it lasts at least for a time `stop`. The caller has proven that the forces hold the mass at the start
+    of the stick, or right after it.
     """
     begin, turns = stop * 0, o.turns(boundary)
     for lasted, (turn, drift) in enumerate(turns.after(t), 1):
@@ -230,7 +242,7 @@ def end_of_stick(o: Oscillator, boundary: int, t: Ball, x: Ball, stop: Ball) -> 
 
 
 class Moving(NamedTuple):
-    """A set of states in one mode: (t, x) on a belt or right behind an event; (t, x, v) at a start between belts."""
+    """A set of states in one mode: (t, x, v) at a start between belts; else (t, x), as v is the speed of a belt."""
 
     mode: int  # a code of `symosc.model.MODE_NAMES`
     boundary: int  # the belt that it is on or leaves just now (into its mode, which is proven), or 0
@@ -239,7 +251,7 @@ class Moving(NamedTuple):
     circle: tuple[Fraction, Fraction] | None = None
 
     def flight(self, o: Oscillator, values: list[Ball]) -> Flight:
-        """Return the flight from values t, x and v, or t and x on a belt, whose speed is then v."""
+        """Return the flight that starts with `values`: t, x and v, or only t and x, if v is the speed of a belt."""
         return Flight(o, self.mode, values[0], values[1], values[2] if len(values) == 3 else o.speed[self.boundary])
 
 
@@ -254,12 +266,12 @@ class ProvenEvent(NamedTuple):
     x: Ball
 
     def named(self) -> Record:
-        """Return kind, boundary, source and target by these names."""
+        """Return a dict with the kind, the belt (`boundary`), and the modes before (`source`) and after (`target`)."""
         return dict(zip(self._fields[:4], self[:4], strict=True))
 
 
 def goes_round(p: Parameters) -> bool:
-    """Return whether (v, a/omega_0) moves on a circle in a flight: no damping, no drive, a spring."""
+    """Return whether flights have a spring, no damping and no drive: then (v, a/omega_0) moves on a circle."""
     return p.c == 0 and p.B0 == 0 and p.k > 0
 
 
@@ -305,7 +317,7 @@ def next_event(o: Oscillator, state: Moving, t_end: Ball) -> tuple[ProvenEvent, 
 
 
 def _first_contact(flight: Flight, belts: list[int], on: int, t_end: Ball) -> tuple[int, Ball] | None:
-    """Return the belt that a flight from belt `on` meets first, and when; None if none until t_end."""
+    """Return the belt that a flight from belt `on` (0: from none) meets first, and when; None if none until t_end."""
     best, stop = None, t_end - flight.t0
     for boundary in belts:
         found = first_zero(flight, boundary, stop, boundary == on)
@@ -363,7 +375,7 @@ def _contact(o: Oscillator, state: Moving, t_end: Ball) -> tuple[ProvenEvent, Mo
 
 
 def _exact_grazes(p: Parameters, v0: Fraction, a0: Fraction, belts: list[int]) -> dict[int, Ball]:
-    """Return the belts that a flight without damping and drive grazes (just touches), each with the first time."""
+    """Return the belts that a flight from v0, a0 without damping and drive just touches, and after how much time."""
     square, found = v0**2 + a0**2 * p.m / p.k, {}
     for boundary in belts:
         speed = p.belt(boundary)

@@ -50,7 +50,7 @@ Values = list[Ball]
 
 
 def unit_matrix(count: int) -> arb_mat:
-    """Return the unit matrix."""
+    """Return the unit matrix with `count` rows and columns."""
     return arb_mat([[int(i == j) for j in range(count)] for i in range(count)])
 
 
@@ -60,7 +60,10 @@ def column(values: Sequence[Ball]) -> arb_mat:
 
 
 def krawczyk(box: Values, middle: Values, residuals: Values, J: arb_mat) -> Values | None:
-    """Return the image of a box under Krawczyk's operator if it is inside, which proves just one root; else None."""
+    """Return the image of a box under Krawczyk's operator if it is inside the box, which proves one root; else None.
+
+    `residuals` are those at `middle`; the Jacobian `J` encloses that of all points in the box.
+    """
     try:
         Y = J.mid().inv().mid()
     except ZeroDivisionError:
@@ -71,7 +74,7 @@ def krawczyk(box: Values, middle: Values, residuals: Values, J: arb_mat) -> Valu
 
 
 class Margin(NamedTuple):
-    """A number, or a function g of the time on a piece, that must be positive for an orbit."""
+    """A quantity that must be > 0 for an orbit: a number, or a function of the time since a piece's start."""
 
     what: str
     curve: Curve | Ball
@@ -81,14 +84,14 @@ class Margin(NamedTuple):
 
 
 class ClosingBalls:
-    """The closing equations of an orbit with a word, for one oscillator or all of a family (constants as balls)."""
+    """The closing equations of an orbit, enclosed; wide balls as constants stand for a family of oscillators."""
 
     def __init__(self, oscillator: Oscillator, pieces: tuple[OrbitPiece, ...], periods: int) -> None:
         self.oscillator, self.pieces = oscillator, pieces
         self.periods, self.turn = periods, 2 * periods * arb.pi() / oscillator.Omega
 
     def ends(self, values: Values) -> Values:
-        """Return t and x at the end of each piece: of the next point or, for the last, the first a period later."""
+        """Return t and x at the end of each piece: of the next point; for the last piece, of point 0 a period later."""
         return [*values[2:], values[0] + self.turn, values[1]]
 
     def flight(self, i: int, values: Values) -> Flight:
@@ -115,7 +118,7 @@ class ClosingBalls:
         return found
 
     def _slopes(self, i: int, values: Values) -> tuple[Sequence[Ball], Sequence[Ball]]:
-        """Return the derivatives of both residuals of piece i with respect to t, x at its start and t, x at its end."""
+        """Return for both residuals of piece i their derivatives by t and x at its start, and by t and x at its end."""
         o, piece = self.oscillator, self.pieces[i]
         t0, t1, v0, one, zero = values[2 * i], self.ends(values)[2 * i], o.speed[piece.start], arb(1), arb(0)
         if piece.sticks:
@@ -136,7 +139,7 @@ class ClosingBalls:
         return J
 
     def end_by_start(self, i: int, values: Values) -> arb_mat:
-        """Return the derivatives of t, x at the end of piece i with respect to those at its start, approximately."""
+        """Return approximate derivatives of t and x at the end of piece i by t and x at its start, a 2 x 2 matrix."""
         rows = self._slopes(i, values)
         return -arb_mat([list(row[2:]) for row in rows]).solve(arb_mat([list(row[:2]) for row in rows]))
 
@@ -159,7 +162,7 @@ class ClosingBalls:
         raise Undecided("a root of the closing equations, which are singular or nearly so")
 
     def krawczyk(self, box: Values, middle: Values) -> Values | None:
-        """Return the Krawczyk image of a box if it proves one root there, else None."""
+        """Return the Krawczyk image of a box about `middle`, if it proves that one root is in the box; else None."""
         return krawczyk(box, middle, self.residuals(middle), self.jacobian(box))
 
     def roots(self, middle: Values) -> Iterator[tuple[Values, Values]]:
@@ -179,7 +182,7 @@ class ClosingBalls:
     # -- the course of the word ----------------------------------------------------------------------------------------
 
     def margins(self, i: int, values: Values) -> list[Margin]:
-        """Return the margins of piece i: its duration, the forces at its start (Theorems 4 and 5), those during it."""
+        """Return what must be > 0 on piece i: its duration, forces that decide its mode, and inequalities during it."""
         # None is needed at a start behind a stick: one force is 0 there, the other one is a margin of the stick.
         o, piece, before, (t, x) = self.oscillator, self.pieces[i], self.pieces[i - 1], values[2 * i : 2 * i + 2]
         kind = "stick" if piece.sticks else "slip" if piece.after_stick else "flight"
@@ -207,7 +210,7 @@ class ClosingBalls:
         return found
 
     def prove_course(self, values: Values) -> None:
-        """Prove by durations, forces and margins that the root in `values` follows its word, or raise Undecided."""
+        """Prove that all margins of the root in `values` are > 0, so that it follows its word, or raise Undecided."""
         for i in range(len(self.pieces)):
             span, *others = self.margins(i, values)
             for margin in (span, *others):
@@ -237,7 +240,7 @@ class ClosingBalls:
 
 
 def prove_positive(margin: Margin, span: Ball) -> None:
-    """Prove that a margin stays positive from 0 to a time in `span`, or raise Undecided."""
+    """Prove that a margin is > 0 from time 0 to any time in the ball `span`, or raise Undecided."""
     last, begin, zeros = span.upper().mid(), arb(0), margin.at_start
     if zeros == 0 and not margin.curve(begin).g > 0:
         raise Undecided(f"{margin.what} at its start")
@@ -305,7 +308,7 @@ class Stability(NamedTuple):
 def certify_orbit(
     p: Parameters, labels: tuple[str, ...], periods: int, points: Sequence[tuple[Number, Number]]
 ) -> Certificate:
-    """Prove an orbit near points (t, x) with labels in order of time; raise the precision as needed."""
+    """Prove an orbit of `periods` forcing periods and given `labels` near `points` (t, x), with enough bits."""
     word, bits = Word(labels), LEAST_ORBIT_BITS
     near = [arb(each) for point in points for each in point]
     while True:
@@ -324,7 +327,7 @@ def certify_orbit(
 
 
 def _prove_with_word(closing: ClosingBalls, near: Values) -> tuple[Values, Values]:
-    """Prove that a root near the given points follows its word; return a box with no other root, and the root."""
+    """Prove that a root near the points `near` follows its word; return a box with no other root, and the root."""
     reason = Undecided("the closing equations: no box in which their root is the only one")
     for box, root in closing.roots(closing.polished(near)):
         try:
@@ -339,7 +342,7 @@ def _prove_with_word(closing: ClosingBalls, near: Values) -> tuple[Values, Value
 
 
 def _marginal(closing: ClosingBalls, near: Values) -> str:
-    """Return a message if the orbit is marginal (a multiplier is 1 to many digits), else ""."""
+    """Return a text for a message if an orbit has a multiplier that is 1 to about 12 digits, else an empty text."""
     try:
         T, D = closing.stability(near)
     except Undecided:
@@ -353,7 +356,7 @@ def _marginal(closing: ClosingBalls, near: Values) -> str:
 
 
 def switchings(closing: ClosingBalls, values: Values, begin: int) -> list[ProvenEvent]:
-    """Return the events of one period from number `begin` on, and at last that event again, a period later."""
+    """Return the events of one period, beginning with number `begin`, and at the end event `begin` a period later."""
     pieces, n, rows = closing.pieces, len(closing.pieces), []
     for j in range(begin, begin + n + 1):
         (before, piece), (t, x) = (pieces[j % n - 1], pieces[j % n]), values[2 * (j % n) : 2 * (j % n) + 2]
@@ -364,7 +367,7 @@ def switchings(closing: ClosingBalls, values: Values, begin: int) -> list[Proven
 
 
 def one_digit(radius: Ball) -> str:
-    """Return a decimal with one digit, such as 3e-12, that is certainly less than a radius."""
+    """Round a radius down to a decimal with one digit, such as 3e-12, that a file can state."""
     most = max(exact_ends(radius)[0], LEAST_RADIUS) * Fraction(99, 100)
     power = floor(log10(most))
     return f"{most // Fraction(10) ** power}e{power}"
@@ -373,7 +376,7 @@ def one_digit(radius: Ball) -> str:
 def _certificate(
     p: Parameters, word: Word, closing: ClosingBalls, box: Values, root: Values, stability: Stability, bits: int
 ) -> Certificate:
-    """Return the certificate of the orbit."""
+    """Let the checker prove an orbit, a `root` that is the only one in its `box`; return the certificate."""
     pieces, n = closing.pieces, len(closing.pieces)
     # It begins at the end of a flight: there the forces say how the motion goes on.
     begin = next(i for i in range(n) if not pieces[i - 1].sticks)

@@ -24,7 +24,7 @@ from symosc.words import MAPS, cycle, read_word
 
 
 class ListedOrbit(NamedTuple):
-    """An orbit in the list: parameters, word, and approximate t and x of its first event."""
+    """An orbit of the list in orbits.csv: parameters, word, and approximate t and x of its first event."""
 
     p: Parameters
     word: str
@@ -53,7 +53,7 @@ class ListedOrbit(NamedTuple):
         return [(self.t, self.x), *((event.t, event.x) for event in events)][: len(labels)]
 
     def prove(self) -> Certificate:
-        """Prove the orbit."""
+        """Prove the orbit and return its certificate."""
         return certify_orbit(self.p, read_word(self.word).labels, 1, self.points())
 
 
@@ -78,8 +78,9 @@ def prove_list(
 ) -> list[str]:
     """Prove all orbits of a list (default: the shipped one); return for each "", or the reason of failure.
 
-    With `again` the checker is given what their files say. `progress`: how many are done, and how many there are. It is
-    done in processes, as the precision of balls is global to each.
+    With `again` the independent checker also proves the certificate of each orbit. `progress` is called with the number
+    of orbits done and the number of all. The proofs run in processes, since the precision of balls is global to a
+    process.
     """
     orbits, answers = listed_orbits() if orbits is None else orbits, list[str]()
     with ProcessPoolExecutor(workers, get_context("spawn")) as pool:
@@ -91,7 +92,7 @@ def prove_list(
 
 
 def _reason(again: bool, orbit: ListedOrbit) -> str:
-    """Prove an orbit and, if `again`, let the checker prove its certificate; return "" or why that failed."""
+    """Prove an orbit and, if `again`, let the checker prove its certificate; return "" or why it is not proven."""
     proof = orbit.prove()
     if not again:
         return "" if proof.proven else proof.message

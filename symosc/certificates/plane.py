@@ -65,7 +65,10 @@ Inequality = tuple[str, Ball, Values]
 
 
 class NotInBox(Exception):
-    """Raised if a box cannot be proven; says along which side to divide it, and how many times too large it is."""
+    """Raised if a word cannot be proven in a box of two parameters.
+
+    `along` is the side along which to divide the box, `excess` an estimate of how many times too large it is.
+    """
 
     def __init__(self, what: str, along: int | None = None, excess: float = 1) -> None:
         self.along, self.excess = along, excess
@@ -73,7 +76,7 @@ class NotInBox(Exception):
 
 
 class Leg(NamedTuple):
-    """A flight of a word: its piece, the indices of its phase and duration in the unknowns, the stick behind it."""
+    """A flight of a word, the indices of its phase and duration in the unknowns, and the stick after it, if any."""
 
     piece: OrbitPiece
     at: int
@@ -82,12 +85,15 @@ class Leg(NamedTuple):
 
     @property
     def side(self) -> int:
-        """The side on which the flight is of the belt where it ends: 1 above it, -1 below it."""
+        """The side from which the flight meets the belt at its end: 1 from above, -1 from below."""
         return 1 if self.piece.mode > self.piece.end else -1
 
 
 def mirrors(p: Parameters, names: Sequence[str] = ()) -> dict[int, int]:
-    """Return the mirror image of each mode of an oscillator that is symmetric about A0/k, else {}."""
+    """Return the mode that mirrors each mode if the oscillator is symmetric about x = A0/k and v = 0, else {}.
+
+    It must be symmetric for all values of the parameters in `names`.
+    """
     # It is symmetric if the belts are alike with opposite speeds, or if one has no friction and the other no speed; the
     # parameters in `names` may have any values.
     if not {"v1", "v2", "mu1", "mu2"} & set(names) and p.v1 == -p.v2 and p.mu1 == p.mu2:
@@ -99,32 +105,34 @@ def mirrors(p: Parameters, names: Sequence[str] = ()) -> dict[int, int]:
 
 
 class Flown:
-    """A flight from its unknowns u: x, v and a after a time tau, x0 and a0 at its start; as balls or power series.
+    """A flight of a word, followed for a time `tau`: x0 and a0 at its start; x, v and a at its end.
 
-    E, E1 = E' and phi are those of `symosc.certificates.flow`, and v responds to the drive by E convolved with
-    sin(theta). With lambda = -c/2m + i omega_d and X(lambda) = int exp(lambda (tau - s) + i Omega s) ds the response to
-    exp(i Omega s) is the difference quotient of X at lambda and its conjugate. Near resonance the first X is entire.
+    The unknowns `u` of the orbit are balls or power series. E, E1 = E' and phi are the motions without drive of
+    `symosc.certificates.flow`. The response of v to the drive is the integral of E(tau - s) sin(theta(s)) over s.
+    If the motion is underdamped, let lambda = -c/2m + i omega_d, and let X(lambda) be the integral of exp(lambda (tau -
+    s) + i Omega s) over s. The response to exp(i Omega s) is (X(lambda) - X(conjugate))/(2 i omega_d). Near resonance
+    X(lambda) is computed without a division.
     """
 
     def __init__(self, o: Oscillator, leg: Leg, u: Values, tau: Ball) -> None:
         phase, speed, A = u[leg.at], o.speed[leg.piece.start], o.A[leg.piece.mode]
-        begins, turned = imaginary(phase).exp(), imaginary(o.Omega * tau).exp()
+        begins, turned = times_i(phase).exp(), times_i(o.Omega * tau).exp()
         if o.damping < 0:
-            root, other = (complexed(-o.h) + imaginary(side * o.omega_d) for side in (1, -1))
-            free, rate = (root * complexed(tau)).exp(), imaginary(o.Omega) - root
+            root, other = (complexed(-o.h) + times_i(side * o.omega_d) for side in (1, -1))
+            free, rate = (root * complexed(tau)).exp(), times_i(o.Omega) - root
             z = rate * complexed(tau)
             near = float(abs(z[0] if isinstance(z, acb_series) else z).upper()) < NEAR
             # (exp(z) - 1)/z = exp(z/2) sinh(z/2)/(z/2)
             slope = (z / 2).exp() * entire_0f1(acb(1.5), z * z / 16) if near else None
             X = free * complexed(tau) * slope if near else (turned - free) / rate
-            Y = (turned - (other * complexed(tau)).exp()) / (imaginary(o.Omega) - other)
-            quotient = imaginary(2 * o.omega_d)
+            Y = (turned - (other * complexed(tau)).exp()) / (times_i(o.Omega) - other)
+            quotient = times_i(2 * o.omega_d)
             Z, Z1 = (X - Y) / quotient, (root * X - other * Y) / quotient
             self.E, self.E1 = component(free, 1) / o.omega_d, component(root * free, 1) / o.omega_d
         else:
             self.E, self.E1, _ = o.entire(tau)
-            pull = complexed(o.km - o.Omega * o.Omega) + imaginary(o.cm * o.Omega)
-            E, E1, Omega = complexed(self.E), complexed(self.E1), imaginary(o.Omega)
+            pull = complexed(o.km - o.Omega * o.Omega) + times_i(o.cm * o.Omega)
+            E, E1, Omega = complexed(self.E), complexed(self.E1), times_i(o.Omega)
             Z = (turned - E1 - (complexed(o.cm) + Omega) * E) / pull
             Z1 = (Omega * turned + complexed(o.km) * E - Omega * E1) / pull
         self.phi, Z, Z1 = self.E1 + o.cm * self.E, begins * Z, begins * Z1
@@ -140,12 +148,15 @@ class Flown:
         self.x = self.x0 + (o.B0 * change - o.c * (self.v - speed) - o.m * (self.a - self.a0)) / o.k
 
     def jerk(self, o: Oscillator, sine: Ball) -> Ball:
-        """Return the derivative of the acceleration at the end; `sine` is that of the drive's phase there."""
+        """Return the derivative of the acceleration at the end of the flight; `sine` is the sine of the phase there."""
         return -o.cm * self.a - o.km * self.v - o.drive * sine
 
 
 class Flights:
-    """The closing equations of a word, for few unknowns: each flight's phase, x (not after a stick), and duration."""
+    """The closing equations of a word; the unknowns are phase, x and duration of each flight.
+
+    After a stick x is no unknown: it follows from the force, which is 0 where the stick ends.
+    """
 
     # `labels` begin with a flight; if their second half is the mirror image of the first, only the first is followed.
 
@@ -174,7 +185,7 @@ class Flights:
         return found
 
     def points(self, o: Oscillator, u: Values) -> list[tuple[float, float]]:
-        """Return phase and position of the switching point at which each label of the word begins."""
+        """Return phase and position of the switching point at which each label begins, from the unknowns `u`."""
         found = list[tuple[float, float]]()
         for leg, there in zip(self.legs, self.flown(o, u), strict=True):
             found.append((float(u[leg.at]), float(there.x0)))
@@ -186,11 +197,14 @@ class Flights:
         return found
 
     def flown(self, o: Oscillator, u: Values) -> list[Flown]:
-        """Return all flights followed to their ends."""
+        """Return all flights of the oscillator `o`, with the unknowns `u` of an orbit, followed to their ends."""
         return [Flown(o, leg, u, u[leg.tau]) for leg in self.legs]
 
     def next_start(self, o: Oscillator, i: int, u: Values, flown: Sequence[Flown]) -> tuple[Ball, Ball]:
-        """Return phase and position at the start of the flight behind flight i; after the last, the first again."""
+        """Return phase and position at the start of the flight after flight i; `flown` has all flights.
+
+        After the last one comes the first one again, a period later (half a period, if mirrored).
+        """
         if i + 1 < len(self.legs):
             return u[self.legs[i + 1].at], flown[i + 1].x0
         x = flown[0].x0
@@ -213,7 +227,7 @@ class Flights:
         return flown, found
 
     def slopes(self, o: Oscillator, leg: Leg, u: Values, share: float = 1) -> dict[str, Values]:
-        """Return the derivatives of x0, x, v, a after a `share` of a flight's duration with respect to its unknowns."""
+        """Return a dict of derivatives by a flight's unknowns: of x0, and of x, v, a after a `share` of its time."""
         tau = u[leg.tau] * share
         d, s0, s1 = Flown(o, leg, u, tau), u[leg.at].sin(), (u[leg.at] + o.Omega * tau).sin()
         crossed = not leg.piece.after_stick
@@ -226,7 +240,7 @@ class Flights:
         return {name: [by[name] for by in (by_phase, by_x, by_tau) if by] for name in by_tau}
 
     def jacobian(self, o: Oscillator, u: Values) -> tuple[list[dict[str, Values]], list[Values]]:
-        """Return the flights' derivatives as `slopes` gives them, and the Jacobian of the residuals (rows)."""
+        """Return the `slopes` of all flights, and the Jacobian of the residuals as a list of rows."""
         slopes, rows = [self.slopes(o, leg, u) for leg in self.legs], list[Values]()
         for i, (leg, by) in enumerate(zip(self.legs, slopes, strict=True)):
             follows = (i + 1) % len(self.legs)
@@ -249,12 +263,12 @@ class Flights:
     # -- the inequalities ----------------------------------------------------------------------------------------------
 
     def turn(self, o: Oscillator, belt: int, index: int) -> Ball:
-        """Return the phase of the index-th turn of the forces on a belt; sin theta rises there for even indices."""
+        """Return a phase at which k v + B0 Omega sin theta = 0 on a belt; sin theta rises there for an even `index`."""
         angle = (-o.k * o.speed[belt] / o.drive / o.m).asin()
         return index * arb.pi() + (-angle if index % 2 else angle)
 
     def turns_between(self, o: Oscillator, belt: int, low: Ball, high: Ball) -> list[int]:
-        """Return the indices of all turns that may lie between two phases."""
+        """Return the indices of all turns of the forces on a belt that may lie between the phases `low` and `high`."""
         bias, swing = abs(o.k * o.speed[belt]), abs(o.B0 * o.Omega)
         if bias > swing:
             return []
@@ -265,11 +279,14 @@ class Flights:
         return [index for index, phase in turns if not phase < low and not phase > high]
 
     def drift(self, o: Oscillator, belt: int, phase: Ball) -> Ball:
-        """Return k v + B0 Omega sin(theta), v the belt's speed: -m times the time derivative of both forces on it."""
+        """Return k v + B0 Omega sin(theta) for the speed v of a belt: -m times the rate of the force on either side."""
         return o.k * o.speed[belt] + o.B0 * o.Omega * phase.sin()
 
     def sections(self, o: Oscillator, leg: Leg, u: Values) -> list[tuple[int, Ball, Ball]] | None:
-        """Split a flight back to its belt at the turns: (sign of L g, begin, end) of each part; None if undecided."""
+        """Split a flight back to its belt at the turns: (sign of L g, begin, end) of each part; None if undecided.
+
+        g is the gap to the belt, and L g = g'' + (c/m) g' + (k/m) g.
+        """
         phase, belt, found = u[leg.at], leg.piece.start, []
         end = phase + o.Omega * u[leg.tau]
         turns = [self.turn(o, belt, index) for index in self.turns_between(o, belt, phase, end)]
@@ -284,7 +301,10 @@ class Flights:
         return found
 
     def plan(self, o: Oscillator, u: Values) -> Plan:
-        """Return the turns in each stick and the cuts of each flight (see `Plan`), for all unknowns in the balls u."""
+        """Return how to prove the word for all unknowns in the balls u: turns in each stick, and cuts of each flight.
+
+        A cut is a point of a flight at which the gap is shown to be > 0. None in place of cuts: use short steps.
+        """
         flown, turns, cuts = self.flown(o, u), list[list[int]](), list[list[Cut] | None]()
         for i, leg in enumerate(self.legs):
             end, begin = self.next_start(o, i, u, flown)[0], u[leg.at] + o.Omega * u[leg.tau]
@@ -293,7 +313,7 @@ class Flights:
         return turns, cuts
 
     def cuts(self, o: Oscillator, leg: Leg, u: Values) -> list[Cut] | None:
-        """Return the cuts of a flight that returns to its belt (see `Cut`); None if short steps have to prove it."""
+        """Return the cuts of a flight back to its belt, where to show that the gap is > 0; None: use short steps."""
         found, longest = self.sections(o, leg, u), longest_part(o)
         if found is None:
             return None
@@ -316,7 +336,7 @@ class Flights:
         return None if len(cuts) > MOST_CUTS else [(round(at / tau * 1024) / 1024, reach) for at, reach in cuts]
 
     def stays(self, o: Oscillator, leg: Leg, u: Values, cuts: list[Cut]) -> bool:
-        """Return whether a gap > 0 at the cuts is > 0 all the time, by the signs of L g (module docstring)."""
+        """Return whether the gap of a flight back to its belt is > 0 all the time, if it is > 0 at the `cuts`."""
         found, longest, tau, left = self.sections(o, leg, u), longest_part(o), u[leg.tau], list(cuts)
         if found is None:
             return False
@@ -340,7 +360,10 @@ class Flights:
     def margins(
         self, o: Oscillator, u: Values, flown: Sequence[Flown], plan: Plan, slopes: Sequence[dict[str, Values]] = ()
     ) -> list[Inequality]:
-        """Return the margins, which must be positive for the word: text, value and, given `slopes`, derivatives."""
+        """Return the margins, which must be > 0 for the word: each one's text, value, and derivatives by the unknowns.
+
+        `flown` has the flights, and `plan` the turns and cuts at which to look. Without `slopes` the derivatives are 0.
+        """
         found = list[Inequality]()
 
         def add(text: str, value: Ball, *parts: tuple[int, Values]) -> None:
@@ -382,7 +405,7 @@ class Flights:
         return found
 
     def prove_flights(self, o: Oscillator, u: Values, plan: Plan) -> None:
-        """Prove that no flight meets a belt before its end, given that all margins are positive; else Undecided."""
+        """Prove that no flight meets a belt before its end, if all margins are > 0; raise Undecided if that fails."""
         for leg, cuts in zip(self.legs, plan[1], strict=True):
             piece = leg.piece
             sides = {belt: (1 if piece.mode > belt else -1, o.speed[belt]) for belt in belts_around(piece.mode)}
@@ -408,8 +431,8 @@ def complexed(value: Ball) -> Ball:
     return acb_series(value) if isinstance(value, arb_series) else acb(value)
 
 
-def imaginary(value: Ball) -> Ball:
-    """Return i times a real ball or series."""
+def times_i(value: Ball) -> Ball:
+    """Return the imaginary unit times a real ball or series."""
     return acb_series(value) * acb_series([acb(0, 1)]) if isinstance(value, arb_series) else acb(0, value)
 
 
@@ -421,14 +444,14 @@ def component(value: Ball, imaginary: int) -> Ball:
 
 
 def longest_part(o: Oscillator) -> float:
-    """Return a time surely shorter than half a period of the free motion."""
+    """Return a time that is just less than half a period of the motion without drive (infinity if it has no period)."""
     square = (-o.kappa).upper()
     return float((arb.pi() / square.sqrt()).lower()) * (1 - 1e-12) if square > 0 else float("inf")
 
 
 @contextmanager
 def box_arithmetic() -> Iterator[None]:
-    """Set the precision for boxes; turn Undecided and divisions by what may be 0 into NotInBox."""
+    """Set the precision for boxes in a with block; if Undecided or a division by 0 occurs in it, raise NotInBox."""
     before = ctx.cap
     try:
         with ctx.workprec(BOX_BITS):
@@ -440,7 +463,10 @@ def box_arithmetic() -> Iterator[None]:
 
 
 class Surface:
-    """Approximate roots for all parameters of a box: quadratic polynomials u(a, b) of the place, a and b in [-1, 1]."""
+    """Approximate roots of the closing equations for all parameters of a box.
+
+    The unknowns u(a, b) are quadratic polynomials of the place in the box, which has a and b in [-1, 1].
+    """
 
     # Raises NotInBox if the orbit found from `near` at the middle of the box does not have the word.
 
@@ -479,7 +505,11 @@ class Surface:
     def directed(
         self, d: tuple[int, int], rows: Sequence[arb_mat], count: int, wide: bool
     ) -> tuple[Oscillator, Values]:
-        """Return oscillator and unknowns as series of `count` terms along d, from the middle or (`wide`) any point."""
+        """Return oscillator and unknowns as power series of `count` terms along the direction `d` in the box.
+
+        `rows` has the coefficients of the unknowns. The series are about the middle or, if `wide`, about all of the
+        box.
+        """
         ctx.cap = count
         base = zip(self.range if wide else self.middle, self.half, d, strict=True)
         o = self.oscillator([arb_series([b, h * e], prec=count) for b, h, e in base])
@@ -494,12 +524,12 @@ class Surface:
         return self.flights.points(self.oscillator(self.middle), self.u.entries())
 
     def at(self, a: Ball, b: Ball) -> arb_mat:
-        """Evaluate the polynomials for the unknowns at a place (a, b) in the box."""
+        """Return the unknowns at a place (a, b) in the box, by their quadratic polynomials."""
         (da, db), (aa, ab, bb) = self.slopes, self.squares
         return self.u + a * (da + a * aa + b * ab) + b * (db + b * bb)
 
     def prove(self) -> None:
-        """Prove that an orbit with the word exists for all parameters of the box; NotInBox if that fails."""
+        """Prove that an orbit with the word exists for all parameters of the box; raise NotInBox if that fails."""
         flights, place, zero = self.flights, arb(0, 1), arb(0)
         da, db = (-self._coefficients(d, [self.u], 2, False)[0][1].mid() for d in DIRECTIONS[:2])
         thin, bends, rest = list[tuple[Oscillator, Values, list[Flown]]](), list[arb_mat](), [zero] * flights.count
@@ -551,19 +581,22 @@ class Surface:
     def _coefficients(
         self, d: tuple[int, int], rows: Sequence[arb_mat], count: int, wide: bool
     ) -> tuple[list[arb_mat], tuple[Oscillator, Values, list[Flown]]]:
-        """Return the Taylor coefficients of Y f along d, and oscillator, unknowns and flights as power series."""
+        """Return Taylor coefficients of Y f along `d`, and oscillator, unknowns, flights as series (see `directed`).
+
+        f has the residuals of the closing equations; Y is a matrix near the inverse of their Jacobian.
+        """
         o, u = self.directed(d, rows, count, wide)
         flown, r = self.flights.residuals(o, u)
         return [self.Y * column([each[k] for each in r]) for k in range(count)], (o, u, flown)
 
     def _derivatives(self, d: tuple[int, int], place: Ball) -> tuple[arb_mat, arb_mat]:
-        """Return first and second Taylor coefficients of the polynomials along d, for all a and b in `place`."""
+        """Return first and second Taylor coefficients of the unknowns u(a, b) along `d`, for all a and b in `place`."""
         (da, db), (aa, ab, bb), (i, j) = self.slopes, self.squares, d
         slope = i * (da + place * (2 * aa) + place * ab) + j * (db + place * (2 * bb) + place * ab)
         return slope, i * i * aa + i * j * ab + j * j * bb
 
     def _root_distances(self, surface: arb_mat, pushed: Values, along: int) -> tuple[Values, list[dict[str, Values]]]:
-        """Return a bound of the distance of roots from the `surface` (Krawczyk), and the derivatives of the flights."""
+        """Return bounds of how far roots are from the `surface` in each unknown, and the slopes of all flights."""
         # `pushed` bounds -Y f on the surface; `along` is the side to cut if there is no proof.
         flights, tube = self.flights, [INFLATION * each for each in pushed]
         for _ in range(MOST_INFLATIONS):

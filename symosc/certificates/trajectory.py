@@ -88,12 +88,12 @@ class ToProve(NamedTuple):
         return not any(self.errors)
 
     def precise(self, *values: Ball) -> bool:
-        """Return whether the radii of balls are small enough for the number of digits asked for."""
+        """Return whether balls are known to the task's digits, relative to the value or, if |value| < 1, to 1."""
         return all(size(each.rad()) < 10.0 ** (-self.digits - 1) * max(1.0, size(each)) for each in values)
 
 
 class Proof(NamedTuple):
-    """What is proven of a motion: its first mode and its events; and what is undecided."""
+    """What is proven of a motion: its first mode and its events; `undecided` is the exception that ended the proof."""
 
     mode: str
     events: list[ProvenEvent]
@@ -103,7 +103,7 @@ class Proof(NamedTuple):
 
 
 def prove_trajectory(task: ToProve) -> Certificate:
-    """Prove all events of a motion until t_end, with more bits where these do not decide; return the certificate."""
+    """Prove all events of a motion until t_end, with more bits where some sign is undecided; return the certificate."""
     bits, raises = _first_bits(task), 0
     while True:
         with ctx.workprec(bits):
@@ -138,7 +138,7 @@ def _log2(number: Fraction) -> int:
 
 
 def _follow(task: ToProve) -> Proof:
-    """Prove events with the working precision until t_end, or up to the first undecided question."""
+    """Prove events with the working precision until t_end, or up to the first sign that is undecided."""
     mode, events, o = "", [], Oscillator(task.p)
     try:
         state = begin(o, task.start, task.errors)
@@ -189,7 +189,7 @@ def _differentiated(task: ToProve, proof: Proof) -> Proof:
 
 
 def _changes(task: ToProve, mode: int, events: Sequence[ProvenEvent], name: str) -> list[Change]:
-    """Enclose the derivatives of t and x of all events by one number of the input, with power series in its change."""
+    """Enclose derivatives of t and x of all events by `name`, a parameter or start value; `mode` is the first mode."""
     p, start = task.p, task.start
     if name not in provable(p, start[2]):
         on_belt = start[2] in (p.v1, p.v2) and name[0] == "v"
@@ -228,13 +228,16 @@ def _changes(task: ToProve, mode: int, events: Sequence[ProvenEvent], name: str)
 
 
 def _with_a_graze(task: ToProve, proof: Proof, graze: tuple[int, Ball]) -> Proof:
-    """Return a proof that one start within the error grazes; it is tried where a graze is possible, but undecided."""
+    """Return a proof of the motion from one start within the error, which grazes after the events of `proof`.
+
+    `graze` has the belt, and the time since the start of the flight, of a contact that balls cannot decide.
+    """
     o, before, (boundary, near) = Oscillator(task.p), len(proof.events), graze
     name, place = next((name, place) for name, place in FREE if task.errors[place])
     events: list[ProvenEvent] = []
 
     def arrive(value: Ball) -> Moving:
-        """Return the states just before the flight that grazes, for all values in a ball of one start value."""
+        """Return the states just before the flight that grazes; the start value `name` may be any in `value`."""
         events.clear()
         low, high = exact_ends(value)
         start, errors = list(task.start), list(EXACT)
@@ -274,7 +277,10 @@ def _with_a_graze(task: ToProve, proof: Proof, graze: tuple[int, Ball]) -> Proof
 def _grazing_interval(
     o: Oscillator, arrive: Callable[[Ball], Moving], boundary: int, given: Fraction, error: Fraction, near: Ball
 ) -> tuple[Fraction, Fraction]:
-    """Estimate two fractions between which the start value that grazes lies, by the secant method; no proof."""
+    """Estimate two fractions so that one start value between them leads to a graze, by the secant method; no proof.
+
+    The start value is `given`, with its `error`; the graze is expected at a time `near` after the flight's start.
+    """
     start, reach, points = ball(given), ball(error), list[tuple[Ball, Ball]]()
     for count in range(2 + MOST_SECANTS):
         if count < 2:
@@ -296,7 +302,10 @@ def _grazing_interval(
 
 
 def _lowest(o: Oscillator, state: Moving, boundary: int, near: Ball) -> tuple[Flight, Jet]:
-    """Return the flight and its least gap near a time; prove that the gap has just one turning point there."""
+    """Return the flight, and the jet of its gap to a belt at the time when the gap is least, near `near`.
+
+    It is proven that the gap turns just once in the enclosure of that time.
+    """
     flight = state.flight(o, state.states.hull())
     gap = flight.gap(boundary)
 
@@ -318,7 +327,7 @@ def _lowest(o: Oscillator, state: Moving, boundary: int, near: Ball) -> tuple[Fl
 
 
 def _only_contact(o: Oscillator, state: Moving, flight: Flight, there: Jet, boundary: int) -> None:
-    """Prove that a flight has no contact before its graze, or raise Undecided."""
+    """Prove that a flight has no contact before its graze, which is at the jet `there`, or raise Undecided."""
     width = there.tau.mid() / 4
     for _ in range(MOST_NARROWINGS):
         if abs(flight.jerk(flight.at(around(there.tau, width)))) > 0:
@@ -336,7 +345,7 @@ def _only_contact(o: Oscillator, state: Moving, flight: Flight, there: Jet, boun
 
 
 def _certificate(task: ToProve, proof: Proof, bits: int) -> Certificate:
-    """Return the certificate of the motion."""
+    """Return the certificate of a motion: with the checker's verdict, or with what `bits` bits leave undecided."""
     rows, before, undecided = [], ball(task.start[0]), proof.undecided
     for event in proof.events:
         digits, since = task.digits, event.t - before
@@ -366,7 +375,7 @@ def _certificate(task: ToProve, proof: Proof, bits: int) -> Certificate:
 
 
 def question(task: ToProve, bits: int) -> Record:
-    """Return the first entries of a motion's file: the program, and the input as exact rational numbers."""
+    """Return the entries with which a motion's file begins: the program, and the input as exact rational numbers."""
     return made_by(bits) | {
         "parameters": task.p.as_dict(),
         "start": {name: show(value) for name, value in zip(STARTS, task.start, strict=True)},
@@ -393,7 +402,7 @@ def decimals(value: Ball, digits: int) -> list[str]:
 
 
 class Cycle(NamedTuple):
-    """A box of (t, x) that the motion over `turns` periods of an orbit maps into itself, with the events on the way."""
+    """A box of t and x at an arrival on a belt, to which motions from it return after `turns` periods of an orbit."""
 
     place: int  # the orbit's switching point in it
     middle: list[Fraction]
@@ -404,7 +413,7 @@ class Cycle(NamedTuple):
 
 
 def prove_settled(task: ToProve, orbit: PeriodicOrbit) -> Certificate:
-    """Prove all events until t_end of a motion that settles on an orbit, whose events repeat from some event on."""
+    """Prove all events until t_end of a motion that settles on an orbit, by a cycle of events; return a certificate."""
     with ctx.workprec(SETTLED_BITS):
         closing = ClosingBalls(Oscillator(task.p), pieces_of(Word(orbit.labels)), orbit.periods)
         before: list[ProvenEvent] = []
@@ -427,7 +436,11 @@ def prove_settled(task: ToProve, orbit: PeriodicOrbit) -> Certificate:
 
 
 def _start(o: Oscillator, task: ToProve) -> tuple[Moving, Fraction | None]:
-    """Return the initial states and, if a stick may end there, a time at which every start has left the belt."""
+    """Return the set of initial states, and None.
+
+    If a stick may end at the start, return the states of the flight after it, and a time at which the mass has left the
+    belt from every start within the error.
+    """
     p, (t0, x0, v0) = task.p, task.start
     try:
         return begin(o, task.start, task.errors), None
@@ -458,7 +471,7 @@ def _arrival(closing: ClosingBalls, points: Values, event: ProvenEvent) -> int |
 
 
 def _invariant_box(closing: ClosingBalls, points: Values, i: int, state: Moving) -> Cycle | None:
-    """Return a box around the orbit's point i that contains the states and maps into itself; None if too large."""
+    """Return a box around the orbit's point i that contains `state`, and to which motions from it return, else None."""
     n, turns, once = len(closing.pieces), 1, unit_matrix(2)
     for j in range(i, i + n):  # the derivative of the map from point i to itself, approximately
         once = (closing.end_by_start(j % n, points) * once).mid()
@@ -489,7 +502,7 @@ def _invariant_box(closing: ClosingBalls, points: Values, i: int, state: Moving)
 
 
 def _contracted_box(D: arb_mat) -> tuple[Fraction, Fraction] | None:
-    """Return sides (the larger is 1) of a box whose image under D is in MOST_Q times the box; None if there is none."""
+    """Return sides (the larger is 1) of a box that the matrix D maps into MOST_Q (< 1) times the box, or None."""
     sizes = [[abs(float(D[i, j])) for j in (0, 1)] for i in (0, 1)]
     e = [1.0, 1.0]
     for _ in range(60):  # towards the eigenvector of |D|
@@ -502,7 +515,7 @@ def _contracted_box(D: arb_mat) -> tuple[Fraction, Fraction] | None:
 def _settled_certificate(
     task: ToProve, closing: ClosingBalls, points: Values, before: Sequence[ProvenEvent], cycle: Cycle, about: Record
 ) -> Certificate:
-    """Return the certificate of the settled motion."""
+    """Let the checker prove that a motion goes from the events `before` into a `cycle`; return the certificate."""
     n, turn, t_end = len(cycle.events), cycle.turns * closing.turn, ball(task.t_end)
     widths = list(map(ball, cycle.widths))
     box = [[show(c - w), show(c + w)] for c, w in zip(cycle.middle, cycle.widths, strict=True)]

@@ -31,6 +31,9 @@ certificates" has the equation of motion, what each kind of file states, and the
 8. "window": with f = f' = 0 at a contact, m f'' = s, s = side (k v + B0 Omega sin theta), side = 1 below the belt, -1
    above it. It grazes where s > 0, not where s < 0. At a zero of s with cos theta != 0 the motion passes. Where |k v| =
    |B0| Omega, s = 0 at one phase, and there f'''' has the sign of side k v, which decides in the "full" order.
+
+The letters of the code are those above. `data` is the content of a file, with its numbers read; `source` is the same
+content as it is, with texts; `limits` has the most bytes, events and steps; `where` names an entry of the file.
 """
 
 import argparse
@@ -60,18 +63,18 @@ class Stop(Exception):
 
 
 def check(good, what, code=FALSE):
-    """Raise Stop with the text `what` unless a condition holds."""
+    """Raise Stop with a code and the text `what` unless the condition `good` holds."""
     if not good:
         raise Stop(code, what)
 
 
 def require(value, what):
-    """Raise Stop unless all numbers in a ball are > 0: FALSE if all are < 0, else OPEN."""
+    """Raise Stop with the text `what` unless a ball is > 0; its code is FALSE if all of the ball is < 0, else OPEN."""
     check(value > 0, what, FALSE if value < 0 else OPEN)
 
 
 def inside(value, ends):
-    """Prove that a number lies between the two ends stated in a file, or that it is exactly 0 if both are 0."""
+    """Raise Stop unless a number lies between two ends that a file states, or is exactly 0 where both ends are 0."""
     if not (ends[0] == ends[1] == 0 and value.is_zero()):
         require(value - arb(ends[0]), "a number is not above the lower end stated")
         require(arb(ends[1]) - value, "a number is not below the upper end stated")
@@ -81,7 +84,7 @@ def inside(value, ends):
 
 
 def number(value, where):
-    """Read a number given as text."""
+    """Read a number given as text, a decimal or a fraction, as an exact fmpq; `where` names the entry of the file."""
     found = fmpq(*Fraction(value).as_integer_ratio()) if type(value) is str and NUMBER.fullmatch(value) else None
     right = found is not None and (found == 0 or TINY <= abs(found) <= 1 / TINY)
     check(right, f"{where}: {str(value)[:40]!r} is no decimal or fraction between 1e-100 and 1e100", BAD)
@@ -89,14 +92,18 @@ def number(value, where):
 
 
 def interval(value, where):
-    """Read a lower and an upper end."""
+    """Read a list of two texts as the lower and the upper end of an enclosure; `where` names the entry of the file."""
     low, high = read(value, (number, number), where)
     check(low < high or low == high == 0, f"{where}: the lower end is not below the upper one", BAD)
     return low, high
 
 
 def read(value, shape, where):
-    """Read a part of a file by its `shape`: a dict of keys, a set of allowed values, a list, or a function."""
+    """Check that a part of a file has a `shape`, and return it with its texts turned into numbers.
+
+    A shape is a dict of keys, a set of allowed values, a type, a list or a tuple of shapes, or a function that reads
+    the part. `where` names the entry of the file in a message.
+    """
     if isinstance(shape, dict):
         check(type(value) is dict, f"{where} is no object", BAD)
         wrong = sorted(value.keys() ^ shape.keys(), key=str)
@@ -117,12 +124,12 @@ def read(value, shape, where):
 
 
 def mode_number(value, where):
-    """Read the name of a mode as its number."""
+    """Read a mode's name, Omega1 to Omega3 or belt1 or belt2, as its number from 1 to 5; `where` names the entry."""
     return MODES.index(read(value, set(MODES[1:]), where))
 
 
 def optional(value, where):
-    """Read a number, or null as None."""
+    """Read a number or, if the entry of the file is null, return None; `where` names the entry."""
     return None if value is None else number(value, where)
 
 
@@ -161,7 +168,11 @@ class Problem:
 
 
 class Mode:
-    """A mode: z' = M z, and rows[n] z are the n-th derivatives of its functions f (module docstring, 1)."""
+    """A mode of motion: the state z = (x, v, 1, cos Omega t, sin Omega t) solves z' = M z, until a function f is 0.
+
+    Each f is a row times z: the distance of v from a belt or, on a belt, the force F below it or -F above it. The
+    products rows[n] z are the n-th derivatives of all f.
+    """
 
     steady = None  # a bound of the steady velocity, if there is one; `free` is then the row of v less the steady one
 
@@ -188,7 +199,7 @@ class Mode:
             self.free = arb_mat(fmpq_mat([[0, 1, 0, -B0 * Om * drag / square, B0 * Om * pull / square]]))
 
     def bound(self, z, n, h):
-        """Return a bound of |f^(n)|, n > 1, of each f for a time h after a state z (module docstring, 2)."""
+        """Return a number that |f^(n)|, n > 1, does not exceed for a time `h` after the state z, for each f."""
         u, w = (abs((rows * z)[0, 0]).upper() for rows in self.rows[n : n + 2])
         D, lag = self.drive[n + 1], h.min(self.lag)
         if not self.flies:
@@ -199,7 +210,7 @@ class Mode:
         return energy.min((u + h * w + h * lag * D) / near) if near > 0 else energy
 
     def settles(self, z):
-        """Return whether all f of a flight (distances from belts) certainly stay > 0 forever after a state z."""
+        """Return whether a flight certainly never meets a belt after the state z, by a bound of its velocity."""
         if self.steady is None:
             return False
         w, rate = (abs((row * z)[0, 0]).upper() for row in (self.free, self.free * self.M))
@@ -207,7 +218,11 @@ class Mode:
         return all(arb(self.row[i, 2]) - most > 0 for i in range(len(self.ends)))
 
     def stays(self, z, h, orders, after=None):
-        """Return whether all f certainly stay > 0 for a time h after a state z; `after` is the state then, if known."""
+        """Return whether the mode certainly lasts for a time `h` after the state z, as all its f stay > 0.
+
+        `after` is the state then, if known. For an end whose f is 0 at z, `orders` has the order of the first
+        derivative that is not 0.
+        """
         half = h if after is None else h / 2
         for i, end in enumerate(self.ends):
             n = orders.get(end, 0)  # f, or its first derivative that is not 0
@@ -227,7 +242,7 @@ class Mode:
 
 
 class Motion:
-    """The motions in one mode from a set of starts (t, x, v): centre + the sum of all sides, each times [-1, 1]."""
+    """The motions in one mode from a set of starts (t, x, v): `centre` plus each side times any number in [-1, 1]."""
 
     # The sides are vectors: `columns` contain the derivatives with respect to the first start; or, if there is a `rest`
     # of sides, exact numbers near them, so that the set of a long motion does not grow by what is not known of the
@@ -248,13 +263,17 @@ class Motion:
         self.amplitude = p[f"v{belt}"] ** 2 if circles and max(self.leaves.values(), default=0) > 1 else amplitude
 
     def at(self, t):
-        """Return the state z at a time, or an enclosure of it for a ball of times."""
+        """Return the state z = (x, v, 1, cos, sin) at a time, or an enclosure of it for a ball of times."""
         self.problem.step()
         z = (self.mode.M * (t.mid() - self.origin)).exp() * self.z0
         return z if t.is_exact() else (self.mode.M * (t - t.mid())).exp() * z
 
     def f(self, end, t):
-        """Return f, f' and f'' for one end of the mode, at a time or (by Taylor's theorem) at all times of a ball."""
+        """Return f, f' and f'' at a time, or (by Taylor's theorem) at all times of a ball.
+
+        f is the distance or force of the mode's `end`, a belt for a flight, a domain for a stick: at f = 0 the mode
+        ends.
+        """
         i, z, change = self.mode.ends.index(end), self.at(t.mid()), t - t.mid()
         f = [(row * z)[i, 0] for row in self.mode.rows[:4]]
         if t.is_exact():
@@ -266,7 +285,7 @@ class Motion:
         return [f[n] + f[n + 1] * change + bend[n] for n in range(3)]
 
     def positive(self, until):
-        """Prove that all f are > 0 from the start up to a time, so that nothing ends the mode before."""
+        """Prove that the mode lasts from the start until a time, as all f (distances or forces) are > 0."""
         require(until - self.t, "an event or the end is not after the event before it")
         a, orders, last, h = self.origin, self.leaves, self.at(until), until - self.origin
         while True:
@@ -286,7 +305,7 @@ class Motion:
             a, h, orders = b, b - a, {}
 
     def zero(self, end, order, found):
-        """Narrow the enclosure `found` of the zero of f, or of its derivative, by interval Newton steps."""
+        """Narrow the enclosure `found` of a time at which f (order 0) or f' (order 1) of an end of the mode is 0."""
         while True:
             step = found.mid() - self.f(end, found.mid())[order] / self.f(end, found)[order + 1]
             check(step.overlaps(found), "where an event is", OPEN)
@@ -295,13 +314,16 @@ class Motion:
                 return found
 
     def moved(self, t, sides):
-        """Return how z at a fixed time changes if the start moves along each of `sides`, vectors (dt, dx, dv)."""
+        """Return how the state z at a time changes if the start moves along each of `sides`, vectors (dt, dx, dv)."""
         e, rate = (self.mode.M * (t - self.t)).exp(), self.mode.M * self.first
         # A later start is one at the same time with another x and v.
         return [e * arb_mat([[x - rate[0, 0] * s], [v - rate[1, 0] * s], [0], [0], [0]]) for s, x, v in sides]
 
     def behind(self, row, limits=()):
-        """Prove that the next event is the one stated in a row of the file; return the motion after it."""
+        """Prove that the next event is the one stated in a row of the file; return the motion after it.
+
+        If just one start is said to graze, `limits` has the motions from two starts with this one between them.
+        """
         if row["kind"] == "graze":
             return self.graze(row, limits)
         p, mode, flies = self.problem.p, self.mode, self.mode.flies
@@ -325,7 +347,10 @@ class Motion:
         return type(self)(self.problem, then, belt, centre, columns, leaves, None, rest)
 
     def around(self, end, row, turn):
-        """Return a ball of times around an event, and f, f', f'' before it, behind it (turn * f > 0), on the ball."""
+        """Return a ball of times around an event, and f, f', f'' at its lower end, at its upper end, and on all of it.
+
+        The event is where f of the mode's `end` is 0. f > 0 is proven before it, and turn * f > 0 after it.
+        """
         low, high = arb(row["t"][0]).lower(), arb(row["t"][1]).upper()
         for _ in range(WIDENINGS):
             first, last = self.f(end, low), self.f(end, high)
@@ -338,7 +363,10 @@ class Motion:
         return low.union(high), first, last, self.f(end, low.union(high))
 
     def arrive(self, end, belt, when):
-        """Return centre, columns and rest of the set of states (t, x, v) at the zero of f that lies in `when`."""
+        """Return the states (t, x, v) where f of an end of the mode is 0, at times in the ball `when`.
+
+        They are on a belt. The set is returned as centre, columns and rest of a `Motion`.
+        """
         v, sides = arb(self.problem.p[f"v{belt}"]), []
         slope, i, count = self.f(end, when)[1], self.mode.ends.index(end), len(self.columns)
         for dz in self.moved(when, [*self.columns, *(self.rest or ())]):
@@ -354,7 +382,10 @@ class Motion:
         return [t.mid(), centre[1].mid(), v], [[each.mid() for each in side] for side in sides[:count]], frame(rest)
 
     def graze(self, row, limits):
-        """Prove that the next event is a graze: for every start enclosed, or for one between two `limits`."""
+        """Prove that the next event is a graze, as stated in a row of the file; return the motion after it.
+
+        Every start grazes or, given motions from two starts as `limits`, just one start between these.
+        """
         end, mode = row["boundary"], self.mode
         check(mode.flies and end in mode.ends, "a graze of a belt that is not beside the domain")
         speed = self.problem.p[f"v{end}"]
@@ -380,7 +411,7 @@ class Motion:
         return Motion(self.problem, mode.number, end, place, columns, {end: 2}, None, [])
 
     def least(self, end, times):
-        """Return the smallest f at times where f' changes sign (mean value theorem)."""
+        """Return the least distance f of v from the belt `end`, at a time in `times`, where f' changes its sign."""
         found = self.zero(end, 1, times)
         return self.f(end, found.mid())[0] + self.f(end, found)[1] * (found - found.mid())
 
@@ -390,19 +421,19 @@ class Motion:
         check(found == (kind, self.mode.number, then), f"{kind}: {MODES[self.mode.number]} to {MODES[then]}")
 
     def within(self, row):
-        """Prove that t and x of the start lie within those stated in a row of the file; return the motion."""
+        """Prove that t and x of the start lie between the ends stated in a row of the file; return this motion."""
         inside(self.t, row["t"])
         inside(self.x, row["x"])
         return self
 
     def from_centre(self, parts):
-        """Return t and x of the start centre + the sum of the columns (no rest), each times its factor in `parts`."""
+        """Return t and x of one start: the centre plus each of the columns, multiplied by its factor in `parts`."""
         moved = [[part * each for each in column] for part, column in zip(parts, self.columns, strict=True)]
         return [sum((column[i] for column in moved), c) for i, c in enumerate(self.centre[:2])]
 
 
 def frame(sides):
-    """Return both sides of a rectangle, one along the longest given side, that contains all sums of the given sides."""
+    """Return two orthogonal sides, one along the longest of `sides`, of a rectangle that contains all their sums."""
     p, q, _ = (each.mid() for each in max(sides, key=lambda side: (abs(side[0]) + abs(side[1])).upper()))
     if p == q == 0:
         p = arb(1)
@@ -413,7 +444,10 @@ def frame(sides):
 
 
 def begin(problem, start, errors, rest=None):
-    """Return the motion from a start and its errors; if F is exactly 0, its first nonzero derivative decides."""
+    """Return the motion from a start (t0, x0, v0) with errors; on a belt the forces F on both sides decide the mode.
+
+    Where a force is exactly 0, its first derivative that is not 0 decides. `rest` is that of `Motion`.
+    """
     (t0, x0, v0), p, centre = start, problem.p, [arb(value) for value in start]
     columns = [[arb(error) if i == j else arb(0) for j in range(3)] for i, error in enumerate(errors) if error]
     z = fmpq_mat([[x0], [v0], [1], [1], [0]])  # where t0 or B0 is 0
@@ -442,13 +476,13 @@ def begin(problem, start, errors, rest=None):
 
 
 def leave(problem, start, errors, until):
-    """Return the flight, as a set, of starts that each may stick to the belt at first, but not at the time `until`."""
+    """Prove that all starts within the errors leave the belt before `until`; return the set of their flights."""
     (t0, _, v0), p = start, problem.p
     at, after = 1 if v0 == p["v1"] else 2, until - t0 - errors[0]
     check(v0 in (p["v1"], p["v2"]) and errors[2] == 0 and after > 0, "a start on a belt, and a time after it")
 
     def motion(mode, t, x, leaves=None):
-        """Return the motion in a mode from all starts at most t in time and x in position from the given one."""
+        """Return the motion in a mode from all starts within a time `t` and a distance `x` of the given one."""
         columns = [(arb(t), arb(0), arb(0)), (arb(0), arb(x), arb(0))]
         return Motion(problem, mode, at, [arb(value) for value in start], columns, leaves)
 
@@ -483,7 +517,7 @@ def table(rows):
 
 
 def question(data, source):
-    """Return the start of a motion, its errors, and a line that states the question in the texts of the file."""
+    """Return the start of a motion, its errors, and a line of text with all that the file was asked to prove."""
     start, errors = [data["start"][name] for name in START], data["start_error"]
     check(min(errors) >= 0, "start_error: a negative number", BAD)
     check(data["t_end"] - start[0] - errors[0] > 0, "t_end is not after the start", BAD)
@@ -492,7 +526,10 @@ def question(data, source):
 
 
 def varied(problem, number, name):
-    """Return the derivatives of a mode's M and rows with respect to a parameter; both are affine in it (m: in 1/m)."""
+    """Return derivatives by the parameter `name` of M and of the rows of f, in z' = M z and f = row z of a mode.
+
+    M and the rows are affine in the parameter (m: in 1/m).
+    """
     if name in START:
         return fmpq_mat(5, 5), fmpq_mat(2, 5)
     p = problem.p
@@ -502,7 +539,10 @@ def varied(problem, number, name):
 
 
 def changes(problem, motions, rows, name):
-    """Return enclosures of the derivatives dt and dx of all events with respect to the parameter or start `name`."""
+    """Return enclosures of the derivatives dt and dx of all events with respect to `name`, a parameter or start value.
+
+    `rows` has the events in the file, `motions` the motions before, between and after them.
+    """
     dt, dx, dv = (arb(int(name == each)) for each in START)
     found = []
     for motion, row, after in zip(motions, rows, motions[1:], strict=False):
@@ -526,7 +566,7 @@ def changes(problem, motions, rows, name):
 
 
 def differentiated(problem, data, motions):
-    """Prove the derivatives of all events that a file states (point 7 of the module docstring)."""
+    """Prove that the derivatives of all events lie between the ends that the file states, or raise Stop."""
     first, names, stated = motions[0], data["wrt"], data["derivatives"]
     check(not any(data["start_error"]), "derivatives of a start that is not exact", BAD)
     check(names and len({*names}) == len(names), "wrt: no names, or one twice", BAD)
@@ -543,7 +583,7 @@ def differentiated(problem, data, motions):
 
 
 def trajectory(data, source, limits):
-    """Prove that a motion has the stated events, and no others until t_end."""
+    """Prove that a motion has the stated events, and no others until t_end; return what is proven, as lines of text."""
     problem = Problem(data["parameters"], limits)
     start, errors, shown = question(data, source)
     starts, suffix = [(start, errors)], ", for every start within the error" if any(errors) else ""
@@ -576,9 +616,10 @@ def trajectory(data, source, limits):
 
 
 def period(problem, rows, centre, widths, turn, kind=Motion):
-    """Follow a box of t and x at the first event over a period; return the motions after all events, u and D.
+    """Follow a box of t and x at the first event through all events in `rows`; return the motions, u and D.
 
-    The only fixed point of P, the map over the period less the time `turn`, is centre + u; D is the Jacobian of P.
+    Let P map t and x at the first event to those at the last, with t less by `turn`, the time of the periods. D
+    encloses the Jacobian of P over the box, and centre + u is its only fixed point.
     """
     (dt, dx), belt, mode = widths, rows[0]["boundary"], rows[0]["target"]
     columns, leaves = [(dt, arb(0), arb(0)), (arb(0), dx, arb(0))], {belt: 1} if mode < 4 else {}
@@ -595,7 +636,7 @@ def period(problem, rows, centre, widths, turn, kind=Motion):
 
 
 def settled(data, source, limits):
-    """Prove the first events of a motion, that it returns to a box forever after these, and its last events."""
+    """Prove that a motion has its first events, then a cycle of events again and again, and the last events stated."""
     problem, until = Problem(data["parameters"], limits), data["may_stick_until"]
     start, errors, shown = question(data, source)
     events, cycle, last = data["events"], data["cycle"], data["last"]
@@ -641,7 +682,7 @@ def settled(data, source, limits):
 
 
 def keeps(bias, swing, low, high, problem):
-    """Prove that bias + swing sin theta > 0 for all theta from low to high, by bisection."""
+    """Raise Stop unless bias + swing sin theta is > 0 for all phases theta from `low` to `high` (by bisection)."""
     parts = [(low, high)]
     while parts:
         problem.step()
@@ -654,7 +695,7 @@ def keeps(bias, swing, low, high, problem):
 
 
 def window(data, source, limits):
-    """Prove at which phases a contact with F = 0 grazes, as stated (point 8 of the module docstring)."""
+    """Prove at which phases a contact with a force F = 0 is a graze, as the file states; return lines of text."""
     problem, where, ends = Problem(data["parameters"], limits), data["grazes"], data["ends"]
     p, (belt, side) = problem.p, {"P2": (1, 1), "P3": (1, -1), "P5": (2, 1), "P6": (2, -1)}[data["map"]]
     bias, swing, circle = side * p["k"] * p[f"v{belt}"], side * p["B0"] * p["Omega"], (arb(0), 2 * arb.pi())
@@ -711,7 +752,7 @@ def unique(pairs):
 
 
 def prove(data, limits):
-    """Prove a certificate and return what is proven, as lines of text."""
+    """Prove a certificate and return what is proven, as lines of text; `limits` has the most events and steps."""
     check(type(data) is dict and data.get("format") == FORMAT, "an unknown format", BAD)
     kind, proven, author = data.get("kind"), data.get("proven"), data.get("made_by", "")
     check(type(author) is str and len(author) <= 200, "made_by is no text of 200 characters at most", BAD)
@@ -738,7 +779,10 @@ def prove(data, limits):
 
 
 def judge(data, **limits):
-    """Prove the contents of a file again; return an exit code and the answer, one line if the code is not 0."""
+    """Prove the contents of a file, read from JSON, again; return an exit code and the answer.
+
+    The answer is one line if the code is not 0. Names and values in `limits` replace those of LIMITS.
+    """
     with LOCK:
         before, ctx.prec = (ctx.prec, ctx.cap), 256
         try:

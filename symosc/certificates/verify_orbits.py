@@ -55,6 +55,9 @@ An "atlas", for a box of two parameters at once. For c > 0 and k > 0 an orbit wi
 13. "rest": a belt has the speed 0, and mu FN >= |B0|: the mass may rest on it, and no orbit has a flight.
 14. The boxes are in the range and do not overlap; their part of its area is the share. With the open boxes they fill
    it. What is "found" is not proven; but no point of a border may be inside a box, where the word does not change.
+
+The letters of the code are those above; e is an `Oscillator`, q in `Flight.parts` is that of 12, and Y is a matrix near
+the inverse of J. `data`, `source`, `limits` and `where` are those of verify.py.
 """
 
 import sys
@@ -85,7 +88,7 @@ SIDES = ((1, 0), (0, 1), (1, 1), (1, -1))
 
 
 def end_of_branch(value, where):
-    """Read an end of a branch: its kind, the values inside and outside of it, and what fails outside."""
+    """Read an end of a branch: its kind, the parameter just inside and just outside, and what fails outside."""
     shape = {"kind": {RANGE_END}, "inside": number, "outside": number}
     if not (type(value) is dict and value.get("kind") == RANGE_END):
         shape |= POINTS | {"kind": str, "inequality": str, "at": number}
@@ -93,7 +96,7 @@ def end_of_branch(value, where):
 
 
 def curves(value, where):
-    """Read the points of all borders in an atlas, and sort them; ignore what else is said of the borders."""
+    """Read the points of all borders in an atlas, sorted by the first parameter; ignore all else about borders."""
     try:
         points = [tuple(map(float, point)) for border in value.get("borders", ()) for point in border["points"]]
     except (AttributeError, LookupError, TypeError, ValueError):
@@ -126,7 +129,7 @@ base.SHAPES["atlas"] = {
 
 
 def course(data):
-    """Prove that an orbit's events can follow each other, close, and have the stated word; return them as tuples."""
+    """Prove that an orbit's events fit and have the stated word; return tuples (kind, belt, source, target)."""
     rows = data["events"]
     check(0 < data["periods"] < 10_000 and len(rows) > 2, "a number of periods, and three events at least", BAD)
     found = [tuple(base.what(row)) for row in rows]
@@ -143,8 +146,10 @@ def course(data):
 
 
 def least(events, periods, apart):
-    """Prove that no smaller number of forcing periods is a period of the orbit (point 3 of the module docstring)."""
-    # `apart(i, n)` says whether t or x of event i surely differs from those of event 0, n forcing periods later.
+    """Prove that no smaller number of forcing periods is a period of the orbit.
+
+    `apart(i, n)` says whether t or x of event i surely differs from those of event 0, n forcing periods later.
+    """
     n = len(events) - 1
     for q in range(2, periods + 1):
         if periods % q == n % q == 0 and all(events[i] == events[(i + n // q) % n] for i in range(n)):
@@ -153,7 +158,7 @@ def least(events, periods, apart):
 
 
 def eigenvalues(T, d):
-    """Return real and imaginary parts of the roots of z^2 - T z + d, the larger one first if they are real."""
+    """Return real and imaginary parts of both eigenvalues of a matrix with trace T and determinant d, largest first."""
     zero, square = arb(0), T * T / 4 - d
     if d.is_zero():
         return (T, zero), (zero, zero)
@@ -174,7 +179,7 @@ Within = type("Within", (base.Motion,), {"positive": lambda motion, *until: None
 
 
 def orbit(data, source, limits):
-    """Prove that the stated orbit exists with its multipliers, and is unique in its box."""
+    """Prove that the stated orbit exists with its multipliers, and is unique in its box; return lines of text."""
     problem, periods, events = base.Problem(data["parameters"], limits), data["periods"], course(data)
     rows, turn = data["events"], 2 * periods * arb.pi() / arb(problem.p["Omega"])
     right = min(data["alone_within"]) > 0 <= min(row["reach"] for row in rows)
@@ -199,7 +204,7 @@ def orbit(data, source, limits):
         inside(x, row["x"])
 
     def apart(i, later):
-        """Return whether event i is surely not event 0 repeated `later` forcing periods later, by its t or its x."""
+        """Return whether t or x of event i surely differs from that of event 0, `later` forcing periods later."""
         (t, x), (t0, x0) = points[i], points[0]
         return not ((t - t0) * periods).overlaps(later * turn) or not x.overlaps(x0)
 
@@ -231,7 +236,7 @@ def column(values):
 
 
 def horner(rows, at):
-    """Return the values of polynomials at `at`; row i is the column of their i-th coefficients."""
+    """Return the values of several polynomials at `at`; rows[i] is a column with the i-th coefficient of each."""
     total = rows[-1]
     for row in reversed(rows[:-1]):
         total = row + at * total
@@ -259,7 +264,10 @@ def real(value):
 
 
 def entire(b, z):
-    """Return 0F1(b; z) of a ball or series: cosh w for b = 1/2, sinh(w)/w for b = 3/2, z = w^2/4 of any sign."""
+    """Return the hypergeometric function 0F1(b; z) of a ball or a power series z.
+
+    If z = w^2/4, it is cosh w for b = 1/2, and sinh(w)/w for b = 3/2; z may have any sign.
+    """
     if isinstance(z, arb | acb):
         return z.hypgeom_0f1(b)
     kind: Any = type(z)
@@ -270,7 +278,7 @@ def entire(b, z):
 
 
 class Oscillator:
-    """The oscillator with balls or series as parameters."""
+    """The oscillator with balls or series as parameters; h = c/(2m), and A has the constant force in each domain."""
 
     def __init__(self, q):
         self.m, self.c, self.k, A0, self.B0, self.Om, *belts, mu1, mu2, FN = (q[each] for each in base.NAMES)
@@ -281,20 +289,20 @@ class Oscillator:
 
     @cached_property
     def steady(self):
-        """Return a and b of the steady motion x = A/k + a cos(Omega t) + b sin(Omega t)."""
+        """Return a and b of the steady motion, whose x is a cos(Omega t) + b sin(Omega t) and a constant."""
         pull, drag = self.k - self.m * self.Om * self.Om, self.c * self.Om
         size = pull * pull + drag * drag
         return self.B0 * pull / size, self.B0 * drag / size
 
     @cached_property
     def frequency(self):
-        """Return whether w^2 = h^2 - k/m is > 0; the root of its size; whether this root is too near 0 to divide by."""
+        """Return whether w^2 = (c/(2m))^2 - k/m is > 0, the root of |w^2|, and whether that may be 0 or nearly so."""
         over = coefficient(self.square) > 0
         w = (self.square if over else -self.square).sqrt()
         return over, w, not coefficient(w) > 32 * coefficient(w).rad()
 
     def free(self, s):
-        """Return C and S after a time s: y(s) = y(0) C + (y'(0) + h y(0)) S is the motion without drive."""
+        """Return C and S, with which the motion y without drive is y(0) C + (y'(0) + h y(0)) S a time s later."""
         decay, (over, w, critical) = (-self.h * s).exp(), self.frequency
         if critical:
             z = self.square * s * s / 4
@@ -311,11 +319,14 @@ class Oscillator:
         return root - lifted(self.h), -root - lifted(self.h)
 
     def driven(self, s):
-        """Return S, S', Z, Z' at a time s: the responses to a unit of velocity and to the drive exp(i Omega s)/m."""
+        """Return S, S', Z and Z' a time s after a start, where S and Z are responses of the position x.
+
+        S is the response to the velocity 1 at the start, and Z the response to the drive exp(i Omega s)/m from rest.
+        """
         (first_root, other), s, drive = self.roots, lifted(s), times_i(self.Om)
 
         def X(a, b):
-            """Return X(a, b) = (exp(a s) - exp(b s))/(a - b), also where a and b are close."""
+            """Return (exp(a s) - exp(b s))/(a - b) at the time s of `driven`, also where a and b are close."""
             half = (a - b) * s / 2
             if abs(half[0] if isinstance(half, acb_series) else half) > 1:
                 return ((a * s).exp() - (b * s).exp()) / (a - b)
@@ -333,7 +344,7 @@ class Oscillator:
 
 
 class Margin(NamedTuple):
-    """A function f that must be > 0 on a piece of an orbit: its text, and the kind of a branch end where it fails."""
+    """A function f of time that must be > 0 on a piece of an orbit, and the kind of branch end that f = 0 makes."""
 
     text: str
     kind: str
@@ -367,7 +378,10 @@ def positive(margin, until, problem):
 
 
 def in_parts(prove, whole, most, what):
-    """Call `prove` for a whole box or, where it fails, for its halves, and so on; return the last result."""
+    """Call `prove` for the box `whole` or, if that fails, for halves and so on; return the last result.
+
+    Raise Stop with the text `what` if `most` parts are not enough.
+    """
     parts, count, found = [whole], 0, None
     while parts:
         part, count = parts.pop(), count + 1
@@ -401,7 +415,7 @@ class Piece:
             self.ddy = force + e.Om * e.Om * (a * cosine + b * sine)
 
     def at(self, s, t):
-        """Return x, v, v' and v'' of a flight a time s after its start; t is the time then."""
+        """Return x, v, v' and v'' of a flight at the time t, which is a time s after its start."""
         e, (C, S), (a, b) = self.e, self.e.free(s), self.e.steady
         sine, cosine = (e.Om * t).sin_cos()
         u, w, square = a * cosine + b * sine, e.Om * (b * cosine - a * sine), e.Om * e.Om
@@ -410,31 +424,41 @@ class Piece:
         return e.A[self.mode] / e.k + u + y, w + dy, ddy - square * u, -2 * e.h * ddy - e.km * dy - square * w
 
     def force(self, domain, s, t):
-        """Return a domain's force F on the belt, F' and F'', a time s after the start; t is the time then."""
+        """Return F, F' and F'' at the time t, a time s after the start; F is a domain's force per mass at the belt."""
         e, (sine, cosine) = self.e, (self.e.Om * t).sin_cos()
         F = (e.A[domain] + e.B0 * cosine - e.k * (self.x + self.v * s) - e.c * self.v) / e.m
         return F, -e.drive * sine - e.km * self.v, -e.drive * e.Om * cosine
 
     def f(self, end, s):
-        """Return f, f' and f'' a time s after the start; f = 0 is an `end` of the mode, a belt or a domain."""
+        """Return f, f' and f'' a time s after the start, for an `end` of the mode: the mode ends there where f = 0.
+
+        For a flight f is the distance of v from the belt `end`; for a stick the force against slipping into the domain
+        `end`.
+        """
         first, *others = self.force(end, s, self.t + s) if self.mode > 3 else self.at(s, self.t + s)[1:]
         return [self.ends[end] * each for each in (first if self.mode > 3 else first - self.e.belts[end], *others)]
 
 
 class Course:
-    """The equations r = 0 that an orbit with given events solves, and the inequalities that make a root an orbit."""
+    """The equations r(u) = 0 that an orbit with given events solves, and the inequalities that a root must satisfy."""
 
     def __init__(self, events, periods, e):
         self.events, self.e, self.count, self.forcing = events, e, len(events) - 1, 2 * arb.pi() / e.Om
         self.turn = periods * self.forcing
 
     def piece(self, i, u, late=0):
-        """Return the motion from event i (or `late` behind it) to the next event, its duration, and when it ends."""
+        """Return the motion from event i to event i + 1, its duration, and when it ends, from the unknowns u.
+
+        `late`, a small delay of event i, serves for derivatives with respect to its time.
+        """
         until, t = u[2 * i + 2] if i + 1 < self.count else u[0] + self.turn, u[2 * i]
         return Piece(self.e, self.events[i][3], self.events[i][1], t, u[2 * i + 1], late), until - t, until
 
     def residual(self, i, u, late=0):
-        """Return two residuals r between event i and the next: of the position, and of the velocity or the force."""
+        """Return two residuals of the motion from event i to the next one: of x, and of v or, after a stick, of F.
+
+        `late`, a small delay of event i, serves for derivatives with respect to its time.
+        """
         (piece, s, until), (_, belt, _, target) = self.piece(i, u, late), self.events[i + 1]
         sticks, onto = piece.mode > 3, u[(2 * i + 3) % len(u)]
         x, f = (piece.x + piece.v * s, piece.force(target, s, until)[0]) if sticks else piece.at(s, until)[:2]
@@ -455,7 +479,7 @@ class Course:
         return J
 
     def margins(self, i, u):
-        """Return the margins after event i: the functions that must be > 0 there, or until the next event."""
+        """Return the margins after event i: functions that must be > 0 at the event, or from it to the next one."""
         ((made, belt, source, mode), after), (piece, s, _) = self.events[i : i + 2], self.piece(i, u)
         around = pairwise([self.events[i - 1 - (not i)], *self.events[i : i + 2]])
         previous, label = (f"P{LABELS[a[1], a[3], b[1]]}" for a, b in around)
@@ -482,7 +506,7 @@ class Course:
         return found
 
     def prove(self, u, stable, problem):
-        """Prove all margins for all roots in u and, if `stable`, that both multipliers are inside the unit circle."""
+        """Prove all margins for all unknowns in u and, if `stable`, that the multipliers are inside the unit circle."""
         period, D, J = arb_mat([[1, 0], [0, 1]]), arb(1), self.jacobian(u)
         for i in range(self.count):
             piece, s, until = self.piece(i, u)
@@ -497,7 +521,10 @@ class Course:
 
 
 class Family:
-    """A family of orbits, proven by interval Newton: one root of r in a row's box for each value from low to high."""
+    """A family of orbits, proven by interval Newton: for each parameter value from `low` to `high` there is one.
+
+    Its unknowns are the only root of the equations r(u) = 0 in the box that a row of the file states.
+    """
 
     def __init__(self, problem, data, events, row, low, high):
         problem.step((2 * len(events)) ** 3 // 256)  # the work, and by it the size, of the matrices
@@ -523,14 +550,14 @@ class Family:
         self.within(row, self.points, self.all)
 
     def coefficients(self, value, curve, count):
-        """Return the first `count` Taylor coefficients of r along a curve, about a value of the parameter."""
+        """Return the first `count` Taylor coefficients of the residuals r along a curve of unknowns, about `value`."""
         ctx.cap = max(ctx.cap, count)
         points = [arb_series(list(each), prec=count) for each in zip(*(row.entries() for row in curve), strict=True)]
         r = self.course(arb_series([value, 1], prec=count)).r(points)
         return [column([each[j] for each in r]) for j in range(count)]
 
     def newton(self, c, r):
-        """Prove that c lies in the box; return c - J^-1 r(c), which contains the root (interval Newton)."""
+        """Prove that the box stated has the points `c`, near the root; return c - J^-1 r, which contains the root."""
         for each, whole in zip(c.entries(), self.box, strict=True):
             require(arb(whole.rad()) - abs(each - whole.mid()), "a curve in the box")
         return (c - self.YJ.solve(self.Y * r)).entries()
@@ -541,26 +568,29 @@ class Family:
         return self.newton(c, column(course.r(c.entries()))), course
 
     def within(self, row, u, course):
-        """Prove that all points in u lie within the t and x stated in a row of the file."""
+        """Prove that t and x of all events, from the unknowns u, lie within those stated in a row of the file."""
         for name, values in (("t", [*u[::2], u[0] + course.turn]), ("x", [*u[1::2], u[1]])):
             for value, ends in zip(values, row[name], strict=True):
                 inside(value, ends)
 
     def apart(self, i, later):
-        """Return whether event i is surely not event 0 repeated `later` forcing periods later, for all values."""
+        """Return whether t or x of event i surely differs from that of event 0, `later` forcing periods later."""
         (t, x), (t0, x0) = self.points[2 * i : 2 * i + 2], self.points[:2]
         return not (t - t0).overlaps(later * self.all.forcing) or not x.overlaps(x0)
 
 
 def family(problem, data, events, row, part):
-    """Prove the orbits of a row of a branch for all values of a part of its interval; return their Family."""
+    """Prove the orbits of a row of a branch for all parameter values in a part of the row's range; return a Family."""
     found = Family(problem, data, events, row, *part[0])
     found.all.prove(found.points, data["stable"], problem)
     return found
 
 
 def fails(problem, data, events, end, row):
-    """Prove, for the same family of roots, that the inequality which a branch's end names fails outside the end."""
+    """Prove that the inequality which an end of a branch names fails just outside of the branch.
+
+    The root there belongs to the family of the orbits in `row`, the row of the branch beside the end.
+    """
     found = Family(problem, data, events, end, *sorted((end["inside"], end["outside"])))
     found.within(row, *found.root(end["inside"]))
     (u, course), at, kind = found.root(end["outside"]), arb(end["at"]), end["kind"]
@@ -574,7 +604,7 @@ def fails(problem, data, events, end, row):
 
 
 def branch(data, source, limits):
-    """Prove a branch: every row, that the rows join, and both ends; return what is proven as lines."""
+    """Prove a branch: every row, that the rows join, and both ends; return what is proven, as lines of text."""
     name, rows, span, periods = data["parameter"], data["boxes"], data["range"], data["periods"]
     values, events, tried = [row["value"] for row in rows], course(data), list[Any]()
     right = values and span == [values[0][0], values[-1][1]] and all(a[1] == b[0] for a, b in pairwise(values))
@@ -620,20 +650,23 @@ def pairs(row):
 
 
 class Flight:
-    """A flight of a word: mode, belts at both ends, whether it follows a stick, the domain after the next stick."""
+    """A flight of a word: mode, belts at its start and end, whether it follows a stick, and what comes after it.
+
+    If a stick follows, `stick` is the domain into which that slips; otherwise it is 0.
+    """
 
     def __init__(self, piece, at, slips, stick):
         (self.belt, self.mode, self.onto), self.at, self.slips, self.stick = piece, at, slips, stick
         self.tau, self.side = at + 2 - slips, 1 if self.mode > self.onto else -1
 
     def start(self, e, u):
-        """Return x at the start of the flight: one of the unknowns u or, after a stick, where F = 0."""
+        """Return x at the start of the flight: one of the unknowns u or, after a stick, the x where the force is 0."""
         if not self.slips:
             return u[self.at + 1]
         return (e.A[self.mode] + e.B0 * u[self.at].cos() - e.c * e.belts[self.belt]) / e.k
 
     def after(self, e, u, s):
-        """Return x, v and v' of the flight after a time s, from the unknowns u."""
+        """Return x, v and v' of a flight of the oscillator `e`, a time s after its start, from the unknowns u."""
         x, v, A, phase, (S, S1, Z, Z1) = self.start(e, u), e.belts[self.belt], e.A[self.mode], u[self.at], e.driven(s)
         turn, y = times_i(phase).exp() * lifted(e.B0 / e.m), x - A / e.k
         there = A / e.k + y * (S1 + 2 * e.h * S) + v * S + real(turn * Z)
@@ -641,11 +674,14 @@ class Flight:
         return there, speed, (A + e.B0 * (phase + e.Om * s).cos() - e.k * there - e.c * speed) / e.m
 
     def end(self, e, u):
-        """Return the phase at the end of the flight."""
+        """Return the phase at the end of a flight of the oscillator `e`, from the unknowns u of the orbit."""
         return u[self.at] + e.Om * u[self.tau]
 
     def parts(self, e, u):
-        """Split a flight back to its belt at the zeros of q (12): (q > 0, begin, end) of each; None if undecided."""
+        """Split a flight back to its belt at the zeros of q; return (q > 0, begin, end) of each part; None: undecided.
+
+        q drives the distance g from the belt: m g'' + c g' + k g = q.
+        """
         phase, end, found = u[self.at], self.end(e, u), []
         turns = [turning(e, self.belt, n) for n in between(e, self.belt, phase, end)]
         if not all(phase < turn < end for turn in turns):
@@ -660,7 +696,7 @@ class Flight:
         return found
 
     def stays_off(self, e, u, cuts):
-        """Return whether the distance g is > 0 in the whole flight as it is so at the cuts (module docstring, 12)."""
+        """Return whether a flight back to its belt surely stays off it until its end, if it is off it at all `cuts`."""
         found, most, at = self.parts(e, u), e.longest_part(), [(u[self.tau] * part, reach) for part, reach in cuts]
         if found is None:
             return False
@@ -684,12 +720,12 @@ class Flight:
 
 
 def turning(e, belt, n):
-    """Return the n-th phase at which the forces on a belt turn from rising to falling or back."""
+    """Return the n-th phase at which the forces on a belt of the oscillator `e` begin to fall or to rise."""
     return n * arb.pi() + (-1) ** (n % 2) * (-e.k * e.belts[belt] / (e.B0 * e.Om)).asin()
 
 
 def between(e, belt, low, high):
-    """Return the numbers n of all turns of a belt's forces that may lie between two phases."""
+    """Return the numbers n of all turns of a belt's forces (`turning`) that may lie between two phases."""
     bias, swing = abs(e.k * e.belts[belt]), abs(e.B0 * e.Om)
     if bias > swing:
         return []
@@ -701,7 +737,11 @@ def between(e, belt, low, high):
 
 
 def marks(parts, most):
-    """Choose the cuts of a flight: shares of its duration, and for how long around each g > 0 there implies g > 0."""
+    """Choose the cuts of a flight from its `parts`: where its distance g from the belt is to be shown > 0.
+
+    A cut is a share of the duration, and how long before and after it g is > 0 as well. `most` is less than half a
+    period of the motion without drive.
+    """
     most, tau, found = 0.95 * float(most), float(parts[-1][2]), []
     spare = 2 * max(float(b.rad()) for _, _, b in parts) + tau / 500
     for i, (up, *ends) in enumerate(parts):
@@ -715,7 +755,7 @@ def marks(parts, most):
 
 
 class Word:
-    """A word's flights, and the equations r = 0 for the unknowns u of its orbit (module docstring, 9)."""
+    """A word: its flights, and the equations r(u) = 0 for the unknowns u of its orbit (phases, x, durations)."""
 
     def __init__(self, text, mirror):
         digits, what = text[1:], f"the word {text[:40]!r}"
@@ -749,14 +789,17 @@ class Word:
         return [arb(each) for each in found]
 
     def next(self, e, i, u):
-        """Return phase and x at the start of the flight after flight i; after the last, of flight 0 a period later."""
+        """Return phase and x at the start of the flight after flight i, for the oscillator `e` and the unknowns u.
+
+        After the last flight comes flight 0, a period later (half a period, if the orbit is its mirror image).
+        """
         if i + 1 < len(self.flights):
             return u[self.flights[i + 1].at], self.flights[i + 1].start(e, u)
         x = self.flights[0].start(e, u)
         return (u[0] + arb.pi(), (e.A[1] + e.A[3]) / e.k - x) if self.half else (u[0] + 2 * arb.pi(), x)
 
     def r(self, e, u, plan=None):
-        """Return the residuals r of the word and, given a plan, the margins, which have to be > 0."""
+        """Return the residuals r of oscillator `e` at unknowns u and, given a `plan`, the margins, to be shown > 0."""
         found, margins, self.looks = [], [], {}  # the margins by which a flight is looked at, and its number
         for i, flight in enumerate(self.flights):
             s, (phase, x), v, end = u[flight.tau], self.next(e, i, u), e.belts[flight.onto], flight.end(e, u)
@@ -785,7 +828,7 @@ class Word:
         return found, margins
 
     def plan(self, e, u):
-        """Return the turns that may be in each stick, and the cuts of each flight (None: it needs short steps)."""
+        """Return the turns of the forces in each stick, and the cuts of each flight, None if it needs short steps."""
         turns, cuts = list[Any](), list[Any]()
         for i, flight in enumerate(self.flights):
             after = self.next(e, i, u)[0]
@@ -796,7 +839,7 @@ class Word:
         return turns, cuts
 
     def stays(self, e, u, plan, problem):
-        """Prove for all unknowns u in a box, given margins > 0, that no flight meets a belt before its end."""
+        """Prove that no flight meets a belt before its end, for all unknowns in u, if all margins are > 0."""
         for flight, cuts in zip(self.flights, plan[1], strict=True):
             near = {flight.mode - 1, flight.mode} & {1, 2}
             sides = {belt: (1 if flight.mode > belt else -1, e.belts[belt]) for belt in near}
@@ -819,7 +862,7 @@ class Word:
 
 
 class Box:
-    """The proof that a word has one orbit for all parameters of a box (module docstring, 10)."""
+    """A box of two parameters; to make one is to prove that a word has one orbit for all of them, or to raise Stop."""
 
     def __init__(self, p, over, word, box, u, problem):
         self.p, self.over, self.word, self.u, self.problem = p, over, word, column(u), problem
@@ -837,7 +880,8 @@ class Box:
     def series(self, side, rows, count, wide=False, plan=None):
         """Return the first `count` Taylor coefficients of Y r in the direction `side`, and all margins as series.
 
-        They begin at the middle or, if `wide`, at all points of the box; `rows` has the coefficients of the unknowns u.
+        r has the residuals, and Y is a matrix near the inverse of their Jacobian. `rows` has the coefficients of the
+        unknowns u. All series begin at the middle of the box or, if `wide`, at all of its points at once.
         """
         ctx.cap = count
         start = self.wide if wide else self.middle
@@ -847,7 +891,7 @@ class Box:
         return [self.Y * column([each[k] for each in r]) for k in range(count)], margins
 
     def columns(self, e, u, plan=None):
-        """Return for each unknown the derivatives of r and of the margins with respect to it, as balls."""
+        """Return for each unknown the derivatives by it of the residuals r and, given a `plan`, of the margins."""
         found, u, ctx.cap = [], u.entries(), 2
         self.problem.step(len(u) * len(self.word.flights) // 2)
         for j in range(len(u)):
@@ -856,7 +900,7 @@ class Box:
         return found
 
     def newton(self):
-        """Find unknowns u near the root at the box's middle, the Jacobian J there, and Y near its inverse; no proof."""
+        """Find the unknowns u of the orbit at the box's middle, the Jacobian J, and Y near its inverse; no proof."""
         e = self.plane(self.middle)
         for _ in range(BOX_NEWTON_STEPS):
             self.J = arb_mat([column[0] for column in self.columns(e, self.u)]).transpose()
@@ -869,7 +913,7 @@ class Box:
         raise Stop(OPEN, "a root at the middle of a box")
 
     def surface(self):
-        """Prove with a polynomial surface u(d) that the word has one orbit for all parameters d of the box."""
+        """Prove that for all places d in the box the word has one orbit, whose unknowns are near a polynomial u(d)."""
         word, p, second, thin, d, zero = self.word, [arb(0)] * self.word.size, [], [], arb(0, 1), arb(0)
         a, b = (-self.series(side, [self.u], 2)[0][1].mid() for side in SIDES[:2])
         for i, j in SIDES[:3]:
@@ -882,7 +926,7 @@ class Box:
         u = self.u + d * (a + d * aa + d * ab) + d * (b + d * bb)
 
         def slopes(i, j):
-            """Return the first and second coefficients of u(d) along the direction (i, j), from anywhere in the box."""
+            """Return first and second Taylor coefficients of u(d) in the direction (i, j), for all d in the box."""
             first = i * (a + 2 * d * aa + d * ab) + j * (b + 2 * d * bb + d * ab)
             return first, i * i * aa + j * j * bb + i * j * ab
 
@@ -914,7 +958,10 @@ class Box:
         word.stays(e, around.entries(), plan, self.problem)
 
     def contract(self, p, u, slopes):
-        """Return e with p + N e < e, by which a root is within e of u(d) for each d (module docstring, 10)."""
+        """Return how far, for each unknown, a root is from u(d) at most, for all places d in the box (Krawczyk).
+
+        `p` is a bound of Y r at u(d), and `slopes` has the derivatives of u(d) along both sides of the box.
+        """
         size, tube = range(self.word.size), [arb(1.1) * each for each in p]
         sizes = zip(*(each.entries() for each in slopes), tube, strict=True)
         scales = [max((abs(a).upper(), abs(b).upper(), t), key=float).mid() for a, b, t in sizes]
@@ -939,7 +986,7 @@ class Box:
         raise Stop(OPEN, "one root for all parameters of a box")
 
     def squares(self, side, u, slope):
-        """Return the second Taylor coefficients of Y r in a direction, enclosed for all of the box."""
+        """Return second Taylor coefficients of Y r along `side`, for all of the box; u changes at the rate `slope`."""
         return self.series(side, [u, slope, 0 * slope], 3, True)[0][2]
 
 
@@ -952,7 +999,7 @@ def rests(p, over, box):
 
 
 def apart(boxes):
-    """Prove that no two boxes overlap, by a sweep from left to right over the boxes cut by a vertical line."""
+    """Prove that no two boxes overlap: a vertical line moves across, and the boxes that it cuts are compared."""
     events = sorted((box[0][side], side == 0, i) for i, box in enumerate(boxes) for side in (0, 1))
     there = list[Any]()
     for _, begins, i in events:
@@ -967,7 +1014,7 @@ def apart(boxes):
 
 
 def clear(boxes, points, whole):
-    """Require that no point of a border is inside a proven box, by more than 1e-12 of the sides of the whole plane."""
+    """Raise Stop if a point of a border is inside a proven box; a rim of 1e-12 of the sides of `whole` is left out."""
     away = [1e-12 * float(high - low) for low, high in whole]
     for box in boxes:
         (left, right), (low, high) = ((float(a) + by, float(b) - by) for (a, b), by in zip(box, away, strict=True))
@@ -976,7 +1023,7 @@ def clear(boxes, points, whole):
 
 
 def mirror_of(p, over):
-    """Return the mirror image of each mode of an oscillator that is symmetric about A0/k, else {}."""
+    """Return the mode that mirrors each mode if the oscillator is symmetric about x = A0/k and v = 0, else {}."""
     if not {"v1", "v2", "mu1", "mu2"} & set(over) and p["v1"] == -p["v2"] and p["mu1"] == p["mu2"]:
         return {1: 3, 2: 2, 3: 1, 4: 5, 5: 4}
     for belt, other in ((1, 2), (2, 1)):
@@ -987,7 +1034,7 @@ def mirror_of(p, over):
 
 
 def atlas(data, source, limits):
-    """Prove an atlas: every box, that they do not overlap, and the share of the area."""
+    """Prove an atlas: all boxes, that they do not overlap, and their share of the area; return lines of text."""
     over, whole, p = data["over"], data["range"], data["parameters"]
     check(over[0] != over[1], "two different parameters", BAD)
     for corner in ((x, y) for x in whole[0] for y in whole[1]):
