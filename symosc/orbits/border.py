@@ -298,7 +298,7 @@ class Border(Drawable):
         return f"<Border {a} | {b or 'no word'} ({name}) over ({axes}), {len(self.points)} points, {ends}>"
 
     def as_dict(self) -> Record:
-        """Return everything as plain values."""
+        """Return the border as a dict of plain values: numbers, text and lists."""
         return {
             "parameters": list(self.parameters),
             "fixed": self.fixed.as_dict(),
@@ -343,7 +343,7 @@ def motion_at(parameters: Parameters, *near: Orbit) -> Orbit | None:
 
 
 class Tracer:
-    """A run along one border: follows it from a first node in both directions, to an end or to `most` points."""
+    """One run along a border, from a first node in both directions, to an end or to `most` points."""
 
     def __init__(self, system: BorderSystem, first: Node, step: float, most: int) -> None:
         self.plane, self.system, self.first, self.longest, self.most = system.plane, system, first, step, most
@@ -480,7 +480,7 @@ class Tracer:
         return Node(z, tangent, np.full(2, error)), SpecialPoint(FOLD, values, message, error)
 
     def _codimension_two(self, good: Node, bad: Node) -> tuple[Node, SpecialPoint]:
-        """Return the border's end as node and special point: between `good`, where all inequalities hold, and `bad`."""
+        """Locate the border's end between `good`, where all inequalities hold, and `bad`; return node and point."""
         system, condition = self.system, self._failing(bad)
         for _ in range(MOST_HALVINGS):
             if np.linalg.norm(bad.z - good.z) < LOCATED:
@@ -822,7 +822,7 @@ def continue_border(
 
 
 def _read_steps(step: NumberLike = STEP, max_points: int = MOST_POINTS) -> tuple[float, int]:
-    """Return the longest step and the largest number of points."""
+    """Check the two options of `continue_border`; return the longest step and the largest number of points."""
     longest, most = float(read_exact("step", step)), whole_number("max_points", max_points, 2)
     if not 0 < longest <= 0.1:
         raise ParameterError("step", step, "must be > 0 and at most 0.1")
@@ -830,7 +830,7 @@ def _read_steps(step: NumberLike = STEP, max_points: int = MOST_POINTS) -> tuple
 
 
 def _read_plane(parameters: Parameters, first: str, second: Any, limits: Any) -> Plane:
-    """Return the plane of two parameters with their ranges."""
+    """Check the two parameters and their ranges `limits`; return their plane."""
     if second not in PARAMETER_NAMES or second == first:
         known = f"must be one of {', '.join(name for name in PARAMETER_NAMES if name != first)}"
         raise ParameterError("parameter", second, known + meant(second, PARAMETER_NAMES))

@@ -186,7 +186,7 @@ class Branch(Drawable):
         return find_orbit(self.parameters(i), self.word, self.points[int(i)], digits, periods=self.periods)
 
     def as_dict(self) -> Record:
-        """Return everything as plain values."""
+        """Return the branch as a dict of plain values: numbers, text and lists."""
         ends = [end._asdict() for end in self.ends]
         for end in ends:
             end["points"] = [list(point) for point in end["points"]]
@@ -212,7 +212,7 @@ class Branch(Drawable):
         return imported("pandas").DataFrame(columns | {"stable": self.stable})
 
     def to_xarray(self) -> Any:
-        """Return a Dataset over `point`, `switching` and `which`; MissingExtraError if xarray is not installed."""
+        """Return a Dataset over `point`, `switching` and `which` (multiplier); MissingExtraError without xarray."""
         columns: Record = {name: (("point", "switching"), self.points[..., i]) for i, name in enumerate(("t", "x"))}
         for name, part in (("re", self.multipliers.real), ("im", self.multipliers.imag)):
             columns[f"multiplier_{name}"] = ("point", "which"), part  # no file format has complex numbers
@@ -516,10 +516,10 @@ class Curve:
     def _scan(
         self, a: BranchPoint, b: BranchPoint, around: float = np.inf
     ) -> tuple[list[BranchPoint], BranchPoint | None] | None:
-        """Halve the stretch from a to b until no gap can hide in it; return its orbits, and the first failing point.
+        """Search the stretch from a to b for a point that is no orbit; return the orbits up to the first, and it.
 
-        The whole result is None if the points do not lie on one smooth curve: a shorter step is needed. `around` is the
-        length of the shortest known stretch around a and b that ends at a failing point.
+        It is None if all are orbits. The whole result is None if the points do not lie on one smooth curve: a shorter
+        step is needed. `around` is the length of the shortest known stretch around a and b that ends at no orbit.
         """
         length, changed = self.distance(a, b), bool(b.failures)
         around = min(around, length) if changed else around
@@ -571,7 +571,7 @@ class Curve:
     # -- the end -------------------------------------------------------------------------------------------------------
 
     def _end_at(self, path: list[BranchPoint], failed: BranchPoint, direction: float) -> BranchEnd:
-        """Describe why the branch ends before `failed`; make the last point of `path` one that is surely an orbit."""
+        """Return the end of the branch before `failed`, with its reason; make the last of `path` surely an orbit."""
         # Margins are compared with those at a point that is far enough before the end.
         before = next((point for point in reversed(path) if self.distance(point, failed) > 1e-3), path[0])
         # What a margin must have fallen to to count as 0, or where doubles cannot decide on which side of 0 it is
@@ -648,8 +648,8 @@ def _largest_bends(values: np.ndarray, axis: int) -> np.ndarray:
 def _proven_positive(values: np.ndarray, deficit: float | np.ndarray = 0.0) -> np.ndarray:
     """Return, for each column of margins at five points of a branch, whether they stay > 0 between the points.
 
-    The criterion is sqrt(f0) + sqrt(f1) > sqrt(C), as derived above. `deficit` is by how much a margin may be smaller
-    between two columns than in them.
+    The criterion is sqrt(f0) + sqrt(f1) > sqrt(C), as derived at the top of the module. `deficit` is by how much a
+    margin may be smaller between two columns than in them.
     """
     bend, least = _largest_bends(values, axis=0), values - deficit
     roots = np.sqrt(np.maximum(least, 0.0))

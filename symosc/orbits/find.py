@@ -401,7 +401,8 @@ def resting_text(parameters: Parameters, mode: int, what: str = "the motion come
 def guesses_of_word(run: Run, labels: tuple[str, ...], periods: int | None, size: float) -> list[Guess]:
     """Return a guess from each part of the motion `run` that follows the mappings `labels`, with its closing error.
 
-    Positions are divided by `size` in this error. If `periods` is None, each guess closes after the nearest number.
+    Positions are divided by `size` in this error. If `periods` is None, a guess closes after the number of
+    periods that is nearest.
     """
     n, found = len(labels), []
     for k in range(len(run.labels) - n + 1):
