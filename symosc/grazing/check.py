@@ -118,7 +118,7 @@ class GrazingReport:
         return not self.mismatches and not self.undecided[G_SIGNS] and not self.undecided[EXACT_FLOW]
 
     def to_dict(self) -> Record:
-        """Return everything as plain data."""
+        """Return the report as a dict of plain values."""
         return {"ok": self.ok, **{name: getattr(self, name) for name in self.__dataclass_fields__}}
 
     def summary(self) -> str:

@@ -291,7 +291,7 @@ class Candidates:
     # -- Newton's method ---------------------------------------------------------------------------------------------
 
     def _between(self, first: Point, last: Point, target: Number) -> None:
-        """Store the solution between two points whose unknowns lie on both sides of `target`; note a failure."""
+        """Store the solution between points with unknowns on both sides of `target`, or add a note if none is found."""
         wanted = float(target)
         for _ in range(NEWTON_HALVINGS):
             if first in self._broken:
