@@ -130,7 +130,7 @@ def parameter_jacobian(p: ParametersLike, label: str, start: Pair, end: Pair, ex
 
 
 class MapArithmetic(NamedTuple):
-    """What maps are computed with in one kind of numbers: constants, functions of the kernels, and conversion."""
+    """For maps in one kind of numbers: constants K, kernel functions by name (`of`), conversion from Fractions."""
 
     K: Constants
     of: dict[str, Any]
@@ -212,13 +212,13 @@ def _parameter_jacobian(
 
 
 def map_arithmetic(p: Parameters, context: Context | None = None) -> MapArithmetic:
-    """Return what maps are computed with for single numbers: doubles, or numbers of an mpmath context."""
+    """Return constants and kernel functions for maps of single numbers: doubles, or numbers of an mpmath context."""
     return _doubles(p) if context is None else _mp_numbers(p, context, context.prec)
 
 
 @lru_cache(maxsize=128)
 def _doubles(p: Parameters, arrays: bool = False) -> MapArithmetic:
-    """Return what maps are computed with in doubles, for single numbers or for numpy arrays."""
+    """Return constants and kernel functions for maps in doubles, of single numbers or of numpy arrays."""
     if not arrays:
         return MapArithmetic(constants(p), vars(mapping) | vars(tangent), float)
     names = {"sin": np.sin, "cos": np.cos, "basis": entire_array.basis}
@@ -227,7 +227,7 @@ def _doubles(p: Parameters, arrays: bool = False) -> MapArithmetic:
 
 @lru_cache(maxsize=16)
 def _mp_numbers(p: Parameters, context: Context, precision: int) -> MapArithmetic:
-    """Return what maps are computed with for mpmath numbers; the cache needs the context's precision in bits."""
+    """Return constants and kernel functions for maps of mpmath numbers with the context's `precision` in bits."""
     from symosc.kernels.multiprecision import BasisMP
 
     number = partial(number_of, context=context)

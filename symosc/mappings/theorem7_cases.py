@@ -93,7 +93,7 @@ def window_kind(side: int, gamma_sign: int, amplitude_sign: int, excess_sign: in
 
 
 def case_label(place: Place, gamma_sign: int, amplitude_sign: int, excess_sign: int) -> str:
-    """Return the label of a case, such as (55.1), the first of eq. (55); letters mark cases missing in the paper."""
+    """Return the label of the case with these signs: (55.1) is the first of eq. (55), a letter is not in the paper."""
     # a: gamma has the wrong sign and |gamma| = |amplitude|; b, c: B0 = 0, everything and nothing. B0 < 0 is B0 > 0 half
     # a period later.
     if amplitude_sign == 0:
