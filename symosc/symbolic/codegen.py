@@ -100,7 +100,7 @@ def kernels() -> list[Kernel]:
 
 
 def _kernel(head: str, doc: str, steps: dict[str, Expr], own: dict[str, Expr]) -> Kernel:
-    """Make a kernel from "NAME ARGUMENT ..." that returns all `steps`; `own` has arguments not in MEANING."""
+    """Make a kernel from "NAME ARGUMENT ..." that returns all `steps`; `own` adds to MEANING."""
     name, *arguments = head.split()
     return Kernel(name, doc, {each: (MEANING | own)[each] for each in arguments}, steps, tuple(steps))
 

@@ -56,7 +56,7 @@ def transition() -> Expr:
 
 
 def symmetry() -> Expr:
-    """Return (x + x_0, v) half a period after the highest point x_0 as a column; it is 0 if the motion is symmetric."""
+    """Return the column (x + x_0, v) half a period T/2 after the highest point x_0; it is 0 as x(t + T/2) = -x(t)."""
     return transition() * FREE_START + sp.Matrix([x_f - p_0 + x_0, -Omega * q_0])
 
 
@@ -124,7 +124,7 @@ def slide_limit() -> Expr:
 
 
 def largest_force_ratio(largest: Expr) -> Expr:
-    """Return the largest F/P without stops in the symmetric motion; `largest` is the maximum of `slide_function`."""
+    """Return the largest ratio of friction to drive without stops; `largest` is the maximum of `slide_function`."""
     return k * Q / P / sp.sqrt(largest**2 + H**2)
 
 
@@ -149,7 +149,7 @@ def resonance_growth() -> Expr:
 
 @cache
 def free_decay() -> Expr:
-    """Return by how much each turning point of a free motion (P = 0, c = 0) is nearer to 0 than the one before it."""
+    """Return by how much nearer to 0 each turning point of a free motion without damping is than the one before."""
     lowest = solution.flow(solution.REGIMES["undamped"]).x.subs({v_i: 0, f0: 0, a_i: w0sq * (x_f - x_0), x_i: x_0})
     lowest = lowest.subs({w0sq: solution.omega_0**2, tau: sp.pi / solution.omega_0})
     return sp.simplify(x_0 + lowest)

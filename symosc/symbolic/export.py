@@ -201,7 +201,7 @@ residual gives f1, f2 of each map, both 0 where it leads from (x_i, theta_i) to 
 
 
 def _program(word: Word, arrays: bool, fix: Parameters | None) -> _Program:
-    """Collect the functions that a word's residual needs: for numpy arrays or numbers; parameters fixed or not."""
+    """Collect the functions that a word's residual needs, for numpy arrays or for numbers; `fix` fixes parameters."""
     from symosc.engine.flow import APART, constants  # late: `symosc codegen --help` needs none of these
     from symosc.kernels import _generated, entire, entire_array, mapping
 

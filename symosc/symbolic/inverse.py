@@ -278,7 +278,7 @@ class ParameterValues(LatexAnswer):
         return bool(self.values.contains(exact) == sp.true)
 
     def __getattr__(self, name: str) -> Any:
-        """Return what the set has: boundary, is_subset, measure, ..."""
+        """Return an attribute of the sympy Set `values`, such as boundary, is_subset or measure."""
         if name.startswith("__") or name in ("question", "values"):
             raise AttributeError(name)
         return getattr(self.values, name)
@@ -324,7 +324,7 @@ class ParameterRegion(Drawable, LatexAnswer):
 
     @property
     def allowed(self) -> Expr:
-        """The range that Parameters allows for both, as a sympy Boolean, unsimplified."""
+        """The ranges that Parameters allows for the two parameters, as a sympy Boolean."""
         found = {
             "k": sp.GreaterThan(QUERY_LETTERS["k"], 0, evaluate=False),
             "Omega": sp.StrictGreaterThan(QUERY_LETTERS["Omega"], 0, evaluate=False),

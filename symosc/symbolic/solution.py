@@ -58,7 +58,7 @@ def in_paper_letters(expr: Expr) -> Expr:
 
 
 def force_constant(alpha: int) -> Expr:
-    """Return A_alpha: A0 plus the friction of both belts in the domain alpha (1 to 3), forward from a faster belt."""
+    """Return A_alpha in domain alpha (1, 2 or 3): A0 plus the friction of both belts, > 0 from a faster belt."""
     return A0 + {1: mu1 + mu2, 2: mu2 - mu1, 3: -mu1 - mu2}[alpha] * FN
 
 
@@ -77,7 +77,7 @@ def g_function(order: int) -> Expr:
 
 
 def next_derivative(y1: Expr, y0: Expr, forcing_n: Expr) -> Expr:
-    """Return the derivative of v after y0 and y1 (so G^(n) from the two before): -(c/m) y1 - (k/m) y0 - forcing_n."""
+    """Return the rate of change of y1 = dy0/dt, for v or a G-function y0: -(c/m) y1 - (k/m) y0 - forcing_n."""
     return -cm * y1 - w0sq * y0 - forcing_n
 
 
