@@ -186,7 +186,7 @@ class Regime:
     letters: dict[Expr, Expr] = field(hash=False)  # what these letters are in m, c, k
 
     def parameters(self) -> dict[Expr, Expr]:
-        """Return c/m and k/m in the regime's own letters: minus the sum and the product of its two roots."""
+        """Return c/m = -(l1 + l2) and k/m = l1 l2 for the regime's roots l1 and l2, in its own letters."""
         return {cm: -2 * self.centre, w0sq: self.centre**2 - self.offset**2}
 
     @cache  # noqa: B019 (the table of regimes lives as long as the program)
