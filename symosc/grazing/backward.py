@@ -69,8 +69,8 @@ CUT = 0.4831  # where an interval is divided: not a fraction at which roots are 
 def first_root(p: list[Number], noise: Number, eps: Number) -> tuple[bool, Number]:
     """Return (touch, sigma): the first root sigma in (0, 1] of a polynomial whose values are known within `noise`.
 
-    `touch` is true where the polynomial comes within the noise of 0, and whether it has a root is undecided. Without
-    either, sigma is None.
+    `touch` is true if the polynomial comes within `noise` of 0 at sigma, so that it is undecided whether there is a
+    root. If there is neither a root nor a touch, sigma is None.
     """
     # If the Bernstein coefficients on an interval all exceed the noise, there is no root in it. If the polynomial falls
     # from above the noise to below it with one change of sign, there is exactly one. If its slope changes sign exactly
@@ -136,7 +136,7 @@ def _polynomial(p: list[Number], sigma: Number) -> Number:
 
 
 def _newton(p: list[Number], slope: list[Number], low: Number, high: Number, eps: Number) -> Number:
-    """Return the root of p, positive at `low` and negative at `high`, by Newton's method within the bracket."""
+    """Find the root of p between `low`, where p > 0, and `high`, where p < 0; `slope` has p's derivative."""
     # Only steps of Newton's method can show that it has converged. A step that leaves the bracket is replaced by a
     # halving, whose length says nothing.
     sigma, before, settled = 0.5 * (low + high), high - low, eps**0.75
@@ -162,7 +162,7 @@ def _newton(p: list[Number], slope: list[Number], low: Number, high: Number, eps
 
 
 class Boundary(NamedTuple):
-    """A boundary of the domain: number, velocity, and direction into the domain (1 up, -1 down)."""
+    """A boundary of the domain of a flight: number, velocity, and direction into this domain (1 up, -1 down)."""
 
     number: int
     v: Number
@@ -170,9 +170,9 @@ class Boundary(NamedTuple):
 
 
 class BackwardState(NamedTuple):
-    """The state of a flight at the time `tau` before its tangency, whose position is `dx` from the tangency's.
+    """The state of a flight at the time `tau` before its tangency; `dx` is its position minus that of the tangency.
 
-    The last state of a search has the `kind` of its end, and the `boundary` that it reaches.
+    In the last state of a search, `kind` says how the search ended, and `boundary` is the boundary that was reached.
     """
 
     tau: Number
@@ -191,7 +191,7 @@ BackwardHit: TypeAlias = tuple[bool, Number, Boundary]
 
 
 class BackwardStep(NamedTuple):
-    """A backward step: its first state with the errors of its last, Taylor coefficients T of v, and first contact."""
+    """A backward step: its first state (with errors as at its end), Taylor coefficients T of v, and first contact."""
 
     begin: BackwardState
     T: list[Number]
@@ -200,7 +200,7 @@ class BackwardStep(NamedTuple):
 
 
 class BackwardSteps:
-    """A maker of backward steps from tangencies at one belt, in the arithmetic `functions` with rounding unit `eps`."""
+    """A maker of backward steps from tangencies at one belt; `functions` is math or a context of mpmath."""
 
     # A step is linear in v, a and the sine and cosine of the phase. So in double precision one product with a matrix
     # gives its Taylor coefficients, its Bernstein coefficients (less v) and the state at its end.
@@ -232,11 +232,11 @@ class BackwardSteps:
             self._matrix = np.array(columns).T.copy()
 
     def begin(self, zero: Number) -> BackwardState:
-        """Return the state at the tangency, where the steps begin; `zero` is 0 in the arithmetic used."""
+        """Return the state at the tangency, where the steps begin; `zero` is 0 in the arithmetic that is used."""
         return BackwardState(zero, zero, self.touched.v + zero, zero, zero, zero, zero)
 
     def take(self, theta: Number, order: int, state: BackwardState) -> BackwardStep:
-        """Take a backward step; `order`, 1 or 3, is that of the first nonzero G-function at the tangency."""
+        """Take a step backward from `state`; `order` is 1, or 3 if G^(1) = G^(2) = 0 at the tangency."""
         K, H, eps = self.K, self.H, self.eps
         n, tau, v, a = len(self.recurrence) + 1, state.tau, state.v, state.a
         s, c = self.wave(theta, tau)
@@ -273,12 +273,12 @@ class BackwardSteps:
         return BackwardStep(state._replace(v_error=v_error, energy_error=energy_error), T, end, found)
 
     def wave(self, theta: Number, tau: Number) -> tuple[Number, Number]:
-        """Return sine and cosine of the phase at the time tau before the tangency at theta."""
+        """Return sine and cosine of the drive's phase at the time tau before the tangency at the phase theta."""
         angle = theta - self.K.Om * tau
         return self.functions.sin(angle), self.functions.cos(angle)
 
     def moved(self, step: BackwardStep, sigma: Number = None) -> BackwardState:
-        """Return the state at the fraction `sigma` of a step (None: its end), with the error bounds of its end."""
+        """Return the state at the fraction `sigma` of a step (None: 1), with the error bounds at the step's end."""
         state = step.begin
         if sigma is None:
             tau, (dv, a, dx) = self.H, step.end
@@ -290,13 +290,13 @@ class BackwardSteps:
         return BackwardState(state.tau + tau, dx, state.v + dv, a, state.v_error, x_error, state.energy_error)
 
     def contact(self, step: BackwardStep, found: BackwardHit) -> BackwardState:
-        """Return the state at the contact that was found in a step."""
+        """Return the state at the contact `found` in a step."""
         touch, sigma, boundary = found
         kind = TOUCH if touch else CONTACT
         return self.moved(step, sigma)._replace(v=boundary.v, kind=kind, boundary=boundary.number)
 
     def _taylor(self, v: Number, a: Number, s: Number, c: Number) -> list[Number]:
-        """Return the Taylor coefficients of v in units of the backward step, and the next one after them."""
+        """Return the Taylor coefficients of v over a step, and one more; s and c are sine and cosine of the phase."""
         sines = (s, -c, -s, c)  # (-d/dphase)^k sin
         T = [v, -a * self.H]
         for k, (power, cm, w0sq) in enumerate(self.recurrence):
@@ -305,7 +305,7 @@ class BackwardSteps:
 
 
 def _changes_over(T: list[Number], sigma: Number) -> tuple[Number, Number, Number]:
-    """Return a polynomial's change from 0 to sigma, its slope at sigma and its integral."""
+    """Return the change of the polynomial T from 0 to sigma, its slope at sigma, and its integral from 0 to sigma."""
     change = slope = area = 0 * sigma
     for k in range(len(T) - 1, -1, -1):
         slope = slope * sigma + change
@@ -356,12 +356,12 @@ class Flights:
         return self.arithmetic.number(value) if hasattr(value, "numerator") else self.context.mpf(value)
 
     def contact(self, theta: Number) -> Number:
-        """Return the contact position x_m(theta)."""
+        """Return the position x_m(theta) of a tangency at the phase theta, at which F = 0 on the belt."""
         rest = self.number((self.p.A(self.place.domain) - self.p.c * self.p.belt(self.place.boundary)) / self.p.k)
         return rest + self.number(self.p.B0 / self.p.k) * self.context.cos(theta)
 
     def instant(self, theta: Number, tau: Number) -> Instant:
-        """Return the state of a flight at the time tau before its tangency at the phase theta."""
+        """Return the state of the flight at the time tau before its tangency at the phase theta."""
         K, v0 = self.K, self.v
         s, c = self.context.sin(theta), self.context.cos(theta)
         E0, E1, E2, R2, I2, s_Om, c_Om = self._basis(-tau, K)
@@ -378,12 +378,12 @@ class Flights:
         return Instant(dx, v, a, b, w, v_theta, x_theta, noise * v_size, noise * x_size)
 
     def state(self, theta: Number, tau: Number) -> BackwardState:
-        """Return the state of a backward search on the flight tau before the tangency, with its error bounds."""
+        """Return the state from which a search backward can start at the time tau before the tangency."""
         now = self.instant(theta, tau)
         return BackwardState(tau, now.dx, now.v, now.a, now.v_error, now.x_error, now.v_error * self.K.rate)
 
     def refined(self, theta: Number, found: BackwardState, tau_max: Number) -> BackwardState | None:
-        """Refine an arrival found in doubles to all digits; None if Newton's method converges elsewhere."""
+        """Refine the arrival `found` in doubles to all digits; None if Newton's method leads to another contact."""
         if found.kind in (NEVER, LARGE, LONG):
             return found
         tau = self.number(tau_max if found.kind == REACHED else found.tau)
@@ -399,7 +399,7 @@ class Flights:
         return found._replace(tau=tau, dx=now.dx, v=v, a=now.a, v_error=now.v_error, x_error=now.x_error)
 
     def _contact_time(self, theta: Number, tau: Number, speed: Number, touch: bool) -> Number:
-        """Return the time at which v is `speed`, or, for a graze, nearest to it, by Newton's method."""
+        """Find the time near `tau` at which v = `speed`, or, with `touch`, at which v is nearest to `speed`."""
         before = None
         for _ in range(200):
             now = self.instant(theta, tau)
@@ -420,7 +420,7 @@ class Flights:
     def repeat_step(
         self, theta: Number, order: int, tau: float, step: float
     ) -> tuple[BackwardState | None, BackwardState]:
-        """Repeat a step, `step` long, in more digits; return its contact or None, and the state to go on from."""
+        """Repeat the step at `tau` in more digits, with the length `step`; return contact (or None) and next state."""
         if step not in self._steps:
             where, context = self.place, self.context
             self._steps[step] = BackwardSteps(self.K, where.boundary, where.domain, context, context.eps, step)
@@ -433,16 +433,16 @@ class Flights:
 
 
 def rounded(state: BackwardState) -> BackwardState:
-    """Round a state to doubles; add the rounding to its errors."""
+    """Round a state to doubles; add the rounding errors to its error bounds."""
     tau, dx, v, a, v_error, x_error, energy_error = map(float, state[:7])
     eps = 2.0**-53
     return BackwardState(tau, dx, v, a, v_error + eps * abs(v), x_error + eps * abs(dx), energy_error + eps * abs(a))
 
 
 class Origins:
-    """A search for where the flows into the tangencies of one mapping come from.
+    """A search backward from the tangencies of one mapping for the contacts that their flows come from.
 
-    ParameterError for a mapping that cannot graze, and for k = 0.
+    It raises ParameterError for a mapping that cannot graze, and for k = 0.
     """
 
     def __init__(self, p: Parameters, mapping: str) -> None:
@@ -457,7 +457,7 @@ class Origins:
         return type(self), (self.p, self.mapping)
 
     def flights(self, digits: int) -> Flights:
-        """Return flights with that many digits, cached."""
+        """Return the flights of the mapping with that many digits, from a cache."""
         if digits not in self._flights:
             self._flights[digits] = Flights(self.p, self.mapping, digits)
         return self._flights[digits]
@@ -473,8 +473,9 @@ class Origins:
     ) -> BackwardState:
         """Follow the flow back from the tangency at a phase, in doubles, to the first contact or to the time `far`.
 
-        `order` is that of the first G-function that does not vanish there. A step with an undecided contact is repeated
-        up to `repeats` times, with `digits`, then with twice as many; after that, or without repeats, it is a touch.
+        `order` is that of the first G-function that does not vanish at the tangency. A step with an undecided contact
+        is repeated up to `repeats` times, with `digits`, then with twice as many. A contact that stays undecided is
+        returned as a touch.
         """
         steps, theta = self.steps, float(angle)
         far = SEARCH_PERIODS * self.K.period if far is None else far
@@ -506,12 +507,12 @@ class Origins:
         return state._replace(kind=LONG)
 
     def _state_at_limit(self, theta: float, order: int, state: BackwardState, far: float) -> BackwardState:
-        """Return the last state of a search that ends at the time `far`, within the step that begins at `state`."""
+        """Return the state of the flow at the time `far`, which lies in the backward step that begins at `state`."""
         step = self.steps.take(theta, order, state)
         return self.steps.moved(step, (far - state.tau) / self.steps.H)._replace(kind=REACHED)
 
     def _never_came(self, theta: float, state: BackwardState) -> bool:
-        """Return whether the backward flow never meets a boundary; that never happens below critical damping."""
+        """Return whether the flow surely met no boundary before `state`: its transient runs away from the only one."""
         K = self.K
         if K.under or self.place.domain == 2:
             return False
@@ -527,7 +528,7 @@ class Origins:
     def exact(
         self, angle: Angle | float, order: int, far: Callable[[Flights], Number], wanted: int
     ) -> tuple[BackwardState, Flights]:
-        """Return the origin of a flow with `wanted` digits after the point, and its flights."""
+        """Return where the flow came from, with `wanted` digits after the point, and the `Flights` used."""
         # `far` is the time to search, as a number of the given flights.
         flights = self.flights(wanted + 20)
         found = self.arrival(angle, order, float(far(flights)), digits=min(wanted + 20, 200))

@@ -58,7 +58,9 @@ WHY_UNDECIDED = {
 
 @dataclass(frozen=True)
 class GrazingReport:
-    """The results of `check_grazing`.
+    """The results of `check_grazing`, which compares the window of Theorem 7 with three numerical ways of deciding.
+
+    The ways are the signs of the G-functions, the exact flow around the contact, and the solver DOP853.
 
     Attributes
     ----------
@@ -68,14 +70,14 @@ class GrazingReport:
     n_grazing : int
         Those in the window.
     agreements : dict
-        Per way, the phases that it decided as the window does.
+        For each way of deciding, the number of phases at which it agrees with the window.
     undecided : dict
-        Per way and reason, the phases that it could not decide.
+        For each way and reason, the number of phases that this way could not decide.
     mismatches : tuple of dict
         Every phase where a way contradicts the window, or where F is not 0 at the window's x_m. Each dict has the
         phase, the way, what the window says and what the way says.
     closest : dict
-        Per way, the smallest |G^(1)| that was decided, divided by the sum of the sizes of its terms.
+        For each way, the smallest |G^(1)| at a phase that it decided, over the sum of the sizes of the terms of G^(1).
     closest_phase : float
         The smallest distance of a decided phase from a phase with G^(1) = 0; distance 0 is not counted. inf where there
         is no such phase.
@@ -112,11 +114,11 @@ class GrazingReport:
 
     @property
     def ok(self) -> bool:
-        """Whether nothing contradicts the window, and the first two ways decided every phase."""
+        """Whether nothing contradicts the window, and G-functions and exact flow both decided every phase."""
         return not self.mismatches and not self.undecided[G_SIGNS] and not self.undecided[EXACT_FLOW]
 
     def to_dict(self) -> Record:
-        """Return everything as plain data."""
+        """Return the report as a dict of plain values."""
         return {"ok": self.ok, **{name: getattr(self, name) for name in self.__dataclass_fields__}}
 
     def summary(self) -> str:
@@ -148,9 +150,9 @@ def check_grazing(
     mapping : str
         "P2", "P3", "P5" or "P6".
     n : int
-        Random phases, at most a million; some hundred adversarial ones come on top.
+        The number of random phases, at most a million; some hundred adversarial ones come on top.
     seed : int
-        Of the random phases.
+        The seed of the random phases.
     progress : bool or callable, optional
         True: if it takes more than two seconds, a bar with rate and time left on a terminal. Or a function of two
         numbers: the part that is done, and 1.
@@ -223,7 +225,10 @@ def check_grazing(
 
 
 def _decide_random(ways: Ways, theta: np.ndarray, disagree: Callable[..., None]) -> tuple[np.ndarray, ...]:
-    """Decide in double precision which random phases graze, the undecided ones one by one with more digits."""
+    """Decide in double precision which random phases graze, and with more digits where that is undecided.
+
+    Return the columns listed above. `disagree` is called where F is not 0 at the window's contact.
+    """
     inside, K = ways.window.contains(theta), ways.K
     if inside.any():  # F must vanish at the window's x_m
         drive, spring = K.f0 * np.cos(theta[inside]), -K.w0sq * ways.window.contact(theta[inside])
@@ -241,7 +246,7 @@ def _decide_random(ways: Ways, theta: np.ndarray, disagree: Callable[..., None])
 
 
 def _decide_special(ways: Ways) -> tuple[np.ndarray, ...]:
-    """Decide multiples of pi/2, zeros of G^(1), and phases 1e-3 to 1e-14 away from these, all with many digits."""
+    """Decide the adversarial phases (multiples of pi/2, zeros of G^(1), and beside them); return the same columns."""
     import sympy
 
     zeros: set[Expr] = set()  # where G^(1) = 0 exactly
@@ -266,7 +271,7 @@ def _decide_special(ways: Ways) -> tuple[np.ndarray, ...]:
 
 
 class Ways:
-    """The three ways to decide whether a phase of one mapping grazes."""
+    """The three ways to decide whether a contact at a phase grazes: G-functions, exact flow, and DOP853."""
 
     # They use the parameters and the place of the window, but not its phases.
 
@@ -285,21 +290,21 @@ class Ways:
     # -- G-functions -------------------------------------------------------------------------------------------------
 
     def slope(self, theta: Numbers) -> Any:
-        """Return -side G^(1) divided by the sum of the sizes of its terms; positive for a graze."""
+        """Return G^(1), scaled by the sizes of its terms and with the sign that makes it positive for a graze."""
         if isinstance(theta, np.ndarray):
             return self.side * (self.K.w0sq * self.v + self.K.fB * np.sin(theta)) / self.size
         slope = self.fine.K.w0sq * self.v_fine + self.fine.K.fB * self.fine.context.sin(theta)
         return self.side * float(slope) / self.size
 
     def verdicts_by_sign(self, theta: np.ndarray) -> np.ndarray:
-        """Decide by the sign of G^(1), in double precision, which phases graze."""
+        """Decide by the sign of G^(1), in doubles, which phases graze; return YES, NO or NOT_DECIDED for each."""
         slope = self.slope(theta)
         return np.where(np.abs(slope) > FLOW_ROUNDING * EPS, np.where(slope > 0, YES, NO), NOT_DECIDED)
 
     def verdict_by_intervals(self, theta: Number, zero: bool) -> tuple[int, int]:
-        """Decide by the first nonzero G-function in 50-digit intervals; return verdict and order (0: none).
+        """Decide by the first G-function that is not 0, in 50-digit intervals; return the verdict and its order n.
 
-        `zero` tells that G^(1) is exactly 0 at theta.
+        The order is 0 if the verdict is NOT_DECIDED. `zero` tells that G^(1) is exactly 0 at theta.
         """
         # F = 0 at the contact, so G^(1) = -(k v + B0 Omega sin)/m. Where that is 0, G^(2) = -(B0 Omega/m) Omega cos
         # decides. It is 0 too iff |k v| = |B0| Omega; then the next one decides.
@@ -320,7 +325,7 @@ class Ways:
     # -- the exact flow ----------------------------------------------------------------------------------------------
 
     def verdicts_by_flow(self, theta: np.ndarray) -> np.ndarray:
-        """Decide which phases graze, by the flow FLOW_TIME before and after; NOT_DECIDED if third order matters."""
+        """Decide which phases graze by the exact flow shortly before and after; NOT_DECIDED if the gap is too small."""
         tau = FLOW_TIME / self.K.rate
         basis, convert = self.fine.namespace["basis"], self.fine.context.convert
         bases = [[float(value) for value in basis(convert(at), self.fine.K)[:5]] for at in (-tau, tau)]
@@ -328,7 +333,7 @@ class Ways:
         return _verdicts(gaps, (FLOW_ROUNDING * EPS * self.size + self._third_order_bound(tau)) * tau**2)
 
     def verdict_by_fine_flow(self, theta: Number) -> int:
-        """Decide whether theta grazes, by the flow in FLOW_DIGITS digits; NOT_DECIDED if FINE_FLOW_TIMES disagree."""
+        """Decide whether theta grazes by the flow in many digits; NOT_DECIDED if verdicts at two distances differ."""
         context = self.fine.context
         s, c = context.sin(theta), context.cos(theta)
         gaps = [self._velocity_gap(basis, s, c, self.v_fine, self.fine.K) for basis in self._fine_bases]
@@ -339,18 +344,18 @@ class Ways:
         return verdicts[0] if verdicts[0] == verdicts[1] else NOT_DECIDED
 
     def _velocity_gap(self, basis: Sequence[Numbers], s: Numbers, c: Numbers, v: Number, K: Constants) -> Any:
-        """Return how far v is from the belt's speed (> 0: in the domain) at the time for which `basis` is given."""
+        """Return the distance of v from the belt's speed (> 0: in the domain) at the time tau that `basis` is for."""
         _, dv, _ = motion(v, 0.0 * v, s, c, K.cm, K.w0sq, K.f0, K.Om, *basis)
         return -self.side * dv
 
     def _third_order_bound(self, tau: float) -> float:
-        """Return a bound, divided by tau^2, of the terms of order three and higher in the velocity gap at tau."""
+        """Bound the terms of order tau^3 and higher in the velocity gap at the time tau; return the bound/tau^2."""
         return (abs(self.K.fB) * self.K.Om + self.K.cm * self.size + self.K.w0sq * self.size * tau) * tau / 3.0
 
     # -- DOP853 ------------------------------------------------------------------------------------------------------
 
     def verdicts_by_solver(self, theta: np.ndarray) -> np.ndarray:
-        """Decide which phases graze, by DOP853 on all of them at once; NOT_DECIDED where third order matters."""
+        """Decide which phases graze by DOP853, run for all at once; NOT_DECIDED where the gap is within its error."""
         verdicts = np.zeros(len(theta), dtype=int)
         for time_over_rate in (1e-2, 1e-13):
             left = np.nonzero(verdicts == NOT_DECIDED)[0]
@@ -362,7 +367,7 @@ class Ways:
         return verdicts
 
     def gap_by_solver(self, theta: np.ndarray, tau: float) -> np.ndarray:
-        """Return the velocity gap at tau by DOP853 (> 0: in the domain), divided by `self.size` times tau^2."""
+        """Return the scaled distance of v from the belt's speed at the time tau, by DOP853 (> 0: in the domain)."""
         # The unknowns are y = (x - x_m)/tau and u = (v - v_lambda)/(size tau^2), as functions of time/tau. The force is
         # the difference from its value 0 at the contact, where a difference of cosines is written as a product.
         from scipy.integrate import solve_ivp
@@ -380,6 +385,6 @@ class Ways:
 
 
 def _verdicts(gaps: list[np.ndarray], least: float) -> np.ndarray:
-    """Return YES where the gaps before and after contact are > 0, NO if one is < 0; NOT_DECIDED within `least`."""
+    """Return YES where both gaps, before and after contact, are > 0, else NO; NOT_DECIDED if one is within `least`."""
     decided = (np.abs(gaps[0]) > least) & (np.abs(gaps[1]) > least)
     return np.where(decided, np.where((gaps[0] > 0) & (gaps[1] > 0), YES, NO), NOT_DECIDED)

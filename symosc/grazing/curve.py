@@ -54,9 +54,9 @@ class CurveEnd(LatexAnswer):
     Attributes
     ----------
     theta_m : float
-        Phase of the tangency there.
+        Phase of the tangency at this end.
     x, theta : float
-        The start on the switching plane.
+        The start of the flight on the switching plane.
     reason : str
         Why the curve ends.
 
@@ -81,7 +81,7 @@ class CurveEnd(LatexAnswer):
 
 @dataclass(frozen=True, eq=False)
 class CurvePiece:
-    """A piece of the curve, over which the start moves continuously; columns in order of theta_m.
+    """A piece of the grazing curve, along which the start of the flight moves continuously with theta_m.
 
     Attributes
     ----------
@@ -90,7 +90,7 @@ class CurvePiece:
     theta, x : (n,) arrays
         Phase and position of the start on the switching plane: Omega t_i = theta_m - Omega tau, unwrapped, and x_i.
     slope_theta, slope_x : (n,) arrays
-        Their derivatives with respect to theta_m.
+        The derivatives of theta and x with respect to theta_m.
     low, high : CurveEnd
         Both ends in order of theta_m. A closed curve (everything grazes) ends where it began: reason "closed".
 
@@ -128,7 +128,8 @@ class GrazingCurve(Drawable, LatexAnswer):
     pieces : tuple of CurvePiece
         Empty where no flow from the mapping's belt grazes.
     gaps : tuple of (low, high, origin)
-        Stretches of theta_m in the window that have no start, and where the flow comes from there.
+        The intervals (low, high) of theta_m in the window for which no flight from the mapping's belt grazes; `origin`
+        says where the flow comes from instead.
     windows : tuple of (low, high)
         The window of theta_m, an arc through 0 in one piece.
 
@@ -158,7 +159,7 @@ class GrazingCurve(Drawable, LatexAnswer):
 
     @public
     def sample(self, theta_m: NumberLike) -> Sample:
-        """Compute the sample at any phase of the window."""
+        """Compute the tangency at theta_m, the start of the flow into it, and the derivatives of the start."""
         return self._source.sample(float(read_exact("theta_m", theta_m)))
 
 
@@ -174,8 +175,9 @@ def grazing_curve(
     mapping : str
         "P2", "P3", "P5" or "P6".
     n : int
-        Phases to sample over each arc of the window. A piece shorter than their spacing is found where the flow from
-        the other belt jumps; elsewhere it may be overlooked. A piece shorter than 1e-6 is always overlooked.
+        The number of phases to sample over each arc of the window. A piece of the curve shorter than their spacing may
+        be overlooked, unless the start of the flow on the other belt jumps there. A piece shorter than 1e-6 is always
+        overlooked.
     progress : bool or callable, optional
         True: if it takes more than two seconds, a bar with rate and time left on a terminal. Or a function of two
         numbers: the part that is done, and 1.
@@ -213,7 +215,7 @@ def grazing_curve(
 
 
 def _piece(tracer: Tracer, run: PhaseRun) -> CurvePiece:
-    """Return a run of samples as a piece of the curve; add PIECE_POINTS if few are away from the ends."""
+    """Return a run of samples as a piece of the curve, with PIECE_POINTS more samples if it has few inner ones."""
     samples = run.samples
     first, last = samples[0].theta_m, samples[-1].theta_m
     margin = 0.1 * (last - first)
@@ -295,7 +297,7 @@ def _phases_of(low: float, high: float, closed: bool, n: int) -> np.ndarray:
 
 @dataclass
 class PhaseRun:
-    """Neighbouring samples with one origin and without a jump, and the interval of theta_m that they represent."""
+    """Neighbouring samples whose flows come from one belt without a jump, and their interval of theta_m."""
 
     samples: list[Sample]
     span: tuple[float, float]
@@ -342,16 +344,16 @@ def _cut(tracer: Tracer, samples: list[Sample], arc: tuple[float, float, bool]) 
 
 
 def _continuous(left: Sample, right: Sample) -> bool:
-    """Return whether the start's phase Omega t_i changes between two samples by little, or as their slopes predict."""
+    """Return whether the start's phase does not jump between two samples: it changes by little or as its slope says."""
     change = right.theta - left.theta
     expected = 0.5 * (left.slope_theta + right.slope_theta) * (right.theta_m - left.theta_m)
     return not abs(change) > 0.2 or abs(change - expected) <= 0.25 * abs(change)
 
 
 def _edge(tracer: Tracer, left: Sample, right: Sample) -> tuple[list[Sample], list[Sample], float] | None:
-    """Locate a change of origin, or a jump, between two samples: (samples before, samples behind, its theta_m) or None.
+    """Locate the change of origin, or the jump of the start, between two samples; None if there is none.
 
-    Those before it are in order from `left` inward, those behind it from `right` inward, beginning with `right`.
+    Return the samples found before it, those found behind it (first `right`, then towards the change), and theta_m.
     """
     # Jumps among flows from the other belt are no edges, but something may hide behind them.
     if left.origin == right.origin and _continuous(left, right):
@@ -383,7 +385,7 @@ def _edge(tracer: Tracer, left: Sample, right: Sample) -> tuple[list[Sample], li
 
 
 def _end_reason(tracer: Tracer, here: Sample, beyond: Sample) -> str:
-    """Say why a piece of the curve ends between two samples."""
+    """Say why a piece of the curve ends between its last sample `here` and the sample `beyond`."""
     own = tracer.place.boundary
     if beyond.origin == OTHER:
         return f"beyond, the flow comes from belt {3 - own}"

@@ -90,7 +90,7 @@ def solve_grazing(
     mapping : str
         "P2", "P3", "P5" or "P6".
     n : int
-        Samples of the curve for x_i and theta_i (`grazing_curve`).
+        The number of samples of the curve for x_i and theta_i, as for `grazing_curve`.
     digits : int, optional
         Correct digits of the results; None: floats.
     progress : optional, as for `grazing_curve`
@@ -169,7 +169,7 @@ def _phases_of_contact(window: GrazingWindow, value: Fraction) -> list[Angle]:
 
 
 def _has_value(start: GrazingStart, p: Parameters, name: str, value: Any, digits: int) -> bool:
-    """Return whether x_i or theta_i (mod 2 pi) of a start is `value`, to 100 units of the last digit asked for."""
+    """Return whether the unknown `name` (x_i or theta_i) of a start is `value`, to 100 units of the last digit."""
     context = mp_context(digits + 30)
     if name == "x_i":
         gap, size = number_of(Fraction(start.start["x0"]) - value, context), abs(float(value))
@@ -184,7 +184,7 @@ def _has_value(start: GrazingStart, p: Parameters, name: str, value: Any, digits
 
 
 class Point(NamedTuple):
-    """A point of the curve: phase of the tangency, value of the unknown, its slope, and duration of the flight."""
+    """A point of the curve: phase theta_m, value of the given unknown, its slope by theta_m, and flight time tau."""
 
     theta_m: float
     value: float
@@ -223,7 +223,7 @@ class Candidates:
     # -- stretches between samples -----------------------------------------------------------------------------------
 
     def _on_piece(self, piece: CurvePiece) -> None:
-        """Find the solutions on a piece of the curve."""
+        """Find the solutions on a piece of the curve and store them."""
         points = self._points(piece)
         values = np.array([point.value for point in points])
         ends = (piece.low, points[0], 0), (piece.high, points[-1], -1)
@@ -257,7 +257,7 @@ class Candidates:
             self._note_endless(*each, piece)
 
     def _points(self, piece: CurvePiece) -> list[Point]:
-        """Return a piece's samples as points, and its end if the flight's duration tends to 0 there."""
+        """Return a piece's samples as points; add the end of the piece if the flights become infinitely short there."""
         points = [Point(*map(float, row)) for row in zip(*self._columns(piece), strict=True)]
         for end, first in ((piece.high, len(points)), (piece.low, 0)):  # from the back: an insertion moves what follows
             near = points[min(first, len(points) - 1)]
@@ -268,12 +268,12 @@ class Candidates:
         return points
 
     def _columns(self, of: CurvePiece | Sample) -> tuple[Any, Any, Any, Any]:
-        """Return theta_m, the unknown (x_i or theta_i), its slope, and the flight's duration, of a piece or sample."""
+        """Return theta_m, the unknown (x_i or theta_i), its slope by theta_m, and the flight time of `of`."""
         value, slope = (of.x, of.slope_x) if self.name == "x_i" else (of.theta, of.slope_theta)
         return of.theta_m, value, slope, (of.theta_m - of.theta) / self.K.Om
 
     def _extremum(self, first: Point, last: Point) -> Point | None:
-        """Return the extremum between neighbours with slopes of opposite sign; None at a break of the curve."""
+        """Return the point between two points where the unknown is extreme; None at a break of the curve."""
         for _ in range(NEWTON_HALVINGS):
             middle = self._sampled(0.5 * (first.theta_m + last.theta_m))
             if middle is None or not first.theta_m < middle.theta_m < last.theta_m or middle.slope == 0.0:
@@ -284,14 +284,14 @@ class Candidates:
         return first
 
     def _sampled(self, theta_m: float) -> Point | None:
-        """Return the point of the curve at theta_m."""
+        """Return the point of the curve at theta_m; None if no flight from the mapping's belt grazes there."""
         sample = self.curve.sample(theta_m)
         return Point(*self._columns(sample)) if sample.origin == OWN else None
 
     # -- Newton's method ---------------------------------------------------------------------------------------------
 
     def _between(self, first: Point, last: Point, target: Number) -> None:
-        """Find the solution between two points on both sides of the target."""
+        """Store the solution between points with unknowns on both sides of `target`, or add a note if none is found."""
         wanted = float(target)
         for _ in range(NEWTON_HALVINGS):
             if first in self._broken:
@@ -315,7 +315,7 @@ class Candidates:
         self.notes.append(f"near theta_m = {first.theta_m:.12g} {broken}")
 
     def _equation(self, theta: Number, tau: Number, now: Instant, target: Number) -> tuple[Number, Number, Number]:
-        """Return x_i or theta_i of a flight minus the target, and the derivatives with respect to theta_m and tau."""
+        """Return x_i or theta_i at the start `now` of a flight, minus `target`; and the derivatives by theta, tau."""
         if self.name == "x_i":
             return self.flights.contact(theta) + now.dx - target, now.x_theta, -now.v
         Om = self.flights.K.Om
@@ -345,7 +345,7 @@ class Candidates:
         return None
 
     def _solve_among_grazes(self, theta_m: float, target: Number) -> tuple[Number, Number] | None:
-        """Return the solution where flights start at a graze too, so that all have one duration; None if not found."""
+        """Return the solution where flights start at a graze too, and so all take the same time; None if not found."""
         flights, phase = self.flights, Fraction(theta_m)
         arrival, _ = self.source.exact(phase, 1, lambda each: each.K.period * SEARCH_PERIODS, flights.digits)
         if arrival.kind != TOUCH:
@@ -363,7 +363,7 @@ class Candidates:
     def _store_if_between(
         self, solution: tuple[Number, Number] | None, first: Point, last: Point, more: float = 0.0
     ) -> bool:
-        """Store a solution, unless known, if it lies between two points of the curve; return whether it does."""
+        """Store a solution if it lies between two points of the curve, or at most `more` beside; return whether so."""
         if solution is None:
             return False
         theta, tau = solution
@@ -383,7 +383,7 @@ class Candidates:
         return True
 
     def _note_endless(self, end: CurveEnd, point: Point, index: int, piece: CurvePiece) -> None:
-        """Add a note where a piece ends and further solutions may lie nearer to its end than doubles resolve."""
+        """Add a note if solutions may lie between the piece's outermost sample `point` and its end, beyond doubles."""
         if end.reason in ("end of the window", "closed"):
             return
         if end.reason.endswith("(within the search)"):

@@ -46,23 +46,23 @@ class GrazingStart(LatexAnswer):
     ----------
     mapping : str
     found : bool
-        Whether the flow, traced back from the graze, reaches the plane where the mapping starts; with t0, whether it
-        has been in the domain since t0.
+        Whether the flow, traced back from the graze, comes from the belt on which the mapping starts; with t0, whether
+        the flow has been in the mapping's domain since t0.
     reason : str or None
         Why there is no start.
     t, x, v, theta : number or None
         The start: time, position, velocity, phase Omega t mod 2 pi. If there is no start, the contact with the other
         belt that the reason names. None if there was no contact. Floats, or mpmath numbers with ``digits=``.
     boundary : int
-        The belt of that point, 0 if it is on none.
+        The belt of the start, 0 if it is on none.
     touch : bool
-        Whether the flow only touches that belt, as far as twice the working precision can decide.
+        Whether the flow only touches this belt, as far as twice the working precision can decide.
     t_m, x_m, theta_m : number
-        The tangency. Without t_m= or t0= its time is theta/Omega, so that t may be negative.
+        The tangency to the belt. Without t_m= or t0= its time is theta/Omega, so that t may be negative.
     undecided : bool
         Whether the search ended before it was known where the flow came from; the reason says why.
     start : dict
-        t0, x0 and v0 of the point, and start_error, a unit of their last digits. `simulate` takes them as they are:
+        t0, x0 and v0 of the start, and start_error, a unit of their last digits. `simulate` takes them as they are:
         ``simulate(p, **found.start, t_end=...)``.
 
     Examples
@@ -176,7 +176,7 @@ def start_of(
     digits: int | None = None,
     periods: float = SEARCH_PERIODS,
 ) -> GrazingStart:
-    """Return the result of `grazing_start` for an exact time and phase and checked arguments."""
+    """Return the result of `grazing_start` for a tangency at the exact time and phase `angle`; `until` is its t0."""
     p, mapping, decimals = origins.p, origins.mapping, digits or DEFAULT_DIGITS
     window = grazing_window(p, mapping)
     if not window.contains(angle):
@@ -260,9 +260,10 @@ class GrazingVerdict(LatexAnswer):
     ----------
     grazing : bool
     order : int
-        Of the first G-function that does not vanish (0 is F); MOST_G_ORDERS if none was found.
+        The order n of the first G-function that does not vanish; G^(0) is F, G^(n) its n-th derivative along the flow.
+        MOST_G_ORDERS if none was found.
     values : tuple of float
-        G^(0), G^(1), ... up to that order; a value that counts as 0 enters the next one as 0.
+        G^(0), G^(1), ... up to that order; each is computed with those before it that count as 0 set to 0.
     margins : tuple of float
         Each value relative to the sum of the sizes of its terms; at or below `tolerance` it counts as 0.
     tolerance : float

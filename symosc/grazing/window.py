@@ -90,17 +90,17 @@ class GrazingWindow(Drawable, LatexAnswer):
 
     @cached_property
     def gamma(self) -> Fraction:
-        """gamma = (c/m) x'' + (k/m) x' at a contact, which is k v_lambda/m (acceleration per time)."""
+        """gamma = (c/m) x'' + (k/m) x' at a contact, which is k v_lambda/m for a belt with the speed v_lambda."""
         return self.parameters.k * self.speed / self.parameters.m
 
     @cached_property
     def amplitude(self) -> Fraction:
-        """B0 Omega/m, to which gamma is compared."""
+        """B0 Omega/m, the amplitude of the time derivative of the drive, to which gamma is compared."""
         return self.parameters.B0 * self.parameters.Omega / self.parameters.m
 
     @property
     def speed(self) -> Fraction:
-        """Speed v_lambda of the belt."""
+        """Speed v_lambda of the belt that the flow touches."""
         return self.parameters.belt(self.place.boundary)
 
     @cached_property
@@ -118,8 +118,8 @@ class GrazingWindow(Drawable, LatexAnswer):
     def case(self) -> str:
         """The paper's case: "(55.1)" is the first case of (55).
 
-        Letters are cases that the paper lacks: a is |gamma| = |B0| Omega/m with an empty window, b is B0 = 0 where
-        every phase grazes, c is B0 = 0 where none does. B0 < 0 adds "shifted by pi".
+        A letter in place of the number marks a case that the paper lacks. a: |gamma| = |B0| Omega/m and the window is
+        empty. b: B0 = 0 and every phase grazes. c: B0 = 0 and none does. B0 < 0 adds "shifted by pi".
         """
         return cases.case_label(self.place, *self.signs)
 
@@ -153,7 +153,7 @@ class GrazingWindow(Drawable, LatexAnswer):
 
     @cached_property
     def ends(self) -> tuple[float, float]:
-        """First and last phase of the arc; the first one is the larger if the arc goes through 0."""
+        """The first and last phase of a window that is one arc; the first is the larger if the arc goes through 0."""
         if self.kind == cases.ALL_BUT_ONE:
             point = double_double.HALF_PI[0] if self.signs[0] * self.signs[1] < 0 else double_double.THREE_HALVES_PI
             return point, point
@@ -248,7 +248,7 @@ class GrazingWindow(Drawable, LatexAnswer):
 
     @cached_property
     def contact_phases(self) -> Expr:
-        """The phases at which there is a contact that grazes: `phases`, or for k = 0 those of them with F = 0.
+        """The phases at which a contact exists and grazes: all of `phases`, but for k = 0 only the one with F = 0.
 
         Without a spring F does not depend on x: B0 cos theta = c v_lambda - A_alpha leaves at most one phase.
         """
@@ -266,7 +266,7 @@ class GrazingWindow(Drawable, LatexAnswer):
         return sp.FiniteSet(theta if self.place.side * p.B0 > 0 else 2 * sp.pi - theta)
 
     def _sign_at(self, theta: NumberLike) -> int:
-        """Return the sign of side (gamma + amplitude sin theta): 1 for a graze, -1 for none, 0 at a window end."""
+        """Decide exactly whether a contact at theta grazes: 1 if it does, -1 if not, 0 at an end of the window."""
         theta = theta[()] if isinstance(theta, np.ndarray) else theta  # an array of dimension 0
         exact: Any
         if isinstance(theta, str):
@@ -444,7 +444,7 @@ def grazing_windows(p: ParametersLike, mapping: str, order: Order = "full", **sw
 
 @lru_cache(maxsize=1)
 def _window_loop() -> Callable[..., None]:
-    """Return `cases.windows`, compiled if numba is installed."""
+    """Return `theorem7_cases.windows`, which computes many windows at once, compiled if numba is installed."""
     try:
         return compile_modules((double_double, cases), {"windows"})["windows"]
     except MissingExtraError:

@@ -38,8 +38,8 @@ def compiled_residual(
     jacobian : bool
         Whether it returns the derivatives too.
     exit : str, optional
-        For sticks: the domain that they slip into, "below" or "above"; None: for each point the one with the
-        smaller |f2|.
+        For sticks: the domain that they slip into, "below" or "above"; None: for each point the one in which the force
+        f2 is nearer to 0.
 
     Raises
     ------
@@ -134,7 +134,7 @@ class CompiledResidual:
         return _scalar(self._rows[0], self._K, self.jacobian, self.exit)
 
     def _fill(self, row: Map, points: Any) -> tuple[np.ndarray, np.ndarray | None]:
-        """Return one map's residuals as an array (2, n), and its Jacobians (2, 4, n) if wanted, else None."""
+        """Compute the residuals (2, n) of the map `row` at n pairs of points, and its Jacobians (2, 4, n) or None."""
         n, K = len(points[0]), self._K
         f, J = np.empty((2, n)), np.empty((2, 4, n)) if self.jacobian else None
         results = (f,) if J is None else (f, J)
@@ -185,7 +185,7 @@ def _read(columns: tuple[Any, ...], names: tuple[str, ...], dimensions: int) -> 
 
 @lru_cache(maxsize=KINDS)
 def _loops(kind: int) -> dict[str, Any]:
-    """Return the functions over arrays by name, compiled with the formula of one kind of `symosc.kernels.mapping`."""
+    """Return the compiled functions over arrays, by name; `kind` chooses the formula for the basis functions."""
     outlined = {"flights", "flights_and_slopes", "sticks", "sticks_and_slopes", "load", "store", "kinds_of"}
     if kind == WIDE:
         return compile_modules((mapping,), outlined | {"flight", "flight_slopes"}, compiled())

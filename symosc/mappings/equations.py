@@ -130,7 +130,7 @@ def parameter_jacobian(p: ParametersLike, label: str, start: Pair, end: Pair, ex
 
 
 class MapArithmetic(NamedTuple):
-    """The functions of `symosc.kernels.mapping` and an oscillator's constants for one kind of numbers."""
+    """For maps in one kind of numbers: constants K, kernel functions by name (`of`), conversion from Fractions."""
 
     K: Constants
     of: dict[str, Any]
@@ -138,13 +138,13 @@ class MapArithmetic(NamedTuple):
 
 
 def flight_arguments(row: Map, K: Constants) -> tuple[Number, Number, Number]:
-    """Return the belt speeds at both ends of a flight, and A_alpha/m."""
+    """Return the belt speeds at both ends of a flight, and the constant force A_alpha/m in its domain."""
     v_i, v_j = ((K.belt1 if plane.boundary == 1 else K.belt2).v for plane in (row.start, row.end))
     return v_i, v_j, constant_force(row.domain, K)
 
 
 def stick_arguments(row: Map, K: Constants, exit: str | None) -> tuple[Number, tuple[Number, Number]]:
-    """Return the belt speed of a stick, and A_alpha/m of the two domains it may slip into: twice that of its exit."""
+    """Return a stick's belt speed and a pair of A_alpha/m: of the domains below and above, or of `exit` in both."""
     below, above = (constant_force(domain, K) for domain in NEIGHBOURS[row.start.boundary])
     sides = {None: (below, above), "below": (below, below), "above": (above, above)}[exit]
     return (K.belt1 if row.start.boundary == 1 else K.belt2).v, sides
@@ -212,13 +212,13 @@ def _parameter_jacobian(
 
 
 def map_arithmetic(p: Parameters, context: Context | None = None) -> MapArithmetic:
-    """Return the map functions for scalars: doubles, or the numbers of an mpmath context."""
+    """Return constants and kernel functions for maps of single numbers: doubles, or numbers of an mpmath context."""
     return _doubles(p) if context is None else _mp_numbers(p, context, context.prec)
 
 
 @lru_cache(maxsize=128)
 def _doubles(p: Parameters, arrays: bool = False) -> MapArithmetic:
-    """Return the map functions in doubles, for scalars or for numpy arrays."""
+    """Return constants and kernel functions for maps in doubles, of single numbers or of numpy arrays."""
     if not arrays:
         return MapArithmetic(constants(p), vars(mapping) | vars(tangent), float)
     names = {"sin": np.sin, "cos": np.cos, "basis": entire_array.basis}
@@ -227,7 +227,7 @@ def _doubles(p: Parameters, arrays: bool = False) -> MapArithmetic:
 
 @lru_cache(maxsize=16)
 def _mp_numbers(p: Parameters, context: Context, precision: int) -> MapArithmetic:
-    """Return the map functions for numbers of an mpmath context; its `precision` is passed only for the cache."""
+    """Return constants and kernel functions for maps of mpmath numbers with the context's `precision` in bits."""
     from symosc.kernels.multiprecision import BasisMP
 
     number = partial(number_of, context=context)
@@ -245,9 +245,9 @@ UNWRAPPED = "must be >= theta_i: give unwrapped phases, the flight takes (theta_
 def read_points(
     p: Parameters, label: str, start: Pair, end: Pair, exit: str | None = None
 ) -> tuple[Map, MapArithmetic, list[Any], tuple[int, ...] | None]:
-    """Check a map's arguments; return its row of `MAPS`, the functions for the kind of numbers given, and the points.
+    """Check the arguments of a map; return its entry in `MAPS`, the arithmetic, the points, and the shape of arrays.
 
-    Points are four numbers, or flat arrays with the shape that they had (None for numbers).
+    The points are four numbers or four flat arrays. The shape is the one that the arrays had, None for numbers.
     """
     if label not in MAPS:
         raise ParameterError("label", label, f"must be one of {', '.join(MAPS)}")
@@ -270,7 +270,7 @@ def read_points(
 
 
 def _in_blocks(evaluate: Any, points: list[Any], head: tuple[int, ...], shape: tuple[int, ...] | None) -> Any:
-    """Evaluate numbers at once, arrays in blocks small enough for the processor's cache, into one of head + shape."""
+    """Call `evaluate` for numbers at once, for arrays in small blocks; return an array of the shape head + shape."""
     if shape is None:
         return evaluate(points)
     found = np.empty((*head, len(points[0])))
@@ -407,7 +407,7 @@ def _engine(p: Parameters, digits: int | None) -> Arithmetic:
 
 
 def _next_event(row: Map, arithmetic: Arithmetic, x: Number, theta: Number) -> tuple[NextEvent, Number]:
-    """Return the next event and the phase passed until then; MapError if the motion starts in another mode."""
+    """Return the next event and the change of phase until then; MapError if the motion does not start in row's mode."""
     K, names, belt = arithmetic.K, arithmetic.namespace, row.start.boundary
     two_pi, eps = names["TWO_PI"], names["EPS"]
     turns = int(theta / two_pi) - (theta < 0)

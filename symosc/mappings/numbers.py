@@ -64,7 +64,7 @@ def point_columns(given: list[object]) -> list[np.ndarray]:
 
 
 def real_array(name: str, value: object, allowed: str) -> np.ndarray:
-    """Return finite real numbers as an array of floats; refuse text, booleans and complex numbers."""
+    """Return finite real numbers as an array of floats; for others raise ParameterError with the text `allowed`."""
     unmasked(name, value)
     try:
         array = np.asarray(value)
@@ -145,7 +145,7 @@ def read_phase_text(name: str, text: str) -> ExactPhase:
 
 
 def _value(node: ast.expr, known: dict[str, ExactPhase]) -> ExactPhase:
-    """Return the value of an expression linear in pi; raise ValueError for any other."""
+    """Return the value of an expression linear in the names of `known` (pi); raise ValueError for any other."""
     match node:
         case ast.Name(name):
             return known[name]
@@ -194,7 +194,7 @@ def sine_sign(level: Fraction, amplitude: Fraction, phase: ExactPhase) -> int:
 
 
 def read_phase(name: str, value: object) -> Angle:
-    """Read a phase like `read_angle`, but a float as its exact binary value: phases are computed and not typed."""
+    """Read a phase like `read_angle`, but take a float as its exact binary value, not as the decimal it prints as."""
     if isinstance(value, float | np.floating) and math.isfinite(value):
         value = Fraction(float(value))
     return read_angle(name, value)
@@ -244,7 +244,7 @@ def symbolic(value: Angle) -> Expr:
 
 
 def times(value: Angle, factor: Fraction) -> Angle:
-    """Return an exact angle times a rational number."""
+    """Return an exact angle, a Fraction or a sympy constant, times a rational number."""
     return value * factor if isinstance(value, Fraction) else value * symbolic(factor)
 
 

@@ -35,9 +35,10 @@ class Place(NamedTuple):
     ----------
     domain, boundary : int
     side : int
-        1 if the flow touches the boundary from below, the upper end of its domain; -1 if it does from above.
+        1 if the boundary is the upper end of the domain, so that the flow touches it from below; -1 if it is the lower
+        end.
     equation : int
-        Its number in the paper: 55 to 58.
+        The number of the map's equation in the paper: 55 to 58.
 
     Examples
     --------
@@ -74,9 +75,10 @@ def place(mapping: str) -> Place:
 
 
 def window_kind(side: int, gamma_sign: int, amplitude_sign: int, excess_sign: int, full: bool) -> int:
-    """Return the kind of window from the signs of gamma, the amplitude and |gamma| - |amplitude| (the excess).
+    """Return the kind of window from the signs of gamma, of the amplitude and of |gamma| - |amplitude| (the excess).
 
-    `full` is the order "full" of `symosc.grazing_window`: a tangency of fourth order counts too.
+    Here gamma is k v_lambda/m, the amplitude B0 Omega/m. `full` is the order "full" of `symosc.grazing_window`: a
+    tangency of fourth order counts as a graze.
     """
     # At |gamma| = |amplitude| the order 1 excludes one phase. G^(1) = G^(2) = 0 there. G^(3) = -gamma Omega^2 has the
     # sign of a graze at `side` iff the rest of the circle is in the window; then `full` includes the phase.
@@ -91,7 +93,7 @@ def window_kind(side: int, gamma_sign: int, amplitude_sign: int, excess_sign: in
 
 
 def case_label(place: Place, gamma_sign: int, amplitude_sign: int, excess_sign: int) -> str:
-    """Return the label of a case, such as (55.1), the first of eq. (55); letters mark cases missing in the paper."""
+    """Return the label of the case with these signs: (55.1) is the first of eq. (55), a letter is not in the paper."""
     # a: gamma has the wrong sign and |gamma| = |amplitude|; b, c: B0 = 0, everything and nothing. B0 < 0 is B0 > 0 half
     # a period later.
     if amplitude_sign == 0:
@@ -104,9 +106,10 @@ def case_label(place: Place, gamma_sign: int, amplitude_sign: int, excess_sign: 
 
 
 def window(k, v, B, Omega, side, full):
-    """Return a window's kind, its ends low and high, and theta_cr, from k, v, B0 and Omega as pairs of doubles.
+    """Return a window's kind, its ends low and high, and theta_cr.
 
-    `side` is that of `Place`, `full` as in `window_kind`. Ends that a kind does not have are nan.
+    `k`, the belt's speed `v`, `B` (B0) and `Omega` are pairs of doubles, each number being the sum of its pair. `side`
+    is that of `Place`, `full` as in `window_kind`. Ends that a kind does not have are nan.
     """
     # An ARC reaches from low up to high, both excluded, a WRAPPED_ARC from low through 0 to high. With ALL_BUT_ONE, low
     # = high is the excluded phase. EQUALITY_UNDECIDED: too near |k v| = |B0 Omega| for numbers that are no doubles.
@@ -146,7 +149,10 @@ def window(k, v, B, Omega, side, full):
 
 
 def windows(pairs, side, full, columns):
-    """Fill the arrays in `columns` with what `window` returns: kind, low, high, theta_cr; `pairs`: k, v, B0, Omega."""
+    """Compute many windows: fill the arrays kind, low, high, theta_cr in `columns` with the results of `window`.
+
+    `pairs` has eight arrays, the high and the low doubles of k, v, B0 and Omega.
+    """
     kh, kl, vh, vl, Bh, Bl, Oh, Ol = pairs
     kind, low, high, theta_cr = columns
     for i in range(len(kind)):

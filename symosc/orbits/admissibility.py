@@ -48,11 +48,11 @@ class Condition(NamedTuple):
     text : str
         The inequality in words.
     value : float
-        Positive where it holds; time for durations, else velocity or acceleration.
+        Positive where the inequality holds: a time if it is about a duration, else a velocity or an acceleration.
     t : float
-        When it is closest to failing.
+        The time at which the inequality is closest to failing.
     event : str
-        What happens to the orbit where the value passes 0.
+        What happens to the orbit at the parameters at which the value passes 0.
     rank : int
         Where several fail at once, the one with the lowest rank explains the others.
     scale : float
@@ -83,7 +83,7 @@ ARRIVAL, STICK_LASTS, STICK_END, PASSING, HOLD, STAYS_INSIDE, FLIGHT_LASTS, ENGI
 
 
 class Extremum(NamedTuple):
-    """An extremum of the velocity in a flight: the time tau since the flight's start, v, and b = v'' there."""
+    """An extremum of the velocity in a flight: the time `tau` since the flight's start, and `v` and b = v'' then."""
 
     tau: Number
     v: Number
@@ -91,7 +91,7 @@ class Extremum(NamedTuple):
 
 
 class Scales(NamedTuple):
-    """The magnitudes of times, velocities and accelerations on an orbit."""
+    """The magnitudes of the times `t`, the velocities `v` and the accelerations `a` on an orbit."""
 
     t: float
     v: float
@@ -99,7 +99,7 @@ class Scales(NamedTuple):
 
 
 def scales(equations: ClosingEquations, points: Points) -> Scales:
-    """Return the magnitudes of the terms of which an orbit's margins are sums."""
+    """Return the magnitudes of times, velocities and accelerations on an orbit, as a scale for rounding errors."""
     K = equations.K
     belts = [abs(float(equations.belt(piece.start).v)) for piece in equations.pieces]
     a = max(abs(float(A)) for A in (K.A1, K.A2, K.A3)) + abs(float(K.f0)) + float(K.cm) * max(belts)
@@ -108,7 +108,7 @@ def scales(equations: ClosingEquations, points: Points) -> Scales:
 
 
 def conditions(equations: ClosingEquations, points: Points) -> list[Condition]:
-    """Return every inequality of a root with its margin, in the order of the pieces."""
+    """Return each inequality that a root of the closing equations must satisfy, with its margin, piece by piece."""
     points = [(equations.number(x), equations.number(theta)) for x, theta in points]
     sizes, found = scales(equations, points), list[Condition]()
     for i, span in enumerate(equations.spans(points)):
@@ -124,7 +124,7 @@ MarginRow = tuple[str, Number, Number, str, int, float]
 
 
 def _flight(equations: ClosingEquations, span: Span, following: OrbitPiece, sizes: Scales) -> Iterator[MarginRow]:
-    """Yield the conditions of a flight with their margins."""
+    """Yield the inequalities that a flight must satisfy, with their margins; `following` is the next piece."""
     (piece, start, end, tau), K, side = span, equations.K, span.piece.side
     v_end, short = equations.belt(piece.end).v, float(min(1, abs(tau) * K.rate))
     sign, opposite = "><" if side > 0 else "<>"
@@ -147,7 +147,7 @@ def _flight(equations: ClosingEquations, span: Span, following: OrbitPiece, size
 
 
 def _stick(equations: ClosingEquations, span: Span, sizes: Scales) -> Iterator[MarginRow]:
-    """Yield the conditions of a stick with their margins."""
+    """Yield the inequalities that a stick must satisfy, with their margins."""
     (piece, _, end, tau), K, belt = span, equations.K, equations.belt(span.piece.start)
     low, high = piece.start, piece.start + 1
     yield f"{piece.label} lasts", tau, end[1], VANISHING, STICK_LASTS, sizes.t
@@ -160,7 +160,7 @@ def _stick(equations: ClosingEquations, span: Span, sizes: Scales) -> Iterator[M
 
 
 def clearances(equations: ClosingEquations, span: Span) -> Iterator[tuple[Number, Number, int]]:
-    """Yield the velocity extrema of a flight that turn back before a belt: velocity left to it, phase, and belt."""
+    """Yield, for each turn of a flight before a belt, the velocity by which it misses the belt, phase, and belt."""
     piece, start, _, tau = span
     flight = equations.start_of_flight(piece, start)
     for extremum in extrema(0 * tau, tau, flight, piece.after_stick, equations) if tau > 0 else ():
@@ -172,7 +172,10 @@ def clearances(equations: ClosingEquations, span: Span) -> Iterator[tuple[Number
 
 
 def holding_forces(equations: ClosingEquations, span: Span) -> Iterator[tuple[Number, Number, int]]:
-    """Yield the extrema of the forces during a stick: the smaller of F^(below) and -F^(above), phase, and domain."""
+    """Yield (force, phase, domain) at each extremum of the two forces that hold the mass during a stick.
+
+    `force` is the smaller of F^(below) and -F^(above) then; `domain` is the domain to which this force belongs.
+    """
     (piece, start, _, tau), K, names = span, equations.K, equations.arithmetic.namespace
     belt, s0, c0 = equations.belt(piece.start), equations.sin(start[1]), equations.cos(start[1])
     below = equations.force(piece.start, start[0], belt.v, start[1])
@@ -186,7 +189,7 @@ def holding_forces(equations: ClosingEquations, span: Span) -> Iterator[tuple[Nu
 
 
 def extrema(begin: Number, tau: Number, flight: Launch, at_rest: bool, equations: ClosingEquations) -> list[Extremum]:
-    """Return the extrema of v in an interval of a flight; `at_rest` leaves out an acceleration of 0 at its start."""
+    """Return the extrema of v between the times `begin` and `tau` of a flight; `at_rest` leaves out one at `begin`."""
     # They are bracketed in doubles, and then located in the arithmetic of the equations.
     coarse = equations.coarse.K
     v0, a0, s0, c0 = (float(value) for value in flight)
@@ -201,7 +204,7 @@ def extrema(begin: Number, tau: Number, flight: Launch, at_rest: bool, equations
 
 
 def _extremum(low: float, high: float, falls: bool, flight: Launch, equations: ClosingEquations) -> Extremum:
-    """Return the zero of the acceleration in a bracket, by Newton steps within it."""
+    """Find the extremum of v between the times `low` and `high` of a flight, by Newton steps that stay between them."""
     states, K, number = equations.arithmetic.namespace["state_at"], equations.K, equations.number
     allowed = 64.0 * equations.arithmetic.namespace["EPS"]  # to which an extremum is known, as a part of its time
     low, high = number(low), number(high)
@@ -222,7 +225,7 @@ def _extremum(low: float, high: float, falls: bool, flight: Launch, equations: C
 
 
 def grazing_distance(equations: ClosingEquations, points: Points) -> float:
-    """Return the least size of the velocity by which a flight misses a belt or exceeds one that it meets."""
+    """Return the smallest difference in velocity that keeps the orbit from grazing a belt; inf if no flight turns."""
     # At an extremum inside a flight that is the gap to the belt. At a flight's end it is how far the flight would go
     # past the belt if the motion of its domain went on. Both are 0 where the orbit grazes, seen from below and from
     # above.
@@ -241,7 +244,7 @@ def concerns_whole_piece(condition: Condition) -> bool:
 
 
 def failing(found: list[Condition]) -> list[Condition]:
-    """Return the conditions that fail in the order of their `Condition.rank`."""
+    """Return those of the given conditions that fail, sorted by `Condition.rank`."""
     return sorted((c for c in found if not c.value > 0), key=lambda c: c.rank)
 
 
@@ -249,7 +252,7 @@ def failing(found: list[Condition]) -> list[Condition]:
 
 
 def failures(equations: ClosingEquations, points: Points) -> list[Condition]:
-    """Return why a root (in doubles) is not an orbit, the main reason first; empty for an orbit."""
+    """Return the conditions because of which a root in doubles is no orbit, the main one first; empty for an orbit."""
     found = conditions(equations, points)
     small = any(abs(condition.value) < MARGINAL * condition.scale for condition in found)
     if not small and not ill_conditioned(equations, points):
@@ -288,7 +291,7 @@ def failures(equations: ClosingEquations, points: Points) -> list[Condition]:
 
 
 def ill_conditioned(equations: ClosingEquations, points: Points) -> bool:
-    """Return whether rounding errors of the residuals may move the phases of the root by more than `MARGINAL`."""
+    """Return whether rounding in the closing equations may move a root's switching phases by more than `MARGINAL`."""
     sizes, rows = scales(equations, points), []
     x_size = max(abs(float(x)) for x, _ in points)
     for piece, duration in zip(equations.pieces, equations.durations(np.asarray(points)), strict=True):
@@ -302,7 +305,7 @@ def ill_conditioned(equations: ClosingEquations, points: Points) -> bool:
 
 
 def engine_contradiction(equations: ClosingEquations, points: Points, digits: int | None = None) -> Condition | None:
-    """Follow an orbit from its root by the engine; return the first piece that differs, None if it closes."""
+    """Simulate the motion from a root over its period; return the first piece that differs, None if it closes."""
     # It starts at the end of a flight where the forces on both sides of the belt are farthest from 0.
     pieces, number, K, p = equations.pieces, equations.number, equations.K, equations.parameters
 

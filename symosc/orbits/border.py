@@ -35,7 +35,7 @@ from symosc.words import Word, cycle
 
 
 class BorderError(SymoscError, ArithmeticError):
-    """Raised if a border cannot be followed from where it was to begin.
+    """Raised if the border at the end of a branch cannot be found or followed.
 
     Examples
     --------
@@ -77,7 +77,7 @@ class BorderEnd(NamedTuple):
     kind : str
         "codimension two", "end of the range", "closed", "no convergence" or "max_points".
     values : tuple of two floats
-        The parameters there.
+        The values of the two parameters at this end of the border.
     message : str
 
     Examples
@@ -100,12 +100,12 @@ class SpecialPoint(NamedTuple):
     Attributes
     ----------
     kind : str
-        "fold", or what meets there, in the field's names: "degenerate crossing-sliding", "crossing-sliding and
-        grazing-sliding" and so on.
+        "fold"; or the names in the literature of the borders that meet at the point, as in "degenerate
+        crossing-sliding" or "crossing-sliding and grazing-sliding".
     values : tuple of two floats
-        The parameters.
+        The values of the two parameters at the point.
     message : str
-        What vanishes there.
+        Which inequalities vanish at the point.
     error : float
         Estimate of the largest error of the two values; nan if they could only be bracketed by the curve's points.
 
@@ -130,16 +130,16 @@ class Border(Drawable):
     Attributes
     ----------
     parameters : tuple of two str
-        Their names, the branch's first.
+        The names of the two parameters, first that of the branch.
     points : (n, 2) array
-        Their values along the curve.
+        The values of the two parameters along the curve.
     errors : (n, 2) array
-        Estimates of the errors of these values.
+        Estimates of the errors of `points`.
     kind : str
-        What happens to the orbit there, as for `BranchEnd`.
+        What happens to the orbit at the border, as for `BranchEnd`.
     sliding : str
-        The field's name: "crossing-sliding", "grazing-sliding", "switching-sliding" or "adding-sliding"; "" where the
-        mass does not stick to the belt in question.
+        The name in the literature: "crossing-sliding", "grazing-sliding", "switching-sliding" or "adding-sliding"; ""
+        where the mass does not stick to the belt in question.
     words : tuple of two (str or None)
         The words on both sides, the branch's first: those of the settled motions, found by the engine beside the
         border. "rest" where the mass may rest on a belt for ever; None if it meets no belt any more, or no motion with
@@ -147,7 +147,7 @@ class Border(Drawable):
     special : tuple of SpecialPoint
         Folds of the curve, and points of codimension two at its ends.
     ends : tuple of two BorderEnd
-        Why it ends at its first and its last point.
+        Why the border ends at its first and its last point.
     fixed : Parameters
         The other nine parameters.
 
@@ -181,10 +181,11 @@ class Border(Drawable):
 
     @public
     def words_beside(self, i: int, distance: NumberLike = 1e-6) -> tuple[str | None, str | None]:
-        """Return the words on both sides of the i-th point, in the order of `words`, at the places given by `beside`.
+        """Return the words on both sides of the i-th point, in the order of `words`, at the parameters from `beside`.
 
-        Each is the word of an orbit that the engine has followed there; None if none was found. With c > 0 it is that
-        of the settled motion. "rest" is decided exactly.
+        Each is the word of an orbit that was found at these parameters and confirmed by a simulation; with c > 0 all
+        motions settle to this orbit. The word is "rest" where the mass may rest on a belt for ever, None if no orbit
+        was found.
         """
 
         def word(p: Parameters) -> str | None:
@@ -198,14 +199,15 @@ class Border(Drawable):
 
     @public
     def orbit(self, i: int) -> Orbit:
-        """Return the orbit at the border's i-th point: its word (the one with fewer pieces), periods and points."""
+        """Return the orbit at the border's i-th point; of the words on both sides it has the one with fewer pieces."""
         return self._system.orbit(self._nodes[whole_number("i", i, -len(self), len(self) - 1)].z)
 
     @public
     def beside(self, i: int, distance: NumberLike = 1e-6) -> tuple[Parameters, Parameters]:
         """Return the parameters on both sides of the i-th point, in the order of `words`.
 
-        They lie at a right angle to the border in a plot over the ranges, `distance` (a fraction of them) away.
+        In a plot over the ranges of the two parameters they lie on a line at a right angle to the border. There they
+        are `distance` away from it, a fraction of the plot's width.
         """
         i, far = whole_number("i", i, -len(self), len(self) - 1), float(read_exact("distance", distance))
         if not 0 < far <= 0.01:
@@ -217,12 +219,12 @@ class Border(Drawable):
 
     @public
     def network(self, *, step: NumberLike = STEP, max_points: int = MOST_POINTS) -> list[Border]:
-        """Return this border and all that are connected with it by points of codimension two, followed in turn.
+        """Return this border and all borders that points of codimension two connect with it.
 
-        The borders that leave such a point are found on a small circle around it, by the words of the motions there:
-        a word on too small a part of the circle for doubles is missed. `step`, `max_points`: as for `continue_border`.
-        It is complete where no end is left that is not a point of codimension two from which all borders are followed,
-        an end of the range, or "no convergence".
+        Each is followed as by `continue_border`, with its `step` and `max_points`. The borders that leave a point of
+        codimension two are found on a small circle around it, where the words of the motions change. A word on too
+        small a part of the circle for doubles is missed. The list is complete if each border in it ends at a point of
+        codimension two from which all borders were followed, at an end of the range, or with "no convergence".
         """
         how, plane = _read_steps(step, max_points), self._plane
         found, done, waiting = [self], list[tuple[float, float]](), [self]
@@ -245,9 +247,9 @@ class Border(Drawable):
 
     @public
     def at(self, **value: NumberLike) -> tuple[float, ...]:
-        """Return all values of the other parameter on the curve, in ascending order: ``border.at(FN="0.4")``.
+        """Return all values of one parameter where the other has a given value on the curve: ``border.at(FN="0.4")``.
 
-        Each is found with 50 digits between two points of the curve, and rounded to a double.
+        They are in ascending order. Each is found with 50 digits between two points of the curve and rounded.
 
         Raises
         ------
@@ -296,7 +298,7 @@ class Border(Drawable):
         return f"<Border {a} | {b or 'no word'} ({name}) over ({axes}), {len(self.points)} points, {ends}>"
 
     def as_dict(self) -> Record:
-        """Return everything as plain values."""
+        """Return the border as a dict of plain values: numbers, text and lists."""
         return {
             "parameters": list(self.parameters),
             "fixed": self.fixed.as_dict(),
@@ -319,10 +321,10 @@ def between(a: Node, b: Node, part: float) -> np.ndarray:
 
 
 def motion_at(parameters: Parameters, *near: Orbit) -> Orbit | None:
-    """Find an admissible orbit at some parameters, from each of the orbits near them in turn; None if none is found.
+    """Find an admissible orbit at `parameters`, starting from each orbit of `near` in turn; None if none is found.
 
-    An orbit's own word is tried first, then those that the motion from it goes through. With c > 0 an admissible orbit
-    is the motion to which all others settle (`symosc.orbits.floquet`).
+    The word of the orbit in `near` is tried first, then the words of the motion that is simulated from this orbit. With
+    c > 0 all other motions settle to an admissible orbit (`symosc.orbits.floquet`).
     """
     for orbit in near:
         equations = ClosingEquations(parameters, orbit.word, orbit.periods)
@@ -341,7 +343,7 @@ def motion_at(parameters: Parameters, *near: Orbit) -> Orbit | None:
 
 
 class Tracer:
-    """Follows one border from a point on it, both ways."""
+    """One run along a border, from a first node in both directions, to an end or to `most` points."""
 
     def __init__(self, system: BorderSystem, first: Node, step: float, most: int) -> None:
         self.plane, self.system, self.first, self.longest, self.most = system.plane, system, first, step, most
@@ -423,11 +425,11 @@ class Tracer:
             step = min(1.5 * step, self.longest)
 
     def _failing(self, node: Node) -> Condition | None:
-        """Return the inequality that fails most at a node, if any."""
+        """Return the inequality that fails most at a node of the border; None if all hold."""
         return min((c for c in self.system.margins(node.z) if not c.value > 0), key=_scaled_margin, default=None)
 
     def _first_failure(self, path: list[Node], checked: int) -> int | None:
-        """Return the number of the first node after `checked` at which an inequality fails."""
+        """Return the index of the first node in `path` after `checked` at which an inequality fails, or None."""
         low, high = checked, len(path) - 1
         before, self.margins = self.margins, self.system.margins(path[high].z)
         if all(c.value > 0 for c in self.margins):
@@ -444,7 +446,7 @@ class Tracer:
         return high
 
     def _fold(self, here: Node, node: Node, j: int) -> tuple[Node, SpecialPoint] | None:
-        """Locate the fold between two nodes, where parameter j turns back, by the secant method on its slope."""
+        """Locate the fold between two nodes: the point of the border at which parameter j is largest or smallest."""
         system, other, index = self.system, 1 - j, len(here.z) - 1 - j
         for _ in range(3):  # in doubles first
             part = here.tangent[-2 + j] / (here.tangent[-2 + j] - node.tangent[-2 + j])
@@ -478,7 +480,7 @@ class Tracer:
         return Node(z, tangent, np.full(2, error)), SpecialPoint(FOLD, values, message, error)
 
     def _codimension_two(self, good: Node, bad: Node) -> tuple[Node, SpecialPoint]:
-        """Return the border's last node and special point, where an inequality vanishes between `good` and `bad`."""
+        """Locate the border's end between `good`, where all inequalities hold, and `bad`; return node and point."""
         system, condition = self.system, self._failing(bad)
         for _ in range(MOST_HALVINGS):
             if np.linalg.norm(bad.z - good.z) < LOCATED:
@@ -509,9 +511,9 @@ def _scaled_margin(condition: Condition) -> float:
 
 
 def meeting(plane: Plane, orbit: Orbit, values: tuple[float, float]) -> SpecialPoint | None:
-    """Find the point near some values where two inequalities vanish; None if not found.
+    """Find the point near the parameters `values` at which two inequalities of one orbit vanish; None if not found.
 
-    If a piece of the orbit has no duration there, the word with the fewest pieces around the point is taken instead.
+    They are those of the word of `orbit`; if this word fails, those of the shortest word of the motions nearby.
     """
     durations = ClosingEquations(plane.parameters(values), orbit.word, orbit.periods).durations(orbit.points)
     found = None if durations.min() < 1e-3 else _two_zeros(plane, orbit, values)
@@ -526,7 +528,7 @@ Motion = tuple[np.ndarray, Orbit]
 
 
 def _circle(plane: Plane, values: Sequence[float], orbit: Orbit) -> list[Motion]:
-    """Return points on a small circle around a point of the plane that are in the ranges, with the orbits there."""
+    """Return the points in the ranges on a small circle around the point `values`, each with the orbit found there."""
     found = []
     for i in range(24):
         angle = 2 * pi * (i + 0.5) / 24
@@ -539,7 +541,7 @@ def _circle(plane: Plane, values: Sequence[float], orbit: Orbit) -> list[Motion]
 
 
 def _two_zeros(plane: Plane, orbit: Orbit, values: tuple[float, float]) -> SpecialPoint | None:
-    """Find the point near some values where two inequalities of this word vanish; None if there is none."""
+    """Find the point near the parameters `values` at which two inequalities of the orbit's word vanish, or None."""
     equations = ClosingEquations(plane.parameters(values), orbit.word, orbit.periods)
     solution = solve(equations, orbit.points)
     points = solution.points if solution.converged else orbit.points
@@ -581,7 +583,7 @@ def _two_zeros(plane: Plane, orbit: Orbit, values: tuple[float, float]) -> Speci
 
 
 def closed_form(plane: Plane, place: np.ndarray, orbit: Orbit) -> tuple[ClosedForm, Node] | None:
-    """Return the border with a formula through a place, beyond which the mass rests or meets no belt; or None."""
+    """Return the `ClosedForm` border through the point `place` of the plane, with its node there, or None."""
     p = plane.parameters(place)
     system = ClosedForm(plane, p, orbit)
     holds, drives = system.terms(place)
@@ -597,7 +599,7 @@ def closed_form(plane: Plane, place: np.ndarray, orbit: Orbit) -> tuple[ClosedFo
 
 
 def starts(plane: Plane, place: np.ndarray, orbit: Orbit, direction: np.ndarray) -> Iterator[tuple[BorderSystem, Node]]:
-    """Yield the borders of an orbit's word that lie next to a place, in a direction of the plane, the nearest first."""
+    """Yield the borders of an orbit's word that the line through `place` along `direction` crosses, nearest first."""
     equations, points = ClosingEquations(plane.parameters(place), orbit.word, orbit.periods), orbit.points
     nearest = sorted(conditions(equations, points), key=lambda c: abs(_scaled_margin(c)))[:6]
     for zero, phases in (found for c in nearest for found in zeros_of(equations, points, c)):
@@ -618,7 +620,7 @@ def starts(plane: Plane, place: np.ndarray, orbit: Orbit, direction: np.ndarray)
 
 
 def first_crossing(plane: Plane, start: Motion, stop: Motion) -> tuple[BorderSystem, Node] | None:
-    """Return the first border that crosses the segment between two points of the plane, if one is found."""
+    """Return the first border that crosses the segment from `start` to `stop` in the plane; None if none is found."""
     whole, word = float(np.abs((stop[0] - start[0]) / plane.widths).max()), start[1].cycle
     low, high = start, stop
     while word != stop[1].cycle:
@@ -642,7 +644,7 @@ def first_crossing(plane: Plane, start: Motion, stop: Motion) -> tuple[BorderSys
 
 
 def all_crossings(plane: Plane, start: Motion, stop: Motion) -> Iterator[tuple[BorderSystem, Node]]:
-    """Yield, in order, the borders that cross the segment between two points until the words between them agree."""
+    """Yield, in order, the borders at which the word of the motion changes along the segment from `start` to `stop`."""
     found = first_crossing(plane, start, stop)
     if found is None:
         return
@@ -671,9 +673,9 @@ def borders_between(
     range: Mapping[str, tuple[NumberLike, NumberLike]],
     **how: Any,
 ) -> list[Border]:
-    """Return the borders that cross the segment between two points of the plane, found by the words of its motions.
+    """Return the borders between the parameter sets `a` and `b`, found where the word changes on the way from a to b.
 
-    `a` and `b` differ in the two parameters only; `how` is `step` and `max_points` of `continue_border`.
+    `a` and `b` may differ in the two named parameters only; `how` holds `step` and `max_points` of `continue_border`.
     """
     plane = _read_plane(a, *parameters, range)
     first, second = (_settled(plane, p) for p in (a, b))
@@ -690,7 +692,7 @@ def borders_between(
 
 
 def _settled(plane: Plane, p: Parameters) -> tuple[np.ndarray, Orbit | None]:
-    """Return the place of parameters in the plane, and the orbit to which the motion settles there, or None."""
+    """Return the point of the plane that belongs to the parameters `p`, and the orbit of the settled motion, if any."""
     place = np.array([float(getattr(p, name)) for name in plane.names])
     try:
         orbit = find_orbit(p)
@@ -700,7 +702,10 @@ def _settled(plane: Plane, p: Parameters) -> tuple[np.ndarray, Orbit | None]:
 
 
 def _loss_of_word(plane: Plane, inside: Any, place: np.ndarray) -> tuple[Motion, Any] | None:
-    """Find the border in closed form between an orbit and a place with none: (a point and orbit beside it, border)."""
+    """Find the border beyond which the motion has no word, between `inside` (a point and its orbit) and `place`.
+
+    Return a point just inside the border with its orbit, and the border with its node; None if it is not found.
+    """
     system = ClosedForm(plane, plane.parameters(place), inside[1])
 
     def word(part: float) -> bool:
@@ -720,7 +725,7 @@ def _loss_of_word(plane: Plane, inside: Any, place: np.ndarray) -> tuple[Motion,
 
 
 def _distinct(begun: Iterable[tuple[BorderSystem, Node]], step: float, most: int) -> list[Border]:
-    """Follow the border through each of the given nodes; return each border once."""
+    """Follow the border through each node of `begun`, by steps up to `step` and to `most` points; return each once."""
     found = list[Border]()
     for system, node in begun:
         border = Tracer(system, node, step, most).border()
@@ -730,7 +735,7 @@ def _distinct(begun: Iterable[tuple[BorderSystem, Node]], step: float, most: int
 
 
 def passes(border: Border, values: Sequence[float] | np.ndarray, words: Any) -> bool:
-    """Return whether a border between these words passes through a point of its plane, near enough for its steps."""
+    """Return whether `border` separates `words` and passes through the point `values`, to 1e-4 of the ranges."""
     if set(border.words) != set(words):
         return False
     places = (border.points - values) / border._plane.widths
@@ -750,22 +755,24 @@ def continue_border(
     step: NumberLike = STEP,
     max_points: int = MOST_POINTS,
 ) -> Border:
-    """Follow the border on which a branch ends in a second parameter, both ways, to where another inequality vanishes.
+    """Follow the border at the end of a branch through the plane of the branch's and a second parameter, both ways.
+
+    The border ends where another inequality of its orbit vanishes, or at the end of a range.
 
     Parameters
     ----------
     branch : Branch
     end : int
-        Which of its ends, 0 or 1.
+        The number of the branch's end, 0 or 1.
     parameter : str
         The second parameter.
     range : (low, high)
-        Of the second parameter; or a mapping of both names to their ranges. Without a range the first parameter may go
-        down to a tenth of its value at the end, and up to ten times that (from a value of 0: up to 1).
+        The range of the second parameter; or a mapping of both names to their ranges. Without a range the first
+        parameter may go down to a tenth of its value at the end, and up to ten times that (from a value of 0: up to 1).
     step : number
         The longest step, as a part of the ranges.
     max_points : int
-        Of each of the two directions.
+        The most points in each of the two directions.
 
     Raises
     ------
@@ -815,7 +822,7 @@ def continue_border(
 
 
 def _read_steps(step: NumberLike = STEP, max_points: int = MOST_POINTS) -> tuple[float, int]:
-    """Return the longest step and the largest number of points."""
+    """Check the two options of `continue_border`; return the longest step and the largest number of points."""
     longest, most = float(read_exact("step", step)), whole_number("max_points", max_points, 2)
     if not 0 < longest <= 0.1:
         raise ParameterError("step", step, "must be > 0 and at most 0.1")
@@ -823,7 +830,7 @@ def _read_steps(step: NumberLike = STEP, max_points: int = MOST_POINTS) -> tuple
 
 
 def _read_plane(parameters: Parameters, first: str, second: Any, limits: Any) -> Plane:
-    """Return the plane of two parameters with their ranges."""
+    """Check the two parameters and their ranges `limits`; return their plane."""
     if second not in PARAMETER_NAMES or second == first:
         known = f"must be one of {', '.join(name for name in PARAMETER_NAMES if name != first)}"
         raise ParameterError("parameter", second, known + meant(second, PARAMETER_NAMES))

@@ -52,7 +52,7 @@ POINTS_WEIGHT = 4.0  # by which switching points count less than the parameters 
 
 
 class Zero(NamedTuple):
-    """An inequality that is 0 on a border: its kind, its piece, and the belt (of a graze) or domain (of a force)."""
+    """A margin that is 0 on a border: the kind and piece of its inequality, and the belt (graze) or domain (force)."""
 
     kind: str
     piece: int
@@ -60,7 +60,7 @@ class Zero(NamedTuple):
 
     @property
     def bend(self) -> Zero:
-        """The zero of the next derivative by time, which is 0 too where this one is no simple zero."""
+        """The `Zero` of the margin's time derivative, which vanishes too where the margin has a multiple zero."""
         return self._replace(kind=AT_BEND if self.kind in TIMED else AT_FLAT)
 
 
@@ -77,7 +77,7 @@ class Plane(NamedTuple):
         return self.fixed.replace(**dict(zip(self.names, map(float, values), strict=True)))
 
     def near(self, a: Sequence[float], b: Sequence[float]) -> bool:
-        """Return whether two points are the same within errors."""
+        """Return whether two points of the plane are equal to 1e-6 of the ranges."""
         return bool((np.abs(np.subtract(a, b)) < 1e-6 * self.widths).all())
 
     @property
@@ -87,7 +87,7 @@ class Plane(NamedTuple):
 
 
 class Node(NamedTuple):
-    """A point of a border: scaled unknowns, unit tangent, and error estimates of the two parameters."""
+    """A point of a border: the unknowns `z` of a `BorderSystem`, the unit tangent, and errors of the two parameters."""
 
     z: np.ndarray
     tangent: np.ndarray
@@ -95,7 +95,7 @@ class Node(NamedTuple):
 
 
 class Numbers:
-    """A parameter set as floats, from which constants are derived several times faster than from fractions."""
+    """A parameter set as floats; the constants K of a motion follow from it much faster than from fractions."""
 
     A, belt = Parameters.A, Parameters.belt
 
@@ -113,8 +113,9 @@ class QuickArithmetic(Arithmetic):
 class BorderSystem:
     """The closing equations of a word together with the inequalities that are 0 on a border.
 
-    The unknowns u are x and theta of each switching point, the phases of the extrema of `timed` zeros, and the two
-    parameters. With one zero the roots are a curve, with two a point. Lengths are measured in z = u/scale.
+    The unknowns u are x and theta of each switching point, the phase of each extremum at which a margin has to vanish,
+    and the two parameters. With one zero the roots are a curve, with two a point. Lengths are measured in the scaled
+    unknowns z = u/scale.
     """
 
     def __init__(self, plane: Plane, orbit: Orbit, zeros: Sequence[Zero]) -> None:
@@ -133,7 +134,7 @@ class BorderSystem:
         self.scale = np.array([*[size * weight, weight] * self.n, *[weight] * len(self.timed), *plane.widths])
 
     def _unaccelerated_after(self, crossings: Iterable[int]) -> tuple[OrbitPiece, ...]:
-        """Return the pieces with the flights after the given crossings started with acceleration 0."""
+        """Return the word's pieces; the flights after those with numbers in `crossings` start with acceleration 0."""
         pieces = list(self.pieces)
         for i in crossings:
             j = (i + 1) % self.n
@@ -143,7 +144,7 @@ class BorderSystem:
     # -- the equations -------------------------------------------------------------------------------------------------
 
     def at(self, u: Any, digits: int | None = None) -> tuple[ClosingEquations, Any, Any]:
-        """Return the closing equations, the points and the phases for the unknowns u, in doubles or with digits."""
+        """Return the closing equations, the switching points and the phases of extrema for the unknowns u."""
         changed = dict(zip(self.names, u[-2:], strict=True))
         values: Any = Numbers(self.given | changed) if digits is None else self.fixed.replace(**changed)
         arithmetic = None if digits else QuickArithmetic(values)
@@ -152,7 +153,7 @@ class BorderSystem:
         return equations, *self._split(u)
 
     def _split(self, u: Any) -> tuple[Any, Any]:
-        """Return the points and the phases among the unknowns."""
+        """Return the switching points and the phases of extrema that the unknowns u contain."""
         n = 2 * self.n
         return list(zip(u[:n:2], u[1:n:2], strict=True)), u[n:-2]
 
@@ -180,7 +181,7 @@ class BorderSystem:
         return values
 
     def _linearised(self, u: list[float]) -> tuple[np.ndarray, np.ndarray]:
-        """Return the residuals at u and their Jacobian in doubles; its two columns of parameters are differences."""
+        """Return the residuals at u and their Jacobian in doubles; finite differences give the parameters' columns."""
         equations, points, phases = self.at(u)
         n, size = 2 * self.n, len(u)
         values = np.array(equations.residuals(points) + self._zeros(equations, points, phases))
@@ -215,8 +216,8 @@ class BorderSystem:
     def correct(self, z: np.ndarray, row: np.ndarray | None) -> tuple[np.ndarray, np.ndarray, float] | None:
         """Solve the equations by Newton's method from z; return root, inverse Jacobian and error, or None.
 
-        `row` is the normal of a plane through z that contains the root; None if the equations alone fix it. Root and
-        error are in scaled unknowns.
+        `row` is the normal of a hyperplane through z that contains the root; None if the equations alone fix it. Root
+        and error are in scaled unknowns.
         """
         start, inverse, before = z, None, inf
         with suppress(np.linalg.LinAlgError, ZeroDivisionError, OverflowError, ValueError):
@@ -245,8 +246,7 @@ class BorderSystem:
     def polish(self, z: np.ndarray, fixed: tuple[int, Any] | None = None) -> list[Number] | None:
         """Return the root u in many digits; None if it is not found.
 
-        `fixed`: the index of an unknown and its exact value, for systems with a curve of roots. The inverse in doubles
-        is good enough for corrections in digits.
+        `fixed` is the index of an unknown and the exact value that it keeps, for a system whose roots form a curve.
         """
         got = self.correct(z, None if fixed is None else np.eye(len(z))[fixed[0]])
         # Entries of the inverse as large as this show a point that is not isolated.
@@ -270,9 +270,9 @@ class BorderSystem:
         return None
 
     def node(self, z: np.ndarray, along: np.ndarray, row: np.ndarray | None = None) -> Node | None:
-        """Find the border's point in the plane through z across `along`, or with the normal `row`; None if not found.
+        """Find the border's point in the hyperplane through z with the normal `row` or else `along`; None if not found.
 
-        Its tangent is oriented like `along`. Errors come from rounding in the residuals and from the last correction.
+        The node's tangent is oriented like `along`. Its errors come from rounding and from the last correction.
         """
         got = self.correct(z, along if row is None else row)
         if got is None:
@@ -298,7 +298,7 @@ class BorderSystem:
     # -- the inequalities along the border -----------------------------------------------------------------------------
 
     def hide(self, curve: Sequence[np.ndarray]) -> None:
-        """Set `hidden`: the inequalities that are 0 all along the border, because they define it or by symmetry."""
+        """Set `hidden` to the numbers of the inequalities that are 0 at all points z of the border in `curve`."""
         flags, shift = list[list[bool]](), 0
         for z in curve:
             equations, points, _ = self.at((z * self.scale).tolist())
@@ -314,7 +314,7 @@ class BorderSystem:
         self.symmetric_pieces = self._unaccelerated_after(crossings)
 
     def margins(self, z: np.ndarray) -> list[Condition]:
-        """Return the inequalities that must hold on the border, also those by which its zeros are simple."""
+        """Return the inequalities that must hold on the border, and those without which a zero on it is not simple."""
         equations, points, phases = self.at((z * self.scale).tolist())
         equations.pieces = self.symmetric_pieces
         found, size = conditions(equations, points), scales(equations, points)
@@ -333,7 +333,10 @@ class BorderSystem:
     def _simple_zero_margins(
         self, equations: ClosingEquations, points: Any, zero: Zero, theta: float, size: float
     ) -> Iterator[Condition]:
-        """Yield the inequalities that hold as long as a zero is a simple one; where one fails, the border ends."""
+        """Yield the inequalities that hold as long as `zero` is a simple one; where one of them fails, the border ends.
+
+        `theta` is the phase of the extremum at which the margin vanishes; `size` becomes the `Condition.scale`.
+        """
         piece, begin, end = self.pieces[zero.piece], points[zero.piece][1], equations.ends(points)[zero.piece][1]
         (value,) = zero_values(equations, points, zero.bend, theta)
         if zero.kind == AT_FAR:
@@ -352,10 +355,10 @@ class BorderSystem:
 class ClosedForm(BorderSystem):
     """A border beyond which the motion has no word (it rests, or meets no belt): one equation in both parameters.
 
-    It is about the slower belt. If its speed is 0, the mass may rest on it where mu FN >= |B0|. Where that speed is one
-    of the two parameters, the border is the line of speed 0, and a word lies on either side. A belt that moves is not
-    met if it is at least as fast as the steady motion: |v| sqrt((k - m Omega^2)^2 + (c Omega)^2) >= |B0| Omega. The
-    parameters `fixed` are on the border, the `orbit` is one beside it.
+    The equation is about the slower belt. If this belt is at rest, the mass may rest on it where mu FN >= |B0|. If the
+    speed of this belt is one of the two parameters, the border is the line of speed 0, with a word on either side. A
+    moving belt is not met if it is at least as fast as the steady motion: |v| sqrt((k - m Omega^2)^2 + (c Omega)^2) >=
+    |B0| Omega. The parameters `fixed` lie on the border; `orbit` is an orbit beside the border.
     """
 
     def __init__(self, plane: Plane, fixed: Parameters, orbit: Orbit) -> None:
@@ -367,7 +370,7 @@ class ClosedForm(BorderSystem):
         self.up, self.push = 1 if fixed.belt(belt) > 0 else -1, 1 if fixed.B0 > 0 else -1
 
     def _numbers(self, u: Any, digits: int | None = None) -> Any:
-        """Return the parameters as floats, or in the arithmetic of `u`."""
+        """Return all parameters, with the values `u` of the two, as floats or with `digits` as mpmath numbers."""
         changed = dict(zip(self.names, u, strict=True))
         if digits is None:
             return Numbers(self.given | changed)
@@ -383,7 +386,7 @@ class ClosedForm(BorderSystem):
         return self.up * p.belt(self.belt) * resisted**0.5, self.push * p.B0 * p.Omega
 
     def residuals(self, u: Any, digits: int | None = None) -> list[Number]:
-        """Return what is 0 on the border, as a list of one: the first term minus the second, or the belt's speed."""
+        """Return what is 0 on the border, in a list: the difference of `terms`, or the speed of a belt at rest."""
         holds, drives = self.terms(u, digits)
         return [self._numbers(u, digits).belt(self.belt) if self.line else holds - drives]
 
@@ -403,7 +406,7 @@ class ClosedForm(BorderSystem):
         return np.array([b, -a]) / np.hypot(a, b)
 
     def margins(self, z: np.ndarray) -> list[Condition]:
-        """Return what must hold on the border: the belt moves, and the other one is farther from the speed 0."""
+        """Return what must hold on the border: the belt moves and is met first, or it is at rest and holds the mass."""
         p, found = self._numbers(z * self.scale), []
         own, other = self.up * p.belt(self.belt), -self.up * p.belt(3 - self.belt)
         if self.line:
@@ -439,12 +442,12 @@ def _slope(function: Any, u: Sequence[Any], values: np.ndarray, j: int, step: An
 
 
 def turns_of(equations: ClosingEquations, points: Any, i: int, kind: str) -> list[tuple[Number, Number, int]]:
-    """Return the extrema in piece i of what a zero of this kind is about: velocity or force, phase, belt or domain."""
+    """Return the extrema in piece i: those of `clearances` for grazes, else those of `holding_forces`."""
     return list((clearances if kind == AT_TOUCH else holding_forces)(equations, equations.spans(points)[i]))
 
 
 def zero_values(equations: ClosingEquations, points: Any, zero: Zero, theta: Number) -> list[Number]:
-    """Return the values that vanish at a zero; `theta` is the phase of its extremum, for zeros that have one."""
+    """Return what must be 0 for the margin `zero` to vanish; `theta` is the phase of the extremum, if it is one."""
     K, piece, start = equations.K, equations.pieces[zero.piece], points[zero.piece]
     if zero.kind in (AT_FAR, AT_ARRIVAL, AT_FLAT):
         x, end = equations.ends(points)[zero.piece]
@@ -488,7 +491,7 @@ def symmetrised(points: np.ndarray) -> np.ndarray:
 
 
 def kind_of(condition: Condition) -> str:
-    """Return the kind of zero that a vanishing inequality makes; "" if it is that a piece has no duration left."""
+    """Return the kind of `Zero` that belongs to a condition whose value is 0; "" if none does, as for a duration."""
     if condition.rank == admissibility.PASSING or " at the onset of " in condition.text:
         return AT_FAR
     if condition.rank == admissibility.HOLD:
@@ -501,7 +504,7 @@ def kind_of(condition: Condition) -> str:
 def zeros_of(equations: ClosingEquations, points: Any, condition: Condition) -> list[tuple[Zero, list[float]]]:
     """Return the zeros that a condition close to 0 may stand for, each with the phase of its extremum, if any.
 
-    There are two where a flight behind a crossing turns back at once: its graze is a zero too.
+    There are two where the flight after a crossing turns back at once: the second is the graze of this flight.
     """
     kind, i = kind_of(condition), condition.piece
     piece, end = equations.pieces[i], equations.ends(points)[i]

@@ -103,13 +103,13 @@ class BranchEnd(NamedTuple):
         "grazing", "birth of a stick", "vanishing of a stick", "birth of a slip", "vanishing of a slip", "vanishing of a
         flight", "end of the range", "no convergence" or "max_points".
     value : float
-        The parameter there: the last value with an orbit, to the resolution of doubles.
+        The last value of the parameter with an orbit, as far as doubles resolve it.
     message : str
-        Which inequality it is, and when in the orbit.
+        Which inequality fails at the end, and when in the orbit.
     points : tuple of SwitchingPoint
-        The orbit there.
+        The switching points of the orbit at the end.
     conditions : tuple of Condition
-        The inequalities that pass 0, the one that explains the others first, where they do.
+        The inequalities whose values pass 0 at the end; the first one explains the others.
     beyond : str or None
         The word of the orbit just beyond the end: one was found and verified there, as near as 1e-9 of the range. None
         at the end of the range, where the motion has no word (the message says what it does), or if none was found.
@@ -150,7 +150,7 @@ class Branch(Drawable):
     periods : int
         Number of forcing periods.
     ends : tuple of two BranchEnd
-        Why it ends at its first and its last point.
+        Why the branch ends at its first and its last point.
 
     Examples
     --------
@@ -186,7 +186,7 @@ class Branch(Drawable):
         return find_orbit(self.parameters(i), self.word, self.points[int(i)], digits, periods=self.periods)
 
     def as_dict(self) -> Record:
-        """Return everything as plain values."""
+        """Return the branch as a dict of plain values: numbers, text and lists."""
         ends = [end._asdict() for end in self.ends]
         for end in ends:
             end["points"] = [list(point) for point in end["points"]]
@@ -212,7 +212,7 @@ class Branch(Drawable):
         return imported("pandas").DataFrame(columns | {"stable": self.stable})
 
     def to_xarray(self) -> Any:
-        """Return a Dataset over `point`, `switching` and `which`; MissingExtraError if xarray is not installed."""
+        """Return a Dataset over `point`, `switching` and `which` (multiplier); MissingExtraError without xarray."""
         columns: Record = {name: (("point", "switching"), self.points[..., i]) for i, name in enumerate(("t", "x"))}
         for name, part in (("re", self.multipliers.real), ("im", self.multipliers.imag)):
             columns[f"multiplier_{name}"] = ("point", "which"), part  # no file format has complex numbers
@@ -252,7 +252,7 @@ def continue_orbit(
     Parameters
     ----------
     parameters : Parameters, or a Scene, its name or its file
-        Where the branch is begun; the parameter's value must lie in the range.
+        The point at which the branch is begun; its value of the parameter must lie in the range.
     word : str or sequence of str
         The mapping structure, read right to left.
     parameter : str
@@ -261,7 +261,7 @@ def continue_orbit(
     guess, periods : optional
         As for `find_orbit`.
     max_points : int
-        Of each of the two directions, at least 2.
+        The most points in each of the two directions, at least 2.
     progress : bool or callable, optional
         True: if it takes more than two seconds, a bar with rate and time left on a terminal. Or a function of two
         numbers: the part of the range that is done, and 1.
@@ -269,7 +269,7 @@ def continue_orbit(
     Raises
     ------
     WordError, ConvergenceError
-        As `find_orbit`.
+        As raised by `find_orbit`.
     ParameterError
         If there is no such parameter, or the range is empty, not allowed or does not contain the parameter's value.
     BranchError
@@ -296,7 +296,7 @@ def continue_orbit(
 
 
 def read_range(parameters: Parameters, parameter: str, limits: Any) -> tuple[float, float]:
-    """Return the limits of the parameter as numbers."""
+    """Check the name `parameter` and the range `limits`; return the limits as floats."""
     if parameter not in PARAMETER_NAMES:
         known = f"must be one of {', '.join(PARAMETER_NAMES)}"
         raise ParameterError("parameter", parameter, known + meant(parameter, PARAMETER_NAMES))
@@ -317,7 +317,7 @@ def read_range(parameters: Parameters, parameter: str, limits: Any) -> tuple[flo
 
 @dataclass(frozen=True)
 class BranchPoint:
-    """A point of a branch: parameter value, switching points (x, theta), multipliers, margins; z: scaled unknowns."""
+    """A point of a branch: its orbit's data at one `value` of the parameter, and the scaled unknowns `z` of `Curve`."""
 
     value: float
     points: np.ndarray
@@ -329,7 +329,11 @@ class BranchPoint:
 
 
 class Curve:
-    """The curve of roots of the closing equations as one parameter varies, in z = (x/size, phase, parameter/range)."""
+    """The curve of roots of the closing equations over one parameter, in the scaled unknowns z.
+
+    They are x/size and theta of each switching point, weighted, and the parameter divided by its range; size is that of
+    the motion.
+    """
 
     # Arclength measures positions from their mean: a shift of the whole orbit, such as by A0/k, changes nothing else
     # and needs no steps. So lengths and angles are those of `level(z)`.
@@ -357,7 +361,7 @@ class Curve:
         return self._equations[value]
 
     def split(self, z: np.ndarray) -> tuple[np.ndarray, float]:
-        """Return points (n, 2) and parameter from the scaled unknowns."""
+        """Return the switching points (n, 2) and the parameter that belong to the scaled unknowns z."""
         unscaled = z * self.scale
         # An end of the range stays what it is: the product may miss it by an ulp.
         value = float(unscaled[-1])
@@ -367,22 +371,22 @@ class Curve:
         return unscaled[:-1].reshape(-1, 2), value
 
     def joined(self, points: np.ndarray, value: float) -> np.ndarray:
-        """Return the scaled unknowns from points (n, 2) and parameter."""
+        """Return the scaled unknowns z for switching points (n, 2) and a value of the parameter."""
         return np.append(np.ravel(points), value) / self.scale
 
     @staticmethod
     def level(z: np.ndarray) -> np.ndarray:
-        """Return z with the positions measured from their mean."""
+        """Return z with the mean of the positions taken off: a shift of the whole orbit then has no length."""
         found = z.copy()
         found[:-1:2] -= found[:-1:2].mean()
         return found
 
     def distance(self, a: BranchPoint, b: BranchPoint) -> float:
-        """Return the length of the chord between two points."""
+        """Return the length of the chord between two points of the branch, in scaled unknowns."""
         return float(np.linalg.norm(self.level(b.z - a.z)))
 
     def slope(self, z: np.ndarray) -> np.ndarray:
-        """Return the derivative of the residuals with respect to the parameter, by differences."""
+        """Return the derivatives of the closing equations' residuals by the parameter, as finite differences."""
         points, value = self.split(z)
         change = 1e-6 * (self.high - self.low)  # Newton's method needs no more
         # One-sided at the ends of the range: there may be no such system beyond.
@@ -392,12 +396,12 @@ class Curve:
         return (beside[0] - beside[1]) / (above + below)
 
     def matrix(self, z: np.ndarray, slope: np.ndarray) -> np.ndarray:
-        """Return the Jacobian (2n, 2n + 1) with respect to scaled unknowns; `slope`: its last column, unscaled."""
+        """Return the Jacobian (2n, 2n + 1) of the residuals by the scaled unknowns; `slope` comes from `slope(z)`."""
         points, value = self.split(z)
         return np.column_stack([self.equations(value).matrix(points), slope]) * self.scale
 
     def correct(self, guess: np.ndarray, normal: np.ndarray) -> np.ndarray | None:
-        """Return the point of the curve in the plane through `guess` with that normal, or None."""
+        """Return the curve's point in the hyperplane through `guess` with that normal; None if it is not found."""
         z, before, row, slope = guess, np.inf, self.level(normal), None
         for _ in range(12):
             try:
@@ -428,7 +432,7 @@ class Curve:
         return BranchPoint(value, points, z, tangent, (first, second), tuple(margins), tuple(failing(margins)))
 
     def accepted(self, z: np.ndarray | None, before: BranchPoint) -> BranchPoint | None:
-        """Return the point at z, or None if there is none or the curve turns too sharply towards it."""
+        """Return the branch point at z; None if z is None or singular, or if the curve turns sharply after `before`."""
         if z is None:
             return None
         try:
@@ -457,7 +461,7 @@ class Curve:
         return 0.5 * (a.z + b.z) + 0.125 * self.distance(a, b) * (a.tangent - b.tangent)
 
     def middle(self, a: BranchPoint, b: BranchPoint) -> BranchPoint | None:
-        """Return the point of the curve midway between two points."""
+        """Return the point of the curve midway between two of its points; None if it is not found."""
         return self.accepted(self.correct(self.halfway(a, b), b.z - a.z), a)
 
     # -- all points ----------------------------------------------------------------------------------------------------
@@ -465,7 +469,10 @@ class Curve:
     def follow(
         self, direction: float, most: int, advance: Advance, before: int = 0
     ) -> tuple[list[BranchPoint], BranchEnd]:
-        """Follow the curve in one direction; return its points and why they end. `before`: number of earlier points."""
+        """Follow the curve in one direction from the first orbit; return its points and its end, with the reason.
+
+        At most `most` points are returned. `advance` is told of the progress; `before` points were found already.
+        """
         z, length, reached = self.joined(self.start, self.value), 0.02, 0.0
         path = [self.point(z, np.append(np.zeros(len(z) - 1), direction))]
         # At an end margins are rounding noise. Then a point just after it follows; between the two nothing is proven.
@@ -509,10 +516,10 @@ class Curve:
     def _scan(
         self, a: BranchPoint, b: BranchPoint, around: float = np.inf
     ) -> tuple[list[BranchPoint], BranchPoint | None] | None:
-        """Divide the branch from a to b; return (orbits found, first point that is no orbit or None).
+        """Search the stretch from a to b for a point that is no orbit; return the orbits up to the first, and it.
 
-        The whole result is None if the points do not lie on one smooth curve: a shorter step is needed. `around` is the
-        length of the shortest piece around both that is known to end in a point that is no orbit.
+        It is None if all are orbits. The whole result is None if the points do not lie on one smooth curve: a shorter
+        step is needed. `around` is the length of the shortest known stretch around a and b that ends at no orbit.
         """
         length, changed = self.distance(a, b), bool(b.failures)
         around = min(around, length) if changed else around
@@ -545,7 +552,7 @@ class Curve:
         return None if second is None else (first[0] + second[0], second[1])
 
     def _proven(self, a: BranchPoint, m: BranchPoint, b: BranchPoint) -> bool:
-        """Return whether no margin can reach 0 between a and b."""
+        """Return whether no margin can reach 0 between the points a and b of the branch; m lies halfway."""
         first, middle, last = ((each.points, each.value) for each in (a, m, b))
         places = first, self.split(self.halfway(a, m)), middle, self.split(self.halfway(m, b)), last
         nodes = [(self.equations(value), points) for points, value in places]
@@ -564,7 +571,7 @@ class Curve:
     # -- the end -------------------------------------------------------------------------------------------------------
 
     def _end_at(self, path: list[BranchPoint], failed: BranchPoint, direction: float) -> BranchEnd:
-        """Describe the end of a branch by the conditions that vanish or fail there; move its last point inside."""
+        """Return the end of the branch before `failed`, with its reason; make the last of `path` surely an orbit."""
         # Margins are compared with those at a point that is far enough before the end.
         before = next((point for point in reversed(path) if self.distance(point, failed) > 1e-3), path[0])
         # What a margin must have fallen to to count as 0, or where doubles cannot decide on which side of 0 it is
@@ -592,7 +599,7 @@ class Curve:
         return last
 
     def _word_beyond(self, point: BranchPoint, direction: float) -> tuple[str | None, str]:
-        """Return the orbit's word just beyond an end; or None and the motion there as text ("" if unknown)."""
+        """Return the word of the orbit just beyond an end and ""; without one, None and a text on the motion there."""
         # The motion is simulated there from the orbit at the end, and the words that it goes through are solved for.
         # One with an admissible orbit is the answer: with c > 0 there is no second one (`symosc.orbits.floquet`).
         instead = ""
@@ -617,7 +624,7 @@ class Curve:
 
 
 def _begins_to_rest(p: Parameters) -> int | None:
-    """Return the belt at rest whose friction nearly equals |B0|, so that it just may hold the mass; None if none."""
+    """Return the belt with speed 0 and mu FN nearly |B0|, on which the mass can just rest; None if there is none."""
     for belt, friction in ((1, p.mu1 * p.FN), (2, p.mu2 * p.FN)):
         if p.belt(belt) == 0 and abs(friction - abs(p.B0)) < 1e-6 * abs(p.B0):  # flights are too short for steps
             return belt
@@ -631,7 +638,7 @@ Node = tuple[ClosingEquations, np.ndarray]
 
 
 def _largest_bends(values: np.ndarray, axis: int) -> np.ndarray:
-    """Return the largest second difference along an axis of (5, n) values, of each column and those beside it."""
+    """Return, for each column of (5, n) values, the largest second difference along `axis` in it and beside it."""
     bend = np.abs(np.diff(values, 2, axis=axis)).max(axis=0)
     bend = bend if axis == 0 else np.concatenate([bend[:1], bend, bend[-1:]])
     bend[1:-1] = np.maximum(bend[1:-1], np.maximum(bend[:-2], bend[2:]))
@@ -639,9 +646,10 @@ def _largest_bends(values: np.ndarray, axis: int) -> np.ndarray:
 
 
 def _proven_positive(values: np.ndarray, deficit: float | np.ndarray = 0.0) -> np.ndarray:
-    """Return for each column of (5, n) values, at five points of a branch, whether it stays > 0 between them too.
+    """Return, for each column of margins at five points of a branch, whether they stay > 0 between the points.
 
-    `deficit` is what the columns' functions may be below these values beside them; the bound is in the module's text.
+    The criterion is sqrt(f0) + sqrt(f1) > sqrt(C), as derived at the top of the module. `deficit` is by how much a
+    margin may be smaller between two columns than in them.
     """
     bend, least = _largest_bends(values, axis=0), values - deficit
     roots = np.sqrt(np.maximum(least, 0.0))
@@ -650,9 +658,10 @@ def _proven_positive(values: np.ndarray, deficit: float | np.ndarray = 0.0) -> n
 
 
 def _stay_positive(nodes: list[Node], i: int, u: np.ndarray, depth: int) -> bool:
-    """Return whether the margins of piece i stay positive between the parts u (0 to 1) of its duration.
+    """Return whether the margins of piece i stay positive all through it and between five points of a branch.
 
-    Where five values do not show it, u is refined, at most `depth` times.
+    `nodes` has the equations and switching points at the five points, `u` the fractions (0 to 1) of the piece's
+    duration at which margins are computed. Where these are not enough, `u` is refined, at most `depth` times.
     """
     for rows in zip(*(piece_margins(equations, points, i, u) for equations, points in nodes), strict=True):
         values = np.array(rows)
@@ -671,7 +680,7 @@ def _stay_positive(nodes: list[Node], i: int, u: np.ndarray, depth: int) -> bool
 
 
 def piece_margins(equations: ClosingEquations, points: Points, i: int, u: np.ndarray) -> list[np.ndarray]:
-    """Return the margins of piece i (distances to belts or forces that hold) at parts u of its duration."""
+    """Return the margins of piece i at the fractions u of its duration: gaps to belts in flights, forces in sticks."""
     piece, start, end, tau = equations.spans(points)[i]
     K, belt = equations.K, equations.belt(piece.start)
     if piece.sticks:

@@ -49,9 +49,9 @@ class ConvergenceError(SymoscError, ArithmeticError):
     best : tuple of (t, x)
         The best switching points that were found.
     periods : int
-        The number of forcing periods that they were to close after.
+        The number of forcing periods after which the points should close.
     residual : float
-        Largest |f1|, |f2| there.
+        Largest |f1|, |f2| of eq. (54) at the points `best`.
 
     Examples
     --------
@@ -71,7 +71,7 @@ class ConvergenceError(SymoscError, ArithmeticError):
 
 @dataclass(frozen=True)
 class OrbitPiece:
-    """One mapping of a word, as a piece of an orbit."""
+    """A piece of an orbit, one mapping of its word: belts of start and end, mode, and the side that it leaves to."""
 
     label: str
     start: int
@@ -82,21 +82,21 @@ class OrbitPiece:
 
     @property
     def sticks(self) -> bool:
-        """Whether the mass sticks to a belt."""
+        """Whether the mass sticks to a belt during the piece."""
         return self.mode > 3
 
     def roots(self, boundary: int) -> int:
-        """Return how often v - v_boundary has the root tau = 0: on the belt of its start once, after a stick twice."""
+        """Return the multiplicity of the root tau = 0 of v - v_boundary: 1 from this belt, 2 after a stick, else 0."""
         return 0 if self.sticks or boundary != self.start else 2 if self.after_stick else 1
 
     @property
     def zeros(self) -> int:
-        """How often f2 has the root tau = 0, which is divided out of it."""
+        """The multiplicity of the root tau = 0 of f2 of eq. (54), by which `residuals` divides f2."""
         return self.roots(self.end)
 
 
 def pieces_of(word: Word) -> tuple[OrbitPiece, ...]:
-    """Return the pieces of a word, taken as periodic."""
+    """Return the pieces of a periodic orbit that has this word."""
     pieces = []
     for i, (row, exit) in enumerate(zip(word.maps, word.exits(), strict=True)):
         side = 1 if (exit == "above" if row.sticks else row.end.superscript == 1) else -1  # 1: from below
@@ -152,7 +152,7 @@ class ClosingEquations:
         return ClosingEquations(self.parameters, self.word, self.periods, digits)
 
     def ends(self, points: Points) -> list[Point]:
-        """Return the points (x, theta) on which the pieces end: the next points, and the first one a period later."""
+        """Return the points (x, theta) where the pieces end: the next ones, and the first after the orbit's period."""
         x, theta = points[0]
         return [*points[1:], (x, theta + self.turn)]
 
@@ -162,7 +162,7 @@ class ClosingEquations:
         return [Span(piece, start, end, (end[1] - start[1]) / self.K.Om) for piece, start, end in ends]
 
     def residuals(self, points: Points) -> list[Number]:
-        """Return f1, f2 of each piece in order, with known roots tau = 0 of f2 divided out."""
+        """Return f1 and f2 of eq. (54) for each piece in order; f2 is divided by tau^n for its known root tau = 0."""
         values = []
         for span in self.spans(points):
             f1, f2 = self._residual(span)
@@ -183,13 +183,13 @@ class ClosingEquations:
         return self.K.belt1 if boundary == 1 else self.K.belt2
 
     def start_of_flight(self, piece: OrbitPiece, start: Point) -> Launch:
-        """Return the launch of a piece's flight: velocity, acceleration, sine and cosine of the phase."""
+        """Return what a flight begins with at `start`: velocity, acceleration, sine and cosine of the phase."""
         v = self.belt(piece.start).v
         a = 0 * start[0] if piece.after_stick else self.force(piece.mode, start[0], v, start[1])
         return Launch(v, a, self.sin(start[1]), self.cos(start[1]))
 
     def _residual(self, span: Span) -> tuple[Number, Number]:
-        """Return f1, f2 of a piece."""
+        """Return f1 and f2 of eq. (54) for one piece, without the division of `residuals`."""
         (piece, start, end, tau), K, v_end = span, self.K, self.belt(span.piece.end).v
         if piece.sticks:
             A = (K.A1, K.A2, K.A3)[piece.start - (piece.side < 0)]  # of the domain that it leaves to
@@ -199,7 +199,7 @@ class ClosingEquations:
         return kernels.flight_residual(start[0], v, a, s, c, end[0], v_end, K.cm, K.w0sq, K.f0, K.Om, *basis)
 
     def _jacobian(self, span: Span) -> Any:
-        """Return the 2x4 Jacobian of a piece with respect to its start and its end."""
+        """Return the 2x4 Jacobian of f1 and f2, as in `residuals`, by x and theta of the piece's start and end."""
         (piece, start, end, tau), K = span, self.K
         if piece.sticks:
             v, s = self.belt(piece.start).v, self.sin(end[1])
@@ -228,7 +228,7 @@ class ClosingEquations:
         return matrix
 
     def durations(self, points: np.ndarray) -> np.ndarray:
-        """Return Omega times the duration of every piece."""
+        """Return the duration of every piece as a phase: Omega times the time."""
         theta = points[:, 1]
         return np.append(theta[1:], theta[0] + float(self.turn)) - theta
 
@@ -284,7 +284,7 @@ def newton(equations: ClosingEquations, guess: np.ndarray) -> Solution:
 
 
 def _newton_step(equations: ClosingEquations, matrix: np.ndarray, right: np.ndarray) -> np.ndarray:
-    """Return the Newton correction; for c = 0, where roots may form a curve, the one to the nearest root."""
+    """Solve the linear system `matrix` step = `right` of Newton's method; for c = 0 return the shortest step."""
     if equations.K.cm == 0:
         # Without damping, directions that the equations fix by less than this are left alone.
         return np.linalg.lstsq(matrix, right, rcond=1e-9)[0].reshape(-1, 2)
@@ -292,7 +292,7 @@ def _newton_step(equations: ClosingEquations, matrix: np.ndarray, right: np.ndar
 
 
 def solve(equations: ClosingEquations, guess: np.ndarray) -> Solution:
-    """Solve the closing equations in doubles; where rounding stops Newton's method, with more digits."""
+    """Solve the closing equations by Newton's method in doubles; repeat it with 40 digits if rounding stops it."""
     # Near the birth of a short piece its duration has few digits in doubles, and steps that small are all noise.
     with np.errstate(all="ignore"):
         solution = newton(equations, guess)
@@ -309,7 +309,7 @@ def solve(equations: ClosingEquations, guess: np.ndarray) -> Solution:
 
 
 def _largest_part(equations: ClosingEquations, points: np.ndarray, step: np.ndarray) -> float:
-    """Return the largest part of a Newton step that shortens no flight by more than `MOST_SHORTENING`."""
+    """Return the largest fraction of a Newton step that shortens each flight at most by the part MOST_SHORTENING."""
     # A stick may shrink to nothing and beyond: its equations have roots of negative duration, which are inadmissible.
     durations = equations.durations(points)
     changes = np.append(step[1:, 1], step[0, 1]) - step[:, 1]

@@ -56,8 +56,8 @@ def find_orbit(
     parameters : Parameters, or a Scene, its name or its file
         With k > 0: without a spring nothing fixes the position of an orbit.
     word : str or sequence of str, optional
-        The mapping structure, read right to left: "P32" is P2 first, then P3. None: that of the motion from rest, once
-        it has settled.
+        The mapping structure, read right to left: "P32" is P2 first, then P3. None: the word of the motion that starts
+        with x = v = 0 at t = 0, once it has settled.
     guess : optional
         None: from simulations. Or n pairs (t, x), one for each switching in order of time. Or one pair (t, x) on the
         belt on which the word begins; the guess is simulated from there. Or a PeriodicOrbit of the same word.
@@ -122,7 +122,7 @@ def find_orbit(
 
 
 def settled_orbit(parameters: Parameters, digits: int | None = None, most: int = SETTLING_PERIODS[-1]) -> PeriodicOrbit:
-    """Return the orbit to which the motion from rest settles within `most` periods; ConvergenceError if it does not."""
+    """Return the orbit to which the motion from t = x = v = 0 settles in `most` periods, or raise ConvergenceError."""
     reason, tried = f"the motion from rest does not settle within {most:,} forcing periods", [""]
     for periods in (each for each in SETTLING_PERIODS if each <= most):
         end = 2 * pi * periods / float(parameters.Omega)
@@ -152,7 +152,10 @@ def settled_orbit(parameters: Parameters, digits: int | None = None, most: int =
 
 
 def _best_root(equations: ClosingEquations, guesses: Iterable[Guess]) -> tuple[ClosingEquations, Solution]:
-    """Return the first admissible root that repeats no shorter orbit; else one that does, or that which fails least."""
+    """Solve from each guess; return the first admissible root that repeats no shorter orbit, with its equations.
+
+    If there is none, return an admissible root that repeats a shorter orbit, or else the root that fails least.
+    """
     roots: list[tuple[tuple[bool, bool, float], ClosingEquations, Solution]] = []
     best, tried = None, equations
     for guess in guesses:
@@ -186,7 +189,7 @@ def _is_same_root(a: Solution, b: Solution) -> bool:
 
 
 def repetitions(equations: ClosingEquations, points: np.ndarray) -> int:
-    """Return the number of times that the root runs through one shorter orbit."""
+    """Return how many times a root runs through one shorter orbit; 1 if it does not."""
     n, labels = len(points), equations.word.labels
     points = np.asarray(points, dtype=float)
     size = np.array([max(1.0, np.abs(points[:, 0]).max()), 1.0])
@@ -261,7 +264,7 @@ def orbit_at(equations: ClosingEquations, solution: Solution, digits: int | None
 
 
 def _other_motion_text(equations: ClosingEquations, resting: bool = False) -> str:
-    """Describe what the motion at these parameters does instead of the orbit; `resting`: the root may stick forever."""
+    """Describe the motion that exists instead of the orbit; with `resting`, look for positions of rest first."""
     for boundary in {piece.start for piece in equations.pieces if piece.sticks and resting}:
         if rest_positions(equations.parameters, boundary) is not None:
             return f"; {resting_text(equations.parameters, 3 + boundary, 'the mass stays')}"
@@ -280,7 +283,7 @@ def switching_points(equations: ClosingEquations, points: Points) -> tuple[Switc
 
 
 def _read_guess(guess: Any, equations: ClosingEquations, periods: int | None) -> Guess:
-    """Read a guess given as points, as one start, or as an orbit."""
+    """Read a guess given as all switching points, as one point to simulate from, or as an orbit."""
     n, Omega = len(equations.pieces), float(equations.parameters.Omega)
     if isinstance(guess, PeriodicOrbit):
         periods, guess = periods or guess.periods, guess.points
@@ -350,9 +353,10 @@ def follow(equations: ClosingEquations, x: float, theta: float, boundary: int, m
 def settling(
     equations: ClosingEquations, x: float, theta: float, boundary: int, size: float | None
 ) -> tuple[Orbit | None, str]:
-    """Follow the motion from a belt; return the admissible orbit that it approaches, or None and where it rests ("").
+    """Follow the motion from a belt; return the admissible orbit that it approaches and "", or None and a text.
 
-    `size` is that of the positions on the orbit; None: no orbit is looked for.
+    The text says where the motion comes to rest, and is "" if it does not. `size` is the magnitude of the positions on
+    the orbit; if it is None, no orbit is looked for.
     """
     run = follow(equations, x, theta, boundary, SETTLING_EVENTS)
     for word in _words_of_a_period(equations, run) if size is not None else ():
@@ -366,7 +370,7 @@ def settling(
 
 
 def _words_of_a_period(equations: ClosingEquations, run: Run) -> list[Word]:
-    """Return the words of one period that occur in a simulated motion, the last ones first."""
+    """Return the words that a simulated motion runs through in one period of an orbit, the latest first."""
     labels, phases, found, begin = run.labels, run.points[:, 1], list[Word](), equations.word.labels[0]
     turn = 2 * pi * equations.periods
     for last in range(len(labels), 0, -1):
@@ -384,7 +388,7 @@ def _words_of_a_period(equations: ClosingEquations, run: Run) -> list[Word]:
 
 
 def resting_text(parameters: Parameters, mode: int, what: str = "the motion comes to rest") -> str:
-    """Describe where a motion without further events in a mode comes to rest."""
+    """Describe where a motion ends that stays in `mode` for ever; `what` is the subject and verb for a rest."""
     if mode <= 3:
         return f"the motion ends up in Omega{mode} and meets no belt any more"
     positions = rest_positions(parameters, mode - 3)
@@ -395,7 +399,11 @@ def resting_text(parameters: Parameters, mode: int, what: str = "the motion come
 
 
 def guesses_of_word(run: Run, labels: tuple[str, ...], periods: int | None, size: float) -> list[Guess]:
-    """Return a guess from each part of a motion that has the word's mappings, with the gap left after its periods."""
+    """Return a guess from each part of the motion `run` that follows the mappings `labels`, with its closing error.
+
+    Positions are divided by `size` in this error. If `periods` is None, a guess closes after the number of
+    periods that is nearest.
+    """
     n, found = len(labels), []
     for k in range(len(run.labels) - n + 1):
         if tuple(run.labels[k : k + n]) == labels:
@@ -416,7 +424,7 @@ def largest_displacement(equations: ClosingEquations) -> tuple[float, float]:
 
 
 def from_simulations(equations: ClosingEquations, periods: int | None) -> Iterator[Guess]:
-    """Yield guesses from motions simulated from the word's belts, from each eight starts the four that close best."""
+    """Simulate motions from the word's belts; of every eight starts yield the four guesses that close best."""
     # They start at 7 positions, in units of the largest displacement expected, at 8 phases.
     centre, size = largest_displacement(equations)
     boundaries = sorted({piece.start for piece in equations.pieces})
@@ -431,7 +439,7 @@ def from_simulations(equations: ClosingEquations, periods: int | None) -> Iterat
 
 
 def evenly_spaced(equations: ClosingEquations, periods: int) -> Iterator[Guess]:
-    """Yield guesses for a word that no simulation follows: equidistant phases, steady-motion positions."""
+    """Yield guesses for a word that no simulation follows: equally spaced phases on a harmonic motion."""
     (centre, size), n = largest_displacement(equations), len(equations.pieces)
     for j, amplitude in product(range(16), (0.2, 0.6)):
         theta = 2 * pi * (j / 16 + periods * np.arange(n) / n)

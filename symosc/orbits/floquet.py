@@ -72,7 +72,7 @@ def multipliers_of(equations: ClosingEquations, points: Points) -> tuple[Number,
 
 
 def multipliers(trace: Number, determinant: Number, root: Callable[[Number], Any]) -> tuple[Number, Number]:
-    """Return the eigenvalues, the larger one first, from trace and determinant; `root` is a complex square root."""
+    """Return the eigenvalues of a 2x2 matrix, the larger one first; `root` is a function for complex square roots."""
     half = trace / 2
     square = half * half - determinant
     if square < 0:
@@ -82,7 +82,7 @@ def multipliers(trace: Number, determinant: Number, root: Callable[[Number], Any
 
 
 def stability_margin(equations: ClosingEquations, points: Points, values: tuple[Number, Number]) -> float | None:
-    """Return 1 minus the size of the larger multiplier, > 0 if stable; None if it is 0 to 25 digits (marginal)."""
+    """Return 1 minus the size of the larger multiplier in `values`: > 0 if stable, None if below 1e-25 (marginal)."""
     gap = float(1 - max(abs(value) for value in values))
     if abs(gap) > NEAR_ONE:
         return gap

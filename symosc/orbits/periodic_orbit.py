@@ -53,9 +53,10 @@ class Approach(NamedTuple):
     Attributes
     ----------
     dt, dx : float
-        Start minus the nearest switching point of the orbit on the same belt; nan if the start is not on a belt.
+        Time and position of the start minus those of the nearest switching point of the orbit on the same belt; nan if
+        the start is not on a belt.
     offset_x, offset_v : float
-        Start minus the orbit's state at the same phase.
+        Position and velocity of the start minus those of the orbit at the same phase.
     periods : int or None
         Periods of the orbit after which |x - x_orbit| and |v - v_orbit| are below `within` for good; None: never seen.
     within : float
@@ -86,7 +87,7 @@ class OrbitSensitivities(NamedTuple):
     dt, dx : array, (points, wrt)
         Derivatives of the times and positions of the switchings.
     dmultipliers : complex array, (2, wrt)
-        Derivatives of the multipliers; nan where both are one, which has none.
+        Derivatives of the multipliers; nan where the two multipliers are equal, since a double one has no derivative.
 
     Examples
     --------
@@ -122,7 +123,7 @@ class PeriodicOrbit(Drawable):
     word : str
         The mapping structure, read right to left.
     labels : tuple of str
-        Its mappings in order of time: labels[0] starts at points[0].
+        The mappings of the word in order of time: labels[0] starts at points[0].
     points : tuple of SwitchingPoint
         (t, x) at each switching, in order of time, the first in the first forcing period. Floats, or mpmath numbers.
     period : number
@@ -142,9 +143,10 @@ class PeriodicOrbit(Drawable):
     failures : tuple of Condition
         What does not hold, where and by how much; empty for an orbit.
     grazing_distance : float
-        The least velocity by which the orbit misses a belt that it turns before, or exceeds one that it meets.
+        The smallest difference in velocity between a belt and a turn of a flight before it, or, if the flight went on,
+        beyond it.
     message : str
-        All that in words.
+        A summary in words.
     steps : int
         Newton steps from the guess.
     digits : int or None
@@ -223,8 +225,8 @@ class PeriodicOrbit(Drawable):
     def sensitivities(self, wrt: str | Sequence[str]) -> OrbitSensitivities:
         """Return the derivatives of the switching points and multipliers with respect to parameters.
 
-        They are quotients of two orbits whose parameter differs by 1e-15 of its size, found with 50 digits: right to
-        about 20 digits, and rounded to doubles.
+        They are difference quotients of orbits whose parameter is larger and smaller by 1e-15 of its size. These orbits
+        are found with 50 digits, so the quotients are right to about 20 digits; they are rounded to doubles.
 
         Raises
         ------
@@ -258,14 +260,14 @@ class PeriodicOrbit(Drawable):
 
     @property
     def lyapunov(self) -> np.ndarray:
-        """The Lyapunov exponents per unit of time, (2,): -inf for a multiplier 0, which a stick makes."""
+        """The two Lyapunov exponents per unit of time; an orbit with a stick has the multiplier 0, exponent -inf."""
         sizes = np.sort([abs(complex(each)) for each in self.multipliers])[::-1]
         with np.errstate(divide="ignore"):
             return np.asarray(np.log(sizes) / float(self.period))
 
     @public
     def approach(self, scene: Scene | SceneName, within: NumberLike = 1e-6) -> Approach:
-        """Return the distance of a scene's start from the orbit, and when its motion is within `within` of it.
+        """Return how far a scene's start is from the orbit, and when its motion comes within `within` of the orbit.
 
         Raises
         ------
@@ -321,7 +323,7 @@ class PeriodicOrbit(Drawable):
 
 
 def _neighbour(orbit: PeriodicOrbit, name: str, value: Fraction) -> list[Any]:
-    """Return times, positions and multipliers, in this order, of the same orbit for another value of a parameter."""
+    """Return times, positions and multipliers, in one list, of the word's orbit at another value of `name`."""
     parameters = orbit.parameters.replace(**{name: value})
     equations = ClosingEquations(parameters, Word(orbit.labels), orbit.periods, 50)
     solution = polish(equations, [(float(x), float(t) * float(parameters.Omega)) for t, x in orbit.points])

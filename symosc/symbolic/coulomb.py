@@ -47,7 +47,7 @@ FREE_START = sp.ImmutableMatrix([x_0 - p_0 - x_f, -Omega * q_0])
 
 @cache
 def transition() -> Expr:
-    """Return the matrix that takes a free motion (x, v) at its start to that a time tau later, in E0, E1, E2."""
+    """Return the matrix, in the basis E0, E1, E2, that takes (x, v) of an unforced motion to (x, v) at tau later."""
     flow = solution.flow()
     start = {a_i: solution.acceleration(x_i, v_i, solution.theta_i)}
     states = [solution.use_relations(expr.xreplace(start)) for expr in (flow.x, flow.v)]
@@ -56,20 +56,23 @@ def transition() -> Expr:
 
 
 def symmetry() -> Expr:
-    """Return the column (x + x_0, v) half a period after the highest point x_0: it is 0 on the symmetric motion."""
+    """Return the column (x + x_0, v) half a period T/2 after the highest point x_0; it is 0 as x(t + T/2) = -x(t)."""
     return transition() * FREE_START + sp.Matrix([x_f - p_0 + x_0, -Omega * q_0])
 
 
 @cache
 def half_period() -> tuple[Expr, Expr]:
-    """Solve `symmetry` for G and H, the numbers in the steady part's p_0 = x_0 + G x_f and q_0 = H x_f."""
+    """Solve `symmetry` for G and H: the steady part p_0 cos + q_0 sin has p_0 = x_0 + G F/k and q_0 = H F/k."""
     found = sp.solve(list(symmetry()), [p_0, q_0], dict=True)[0]
     return sp.simplify((found[p_0] - x_0) / x_f), sp.simplify(found[q_0] / x_f)
 
 
 @cache
 def amplitude() -> Expr:
-    """Return the highest point x_0, the larger root of p_0^2 + q_0^2 = Q^2, in the letters Q, G, H and x_f = F/k."""
+    """Return the highest point x_0 as the larger root of (x_0 + G x_f)^2 + (H x_f)^2 = Q^2, where x_f = F/k.
+
+    Q is the amplitude without friction; G and H are those of `half_period`.
+    """
     roots = sp.solve((x_0 + G * x_f) ** 2 + (H * x_f) ** 2 - Q**2, x_0)
     return max(roots, key=lambda root: root.subs({G: 0, H: 0, Q: 1}))
 
@@ -78,36 +81,39 @@ def amplitude() -> Expr:
 
 
 def turning_acceleration(after: bool) -> Expr:
-    """Return the acceleration just after (or before) the highest point, where friction changes its sign."""
+    """Return the acceleration just after (or before) the highest point x_0, at which friction changes its sign."""
     return -(Omega**2) * p_0 + cm * Omega * q_0 - w0sq * (x_0 - p_0 - (x_f if after else -x_f))
 
 
 @cache
 def ratio() -> Expr:
-    """Return rho, the acceleration after a turning point over that before it, in x_0, G, H, x_f."""
+    """Return the ratio rho of the accelerations just after and before the highest point, for the steady motion."""
     after, before = (_steady(turning_acceleration(side)) for side in (True, False))
     return after / before
 
 
 def half_period_matrix(rho: Expr) -> Expr:
-    """Return the matrix that carries a perturbation (x, v) over half a period: a crossing multiplies v by rho."""
+    """Return the matrix that carries a perturbation (x, v) over half a period; the turn at the end scales v by rho."""
     return sp.diag(1, rho) * transition()
 
 
 def velocity() -> Expr:
-    """Return x'/Omega at the angle phi after the highest point; its E0 and E1 stand for values at tau = phi/Omega."""
+    """Return x'/Omega at the angle phi after the highest point, by the basis functions E0 and E1 at tau = phi/Omega."""
     return _steady((transition() * FREE_START)[1] / Omega - p_0 * sp.sin(phi) + q_0 * sp.cos(phi))
 
 
 @cache
 def slide_function() -> Expr:
-    """Return B(phi): at phi after its highest point the mass moves down iff p_0 > B x_f; E0, E1 at tau = phi/Omega."""
+    """Return the bound B(phi): at the angle phi after the highest point the mass moves down iff p_0 > B(phi) F/k.
+
+    Here p_0 cos(phi) + q_0 sin(phi) is the steady part of the motion. E0 and E1 are taken at tau = phi/Omega.
+    """
     return sp.simplify(sp.solve(velocity().subs(x_0, p_0 - G * x_f), p_0)[0] / x_f)
 
 
 @cache
 def slide_limit() -> Expr:
-    """Return the limit of B(phi) for phi -> 0: for larger p_0 the acceleration behind the highest point is downward."""
+    """Return the limit of `slide_function` for phi -> 0; the mass starts to move down if p_0 exceeds F/k times it."""
 
     def after(expr: Expr) -> Expr:  # differentiated by phi at phi = 0: E0 and E1 are functions of tau = phi/Omega
         rate = expr.diff(phi) + sum(expr.diff(name) * rate for name, rate in solution.rates().items()) / Omega
@@ -118,12 +124,12 @@ def slide_limit() -> Expr:
 
 
 def largest_force_ratio(largest: Expr) -> Expr:
-    """Return the largest F/P (friction, drive) without stops in the symmetric motion; `largest`: of all B(phi)."""
+    """Return the largest ratio of friction to drive without stops; `largest` is the maximum of `slide_function`."""
     return k * Q / P / sp.sqrt(largest**2 + H**2)
 
 
 def _steady(expr: Expr) -> Expr:
-    """Express the steady motion's p_0 and q_0 by x_0, x_f, G and H in an expression, and expand it."""
+    """Put p_0 = x_0 + G x_f and q_0 = H x_f (steady part of the motion, x_f = F/k) into an expression; expand it."""
     return sp.expand(expr.subs({p_0: x_0 + G * x_f, q_0: H * x_f}))
 
 
@@ -132,7 +138,7 @@ def _steady(expr: Expr) -> Expr:
 
 @cache
 def resonance_growth() -> Expr:
-    """Return how much higher the highest point is after a cycle at resonance, Omega^2 = k/m and c = 0."""
+    """Return by how much the highest point x_0 rises in a period at resonance: c = 0 and Omega^2 = k/m."""
     # The highest point x_0 is at theta = pi/2, so that the drive pushes along with the velocity.
     regime = solution.REGIMES["resonance"]
     at = {x_i: x_0, v_i: 0, solution.theta_i: sp.pi / 2, a_i: solution.acceleration(x_0, sp.Integer(0), sp.pi / 2)}
@@ -143,7 +149,7 @@ def resonance_growth() -> Expr:
 
 @cache
 def free_decay() -> Expr:
-    """Return how much nearer to 0 each turning point of a free motion (P = 0, c = 0) is than the one before it."""
+    """Return by how much nearer to 0 each turning point of a free motion without damping is than the one before."""
     lowest = solution.flow(solution.REGIMES["undamped"]).x.subs({v_i: 0, f0: 0, a_i: w0sq * (x_f - x_0), x_i: x_0})
     lowest = lowest.subs({w0sq: solution.omega_0**2, tau: sp.pi / solution.omega_0})
     return sp.simplify(x_0 + lowest)
@@ -153,20 +159,24 @@ def free_decay() -> Expr:
 
 
 def closed(expr: Expr, regime: solution.Regime, time: Expr = HALF) -> Expr:
-    """Replace E0, E1, E2 in an expression by their closed forms in a damping regime, at the time given."""
+    """Replace the basis functions E0, E1, E2 in an expression by their closed forms in a damping regime at `time`."""
     basis = {name: form.subs(tau, time) for name, form in regime.basis().items() if name in solution.BASIS[:3]}
     return expr.subs(basis).subs(regime.parameters())
 
 
 def den_hartog_damped() -> tuple[Expr, Expr]:
-    """Return Den Hartog's formulas for G and H if 0 < c^2 < 4 k m, in h = c/(2 m) and omega_d."""
+    """Return Den Hartog's formulas for G and H of `half_period` if 0 < c^2 < 4 k m; omega_d^2 = k/m - h^2, h = c/2m."""
     decay, turn = h * HALF, omega_d * HALF
     slow, below = sp.sinh(decay) - h / omega_d * sp.sin(turn), sp.cosh(decay) + sp.cos(turn)
     return slow / below, (h**2 + omega_d**2) / (Omega * omega_d) * sp.sin(turn) / below
 
 
 def den_hartog_undamped() -> dict[Expr, Expr]:
-    """Return Den Hartog's formulas for c = 0 by his letters: V = k Q/P, U = H and S = r^2 B(phi), r = Omega/omega_0."""
+    """Return Den Hartog's formulas for c = 0 as a dict with his letters V, U and S as keys.
+
+    V is k/P times the amplitude without friction, U is H of `half_period`, and S is r^2 times `slide_function`, with
+    r^2 = m Omega^2/k.
+    """
     return {
         V: 1 / (1 - r**2),
         U: sp.sin(sp.pi / r) / (r * (1 + sp.cos(sp.pi / r))),  # tan(pi/(2 r))/r

@@ -82,7 +82,7 @@ def export(
 
 
 def write_export(folder: str | Path, *arguments: Any, force: bool = False, **options: Any) -> list[Path]:
-    """Write the files of `export` to a folder, which is made if needed, and return their paths."""
+    """Write the files that `export` returns for the other arguments to `folder`, made if needed; return their paths."""
     # OutputError if a file cannot be written, or, without `force`, is there with another content.
     folder = Path(read_path(folder))
     texts = {folder / name: text for name, text in export(*arguments, **options).items()}
@@ -150,7 +150,7 @@ def flat(*given):
 
 
 class _Program(NamedTuple):
-    """The functions and constants of a word, to be printed in any of the languages."""
+    """The functions and constants of a word as syntax trees, to be printed in Python, C or Julia."""
 
     word: Word
     functions: dict[str, ast.FunctionDef]  # each after those that it calls
@@ -163,11 +163,11 @@ class _Program(NamedTuple):
 
     @property
     def passed(self) -> list[str]:
-        """The parameter "K" that holds the constants, in a list; an empty list if they are fixed numbers."""
+        """The further parameter of each function: ["K"], the record of constants, or [] if the constants are fixed."""
         return [] if self.parameters else ["K"]
 
     def calls(self, first: int) -> list[tuple[str, str, str]]:
-        """Return for each mapping the name of its function, and the arguments of that and of its Jacobian as text."""
+        """Return name, arguments and Jacobian's arguments of each mapping's function; z starts at index `first`."""
         found = []
         for n, label in enumerate(self.maps):
             z = {name: f"z[{2 * n + i + first}]" for i, name in enumerate(("x_i", "theta_i", "x_j", "theta_j"))}
@@ -176,7 +176,7 @@ class _Program(NamedTuple):
         return found
 
     def about(self, mark: str, run: str) -> str:
-        """Return the comment at the top of the source; `run` is the text that says how to run its example."""
+        """Return the comment at the top of the source; `mark` begins its lines, `run` says how to run the example."""
         maps = self.word.maps
         kinds = [text for sticks, text in RESIDUALS.items() if any(row.sticks == sticks for row in maps)]
         text = f"""\
@@ -201,7 +201,7 @@ residual gives f1, f2 of each map, both 0 where it leads from (x_i, theta_i) to 
 
 
 def _program(word: Word, arrays: bool, fix: Parameters | None) -> _Program:
-    """Collect the functions that a word's residual needs: for numpy arrays or numbers; parameters fixed or not."""
+    """Collect the functions that a word's residual needs, for numpy arrays or for numbers; `fix` fixes parameters."""
     from symosc.engine.flow import APART, constants  # late: `symosc codegen --help` needs none of these
     from symosc.kernels import _generated, entire, entire_array, mapping
 
@@ -299,13 +299,13 @@ def _names(node: ast.AST) -> set[str]:
 
 
 class _Fold(ast.NodeTransformer):
-    """Cut what fixed parameters decide from syntax trees: `known` conditions by their text; `fixed`: K.cm is K_cm."""
+    """A visitor that cuts from syntax trees the branches of `known` conditions; if `fixed`, it writes K_cm for K.cm."""
 
     def __init__(self, known: dict[str, bool], fixed: bool) -> None:
         self.known, self.fixed = known, fixed
 
     def function(self, node: ast.FunctionDef) -> ast.FunctionDef:
-        """Simplify a function by what is known, drop its annotations, and cut its docstring to the first paragraph."""
+        """Cut from a function the branches of known conditions, annotations, and later paragraphs of its docstring."""
         node = self.visit(node)
         for argument in node.args.args:
             argument.annotation = None
@@ -362,7 +362,7 @@ class _Julia(ast.NodeTransformer):
         return text[1:-1] if isinstance(node, ast.IfExp) else text
 
     def visit(self, node: ast.AST) -> Any:
-        """Replace each part that the target language writes differently by a Name whose text is the finished source."""
+        """Replace each part that the language writes unlike Python by a name node with its finished source."""
         match node:
             case ast.BoolOp(op, values):
                 texts = [f"({self.expression(v)})" if isinstance(v, ast.BoolOp) else self.expression(v) for v in values]
@@ -420,7 +420,7 @@ class _Julia(ast.NodeTransformer):
         yield f"return {self._listed(value)}"
 
     def _listed(self, value: ast.expr) -> str:
-        """Return the source of an expression; of a tuple, its elements joined by commas, without parentheses."""
+        """Return the source of an expression; a tuple is written as its elements with commas, without parentheses."""
         return ", ".join(map(self.expression, value.elts if isinstance(value, ast.Tuple) else [value]))
 
 
@@ -444,7 +444,7 @@ class _C(_Julia):
         return super().visit(node)
 
     def head(self, node: ast.FunctionDef) -> str:
-        """Return the head of a C function, "type name(arguments)"; functions of mappings get the public prefix."""
+        """Return the head of a C function, "type name(arguments)"; the name of a mapping begins with `base`."""
         count, names = self.returns[node.name], [argument.arg for argument in node.args.args]
         arguments = [f"const {self.base}_constants *K" if name == "K" else f"double {name}" for name in names]
         if count > 1:

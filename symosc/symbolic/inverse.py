@@ -65,7 +65,10 @@ class PhaseInterval(NamedTuple):
     high_open: bool = False
 
     def deciding(self, signs: Sequence[int]) -> list[Extreme]:
-        """Return the phases that decide for all of the interval: of least (-1) and largest (1) sine, and one inside."""
+        """Return the phases of least (-1 in `signs`) and largest (1) sine, and if an open end is one, a phase inside.
+
+        All phases of the interval are in a window if these are.
+        """
         extremes = [self._extreme(sign) for sign in signs]
         if not all(attained for _, attained in extremes):
             inside = (self.low + (self.high - self.low) / parts for parts in (2, 3, 5))  # not all three are extreme
@@ -75,7 +78,7 @@ class PhaseInterval(NamedTuple):
         return extremes
 
     def _extreme(self, sign: int) -> Extreme:
-        """Return the phase of the interval where sin(theta) is largest (sign 1) or smallest (-1)."""
+        """Return the phase with the largest (sign 1) or smallest sine (-1), and whether the interval contains it."""
         # sign * sin is largest at sign pi/2 + 2 pi n; the first of these phases after the low end may be inside.
         top = sign * sp.pi / 2
         first = top + 2 * sp.pi * sp.ceiling((self.low - top) / (2 * sp.pi))
@@ -88,7 +91,7 @@ class PhaseInterval(NamedTuple):
 
 
 def read_phases(name: str, value: Any) -> Expr | PhaseInterval:
-    """Return a phase as a sympy expression, or an interval of them."""
+    """Read a phase as a sympy expression, or an interval of phases as a PhaseInterval."""
     if isinstance(value, sp.Interval):
         ends, open_ends = (value.start, value.end), (bool(value.left_open), bool(value.right_open))
     elif isinstance(value, tuple | list):
@@ -178,7 +181,7 @@ def condition_text(condition: Expr) -> str:
 
 
 class Answer(NamedTuple):
-    """The values of the requested parameter under a condition on the others.
+    """The values of the parameter that is asked for, under a condition on the other parameters.
 
     Attributes
     ----------
@@ -203,7 +206,7 @@ class Answer(NamedTuple):
 
 
 class Answers(tuple[Answer, ...], LatexAnswer):
-    """The symbolic answers to a question about a parameter: one for each case of the others, of which one holds.
+    """The answers to a question about one parameter in letters: one per condition on the others, of which one holds.
 
     Attributes
     ----------
@@ -275,7 +278,7 @@ class ParameterValues(LatexAnswer):
         return bool(self.values.contains(exact) == sp.true)
 
     def __getattr__(self, name: str) -> Any:
-        """Return what the set has: boundary, is_subset, measure, ..."""
+        """Return an attribute of the sympy Set `values`, such as boundary, is_subset or measure."""
         if name.startswith("__") or name in ("question", "values"):
             raise AttributeError(name)
         return getattr(self.values, name)
@@ -303,7 +306,7 @@ class ParameterRegion(Drawable, LatexAnswer):
     ----------
     question : GrazingQuestion
     condition : sympy Boolean
-        In the letters of both parameters; the others are numbers.
+        The condition in the letters of both parameters; the others are numbers.
     parameters : Parameters
 
     Examples
@@ -321,7 +324,7 @@ class ParameterRegion(Drawable, LatexAnswer):
 
     @property
     def allowed(self) -> Expr:
-        """The range that Parameters allows for both, as a sympy Boolean, unsimplified."""
+        """The ranges that Parameters allows for the two parameters, as a sympy Boolean."""
         found = {
             "k": sp.GreaterThan(QUERY_LETTERS["k"], 0, evaluate=False),
             "Omega": sp.StrictGreaterThan(QUERY_LETTERS["Omega"], 0, evaluate=False),
@@ -440,7 +443,7 @@ def values_containing(
 def values_empty(p: ParametersLike | None, mapping: str, name: str | Sequence[str]) -> Any:
     """Return the values of one or two parameters for which a map's window is empty; see `values_containing`.
 
-    Both orders agree: at equality the tangency of fourth order bends to the other side.
+    The orders "full" and "paper" agree: at side k v_lambda = -|B0| Omega the tangency of fourth order does not graze.
 
     Examples
     --------
@@ -465,7 +468,7 @@ def values_everything(p: ParametersLike | None, mapping: str, name: str | Sequen
 
 
 def _read_names(mapping: str, given: Any, p: Any) -> tuple[str, ...]:
-    """Return the one or two parameter names asked for; the belt's speed becomes "v" or, with numbers, "v1" or "v2"."""
+    """Check the one or two names asked for; return them, with the belt's speed as "v" or, for numbers, "v1" or "v2"."""
     belt = f"v{place(mapping).boundary}"
     asked = tuple(given) if isinstance(given, tuple | list) else (given,)
     own = "v" if p is None else belt
@@ -480,7 +483,7 @@ def _read_names(mapping: str, given: Any, p: Any) -> tuple[str, ...]:
 
 
 def _answer(p: Parameters | None, question: GrazingQuestion, full: bool) -> Any:
-    """Answer a question: the region of two parameters, or the values of one, restricted to what is allowed."""
+    """Return the region of two parameters, or the allowed values of one, for which the question's property holds."""
     where, name = place(question.mapping), question.names[0]
     if len(question.names) == 2:
         return _region(p, where, question, full)
@@ -524,7 +527,7 @@ def _answer(p: Parameters | None, question: GrazingQuestion, full: bool) -> Any:
 def _containing(
     name: str, values: dict[str, Expr], domain: Expr, side: int, extreme: Extreme, full: bool
 ) -> Iterator[Answer]:
-    """Solve side (k v + B0 Omega sin theta) > 0 at an extreme phase for one letter; >= 0 if the interval lacks it."""
+    """Solve side (k v + B0 Omega sin theta) > 0 for one letter at the phase of `extreme`; >= 0 at an open end."""
     theta, attained = extreme
     k, v, B0, Omega, sine = *(values[each] for each in ("k", "v", "B0", "Omega")), sp.sin(theta)
     # The left side is start + slope * parameter; level is side k v at its root.
@@ -545,7 +548,7 @@ def _containing(
 
 
 def _tangency_grazes(theta: Expr, level: Expr) -> Iterator[tuple[bool, Expr]]:
-    """Yield whether G^(1) = 0 at theta is a tangency of fourth order that grazes, and under which condition."""
+    """Yield (grazes, condition) for a contact with G^(1) = 0: it grazes if cos(theta) = 0 < `level` = side k v."""
     cosine = sp.cos(theta)
     if not cosine.free_symbols:
         yield from _positive(level) if sign_of(cosine) == 0 else [(False, sp.true)]
@@ -560,7 +563,7 @@ def _tangency_grazes(theta: Expr, level: Expr) -> Iterator[tuple[bool, Expr]]:
 def _solve_for_all_phases(
     name: str, values: dict[str, Expr], domain: Expr, direction: int, closed: bool, at_zero: bool
 ) -> Iterator[Answer]:
-    """Solve direction k v >= |B0| Omega (> unless `closed`) for a letter; `at_zero`: both sides may be 0 as well."""
+    """Solve direction k v >= |B0| Omega (`closed`) or > for a letter; `at_zero` allows the case that both are 0."""
     k, v, B0, Omega = (values[each] for each in ("k", "v", "B0", "Omega"))
     if name in ("Omega", "B0"):
         # |B0| Omega <= level
@@ -593,7 +596,7 @@ def _solve_for_all_phases(
 
 
 def _half_line(end: Expr, direction: int, closed: bool) -> Expr:
-    """Return the half line from `end` upwards (direction 1) or downwards (-1)."""
+    """Return the half line from `end` upwards (direction 1) or downwards (-1), with `end` if `closed`."""
     return sp.Interval(end, sp.oo, not closed, True) if direction > 0 else sp.Interval(-sp.oo, end, True, not closed)
 
 
@@ -625,7 +628,7 @@ def _positive(expr: Expr) -> Iterator[tuple[bool, Expr]]:
 
 
 def _region(p: Parameters | None, where: Place, question: GrazingQuestion, full: bool) -> ParameterRegion:
-    """Return the region of two parameters in which a map's window has the property that the question asks for."""
+    """Return the region of two parameters in which the window has the question's property; `full`: in full order."""
     if p is None:
         raise ParameterError("p", p, "must be Parameters where a region of two parameters is asked for")
     belt = f"v{where.boundary}"
@@ -650,7 +653,7 @@ def _region(p: Parameters | None, where: Place, question: GrazingQuestion, full:
 
 
 def _region_at(level: Expr, drive: Expr, extreme: Extreme, full: bool) -> Expr:
-    """Return the condition level > -drive sin(theta) for a graze at a phase; >= if the interval lacks its end theta."""
+    """Return the condition side k v_lambda > -side B0 Omega sin(theta) for a graze; >= if theta is an open end."""
     theta, attained = extreme
     left, right = level, -drive * sp.sin(theta)
     if not attained:

@@ -40,13 +40,13 @@ CONVOLVED = {sp.Integer(1): E2, E0: U0, E1: U1, E2: U2, R2: V, I2: W}
 
 
 def rate(expr: Expr) -> Expr:
-    """Differentiate with respect to tau an expression in tau, the basis functions and U0, U1, U2, V, W, P, Q."""
+    """Differentiate by tau an expression in tau, the basis E0, E1, E2, R2, I2 and the functions `REPEATED`."""
     chain = (expr.diff(symbol) * value for symbol, value in REPEATED_RATES.items())
     return solution.time_derivative(expr) + sp.Add(*chain)
 
 
 def convolve(expr: Expr) -> Expr:
-    """Return the convolution S * expr of the impulse response S with a combination of 1 and the basis functions."""
+    """Return the convolution of the impulse response with `expr`, a linear combination of 1 and the basis functions."""
     expr = sp.expand(expr)
     parts = {symbol: expr.coeff(symbol) for symbol in solution.BASIS}
     constant = expr - sp.Add(*(sp.expand(factor * symbol) for symbol, factor in parts.items()))
@@ -54,7 +54,10 @@ def convolve(expr: Expr) -> Expr:
 
 
 def repeated_apart() -> dict[str, Expr]:
-    """Return formulas for the functions `REPEATED` by name, for roots far apart, with D, u, z, y, n shared by them."""
+    """Return formulas for U0, U1, U2, V, W, P, Q by name, for use far from critical damping and from resonance.
+
+    The names D, u, z, y and n are common parts of these formulas.
+    """
     # U1 = S*S is explicit; the others solve D f = g, which by their known rates has no derivatives left. With
     # p + i q = w0sq - Omega^2 + i cm Omega, the last two pairs are (u + i z)/(p + i q).
     first = (E1 - tau * (E0 + h * E1)) / (2 * solution.omega_d**2)
@@ -72,20 +75,20 @@ def repeated_apart() -> dict[str, Expr]:
 
 @cache
 def flight_residual() -> dict[str, Expr]:
-    """Return f1 and f2 of a flight, summed so that neither loses digits when start and end are close."""
+    """Return f1 and f2 of eq. (54) for a flight, summed so that neither loses digits if start and end are close."""
     flow = solution.flow()
     return {"f1": flow.x - x_j, "f2": flow.v - v_j}
 
 
 def by_start() -> dict[str, Expr]:
-    """Return the derivatives of x(tau) and v(tau) with respect to x_i (x0), v_i (v0) and theta_i (ph)."""
+    """Return the derivatives of x(tau) and v(tau) by x_i, v_i and theta_i with keys such as x_x0, x_v0, v_ph."""
     flow, force = solution.flow(), solution.acceleration(x_i, v_i, theta_i)
     pairs = product((("x", flow.x), ("v", flow.v)), (("x0", x_i), ("v0", v_i), ("ph", theta_i)))
     return {f"{name}_{c}": sp.expand(e.diff(q) + e.diff(a_i) * force.diff(q)) for (name, e), (c, q) in pairs}
 
 
 def flight_jacobian() -> dict[str, Expr]:
-    """Return the derivatives of a flight's f1 (names x_*) and f2 (v_*) with respect to x_i, theta_i and theta_j."""
+    """Return the derivatives of f1 and f2 of a flight by x_i, theta_i, theta_j: x_x0, x_th0, x_th1, v_x0 and so on."""
     # The others are constants: with respect to x_j, f1 has the derivative -1 and f2 the derivative 0.
     start = by_start()
     found = {}
@@ -99,7 +102,7 @@ def flight_jacobian() -> dict[str, Expr]:
 
 
 def flight_parameters() -> dict[str, Expr]:
-    """Return the derivatives of a flight, x(tau) and v(tau) - v_i, with respect to m, c, k, A, B0, Omega and v_i."""
+    """Return the derivatives of a flight's x(tau) and v(tau) - v_i by m, c, k, A_alpha, B0, Omega and v_i."""
     # At fixed x_i, theta_i and tau: where theta_j is fixed, a change of Omega moves the end as well.
     flow = solution.flow()
     c0, s0 = sp.cos(theta_i), sp.sin(theta_i)
@@ -113,18 +116,18 @@ def flight_parameters() -> dict[str, Expr]:
 
 
 def _operator(expr: Expr) -> Expr:
-    """Return D y = y'' + cm y' + w0sq y of an expression y in tau, the left side of the equation of motion."""
+    """Return y'' + (c/m) y' + (k/m) y for an expression y in tau: the left side of the equation of motion."""
     first = rate(expr)
     return sp.expand(rate(first) + cm * first + w0sq * expr)
 
 
 def stick_residual() -> dict[str, Expr]:
-    """Return f1 and f2 of a stick on a belt of speed v_i; it ends by slipping into the domain with the constant A_m."""
+    """Return f1 and f2 of a stick on a belt of speed v_i; A_m is A_alpha/m in the domain that it slips into."""
     return {"f1": x_i + v_i * tau - x_j, "f2": solution.acceleration(x_j, v_i, theta_j)}
 
 
 def stick_jacobian() -> dict[str, Expr]:
-    """Return the derivatives of f1 (x_*) and f2 (v_*) with respect to theta_i, theta_j, x_j that are not 0, 1 or -1."""
+    """Return the derivatives of a stick's f1 (keys x_*) and f2 (v_*) by theta_i, theta_j, x_j, if not constant."""
     residual = stick_residual()
     # tau = (theta_j - theta_i)/Omega
     by_tau = residual["f1"].diff(tau) / Omega
@@ -132,7 +135,7 @@ def stick_jacobian() -> dict[str, Expr]:
 
 
 def stick_parameters() -> dict[str, Expr]:
-    """Return the derivatives of f2 with respect to m, c, k, A, B0 and v_i, and of f1 with respect to Omega and v_i."""
+    """Return the derivatives of f1 and f2 of a stick by the parameters that they contain, and by v_i."""
     residual = stick_residual()
     A, B0, c, k = solution.A, solution.B0, solution.c, solution.k
     back = {c: cm * m, k: w0sq * m, B0: f0 * m, A: solution.A_m * m}

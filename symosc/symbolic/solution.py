@@ -41,7 +41,7 @@ PAPER_LETTERS = {cm: c / m, w0sq: k / m, f0: B0 / m, A_m: A / m}
 
 
 class Flow(NamedTuple):
-    """The motion in a domain: displacement, velocity and acceleration a time tau after its start."""
+    """The motion in a domain: displacement x, velocity v and acceleration a at the time tau after the start."""
 
     x: Expr
     v: Expr
@@ -58,18 +58,18 @@ def in_paper_letters(expr: Expr) -> Expr:
 
 
 def force_constant(alpha: int) -> Expr:
-    """Return A_alpha, A0 plus the friction in domain alpha: belts faster than the mass pull it forward (eq. (1))."""
+    """Return A_alpha in domain alpha (1, 2 or 3): A0 plus the friction of both belts, > 0 from a faster belt."""
     return A0 + {1: mu1 + mu2, 2: mu2 - mu1, 3: -mu1 - mu2}[alpha] * FN
 
 
 def acceleration(x: Expr = x, v: Expr = v, theta: Expr = theta) -> Expr:
-    """Return F^(alpha)(x, v, theta) = A_m + f0 cos theta - w0sq x - cm v (eq. (9)); A_m = A_alpha/m."""
+    """Return F^(alpha) of eq. (9), the acceleration A_alpha/m + (B0/m) cos theta - (k/m) x - (c/m) v in a domain."""
     return A_m + f0 * sp.cos(theta) - w0sq * x - cm * v
 
 
 @cache
 def g_function(order: int) -> Expr:
-    """Return G^(order, alpha)(x, v, theta) on a boundary v = v_lambda: d/dt of G^(order-1, alpha), eqs. (18), (19)."""
+    """Return the G-function G^(order) of eqs. (18), (19): the derivative of F^(alpha) along the flow, `order` times."""
     if order == 0:
         return acceleration()
     G = g_function(order - 1)
@@ -77,17 +77,17 @@ def g_function(order: int) -> Expr:
 
 
 def next_derivative(y1: Expr, y0: Expr, forcing_n: Expr) -> Expr:
-    """Return y2 from y2 + cm y1 + w0sq y0 = -forcing: the next G-function from the last two, y1 and y0."""
+    """Return the rate of change of y1 = dy0/dt, for v or a G-function y0: -(c/m) y1 - (k/m) y0 - forcing_n."""
     return -cm * y1 - w0sq * y0 - forcing_n
 
 
 def forcing(n: int) -> Expr:
-    """Return `forcing_n` of `next_derivative`: minus the n-th derivative of f0 cos(Omega t), f0 = B0/m."""
+    """Return minus the n-th time derivative of the drive (B0/m) cos(Omega t), for `next_derivative`."""
     return -f0 * Omega**n * sp.cos(theta).diff(theta, n)
 
 
 def stick_acceleration(start: Expr, cosines: Expr) -> Expr:
-    """Return F^(alpha) at tau after a stick began: `start` is its value then, `cosines` the change of the cosine."""
+    """Return F^(alpha) at tau after a stick began with F^(alpha) = `start`; `cosines` is the change of cos(Omega t)."""
     # `cosines` stands for cos(theta_i + Omega tau) - cos(theta_i), which a caller can compute without cancellation.
     here, there = acceleration(x_i, v, theta_i), acceleration(x_i + v * tau, v, theta_i + Omega * tau)
     wave = sp.cos(theta_i + Omega * tau) - sp.cos(theta_i)
@@ -99,7 +99,7 @@ def stick_acceleration(start: Expr, cosines: Expr) -> Expr:
 
 @cache
 def rates() -> dict[Expr, Expr]:
-    """Return the derivative of each basis function with respect to tau, written in the basis functions."""
+    """Return the derivatives of the basis functions E0, E1, E2, R2, I2 by tau, written in these functions."""
     S, u = sp.Function("S"), sp.Symbol("u", real=True)
     integrals = [S(u) * wave for wave in (1, sp.cos(Omega * (tau - u)), sp.sin(Omega * (tau - u)))]
     meanings = [S(tau).diff(tau), S(tau), *(sp.Integral(integral, (u, 0, tau)) for integral in integrals)]
@@ -110,7 +110,7 @@ def rates() -> dict[Expr, Expr]:
 
 
 def start_values() -> dict[Expr, Expr]:
-    """Return the values of the basis functions at tau = 0: E0 = S'(0) = 1, and all others are 0."""
+    """Return the values of the basis functions at tau = 0: 1 for E0, and 0 for E1, E2, R2 and I2."""
     return {symbol: sp.Integer(symbol == E0) for symbol in BASIS}
 
 
@@ -121,7 +121,7 @@ def time_derivative(expr: Expr) -> Expr:
 
 @cache
 def relations() -> tuple[Expr, Expr, Expr]:
-    """Return L E2 - 1, L R2 - cos(Omega tau), L I2 - sin(Omega tau), always 0; L y = y'' + cm y' + w0sq y."""
+    """Return three expressions that are 0: E2, R2 and I2 are the responses to 1, cos(Omega tau), sin(Omega tau)."""
 
     def relation(response: Expr, force: Expr) -> Expr:
         first = time_derivative(response)
@@ -131,7 +131,7 @@ def relations() -> tuple[Expr, Expr, Expr]:
 
 
 def use_relations(expr: Expr) -> Expr:
-    """Remove E0, cos(Omega tau) and sin(Omega tau) from an expression by the three relations, and expand it."""
+    """Remove E0, cos(Omega tau) and sin(Omega tau) from an expression by `relations`, and expand it."""
     step, real, imaginary = relations()
     expr = sp.expand(expr, trig=True)
     for relation, unwanted in ((real, sp.cos(Omega * tau)), (imaginary, sp.sin(Omega * tau)), (step, E0)):
@@ -144,7 +144,7 @@ def use_relations(expr: Expr) -> Expr:
 
 @cache
 def flow(regime: Regime | None = None) -> Flow:
-    """Return x, v, a a time tau after (t_i, x_i, v_i), written in the basis functions or, given a regime, in tau."""
+    """Return the motion at tau after (t_i, x_i, v_i), in the basis functions or, for a regime, in closed form."""
     # Variation of constants gives x up to two constants, the start fixes them. A is then eliminated in favour of the
     # acceleration a_i at the start: friction enters only there, and nothing cancels when tau -> 0. Each result is
     # sorted by cause (x_i, v_i, a_i, f0); x and v are the start value and what has been added to it since.
@@ -161,7 +161,7 @@ def flow(regime: Regime | None = None) -> Flow:
 
 
 def _force_at_start() -> Expr:
-    """Return the constant force per mass A_m, solved from the acceleration a_i at the start."""
+    """Return A_m = A_alpha/m in terms of the acceleration a_i at the start."""
     return sp.solve(acceleration(x_i, v_i, theta_i) - a_i, A_m)[0]
 
 
@@ -186,12 +186,12 @@ class Regime:
     letters: dict[Expr, Expr] = field(hash=False)  # what these letters are in m, c, k
 
     def parameters(self) -> dict[Expr, Expr]:
-        """Return cm and w0sq by the roots l1, l2 in the regime's symbols: cm = -(l1 + l2), w0sq = l1 l2."""
+        """Return c/m = -(l1 + l2) and k/m = l1 l2 for the regime's roots l1 and l2, in its own letters."""
         return {cm: -2 * self.centre, w0sq: self.centre**2 - self.offset**2}
 
     @cache  # noqa: B019 (the table of regimes lives as long as the program)
     def basis(self) -> dict[Expr, Expr]:
-        """Return the closed forms of E0, E1, E2, R2, I2 as functions of tau, by their symbols."""
+        """Return the closed forms in tau of the basis functions E0, E1, E2, R2, I2, with these symbols as keys."""
         roots = self.centre + self.offset, self.centre - self.offset
         S = collect_modes(divided_difference(*roots))
         # Omega -> -Omega conjugates the response to exp(i Omega tau), since the operator is real.
@@ -214,7 +214,7 @@ def divided_difference(*nodes: Expr) -> Expr:
 
 
 def _mode(z: Expr) -> Expr:
-    """Return exp(z tau), with cos and sin for the imaginary part of z, cosh and sinh for a part that contains eta."""
+    """Return exp(z tau), with cos and sin for the imaginary part of z, cosh and sinh for the overdamped rate eta."""
 
     def factor(part: Expr) -> Expr:
         if part.has(sp.I):
@@ -248,14 +248,14 @@ REGIMES = {regime.name: regime for regime in _table}
 
 
 def possible_regimes(numbers: dict[Expr, Expr]) -> tuple[Regime, ...]:
-    """Return the damping regime that numbers for some of m, c, k and Omega decide, or all that remain possible."""
+    """Return the damping regimes that are possible if some of m, c, k and Omega have the values in `numbers`."""
     holds = {regime: regime.condition.subs(numbers, simultaneous=True) for regime in REGIMES.values()}
     certain = tuple(regime for regime, condition in holds.items() if condition == sp.true)
     return certain or tuple(regime for regime, condition in holds.items() if condition != sp.false)
 
 
 class Join(NamedTuple):
-    """A border of damping regimes: as `letter` -> 0 on `path`, the basis functions of `source` become `target`'s."""
+    """A limit of damping regimes: with `path` put in, `letter` -> 0 turns the basis of `source` into `target`'s."""
 
     source: str
     target: str

@@ -41,7 +41,7 @@ class Case(NamedTuple):
     label : str
         "(55.1)" is the first case of (55). Letters mark cases that the paper lacks, see `theorem7_cases.case_label`.
     condition : sympy Boolean
-        The condition for this case, in gamma and the amplitude.
+        The condition for this case on gamma = k v_lambda/m and the amplitude B0 Omega/m.
     phases : sympy Set
         The phases theta in [0, 2 pi) at which a contact grazes.
 
@@ -161,7 +161,10 @@ def critical_phase(gamma: Expr, amplitude: Expr) -> Expr | None:
 def window_phases(
     where: cases.Place, gamma: Expr, amplitude: Expr, full: bool, of: tuple[int, int, int] | None = None
 ) -> Expr:
-    """Return the set of phases at which a contact grazes (Theorem 7); `of`: the result of `signs`, if known."""
+    """Return the set of phases at which a contact at the boundary `where` grazes (Theorem 7).
+
+    With `full` a tangency of fourth order counts as a graze. `of` is the result of `signs`, needed for symbols.
+    """
     of = of or signs(gamma, amplitude)
     kind = cases.window_kind(where.side, *of, full)
     if kind in (cases.EMPTY, cases.EVERYTHING):
@@ -178,7 +181,7 @@ def window_phases(
 
 
 def _through_zero(first: Expr, last: Expr) -> Expr:
-    """Return the arc of phases that begins at `last`, goes through 0 and ends at `first`, without these two ends."""
+    """Return the open arc of phases through 0 as a union: from 0 up to `first`, and from `last` up to 2 pi."""
     # The two are disjoint, which sympy finds out slowly, and with symbols not at all: hence no evaluation.
     return sp.Union(_interval(sp.S.Zero, first, closed=True), _interval(last, 2 * sp.pi), evaluate=False)
 
@@ -194,7 +197,7 @@ def _interval(low: Expr, high: Expr, closed: bool = False) -> Expr:
 
 @cache
 def all_cases(where: cases.Place, full: bool) -> tuple[Case, ...]:
-    """Return every case in the symbols gamma and a = B0 Omega/m, a > 0 first, in the paper's order."""
+    """Return every case of Theorem 7 in the symbols gamma and a = B0 Omega/m; those with a > 0 come first."""
     g, a = GAMMA, AMPLITUDE
     found = []
     for amplitude_sign, sign in ((1, a > 0), (-1, a < 0)):
