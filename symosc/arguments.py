@@ -234,10 +234,7 @@ def _kind_of_row(entries: list[list[Kind] | None]) -> Kind:
 
 
 def _kind_of_sequence(entry: list[Kind] | None, once: bool) -> Kind:
-    """Return the kind of a sequence of any length, given the kinds of its entries.
-
-    With `once` an iterator is of this kind too; its entries are not checked, as they can be read only once.
-    """
+    """Return the kind of a sequence of any length, given the kinds of its entries."""
 
     def fits(value: Any) -> bool:
         return not _is_row(type(value)) or (_is_short(value) and all(_fits(entry, each) for each in value))

@@ -131,10 +131,7 @@ def write_folder(path: str | Path, texts: Mapping[str, str], earlier: Callable[[
 
 
 def check_folder(path: str | Path, earlier: Callable[[Path], Container[str]]) -> Path:
-    """Return the path of a folder to be written, or before long work raise the errors of `write_folder`.
-
-    `earlier` is as in `write_folder`: it returns the names of files that may be replaced.
-    """
+    """Return the path of a folder to be written, or before long work raise the errors of `write_folder`."""
     name = read_path(path)
     if name == STDOUT:
         raise ParameterError("path", name, "must be the name of a folder")

@@ -202,11 +202,7 @@ def _spread(
 def _residuals(
     moved: Sensitivities, measured: Measured, scale: np.ndarray, end: float
 ) -> tuple[np.ndarray, np.ndarray, Trajectory]:
-    """Return (motion - data) / sigma, the derivatives of this with respect to the free numbers, and the motion.
-
-    `moved` are the sensitivities of the motion, `scale` is sigma for t or x and for v. An event of which the motion has
-    none of its kind is compared with the time `end`.
-    """
+    """Return (motion - data) / sigma, the derivatives of this with respect to the free numbers, and the motion."""
     trajectory, count = moved.trajectory, len(moved.wrt)
     if measured.kinds is None:
         assert measured.states is not None

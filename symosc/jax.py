@@ -145,10 +145,7 @@ def _functions() -> tuple[Callable[..., Any], Callable[..., Any]]:
 
 @lru_cache(maxsize=1)
 def _made() -> tuple[Callable[..., Any], Callable[..., Any]]:
-    """Make the functions `events_(values, t_end, count)` and `flow_(values, times)` that JAX can differentiate.
-
-    They are made once for all calls. `values` are the parameters and the start, as `_values` returns them.
-    """
+    """Make the functions `events_(values, t_end, count)` and `flow_(values, times)` that JAX can differentiate."""
     import jax
 
     def computed(function: Callable[..., Any], shapes: Any, *given: Any) -> Any:
@@ -189,10 +186,7 @@ def _made() -> tuple[Callable[..., Any], Callable[..., Any]]:
 
 
 def _events_of(values: Any, t_end: Any, count: int) -> tuple[np.ndarray, ...]:
-    """Return t, x, kind, boundary, regular, dt and dx of the first `count` events of each motion of a batch.
-
-    The last axis of `values`, and of the derivatives dt and dx, has the eleven parameters and t0, x0, v0.
-    """
+    """Return t, x, kind, boundary, regular, dt and dx of the first `count` events of each motion of a batch."""
     values, lead = np.asarray(values), np.shape(values)[:-1]
     rows, ends = values.reshape(-1, len(NAMES)), np.broadcast_to(np.asarray(t_end), lead).reshape(-1)
     columns = dict(zip(NAMES, rows.T, strict=True))
@@ -212,10 +206,7 @@ def _events_of(values: Any, t_end: Any, count: int) -> tuple[np.ndarray, ...]:
 
 
 def _states_of(values: Any, times: Any) -> tuple[np.ndarray, ...]:
-    """Return [x, v] of a batch of motions at times, and the derivatives with respect to all numbers and to time.
-
-    The last axis of `values` has the eleven parameters and t0, x0, v0 of a motion: the numbers of NAMES.
-    """
+    """Return [x, v] of a batch of motions at times, and the derivatives with respect to all numbers and to time."""
     values, times = np.asarray(values), np.asarray(times)
     lead, n = values.shape[:-1], times.shape[-1]
     rows, instants = values.reshape(-1, len(NAMES)), np.broadcast_to(times, (*lead, n)).reshape(-1, n)

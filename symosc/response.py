@@ -230,11 +230,7 @@ Settled = tuple[str, tuple[Any, Any, Any], PeriodicOrbit | None]
 
 
 def settle(p: Parameters, guess: tuple[float, float], before: PeriodicOrbit | None) -> Settled:
-    """Find the settled motion; ConvergenceError if there is none.
-
-    It is looked for near `before`, an orbit for nearby parameters, and else by following a motion that starts at t = 0
-    with x and v of `guess`.
-    """
+    """Find the settled motion; ConvergenceError if there is none."""
     for boundary in (1, 2):
         rests = rest_positions(p, boundary)
         if rests is not None:
@@ -338,21 +334,14 @@ Part = tuple[Segment, tuple[float, float], np.ndarray, np.ndarray, np.ndarray, n
 
 @cache
 def _gauss() -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """Return the POINTS points and weights of Gauss in [-1, 1], and a matrix that makes Legendre coefficients.
-
-    The matrix makes them of the values that a function has at these points.
-    """
+    """Return the POINTS points and weights of Gauss in [-1, 1], and a matrix that makes Legendre coefficients."""
     points, weights = legendre.leggauss(POINTS)
     degrees = np.arange(POINTS)
     return points, weights, (degrees + 0.5)[:, None] * legendre.legvander(points, POINTS - 1).T * weights
 
 
 def parts(motion: Trajectory) -> Iterator[Part]:
-    """Yield the parts of a motion on which a polynomial through its values at Gauss's points is accurate.
-
-    A `Part` has the segment, its two ends in time, the times of Gauss's points, their weights, and z and u (the
-    oscillator's position and velocity) at them.
-    """
+    """Yield the parts of a motion on which a polynomial through its values at Gauss's points is accurate."""
     p, (points, weights, coefficients) = motion.parameters, _gauss()
     # Periods of a motion without events are cut into parts of this angle of the fastest of drive and oscillator.
     longest = 2.0 / max(float(p.Omega), sqrt(p.k / p.m))

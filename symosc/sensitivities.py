@@ -144,17 +144,11 @@ class _Columns:
 
     @property
     def numbers(self) -> MapArithmetic:
-        """The motion's constants and the functions of its mappings, for doubles or for numbers of mpmath.
-
-        They are not stored, as they cannot be pickled.
-        """
+        """The motion's constants and the functions of its mappings, for doubles or for numbers of mpmath."""
         return map_arithmetic(self.trajectory.parameters, self.context)
 
     def loop(self, name: str, count: int) -> tuple[Callable[..., None], Any]:
-        """Return the function `name` of `symosc.engine.tangent`, and the motion's constants in the form it takes.
-
-        It is compiled if possible; code on disk is looked for if `count`, the number of its rows, is large.
-        """
+        """Return the function `name` of `symosc.engine.tangent`, and the motion's constants in the form it takes."""
         compiled = tangent_loops(count > MANY) if self.context is None else None
         if compiled:
             return compiled[name], table_of([self.numbers.K])
@@ -175,10 +169,7 @@ class _Columns:
         return *out, work
 
     def pieces(self) -> tuple[np.ndarray, np.ndarray]:
-        """Return the starts of all pieces of the motion between events, and the numbers of the events there.
-
-        A start is a row mode, t, theta, x, v. The first piece begins at the start of the motion, at no event.
-        """
+        """Return the starts of all pieces of the motion between events, and the numbers of the events there."""
         t, theta, x, v, kinds, _, targets = self.rows
         events = np.flatnonzero(kinds != GRAZE)
         rows = np.array([targets, t, theta, x, v], dtype=self.kind).T[events]

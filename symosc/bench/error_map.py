@@ -118,11 +118,7 @@ def run(quick: bool = False, progress: Progress = iter, taus: Sequence[float] = 
 
 
 def error(values: Sequence[float], exact: Sequence[Number], tau: float) -> float:
-    """Return the largest error of the flow's five basis functions at `tau`, each relative to its amplitude there.
-
-    The functions are E0, E1, E2 (responses to an impulse) and R2, I2 (to the drive). The amplitude is that of the
-    oscillation, so a zero of a function does no harm.
-    """
+    """Return the largest error of the flow's five basis functions at `tau`, each relative to its amplitude there."""
     E0, E1, E2, R2, I2 = (abs(value) for value in exact[:5])
     sizes = (max(1, E0), E1 + E0 * tau / (1 + tau), E2, R2 + I2, R2 + I2)
     return max(float(abs(b - a) / size) for a, b, size in zip(values, exact, sizes, strict=False))
@@ -204,10 +200,7 @@ def figure(result: Record) -> Figure:
 
 
 def _borders(ax: Axes, result: Record, column: int, shipped: bool) -> None:
-    """Draw where symosc stops using its cheap formula; if `shipped`, all borders between formulas, with names.
-
-    `column` is the number of the map's time w0 tau.
-    """
+    """Draw where symosc stops using its cheap formula; if `shipped`, all borders between formulas, with names."""
     from scipy.ndimage import label
 
     chosen = np.array(result["formulas"][column])

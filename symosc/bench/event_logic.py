@@ -155,11 +155,7 @@ def start_mode(q, x, v):
 
 
 def root(q, mode, side, piece, a, b, fa, fb, tolerance):
-    """Return the time between a and b at which the margin to the exit on one side changes its sign.
-
-    `fa` and `fb` are the margins at a and b; `piece` is the solver's data of the flight or stick, handed on to its
-    `margin`.
-    """
+    """Return the time between a and b at which the margin to the exit on one side changes its sign."""
     # Chandrupatla's method (1997).
     c, fc, part = a, fa, 0.5
     for _ in range(200):

@@ -283,11 +283,7 @@ def diffrax_pieces(tolerance: float) -> tuple[Callable[..., Any], Callable[..., 
 
 
 def _settings(p: Parameters, mode: int, side: int) -> tuple[float, ...]:
-    """Return the last seven arguments of the function from `diffrax_pieces`, which set up a flight or stick.
-
-    They are the signs of friction at both belts, 1 for a flight (0 for a stick), and four factors that define the
-    event: of v, the force, v1 and v2.
-    """
+    """Return the last seven arguments of the function from `diffrax_pieces`, which set up a flight or stick."""
     if mode > 3:
         return *friction_signs(mode - 3 if side < 0 else mode - 2), 0.0, 0.0, -float(side), 0.0, 0.0
     boundary = mode if side > 0 else mode - 1

@@ -111,11 +111,7 @@ def integrate_by_cvode(options: Record, q: Problem, mode: int, x: float, v: floa
 
 
 def leave_by(integrate: Integrate) -> Callable[..., tuple[int, float, float]]:
-    """Return the function `leave` for an integrator, which follows a flight or stick to its exit.
-
-    Where a margin has become negative and positive again within a step, the integrator has missed an exit. It then runs
-    again up to the turning point of the margin.
-    """
+    """Return the function `leave` for an integrator, which follows a flight or stick to its exit."""
 
     def leave(q: Problem, s: None, mode: int, t: float, x: float, v: float, t_end: float) -> tuple[int, float, float]:
         side, end, x_end, turns = integrate(q, mode, x, v, t_end)

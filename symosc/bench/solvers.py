@@ -222,10 +222,7 @@ def _drop_output() -> None:
 def in_parallel(
     chunks: Sequence[Sequence[tuple[Any, ...]]], steps: Iterator[Any], limit: float = FIRST_LIMIT
 ) -> dict[Any, Outcome]:
-    """Run each chunk of jobs (key, function, arguments ...) in its own worker; return the outcomes by key.
-
-    Before each job one step is taken of `steps`, the iterator of a progress bar. A job may take `limit` seconds.
-    """
+    """Run each chunk of jobs (key, function, arguments ...) in its own worker; return the outcomes by key."""
     # The first job of a chunk is done once more before it in each new process, where it may take FIRST_LIMIT.
     stop, turn, done = Flag(), Lock(), dict[Any, Outcome]()
 

@@ -77,11 +77,7 @@ class Group(NamedTuple):
 
 
 def closed_form(count, h, w, Om, P, Q, R, S):
-    """Evaluate the closed form of x and x' (underdamped) `count` times: a lower bound on the time of an event.
-
-    `h` is the decay rate, `w` and `Om` are the angular frequencies of the free motion and of the drive. `P` and `Q` are
-    the amplitudes of the response to the drive, `R` and `S` those of the free motion.
-    """
+    """Evaluate the closed form of x and x' (underdamped) `count` times: a lower bound on the time of an event."""
     total = 0.0
     for i in range(count):
         tau = 1e-3 * (i % 3000)

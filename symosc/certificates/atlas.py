@@ -201,10 +201,7 @@ class Plane(NamedTuple):
     # -- borders -------------------------------------------------------------------------------------------------------
 
     def borders(self, pairs: Sequence[tuple[Place, Place]], known: Sequence[Border] = ()) -> list[Border]:
-        """Return the `known` borders between regions with different words, and all new ones that are found.
-
-        A search begins between both places of each of the `pairs`, then between places beside each new border.
-        """
+        """Return the `known` borders between regions with different words, and all new ones that are found."""
         found, failed, looked, waiting = list(known), Counter[frozenset[str]](), len(known), deque(pairs)
         while waiting:
             a, b = waiting.popleft()

@@ -99,10 +99,7 @@ class Family:
         raise Undecided("one root for every value of the parameter")
 
     def _coefficients(self, value: Ball, curve: list[arb_mat], order: int) -> list[arb_mat]:
-        """Return the first `order` Taylor coefficients of the closing equations' residuals, about a parameter value.
-
-        The unknowns are polynomials in the change of the parameter, with the coefficients in `curve`.
-        """
+        """Return the first `order` Taylor coefficients of the closing equations' residuals, about a parameter value."""
         ctx.cap, wide = max(ctx.cap, order), self.wide
         series = Oscillator(wide.oscillator.p, {self.prover.name: arb_series([value, 1], prec=order)})
         values = [arb_series(list(each), prec=order) for each in zip(*(row.entries() for row in curve), strict=True)]
@@ -140,10 +137,7 @@ def _scaled(value: Ball, factor: float) -> Ball:
 
 
 def violated(closing: ClosingBalls, values: Values) -> tuple[str, Ball, str] | None:
-    """Return an inequality that a root certainly violates, or None if none is found.
-
-    It is returned as its text, the time at which it fails, and the kind of branch end that this makes.
-    """
+    """Return an inequality that a root certainly violates, or None if none is found."""
     margins = [closing.margins(i, values) for i in range(len(closing.pieces))]
     durations = [(i, span) for i, (span, *_) in enumerate(margins)]
     for i, margin in durations + [(i, margin) for i, (_, *others) in enumerate(margins) for margin in others]:
@@ -232,11 +226,7 @@ class BranchProver:
         return confirmed("branch", statement)
 
     def _end(self, kind: str, value: Fraction, near: Values, side: int) -> Record:
-        """Prove an end of the branch near a value of the parameter; return its row of the file.
-
-        `near` is the approximate orbit there, `side` the direction (-1, 1) in which the branch ends. Just beyond it the
-        root still exists, but violates an inequality.
-        """
+        """Prove an end of the branch near a value of the parameter; return its row of the file."""
         if kind == END_OF_RANGE:
             return {"kind": kind, "inside": show(value), "outside": show(value)}
         width = Fraction(10) ** floor(log10(END_WIDTH * max(abs(value), self.ends[1][1] - self.ends[0][1])))

@@ -97,10 +97,7 @@ class Oscillator:
         self.turns = cache(lambda boundary: Turns(p, boundary))
 
     def entire(self, tau: Ball) -> tuple[Ball, Ball, Ball]:
-        """Return E, E' and phi = E' + (c/m) E a time `tau` after a start.
-
-        These are velocities of the motion without drive: E begins with v = 0 and v' = 1, phi with v = 1 and v' = 0.
-        """
+        """Return E, E' and phi = E' + (c/m) E a time `tau` after a start."""
         if self.damping > 0:
             fast, slow, width = (self.fast * tau).exp(), (self.slow * tau).exp(), 2 * self.omega_d
             E, E1 = (slow - fast) / width, (self.slow * slow - self.fast * fast) / width
@@ -195,10 +192,7 @@ class Flight:
         return self.x0 + self.v0 * there.tau + way / o.m
 
     def moved(self, there: FlightPoint, change: Sequence[Ball]) -> tuple[Ball, Ball]:
-        """Return how fast x and v at a point change, at a fixed time, if the start moves along `change`.
-
-        `change` is (dt, dx) for a start on a belt, whose velocity is fixed, and (dt, dx, dv) for any other.
-        """
+        """Return how fast x and v at a point change, at a fixed time, if the start moves along `change`."""
         # A later start by dt is one at the same time with x lower by v dt and v lower by a dt.
         dt, dx, *rest = change
         x, v = dx - self.v0 * dt, (rest[0] if rest else arb(0)) - self.a0 * dt

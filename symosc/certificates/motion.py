@@ -71,10 +71,7 @@ def first_zero(flight: Flight, boundary: int, stop: Ball, on_it: bool) -> tuple[
 
 
 def _ends_of_pieces(flight: Flight, boundary: int, stop: Ball) -> Iterator[tuple[Ball, bool, bool]]:
-    """Yield the end of each piece of a flight, and whether H is convex on that piece, and whether it is concave.
-
-    H is the gap to the belt after a change of variables, as in the module docstring. The last piece ends at `stop`.
-    """
+    """Yield the end of each piece of a flight, and whether H is convex on that piece, and whether it is concave."""
     o, begin, at = flight.oscillator, flight.t0, arb(0)
     # Pieces are at most this long, in units of 1/omega_d: less than pi.
     longest = (arb(2.8) / o.omega_d).mid() if o.damping < 0 else None
@@ -150,10 +147,7 @@ def _where_to_cut(o: Oscillator, low: Jet, high: Jet, u: Ball, cut: int) -> Ball
 
 
 def zero_in(gap: Curve, low: Ball, high: Ball, what: str, t: Ball) -> Ball:
-    """Enclose the only zero of a gap between the times `low`, where the gap is > 0, and `high`, where it is < 0.
-
-    Times count from `t`; `what` names the zero in a message.
-    """
+    """Enclose the only zero of a gap between the times `low`, where the gap is > 0, and `high`, where it is < 0."""
     # Newton's method finds it, kept between points where the sign is known; two signs prove the enclosure. The slope
     # has one sign on it.
     ends, here = (low, high), high.mid()
@@ -178,10 +172,7 @@ def zero_in(gap: Curve, low: Ball, high: Ball, what: str, t: Ball) -> Ball:
 
 
 def fenced(gap: Curve, sample: Jet, spare: Ball, ends: tuple[Ball, Ball], what: str, t: Ball) -> Ball:
-    """Return a ball of times around a `sample` in which the gap falls from > 0 to < 0, so that it has just one zero.
-
-    Times count from `t`; `what` names the zero in a message.
-    """
+    """Return a ball of times around a `sample` in which the gap falls from > 0 to < 0, so that it has just one zero."""
     # It lies between the two `ends`; its radius is twice the step of Newton's method, plus `spare`, or a little more.
     (low, high), here = ends, sample.tau
     width = 2 * abs(sample.g).upper() / max(abs(sample.dg).lower(), arb(2) ** -10000) + spare

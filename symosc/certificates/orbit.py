@@ -60,10 +60,7 @@ def column(values: Sequence[Ball]) -> arb_mat:
 
 
 def krawczyk(box: Values, middle: Values, residuals: Values, J: arb_mat) -> Values | None:
-    """Return the image of a box under Krawczyk's operator if it is inside the box, which proves one root; else None.
-
-    `residuals` are those at `middle`; the Jacobian `J` encloses that of all points in the box.
-    """
+    """Return the image of a box under Krawczyk's operator if it is inside the box, which proves one root; else None."""
     try:
         Y = J.mid().inv().mid()
     except ZeroDivisionError:

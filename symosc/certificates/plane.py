@@ -90,10 +90,7 @@ class Leg(NamedTuple):
 
 
 def mirrors(p: Parameters, names: Sequence[str] = ()) -> dict[int, int]:
-    """Return the mode that mirrors each mode if the oscillator is symmetric about x = A0/k and v = 0, else {}.
-
-    It must be symmetric for all values of the parameters in `names`.
-    """
+    """Return the mode that mirrors each mode if the oscillator is symmetric about x = A0/k and v = 0, else {}."""
     # It is symmetric if the belts are alike with opposite speeds, or if one has no friction and the other no speed; the
     # parameters in `names` may have any values.
     if not {"v1", "v2", "mu1", "mu2"} & set(names) and p.v1 == -p.v2 and p.mu1 == p.mu2:
@@ -201,10 +198,7 @@ class Flights:
         return [Flown(o, leg, u, u[leg.tau]) for leg in self.legs]
 
     def next_start(self, o: Oscillator, i: int, u: Values, flown: Sequence[Flown]) -> tuple[Ball, Ball]:
-        """Return phase and position at the start of the flight after flight i; `flown` has all flights.
-
-        After the last one comes the first one again, a period later (half a period, if mirrored).
-        """
+        """Return phase and position at the start of the flight after flight i; `flown` has all flights."""
         if i + 1 < len(self.legs):
             return u[self.legs[i + 1].at], flown[i + 1].x0
         x = flown[0].x0
@@ -283,10 +277,7 @@ class Flights:
         return o.k * o.speed[belt] + o.B0 * o.Omega * phase.sin()
 
     def sections(self, o: Oscillator, leg: Leg, u: Values) -> list[tuple[int, Ball, Ball]] | None:
-        """Split a flight back to its belt at the turns: (sign of L g, begin, end) of each part; None if undecided.
-
-        g is the gap to the belt, and L g = g'' + (c/m) g' + (k/m) g.
-        """
+        """Split a flight back to its belt at the turns: (sign of L g, begin, end) of each part; None if undecided."""
         phase, belt, found = u[leg.at], leg.piece.start, []
         end = phase + o.Omega * u[leg.tau]
         turns = [self.turn(o, belt, index) for index in self.turns_between(o, belt, phase, end)]
@@ -505,11 +496,7 @@ class Surface:
     def directed(
         self, d: tuple[int, int], rows: Sequence[arb_mat], count: int, wide: bool
     ) -> tuple[Oscillator, Values]:
-        """Return oscillator and unknowns as power series of `count` terms along the direction `d` in the box.
-
-        `rows` has the coefficients of the unknowns. The series are about the middle or, if `wide`, about all of the
-        box.
-        """
+        """Return oscillator and unknowns as power series of `count` terms along the direction `d` in the box."""
         ctx.cap = count
         base = zip(self.range if wide else self.middle, self.half, d, strict=True)
         o = self.oscillator([arb_series([b, h * e], prec=count) for b, h, e in base])
@@ -581,10 +568,7 @@ class Surface:
     def _coefficients(
         self, d: tuple[int, int], rows: Sequence[arb_mat], count: int, wide: bool
     ) -> tuple[list[arb_mat], tuple[Oscillator, Values, list[Flown]]]:
-        """Return Taylor coefficients of Y f along `d`, and oscillator, unknowns, flights as series (see `directed`).
-
-        f has the residuals of the closing equations; Y is a matrix near the inverse of their Jacobian.
-        """
+        """Return Taylor coefficients of Y f along `d`, and oscillator, unknowns, flights as series (see `directed`)."""
         o, u = self.directed(d, rows, count, wide)
         flown, r = self.flights.residuals(o, u)
         return [self.Y * column([each[k] for each in r]) for k in range(count)], (o, u, flown)

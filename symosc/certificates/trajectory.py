@@ -228,10 +228,7 @@ def _changes(task: ToProve, mode: int, events: Sequence[ProvenEvent], name: str)
 
 
 def _with_a_graze(task: ToProve, proof: Proof, graze: tuple[int, Ball]) -> Proof:
-    """Return a proof of the motion from one start within the error, which grazes after the events of `proof`.
-
-    `graze` has the belt, and the time since the start of the flight, of a contact that balls cannot decide.
-    """
+    """Return a proof of the motion from one start within the error, which grazes after the events of `proof`."""
     o, before, (boundary, near) = Oscillator(task.p), len(proof.events), graze
     name, place = next((name, place) for name, place in FREE if task.errors[place])
     events: list[ProvenEvent] = []
@@ -277,10 +274,7 @@ def _with_a_graze(task: ToProve, proof: Proof, graze: tuple[int, Ball]) -> Proof
 def _grazing_interval(
     o: Oscillator, arrive: Callable[[Ball], Moving], boundary: int, given: Fraction, error: Fraction, near: Ball
 ) -> tuple[Fraction, Fraction]:
-    """Estimate two fractions so that one start value between them leads to a graze, by the secant method; no proof.
-
-    The start value is `given`, with its `error`; the graze is expected at a time `near` after the flight's start.
-    """
+    """Estimate two fractions so that one start value between them leads to a graze, by the secant method; no proof."""
     start, reach, points = ball(given), ball(error), list[tuple[Ball, Ball]]()
     for count in range(2 + MOST_SECANTS):
         if count < 2:
@@ -302,10 +296,7 @@ def _grazing_interval(
 
 
 def _lowest(o: Oscillator, state: Moving, boundary: int, near: Ball) -> tuple[Flight, Jet]:
-    """Return the flight, and the jet of its gap to a belt at the time when the gap is least, near `near`.
-
-    It is proven that the gap turns just once in the enclosure of that time.
-    """
+    """Return the flight, and the jet of its gap to a belt at the time when the gap is least, near `near`."""
     flight = state.flight(o, state.states.hull())
     gap = flight.gap(boundary)
 
@@ -436,11 +427,7 @@ def prove_settled(task: ToProve, orbit: PeriodicOrbit) -> Certificate:
 
 
 def _start(o: Oscillator, task: ToProve) -> tuple[Moving, Fraction | None]:
-    """Return the set of initial states, and None.
-
-    If a stick may end at the start, return the states of the flight after it, and a time at which the mass has left the
-    belt from every start within the error.
-    """
+    """Return the set of initial states, and None."""
     p, (t0, x0, v0) = task.p, task.start
     try:
         return begin(o, task.start, task.errors), None

@@ -99,11 +99,7 @@ def interval(value, where):
 
 
 def read(value, shape, where):
-    """Check that a part of a file has a `shape`, and return it with its texts turned into numbers.
-
-    A shape is a dict of keys, a set of allowed values, a type, a list or a tuple of shapes, or a function that reads
-    the part. `where` names the entry of the file in a message.
-    """
+    """Check that a part of a file has a `shape`, and return it with its texts turned into numbers."""
     if isinstance(shape, dict):
         check(type(value) is dict, f"{where} is no object", BAD)
         wrong = sorted(value.keys() ^ shape.keys(), key=str)
@@ -218,11 +214,7 @@ class Mode:
         return all(arb(self.row[i, 2]) - most > 0 for i in range(len(self.ends)))
 
     def stays(self, z, h, orders, after=None):
-        """Return whether the mode certainly lasts for a time `h` after the state z, as all its f stay > 0.
-
-        `after` is the state then, if known. For an end whose f is 0 at z, `orders` has the order of the first
-        derivative that is not 0.
-        """
+        """Return whether the mode certainly lasts for a time `h` after the state z, as all its f stay > 0."""
         half = h if after is None else h / 2
         for i, end in enumerate(self.ends):
             n = orders.get(end, 0)  # f, or its first derivative that is not 0
@@ -269,11 +261,7 @@ class Motion:
         return z if t.is_exact() else (self.mode.M * (t - t.mid())).exp() * z
 
     def f(self, end, t):
-        """Return f, f' and f'' at a time, or (by Taylor's theorem) at all times of a ball.
-
-        f is the distance or force of the mode's `end`, a belt for a flight, a domain for a stick: at f = 0 the mode
-        ends.
-        """
+        """Return f, f' and f'' at a time, or (by Taylor's theorem) at all times of a ball."""
         i, z, change = self.mode.ends.index(end), self.at(t.mid()), t - t.mid()
         f = [(row * z)[i, 0] for row in self.mode.rows[:4]]
         if t.is_exact():
@@ -320,10 +308,7 @@ class Motion:
         return [e * arb_mat([[x - rate[0, 0] * s], [v - rate[1, 0] * s], [0], [0], [0]]) for s, x, v in sides]
 
     def behind(self, row, limits=()):
-        """Prove that the next event is the one stated in a row of the file; return the motion after it.
-
-        If just one start is said to graze, `limits` has the motions from two starts with this one between them.
-        """
+        """Prove that the next event is the one stated in a row of the file; return the motion after it."""
         if row["kind"] == "graze":
             return self.graze(row, limits)
         p, mode, flies = self.problem.p, self.mode, self.mode.flies
@@ -363,10 +348,7 @@ class Motion:
         return low.union(high), first, last, self.f(end, low.union(high))
 
     def arrive(self, end, belt, when):
-        """Return the states (t, x, v) where f of an end of the mode is 0, at times in the ball `when`.
-
-        They are on a belt. The set is returned as centre, columns and rest of a `Motion`.
-        """
+        """Return the states (t, x, v) where f of an end of the mode is 0, at times in the ball `when`."""
         v, sides = arb(self.problem.p[f"v{belt}"]), []
         slope, i, count = self.f(end, when)[1], self.mode.ends.index(end), len(self.columns)
         for dz in self.moved(when, [*self.columns, *(self.rest or ())]):
@@ -382,10 +364,7 @@ class Motion:
         return [t.mid(), centre[1].mid(), v], [[each.mid() for each in side] for side in sides[:count]], frame(rest)
 
     def graze(self, row, limits):
-        """Prove that the next event is a graze, as stated in a row of the file; return the motion after it.
-
-        Every start grazes or, given motions from two starts as `limits`, just one start between these.
-        """
+        """Prove that the next event is a graze, as stated in a row of the file; return the motion after it."""
         end, mode = row["boundary"], self.mode
         check(mode.flies and end in mode.ends, "a graze of a belt that is not beside the domain")
         speed = self.problem.p[f"v{end}"]
@@ -444,10 +423,7 @@ def frame(sides):
 
 
 def begin(problem, start, errors, rest=None):
-    """Return the motion from a start (t0, x0, v0) with errors; on a belt the forces F on both sides decide the mode.
-
-    Where a force is exactly 0, its first derivative that is not 0 decides. `rest` is that of `Motion`.
-    """
+    """Return the motion from a start (t0, x0, v0) with errors; on a belt the forces F on both sides decide the mode."""
     (t0, x0, v0), p, centre = start, problem.p, [arb(value) for value in start]
     columns = [[arb(error) if i == j else arb(0) for j in range(3)] for i, error in enumerate(errors) if error]
     z = fmpq_mat([[x0], [v0], [1], [1], [0]])  # where t0 or B0 is 0
@@ -526,10 +502,7 @@ def question(data, source):
 
 
 def varied(problem, number, name):
-    """Return derivatives by the parameter `name` of M and of the rows of f, in z' = M z and f = row z of a mode.
-
-    M and the rows are affine in the parameter (m: in 1/m).
-    """
+    """Return derivatives by the parameter `name` of M and of the rows of f, in z' = M z and f = row z of a mode."""
     if name in START:
         return fmpq_mat(5, 5), fmpq_mat(2, 5)
     p = problem.p
@@ -779,10 +752,7 @@ def prove(data, limits):
 
 
 def judge(data, **limits):
-    """Prove the contents of a file, read from JSON, again; return an exit code and the answer.
-
-    The answer is one line if the code is not 0. Names and values in `limits` replace those of LIMITS.
-    """
+    """Prove the contents of a file, read from JSON, again; return an exit code and the answer."""
     with LOCK:
         before, ctx.prec = (ctx.prec, ctx.cap), 256
         try:

@@ -264,10 +264,7 @@ def real(value):
 
 
 def entire(b, z):
-    """Return the hypergeometric function 0F1(b; z) of a ball or a power series z.
-
-    If z = w^2/4, it is cosh w for b = 1/2, and sinh(w)/w for b = 3/2; z may have any sign.
-    """
+    """Return the hypergeometric function 0F1(b; z) of a ball or a power series z."""
     if isinstance(z, arb | acb):
         return z.hypgeom_0f1(b)
     kind: Any = type(z)
@@ -319,10 +316,7 @@ class Oscillator:
         return root - lifted(self.h), -root - lifted(self.h)
 
     def driven(self, s):
-        """Return S, S', Z and Z' a time s after a start, where S and Z are responses of the position x.
-
-        S is the response to the velocity 1 at the start, and Z the response to the drive exp(i Omega s)/m from rest.
-        """
+        """Return S, S', Z and Z' a time s after a start, where S and Z are responses of the position x."""
         (first_root, other), s, drive = self.roots, lifted(s), times_i(self.Om)
 
         def X(a, b):
@@ -378,10 +372,7 @@ def positive(margin, until, problem):
 
 
 def in_parts(prove, whole, most, what):
-    """Call `prove` for the box `whole` or, if that fails, for halves and so on; return the last result.
-
-    Raise Stop with the text `what` if `most` parts are not enough.
-    """
+    """Call `prove` for the box `whole` or, if that fails, for halves and so on; return the last result."""
     parts, count, found = [whole], 0, None
     while parts:
         part, count = parts.pop(), count + 1
@@ -430,11 +421,7 @@ class Piece:
         return F, -e.drive * sine - e.km * self.v, -e.drive * e.Om * cosine
 
     def f(self, end, s):
-        """Return f, f' and f'' a time s after the start, for an `end` of the mode: the mode ends there where f = 0.
-
-        For a flight f is the distance of v from the belt `end`; for a stick the force against slipping into the domain
-        `end`.
-        """
+        """Return f, f' and f'' a time s after the start, for an `end` of the mode: the mode ends there where f = 0."""
         first, *others = self.force(end, s, self.t + s) if self.mode > 3 else self.at(s, self.t + s)[1:]
         return [self.ends[end] * each for each in (first if self.mode > 3 else first - self.e.belts[end], *others)]
 
@@ -447,18 +434,12 @@ class Course:
         self.turn = periods * self.forcing
 
     def piece(self, i, u, late=0):
-        """Return the motion from event i to event i + 1, its duration, and when it ends, from the unknowns u.
-
-        `late`, a small delay of event i, serves for derivatives with respect to its time.
-        """
+        """Return the motion from event i to event i + 1, its duration, and when it ends, from the unknowns u."""
         until, t = u[2 * i + 2] if i + 1 < self.count else u[0] + self.turn, u[2 * i]
         return Piece(self.e, self.events[i][3], self.events[i][1], t, u[2 * i + 1], late), until - t, until
 
     def residual(self, i, u, late=0):
-        """Return two residuals of the motion from event i to the next one: of x, and of v or, after a stick, of F.
-
-        `late`, a small delay of event i, serves for derivatives with respect to its time.
-        """
+        """Return two residuals of the motion from event i to the next one: of x, and of v or, after a stick, of F."""
         (piece, s, until), (_, belt, _, target) = self.piece(i, u, late), self.events[i + 1]
         sticks, onto = piece.mode > 3, u[(2 * i + 3) % len(u)]
         x, f = (piece.x + piece.v * s, piece.force(target, s, until)[0]) if sticks else piece.at(s, until)[:2]
@@ -587,10 +568,7 @@ def family(problem, data, events, row, part):
 
 
 def fails(problem, data, events, end, row):
-    """Prove that the inequality which an end of a branch names fails just outside of the branch.
-
-    The root there belongs to the family of the orbits in `row`, the row of the branch beside the end.
-    """
+    """Prove that the inequality which an end of a branch names fails just outside of the branch."""
     found = Family(problem, data, events, end, *sorted((end["inside"], end["outside"])))
     found.within(row, *found.root(end["inside"]))
     (u, course), at, kind = found.root(end["outside"]), arb(end["at"]), end["kind"]
@@ -737,11 +715,7 @@ def between(e, belt, low, high):
 
 
 def marks(parts, most):
-    """Choose the cuts of a flight from its `parts`: where its distance g from the belt is to be shown > 0.
-
-    A cut is a share of the duration, and how long before and after it g is > 0 as well. `most` is less than half a
-    period of the motion without drive.
-    """
+    """Choose the cuts of a flight from its `parts`: where its distance g from the belt is to be shown > 0."""
     most, tau, found = 0.95 * float(most), float(parts[-1][2]), []
     spare = 2 * max(float(b.rad()) for _, _, b in parts) + tau / 500
     for i, (up, *ends) in enumerate(parts):
@@ -789,10 +763,7 @@ class Word:
         return [arb(each) for each in found]
 
     def next(self, e, i, u):
-        """Return phase and x at the start of the flight after flight i, for the oscillator `e` and the unknowns u.
-
-        After the last flight comes flight 0, a period later (half a period, if the orbit is its mirror image).
-        """
+        """Return phase and x at the start of the flight after flight i, for the oscillator `e` and the unknowns u."""
         if i + 1 < len(self.flights):
             return u[self.flights[i + 1].at], self.flights[i + 1].start(e, u)
         x = self.flights[0].start(e, u)
@@ -958,10 +929,7 @@ class Box:
         word.stays(e, around.entries(), plan, self.problem)
 
     def contract(self, p, u, slopes):
-        """Return how far, for each unknown, a root is from u(d) at most, for all places d in the box (Krawczyk).
-
-        `p` is a bound of Y r at u(d), and `slopes` has the derivatives of u(d) along both sides of the box.
-        """
+        """Return how far, for each unknown, a root is from u(d) at most, for all places d in the box (Krawczyk)."""
         size, tube = range(self.word.size), [arb(1.1) * each for each in p]
         sizes = zip(*(each.entries() for each in slopes), tube, strict=True)
         scales = [max((abs(a).upper(), abs(b).upper(), t), key=float).mid() for a, b, t in sizes]

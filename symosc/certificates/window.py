@@ -36,10 +36,7 @@ def prove_window(window: GrazingWindow) -> Certificate:
 
 
 def _positive_phases(bias: Fraction, swing: Fraction, full: bool) -> tuple[str, list[tuple[Ball, Fraction, int]]]:
-    """Return at which phases theta the number s = bias + swing sin(theta) is > 0, in words, and the ends of the arc.
-
-    An end is a phase, its sine, and the sign of its cosine. If `full`, a phase at which s just touches 0 counts too.
-    """
+    """Return at which phases theta the number s = bias + swing sin(theta) is > 0, in words, and the ends of the arc."""
     # An arc reaches from its first end, with growing theta, to its second.
     if abs(bias) > abs(swing) or swing == 0:
         return (ALL_PHASES if bias > 0 else NO_PHASE), []

@@ -94,10 +94,7 @@ def bench(quick: bool, hard: bool, picture: Text, readme: Text, scores: Text, gr
 
 
 def _score(hint: str, page: str) -> int:
-    """Score all solvers on the reference cases, and write the Markdown file `page`; return the exit code.
-
-    `hint` is the option that asks for it: "--scores" for events, else for derivatives.
-    """
+    """Score all solvers on the reference cases, and write the Markdown file `page`; return the exit code."""
     from symosc.bench import cases, gradients
     from symosc.files import check_folder_of
 

@@ -136,10 +136,7 @@ def folder_name(output: str, hint: str = "--output") -> str:
 
 
 def split_setting(text: str, hint: str, form: str, known: Iterable[str] = ()) -> tuple[str, str]:
-    """Return name and value of a text NAME=VALUE; BadParameter if one is empty, or if the name is in `known`.
-
-    The error names the option as `hint`, and the form that its text should have as `form`.
-    """
+    """Return name and value of a text NAME=VALUE; BadParameter if one is empty, or if the name is in `known`."""
     name, _, value = (part.strip() for part in text.partition("="))
     if not (name and value):
         raise click.BadParameter(f"{text!r} is not {form}", param_hint=hint)

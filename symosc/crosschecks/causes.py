@@ -310,11 +310,7 @@ class Case:
         return _limits(self.sizes, part)
 
     def share(self, sizes: np.ndarray, of: np.ndarray | None = None, part: float = EXPLAINS) -> float:
-        """Return the fraction of wrong steps that a cause explains if it leaves defects `sizes` in the steps `of`.
-
-        Steps that the cause makes wrong are subtracted, see `explained_share`. `of` are step numbers, None for all
-        steps.
-        """
+        """Return the fraction of wrong steps that a cause explains if it leaves defects `sizes` in the steps `of`."""
         return explained_share(self.sizes if of is None else self.sizes[of], sizes, part)
 
     def misses(self, ends: np.ndarray, steps: np.ndarray) -> np.ndarray:

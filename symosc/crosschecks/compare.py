@@ -186,11 +186,7 @@ class Task:
         return replace(result, ok=result.ok and not early, early_end=early)
 
     def _judge_cut_off(self, half: np.ndarray, listed: np.ndarray, result: CrossCheck) -> CrossCheck | None:
-        """Judge the samples as if their last digits had been cut off, not rounded; return None if they still fail.
-
-        `half` is half a unit in the last place of each t, x and v, `listed` the rounding of listed times of events, and
-        `result` the verdict that the samples are wrong if their digits are rounded.
-        """
+        """Judge the samples as if their last digits had been cut off, not rounded; return None if they still fail."""
         samples = self.samples
         # Digits that are cut off, not rounded, make no larger errors.
         if not np.any(half) or np.nanmax(np.abs(result.errors) / result.limits) > 4.0:
@@ -206,11 +202,7 @@ class Task:
         return None
 
     def _with_coarser(self, half: np.ndarray, listed: np.ndarray, result: CrossCheck) -> CrossCheck:
-        """Return a failed `result` with a verdict on every n-th sample as its `coarser`.
-
-        n is the number of steps of the longest of its `wrong_spans`. `half` is half a unit in the last place of each t,
-        x and v, and `listed` the rounding of listed times of events.
-        """
+        """Return a failed `result` with a verdict on every n-th sample as its `coarser`."""
         # Over one dense step the rounding of the samples is larger than what a wrong model does; over n it is not.
         spans, samples = result.wrong_spans, self.samples
         # A few spans show no cause, and where most steps are wrong these show it themselves.
@@ -308,10 +300,7 @@ class Task:
         )
 
     def _start(self, loose: np.ndarray, rounding: np.ndarray) -> tuple[Record, str]:
-        """Return the start of the exact motion, and a note if the samples start elsewhere than the scene.
-
-        `rounding` is that of the first t, x and v, and `loose` are the errors that it allows in the first x and v.
-        """
+        """Return the start of the exact motion, and a note if the samples start elsewhere than the scene."""
         # {} is the scene's own start, which may have more digits than the first sample.
         scene, samples, limit, rate = self.scene, self.samples, self.limit, fastest_rate(self.parameters)
         first = np.array([samples.t[0], samples.x[0], samples.v[0]])

@@ -111,10 +111,7 @@ def _tested(tried: list[Candidate], check: Any) -> list[Diagnosis]:
 
 
 def with_evidence(candidate: Candidate, check: Any) -> Diagnosis | None:
-    """Repeat a check with the change of a candidate; return its diagnosis with the result as evidence.
-
-    Return None if the changed samples cannot be checked at all.
-    """
+    """Repeat a check with the change of a candidate; return its diagnosis with the result as evidence."""
     diagnosis, change = candidate.diagnosis, candidate.words
     if not change:
         return diagnosis

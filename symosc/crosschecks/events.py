@@ -199,11 +199,7 @@ def _is_stick(steps: ExactSteps, mode: int, first: int, last: int, wrong: np.nda
 def _event(
     steps: ExactSteps, kind: str, boundary: int, source: int, target: int, step: int, last_step: int, sample: int | None
 ) -> FoundEvent:
-    """Return an event that the samples show between sample `step` and the sample after `last_step`.
-
-    Its time is that of the exact event in these steps if there is one, else that of sample number `sample`, and if this
-    is None it is interpolated.
-    """
+    """Return an event that the samples show between sample `step` and the sample after `last_step`."""
     last_step = min(last_step, len(steps.first) - 1)
     i, j, rows = step, last_step + 1, steps.events.rows(step, last_step)
     times = steps.events.t[rows][(steps.events.kind[rows] == CODES[kind]) & (steps.events.boundary[rows] == boundary)]
@@ -453,11 +449,7 @@ class Matcher:
         return bool(self.wrong[self.steps.at(low)[0] : self.steps.at(high)[1] + 1].any())
 
     def _judge_exact(self) -> None:
-        """Classify exact events without partner: missed, matched as inside a right step, or else unresolved.
-
-        An event is missed if a step around it is wrong, or if the given list should have it; it is matched if the exact
-        motion over a right step has it.
-        """
+        """Classify exact events without partner: missed, matched as inside a right step, or else unresolved."""
         t, slack = self.steps.t, 1e-6 * self.steps.K.period
         for i in sorted(self.exact_free):
             own, time, reach = self.exact[i], float(self.times[i]), self.reaches[i]

@@ -93,11 +93,7 @@ def read_content(path: str | Path, choose: Choose) -> Any:
 
 
 def _read(path: str | Path, where: str, asked: Asked | None, text: Reader) -> Any:
-    """Return the contents of a file, read according to its format; any error becomes a one-line ParameterError.
-
-    `asked` are the wanted columns (None: all), and the function `text` reads plain text. Messages call the file
-    `where`.
-    """
+    """Return the contents of a file, read according to its format; any error becomes a one-line ParameterError."""
     library = ""
     try:
         with _opened(path, where) as file:
@@ -182,10 +178,7 @@ def _suffix_of_content(beginning: bytes) -> str:
 
 
 def _format_of(path: str | Path, file: io.BufferedReader, where: str, text: Reader) -> tuple[str, Reader]:
-    """Return the name of a file's format for messages, and the function that reads it; plain text is read by `text`.
-
-    The name is "" for plain text and JSON, the errors of which say enough.
-    """
+    """Return the name of a file's format for messages, and the function that reads it; plain text is read by `text`."""
     suffix = "" if path == STDOUT else suffix_of(path)
     if suffix and suffix not in SUFFIXES:
         raise ParameterError("file", where, f"must end in {', '.join(SUFFIXES)}, and perhaps {', '.join(PACKED)}")
@@ -256,10 +249,7 @@ def plain_number(cell: str) -> str:
 def _table(
     file: IO[bytes], choose: Choose, where: str
 ) -> tuple[str | None, dict[str, int], Iterator[tuple[int, list[str]]]]:
-    """Return the delimiter of a text table, the positions of the columns to be read, and its rows with line numbers.
-
-    The function `choose` returns which columns to read, given the names of all.
-    """
+    """Return the delimiter of a text table, the positions of the columns to be read, and its rows with line numbers."""
     lines = _lines(file, where)
     head = list(islice(lines, 1000))  # lines that may hold the header
     data = [i for i, (_, _, has_data) in enumerate(head) if has_data]
@@ -354,10 +344,7 @@ def _are_numbers(cells: list[str], delimiter: str | None) -> bool:
 
 
 def read_json(file: IO[bytes], asked: Asked | None, where: str) -> Any:
-    """Return the content of a JSON file, with Decimals for floats if all of it is wanted (`asked` is None).
-
-    Else it must be columns by name, or a list of rows or of pieces of a solution, where one ends as the next begins.
-    """
+    """Return the content of a JSON file, with Decimals for floats if all of it is wanted (`asked` is None)."""
     text = _whole(file, where).decode("utf-8-sig")
     if not text.strip():
         raise ParameterError("file", where, f"is empty; it must hold columns, such as {EXAMPLE}")
@@ -470,10 +457,7 @@ def _octave_range(base: float, limit: float, increment: float, count: int) -> np
 
 
 def read_octave(file: IO[bytes], asked: Asked | None, where: str) -> Any:
-    """Return the variables in a text of Octave's `save` by name; the fields of a struct count as variables.
-
-    The values are numbers, arrays, strings, or lists of these. A single array is returned alone.
-    """
+    """Return the variables in a text of Octave's `save` by name; the fields of a struct count as variables."""
     lines = iter(_whole(file, where).decode("utf-8-sig", "replace").splitlines())
     found, name, cells = dict[str, Any](), "", list[Any]()
     for line in lines:
@@ -550,11 +534,7 @@ def has_wrong_tags(data: bytes) -> bool:
 
 
 def _is_sound(data: bytes, order: str, kind: int, begin: int, end: int, depth: int) -> bool:
-    """Return whether a data element of a MATLAB file, and every element inside it, has a valid tag.
-
-    `kind` is the number of the element's type; its content is from `begin` to `end`. `order` is the byte order, "<" or
-    ">", and `depth` counts the elements around it.
-    """
+    """Return whether a data element of a MATLAB file, and every element inside it, has a valid tag."""
     if kind != 14:  # no matrix: numbers, a packed matrix, which has a checksum of its own, or text
         return kind in (1, 2, 3, 4, 5, 6, 7, 9, 12, 13, 15, 16, 17, 18)
     parts = list(_tags(data, order, begin, end, True))

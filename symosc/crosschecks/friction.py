@@ -183,10 +183,7 @@ def smoothed_flights(case: Case) -> Iterator[Diagnosis]:
 
 
 def _misses_with_smoothing(case: Case, steps: np.ndarray, widths: np.ndarray, curve: Curve) -> np.ndarray:
-    """Return the misses of `steps` integrated with smoothed friction of each width, shape (widths, steps, 2).
-
-    A miss is the integrated state x, v minus the next sample, divided by the allowed defect.
-    """
+    """Return the misses of `steps` integrated with smoothed friction of each width, shape (widths, steps, 2)."""
     s, K = case.steps, case.steps.K
     length = s.t[steps + 1] - s.t[steps]
     pull = max(K.belt1.J, K.belt2.J, 2.0 * float(np.max(np.abs(s.v[steps + 1] - s.v[steps]) / length)))
@@ -371,11 +368,7 @@ def _kept_too_long(case: Case) -> Iterator[Diagnosis]:
 
 
 def _diagnose_late_end(held: np.ndarray, evidence: str, share: float) -> Diagnosis:
-    """Return the diagnosis of sticks that end late: too much friction holds them, or their ends are not located.
-
-    `held` is the friction needed at each late end, divided by the largest possible friction; it differs from stick to
-    stick if the ends are not located.
-    """
+    """Return the diagnosis of sticks that end late: too much friction holds them, or their ends are not located."""
     ratio, count = float(np.median(held)), len(held)
     alike = np.abs(held - ratio) <= SAME_RATE * abs(ratio - 1.0) + ONE_NUMBER
     if count >= 3 and 2 * np.sum(alike) < count:

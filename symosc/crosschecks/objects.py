@@ -139,10 +139,7 @@ Problem = Scene | Parameters | None
 
 
 def solutions_in(source: Any, asked: Asked, problem: Problem = None, where: str = "") -> list[Samples]:
-    """Return the solutions in an object; `where` names it in messages, `asked` are the names of its columns.
-
-    `problem` is the scene or the parameters that a function needs for its times, and None if it is not known.
-    """
+    """Return the solutions in an object; `where` names it in messages, `asked` are the names of its columns."""
     # A list of objects is several solutions, or pieces of one if each begins where the one before ends.
     where = where or type(source).__name__
     if isinstance(source, Trajectory):
@@ -179,10 +176,7 @@ def _has_x(source: Any) -> bool:
 
 
 def _read_result(source: Any, problem: Problem) -> list[Samples] | None:
-    """Return the solutions in a solver result (t and y, or ts and ys), or None for another object.
-
-    `problem` has the belts whose events are taken from the result; without it none are.
-    """
+    """Return the solutions in a solver result (t and y, or ts and ys), or None for another object."""
     of = source.get if isinstance(source, Mapping) else partial(getattr, source)
     for times, states in (("t", "y"), ("ts", "ys")):
         t, y = of(times, MISSING), of(states, MISSING)
@@ -201,10 +195,7 @@ def _read_result(source: Any, problem: Problem) -> list[Samples] | None:
 
 
 def _read_states(t: np.ndarray, y: Any, name: str) -> list[Samples]:
-    """Return solutions from times and states: x and v as two rows, two columns or a pair.
-
-    Of a batch, times of shape (solutions, n) and states with one more axis, each row is a solution.
-    """
+    """Return solutions from times and states: x and v as two rows, two columns or a pair."""
     try:
         y = np.asarray(y, dtype=float)
     except (TypeError, ValueError):

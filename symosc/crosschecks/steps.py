@@ -183,10 +183,7 @@ def follow_steps(parameters: Parameters, t: Any, x: Any, v: Any, near: Any, scal
 def _follow_samples(
     K: Constants, samples: np.ndarray, near: np.ndarray, scales: np.ndarray
 ) -> tuple[np.ndarray, np.ndarray, StepEvents]:
-    """Follow the steps between samples, rows t, x, v, theta; return defects, modes and events.
-
-    The modes are those at the start and at the end of each step. `near` and `scales` are as in `follow_steps`.
-    """
+    """Follow the steps between samples, rows t, x, v, theta; return defects, modes and events."""
     t, x, v, _ = samples
     gaps = np.abs(v[:-1, None] - np.array([K.belt1.v, K.belt2.v]))
     closest, beside = np.argmin(gaps, axis=1) + 1, gaps.min(axis=1)
@@ -277,10 +274,7 @@ def quiet_ends(rows: np.ndarray, left: np.ndarray, K: Constants) -> tuple[np.nda
 
 
 def _follow(rows: np.ndarray, left: np.ndarray, K: Constants) -> tuple[np.ndarray, np.ndarray, StepEvents]:
-    """Follow each start event by event for its time `left`; return final modes, final states [x, v], and events.
-
-    `rows` are starts as in `quiet_ends`. Times of the events are counted from the start.
-    """
+    """Follow each start event by event for its time `left`; return final modes, final states [x, v], and events."""
     batch = batch_of(rows.copy())
     few = len(rows) < 4000 and FEW_STEPS.events > 0 and loaded_loop() is None
     follow = chosen_loops(False if few else None).follow

@@ -177,10 +177,7 @@ def _is_start(scene: Scene | Parameters, samples: Samples, off: float, clock: fl
 
 
 def _flight_velocities(t: np.ndarray, x: np.ndarray, theta: np.ndarray, K: Constants) -> tuple[np.ndarray, np.ndarray]:
-    """Return velocities at the starts and at the ends of flights over all steps, each of shape (3, n - 1).
-
-    The rows are domains 1 to 3. NaN where no flight in the domain joins the two positions of a step.
-    """
+    """Return velocities at the starts and at the ends of flights over all steps, each of shape (3, n - 1)."""
     tau, s, c = np.diff(t), np.sin(theta[:-1]), np.cos(theta[:-1])
     usable = (tau > 0.0) & (K.rate * tau < LONGEST_FLIGHT)
     E0, E1, E2, R2, I2, _, _ = entire_array.basis(np.where(usable, tau, 0.5 * LONGEST_FLIGHT / K.rate), K)

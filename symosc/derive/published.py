@@ -89,18 +89,12 @@ class Formulas(Flight):
         return trace**2 - 2 * determinant, determinant**2
 
     def slide_bound(self, angle: Any) -> Any:
-        """Return B at an angle after the highest point: the mass moves down there if and only if p_0 > B F/k.
-
-        p_0 is the steady part of the motion at the highest point, and F the friction.
-        """
+        """Return B at an angle after the highest point: the mass moves down there if and only if p_0 > B F/k."""
         angle = MP.mpf(angle)
         return self.value(coulomb.slide_function(), self.basis(angle / self.numbers[solution.Omega]) | {phi: angle})
 
     def largest_slide_bound(self) -> tuple[Any, Any]:
-        """Return the supremum of `slide_bound` over the angles (0, pi), and the angle where it is reached.
-
-        The angle is 0 if the supremum is the limit for small angles.
-        """
+        """Return the supremum of `slide_bound` over the angles (0, pi), and the angle where it is reached."""
         # A maximum inside counts if it is above that limit by 1e-10, relative to it: far above rounding errors.
         slope, limit = partial(MP.diff, self.slide_bound), self.value(coulomb.slide_limit())
         angles = np.linspace(0, pi, 4001)[1:-1]
@@ -151,10 +145,7 @@ def _turning_points(parameters: Parameters, x0: Any, t_end: int, digits: int | N
 
 
 def resonance_growth(F: Any, P: Any, digits: int = 30) -> list[Any]:
-    """Simulate a motion at resonance with friction F and drive P; return how far its highest point rises per cycle.
-
-    Here Omega = 1 and c = 0.
-    """
+    """Simulate a motion at resonance with friction F and drive P; return how far its highest point rises per cycle."""
     # From x = (P/2 - F)/k at t = 0, with any velocity that is large enough, turning points are at theta = pi/2 + n pi.
     highest = _turning_points(wall(F, 1, P=P), Fraction(P) / 2 - Fraction(F), 40, digits)[::2]
     return [after - before for before, after in pairwise(highest)]
@@ -202,10 +193,7 @@ def _largest_without_stops(motion: Callable[[Fraction], tuple[Any, int, Fraction
 
 
 def meeting_point(c: Any, guess: tuple[float, float]) -> tuple[Any, Any]:
-    """Return (Omega, F) at which the mass turns without acceleration just when the drive has its peak.
-
-    There the border of crossing-sliding meets that of grazing.
-    """
+    """Return (Omega, F) at which the mass turns without acceleration just when the drive has its peak."""
 
     def conditions(Omega: Any, F: Any) -> tuple[Any, Any]:
         formulas = Formulas(wall(MP.nstr(F, 55), MP.nstr(Omega, 55), c))
@@ -382,10 +370,7 @@ def _half_cycle(p: Parameters, F: Any, phases: Any, times: Any) -> list[Any]:
 
 
 def _slide_ends(F: Any, phases: Any) -> list[Any]:
-    """Return the positions where slides end: each where the next one starts, at cos(theta) + F for its phase theta.
-
-    The last slide ends at minus the start of the first one.
-    """
+    """Return the positions where slides end: each where the next one starts, at cos(theta) + F for its phase theta."""
     starts = [MP.cos(phase) + F for phase in phases]
     return [*starts[1:], -starts[0]]
 
@@ -402,10 +387,7 @@ def _slide(p: Parameters) -> tuple[Callable[..., Any], ...]:
 
 
 def _slides_near_border(p: Parameters, count: int) -> tuple[list[tuple[float, float]], list[Any]]:
-    """Return phase and duration of each slide down in half a cycle, and how near each is to both kinds of border.
-
-    To a "birth" this is the distance of the slide's end from x = F - 1, to a "graze" the least speed within the slide.
-    """
+    """Return phase and duration of each slide down in half a cycle, and how near each is to both kinds of border."""
     path = from_rest(p, 22)
     late = [event for event in path.events if event.t > 40 * pi / float(p.Omega)]
     pairs = [(a, b) for a, b in pairwise(late) if a.kind == "slip"]
@@ -481,10 +463,7 @@ TABLES: dict[str, tuple[str, tuple[str, ...], Callable[[], Iterator[Value]]]] = 
 
 
 def _compared(key: str, title: str, *sources: str) -> Callable[..., Any]:
-    """Return the decorator that registers a function as the source of the rows of the table with this key.
-
-    `sources` are the references from which the formulas are.
-    """
+    """Return the decorator that registers a function as the source of the rows of the table with this key."""
     return lambda rows: TABLES.setdefault(key, (title, sources, rows))
 
 

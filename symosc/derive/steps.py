@@ -74,11 +74,7 @@ class Step:
 
 
 def step(left: Expr, op: str, right: Expr, check: Any = None, label: str = "", **options: Any) -> Step:
-    """Return the step ``left op right``, which has to pass a check.
-
-    `check` is a function that checks it; or a dictionary of what symbols stand for; or what `left` stands for. In the
-    latter cases both sides have to be equal with that put in, see `exact`.
-    """
+    """Return the step ``left op right``, which has to pass a check."""
     if not isfunction(check):
         check = exact({} if check is None else check if isinstance(check, dict) else {left: check})
     return Step(sp.sympify(left), op, sp.sympify(right), check, label, **options)

@@ -85,11 +85,7 @@ def late_bar(progress: Any, label: str, unit: str) -> Iterator[Advance]:
 def _bar_drawer(
     label: str, unit: str, total: float = 1.0, there: float = 0.0, counted: bool = False
 ) -> Iterator[Callable[[float, float, float], None]]:
-    """Yield a function that draws a bar once the work has taken some seconds.
-
-    Its arguments are the amount done, the total, and the number of steps done in this run, from which the bar shows the
-    rate. The bar shows numbers if `counted`, else percents.
-    """
+    """Yield a function that draws a bar once the work has taken some seconds."""
     begin = since = monotonic()
     last, drawn = there, -LEAST_PAUSE
     shown: Any = None

@@ -171,10 +171,7 @@ def keep_state(states, i, state):
 
 
 def follow_all(begin, batch, most, accuracy, out, pieces, tally, table):
-    """Follow the trajectories of `batch` from number `begin` on, until all have ended or a buffer is full.
-
-    Return the number of the trajectory to go on with, and how many events (`out`) and pieces were written.
-    """
+    """Follow the trajectories of `batch` from number `begin` on, until all have ended or a buffer is full."""
     #   begin : first trajectory to follow; it may have been begun before.
     #   batch : Batch, updated.
     #   most : events after which a trajectory is FULL.
@@ -192,11 +189,7 @@ def follow_all(begin, batch, most, accuracy, out, pieces, tally, table):
 
 
 def follow_one(i, once, rows, parts, batch, most, accuracy, out, pieces, tally, table):
-    """Follow trajectory `i` until it ends or a buffer is full, or for one step if `once`.
-
-    Return how many rows of `out` and columns of `pieces` are filled, starting from `rows` and `parts`; the other
-    arguments are those of `follow_all`.
-    """
+    """Follow trajectory `i` until it ends or a buffer is full, or for one step if `once`."""
     batch, out, pieces, tally, table = borrowed((batch, out, pieces, tally, table))
     states, sets, counts, codes = batch
     recorded, tallied = pieces.shape[1] > 0, tally.floats.shape[0] > 0
@@ -268,10 +261,7 @@ def open_free_time(found, state, K):
 
 
 def doubt_row(states, count, most, accuracy, table):
-    """Look up to 16 steps ahead of the state in row 0; return the number of the first undecided event, or 0.
-
-    Events are numbered on from `count`; those after number `most` do not matter.
-    """
+    """Look up to 16 steps ahead of the state in row 0; return the number of the first undecided event, or 0."""
     return next_undecided(state_of(states, 0), count, states[0], most, accuracy, table[0])
 
 
@@ -344,11 +334,7 @@ def first_pairs(pairs, K):
 
 
 def follow_pairs(chosen, wanted, pairs, batch, out, pieces, K, tally, limits):
-    """Follow the `chosen` trajectories in double-double numbers until each has `wanted` events or has ended.
-
-    Return how many rows of `out` and of `pieces` are filled. `pairs` holds the states in these numbers and `batch`
-    those in doubles; both are updated.
-    """
+    """Follow the `chosen` trajectories in double-double numbers until each has `wanted` events or has ended."""
     # Doubles search for each event as far as they are sure (`advance_near`). A motion that doubles could soon not
     # decide again is followed farther, as long as the buffer holds its events.
     #   chosen : (m,) numbers of the trajectories to follow, in order.

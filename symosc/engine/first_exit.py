@@ -87,10 +87,7 @@ MOST_STALLS = 150
 
 
 def fourth_derivative_bound(G2, G3, s, c, K):
-    """Return M4 >= |v''''|: for all later times if `K.steady`, else for the next 1/Omega.
-
-    G2 and G3 are the third and fourth derivative of v now, and s and c the sine and cosine of the phase.
-    """
+    """Return M4 >= |v''''|: for all later times if `K.steady`, else for the next 1/Omega."""
     if not K.steady:
         return sqrt(G3 * G3 + K.w0sq * G2 * G2) + abs(K.fB) * K.Om * K.Om
     Om3 = K.Om * K.Om * K.Om
@@ -153,10 +150,7 @@ def gap_to(side, now, walls):
 
 
 def gap_bound(side, now, M4, margin, walls):
-    """Return (P, degree): a polynomial in the time since point `now` that is never above the gap on `side`.
-
-    `M4` bounds the fourth derivative of v; `margin` is held back for the error of the start.
-    """
+    """Return (P, degree): a polynomial in the time since point `now` that is never above the gap on `side`."""
     # The margin for the error of the start is held back from the gap, or half the gap if that is not much larger. At a
     # start on the wall P is divided by its root there.
     g, g1, g2, g3 = gap_to(side, now, walls), -side * now.F, -side * now.G1, -side * now.G2
@@ -173,11 +167,7 @@ def gap_bound(side, now, M4, margin, walls):
 
 
 def is_near(root, P, degree, M4, size, K):
-    """Return three flags about a `root` of the lower bound `P` of a gap, for the gap's own root beside it.
-
-    They say whether the gap surely has one root nearby and no other, whether `root` is accurate enough to take it from
-    there by Taylor's formula, and whether the gap becomes clearly negative behind it.
-    """
+    """Return three flags about a `root` of the lower bound `P` of a gap, for the gap's own root beside it."""
     # One root near `root`, and only one: the gap there is known to be within `missing` of 0, and its slope keeps its
     # sign up to there and over what makes up for `missing` (Kantorovich).
     p0, p1, p2, p3, p4 = P
@@ -247,10 +237,7 @@ class Marched(NamedTuple):
 
 
 def march(tau_max, v0, now, walls, margin, K):
-    """Follow a flight from point `now` by fixed steps that surely meet no wall, up to `tau_max`; return a `Marched`.
-
-    `v0` is the velocity at launch; gaps must exceed `margin`, what the error of the start can do to them.
-    """
+    """Follow a flight from point `now` by fixed steps that surely meet no wall, up to `tau_max`; return a `Marched`."""
     # Over a fixed step the transient is multiplied by a constant matrix and the steady state turns by a constant angle,
     # so the derivatives cost no exp, sin or cos. Their rounding errors are far below the slack that the gaps are given.
     # Strides are tried where the gaps look wide enough.
@@ -297,10 +284,7 @@ def march(tau_max, v0, now, walls, margin, K):
 
 
 def free_motion(v0, now, walls, margin, K):
-    """Return v and v' of the transient at point `now`, the slack for gaps, and whether each wall is out of reach.
-
-    `v0` is the velocity at launch; gaps must exceed the slack, which includes `margin`.
-    """
+    """Return v and v' of the transient at point `now`, the slack for gaps, and whether each wall is out of reach."""
     v_free, F_free = v0 - (K.Ss * now.s + K.Sc * now.c), now.F - K.Om * (K.Ss * now.c - K.Sc * now.s)
     slack = MARCH_SLACK * (abs(v0) + K.V0 + abs(v_free) + abs(F_free) * K.swing) + margin
     # The steady amplitude and the energy of the transient bound v: walls beyond that do not count.
@@ -312,10 +296,7 @@ def free_motion(v0, now, walls, margin, K):
 
 
 def marched(v_free, F_free, v0, now, M, K):
-    """Advance a flight by a fixed step `M` from point `now`; return v and v' of its transient, and the new point.
-
-    `v_free` and `F_free` are v and v' of the transient at `now`, and `v0` is the velocity of the flight at launch.
-    """
+    """Advance a flight by a fixed step `M` from point `now`; return v and v' of its transient, and the new point."""
     v_next, F_next = M.C * v_free + M.E1 * F_free, M.D * v_free + M.E0 * F_free
     s, c = M.c * now.s + M.s * now.c, M.c * now.c - M.s * now.s
     dv, F = v_next + (K.Ss * s + K.Sc * c) - v0, F_next + K.Om * (K.Ss * c - K.Sc * s)
@@ -324,10 +305,7 @@ def marched(v_free, F_free, v0, now, M, K):
 
 
 def lifted(h, M4, slack):
-    """Return what the middle Bernstein coefficient of a gap must exceed in a step of length `h` (see `is_free`).
-
-    `M4` bounds the fourth derivative of v, and `slack` is what the gap must exceed.
-    """
+    """Return what the middle Bernstein coefficient of a gap must exceed in a step of length `h` (see `is_free`)."""
     return 0.25 * SIXTH * SIXTH * (h * h) * (h * h) * M4 + slack
 
 
@@ -346,10 +324,7 @@ def gaps_exceed(least, dv, walls):
 
 
 def is_free(side, now, there, lift, slack, walls):
-    """Return whether the step from point `now` to `there` surely meets no wall on `side`, except as it leaves it.
-
-    `slack` is what the gap must exceed, and `lift` comes from `lifted`.
-    """
+    """Return whether the step from point `now` to `there` surely meets no wall on `side`, except as it leaves it."""
     # The cubic less its error is a polynomial of degree four whose Bernstein coefficients are g0, g0 + d0/4, (g0 +
     # g1)/2 + (d0 - d1)/6 - M4 h^4/144, g1 - d1/4 and g1, with the values g0, g1 and the slopes times h, d0, d1, at both
     # ends. If they are positive, so is the gap. At a start on the wall, where g0 = 0, the other four show that it has
@@ -369,21 +344,14 @@ def stays_open(g0, d0, g1, d1, lift, slack):
 
 
 def opens(d0, b0, g1, d1, lift, slack):
-    """Return whether a gap that is 0 at the start of a step is surely positive in the rest of it.
-
-    At the start d0 and b0 are its slope and its second derivative, times h and h^2, for a step of length h; at the end
-    g1 and d1 are its value and its slope times h.
-    """
+    """Return whether a gap that is 0 at the start of a step is surely positive in the rest of it."""
     steep = (d0 >= 0.0) & (g1 - 0.25 * d1 > slack) & (0.5 * g1 + SIXTH * (d0 - d1) > lift)
     flat = (d0 == 0.0) & (b0 >= 0.0) & (0.125 * b0 + 0.25 * g1 > 1.5 * lift)
     return (g1 > slack) & (steep | flat)
 
 
 def meets_once(side, now, there, M4, slack, walls):
-    """Return whether the gap on `side` is surely > 0 at point `now`, < 0 at `there`, and 0 just once between them.
-
-    `M4` bounds the fourth derivative of v, and `slack` is what counts as clearly different from 0.
-    """
+    """Return whether the gap on `side` is surely > 0 at point `now`, < 0 at `there`, and 0 just once between them."""
     # It is if its slope, d0 and d1 at the ends, is negative all the way, or if its bend, b0 and b1, keeps its sign.
     meets = (gap_to(side, there, walls) < -slack) & (gap_to(side, now, walls) > slack)
     h = there.tau - now.tau
@@ -458,10 +426,7 @@ def gap_stays_zero(tau, side, start, walls, S, K):
 
 
 def side_of_zero_gap(now, thin, start, walls, S, K):
-    """Return the side (-1 below, 1 above) of the wall to which the gap is and stays 0 within its error; else 0.
-
-    Only a gap whose square is below `thin` is asked about.
-    """
+    """Return the side (-1 below, 1 above) of the wall to which the gap is and stays 0 within its error; else 0."""
     below, above, away = walls.below + now.dv, walls.above - now.dv, now.tau > 0.0
     thin_below = walls.has_below and below * below < thin and (away or not walls.on_below)
     thin_above = walls.has_above and above * above < thin and (away or not walls.on_above)
@@ -476,10 +441,7 @@ def side_of_zero_gap(now, thin, start, walls, S, K):
 
 
 def first_exit(tau_max, start, walls, S, K):
-    """Find the first contact of the flight `start` with one of the `walls` within `tau_max`; return a `FlightEnd`.
-
-    `S` is the covariance of the errors of x and v at launch.
-    """
+    """Find the first contact of the flight `start` with one of the `walls` within `tau_max`; return a `FlightEnd`."""
     # Its code is NOTHING (at tau_max), HIT, TANGENCY or STALLED. A contact is returned even if the last correction
     # moved it past tau_max. S is the Covariance of the errors of the start.
     now, flat, thin, margin = search_begin(tau_max, start, walls, S, K)
@@ -525,10 +487,7 @@ def search_begin(tau_max, start, walls, S, K):
 
 
 def behind_flat_start(tau_max, G2, G3, start, K):
-    """Return the point of a flight up to which a gap that grows like tau^4 from 0 surely has no other root.
-
-    G2 and G3 are the third and fourth derivative of v at launch.
-    """
+    """Return the point of a flight up to which a gap that grows like tau^4 from 0 surely has no other root."""
     Om4 = K.Om * K.Om * K.Om * K.Om
     fifth = fifth_derivative(G3, G2, start.c, K)
     if K.steady:
@@ -543,10 +502,7 @@ def behind_flat_start(tau_max, G2, G3, start, K):
 
 
 def stepped(tau_max, now, M4, thin, margin, start, walls, S, K):
-    """Search from point `now` on, by steps that surely meet no wall, for the first contact; return a `FlightEnd`.
-
-    `M4` bounds the fourth derivative of v; `thin` and `margin` are the limits from `search_begin`.
-    """
+    """Search from point `now` on, by steps that surely meet no wall, for the first contact; return a `FlightEnd`."""
     code, tau, low, high = STALLED, now.tau, now.tau, now.tau  # what was found, where, and in which bracket
     crossing, tau_deep, stalled = 0, now.tau, 0  # the side on which the gap is known to be negative, and where
     for _ in range(MOST_STEPS):
@@ -602,11 +558,7 @@ def stepped(tau_max, now, M4, thin, margin, start, walls, S, K):
 
 
 def nearest_root(cap, now, M4, margin, walls):
-    """Return (side, step, root, P, degree) for the wall with the shorter safe step; `P` bounds its gap from below.
-
-    `root` estimates the first root of `P`, and neither it nor `step` exceeds `cap`; for `M4` and `margin` see
-    `gap_bound`.
-    """
+    """Return (side, step, root, P, degree) for the wall with the shorter safe step; `P` bounds its gap from below."""
     side = -1 if walls.has_below else 1
     P, degree = gap_bound(side, now, M4, margin, walls)
     step, root = safe_step(cap, P)
@@ -621,10 +573,7 @@ def nearest_root(cap, now, M4, margin, walls):
 
 
 def graze_ahead(now, side, step, M4, start, walls, S, K):
-    """Find the next minimum of the gap on `side`; return a code of `closest_approach` and the time.
-
-    The code is STALLED if the other wall may come before, behind the safe `step`.
-    """
+    """Find the next minimum of the gap on `side`; return a code of `closest_approach` and the time."""
     verdict, tau_min = closest_approach(now.tau, now.tau, side, M4, start, walls, S, K)
     reach = tau_min - now.tau
     if walls.has_below and walls.has_above and verdict != STALLED and reach > step:
@@ -697,19 +646,13 @@ def shifted(now, shift, v0, K):
 
 
 def force_gain(tau, s0, c0, belt, K):
-    """Return Delta, the gain of both forces on a belt after `tau` of stick, and sine and cosine of the phase then.
-
-    s0 and c0 are sine and cosine of the phase when the stick began.
-    """
+    """Return Delta, the gain of both forces on a belt after `tau` of stick, and sine and cosine of the phase then."""
     half = 0.5 * K.Om * tau
     return force_gain_at(tau, sin(half), cos(half), s0, c0, belt, K)
 
 
 def force_gain_at(tau, s, c, s0, c0, belt, K):
-    """Return Delta, the gain of both forces on a belt after `tau` of stick, and sine and cosine of the phase then.
-
-    s0 and c0 are sine and cosine of the phase when the stick began, s and c those of Omega tau/2.
-    """
+    """Return Delta, the gain of both forces on a belt after `tau` of stick, and sine and cosine of the phase then."""
     swing = -2.0 * (s0 * c + c0 * s) * s  # cos(theta + Omega tau) - cos(theta)
     Delta = stick_acceleration(0.0 * tau, belt.v, tau, swing, K.w0sq, K.f0)
     s_Om, c_Om = 2.0 * s * c, 1.0 - 2.0 * s * s
@@ -782,11 +725,7 @@ def force_noise(F_below, tau, S11, belt, K):
 
 
 def exit_root(force, side, low, high, Delta, s, c, held, belt, K):
-    """Find the end of a stick: the only time from `low` to `high` at which force + Delta = 0, with Delta monotone.
-
-    Delta is what the force has gained since the state `held`; it is given at `low`, as are sine s and cosine c of the
-    phase.
-    """
+    """Find the end of a stick: the only time from `low` to `high` at which force + Delta = 0, with Delta monotone."""
     # Delta, s and c are those at `low`. Steps to the root of the local parabola (Euler's method, which needs no slope),
     # corrected for the third derivative, and `local_root` from nearby. Halving when a step leaves the bracket or the
     # steps do not shrink.
@@ -837,10 +776,7 @@ def exit_root(force, side, low, high, Delta, s, c, held, belt, K):
 
 
 def is_beside(over, slope, bend, K):
-    """Return whether a force is so near 0 that a polynomial gives the time at which it vanishes.
-
-    `over` is its value now, `slope` and `bend` are its first two time derivatives.
-    """
+    """Return whether a force is so near 0 that a polynomial gives the time at which it vanishes."""
     return (abs(over * bend) < 0.1 * slope * slope) & (abs(over) * K.Om < 2.0 * NEAR * abs(slope))
 
 
@@ -857,10 +793,7 @@ def slips_at(tau, step, side, Delta, s, c, belt, K):
 
 
 def contact_at_dip(tau, free, side, start, walls, S, K):
-    """Find where the gap on `side`, which dips below 0 near `tau`, first becomes 0; STALLED if this is not sure.
-
-    The flight is known to meet no wall up to the time `free`.
-    """
+    """Find where the gap on `side`, which dips below 0 near `tau`, first becomes 0; STALLED if this is not sure."""
     # It is if the polynomial bound of the gap to each wall, taken backward from it, is positive as far as the flight is
     # not known to be `free`.
     now = state_at(tau, start, K)

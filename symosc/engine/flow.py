@@ -137,10 +137,7 @@ def constants(
     angle: Callable[[Number, Number], Number] = atan2,
     pi: Number = pi,
 ) -> Constants:
-    """Return the constants of `parameters`; each is derived in rational numbers and rounded once by `number`.
-
-    `root`, `angle` and `pi` are square root, atan2 and pi for numbers of that kind.
-    """
+    """Return the constants of `parameters`; each is derived in rational numbers and rounded once by `number`."""
     # `number` is ``float``, or a conversion to mpmath. Parameters may be columns of pairs (`constant_table`): then the
     # constants are arrays.
     m, Om = parameters.m, parameters.Omega
@@ -301,10 +298,7 @@ def table_of(rows: Iterable[Constants]) -> np.ndarray:
 def constant_table(
     columns: dict[str, PairColumn], count: int, alone: Callable[[int], Constants], march_rows: Callable[..., None]
 ) -> np.ndarray:
-    """Return a table of the constants of `count` parameter sets, computed from columns of double-double numbers.
-
-    A set for which these lose digits is replaced by `alone(i)`; `march_rows` adds the coefficients of fixed steps.
-    """
+    """Return a table of the constants of `count` parameter sets, computed from columns of double-double numbers."""
     doubts = np.zeros(count, dtype=bool)
     given = {name: PairColumn(column.hi, column.lo, doubts) for name, column in columns.items()}
     for column in given.values():
@@ -409,10 +403,7 @@ def fifth_derivative(G3, G2, c, K):
 
 
 def velocity_scale(tau, v0, F0, K):
-    """Return the size of the terms of v - v0, at `tau` after a launch with velocity `v0` and acceleration `F0`.
-
-    The rounding error of v - v0 is in proportion to it.
-    """
+    """Return the size of the terms of v - v0, at `tau` after a launch with velocity `v0` and acceleration `F0`."""
     # Not the terms themselves: they come back to 0 after a period of a free oscillation, their errors do not.
     rise = 0.5 * tau * tau
     drive = abs(K.fB) * rise

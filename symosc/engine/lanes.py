@@ -115,10 +115,7 @@ def end_of_group(begin, sets, table):
 
 
 def fly(state, remaining, K):
-    """Advance flights, one in each lane, to their next event; return (good, code, boundary, t_error, state).
-
-    A lane that is not `good` has no result: the scalar loop has to make this step. `remaining` is the time to the end.
-    """
+    """Advance flights, one in each lane, to their next event; return (good, code, boundary, t_error, state)."""
     mode, at, n, theta, x, v0, F0, _, S, t, t_low, s0, c0, theta_low = state
     tau_max = select(remaining <= K.chunk, remaining + PAST_END * remaining, K.chunk)
     lower = select(mode == 1, -inf, select(mode == 2, K.belt1.v, K.belt2.v))
@@ -177,11 +174,7 @@ def fly(state, remaining, K):
 
 
 def march_side_by_side(tau_max, v0, now, walls, margin, K):
-    """March one flight per lane by fixed steps; return (hit, now, there, side).
-
-    In a lane with `hit` the step from point `now` to `there` meets the wall on `side` exactly once. v0, walls and
-    margin are as in `march`.
-    """
+    """March one flight per lane by fixed steps; return (hit, now, there, side)."""
     v_free, F_free, slack, beyond_below, beyond_above = free_motion(v0, now, walls, margin, K)
     below, above = select(beyond_below, inf, walls.below), select(beyond_above, inf, walls.above)
     walls = Walls(below, above, True, True, walls.on_below, walls.on_above)
@@ -241,10 +234,7 @@ def chosen(which, one, other):
 
 
 def polish_side_by_side(good, now, there, side, v0, F0, s0, c0, walls, K):
-    """Return (good, point): for each lane the contact with the wall on `side` between points `now` and `there`.
-
-    v0, F0, s0, c0 are v, v' and the phase's sine and cosine at launch; a lane that is not `good` has no result.
-    """
+    """Return (good, point): for each lane the contact with the wall on `side` between points `now` and `there`."""
     low, high = now.tau, there.tau
     slack, h = 4.0 * EPS * high, high - low
     part = part_to_root(now, there, side, walls)
@@ -274,10 +264,7 @@ def polish_side_by_side(good, now, there, side, v0, F0, s0, c0, walls, K):
 
 
 def flown_side_by_side(tau, v0, F0, s0, c0, K):
-    """Return for each lane the point of a flight at `tau` after launch, by the closed form.
-
-    v0, F0, s0, c0 are v, v' and the phase's sine and cosine at launch.
-    """
+    """Return for each lane the point of a flight at `tau` after launch, by the closed form."""
     decay, (s_w, c_w), (s_Om, c_Om) = exp(-K.h * tau), sine_cosine(K.omega_d * tau), sine_cosine(K.Om * tau)
     E0, E1, E2, R2, I2 = basis_apart(decay, s_w, c_w, s_Om, c_Om, K.h, K.omega_d, K.w0sq, K.Om, K.p, K.q)
     dx, dv, F = motion(v0, F0, s0, c0, K.cm, K.w0sq, K.f0, K.Om, E0, E1, E2, R2, I2)
@@ -287,10 +274,7 @@ def flown_side_by_side(tau, v0, F0, s0, c0, K):
 
 
 def advance_phases(n, theta, theta_low, s, c, tau, K):
-    """Advance the phase of each lane by `tau`; return (late, n, theta, theta_low, s, c).
-
-    `n` counts periods, the phase is theta + theta_low, and `late` flags a lane that passes more than one turn.
-    """
+    """Advance the phase of each lane by `tau`; return (late, n, theta, theta_low, s, c)."""
     theta, theta_low = phase_after(theta, theta_low, tau, K)
     turned = theta >= TWO_PI
     theta, theta_low = select(turned, theta - TWO_PI, theta), select(turned, theta_low - TWO_PI_REST, theta_low)
@@ -306,10 +290,7 @@ def advance_phases(n, theta, theta_low, s, c, tau, K):
 
 
 def slip(state, remaining, K):
-    """Advance sticks, one in each lane, to where they end; return (good, code, boundary, t_error, state).
-
-    A lane that is not `good` has no result: the scalar loop has to make this step. `remaining` is the time to the end.
-    """
+    """Advance sticks, one in each lane, to where they end; return (good, code, boundary, t_error, state)."""
     mode, _, n, theta, x, v, Fb, _, S, t, t_low, _, _, theta_low = state
     boundary = mode - ON_BELT
     belt = belts(boundary, K)
@@ -334,11 +315,7 @@ def slip(state, remaining, K):
 
 
 def end_of_stick(held, belt, K):
-    """Find for each lane the piece, from `low` to `high`, in which a force on the belt changes monotonically to 0.
-
-    Return (good, force, side, low, high, Delta, s, c): the force at the start, and its gain and the phase's sine and
-    cosine at `low`.
-    """
+    """Find for each lane the piece, from `low` to `high`, in which a force on the belt changes monotonically to 0."""
     zero, period = 0.0 * held.theta, K.period
     first, second = phase_ahead(belt.angle - held.theta) / K.Om, phase_ahead(PI - belt.angle - held.theta) / K.Om
     swap = belt.turns & (second < first)
@@ -374,11 +351,7 @@ def end_of_stick(held, belt, K):
 
 
 def slip_side_by_side(good, force, side, low, high, Delta, s, c, held, belt, K):
-    """Return (good, tau, slope, bend, s, c): for each lane the time tau between `low` and `high` when a stick ends.
-
-    It ends when force + Delta = 0; slope and bend are the force's time derivatives then, s and c the phase's sine and
-    cosine.
-    """
+    """Return (good, tau, slope, bend, s, c): for each lane the time tau between `low` and `high` when a stick ends."""
     tau, over = low, force + Delta
     sine = select(side * K.fB < 0.0, 1.0, -1.0)
     inflection = wrap_phase(0.5 * sine * PI - held.theta) / K.Om
@@ -426,10 +399,7 @@ def slip_side_by_side(good, force, side, low, high, Delta, s, c, held, belt, K):
 
 
 def force_gain_in_lanes(tau, s0, c0, belt, K):
-    """Return for each lane Delta, the gain of both forces after `tau` of stick, and sine and cosine of the phase.
-
-    s0 and c0 are sine and cosine of the phase when the stick began.
-    """
+    """Return for each lane Delta, the gain of both forces after `tau` of stick, and sine and cosine of the phase."""
     s, c = sine_cosine(0.5 * K.Om * tau)
     return force_gain_at(tau, s, c, s0, c0, belt, K)
 
@@ -438,11 +408,7 @@ def force_gain_in_lanes(tau, s0, c0, belt, K):
 
 
 def block(flights, given, found, accuracy, K):
-    """Advance a flight (`flights`) or a stick in each lane by one step, all of one parameter set.
-
-    Column n of `given` is the state in lane n, and its result goes into column n of `found`; return a number whose bit
-    n is set where that result is good.
-    """
+    """Advance a flight (`flights`) or a stick in each lane by one step, all of one parameter set."""
     return advance_side_by_side(flights, given, found, accuracy, K)
 
 
@@ -518,10 +484,7 @@ def follow_lanes(begin, batch, most, accuracy, out, pieces, tally, table):
 
 
 def follow_group(begin, end, alike, rows, batch, most, accuracy, out, pieces, tally, table, space):
-    """Follow trajectories `begin` to `end` - 1 side by side; return how many rows of `out` are filled.
-
-    `alike`: all have one parameter set. `space` is scratch memory; the others are those of `follow_all`.
-    """
+    """Follow trajectories `begin` to `end` - 1 side by side; return how many rows of `out` are filled."""
     out, pieces, tally, table, batch, space = borrowed((out, pieces, tally, table, batch, space))
     queue, given, constants, found = space
     states, sets, counts, codes = batch

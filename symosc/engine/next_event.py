@@ -96,10 +96,7 @@ USUAL_LENGTH = 1.0625
 
 
 def advance(state, t_end, t_end_low, K):
-    """Advance `state` to its next event or, without one, to the end of a search interval; return a `NextEvent`.
-
-    The motion ends at the time t_end + t_end_low.
-    """
+    """Advance `state` to its next event or, without one, to the end of a search interval; return a `NextEvent`."""
     # Its code is CROSS, STICK, SLIP, GRAZE (an event on `boundary`), MOVED (no event, the search goes on from here),
     # END, REST (no event will come any more; at rest or in a steady motion: the state is the last start, from which the
     # end is reached in one piece) or FAILED. The simulation ends at the time t_end + t_end_low.
@@ -137,10 +134,7 @@ def past_end(tau_max, remaining):
 
 
 def apart_from_walls(end, tau_max, remaining, state, start, walls, K):
-    """Prolong a flight's search if its `end`, at `tau_max`, is so near a wall that it may graze; return the end.
-
-    `remaining` is the time from `state` to the end of the motion.
-    """
+    """Prolong a flight's search if its `end`, at `tau_max`, is so near a wall that it may graze; return the end."""
     # Two searches must not meet where a belt is: each would leave a touch there to the other.
     while end.code == NOTHING and tau_max < remaining and tau_max <= 1.5 * K.chunk:
         if not ends_beside_wall(state, end.now, K):
@@ -158,10 +152,7 @@ def ends_beside_wall(state, now, K):
 
 
 def after_flight(state, end, start, remaining, K):
-    """Return the NextEvent that follows from `end`, the FlightEnd found for the flight from `state`.
-
-    `start` is its Launch, and `remaining` the time from there to the end of the motion.
-    """
+    """Return the NextEvent that follows from `end`, the FlightEnd found for the flight from `state`."""
     mode, at, n, theta, x, v, F, _, S, t, t_low, s, c, theta_low = state
     if end.now.tau > remaining and end.code != STALLED:
         end = FlightEnd(NOTHING, 0, point_at_end(remaining, start, K))
@@ -197,10 +188,7 @@ def point_at_end(remaining, start, K):
 
 
 def no_contact(state, there, now, remaining, K):
-    """Return the NextEvent of a flight from `state` that met no wall up to the state `there` (the point `now`).
-
-    Its code is END (the motion ends), REST (no contact ever comes) or MOVED (the search goes on).
-    """
+    """Return the NextEvent of a flight from `state` that met no wall up to the state `there` (the point `now`)."""
     mode, _, n, theta, x, v, F, _, S, t, t_low, _, _, theta_low = there
     if now.tau >= remaining:
         return NextEvent(END, 0, True, 0.0, there)
@@ -288,10 +276,7 @@ def carried_error(S, now, x_noise, v_noise, K):
 
 
 def meet_belt(there, end, v_noise, remaining, K):
-    """Return the NextEvent of a flight that meets a belt in state `there`: a graze, stick or crossing.
-
-    `end` is its FlightEnd, and `v_noise` the rounding error of its velocity.
-    """
+    """Return the NextEvent of a flight that meets a belt in state `there`: a graze, stick or crossing."""
     # `there` is the State at the contact, in the domain that the flight comes from, `end` its FlightEnd, v_noise the
     # rounding error of the velocity, and `remaining` the time to the end from the start of the flight. A vague contact
     # that is no touch is a triple root: the velocity goes on through that of the belt, as far as friction lets it.
@@ -340,10 +325,7 @@ def meet_belt(there, end, v_noise, remaining, K):
 
 
 def graze_belt(there, G1, G2, G3, v_noise, tau, remaining, K):
-    """Return the NextEvent of a graze in state `there`, at `tau` after launch; G1 to G3 are v'' to v'''' there.
-
-    `v_noise` is the rounding error of the velocity, and `remaining` the time from launch to the end of the motion.
-    """
+    """Return the NextEvent of a graze in state `there`, at `tau` after launch; G1 to G3 are v'' to v'''' there."""
     mode, boundary, n, theta, x, v, F, _, S, t, t_low, s, c, theta_low = there
     if F * G1 < 0.0:  # from a crossing that is none as far as this precision tells to the touch behind
         shift = min(-F / G1, remaining - tau)
@@ -359,10 +341,7 @@ def graze_belt(there, G1, G2, G3, v_noise, tau, remaining, K):
 
 
 def resolve(v, F_below, F_above, s, c, K):
-    """Return where a motion goes on from a belt: DOMAIN_BELOW, BELT or DOMAIN_ABOVE (Theorems 4, 5).
-
-    F_below and F_above are the forces, 0 only if they vanish; `v` is the belt's speed, s and c belong to the phase.
-    """
+    """Return where a motion goes on from a belt: DOMAIN_BELOW, BELT or DOMAIN_ABOVE (Theorems 4, 5)."""
     # F_below - F_above = 2 mu FN/m >= 0 always, so the flow cannot leave on both sides at once.
     if following_sign(v, F_above, s, c, K) > 0:
         return DOMAIN_ABOVE
@@ -372,10 +351,7 @@ def resolve(v, F_below, F_above, s, c, K):
 
 
 def following_sign(v, F, s, c, K):
-    """Return the sign (-1, 0, 1) of the force F on a belt just after a contact, or of its first derivative not 0.
-
-    `v` is the speed of the belt, and `s` and `c` are sine and cosine of the phase.
-    """
+    """Return the sign (-1, 0, 1) of the force F on a belt just after a contact, or of its first derivative not 0."""
     # v is the velocity of the belt, F the acceleration, which is exact (F = 0 means that it vanishes), and s, c are
     # sine and cosine of the phase.
     if F != 0.0:
@@ -475,20 +451,14 @@ def advance_time(t, t_low, tau, K):
 
 
 def passing_time(error, first, second, third, K):
-    """Return how uncertain the time is at which a quantity with an `error` passes 0.
-
-    `first`, `second` and `third` are its time derivatives there.
-    """
+    """Return how uncertain the time is at which a quantity with an `error` passes 0."""
     if passes_at_once(error, abs(first), second, third):
         return error / abs(first)
     return slow_passing_time(error, first, second, third, K)
 
 
 def passes_at_once(error, speed, second, third):
-    """Return whether a quantity passes 0 so fast that error/speed is how uncertain the time is.
-
-    `speed` is the size of its first time derivative; `second` and `third` must be too small to matter.
-    """
+    """Return whether a quantity passes 0 so fast that error/speed is how uncertain the time is."""
     limit = 1e-3 * speed * speed
     return (error * abs(second) < limit) & (error * error * abs(third) < limit * speed)
 
@@ -506,10 +476,7 @@ def slow_passing_time(error, first, second, third, K):
 
 
 def time_with_errors(t, t_low, t0, x, v, t_error, S11, K):
-    """Return the true time of an event (`clock_time`), and the standard errors of t and x, rounding included.
-
-    `t_error` is that of t before rounding, `S11` the variance of x at a fixed time, and `v` the velocity.
-    """
+    """Return the true time of an event (`clock_time`), and the standard errors of t and x, rounding included."""
     # What a motion is locked to is the phase: the rounding of Omega is taken back in the time that it stands for.
     out = clock_time(t, t_low, t0, K)
     t_error, x_error = t_error + EPS * (abs(out) + 0.25 * (t - t0)), abs(v) * t_error + sqrt(S11) + EPS * abs(x)

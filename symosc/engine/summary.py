@@ -258,10 +258,7 @@ def lies_within(i, state, tau, seen, open_ends, tally, K):
 
 
 def tally_sections(i, before, last, S, tally, K):
-    """Store the Poincaré sections from the state `before` to the end of period number `last` in the tally.
-
-    `S` is the covariance of the errors of x and v at the end.
-    """
+    """Store the Poincaré sections from the state `before` to the end of period number `last` in the tally."""
     ring = tally.words.shape[1]
     first = before.n + 1
     if last - first >= ring:  # a long way without an event: all but the last words are empty
@@ -275,10 +272,7 @@ def tally_sections(i, before, last, S, tally, K):
 
 
 def keep_section(i, before, tau, S_x, S_v, tally):
-    """Store the section at `tau` after the state `before`, and end the word of its period if that is still open.
-
-    `S_x` and `S_v` are the variances of x and v there.
-    """
+    """Store the section at `tau` after the state `before`, and end the word of its period if that is still open."""
     ints = tally.ints
     if ints[i, EARLY] == 0:
         close_word(i, tally)
@@ -369,11 +363,7 @@ def flown(x, start, tau, s_Om, c_Om, K):
 
 
 def settle(tally, sets, table, sections, repeats):
-    """Fill `sections`, (n, m, 2), with x and v at the last m sections of motions, `repeats` with their multiplicity.
-
-    The multiplicity is the number of periods after which a motion repeats, or 0; `sets` are indices of constants in
-    `table`.
-    """
+    """Fill `sections`, (n, m, 2), with x and v at the last m sections of motions, `repeats` with their multiplicity."""
     # `sets` (n,) are the parameter sets of the motions, `table` their constants. `sections` (n, m, 2) is filled with x
     # and v at the last m sections in order of time, as far as they were reached, and `repeats`, (n,) or (0,), with the
     # periods, 0 for a motion that does not repeat.
@@ -487,10 +477,7 @@ def point(tau, dx, dv, there, K):
 
 
 def cell_extremes(now, then, M4, start, x0, own, open_ends, K):
-    """Extend the extremes `own` by those of a flight between the points `now` and `then`, which `own` includes.
-
-    `M4` bounds the fourth derivative of v, `x0` is the position at launch, and `open_ends` says what is in question.
-    """
+    """Extend the extremes `own` by those of a flight between the points `now` and `then`, which `own` includes."""
     while (then.tau - now.tau) * K.rate > SHORTEST_CELL and not cell_within(now, then, M4, start.v, x0, own, open_ends):
         middle = cut_at(now, then, start, open_ends, K)
         own = widened(own, x0 + middle.dx, start.v + middle.dv)
@@ -506,10 +493,7 @@ def cell_within(now, then, M4, v0, x0, seen, open_ends):
 
 
 def within(reach, way, now, M4, v0, x0, seen, open_ends):
-    """Return whether a flight stays in the extremes `seen` for a time `reach` after point `now` (or before: way -1).
-
-    `M4` bounds the fourth derivative of v, and v0 and x0 are velocity and position at launch.
-    """
+    """Return whether a flight stays in the extremes `seen` for a time `reach` after point `now` (or before: way -1)."""
     v, x = v0 + now.dv, x0 + now.dx
     if open_ends.v_max or open_ends.v_min:
         slack = WIDTH_SLACK * (abs(seen.v_min) + abs(seen.v_max))

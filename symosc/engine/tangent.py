@@ -92,10 +92,7 @@ def phase_between(start, t, theta, K):
 
 
 def fill_parameters(work, row, domain, letters, by_m, by_c, by_k, by_A, by_B, by_Om):
-    """Write a quantity's derivatives by all 11 parameters into a row of `work`, from those by m, c, k, A, B0, Omega.
-
-    by_A is the derivative by A_alpha, the constant force of the domain, which contains A0, mu1, mu2 and FN.
-    """
+    """Write a quantity's derivatives by all 11 parameters into a row of `work`, from those by m, c, k, A, B0, Omega."""
     drag1, drag2 = friction_signs(domain)
     work[row, M], work[row, C], work[row, K_] = by_m, by_c, by_k
     work[row, A0], work[row, B0], work[row, OMEGA] = by_A, by_B, by_Om
@@ -105,11 +102,7 @@ def fill_parameters(work, row, domain, letters, by_m, by_c, by_k, by_A, by_B, by
 
 
 def piece_changes(start, t, turn, codes, deep, letters, K, work):
-    """Write derivatives of x and v at time `t` of the piece from `start`, one for each of `codes`; return v' there.
-
-    `codes` are numbers of parameters or start values, `turn` is the phase gained, and `deep` says whether m, c, k or
-    Omega is one.
-    """
+    """Write derivatives of x and v at time `t` of the piece from `start`, one for each of `codes`; return v' there."""
     # The phase has gone on by `turn`. `deep` says whether any column needs the functions of repeated roots: those for
     # m, c, k and Omega. `codes` are the numbers of the parameters and start values, one for each column.
     if start.mode > ON_BELT:
@@ -163,10 +156,7 @@ def vanishes(domain, now, K):
 
 
 def force_changes(domain, now, codes, letters, K, work):
-    """Write derivatives of a domain's force at a fixed time, one for each of `codes`, into row SIZE of `work`.
-
-    Return how fast the force changes in time because x moves, and because the phase does.
-    """
+    """Write derivatives of a domain's force at a fixed time, one for each of `codes`, into row SIZE of `work`."""
     # Rows END_X and END_V have the derivatives of x and v at this time.
     F, rounding = force(domain, now, K)
     F = 0.0 * F if abs(F) <= VANISHES * rounding else F
@@ -206,10 +196,7 @@ def contact_times(domain, other, belt, now, a, codes, K, work):
 
 
 def kinks(above, belt, codes, marks, n, regular, before, work):
-    """Mark by which parameters and start values a graze becomes a crossing or a miss; return if there is any.
-
-    `marks[n]` gets the direction for each of `codes`, and `regular` becomes False there.
-    """
+    """Mark by which parameters and start values a graze becomes a crossing or a miss; return if there is any."""
     found = False
     for j in range(len(regular)):
         own = 1.0 if codes[j] == belt else 0.0
@@ -221,11 +208,7 @@ def kinks(above, belt, codes, marks, n, regular, before, work):
 
 
 def tangents(motions, cuts, starts, sets, rows, codes, deep, letters, table, out, work):
-    """Write derivatives of t and x at all events of the chosen `motions` into `out`, one for each of `codes`.
-
-    `codes` are numbers of parameters or start values, `rows` the columns of events, and `cuts` says which rows belong
-    to which motion.
-    """
+    """Write derivatives of t and x at all events of the chosen `motions` into `out`, one for each of `codes`."""
     # `cuts` are the first rows of the motions and the end of the last one, `starts` rows of mode, t, theta, x, v.
     # `rows` are t, theta, x, v of the events and their kind, boundary and target. `out` has dt, dx, marks and reasons
     # of the events, and for each motion the logarithms of what its last columns and its areas have grown by: columns
@@ -272,11 +255,7 @@ def tangents(motions, cuts, starts, sets, rows, codes, deep, letters, table, out
 
 
 def changes_at(times, pieces, starts, launched, codes, deep, letters, table, out, work):
-    """Write derivatives of x and v at fixed `times` into `out`, (2, times, codes).
-
-    `pieces` are the numbers of the pieces in which the times lie, and `launched` the derivatives of t, x and v where
-    these begin.
-    """
+    """Write derivatives of x and v at fixed `times` into `out`, (2, times, codes)."""
     # `pieces` are the numbers of the pieces in which the times lie. Pieces begin at `starts`, rows as in `tangents`;
     # `launched` (3, pieces, columns) are the derivatives of t, x and v where they begin.
     K, mine = table[0], letters_of(letters[0])

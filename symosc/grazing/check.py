@@ -225,10 +225,7 @@ def check_grazing(
 
 
 def _decide_random(ways: Ways, theta: np.ndarray, disagree: Callable[..., None]) -> tuple[np.ndarray, ...]:
-    """Decide in double precision which random phases graze, and with more digits where that is undecided.
-
-    Return the columns listed above. `disagree` is called where F is not 0 at the window's contact.
-    """
+    """Decide in double precision which random phases graze, and with more digits where that is undecided."""
     inside, K = ways.window.contains(theta), ways.K
     if inside.any():  # F must vanish at the window's x_m
         drive, spring = K.f0 * np.cos(theta[inside]), -K.w0sq * ways.window.contact(theta[inside])

@@ -32,11 +32,7 @@ INVERSES = (0.0, *(1.0 / n for n in range(1, 40)))
 
 
 def basis(tau, K):
-    """Return E0, E1, E2, R2, I2 (responses to an impulse and to the drive) and sin, cos of Omega tau, at tau >= 0.
-
-    E1 is the response of the free oscillator to a unit impulse, E0 its derivative and E2 its integral; R2 + i I2 is the
-    response to exp(i Omega t).
-    """
+    """Return E0, E1, E2, R2, I2 (responses to an impulse and to the drive) and sin, cos of Omega tau, at tau >= 0."""
     if K.apart and K.rate * tau >= SERIES_BELOW and K.w0 * tau >= APART_ABOVE:
         # The drive comes last, since it is needed last: a processor goes on with the rest meanwhile.
         w_tau = K.omega_d * tau
@@ -59,10 +55,7 @@ def basis_with_drive(tau, s, c, K):
 
 
 def closed_form(tau, s, c, K):
-    """Return the responses E0, E1, E2, R2, I2 of `basis` in closed form, for a system far from resonance.
-
-    s and c are sine and cosine of Omega tau.
-    """
+    """Return the responses E0, E1, E2, R2, I2 of `basis` in closed form, for a system far from resonance."""
     w_tau = K.omega_d * tau
     return basis_apart(exp(-K.h * tau), sin(w_tau), cos(w_tau), s, c, K.h, K.omega_d, K.w0sq, K.Om, K.p, K.q)
 

@@ -74,10 +74,7 @@ def lanes_among(arguments: Any, flags: bool) -> Any:
 
 
 def _operator(name: Callable[..., Any], of_flags: bool, to_flags: bool, code: Callable[..., Any]) -> None:
-    """Register the operator `name` on lanes (of flags if `of_flags`) with numba; `code` makes its LLVM code.
-
-    The result is lanes of flags if `to_flags`, else of doubles.
-    """
+    """Register the operator `name` on lanes (of flags if `of_flags`) with numba; `code` makes its LLVM code."""
 
     @infer_global(name)
     class Typing(AbstractTemplate):

@@ -56,10 +56,7 @@ KINDS = 6
 
 
 def flight(x_i, theta_i, x_j, theta_j, v_i, v_j, A, K):
-    """Return the residuals of a flight, eq. (54): at its end, f1 = position - x_j and f2 = velocity - v_j.
-
-    It begins at x_i, theta_i with velocity v_i, in the domain with A = A_alpha/m, and ends at phase theta_j.
-    """
+    """Return the residuals of a flight, eq. (54): at its end, f1 = position - x_j and f2 = velocity - v_j."""
     s0, c0 = sin(theta_i), cos(theta_i)
     E0, E1, E2, R2, I2, _, _ = basis((theta_j - theta_i) / K.Om, K)
     a0 = acceleration(x_i, v_i, c0, A, K.cm, K.w0sq, K.f0)
@@ -90,10 +87,7 @@ def flight_by_parameters(x_i, theta_i, theta_j, v_i, A, m, K):
 
 
 def stick(x_i, theta_i, x_j, theta_j, v, A, K):
-    """Return the residuals of a stick at belt speed v: f1 = position - x_j at its end, and f2, the force there.
-
-    The force is the acceleration in the domain with A = A_alpha/m, into which the mass then slips.
-    """
+    """Return the residuals of a stick at belt speed v: f1 = position - x_j at its end, and f2, the force there."""
     return stick_residual(x_i, v, (theta_j - theta_i) / K.Om, x_j, cos(theta_j), A, K.cm, K.w0sq, K.f0)
 
 
@@ -130,10 +124,7 @@ def repeated(tau, E0, E1, E2, R2, I2, s, c, K):
 
 
 def divided_difference(n0, n1, n2, n3, nodes, tau, known, there):
-    """Return the divided difference of exp(z tau) over four `nodes`, taken n0, n1, n2 and n3 times.
-
-    The list `known` keeps differences found before at this `tau`; `there` flags its entries.
-    """
+    """Return the divided difference of exp(z tau) over four `nodes`, taken n0, n1, n2 and n3 times."""
     # A stack, since numba keeps no recursion on disk.
     stack = [(n0, n1, n2, n3)]
     key = key_of(stack[0])
@@ -240,10 +231,7 @@ def kinds_of(theta_i, theta_j, K, kinds):
 
 
 def load(block, points, begin):
-    """Copy up to 256 pairs of points, from number `begin` on, into four rows of `block`; return how many.
-
-    The last places of a row that is not full repeat the first of these points.
-    """
+    """Copy up to 256 pairs of points, from number `begin` on, into four rows of `block`; return how many."""
     count = min(BLOCK, len(points[0]) - begin)
     for row in range(4):
         column = points[row]
@@ -266,10 +254,7 @@ def store(column, begin, count, block, row):
 
 
 def flights(points, speeds, A, K, f):
-    """Fill f (2, n) with the residuals (position, velocity) of flights between belts with the two `speeds`.
-
-    `points` are four arrays x_i, theta_i, x_j, theta_j, and A is A_alpha/m of the domain.
-    """
+    """Fill f (2, n) with the residuals (position, velocity) of flights between belts with the two `speeds`."""
     v_i, v_j = speeds
     block = np.empty(6 * BLOCK)
     for begin in range(0, len(points[0]), BLOCK):
@@ -324,10 +309,7 @@ def sticks(points, v, sides, K, f):
 
 
 def sticks_and_slopes(points, v, sides, K, f, J):
-    """Fill f (2, n) with the residuals of sticks, J (2, 4, n) with derivatives by x_i, theta_i, x_j, theta_j.
-
-    `points` are four arrays of these letters, v is the belt's speed, and `sides` has A_alpha/m below and above.
-    """
+    """Fill f (2, n) with the residuals of sticks, J (2, 4, n) with derivatives by x_i, theta_i, x_j, theta_j."""
     sticks(points, v, sides, K, f)
     J[0, 0], J[0, 2], J[1, 0], J[1, 1] = 1.0, -1.0, 0.0, 0.0
     for n in range(len(points[0])):

@@ -149,10 +149,7 @@ def window(k, v, B, Omega, side, full):
 
 
 def windows(pairs, side, full, columns):
-    """Compute many windows: fill the arrays kind, low, high, theta_cr in `columns` with the results of `window`.
-
-    `pairs` has eight arrays, the high and the low doubles of k, v, B0 and Omega.
-    """
+    """Compute many windows: fill the arrays kind, low, high, theta_cr in `columns` with the results of `window`."""
     kh, kl, vh, vl, Bh, Bl, Oh, Ol = pairs
     kind, low, high, theta_cr = columns
     for i in range(len(kind)):

@@ -172,10 +172,7 @@ def clearances(equations: ClosingEquations, span: Span) -> Iterator[tuple[Number
 
 
 def holding_forces(equations: ClosingEquations, span: Span) -> Iterator[tuple[Number, Number, int]]:
-    """Yield (force, phase, domain) at each extremum of the two forces that hold the mass during a stick.
-
-    `force` is the smaller of F^(below) and -F^(above) then; `domain` is the domain to which this force belongs.
-    """
+    """Yield (force, phase, domain) at each extremum of the two forces that hold the mass during a stick."""
     (piece, start, _, tau), K, names = span, equations.K, equations.arithmetic.namespace
     belt, s0, c0 = equations.belt(piece.start), equations.sin(start[1]), equations.cos(start[1])
     below = equations.force(piece.start, start[0], belt.v, start[1])

@@ -702,10 +702,7 @@ def _settled(plane: Plane, p: Parameters) -> tuple[np.ndarray, Orbit | None]:
 
 
 def _loss_of_word(plane: Plane, inside: Any, place: np.ndarray) -> tuple[Motion, Any] | None:
-    """Find the border beyond which the motion has no word, between `inside` (a point and its orbit) and `place`.
-
-    Return a point just inside the border with its orbit, and the border with its node; None if it is not found.
-    """
+    """Find the border beyond which the motion has no word, between `inside` (a point and its orbit) and `place`."""
     system = ClosedForm(plane, plane.parameters(place), inside[1])
 
     def word(part: float) -> bool:

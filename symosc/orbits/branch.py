@@ -469,10 +469,7 @@ class Curve:
     def follow(
         self, direction: float, most: int, advance: Advance, before: int = 0
     ) -> tuple[list[BranchPoint], BranchEnd]:
-        """Follow the curve in one direction from the first orbit; return its points and its end, with the reason.
-
-        At most `most` points are returned. `advance` is told of the progress; `before` points were found already.
-        """
+        """Follow the curve in one direction from the first orbit; return its points and its end, with the reason."""
         z, length, reached = self.joined(self.start, self.value), 0.02, 0.0
         path = [self.point(z, np.append(np.zeros(len(z) - 1), direction))]
         # At an end margins are rounding noise. Then a point just after it follows; between the two nothing is proven.

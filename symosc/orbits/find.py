@@ -152,10 +152,7 @@ def settled_orbit(parameters: Parameters, digits: int | None = None, most: int =
 
 
 def _best_root(equations: ClosingEquations, guesses: Iterable[Guess]) -> tuple[ClosingEquations, Solution]:
-    """Solve from each guess; return the first admissible root that repeats no shorter orbit, with its equations.
-
-    If there is none, return an admissible root that repeats a shorter orbit, or else the root that fails least.
-    """
+    """Solve from each guess; return the first admissible root that repeats no shorter orbit, with its equations."""
     roots: list[tuple[tuple[bool, bool, float], ClosingEquations, Solution]] = []
     best, tried = None, equations
     for guess in guesses:
@@ -399,11 +396,7 @@ def resting_text(parameters: Parameters, mode: int, what: str = "the motion come
 
 
 def guesses_of_word(run: Run, labels: tuple[str, ...], periods: int | None, size: float) -> list[Guess]:
-    """Return a guess from each part of the motion `run` that follows the mappings `labels`, with its closing error.
-
-    Positions are divided by `size` in this error. If `periods` is None, a guess closes after the number of
-    periods that is nearest.
-    """
+    """Return a guess from each part of the motion `run` that follows the mappings `labels`, with its closing error."""
     n, found = len(labels), []
     for k in range(len(run.labels) - n + 1):
         if tuple(run.labels[k : k + n]) == labels:

@@ -150,11 +150,7 @@ def _check_texts(where: str, table: dict[str, Any]) -> None:
 
 
 def _check_call(where: str, package: str, text: str) -> Callable[[], Evidence]:
-    """Return the function call that a text such as "motions.together(FIG5, 1)" describes, ready to be run.
-
-    Functions and capital names are those of the module, here `motions`, in `package`; `where` names the claim in
-    errors.
-    """
+    """Return the function call that a text such as "motions.together(FIG5, 1)" describes, ready to be run."""
     name, _, arguments = text.partition("(")
     module, _, function = name.rpartition(".")
     try:

@@ -429,10 +429,7 @@ WINDOW_SCENES = {"P2": "fig7-exact", "P3": "fig8-exact", "P5": "fig10", "P6": "f
 
 
 def window_parameters(mapping: str) -> tuple[Parameters, Fraction, Parameters]:
-    """Return a mapping's parameters, the belt speed with |gamma| = B0 Omega/m, and the parameters with one change.
-
-    The change moves the other belt out of the way.
-    """
+    """Return a mapping's parameters, the belt speed with |gamma| = B0 Omega/m, and the parameters with one change."""
     p = load_scene(WINDOW_SCENES[mapping]).parameters
     equality = abs(p.B0) * p.Omega / p.k
     far = 2 * equality + 1  # the window is independent of the other belt's speed

@@ -192,10 +192,7 @@ def legend_entries(axes: Iterable[Axes]) -> dict[str, Any]:
 
 
 def add_legend(drawing: Figure, ax: Axes | None, shown: dict[str, Any] | Iterable[Axes], columns: int) -> None:
-    """Add a legend of the entries `shown`, or of what the axes `shown` contain.
-
-    It stands inside `ax` if the user gave axes, else below the panels of the figure.
-    """
+    """Add a legend of the entries `shown`, or of what the axes `shown` contain."""
     entries = shown if isinstance(shown, dict) else legend_entries(shown)
     if ax is not None and entries:
         ax.legend(list(entries.values()), list(entries))

@@ -299,10 +299,7 @@ BRANCH_PANELS = {"a": _positions, "b": _multipliers}
 
 
 def multiplier_curves(values: np.ndarray, multipliers: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Interpolate part of a branch: return many parameter values, and at each the moduli of both multipliers.
-
-    The larger modulus comes first. `values` and `multipliers` are those of the computed points.
-    """
+    """Interpolate part of a branch: return many parameter values, and at each the moduli of both multipliers."""
     # Trace and determinant of the monodromy matrix are smooth along a branch and are interpolated; the multipliers are
     # not where a real pair turns complex, and follow from them.
     trace, determinant = multipliers.sum(axis=1).real, multipliers.prod(axis=1).real
@@ -350,10 +347,7 @@ def stability(branch: Branch) -> np.ndarray:
 
 
 def _stretches(branch: Branch) -> list[tuple[slice, Any]]:
-    """Return for each stretch of equal stability its slice of the branch's points, and its line style.
-
-    The slice also has the first point of the next stretch, so that the lines join.
-    """
+    """Return for each stretch of equal stability its slice of the branch's points, and its line style."""
     states = stability(branch)
     cuts = [0, *(np.flatnonzero(states[1:] != states[:-1]) + 1), len(states)]
     return [(slice(a, min(b + 1, len(states))), STABILITY_STYLES[str(states[a])]) for a, b in pairwise(cuts)]

@@ -127,10 +127,7 @@ def view_of(
     since: float = -inf,
     style: Record | None = None,
 ) -> View:
-    """Sample a trajectory from the time `since` on, and return what the panels draw of it.
-
-    If `boundary` is None, the forces are those at the boundary of the first event.
-    """
+    """Sample a trajectory from the time `since` on, and return what the panels draw of it."""
     p, events, start = trajectory.parameters, trajectory.events, float(trajectory.t_start)
     t = _sample_times(trajectory, sampling, since)
     x, v = trajectory(t)
@@ -310,10 +307,7 @@ def _sticks(trajectory: Trajectory) -> list[Contact]:
 
 
 def _inset_sticks(contacts: Sequence[Contact], t: np.ndarray) -> tuple[Contact, ...]:
-    """Return the sticks to show in insets, which are too short to be seen over the times `t`.
-
-    If there are more than `MOST_INSETS`, only those shorter than a tenth of the median stick are taken.
-    """
+    """Return the sticks to show in insets, which are too short to be seen over the times `t`."""
     longest, finest = SHORT_STICK * (t[-1] - t[0]), 1e-10 * np.abs(t).max()  # a shorter one would show rounding errors
     short = [each for each in contacts if finest < each.until - each.since < longest and each.until < t[-1]]
     if len(short) > MOST_INSETS:

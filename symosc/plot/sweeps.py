@@ -343,11 +343,7 @@ def basin_figure(dataset: xarray.Dataset, name: str | None = None, *, ax: Axes |
 
 
 def classes_of(values: np.ndarray, undecidable: np.ndarray) -> tuple[np.ndarray, list[Look]]:
-    """Return for each cell the number of its class, and for each class its name, colour and hatching.
-
-    Classes of numbers are in increasing order, words by falling frequency. Cells that are `undecidable` get a class of
-    their own.
-    """
+    """Return for each cell the number of its class, and for each class its name, colour and hatching."""
     words = values.dtype.kind in "UO"
     texts = np.where(values == "", "no event", values).astype(str) if words else values
     kinds, codes, counts = np.unique(texts, return_inverse=True, return_counts=True)
@@ -371,11 +367,7 @@ def classes_of(values: np.ndarray, undecidable: np.ndarray) -> tuple[np.ndarray,
 
 
 def _draw_classes(axes: Axes, edges: tuple[np.ndarray, np.ndarray], codes: Any, looks: list[Look], new: bool) -> None:
-    """Draw a map of classes: coloured or hatched cells, borders, names in large areas, and a legend.
-
-    `codes` has the class of each cell, `looks` the name, colour and hatching of each class. The legend stands outside
-    the axes; `new` says whether the figure is new, so that it may have a legend of its own.
-    """
+    """Draw a map of classes: coloured or hatched cells, borders, names in large areas, and a legend."""
     x, y = edges
     colors = ListedColormap([color for _, color, _ in looks])
     axes.pcolormesh(x, y, codes.T, cmap=colors, vmin=-0.5, vmax=len(looks) - 0.5, rasterized=True)

@@ -131,11 +131,7 @@ def hard_cases() -> tuple[ReferenceCase, ...]:
 
 
 def _hard(group: str, name: str, scene: Scene, quick: bool = False, periods: int = 0) -> ReferenceCase:
-    """Return a hard case of a group, named by the group and by `name`, which must be unique in the group.
-
-    `quick` cases are in `symosc bench --quick`. A run over many `periods` of the drive gives the last one's events
-    only.
-    """
+    """Return a hard case of a group, named by the group and by `name`, which must be unique in the group."""
     own = f"{group} {name}"  # in letters, digits and single hyphens
     for sign, word in {"+": " plus ", "=": " ", "^": "", "'": "", "- ": "minus "}.items():
         own = own.replace(sign, word)

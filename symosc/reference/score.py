@@ -188,10 +188,7 @@ class _Judge:
             self._fault("invented", float(found[j].t), "", _event_text(found[j]))
 
     def _of_last_period(self, events: Sequence[GivenEvent]) -> Sequence[GivenEvent]:
-        """Return the events to judge one by one: those of the last period if the case has only these, else all.
-
-        Of the events before that period only the number is compared.
-        """
+        """Return the events to judge one by one: those of the last period if the case has only these, else all."""
         uncompared = self.case.count - len(self.case.events)
         if not uncompared:
             return events
@@ -302,10 +299,7 @@ NO_RESULT = "no result"
 
 
 def case_cell(case: CaseScore) -> str:
-    """Return a solver's result for a case as short text: its faults or, if there are none, its largest error.
-
-    The error is divided by condition * 1e-16.
-    """
+    """Return a solver's result for a case as short text: its faults or, if there are none, its largest error."""
     if not case.given:
         return case.note or NO_RESULT
     counts = {"missed": case.missed, "invented": case.invented, "wrong kind": case.kinds}
@@ -323,10 +317,7 @@ def case_cell(case: CaseScore) -> str:
 
 
 def group_cell(cases: Sequence[CaseScore]) -> str:
-    """Return a solver's result for a group as text: how many cases are right, and their largest error.
-
-    The error is divided by condition * 1e-16.
-    """
+    """Return a solver's result for a group as text: how many cases are right, and their largest error."""
     given, right = [case for case in cases if case.given], [case for case in cases if case.right]
     if not given:
         return next((case.note for case in cases if case.note), NO_RESULT)
@@ -367,10 +358,7 @@ def group_table(scores: Sequence[Score], form: str = "simple") -> str:
 
 
 def case_table(scores: Sequence[Score], form: str = "simple", with_absent: bool = True) -> str:
-    """Return a table with a row per case; a single solver's table also has its errors and seconds.
-
-    Cases for which no solver has a result are left out unless `with_absent`.
-    """
+    """Return a table with a row per case; a single solver's table also has its errors and seconds."""
     heads, rows = ["case", "events", "condition", *(score.name for score in scores)], []
     alone = len(scores) == 1
     for i, case in enumerate(scores[0].cases):
@@ -426,10 +414,7 @@ def as_text(scores: Sequence[Score]) -> str:
 def _page(
     scores: Sequence[Score], title: str, version: int, form: str, more: Sequence[str], with_faults: bool
 ) -> Iterator[tuple[str, Any]]:
-    """Yield the parts of the page of scores as (HTML tag, content): text, lists of lines, tables made by tabulate.
-
-    `more` are lines below the title; the lists of faults are left out unless `with_faults`.
-    """
+    """Yield the parts of the page of scores as (HTML tag, content): text, lists of lines, tables made by tabulate."""
     yield "h1", title
     yield from (("p", line) for line in (f"Set of reference cases: version {version}.", *more))
     yield "ul", [verdict(score) for score in scores]

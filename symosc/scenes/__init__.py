@@ -171,10 +171,7 @@ class Scene(Drawable):
 
     @public
     def changed(self, **changes: NumberLike | bool) -> Scene:
-        """Return a copy with other parameters: ``scene.changed(Omega=2)``.
-
-        For a scene of an OtherModel, give numbers of that model.
-        """
+        """Return a copy with other parameters: ``scene.changed(Omega=2)``."""
         if self.original is not None:
             return moved_scene(self, self.original, parameters=self.original.model.replace(**changes))
         return replace(self, parameters=self.parameters.replace(**changes))
@@ -191,10 +188,7 @@ def moved_scene(scene: Scene, original: Original, **changes: Any) -> Scene:
 
 
 def _reduced_problem(given: Original) -> tuple[dict[str, Fraction], StartErrors | None]:
-    """Convert start and end of another model to symosc's coordinates; return them by name, and half-widths.
-
-    The half-widths tell how far t0, x0 and v0 may be off; they are None if the start is exact.
-    """
+    """Convert start and end of another model to symosc's coordinates; return them by name, and half-widths."""
     model, t0, x0, v0, t_end, error = given
     start, known = reduced_start(model, t0, x0, v0)
     if error is not None:  # an error of t0 moves the belts

@@ -89,10 +89,7 @@ def pair_loops(events: int) -> PairLoops:
 
 
 def _interpreted_first(compiled_one: Callable[..., Any]) -> Callable[..., tuple[int, int, int]]:
-    """Return an event loop that first interprets, up to 2048 events per call, and is compiled in later calls.
-
-    It interprets until the shared budget DOUBLES is used up, or until the compiled code is on disk.
-    """
+    """Return an event loop that first interprets, up to 2048 events per call, and is compiled in later calls."""
 
     def follow(begin: int, batch: Batch, most: int, accuracy: float, out: EventRows, *others: Any) -> Any:
         if DOUBLES.events <= 0 or is_compiled(compiled_one):
@@ -156,10 +153,7 @@ def in_chunks(
     workers: int,
     progress: Callable[[int, int], object],
 ) -> list[Result]:
-    """Call `work` for chunks of `count` rows, each with its own event buffer; return the results in order.
-
-    `progress` is called with the number of rows done and `count`.
-    """
+    """Call `work` for chunks of `count` rows, each with its own event buffer; return the results in order."""
     # An interrupt, or an error of any chunk, ends all of them at their next `CancelToken.check`, and is raised.
     least = LEAST_IN_CHUNK if workers > 1 else LEAST_ALONE
     size = max(least, min(MOST_IN_CHUNK, -(-count // (CHUNKS_PER_WORKER * workers))))

@@ -207,10 +207,7 @@ class Chunk:
             yield rows
 
     def _in_pairs(self, members: list[int]) -> dict[int, EventRows]:
-        """Follow undecided motions again from their starts, in double-double numbers; return events by motion.
-
-        Motions for which these are not precise enough are left out.
-        """
+        """Follow undecided motions again from their starts, in double-double numbers; return events by motion."""
         found: dict[int, EventRows] = {}
         numbers = self._first + np.array(members, np.int64)
         apart = self.task.problems.are_apart(numbers, self._starts[members, 1], FAR_OFF)
@@ -228,10 +225,7 @@ class Chunk:
         return found
 
     def _escalate(self, parameters: Parameters, members: list[int]) -> Iterator[EventRows]:
-        """Follow motions of one parameter set to their ends, in double-double numbers where doubles are in doubt.
-
-        Yield their event rows.
-        """
+        """Follow motions of one parameter set to their ends, in double-double numbers where doubles are in doubt."""
         # Pairs go on from their own last state where doubles are in doubt again: a double has 16 digits of it only.
         most, K = self.task.most, pair_constants(parameters)
         pairs, tally = self._pair_rows(parameters, members), select_tallies(self.tally, members)
@@ -406,10 +400,7 @@ def words_of(tally: Tally) -> np.ndarray:
 
 
 def tally_alone(i: int, trajectory: Trajectory, tally: Tally, table: np.ndarray, set_: int) -> int:
-    """Fill in the tally of motion `i` from its `trajectory`; return the mode (domain or belt) that it ends in.
-
-    `set_` is the index of its constants in `table`.
-    """
+    """Fill in the tally of motion `i` from its `trajectory`; return the mode (domain or belt) that it ends in."""
     K, t0 = ConstantRows(table)[set_]._replace(Om_gain=0.0), float(trajectory.t_start)  # pieces have true times
     states, rows = [_state_of_piece(*piece) for piece in trajectory._pieces.T.tolist()], trajectory.rows()
     floats = (rows.floats[FLOAT_COLUMNS.index(name)].tolist() for name in ("x", "theta", "t_error"))

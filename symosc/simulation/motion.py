@@ -419,10 +419,7 @@ class FinerMotion:
 
 
 def digits_to_confirm_graze(motion: Motion, elapsed: Number, digits: int, least: int = 0) -> int | None:
-    """Return with how many digits a contact must stay undecided to be called a graze; None: too many to try.
-
-    `elapsed` is the time since t0, in which gaps that tend to a graze shrink, and `digits` is the precision wanted.
-    """
+    """Return with how many digits a contact must stay undecided to be called a graze; None: too many to try."""
     # A motion that tends to one that grazes has gaps that shrink like exp(-rate t), and each of them is a near miss or
     # a crossing. The rate is the larger one of the free motion, or, where that takes too many digits, the smaller one:
     # only starts without any share of the slow decay are fooled by that. A start that is on the steady motion has none

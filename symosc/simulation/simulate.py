@@ -169,10 +169,7 @@ def attainable(accuracy: float, start_error: tuple[Fraction, Fraction, Fraction]
 def in_doubles(
     start: Start, most: int, accuracy: float, advance: Advance = None, loops: PairLoops | None = None
 ) -> Trajectory:
-    """Follow a motion in doubles, and in pairs or many digits where doubles are in doubt; return its Trajectory.
-
-    `loops` are those for pairs; `advance` is called with the part done and the number of events.
-    """
+    """Follow a motion in doubles, and in pairs or many digits where doubles are in doubt; return its Trajectory."""
     # It is a batch of one. Given `loops` in pairs, these come before digits whatever is loaded, with the noise that
     # `simulate_many` allows. With accuracy inf decisions exceed their own rounding only, not the errors of the state.
     arithmetic, needed, t0 = Arithmetic(start.parameters), attainable(accuracy, start.start_error), float(start.t0)
@@ -216,10 +213,7 @@ def in_doubles(
 
 
 def single_loop(count: int, K: Constants) -> tuple[Callable[..., tuple[int, int, int]], Any, int]:
-    """Return an event loop for a motion with `count` events so far, its constants, and how many rows to give it.
-
-    It is interpreted at first, and compiled when that pays.
-    """
+    """Return an event loop for a motion with `count` events so far, its constants, and how many rows to give it."""
     if functions := loaded_loop():
         return functions["follow_all"], table_of([K]), LARGEST_BLOCK
     if count < TURN:
@@ -234,10 +228,7 @@ def _part_done(start: Start, elapsed: Number, count: int, most: int) -> float:
 
 
 def in_digits(start: Start, most: int, digits: int, advance: Advance = None) -> Trajectory:
-    """Follow a motion, with ever more digits, until all contacts are decided and each event has `digits` digits.
-
-    Stop after `most` events; `advance` is called with the part done and the number of events.
-    """
+    """Follow a motion, with ever more digits, until all contacts are decided and each event has `digits` digits."""
     working = digits + 10 + start.spare_digits
     asked_at, settled = inf, settles(start)  # the number of the event before a contact that took more digits
     while True:

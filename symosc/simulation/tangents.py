@@ -51,10 +51,7 @@ def work_space(codes: np.ndarray, kind: Any = float) -> np.ndarray:
 def event_changes(
     events: EventRows, launches: tuple[np.ndarray, ...], wrt: tuple[str, ...], loop: Callable[..., None]
 ) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """Return dt, dx (derivatives of each event's t and x by each of `wrt`) and a flag: whether they exist.
-
-    `launches` are the starts of the motions, as `Chunk.launches` returns them.
-    """
+    """Return dt, dx (derivatives of each event's t and x by each of `wrt`) and a flag: whether they exist."""
     (starts, sets, letters, table), codes, shape = launches, codes_of(wrt), (events.floats.shape[1], len(wrt))
     cuts = np.searchsorted(events.ints[0], np.arange(len(starts) + 1))
     dt, dx, marks, why = large_array(shape), large_array(shape), np.zeros(shape, np.int8), np.zeros(shape[0], np.int8)
@@ -82,10 +79,7 @@ def tangent_loops(wanted: bool) -> dict[str, Any] | None:
 
 
 def chosen_tangents(events: int, in_threads: bool, use_numba: bool | None) -> Callable[..., None]:
-    """Return the loop for the derivatives of `events` events: compiled, or interpreted if that is quicker.
-
-    It is interpreted too unless `in_threads` says that the motions were followed by compiled code.
-    """
+    """Return the loop for the derivatives of `events` events: compiled, or interpreted if that is quicker."""
     if not in_threads:
         return INTERPRETED
     compiled: Callable[..., None] = compiled_tangents()["tangents"]

@@ -362,10 +362,7 @@ class MovedTrajectory(Trajectory):
         return replace(event, t=t, x=x, v=v, theta=theta, x_error=x_error)
 
     def _times(self, t: Any) -> tuple[np.ndarray, np.ndarray]:
-        """Return the times `t` and the oscillator's times, which are earlier by the model's delay.
-
-        Raise ParameterError for a time that is out of range.
-        """
+        """Return the times `t` and the oscillator's times, which are earlier by the model's delay."""
         times = read_times(t)
         self._check_times(times)
         ends = float(self.reduced.t_start), float(self.reduced.t_end)
@@ -396,10 +393,7 @@ class MovedTrajectory(Trajectory):
 
 
 def belt_path(trajectory: Trajectory, boundary: int, t: np.ndarray) -> np.ndarray:
-    """Return position and velocity, (2, n), of a point of a belt at times `t`, in the trajectory's coordinates.
-
-    The position is the speed times t, plus what belts of another model oscillate by.
-    """
+    """Return position and velocity, (2, n), of a point of a belt at times `t`, in the trajectory's coordinates."""
     speed = float(trajectory.parameters.belt(boundary))
     path = np.stack([speed * t, np.full(t.shape, speed)])
     return path + np.stack(motion_of_belts(trajectory.model, t)) if isinstance(trajectory, MovedTrajectory) else path

@@ -106,10 +106,7 @@ def dataset_of(plan: SweepPlan, columns: Columns) -> xarray.Dataset:
 
 
 def _call_text(plan: SweepPlan) -> str:
-    """Return the call of `sweep` that gives this result again, as Python source.
-
-    Axes with more than 2000 values are not written out: the call takes them from the variable `dataset`.
-    """
+    """Return the call of `sweep` that gives this result again, as Python source."""
     over = {name: each for name, each in plan.coordinates.items() if each.dimension != START_AXIS}
     scene, axes = plan.scene, list[str]()
     for name, axis in over.items():  # axes with more values are not written out in the call; the coordinates have them
@@ -213,10 +210,7 @@ def write_output(dataset: xarray.Dataset, path: Path, folder: Path) -> None:
 
 
 def _to_disk(path: Path) -> None:
-    """Force a file, or the names of the files in a folder, out of the system's memory onto the disk.
-
-    A result has to be there before the chunks that it was made of are removed.
-    """
+    """Force a file, or the names of the files in a folder, out of the system's memory onto the disk."""
     with suppress(OSError) if path.is_dir() else nullcontext():  # not every system does it for folders
         handle = os.open(path, os.O_RDONLY)
         try:

@@ -146,10 +146,7 @@ class Store:
                     path.unlink()
 
     def remove(self, key: str) -> None:
-        """Remove the chunks of the plan `key`, unless another program works on them, and release the lock.
-
-        The folder is removed too, unless it holds files that are not symosc's.
-        """
+        """Remove the chunks of the plan `key`, unless another program works on them, and release the lock."""
         with closing(self), suppress(OSError, SweepError):
             if self.key() != key:
                 return

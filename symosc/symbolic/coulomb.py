@@ -69,10 +69,7 @@ def half_period() -> tuple[Expr, Expr]:
 
 @cache
 def amplitude() -> Expr:
-    """Return the highest point x_0 as the larger root of (x_0 + G x_f)^2 + (H x_f)^2 = Q^2, where x_f = F/k.
-
-    Q is the amplitude without friction; G and H are those of `half_period`.
-    """
+    """Return the highest point x_0 as the larger root of (x_0 + G x_f)^2 + (H x_f)^2 = Q^2, where x_f = F/k."""
     roots = sp.solve((x_0 + G * x_f) ** 2 + (H * x_f) ** 2 - Q**2, x_0)
     return max(roots, key=lambda root: root.subs({G: 0, H: 0, Q: 1}))
 
@@ -104,10 +101,7 @@ def velocity() -> Expr:
 
 @cache
 def slide_function() -> Expr:
-    """Return the bound B(phi): at the angle phi after the highest point the mass moves down iff p_0 > B(phi) F/k.
-
-    Here p_0 cos(phi) + q_0 sin(phi) is the steady part of the motion. E0 and E1 are taken at tau = phi/Omega.
-    """
+    """Return the bound B(phi): at the angle phi after the highest point the mass moves down iff p_0 > B(phi) F/k."""
     return sp.simplify(sp.solve(velocity().subs(x_0, p_0 - G * x_f), p_0)[0] / x_f)
 
 
@@ -172,11 +166,7 @@ def den_hartog_damped() -> tuple[Expr, Expr]:
 
 
 def den_hartog_undamped() -> dict[Expr, Expr]:
-    """Return Den Hartog's formulas for c = 0 as a dict with his letters V, U and S as keys.
-
-    V is k/P times the amplitude without friction, U is H of `half_period`, and S is r^2 times `slide_function`, with
-    r^2 = m Omega^2/k.
-    """
+    """Return Den Hartog's formulas for c = 0 as a dict with his letters V, U and S as keys."""
     return {
         V: 1 / (1 - r**2),
         U: sp.sin(sp.pi / r) / (r * (1 + sp.cos(sp.pi / r))),  # tan(pi/(2 r))/r

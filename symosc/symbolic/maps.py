@@ -54,10 +54,7 @@ def convolve(expr: Expr) -> Expr:
 
 
 def repeated_apart() -> dict[str, Expr]:
-    """Return formulas for U0, U1, U2, V, W, P, Q by name, for use far from critical damping and from resonance.
-
-    The names D, u, z, y and n are common parts of these formulas.
-    """
+    """Return formulas for U0, U1, U2, V, W, P, Q by name, for use far from critical damping and from resonance."""
     # U1 = S*S is explicit; the others solve D f = g, which by their known rates has no derivatives left. With
     # p + i q = w0sq - Omega^2 + i cm Omega, the last two pairs are (u + i z)/(p + i q).
     first = (E1 - tau * (E0 + h * E1)) / (2 * solution.omega_d**2)

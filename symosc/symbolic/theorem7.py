@@ -161,10 +161,7 @@ def critical_phase(gamma: Expr, amplitude: Expr) -> Expr | None:
 def window_phases(
     where: cases.Place, gamma: Expr, amplitude: Expr, full: bool, of: tuple[int, int, int] | None = None
 ) -> Expr:
-    """Return the set of phases at which a contact at the boundary `where` grazes (Theorem 7).
-
-    With `full` a tangency of fourth order counts as a graze. `of` is the result of `signs`, needed for symbols.
-    """
+    """Return the set of phases at which a contact at the boundary `where` grazes (Theorem 7)."""
     of = of or signs(gamma, amplitude)
     kind = cases.window_kind(where.side, *of, full)
     if kind in (cases.EMPTY, cases.EVERYTHING):

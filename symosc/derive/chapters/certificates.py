@@ -202,10 +202,7 @@ def items(scope: Scope) -> Items:
 
 
 def _flight_facts(wave: Any) -> Items:
-    """Return two steps of the lemma on the straightened gap; `wave` is cos or cosh, by the damping regime.
-
-    With h = c/2m and C = wave(w u) they state L g for the gap g = e^(-h u) C q, and ds/du = 1/C^2 for the new time s.
-    """
+    """Return two steps of the lemma on the straightened gap; `wave` is cos or cosh, by the damping regime."""
     C, q = wave(W * U), sp.Function("q")(U)
     kappa, S = C.diff(U, 2) / C, {sp.cos: sp.sin, sp.cosh: sp.sinh}[wave](W * U) / W
     g = sp.exp(-RATE * U) * C * q

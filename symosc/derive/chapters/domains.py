@@ -186,11 +186,7 @@ def flow() -> tuple[Step, ...]:
 
 
 def solved_functions(generic: dict[Any, Any]) -> Items:
-    """Return the corollary that expresses the basis functions E_2, R_2, I_2 of the motion by E_0 and E_1.
-
-    E_1 is the response to a unit impulse, E_0 its derivative, E_2 its integral; R_2 and I_2 are responses to the drive.
-    `generic` has their closed forms, as `generic_basis` returns them.
-    """
+    """Return the corollary that expresses the basis functions E_2, R_2, I_2 of the motion by E_0 and E_1."""
     still = sp.cos(Omega * tau) - E0 - cm * E1
     swing = sp.sin(Omega * tau) - Omega * E1
     meaning = generic | {name: value.xreplace(generic) for name, value in NORMS.items()}
@@ -212,10 +208,7 @@ def solved_functions(generic: dict[Any, Any]) -> Items:
 
 
 def generic_basis() -> dict[Any, Any]:
-    """Return the five basis functions of a flight, by their symbols, for two different characteristic roots.
-
-    They are divided differences of exp(z tau) in z at these roots. The dictionary also has the roots' meaning.
-    """
+    """Return the five basis functions of a flight, by their symbols, for two different characteristic roots."""
     mean, half = sp.symbols("r q", positive=True)
     regime = solution.Regime("two roots", sp.true, -mean, half, {})
     return regime.basis() | regime.parameters()
@@ -281,10 +274,7 @@ def paper_form(regime: solution.Regime) -> PaperForm:
 
 
 def _one_exponential(v: Any, mode: Any) -> Any:
-    """Rewrite the velocity v with e^{-ct/2m} as one common factor, in which each sine or cosine occurs once.
-
-    `mode` is a free motion in the same regime; if it has no exponential, v is only expanded.
-    """
+    """Rewrite the velocity v with e^{-ct/2m} as one common factor, in which each sine or cosine occurs once."""
     if not mode.has(sp.exp):
         return sp.expand(v)
     v, stand_in = sp.expand(v), sp.Dummy()
@@ -347,10 +337,7 @@ def tidy(expr: Any) -> Any:
 
 
 def _sampled(join: solution.Join) -> Step:
-    """Return the step that R2 (a response to the drive) is near its limit at a border of two damping regimes.
-
-    It compares numbers at one sample point close to that border.
-    """
+    """Return the step that R2 (a response to the drive) is near its limit at a border of two damping regimes."""
     source, target = solution.REGIMES[join.source].basis(), solution.REGIMES[join.target].basis()
     values = {solution.h: "3/7", omega_d: "5/4", eta: "2/9", omega_0: "7/5", Omega: "8/5", tau: "9/4"}
     point = {letter: sp.Rational(value) for letter, value in values.items()}

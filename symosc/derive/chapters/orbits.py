@@ -260,10 +260,7 @@ FUNCTIONS = [{name: getattr(CONTEXT, name) for name in ("sin", "cos", "sinh", "c
 def _extremes(
     scope: Scope, piece: Piece, start: tuple[Any, Any], end: Any
 ) -> Iterator[tuple[str, Any, str, list[tuple[str, Any]]]]:
-    """Yield the extremes of the velocity in a flight, or of both forces in a stick, with the bounds to be kept.
-
-    Each is a tuple: a name, the extreme value, the bounds in words, and the bounds as pairs of operator and number.
-    """
+    """Yield the extremes of the velocity in a flight, or of both forces in a stick, with the bounds to be kept."""
     row, belt = piece.row, piece.row.start.boundary
     speed, duration = BELTS[belt], ((end - start[1]) % (2 * CONTEXT.pi)) / steps.evaluate(Omega, scope.numbers)
 

@@ -307,11 +307,7 @@ def sticks_later(figure: Graze) -> Evidence:
 
 
 def stick_after(figure: Graze, check: str, *domains: int) -> Evidence:
-    """Run a check of `motions` on the stick that follows the graze from the exact start.
-
-    `check` is "together", "forces_hold", or "flight_after" with the `domains` into which the flight after the stick may
-    go.
-    """
+    """Run a check of `motions` on the stick that follows the graze from the exact start."""
     checks = {"together": together, "forces_hold": forces_hold, "flight_after": flight_after}
     return checks[check](exact(figure, Fraction(10) if domains else None), figure.place.boundary, *domains)
 
@@ -402,10 +398,7 @@ def start_grazes(figure: Graze) -> Evidence:
 
 
 def _grazes_exactly(figure: Graze, t_m: Fraction, numbers: dict[str, str]) -> bool:
-    """Return whether the start computed for a graze at t_m leads to that graze, by two independent computations.
-
-    They are a simulation in many digits, and a closed form in doubles. What they find is added to `numbers`.
-    """
+    """Return whether the start computed for a graze at t_m leads to that graze, by two independent computations."""
     scene, at, p = figure.scene, figure.place, figure.scene.parameters
     found = grazing_start(p, figure.mapping, t_m=t_m, t0=scene.t0)
     start: dict[str, Any] = {name: Fraction(found.start[name]) for name in ("x0", "v0")}

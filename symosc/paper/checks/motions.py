@@ -201,10 +201,7 @@ def is_zero(force: Any) -> bool:
 
 
 def certificate_of(what: Scene | PeriodicOrbit) -> dict[str, str]:
-    """Return a line for the `numbers` of an Evidence: what the certificate of a motion or orbit states.
-
-    No verdict rests on it.
-    """
+    """Return a line for the `numbers` of an Evidence: what the certificate of a motion or orbit states."""
     try:
         proof = certify(what)
         said = f"{'proven' if proof.proven else 'not proven'}: {proof.message}"
@@ -278,10 +275,7 @@ def field(p: Parameters, alpha: int, t: Any, x: Any, v: Any) -> Any:
 
 
 def _follows(p: Parameters, end: tuple[float, ...], then: int) -> bool:
-    """Return whether a domain or belt may follow at the state `end` on a belt, by Theorems 4 and 5.
-
-    `then` is 1 to 3 for a domain, -1 or -2 for a belt.
-    """
+    """Return whether a domain or belt may follow at the state `end` on a belt, by Theorems 4 and 5."""
     belt = 1 if abs(end[2] - float(p.v1)) < abs(end[2] - float(p.v2)) else 2
     lo, hi = NEIGHBOURS[belt]
     below, above = float(field(p, lo, *end)), float(field(p, hi, *end))

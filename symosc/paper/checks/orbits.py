@@ -222,10 +222,7 @@ def ends(scene: Scene, belt: int) -> Evidence:
 
 
 def closing_conditions(scene: Scene, closed: bool = False) -> Evidence:
-    """Check whether the printed equations (54) determine a periodic motion.
-
-    If `closed`, two more equations are added, which say that the last point is the first one a period later.
-    """
+    """Check whether the printed equations (54) determine a periodic motion."""
     found, p = orbit_of(scene), scene.parameters
     Omega, count = number(p, p.Omega), len(found.labels)
     points = [(point.x, Omega * point.t) for point in found.points]

@@ -153,10 +153,7 @@ def _zero_force_contacts() -> tuple[tuple[int, RationalContact], ...]:
 
 
 def window(mapping: str, *scenes: str) -> Evidence:
-    """Check the printed cases (55) to (58) of a mapping by the exact flow at rational contacts.
-
-    For the `scenes`, the computed windows are compared with three numerical decisions, see `check_grazing`.
-    """
+    """Check the printed cases (55) to (58) of a mapping by the exact flow at rational contacts."""
     rows = [row for row in rows_of(mapping) if row.case]
     wrong = [row for row in rows if not row.right]
     generic = sum(not row.fourth_order for row in wrong)

@@ -290,10 +290,7 @@ def _shape(label: str, scale: float) -> tuple[str, float, str]:
 
 
 def _ranges(view: View, curves: dict[str, np.ndarray]) -> dict[str, tuple[float, float]]:
-    """Return the ranges of the axes t, x, v and F for a motion and its forces F1 and F3 in `curves`, with a margin.
-
-    The range of v includes the speeds of belts nearby, the range of F includes zero.
-    """
+    """Return the ranges of the axes t, x, v and F for a motion and its forces F1 and F3 in `curves`, with a margin."""
     speeds = [float(view.trajectory.parameters.belt(belt)) for belt in view.belts()]
     forces = np.concatenate([[0.0], curves["F1"], curves["F3"]])
     ranges = {"t": (float(view.t[0]), float(view.t[-1]))}
