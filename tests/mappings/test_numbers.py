@@ -140,7 +140,12 @@ def test_signs_next_to_zero() -> None:
         expected = 0 if difference == 0 or abs(difference) < sp.Rational(1, 10**300) else int(sp.sign(difference))
         assert sine_sign(-near, Fraction(1), phase) == expected
         assert sine_sign(near, Fraction(-3, 2) * 2 / 3, phase) == -expected
-    assert sine_sign(Fraction(1, 2), Fraction(1), ExactPhase(Fraction(0), Fraction(7, 6))) == 0
+    for sixths in range(-12, 24):  # pi/6, and sines that are rational
+        sine = sp.sin(sixths * sp.pi / 6)
+        level = Fraction(int(sine.p), int(sine.q)) if sine.is_Rational else Fraction(0)
+        phase = ExactPhase(Fraction(0), Fraction(sixths, 6))
+        assert sine_sign(-level, Fraction(1), phase) == (0 if sine.is_Rational else sp.sign(sine))
+        assert sine_sign(Fraction(1, 10**30) - level, Fraction(1), phase) == (1 if sine.is_Rational else sp.sign(sine))
 
 
 def test_a_phase_that_was_computed_is_the_binary_number_that_it_is() -> None:
