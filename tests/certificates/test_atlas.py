@@ -18,7 +18,8 @@ import symosc.certificates.atlas as atlases
 from symosc import Atlas, ParameterError, Parameters, atlas, certify, find_orbit
 from symosc.certificates.balls import ball
 from symosc.certificates.flow import Oscillator
-from symosc.certificates.verify_orbits import judge, marks
+from symosc.certificates.verify_orbits import Flight, judge, marks
+from symosc.certificates.verify_orbits import Oscillator as InBalls
 from symosc.model import PARAMETER_NAMES
 from symosc.orbits.border import borders_between
 
@@ -323,6 +324,20 @@ def test_a_stick_that_slips_is_found_at_all_phases() -> None:
     box = [["0.313125", "0.3134375"], ["0.0625", "0.06375"]]  # there the word is P31312121
     phases = [repr(each - 400 * 6.283185307179586) for each in GHOST_PHASES]
     assert judge(one_box("P3121", box, phases, GHOST_X))[0] == 1
+
+
+@pytest.mark.parametrize("slips", [False, True])
+def test_a_flight_obeys_the_equation_of_motion(slips: bool) -> None:
+    """By differences; with a damper, and a belt that moves."""
+    p = dict(zip(PARAMETER_NAMES, (2, 3, 5, 1, 7, 2, 4, 9, 0.25, 0.5, 8), strict=True))
+    e, step = InBalls({name: arb(value) for name, value in p.items()}), 1e-4
+    flight = Flight((1, 2, 1), 0, slips, 0)
+    u = [arb(0.5), arb(1.5)] if slips else [arb(0.5), arb(-1), arb(1.5)]
+    for s in (0.3, 1.5):
+        (x, v, a), before, after = (flight.after(e, u, arb(s + by * step)) for by in (0, -1, 1))
+        assert abs(float(after[0] - before[0]) / (2 * step) - float(v)) < 1e-6
+        assert abs(float(after[1] - before[1]) / (2 * step) - float(a)) < 1e-6
+        assert abs(float(x)) + abs(float(v)) > 0.1
 
 
 def test_a_share_is_rounded_down_and_a_rest_has_no_switchings() -> None:

@@ -164,6 +164,17 @@ def off_the_range() -> Document:
     return put(whole, "ends", 1, {"kind": "end of the range", "inside": "4.005", "outside": "4.005"})
 
 
+def another_family() -> Document:
+    """State the end of a branch for the same orbit a period later, which is no event of the rows."""
+    whole = put(forged("end_with_a_wrong_name"), "ends", 1, "kind", "grazing")
+    end = whole["ends"][1]
+    with workdps(60):
+        turn = Fraction(nstr(2 * pi / mpf(end["inside"]), 55))
+    change = turn * abs(1 - Fraction(end["inside"]) / Fraction(end["outside"]))  # of the turn from value to value
+    moves = {"t": [moved(t, turn, change) for t in end["t"]], "at": str(Fraction(end["at"]) + turn)}
+    return put(whole, "ends", 1, end | moves)
+
+
 def a_gap() -> Document:
     whole = document("branch short")
     low, high = whole["boxes"][0]["value"]
@@ -261,6 +272,9 @@ ROWS: dict[str, Row] = {
     "that the boxes follow each other": Row(dropped("rows that follow each other"), a_gap, verify_orbits),
     "that the ends are those of the range": Row(
         dropped("an end of the range, or one outside of it"), off_the_range, verify_orbits
+    ),
+    "that the orbits beyond an end are those of the rows": Row(
+        (('found.within(row, *found.root(end["inside"]))', "pass"),), another_family, verify_orbits
     ),
     "the kind of an end": Row(
         dropped("an end that is a {kind[:40]!r}"), lambda: forged("end_with_a_wrong_name"), verify_orbits

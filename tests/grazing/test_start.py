@@ -130,6 +130,7 @@ def test_a_quartic_tangency_has_a_start() -> None:
         ({"mapping": "P2"}, "theta"),
         ({"mapping": "P2", "theta": 1, "t_m": 1}, "theta"),
         ({"mapping": "P2", "t_m": 2, "t0": 3}, "t0"),
+        ({"mapping": "P2", "t_m": 2, "t0": 2}, "t0"),
         ({"mapping": "P2", "theta": 2, "digits": 2}, "digits"),
     ],
 )

@@ -46,3 +46,11 @@ def test_guesses_in_every_form() -> None:
         guess = [[convert(t0), convert(x0)], [convert(t1), convert(x1)]]
         for given in (guess, tuple(map(tuple, guess)), np.array(guess)):
             assert np.allclose(np.array(find_orbit(P, "P32", given).points), np.array(ORBIT.points))
+
+
+def test_periods_follow_from_the_guess() -> None:
+    assert find_orbit(P, "P32", ORBIT.points[0]).periods == 1  # from a motion that begins there
+    turn = float(ORBIT.period)
+    (t0, x0), (t1, x1) = ORBIT.points
+    twice = [(t0, x0), (t1, x1), (t0 + turn, x0), (t1 + turn, x1)]  # less than a period from the second to the last
+    assert find_orbit(P, "P3232", twice).periods == 2

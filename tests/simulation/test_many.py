@@ -308,6 +308,16 @@ def test_a_table_has_its_trajectories_by_number(tmp_path: Path, monkeypatch: pyt
     assert dataset["status"].values.tolist() == table.status
 
 
+@pytest.mark.parametrize("workers", [1, 3])
+def test_progress_ends_with_all_rows(workers: int) -> None:
+    told = list[tuple[int, int]]()
+    chunks = in_chunks(1040, lambda rows, room, cancel: rows, workers, lambda done, of: told.append((done, of)))
+    assert [i for rows in chunks for i in range(1040)[rows]] == list(range(1040))
+    assert told == sorted(told)
+    assert told[-1] == (1040, 1040)
+    assert len(told) == len(chunks) > 1
+
+
 @pytest.mark.parametrize("where", ["chunk", "caller"])
 def test_an_interrupt_ends_all_threads(where: str) -> None:
     running, begun = threading.Event(), []

@@ -15,7 +15,7 @@ from symosc.engine.batch import row_of
 from symosc.engine.start import first_state, last_time
 from symosc.model import PARAMETER_NAMES
 from symosc.simulation.batch import INTERPRETED
-from symosc.simulation.problems import NumberColumn, Problems
+from symosc.simulation.problems import NumberColumn, Problems, decimal_rest
 
 FIG9 = load_scene("fig9").parameters
 
@@ -134,3 +134,10 @@ def test_speeds_that_are_equal_as_doubles_may_differ() -> None:
 def test_bad_starts_are_named_by_their_row(starts: Any, t_end: Any, message: str) -> None:
     with pytest.raises(ParameterError, match=message):
         Problems(FIG9, starts, t_end)
+
+
+def test_what_a_double_lacks_of_its_decimal() -> None:
+    values = [0.1, 1 / 7, -2 / 3, 123.456, 1e14 / 7, 3e-4 / 7, 5.0, -0.3, 0.0]
+    rest, sure = decimal_rest(np.array(values))
+    assert sure.all()
+    assert rest.tolist() == [float(Fraction(repr(value)) - Fraction(value)) for value in values]

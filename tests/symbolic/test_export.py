@@ -203,6 +203,7 @@ def test_numpy_takes_numbers_and_arrays_that_broadcast(fix: Parameters | None) -
 def test_julia_source_has_balanced_blocks() -> None:
     for fix in (None, load_scene("fig9").parameters):
         text = export(ALL, "julia", fix, "made")["made.jl"]
+        assert "module Made" in text.splitlines()
         words = [line.split(" ")[0] for line in map(str.strip, text.splitlines())]
         opened = sum(word in ("module", "function", "struct", "if", "for") for word in words)
         assert words.count("end") == opened

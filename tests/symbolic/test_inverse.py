@@ -24,6 +24,7 @@ from symosc import (
 from symosc.errors import ParameterError
 from symosc.grazing.check import YES, Ways
 from symosc.mappings.theorem7_cases import EMPTY, EVERYTHING
+from symosc.symbolic import inverse
 from symosc.symbolic.inverse import QUERY_LETTERS, THETA, Answer
 
 MAPS = ("P2", "P3", "P5", "P6")
@@ -235,6 +236,14 @@ def test_answers_agree_with_the_exact_flow(mapping: str) -> None:
             if verdict:
                 assert (verdict == YES) == (value in found), (there, mapping, name, theta)
                 seen[verdict == YES] += 1
+
+
+def test_each_comparison_is_decided_with_numbers() -> None:
+    x = sp.Symbol("x", real=True)
+    for number in (-1, 0, 1):
+        pairs = ((sp.Eq(x, 0), number == 0), (x > 0, number > 0), (x >= 0, number >= 0))
+        for condition, due in (*pairs, (x < 0, number < 0), (x <= 0, number <= 0)):
+            assert inverse.holds(condition, {x: sp.Integer(number)}) == due, (condition, number)
 
 
 def test_bad_questions() -> None:

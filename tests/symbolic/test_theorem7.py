@@ -13,7 +13,7 @@ from symosc import (
     theorem7,
 )
 from symosc.errors import ParameterError
-from symosc.symbolic.theorem7 import CIRCLE, sign_of
+from symosc.symbolic.theorem7 import CIRCLE, real, sign_of
 
 MAPS = ("P2", "P3", "P5", "P6")
 gamma, a = sp.symbols("gamma a", real=True)
@@ -198,6 +198,13 @@ def test_what_is_no_real_number(bad: Any) -> None:
         theorem7("P2", bad, 1)
     with pytest.raises(ParameterError, match="amplitude"):
         theorem7("P2", 1, bad)
+
+
+def test_a_constant_that_only_algebra_shows_to_be_0() -> None:
+    nothing = sp.sqrt(3 + 2 * sp.sqrt(2)) - 1 - sp.sqrt(2)
+    assert real("gamma", nothing) == 0
+    with pytest.raises(ParameterError, match="gamma"):
+        real("gamma", sp.Function("f")(1))
 
 
 def _label(mapping: str, level: int, amplitude: int) -> str:
