@@ -226,6 +226,7 @@ def test_a_late_start_is_no_excuse_for_late_events(t0: int) -> None:
     assert counts(found) == {"late": len(events)}
     assert found.error_t is not None
     assert 1e-5 < found.error_t < 2e-3
+    assert case_cell(found) == f"error {max(found.error_t, found.error_x or 0.0):.0e}"
 
 
 def test_results_that_end_early_are_not_right() -> None:
