@@ -78,6 +78,7 @@ def test_derivatives_are_judged_where_they_exist() -> None:
         found = judged(case, with_changes(case))
         assert found.right
         assert found.derivatives == found.known_derivatives == sum(2 * len(row) for row in case.derivatives) > 70
+        assert all(change.proven for row in case.derivatives for change in row.values())  # the start is exact
         last = list(case.derivatives[-1].values())[-1]
         dt, dx = float(last.dt[0]), float(last.dx[0])
         scale = max(1.0, abs(dt), abs(dx), abs(float(case.events[-1].middle[1])))
