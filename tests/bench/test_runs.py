@@ -10,6 +10,7 @@ import signal
 from pathlib import Path
 from typing import Any
 
+import numpy as np
 import pytest
 from bench_fakes import FAKES, PatientWorker, fail, loop_for_ever, talk
 from effort import PATIENCE
@@ -17,8 +18,9 @@ from once import alone
 from small_set import small_set
 
 from symosc import load_scene, simulate
-from symosc.bench import cases, machine, results, sentence, work
+from symosc.bench import cases, machine, results, sentence, speed, work
 from symosc.bench.solvers import HANG, OURS, FoundEvent, Worker, all_solvers
+from symosc.errors import OutputError
 
 
 @pytest.fixture(scope="session")
@@ -158,6 +160,15 @@ def test_solvers_are_judged_and_the_page_says_how_it_was_made(tmp_path: Path) ->
     assert picture.is_file()
 
 
+# -- speed -------------------------------------------------------------------------------------------------------------
+
+
+def test_random_starts_are_followed_for_so_many_periods() -> None:
+    p, starts, ends = speed._starts(9)
+    assert ends - starts[:, 0] == pytest.approx(np.full(9, speed.PERIODS * 2 * np.pi / float(p.Omega)))
+    assert (np.abs(starts) <= [2 * np.pi / float(p.Omega), 5, 5]).all()
+
+
 # -- the pages of results ----------------------------------------------------------------------------------------------
 
 
@@ -175,6 +186,16 @@ def assert_same_figures(readme: str, page: str) -> None:
 def cells(table: str) -> list[list[str]]:
     lines = [line for line in table.splitlines() if line.startswith("|") and "|--" not in line]
     return [[cell.strip() for cell in line.split("|")[1:-1]] for line in lines]
+
+
+def test_results_need_both_marks_once_and_in_order(tmp_path: Path) -> None:
+    readme, begin, end = tmp_path / "README.md", "<!-- results: begin -->\n", "<!-- results: end -->\n"
+    for text in (begin, end, begin + begin + end, begin + end + end, end + begin, 2 * (begin + end)):
+        readme.write_text(text)
+        with pytest.raises(OutputError, match="once each"):
+            results.check(readme)
+    readme.write_text(f"above\n{begin}old\n{end}below\n")
+    assert results.check(readme) == f"above\n{begin}{end}below\n"
 
 
 def test_readme_and_pages_of_results_say_the_same() -> None:

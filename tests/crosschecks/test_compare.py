@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from fractions import Fraction
 from functools import cache
 from typing import Any
@@ -167,6 +168,13 @@ def test_passing_where_it_sticks_is_a_wrong_decision() -> None:
     assert result.decisions[0].expected == "belt1"
     assert result.decisions[0].found == "Omega1"
     assert result.first_wrong.reason == "event at the start"
+    assert re.search(r"\bv - v1 = \S+ at its start", result.first_wrong.words)
+
+
+def test_an_unknown_cause_explains_none_of_the_steps() -> None:
+    """Here the steps are too long to tell: each lasts a hundred periods of the drive."""
+    (one,) = crosscheck("fig5", [0, 700, 1400], [0, 1, 0], [0, 0, 0]).diagnosis
+    assert (one.cause, one.share) == ("unknown", 0.0)
 
 
 def test_keeping_to_a_belt_too_long_is_found() -> None:

@@ -43,6 +43,9 @@ def test_each_kind_of_fault_has_its_name(kind: str) -> None:
     assert check.diagnosis[0].evidence
     assert all(one.cause in CAUSES for one in check.diagnosis)
     assert false_sentences(check) == []
+    if kind == "double root":  # the micro stick of fig8
+        begin, end = (event.t for event in simulate("fig8", t_end=4).events)
+        assert f"the first time at t = {begin:.8g} to {end:.8g}; " in check.diagnosis[0].evidence
 
 
 @pytest.mark.slow
@@ -345,9 +348,11 @@ MEASURED: dict[str, tuple[Any, str, str | None, float | None, float]] = {
     "shown ends": (lambda: solved(Flaw(static=1.1), every=1, joints=True), "stick left late", None, 1.1, 0.01),
     "early ends": (lambda: solved(Flaw(early=0.25)), "stick left early", None, None, 0.0),
     "drift": (lambda: solved(Flaw(drift=-2e-3)), "drift", None, -2e-3, 1e-3),
+    "drift in steps": (lambda: solved(Flaw(drift=-2e-3), "fig5", 60), "drift", None, -2e-3, 1e-6),
     "Heun": (lambda: solved(Flaw(method="heun"), "fig5"), "truncation", "Heun", 0.06 / 4, 1e-6),
     "late events": (lambda: solved(Flaw(late=True), every=2), "late events", None, None, 0.0),
     "tanh, narrow": (lambda: softened("tanh", 0.01, "fig5", 400), "smoothed friction", "tanh", 0.01, 0.05),
+    "tanh, narrowest": (lambda: softened("tanh", 1e-3, "fig5", 400), "smoothed friction", "tanh", 1e-3, 1e-5),
     "arctan, wide": (lambda: softened("arctan", 7.2, "fig9", 60), "smoothed friction", "arctan", 7.2, 1e-3),
     "root, passages": (lambda: softened("root", 0.02, "fig9", 300), "smoothed friction", None, 0.02, 0.3),
 }

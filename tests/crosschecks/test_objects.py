@@ -50,6 +50,7 @@ def made() -> dict[str, Any]:
         "array": np.column_stack([T, X, V]),
         "records": RECORDS,
         "structured": np.array(RECORDS),
+        "record array with a y": np.rec.fromarrays([T, X, V, -X], names="t,x,v,y"),
         "DataFrame": frame(),
         "DataFrame by time": frame().set_index("t"),
         "DataFrame of text": frame().map(repr),
@@ -172,7 +173,7 @@ def test_results_of_scipy_with_their_events() -> None:
         object(), [[1, 2, 3], [1, 2]], [COLUMNS, 5], SimpleNamespace(t=T, y=None), SimpleNamespace(ts=T, ys=X),
         {"t": T, "x": X, "v": np.zeros((2, 7))}, {"t": T, "x": np.zeros((2, 7)), "v": V},
         {"t": T, "x": np.zeros((2, 7)), "v": np.zeros((2, 7))}, {"t": T, "x": X, "v": V, "id": ["a"] * 5},
-        {"t": T, "x": X, "v": V, "id": ["a"] * 59 + ["b"]},
+        {"t": T, "x": X, "v": V, "id": ["a"] * 59 + ["b"]}, [ROWS[0], 5],
     ],
 )  # fmt: skip
 def test_what_is_no_solution_is_one_line(source: Any) -> None:

@@ -84,6 +84,15 @@ def test_a_flight_is_that_of_its_domain_alone() -> None:
             assert found == pytest.approx([float(value) for value in right], abs=1e-12)
 
 
+def test_a_time_is_in_the_step_that_begins_with_it_and_outside_in_the_nearest() -> None:
+    steps = follow_steps(
+        load_scene("fig10").parameters, np.array([0, 0.5, 1, 1.5]), np.zeros(4), np.zeros(4), 0.0, np.ones(2)
+    )
+    found = {time: steps.at(time) for time in (-9.0, 0.25, 0.5, 0.75, 1.5, 9.0)}
+    assert found == {-9.0: (0, 0), 0.25: (0, 0), 0.5: (1, 1), 0.75: (1, 1), 1.5: (2, 2), 9.0: (2, 2)}
+    assert (steps.at(0.5, 0.125), steps.at(0.75, 0.5), steps.at(0.0, 0.125)) == ((0, 1), (0, 2), (0, 0))
+
+
 # -- allowed -----------------------------------------------------------------------------------------------------------
 
 

@@ -102,6 +102,14 @@ def value(text: str) -> mpmath.mpf:
 CLOSED = [name for name, case in CASES.items() if case.closed_form and case.group != LONG_RUNS]
 
 
+def test_a_meeting_in_closed_form_has_its_form() -> None:
+    """A velocity v = A/c (1 - exp(-c t/m)) meets belt 1 if A/c is beyond its speed, at log(1 + c v1/(A - c v1)) m/c."""
+    times = [re.findall(r"t\[0\] = (.+)", " ".join(CASES[f"limit-speed-{i}"].closed_form)) for i in (1, 2, 3, 4)]
+    assert [len(found) for found in times] == [1, 1, 0, 0]
+    for (text,), beyond in zip(times[:2], ("1e-3", "1e-12"), strict=True):
+        assert value(text) == pytest.approx(mpmath.log(1 + 1 / mpmath.mpf(beyond)) / 2, rel=1e-14)
+
+
 @pytest.mark.full(24)
 @pytest.mark.quick(5)
 @pytest.mark.parametrize("name", CLOSED)

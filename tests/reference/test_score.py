@@ -78,6 +78,7 @@ def test_derivatives_are_judged_where_they_exist() -> None:
         found = judged(case, with_changes(case))
         assert found.right
         assert found.derivatives == found.known_derivatives == sum(2 * len(row) for row in case.derivatives) > 70
+        assert all(change.proven for row in case.derivatives for change in row.values())  # the start is exact
         last = list(case.derivatives[-1].values())[-1]
         dt, dx = float(last.dt[0]), float(last.dx[0])
         scale = max(1.0, abs(dt), abs(dx), abs(float(case.events[-1].middle[1])))
@@ -226,6 +227,7 @@ def test_a_late_start_is_no_excuse_for_late_events(t0: int) -> None:
     assert counts(found) == {"late": len(events)}
     assert found.error_t is not None
     assert 1e-5 < found.error_t < 2e-3
+    assert case_cell(found) == f"error {max(found.error_t, found.error_x or 0.0):.0e}"
 
 
 def test_results_that_end_early_are_not_right() -> None:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import errno
 import os
+import warnings
 from collections.abc import Callable, Iterator
 from pathlib import Path
 from typing import Any
@@ -50,6 +51,20 @@ def test_chunks_of_another_plan_stay_where_they_are(opened: Any, tmp_path: Path)
     anew = opened(tmp_path, OTHER_KEY, resume=False)
     assert anew.ranges() == []
     assert anew.key() == OTHER_KEY
+
+
+def test_a_folder_is_for_one_at_a_time(opened: Any, tmp_path: Path) -> None:
+    pytest.importorskip("fcntl")
+    first, second = opened(tmp_path), Store(tmp_path / "map.nc")
+    first.write(0, 2, columns(0, 2))
+    with warnings.catch_warnings():
+        warnings.simplefilter("error", ResourceWarning)
+        with pytest.raises(SweepError, match="is in use"):
+            second.open(KEY, {"about": 1}, False)
+        assert second._lock is None  # the file is closed
+    assert first.ranges() == [(0, 2)]
+    first.close()
+    assert opened(tmp_path).ranges() == [(0, 2)]
 
 
 def test_a_chunk_of_another_form_is_taken_away(opened: Any, tmp_path: Path) -> None:
