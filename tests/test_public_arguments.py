@@ -164,6 +164,7 @@ def test_what_the_annotations_say_is_what_is_checked() -> None:
     refused(lambda: f(0, True), "a")
     refused(lambda: f(0, 1, 2), "more")  # type: ignore[arg-type]
     refused(lambda: f(0, 1, b=(1, 2, 3)), "b")  # type: ignore[arg-type]
+    refused(lambda: f(0, 1, b=(1, "x")), "b")  # type: ignore[arg-type]
     refused(lambda: f(0, 1, c=1), "c")  # type: ignore[arg-type]
     for arity in (lambda: f(0), lambda: f()):  # type: ignore[call-arg]
         with pytest.raises(TypeError, match="missing"):

@@ -23,6 +23,7 @@ from symosc import (
     load_scene,
     simulate,
 )
+from symosc.response import measured, settle
 
 
 def wall(F: float | str, **others: object) -> OtherModel:
@@ -129,6 +130,7 @@ def test_motions_that_meet_no_belt_and_rests() -> None:
     rest = frequency_response(wall("1.01", c="0.1"), {"Omega": [0.5, 1.0]})
     assert rest.status.tolist() == ["rest"] * 2
     assert (rest.amplitude.tolist(), rest.stuck.tolist(), rest.dissipated.tolist()) == ([0, 0], [1, 1], [0, 0])
+    assert np.isnan(rest.balance_error).all()  # harmonic balance rests too: 0/0
     ridden = frequency_response(OtherModel(m=1, k=1, Omega=1, FN=9, Y=2, joined=True), {"Omega": [0.5]})
     assert ridden.transmissibility[0] == pytest.approx(1, abs=1e-14)
     assert ridden.balance_error[0] == pytest.approx(0, abs=1e-14)
@@ -161,6 +163,15 @@ def test_what_has_no_settled_motion_says_so() -> None:
     assert frequency_response(wall("0.1"), {"Omega": [0.5]}).status[0] == "marginal orbit"  # Csernak's continuum
     free = frequency_response(OtherModel(m=1, k=1, Omega=3, FN=1, B0=1, v1=-9, v2=9), {"Omega": [3.0]})
     assert "goes on for ever" in free.status[0]
+
+
+def test_the_error_says_how_far_a_motion_is_from_the_settled_one() -> None:
+    """A start that is off by 1e-6 in x; differences shrink slowly here."""
+    model = wall("0.1", c="0.05")
+    _, (t, x, v), orbit = settle(model.parameters, (0.0, 1.0), None)
+    assert orbit is not None
+    assert max(map(abs, orbit.multipliers)) > 0.8
+    assert 5e-7 < measured(model, (t, x + 1e-6, v), orbit)["error"] < 1e-5
 
 
 def test_marinos_inversion() -> None:

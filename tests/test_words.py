@@ -79,3 +79,4 @@ def test_a_long_word_prints_short_and_is_a_list() -> None:
     assert repr(labels).startswith("<10,000 mappings: ")
     assert labels == list(labels)
     assert repr(Labels(["P1"])) == "['P1']"
+    assert repr(Labels(["P3", *["P1", "P2"] * 30, "P1"])) == "<62 mappings: P3 (P1 P2)×30 P1>"

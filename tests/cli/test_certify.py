@@ -20,6 +20,11 @@ def test_a_proven_motion(tmp_path: Path) -> None:
     assert run("verify", str(path), "--steps", "9").stderr == "symosc: not proven: more than 9 steps (--steps)\n"
 
 
+def test_derivatives_have_a_table() -> None:
+    lines = good("certify", "fig6", "--t-end", "2", "--wrt", "mu1,x0").splitlines()
+    assert ["dt/dmu1", "dt/dx0", "dx/dmu1", "dx/dx0"] in [line.split() for line in lines]
+
+
 def test_a_branch_is_verified(tmp_path: Path) -> None:
     path = tmp_path / "branch.json"
     good("certify", "fig9", "--branch", "Omega=3.99:4.01", "-o", str(path))

@@ -87,6 +87,8 @@ def test_one_parameter_and_a_phase() -> None:
 def test_two_parameters_and_letters() -> None:
     region = good("fig9", "--map", "P2", "--solve", "Omega,k", "--phase", "7*pi/6")
     assert region == "P2 grazes at theta = 7*pi/6 where k > 9*Omega/2\n"
+    picture = good("fig9", "--map", "P2", "--solve", "Omega,k", "--phase", "7*pi/6", "--plot", "-")
+    assert picture.startswith("<?xml")
     letters = good("--map", "P3", "--solve", "Omega", "--phase", "pi").splitlines()
     assert letters[0] == "P3 grazes at theta = pi:"
     assert set(letters[1:]) == {"  if k*v_lambda < 0: Omega in (0, oo)", "  if k*v_lambda >= 0: Omega in the empty set"}

@@ -74,6 +74,10 @@ def test_two_solvers_pages_and_a_picture(folder: Path, tmp_path: Path) -> None:
     assert piped.stdout.startswith("<?xml")
 
 
+def test_a_list_of_cases_says_how_many_are_proven() -> None:
+    assert good("cases", "--group", "easy").splitlines()[-1] == "2 cases, 2 of them proven"
+
+
 @pytest.mark.slow
 def test_a_folder(tmp_path: Path) -> None:
     target = tmp_path / "cases"

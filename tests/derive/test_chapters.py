@@ -27,6 +27,7 @@ from symosc.derive.errata import read_errata
 from symosc.derive.front import NOTATION
 from symosc.derive.scope import Scope
 from symosc.derive.steps import StepError, equation, points, steps_of
+from symosc.errors import OutputError
 from symosc.scenes import load_scene
 
 COMMITTED = Path(__file__).parents[2] / "derivations"
@@ -182,6 +183,21 @@ def test_the_page_needs_no_other_file() -> None:
 
 
 # --- the command ---
+
+
+@pytest.mark.slow
+def test_a_pdf_that_fails_leaves_the_rest_and_says_why(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
+    found = chapter("switching")
+
+    def make_pdf(path: Path) -> Path:
+        raise OutputError(str(path), "does not compile")
+
+    for name, instead in {"has_latex": lambda: True, "check_chapter": lambda *_: found, "make_pdf": make_pdf}.items():
+        monkeypatch.setattr(document, name, instead)
+    result = run("switching", "-o", str(tmp_path / "new"), "--pdf")
+    assert result.return_value == 1
+    assert "does not compile" in result.stderr
+    assert (tmp_path / "new" / document.MAIN).is_file()
 
 
 @pytest.mark.slow

@@ -278,6 +278,7 @@ def test_contacts_are_of_every_kind_and_turns_are_exact() -> None:
     turns = [theorem_7.quarter_turns(np.sin(angle), np.cos(angle)) for angle in angles]
     assert [theorem_7.quarter_turns(Fraction(s), Fraction(c)) for s, c in exact.QUARTER_POINTS] == [0, 1, 2, 3]
     assert [theorem_7.angle(turn) for turn in turns] == pytest.approx(angles, abs=1e-14)
+    assert all(s * s + c * c == 1 for s, c in exact.RATIONAL_PHASES)
     contacts = exact.contacts(2, 300, 5)
     assert {contact.next_mode for contact in contacts} == {"Omega2", "Omega3", "belt2"}
     for alpha in (2, 3):

@@ -117,6 +117,10 @@ def test_orbits_are_closed_and_show_how_far_the_printed_start_is(number: str) ->
         assert dots(ax, "printed start") == pytest.approx(np.array([[place[i], place[j]]]))
         low, high = ax.get_ylim()
         assert low < place[j] < high
+    for inset in phase.child_axes:
+        diamonds = [line.get_xydata() for line in inset.lines if line.get_marker() == "D"]
+        assert np.array_equal(diamonds, [[place[1:]]])
+    assert len(phase.child_axes) == (number == "10")
     named = {"9": ("crossing",), "10": ("onset of stick", "end of stick")}[number]
     switchings = np.concatenate([dots(displacement, name) for name in named])
     for point in orbit.points:

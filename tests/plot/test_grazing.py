@@ -14,6 +14,7 @@ from matplotlib.contour import QuadContourSet
 from symosc import (
     ParameterError,
     Parameters,
+    grazing_curve,
     grazing_window,
     load_scene,
     plot,
@@ -73,6 +74,16 @@ def test_what_is_drawn_thick_is_in_the_window(mapping: str) -> None:
                 theta, x = np.asarray(line.get_xydata()).T
                 assert x == pytest.approx((float(constant) + float(p.B0) * np.cos(theta)) / float(p.k), abs=1e-9)
     assert dots
+
+
+def test_the_ends_of_flights_are_on_their_curves() -> None:
+    curve = grazing_curve(FIG9, "P2", 40)
+    flights = plot.figure_grazing_curve(curve).axes[1]
+    lines = [np.asarray(line.get_xydata()) for line in flights.lines if line.get_linestyle() != "None"]
+    dots = [np.asarray(line.get_xydata()) for line in flights.lines if line.get_linestyle() == "None"]
+    ends = np.concatenate([line[[0, -1]] for line in lines])
+    assert dots
+    assert all(np.abs(ends - dot).sum(axis=1).min() < 1e-6 for dot in dots)
 
 
 # -- regions of two parameters ----------------------------------------------------------------------------------------

@@ -146,6 +146,7 @@ def test_the_first_wrong_step_is_drawn() -> None:
     assert exact.get_xdata()[[0, -1]] == pytest.approx(check.t[step : step + 2])  # type: ignore[index]
     given = lines["given, end of this step"].get_ydata()
     assert exact.get_ydata()[-1] - given[0] == pytest.approx(check.defects[step, 1], abs=1e-9)  # type: ignore[index]
+    assert "exact, from the sample before" in [text.get_text() for text in drawing.legends[0].get_texts()]
 
 
 # -- certificates -----------------------------------------------------------------------------------------------------

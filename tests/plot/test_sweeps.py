@@ -112,6 +112,33 @@ def test_a_map_of_words() -> None:
     assert len(inside) >= 3
 
 
+def test_cells_that_are_undecidable_are_hatched() -> None:
+    dataset = made_up(
+        OVER,
+        word=lambda cells: WORDS[bands(cells)],
+        status=lambda cells: np.where(cells["FN"] + cells["Omega"] < 3, "undecidable", "t_end"),
+    )
+    axes = plot.map_figure(dataset).axes[0]
+    (hatched,) = (each for each in axes.collections if each.get_hatch())
+    middles = np.sort([np.asarray(path.vertices)[:4].mean(axis=0) for path in hatched.get_paths()], axis=0)
+    omega, force = np.meshgrid(dataset.Omega, dataset.FN, indexing="ij")
+    here = omega + force < 3
+    assert middles == pytest.approx(np.sort(np.column_stack([omega[here], force[here]]), axis=0))
+    mesh = axes.collections[0]
+    colors = mesh.to_rgba(np.asarray(mesh.get_array()).reshape(20, 30))
+    for text in axes.texts:  # black on light, or white on dark
+        x, y = text.get_position()
+        color = colors[np.abs(dataset.FN.values - y).argmin(), np.abs(dataset.Omega.values - x).argmin()]
+        assert abs(color[:3].mean() - (text.get_color() == "white")) > 0.4
+
+
+def test_whole_numbers_are_classes_and_others_are_shades() -> None:
+    whole = plot.map_figure(made_up(OVER, sticks=bands), "sticks")
+    assert (len(whole.legends), len(whole.axes)) == (1, 1)
+    shades = plot.map_figure(made_up(OVER, stuck=lambda cells: bands(cells) / 3), "stuck")
+    assert (len(shades.legends), len(shades.axes)) == (0, 2)  # the second axes are the colour bar
+
+
 def test_a_basin_has_the_belts() -> None:
     dataset = made_up({"v0": "-3:3:9", "x0": "-1:1:5"}, word=lambda cells: WORDS[(cells["v0"] > 0).astype(int)])
     axes = plot.basin_figure(dataset).axes[0]
