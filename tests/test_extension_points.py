@@ -69,7 +69,7 @@ REST = """    yield ReferenceCase(
 def test_a_reference_case(scratch: Scratch) -> None:
     pytest.importorskip("flint")
     cases, tests, page = "symosc/reference/cases.py", "tests/reference/test_cases.py", "docs/cases.md"
-    scratch.replace(cases, "\n\nRESTING = ", f"{REST}\n\nRESTING = ")
+    scratch.replace(cases, "\n\n\n# -- the Coulomb", f"\n{REST}\n\n# -- the Coulomb")
     scratch.replace(cases, "SET_VERSION = 1\n", "SET_VERSION = 2\n")
     command = [sys.executable, "-m", "pytest", "-q", tests, "-k", "new_version", "-p", "no:cacheprovider"]
     said = subprocess.run(command, cwd=scratch.folder, capture_output=True, text=True, check=False).stdout
