@@ -31,7 +31,7 @@ from symosc.scenes import load_scene
 @flag("--latex", "Print LaTeX, one window a line.", callback=output.claim_stdout)
 @options.json_option
 @option("--check N", "Check the windows at N phases each.", "phases", type=options.WholeNumber(min=1))
-@options.picture("--plot FILE", "Draw windows, contact curves and grazing curves: .pdf, .svg or .png.")
+@option("--plot FIGURE", "Draw windows, contact curves and grazing curves: .pdf, .svg or .png.")
 @option("--solve NAME[,NAME]", "For which values of Omega, B0, k, v1 or v2, or of two, see --phase.")
 @option("--phase PHASE[:PHASE]", "With --solve: where it grazes at this phase, or at all in between.")
 @option("--against NAME[=LOW:HIGH]", "With --plot and one --map: the window against Omega, B0, k, v1 or v2.")
@@ -71,7 +71,7 @@ def grazing(
         (latex and output.prints_json(), "give --latex or --json, not both; the JSON has the LaTeX"),
         (phase is not None and solve is None, "--phase needs --solve, which says what is asked for"),
         (solve is not None and (phases, against) != (None, None), "--solve goes without --check and --against"),
-        (against is not None and (plot is None or len(mappings) != 1), "--against needs --plot FILE and one --map"),
+        (against is not None and (plot is None or len(mappings) != 1), "--against needs --plot FIGURE and one --map"),
     )
     in_letters = solve is not None and scene is None and not settings
     name, p = (None, None) if in_letters else _parameters(scene, settings)

@@ -97,11 +97,6 @@ def option(form: str, about: str, *names: str, **settings: Any) -> Callable[[Any
     return click.option(*short, long, *names, metavar=metavar or None, help=about, **known | settings)
 
 
-def picture(form: str, about: str, *names: str, **settings: Any) -> Callable[[Any], Any]:
-    """Return a click option that names the file of a figure."""
-    return option(form, about, *names, callback=read_picture, **settings)
-
-
 def flag(form: str, about: str, *names: str, **settings: Any) -> Callable[[Any], Any]:
     """Return a click option that takes no value."""
     return option(form, about, *names, is_flag=True, **settings)
@@ -113,7 +108,7 @@ json_option = flag("--json", "Print JSON in place of the table.", expose_value=F
 set_option = option(
     "--set NAME=VALUE", "Change a parameter, such as k=3 or Omega=2*pi. Repeatable.", "settings", multiple=True
 )
-plot_option = picture("--plot FILE", "Draw it: .pdf, .svg or .png. -: SVG to stdout.")
+plot_option = option("--plot FIGURE", "Draw it: .pdf, .svg or .png. -: SVG to stdout.")
 start_error_option = option(
     "--start-error E",
     "How far t0, x0, v0 may be off: a number, or three with commas.",

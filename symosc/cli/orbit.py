@@ -28,9 +28,7 @@ from symosc.reductions import MODEL_NAMES
     "Amplitude, energies and so on of the settled motion over a parameter, such as Omega=1:5:80.",
     shell_complete=options.complete(lambda: MODEL_NAMES, "="),
 )
-@options.picture(
-    "-o, --output FILE", "Draw orbit, branch or response: .pdf, .svg or .png. -: SVG to stdout.", "picture"
-)
+@option("-o, --output FIGURE", "Draw orbit, branch or response: .pdf, .svg or .png. -: SVG to stdout.", "picture")
 @options.json_option
 def orbit(
     scene: str, structure: Text, settings: Settings, span: Text, response: Text, picture: Text, **exact: int | None

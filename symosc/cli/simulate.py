@@ -79,7 +79,7 @@ def _cell(name: str, row: Record) -> str:
 
 @click.command()
 @options.scene_argument
-@options.picture("-o, --output FILE", "The file: .pdf, .svg or .png. -: SVG to stdout.", "path", required=True)
+@option("-o, --output FIGURE", "The file: .pdf, .svg or .png. -: SVG to stdout.", "path", required=True)
 @option("--t-end T", "End of the time axis; 10T: 10 periods. Default: what the paper shows, else the scene's.")
 @options.set_option
 @option("--panels LETTERS", "a x(t), b v(t), c phase plane, forces: d (t), e (x), f (v), g their product (t).")

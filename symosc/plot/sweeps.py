@@ -422,8 +422,6 @@ def _draw_shades(axes: Axes, edges: tuple[np.ndarray, np.ndarray], values: np.nd
 
 def _cell_edges(values: np.ndarray) -> np.ndarray:
     """Return the edges of cells around increasing values: the middles between them, and one edge at each end."""
-    if len(values) == 1:
-        return values[0] + np.array([-0.5, 0.5])
     middles = (values[1:] + values[:-1]) / 2
     return np.concatenate([[2 * values[0] - middles[0]], middles, [2 * values[-1] - middles[-1]]])
 

@@ -94,7 +94,7 @@ BAD = {
     "grazing fig9 --check 1 --set k=0 --plot w.png": "k = '0'",
     "grazing fig9 --latex --json": "not both",
     "grazing fig9 --plot - --latex": "standard output",
-    "grazing fig9 --against Omega --plot w.png": "--against needs --plot FILE and one --map",
+    "grazing fig9 --against Omega --plot w.png": "--against needs --plot FIGURE and one --map",
     "grazing fig9 --map P2 --against Omega=3 --plot w.png": "NAME=LOW:HIGH",
     "grazing fig9 --phase pi": "--phase needs --solve",
     "grazing fig9 --solve Omega,k,B0": "is not NAME or NAME,NAME",
