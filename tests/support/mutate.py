@@ -147,6 +147,7 @@ def test_files(path: str) -> list[list[str]]:
         [f"tests/{each}" for each in names if (ROOT / "tests" / each).is_dir()]
         for names in ([package], users_of(package))
     )
+    own += ["tests/test_outputs.py"] if own else []
     quick, slow = "not slow and not compiled", "(slow or compiled) and not campaign"
     # without files pytest would take all
     return [[*files, "-m", marked] if files else [] for files, marked in ((own, quick), (above, quick), (own, slow))]
