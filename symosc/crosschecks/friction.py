@@ -87,7 +87,8 @@ def at_belts(case: Case) -> Iterator[Diagnosis]:
     if count >= 2:
         rate, deviation = _median_and_deviation(((gap - before) / (s.t[steps + 1] - s.t[steps]))[near])
         same = deviation / abs(rate) if rate else np.inf
-    if spread <= SAME_WIDTH and spread < same and width <= WIDEST * (belts[1] - belts[0]):
+    agree = SAME_WIDTH * (1 - 2 / len(steps))  # a few samples agree by chance
+    if spread <= agree and spread < same and width <= WIDEST * (belts[1] - belts[0]):
         evidence = f"in sticks v creeps off the belt by the {name} of the needed friction, {len(steps)} samples"
         yield _smoothed(name, width, error, evidence, 1.0)
         return

@@ -349,6 +349,7 @@ MEASURED: dict[str, tuple[Any, str, str | None, float | None, float]] = {
     "early ends": (lambda: solved(Flaw(early=0.25)), "stick left early", None, None, 0.0),
     "drift": (lambda: solved(Flaw(drift=-2e-3)), "drift", None, -2e-3, 1e-3),
     "drift in steps": (lambda: solved(Flaw(drift=-2e-3), "fig5", 60), "drift", None, -2e-3, 1e-6),
+    "drift in 3 steps": (lambda: solved(Flaw(drift=-2e-3), every=40), "drift", None, -2e-3, 1e-6),
     "Heun": (lambda: solved(Flaw(method="heun"), "fig5"), "truncation", "Heun", 0.06 / 4, 1e-6),
     "late events": (lambda: solved(Flaw(late=True), every=2), "late events", None, None, 0.0),
     "tanh, narrow": (lambda: softened("tanh", 0.01, "fig5", 400), "smoothed friction", "tanh", 0.01, 0.05),

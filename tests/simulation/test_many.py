@@ -230,6 +230,7 @@ def test_what_pairs_leave_open_is_left_to_more_digits() -> None:
 
 
 def test_more_digits_from_the_start_need_not_step_as_pairs_did() -> None:
+    pytest.importorskip("numba")
     """Pairs stop between events here, before a stick that digits from there know too little of."""
     p = Parameters(
         m="0.159", c="0.477", k="4293/12500", A0=0, B0="-1.2e-14", Omega="0.31", v1=0, v2="1.01412", mu1="0.348",
