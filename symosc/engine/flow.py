@@ -19,7 +19,7 @@ import numpy as np
 
 from symosc.aliases import Number
 from symosc.engine.state import Flown
-from symosc.kernels._generated import motion, next_derivative
+from symosc.kernels._generated import acceleration, motion, next_derivative
 from symosc.kernels.elementary import exp, select
 from symosc.kernels.entire import SIXTH, basis
 from symosc.kernels.pair_columns import PairColumn, as_double, atan2_of_columns, either, exactly, larger, sign
@@ -338,6 +338,13 @@ def clock_time(t, t_low, t0, K):
 def constant_force(domain, K):
     """Return A_alpha/m, the constant part of the acceleration in a domain."""
     return select(domain == 1, K.A1, select(domain == 2, K.A2, K.A3))
+
+
+def belt_forces(boundary, x, c, K):
+    """Return F^(below) and F^(above), the accelerations on both sides of a belt, at `x` and the cosine `c`."""
+    v = K.belt1.v if boundary == 1 else K.belt2.v
+    below = acceleration(x, v, c, constant_force(boundary, K), K.cm, K.w0sq, K.f0)
+    return below, acceleration(x, v, c, constant_force(boundary + 1, K), K.cm, K.w0sq, K.f0)
 
 
 def friction_signs(domain):

@@ -18,7 +18,7 @@ from symosc.aliases import Number
 from symosc.engine.arithmetic import Arithmetic, MpArithmetic, column_functions
 from symosc.engine.batch import rounded_covariance, row_of
 from symosc.engine.first_exit import ROUNDING
-from symosc.engine.flow import Constants, constant_force
+from symosc.engine.flow import Constants, belt_forces, constant_force
 from symosc.engine.state import BELT, DOMAIN_ABOVE, ON_BELT, Covariance, State
 from symosc.kernels._generated import acceleration
 from symosc.kernels.entire import EPS
@@ -81,10 +81,7 @@ def belt_start(boundary: int, x: Number, phase: Phase, arithmetic: Arithmetic, a
     # A force that is not larger than `allowed` is 0: then its first G-function that does not vanish decides.
     K = arithmetic.K
     v, (s, c) = (K.belt1 if boundary == 1 else K.belt2).v, phase
-    below, above = (
-        acceleration(x, v, c, constant_force(domain, K), K.cm, K.w0sq, K.f0) for domain in (boundary, boundary + 1)
-    )
-    below, above = (0 * force if abs(force) <= allowed else force for force in (below, above))
+    below, above = (0 * force if abs(force) <= allowed else force for force in belt_forces(boundary, x, c, K))
     where = arithmetic.namespace["resolve"](v, below, above, s, c, K)
     mode = ON_BELT + boundary if where == BELT else boundary + (where == DOMAIN_ABOVE)
     return BeltStart(boundary, mode, below, above)
@@ -245,11 +242,11 @@ def continued(state: State, eps: Fraction, arithmetic: MpArithmetic) -> State:
     K, rounded, S = arithmetic.K, arithmetic.rounded, state.S
     theta, t, x, v = rounded(state.theta) + state.theta_low, rounded(state.t) + state.t_low, rounded(state.x), state.v
     v = (K.belt1 if state.at == 1 else K.belt2).v if state.at else rounded(v)
-    domains = (state.at, state.at + 1) if state.mode > ON_BELT else (state.mode, state.mode)
 
-    def forces() -> list[Number]:
-        A = (constant_force(domain, K) for domain in domains)
-        return [acceleration(x, v, phase[1], each, K.cm, K.w0sq, K.f0) for each in A]
+    def forces() -> tuple[Number, Number]:
+        if state.mode > ON_BELT:
+            return belt_forces(state.at, x, phase[1], K)
+        return (acceleration(x, v, phase[1], constant_force(state.mode, K), K.cm, K.w0sq, K.f0),) * 2
 
     phase, part, missing = sine_and_cosine(theta, arithmetic), K.period * arithmetic.number(eps), 0 * x
     Fb, Fa = forces()
