@@ -9,8 +9,10 @@ Boundary 1 is v = v1, boundary 2 is v = v2. docs/reference/glossary.md explains 
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass, fields
 from fractions import Fraction
+from typing import Any
 
 from symosc.aliases import NumberLike
 from symosc.arguments import public
@@ -129,6 +131,15 @@ class Parameters:
 
     def __repr__(self) -> str:
         return f"Parameters({', '.join(f'{name}={_source(value)}' for name, value in self.as_dict().items())})"
+
+
+class OtherNumbers:
+    """Parameters in other numbers, such as columns of them; the formulas are those of `Parameters`."""
+
+    A, belt = Parameters.A, Parameters.belt
+
+    def __init__(self, values: Mapping[str, Any]) -> None:
+        vars(self).update(values)
 
 
 def _source(text: str) -> str:

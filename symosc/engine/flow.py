@@ -23,7 +23,7 @@ from symosc.kernels._generated import acceleration, motion, next_derivative
 from symosc.kernels.elementary import exp, select
 from symosc.kernels.entire import SIXTH, basis
 from symosc.kernels.pair_columns import PairColumn, as_double, atan2_of_columns, either, exactly, larger, sign
-from symosc.model import Parameters
+from symosc.model import OtherNumbers, Parameters
 
 # Steady state and transient are separated (in bounds, and in the closed form) when |i Omega - l1| |i Omega - l2| is
 # at least this part of max(Omega, w0)^2. Nearer to undamped resonance both grow without limit and cancel.
@@ -281,15 +281,6 @@ class ConstantRows(Sequence[Constants]):
         return self._last[1]
 
 
-class ParameterColumns:
-    """Many parameter sets: each parameter is a column of double-double numbers; A and belt are as in `Parameters`."""
-
-    A, belt = Parameters.A, Parameters.belt
-
-    def __init__(self, columns: dict[str, PairColumn]) -> None:
-        vars(self).update(columns)
-
-
 def table_of(rows: Iterable[Constants]) -> np.ndarray:
     """Return a table with a row for each of the given constants."""
     return np.array([tuple(row) for row in rows], dtype=ROW)
@@ -306,7 +297,7 @@ def constant_table(
         doubts |= (size != 0.0) & ~((size >= SMALLEST_IN_COLUMNS) & (size <= LARGEST_IN_COLUMNS))
     table = np.zeros(count, dtype=ROW)
     with np.errstate(all="ignore"):
-        K = constants(ParameterColumns(given), as_double, np.sqrt, atan2_of_columns, pi)  # type: ignore[arg-type]
+        K = constants(OtherNumbers(given), as_double, np.sqrt, atan2_of_columns, pi)  # type: ignore[arg-type]
     _fill(table, K)
     for i in np.flatnonzero(doubts).tolist():
         table[i] = tuple(alone(i))

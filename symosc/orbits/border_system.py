@@ -38,7 +38,7 @@ from symosc.engine.arithmetic import Arithmetic
 from symosc.engine.flow import constants, derivatives
 from symosc.kernels._generated import motion, next_derivative
 from symosc.kernels.entire import EPS
-from symosc.model import NEIGHBOURS, PARAMETER_NAMES, Parameters
+from symosc.model import NEIGHBOURS, PARAMETER_NAMES, OtherNumbers, Parameters
 from symosc.orbits import admissibility
 from symosc.orbits.admissibility import Condition, clearances, conditions, holding_forces, scales
 from symosc.orbits.closing_equations import ClosingEquations, Orbit, OrbitPiece, pieces_of
@@ -94,20 +94,11 @@ class Node(NamedTuple):
     error: np.ndarray
 
 
-class Numbers:
-    """A parameter set as floats; the constants K of a motion follow from it much faster than from fractions."""
-
-    A, belt = Parameters.A, Parameters.belt
-
-    def __init__(self, values: dict[str, float]) -> None:
-        vars(self).update(values)
-
-
 class QuickArithmetic(Arithmetic):
     """Arithmetic in doubles only to evaluate equations; it lacks the constants that a search for events needs."""
 
-    def __init__(self, parameters: Numbers) -> None:
-        self.K = constants(parameters)  # type: ignore[arg-type]
+    def __init__(self, parameters: OtherNumbers) -> None:
+        self.K = constants(parameters)  # type: ignore[arg-type]  # from floats, which is faster than from fractions
 
 
 class BorderSystem:
@@ -146,7 +137,7 @@ class BorderSystem:
     def at(self, u: Any, digits: int | None = None) -> tuple[ClosingEquations, Any, Any]:
         """Return the closing equations, the switching points and the phases of extrema for the unknowns u."""
         changed = dict(zip(self.names, u[-2:], strict=True))
-        values: Any = Numbers(self.given | changed) if digits is None else self.fixed.replace(**changed)
+        values: Any = OtherNumbers(self.given | changed) if digits is None else self.fixed.replace(**changed)
         arithmetic = None if digits else QuickArithmetic(values)
         equations = ClosingEquations(values, self.word, self.periods, digits, arithmetic)
         equations.pieces = self.pieces
@@ -373,9 +364,11 @@ class ClosedForm(BorderSystem):
         """Return all parameters, with the values `u` of the two, as floats or with `digits` as mpmath numbers."""
         changed = dict(zip(self.names, u, strict=True))
         if digits is None:
-            return Numbers(self.given | changed)
+            return OtherNumbers(self.given | changed)
         exact = {name: getattr(self.fixed, name) for name in PARAMETER_NAMES}
-        return Numbers({name: u[0].context.mpf(q.numerator) / q.denominator for name, q in exact.items()} | changed)
+        return OtherNumbers(
+            {name: u[0].context.mpf(q.numerator) / q.denominator for name, q in exact.items()} | changed
+        )
 
     def terms(self, u: Any, digits: int | None = None) -> tuple[Number, Number]:
         """Return the two terms that are equal on the border; where the first is larger the motion has no word."""
