@@ -9,7 +9,7 @@ Boundary 1 is v = v1, boundary 2 is v = v2. docs/reference/glossary.md explains 
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, fields
 from fractions import Fraction
 from typing import Any
@@ -106,11 +106,15 @@ class Parameters:
             if name not in PARAMETER_NAMES:
                 allowed = f"is not a parameter; the parameters are {', '.join(PARAMETER_NAMES)}"
                 raise ParameterError(name, value, allowed + meant(name, PARAMETER_NAMES))
-        return Parameters(**{name: getattr(self, name) for name in PARAMETER_NAMES} | changes)
+        return Parameters(**self.by_name() | changes)
+
+    def by_name(self, number: Callable[[Fraction], Any] = lambda value: value) -> dict[str, Any]:
+        """Return the parameters by name, each converted by the function `number`."""
+        return {name: number(getattr(self, name)) for name in PARAMETER_NAMES}
 
     def as_dict(self) -> dict[str, str]:
         """Return the parameters as text that reads back exactly."""
-        return {name: show(getattr(self, name)) for name in PARAMETER_NAMES}
+        return self.by_name(show)
 
     @public
     def A(self, alpha: int) -> Fraction:

@@ -38,7 +38,7 @@ from symosc.engine.arithmetic import Arithmetic
 from symosc.engine.flow import constants, derivatives
 from symosc.kernels._generated import motion, next_derivative
 from symosc.kernels.entire import EPS
-from symosc.model import NEIGHBOURS, PARAMETER_NAMES, OtherNumbers, Parameters
+from symosc.model import NEIGHBOURS, OtherNumbers, Parameters
 from symosc.orbits import admissibility
 from symosc.orbits.admissibility import Condition, clearances, conditions, holding_forces, scales
 from symosc.orbits.closing_equations import ClosingEquations, Orbit, OrbitPiece, pieces_of
@@ -113,7 +113,7 @@ class BorderSystem:
         self.word, self.periods, points = orbit
         self.plane, self.fixed, self.names, self.zeros = plane, plane.fixed, plane.names, tuple(zeros)
         self.timed = [zero for zero in self.zeros if zero.kind in TIMED]
-        self.given = {name: float(getattr(plane.fixed, name)) for name in PARAMETER_NAMES}
+        self.given = plane.fixed.by_name(float)
         self.pieces = pieces_of(self.word)
         self.n = len(self.pieces)
         self.sizes = np.zeros(0)
@@ -365,10 +365,7 @@ class ClosedForm(BorderSystem):
         changed = dict(zip(self.names, u, strict=True))
         if digits is None:
             return OtherNumbers(self.given | changed)
-        exact = {name: getattr(self.fixed, name) for name in PARAMETER_NAMES}
-        return OtherNumbers(
-            {name: u[0].context.mpf(q.numerator) / q.denominator for name, q in exact.items()} | changed
-        )
+        return OtherNumbers(self.fixed.by_name(lambda q: u[0].context.mpf(q.numerator) / q.denominator) | changed)
 
     def terms(self, u: Any, digits: int | None = None) -> tuple[Number, Number]:
         """Return the two terms that are equal on the border; where the first is larger the motion has no word."""
