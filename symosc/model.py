@@ -128,6 +128,10 @@ class Parameters:
         """Return the speed v1 or v2 of the belt at `boundary` 1 or 2."""
         return self.v1 if whole_number("boundary", boundary, 1, 2) == 1 else self.v2
 
+    def friction(self, boundary: int) -> Fraction:
+        """Return mu FN, the force of friction of the belt at `boundary` 1 or 2."""
+        return (self.mu1 if boundary == 1 else self.mu2) * self.FN
+
     def _repr_latex_(self) -> str:
         """Return the parameters in the paper's letters, for notebooks."""
         terms = r",\; ".join(f"{QUANTITIES[name].letter} = {value}" for name, value in self.as_dict().items())
@@ -140,7 +144,7 @@ class Parameters:
 class OtherNumbers:
     """Parameters in other numbers, such as columns of them; the formulas are those of `Parameters`."""
 
-    A, belt = Parameters.A, Parameters.belt
+    A, belt, friction = Parameters.A, Parameters.belt, Parameters.friction
 
     def __init__(self, values: Mapping[str, Any]) -> None:
         vars(self).update(values)

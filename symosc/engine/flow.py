@@ -242,7 +242,7 @@ def _period_rest(period: float, Om: float) -> Fraction:
 
 def _belt_constants(parameters: Parameters, boundary: int, number: Any, root: Any, angle: Any) -> BeltConstants:
     """Return the constants of a stick on belt 1 or 2; `number`, `root`, `angle` are as in `constants`."""
-    v, mu = parameters.belt(boundary), (parameters.mu1 if boundary == 1 else parameters.mu2)
+    v, J = parameters.belt(boundary), 2 * parameters.friction(boundary) / parameters.m
     # Signs, as the forces themselves may be too small for a double.
     below, above = (number(sign(parameters.A(domain) - parameters.c * v)) for domain in (boundary, boundary + 1))
     pull, drive = -parameters.k * v, parameters.B0 * parameters.Omega
@@ -251,7 +251,7 @@ def _belt_constants(parameters: Parameters, boundary: int, number: Any, root: An
     s_cr, c_cr = number(sine), root(number(1 - sine * sine))
     return BeltConstants(
         v=number(v),
-        J=number(2 * mu * parameters.FN / parameters.m),
+        J=number(J),
         drift=number(pull / parameters.m),
         turns=turns,
         s_cr=s_cr,

@@ -371,7 +371,7 @@ class ClosedForm(BorderSystem):
         """Return the two terms that are equal on the border; where the first is larger the motion has no word."""
         p = self._numbers(u, digits)
         if self.rests:
-            return (p.mu1 if self.belt == 1 else p.mu2) * p.FN, self.push * p.B0
+            return p.friction(self.belt), self.push * p.B0
         resisted = (p.k - p.m * p.Omega**2) ** 2 + (p.c * p.Omega) ** 2
         return self.up * p.belt(self.belt) * resisted**0.5, self.push * p.B0 * p.Omega
 
@@ -523,9 +523,7 @@ def names_of(system: BorderSystem, zero: Zero | None = None) -> tuple[str, str]:
     if zero.kind == AT_HOLD:
         return admissibility.SLIP_BIRTH, "adding-sliding"
     if zero.kind == AT_TOUCH:
-        p = system.fixed
-        friction = (p.mu1 if zero.place == 1 else p.mu2) * p.FN
         # A belt without friction is only passed through.
-        return admissibility.GRAZING, "grazing-sliding" if friction else ""
+        return admissibility.GRAZING, "grazing-sliding" if system.fixed.friction(zero.place) else ""
     sticks = system.pieces[(zero.piece + 1) % system.n].sticks
     return (admissibility.SLIP_BIRTH, "switching-sliding") if sticks else (admissibility.BIRTH, "crossing-sliding")
