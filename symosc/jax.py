@@ -119,7 +119,7 @@ def flow(parameters: Parameters | Mapping[str, Any], t: Any, *, t0: Any = 0.0, x
 def _values(parameters: Any, *start: Any) -> Any:
     """Return the eleven parameters, then t0, x0 and v0, as one JAX array: the order of NAMES."""
     if isinstance(parameters, Parameters):
-        parameters = {name: float(getattr(parameters, name)) for name in PARAMETER_NAMES}
+        parameters = parameters.by_name(float)
     if not isinstance(parameters, Mapping):
         raise ParameterError("parameters", parameters, "must be Parameters, or a mapping of all eleven names")
     for name in parameters:

@@ -9,8 +9,10 @@ Boundary 1 is v = v1, boundary 2 is v = v2. docs/reference/glossary.md explains 
 
 from __future__ import annotations
 
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, fields
 from fractions import Fraction
+from typing import Any
 
 from symosc.aliases import NumberLike
 from symosc.arguments import public
@@ -104,11 +106,15 @@ class Parameters:
             if name not in PARAMETER_NAMES:
                 allowed = f"is not a parameter; the parameters are {', '.join(PARAMETER_NAMES)}"
                 raise ParameterError(name, value, allowed + meant(name, PARAMETER_NAMES))
-        return Parameters(**{name: getattr(self, name) for name in PARAMETER_NAMES} | changes)
+        return Parameters(**self.by_name() | changes)
+
+    def by_name(self, number: Callable[[Fraction], Any] = lambda value: value) -> dict[str, Any]:
+        """Return the parameters by name, each converted by the function `number`."""
+        return {name: number(getattr(self, name)) for name in PARAMETER_NAMES}
 
     def as_dict(self) -> dict[str, str]:
         """Return the parameters as text that reads back exactly."""
-        return {name: show(getattr(self, name)) for name in PARAMETER_NAMES}
+        return self.by_name(show)
 
     @public
     def A(self, alpha: int) -> Fraction:
@@ -122,6 +128,10 @@ class Parameters:
         """Return the speed v1 or v2 of the belt at `boundary` 1 or 2."""
         return self.v1 if whole_number("boundary", boundary, 1, 2) == 1 else self.v2
 
+    def friction(self, boundary: int) -> Fraction:
+        """Return mu FN, the force of friction of the belt at `boundary` 1 or 2."""
+        return (self.mu1 if boundary == 1 else self.mu2) * self.FN
+
     def _repr_latex_(self) -> str:
         """Return the parameters in the paper's letters, for notebooks."""
         terms = r",\; ".join(f"{QUANTITIES[name].letter} = {value}" for name, value in self.as_dict().items())
@@ -129,6 +139,15 @@ class Parameters:
 
     def __repr__(self) -> str:
         return f"Parameters({', '.join(f'{name}={_source(value)}' for name, value in self.as_dict().items())})"
+
+
+class OtherNumbers:
+    """Parameters in other numbers, such as columns of them; the formulas are those of `Parameters`."""
+
+    A, belt, friction = Parameters.A, Parameters.belt, Parameters.friction
+
+    def __init__(self, values: Mapping[str, Any]) -> None:
+        vars(self).update(values)
 
 
 def _source(text: str) -> str:

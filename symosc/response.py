@@ -27,7 +27,7 @@ from symosc.display.frames import imported
 from symosc.display.progress import late_bar
 from symosc.errors import ParameterError, meant
 from symosc.files import write_text
-from symosc.model import PARAMETER_NAMES, Parameters
+from symosc.model import Parameters
 from symosc.orbits.closing_equations import ConvergenceError
 from symosc.orbits.find import find_orbit, settled_orbit
 from symosc.orbits.floquet import rest_positions
@@ -193,7 +193,7 @@ def model_of(what: Any) -> OtherModel:
         if scene.original is not None:
             return scene.original.model
         what = scene.parameters
-    return OtherModel(**{name: getattr(what, name) for name in PARAMETER_NAMES})
+    return OtherModel(**what.by_name())
 
 
 def respond(model: OtherModel, before: PeriodicOrbit | None = None) -> tuple[Record, PeriodicOrbit | None]:
@@ -300,7 +300,7 @@ def harmonic_balance(p: Parameters) -> tuple[float, complex]:
     # sin(a), and where V < |v_lambda| the whole force and 0. The size of both sides of the balance increases with V, so
     # that there is one solution; inf where it grows for ever.
     m, c, k, Omega, B0 = (float(each) for each in (p.m, p.c, p.k, p.Omega, p.B0))
-    belts = [(float(mu * p.FN), float(v)) for mu, v in ((p.mu1, p.v1), (p.mu2, p.v2))]
+    belts = [(float(p.friction(belt)), float(p.belt(belt))) for belt in (1, 2)]
     smallest, most = (4 / pi * sum(force for force, v in belts if abs(v) <= limit) for limit in (0, inf))
     stiffness = hypot(k / Omega - m * Omega, c)
 
@@ -345,8 +345,9 @@ def parts(motion: Trajectory) -> Iterator[Part]:
     p, (points, weights, coefficients) = motion.parameters, _gauss()
     # Periods of a motion without events are cut into parts of this angle of the fastest of drive and oscillator.
     longest = 2.0 / max(float(p.Omega), sqrt(p.k / p.m))
-    times, forces = np.linspace(float(motion.t_start), float(motion.t_end), POINTS), abs(p.B0) + (p.mu1 + p.mu2) * p.FN
-    least = SMALL_MOTION * np.array([float(forces) / float(p.k), float(forces) / float(p.m * p.Omega)])
+    times = np.linspace(float(motion.t_start), float(motion.t_end), POINTS)
+    forces = float(abs(p.B0) + p.friction(1) + p.friction(2))
+    least = SMALL_MOTION * np.array([forces / float(p.k), forces / float(p.m * p.Omega)])
     scale = np.maximum(np.maximum(np.abs(motion(times)).max(axis=1), least), 1e-300)  # of z and u
     for segment in motion.segments:
         begin, end = float(segment.t_start), float(segment.t_end)
@@ -384,8 +385,8 @@ def measured(model: OtherModel, start: tuple[Any, Any, Any], orbit: PeriodicOrbi
     motion = simulate(p, t0=t0, x0=x0, v0=v0, t_end=float(t0) + period)
     if motion.status == "undecidable":
         raise _unsettled(motion.message)
-    m, c, k, FN, drive = (float(each) for each in (model.m, model.c, model.k, p.FN, p.B0))
-    belts = [(float(mu) * FN, float(v)) for mu, v in ((p.mu1, p.v1), (p.mu2, p.v2))]
+    m, c, k, drive = (float(each) for each in (model.m, model.c, model.k, p.B0))
+    belts = [(float(p.friction(belt)), float(p.belt(belt))) for belt in (1, 2)]
     shift_rate, base_rate = model.shift.rate(model.Omega), model.base.rate(model.Omega)
     waves = model.shift, shift_rate, shift_rate.rate(model.Omega), model.base, base_rate, model.force
     turns, passed, first, damper, work, heat, stuck = list[np.ndarray](), list[float](), 0j, 0.0, 0.0, 0.0, 0.0

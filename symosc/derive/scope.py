@@ -47,7 +47,7 @@ class Scope:
     @property
     def values(self) -> tuple[tuple[str, Any], ...]:
         """The parameters given as numbers, by name; none without a scene."""
-        return tuple((name, getattr(self.scene.parameters, name)) for name in PARAMETER_NAMES) if self.scene else ()
+        return tuple(self.scene.parameters.by_name().items()) if self.scene else ()
 
     @cached_property
     def maps(self) -> tuple[str, ...]:
@@ -132,5 +132,5 @@ def fragment_scope(
     given = {name: read_exact(name, settings[name]) for name in ("v1", "v2") if name in settings and not scene}
     other = {"v2": given["v1"] + 1} if "v1" in given else {"v1": given["v2"] - 1} if given else {}
     checked = base.replace(**{**other, **settings})
-    names = [name for name in PARAMETER_NAMES if scene or name in settings]
-    return FragmentScope(None, tuple((name, getattr(checked, name)) for name in names), form, digits)
+    values = tuple((name, value) for name, value in checked.by_name().items() if scene or name in settings)
+    return FragmentScope(None, values, form, digits)

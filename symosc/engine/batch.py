@@ -19,7 +19,7 @@ import numpy as np
 
 from symosc.aliases import Number
 from symosc.engine.events import CODE_COLUMNS, FLOAT_COLUMNS, event_codes, event_numbers
-from symosc.engine.flow import clock_time, constant_force
+from symosc.engine.flow import belt_forces, clock_time, constant_force
 from symosc.engine.next_event import advance, advance_near, free_time, time_with_errors
 from symosc.engine.state import (
     END,
@@ -324,10 +324,9 @@ def first_pairs(pairs, K):
         if at > 0:  # to the last bit
             v = K.belt1.v if at == 1 else K.belt2.v
         s, c = sin(theta), cos(theta)
-        below, above = (at, at + 1) if mode > ON_BELT else (mode, mode)
         pairs[i, 5], pairs[i, 16], pairs[i, 17] = v, s, c
-        pairs[i, 6] = acceleration(x, v, c, constant_force(below, K), K.cm, K.w0sq, K.f0)
-        pairs[i, 7] = acceleration(x, v, c, constant_force(above, K), K.cm, K.w0sq, K.f0)
+        F = acceleration(x, v, c, constant_force(mode, K), K.cm, K.w0sq, K.f0)
+        pairs[i, 6], pairs[i, 7] = belt_forces(at, x, c, K) if mode > ON_BELT else (F, F)
         pairs[i, 8] = (EPS * x) * (EPS * x)
         if at == 0:
             pairs[i, 10] = (EPS * v) * (EPS * v)

@@ -19,11 +19,11 @@ import numpy as np
 
 from symosc.aliases import Number
 from symosc.engine.state import Flown
-from symosc.kernels._generated import motion, next_derivative
+from symosc.kernels._generated import acceleration, motion, next_derivative
 from symosc.kernels.elementary import exp, select
 from symosc.kernels.entire import SIXTH, basis
 from symosc.kernels.pair_columns import PairColumn, as_double, atan2_of_columns, either, exactly, larger, sign
-from symosc.model import Parameters
+from symosc.model import OtherNumbers, Parameters
 
 # Steady state and transient are separated (in bounds, and in the closed form) when |i Omega - l1| |i Omega - l2| is
 # at least this part of max(Omega, w0)^2. Nearer to undamped resonance both grow without limit and cancel.
@@ -242,7 +242,7 @@ def _period_rest(period: float, Om: float) -> Fraction:
 
 def _belt_constants(parameters: Parameters, boundary: int, number: Any, root: Any, angle: Any) -> BeltConstants:
     """Return the constants of a stick on belt 1 or 2; `number`, `root`, `angle` are as in `constants`."""
-    v, mu = parameters.belt(boundary), (parameters.mu1 if boundary == 1 else parameters.mu2)
+    v, J = parameters.belt(boundary), 2 * parameters.friction(boundary) / parameters.m
     # Signs, as the forces themselves may be too small for a double.
     below, above = (number(sign(parameters.A(domain) - parameters.c * v)) for domain in (boundary, boundary + 1))
     pull, drive = -parameters.k * v, parameters.B0 * parameters.Omega
@@ -251,7 +251,7 @@ def _belt_constants(parameters: Parameters, boundary: int, number: Any, root: An
     s_cr, c_cr = number(sine), root(number(1 - sine * sine))
     return BeltConstants(
         v=number(v),
-        J=number(2 * mu * parameters.FN / parameters.m),
+        J=number(J),
         drift=number(pull / parameters.m),
         turns=turns,
         s_cr=s_cr,
@@ -281,15 +281,6 @@ class ConstantRows(Sequence[Constants]):
         return self._last[1]
 
 
-class ParameterColumns:
-    """Many parameter sets: each parameter is a column of double-double numbers; A and belt are as in `Parameters`."""
-
-    A, belt = Parameters.A, Parameters.belt
-
-    def __init__(self, columns: dict[str, PairColumn]) -> None:
-        vars(self).update(columns)
-
-
 def table_of(rows: Iterable[Constants]) -> np.ndarray:
     """Return a table with a row for each of the given constants."""
     return np.array([tuple(row) for row in rows], dtype=ROW)
@@ -306,7 +297,7 @@ def constant_table(
         doubts |= (size != 0.0) & ~((size >= SMALLEST_IN_COLUMNS) & (size <= LARGEST_IN_COLUMNS))
     table = np.zeros(count, dtype=ROW)
     with np.errstate(all="ignore"):
-        K = constants(ParameterColumns(given), as_double, np.sqrt, atan2_of_columns, pi)  # type: ignore[arg-type]
+        K = constants(OtherNumbers(given), as_double, np.sqrt, atan2_of_columns, pi)  # type: ignore[arg-type]
     _fill(table, K)
     for i in np.flatnonzero(doubts).tolist():
         table[i] = tuple(alone(i))
@@ -338,6 +329,13 @@ def clock_time(t, t_low, t0, K):
 def constant_force(domain, K):
     """Return A_alpha/m, the constant part of the acceleration in a domain."""
     return select(domain == 1, K.A1, select(domain == 2, K.A2, K.A3))
+
+
+def belt_forces(boundary, x, c, K):
+    """Return F^(below) and F^(above), the accelerations on both sides of a belt, at `x` and the cosine `c`."""
+    v = K.belt1.v if boundary == 1 else K.belt2.v
+    below = acceleration(x, v, c, constant_force(boundary, K), K.cm, K.w0sq, K.f0)
+    return below, acceleration(x, v, c, constant_force(boundary + 1, K), K.cm, K.w0sq, K.f0)
 
 
 def friction_signs(domain):

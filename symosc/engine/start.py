@@ -18,11 +18,11 @@ from symosc.aliases import Number
 from symosc.engine.arithmetic import Arithmetic, MpArithmetic, column_functions
 from symosc.engine.batch import rounded_covariance, row_of
 from symosc.engine.first_exit import ROUNDING
-from symosc.engine.flow import Constants, constant_force
+from symosc.engine.flow import Constants, belt_forces, constant_force
 from symosc.engine.state import BELT, DOMAIN_ABOVE, ON_BELT, Covariance, State
 from symosc.kernels._generated import acceleration
 from symosc.kernels.entire import EPS
-from symosc.model import PARAMETER_NAMES, Parameters
+from symosc.model import Parameters
 
 #: Sine and cosine of a phase.
 Phase: TypeAlias = tuple[Number, Number]
@@ -81,10 +81,7 @@ def belt_start(boundary: int, x: Number, phase: Phase, arithmetic: Arithmetic, a
     # A force that is not larger than `allowed` is 0: then its first G-function that does not vanish decides.
     K = arithmetic.K
     v, (s, c) = (K.belt1 if boundary == 1 else K.belt2).v, phase
-    below, above = (
-        acceleration(x, v, c, constant_force(domain, K), K.cm, K.w0sq, K.f0) for domain in (boundary, boundary + 1)
-    )
-    below, above = (0 * force if abs(force) <= allowed else force for force in (below, above))
+    below, above = (0 * force if abs(force) <= allowed else force for force in belt_forces(boundary, x, c, K))
     where = arithmetic.namespace["resolve"](v, below, above, s, c, K)
     mode = ON_BELT + boundary if where == BELT else boundary + (where == DOMAIN_ABOVE)
     return BeltStart(boundary, mode, below, above)
@@ -171,7 +168,7 @@ def reach_of_error(start: Start, arithmetic: Arithmetic) -> Number:
 def _decided_start(start: Start, boundary: int) -> BeltStart:
     """Decide whether a motion sticks or leaves at its start on a belt, with enough digits to tell a force from 0."""
     p = start.parameters
-    numbers = [start.t0, start.x0, start.v0, *(getattr(p, name) for name in PARAMETER_NAMES)]
+    numbers = [start.t0, start.x0, start.v0, *p.by_name().values()]
     digits = SPARE_DIGITS + sum(len(str(abs(q.numerator))) + len(str(q.denominator)) for q in numbers)
     arithmetic = MpArithmetic(p, digits)
     x = arithmetic.number(start.x0)
@@ -245,11 +242,11 @@ def continued(state: State, eps: Fraction, arithmetic: MpArithmetic) -> State:
     K, rounded, S = arithmetic.K, arithmetic.rounded, state.S
     theta, t, x, v = rounded(state.theta) + state.theta_low, rounded(state.t) + state.t_low, rounded(state.x), state.v
     v = (K.belt1 if state.at == 1 else K.belt2).v if state.at else rounded(v)
-    domains = (state.at, state.at + 1) if state.mode > ON_BELT else (state.mode, state.mode)
 
-    def forces() -> list[Number]:
-        A = (constant_force(domain, K) for domain in domains)
-        return [acceleration(x, v, phase[1], each, K.cm, K.w0sq, K.f0) for each in A]
+    def forces() -> tuple[Number, Number]:
+        if state.mode > ON_BELT:
+            return belt_forces(state.at, x, phase[1], K)
+        return (acceleration(x, v, phase[1], constant_force(state.mode, K), K.cm, K.w0sq, K.f0),) * 2
 
     phase, part, missing = sine_and_cosine(theta, arithmetic), K.period * arithmetic.number(eps), 0 * x
     Fb, Fa = forces()

@@ -38,7 +38,7 @@ from symosc.engine.arithmetic import Arithmetic
 from symosc.engine.flow import constants, derivatives
 from symosc.kernels._generated import motion, next_derivative
 from symosc.kernels.entire import EPS
-from symosc.model import NEIGHBOURS, PARAMETER_NAMES, Parameters
+from symosc.model import NEIGHBOURS, OtherNumbers, Parameters
 from symosc.orbits import admissibility
 from symosc.orbits.admissibility import Condition, clearances, conditions, holding_forces, scales
 from symosc.orbits.closing_equations import ClosingEquations, Orbit, OrbitPiece, pieces_of
@@ -94,20 +94,11 @@ class Node(NamedTuple):
     error: np.ndarray
 
 
-class Numbers:
-    """A parameter set as floats; the constants K of a motion follow from it much faster than from fractions."""
-
-    A, belt = Parameters.A, Parameters.belt
-
-    def __init__(self, values: dict[str, float]) -> None:
-        vars(self).update(values)
-
-
 class QuickArithmetic(Arithmetic):
     """Arithmetic in doubles only to evaluate equations; it lacks the constants that a search for events needs."""
 
-    def __init__(self, parameters: Numbers) -> None:
-        self.K = constants(parameters)  # type: ignore[arg-type]
+    def __init__(self, parameters: OtherNumbers) -> None:
+        self.K = constants(parameters)  # type: ignore[arg-type]  # from floats, which is faster than from fractions
 
 
 class BorderSystem:
@@ -122,7 +113,7 @@ class BorderSystem:
         self.word, self.periods, points = orbit
         self.plane, self.fixed, self.names, self.zeros = plane, plane.fixed, plane.names, tuple(zeros)
         self.timed = [zero for zero in self.zeros if zero.kind in TIMED]
-        self.given = {name: float(getattr(plane.fixed, name)) for name in PARAMETER_NAMES}
+        self.given = plane.fixed.by_name(float)
         self.pieces = pieces_of(self.word)
         self.n = len(self.pieces)
         self.sizes = np.zeros(0)
@@ -146,7 +137,7 @@ class BorderSystem:
     def at(self, u: Any, digits: int | None = None) -> tuple[ClosingEquations, Any, Any]:
         """Return the closing equations, the switching points and the phases of extrema for the unknowns u."""
         changed = dict(zip(self.names, u[-2:], strict=True))
-        values: Any = Numbers(self.given | changed) if digits is None else self.fixed.replace(**changed)
+        values: Any = OtherNumbers(self.given | changed) if digits is None else self.fixed.replace(**changed)
         arithmetic = None if digits else QuickArithmetic(values)
         equations = ClosingEquations(values, self.word, self.periods, digits, arithmetic)
         equations.pieces = self.pieces
@@ -373,15 +364,14 @@ class ClosedForm(BorderSystem):
         """Return all parameters, with the values `u` of the two, as floats or with `digits` as mpmath numbers."""
         changed = dict(zip(self.names, u, strict=True))
         if digits is None:
-            return Numbers(self.given | changed)
-        exact = {name: getattr(self.fixed, name) for name in PARAMETER_NAMES}
-        return Numbers({name: u[0].context.mpf(q.numerator) / q.denominator for name, q in exact.items()} | changed)
+            return OtherNumbers(self.given | changed)
+        return OtherNumbers(self.fixed.by_name(lambda q: u[0].context.mpf(q.numerator) / q.denominator) | changed)
 
     def terms(self, u: Any, digits: int | None = None) -> tuple[Number, Number]:
         """Return the two terms that are equal on the border; where the first is larger the motion has no word."""
         p = self._numbers(u, digits)
         if self.rests:
-            return (p.mu1 if self.belt == 1 else p.mu2) * p.FN, self.push * p.B0
+            return p.friction(self.belt), self.push * p.B0
         resisted = (p.k - p.m * p.Omega**2) ** 2 + (p.c * p.Omega) ** 2
         return self.up * p.belt(self.belt) * resisted**0.5, self.push * p.B0 * p.Omega
 
@@ -533,9 +523,7 @@ def names_of(system: BorderSystem, zero: Zero | None = None) -> tuple[str, str]:
     if zero.kind == AT_HOLD:
         return admissibility.SLIP_BIRTH, "adding-sliding"
     if zero.kind == AT_TOUCH:
-        p = system.fixed
-        friction = (p.mu1 if zero.place == 1 else p.mu2) * p.FN
         # A belt without friction is only passed through.
-        return admissibility.GRAZING, "grazing-sliding" if friction else ""
+        return admissibility.GRAZING, "grazing-sliding" if system.fixed.friction(zero.place) else ""
     sticks = system.pieces[(zero.piece + 1) % system.n].sticks
     return (admissibility.SLIP_BIRTH, "switching-sliding") if sticks else (admissibility.BIRTH, "crossing-sliding")

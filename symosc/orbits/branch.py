@@ -622,10 +622,8 @@ class Curve:
 
 def _begins_to_rest(p: Parameters) -> int | None:
     """Return the belt with speed 0 and mu FN nearly |B0|, on which the mass can just rest; None if there is none."""
-    for belt, friction in ((1, p.mu1 * p.FN), (2, p.mu2 * p.FN)):
-        if p.belt(belt) == 0 and abs(friction - abs(p.B0)) < 1e-6 * abs(p.B0):  # flights are too short for steps
-            return belt
-    return None
+    near = 1e-6 * abs(p.B0)  # flights are too short for steps
+    return next((belt for belt in (1, 2) if p.belt(belt) == 0 and abs(p.friction(belt) - abs(p.B0)) < near), None)
 
 
 # -- between two points ------------------------------------------------------------------------------------------------

@@ -137,7 +137,7 @@ class SweepPlan:
     def arguments(self, begin: int, end: int) -> Record:
         """Return the arguments of `simulate_many` that compute the cells from `begin` up to `end`."""
         swept = self.cells(begin, end)
-        p: Record = {name: swept.get(name, getattr(self.scene.parameters, name)) for name in PARAMETER_NAMES}
+        p: Record = {name: swept.get(name, value) for name, value in self.scene.parameters.by_name().items()}
         starts = {name: swept.get(name, getattr(self.scene, name)) for name in STARTS}
         period = 2 * math.pi / np.asarray(p["Omega"], dtype=float)
         t_end = self.t_end.times(period)

@@ -197,7 +197,7 @@ residual gives f1, f2 of each map, both 0 where it leads from (x_i, theta_i) to 
         """Return switching points (not an orbit) and parameters for the example call at the end of the source."""
         p = self.parameters or load_scene(EXAMPLE).parameters
         z = [each for n in range(len(self.maps) + 1) for each in (round(0.5 - 0.3 * n, 1), round(0.4 + 0.7 * n, 1))]
-        return z, {name: float(value) for name, value in p.as_dict().items()}
+        return z, p.by_name(float)
 
 
 def _program(word: Word, arrays: bool, fix: Parameters | None) -> _Program:

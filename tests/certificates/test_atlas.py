@@ -368,6 +368,6 @@ def test_long_words_end_at_the_limit_of_work() -> None:
 def test_a_stiff_spring_takes_no_memory() -> None:
     assert len(marks([(True, arb(0), arb(1))], arb("1e-5"))) < 20
     stiff = COULOMB.replace(k="1e20")
-    o = Oscillator(stiff, {name: ball(getattr(stiff, name)) for name in PARAMETER_NAMES})
+    o = Oscillator(stiff, stiff.by_name(ball))
     flights = atlases._flights(("P2", "P1", "P3", "P1"), stiff, ("Omega", "FN"))
     assert flights.cuts(o, flights.legs[0], [arb(1), arb(1)]) is None

@@ -10,7 +10,6 @@ from symosc import Parameters, load_scene, scene_names
 from symosc.engine import flow
 from symosc.engine.arithmetic import Arithmetic
 from symosc.engine.flow import ConstantRows
-from symosc.model import PARAMETER_NAMES
 from symosc.simulation.batch import INTERPRETED
 from symosc.simulation.problems import ParameterSets
 
@@ -32,7 +31,7 @@ def test_rows_are_those_of_single_sets(seed: int) -> None:
 
 def test_columns_of_doubles_are_the_decimals_that_they_print_as() -> None:
     rng = np.random.default_rng(5)
-    base = {name: float(getattr(load_scene("fig9").parameters, name)) for name in PARAMETER_NAMES}
+    base = load_scene("fig9").parameters.by_name(float)
     columns = base | {"Omega": rng.uniform(1, 6, 40), "c": np.round(rng.uniform(0, 1, 40), 2)}
     given = ParameterSets(columns)
     single = [Parameters(**{name: np.broadcast_to(columns[name], 40)[i] for name in base}) for i in range(40)]

@@ -13,7 +13,6 @@ from symosc import ParameterError, Parameters, load_scene
 from symosc.engine.arithmetic import Arithmetic
 from symosc.engine.batch import row_of
 from symosc.engine.start import first_state, last_time
-from symosc.model import PARAMETER_NAMES
 from symosc.simulation.batch import INTERPRETED
 from symosc.simulation.problems import NumberColumn, Problems, decimal_rest
 
@@ -91,7 +90,7 @@ def test_a_start_is_on_a_belt_if_the_exact_numbers_are_equal(speed: str) -> None
 
 
 def columns(**changes: Any) -> dict[str, Any]:
-    return {name: getattr(FIG9, name) for name in PARAMETER_NAMES} | changes
+    return FIG9.by_name() | changes
 
 
 @pytest.mark.parametrize(

@@ -376,7 +376,7 @@ def start_grazes(figure: Graze) -> Evidence:
     """Check that, of all starts from which the flow grazes, the nearest to the printed start rounds to it."""
     scene, printed = figure.scene, figure.printed.parameters
     near = nearest_graze(scene, figure.mapping)
-    values = {name: getattr(scene.parameters, name) for name in PARAMETER_NAMES}
+    values = scene.parameters.by_name()
     changed = ", ".join(f"{name} = {text(value)}" for name, value in values.items() if value != getattr(printed, name))
     numbers = {
         "printed x₀, ẋ₀": text((scene.x0, scene.v0)),

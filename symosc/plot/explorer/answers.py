@@ -88,7 +88,7 @@ def shipped_scenes() -> dict[str, Scene]:
 
 def state_of(scene: Scene) -> dict[str, str]:
     """Return the texts of the page's fields for a scene."""
-    state = {"scene": scene.name, **scene.parameters.as_dict()}
+    state = {"scene": scene.name, **scene.parameters.by_name(show)}
     state |= {name: show(getattr(scene, name)) for name in STARTS}
     state["periods"] = f"{float((scene.t_end - scene.t0) * scene.parameters.Omega) / tau:.{PERIODS_DIGITS}g}"
     return state if scene.start_error is None else state | {"start_error": ",".join(map(show, scene.start_error))}
