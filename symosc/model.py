@@ -128,9 +128,10 @@ class Parameters:
         """Return the speed v1 or v2 of the belt at `boundary` 1 or 2."""
         return self.v1 if whole_number("boundary", boundary, 1, 2) == 1 else self.v2
 
+    @public
     def friction(self, boundary: int) -> Fraction:
         """Return mu FN, the force of friction of the belt at `boundary` 1 or 2."""
-        return (self.mu1 if boundary == 1 else self.mu2) * self.FN
+        return (self.mu1 if whole_number("boundary", boundary, 1, 2) == 1 else self.mu2) * self.FN
 
     def _repr_latex_(self) -> str:
         """Return the parameters in the paper's letters, for notebooks."""

@@ -93,6 +93,10 @@ def test_friction_forces_are_exact() -> None:
     assert p.A(1) - p.A(2) == 2 * p.mu1 * p.FN
     assert p.A(2) - p.A(3) == 2 * p.mu2 * p.FN
     assert (p.belt(1), p.belt(2)) == (1, 5)
+    assert (p.friction(1), p.friction(2)) == (p.mu1 * p.FN, p.mu2 * p.FN)
+    for wrong in (p.A, p.belt, p.friction):
+        with pytest.raises(ParameterError, match="alpha|boundary"):
+            wrong(4)
 
 
 # -- values, not variables -------------------------------------------------------------------------------------------
