@@ -95,7 +95,7 @@ def test_friction_forces_are_exact() -> None:
     assert (p.belt(1), p.belt(2)) == (1, 5)
     assert (p.friction(1), p.friction(2)) == (p.mu1 * p.FN, p.mu2 * p.FN)
     for wrong in (p.A, p.belt, p.friction):
-        with pytest.raises(ParameterError, match="alpha|boundary"):
+        with pytest.raises(ParameterError, match=r"alpha|boundary"):
             wrong(4)
 
 
