@@ -25,7 +25,7 @@ def judged(check: Any) -> Evidence:
     if SHARED not in os.environ:  # outside of a test session
         return motions.judge(check)
     called = check.func, check.args
-    (name,) = (each.id for each in claims() if (each.check.func, each.check.args) == called)  # type: ignore[attr-defined]
+    name = next(each.id for each in claims() if (each.check.func, each.check.args) == called)  # type: ignore[attr-defined]
     with alone(f"claim-{name}") as path:
         if not path.exists():
             path.write_bytes(pickle.dumps(motions.judge(check)))
