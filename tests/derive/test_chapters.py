@@ -169,19 +169,6 @@ def test_the_supplement_has_each_erratum_once_with_its_number_and_severity() -> 
     assert named <= set(LABELS)
 
 
-# --- HTML ---
-
-
-@pytest.mark.slow
-def test_the_page_needs_no_other_file() -> None:
-    html = document.as_page([unchecked(key) for key in ("motion", "sticks", "switching")], Scope())
-    assert html.startswith("<!DOCTYPE html>")
-    assert not re.findall(r'(?:src|href)="(?!data:|#)', html)
-    ids = re.findall(r' id="([^"]*)"', html)
-    assert len(ids) == len(set(ids))
-    assert html.count("<figure") == 3
-
-
 # --- the command ---
 
 
