@@ -11,6 +11,7 @@ from unittest.mock import patch
 
 import sympy as sp
 from chapters import unchecked
+from project_files import ROOT
 
 from symosc import Scene, load_scene
 from symosc.derive import citation, document, figures, front, mathml, published, steps
@@ -48,11 +49,17 @@ def fragment(name: str, settings: dict[str, str] | None = None, scene: Scene | N
 
 
 def of_scene(key: str, name: str, html: bool = False) -> str:
-    """Return a chapter with the numbers of a scene."""
+    """Return a chapter with the numbers of a scene: of LaTeX the lines that the general chapter does not have."""
     scope = Scope(load_scene(name))
     with unproven():
         chapter = document.check_chapter(key, scope)
-    return shown(document.as_html(chapter, scope)) if html else document.as_latex(chapter, scope)
+    if html:
+        return shown(document.as_html(chapter, scope))
+    paths = (ROOT / "derivations" / document.CHAPTER_FOLDER).glob("*.tex")
+    general = {path.stem: path.read_text(encoding="utf-8") for path in paths}
+    labels = dict.fromkeys(re.findall(r"\\label\{([^{}]*)\}", "".join(general.values())), "")
+    printed = document.as_latex(chapter, scope, labels).splitlines()
+    return "\n".join(line for line in printed if line not in general[key].splitlines())
 
 
 def shown(html: str) -> str:
@@ -193,10 +200,9 @@ CASES |= {
     "fragment of a scene, alone": lambda: fragment("theorem6", scene=load_scene("fig9"), prefix="", alone=True),
     "fragment without a spring": lambda: fragment("theorem7", {"k": "0"}, prefix="a.b"),
 }
-CASES |= {
-    f"{key} of {scene}": partial(of_scene, key, scene)
-    for key, scene in (("maps", "fig10"), ("domains", "fig7"), ("grazing", "fig8"), ("motion", "fig5"))
-}
+SCENES = {"maps": "fig10", "domains": "fig7", "grazing": "fig8", "motion": "fig5", "sticks": "fig6", "orbits": "fig9"}
+CASES |= {f"{key} of {scene}": partial(of_scene, key, scene) for key, scene in SCENES.items()}
+CASES |= {f"errata of {scene}": partial(of_scene, "errata", scene) for scene in ("fig7", "fig8-exact")}
 CASES |= {"page of one chapter": partial(page, "motion"), "page of two chapters": partial(page, "sticks", "switching")}
 CASES |= {
     "maps of a scene in HTML": partial(of_scene, "maps", "fig9", True),
