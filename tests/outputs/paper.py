@@ -12,6 +12,7 @@ from typing import Any
 from unittest.mock import patch
 
 import paper_motions as other
+import paper_statements
 from judging import claims, evidence_of
 from stored_outputs import lines_of, lines_of_figure
 
@@ -87,7 +88,7 @@ def shown_report(whole: bool) -> str:
     data = json.loads(texts.pop("report.json"))
     data["coverage"] = [row for row in data["coverage"] if row["claims"] or row["unjudged"]]
     for name, text in texts.items():
-        kept = re.sub(r"<style>.*?</style>", "", text, flags=re.DOTALL).splitlines()
+        kept = re.sub(r"<style>.*?</style>|<dl>.*?</dl>", "", text, flags=re.DOTALL).splitlines()
         kept = [line for line in kept if line.strip() and not line.endswith((" |  |", ">none</td></tr>"))]
         lines += [f"--- {name}", *kept] * (whole or name.endswith("md"))
     return "\n".join([*lines, *lines_of(data)] if whole else lines[: lines.index("## Words and symbols")])
@@ -130,6 +131,16 @@ def without_certificate(found: Evidence) -> Evidence:
     return replace(found, numbers={name: text for name, text in found.numbers.items() if "symosc certify" not in name})
 
 
+def short(found: Evidence) -> list[str]:
+    """Return evidence without the names of its numbers."""
+    return [found.verdict, found.finding, *found.numbers.values()]
+
+
+def other_statements() -> list[list[str]]:
+    """Return the evidence if the paper says something else than it does."""
+    return [short(paper_statements.evidence(number)) for number in range(len(paper_statements.STATEMENTS))]
+
+
 def found_on(part: str) -> dict[str, Evidence]:
     """Return the evidence for the claims of one part of the report."""
     return {name: without_certificate(found) for name, found in evidence_of(part).items()}
@@ -137,6 +148,9 @@ def found_on(part: str) -> dict[str, Evidence]:
 
 CASES: dict[str, Callable[[], object]] = {f"claims on {part}": partial(found_on, part) for part in PARTS}
 CASES |= {f"other motions: {name}": partial(other_evidence, name) for name in other.OTHER}
+CASES |= {
+    "other statements": lambda: [short(paper_statements.evidence(n)) for n in range(len(paper_statements.STATEMENTS))]
+}
 CASES |= {key: partial(picture, key) for key in PICTURES}
 CASES |= {
     "items of the paper": lambda: {key: [each.id for each in on] for key, on in coverage(claims()).items()},
