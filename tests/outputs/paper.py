@@ -17,6 +17,7 @@ from judging import claims, evidence_of
 from stored_outputs import lines_of, lines_of_figure
 
 from symosc import load_scene
+from symosc.derive.chapters import CHAPTERS
 from symosc.derive.errata import read_errata
 from symosc.paper import figures, report
 from symosc.paper.checks import exact, grazes, motions, orbits
@@ -58,7 +59,7 @@ def results(whole: bool) -> Results:
         (claim("two", NOT_AS_PRINTED, **faulty), NOT_AS_PRINTED),
         (claim("three", NOT_AS_PRINTED, part="figures", source="Fig. 5", **faulty), CONFIRMED),
         (claim("four", UNDECIDED, part="figures", source="Abstract"), UNDECIDED),
-        (claim("five", CONFIRMED), ERROR),
+        (claim("five", NOT_AS_PRINTED, correction="no", errata=(two.id,)), ERROR),
     ]
     judged = [
         Judged(each, verdict, f"Is <{each.id}>, 2e-20 | F^(1).", {"x_0 | a": "1e-20", "b": "-3"}, 0.5)
@@ -156,6 +157,7 @@ CASES |= {
     "items of the paper": lambda: {key: [each.id for each in on] for key, on in coverage(claims()).items()},
     "a whole report": lambda: shown_report(True),
     "a part of the report": lambda: shown_report(False),
+    "a part of a plan": lambda: vars(Plan(claims(), PICTURES, tuple(CHAPTERS), ERRATA, ()).only("fig7-t")),
     "formulas in text": lambda: "\n".join(map(report.typeset, TYPESET)),
     "rational contacts": lambda: [contact_text(each) for belt in (1, 2) for each in exact.contacts(belt, 6, 3)],
     "nearest graze": lambda: [nearest(), nearest(x0="5.9"), nearest(t0="0.3")],

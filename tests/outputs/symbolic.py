@@ -11,7 +11,6 @@ from typing import Any
 import sympy as sp
 
 from symosc import Parameters, load_scene, theorem7, values_containing, values_empty, values_everything
-from symosc.errors import SymoscError
 from symosc.mappings.theorem7_cases import PLACES
 from symosc.symbolic import inverse
 from symosc.symbolic.export import LANGUAGES, export, write_export
@@ -91,33 +90,6 @@ def formatted() -> str:
     return "\n".join(lines)
 
 
-def errors() -> str:
-    """Return what is said of questions without an answer."""
-    calls: list[Callable[[], Any]] = [
-        lambda: values_containing(FIG9, "P2", "k", (1, 2, 3)),
-        lambda: values_containing(FIG9, "P2", "k", (2, 1)),
-        lambda: values_containing(FIG9, "P2", "k", (0, 7)),
-        lambda: values_containing(FIG9, "P2", "k", (0, sp.Symbol("x"))),
-        lambda: values_containing(None, "P2", "k", (0, 1)),
-        lambda: values_containing(FIG9, "P2", ("k", "k"), 0),
-        lambda: values_containing(FIG9, "P2", ("k", "B0", "Omega"), 0),
-        lambda: values_containing(None, "P2", ("k", "B0"), 0),
-        lambda: values_containing(FIG9, "P2", ("k", "B0"), 0).contains(k=1),
-        lambda: values_containing(FIG9, "P2", ("k", "B0"), 0).contains(k=-1, B0=1),
-        lambda: sp.Symbol("x") in values_empty(FIG9, "P2", "k"),
-        lambda: theorem7("P2", sp.I, 1),
-        lambda: theorem7("P2", sp.oo, 1),
-        lambda: theorem7("P2", "two", 1),
-    ]
-    lines = []
-    for call in calls:
-        try:
-            lines.append(f"no error: {call()}")
-        except SymoscError as error:
-            lines.append(str(error))
-    return "\n".join(lines)
-
-
 def signs() -> list[object]:
     """Return signs of numbers that are 0 or nearly so, and critical phases."""
     zero = sp.sqrt(2) * sp.sqrt(3) - sp.sqrt(6)
@@ -156,7 +128,6 @@ CASES |= {
 }
 CASES |= {
     "what answers say": formatted,
-    "questions without an answer": errors,
     "signs": signs,
     "written files": written,
     "conditions": lambda: [

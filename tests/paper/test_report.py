@@ -1,4 +1,4 @@
-"""symosc reproduce: a run, what its reports and the letter say, exit codes and bad input."""
+"""symosc reproduce: a run, what goes wrong in it, exit codes, files and bad input."""
 
 from __future__ import annotations
 
@@ -17,33 +17,14 @@ from stand_in_claims import CLAIM, bad_picture, good_picture
 
 from symosc.cli import reproduce
 from symosc.cli.app import main
-from symosc.derive.chapters import CHAPTERS
-from symosc.derive.errata import SEVERITIES, Erratum, read_errata
-from symosc.errors import OutputError, ParameterError
+from symosc.errors import OutputError
 from symosc.paper import report
-from symosc.paper.claims import CONFIRMED, Claim, read_claims
-from symosc.paper.pictures import PICTURES, Picture
-from symosc.paper.run import ERROR, Judged, Plan, Results, run
-
-CLAIMS = read_claims(PICTURES)[0]
-ERRATA = tuple(erratum.in_unicode() for erratum in read_errata())
+from symosc.paper.pictures import Picture
+from symosc.paper.run import ERROR, Plan, run
 
 
 def pictures(build: Callable[[], Figure]) -> dict[str, Picture]:
     return {"fig1": Picture("fig1", "Fig. 1: a line", "A line.", 1, build, partial(str, "From 0 to v1."), build)}
-
-
-def test_a_part_of_a_plan() -> None:
-    plan = Plan(CLAIMS, PICTURES, tuple(CHAPTERS))
-    part = plan.only("fig7")
-    assert {claim.id.partition("-")[0] for claim in part.claims} == {"fig7"}
-    assert "fig7" in part.pictures
-    assert "fig6" not in part.pictures
-    assert part.chapters == ()  # a chapter takes longer than the claims
-    assert 0 < len(part) < len(plan)
-    for prefix in ("fig11", ""):
-        with pytest.raises(ParameterError, match="no claim's id begins so"):
-            plan.only(prefix)
 
 
 @pytest.mark.slow
@@ -145,58 +126,3 @@ def test_bad_input_is_one_line(tmp_path: Path) -> None:
         assert result.stderr.startswith("symosc: error: ")
         assert result.stderr.count("\n") == 1
     assert not (tmp_path / "out").exists()
-
-
-# --- the letter ---
-
-
-def judged(claim: Claim, verdict: str | None = None) -> Judged:
-    return Judged(claim, verdict or claim.verdict, "Found.", {}, 0.0)
-
-
-def letter(*entries: Judged) -> dict[str, str]:
-    plan = Plan(tuple(each.claim for each in entries), {}, errata=ERRATA, unjudged=())
-    found = report.files(Results(plan, entries, {}, {}))
-    return {name: text for name, text in found.items() if name.startswith("letter")}
-
-
-def listed(letter: dict[str, str]) -> list[str]:
-    """Return the ids of the errata in the HTML; in both letters each has the number that it has in the list."""
-    found = re.findall(r'<li id="([^"]*)" value="(\d+)">', letter["letter.html"])
-    assert re.findall(r"^(\d+)\. ", letter["letter.txt"], re.MULTILINE) == [number for _, number in found]
-    numbers = {erratum.id: str(erratum.number) for erratum in ERRATA}
-    assert all(numbers.get(key, number) == number for key, number in found)
-    return [key for key, _ in found]
-
-
-def counts(text: str) -> list[int]:
-    """Return the numbers of the first paragraph: statements, those that hold, points, and these by their severity."""
-    words = " ".join(re.sub(r"<[^>]*>", "", text).split())
-    pattern = (
-        r"Of (\d+) statements (\d+) hold as they stand; the others come down to the (\d+) points below: (\d+) that do"
-        r" not hold, (\d+) in which something is left out, and (\d+) slips"
-    )
-    found = re.search(pattern, words)
-    assert found, words[:400]
-    return [int(number) for number in found.groups()]
-
-
-def test_all_errata_of_a_whole_run_are_in_both_letters() -> None:
-    whole = letter(*map(judged, CLAIMS))
-    assert listed(whole) == [erratum.id for erratum in ERRATA]
-    by_severity = [sum(each.severity == severity for each in ERRATA) for severity in SEVERITIES]
-    expected = [len(CLAIMS), sum(not claim.errata for claim in CLAIMS), len(ERRATA), *by_severity]
-    assert [counts(text) for text in whole.values()] == [expected, expected]
-
-
-@pytest.mark.quick(1)
-@pytest.mark.parametrize("erratum", ERRATA[::9], ids=lambda erratum: erratum.id)
-def test_an_erratum_stands_there_if_a_claim_has_shown_it_in_this_run(erratum: Erratum) -> None:
-    """Not if its claims were not run, hold after all, or failed; and once if several show it."""
-    showing = [claim for claim in CLAIMS if erratum.id in claim.errata]
-    assert erratum.id not in listed(letter(*(judged(claim) for claim in CLAIMS if erratum.id not in claim.errata)))
-    for verdict, there in ((None, 1), (CONFIRMED, 0), (ERROR, 0)):
-        both = letter(*(judged(claim, verdict) for claim in showing))
-        assert listed(both).count(erratum.id) == there
-        assert sum(counts(both["letter.txt"])[3:]) == counts(both["letter.html"])[2] == len(listed(both))
-        assert " ".join(both["letter.txt"].split()).count(" ".join(f"Proof: {erratum.proof}".split())) == there

@@ -12,7 +12,7 @@ from symosc import Parameters
 from symosc.mappings.theorem7_cases import PLACES
 from symosc.paper.checks import model, theorem_7, theorems
 from symosc.paper.checks.theorems import CONDITIONS
-from symosc.paper.claims import CONFIRMED, NOT_AS_PRINTED, UNDECIDED, Evidence
+from symosc.paper.claims import CONFIRMED, CORRECTED, NOT_AS_PRINTED, UNDECIDED, Evidence
 
 
 def _added(p: Parameters, alpha: int) -> Fraction:
@@ -35,6 +35,29 @@ def _both_exits(p: Parameters, boundary: int, x: Any, cosine: Any, true: Any = m
 
 def _zero(*_: Any) -> Fraction:
     return Fraction(0)
+
+
+def _windows(change: Callable[..., Any], true: Any = theorem_7.printed_window) -> Callable[..., Any]:
+    return lambda *given: change(true(*given), *given)
+
+
+def _wrong_end(cases: Any, mapping: str, gamma: Any, amplitude: Any) -> Any:
+    if not 0 < gamma < amplitude:
+        return cases
+    return [(number, [arcs[0]._replace(high=arcs[0].high + 1), *arcs[1:]]) for number, arcs in cases]
+
+
+def _without_third(cases: Any, *_: Any) -> Any:
+    return [case for case in cases if case[0] != 3]
+
+
+def _twice(cases: Any, *_: Any) -> Any:
+    return cases * 2
+
+
+def _whole(cases: Any, mapping: str, gamma: Any, amplitude: Any) -> Any:
+    side, circle = PLACES[mapping].side, [theorem_7.Arc(Fraction(0), Fraction(4), True)]
+    return cases if abs(gamma) != amplitude else [(2 if side > 0 else 5, circle if gamma * side > 0 else [])]
 
 
 WITHOUT_P8 = {label: planes for label, planes in model.PLANES.items() if label != "P8"}
@@ -75,13 +98,21 @@ STATEMENTS: list[tuple[Any, str, Any, Callable[[], Evidence], str]] = [
     (theorem_7, "printed_window", lambda *_: [], theorem_7.without_force, CONFIRMED),
     (theorem_7, "TRACED", {"fig5": ("P2",)}, theorem_7.mappings_that_graze, UNDECIDED),
     (theorem_7, "ENDS", dict.fromkeys(PLACES, ("P2",)), theorem_7.mappings_that_graze, NOT_AS_PRINTED),
+    (theorem_7, "printed_window", _windows(_wrong_end), partial(theorem_7.window, "P6"), NOT_AS_PRINTED),
+    (theorem_7, "printed_window", _windows(_without_third), partial(theorem_7.window, "P5"), NOT_AS_PRINTED),
+    (theorem_7, "printed_window", _windows(_without_third), partial(theorem_7.complete, "P3", "P6"), CORRECTED),
+    (theorem_7, "printed_window", _windows(_whole), theorem_7.equality, CONFIRMED),
+    (theorem_7, "printed_window", _windows(_whole), partial(theorem_7.complete, "P2", "P5"), CONFIRMED),
+    (theorem_7, "printed_window", _windows(_twice), partial(theorem_7.complete, "P3", "P6"), NOT_AS_PRINTED),
 ]
 
 
 def evidence(number: int) -> Evidence:
     """Return the evidence if the paper says something else."""
     module, name, instead, check, verdict = STATEMENTS[number]
+    theorem_7.rows_of.cache_clear()
     with patch.dict(module, {name: instead}) if isinstance(module, dict) else patch.object(module, name, instead):
         found = check()
+    theorem_7.rows_of.cache_clear()
     assert found.verdict == verdict
     return found

@@ -200,17 +200,6 @@ def test_numpy_takes_numbers_and_arrays_that_broadcast(fix: Parameters | None) -
                 assert f1.shape == f2.shape == (2, 1)
 
 
-def test_julia_source_has_balanced_blocks() -> None:
-    for fix in (None, load_scene("fig9").parameters):
-        text = export(ALL, "julia", fix, "made")["made.jl"]
-        assert "module Made" in text.splitlines()
-        words = [line.split(" ")[0] for line in map(str.strip, text.splitlines())]
-        opened = sum(word in ("module", "function", "struct", "if", "for") for word in words)
-        assert words.count("end") == opened
-        code = [line for line in text.splitlines() if not line.startswith("#")]
-        assert not [line for line in code if " and " in line or " not " in line or ":=" in line or "elif" in line]
-
-
 @pytest.mark.skipif(shutil.which("julia") is None, reason="no julia here")
 def test_julia_agrees_with_mpmath(tmp_path: Path) -> None:
     for word, fix in ((ALL, None), ("P4645", load_scene("fig10").parameters)):
