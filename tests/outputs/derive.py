@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import re
 from collections.abc import Callable
-from fractions import Fraction
 from functools import partial
 from typing import Any
 from unittest.mock import patch
@@ -14,13 +13,12 @@ from chapters import unchecked
 from project_files import ROOT
 
 from symosc import Scene, load_scene
-from symosc.derive import citation, document, figures, front, mathml, published, steps
+from symosc.derive import citation, document, figures, front, mathml, steps
 from symosc.derive.errata import latex_to_unicode, read_errata
 from symosc.derive.fragments import FRAGMENTS, as_latex, check_fragment
 from symosc.derive.latex import latex, lines, named, width
 from symosc.derive.scope import Scope, fragment_scope
 from symosc.derive.steps import Step, StepError, StepEvidence, equation, step
-from symosc.reference.cases import wall
 from symosc.symbolic.solution import B0, FN, Omega, c, h, k, m, mu1, mu2, omega_d, t, tau, theta_i, v, x, x_i
 
 NUMBERS = {"m": "1", "c": "2/5", "k": "4", "A0": "1", "B0": "3", "Omega": "3/2", "FN": "9.81"}
@@ -167,26 +165,6 @@ def errata() -> str:
     return "\n".join(f"{e.number} {e.id}: {[getattr(e.in_unicode(), name) for name in fields]}" for e in read_errata())
 
 
-def numbers_of_a_wall() -> list[Any]:
-    """Return Den Hartog's motion in each regime of damping, where it ends, and motions computed for tables."""
-    found: list[Any] = []
-    for damping, frequency, friction in (("0.2", "0.4429", "0.1"), ("3", "0.7", "0.1")):
-        formulas = published.Formulas(wall(friction, frequency, damping))
-        bounds = [formulas.slide_bound("0.5"), *formulas.largest_slide_bound(), formulas.largest_force_ratio()]
-        found += [
-            [float(each) for each in (formulas.amplitude, *formulas.steady, *formulas.trace_and_determinant(), *bounds)]
-        ]
-    return [*found, [float(rise) for rise in published.resonance_growth("0.4", "1", None)]]
-
-
-def half_cycle() -> list[Any]:
-    """Return what is found of a motion with stops: their number, their positions, and a border of their number."""
-    slow, border = wall("0.45", "0.1"), published.find_border(Fraction("0.373"), Fraction("0.374"), "0.1")
-    ratio, kind = published.solve_border("0.1", border)
-    positions = [float(place) for place in published.solve_stop_positions(slow)]
-    return [published.stops(slow), positions, border.below, border.above, float(ratio), kind]
-
-
 CASES: dict[str, Callable[[], object]] = {f"fragment {name}": partial(fragment, name) for name in FRAGMENTS}
 CASES |= {
     f"fragment {name} with numbers": partial(fragment, name, NUMBERS, form="paper", digits=digits, paper_tags=True)
@@ -203,7 +181,7 @@ CASES |= {
 SCENES = {"maps": "fig10", "domains": "fig7", "grazing": "fig8", "motion": "fig5", "sticks": "fig6", "orbits": "fig9"}
 CASES |= {f"{key} of {scene}": partial(of_scene, key, scene) for key, scene in SCENES.items()}
 CASES |= {f"errata of {scene}": partial(of_scene, "errata", scene) for scene in ("fig7", "fig8-exact")}
-CASES |= {"page of one chapter": partial(page, "motion"), "page of two chapters": partial(page, "sticks", "switching")}
+CASES |= {"page of two chapters": partial(page, "sticks", "switching")}
 CASES |= {
     "maps of a scene in HTML": partial(of_scene, "maps", "fig9", True),
     "front of a scene": lambda: front.scene_numbers(Scope(load_scene("fig9"))),
@@ -220,7 +198,5 @@ CASES |= {
     "complaints": lambda: document.complaints_of(
         "! no\nOverfull \\hbox (5.1pt too\nOverfull \\vbox (5.0pt\nLaTeX Warning: x\nok"
     ),
-    "numbers of a wall": numbers_of_a_wall,
-    "stops of a wall": half_cycle,
 }
 CASES |= {f"figure {key}": partial(figures.figure, key) for key in figures.FIGURES}
