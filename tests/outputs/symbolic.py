@@ -12,7 +12,7 @@ import sympy as sp
 
 from symosc import Parameters, load_scene, theorem7, values_containing, values_empty, values_everything
 from symosc.mappings.theorem7_cases import PLACES
-from symosc.symbolic import inverse
+from symosc.symbolic import codegen, inverse
 from symosc.symbolic.export import LANGUAGES, export, write_export
 from symosc.symbolic.theorem7 import critical_phase, sign_of
 
@@ -105,6 +105,32 @@ def source(word: str, language: str, fix: Parameters | None, name: str | None = 
     return "\n".join(lines)
 
 
+def kernels() -> str:
+    """Return the code of kernels that are made up, or why there is none."""
+    x, y, z, w = sp.symbols("x y z w")
+    formulas = [
+        -x - y,
+        x - y * z - z**2,
+        3 * x / y,
+        -x * y,
+        (x + y) / z,
+        x / (y * z),
+        1 / (x + y),
+        -(x + y) * z,
+        sp.S.Zero,
+    ]
+    formulas += [2 - x, x * y + x * y * z + 1, x + y * z + 2 * z * x, (x + y * z) ** 2, sp.Rational(2, 3) * x - 1, x**3]
+    formulas += [sp.expand((x + 2 * y + 3 * z) ** 4), sp.sqrt(x), sp.Rational(1, 3), x + w, sp.sin(x), x / y - y / x]
+    lines = []
+    for formula in formulas:
+        kernel = codegen.Kernel("f", "Made up.", {"x": x, "y": y, "z": z}, {"u": x * y, "r": formula}, ("u", "r"))
+        try:
+            lines += codegen.function_source(kernel).splitlines()[2:]
+        except ValueError as error:
+            lines.append(f"error: {error}")
+    return "\n".join(lines)
+
+
 def written() -> str:
     """Return which files are written."""
     with tempfile.TemporaryDirectory() as folder:
@@ -129,6 +155,7 @@ CASES |= {
 CASES |= {
     "what answers say": formatted,
     "signs": signs,
+    "kernels": kernels,
     "written files": written,
     "conditions": lambda: [
         inverse.condition_text(condition)
