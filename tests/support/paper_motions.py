@@ -88,6 +88,7 @@ OTHER: dict[str, tuple[Callable[[], Evidence], str]] = {
     "products at sticks": (lambda: orbits.products_positive(FIG10, 2), NOT_AS_PRINTED),
     "no passages": (lambda: orbits.passes(FIG10, 2), NOT_AS_PRINTED),
     "it sticks": (lambda: orbits.never_sticks(FIG10), NOT_AS_PRINTED),
+    "sticks at first": (lambda: orbits.never_sticks(changed(FIG9, x0="2.5")), NOT_AS_PRINTED),
     "three sticks": (lambda: orbits.stick_parts(FIG10, "P4", 3), NOT_AS_PRINTED),
     "no onsets": (lambda: orbits.onsets(FIG9, 2), NOT_AS_PRINTED),
     "no ends": (lambda: orbits.ends(FIG9, 2), NOT_AS_PRINTED),

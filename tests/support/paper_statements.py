@@ -37,6 +37,11 @@ def _zero(*_: Any) -> Fraction:
     return Fraction(0)
 
 
+def _wrong_second(n: Any, y: Any, t: Any, true: Any = theorems.g_functions) -> Any:
+    first, second = true(n, y, t)
+    return first, second + t
+
+
 def _windows(change: Callable[..., Any], true: Any = theorem_7.printed_window) -> Callable[..., Any]:
     return lambda *given: change(true(*given), *given)
 
@@ -91,6 +96,7 @@ STATEMENTS: list[tuple[Any, str, Any, Callable[[], Evidence], str]] = [
     (theorems, "grazing_condition", lambda below, F, G: F == 0, partial(theorems.lemma, 3), NOT_AS_PRINTED),
     (theorems, "g_functions", lambda n, y, t: (y[0], y[0]), theorems.general_g_functions, NOT_AS_PRINTED),
     (theorems, "g_functions", lambda n, y, t: ((n.T * y)[0],) * 2, theorems.reduced_g_functions, NOT_AS_PRINTED),
+    (theorems, "g_functions", _wrong_second, theorems.reduced_g_functions, NOT_AS_PRINTED),
     (theorems, "slope_along_boundary", theorems.slope_of_field, theorems.derivative_along_the_flow, CONFIRMED),
     (theorems, "slope_along_boundary", _zero, theorems.derivative_along_the_flow, NOT_AS_PRINTED),
     (theorem_7, "gamma_of", lambda p, a, v: p.c / p.m * v, theorem_7.grazing_inequality, NOT_AS_PRINTED),
