@@ -8,9 +8,9 @@ from functools import partial
 from typing import Any
 from unittest.mock import patch
 
-from symosc import Parameters
+from symosc import Parameters, load_scene
 from symosc.mappings.theorem7_cases import PLACES
-from symosc.paper.checks import model, theorem_7, theorems
+from symosc.paper.checks import model, motions, orbits, theorem_7, theorems
 from symosc.paper.checks.theorems import CONDITIONS
 from symosc.paper.claims import CONFIRMED, CORRECTED, NOT_AS_PRINTED, UNDECIDED, Evidence
 
@@ -31,6 +31,10 @@ def _repeated_field(p: Parameters, alpha: int, *state: Any, true: Any = model.ve
 def _both_exits(p: Parameters, boundary: int, x: Any, cosine: Any, true: Any = model.stick_exit) -> Any:
     upper = true(p, boundary, x, cosine)
     return min(upper, upper + 2 * (p.mu1 if boundary == 1 else p.mu2) * p.FN, key=abs)
+
+
+def _off(*_: Any) -> tuple[float, float]:
+    return 1e-6, 0.0
 
 
 def _zero(*_: Any) -> Fraction:
@@ -79,7 +83,7 @@ STATEMENTS: list[tuple[Any, str, Any, Callable[[], Evidence], str]] = [
     (model, "stick_exit", _both_exits, partial(model.stick_exits, 1), CONFIRMED),
     (model, "PLANES", WITHOUT_P8, model.basic_mappings, NOT_AS_PRINTED),
     (model, "PLANES", WITHOUT_P8, model.trajectories_in_domains, NOT_AS_PRINTED),
-    (model, "residual", lambda *_: (1e-6, 0.0), model.governing_equations, NOT_AS_PRINTED),
+    (model, "residual", _off, model.governing_equations, NOT_AS_PRINTED),
     (model, "position_bound", lambda p: 1.0, model.bounded_motions, NOT_AS_PRINTED),
     (model, "printed_planes", lambda v, d: (v - 1, v + 1), model.planes_as_limits, CONFIRMED),
     (CONDITIONS, "sticks, (26), (27)", lambda below, above: above < 0, partial(theorems.theorem, 4, 1), NOT_AS_PRINTED),
@@ -102,6 +106,9 @@ STATEMENTS: list[tuple[Any, str, Any, Callable[[], Evidence], str]] = [
     (theorem_7, "gamma_of", lambda p, a, v: p.c / p.m * v, theorem_7.grazing_inequality, NOT_AS_PRINTED),
     (theorem_7, "gamma_of", lambda p, a, v: p.k / p.m * v + 1, theorem_7.gamma_is_fixed, NOT_AS_PRINTED),
     (theorem_7, "printed_window", lambda *_: [], theorem_7.without_force, CONFIRMED),
+    (orbits, "residual", _off, partial(orbits.in_order, load_scene("fig9")), NOT_AS_PRINTED),
+    (orbits, "residual", _off, partial(orbits.closing_conditions, load_scene("fig9")), CORRECTED),
+    (motions, "residual", _off, partial(motions.flight_after, load_scene("fig6"), 2, 2), NOT_AS_PRINTED),
     (theorem_7, "TRACED", {"fig5": ("P2",)}, theorem_7.mappings_that_graze, UNDECIDED),
     (theorem_7, "ENDS", dict.fromkeys(PLACES, ("P2",)), theorem_7.mappings_that_graze, NOT_AS_PRINTED),
     (theorem_7, "printed_window", _windows(_wrong_end), partial(theorem_7.window, "P6"), NOT_AS_PRINTED),
