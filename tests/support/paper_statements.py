@@ -106,6 +106,7 @@ STATEMENTS: list[tuple[Any, str, Any, Callable[[], Evidence], str]] = [
     (theorem_7, "gamma_of", lambda p, a, v: p.c / p.m * v, theorem_7.grazing_inequality, NOT_AS_PRINTED),
     (theorem_7, "gamma_of", lambda p, a, v: p.k / p.m * v + 1, theorem_7.gamma_is_fixed, NOT_AS_PRINTED),
     (theorem_7, "printed_window", lambda *_: [], theorem_7.without_force, CONFIRMED),
+    (model, "residual", lambda p, label, *_: (1e-6 * (label == "P5"), 0.0), model.governing_equations, NOT_AS_PRINTED),
     (orbits, "residual", _off, partial(orbits.in_order, load_scene("fig9")), NOT_AS_PRINTED),
     (orbits, "residual", _off, partial(orbits.closing_conditions, load_scene("fig9")), CORRECTED),
     (motions, "residual", _off, partial(motions.flight_after, load_scene("fig6"), 2, 2), NOT_AS_PRINTED),
