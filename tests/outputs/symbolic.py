@@ -23,6 +23,7 @@ SCENES = {"fig9": FIG9, "fig10": FIG10, "still": STILL, "no drive": STILL.replac
 PHASES: tuple[Any, ...] = (
     "0", "pi/2", "3*pi/2", "7*pi/6", sp.pi / 7, ("pi", "5*pi/4"), ("7*pi/4", "9*pi/4"), sp.Interval.open(0, sp.pi),
     sp.Interval.Lopen(sp.pi / 2, 3 * sp.pi / 2), sp.Interval.Ropen(0, 2 * sp.pi), (-1, 1),
+    sp.Interval.Ropen(5 * sp.pi / 4, 7 * sp.pi / 4), sp.Interval.Lopen(5 * sp.pi / 4, 7 * sp.pi / 4),
 )  # fmt: skip
 a, g = sp.Symbol("a", positive=True), sp.Symbol("g", negative=True)
 
@@ -145,7 +146,7 @@ CASES: dict[str, Callable[[], object]] = {
 CASES |= {f"answers in letters for {mapping}": partial(lettered, mapping) for mapping in ("P2", "P6")}
 CASES |= {
     f"answers for {mapping}, {scene}": partial(answers, mapping, scene)
-    for mapping, scene in zip(("P2", "P3", "P5", "P6", "P3"), SCENES, strict=True)
+    for mapping, scene in zip(("P2", "P3", "P5", "P6", "P3", "P6"), (*SCENES, "fig9"), strict=True)
 }
 CASES |= {f"source in {language}": partial(source, "P12", language, None) for language in LANGUAGES}
 CASES |= {
