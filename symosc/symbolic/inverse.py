@@ -173,7 +173,8 @@ def condition_text(condition: Expr) -> str:
     if isinstance(condition, sp.Eq):
         return f"{condition.lhs} = {condition.rhs}"
     if isinstance(condition, sp.And):
-        return " and ".join(sorted(condition_text(each) for each in condition.args))
+        texts = ((condition_text(each), isinstance(each, sp.Or)) for each in condition.args)
+        return " and ".join(sorted(f"({text})" if joined else text for text, joined in texts))
     if isinstance(condition, sp.Or):
         parts = [(condition_text(each), isinstance(each, sp.And)) for each in condition.args]
         return " or ".join(sorted(f"({text})" if joined else text for text, joined in parts))
@@ -364,7 +365,9 @@ class ParameterRegion(Drawable, LatexAnswer):
         """Return the region as LaTeX (no dollar signs)."""
         names = ", ".join(latex(letter) for letter in self.letters)
         region = {sp.true: latex(self.allowed), sp.false: r"\text{nowhere}"}
-        inside = region.get(self.condition, rf"{latex(self.allowed)},\ {latex(self.condition)}")
+        condition = latex(self.condition)
+        condition = rf"\left({condition}\right)" if isinstance(self.condition, sp.Or) else condition
+        inside = region.get(self.condition, rf"{latex(self.allowed)},\ {condition}")
         return rf"{self.question.latex()}:\quad \left\{{({names}) : {inside}\right\}}"
 
     def __repr__(self) -> str:

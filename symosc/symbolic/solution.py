@@ -249,7 +249,7 @@ REGIMES = {regime.name: regime for regime in _table}
 
 def possible_regimes(numbers: dict[Expr, Expr]) -> tuple[Regime, ...]:
     """Return the damping regimes that are possible if some of m, c, k and Omega have the values in `numbers`."""
-    holds = {regime: regime.condition.subs(numbers, simultaneous=True) for regime in REGIMES.values()}
+    holds = {regime: regime.condition.xreplace(numbers) for regime in REGIMES.values()}
     certain = tuple(regime for regime, condition in holds.items() if condition == sp.true)
     return certain or tuple(regime for regime, condition in holds.items() if condition != sp.false)
 

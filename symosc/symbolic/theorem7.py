@@ -285,7 +285,8 @@ class AnswerPrinter(LatexPrinter):
             each = conditions.pop(0)
             other = next((other for other in conditions if _from_both_sides(each, other)), None)
             if other is None:
-                texts.append((not isinstance(each, sp.Eq), self._print(each)))
+                text = rf"\left({self._print(each)}\right)" if isinstance(each, sp.Or) else self._print(each)
+                texts.append((not isinstance(each, sp.Eq), text))
                 continue
             conditions.remove(other)
             low, high = (each, other) if each.lhs == each.gts else (other, each)

@@ -26,7 +26,7 @@ from symosc.derive.chapters import CHAPTERS
 from symosc.derive.errata import read_errata
 from symosc.derive.front import NOTATION
 from symosc.derive.scope import Scope
-from symosc.derive.steps import StepError, equation, points, steps_of
+from symosc.derive.steps import StepError, points, steps_of
 from symosc.errors import OutputError
 from symosc.scenes import load_scene
 
@@ -87,12 +87,6 @@ def test_a_changed_sign_fails(key: str, part: int) -> None:
             with pytest.raises(StepError):
                 wrong.verify()
     assert without_sign <= 0.5 * len(steps) + 1
-
-
-def test_an_undecided_check_fails() -> None:
-    x, y = sp.symbols("x y", real=True)
-    with pytest.raises(StepError):
-        equation(x, y, sp.Symbol("z", real=True)).verify()
 
 
 @pytest.mark.full(4)
@@ -167,19 +161,6 @@ def test_the_supplement_has_each_erratum_once_with_its_number_and_severity() -> 
     named = {label for each in errata for label in re.findall(r"ref\{([^{}]*)\}", each.shown)}
     assert len(named) > 10
     assert named <= set(LABELS)
-
-
-# --- HTML ---
-
-
-@pytest.mark.slow
-def test_the_page_needs_no_other_file() -> None:
-    html = document.as_page([unchecked(key) for key in ("motion", "sticks", "switching")], Scope())
-    assert html.startswith("<!DOCTYPE html>")
-    assert not re.findall(r'(?:src|href)="(?!data:|#)', html)
-    ids = re.findall(r' id="([^"]*)"', html)
-    assert len(ids) == len(set(ids))
-    assert html.count("<figure") == 3
 
 
 # --- the command ---

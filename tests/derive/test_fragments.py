@@ -84,22 +84,6 @@ def test_a_changed_sign_fails(name: str) -> None:
                 wrong.verify()
 
 
-@pytest.mark.quick(2)
-@pytest.mark.full(3)
-@pytest.mark.usefixtures("unchecked")
-@pytest.mark.parametrize("name", FRAGMENTS)
-def test_a_fragment_has_labels_and_no_tags(name: str) -> None:
-    text = printed(name)
-    labels = re.findall(r"\\label\{([^{}]*)\}", text)
-    rows = re.findall(r"\\begin\{align\}(.*?)\\end\{align\}", text, re.DOTALL)
-    assert labels
-    assert len(labels) == len(set(labels))
-    assert all(label.startswith(f"symosc:{name}-") for label in labels)
-    assert r"\tag" not in text
-    assert sum(row.count(r"\label") for row in rows) == len(labels)
-    assert not re.findall(r"\\(?:ref|eqref|cite|checkedby|markit)\b", text)  # nothing that is elsewhere
-
-
 @pytest.mark.quick(3)
 @pytest.mark.usefixtures("unchecked")
 @pytest.mark.parametrize("name", FRAGMENTS)

@@ -1,4 +1,4 @@
-"""symosc reproduce: a run, what its reports and the letter say, exit codes and bad input."""
+"""symosc reproduce: a run, what goes wrong in it, exit codes, files and bad input."""
 
 from __future__ import annotations
 
@@ -17,33 +17,14 @@ from stand_in_claims import CLAIM, bad_picture, good_picture
 
 from symosc.cli import reproduce
 from symosc.cli.app import main
-from symosc.derive.chapters import CHAPTERS
-from symosc.derive.errata import SEVERITIES, read_errata
-from symosc.errors import OutputError, ParameterError
+from symosc.errors import OutputError
 from symosc.paper import report
-from symosc.paper.claims import CONFIRMED, VERDICTS, Claim, read_claims
-from symosc.paper.pictures import PICTURES, Picture
-from symosc.paper.run import ERROR, Judged, Plan, Results, run
-
-CLAIMS = read_claims(PICTURES)[0]
-ERRATA = tuple(erratum.in_unicode() for erratum in read_errata())
+from symosc.paper.pictures import Picture
+from symosc.paper.run import ERROR, Plan, run
 
 
 def pictures(build: Callable[[], Figure]) -> dict[str, Picture]:
     return {"fig1": Picture("fig1", "Fig. 1: a line", "A line.", 1, build, partial(str, "From 0 to v1."), build)}
-
-
-def test_a_part_of_a_plan() -> None:
-    plan = Plan(CLAIMS, PICTURES, tuple(CHAPTERS))
-    part = plan.only("fig7")
-    assert {claim.id.partition("-")[0] for claim in part.claims} == {"fig7"}
-    assert "fig7" in part.pictures
-    assert "fig6" not in part.pictures
-    assert part.chapters == ()  # a chapter takes longer than the claims
-    assert 0 < len(part) < len(plan)
-    for prefix in ("fig11", ""):
-        with pytest.raises(ParameterError, match="no claim's id begins so"):
-            plan.only(prefix)
 
 
 @pytest.mark.slow
@@ -64,19 +45,6 @@ def test_what_goes_wrong_is_a_result(read: Any) -> None:
     assert not results.ok
     assert [each.claim.id for each in results.changed] == ["wrong", "raises", "dies", "no-evidence"]
     assert "no such curve" in results.failures["fig1"]
-
-    texts = report.files(results)
-    content = json.loads(texts["report.json"])
-    assert content["ok"] is False
-    assert content["changed"] == ["wrong", "raises", "dies", "no-evidence"]
-    assert content["counts"] == dict.fromkeys(VERDICTS, 0) | {"confirmed": 3, "not as printed": 1, ERROR: 3}
-    assert content["claims"][0]["numbers"] == {"a|b": "1e-20", "F(1)": "-3"}
-    assert content["figures"][0]["file"] is None
-    for name in ("report.html", "report.md"):
-        for words in ("not as printed", "committed: confirmed", "by nothing", "no such curve"):
-            assert words in texts[name]
-    assert r"a\|b | 10<sup>−20</sup>" in texts["report.md"]
-    assert "It is 1 &lt;2&gt;." in texts["report.html"]
 
 
 @pytest.mark.quick(2)
@@ -104,24 +72,19 @@ def test_exit_codes(
 
 @pytest.mark.slow
 def test_json_for_machines(read: Any, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    text = CLAIM.format(id="one", check="right") + 'see = ["fig1", "events"]\n'
-    plan = Plan(read(text), pictures(good_picture), ("events",))
+    text = CLAIM.format(id="one", check="right") + 'see = ["fig1", "switching"]\n'
+    plan = Plan(read(text), pictures(good_picture), ("switching",))
     assert reproduce.carry_out(plan, tmp_path, as_json=True, workers=0) == 0
     content = json.loads(capsys.readouterr().out)
     assert content == json.loads((tmp_path / "report.json").read_text(encoding="utf-8"))
-    (claim,), (figure,), (derivation,) = (content[key] for key in ("claims", "figures", "derivations"))
-    assert claim["verdict"] == claim["committed"] == "confirmed"
+    (figure,), (derivation,) = content["figures"], content["derivations"]
     assert (tmp_path / figure["file"]).read_text(encoding="utf-8").count("<svg") == 1
-    assert figure["claims"] == derivation["claims"] == ["one"]
-    assert derivation["steps"] > 0
     assert {"date", "processor", "python", "symosc", "seconds"} <= set(content["made"])
     markdown = (tmp_path / "report.md").read_text(encoding="utf-8")
     for link in (derivation["file"].partition("#")[0], *re.findall(r"\]\(([^#)]+)\)", markdown)):
         assert (tmp_path / link).is_file(), link
     html = (tmp_path / "report.html").read_text(encoding="utf-8")
-    assert "From 0 to v<sub>1</sub>." in html
     assert "<math" in html
-    assert html.count("<source ") == 1  # the picture in the form for phones
     assert not re.search(r"<script|src=\"(?!data:)|href=\"(?!#|data:)", html)
 
 
@@ -158,56 +121,3 @@ def test_bad_input_is_one_line(tmp_path: Path) -> None:
         assert result.stderr.startswith("symosc: error: ")
         assert result.stderr.count("\n") == 1
     assert not (tmp_path / "out").exists()
-
-
-# --- the letter ---
-
-
-def judged(claim: Claim, verdict: str | None = None) -> Judged:
-    return Judged(claim, verdict or claim.verdict, "Found.", {}, 0.0)
-
-
-def letter(*entries: Judged) -> dict[str, str]:
-    plan = Plan(tuple(each.claim for each in entries), {}, errata=ERRATA, unjudged=())
-    found = report.files(Results(plan, entries, {}, {}))
-    return {name: text for name, text in found.items() if name.startswith("letter")}
-
-
-def listed(letter: dict[str, str]) -> list[str]:
-    """Return the ids of the errata in the HTML; in both letters each has the number that it has in the list."""
-    found = re.findall(r'<li id="([^"]*)" value="(\d+)">', letter["letter.html"])
-    assert re.findall(r"^(\d+)\. ", letter["letter.txt"], re.MULTILINE) == [number for _, number in found]
-    numbers = {erratum.id: str(erratum.number) for erratum in ERRATA}
-    assert all(numbers.get(key, number) == number for key, number in found)
-    return [key for key, _ in found]
-
-
-def counts(text: str) -> list[int]:
-    """Return the numbers of the first paragraph: statements, those that hold, points, and these by their severity."""
-    words = " ".join(re.sub(r"<[^>]*>", "", text).split())
-    pattern = (
-        r"Of (\d+) statements (\d+) hold as they stand; the others come down to the (\d+) points below: (\d+) that do"
-        r" not hold, (\d+) in which something is left out, and (\d+) slips"
-    )
-    found = re.search(pattern, words)
-    assert found, words[:400]
-    return [int(number) for number in found.groups()]
-
-
-@pytest.mark.quick(1)
-@pytest.mark.parametrize("i", range(0, len(ERRATA), 4))
-def test_an_erratum_stands_there_if_a_claim_has_shown_it_in_this_run(i: int) -> None:
-    """Not if its claims were not run, hold after all, or failed; and once if several show it."""
-    whole = letter(*map(judged, CLAIMS))
-    assert listed(whole) == [erratum.id for erratum in ERRATA]
-    by_severity = [sum(each.severity == severity for each in ERRATA) for severity in SEVERITIES]
-    expected = [len(CLAIMS), sum(not claim.errata for claim in CLAIMS), len(ERRATA), *by_severity]
-    assert [counts(text) for text in whole.values()] == [expected, expected]
-    erratum = ERRATA[i]
-    showing = [claim for claim in CLAIMS if erratum.id in claim.errata]
-    assert erratum.id not in listed(letter(*(judged(claim) for claim in CLAIMS if erratum.id not in claim.errata)))
-    for verdict, there in ((None, 1), (CONFIRMED, 0), (ERROR, 0)):
-        both = letter(*(judged(claim, verdict) for claim in showing))
-        assert listed(both).count(erratum.id) == there
-        assert sum(counts(both["letter.txt"])[3:]) == counts(both["letter.html"])[2] == len(listed(both))
-        assert " ".join(both["letter.txt"].split()).count(" ".join(f"Proof: {erratum.proof}".split())) == there

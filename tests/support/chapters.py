@@ -4,15 +4,17 @@ from __future__ import annotations
 
 import pickle
 from functools import cache
+from types import SimpleNamespace
 from typing import Any
 from unittest.mock import patch
 
 from once import alone
 
 from symosc.derive import document, published
-from symosc.derive.chapters import literature
+from symosc.derive.chapters import borders, literature
 from symosc.derive.scope import Scope
 from symosc.derive.steps import CONTEXT, Step, StepEvidence
+from symosc.orbits.branch import continue_orbit
 
 
 def table(key: str) -> tuple[published.Value, ...]:
@@ -26,6 +28,15 @@ def table(key: str) -> tuple[published.Value, ...]:
     return values
 
 
+def branch(*given: Any) -> Any:
+    """Return a branch of orbits of the chapter on borders, its ends only: the first worker follows it."""
+    _, word, name, (first, last) = given
+    with alone(f"branch-{word}-{name}-{first}-{last}") as path:
+        if not path.exists():
+            path.write_bytes(pickle.dumps(continue_orbit(*given).ends))
+        return SimpleNamespace(ends=pickle.loads(path.read_bytes()))
+
+
 def _own(number: Any) -> Any:
     """Return an mpf in a form that can be pickled, with all its digits, and other numbers as they are."""
     return CONTEXT.own(number) if hasattr(number, "_mpf_") else number
@@ -34,7 +45,7 @@ def _own(number: Any) -> Any:
 @cache
 def unchecked_items(key: str) -> tuple[str, list[Any]]:
     """Return the title and the items of a chapter; nobody changes them."""
-    with patch.object(literature, "table", table):
+    with patch.object(literature, "table", table), patch.object(borders, "continue_orbit", branch):
         return document.chapter_items(key, Scope())
 
 

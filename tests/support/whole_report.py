@@ -1,7 +1,7 @@
-"""`symosc reproduce`, with the evidence of the chapters that the tests have: no step is checked twice in a session.
+"""`symosc reproduce`, with the evidence that the tests have: no step and no claim is checked twice in a session.
 
-A program: what it is given are the arguments of the command. Only `derive`, which the processes of the run call for
-each chapter, is another one.
+A program: what it is given are the arguments of the command. Only `derive` and `judge`, which the processes of the run
+call for each chapter and claim, are others.
 """
 
 from __future__ import annotations
@@ -10,6 +10,7 @@ import sys
 from unittest.mock import patch
 
 from chapters import chapter
+from judging import judged
 
 from symosc.derive import document
 from symosc.paper import run
@@ -29,6 +30,6 @@ if __name__ == "__main__":
 
     from symosc.__main__ import run as command
 
-    with patch.object(run, "derive", whole_report.derive):
+    with patch.object(run, "derive", whole_report.derive), patch.object(run, "judge", judged):
         sys.argv[0] = "symosc"
         command()

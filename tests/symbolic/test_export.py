@@ -200,17 +200,6 @@ def test_numpy_takes_numbers_and_arrays_that_broadcast(fix: Parameters | None) -
                 assert f1.shape == f2.shape == (2, 1)
 
 
-def test_julia_source_has_balanced_blocks() -> None:
-    for fix in (None, load_scene("fig9").parameters):
-        text = export(ALL, "julia", fix, "made")["made.jl"]
-        assert "module Made" in text.splitlines()
-        words = [line.split(" ")[0] for line in map(str.strip, text.splitlines())]
-        opened = sum(word in ("module", "function", "struct", "if", "for") for word in words)
-        assert words.count("end") == opened
-        code = [line for line in text.splitlines() if not line.startswith("#")]
-        assert not [line for line in code if " and " in line or " not " in line or ":=" in line or "elif" in line]
-
-
 @pytest.mark.skipif(shutil.which("julia") is None, reason="no julia here")
 def test_julia_agrees_with_mpmath(tmp_path: Path) -> None:
     for word, fix in ((ALL, None), ("P4645", load_scene("fig10").parameters)):
@@ -228,30 +217,6 @@ def test_julia_agrees_with_mpmath(tmp_path: Path) -> None:
             return f, np.array(J).reshape(-1, 2, 4)
 
         check(evaluate, word, fix or REGIMES["underdamped"], 2)
-
-
-def test_fixing_parameters_cuts_the_branches_that_they_decide() -> None:
-    text = export("P32", "python", load_scene("fig9").parameters)["p32.py"]
-    for gone in ("careful", "expm1", "def constants", "K.", "K)", "under", "APART_ABOVE", "mu1 *"):
-        assert gone not in text
-    assert "K_A1 = 30.0" in text
-    assert "fig" not in text
-    assert "c = 0.2" in text  # the parameters are named
-    overdamped = export("P32", "c", REGIMES["overdamped"])["p32.c"]
-    assert "basis_apart" not in overdamped
-    assert "careful" in overdamped
-    arrays = export("P32", "numpy", REGIMES["underdamped"])["p32.py"]
-    assert "careful" not in arrays
-    assert "K_under" not in arrays
-
-
-def test_a_stick_has_the_exit_that_the_next_map_asks_for() -> None:
-    text = export("P4645", "python")["p4645.py"]
-    assert "*P4_above(z[2], z[3], z[4], z[5], K)" in text
-    assert "*P4_below(z[6], z[7], z[8], z[9], K)" in text
-    open_end = export("P4", "python")["p4.py"]
-    assert "def P4_above" in open_end
-    assert "*P4_below(z[0]" in open_end
 
 
 def test_errors(tmp_path: Path) -> None:

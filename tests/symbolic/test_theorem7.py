@@ -102,32 +102,6 @@ def test_full_order_adds_the_tangency_of_fourth_order_and_nothing_else(
         assert theorem7(mapping, other, amplitude) == printed(mapping, other, amplitude)
 
 
-@pytest.mark.full(18)
-@pytest.mark.slow
-@pytest.mark.parametrize("mapping", MAPS)
-@pytest.mark.parametrize("amplitude", [5, -5, 0])
-@pytest.mark.parametrize("level", [-7, -5, -3, 0, 3, 5, 7])
-def test_the_two_sides_fill_the_circle_but_for_the_critical_phases(mapping: str, amplitude: int, level: int) -> None:
-    other = {"P2": "P3", "P3": "P2", "P5": "P6", "P6": "P5"}[mapping]
-    here, there = printed(mapping, level, amplitude), printed(other, level, amplitude)
-    assert sp.Intersection(here, there) == S.EmptySet
-    missing = CIRCLE - sp.Union(here, there)
-    critical = [pi / 2, 3 * pi / 2, S.Zero, pi, CUT, pi - CUT, pi + CUT, 2 * pi - CUT]
-    expected = [theta for theta in critical if sp.expand(level + amplitude * sp.sin(theta)) == 0]
-    assert missing == (CIRCLE if amplitude == level == 0 else sp.FiniteSet(*expected))
-
-
-@pytest.mark.full(2)
-@pytest.mark.slow
-@pytest.mark.parametrize("mapping", MAPS)
-def test_negative_amplitude_is_half_a_period_later(mapping: str) -> None:
-    for level in (-5, -3, 0, 3, 5):
-        here, there = theorem7(mapping, level, 5), theorem7(mapping, level, -5)
-        for numerator in range(48):
-            theta = pi * Rational(numerator, 12)
-            assert (theta % (2 * pi) in here) == ((theta + pi) % (2 * pi) in there)
-
-
 LINES = (gamma, a, gamma - a, gamma + a)
 
 
