@@ -15,7 +15,7 @@ from paper_orbits import BOTH_BELTS, FIG9, FIG10, P32, P32_MULTIPLIER, P4645
 from symosc import Parameters, load_scene
 from symosc.errors import ParameterError
 from symosc.mappings.equations import residual
-from symosc.orbits.closing_equations import ClosingEquations, ConvergenceError
+from symosc.orbits.closing_equations import ClosingEquations, ConvergenceError, newton
 from symosc.orbits.find import find_orbit
 from symosc.orbits.floquet import multipliers
 from symosc.words import WordError, read_word
@@ -159,6 +159,19 @@ def test_no_convergence_carries_the_best_points():
     assert error.periods == 1
     copy = pickle.loads(pickle.dumps(error))
     assert (copy.word, copy.best, copy.residual) == (error.word, error.best, error.residual)
+
+
+def test_a_search_that_fails_returns_its_best_points_with_their_residual() -> None:
+    rng, reasons = np.random.default_rng(3), set()
+    equations = ClosingEquations(CROSSING_BOTH, read_word("P7482"), 1)
+    for _ in range(25):
+        guess = np.column_stack([rng.uniform(-6, 6, 4), np.sort(rng.uniform(0, 6.2, 4))])
+        with np.errstate(all="ignore"):
+            found = newton(equations, guess)
+            if not found.converged:
+                reasons.add(found.reason)
+                assert found.residual == pytest.approx(np.abs(equations.residuals(found.points)).max())
+    assert "not converged after 60 steps" in reasons
 
 
 @pytest.mark.parametrize(("p", "word"), [(FIG9, "P23"), (FIG10, "P6454"), (FIG10, "P5464")])

@@ -75,6 +75,8 @@ def many_windows() -> Iterator[Any]:
     yield grazing_windows(FIG9, "P2", v1=speeds, B0=np.array([[-3.0], [0.0], [3.0]]))
     yield grazing_windows(FIG9, "P6", "paper", k=np.linspace(0, 8, 9), v2=2.0, B0=2.0, Omega=4.0)
     yield grazing_windows(FIG10, "P5")
+    one, other = (grazing_windows(FIG9, "P2", v1=[0.0, 1.0, v1]) for v1 in (2.0, 3.0))
+    yield [one == one, one == other, one != other, one == 3]
 
 
 def starts() -> Iterator[Any]:
@@ -160,6 +162,8 @@ def solutions() -> Iterator[Any]:
         (FIG10, "P6", {"theta_i": known.theta, "digits": 20}),
         (FIG10, "P6", {"x_i": known.start["x0"]}),
         (FIG10, "P6", {"x_i": 1000}),
+        (FIG10, "P6", {"x_i": "-6.33"}),
+        (FIG10, "P6", {"x_i": "-6.3303309"}),
         (FIG9, "P3", {"x_i": -4}),
         (FIG7, "P2", {"theta_i": 2}),
         (FREE, "P2", {"theta_i": 1}),
@@ -209,7 +213,7 @@ def next_points() -> Iterator[Any]:
         return [label, point.x, point.theta, str(point.exit), point.grazing, *np.ravel(point.derivative)]
 
     tries = [
-        (p, f"P{n}", x, theta) for p in (FIG9, FIG10) for n in range(1, 9) for x in (-3, 0.5, 4) for theta in (1, 14.5)
+        (p, f"P{n}", x, theta) for p in (FIG9, FIG10) for n in range(1, 9) for x in (-3, 4) for theta in (1, 14.5, -4)
     ]
     for given in tries:
         try:
@@ -263,6 +267,24 @@ CASES: dict[str, Callable[[], object]] = {
         [
             lambda: grazing_window(FIG9, "P1"),
             lambda: grazing_window(FIG9, "P2").contact("3*pi/2"),
+            lambda: grazing_window(FIG9, "P2").contact(np.array([1.0, 4.0])),
+            lambda: grazing_window(FIG9, "P2").contains(np.array([1.0, np.inf])),
+            lambda: grazing_windows(FIG9, "P2", FN=[1.0]),
+            lambda: grazing_windows(FIG9, "P2", k=[1.0, -1.0]),
+            lambda: grazing_windows(FIG9, "P2", k=[1.0, 2.0], B0=[1.0, 2.0, 3.0]),
+            lambda: grazing_start(FIG9, "P2", theta=1, periods=0),
+            lambda: grazing_start(FIG9, "P2"),
+            lambda: is_grazing(FIG9, "P2", 0, 1, tolerance=1),
+            lambda: grazing_curve(FIG9.replace(k=0), "P2"),
+            lambda: grazing_curve(FIG9, "P2", 3),
+            lambda: solve_grazing(FIG9, "P2", x_i=1, x_j=1),
+            lambda: check_grazing(FIG9, "P2", n=0),
+            lambda: jacobian(FIG9, "P9", (1, 2), (1, 3)),
+            lambda: jacobian(FIG9, "P1", (1, 2), (1, 3), "left"),
+            lambda: residual(FIG9, "P2", ([1, 2], 2), ([1, 2, 3], 3)),
+            lambda: residual(FIG9, "P2", (float("inf"), 2), (1, 3)),
+            lambda: residual(FIG9, "P2", (True, 2), (1, 3)),
+            lambda: solve_map(FIG9, "P2", [1, 2], 2),
             lambda: grazing_window(FIG9.replace(k=0), "P2").contact("pi/2"),
             lambda: grazing_start(FIG9, "P2", theta=4.7),
             lambda: grazing_start(FIG9, "P2", t_m=1, t0=2),

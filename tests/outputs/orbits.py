@@ -13,7 +13,7 @@ from said import error_of, errors_of
 
 from symosc import Border, Branch, Parameters, PeriodicOrbit, Scene, continue_border, continue_orbit, find_orbit
 from symosc.orbits.admissibility import conditions, grazing_distance
-from symosc.orbits.border import borders_between
+from symosc.orbits.border import borders_between, passes
 from symosc.orbits.branch import piece_margins
 from symosc.orbits.closing_equations import ClosingEquations
 from symosc.orbits.floquet import rest_positions
@@ -82,16 +82,35 @@ def branch(p: Parameters, word: str, parameter: str, *limits: Any, **how: Any) -
     return continue_orbit(p, word, parameter, limits, **how)
 
 
-def free_branch() -> Branch:
+def free_branch(v1: Any = -9, v2: Any = "1.9", word: str = "P45") -> Branch:
     """Return a branch that ends where the motion no longer meets a belt."""
-    p = COULOMB.replace(v1=-9, v2="1.9", mu2=1, c="0.5", Omega="1.1", B0="1.2", FN=1)
-    return branch(p, "P45", "B0", "0.9", "1.25")
+    p = COULOMB.replace(v1=v1, v2=v2, mu2=1, c="0.5", Omega="1.1", B0="1.2", FN=1)
+    return branch(p, word, "B0", "0.9", "1.25")
+
+
+def graze_branch() -> Branch:
+    return branch(FIG9.replace(Omega=5), "P32", "Omega", 4.99, 5.1)
+
+
+def between(changed: str, low: Any, high: Any, **ranges: Any) -> Iterator[Any]:
+    """Yield what is said of the borders between two sets of parameters."""
+    ends = [COULOMB.replace(**{changed: value}) for value in (low, high)]
+    for border in borders_between(*ends, tuple(ranges), ranges, step="0.1"):
+        yield from of_border(border)
 
 
 @cache
 def stick_border() -> Border:
     """Return the border on which P32 loses to sticks, with a fold and a point of codimension two."""
     return continue_border(branch(COULOMB.replace(FN="0.72"), "P32", "FN", 0.7, 0.8), 1, "Omega", PLANE, step="0.05")
+
+
+def where_it_passes() -> list[bool]:
+    """Return whether points of a border are on the same border in long steps, and whether points beside it are."""
+    border = stick_border()
+    coarse = continue_border(branch(COULOMB.replace(FN="0.72"), "P32", "FN", 0.7, 0.8), 1, "Omega", PLANE, step="0.1")
+    places = [border.points[i] + shift for shift in (0, 1e-3) for i in range(2, len(border), 5)]
+    return [passes(coarse, place, words) for words in (border.words, ("P32", "rest")) for place in places]
 
 
 def of_border(border: Border) -> Iterator[Any]:
@@ -102,6 +121,7 @@ def of_border(border: Border) -> Iterator[Any]:
     yield list(map(numbers, border.beside(middle, "0.01")))
     yield border.words_beside(middle, "1e-5")
     yield [str(border.orbit(middle).word), border.orbit(middle).periods]
+    yield border.orbit(middle).points
 
 
 def margins() -> Iterator[Any]:
@@ -170,6 +190,9 @@ CASES: dict[str, Callable[[], object]] = {
             lambda: find_orbit(FIG9, "P4645", (0.18, 4.15)),
             lambda: find_orbit(FIG9, "P32", [(1, 4), (0.2, 4)]),
             lambda: find_orbit(FIG9, "P32", [(1, 4), (3.2, 4)], periods=1),
+            lambda: found(FIG9, "P32").approach("fig9", within=0),
+            lambda: found(FIG9, "P32").approach("fig10"),
+            lambda: found(FIG9, "P32").sensitivities("FM"),
         ]
     ),
     "margins anywhere": margins,
@@ -177,31 +200,27 @@ CASES: dict[str, Callable[[], object]] = {
     "branch: range": lambda: columns(branch(FIG9, "P32", "Omega", 3.9, 4.1)),
     "branch: stick is born": lambda: ends(branch(FIG9.replace(Omega="3.29"), "P32", "Omega", "3.28", "3.3")),
     "branch: stick vanishes": lambda: ends(branch(FIG9.replace(Omega="3.28"), "P132", "Omega", "3.275", "3.29")),
-    "branch: graze": lambda: ends(branch(FIG9.replace(Omega=5), "P32", "Omega", 4.99, 5.1)),
+    "branch: graze": lambda: ends(graze_branch()),
+    "branch: from its end": lambda: ends(
+        continue_orbit(graze_branch().parameters(-1), "P32", "Omega", (4.99, 5.1), graze_branch().points[-1])
+    ),
     "branch: slip is born": lambda: ends(branch(FIG10.replace(B0=5), "P45", "B0", "4.99", "5.1")),
     "branch: no belt": lambda: ends(free_branch()),
     "branch: most points": lambda: [end.kind for end in branch(FIG9, "P32", "Omega", 3.5, 4.5, max_points=5).ends],
     "branch: undamped": lambda: columns(branch(UNDAMPED, "P32", "Omega", 1.45, 1.55)),
     "branch: no orbit": lambda: error_of(lambda: branch(FIG9.replace(Omega=3), "P32", "Omega", 2, 4)),
     "border: stick": lambda: of_border(stick_border()),
+    "border: where it passes": where_it_passes,
     "border: at": lambda: [stick_border().at(Omega="1.5"), stick_border().at(FN="0.7"), stick_border().at(FN=1)],
     "border: graze": lambda: of_border(
-        continue_border(
-            branch(FIG9.replace(Omega=5), "P32", "Omega", 4.99, 5.1),
-            1,
-            "FN",
-            {"Omega": (4.9, 5.2), "FN": (9, 11)},
-            step="0.1",
-        )
+        continue_border(graze_branch(), 1, "FN", {"Omega": (4.9, 5.2), "FN": (9, 11)}, step="0.1")
     ),
     "border: no belt": lambda: of_border(
         continue_border(free_branch(), 0, "Omega", {"Omega": ("0.5", 2), "B0": (0.24, 6)}, step="0.05")
     ),
-    "border: rest": lambda: [
-        each
-        for border in borders_between(
-            COULOMB.replace(FN="0.9"), COULOMB.replace(FN="1.1"), ("Omega", "FN"), PLANE, step="0.1"
-        )
-        for each in of_border(border)
-    ],
+    "border: no belt above": lambda: of_border(
+        continue_border(free_branch("1.9", 9, "P12"), 0, "c", {"c": ("0.4", "0.6"), "B0": (0.24, 6)}, step="0.1")
+    ),
+    "border: rest": lambda: between("FN", "0.9", "1.1", **PLANE),
+    "border: between": lambda: between("FN", "0.71", "0.89", FN=(0.7, 0.9), Omega=(0.85, 0.95)),
 }

@@ -5,6 +5,7 @@ from __future__ import annotations
 import re
 import tempfile
 from collections.abc import Callable, Iterator
+from dataclasses import replace
 from functools import cache
 from pathlib import Path
 from typing import Any
@@ -19,7 +20,7 @@ from symosc.scenes.files import line_of
 from symosc.sweeps.output import dataset_of, output_path, plan_of, read_columns, write_output
 from symosc.sweeps.plan import SweepPlan, compute, cycles, kernels_hash, read_plan
 from symosc.sweeps.store import Store, missing
-from symosc.sweeps.sweep import _next_chunk, read_executor, sweep, sweep_status
+from symosc.sweeps.sweep import _fill, _next_chunk, read_executor, sweep, sweep_status
 
 OVER = {"Omega": "3:5:3", "FN": [5, "12.5"]}
 EVERY = ("word", "events", "x", "t", "stuck", "mode", "multiplicity", "section:2", "v_max")
@@ -131,6 +132,10 @@ def swept() -> Iterator[Any]:
         whole = sweep("fig9", OVER, **options, path=store.output, progress=lambda *done: calls.append(str(done)))
         yield [*whole.word.values.ravel().tolist(), *calls, *sorted(each.name for each in Path(folder).iterdir())]
     yield missing([(2, 4), (3, 6), (8, 9)], 12)
+    filled: dict[str, np.ndarray] = {}
+    for begin, words in ((0, ["P32", ""]), (3, ["P3121"]), (2, ["P1"])):
+        _fill(filled, 4, begin, begin + len(words), {"word": np.array(words)})
+    yield filled["word"].tolist()
     todo = [(20, 30), (0, 10)]
     yield [*map(str, (_next_chunk(todo, 4, 2) for _ in range(5))), *map(str, todo)]
 
@@ -159,6 +164,11 @@ def scenes() -> Iterator[str]:
             yield as_toml(moved)
             yield f"{moved.original is None} {moved.notes}"
         yield as_toml(scene.changed(k=2))
+    for other in (replace(mine, name="other"), replace(mine, x0=5), replace(mine, parameters=FIG9)):
+        yield f"{other.name} {other.original == mine.original} {other.original is None}"
+    for start in ({"t0": 0}, {"t0": "1/2"}):
+        scene = Scene("base", SHIFTED.replace(B0=0), x0=1, v0=2, t_end=9, **start)
+        yield f"{scene.start_error} {scene.original.start_error} {scene.reduced().start_error}"
     yield f"{from_rest(FIG9, '2T')!r} {end_time('2T', FIG9, '1/2')} {end_time(3, FIG9, 0)}"
     text = as_toml(mine, explained=True)
     read = read_scene(text, "mine.toml")
@@ -173,7 +183,13 @@ def wrong_scenes() -> Iterator[str]:
     faults = {
         "m = 0.1": ["m = -1", "m = true", 'm = "x"', "m = 1e99", "mm = 1", "# m = 1", "m = [1]", "m = nan"],
         "v1 = 1": ["v1 = 30", 'v1 = "1/0"'],
-        "t_end = 1": ["t_end = -1", "t_end = []", "t_end = 1e5000", "reference = 3\nt_end = 1"],
+        "t_end = 1": [
+            "t_end = -1",
+            "t_end = []",
+            "t_end = 1e5000",
+            "t_end = 1e9999999999999999999999",
+            "reference = 3\nt_end = 1",
+        ],
         'name = "fig9"': ["name = 5", 'name = " "', 'nam = "x"', 'structure = "P99"', "structure = 7", "source = []"],
         "[start]": ["[starts]", "", "[start]\nx0 = 1", "[model]\nY = 1\n[start]", "[start]\nstart_error = [1, 2]"],
         "[parameters]": [
