@@ -12,10 +12,10 @@ from oracle import simulate_oracle
 from paper_orbits import BOTH_BELTS
 from scipy.optimize import minimize_scalar
 
-from symosc import ParameterError, Parameters, load_scene, simulate
+from symosc import Parameters, load_scene, simulate
 from symosc.engine.flow import state_at
 from symosc.orbits import branch as branches
-from symosc.orbits.branch import Branch, BranchError, continue_orbit
+from symosc.orbits.branch import Branch, continue_orbit
 from symosc.orbits.closing_equations import ClosingEquations, ConvergenceError
 from symosc.orbits.find import find_orbit
 from symosc.words import read_word
@@ -107,16 +107,6 @@ def events_of_a_period(p: Parameters, branch, at: int) -> list[str]:
     return sorted(event.source for event in run.events if event.t > t0 + (cycles - 1) * period)
 
 
-def test_a_stick_is_born_where_a_branch_ends() -> None:
-    """P132 ends where P32 begins: at a crossing whose force changes its sign, and nothing else fails there."""
-    branch = branch_of(FIG9.replace(Omega="3.29"), "P32", "Omega", ("3.28", "3.3"))
-    end, other = branch.ends
-    assert (end.kind, end.beyond, other.kind) == ("birth of a stick", "P132", "end of the range")
-    assert end.value == branch.values[0] == pytest.approx(3.28857638277, abs=1e-10)
-    assert [c.text for c in end.conditions] == ["F^(1) < 0 where P3 crosses v1 (Theorem 5)"]
-    assert end.message == f"{end.conditions[0].text} no longer holds at t = {end.conditions[0].t:.10g}"
-
-
 @pytest.mark.slow
 @pytest.mark.parametrize(("low", "high"), [("0.42", "0.48"), ("0.48", "0.52"), ("1.2", "1.8")])
 def test_without_damping_no_multiplier_exceeds_1(low: str, high: str) -> None:
@@ -155,29 +145,6 @@ def test_a_range_may_end_where_no_system_is_beyond():
     assert branch.values[0] == 0
     assert branch.ends[0].kind == "end of the range"
     assert abs(branch.multipliers[0]).max() < 1
-
-
-@pytest.mark.slow
-def test_a_branch_that_begins_at_the_end_of_its_range():
-    branch = continue_orbit(FIG9, "P32", "Omega", (4, "4.2"))
-    assert branch.values[0] == 4
-    assert branch.values[-1] == 4.2
-    assert (np.diff(branch.values) > 0).all()
-
-
-def test_bad_input():
-    with pytest.raises(ParameterError, match="parameter"):
-        continue_orbit(FIG9, "P32", "omega", (3, 5))
-    for limits in ((5, 6), (4, 4), (5, 3)):
-        with pytest.raises(ParameterError, match="in between"):
-            continue_orbit(FIG9, "P32", "Omega", limits)
-    with pytest.raises(ParameterError, match="pair"):
-        continue_orbit(FIG9, "P32", "Omega", 5)
-    with pytest.raises(ParameterError, match="mu1"):
-        continue_orbit(FIG9, "P32", "mu1", (-1, 1))
-    with pytest.raises(BranchError, match="no first orbit") as caught:
-        continue_orbit(FIG9.replace(Omega=3), "P32", "Omega", (2, 4))
-    assert not caught.value.orbit.admissible
 
 
 # v2 lies just below the greatest velocity that P32 has at any Omega; it does not act on P32 otherwise.

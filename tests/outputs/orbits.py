@@ -9,7 +9,7 @@ from typing import Any
 
 import numpy as np
 from paper_orbits import BOTH_BELTS, FIG9, FIG10
-from said import error_of, errors_of
+from said import errors_of
 
 from symosc import Border, Branch, Parameters, PeriodicOrbit, Scene, continue_border, continue_orbit, find_orbit
 from symosc.orbits.admissibility import conditions, grazing_distance
@@ -168,8 +168,11 @@ CASES: dict[str, Callable[[], object]] = {
     "approaches": lambda: [
         found(FIG9, "P32").approach("fig9"),
         found(FIG10, "P4645").approach("fig10", within="1e-3"),
+        found(FIG9, "P32").approach("fig9-orbit"),
+        found(FIG10, "P4645").approach("fig10-orbit"),
         found(FIG9, "P3232", periods=2).approach(Scene("off a belt", FIG9, 1, 2, -3, 4)),
     ],
+    "rotations": lambda: [found(p, w).points for p, w in ((FIG9, "P23"), (FIG10, "P6454"), (FIG10, "P5464"))],
     "guesses": ways_to_guess,
     "roots that are no orbits": lambda: [
         find_orbit(FIG9.replace(Omega=3), "P32").as_dict(),
@@ -190,6 +193,13 @@ CASES: dict[str, Callable[[], object]] = {
             lambda: find_orbit(FIG9, "P4645", (0.18, 4.15)),
             lambda: find_orbit(FIG9, "P32", [(1, 4), (0.2, 4)]),
             lambda: find_orbit(FIG9, "P32", [(1, 4), (3.2, 4)], periods=1),
+            lambda: find_orbit(FIG9, "P42"),
+            lambda: find_orbit(FIG9, ["P3", "P2"] * 21),
+            lambda: find_orbit(FIG9.replace(k=0), "P32"),
+            lambda: find_orbit(FIG9, "P32", periods=0),
+            lambda: find_orbit(FIG9, periods=2),
+            lambda: find_orbit(FIG9, "P32", digits=2.5),  # type: ignore[arg-type]
+            lambda: find_orbit(5, "P32"),
             lambda: found(FIG9, "P32").approach("fig9", within=0),
             lambda: found(FIG9, "P32").approach("fig10"),
             lambda: found(FIG9, "P32").sensitivities("FM"),
@@ -207,8 +217,28 @@ CASES: dict[str, Callable[[], object]] = {
     "branch: slip is born": lambda: ends(branch(FIG10.replace(B0=5), "P45", "B0", "4.99", "5.1")),
     "branch: no belt": lambda: ends(free_branch()),
     "branch: most points": lambda: [end.kind for end in branch(FIG9, "P32", "Omega", 3.5, 4.5, max_points=5).ends],
-    "branch: undamped": lambda: columns(branch(UNDAMPED, "P32", "Omega", 1.45, 1.55)),
-    "branch: no orbit": lambda: error_of(lambda: branch(FIG9.replace(Omega=3), "P32", "Omega", 2, 4)),
+    "branch: undamped": lambda: columns(branch(UNDAMPED.replace(Omega="1.45"), "P32", "Omega", 1.45, 1.55)),
+    "branch: errors": lambda: errors_of(
+        [
+            lambda: branch(FIG9.replace(Omega=3), "P32", "Omega", 2, 4),
+            lambda: branch(FIG9, "P32", "omega", 3, 5),
+            lambda: branch(FIG9, "P32", "Omega", 5, 6),
+            lambda: branch(FIG9, "P32", "Omega", 4, 4),
+            lambda: branch(FIG9, "P32", "mu1", -1, 1),
+            lambda: branch(FIG9, "P32", "Omega", 3, 5, max_points=1),
+            lambda: continue_orbit(FIG9, "P32", "Omega", 5),  # type: ignore[arg-type]
+            lambda: continue_border(graze_branch(), 0, "FN", (9, 11)),
+            lambda: continue_border(graze_branch(), 2, "FN", (9, 11)),
+            lambda: continue_border(graze_branch(), 1, "Omega", (4, 6)),
+            lambda: continue_border(graze_branch(), 1, "FN", (11, 12)),
+            lambda: continue_border(graze_branch(), 1, "FN", {"FN": (9, 11), "k": (1, 2)}),
+            lambda: continue_border(graze_branch(), 1, "FN", (9, 11), step=0),
+            lambda: continue_border(graze_branch(), 1, "FN", (9, 11), max_points=1),
+            lambda: stick_border().at(c=1),
+            lambda: stick_border().beside(0, 1),
+            lambda: stick_border().orbit(99),
+        ]
+    ),
     "border: stick": lambda: of_border(stick_border()),
     "border: where it passes": where_it_passes,
     "border: at": lambda: [stick_border().at(Omega="1.5"), stick_border().at(FN="0.7"), stick_border().at(FN=1)],
