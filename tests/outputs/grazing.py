@@ -35,7 +35,7 @@ from symosc.grazing.window import critical_text, phases_text
 from symosc.mappings.numbers import ExactPhase, latex_number, read_phase_text, sine_sign
 
 MAPS = ("P2", "P3", "P5", "P6")
-FIG6, FIG7 = load_scene("fig6").parameters, load_scene("fig7-exact").parameters
+FIG6, FIG7, FIG8 = (load_scene(name).parameters for name in ("fig6", "fig7-exact", "fig8"))
 OVER = Parameters(
     m="1.991", c="3.353", k="0.524", A0="1.449", B0="7.585", Omega="1.157", v1="1.675", v2="2.836", mu1="0.392",
     mu2="0.398", FN="6.522",
@@ -51,6 +51,9 @@ def plain(value: Any) -> Any:
 def windows() -> Iterator[str]:
     """Yield windows of random parameters, a third of them at the equality, in both orders."""
     rng = random.Random(20)
+    flat = Parameters(m=1, c=1, k=1, A0=0, B0=1, Omega=1, v1=1, v2=2, mu1=1, mu2=1, FN=1)
+    for k in ("1/2", "1", "0"):
+        yield phases_text(grazing_window(flat.replace(k=k), "P2", "paper"))
     for i in range(28):
         p, mapping = parameters(rng), MAPS[i % 4]
         for order in ("full", "paper"):
@@ -117,6 +120,8 @@ def verdicts() -> Iterator[Any]:
         (flat, "P3", quartic, "3*pi/2"),
         (FIG9, "P2", (FIG9.A(1) - FIG9.c * FIG9.v1) / FIG9.k, "3*pi/2"),
         (FIG9.replace(v1=0), "P3", (FIG9.A(2) + FIG9.B0) / FIG9.k, 0),
+        (FIG7, "P2", "-0.5855", "pi"),
+        (FIG7, "P2", "4.4145", "3*pi/2"),
         (FREE.replace(v1=0, k=1), "P2", "2.6", 0),
         (FREE.replace(v1=0, k=1), "P3", "0.2", 0),
     ):
@@ -166,6 +171,8 @@ def solutions() -> Iterator[Any]:
         (FIG10, "P6", {"x_i": "-6.3303309"}),
         (FIG9, "P3", {"x_i": -4}),
         (FIG7, "P2", {"theta_i": 2}),
+        (FIG8, "P2", {"x_i": 1}),
+        (FIG8, "P5", {"theta_m": 0}),
         (FREE, "P2", {"theta_i": 1}),
         (OVER, "P6", {"x_i": 3}),
     ]
@@ -287,7 +294,19 @@ CASES: dict[str, Callable[[], object]] = {
             lambda: solve_map(FIG9, "P2", [1, 2], 2),
             lambda: grazing_window(FIG9.replace(k=0), "P2").contact("pi/2"),
             lambda: grazing_start(FIG9, "P2", theta=4.7),
-            lambda: grazing_start(FIG9, "P2", t_m=1, t0=2),
+            lambda: grazing_start(FIG9, "P2", t_m=2, t0=3),
+            lambda: grazing_start(FIG9, "P2", t_m=2, t0=2),
+            lambda: grazing_start(FIG9, "P2", theta=1, t_m=1),
+            lambda: grazing_start(FIG9, "P2", theta="one"),
+            lambda: grazing_start(FIG9, "P2", theta=2, digits=2),
+            lambda: grazing_start(FIG9.replace(k=0), "P2", theta="pi/2"),
+            lambda: check_grazing(FIG9, "P4", n=5),
+            lambda: check_grazing(FIG9, "P2", n=2.5),  # type: ignore[arg-type]
+            lambda: check_grazing(FIG9, "P2", n=1_000_001),
+            lambda: check_grazing(FIG9, "P2", n=5, seed=-1),
+            lambda: grazing_windows(FIG9, "P6", k=np.array([1j])),
+            lambda: grazing_windows(FIG9, "P6", k=["a"]),
+            lambda: grazing_window(FIG9, "P2").contains("three"),
             lambda: check_grazing(FIG9.replace(k=0), "P2"),
             lambda: check_grazing(FREE.replace(v1=0), "P2"),
             lambda: solve_grazing(FREE, "P2", x_i=1),

@@ -18,7 +18,7 @@ from symosc import OtherModel, Scene, SymoscError, load_scene, scene_names
 from symosc.scenes import as_toml, end_time, from_rest, read_scene
 from symosc.scenes.files import line_of
 from symosc.sweeps.output import dataset_of, output_path, plan_of, read_columns, write_output
-from symosc.sweeps.plan import SweepPlan, compute, cycles, kernels_hash, read_plan
+from symosc.sweeps.plan import SweepPlan, compute, cycles, kernels_hash, read_duration, read_plan
 from symosc.sweeps.store import Store, missing
 from symosc.sweeps.sweep import _fill, _next_chunk, read_executor, sweep, sweep_status
 
@@ -58,6 +58,7 @@ def plans() -> Iterator[Any]:
         yield {each: arguments[each] for each in ("t_end", "skip", "sections", "start_error")}
         yield [*map(str, (name for name, value in arguments["parameters"].items() if np.ndim(value)))]
     rest = read_plan(FIG9, {"c": [0, 1]}, "word", "5T", 0)
+    yield [str(read_duration("t_end", each)) for each in (9, "9T", " 1.5 T ", "1/3*T", "1e1")]
     yield [str(rest.t_end), rest.scene.name, str(rest.t_end.times(2.0)), len(rest.key)]
     yield " ".join(cycles(np.array(["P23", "P32", "", "P4546", "P23"])))
 
@@ -211,6 +212,21 @@ def wrong_scenes() -> Iterator[str]:
         yield errors_of([lambda whole=whole: read_scene(whole, "mine.toml")])
 
 
+WRONG_OVER: tuple[Any, ...] = (
+    {}, {"omega": [1]}, {"k": "1:2"}, {"k": "2:1:3"}, {"k": [1, 1]}, {"k": [[1]]}, {"k": [1, -1]}, {"v1": [1, 26]},
+    {"k": "1:2:2000000000"}, {name: [1, 2] for name in ("m", "c", "k", "FN")}, [{"k": 1}, {"c": 1}], {"m": [1, 0]},
+    {"Omega": "-1:1:5"}, {"FN": [3, -1, 2]}, {"v2": [0.5, 30]}, {"v1": [0, 3], "v2": [2, 5]}, [{"k": 1}, {"k": -1}],
+    [{"v1": 0, "v2": 1}, {"v1": 3, "v2": 3}], {"k": []}, [{}], 3,
+)  # fmt: skip
+WRONG_RECORDS: tuple[Any, ...] = (
+    (), "words", ("x", "x"), ("section:2", "section:3"), "word:3", "section:0", "section:", "section:x",
+)  # fmt: skip
+#: Ends and what is skipped; Omega = 3 has not ended its fourth period at t = 8.
+WRONG_TIMES: tuple[tuple[Any, Any], ...] = (
+    ("0T", 0), (0, 0), ("0.1324", 0), (5, -1), ("9T", "9T"), ("9T", 100), (5, 6), (8, "4T"), ("T", 0), ("-1T", 0),
+    ("1e12T", 0), (" 1.5 T ", 2),
+)  # fmt: skip
+
 CASES: dict[str, Callable[[], object]] = {
     "plans": plans,
     "datasets": datasets,
@@ -220,28 +236,12 @@ CASES: dict[str, Callable[[], object]] = {
     "errors": lambda: errors_of(
         [
             lambda: read_plan(FIG9, OVER, "word", None, 0),
-            lambda: read_plan("fig9", {}, "word", 5, 0),
-            lambda: read_plan("fig9", {"omega": [1]}, "word", 5, 0),
-            lambda: read_plan("fig9", {"k": "1:2"}, "word", 5, 0),
-            lambda: read_plan("fig9", {"k": "2:1:3"}, "word", 5, 0),
-            lambda: read_plan("fig9", {"k": [1, 1]}, "word", 5, 0),
-            lambda: read_plan("fig9", {"k": [[1]]}, "word", 5, 0),
-            lambda: read_plan("fig9", {"k": [1, -1]}, "word", 5, 0),
-            lambda: read_plan("fig9", {"v1": [1, 26]}, "word", 5, 0),
-            lambda: read_plan("fig9", {"k": "1:2:2000000000"}, "word", 5, 0),
-            lambda: read_plan("fig9", {name: [1, 2] for name in ("m", "c", "k", "FN")}, "word", 5, 0),
-            lambda: read_plan("fig9", {"k": [1]}, "words", 5, 0),
-            lambda: read_plan("fig9", {"k": [1]}, ("x", "x"), 5, 0),
-            lambda: read_plan("fig9", {"k": [1]}, "section:0", 5, 0),
-            lambda: read_plan("fig9", {"k": [1]}, (), 5, 0),
-            lambda: read_plan("fig9", {"k": [1]}, "word", 5, 6),
-            lambda: read_plan("fig9", {"k": [1]}, "word", "0T", 0),
-            lambda: read_plan("fig9", {"k": [1]}, "word", "2T", "2T"),
+            *(lambda over=over: read_plan("fig9", over, "word", 5, 0) for over in WRONG_OVER),
+            *(lambda record=record: read_plan("fig9", {"k": [1]}, record, 5, 0) for record in WRONG_RECORDS),
+            *(lambda end=end, skip=skip: read_plan("fig9", OVER, "word", end, skip) for end, skip in WRONG_TIMES),
             lambda: read_plan("fig9", {"t0": [1, 7]}, "word", 5, 0),
-            lambda: read_plan("fig9", {"k": [1]}, "word", 5, -1),
             lambda: read_plan("fig9", {"x0": [1]}, "word", 5, 0, [(0, 1, 2)] * 2),
             lambda: read_plan("fig9", {"k": [1]}, "word", 5, 0, [(0, 1)]),
-            lambda: read_plan("fig9", [{"k": 1}, {"c": 1}], "word", 5, 0),
             lambda: read_plan(Scene("m", SHIFTED, 0, 0, 0, 9), {"k": [1]}, "word", 5, 0),
             lambda: compute({}, "other"),
             lambda: Scene("", FIG9, 0, 0, 0, 1),

@@ -12,6 +12,7 @@ from typing import Any
 
 import mpmath
 import numpy as np
+import sympy
 from other_models import KINDS, drawn
 from paper_orbits import FIG9
 from regimes import random_sets
@@ -159,20 +160,9 @@ def models() -> Iterator[Any]:
 def words() -> Iterator[str]:
     """Yield words read from each form, what can follow what, and words in print."""
     for given in (
-        "P32",
-        "P3∘P2",
-        "P3 P2",
-        ["P3", "P2"],
-        "P_{4645}",
-        "P4, P1",
-        "P52",
-        "P9",
-        "",
-        "P22",
-        "P44",
-        "P3 5",
-        [3],
-    ):
+        "P32", "P3∘P2", "P3 P2", ["P3", "P2"], "P_{4645}", "P4, P1", "P52", "P9", "", "P22", "P44", "P3 5", " P3*P2 ",
+        "P3·P2,P8", "P_3 P_2", ("P32",), "P47", "P313", "P57", "P58", [3],
+    ):  # fmt: skip
         for how in ({}, {"closed": False}, {"grazing": True}):
             try:
                 word = read_word(given, **how)
@@ -190,7 +180,8 @@ def words() -> Iterator[str]:
 def numbers() -> Iterator[str]:
     """Yield numbers read from all forms, shown, rounded, and refused."""
     values: list[Any] = [
-        0.8, "4/5", " 8e-1 ", 3, Fraction(2, 7), Decimal("1.50"), np.float32(0.1), np.int8(-3), mpmath.mpf("0.1"), True,
+        0.8, np.float64(0.8), sympy.Rational(4, 5), np.array(0.8)[()], "4/5", " 8e-1 ", 3, Fraction(2, 7), True,
+        Decimal("1.50"), np.float32(0.1), np.int8(-3), mpmath.mpf("0.1"),
         "1e2000", "nan", "1/0", "2*pi", "0,5", None, 1e51, float("inf"), "1_0", "1" * 30, "1e-30", "-12.5e25", 2.0**-60,
     ]  # fmt: skip
     for value in values:
@@ -261,6 +252,8 @@ def bad_arguments() -> str:
             lambda: fit("fig5", [(1, "slip")], "mu1", sigma=0),
             lambda: FIG9.replace(Mu1=2),
             lambda: FIG9.replace(v1=30),
+            lambda: Parameters(m=1),  # type: ignore[call-arg]
+            lambda: Parameters(**(FIG9.as_dict() | {"omega": 1})),  # type: ignore[arg-type]
             lambda: FIG9.replace(m="1e-60"),
             lambda: FIG9.A(4),
             lambda: OtherModel(m=1, k=1, Omega=1),
