@@ -34,7 +34,8 @@ NEED_CASES = {
     "crosschecks/test_files.py::*.feather] crosschecks/test_files.py::*.arrow] "
     "crosschecks/test_files.py::test_wrong_columns_and_no_numbers_are_named",
     "h5netcdf": "crosschecks/test_files.py::*[xarray.nc] cli/test_commands.py::test_it_tells* "
-    "cli/test_commands.py::test_status test_outputs.py::test_an_output_is_what_was_stored[sweeps-",
+    "cli/test_commands.py::test_status test_outputs.py::test_an_output_is_what_was_stored[sweeps- "
+    "test_outputs.py::test_an_output_is_what_was_stored[simulation-frames]",
 }
 MISSING = [name for name in NEED if find_spec(name) is None]
 collect_ignore = [path for name in MISSING for path in NEED[name].split()]
