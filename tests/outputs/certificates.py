@@ -129,9 +129,7 @@ def drawn() -> Iterator[Any]:
     grid, atlases.GRID = atlases.GRID, 2
     try:
         yield from of_atlas(symosc.atlas(COULOMB, RESTING, workers=1))
-        sticking = symosc.atlas(
-            "fig10", {"v2": ("0.999", "1.001"), "Omega": ("1.749", "1.751")}, prove="0.3", workers=1
-        )
+        sticks = {"v2": ("0.999", "1.001"), "Omega": ("1.749", "1.751")}
         yield from of_atlas(symosc.atlas("fig10", sticks, prove="0.3", workers=1))
         plane = symosc.atlas(FIG9, PLANE, prove="0.1", workers=1)
         yield from of_atlas(plane)
