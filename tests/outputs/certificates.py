@@ -23,6 +23,13 @@ PLANE, RESTING = (
     {"Omega": ("3.25", "3.33"), "FN": ("9.9", "10.1")},
     {"Omega": ("0.99", "1.01"), "FN": ("0.95", "1.02")},
 )
+#: Planes that are proven at once: with sticks on belt 2, with crossings of both belts, and of belts that mirror.
+CROSSING = Parameters(m=1, c="0.2", k=1, A0=0, B0=1, Omega=1, v1=-3, v2="2.9", mu1=1, mu2=1, FN="0.25")
+PROVEN: tuple[tuple[Any, dict[str, Any]], ...] = (
+    ("fig10", {"v2": ("0.999", "1.001"), "Omega": ("1.749", "1.751")}),
+    (CROSSING, {"Omega": ("0.999", "1.001"), "FN": ("0.249", "0.251")}),
+    (CROSSING.replace(v2=3), {"B0": ("0.999", "1.001"), "c": ("0.199", "0.201")}),
+)
 MADE = (
     "motion fig5 7",
     "motion fig6",
@@ -129,8 +136,10 @@ def drawn() -> Iterator[Any]:
     grid, atlases.GRID = atlases.GRID, 2
     try:
         yield from of_atlas(symosc.atlas(COULOMB, RESTING, workers=1))
-        sticks = {"v2": ("0.999", "1.001"), "Omega": ("1.749", "1.751")}
-        yield from of_atlas(symosc.atlas("fig10", sticks, prove="0.3", workers=1))
+        for p, over in PROVEN:
+            plane = symosc.atlas(p, over, prove="0.3", workers=1)
+            yield from of_atlas(plane)
+            yield symosc.certify(plane).message
         plane = symosc.atlas(FIG9, PLANE, prove="0.1", workers=1)
         yield from of_atlas(plane)
         yield from file_of_atlas(plane)
