@@ -242,6 +242,7 @@ def bad_arguments() -> str:
             lambda: sensitivities("fig9", 3),  # type: ignore[arg-type]
             lambda: sensitivities("fig9", "mu"),
             lambda: sensitivities("fig9", ("mu1", "mu1")),
+            lambda: sensitivities("fig9", ("mu1", 3)),  # type: ignore[arg-type]
             lambda: read_word("P32", closed=1),  # type: ignore[arg-type]
             lambda: frequency_response("fig9", {"Omega": 1, "k": 2}),
             lambda: frequency_response("fig9", {"omega": [1]}),
