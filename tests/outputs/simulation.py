@@ -76,6 +76,9 @@ def touching() -> Iterator[Any]:
         yield [(e.kind, e.boundary, e.source, e.t, e.x) for e in simulate(scene.p, **start).events]
         many = simulate_many(scene.p, [(0, scene.x0 + k * FIG9.m, scene.v0) for k in range(2)], scene.t_end)
         yield many.columns()
+        for use_numba in (None, False):  # what doubles do not decide goes to pairs, or is followed alone
+            how: dict[str, Any] = {"record": "summary", "sections": 2, "use_numba": use_numba}
+            yield simulate_many(scene.p, (0, scene.x0, scene.v0), scene.t_end, **how).columns()
     scene = found[0]
     yield [e.kind for e in simulate(scene.p, t0=0, x0=scene.x0, v0=scene.v0, t_end=scene.t_end, accuracy=inf).events]
     yield told(simulate(scene.p, t0=0, x0=scene.x0, v0=scene.v0, t_end=scene.t_end, digits=12))
@@ -156,6 +159,9 @@ def summaries() -> Iterator[Any]:
     yield simulate_many(sets, (0, 0, 0), "20T", record=names, skip=4, sections=2, use_numba=False).columns()
     rest = Parameters(m=1, c="0.1", k=1, A0=0, B0=0, Omega=1, v1=0, v2=5, mu1="0.3", mu2="0.2", FN=1)
     yield simulate_many(rest, [(0, 3, 1), (0, 0, 0), (0, "0.2", 0)], 60, record="summary", use_numba=False).columns()
+
+    still = rest.replace(v1=-2, c=3)
+    yield simulate_many(still, [(0, still.A(2), 0), (0, 1, 0)], 60, record=("status", "t", "mode", "stuck")).columns()
 
 
 def many() -> Iterator[Any]:

@@ -99,7 +99,7 @@ def datasets() -> Iterator[Any]:
 
 def swept() -> Iterator[Any]:
     """Yield sweeps with files of each kind, continued and begun anew, and their status."""
-    options: dict[str, Any] = {"record": ("word", "x"), "t_end": "6T", "skip": "4T"}
+    options: dict[str, Any] = {"record": ("word", "section:2"), "t_end": "6T", "skip": "4T"}
     with tempfile.TemporaryDirectory() as folder:
         for suffix in (".nc", ".zarr", ".csv"):
             path = Path(folder) / f"map{suffix}"
@@ -109,7 +109,7 @@ def swept() -> Iterator[Any]:
             with closing(Store(path)) as left:  # as if it was stopped before it could remove its chunks
                 left.open(plan.key, plan.content)
             again = sweep("fig9", OVER, **options, path=path)
-            yield [suffix, *whole.word.values.ravel().tolist(), whole.identical(again)]
+            yield [suffix, *whole.word.values.ravel().tolist(), whole.identical(again), whole.section.values.sum()]
             yield list(sweep_status("fig9", OVER, **options, path=path)[1:])
         store = Store(Path(folder) / "part.nc")
         yield sorted(each.name for each in Path(folder).iterdir())
@@ -218,8 +218,9 @@ def wrong_scenes() -> Iterator[str]:
 
 
 WRONG_OVER: tuple[Any, ...] = (
-    {}, {"omega": [1]}, {"k": "1:2"}, {"k": "2:1:3"}, {"k": [1, 1]}, {"k": [[1]]}, {"k": [1, -1]}, {"v1": [1, 26]},
-    {"k": "1:2:2000000000"}, {name: [1, 2] for name in ("m", "c", "k", "FN")}, [{"k": 1}, {"c": 1}], {"m": [1, 0]},
+    {}, {"omega": [1]}, {"k": "1:2"}, {"k": "2:1:3"}, {"k": "2:2:3"}, {"k": [1, 1]}, {"k": [[1]]}, {"k": [1, -1]},
+    {"v1": [1, 26]}, {"k": "1:2:2000000000"}, {name: [1, 2] for name in ("m", "c", "k", "FN")}, {"m": [1, 0]},
+    [{"k": 1}, {"c": 1}],
     {"Omega": "-1:1:5"}, {"FN": [3, -1, 2]}, {"v2": [0.5, 30]}, {"v1": [0, 3], "v2": [2, 5]}, [{"k": 1}, {"k": -1}],
     [{"v1": 0, "v2": 1}, {"v1": 3, "v2": 3}], {"k": []}, [{}], 3, [{"k": 1}, 3], "k", {"k": 3}, {"k": {}},
 )  # fmt: skip
