@@ -205,14 +205,17 @@ def wrong_scenes() -> Iterator[str]:
             "[model]\nZ = 1\n[parameters]",
         ],
     }
-    for old, others in faults.items():
-        assert old in text
-        for new in others:
-            try:
-                read_scene(text.replace(old, new), "mine.toml")
-                yield f"{new!r}: no error"
-            except SymoscError as error:
-                yield f"{new!r}: {type(error).__name__}: {error}"
+    yield from of_faults(text, faults)
+    text = as_toml(Scene("wall", SHIFTED, 0, 1, 0, 9))
+    faults = {
+        "Y = 0.7": ["Z = 1", 'Y = "one"'],
+        "joined = true": ["joined = 1"],
+        "m = 2": ["m = -1", ""],
+        "FN = 1.5": ["", "FN = 0.5\nmu2 = 1"],
+        "[model]": ["[modell]"],
+        "[model]\njoined = true\nphase = 1.570796326794896619231321691639751442099\nY = 0.7\n": [""],
+    }
+    yield from of_faults(text, faults)
     for whole in ("", "x", "a." * 300, "# " * 60_000, "[model]\nY = 1\n[parameters]\nm = 1", "t_end = 1"):
         yield errors_of([lambda whole=whole: read_scene(whole, "mine.toml")])
 
@@ -232,6 +235,19 @@ WRONG_TIMES: tuple[tuple[Any, Any], ...] = (
     ("0T", 0), (0, 0), ("0.1324", 0), (5, -1), ("9T", "9T"), ("9T", 100), (5, 6), (8, "4T"), ("T", 0), ("-1T", 0),
     ("1e12T", 0), (" 1.5 T ", 2),
 )  # fmt: skip
+
+
+def of_faults(text: str, faults: dict[str, list[str]]) -> Iterator[str]:
+    """Yield what is said of a scene's text with each of its lines replaced."""
+    for old, others in faults.items():
+        assert old in text
+        for new in others:
+            try:
+                read_scene(text.replace(old, new), "mine.toml")
+                yield f"{new!r}: no error"
+            except SymoscError as error:
+                yield f"{new!r}: {type(error).__name__}: {error}"
+
 
 CASES: dict[str, Callable[[], object]] = {
     "plans": plans,

@@ -25,12 +25,14 @@ from symosc import (
     Parameters,
     Scene,
     Sensitivities,
+    find_orbit,
     fit,
     frequency_response,
     load_scene,
     read_word,
     sensitivities,
     simulate,
+    simulate_many,
 )
 from symosc.errors import brief, meant
 from symosc.exact import read_exact, read_start_error, show
@@ -58,6 +60,14 @@ def responses() -> Iterator[Any]:
     yield whole(frequency_response("fig10", {"B0": [-5, 4, 5]}))
     yield whole(frequency_response(COULOMB, {"FN": [0, "0.1", "0.5", "0.9", "1.1"]}))
     yield whole(frequency_response(COULOMB.replace(c=0), {"Omega": ["0.5", 1, "1.3"]}))
+    yield whole(frequency_response(COULOMB.replace(c=0, FN="0.1"), {"Omega": ["0.5"]}))
+    yield whole(frequency_response(COULOMB.replace(c=0, FN=1, v1=-9, v2=9), {"Omega": [3]}))
+    one, other = (frequency_response("fig9", {"FN": [5, FN]}) for FN in (9, 10))
+    yield [one == one, one == other, len(one), error_of(lambda: one.colour)]
+    with tempfile.TemporaryDirectory() as folder:
+        one.to_csv(Path(folder) / "a.csv")
+        head, *rows = (Path(folder) / "a.csv").read_text().splitlines()
+        yield [head, *(row.rpartition(",")[0].rpartition(",")[0] for row in rows)]
     base = OtherModel(m=1, k=1, c="0.2", Omega=1, FN="1/4", Y=1, joined=True)
     yield whole(frequency_response(base, {"Y": [1, 2]}))
     yield whole(frequency_response(base.replace(joined=False, v1=-3, v2=3, mu2=1), {"Y_phase": [0, 1]}))
@@ -101,6 +111,7 @@ def derivatives() -> Iterator[Any]:
     yield told(sensitivities("fig8-exact", ("FN", "x0", "v1"), t_end=9))
     yield told(sensitivities("fig5", ("mu1", "x0"), t_end=3, digits=20))
     yield told(sensitivities("fig5", ("mu1", "x0"), t_end=8, max_events=3))
+    yield told(sensitivities("fig7", ("x0", "v0"), t_end=3))
     undriven = Parameters(m=1, c=0, k=1, A0=0, B0=0, Omega=1, v1=0, v2=5, mu1="0.3", mu2=0, FN=1)
     yield told(sensitivities(undriven, ("k", "v1", "x0"), x0=2, t_end=9))
     yield told(sensitivities(undriven, ("mu1", "FN"), x0="0.3", t_end=2))
@@ -244,16 +255,19 @@ def bad_arguments() -> str:
             lambda: sensitivities("fig9", ("mu1", "mu1")),
             lambda: sensitivities("fig9", ("mu1", 3)),  # type: ignore[arg-type]
             lambda: read_word("P32", closed=1),  # type: ignore[arg-type]
-            lambda: frequency_response("fig9", {"Omega": 1, "k": 2}),
+            *(lambda over=over: frequency_response("fig9", over) for over in WRONG_OVER),
+            *(lambda data=data: fit("fig5", data, "mu1") for data in WRONG_DATA),
+            lambda: fit("fig5", [(1, "slip")], "mu"),
+            lambda: sensitivities("fig5", ()),
+            lambda: sensitivities("fig5", "mu1", t_end=3)(99),
+            lambda: find_orbit("fig9").sensitivities(("mu1", "mu1")),
+            lambda: simulate_many(FIG9, (0, 0, 1), 3, wrt="mu"),
             lambda: frequency_response("fig9", {"omega": [1]}),
             lambda: frequency_response(FIG9.replace(k=0), {"c": [1, 2]}),
-            lambda: fit("fig5", [(1, 2, 3, 4)]),
-            lambda: fit("fig5", [(1, "slop")]),
             lambda: fit("fig5", [(1, "slip")], "mu1", start={"c": 1}),
             lambda: fit("fig5", [(1, "slip")], "mu1", sigma=0),
             lambda: FIG9.replace(Mu1=2),
             lambda: FIG9.replace(v1=30),
-            lambda: Parameters(m=1),  # type: ignore[call-arg]
             lambda: Parameters(**(FIG9.as_dict() | {"omega": 1})),  # type: ignore[arg-type]
             lambda: FIG9.replace(m="1e-60"),
             lambda: FIG9.A(4),
@@ -265,6 +279,14 @@ def bad_arguments() -> str:
         ]
     )
 
+
+WRONG_OVER: tuple[Any, ...] = (
+    {"Omega": 1, "k": 2}, {"X": [1]}, {"Omega": "1:2"}, {"m": [0]}, {"k": [0]}, 5,
+)  # fmt: skip
+WRONG_DATA: tuple[Any, ...] = (
+    [(1, 2, 3, 4)], [(1, "slop")], [], {"t": [1.0]}, {"time": [1.0], "kind": ["stick"]}, "stops.csv",
+    {"t": [1.0, 2.0], "x": [1.0]},
+)  # fmt: skip
 
 CASES: dict[str, Callable[[], object]] = {
     "responses": responses,

@@ -11,7 +11,7 @@ def error_of(call: Callable[[], object]) -> str:
     """Return the kind of the error that a call raises, and what it says."""
     try:
         call()
-    except (SymoscError, TypeError) as error:
+    except (SymoscError, TypeError, AttributeError) as error:
         return f"{type(error).__name__}: {error}"
     return "no error"
 
