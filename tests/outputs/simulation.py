@@ -5,6 +5,7 @@ from __future__ import annotations
 import random
 import tempfile
 from collections.abc import Callable, Iterator
+from fractions import Fraction
 from functools import cache
 from math import inf
 from pathlib import Path
@@ -18,7 +19,7 @@ from said import errors_of
 from touches import steady
 
 from symosc import OtherModel, Parameters, Scene, Trajectory, load_scene, simulate, simulate_many
-from symosc.simulation.problems import decimal_rest
+from symosc.simulation.problems import NumberColumn, Problems
 
 FIG9 = load_scene("fig9").parameters
 SHIFTED = OtherModel(
@@ -193,14 +194,18 @@ def frames() -> Iterator[Any]:
             yield [str(name), str(dataset[name].dims), *map(str, dataset[name].values.ravel().tolist())]
 
 
-def decimals() -> Iterator[Any]:
-    """Yield by how much doubles miss the decimals that they print as, in units of their spacing."""
-    values = np.array([0.1, 1.0, -2.5, 1 / 3, 1e-7, 123456.789, 2.0**60, 2.0**0.5, 0.0, 1e300, 4.0, -0.7])
-    rest, sure = decimal_rest(values)
-    yield rest / np.spacing(np.abs(values))
-    yield sure.tolist()
-
-
+WRONG_NUMBERS: tuple[Any, ...] = (
+    [1, 2, float("nan")], np.array([1.0, inf]), np.array([1.0, 1e60, 1e70]), [1, True], [1, [2]], "one", np.zeros((2, 2)),
+)  # fmt: skip
+COLUMNS = {name: getattr(FIG9, name) for name in FIG9.as_dict()}
+WRONG_SETS: tuple[Any, ...] = (
+    {"m": [1, 0, 1]}, {"c": np.array([0.0, 1.0, -1.0])}, {"v1": [1, 2, 25]}, {"Omega": [1, 2], "m": [1, 2, 3]},
+    {"v1": [1, 2, FIG9.v2 - Fraction(1, 10**40)], "Omega": [1, 2, 0]}, {"omega": 1},
+)  # fmt: skip
+WRONG_STARTS: tuple[tuple[Any, Any], ...] = (
+    ({"t0": 0, "x0": 1}, 1), ({"t0": 0, "x0": [1, 2], "v0": [1, 2, 3]}, 1), ([[0, 0]], 1), ([[0, 0, 0]] * 2, [1, 2, 3]),
+    ([2, 0, 0], 1), (np.zeros((3, 3)), [1, 2, 0]), (np.zeros((3, 3)), [[1, 2, 3]]), ([[0, 0, 0], [0, np.nan, 0]], 1),
+)  # fmt: skip
 WRONG_QUESTIONS: tuple[dict[str, Any], ...] = (
     {"record": "words"}, {"record": ("word", "colour")}, {"record": 3}, {"record": "summary", "skip": -1},
     {"record": "summary", "skip": 3}, {"record": "summary", "skip": [0, 1, 2]}, {"record": "summary", "skip": [0, 5]},
@@ -221,7 +226,6 @@ CASES: dict[str, Callable[[], object]] = {
     "summaries": summaries,
     "many": many,
     "frames": frames,
-    "decimals": decimals,
     "errors": lambda: errors_of(
         [
             lambda: simulate(FIG9),
@@ -234,9 +238,11 @@ CASES: dict[str, Callable[[], object]] = {
             lambda: simulate_many([FIG9, FIG9], [(0, 0, 0)] * 3, 1),
             *(lambda given=given: simulate_many(FIG9, [(0, 0, 0)] * 2, 3, **given) for given in WRONG_QUESTIONS),
             lambda: simulate_many([FIG9, FIG9], [(0, 0, 0)] * 3, "1T"),
+            *(lambda given=given: NumberColumn("x", given) for given in WRONG_NUMBERS),
+            *(lambda given=given: Problems(COLUMNS | given, (0, 0, 0), 1) for given in WRONG_SETS),
+            *(lambda given=given: Problems(given, (0, 0, 0), 1) for given in ({"m": 1}, [FIG9, "fig9"], 3)),
+            *(lambda given=given: Problems(FIG9, *given) for given in WRONG_STARTS),
             lambda: simulate_many(FIG9, (0, 0, 0), 1, record="summary", wrt="m"),
-            lambda: simulate_many(FIG9.as_dict() | {"m": [1, -1]}, (0, 0, 0), 1),
-            lambda: simulate_many(FIG9.as_dict() | {"v1": [1, 30]}, (0, 0, 0), 1),
         ]
     ),
 }
