@@ -176,6 +176,7 @@ def many() -> Iterator[Any]:
     yield vars(table)
     yield vars(simulate_many(columns, starts, 2, start_error="0.01", use_numba=False))
     yield vars(simulate_many(columns, starts, 2, accuracy=inf, max_events=4, use_numba=False))
+    yield vars(simulate_many(FIG9, (0, 0, 0), 1, max_events=2**64, use_numba=False))
     yield vars(simulate_many(FIG9, [(0, 0.3, 25), (5, "1/3", 1)], [2, 7], use_numba=False))
     for p in random_sets(5, 6):
         yield vars(simulate_many(p, (0, 1, p.v1), 5, max_events=20, wrt=("m", "v1", "x0"), use_numba=False))
@@ -195,7 +196,8 @@ def frames() -> Iterator[Any]:
 
 
 WRONG_NUMBERS: tuple[Any, ...] = (
-    [1, 2, float("nan")], np.array([1.0, inf]), np.array([1.0, 1e60, 1e70]), [1, True], [1, [2]], "one", np.zeros((2, 2)),
+    [1, 2, float("nan")], np.array([1.0, inf]), np.array([1.0, 1e60, 1e70]), [1, True], [1, [2]], "one",
+    np.zeros((2, 2)),
 )  # fmt: skip
 COLUMNS = {name: getattr(FIG9, name) for name in FIG9.as_dict()}
 WRONG_SETS: tuple[Any, ...] = (
