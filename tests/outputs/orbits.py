@@ -25,6 +25,7 @@ MANY_SLIPS = Parameters(
 )
 COULOMB = Parameters(m=1, c="0.1", k=1, A0=0, B0=1, Omega="0.9", v1=0, v2=1000, mu1=1, mu2=0, FN="0.4")
 UNDAMPED = COULOMB.replace(c=0, FN=1, mu1="0.1", Omega="1.5", v2=100)
+MARGINAL = UNDAMPED.replace(Omega="0.5")
 PLANE = {"Omega": (0.25, 2), "FN": (0.02, 1)}
 SHRINKS = Parameters(
     m="0.774", c="1.682", k="2.765", A0="-0.236", B0="4.57", Omega="2.043", v1="-2.927", v2="2.681", mu1="0.38",
@@ -174,6 +175,7 @@ CASES: dict[str, Callable[[], object]] = {
         found(FIG10, "P4645").approach("fig10", within="1e-3"),
         found(FIG9, "P32").approach("fig9-orbit"),
         found(FIG10, "P4645").approach("fig10-orbit"),
+        found(MARGINAL, "P32").approach(Scene("never near", MARGINAL, 0, 2, 1, 4)),
         found(FIG9, "P3232", periods=2).approach(Scene("off a belt", FIG9, 1, 2, -3, 4)),
     ],
     "rotations": lambda: [found(p, w).points for p, w in ((FIG9, "P23"), (FIG10, "P6454"), (FIG10, "P5464"))],
