@@ -116,7 +116,7 @@ def test_the_points_of_pwsdde_cont() -> None:
         assert end.points[0].x == pytest.approx(x, abs=1e-9)
 
 
-@pytest.mark.slow
+@pytest.mark.campaign
 def test_the_borders_that_leave_points_of_codimension_two() -> None:
     borders = main_border("0.1").network(step="0.04")
     graze, switch = named(borders, "P32", "P321231"), named(borders, "P3121", "P321231")
@@ -246,7 +246,7 @@ def largest_speed(p: Parameters) -> Any:
 
 
 @pytest.mark.slow
-@pytest.mark.full(2)
+@pytest.mark.full(1)
 @pytest.mark.parametrize(
     ("changes", "word", "over", "end", "second", "beyond"),
     [
