@@ -185,7 +185,7 @@ def many() -> Iterator[Any]:
 def frames() -> Iterator[Any]:
     """Yield results as tables of pandas and xarray."""
     table = simulate_many("fig9", [(0, 0, 0), (0, 1, 2)], 2, wrt=("mu1", "x0"), use_numba=False)
-    whole = simulate_many("fig9", [(0, 0, 0), (0, 1, 2)], 9, record="summary", sections=2, use_numba=False)
+    whole = simulate_many("fig9", [(0, 0, 0), (0, 1, 2)], 9, record="summary", sections=3, use_numba=False)
     short = simulate_many("fig9", (0, 0, 0), 9, record=("word", "x"), use_numba=False)
     for each in (table, whole, short, simulate("fig5", t_end=4), simulate("fig5", t_end=2, digits=20)):
         yield from each.to_pandas().to_csv().splitlines()
