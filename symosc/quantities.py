@@ -184,7 +184,7 @@ def half_unit(value: Fraction) -> Fraction:
 #: A number, and the name of a unit with powers of one digit.
 _QUANTITY = re.compile(
     r"\s*(?P<number>[+-]?(?:\d+/\d+|(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d+)?))\s*"
-    r"(?P<unit>(?!pi\b)(?:[^\W\d_]|[°%](?![\d.]))(?:[^\W\d_]|[\s°%*/^()·\-]|(?<!\d)\d(?!\d))*)"
+    r"(?P<unit>(?!pi\b|[eE][+-]?\d)(?:[^\W\d_]|[°%](?![\d.]))(?:[^\W\d_]|[\s°%*/^()·\-]|(?<!\d)\d(?!\d))*)"
 )
 #: A unit whose factor has more digits than this has pi in it, which is known to 50 digits in pint.
 LONGEST_UNIT, LONGEST_FACTOR = 50, 30

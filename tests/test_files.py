@@ -6,8 +6,8 @@ from pathlib import Path
 
 import pytest
 
-from symosc.errors import OutputError, ParameterError
-from symosc.files import write_folder, write_text, write_whole
+from symosc.errors import OutputError
+from symosc.files import write_text, write_whole
 
 
 @pytest.mark.parametrize(
@@ -49,32 +49,3 @@ def test_what_cannot_be_written(path: str, tmp_path: Path, monkeypatch: pytest.M
     with pytest.raises(OutputError):
         write_text(path, "text")
     assert [each.name for each in tmp_path.iterdir()] == ["file"]
-
-
-def nothing(folder: Path) -> set[str]:
-    return set()
-
-
-def test_a_folder_is_written_whole(tmp_path: Path) -> None:
-    target = tmp_path / "set"
-    write_folder(target, {"a.txt": "1\n", "sub/b.txt": "2\n"}, nothing)
-    assert {each.relative_to(target).as_posix() for each in target.rglob("*")} == {"a.txt", "sub", "sub/b.txt"}
-    assert (target / "sub" / "b.txt").read_bytes() == b"2\n"
-    assert target.stat().st_mode & 0o700 == 0o700
-    write_folder(target, {"c.txt": "3\n"}, lambda folder: {"a.txt", "sub/b.txt"})
-    assert [each.name for each in target.iterdir()] == ["c.txt"]
-    assert [each.name for each in tmp_path.iterdir()] == ["set"]
-
-
-def test_a_folder_with_other_files_stays(tmp_path: Path) -> None:
-    (tmp_path / "mine.txt").write_text("mine")
-    with pytest.raises(OutputError, match=r"would be lost: mine\.txt"):
-        write_folder(tmp_path, {"a.txt": ""}, nothing)
-    with pytest.raises(OutputError, match="is not a folder"):
-        write_folder(tmp_path / "mine.txt", {"a.txt": ""}, nothing)
-    with pytest.raises(OutputError, match="No such file or directory"):
-        write_folder(tmp_path / "no" / "folder", {"a.txt": ""}, nothing)
-    for name in ("", "-"):
-        with pytest.raises(ParameterError, match="path"):
-            write_folder(name, {"a.txt": ""}, nothing)
-    assert [each.name for each in tmp_path.iterdir()] == ["mine.txt"]

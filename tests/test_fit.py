@@ -61,18 +61,6 @@ def test_what_the_data_do_not_determine_is_said() -> None:
     assert not fit("fig5", measured(1, 1e-3)[:1], ("mu1", "c"), sigma=1e-3).success
 
 
-def test_what_is_wrong_is_said() -> None:
-    data = measured(1, 1e-3)
-    assert "did you mean" in refused(lambda: fit("fig5", data, "mu"), "free")
-    assert "did you mean" in refused(lambda: fit("fig5", [(1.0, "stik")], "mu1"), "kind[0]")
-    refused(lambda: fit("fig5", [], "mu1"), "data")
-    refused(lambda: fit("fig5", {"t": [1.0]}, "mu1"), "data")
-    refused(lambda: fit("fig5", data, "mu1", sigma=0), "sigma")
-    assert "free are mu1" in refused(lambda: fit("fig5", data, "mu1", start={"c": 1}), "start")
-    assert "time, kind" in refused(lambda: fit("fig5", {"time": [1.0], "kind": ["stick"]}, "mu1"), "data")
-    assert "name of a file" in refused(lambda: fit("fig5", "stops.csv", "mu1"), "data")
-
-
 def test_as_many_data_as_numbers_tell_no_errors() -> None:
     found = fit("fig5", [(1.221, "slip")], "mu1")
     assert found.errors == {"mu1": np.inf}

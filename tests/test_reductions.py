@@ -13,7 +13,7 @@ from cli_runs import run
 from other_models import KINDS, TURN, Original, drawn
 
 import symosc
-from symosc import OtherModel, ParameterError, Scene, SceneError, frequency_response, load_scene, simulate
+from symosc import OtherModel, ParameterError, Scene, frequency_response, load_scene, simulate
 from symosc.scenes import as_toml, read_scene
 
 
@@ -164,26 +164,6 @@ def test_a_scene_file_names_a_model(tmp_path: Path) -> None:
     assert symosc.find_orbit(scene).parameters == scene.parameters
     assert scene.reduced().original is None
     assert scene.reduced().x0 == scene.x0
-
-
-@pytest.mark.parametrize(
-    ("old", "new", "message"),
-    [
-        ("Y = 1", "Z = 1", "line 5, [model]: model.Z is unknown"),
-        ("Y = 1", 'Y = "one"', "line 5, [model]"),
-        ("joined = true", "joined = 1", "joined = 1: must be true or false (wall.toml, line 7, [model])"),
-        ("m = 1", "m = -1", "m = '-1': must be > 0 (wall.toml, line 9, [parameters])"),
-        ("FN = 0.5", "", "FN = None: is needed, or g > 0"),
-        ("FN = 0.5", "FN = 0.5\nmu2 = 1", "mu2 = '1': needs v2"),
-        ("k = 1", "", "parameters.k is missing"),
-        ('[model]\nY = 1\nY_phase = "-pi/2"\njoined = true\n', "", "parameters.A0 is missing"),
-    ],
-)
-def test_what_is_wrong_has_its_line(old: str, new: str, message: str) -> None:
-    assert old in FILE
-    with pytest.raises((ParameterError, SceneError)) as caught:
-        read_scene(FILE.replace(old, new, 1), "wall.toml")
-    assert message in str(caught.value)
 
 
 def test_what_does_not_turn_back_says_so() -> None:

@@ -4,13 +4,11 @@ from __future__ import annotations
 
 import random
 from fractions import Fraction
-from pathlib import Path
 from typing import Any
 
 import fuzz
 import numpy as np
 import pytest
-from bad_values import refused
 from derivative_checks import judged, scene_of
 from oracle import simulate_oracle
 
@@ -214,26 +212,6 @@ def test_exponents_are_those_of_more_digits() -> None:
     np.testing.assert_allclose(doubles, digits, rtol=1e-10)
 
 
-def test_what_is_wrong_is_said() -> None:
-    p, orbit = load_scene("fig9").parameters, find_orbit("fig9")
-    for call in (lambda wrt: sensitivities("fig5", wrt), orbit.sensitivities):
-        assert "did you mean" in refused(lambda call=call: call(("omega",)), "wrt")
-        refused(lambda call=call: call(("mu1", "mu1")), "wrt")
-    refused(lambda: sensitivities("fig5", ()), "wrt")
-    assert "did you mean" in refused(lambda: simulate_many(p, (0, 0, 1), 3, wrt="mu"), "wrt")
-    assert "for events" in refused(lambda: simulate_many(p, (0, 0, 1), 3, wrt="mu1", record="summary"), "wrt")
-    found = sensitivities("fig5", "mu1", t_end=3)
-    assert found.dt.shape == (2, 1)
-    assert repr(found) == "<Sensitivities of 2 events by mu1>"
-    refused(lambda: found(99), "t")
-
-
-def test_a_motion_without_events() -> None:
-    found = sensitivities("fig7", ("x0", "v0"), t_end=3)
-    assert found.dt.shape == found.regular.shape == (0, 2)
-    assert found(3.0).shape == (2, 2)
-
-
 @pytest.mark.parametrize("name", ["fig9", "fig10", "fig5"])
 def test_orbits_have_the_derivatives_of_branches_and_motions(name: str) -> None:
     """Against differences of orbits in doubles, and the motion on the orbit after many periods."""
@@ -271,15 +249,3 @@ def test_ensembles_have_the_same_derivatives() -> None:
         np.testing.assert_allclose(mine.dt, alone.dt, rtol=1e-9, atol=1e-9)
         np.testing.assert_allclose(mine.dx, alone.dx, rtol=1e-9, atol=1e-9)
         np.testing.assert_array_equal(mine.regular, alone.regular)
-
-
-def test_columns_of_derivatives_go_into_tables(tmp_path: Path) -> None:
-    table = simulate_many(load_scene("fig9").parameters, [(0, 0, 1), (0, 1, 1)], 3, wrt=("mu1", "x0"))
-    assert table.wrt == ("mu1", "x0")
-    frame, dataset = table.to_pandas(), table.to_xarray()
-    np.testing.assert_array_equal(frame["dt_x0"], table.dt[:, 1])
-    np.testing.assert_array_equal(dataset["dx"].sel(wrt="mu1"), table.dx[:, 0])
-    table.to_csv(tmp_path / "events.csv")
-    assert "dx_mu1" in (tmp_path / "events.csv").read_text().splitlines()[0]
-    with pytest.raises(AttributeError, match="with wrt= also dt, dx, regular"):
-        simulate_many(load_scene("fig9").parameters, (0, 0, 1), 3).dt  # noqa: B018

@@ -1039,7 +1039,8 @@ def atlas(data, source, limits):
     share = f"{float((data['share'] * 10**6).floor()) / 1e6:.6f}"  # rounded down
     named = ", ".join(sorted({row["word"] for row in data["boxes"]}))
     spans = [f"{name} from {low} to {high}" for name, (low, high) in zip(over, source["range"], strict=True)]
-    first = f"the words of {len(boxes)} boxes, {share} of the area, {', '.join(spans)}: {named}"
+    count = f"{len(boxes)} box{'' if len(boxes) == 1 else 'es'}"
+    first = f"the words of {count}, {share} of the area, {', '.join(spans)}: {named}"
     return [first, base.about(source["parameters"] | dict.fromkeys(over, "(varies)"))]
 
 

@@ -735,7 +735,11 @@ def passes(border: Border, values: Sequence[float] | np.ndarray, words: Any) -> 
     """Return whether `border` separates `words` and passes through the point `values`, to 1e-4 of the ranges."""
     if set(border.words) != set(words):
         return False
-    places = (border.points - values) / border._plane.widths
+    # The chords of long steps are farther from the curve than that: the cubics between the points are cut in eight.
+    nodes, system = border._nodes, border._system
+    between_nodes = (between(a, b, part / 8) for a, b in pairwise(nodes) for part in range(8))
+    curve = np.array([system.values(z) for z in (*between_nodes, nodes[-1].z)])
+    places = (curve - values) / border._plane.widths
     way = np.diff(places, axis=0)
     squares = np.maximum((way * way).sum(axis=1), 1e-300)
     part = np.clip(-(places[:-1] * way).sum(axis=1) / squares, 0, 1)

@@ -245,7 +245,8 @@ class PeriodicOrbit(Drawable):
         for name in names or ("",):
             if name not in PARAMETER_NAMES or names.count(name) > 1:
                 allowed = f"must be different names of {', '.join(PARAMETER_NAMES)}"
-                raise ParameterError("wrt", name, allowed + meant(str(name), PARAMETER_NAMES))
+                hint = "" if name in PARAMETER_NAMES else meant(str(name), PARAMETER_NAMES)
+                raise ParameterError("wrt", name, allowed + hint)
         columns = []
         for name in names:
             value: Fraction = getattr(self.parameters, name)

@@ -130,12 +130,12 @@ def _check_keys(file: SceneFile, name: str) -> None:
             place = file.place(*filter(None, [name, key]))
             hint = meant(key, missing or known)
             unknown = f"{prefix}{brief(key)} is unknown{hint}; known are {', '.join(known)}"
+            if name == "parameters" and key in MODEL_KEYS:
+                unknown += "; a model other than that of symosc has a table [model], and this stands there"
             raise SceneError(file.where, f"{place}: {unknown}" if place else unknown)
     for key in missing:
         begins = f"; [{name}] begins in {file.place(name)}" if name and file.place(name) else ""
         advice = f": give it in a table [{key}]" if key in TABLES else begins
-        if name == "parameters" and key not in NEEDED and any(each in MODEL_KEYS for each in table):
-            advice += "; a model other than that of symosc has a table [model]"
         raise SceneError(file.where, f"{prefix}{key} is missing{advice}")
 
 

@@ -261,7 +261,7 @@ def read_axis(name: str, values: Any) -> np.ndarray:
 def _whole(name: str, text: str, least: int) -> int:
     """Return the whole number, at least `least`, that a text states."""
     text = text.strip()
-    return whole_number(name, int(text) if text.isascii() and text.isdigit() else None, least)
+    return whole_number(name, int(text) if text.isascii() and text.isdigit() else text, least)
 
 
 def _evenly_spaced(name: str, text: str) -> np.ndarray:

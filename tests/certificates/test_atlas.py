@@ -271,6 +271,7 @@ def test_a_box_over_its_border_is_refused() -> None:
         COULOMB.replace(Omega="1.655", FN="0.7"),
         ("Omega", "FN"),
         {"Omega": (1, 2), "FN": ("0.3", 1)},
+        step="0.05",
     )
     lowest = min(border.at(Omega=end)[0] for end in ("1.65", "1.66"))
     for over, code in ((-1e-6, 0), (1e-6, 1)):

@@ -16,7 +16,6 @@ from symosc.grazing import curve
 from symosc.grazing.curve import NOWHERE, OTHER, OWN, UNKNOWN, Sample, grazing_curve
 from symosc.grazing.solve import solve_grazing
 from symosc.grazing.start import grazing_start
-from symosc.plot.windows import figure_grazing_curve
 
 
 @pytest.mark.parametrize(("scene", "mapping"), [("fig10", "P5"), ("fig9", "P3"), ("fig6", "P2"), ("fig7-exact", "P2")])
@@ -75,14 +74,6 @@ def test_solutions_with_one_unknown_given() -> None:
     assert solve_grazing(p, "P6", theta_m=1) == []
     with pytest.raises(ParameterError):
         solve_grazing(p, "P6", x_i=1, x_j=1)
-
-
-def test_figure_shows_every_piece() -> None:
-    curve = grazing_curve(load_scene("fig10").parameters, "P5", 50)
-    plane, flight = figure_grazing_curve(curve).axes
-    assert len(flight.lines) == sum(1 + 2 for _ in curve.pieces)  # a line and two ends each
-    assert len(flight.patches) == len(curve.gaps)
-    assert plane.get_title()
 
 
 class MadeUp:

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import pickle
 import random
 from collections.abc import Iterator
 from fractions import Fraction
@@ -106,18 +105,6 @@ def test_arrays_agree_with_floats(regime: str) -> None:
                 np.testing.assert_allclose(got, expected, rtol=0, atol=1e-12 * (1 + np.abs(expected).max()))
 
 
-def test_exit_is_the_one_whose_force_vanishes_unless_it_is_given() -> None:
-    p = load_scene("fig10").parameters
-    start, end = (-2.0, 3.4), (-1.4, 4.6)
-    below, above = (m.residual(p, "P4", start, end, exit)[1] for exit in m.EXITS)
-    assert below - above == pytest.approx(float(2 * p.mu2 * p.FN / p.m), rel=1e-14)
-    assert m.residual(p, "P4", start, end)[1] == min(below, above, key=abs)
-    x = np.array([-30.0, -1.4, 30.0])
-    forces = [m.residual(p, "P4", start, (x, 4.6), exit)[1] for exit in m.EXITS]
-    chosen = m.residual(p, "P4", start, (x, 4.6))[1]
-    assert list(chosen) == [min(pair, key=abs) for pair in zip(*forces, strict=True)]
-
-
 @pytest.mark.parametrize("name", scene_names())
 def test_residuals_vanish_on_simulated_pieces(name: str) -> None:
     scene = load_scene(name)
@@ -139,17 +126,6 @@ def test_residuals_vanish_on_simulated_pieces(name: str) -> None:
         rate = 1 + Omega + float(p.k / p.m) ** 0.5 + float(p.c / p.m)
         assert abs(f1) < 2e-13 * scale * rate**2 * (1 + abs(end[1])), piece
         assert abs(f2) < 2e-13 * scale * rate**3 * (1 + abs(end[1])), piece
-
-
-def test_the_multipliers_of_the_orbits() -> None:
-    p = load_scene("fig9-orbit").parameters
-    x, theta, M = 4.154920661325319221515248, 4 * 0.1816703979243204630141381, np.eye(2)
-    for label in ("P2", "P3"):
-        found = solve_map(p, label, x, theta)
-        assert found.derivative is not None
-        x, theta, M = found.x, found.theta, found.derivative @ M
-    expected = [-0.016802303836361 - 0.069594338756153j, -0.016802303836361 + 0.069594338756153j]
-    np.testing.assert_allclose(np.sort_complex(np.linalg.eigvals(M)), expected, atol=1e-12)
 
 
 @pytest.mark.parametrize(("label", "x", "theta"), [("P5", "4.0", "0.5"), ("P4", "-2.1", "3.38"), ("P6", "-2.0", "4.5")])
@@ -184,17 +160,6 @@ def test_a_graze_ends_a_map_and_has_no_derivative() -> None:
 @pytest.fixture
 def p() -> Parameters:
     return load_scene("fig10").parameters
-
-
-def test_wrong_map_of_a_start_is_named(p: Parameters) -> None:
-    with pytest.raises(MapError, match="ends on belt 2: that is P5") as error:
-        solve_map(p, "P7", 3.07370025181154, 0.776378724725547)
-    assert (error.value.label, error.value.actual) == ("P7", "P5")
-    assert isinstance(pickle.loads(pickle.dumps(error.value)), MapError)
-    with pytest.raises(MapError, match="goes into Omega2 there, since F"):
-        solve_map(p, "P6", 4.0, 0.5)
-    with pytest.raises(MapError, match="stays on belt2"):
-        solve_map(p, "P5", -2.1, 3.38)
 
 
 def starts(rng: random.Random) -> Iterator[tuple[Parameters, Fraction, Fraction, str, Any]]:

@@ -14,9 +14,7 @@ from samples import sample_of
 
 from symosc import (
     Border,
-    BorderError,
     ConvergenceError,
-    ParameterError,
     Parameters,
     continue_border,
     continue_orbit,
@@ -118,7 +116,7 @@ def test_the_points_of_pwsdde_cont() -> None:
         assert end.points[0].x == pytest.approx(x, abs=1e-9)
 
 
-@pytest.mark.slow
+@pytest.mark.campaign
 def test_the_borders_that_leave_points_of_codimension_two() -> None:
     borders = main_border("0.1").network(step="0.04")
     graze, switch = named(borders, "P32", "P321231"), named(borders, "P3121", "P321231")
@@ -239,26 +237,6 @@ def test_an_end_of_the_word_with_more_pieces_is_the_same_border() -> None:
     assert border.at(Omega="1.5") == main_border("0.1").at(Omega="1.5")
 
 
-@pytest.mark.slow
-def test_what_cannot_be_continued_says_so() -> None:
-    branch = continue_orbit(COULOMB, "P32", "FN", (0.3, 0.99))
-    with pytest.raises(ParameterError, match="end = 0: must be an end at a border; the branch ends there with 'end of"):
-        continue_border(branch, 0, "Omega", (0.3, 2))
-    with pytest.raises(ParameterError, match="end = 2: must be a whole number from 0 to 1"):
-        continue_border(branch, 2, "Omega", (0.3, 2))
-    with pytest.raises(ParameterError, match="parameter = 'FN': must be one of m, c"):
-        continue_border(branch, 1, "FN", (0.3, 2))
-    with pytest.raises(ParameterError, match=r"range = '1:2': must be low < high, with the value Omega = 0.9"):
-        continue_border(branch, 1, "Omega", (1, 2))
-    with pytest.raises(ParameterError, match=r"step = 0: must be > 0 and at most 0\.1"):
-        continue_border(branch, 1, "Omega", (0.3, 2), step=0)
-    with pytest.raises(ParameterError, match="at = 'c': must be one of FN and Omega"):
-        main_border("0.1").at(c=1)
-    both = COULOMB.replace(c="0.5", B0="1.2", Omega=1, v1="-1.9", v2="1.9", mu2=1, FN=1)
-    with pytest.raises(BorderError, match="both belts are met at once"):
-        continue_border(continue_orbit(both, "P4817", "B0", (0.9, "1.3")), 0, "v1", (-3, -1))
-
-
 def largest_speed(p: Parameters) -> Any:
     """Return the largest speed of the steady motion without belts, by 30 digits of the linear equations' solution."""
     with mpmath.workdps(30):
@@ -268,7 +246,7 @@ def largest_speed(p: Parameters) -> Any:
 
 
 @pytest.mark.slow
-@pytest.mark.full(2)
+@pytest.mark.full(1)
 @pytest.mark.parametrize(
     ("changes", "word", "over", "end", "second", "beyond"),
     [

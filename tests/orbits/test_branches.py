@@ -12,10 +12,10 @@ from oracle import simulate_oracle
 from paper_orbits import BOTH_BELTS
 from scipy.optimize import minimize_scalar
 
-from symosc import ParameterError, Parameters, load_scene, simulate
+from symosc import Parameters, load_scene, simulate
 from symosc.engine.flow import state_at
 from symosc.orbits import branch as branches
-from symosc.orbits.branch import Branch, BranchError, continue_orbit
+from symosc.orbits.branch import Branch, continue_orbit
 from symosc.orbits.closing_equations import ClosingEquations, ConvergenceError
 from symosc.orbits.find import find_orbit
 from symosc.words import read_word
@@ -47,7 +47,7 @@ NEIGHBOURS = {
 
 @pytest.fixture(
     scope="module",
-    params=[name if i < 2 else pytest.param(name, marks=pytest.mark.campaign) for i, name in enumerate(NEIGHBOURS)],
+    params=[name if name == "graze of v2" else pytest.param(name, marks=pytest.mark.campaign) for name in NEIGHBOURS],
 )
 def two_sides(request):
     """Return the two ends at one bifurcation, and how they were asked for."""
@@ -107,18 +107,8 @@ def events_of_a_period(p: Parameters, branch, at: int) -> list[str]:
     return sorted(event.source for event in run.events if event.t > t0 + (cycles - 1) * period)
 
 
-def test_a_stick_is_born_where_a_branch_ends() -> None:
-    """P132 ends where P32 begins: at a crossing whose force changes its sign, and nothing else fails there."""
-    branch = branch_of(FIG9.replace(Omega="3.29"), "P32", "Omega", ("3.28", "3.3"))
-    end, other = branch.ends
-    assert (end.kind, end.beyond, other.kind) == ("birth of a stick", "P132", "end of the range")
-    assert end.value == branch.values[0] == pytest.approx(3.28857638277, abs=1e-10)
-    assert [c.text for c in end.conditions] == ["F^(1) < 0 where P3 crosses v1 (Theorem 5)"]
-    assert end.message == f"{end.conditions[0].text} no longer holds at t = {end.conditions[0].t:.10g}"
-
-
 @pytest.mark.slow
-@pytest.mark.parametrize(("low", "high"), [("0.42", "0.48"), ("0.48", "0.52"), ("1.2", "1.8")])
+@pytest.mark.parametrize(("low", "high"), [("0.48", "0.52")])
 def test_without_damping_no_multiplier_exceeds_1(low: str, high: str) -> None:
     """Friction never grows with the velocity. At Omega = 1/2 orbits are not isolated: the branch goes on."""
     p = Parameters(m=1, c=0, k=1, A0=0, B0=1, Omega=low, v1=0, v2=100, mu1="0.1", mu2=0, FN=1)
@@ -131,15 +121,7 @@ def test_without_damping_no_multiplier_exceeds_1(low: str, high: str) -> None:
 
 @pytest.mark.slow
 def test_points_of_a_branch_are_orbits():
-    branch = branch_of(FIG9, "P32", "Omega", (3, 5))
-    assert branch.values[0] == pytest.approx(3.28857638277, abs=1e-10)
-    assert branch.values[-1] == 5.0
-    assert branch.ends[1].kind == "end of the range"
-    assert branch.ends[1].beyond is None
-    assert (np.diff(branch.values) > 0).all()
-    assert branch.stable.all()
-    assert branch.points.shape == (len(branch.values), 2, 2)
-    assert branch.multipliers.shape == (len(branch.values), 2)
+    branch = branch_of(FIG9, "P32", "Omega", ("3.9", "4.2"))
     for i in range(1, len(branch.values), 7):
         found = find_orbit(branch.parameters(i), "P32")  # from scratch
         assert found.admissible
@@ -157,33 +139,7 @@ def test_a_range_may_end_where_no_system_is_beyond():
     assert abs(branch.multipliers[0]).max() < 1
 
 
-@pytest.mark.slow
-def test_a_branch_that_begins_at_the_end_of_its_range():
-    branch = continue_orbit(FIG9, "P32", "Omega", (4, "4.2"))
-    assert branch.values[0] == 4
-    assert branch.values[-1] == 4.2
-    assert (np.diff(branch.values) > 0).all()
-
-
-def test_bad_input():
-    with pytest.raises(ParameterError, match="parameter"):
-        continue_orbit(FIG9, "P32", "omega", (3, 5))
-    for limits in ((5, 6), (4, 4), (5, 3)):
-        with pytest.raises(ParameterError, match="in between"):
-            continue_orbit(FIG9, "P32", "Omega", limits)
-    with pytest.raises(ParameterError, match="pair"):
-        continue_orbit(FIG9, "P32", "Omega", 5)
-    with pytest.raises(ParameterError, match="mu1"):
-        continue_orbit(FIG9, "P32", "mu1", (-1, 1))
-    with pytest.raises(BranchError, match="no first orbit") as caught:
-        continue_orbit(FIG9.replace(Omega=3), "P32", "Omega", (2, 4))
-    assert not caught.value.orbit.admissible
-
-
 # v2 lies just below the greatest velocity that P32 has at any Omega; it does not act on P32 otherwise.
-NARROW = Parameters(
-    m=1, c="1/5", k=4, A0=0, B0=3, Omega="1.5", v1="1/10", v2="14.3633605", mu1="1/10", mu2="1/10", FN=1
-)
 SHRINKS = Parameters(
     m="0.774", c="1.682", k="2.765", A0="-0.236", B0="4.57", Omega="2.043", v1="-2.927", v2="2.681", mu1="0.38",
     mu2="0.247", FN="5.058",
@@ -212,19 +168,6 @@ def peak(p: Parameters, Omega: float) -> float:
     best = times[np.argmax(orbit(times)[1])]
     h = times[1] - times[0]
     return -minimize_scalar(lambda t: -orbit(t)[1], bounds=(best - h, best + h), options={"xatol": 1e-12}).fun
-
-
-@pytest.mark.slow
-@pytest.mark.parametrize(
-    ("p", "which", "value"),
-    [(NARROW, 1, 1.9993345), pytest.param(NARROW.replace(Omega="2.5"), 0, 2.0006555, marks=pytest.mark.campaign)],
-)
-def test_a_gap_narrower_than_the_steps_is_found(p, which, value):
-    """From below and from above."""
-    end = continue_orbit(p, "P32", "Omega", ("1.2", 4)).ends[which]
-    assert end.kind == "grazing"
-    assert end.value == pytest.approx(value, abs=2e-7)
-    assert end.beyond == "P7482"
 
 
 @pytest.mark.slow
@@ -286,8 +229,8 @@ def random_branch(rng: random.Random) -> Branch | None:
         return None
 
 
-@pytest.mark.slow
-@pytest.mark.parametrize("seed", [1, *(pytest.param(seed, marks=pytest.mark.campaign) for seed in range(2, 13))])
+@pytest.mark.campaign
+@pytest.mark.parametrize("seed", range(1, 13))
 def test_what_is_just_behind_an_end(seed):
     rng, judged = random.Random(100 + seed), 0
     while judged < 1:
@@ -304,15 +247,15 @@ def test_what_is_just_behind_an_end(seed):
             assert "".join(sorted(end.beyond[1:])) == found, (branch, end)
 
 
-@pytest.mark.slow
+@pytest.mark.campaign
 @pytest.mark.parametrize(
     ("p", "word", "name", "limits"),
     [
         (FIG9, "P32", "Omega", ("3.2", "4.2")),
-        pytest.param(SHRINKS, "P54", "m", ("0.05", 8), marks=pytest.mark.campaign),
-        pytest.param(FIG10, "P4645", "B0", (3, 15), marks=pytest.mark.campaign),
-        pytest.param(FIG9, "P32", "Omega", (3, 6), marks=pytest.mark.campaign),
-        pytest.param(FIG9.replace(Omega="3.25"), "P132", "Omega", (3, 4), marks=pytest.mark.campaign),
+        (SHRINKS, "P54", "m", ("0.05", 8)),
+        (FIG10, "P4645", "B0", (3, 15)),
+        (FIG9, "P32", "Omega", (3, 6)),
+        (FIG9.replace(Omega="3.25"), "P132", "Omega", (3, 4)),
     ],
 )
 def test_orbits_at_the_ends_and_restarts_from_them(p, word, name, limits):

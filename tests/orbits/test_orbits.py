@@ -10,15 +10,13 @@ import mpmath
 import numpy as np
 import pytest
 from oracle import simulate_oracle
-from paper_orbits import BOTH_BELTS, FIG9, FIG10, P32, P32_MULTIPLIER, P4645
+from paper_orbits import BOTH_BELTS, FIG9, FIG10, P32, P4645
 
-from symosc import Parameters, load_scene
-from symosc.errors import ParameterError
-from symosc.mappings.equations import residual
-from symosc.orbits.closing_equations import ClosingEquations, ConvergenceError
+from symosc import Parameters
+from symosc.orbits.closing_equations import ClosingEquations, ConvergenceError, newton
 from symosc.orbits.find import find_orbit
 from symosc.orbits.floquet import multipliers
-from symosc.words import WordError, read_word
+from symosc.words import read_word
 
 # Sticks on both belts; found by simulating random parameters.
 MANY_SLIPS = Parameters(
@@ -26,19 +24,6 @@ MANY_SLIPS = Parameters(
 )
 CROSSING_BOTH = FIG9.replace(Omega="5.1")
 PAPER = [(FIG9, "P32", P32), (FIG10, "P4645", P4645)]
-
-
-@pytest.mark.parametrize(("p", "word", "points"), PAPER)
-def test_paper_orbits_in_double_precision(p, word, points):
-    orbit = find_orbit(p, word)
-    assert np.abs(np.array(orbit.points) - np.array(points, dtype=float)).max() < 1e-12
-    assert orbit.word == word
-    assert orbit.admissible
-    assert orbit.stable
-    assert orbit.failures == ()
-    assert orbit.residual < 1e-12
-    assert orbit.periods == 1
-    assert orbit.period == pytest.approx(2 * np.pi / float(p.Omega), rel=1e-15)
 
 
 @pytest.mark.parametrize(("p", "word", "points"), PAPER)
@@ -94,61 +79,6 @@ def test_oracle_returns_to_the_orbit_and_has_its_multipliers(p, word):
     assert abs(ours[0] * ours[1] - complex(determinant)) < 1e-12
 
 
-@pytest.mark.parametrize(
-    ("p", "word", "sticks"), [(BOTH_BELTS, "P1748", {"P1", "P4"}), (MANY_SLIPS, "P174648", {"P1", "P4"})]
-)
-def test_words_with_sticks_on_both_belts(p, word, sticks):
-    orbit = find_orbit(p, word)
-    assert orbit.admissible
-    assert sticks <= set(orbit.labels)
-    assert orbit.multipliers[1] == 0
-    assert abs(orbit.multipliers[0]) < 1
-    assert orbit.residual < 1e-12
-
-
-@pytest.mark.parametrize(("p", "word"), [(FIG9, "P32"), (MANY_SLIPS, "P174648")])
-def test_points_satisfy_the_maps(p, word):
-    orbit = find_orbit(p, word)
-    equations, points = orbit.equations(), orbit.phases()
-    ends, exits = equations.ends(points), read_word(word).exits()
-    for label, exit, start, end in zip(orbit.labels, exits, points, ends, strict=True):
-        assert max(map(abs, residual(p, label, tuple(start), tuple(end), exit))) < 1e-12
-
-
-def test_printed_starts_are_said_to_be_off_the_orbit():
-    orbit = find_orbit(FIG9, "P32")
-    near = orbit.approach("fig9")
-    assert near.dt == pytest.approx(0.1324 - orbit.points[0].t, abs=1e-14)
-    assert near.dx == pytest.approx(4.5447 - orbit.points[0].x, abs=1e-14)
-    assert abs(near.offset_v) > 4
-    assert near.periods == 6
-    near = find_orbit(FIG10, "P4645").approach("fig10")
-    assert abs(near.dt) < 0.02
-    assert abs(near.dx) < 0.02
-    assert near.periods == 2
-    for name, word in (("fig9-orbit", "P32"), ("fig10-orbit", "P4645")):
-        near = find_orbit(load_scene(name).parameters, word).approach(name)
-        assert near.periods == 0
-        assert abs(near.offset_x) + abs(near.offset_v) < 1e-12
-    with pytest.raises(ParameterError, match="the orbit's parameters"):
-        orbit.approach("fig10")
-
-
-def test_other_bad_input():
-    with pytest.raises(ParameterError, match="never follows the word"):
-        find_orbit(FIG9, "P4645", (0.18, 4.15))
-    with pytest.raises(WordError, match="P4 cannot follow P2"):
-        find_orbit(FIG9, "P42")
-    with pytest.raises(ParameterError, match="without a spring"):
-        find_orbit(FIG9.replace(k=0), "P32")
-    with pytest.raises(ParameterError, match="periods"):
-        find_orbit(FIG9, "P32", periods=0)
-    with pytest.raises(ParameterError, match="digits"):
-        find_orbit(FIG9, "P32", digits=2.5)
-    with pytest.raises(ParameterError, match="parameters"):
-        find_orbit(5, "P32")
-
-
 def test_no_convergence_carries_the_best_points():
     with pytest.raises(ConvergenceError, match="the motion settles to P5464") as caught:
         find_orbit(FIG10, "P32", [(0.2, 4.0), (1.0, -4.0)])
@@ -161,34 +91,24 @@ def test_no_convergence_carries_the_best_points():
     assert (copy.word, copy.best, copy.residual) == (error.word, error.best, error.residual)
 
 
-@pytest.mark.parametrize(("p", "word"), [(FIG9, "P23"), (FIG10, "P6454"), (FIG10, "P5464")])
-def test_an_orbit_begins_in_the_first_period(p: Parameters, word: str) -> None:
-    """Also where its second point is in the next one already."""
-    times = [t for t, _ in find_orbit(p, word).points]
-    T = 2 * np.pi / float(p.Omega)
-    assert 0 <= times[0] < T
-    assert times == sorted(times)
-    assert times[-1] < times[0] + T
-
-
-P4645_MULTIPLIER = 1.9589682640e-4
-
-
-def test_multipliers_of_the_paper_orbits():
-    for digits in (None, 20):
-        first, second = find_orbit(FIG9, "P32", digits=digits).multipliers
-        assert abs(complex(first) - P32_MULTIPLIER) < 1e-14
-        assert abs(complex(second) - P32_MULTIPLIER.conjugate()) < 1e-14
-        first, second = find_orbit(FIG10, "P4645", digits=digits).multipliers
-        assert abs(complex(first) - P4645_MULTIPLIER) < 1e-14
-        assert second == 0
+def test_a_search_that_fails_returns_its_best_points_with_their_residual() -> None:
+    rng, reasons = np.random.default_rng(3), set()
+    equations = ClosingEquations(CROSSING_BOTH, read_word("P7482"), 1)
+    for _ in range(25):
+        guess = np.column_stack([rng.uniform(-6, 6, 4), np.sort(rng.uniform(0, 6.2, 4))])
+        with np.errstate(all="ignore"):
+            found = newton(equations, guess)
+            if not found.converged:
+                reasons.add(found.reason)
+                assert found.residual == pytest.approx(np.abs(equations.residuals(found.points)).max())
+    assert "not converged after 60 steps" in reasons
 
 
 @pytest.mark.slow
 def test_determinant_shrinks_by_damping_and_friction():
     """det M = exp(-(c/m) T) prod F(target)/F(source) < 1: no multipliers leave the unit circle as a pair."""
     rng = np.random.default_rng(7)
-    for _ in range(5):
+    for _ in range(2):
         p = FIG9.replace(Omega=round(rng.uniform(3.4, 4.9), 3), c=round(rng.uniform(0.05, 0.4), 3))
         orbit = find_orbit(p, "P32")
         determinant = (orbit.multipliers[0] * orbit.multipliers[1]).real
@@ -247,40 +167,3 @@ def test_jacobian_matches_differences_of_its_residuals(p, word):
             sides.append(exact_.residuals(moved))
         differences = np.array([float((a - b) / (2 * h)) for a, b in zip(*sides, strict=True)])
         assert np.abs(ours[:, column] - differences).max() < 1e-11 * max(1, np.abs(differences).max())
-
-
-@pytest.mark.parametrize(("p", "word"), [(FIG9, "P32"), (BOTH_BELTS, "P1748")])
-def test_states_of_the_orbit(p, word):
-    """The orbit as a function of time: continuous at switchings, periodic, on the belts where it must be."""
-    orbit = find_orbit(p, word)
-    T = orbit.period
-    times = np.linspace(-T, 2 * T, 100)
-    assert np.abs(orbit(times) - orbit(times + 3 * T)).max() < 1e-11
-    assert orbit(0.3).shape == (2,)
-    for piece, (t, x) in zip(orbit.equations().pieces, orbit.points, strict=True):
-        for state in (orbit(t - 1e-12), orbit(t + 1e-12)):
-            assert state == pytest.approx([x, float(p.belt(piece.start))], abs=1e-8)
-
-
-@pytest.mark.slow
-def test_more_than_one_period():
-    """Two periods of P32 are an orbit of P3232; with damping there is no other (symosc.orbits.floquet)."""
-    orbit = find_orbit(FIG9, "P3232", periods=2)
-    assert orbit.admissible
-    assert orbit.periods == 2
-    assert "runs 2 times" in orbit.message
-    assert orbit.period == pytest.approx(2 * find_orbit(FIG9, "P32").period, rel=1e-15)
-    for value in orbit.multipliers:
-        assert min(abs(value - P32_MULTIPLIER**2), abs(value - P32_MULTIPLIER.conjugate() ** 2)) < 1e-14
-    root = find_orbit(FIG9, "P32", periods=3)  # closes after three periods, but passes its belt on the way
-    assert root.residual < 1e-11
-    assert root.periods == 3
-    assert not root.admissible
-    assert any("stays in Omega1" in condition.text for condition in root.failures)
-
-
-@pytest.mark.parametrize(("name", "why"), [("fig8", "too near to a graze"), ("fig7", "without meeting a belt")])
-def test_a_motion_that_settles_to_no_word_is_said_at_once(name: str, why: str) -> None:
-    with pytest.raises(ConvergenceError, match=why) as caught:
-        find_orbit(name)
-    assert "inf" not in str(caught.value)

@@ -44,47 +44,6 @@ def test_a_commented_scene_is_the_scene(name: str, tmp_path: Path) -> None:
 
 
 @pytest.mark.parametrize(
-    ("name", "value", "allowed"),
-    [
-        ("m", "-1", "must be > 0"),
-        ("k", '"x"', "give a number"),
-        ("mu1", "true", "must be a number"),
-        ("v1", "30", "less than v2 = 25"),
-        ("t0", "[1]", "give an int"),
-        ("t_end", '"pi - pi"', "40 digits"),
-        ("x0", '"1/0"', "denominator must not be 0"),
-        ("structure", '"P99"', "P99"),
-        ("name", "5", "name must be text"),
-    ],
-)
-def test_what_is_wrong_has_its_line_and_table(name: str, value: str, allowed: str, tmp_path: Path) -> None:
-    with pytest.raises(SymoscError) as caught:
-        scene(tmp_path, **{name: value})
-    message = str(caught.value)
-    assert f"line {line(name)}" in message
-    assert allowed in message
-    assert "\n" not in message
-    if name in ("m", "k", "mu1", "v1"):
-        assert f"line {line(name)}, [parameters]" in message
-
-
-def test_keys_that_are_wrong(tmp_path: Path) -> None:
-    file = tmp_path / "mine.toml"
-    cases = {
-        "Omega = ": (
-            "omega = ",
-            f"line {line('Omega')}, [parameters]: parameters.omega is unknown; did you mean Omega?",
-        ),
-        "x0 = ": ("# x0 = ", f"start.x0 is missing; [start] begins in line {1 + TEXT.splitlines().index('[start]')}"),
-        "[start]": ("[starts]", "starts is unknown; did you mean start?"),
-    }
-    for old, (new, message) in cases.items():
-        file.write_text(TEXT.replace(f"\n{old}", f"\n{new}"), encoding="utf-8")
-        with pytest.raises(SymoscError, match=re.escape(message)):
-            load_scene(file)
-
-
-@pytest.mark.parametrize(
     ("text", "message"),
     [
         ("a." * 20_000 + "a = 1", "line 1: has more than 200 dots"),

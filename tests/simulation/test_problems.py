@@ -9,31 +9,14 @@ from typing import Any
 import numpy as np
 import pytest
 
-from symosc import ParameterError, Parameters, load_scene
+from symosc import Parameters, load_scene
 from symosc.engine.arithmetic import Arithmetic
 from symosc.engine.batch import row_of
 from symosc.engine.start import first_state, last_time
 from symosc.simulation.batch import INTERPRETED
-from symosc.simulation.problems import NumberColumn, Problems, decimal_rest
+from symosc.simulation.problems import Problems, decimal_rest
 
 FIG9 = load_scene("fig9").parameters
-
-
-@pytest.mark.parametrize(
-    ("given", "message"),
-    [
-        ([1, 2, float("nan")], r"x\[2\] = nan: must be finite"),
-        (np.array([1.0, np.inf]), r"x\[1\] = inf: must be finite"),
-        (np.array([1.0, 1e60, 1e70]), r"x\[1\] = 1e\+60: must be at most"),
-        ([1, True], r"x\[1\] = True: give an int"),
-        ([1, [2]], r"x\[1\] = \[2\]: give an int"),
-        ("one", r"x = 'one': give a number"),
-        (np.zeros((2, 2)), r"must be a number or have shape \(n,\)"),
-    ],
-)
-def test_bad_numbers_are_named_by_their_row(given: Any, message: str) -> None:
-    with pytest.raises(ParameterError, match=message):
-        NumberColumn("x", given)
 
 
 def begun(problems: Problems) -> np.ndarray:
@@ -93,46 +76,9 @@ def columns(**changes: Any) -> dict[str, Any]:
     return FIG9.by_name() | changes
 
 
-@pytest.mark.parametrize(
-    ("parameters", "message"),
-    [
-        (columns(m=[1, 0, 1]), r"m\[1\] = '0': must be > 0"),
-        (columns(c=np.array([0.0, 1.0, -1.0])), r"c\[2\] = '-1': must be >= 0"),
-        (columns(v1=[1, 2, 25]), r"v1\[2\] = '25': must be less than v2 = 25"),
-        (columns(v1=[1, 2, Fraction(25) - Fraction(1, 10**40)], Omega=[1, 2, 0]), r"Omega\[2\] = '0': must be > 0"),
-        (columns(Omega=[1, 2], m=[1, 2, 3]), r"Omega = 2: must have 1 or 3 entries"),
-        (columns(omega=1), "omega = 1: is no parameter"),
-        ({"m": 1}, "c is missing"),
-        ([FIG9, "fig9"], "give Parameters, a sequence of them, or a mapping"),
-        (3, "give Parameters"),
-    ],
-)
-def test_bad_parameters_are_named_by_their_row(parameters: Any, message: str) -> None:
-    with pytest.raises(ParameterError, match=message):
-        Problems(parameters, (0, 0, 0), 1)
-
-
 def test_speeds_that_are_equal_as_doubles_may_differ() -> None:
     near = Fraction(25) - Fraction(1, 10**40)
     assert isinstance(Problems(columns(v1=[1, near, 2]), (0, 0, 0), 1)[1].parameters, Parameters)
-
-
-@pytest.mark.parametrize(
-    ("starts", "t_end", "message"),
-    [
-        ({"t0": 0, "x0": 1}, 1, "must have the names t0, x0 and v0"),
-        ({"t0": 0, "x0": [1, 2], "v0": [1, 2, 3]}, 1, "x0 = 2: must have 1 or 3 entries"),
-        ([[0, 0]], 1, "starts"),
-        ([[0, 0, 0]] * 2, [1, 2, 3], "starts"),
-        ([2, 0, 0], 1, "t_end"),
-        (np.zeros((3, 3)), [1, 2, 0], r"t_end\[2\] = '0': must be later than t0 = 0"),
-        (np.zeros((3, 3)), [[1, 2, 3]], r"t_end.*shape \(n,\)"),
-        (np.array([[0, 0, 0], [0, np.nan, 0]]), 1, r"x0\[1\] = nan: must be finite"),
-    ],
-)
-def test_bad_starts_are_named_by_their_row(starts: Any, t_end: Any, message: str) -> None:
-    with pytest.raises(ParameterError, match=message):
-        Problems(FIG9, starts, t_end)
 
 
 def test_what_a_double_lacks_of_its_decimal() -> None:

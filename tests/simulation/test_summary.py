@@ -11,8 +11,7 @@ import numpy as np
 import pytest
 from slow_summary import oracle_extremes, slow_summary
 
-from symosc import ParameterError, Parameters, load_scene, simulate, simulate_many
-from symosc.simulation.tables import Summary
+from symosc import Parameters, load_scene, simulate, simulate_many
 
 FIG9 = load_scene("fig9").parameters
 
@@ -140,33 +139,3 @@ def test_each_column_alone_is_that_of_all() -> None:
         alone = getattr(simulate_many(sets, starts, ends, record=(name,), **given), name)
         assert np.array_equal(alone, column, equal_nan=column.dtype.kind == "f"), name
         assert alone.dtype == column.dtype
-
-
-def test_tables_of_other_packages() -> None:
-    sets, starts, ends = (column[:3] for column in many())
-    whole: Summary = simulate_many(sets, starts, ends, record="summary", sections=2, use_numba=False)
-    pandas, xarray = pytest.importorskip("pandas"), pytest.importorskip("xarray")
-    frame, dataset = whole.to_pandas(), whole.to_xarray()
-    assert isinstance(frame, pandas.DataFrame)
-    assert isinstance(dataset, xarray.Dataset)
-    assert frame["section_x[-1]"].tolist() == pytest.approx(whole.section[:, 1, 0].tolist(), nan_ok=True)
-    assert dataset["word"].values.tolist() == whole.word.tolist()
-    assert dataset["section"].sel(period=-2, component="v").shape == (3,)
-
-
-@pytest.mark.parametrize(
-    ("given", "message"),
-    [
-        ({"record": "words"}, r"record = 'words': must be \"events\", \"summary\", or some of status"),
-        ({"record": ("word", "colour")}, "record = 'colour'"),
-        ({"record": 3}, "record = 3"),
-        ({"record": "summary", "skip": -1}, r"skip = -1.0: must be >= 0 and end before t_end"),
-        ({"record": "summary", "skip": 3}, r"skip = 3.0: must be >= 0 and end before t_end"),
-        ({"record": "summary", "skip": [0, 1, 2]}, r"skip = 3: must have 1 or 2 entries"),
-        ({"record": "summary", "skip": [0, 5]}, r"skip\[1\] = 5.0"),
-        ({"record": "summary", "sections": -1}, "sections = -1: must be a whole number from 0"),
-    ],
-)
-def test_bad_questions_are_refused(given: Any, message: str) -> None:
-    with pytest.raises(ParameterError, match=message):
-        simulate_many(FIG9, [(0, 0, 0), (0, 1, 0)], 3, **given)

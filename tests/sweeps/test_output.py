@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import csv
 from pathlib import Path
 from typing import Any
 
@@ -59,19 +58,6 @@ def test_xarray_reads_it_without_symosc(suffix: str, engine: str, tmp_path: Path
         assert found.FN.attrs == dataset.FN.attrs
         assert found.word.values.tolist() == dataset.word.values.tolist()
         np.testing.assert_array_equal(found.section.values, dataset.section.values)
-
-
-def test_csv_is_a_row_for_each_cell_below_one_comment(tmp_path: Path) -> None:
-    dataset, path = example(4), tmp_path / "map.csv"
-    output.write_output(dataset, path, tmp_path)
-    with path.open(encoding="utf-8", newline="") as file:
-        head, *rows = csv.reader(file)
-        names, first, *_ = rows
-    assert head[0].startswith("# {")
-    assert len(rows) == 1 + 12
-    row = dict(zip(names, first, strict=True))
-    assert float(row["k"]) == dataset.k.values[0]
-    assert (row["word"], float(row["section_v_2"])) == (dataset.word.values[0, 0], dataset.section.values[0, 0, 2, 1])
 
 
 @pytest.mark.slow

@@ -49,34 +49,10 @@ def test_a_table_has_a_row_for_each_set() -> None:
         assert plan.cells(0, 1)["FN"].tolist() == [1 / 3]
 
 
-def test_several_starts_are_one_more_dimension() -> None:
-    plan = planned(over={"FN": [1, 2]}, starts=[(0, 1, 2), (0, 3, 4), ("1/2", 5, 6)])
-    assert plan.sizes == {"FN": 2, "start": 3}
-    assert plan.cells(2, 5)["x0"].tolist() == [5, 1, 3]
-    assert plan.cells(2, 5)["FN"].tolist() == [1, 2, 2]
-
-
 @pytest.mark.parametrize("value", NO_NUMBERS[:6], ids=lambda value: repr(value)[:20])
 def test_what_is_no_number(value: Any) -> None:
     refused(lambda: read_axis("FN", [1, value]), "FN")
     refused(lambda: read_coordinates(FIG9, [{"FN": value}]), "FN")
-
-
-@pytest.mark.parametrize(
-    ("over", "name"),
-    [
-        ({"m": [1, 0]}, "m"),
-        ({"Omega": "-1:1:5"}, "Omega"),
-        ({"FN": [3, -1, 2]}, "FN"),
-        ({"v1": [1, 26]}, "v1"),
-        ({"v2": [0.5, 30]}, "v1"),
-        ({"v1": [0, 3], "v2": [2, 5]}, "v1"),
-        ([{"v1": 0, "v2": 1}, {"v1": 3, "v2": 3}], "v1"),
-        ([{"k": 1}, {"k": -1}], "k"),
-    ],
-)
-def test_values_that_the_model_does_not_allow_are_found_before_the_work(over: Any, name: str) -> None:
-    refused(lambda: read_coordinates(FIG9, over), name)
 
 
 @pytest.mark.parametrize("starts", [5, [], [1, 2], [(1, 2)], [[(1, 2, 3)]], "abc", [(1, 2), (3,)]])
@@ -93,41 +69,9 @@ def planned(scene: Any = FIG9, over: Any = None, **options: Any) -> SweepPlan:
     return read_plan(scene, over, *given.values())
 
 
-@pytest.mark.parametrize(
-    ("given", "text"), [(9, "9"), ("9T", "9T"), (" 1.5 T ", "1.5T"), ("1/3*T", "1/3T"), ("1e1", "10"), ("1 min", "60")]
-)
-def test_times_are_numbers_or_periods(given: Any, text: str) -> None:
-    assert str(read_duration("t_end", given)) == text
-
-
 @pytest.mark.parametrize("given", ["T", "-1T", "9 periods", "", None, [], "1e12T", True])
 def test_what_is_no_time(given: Any) -> None:
     refused(lambda: read_duration("t_end", given), "t_end")
-
-
-@pytest.mark.parametrize(
-    ("options", "name"),
-    [
-        ({"t_end": "0T"}, "t_end"),
-        ({"t_end": 0}, "t_end"),
-        ({"t_end": FIG9.t0}, "t_end"),
-        ({"over": {"t0": [0, 11]}, "t_end": 10}, "t_end"),
-        ({"skip": -1}, "skip"),
-        ({"skip": "9T"}, "skip"),
-        ({"skip": 100}, "skip"),
-        ({"skip": "4T", "t_end": 8}, "skip"),  # Omega = 3 has not ended its fourth period then
-        ({"record": ()}, "record"),
-        ({"record": "words"}, "record"),
-        ({"record": ("word", "word")}, "record"),
-        ({"record": ("section:2", "section:3")}, "record"),
-        ({"record": "word:3"}, "record"),
-        ({"record": "section:0"}, "section"),
-        ({"record": "section:"}, "section"),
-        ({"record": "section:x"}, "section"),
-    ],
-)
-def test_what_is_refused(options: Any, name: str) -> None:
-    refused(lambda: planned(**options), name)
 
 
 def again(found: Any) -> Any:

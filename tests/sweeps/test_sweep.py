@@ -179,22 +179,6 @@ def test_each_cell_is_the_motion_that_its_coordinates_say(seed: int) -> None:
         assert float(one.x) == pytest.approx(float(motion(t_end)[0]), rel=1e-11, abs=1e-11)
 
 
-def test_one_start_replaces_the_scenes_and_several_are_a_dimension() -> None:
-    several = sweep("fig9", {"FN": [5, 10]}, starts=[(0, 1, 2), (0, 3, 4)], t_end=3, record="x")
-    assert several.x.dims == ("FN", "start")
-    for i, start in enumerate([(0, 1, 2), (0, 3, 4)]):
-        one = sweep("fig9", {"FN": [5, 10]}, starts=start, t_end=3, record="x")
-        assert one.x.values.tolist() == several.x.values[:, i].tolist()
-
-
-def test_a_table_of_sets() -> None:
-    rows = [{"Omega": 3, "FN": 5}, {"Omega": 4, "FN": 10}]
-    found = sweep("fig9", rows, t_end=3, record="x")
-    grid = sweep("fig9", {"Omega": [3, 4], "FN": [5, 10]}, t_end=3, record="x")
-    assert found.x.dims == ("set",)
-    assert found.x.values.tolist() == [grid.x.values[0, 0], grid.x.values[1, 1]]
-
-
 # -- who computes ---
 
 
