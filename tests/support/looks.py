@@ -33,7 +33,7 @@ def full(figure: Figure) -> str:
 
 def looks(figure: Figure) -> Iterator[str]:
     """Yield the looks of the artists in each axes and of the legends, and how the axes stand."""
-    for axes in [*figure.axes, *(child for axes in figure.axes for child in axes.child_axes)]:
+    for axes in [*figure.axes, *(inset for each in figure.axes for inset in each.child_axes)]:
         spec = axes.get_subplotspec()
         grid = spec and (spec.rowspan.start, spec.colspan.start, spec.get_gridspec().get_height_ratios())
         grid = grid and (*grid, spec.get_gridspec().get_width_ratios())  # type: ignore[union-attr]
