@@ -65,22 +65,22 @@ def own(draw: Callable[..., Figure]) -> str:
 
 MOTIONS: dict[str, Case] = {
     "fig5": lambda: plot.figure("fig5", t_end=9),
-    "fig8 with magnified sticks": lambda: full(plot.figure("fig8", t_end=9, panels="abg")),
+    "fig8 with magnified sticks": lambda: plot.figure("fig8", t_end=9, panels="abg"),
     "fig8 with more sticks, one column": lambda: full(plot.figure("fig8", t_end=40, panels="bc", columns=1)),
     "fig8, the panel with insets alone": lambda: plot.figure("fig8", panels="b"),
-    "fig9, a periodic scene": lambda: full(plot.figure("fig9")),
-    "fig9 in one column": lambda: plot.figure("fig9", columns=1, panels="cbf"),
+    "fig9, a periodic scene": lambda: plot.figure("fig9"),
+    "fig9 in one column": lambda: plot.figure("fig9", columns=1, panels="cf"),
     "a square plane": lambda: full(plot.figure("fig5", panels="c")),
     "a short scene": lambda: plot.figure("fig10-orbit", panels="b"),
-    "from a stick": lambda: plot.figure("fig6", panels="adg", boundary=2),
-    "a graze": lambda: full(plot.figure("fig8-exact", panels="abd")),
-    "no events": lambda: plot.figure("fig7", panels="abcd", t_end=3),
-    "both belts": lambda: plot.figure(motion(5), panels="adef", boundary=2),
+    "from a stick": lambda: plot.figure("fig6", panels="dg", boundary=2),
+    "a graze": lambda: full(plot.figure("fig8-exact", panels="ab")),
+    "no events": lambda: plot.figure("fig7", panels="bd", t_end=3),
+    "both belts": lambda: plot.figure(motion(5), panels="aef", boundary=2),
     "both belts, first": lambda: plot.figure(motion(8), panels="bcg"),
-    "moving belts": lambda: plot.figure(on_moving_belts(), panels="abcfd"),
-    "many marks": lambda: plot.figure(simulate("fig9", t_end="60T"), panels="bcd"),
-    "without a transient": lambda: plot.figure(simulate("fig9", t_end="12T"), panels="abg", skip="8T"),
-    "with a style": lambda: full(plot.figure("fig5", panels="bde", t_end=5, skip=1, lw=3, color="teal", alpha=0.5)),
+    "moving belts": lambda: plot.figure(on_moving_belts(), panels="abf"),
+    "many marks": lambda: plot.figure(simulate("fig9", t_end="60T"), panels="cd"),
+    "without a transient": lambda: plot.figure(simulate("fig9", t_end="12T"), panels="bg", skip="8T"),
+    "with a style": lambda: full(plot.figure("fig5", panels="bd", t_end=5, skip=1, lw=3, color="teal", alpha=0.5)),
     "into axes": lambda: own(partial(plot.figure, "fig5", t_end=3)),
     "an orbit": lambda: answer("orbit").plot(),
     "an orbit into axes": lambda: own(answer("orbit").plot),
@@ -252,8 +252,9 @@ JUDGED: dict[str, Case] = {
     "a wrong solution": lambda: full(wrong().plot()),
     "a wrong solution into axes": lambda: own(wrong().plot),
     "a right solution": lambda: full(inexact().plot("ac")),
+    "an exact solution": lambda: answer("check").plot("a"),
     "the first wrong step": lambda: full(plot.step_figure(wrong())),
-    "other steps": lambda: steps_of(wrong(), "ab", 1, 148),
+    "other steps": lambda: steps_of(wrong(), "a", 1, 148),
     "a step of a right solution": lambda: plot.step_figure(inexact(), panels="b"),
     "the step with an event": lambda: plot.step_figure(inexact(), 20),
     "page of a wrong solution": lambda: page_of(wrong()),
@@ -351,14 +352,14 @@ SWEEPS: dict[str, Case] = {
         partial(plot.map_figure, made_up({"k": "1:3:3", "v0": "-3:3:4"}, x=lambda c: c["v0"]))
     ),
     "a response": lambda: full(response().plot()),
-    "a response in two panels": lambda: response(status="none").plot("ca"),
+    "a response in three panels": lambda: response(status="none").plot("cae"),
     "a response without orbits": lambda: own(response(2).plot),
     "events": lambda: full(answer("events").plot()),
     "no events of many": lambda: full(answer("no events").plot()),
     "events into axes": lambda: own(answer("events").plot),
     "a summary": lambda: full(answer("summary").plot()),
     "a summary of sections": lambda: full(answer("summary").plot("section")),
-    "a summary of numbers": lambda: full(answer("summary").plot("x")),
+    "a summary of numbers": lambda: full(answer("summary").plot("x_max")),
     "a summary of counts": lambda: answer("summary").plot("sticks"),
     "a summary of many words": lambda: full(
         symosc.Summary(word=np.array([f"P{n * n % 15}" for n in range(80)] + [""] * 3)).plot()
@@ -415,10 +416,10 @@ def region(mapping: str, names: Any, phase: Any, *ranges: Any, order: Any = "ful
 EQUAL = WINDOWS["at equality"]
 GRAZING: dict[str, Case] = {
     **{
-        f"windows {name}": partial(windows, changes, *MAPS[i % 2 :: 2])
+        f"windows {name}": partial(windows, changes, *MAPS[i % 2 :: 2][: 1 + (i < 2)])
         for i, (name, changes) in enumerate(WINDOWS.items())
     },
-    "a window and its look": lambda: full(windows({}, "P2", "P5", plane=plane_of)),
+    "a window and its look": lambda: full(windows({}, "P2", plane=plane_of)),
     "a window at equality": lambda: full(windows(EQUAL, "P2", "P3", order="paper")),
     "a window into axes": lambda: own(grazing_window(P, "P3").plot),
     "its contacts": lambda: windows({}, "P2", panels="b"),
@@ -433,17 +434,17 @@ GRAZING: dict[str, Case] = {
     "against k, without a drive": lambda: against("P5", "k", B0=0),
     "against v1, at rest": lambda: against("P2", "v1", v1=0, v2=1, B0=0),
     "against Omega into axes": lambda: own(partial(plot.sweep_figure, P, "P5", "Omega", 1, 4, "paper")),
-    "a grazing curve": lambda: full(curves({}, "P2")),
+    "a grazing curve": lambda: curves({}, "P2"),
     "a grazing curve through 0": lambda: curves({}, "P3"),
     "a grazing curve of all phases": lambda: curves({}, "P5"),
     "no grazing curve": lambda: full(curves({}, "P6")),
-    "a grazing curve with gaps": lambda: full(curves({"c": "0", "Omega": "1/2", "v1": "-1"}, "P2")),
+    "a grazing curve with gaps": lambda: curves({"c": "0", "Omega": "1/2", "v1": "-1"}, "P2"),
     "a grazing curve into axes": lambda: own(grazing_curve(P, "P2", 30).plot),
     "a region": lambda: region("P2", ("Omega", "k"), "7*pi/6"),
     "a region of belts": lambda: region("P3", ("v1", "Omega"), ("pi", "3*pi/2")),
     "a region where its border counts": lambda: region("P2", ("Omega", "v1"), "3*pi/2", (0, 3), (-10, 10)),
     "a region with what is not allowed": lambda: region("P5", ("v2", "B0"), "pi", v1=-2, v2=3),
-    "an empty region": lambda: region("P2", ("Omega", "k"), "pi/2", (1, 2), (0, 1), v1=-1),
+    "an empty region": lambda: region("P2", ("Omega", "k"), "3*pi/2", (1, 2), (0, 1), v1=-1),
     "where it is empty": lambda: region("P3", ("B0", "k"), "empty"),
     "where it is everything": lambda: region("P2", ("B0", "v1"), "everything", order="paper"),
 }
@@ -511,7 +512,7 @@ def of_scene(name: str, **changes: str) -> Any:
 
 
 EXPLORED: dict[str, Case] = {
-    "explored fig5": lambda: of_scene("fig5"),
+    "explored fig5": lambda: of_scene("fig5", periods="1.5"),
     "explored fig6, from a stick": lambda: of_scene("fig6", periods="2"),
     "explored fig9, both belts far": lambda: of_scene("fig9", periods="1.5"),
     "explored fig8-exact": lambda: of_scene("fig8-exact", periods="1"),
@@ -524,10 +525,9 @@ EXPLORED: dict[str, Case] = {
         for name, part in of_scene("fig9", periods="100").items()
         if name in ("notes", "count", "message", "status", "ranges")
     },
-    **{f"explored at random {i}": lambda i=i: explored(random_state(random.Random(i))) for i in (4,)},  # type: ignore[misc]
+    **{f"explored at random {i}": lambda i=i: explored(random_state(random.Random(i)), periods="4") for i in (4,)},  # type: ignore[misc]
     "explored, wrong texts": lambda: explored("k=3s&v1=9&v2=8&m=0&FN=1/0&periods=101&bogus=1"),
     "explored, no periods": lambda: of_scene("fig5", periods="0"),
-    "explored, beyond doubles": lambda: of_scene("fig5", k="1e40", periods="1e-3"),
     "explored, a part": lambda: list(explorer.read_link("k=4%2F5&velocity=3&t0=1", load_scene("fig9-orbit"))),
     "scenes of texts": lambda: [
         [scene and (scene.name, scene.source, str(scene.t_end)), errors]
@@ -540,7 +540,60 @@ EXPLORED: dict[str, Case] = {
     "settled": lambda: arrays(explorer.settled("scene=fig9", FIG5)),
     "settled, no orbit": lambda: explorer.settled("scene=fig7&FN=0&B0=0", FIG5),
     "plots of the page": lambda: plots_of_the_page(),
+    "requests of the page": lambda: requests(),
 }
+
+
+def requests() -> str:
+    """Return how the server answers: the status, some headers, and how the text begins."""
+    pytest.importorskip("bokeh")
+    from http.client import HTTPConnection
+    from urllib.parse import urlsplit
+
+    from exploring import served
+
+    lines = []
+    with served("fig9") as address:
+        for line in REQUESTS.splitlines():
+            method, target, *given = line.split()
+            body, headers = (given[0] if method == "POST" else None), dict(each.split("=") for each in given[1:])
+            connection = HTTPConnection(urlsplit(address).netloc, timeout=60)
+            connection.request(method, target, body, headers)
+            answered = connection.getresponse()
+            text = answered.read().decode()
+            connection.close()
+            kept = {name: each for name, each in answered.headers.items() if name.startswith(("C", "X"))}
+            text = (
+                ""
+                if "bokeh" in target
+                else text[-80:]
+                if target == "/"
+                else text[:300].partition("body")[2] or text[:90]
+            )
+            for name in ("Content-Length", "Content-Security-Policy")[: 1 + bool(lines)]:
+                kept.pop(name, None)
+            lines.append(f"{line}: {answered.status} {kept} {' '.join(text.split())}")
+    return "\n".join(lines)
+
+
+REQUESTS = """GET /
+GET /page.css
+GET /page.js
+GET /bokeh.js
+GET /none
+GET /scene.toml?k=2
+GET /scene.toml?k=x
+GET /settled?k=x
+GET /answer - Host=example.org
+GET /answer?k=x - Sec-Fetch-Site=cross-site
+GET /answer?k=x - Sec-Fetch-Site=cross-site Sec-Fetch-Mode=navigate
+GET /answer?k=x - Sec-Fetch-Site=same-origin
+POST /scene nothing
+POST /none nothing
+POST /scene nothing Host=example.org
+POST /scene nothing Content-Length=x
+POST /scene nothing Content-Length=100001
+POST /scene nothing Content-Length=9999999"""
 
 
 def plots_of_the_page() -> str:
@@ -560,7 +613,9 @@ def plots_of_the_page() -> str:
             seen.add(value.id)
             parts = value.properties_with_values(include_defaults=False)
             parts = {
-                part: parts[part] for part in sorted(parts) if not re.search("^id$|select|hover_|muted|view", part)
+                part: parts[part]
+                for part in sorted(parts)
+                if not re.search("^id$|select|hover_|muted|view|formatter|policy|_source$", part)
             }
             texts = " ".join(f"{part}={follow(each)}" for part, each in parts.items() if part != "renderers")
             follow(parts.get("renderers", ()))
@@ -573,10 +628,10 @@ def plots_of_the_page() -> str:
 
 
 def shortened(make: Case) -> str:
-    """Return the lines of a case, long numbers with eight digits, zeros without their noise."""
+    """Return the lines of a case, long numbers with seven digits, zeros without their noise."""
     lines = "\n".join(lines_of(make()))
     return re.sub(
-        r"-?\d+\.\d{5,}(e[+-]\d+)?|-?\d(\.\d+)?e-1\d", lambda found: f"{round(float(found[0]), 12):.8g}", lines
+        r"-?\d+\.\d{5,}(e[+-]\d+)?|-?\d(\.\d+)?e-1\d", lambda found: f"{round(float(found[0]), 12):.7g}", lines
     )
 
 
