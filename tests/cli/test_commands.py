@@ -47,13 +47,6 @@ def test_json_is_the_trajectory() -> None:
     assert [event["t"] for event in data["events"]] == [event.t for event in trajectory.events]
 
 
-def test_digits_are_all_there() -> None:
-    text = good("simulate", "fig8", "--digits", "40", "--t-end", "8")
-    assert "3.139006225737682851938965627055696709296" in text
-    data = json.loads(good("simulate", "fig8", "--digits", "40", "--t-end", "8", "--json"))
-    assert data["events"][0]["t"] == "3.139006225737682851938965627055696709296"
-
-
 def test_csv_round_trips(tmp_path: Path) -> None:
     path = tmp_path / "events.csv"
     good("simulate", "fig9", "--csv", str(path))
@@ -77,28 +70,6 @@ def test_a_scene_file(tmp_path: Path) -> None:
     path = tmp_path / "mine.toml"
     path.write_text(good("scenes", "fig9"))
     assert good("simulate", str(path)) == good("simulate", "fig9")
-
-
-def test_what_double_precision_cannot_decide_is_said_and_exits_1() -> None:
-    limit = [
-        "c=1",
-        "k=0",
-        "A0=-0.9999999999999999999999999999999999999999",
-        "B0=0",
-        "v1=1",
-        "v2=5",
-        "mu1=0.5",
-        "mu2=0.5",
-        "FN=2",
-    ]
-    command = ["simulate", "fig5", "--t-end", "100", *(word for each in limit for word in ("--set", each))]
-    result = run(*command)
-    assert result.exit_code == 1
-    assert result.stderr.startswith("symosc: undecidable: ")
-    assert result.stderr.count("\n") == 1
-    as_json = run(*command, "--json")
-    assert as_json.exit_code == 1
-    assert json.loads(as_json.stdout)["status"] == "undecidable"
 
 
 # -- orbit
@@ -126,14 +97,6 @@ def test_an_orbit_is_printed_with_how_far_the_start_is_from_it() -> None:
 
 
 # -- figure
-
-
-@pytest.mark.slow
-def test_figure_writes_the_file_and_says_what_it_shows(tmp_path: Path) -> None:
-    path = tmp_path / "fig5.pdf"
-    assert good("figure", "fig5", "-o", str(path)) == f"{path}: t = 0 to 9, 6 events\n"
-    assert path.read_bytes().startswith(b"%PDF-")
-    assert "t = 0 to 3," in good("figure", "fig5", "-o", str(path), "--t-end", "3", "--panels", "c", "--columns", "1")
 
 
 # -- scenes and new
@@ -248,30 +211,6 @@ def test_a_port_in_use_is_one_line() -> None:
 # -- sweep
 
 CALL = ("sweep", "fig9", "--over", "Omega=3:5:3", "--over", "FN=5:10:2", "--t-end", "6T", "--skip", "4T")
-
-
-def test_it_tells_what_was_found(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.chdir(tmp_path)
-    words = symosc.sweep("fig9", {"Omega": "3:5:3", "FN": "5:10:2"}, t_end="6T", skip="4T").word.values.ravel().tolist()
-    first, second, third, *wrote = good(*CALL, "-o", "map.nc", "--plot", "map.svg").splitlines()
-    assert first == "Omega (3) × FN (2): 6 motions"
-    assert all(f"{word} {words.count(word) / 6:.1%}" in second for word in words)
-    assert third == "status: t_end 100.0%"
-    assert wrote == ["wrote map.nc", "wrote map.svg"]
-    assert {path.name for path in tmp_path.iterdir()} == {"map.nc", "map.svg"}
-    data = json.loads(good(*CALL, "-o", "map.nc", "--json"))  # read, not computed
-    assert (data["sizes"], data["output"]) == ({"Omega": 3, "FN": 2}, "map.nc")
-    assert data["columns"]["word"] == {word: words.count(word) for word in words}
-    assert data["call"].startswith("sweep(Scene('fig9', ")
-
-
-def test_status(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.chdir(tmp_path)
-    output = ("-o", "map.csv", "--status")
-    assert good(*CALL, *output) == "map.csv: 0 of 6 motions (0.0%), not yet written\n"
-    good(*CALL, "-o", "map.csv")
-    assert good(*CALL, *output) == "map.csv: 6 of 6 motions (100.0%), written\n"
-    assert json.loads(good(*CALL, *output, "--json")) == {"path": "map.csv", "done": 6, "total": 6, "written": True}
 
 
 def test_an_interrupt_tells_how_far_it_is(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:

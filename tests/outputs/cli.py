@@ -47,7 +47,8 @@ VOLATILE |= {r"; \d+\.\d\d s$": "", r"DOP853 .*": "DOP853", r"-{4,}": "---", r"-
 def told(line: str, lines: int = 60, **files: str) -> str:
     """Return what a command line prints and draws, its exit code, and the files that it leaves in an empty folder.
 
-    `files` are there before, by names with _ for a point. Figures are not written, but noted.
+    `files` are there before, by names with _ for a point. Figures are not written, but noted. Of several commands, with
+    && between them, it is about the last one.
     """
     drawn: list[str] = []
 
@@ -63,7 +64,9 @@ def told(line: str, lines: int = 60, **files: str) -> str:
     ):
         for name, text in files.items():
             Path(name.replace("_", ".")).write_text(text, encoding="utf-8")
-        result = run(*shlex.split(line))
+        *before, last = line.split(" && ")
+        assert all(run(*shlex.split(each)).exit_code == 0 for each in before)
+        result = run(*shlex.split(last))
         left = {path.name: path for path in sorted(Path().rglob("*")) if path.is_file()}
         left = {name: path for name, path in left.items() if path.suffix != ".pyc"}
         texts = [f"leaves {name}" for name in left if name.replace(".", "_") not in files]
@@ -159,6 +162,7 @@ MOTIONS = {
     "a scene as json": "scenes fig9-orbit --json",
     "new": "new mine.toml --like fig9",
     "new to stdout": "new -",
+    "new, followed": "new mine.toml --like fig6 && simulate mine.toml --t-end 2",
     "new where one is": "new mine.toml",
 }
 ORBITS = {
@@ -171,6 +175,7 @@ ORBITS = {
     "orbit with its branch": "orbit fig9 --continue Omega=3.99:4.01 -o branch.svg",
     "response": "orbit fig9 --response Omega=3.9:4.1:2 -o response.svg",
     "response json": "orbit fig9 --response Omega=4:5:2 --json",
+    "response in digits": "orbit fig9 --response Omega=4:5:2 --digits 20",
     "response of an orbit": "orbit fig9 --response Omega=4 --structure P32",
 }
 FITS = {
@@ -221,7 +226,7 @@ CHECKS = {
 CODE = {
     "derive": "derive friction",
     "derive a form": "derive friction --form paper --set mu1=1/3 --digits 5 --tags paper --prefix mine --alone",
-    "derive into a file": "derive stick --scene fig5 -o stick.tex",
+    "derive into a file": "derive friction --scene fig5 -o it.tex",
     "derive json": "derive friction --json",
     "derive to stdout": "derive friction -o -",
     "derive a page of a fragment": "derive P3 --format html",
@@ -239,7 +244,10 @@ SWEEPS = {
     "sweep": f"{SWEEP} -o map.csv --plot map.svg --workers 1",
     "sweep numbers": f"{SWEEP} --record word,x,sticks --json",
     "sweep status": f"{SWEEP} -o map.csv --status",
-    "sweep status json": f"{SWEEP} -o map.csv --status --json",
+    "sweep status json": f"{SWEEP} -o map.csv && {SWEEP} -o map.csv --status --json",
+    "sweep status, written": f"{SWEEP} -o map.csv && {SWEEP} -o map.csv --status",
+    "sweep again": f"{SWEEP} -o map.csv && {SWEEP} -o map.csv --json",
+    "sweep on another cluster": "sweep fig9 --over k=1:2:3 --executor dask:",
     "sweep over starts": "sweep fig9 --over x0=-1:1:12 --t-end 2 --record events,word",
 }
 CERTIFIED = {

@@ -29,6 +29,7 @@ from symosc import OtherModel, Scene, grazing_curve, grazing_window, load_scene,
 from symosc.certificates.atlas import Atlas, ProvenBox, Region
 from symosc.certificates.certificate import Certificate
 from symosc.crosschecks.report import CrossCheck
+from symosc.display.drawable import Listing
 from symosc.orbits.border import Border, SpecialPoint
 from symosc.orbits.periodic_orbit import SwitchingPoint
 from symosc.plot.explorer import answers as explorer
@@ -55,12 +56,16 @@ def on_moving_belts() -> symosc.Trajectory:
     return simulate(model, t0=0, x0=1, v0=0, t_end=14)
 
 
-def own(draw: Callable[..., Figure]) -> str:
+def own_figure(draw: Callable[..., Figure]) -> Figure:
     """Draw into the right one of two axes of a figure of one's own."""
     drawing = Figure()
     _, right = drawing.subplots(1, 2)
     assert draw(ax=right) is drawing
-    return full(drawing)
+    return drawing
+
+
+def own(draw: Callable[..., Figure]) -> str:
+    return full(own_figure(draw))
 
 
 MOTIONS: dict[str, Case] = {
@@ -69,23 +74,32 @@ MOTIONS: dict[str, Case] = {
     "fig8 with more sticks, one column": lambda: full(plot.figure("fig8", t_end=40, panels="bc", columns=1)),
     "fig8, the panel with insets alone": lambda: plot.figure("fig8", panels="b"),
     "fig9, a periodic scene": lambda: plot.figure("fig9"),
-    "fig9 in one column": lambda: plot.figure("fig9", columns=1, panels="cf"),
+    "fig9 in one column": lambda: axes_in(plot.figure("fig9", columns=1, panels="cf")),
     "a square plane": lambda: full(plot.figure("fig5", panels="c")),
     "a short scene": lambda: plot.figure("fig10-orbit", panels="b"),
     "from a stick": lambda: plot.figure("fig6", panels="dg", boundary=2),
     "a graze": lambda: full(plot.figure("fig8-exact", panels="ab")),
     "no events": lambda: plot.figure("fig7", panels="bd", t_end=3),
     "both belts": lambda: plot.figure(motion(5), panels="aef", boundary=2),
-    "both belts, first": lambda: plot.figure(motion(8), panels="bcg"),
+    "both belts, first": lambda: plot.figure(motion(8), panels="bg"),
     "moving belts": lambda: plot.figure(on_moving_belts(), panels="abf"),
     "many marks": lambda: plot.figure(simulate("fig9", t_end="60T"), panels="cd"),
     "without a transient": lambda: plot.figure(simulate("fig9", t_end="12T"), panels="bg", skip="8T"),
     "with a style": lambda: full(plot.figure("fig5", panels="bd", t_end=5, skip=1, lw=3, color="teal", alpha=0.5)),
     "into axes": lambda: own(partial(plot.figure, "fig5", t_end=3)),
-    "an orbit": lambda: answer("orbit").plot(),
-    "an orbit into axes": lambda: own(answer("orbit").plot),
+    "an orbit": lambda: axes_in(answer("orbit").plot()),
+    "an orbit, forces": lambda: answer("orbit").plot("f", columns=1),
+    "an orbit into axes": lambda: axes_in(own_figure(answer("orbit").plot)),
     "an orbit of the other belt": lambda: plot.orbit_figure(other_belt(), "bd", columns=1),
 }
+
+
+def drawn_in(drawing: Figure) -> str:
+    return "\n".join(lines_of(drawing))
+
+
+def axes_in(drawing: Figure) -> str:
+    return "\n".join(line for line in lines_of(drawing) if re.match(" *(axes|limits|figure)", line))
 
 
 @cache
@@ -186,7 +200,7 @@ def wrong() -> CrossCheck:
     t = np.linspace(0, 7, 150)
     x, v = simulate("fig5", t_end=7)(t)
     noise = 1e-4 * np.sin(3 * t)
-    v = v + noise + 0.6 * (abs(t - 2.1) < 0.1) - (v - 1) * 0.5 * (abs(t - 5) < 0.3)
+    v = v + noise + 0.6 * (abs(t - 2.1) < 0.1) + 0.5 * (abs(t - 4.9) < 0.25) - 0.8 * (abs(t - 6.6) < 0.1)
     return crosscheck("fig5", t, x + noise, v, tolerance=2e-3)
 
 
@@ -203,7 +217,7 @@ def page_of(check: CrossCheck) -> str:
     with TemporaryDirectory() as folder, patch.object(Figure, "savefig", lambda *_, **__: None):
         text = check.to_html(f"{folder}/check.html").read_text(encoding="utf-8")
     text = re.sub(r"base64,[^\"]*", "", text)
-    return re.sub(r"(?s)<style>.*?</style>", "", text)
+    return re.sub(r"(?s)<style>.*?</style>", "", text).replace('</td><td class="">', " | ")
 
 
 @cache
@@ -250,7 +264,7 @@ ENCLOSED = Certificate(
 
 JUDGED: dict[str, Case] = {
     "a wrong solution": lambda: full(wrong().plot()),
-    "a wrong solution into axes": lambda: own(wrong().plot),
+    "a wrong solution into axes": lambda: axes_in(own_figure(wrong().plot)),
     "a right solution": lambda: full(inexact().plot("ac")),
     "an exact solution": lambda: answer("check").plot("a"),
     "the first wrong step": lambda: full(plot.step_figure(wrong())),
@@ -258,7 +272,7 @@ JUDGED: dict[str, Case] = {
     "a step of a right solution": lambda: plot.step_figure(inexact(), panels="b"),
     "the step with an event": lambda: plot.step_figure(inexact(), 20),
     "page of a wrong solution": lambda: page_of(wrong()),
-    "page of a right solution": lambda: page_of(inexact()),
+    "page of a right solution": lambda: page_of(inexact())[:1500],
     "a fit": lambda: full(fitted(True).plot()),
     "a fit without errors": lambda: fitted(False).plot("b"),
     "a fit of samples": lambda: full(fitted_samples(True).plot()),
@@ -362,7 +376,7 @@ SWEEPS: dict[str, Case] = {
     "a summary of numbers": lambda: full(answer("summary").plot("x_max")),
     "a summary of counts": lambda: answer("summary").plot("sticks"),
     "a summary of many words": lambda: full(
-        symosc.Summary(word=np.array([f"P{n * n % 15}" for n in range(80)] + [""] * 3)).plot()
+        symosc.Summary(word=np.array([f"P{n * n % 61}" for n in range(80)] + [""] * 3)).plot()
     ),
     "an atlas": lambda: full(plane(True).plot()),
     "an atlas without proofs": lambda: own(plane(False).plot),
@@ -383,6 +397,9 @@ WINDOWS: dict[str, dict[str, Any]] = {
 }
 
 
+EQUAL = WINDOWS["at equality"]
+
+
 def windows(changes: Any, *maps: str, order: Any = "full", **how: Any) -> Figure:
     p = P.replace(**changes)
     return plot.window_figure([grazing_window(p, mapping, order) for mapping in maps or MAPS], **how)
@@ -397,7 +414,8 @@ def curves(changes: Any, mapping: str) -> Figure:
 
 
 def against(mapping: str, name: str, *limits: Any, **changes: Any) -> str:
-    return full(plot.sweep_figure(P.replace(**changes), mapping, name, *limits))
+    drawn = plot.sweep_figure(P.replace(**changes), mapping, name, *limits)
+    return full(drawn) if name == "Omega" else drawn_in(drawn)
 
 
 def region(mapping: str, names: Any, phase: Any, *ranges: Any, order: Any = "full", **changes: Any) -> str:
@@ -410,14 +428,14 @@ def region(mapping: str, names: Any, phase: Any, *ranges: Any, order: Any = "ful
     else:
         found = symosc.values_containing(p, mapping, names, phase, order)
     assert isinstance(found, symosc.ParameterRegion)
-    return full(plot.region_figure(found, *ranges))
+    return (full if phase == "pi" else drawn_in)(plot.region_figure(found, *ranges))
 
 
-EQUAL = WINDOWS["at equality"]
 GRAZING: dict[str, Case] = {
     **{
-        f"windows {name}": partial(windows, changes, *MAPS[i % 2 :: 2][: 1 + (i < 2)])
+        f"windows {name}": partial(windows, changes, *MAPS[i % 2 :: 2][:1])
         for i, (name, changes) in enumerate(WINDOWS.items())
+        if changes != EQUAL
     },
     "a window and its look": lambda: full(windows({}, "P2", plane=plane_of)),
     "a window at equality": lambda: full(windows(EQUAL, "P2", "P3", order="paper")),
@@ -475,10 +493,11 @@ def scene_of_a_model() -> Scene:
 LONG = Certificate("trajectory", True, "12 events", tuple((*ENCLOSED.events[i % 2],) for i in range(12)), stable=False)
 PAGES: dict[str, Case] = {
     **{f"page of {kind}": lambda kind=kind: page(answer(kind)) for kind in MAKERS if kind != "failed check"},  # type: ignore[misc]
-    "page of a wrong check": lambda: page(wrong()),
-    "page of a long motion": lambda: page(simulate("fig9", t_end="40T")),
+    "page of a wrong check": lambda: page(wrong())[:1200],
+    "page of a long motion": lambda: page(simulate("fig9", t_end="40T"))[-700:],
     "page of a scene of another model": lambda: page(scene_of_a_model()),
     "page of events": lambda: page(simulate("fig9", t_end="12T").events),
+    "listings": lambda: [repr(Listing(range(count))) for count in (0, 1, 10, 11, 1234)],
     "page of many words": lambda: page(symosc.Summary(word=np.array([f"P{n * n % 15}" * 30 for n in range(30)]))),
     "page of a response": lambda: page(response()),
     "page of an atlas": lambda: page(plane(True)),
@@ -511,21 +530,27 @@ def of_scene(name: str, **changes: str) -> Any:
     return explored(explorer.state_of(load_scene(name)), **changes)
 
 
+def belts_of(**changes: str) -> Any:
+    found = of_scene("fig5", **changes)
+    return {name: found[name] for name in ("belts", "ranges", "windows", "name")}
+
+
 EXPLORED: dict[str, Case] = {
     "explored fig5": lambda: of_scene("fig5", periods="1.5"),
-    "explored fig6, from a stick": lambda: of_scene("fig6", periods="2"),
+    "explored fig6, from a stick": lambda: of_scene("fig6", periods="0.3"),
     "explored fig9, both belts far": lambda: of_scene("fig9", periods="1.5"),
     "explored fig8-exact": lambda: of_scene("fig8-exact", periods="1"),
-    "explored belts near each other": lambda: of_scene("fig5", v1="1", v2="1.1", periods="0.5"),
-    "explored belts far above": lambda: of_scene("fig5", v1="40", v2="41", periods="0.3"),
-    "explored belts far below": lambda: of_scene("fig5", v1="-41", v2="-40", periods="0.3"),
+    "explored belts near each other": lambda: belts_of(v1="1", v2="1.1", periods="0.5"),
+    "explored belts far above": lambda: belts_of(v1="40", v2="41", periods="0.3"),
+    "explored belts far below": lambda: belts_of(v1="-41", v2="-40", periods="0.3"),
+    "explored belts on both sides": lambda: belts_of(v1="-41", v2="40", periods="0.3"),
     "explored at rest": lambda: of_scene("fig5", B0="0", A0="0", x0="0", v0="0", v1="-1", v2="1", mu1="0", mu2="0"),
     "explored, too many events": lambda: {
         name: part
         for name, part in of_scene("fig9", periods="100").items()
         if name in ("notes", "count", "message", "status", "ranges")
     },
-    **{f"explored at random {i}": lambda i=i: explored(random_state(random.Random(i)), periods="4") for i in (4,)},  # type: ignore[misc]
+    **{f"explored at random {i}": lambda i=i: explored(random_state(random.Random(i)), periods="2") for i in (4,)},  # type: ignore[misc]
     "explored, wrong texts": lambda: explored("k=3s&v1=9&v2=8&m=0&FN=1/0&periods=101&bogus=1"),
     "explored, no periods": lambda: of_scene("fig5", periods="0"),
     "explored, a part": lambda: list(explorer.read_link("k=4%2F5&velocity=3&t0=1", load_scene("fig9-orbit"))),
@@ -624,12 +649,14 @@ def plots_of_the_page() -> str:
 
     for drawn in pictures().values():
         follow(drawn)
-    return "\n".join(f"{count} {text}" for text, count in found.items() if count)
+    lines = "\n".join(f"{count} {text}" for text, count in found.items() if count)
+    return re.sub(r"(?:Field|Value)\(\w+=(.*?), transform=Unspecified, units=Unspecified\)", r"\1", lines)
 
 
 def shortened(make: Case) -> str:
     """Return the lines of a case, long numbers with seven digits, zeros without their noise."""
     lines = "\n".join(lines_of(make()))
+    lines = re.sub(r"(?m)^( *line .*) \S+( \S+) \S+$", r"\1\2", lines)  # without the second place and the last one
     return re.sub(
         r"-?\d+\.\d{5,}(e[+-]\d+)?|-?\d(\.\d+)?e-1\d", lambda found: f"{round(float(found[0]), 12):.7g}", lines
     )

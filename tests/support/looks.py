@@ -52,7 +52,10 @@ def look_of(artist: Any, axes: Axes | None) -> str:
     kind = next((kind for kind in NAMES if isinstance(artist, kind)), None)
     if kind is None or (kind is Text and not artist.get_text()):
         return ""
-    values = [shown(getattr(artist, f"get_{name}")()) for name in NAMES[kind]]
+    names = NAMES[kind]
+    if kind is Line2D and artist.get_marker() == "None":
+        names = tuple(name for name in names if not name.startswith("marker"))
+    values = [shown(getattr(artist, f"get_{name}")()) for name in names]
     if axes is None and kind is Line2D:
         values += [shown(getattr(artist, f"get_{name}")()) for name in ("marker", "markersize", "linestyle", "color")]
     if (offset := getattr(artist, "xyann", None)) is not None:
