@@ -7,6 +7,7 @@ import re
 from collections import Counter
 from collections.abc import Callable
 from copy import copy
+from dataclasses import dataclass
 from fractions import Fraction
 from functools import cache, partial
 from tempfile import TemporaryDirectory
@@ -28,8 +29,9 @@ import symosc
 from symosc import OtherModel, Scene, grazing_curve, grazing_window, load_scene, plot, simulate
 from symosc.certificates.atlas import Atlas, ProvenBox, Region
 from symosc.certificates.certificate import Certificate
+from symosc.crosschecks.causes import Diagnosis
 from symosc.crosschecks.report import CrossCheck
-from symosc.display.drawable import Listing
+from symosc.display.drawable import Comparable, Listing
 from symosc.orbits.border import Border, SpecialPoint
 from symosc.orbits.periodic_orbit import SwitchingPoint
 from symosc.plot.explorer import answers as explorer
@@ -201,7 +203,11 @@ def wrong() -> CrossCheck:
     x, v = simulate("fig5", t_end=7)(t)
     noise = 1e-4 * np.sin(3 * t)
     v = v + noise + 0.6 * (abs(t - 2.1) < 0.1) + 0.5 * (abs(t - 4.9) < 0.25) - 0.8 * (abs(t - 6.6) < 0.1)
-    return crosscheck("fig5", t, x + noise, v, tolerance=2e-3)
+    found = crosscheck("fig5", t, x + noise, v, tolerance=2e-3)
+    other = Diagnosis("smoothed friction", "", "friction is smoothed", "all sticks are flights")
+    why = Diagnosis("coefficient", "mu1", "mu1 is 0.7", "with it all steps are right", 0.7123, 0.01, 0.97, (other,))
+    found.__dict__["diagnosis"] = (why, other)  # finding it takes a second
+    return found
 
 
 @cache
@@ -485,6 +491,21 @@ def coordinates(path: str) -> str:
     return f"{path.count('M')} {path.count('L')} {places.sum():.1f}"
 
 
+def equalities() -> list[bool]:
+    """Return whether pairs of values, and of answers that have them, are equal."""
+
+    @dataclass(eq=False)
+    class Answer(Comparable):
+        value: Any
+        _hidden: int = 0
+
+    nan, array = float("nan"), np.array([1.0, np.nan])
+    pairs = [(1, 1), (1, 2), ((nan,), (nan,)), ((nan,), (1.0,)), (array, array.copy()), (array, array + 1)]
+    pairs += [(np.array(["a"]), np.array(["a"])), (np.array(["a"]), np.array(["b"])), (array, array[:1])]
+    found = [Answer(one, i) == Answer(other) for i, (one, other) in enumerate(pairs)]
+    return [*found, Answer(1) == 1, Answer(1) != Answer(2)]
+
+
 def scene_of_a_model() -> Scene:
     model = OtherModel(m=1, k=1, Omega=1, FN=1, Y="5/3", joined=True)
     return Scene("mine", model, t0=0, x0=1, v0=0, t_end=9, source="a note " * 12, start_error=(0, "1e-9", "2e-9"))
@@ -497,6 +518,7 @@ PAGES: dict[str, Case] = {
     "page of a long motion": lambda: page(simulate("fig9", t_end="40T"))[-700:],
     "page of a scene of another model": lambda: page(scene_of_a_model()),
     "page of events": lambda: page(simulate("fig9", t_end="12T").events),
+    "equal answers": equalities,
     "listings": lambda: [repr(Listing(range(count))) for count in (0, 1, 10, 11, 1234)],
     "page of many words": lambda: page(symosc.Summary(word=np.array([f"P{n * n % 15}" * 30 for n in range(30)]))),
     "page of a response": lambda: page(response()),
