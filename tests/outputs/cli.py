@@ -86,15 +86,16 @@ def noted_bars(notes: list[str]) -> Iterator[None]:
     """Note what the commands tell their bars."""
 
     @contextlib.contextmanager
-    def noted(*about: Any) -> Iterator[Callable[..., None]]:
+    def noted(*about: Any, **more: Any) -> Iterator[Callable[..., None]]:
         calls: list[tuple[Any, ...]] = []
         yield lambda *call: calls.append(call)
-        notes.append(f"bar {about}: {calls[:2]} ... {calls[-1:]}, {len(calls)} calls")
+        engine = about[0].startswith(("simulate", "sweep"))  # how often it reports is its own affair
+        notes.append(f"bar {about} {more}: {'' if engine else calls[:1] + calls[-1:]}")
 
+    replaced = {"_bar_drawer": noted, "shows_bars": lambda: True, "working": contextlib.nullcontext}
     with contextlib.ExitStack() as stack:
-        for module in ("bench", "certify", "check", "derive", "reproduce"):
-            stack.enter_context(patch(f"symosc.cli.{module}.bar", noted))
-        stack.enter_context(patch("symosc.cli.grazing.late_bar", noted))
+        for name, function in replaced.items():
+            stack.enter_context(patch.object(progress, name, function))
         yield
 
 
