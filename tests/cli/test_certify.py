@@ -7,18 +7,6 @@ from pathlib import Path
 from cli_runs import good, run
 
 
-def test_a_proven_motion(tmp_path: Path) -> None:
-    path = tmp_path / "fig6.json"
-    lines = good("certify", "fig6", "-o", str(path)).splitlines()
-    assert lines[0].split() == ["t", "x", "kind", "from", "->", "to"]
-    assert lines[2].split() == ["1.5826058214105219", "7.9130291070526097", "slip", "belt2", "->", "Omega2"]
-    assert lines[-1] == "proven: 3 events until t = 20"
-    head, *statement = good("verify", str(path)).splitlines()
-    assert head == lines[-1]
-    assert statement[1].startswith("  1: slip at belt 2, belt2 to Omega2; 1.58260582")
-    assert run("verify", str(path), "--steps", "9").stderr == "symosc: not proven: more than 9 steps (--steps)\n"
-
-
 def test_a_branch_is_verified(tmp_path: Path) -> None:
     path = tmp_path / "branch.json"
     good("certify", "fig9", "--branch", "Omega=3.99:4.01", "-o", str(path))

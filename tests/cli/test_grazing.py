@@ -11,7 +11,6 @@ import numpy as np
 import pytest
 from sympy.parsing.sympy_parser import parse_expr
 
-from symosc import values_containing
 from symosc.grazing.window import grazing_window
 from symosc.plot.windows import sweep_figure
 from symosc.scenes import load_scene, scene_names
@@ -40,21 +39,6 @@ def test_json_says_what_python_says(name: str) -> None:
 
 
 # -- --solve: for which parameters
-
-
-def test_latex_and_json() -> None:
-    for names in ("Omega", "Omega,k"):
-        arguments = ["fig9", "--map", "P2", "--solve", names, "--phase", "7*pi/6"]
-        asked: Any = tuple(names.split(",")) if "," in names else names
-        answer = values_containing(FIG9, "P2", asked, "7*pi/6")
-        assert good(*arguments, "--latex") == answer.latex() + "\n"
-        (data,) = json.loads(good(*arguments, "--json"))["answers"]
-        assert data["latex"] == answer.latex()
-        assert data["names"] == names.split(",")
-        assert data.get("values", "(0, 2/3)") == "(0, 2/3)"
-        assert data.get("condition", "k > 9*Omega/2") == "k > 9*Omega/2"
-    (data,) = json.loads(good("--map", "P3", "--solve", "Omega", "--phase", "pi", "--json"))["answers"]
-    assert {each["values"] for each in data["answers"]} == {"(0, oo)", "the empty set"}
 
 
 # -- what the figures show -------------------------------------------------------------------------------------------

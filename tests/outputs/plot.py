@@ -497,13 +497,14 @@ def equalities() -> list[bool]:
     @dataclass(eq=False)
     class Answer(Comparable):
         value: Any
+        other: int = 0
         _hidden: int = 0
 
     nan, array = float("nan"), np.array([1.0, np.nan])
     pairs = [(1, 1), (1, 2), ((nan,), (nan,)), ((nan,), (1.0,)), (array, array.copy()), (array, array + 1)]
     pairs += [(np.array(["a"]), np.array(["a"])), (np.array(["a"]), np.array(["b"])), (array, array[:1])]
-    found = [Answer(one, i) == Answer(other) for i, (one, other) in enumerate(pairs)]
-    return [*found, Answer(1) == 1, Answer(1) != Answer(2)]
+    found = [Answer(one, 0, i) == Answer(other) for i, (one, other) in enumerate(pairs)]
+    return [*found, Answer(1) == 1, Answer(1) != Answer(2), Answer(1, 2) == Answer(1, 3)]
 
 
 def scene_of_a_model() -> Scene:

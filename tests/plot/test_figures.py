@@ -17,9 +17,7 @@ from bad_values import refused
 from effort import at_most
 from matplotlib import rcParams
 from matplotlib.axes import Axes
-from matplotlib.colors import to_hex
 from matplotlib.figure import Figure
-from matplotlib.lines import Line2D
 from problems import ordinary
 
 import symosc
@@ -109,47 +107,6 @@ def test_a_page_loads_nothing_that_draws_and_the_first_plot_does() -> None:
 
 
 MAGIC = {".pdf": b"%PDF-", ".svg": b"<?xml", ".png": b"\x89PNG"}
-
-
-def lines(ax: Axes, label: str) -> list[Line2D]:
-    return [line for line in ax.lines if line.get_label() == label]
-
-
-def dots(ax: Axes, label: str) -> np.ndarray:
-    return np.concatenate([np.column_stack(line.get_data()) for line in lines(ax, label)])
-
-
-@pytest.fixture(scope="module")
-def fig5() -> Figure:
-    return plot.figure("fig5", t_end=9)
-
-
-def test_dots_are_at_the_events(fig5: Figure) -> None:
-    trajectory = simulate("fig5", t_end=9)
-    for kind, label in [("stick", "onset of stick"), ("slip", "end of stick")]:
-        events = [event for event in trajectory.events if event.kind == kind]
-        assert len(events) == 3
-        displacement, velocity, phase, forces = fig5.axes
-        np.testing.assert_allclose(dots(displacement, label), [(e.t, e.x) for e in events], rtol=0, atol=1e-12)
-        np.testing.assert_allclose(dots(velocity, label), [(e.t, e.v) for e in events], rtol=0, atol=1e-12)
-        np.testing.assert_allclose(dots(phase, label), [(e.x, e.v) for e in events], rtol=0, atol=1e-12)
-        expected = [(e.t, trajectory.force(domain, e.t)) for domain in (1, 2) for e in events]
-        np.testing.assert_allclose(dots(forces, label), expected, rtol=0, atol=1e-12)
-
-
-def test_belts_move_with_the_mass_through_each_stick(fig5: Figure) -> None:
-    trajectory = simulate("fig5", t_end=9)
-    sticks = [segment for segment in trajectory.segments if segment.mode == "belt1"]
-    belts = lines(fig5.axes[0], "belt")
-    assert len(belts) == len(sticks) == 3
-    for stick, belt in zip(sticks, belts, strict=True):
-        t, x = belt.get_data()
-        assert t[0] < stick.t_start < stick.t_end < t[1]
-        assert to_hex(belt.get_color()) == "#000000"
-        np.testing.assert_allclose(
-            np.interp([stick.t_start, stick.t_end], t, x), trajectory([stick.t_start, stick.t_end])[0]
-        )
-    assert [line.get_ydata()[0] for line in lines(fig5.axes[1], "belt")] == [1, 5]  # type: ignore[index]
 
 
 @pytest.mark.slow

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Iterator
 from typing import Any
 
@@ -22,7 +23,7 @@ NAMES = {
     Line2D: ("markerfacecolor", "markeredgecolor", "markeredgewidth", "clip_on", "drawstyle", "alpha"),
     Text: ("color", "fontsize", "ha", "va", "rotation"),
     Collection: ("edgecolor", "linewidth", "hatch", "linestyle", "rasterized"),
-    Patch: ("edgecolor", "linewidth", "hatch", "linestyle"),
+    Patch: ("facecolor", "edgecolor", "linewidth", "hatch", "linestyle"),
 }
 
 
@@ -56,6 +57,8 @@ def look_of(artist: Any, axes: Axes | None) -> str:
     if kind is Line2D and artist.get_marker() == "None":
         names = tuple(name for name in names if not name.startswith("marker"))
     values = [shown(getattr(artist, f"get_{name}")()) for name in names]
+    if kind is Collection and artist.get_array() is not None:
+        values += [str(artist.get_clim()), sampled(artist.get_cmap()(np.linspace(0, 1, 16)))]
     if axes is None and kind is Line2D:
         values += [shown(getattr(artist, f"get_{name}")()) for name in ("marker", "markersize", "linestyle", "color")]
     if (offset := getattr(artist, "xyann", None)) is not None:
@@ -67,6 +70,8 @@ def shown(value: Any) -> str:
     """Return a property as text; of many colours or lengths their sums."""
     if isinstance(value, str) and value[:1].isdigit():
         return to_hex(value)
+    if isinstance(value, tuple) and len(value) == 4:
+        return to_hex(value)
     if isinstance(value, np.ndarray):
         return sampled(value)
-    return "-" if value is None else str(value)
+    return "-" if value is None else re.sub(r"np\.float64\((.*?)\)", r"\1", str(value))
