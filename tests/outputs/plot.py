@@ -277,7 +277,7 @@ JUDGED: dict[str, Case] = {
     "other steps": lambda: steps_of(wrong(), "a", 1, 148),
     "a step of a right solution": lambda: plot.step_figure(inexact(), panels="b"),
     "the step with an event": lambda: plot.step_figure(inexact(), 20),
-    "page of a wrong solution": lambda: page_of(wrong()),
+    "page of a wrong solution": lambda: page_of(wrong())[:6000],
     "page of a right solution": lambda: page_of(inexact())[:1500],
     "a fit": lambda: full(fitted(True).plot()),
     "a fit without errors": lambda: fitted(False).plot("b"),
@@ -385,7 +385,7 @@ SWEEPS: dict[str, Case] = {
         symosc.Summary(word=np.array([f"P{n * n % 61}" for n in range(80)] + [""] * 3)).plot()
     ),
     "an atlas": lambda: full(plane(True).plot()),
-    "an atlas without proofs": lambda: own(plane(False).plot),
+    "an atlas without proofs": lambda: drawn_in(own_figure(plane(False).plot)),
 }
 
 # -- grazing ----------------------------------------------------------------------------------------------------------
@@ -678,7 +678,7 @@ def plots_of_the_page() -> str:
 
 def shortened(make: Case) -> str:
     """Return the lines of a case, long numbers with seven digits, zeros without their noise."""
-    lines = "\n".join(lines_of(make()))
+    lines = re.sub(r"np\.float64\((.*?)\)", r"\1", "\n".join(lines_of(make())))
     lines = re.sub(r"(?m)^( *line .*) \S+( \S+) \S+$", r"\1\2", lines)  # without the second place and the last one
     return re.sub(
         r"-?\d+\.\d{5,}(e[+-]\d+)?|-?\d(\.\d+)?e-1\d", lambda found: f"{round(float(found[0]), 12):.7g}", lines

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import re
 from collections.abc import Iterator
 from typing import Any
 
@@ -74,4 +73,4 @@ def shown(value: Any) -> str:
         return to_hex(value)
     if isinstance(value, np.ndarray):
         return sampled(value)
-    return "-" if value is None else re.sub(r"np\.float64\((.*?)\)", r"\1", str(value))
+    return "-" if value is None else str(value)
