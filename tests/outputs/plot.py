@@ -92,7 +92,7 @@ MOTIONS: dict[str, Case] = {
     "an orbit": lambda: axes_in(answer("orbit").plot()),
     "an orbit, forces": lambda: answer("orbit").plot("f", columns=1),
     "an orbit into axes": lambda: axes_in(own_figure(answer("orbit").plot)),
-    "an orbit of the other belt": lambda: plot.orbit_figure(other_belt(), "bd", columns=1),
+    "an orbit between both belts": lambda: plot.orbit_figure(both_belts(), "bd", columns=1),
 }
 
 
@@ -105,8 +105,9 @@ def axes_in(drawing: Figure) -> str:
 
 
 @cache
-def other_belt() -> symosc.PeriodicOrbit:
-    return symosc.find_orbit(load_scene("fig10").parameters, "P4645")
+def both_belts() -> symosc.PeriodicOrbit:
+    p = symosc.Parameters(m=1, c="1/2", k=1, A0="0.1", B0="1.2", Omega=1, v1="-1.9", v2="1.9", mu1=1, mu2=1, FN=1)
+    return symosc.find_orbit(p, "P4817")
 
 
 # -- branches and borders ---------------------------------------------------------------------------------------------
@@ -528,7 +529,7 @@ PAGES: dict[str, Case] = {
     "page of a border with a fold": lambda: page(borders()[0]),
     "page of a border with no word": lambda: page(borders()[1]),
     "page of an unstable branch": lambda: page(unstable()),
-    "page of an orbit of the other belt": lambda: page(other_belt()),
+    "page of an orbit between both belts": lambda: page(both_belts()),
     "page of an enclosed orbit": lambda: page(ENCLOSED),
     "page of a long certificate": lambda: page(LONG),
 }
