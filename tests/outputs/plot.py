@@ -106,8 +106,7 @@ def axes_in(drawing: Figure) -> str:
 
 @cache
 def both_belts() -> symosc.PeriodicOrbit:
-    p = symosc.Parameters(m=1, c="1/2", k=1, A0="0.1", B0="1.2", Omega=1, v1="-1.9", v2="1.9", mu1=1, mu2=1, FN=1)
-    return symosc.find_orbit(p, "P4817")
+    return symosc.find_orbit(P.replace(Omega=5, FN=5), "P6827")
 
 
 # -- branches and borders ---------------------------------------------------------------------------------------------
@@ -554,6 +553,12 @@ def of_scene(name: str, **changes: str) -> Any:
     return explored(explorer.state_of(load_scene(name)), **changes)
 
 
+def settled(link: str) -> Any:
+    """Return the text, and what the curve reaches: it ends at an event, so that its last points are rounding."""
+    found = explorer.settled(link, FIG5)
+    return [found["text"], *([name, min(each), max(each), each[0]] for name, each in found["curve"].items())]
+
+
 def belts_of(**changes: str) -> Any:
     found = of_scene("fig5", **changes)
     return {name: found[name] for name in ("belts", "ranges", "windows", "name")}
@@ -586,7 +591,7 @@ EXPLORED: dict[str, Case] = {
         )
     ],
     "fields": lambda: {name: [tuple(field) for field in group] for name, group in explorer.GROUPS.items()},
-    "settled": lambda: arrays(explorer.settled("scene=fig9", FIG5)),
+    "settled": lambda: settled("scene=fig9"),
     "settled, no orbit": lambda: explorer.settled("scene=fig7&FN=0&B0=0", FIG5),
     "plots of the page": lambda: plots_of_the_page(),
     "requests of the page": lambda: requests(),
