@@ -11,6 +11,7 @@ import tempfile
 from collections.abc import Callable, Iterator
 from dataclasses import replace
 from functools import cache, partial
+from importlib.util import find_spec
 from itertools import count
 from pathlib import Path
 from types import SimpleNamespace
@@ -308,6 +309,8 @@ def checked(line: str) -> str:
 
 def benched(line: str, ok: bool = True, **files: str) -> str:
     """Return what `symosc bench` says where nothing is measured; what it asks for is noted."""
+    if find_spec("numba") is None or find_spec("flint") is None:
+        pytest.skip("numba or flint is not installed")
     from symosc.bench import cases, error_map, results, speed, work
 
     asked: list[str] = []

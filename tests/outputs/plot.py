@@ -299,9 +299,13 @@ def bands(cells: Any) -> Any:
     return np.clip(cells["Omega"] - 1, 0, 3.5).astype(int)
 
 
-def swept(over: Any, name: str | None = None, starts: Any = None, **columns: Any) -> Figure:
+def made(over: Any, starts: Any = None, **columns: Any) -> Any:
     pytest.importorskip("xarray")
-    return plot.swept_figure(made_up(over, starts=starts, **columns), name)
+    return made_up(over, starts=starts, **columns)
+
+
+def swept(over: Any, name: str | None = None, starts: Any = None, **columns: Any) -> Figure:
+    return plot.swept_figure(made(over, starts, **columns), name)
 
 
 def undecided(cells: Any) -> Any:
@@ -355,7 +359,7 @@ def plane(proven: bool) -> Atlas:
 
 SWEEPS: dict[str, Case] = {
     "a bifurcation diagram": lambda: full(swept(ONE, section=sections, word=lambda c: WORDS[bands(c)])),
-    "its velocities": lambda: plot.bifurcation_figure(made_up(ONE, section=sections), "v"),
+    "its velocities": lambda: plot.bifurcation_figure(made(ONE, section=sections), "v"),
     "a section of starts": lambda: swept(ONE, starts=[(0, 0, 0), (0, 1, 0)], section=sections),
     "a curve": lambda: full(swept(ONE, stuck=lambda c: c["Omega"] ** 2 / 40)),
     "a curve of counts": lambda: full(swept({"mu1": "0:1:9"}, sticks=lambda c: (9 * c["mu1"]).astype(int))),
@@ -368,9 +372,7 @@ SWEEPS: dict[str, Case] = {
     "a map of numbers": lambda: full(swept(TWO, "x", x=lambda c: c["Omega"] * c["FN"], status=undecided)),
     "a map of one number": lambda: swept({"k": "1:2:2", "Omega": "1:2:2"}, x=lambda c: np.ones(4)),
     "a basin": lambda: full(swept({"v0": "-3:30:9", "x0": "-1:1:5"}, word=lambda c: WORDS[(c["v0"] > 0).astype(int)])),
-    "a map over v0": lambda: own(
-        partial(plot.map_figure, made_up({"k": "1:3:3", "v0": "-3:3:4"}, x=lambda c: c["v0"]))
-    ),
+    "a map over v0": lambda: own(partial(plot.map_figure, made({"k": "1:3:3", "v0": "-3:3:4"}, x=lambda c: c["v0"]))),
     "a response": lambda: full(response().plot()),
     "a response in three panels": lambda: response(status="none").plot("cae"),
     "a response without orbits": lambda: own(response(2).plot),
@@ -580,7 +582,8 @@ EXPLORED: dict[str, Case] = {
         if name in ("notes", "count", "message", "status", "ranges")
     },
     **{f"explored at random {i}": lambda i=i: explored(random_state(random.Random(i)), periods="2") for i in (4,)},  # type: ignore[misc]
-    "explored, wrong texts": lambda: explored("k=3s&v1=9&v2=8&m=0&FN=1/0&periods=101&bogus=1"),
+    "explored, wrong texts": lambda: explored("k=abc&v1=9&v2=8&m=0&FN=1/0&periods=101&bogus=1"),
+    "explored, another unit": lambda: pytest.importorskip("pint") and explored("k=3s"),
     "explored, no periods": lambda: of_scene("fig5", periods="0"),
     "explored, a part": lambda: list(explorer.read_link("k=4%2F5&velocity=3&t0=1", load_scene("fig9-orbit"))),
     "scenes of texts": lambda: [
