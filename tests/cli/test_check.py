@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 from pathlib import Path
 from typing import Any
 
@@ -67,20 +66,3 @@ def test_standard_input(samples: Any, tmp_path: Path) -> None:
         assert result.exit_code == 0, result.output
     result = CliRunner().invoke(main, ["check", "fig9", "-"], input="")
     assert (result.exit_code, "is empty" in result.stderr) == (2, True)
-
-
-@pytest.mark.slow
-def test_a_solver_is_run(tmp_path: Path) -> None:
-    (tmp_path / "mine.py").write_text(
-        "from symosc import simulate\n"
-        "def solve(p, t0, x0, v0, t_end):\n"
-        "    print('working')\n"
-        "    return simulate(p, t0=t0, x0=x0, v0=v0, t_end=t_end)\n"
-        "def wrong(p, *start):\n"
-        "    return solve(p.replace(mu1=p.mu1 * 2), *start)\n"
-    )
-    words = ("fig9", "--t-end", "4", "--json", "--solver")
-    result = run(*words, f"{tmp_path}/mine.py:solve")
-    assert result.exit_code == 0
-    assert json.loads(result.stdout)["compared_until"] == 4
-    assert run(*words, f"{tmp_path}/mine.py:wrong").exit_code == 1

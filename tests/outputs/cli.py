@@ -531,6 +531,8 @@ OTHERS: dict[str, Case] = {
     ),
     "bench scores": lambda: benched("bench --scores page.md"),
     "bench scores of another kind": lambda: benched("bench --scores page.txt"),
+    "bench two pages": lambda: benched("bench --scores page.md --gradients other.md"),
+    "bench gradients": lambda: benched("bench --gradients page.md --quick"),
     "bench scores, quick": lambda: benched("bench --scores page.md --quick"),
     "warm": lambda: warmed("warm"),
     "warm json": lambda: warmed("warm --json"),
