@@ -169,6 +169,7 @@ MOTIONS = {
     "simulate json of digits": "simulate fig8 --digits 20 --t-end 3.2 --json",
     "simulate csv": "simulate fig6 --csv events.csv",
     "simulate csv only": "simulate fig6 --csv -",
+    "simulate csv and json": "simulate fig6 --csv - --json",
     "simulate undecidable": f"simulate fig5 --t-end 100 {LIMIT}",
     "simulate a start known roughly": "simulate fig8 --start-error 1e-3,1e-3,1e-3 --t-end 8",
     "simulate verbose": "simulate fig7 --t-end 3 -v",
