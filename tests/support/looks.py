@@ -39,7 +39,8 @@ def looks(figure: Figure) -> Iterator[str]:
         grid = grid and (*grid, spec.get_gridspec().get_width_ratios())  # type: ignore[union-attr]
         ticks = [axis.get_tick_params() for axis in (axes.xaxis, axes.yaxis)]
         shown_below, font = ticks[0].get("labelbottom"), [each.get("labelfontfamily") for each in ticks]
-        yield f"stands {grid} {axes.get_aspect()} {axes.get_box_aspect()} {axes.margins()} {axes.get_in_layout()} {shown_below} {font}"
+        box = (axes.get_aspect(), axes.get_box_aspect(), axes.margins(), axes.get_in_layout())
+        yield f"stands {grid} {box} {shown_below} {font}"
         yield from dict.fromkeys(look for artist in axes.get_children() if (look := look_of(artist, axes)))
     for legend in [*figure.legends, *(axes.get_legend() for axes in figure.axes)]:
         if legend:
