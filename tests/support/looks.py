@@ -37,8 +37,7 @@ def looks(figure: Figure) -> Iterator[str]:
         spec = axes.get_subplotspec()
         grid = spec and (spec.rowspan.start, spec.colspan.start, spec.get_gridspec().get_height_ratios())
         grid = grid and (*grid, spec.get_gridspec().get_width_ratios())  # type: ignore[union-attr]
-        ticks = [axis.get_tick_params() for axis in (axes.xaxis, axes.yaxis)]
-        shown_below, font = ticks[0].get("labelbottom"), [each.get("labelfontfamily") for each in ticks]
+        shown_below, font = (axes.xaxis.get_tick_params().get(name) for name in ("labelbottom", "labelfontfamily"))
         box = (axes.get_aspect(), axes.get_box_aspect(), axes.margins(), axes.get_in_layout())
         yield f"stands {grid} {box} {shown_below} {font}"
         yield from dict.fromkeys(look for artist in axes.get_children() if (look := look_of(artist, axes)))
