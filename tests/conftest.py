@@ -27,14 +27,14 @@ NEED = {
     "h5netcdf": "sweeps/test_output.py sweeps/test_plan.py sweeps/test_sweep.py",
 }
 NEED_CASES = {
-    "flint": "plot/test_judged.py::test_each_case_is_where_it_belongs simulation/test_results_compare.py::"
+    "flint": "simulation/test_results_compare.py::"
     "test_what_a_public_function_returns_is_public_documented_and_comparable[certify] "
     "test_outputs.py::test_an_output_is_what_was_stored[certificates-",
     "pyarrow": "crosschecks/test_files.py::*.parquet] crosschecks/test_files.py::*.pq] "
     "crosschecks/test_files.py::*.feather] crosschecks/test_files.py::*.arrow] "
     "crosschecks/test_files.py::test_wrong_columns_and_no_numbers_are_named",
-    "h5netcdf": "crosschecks/test_files.py::*[xarray.nc] cli/test_commands.py::test_it_tells* "
-    "cli/test_commands.py::test_status test_outputs.py::test_an_output_is_what_was_stored[sweeps- "
+    "h5netcdf": "crosschecks/test_files.py::*[xarray.nc] "
+    "test_outputs.py::test_an_output_is_what_was_stored[sweeps- "
     "test_outputs.py::test_an_output_is_what_was_stored[simulation-frames]",
 }
 MISSING = [name for name in NEED if find_spec(name) is None]

@@ -23,7 +23,7 @@ FLOAT_FORMAT = "{:.14g}"  # one digit less than every double has; CSV and JSON h
 NUMBER_HEADS = ("t", "x", "v", "theta")
 #: Colours of the cells that say what an event is, or how a judgement ended.
 CELL_COLOURS = {"stick": "blue", "slip": "green", "cross": "red", "graze": "magenta", "undecidable": "yellow"}
-CELL_COLOURS |= {"confirmed": "green", "refuted": "red", "not as printed": "red", "corrected": "yellow"}
+CELL_COLOURS |= {"confirmed": "green", "confirmed with a correction": "yellow", "not as printed": "red"}
 #: The key in a click context of the options that print to standard output, by name.
 _PRINTING = f"{__name__}.printing"
 

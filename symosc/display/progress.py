@@ -109,10 +109,11 @@ def _bar_drawer(
                 # Without a thread of its own: processes that are forked meanwhile inherit no lock of it.
                 shown = stack.enter_context(Progress(*columns, console=Console(file=sys.stderr), auto_refresh=False))
                 shown.add_task(label, total=total, pace="")
-            drawn, seconds, gained = now, max(now - since, 1e-9), done - there
-            rate = f"{count / seconds:,.0f}" if count >= 10 * seconds else f"{count / seconds:.2g}"
-            left = timedelta(seconds=round(seconds * (total - done) / gained)) if gained > 0 else "?"
-            pace = f"{rate} {unit}/s, {left} left" if unit else f"{left} left"
+            drawn, seconds, gained, pace = now, now - since, done - there, ""
+            if seconds > 0:  # not where work has just begun anew
+                rate = f"{count / seconds:,.0f}" if count >= 10 * seconds else f"{count / seconds:.2g}"
+                left = timedelta(seconds=round(seconds * (total - done) / gained)) if gained > 0 else "?"
+                pace = f"{rate} {unit}/s, {left} left" if unit else f"{left} left"
             shown.update(0, completed=done, total=total, pace=pace, refresh=True)
 
         yield show

@@ -157,7 +157,7 @@ def _sample_times(trajectory: Trajectory, sampling: Sampling, since: float) -> n
     times = []
     for low, high in pairwise(edges):
         even = np.linspace(0, 1, int(min(max((high - low) / step, sampling.least), sampling.most)))
-        times.append(low + (high - low) * np.union1d(even, start))
+        times.append(low + (high - low) * np.union1d(even, start)[:-1])  # without the edge itself: it would be rounded
     return np.clip(np.unique(np.concatenate([*times, edges])), edges[0], edges[-1])
 
 

@@ -11,7 +11,6 @@ import numpy as np
 import pytest
 from sympy.parsing.sympy_parser import parse_expr
 
-from symosc import values_containing
 from symosc.grazing.window import grazing_window
 from symosc.plot.windows import sweep_figure
 from symosc.scenes import load_scene, scene_names
@@ -21,36 +20,6 @@ MAPS = ("P2", "P3", "P5", "P6")
 
 
 good = partial(cli_runs.good, "grazing")
-
-
-def test_the_table() -> None:
-    lines = good("fig9").splitlines()
-    assert lines[0].split() == ["map", "case", "gamma", "B0", "Omega/m", "Theta_cr", "window"]
-    rows = [[cell.strip() for cell in line.split("  ") if cell.strip()] for line in lines[2:]]
-    assert rows == [
-        ["P2", "(55.1)", "30", "360", "-asin(1/12)", "[0, asin(1/12) + pi) U (-asin(1/12) + 2*pi, 2*pi)"],
-        ["P3", "(56.1)", "30", "360", "-asin(1/12)", "(asin(1/12) + pi, -asin(1/12) + 2*pi)"],
-        ["P5", "(57.3)", "750", "360", "none", "[0, 2*pi)"],
-        ["P6", "(58.2)", "750", "360", "none", "empty"],
-    ]
-
-
-def test_order_map_and_set() -> None:
-    printed = good("fig8", "--map", "P3", "--order", "paper")
-    assert "(56.5)" in printed
-    assert "[0, pi/2) U (pi/2, 2*pi)" in printed
-    assert good("fig8", "--map", "P3").splitlines()[-1].endswith("[0, 2*pi)")
-    changed = good("fig9", "--set", "k=1/3", "--set", "v1=-0.6", "--map", "P2", "--map", "P6").splitlines()
-    assert [line[:2] for line in changed[2:]] == ["P2", "P6"]
-    assert "-2 " in changed[2]  # k v1/m = -0.2/0.1
-
-
-def test_without_a_spring_the_phase_is_named() -> None:
-    changes = [f"--set={text}" for text in ("k=0", "A0=0", "mu1=0", "mu2=0", "v1=3", "B0=6")]
-    assert "P2: k = 0, so x_m is free and F = 0 fixes the phase: pi/3" in good("fig9", *changes, "--set=c=1")
-    assert "P2: k = 0, so x_m is free and F = 0 fixes the phase: at no phase of it" in good(
-        "fig9", *changes, "--set=c=90"
-    )
 
 
 @pytest.mark.parametrize("name", scene_names())
@@ -70,43 +39,6 @@ def test_json_says_what_python_says(name: str) -> None:
 
 
 # -- --solve: for which parameters
-
-
-def test_one_parameter_and_a_phase() -> None:
-    shown = good("fig9", "--map", "P2", "--solve", "Omega", "--phase", "7*pi/6")
-    assert shown == "P2 grazes at theta = 7*pi/6 for Omega in (0, 2/3)\n"
-    every = good("fig9", "--map", "P2", "--solve", "k", "--phase", "pi:3*pi/2")
-    assert every == "P2 grazes at every theta in [pi, 3*pi/2] for k in [36, oo)\n"
-    assert good("fig9", "--map", "P2", "--solve", "k", "--phase", "pi:3*pi/2", "--order", "paper") == every.replace(
-        "[36", "(36"
-    )
-    changed = good("fig9", "--set", "B0=18", "--map", "P2", "--solve", "Omega", "--phase", "7*pi/6")
-    assert "(0, 1/3)" in changed
-
-
-def test_two_parameters_and_letters() -> None:
-    region = good("fig9", "--map", "P2", "--solve", "Omega,k", "--phase", "7*pi/6")
-    assert region == "P2 grazes at theta = 7*pi/6 where k > 9*Omega/2\n"
-    picture = good("fig9", "--map", "P2", "--solve", "Omega,k", "--phase", "7*pi/6", "--plot", "-")
-    assert picture.startswith("<?xml")
-    letters = good("--map", "P3", "--solve", "Omega", "--phase", "pi").splitlines()
-    assert letters[0] == "P3 grazes at theta = pi:"
-    assert set(letters[1:]) == {"  if k*v_lambda < 0: Omega in (0, oo)", "  if k*v_lambda >= 0: Omega in the empty set"}
-
-
-def test_latex_and_json() -> None:
-    for names in ("Omega", "Omega,k"):
-        arguments = ["fig9", "--map", "P2", "--solve", names, "--phase", "7*pi/6"]
-        asked: Any = tuple(names.split(",")) if "," in names else names
-        answer = values_containing(FIG9, "P2", asked, "7*pi/6")
-        assert good(*arguments, "--latex") == answer.latex() + "\n"
-        (data,) = json.loads(good(*arguments, "--json"))["answers"]
-        assert data["latex"] == answer.latex()
-        assert data["names"] == names.split(",")
-        assert data.get("values", "(0, 2/3)") == "(0, 2/3)"
-        assert data.get("condition", "k > 9*Omega/2") == "k > 9*Omega/2"
-    (data,) = json.loads(good("--map", "P3", "--solve", "Omega", "--phase", "pi", "--json"))["answers"]
-    assert {each["values"] for each in data["answers"]} == {"(0, oo)", "the empty set"}
 
 
 # -- what the figures show -------------------------------------------------------------------------------------------

@@ -127,27 +127,6 @@ def test_a_link_and_a_file_have_the_whole_state() -> None:
         assert scene_of(state_of(load_scene(name))) == (load_scene(name), {})
 
 
-def test_everything_that_is_wrong_is_said_at_once() -> None:
-    wrong = {"m": "0", "c": "", "k": "3s", "FN": "1/0", "mu1": "-1", "Omega": "x", "v1": "9", "v2": "8", "periods": ""}
-    scene, errors = scene_of(state_of(FIG5) | wrong)
-    assert scene is None
-    assert set(errors) == set(wrong) - {"v2"}
-    assert errors["m"] == "must be > 0"
-    assert errors["v1"] == "must be less than v2 = 8"
-    assert "give it in N/m" in errors["k"]
-    assert "not a number" in errors["c"]
-
-
-def test_a_link_may_have_some_numbers_only() -> None:
-    state, notes = read_link("k=4%2F5&velocity=3&t0=1&FN=2*pi", load_scene("fig9-orbit"))
-    scene, _ = scene_of(state)
-    assert scene is not None
-    assert (scene.parameters.k, scene.t0, scene.x0) == (Fraction(4, 5), 1, load_scene("fig9-orbit").x0)
-    assert scene.start_error is None  # it was that of another start
-    assert len(notes) == 1
-    assert "'velocity'" in notes[0]
-
-
 # -- the server -------------------------------------------------------------------------------------------------------
 
 

@@ -17,9 +17,7 @@ from bad_values import refused
 from effort import at_most
 from matplotlib import rcParams
 from matplotlib.axes import Axes
-from matplotlib.colors import to_hex
 from matplotlib.figure import Figure
-from matplotlib.lines import Line2D
 from problems import ordinary
 
 import symosc
@@ -109,78 +107,6 @@ def test_a_page_loads_nothing_that_draws_and_the_first_plot_does() -> None:
 
 
 MAGIC = {".pdf": b"%PDF-", ".svg": b"<?xml", ".png": b"\x89PNG"}
-
-
-def lines(ax: Axes, label: str) -> list[Line2D]:
-    return [line for line in ax.lines if line.get_label() == label]
-
-
-def dots(ax: Axes, label: str) -> np.ndarray:
-    return np.concatenate([np.column_stack(line.get_data()) for line in lines(ax, label)])
-
-
-@pytest.fixture(scope="module")
-def fig5() -> Figure:
-    return plot.figure("fig5", t_end=9)
-
-
-def test_letters_and_legend_of_fig5(fig5: Figure) -> None:
-    assert [ax.get_title(loc="left") for ax in fig5.axes] == ["(a)", "(b)", "(c)", "(d)"]
-    assert [ax.get_ylabel() for ax in fig5.axes[:2]] == ["displacement $x$", r"velocity $\dot{x}$"]
-    (legend,) = fig5.legends
-    names = [text.get_text() for text in legend.get_texts()]
-    assert names == ["mass", "belt", "onset of stick", "end of stick", "start", "$F^{(1)}$", "$F^{(2)}$"]
-
-
-def test_dots_are_at_the_events(fig5: Figure) -> None:
-    trajectory = simulate("fig5", t_end=9)
-    for kind, label in [("stick", "onset of stick"), ("slip", "end of stick")]:
-        events = [event for event in trajectory.events if event.kind == kind]
-        assert len(events) == 3
-        displacement, velocity, phase, forces = fig5.axes
-        np.testing.assert_allclose(dots(displacement, label), [(e.t, e.x) for e in events], rtol=0, atol=1e-12)
-        np.testing.assert_allclose(dots(velocity, label), [(e.t, e.v) for e in events], rtol=0, atol=1e-12)
-        np.testing.assert_allclose(dots(phase, label), [(e.x, e.v) for e in events], rtol=0, atol=1e-12)
-        expected = [(e.t, trajectory.force(domain, e.t)) for domain in (1, 2) for e in events]
-        np.testing.assert_allclose(dots(forces, label), expected, rtol=0, atol=1e-12)
-
-
-def test_belts_move_with_the_mass_through_each_stick(fig5: Figure) -> None:
-    trajectory = simulate("fig5", t_end=9)
-    sticks = [segment for segment in trajectory.segments if segment.mode == "belt1"]
-    belts = lines(fig5.axes[0], "belt")
-    assert len(belts) == len(sticks) == 3
-    for stick, belt in zip(sticks, belts, strict=True):
-        t, x = belt.get_data()
-        assert t[0] < stick.t_start < stick.t_end < t[1]
-        assert to_hex(belt.get_color()) == "#000000"
-        np.testing.assert_allclose(
-            np.interp([stick.t_start, stick.t_end], t, x), trajectory([stick.t_start, stick.t_end])[0]
-        )
-    assert [line.get_ydata()[0] for line in lines(fig5.axes[1], "belt")] == [1, 5]  # type: ignore[index]
-
-
-def test_a_graze_is_a_red_dot_with_its_belt() -> None:
-    drawing = plot.figure("fig8-exact", panels="ab")
-    displacement, velocity = drawing.axes
-    assert dots(velocity, "grazing point") == pytest.approx(np.array([[np.pi, -4]]))
-    assert len(lines(displacement, "belt")) == 1
-    assert not velocity.child_axes
-
-
-def test_micro_sticks_are_magnified() -> None:
-    trajectory = simulate("fig8", t_end=9)
-    (velocity,) = plot.figure(trajectory, panels="b").axes
-    assert len(velocity.child_axes) == 2
-    first = velocity.child_axes[0]
-    onset, end = trajectory.events[:2]
-    assert first.lines[2].get_xdata()[0] == 0  # type: ignore[index]
-    assert first.lines[3].get_xdata()[0] == pytest.approx(1e3 * (end.t - onset.t))  # type: ignore[index]
-    assert "10^{3}" in first.get_xlabel()
-    assert "3.139006" in first.get_xlabel()
-    # The insets stand above the axes, whose scale is that of the curve and the belts.
-    assert velocity.get_ylim()[1] < 5
-    assert all(inset.get_position().y0 > velocity.get_position().y1 for inset in velocity.child_axes)
 
 
 @pytest.mark.slow
@@ -346,14 +272,8 @@ def test_a_figure_of_too_many_events_is_refused_at_once() -> None:
 # --- a style of one's own ---
 
 
-def test_keywords_reach_the_lines_and_rcparams_hold() -> None:
+def test_rcparams_hold() -> None:
     motion = simulate("fig5", t_end=9)
-    (axes,) = plot.figure(motion, panels="c", color="black", lw=3, alpha=0.5).axes
-    line = next(line for line in axes.lines if line.get_label() == "mass")
-    assert (line.get_color(), line.get_linewidth(), line.get_alpha()) == ("black", 3, 0.5)
-    forces = plot.figure(motion, panels="d", color="black", lw=3).axes[0].lines
-    assert {line.get_linewidth() for line in forces if "F" in str(line.get_label())} == {3}
-    assert "black" not in {line.get_color() for line in forces if "F" in str(line.get_label())}
     with matplotlib.rc_context({"axes.labelsize": 17.0, "axes.facecolor": "0.9"}):
         (axes,) = plot.figure(motion, panels="b").axes
     assert axes.xaxis.label.get_fontsize() == 17.0
@@ -366,21 +286,8 @@ def test_what_is_no_style_is_refused(style: dict[str, Any]) -> None:
         plot.figure("fig5", panels="c", **style)
 
 
-def test_a_transient_is_left_out() -> None:
+def test_what_is_no_transient_is_refused() -> None:
     motion = simulate("fig9", t_end="12T")
-    period = 2 * np.pi / 4
-    for skip in ("8T", 8 * period):
-        (axes,) = plot.figure(motion, panels="b", skip=skip).axes
-        assert axes.get_xlim()[0] == pytest.approx(float(motion.t_start) + 8 * period)
-        assert "start" not in axes.get_legend_handles_labels()[1]
-        marks = np.concatenate([line.get_xdata() for line in axes.lines if line.get_label() == "crossing"])
-        assert marks.min() >= axes.get_xlim()[0]
     for skip in (-1, 100, "20T", "x"):
         with pytest.raises(symosc.ParameterError, match="skip"):
             plot.figure(motion, skip=skip)
-
-
-def test_one_panel_has_no_letter_and_a_phase_plane_alone_is_square() -> None:
-    (axes,) = plot.figure("fig5", panels="c").axes
-    assert (axes.get_title("left"), axes.get_box_aspect()) == ("", 1)
-    assert [axes.get_title("left") for axes in plot.figure("fig5", panels="bc").axes] == ["(a)", "(b)"]
