@@ -39,6 +39,7 @@ VOLATILE |= {r"(?<![\d.])\d(\.\d+)?e-1\d|(?<= )0(?= in [xv])": "TINY", r"/\S*/(?
 VOLATILE |= {
     r"kernels \w{16}": "KERNELS",
     r'"plan": "\w{64}"': "PLAN",
+    r'"sha256": "\w{64}"': "SHA256",
     r"Version [\d.]+": "VERSION",
     r"year += .*": "YEAR",
 }
