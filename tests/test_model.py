@@ -14,6 +14,7 @@ from types import ModuleType
 import mpmath
 import numpy as np
 import pytest
+import sympy
 
 from symosc import simulate
 from symosc.errors import ParameterError, SceneError, SymoscError
@@ -258,3 +259,15 @@ def test_symosc_exposes_the_names_of_its_contract() -> None:
     assert symosc.ParameterError is ParameterError
     with pytest.raises(AttributeError, match="no_such_name"):
         symosc.no_such_name  # noqa: B018
+
+
+def test_four_fifths_in_every_form() -> None:
+    texts = 0.8, "0.8", " 4/5 ", "8e-1", Fraction(4, 5), Decimal("0.80"), sympy.Rational(4, 5)
+    for value in (*texts, np.float64(0.8), np.float32(0.8), np.array(0.8)[()]):
+        assert parameters(mu1=value).mu1 == Fraction(4, 5)
+
+
+def test_expressions_are_read_to_forty_digits() -> None:
+    two_pi, root = "6.283185307179586476925286766559005768394", "0.3535533905932737622004221810524245196424"
+    for given, digits in (("2*pi", two_pi), ("sqrt(2)/4", root), ("1/3 + 1/6", "0.5")):
+        assert Fraction(digits) == parameters(A0=given).A0 == parameters(A0=sympy.sympify(given)).A0

@@ -263,3 +263,35 @@ def test_the_committed_page_is_current() -> None:
     sources = {source for _, keys, _ in TABLES.values() for source in keys}
     assert sources <= set(citation.entries())
     assert sources == set(runpy.run_path(str(folder / "literature.py"))["SOURCES"])
+
+
+@pytest.mark.parametrize(("F", "P"), [("0.5", "1"), ("0.3", "0.5"), ("0.1", "0.2")])
+def test_growth_at_resonance(F: str, P: str) -> None:
+    expected = pi * float(P) - 4 * float(F)
+    for digits, tolerance in ((30, 1e-26), (None, 1e-13)):
+        exact = MP.pi * MP.mpf(P) - 4 * MP.mpf(F) if digits else expected
+        rises = published.resonance_growth(F, P, digits)
+        assert len(rises) >= 5
+        assert all(abs(MP.mpf(rise) - exact) < tolerance * 40 for rise in rises)
+
+
+def test_free_decay() -> None:
+    """Random starts: 2 F/k less each half cycle, and at rest inside |x| <= F/k."""
+    dice = random.Random(23)
+    for _ in range(6):
+        F, start = Fraction(dice.randint(50, 200), 1000), Fraction(dice.randint(1000, 2000), 1000)
+        path = simulate(wall(F, 1, P=0), t0=0, x0=start, v0=0, t_end=200)
+        distances = [float(start), *(abs(event.x) for event in path.events)]
+        signs = [x > 0 for x in (float(start), *(event.x for event in path.events))]
+        assert path.status == "equilibrium"
+        assert distances[-1] <= float(F) * (1 + 1e-12)
+        assert all(distance > float(F) for distance in distances[:-1])
+        falls = -np.diff(
+            [distance if same else -distance for distance, same in zip(distances, _turns(signs), strict=True)]
+        )
+        assert falls == pytest.approx(2 * float(F), rel=1e-12)
+
+
+def _turns(signs: list[bool]) -> list[bool]:
+    """Return whether each turning point is on the side that half cycles lead to: only the last one may not be."""
+    return [sign == (i % 2 == 0) for i, sign in enumerate(signs)]

@@ -138,3 +138,26 @@ def test_theorem_6_is_what_the_flow_does(count: int) -> None:
             gaps = [float(v - mpmath.mpf(belt.numerator) / belt.denominator) for v in flows]
             inward = 1 if domain > BELT[mapping] else -1
             assert grazes == all(inward * gap > 0 for gap in gaps), (mapping, theta, gaps)
+
+
+def test_theorem_6_at_states() -> None:
+    p = load_scene("fig7-exact").parameters
+    x_m = Fraction("-0.5855")  # (A0 + 0.9 FN - B0 - c v1)/k
+    verdict = is_grazing(p, "P2", x_m, sympy.pi)
+    assert (verdict.grazing, verdict.order) == (True, 1)
+    assert abs(verdict.values[1] + 10) < 1e-12  # -(k v1/m + (B0 Omega/m) sin)
+    beside = is_grazing(p, "P2", x_m + Fraction(1, 1000), sympy.pi)
+    assert (beside.grazing, beside.order) == (False, 0)
+    assert abs(beside.values[0] + 0.002) < 1e-12
+    assert is_grazing(p, "P2", x_m + Fraction(1, 1000), sympy.pi, tolerance=1e-2).grazing
+    quartic = is_grazing(p, "P2", Fraction("4.4145"), 3 * sympy.pi / 2)
+    assert (quartic.grazing, quartic.order) == (True, 3)
+
+
+def test_theorem_6_at_an_inflection() -> None:
+    p = load_scene("fig9").parameters  # k v1 = 3, B0 Omega = 36
+    theta = -sympy.asin(sympy.Rational(1, 12))
+    for mapping, A in (("P2", p.A(1)), ("P3", p.A(2))):
+        x = sympy.Rational(A - p.c) / 3 + 3 * sympy.cos(theta)
+        verdict = is_grazing(p, mapping, x, theta)
+        assert (verdict.grazing, verdict.order) == (False, 2)

@@ -241,3 +241,14 @@ def test_derivatives_keep_all_digits() -> None:
         exact = [entry for entry in found.ravel() if hasattr(entry, "_mpf_") and entry != int(entry)]
         assert len(exact) >= 3
         assert all(entry != float(entry) for entry in exact)
+
+
+def test_the_multipliers_of_the_orbits() -> None:
+    p = load_scene("fig9-orbit").parameters
+    x, theta, M = 4.154920661325319221515248, 4 * 0.1816703979243204630141381, np.eye(2)
+    for label in ("P2", "P3"):
+        found = solve_map(p, label, x, theta)
+        assert found.derivative is not None
+        x, theta, M = found.x, found.theta, found.derivative @ M
+    expected = [-0.016802303836361 - 0.069594338756153j, -0.016802303836361 + 0.069594338756153j]
+    np.testing.assert_allclose(np.sort_complex(np.linalg.eigvals(M)), expected, atol=1e-12)

@@ -10,7 +10,7 @@ import mpmath
 import numpy as np
 import pytest
 from oracle import simulate_oracle
-from paper_orbits import BOTH_BELTS, FIG9, FIG10, P32, P4645
+from paper_orbits import BOTH_BELTS, FIG9, FIG10, P32, P32_MULTIPLIER, P4645
 
 from symosc import Parameters
 from symosc.orbits.closing_equations import ClosingEquations, ConvergenceError, newton
@@ -167,3 +167,29 @@ def test_jacobian_matches_differences_of_its_residuals(p, word):
             sides.append(exact_.residuals(moved))
         differences = np.array([float((a - b) / (2 * h)) for a, b in zip(*sides, strict=True)])
         assert np.abs(ours[:, column] - differences).max() < 1e-11 * max(1, np.abs(differences).max())
+
+
+@pytest.mark.parametrize(("p", "word", "points"), PAPER)
+def test_paper_orbits_in_double_precision(p, word, points):
+    orbit = find_orbit(p, word)
+    assert np.abs(np.array(orbit.points) - np.array(points, dtype=float)).max() < 1e-12
+    assert orbit.word == word
+    assert orbit.admissible
+    assert orbit.stable
+    assert orbit.failures == ()
+    assert orbit.residual < 1e-12
+    assert orbit.periods == 1
+    assert orbit.period == pytest.approx(2 * np.pi / float(p.Omega), rel=1e-15)
+
+
+P4645_MULTIPLIER = 1.9589682640e-4
+
+
+def test_multipliers_of_the_paper_orbits():
+    for digits in (None, 20):
+        first, second = find_orbit(FIG9, "P32", digits=digits).multipliers
+        assert abs(complex(first) - P32_MULTIPLIER) < 1e-14
+        assert abs(complex(second) - P32_MULTIPLIER.conjugate()) < 1e-14
+        first, second = find_orbit(FIG10, "P4645", digits=digits).multipliers
+        assert abs(complex(first) - P4645_MULTIPLIER) < 1e-14
+        assert second == 0

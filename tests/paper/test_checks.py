@@ -146,3 +146,12 @@ def test_a_misprinted_start_of_an_orbit_is_found(name: str) -> None:
     assert found[name].explains
     assert found[name].value == pytest.approx(float(getattr(right, name)), abs=1e-4)
     assert not any(each.explains for other, each in found.items() if other != name)
+
+
+def test_the_print_of_fig8_is_right() -> None:
+    near = grazes.nearest_graze(load_scene("fig8"), "P3")
+    assert near.round_to_it
+    # Known to 50 digits: exactly the contacts between these times have starts that round to (5.8980, 2.2580).
+    assert near.round_to_it == pytest.approx([3.1415787, 3.1415839], abs=1e-7)
+    found = grazes.starts_that_graze(load_scene("fig8"), "P3", np.array([3.14158]))
+    assert found[:, 0] == pytest.approx((5.89795221480835613987, 2.257969994383412060), abs=1e-12)

@@ -91,3 +91,14 @@ def test_times_may_be_any_numbers_in_any_shape() -> None:
     assert TRAJECTORY("1/3").tolist() == TRAJECTORY(1 / 3).tolist()
     assert TRAJECTORY([[1, "2", Fraction(1, 2)]]).shape == (2, 1, 3)
     assert TRAJECTORY([]).shape == (2, 0)
+
+
+def test_the_force_of_each_domain() -> None:
+    rng = np.random.default_rng(3)
+    for t in rng.uniform(0, 5, 20):
+        (x, v), p = TRAJECTORY(t), P
+        for alpha in (1, 2, 3):
+            force = (
+                float(p.A(alpha)) + float(p.B0) * np.cos(float(p.Omega) * t) - float(p.c) * v - float(p.k) * x
+            ) / float(p.m)
+            assert TRAJECTORY.force(alpha, t) == pytest.approx(force, abs=1e-12)
