@@ -7,19 +7,20 @@ from contextlib import ExitStack
 from dataclasses import replace
 from fractions import Fraction
 from functools import cache, partial
+from importlib.metadata import PackageNotFoundError
 from itertools import count, product
 from math import nan
 from pathlib import Path
 from tempfile import TemporaryDirectory
 from types import SimpleNamespace
 from typing import Any
-from unittest.mock import patch
+from unittest.mock import Mock, patch
 
 import numpy as np
 from cli_runs import run
 from outputs import reference
 
-from symosc import Parameters, Scene, load_scene, simulate
+from symosc import Parameters, Scene, bench, load_scene, simulate
 from symosc.bench import (
     cases,
     error_map,
@@ -33,8 +34,9 @@ from symosc.bench import (
     work,
 )
 from symosc.bench.event_logic import PeerError, from_now, problem, runner
-from symosc.bench.solvers import OURS, FoundEvent, Outcome, Solver
+from symosc.bench.solvers import OURS, FoundEvent, Outcome, Solver, Worker
 from symosc.engine.arithmetic import bind
+from symosc.mappings.equations import residual
 
 ABOUT = {"processor": "a processor", "cores": "2", "date": "a day", "symosc": "1.2", "numpy": "3.4"}
 EASY = Parameters(m=1, c=1, k=4, A0=1, B0=9, Omega="3/2", v1=-1, v2=2, mu1="2/5", mu2="3/10", FN=5)
@@ -151,6 +153,8 @@ def map_text() -> str:
     for name in ("cheap", "symosc"):  # the errors themselves are rounding
         lines += ["".join("x" if error == error else "-" for error in row) for rows in found[name] for row in rows]
     lines.append(f"{found['largest'] < 1e-14}")
+    K = error_map.constants(EASY)
+    lines += [" ".join(f"{each:.10g}" for each in error_map.closed_form(tau, K)) for tau in (0.3, 2.0)]
     lines += [
         f"{error_map.value_at(place)} {error_map.place_of(float(error_map.value_at(place))):.6g}"
         for place in (-3.0, -0.5, 0.0, 0.5, 2.0, 9.5, 10.0, 10.5, 12.0, 20.0, 21.5)
@@ -285,6 +289,8 @@ def timed() -> dict[str, Any]:
     rows = [speed.Call("fig5", "event", lambda: simulate("fig5", t_end=7)), speed.Call("fig9", "event", lambda: [3, 4])]
     rows.append(speed.Call("fig5, 1,000 events", "call", lambda: None, 4.0, once=True))
     groups = [speed.Group("One long motion, events counted", rows, clock), speed.Group("simulate", rows[1:], slow)]
+    groups.append(speed.Group("slower", rows[:1], count(0.0, 6.0).__next__))
+    groups.append(speed.Group("faster", rows[:1], (1e-4 * each**1.5 for each in count()).__next__))
     patches = {"groups": lambda quick: iter(groups), "floor_s": lambda: 2e-8, "machine": lambda: ABOUT}
     patches["measure_errors"] = lambda: [{"scene": "fig5", "events": 16, "error": 3e-15, "estimate": 2.4e-13}]
     with patch.multiple(speed, **patches):
@@ -361,6 +367,45 @@ def compared_in_words() -> str:
     return "\n".join(results.comparison(each) for each in (found, *many))
 
 
+def planned(quick: bool) -> str:
+    """Return the groups of calls, with the sizes of their tasks."""
+    with patch.object(speed, "warm", lambda: None), patch.object(speed, "find_spec", lambda name: True):
+        groups = [(group.title, vars_of(group.calls), group.clock.__name__) for group in speed.groups(quick)]
+    return "\n".join(map(str, groups))
+
+
+def vars_of(calls: Any) -> list[Any]:
+    """Return the arguments of a generator that has not begun."""
+    return [value for value in calls.gi_frame.f_locals.values() if not isinstance(value, str)]
+
+
+def lambdified() -> str:
+    """Return the residuals that sympy makes, which are those of symosc."""
+    p = load_scene("fig9").parameters
+    points = [np.array([each, each + 0.5]) for each in (1.0, 0.3, 0.8, 1.6)]
+    x_i, theta_i, x_j, theta_j = points
+    found = [
+        *(speed.lambdified(p, cse)(*points) for cse in (True, False)),
+        residual(p, "P3", (x_i, theta_i), (x_j, theta_j)),
+    ]
+    return "\n".join(" ".join(f"{value:.9g}" for row in rows for value in row) for rows in found)
+
+
+def first_calls() -> list[Any]:
+    """Return the calls that a worker makes, which imports and compiles before the first call of each solver."""
+    worker, calls = object.__new__(Worker), list[Any]()
+    vars(worker).update(_warm=set(), call=lambda *arguments: calls.append(arguments))
+    for name in ("one", "one", "two"):
+        worker.warm(name, len, "abc")
+    return [(limit, arguments) for limit, _, *arguments in calls]
+
+
+def without_packages() -> list[str]:
+    """Return what is said of packages that are not installed."""
+    with patch.object(bench, "version", Mock(side_effect=PackageNotFoundError)):
+        return [bench.machine()[name] for name in bench.PACKAGES]
+
+
 def command(*arguments: str, wrong: bool = False) -> str:
     """Return the exit code of `symosc bench`, what it prints, and the pages that it writes, without measuring."""
     runs = {cases: scored(wrong), speed: timed(), work: worked(), error_map: mapped(), gradients: scored(wrong)}
@@ -435,6 +480,11 @@ CASES: dict[str, Callable[[], object]] = {
     "wrong scores": lambda: cases.our_verdict(scored(True)),
     "hard cases": lambda: cases.hard_summary(scored()),
     "scores as data": lambda: {key: cases.as_json(scored())[key] for key in ("ok", "limit_s", "skipped", "violations")},
+    "calls in groups": lambda: planned(False),
+    "calls in quick groups": lambda: planned(True),
+    "residuals by sympy": lambdified,
+    "first calls": first_calls,
+    "without packages": without_packages,
     "command": command,
     "command with a picture": lambda: command("-o", "FOLDER/work.svg")[-60:],
     "command --hard": lambda: command("--hard", "-o", "FOLDER/map.svg")[-400:],

@@ -182,9 +182,25 @@ def conditioned() -> str:
     return "\n".join(lines)
 
 
+def refused() -> str:
+    """Return what is said of cases and groups that do not exist, and the numbers of those that do."""
+    lines = [str(len(cases.chosen(group))) for group in (None, "easy", "long run")]
+    for call in (
+        lambda: cases.reference_case("paper-fig4"),
+        lambda: cases.reference_case("?"),
+        lambda: cases.chosen("hard"),
+    ):
+        try:
+            call()
+        except ParameterError as error:
+            lines.append(str(error))
+    return "\n".join(lines)
+
+
 CASES: dict[str, Callable[[], object]] = {
     "definitions": defined,
     **{f"known events of {name}": partial(known, name) for name in SMALL},
+    "no case": refused,
     "changed scenes": conditioned,
     "score as text": lambda: score.as_text(scores()),
     "score of one": lambda: score.as_text(scores()[1:]),
