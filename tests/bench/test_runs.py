@@ -120,21 +120,6 @@ def test_rows_have_times_and_errors(measured: dict[str, Any]) -> None:
         assert row["over_ours"] == pytest.approx(quotient, rel=1e-12)
 
 
-@pytest.mark.slow
-@pytest.mark.compiled("doubles")
-def test_failures_are_rows(measured: dict[str, Any]) -> None:
-    for scene in ("fig5", "fig9"):
-        (row,) = rows(measured, "hanging", scene)
-        assert (row["failure"], row["us_per_event"], row["missed"]) == (HANG, None, None)
-    (row,) = rows(measured, "failing later", "fig5")
-    assert row["failure"] == "exception: ArithmeticError: too far (in 12 events, not in 6)"
-    assert (row["missed"], row["compared"]) == (6, 6)
-    assert list(measured["skipped"]) == ["absent"]
-    assert "no_such_module" in measured["skipped"]["absent"]
-    assert measured["notes"] == {"careless": "looks away"}
-    assert json.loads(json.dumps(measured)) == measured
-
-
 # -- the reference cases -----------------------------------------------------------------------------------------------
 
 

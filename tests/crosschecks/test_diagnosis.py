@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import random
 from collections import Counter
 from typing import Any
 
@@ -13,7 +12,7 @@ from excerpts import crosscheck
 from fault_kinds import KINDS, finer
 from fault_matrix import judge, run, table, whole
 from fault_scenes import cases
-from faulty_solver import METHODS, Flaw, Solver, smoothed, without_events
+from faulty_solver import METHODS, smoothed, without_events
 
 from symosc import load_scene, simulate
 from symosc.crosschecks.causes import CAUSES, Diagnosis
@@ -46,15 +45,6 @@ def test_each_kind_of_fault_has_its_name(kind: str) -> None:
     if kind == "double root":  # the micro stick of fig8
         begin, end = (event.t for event in simulate("fig8", t_end=4).events)
         assert f"the first time at t = {begin:.8g} to {end:.8g}; " in check.diagnosis[0].evidence
-
-
-@pytest.mark.slow
-def test_a_sample_of_the_matrix(capsys: pytest.CaptureFixture[str]) -> None:
-    """Of all kinds; the whole is below."""
-    counts = run(SEED, random.Random(SEED).sample(whole(), 4))
-    with capsys.disabled():
-        print("\n" + table(counts))
-    judge_counts(counts, 0.9)
 
 
 @pytest.mark.campaign
@@ -123,34 +113,6 @@ def test_no_stick_is_named_where_there_is_none(kind: str) -> None:
     assert "chatter" not in said
 
 
-STAGES, BEGINNING = "the friction of each stage's v", "the friction at its beginning"
-
-
-@pytest.mark.quick(1)
-@pytest.mark.full(4)
-@pytest.mark.parametrize(
-    ("method", "held", "name", "friction"),
-    [
-        ("leapfrog", True, "leapfrog (velocity Verlet)", BEGINNING),
-        ("rk4", False, "RK4", STAGES),
-        ("leapfrog", False, "leapfrog (velocity Verlet)", STAGES),
-        ("euler", True, "Euler", BEGINNING),
-        ("rk4", True, "exact", "the force at the beginning"),
-    ],
-)
-def test_a_fixed_step_over_events_is_named_with_its_friction(method: str, held: bool, name: str, friction: str) -> None:
-    """It is no static friction; and with the friction held over a step, RK4 is exact to all digits compared."""
-    scene = load_scene("fig10")
-    grid = np.linspace(float(scene.t0), 12, 2401)
-    start = float(scene.x0), float(scene.v0)
-    t, x, v = (a[::6] for a in without_events(scene.parameters, grid, *start, METHODS[method], held))
-    first = crosscheck(scene, t, x, v).diagnosis[0]
-    assert (first.cause, first.subject) == ("late events" if name == "exact" else "chatter", name)
-    assert friction in first.evidence
-    assert first.value == pytest.approx(grid[1] - grid[0])
-    assert "static" not in first.words
-
-
 @pytest.mark.slow
 def test_a_fitted_number_explains_the_defects_or_is_not_named() -> None:
     """A mass that never moves is not heavy, and the error of a method is no coefficient."""
@@ -163,30 +125,6 @@ def test_a_fitted_number_explains_the_defects_or_is_not_named() -> None:
 
 def leapfrogged(p: Any, t: np.ndarray, n: int = 1) -> tuple[np.ndarray, ...]:
     return tuple(column[::n] for column in without_events(p, finer(t, n), 4.5447, 1.0, METHODS["leapfrog"])[1:])
-
-
-@pytest.mark.quick(1)
-@pytest.mark.full(4)
-@pytest.mark.parametrize("name", ["fig5", "fig9", "fig10"])
-@pytest.mark.parametrize(
-    ("change", "value", "said"),
-    [
-        ("Omega", lambda p: float(p.Omega) * 2 * np.pi, "times 2 pi"),
-        ("Omega", lambda p: float(p.Omega) / (2 * np.pi), "divided by 2 pi"),
-        ("Omega", lambda p: float(p.Omega) * np.pi / 180, "in degrees"),
-        ("m", lambda p: p.m / 10, "m = "),
-        ("FN", lambda p: 0, "no friction"),
-        ("c", lambda p: p.c / 2, "c = "),
-    ],
-)
-def test_far_away_coefficients_are_named(name: str, change: str, value: Any, said: str) -> None:
-    scene = load_scene(name)
-    p, t = scene.parameters, np.linspace(float(scene.t0), 10, 301)
-    motion = simulate(p.replace(**{change: value(p)}), t0=scene.t0, x0=scene.x0, v0=scene.v0, t_end=10)
-    first = crosscheck(scene, t, *motion(t)).diagnosis[0]
-    assert (first.cause, first.subject) == ("coefficient", change)
-    assert said in first.words
-    assert "all 300 steps are right" in first.evidence
 
 
 @pytest.mark.slow
@@ -323,13 +261,6 @@ def test_a_fast_clock_and_a_drive_ahead_are_told_apart_by_the_start() -> None:
 # -- numbers of the faults ---------------------------------------------------------------------------------------------
 
 
-def solved(flaw: Flaw, name: str = "fig10", every: int = 4, **options: Any) -> tuple[Any, ...]:
-    scene = load_scene(name)
-    grid = np.linspace(float(scene.t0), float(scene.t0) + 9, 601)
-    run = Solver(scene.parameters, flaw, **options).run(grid, float(scene.x0), float(scene.v0))
-    return (name, *(column[::every] for column in run.arrays()))
-
-
 def softened(curve: str, width: float, name: str, samples: int) -> tuple[Any, ...]:
     scene = load_scene(name)
     begin = float(scene.t0)
@@ -337,24 +268,9 @@ def softened(curve: str, width: float, name: str, samples: int) -> tuple[Any, ..
     return (name, *smoothed(scene.parameters, times, float(scene.x0), float(scene.v0), width, curve))
 
 
-def noisy(size: float) -> tuple[Any, ...]:
-    t = np.linspace(0, 12, 400)
-    return "fig5", t, *(simulate("fig5", t_end=12)(t) + size * np.random.default_rng(2).standard_normal((2, 400)))
-
-
 MEASURED: dict[str, tuple[Any, str, str | None, float | None, float]] = {
-    "noise": (lambda: noisy(1e-2), "noise", None, 1e-2, 0.15),
-    "static friction": (lambda: solved(Flaw(static=1.3)), "stick left late", None, 1.3, 1e-6),
-    "shown ends": (lambda: solved(Flaw(static=1.1), every=1, joints=True), "stick left late", None, 1.1, 0.01),
-    "early ends": (lambda: solved(Flaw(early=0.25)), "stick left early", None, None, 0.0),
-    "drift": (lambda: solved(Flaw(drift=-2e-3)), "drift", None, -2e-3, 1e-3),
-    "drift in steps": (lambda: solved(Flaw(drift=-2e-3), "fig5", 60), "drift", None, -2e-3, 1e-6),
-    "Heun": (lambda: solved(Flaw(method="heun"), "fig5"), "truncation", "Heun", 0.06 / 4, 1e-6),
-    "late events": (lambda: solved(Flaw(late=True), every=2), "late events", None, None, 0.0),
-    "tanh, narrow": (lambda: softened("tanh", 0.01, "fig5", 400), "smoothed friction", "tanh", 0.01, 0.05),
     "tanh, narrowest": (lambda: softened("tanh", 1e-3, "fig5", 400), "smoothed friction", "tanh", 1e-3, 1e-5),
     "arctan, wide": (lambda: softened("arctan", 7.2, "fig9", 60), "smoothed friction", "arctan", 7.2, 1e-3),
-    "root, passages": (lambda: softened("root", 0.02, "fig9", 300), "smoothed friction", None, 0.02, 0.3),
 }
 
 

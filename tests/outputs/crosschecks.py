@@ -492,6 +492,12 @@ CHECKS: dict[str, Callable[[], object]] = {
     "of parameters": lambda: judged(load_scene("fig9").parameters, *exact("fig9", 8.0, 101)),
     "a jump": lambda: judged(*spoilt(moved(2, 0.05))),
     "an outlier on a belt": lambda: judged(*spoilt(moved(2, -0.3, 30, 31), "fig5", 12)),
+    "an outlier across a belt": lambda: judged(*spoilt(lambda t, x, v: v.__setitem__(12, 0.9), "fig9", 8)),
+    "a sample far off": lambda: judged(*spoilt(moved(1, 0.01, 30, 31), "fig9", 8, 201)),
+    "a step too far": lambda: judged(*too_far()),
+    "a drift off a belt": lambda: judged(*spoilt(drifting, "fig5", 12)),
+    "on a belt too long": lambda: judged(*too_long()),
+    "a force of another domain": lambda: judged(*other_force()),
     "a missed stick": lambda: judged("fig8", *exact("fig8", 5.0, 41)[:2], exact("fig8", 5.0, 41)[2] * (1 + 1e-7)),
     "wrong friction": lambda: judged(*other("fig5", 12, 121, mu1=0.85)),
     "late events": lambda: judged(*WRONG["late events"]()),
@@ -546,6 +552,33 @@ CHECKS: dict[str, Callable[[], object]] = {
     "texts without v": lambda: texts(*TEXTS[:4], columns={"v": None}),
     "texts with other names": lambda: texts(*TEXTS[:2], *TEXTS[6:8], columns={"t": "time", "x": "a", "v": "b"}),
 }
+
+
+def drifting(t: np.ndarray, x: np.ndarray, v: np.ndarray) -> Columns:
+    return t, x, np.where((t > 4.8) & (t < 5.75), v + 1e-6 * (t - 4.8), v)
+
+
+def too_far() -> Any:
+    """Return samples that go on by the exact motion after one step that leads elsewhere."""
+    t, x, v = (column.copy() for column in exact("fig9", 8.0, 101))
+    after = simulate(load_scene("fig9").parameters, t0=float(t[30]), x0=x[30] + 1e-4, v0=v[30], t_end=8)
+    x[30:], v[30:] = after(t[30:])
+    return "fig9", t, x, v
+
+
+def too_long() -> Any:
+    """Return samples that keep to a belt for a while where the exact motion has left it."""
+    t, x, v = (column.copy() for column in exact("fig5", 6.0, 121))
+    slip = simulate("fig5", t_end=6).events[1]
+    late = (t > slip.t) & (t < slip.t + 0.5)
+    x[late], v[late] = slip.x + slip.v * (t[late] - slip.t), slip.v
+    return "fig5", t, x, v
+
+
+def other_force() -> Any:
+    """Return samples of fig9 whose flights below belt 1 have the force above it."""
+    K = Arithmetic(load_scene("fig9").parameters).K
+    return solved(Flaw(force=(K.A2, K.A2, K.A3)), "fig9", 4, 61)
 
 
 def exact_from(name: str, x0: float) -> Any:
