@@ -502,6 +502,9 @@ CHECKS: dict[str, Callable[[], object]] = {
     "list: another kind": lambda: listed(lambda events: [(t, "graze") for t, _ in events[:1]] + events[1:]),
     "list: empty": lambda: listed(lambda events: [(50.0, "cross")], "fig9", 6),
     "list: with a start on a belt": lambda: listed(lambda events: [(0.0, "stick"), *events], "fig6", 12),
+    "list: with contacts at a graze": lambda: listed(
+        lambda events: [(t + h, k) for t, _ in events for h, k in ((-1e-6, "stick"), (1e-6, "slip"))], "fig8-exact", 4
+    ),
     "list: without a short stick": lambda: listed(lambda events: events[2:] or [(3.2, "graze")], "fig8", 5),
     "list: rounded": lambda: listed(lambda events: [(round(t, 3), kind) for t, kind in events], "fig10", 10),
     "3 decimals": lambda: rounded(decimals(3)),
