@@ -430,19 +430,87 @@ def several() -> Any:
     }
 
 
-def texts(*sources: str, columns: Any = None) -> str:
+def texts(*sources: str, columns: Any = None, suffix: str = "csv") -> str:
     """Return what is read from texts, or said of those that hold no solution."""
-    lines = []
     with TemporaryDirectory() as folder:
-        path = Path(folder) / "run.csv"
+        path, lines = Path(folder) / f"run.{suffix}", []
         for source in sources:
             path.write_text(source.replace("|", "\n"))
-            try:
-                found = read_solutions(path, columns)
-                lines += [f"{each.name} {each.t} {each.x} {each.v} {each.events}" for each in found]
-            except ParameterError as error:
-                lines.append(str(error).replace(str(path), "FILE"))
+            lines.append(read(path, columns).replace(str(path), "FILE"))
     return "\n".join(lines)
+
+
+def read(source: Any, columns: Any = None) -> str:
+    """Return what is read from a file or an object, or why there is no solution."""
+    try:
+        found = read_solutions(source, columns, load_scene("fig5"))
+    except ParameterError as error:
+        return str(error)
+    shown = [(each.t[:4], each.x[:4], each.v[:4], len(each.t), each.events, each.notes) for each in found]
+    return "; ".join(f"{each.name}: {' '.join(map(str, row))}" for each, row in zip(found, shown, strict=True))
+
+
+def objects() -> Iterator[Any]:
+    """Yield objects that are solutions, and others that are not."""
+    t, x, v = [0.0, 1.0, 2.0], [1.0, 2.0, 4.0], [3.0, 5.0, 7.0]
+    rows = list(zip(t, x, v, strict=True))
+    yield from (
+        {"t": t, "x": x, "v": v},
+        {"Time": t, "Position": x, "vel": v},
+        rows,
+        np.array(rows),
+        np.array(rows)[:, :2],
+    )
+    yield from ([{"t": a, "x": b, "v": c} for a, b, c in rows], {"t": t, "x": x, "v": v, "events": [(1, "cross")]})
+    yield {"t": t * 2, "x": x + v, "v": v + x, "id": [1, 1, 1, 2, 2, 2]}
+    yield {"t": t * 2, "x": x + v, "v": v + x, "id": [1, 1, 1, 2, 2, 2], "events": [(1, "cross")]}
+    yield {"t": [*t, 0.5], "x": [*x, 1], "v": [*v, 1], "run": ["b", "a", "a", "b"]}
+    yield {"t": t, "x": np.array([x, v]), "v": np.array([v, x])}
+    yield {"t": t, "x": np.array([x, v]).T, "v": np.array([v, x]).T}
+    yield {"t": np.array([t, t]), "x": np.array([x, v]), "v": np.array([v, x])}
+    yield {"t": np.array([t]), "x": np.array([x]), "v": np.array([v])}
+    yield {"t": t, "x": np.array([x, v]), "v": v}
+    yield from ({"t": t, "y": np.array([x, v])}, {"t": t, "y": np.array([x, v]).T}, {"ts": t, "ys": {"x": x, "v": v}})
+    yield from ({"t": t, "y": np.array([x, v, x])}, {"t": [*t, np.inf], "y": np.array([[*x, 0], [*v, 0]])})
+    yield from ({"t": np.array([t, t]), "y": np.array([[x, v], [v, x]])}, {"time": t, "state": np.array([x, v])})
+    yield from ([{"t": t, "x": x, "v": v}, {"t": [2.0, 3.0], "x": [4.0, 5.0], "v": [7.0, 8.0]}], [rows, rows])
+    yield [{"t": t, "x": x, "v": v}, {"t": [2.0, 3.0], "x": [4.0, 5.0]}]
+    yield np.rec.fromarrays([t, x, v], names="time,pos,speed")
+    yield from (dense, lambda t: (t, 2 * t), lambda t: t[0], lambda t: 1 / 0, lambda t: (1, 2, 3))
+    yield from (
+        5,
+        "nothing.csv",
+        [],
+        [1, 2],
+        [rows, 3],
+        [[1, 2, 3], [1, 2]],
+        {},
+        {"t": t},
+        {"t": t, "x": x, "w": v},
+        np.ones(3),
+    )
+    yield from (
+        np.ones((3, 4)),
+        {"t": t, "x": x[:2]},
+        {"t": t, "x": x, "v": [1, "a", 2]},
+        {"t": t, "x": x, "v": [True, 1, 2]},
+    )
+    yield from (
+        {"t": t[::-1], "x": x, "v": v},
+        {"t": [1, 1], "x": [1, 2], "v": [1, 2]},
+        {"t": t, "x": x, "v": [1, 2e50, 1]},
+    )
+    yield from (
+        {"t": t, "x": x, "v": [1, 1j, 2]},
+        {"t": t, "x": np.ma.masked_greater(x, 3)},
+        {"t": t, "x": np.ones((3, 3, 3))},
+    )
+    yield from (result(t_events=[[1.0], None]), result(t_events=[[1.0]], y_events=[[]]), result(t_events=[["a"]]))
+    yield from (
+        result(t_events=[[0.5, 0.5 + 1e-12, 0.7]]),
+        SimpleNamespace(t=t, y=np.ones((3, 3))),
+        SimpleNamespace(t=t),
+    )
 
 
 TEXTS = """\
@@ -468,6 +536,33 @@ t,x,v|0,1,1_0|1,2,3
 t,x,v|0,nan,2|1,2,3
 t,x,w|0,1,2|1,2,3
 """.splitlines()
+JSON = """\
+{"t": [0, 1], "x": [1, 2], "v": [2, 3], "events": [[0.5, "cross"]], "note": "text"}
+[{"t": 0, "x": 1, "v": 2}, {"t": 1, "x": 2, "v": 3}]
+[[0, 1, 2], [1, 2, 3]]
+{"t": [0, 1], "y": [[1, 2], [3, 4]]}
+[{"t": [0, 1], "x": [1, 2], "v": [2, 3]}, {"t": [2, 3], "x": [1, 2], "v": [2, 3]}]
+5
+[1, 2]
+[{"t": 0}, [1, 2]]
+{"t": [0, 1], "x": [1, 2], "x": [2, 3]}
+{"t": [0, 1], "a": [1, 2], "a": [2, 3]}
+{"t": [0, 1], "x": [1, [2]], "v": [2, 3]}
+{"t": [0, 1], "x": [1, 2], "v": [2, 3], "events": [[0.5, "jump"]]}
+{"t": [0, 1], "x": [1, 2], "v": [2, 3], "events": 5}
+""".splitlines()
+#: What Octave saves as text: a matrix, ranges, a scalar, strings, a cell, other kinds.
+OCTAVE = (
+    "# Created by Octave|# name: t|# type: range|# base, limit, increment|0 1 0.5|# name: x|# type: matrix|# rows: 3|"
+    "# columns: 1| 1| 2| 3|# name: v|# type: matrix|# rows: 1|# columns: 3| 4 5 6|",
+    "# Created by Octave|# name: sol|# type: scalar struct|# name: t|# type: matrix|# ndims: 2| 1 2|1|2|"
+    "# name: x|# type: double_range|# base, limit, increment|3 1 -2|# name: note|# type: string|# elements: 1|"
+    "# length: 4|text|",
+    "# Created by Octave|# name: c|# type: cell|# rows: 1|# columns: 2|# name: <cell-element>|# type: scalar|5|"
+    "# name: <cell-element>|# type: bool|1|# name: z|# type: complex matrix|# rows: 1|# columns: 1| (1,2)|",
+    "# Created by Octave|# name: a|# type: matrix|# rows: 2|# columns: 3| 0 1 2| 1 2 3|",
+    "# Created by Octave|# name: t|# type: matrix|# rows: x|",
+)
 #: Checks of all kinds of solution.
 CHECKS: dict[str, Callable[[], object]] = {
     "right, one belt": lambda: judged("fig5", *exact("fig5", 40.0, 201), whole=True),
@@ -536,6 +631,9 @@ CHECKS: dict[str, Callable[[], object]] = {
     "pieces": lambda: judged("fig5", [{"t": t, "x": x, "v": v} for t, x, v in pieces()]),
     "several": several,
     "texts": lambda: texts(*TEXTS),
+    "texts of JSON": lambda: texts(*JSON, suffix="json"),
+    "texts of Octave": lambda: texts(*OCTAVE, suffix="txt"),
+    "objects": lambda: "\n".join(re.sub(r" at 0x\w+", "", read(each)) for each in objects()),
     "texts without v": lambda: texts(*TEXTS[:4], columns={"v": None}),
     "texts with other names": lambda: texts(*TEXTS[:2], *TEXTS[6:8], columns={"t": "time", "x": "a", "v": "b"}),
 }
