@@ -36,6 +36,7 @@ from symosc.bench import (
 from symosc.bench.event_logic import PeerError, from_now, problem, runner
 from symosc.bench.solvers import OURS, FoundEvent, Outcome, Solver, Worker
 from symosc.engine.arithmetic import bind
+from symosc.errors import OutputError
 from symosc.mappings.equations import residual
 
 ABOUT = {"processor": "a processor", "cores": "2", "date": "a day", "symosc": "1.2", "numpy": "3.4"}
@@ -400,6 +401,16 @@ def first_calls() -> list[Any]:
     return [(limit, arguments) for limit, _, *arguments in calls]
 
 
+def protected() -> str:
+    """Return what is said of a README that cannot be written."""
+    with TemporaryDirectory() as name, patch.object(results.os, "access", lambda path, mode: False):
+        (Path(name) / "README.md").write_text("text")
+        try:
+            return results.check(Path(name) / "README.md")
+        except OutputError as error:
+            return str(error).replace(name, "FOLDER")
+
+
 def without_packages() -> list[str]:
     """Return what is said of packages that are not installed."""
     with patch.object(bench, "version", Mock(side_effect=PackageNotFoundError)):
@@ -483,7 +494,9 @@ CASES: dict[str, Callable[[], object]] = {
     "calls in groups": lambda: planned(False),
     "calls in quick groups": lambda: planned(True),
     "residuals by sympy": lambdified,
+    "closed form": lambda: speed.closed_form(4000, 0.5, 0.8, 1.2, 1.0, 2.0, 3.0, 4.0),
     "first calls": first_calls,
+    "README that cannot be written": protected,
     "without packages": without_packages,
     "command": command,
     "command with a picture": lambda: command("-o", "FOLDER/work.svg")[-60:],

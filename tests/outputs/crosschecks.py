@@ -308,7 +308,10 @@ def explained(name: str) -> str:
         found = [each for alternatives in asked for each in alternatives(case)]
     pairs = [(each.diagnosis, each.words) if isinstance(each, Candidate) else (each, "") for each in found]
     pairs = [(one, words) for one, words in pairs if one.cause != "coefficient" or one.share > 0.1]  # a fit to nothing
-    return "\n".join(f"{o.cause} {o.subject}: {o.words}; {o.evidence}; {words} {o.share:.6f}" for o, words in pairs)
+    return "\n".join(
+        f"{o.cause} {o.subject}: {o.words}; {o.evidence}; {words} {brief(o.value)} {brief(o.error)} {o.share:.6f}"
+        for o, words in pairs
+    )
 
 
 def changed_columns() -> str:
@@ -352,10 +355,12 @@ def smoothing_curves() -> str:
 # -- lists of events, roundings, starts and ends -----------------------------------------------------------------------
 
 
-def listed(change: Callable[[list[tuple[float, str]]], Any], name: str = "fig5", t_end: float = 12.0) -> Any:
+def listed(
+    change: Callable[[list[tuple[float, str]]], Any], name: str = "fig5", t_end: float = 12.0, **more: Any
+) -> str:
     """Return what is said of right samples with a list of events after a change of this list."""
     events = [(float(event.t), event.kind) for event in simulate(name, t_end=t_end).events]
-    return judged(name, *exact(name, t_end, 121), events=change(events) or events)
+    return judged(name, *exact(name, t_end, 121), events=change(events) or events, **more)
 
 
 def rounded(way: Callable[[np.ndarray], np.ndarray], name: str = "fig5", count: int = 121, **options: Any) -> Any:
@@ -471,6 +476,7 @@ def objects() -> Iterator[Any]:
     yield {"t": np.array([t]), "x": np.array([x]), "v": np.array([v])}
     yield {"t": t, "x": np.array([x, v]), "v": v}
     yield from ({"t": t, "y": np.array([x, v])}, {"t": t, "y": np.array([x, v]).T}, {"ts": t, "ys": {"x": x, "v": v}})
+    yield {"t": np.array(t)[:, None], "y": np.array([x, v]).T}
     yield from ({"t": t, "y": np.array([x, v, x])}, {"t": [*t, np.inf], "y": np.array([[*x, 0], [*v, 0]])})
     yield from ({"t": np.array([t, t]), "y": np.array([[x, v], [v, x]])}, {"time": t, "state": np.array([x, v])})
     yield from ([{"t": t, "x": x, "v": v}, {"t": [2.0, 3.0], "x": [4.0, 5.0], "v": [7.0, 8.0]}], [rows, rows])
@@ -601,6 +607,11 @@ CHECKS: dict[str, Callable[[], object]] = {
         lambda events: [(t + h, k) for t, _ in events for h, k in ((-1e-6, "stick"), (1e-6, "slip"))], "fig8-exact", 4
     ),
     "list: without a short stick": lambda: listed(lambda events: events[2:] or [(3.2, "graze")], "fig8", 5),
+    "list: a short stick by the tolerance": lambda: listed(lambda events: events[2:], "fig8", 9, tolerance=1e-3),
+    "list: a short stick as crossings": lambda: listed(
+        lambda events: [(t, "cross") for t, _ in events[:2]] + events[2:], "fig8", 9, tolerance=1e-4
+    ),
+    "list: half of a short stick": lambda: listed(lambda events: events[1:], "fig8", 9, tolerance=1e-3),
     "list: rounded": lambda: listed(lambda events: [(round(t, 3), kind) for t, kind in events], "fig10", 10),
     "3 decimals": lambda: rounded(decimals(3)),
     "6 decimals, both belts": lambda: rounded(decimals(6), "fig10"),

@@ -8,6 +8,7 @@ from fractions import Fraction
 from functools import cache, partial
 from pathlib import Path
 from tempfile import TemporaryDirectory
+from types import SimpleNamespace
 from typing import Any
 
 from symosc import ReferenceCase, reference_cases
@@ -164,14 +165,37 @@ def read(*names: str) -> str:
 
 
 def written() -> str:
-    """Return the files that say what a set has, without what depends on the version or on a proof."""
-    chosen = [computed(name) for name in SMALL[:3]]
-    lines = []
-    for case in chosen:
-        lines += [folder._case_toml(case), *map(str, folder._samples(case)[::40])]
-    rows = [{"name": c.name, "group": c.group, "events": c.count, "condition": "1", "proven": "no"} for c in chosen]
-    lines.append(folder._readme_text(rows, 123))
-    return "\n".join(lines)
+    """Return the files of a set, without what depends on the version, and what is read of them, whole and damaged."""
+    proof = SimpleNamespace(as_dict=lambda: {"made": "up"})
+    chosen = [with_known(computed(name), certificate=proof) for name in SMALL[:4]]
+    with TemporaryDirectory() as name:
+        top = folder.write_cases(Path(name) / "set", chosen)
+        texts = {str(path.relative_to(top)): path.read_text() for path in sorted(top.rglob("*")) if path.is_file()}
+        version, found = folder.read_set(top)
+        shown = [f"{c.name} {c.group} {c.scene.parameters.m} {c.t_end} {c.condition} {c.count}" for c in found]
+        shown += [str(list(each.items())[:1]) for c in found for each in c.derivatives]
+        shown += [str(event)[:60] for c in found for event in c.events]
+        (top / SMALL[0] / "events.csv").write_text("t,x\n")
+        shown.append(said(lambda: folder.read_set(top), name))
+        (top / SMALL[0] / "events.csv").unlink()
+        shown.append(said(lambda: folder.read_set(top), name))
+        for text in ("{", "[]", '{"format": "other"}', f'{{"format": "{folder.SET_FORMAT}"}}'):
+            (top / "manifest.json").write_text(text)
+            shown.append(said(lambda: folder.read_set(top), name))
+        shown.append(said(lambda: folder.read_set(top / "nowhere"), name))
+    for each, text in texts.items():
+        rows = text.splitlines()
+        lines = rows[::60] if each.endswith("trajectory.csv") else [] if each == "manifest.json" else rows
+        shown += [each, *(line[:200] for line in lines)]
+    return "\n".join([str(version), *shown])
+
+
+def said(call: Callable[[], object], top: str) -> str:
+    """Return what is said of a call that is refused."""
+    try:
+        return str(call())
+    except (ParameterError, ResultError) as error:
+        return str(error).replace(top, "FOLDER")
 
 
 def conditioned() -> str:
@@ -185,16 +209,8 @@ def conditioned() -> str:
 def refused() -> str:
     """Return what is said of cases and groups that do not exist, and the numbers of those that do."""
     lines = [str(len(cases.chosen(group))) for group in (None, "easy", "long run")]
-    for call in (
-        lambda: cases.reference_case("paper-fig4"),
-        lambda: cases.reference_case("?"),
-        lambda: cases.chosen("hard"),
-    ):
-        try:
-            call()
-        except ParameterError as error:
-            lines.append(str(error))
-    return "\n".join(lines)
+    lines += [said(lambda name=name: cases.reference_case(name), "FOLDER") for name in ("paper-fig4", "?")]  # type: ignore[misc]
+    return "\n".join([*lines, said(lambda: cases.chosen("hard"), "FOLDER")])
 
 
 CASES: dict[str, Callable[[], object]] = {
