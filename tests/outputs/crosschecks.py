@@ -360,7 +360,7 @@ def listed(
 ) -> str:
     """Return what is said of right samples with a list of events after a change of this list."""
     events = [(float(event.t), event.kind) for event in simulate(name, t_end=t_end).events]
-    return judged(name, *exact(name, t_end, 121), events=change(events) or events, **more)
+    return judged(name, *exact(name, t_end, 121), events=change(events) or events, why=True, **more)
 
 
 def rounded(way: Callable[[np.ndarray], np.ndarray], name: str = "fig5", count: int = 121, **options: Any) -> Any:
@@ -541,6 +541,14 @@ sep=;|t;x;v|0;1;2|1;2;3
 t,x,v|0,1,1_0|1,2,3
 t,x,v|0,nan,2|1,2,3
 t,x,w|0,1,2|1,2,3
+9 0 5 1|9 1 6 2
+1.5D-03 1.D0 2d+1|1.5 2 3
+t,x,v|0,1,2||1,2
+a,b,c|0,1,2
+t,x,1|0,1,2|1,2,3
+t x v|0 1 2|// why|1 2 3
+t	x	v|0	1,5	2|1	2	3
+ |
 """.splitlines()
 JSON = """\
 {"t": [0, 1], "x": [1, 2], "v": [2, 3], "events": [[0.5, "cross"]], "note": "text"}
@@ -591,6 +599,7 @@ CHECKS: dict[str, Callable[[], object]] = {
     "chatter": lambda: judged(*(each if isinstance(each, str) else each[:90] for each in WRONG["chatter"]())),
     "an outlier and why": lambda: judged(*spoilt(moved(1, 0.01, 40, 41)), why=True),
     "few digits and why": lambda: rounded(decimals(5), why=True),
+    "two samples": lambda: judged("fig5", [0, 1], [0, 0.5], [0, 1]),
     "undecidable": lambda: judged("fig5", [0.0, 1.0, 2.0, 3.0], [0, 1e40, 0, 0], [0, 1, 1, 2]),
     "list: right": lambda: listed(lambda events: None),
     "list: one missing": lambda: listed(lambda events: events[:2] + events[3:]),
@@ -646,6 +655,7 @@ CHECKS: dict[str, Callable[[], object]] = {
     "texts of Octave": lambda: texts(*OCTAVE, suffix="txt"),
     "objects": lambda: "\n".join(re.sub(r" at 0x\w+", "", read(each)) for each in objects()),
     "texts without v": lambda: texts(*TEXTS[:4], columns={"v": None}),
+    "texts by number": lambda: texts(TEXTS[-8], TEXTS[-4], TEXTS[2], columns={"t": "2", "x": "1", "v": "3"}),
     "texts with other names": lambda: texts(*TEXTS[:2], *TEXTS[6:8], columns={"t": "time", "x": "a", "v": "b"}),
 }
 
