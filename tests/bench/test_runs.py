@@ -19,7 +19,7 @@ from small_set import small_set
 
 from symosc import load_scene, simulate
 from symosc.bench import cases, machine, results, sentence, speed, work
-from symosc.bench.solvers import HANG, OURS, FoundEvent, Worker, all_solvers
+from symosc.bench.solvers import HANG, OURS, FoundEvent, Worker, all_solvers, processor_limit
 from symosc.errors import OutputError
 
 
@@ -69,6 +69,13 @@ def test_a_process_that_dies_between_two_calls_is_replaced() -> None:
         for _ in range(3):  # what the pool has noticed by then may fail the first of them
             last = worker.call(PATIENCE, divmod, 7, 2)
         assert (last.value, last.failure) == ((3, 1), "")
+
+
+def test_processor_time_is_limited() -> None:
+    with processor_limit(5.0):
+        pass
+    with pytest.raises(TimeoutError, match="more than 0"), processor_limit(0.02):
+        loop_for_ever()
 
 
 def test_the_machine_is_named_with_all_versions() -> None:

@@ -128,6 +128,7 @@ RESULTS = {
     "d.json": '{"paper-fig6": {"seconds": 2, "events": [{"t": 3, "x": 2, "kind": "graze", "dx_m": 3}]}, "rest-1": []}',
     "e.json": '[{"case": "rest-1", "t": 2, "kind": "end"}, {"case": "rest-1", "t": 1, "kind": "end"}]',
     "f.json": '{"case": ["rest-1", "rest-1"], "t": [2, 1], "kind": ["cross", "stick"], "belt": [1, 2]}',
+    "half.csv": "case,t,t_low,x_high,kind\nrest-1,3,2,9,cross\n",
     "paper-fig6.csv": "t,kind\n1,cross\n",
     "other.csv": "t,kind\n1,cross\n",
     "wrong kind.csv": "case,t,kind\nrest-1,1,stop\n",
