@@ -431,6 +431,7 @@ def command(*arguments: str, wrong: bool = False) -> str:
         for module, found in runs.items():
             stack.enter_context(patch.object(module, "run", lambda *_, found=found, **options: found))
         stack.enter_context(patch("symosc.plot.save", lambda figure, path: Path(path)))
+        stack.enter_context(patch("symosc.cli.bench.find_spec", lambda name: name))
         done = run(*(each.replace("FOLDER", name) for each in ("bench", *arguments)))
         pages = [path.read_text().partition("\n\n")[0] for path in sorted(Path(name).iterdir())]
     return "\n".join([str(done.exit_code), done.output.replace(name, "FOLDER"), *pages])
