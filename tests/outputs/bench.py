@@ -75,9 +75,13 @@ def followed(scene: Scene, functions: dict[str, Any], settings: Any, offset: flo
     return "\n".join(f"{event.t:.8f} {event.x:.7f} {event.kind} {event.boundary}" for event in found)
 
 
-def by_scan(name: str, points: int = 40) -> str:
-    scene = SCENES[name]
-    return followed(scene, interpreted(peers_scan), peers_scan.scan_of(problem(scene.parameters), points, 1e-12))
+def by_scan(name: str, points: int = 40, **changes: Any) -> str:
+    scene = replace(SCENES[name], parameters=SCENES[name].parameters.replace(**changes))
+    try:
+        settings = peers_scan.scan_of(problem(scene.parameters), points, 1e-12)
+    except PeerError as error:
+        return str(error)
+    return followed(scene, interpreted(peers_scan), settings)
 
 
 def by_dop853(name: str, tolerance: float = 1e-10) -> str:
@@ -172,6 +176,7 @@ def map_text() -> str:
     for row in np.eye(5):
         values = tuple(value + 1e-3 * off for value, off in zip(exact, row, strict=True))
         lines.append(f"{error_map.error(values, exact, 3.0):.9g}")
+    lines.append(f"{map_figure().axes[0].get_facecolor()}")
     lines += [error_map._number(value) for value in (1, 6.0, 0.1, 1e-2, 3e-7, 100)]
     return "\n".join(lines)
 
@@ -282,6 +287,7 @@ def compared() -> list[Any]:
         [right[0]._replace(t=nan), *right[1:]],
         [e._replace(t=e.t + 1e-4, x=e.x - 1e-3) for e in right],
     ]
+    lists.append([e._replace(t=e.t + 0.1) for e in right])
     lists.append([*right[:3], right[3]._replace(kind="cross"), *right[4:], right[0]._replace(t=6.99)])
     return [work.compare(given, scene, exact) for given in lists]
 
@@ -313,9 +319,10 @@ def named_calls() -> str:
         "orbits": speed._orbits_and_windows(3), "quick": speed._processes(True, "cache"),
         "all": speed._processes(False, "cache"),
     }  # fmt: skip
-    return "\n".join(
-        f"{name}: {c.what} | {c.per} | {c.units} | {c.once}" for name, each in groups.items() for c in each
-    )
+    rows = [(name, c, getattr(c.action, "args", ())) for name, calls in groups.items() for c in calls]
+    sizes = [[np.size(each) for each in arguments if isinstance(each, list | np.ndarray)] for _, _, arguments in rows]
+    texts = [f"{name}: {c.what} | {c.per} | {c.units} | {c.once}" for name, c, _ in rows]
+    return "\n".join(f"{text} {size}" for text, size in zip(texts, sizes, strict=True))
 
 
 # -- the reference cases, and pages of results -------------------------------------------------------------------------
@@ -472,6 +479,8 @@ def settings() -> str:
 CASES: dict[str, Callable[[], object]] = {
     "forces": forces,
     **{f"scan: {name}": partial(by_scan, name) for name in SCENES},
+    "scan: no spring": lambda: by_scan("fig5", k=0),
+    "scan: resonance": lambda: by_scan("fig5", c=0),
     "fine scan": lambda: by_scan("fig8", 2000),
     **{f"DOP853: {name}": partial(by_dop853, name) for name in SCENES},
     **{f"coarse DOP853: {name}": partial(by_dop853, name, 1e-4) for name in ("dip", "peak", "fig10", "fig8")},
