@@ -475,6 +475,7 @@ def objects() -> Iterator[Any]:
     yield {"t": np.array([t, t]), "x": np.array([x, v]), "v": np.array([v, x])}
     yield {"t": np.array([t]), "x": np.array([x]), "v": np.array([v])}
     yield {"t": t, "x": np.array([x, v]), "v": v}
+    yield {"t": np.array([t, t, t]), "x": np.array([x, v]), "v": np.array([v, x])}
     yield from ({"t": t, "y": np.array([x, v])}, {"t": t, "y": np.array([x, v]).T}, {"ts": t, "ys": {"x": x, "v": v}})
     yield {"t": np.array(t)[:, None], "y": np.array([x, v]).T}
     yield from ({"t": t, "y": np.array([x, v, x])}, {"t": [*t, np.inf], "y": np.array([[*x, 0], [*v, 0]])})
@@ -641,6 +642,7 @@ CHECKS: dict[str, Callable[[], object]] = {
     "a motion that rests": lambda: ended(),
     "positions": lambda: positions("fig10", 161),
     "positions, 5 decimals": lambda: positions("fig9", 161, 5),
+    "positions at rounded times": lambda: judged("fig9", *(np.round(a, 4) for a in exact("fig9", 6.0, 161)[:2])),
     "positions, few": lambda: positions("fig5", 31),
     "positions without a scene": lambda: judged(load_scene("fig5").parameters, *exact("fig5", 6, 121)[:2]),
     "a function": lambda: judged("fig9", np.linspace(0.1324, 3, 50), lambda t: simulate("fig9", t_end=3)(t)),
