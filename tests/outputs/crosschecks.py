@@ -628,6 +628,7 @@ CHECKS: dict[str, Callable[[], object]] = {
     "tens of thousandths": lambda: rounded(decimals(4), "fig9", 301, changes={"A0": -2.001}),
     "wrong, 3 decimals": lambda: rounded(decimals(3), "fig9", 801, changes={"A0": -2.1}),
     "4 significant digits": lambda: rounded(significant(4)),
+    "4 significant digits, no 0": lambda: rounded(significant(4), "fig9"),
     "single precision": lambda: rounded(single, "fig9", cut=single),
     "a converter": lambda: rounded(converted),
     "cut off": lambda: rounded(lambda values: np.trunc(values * 1000) / 1000, "fig9"),
