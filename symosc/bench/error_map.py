@@ -235,7 +235,7 @@ def _name(ax: Axes, ratios: np.ndarray, zetas: np.ndarray, inside: np.ndarray, n
 
 def _number(value: float) -> str:
     """Return a number for math text: 1, 6 or a power of ten."""
-    if 0.1 <= value < 100:
+    if 0.95 <= value < 100:
         return f"{value:.0f}"
     mantissa, exponent = f"{value:.0e}".split("e")
     return f"10^{{{int(exponent)}}}" if mantissa == "1" else rf"{mantissa}{{\times}}10^{{{int(exponent)}}}"

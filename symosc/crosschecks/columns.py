@@ -273,7 +273,12 @@ def event_list_faults(check: Any) -> Iterator[Diagnosis]:
     evidence = "the samples are right"
     if missed and len(missed) == len(invented) and [e.kind for e in missed] == [e.kind for e in invented]:
         worst = max((found.t - float(exact.t) for found, exact in zip(invented, missed, strict=True)), key=abs)
-        words = f"{len(missed)} events of the list are at wrong times, by up to {worst:.3g}"
+        which = (
+            "1 event of the list is at a wrong time"
+            if len(missed) == 1
+            else f"{len(missed)} events of the list are at wrong times"
+        )
+        words = f"{which}, by up to {worst:.3g}"
         yield Diagnosis("event times", "", words, evidence, worst, None)
         return
     lists = ("missing events", missed, "lacks"), ("invented events", invented, "has, and the motion has not,")

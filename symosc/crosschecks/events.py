@@ -323,8 +323,8 @@ class Matcher:
         self._pair()
         if given:
             self._allow_start()
-            self._allow_events_of_the_samples()
             self._allow_close_events()
+            self._allow_events_of_the_samples()
             self._allow_near_grazes()
         self._judge_exact()
         self._judge_found()

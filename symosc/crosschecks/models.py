@@ -79,7 +79,7 @@ def _systems(p: Parameters) -> Iterator[tuple[str, str, str, str, Record]]:
     changes += [("FN", float(p.FN) * GRAVITY, "times g"), ("FN", float(p.FN) * (1 / GRAVITY), "divided by g")]
     changes += [("mu1", p.mu2, "mu2 in its place"), ("mu2", p.mu1, "mu1 in its place")]
     for name, value, why in changes:
-        text, right = f"{float(value):.15g}", float(getattr(p, name))
+        text, right = f"{float(value) + 0.0:.15g}", float(getattr(p, name))  # 0, not -0
         words = f"the solution has {name} = {text}, which should be {right:.10g}: {why}"
         yield "coefficient", name, words, f"{name} = {text}", {name: float(text)}
     for group, where in ((("A0", "B0", "FN"), "the forces A0, B0 and FN are"), (("k", "c"), "k and c are")):

@@ -208,6 +208,8 @@ def read_set(path: str | Path) -> tuple[int, Sequence[ReferenceCase]]:
     try:
         cases = [_read_case(folder, entry["name"], manifest["files"]) for entry in manifest["cases"]]
         return int(manifest["set_version"]), cases
+    except ResultError:  # a ValueError too; it says already which file is wrong
+        raise
     except (KeyError, TypeError, AttributeError, ValueError) as error:
         raise ResultError(str(folder), f"is not a set of reference cases: {type(error).__name__}, {error}") from None
 

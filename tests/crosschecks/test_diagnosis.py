@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import random
 from collections import Counter
 from typing import Any
 
@@ -13,7 +12,7 @@ from excerpts import crosscheck
 from fault_kinds import KINDS, finer
 from fault_matrix import judge, run, table, whole
 from fault_scenes import cases
-from faulty_solver import METHODS, Flaw, Solver, smoothed, without_events
+from faulty_solver import METHODS, smoothed, without_events
 
 from symosc import load_scene, simulate
 from symosc.crosschecks.causes import CAUSES, Diagnosis
@@ -48,15 +47,6 @@ def test_each_kind_of_fault_has_its_name(kind: str) -> None:
         assert f"the first time at t = {begin:.8g} to {end:.8g}; " in check.diagnosis[0].evidence
 
 
-@pytest.mark.slow
-def test_a_sample_of_the_matrix(capsys: pytest.CaptureFixture[str]) -> None:
-    """Of all kinds; the whole is below."""
-    counts = run(SEED, random.Random(SEED).sample(whole(), 4))
-    with capsys.disabled():
-        print("\n" + table(counts))
-    judge_counts(counts, 0.9)
-
-
 @pytest.mark.campaign
 def test_the_whole_matrix(capsys: pytest.CaptureFixture[str]) -> None:
     """43 kinds of fault, thirty scenes, four samplings."""
@@ -75,38 +65,6 @@ def judge_counts(counts: Counter[tuple[str, str]], named: float) -> None:
     assert counts["all", "false"] == 0
 
 
-def scaled(p: Any, t: np.ndarray, x: np.ndarray, v: np.ndarray) -> tuple[np.ndarray, ...]:
-    return t, np.where(t > 0.6 * t[-1], 1000.0 * x, x), v
-
-
-def turned(p: Any, t: np.ndarray, x: np.ndarray, v: np.ndarray) -> tuple[np.ndarray, ...]:
-    motion = simulate(p.replace(B0=-p.B0), t0=t[0], x0=x[0], v0=v[0], t_end=t[-1])
-    later = t > 0.75 * t[-1]
-    return t, np.where(later, x, motion(t)[0]), np.where(later, v + 1e-3 * t, motion(t)[1])
-
-
-def shifted_units(p: Any, t: np.ndarray, x: np.ndarray, v: np.ndarray) -> tuple[np.ndarray, ...]:
-    return t, 1000.0 * x, 1000.0 * v * (1.0 + 1e-6 * np.sin(t))
-
-
-def noisy_sign(p: Any, t: np.ndarray, x: np.ndarray, v: np.ndarray) -> tuple[np.ndarray, ...]:
-    return t, -x, -v + 1e-4 * np.sin(40.0 * t)
-
-
-@pytest.mark.slow
-@pytest.mark.full(3)
-@pytest.mark.parametrize("spoil", [scaled, turned, shifted_units, noisy_sign])
-@pytest.mark.parametrize("name", ["fig5", "fig9"])
-def test_what_is_said_of_a_change_is_true(name: str, spoil: Any) -> None:
-    """Two faults at once: with the change that explains many of the steps, the others are still wrong."""
-    scene = load_scene(name)
-    t = np.linspace(float(scene.t0), 12, 500)
-    check = crosscheck(scene.parameters, *spoil(scene.parameters, t, *simulate(scene, t_end=12)(t)))
-    assert not check.ok
-    assert false_sentences(check) == []
-    assert "all" not in " ".join(one.evidence for one in check.diagnosis if "are right" in one.evidence)
-
-
 @pytest.mark.slow
 @pytest.mark.full(2)
 @pytest.mark.parametrize(
@@ -123,34 +81,6 @@ def test_no_stick_is_named_where_there_is_none(kind: str) -> None:
     assert "chatter" not in said
 
 
-STAGES, BEGINNING = "the friction of each stage's v", "the friction at its beginning"
-
-
-@pytest.mark.quick(1)
-@pytest.mark.full(4)
-@pytest.mark.parametrize(
-    ("method", "held", "name", "friction"),
-    [
-        ("leapfrog", True, "leapfrog (velocity Verlet)", BEGINNING),
-        ("rk4", False, "RK4", STAGES),
-        ("leapfrog", False, "leapfrog (velocity Verlet)", STAGES),
-        ("euler", True, "Euler", BEGINNING),
-        ("rk4", True, "exact", "the force at the beginning"),
-    ],
-)
-def test_a_fixed_step_over_events_is_named_with_its_friction(method: str, held: bool, name: str, friction: str) -> None:
-    """It is no static friction; and with the friction held over a step, RK4 is exact to all digits compared."""
-    scene = load_scene("fig10")
-    grid = np.linspace(float(scene.t0), 12, 2401)
-    start = float(scene.x0), float(scene.v0)
-    t, x, v = (a[::6] for a in without_events(scene.parameters, grid, *start, METHODS[method], held))
-    first = crosscheck(scene, t, x, v).diagnosis[0]
-    assert (first.cause, first.subject) == ("late events" if name == "exact" else "chatter", name)
-    assert friction in first.evidence
-    assert first.value == pytest.approx(grid[1] - grid[0])
-    assert "static" not in first.words
-
-
 @pytest.mark.slow
 def test_a_fitted_number_explains_the_defects_or_is_not_named() -> None:
     """A mass that never moves is not heavy, and the error of a method is no coefficient."""
@@ -163,30 +93,6 @@ def test_a_fitted_number_explains_the_defects_or_is_not_named() -> None:
 
 def leapfrogged(p: Any, t: np.ndarray, n: int = 1) -> tuple[np.ndarray, ...]:
     return tuple(column[::n] for column in without_events(p, finer(t, n), 4.5447, 1.0, METHODS["leapfrog"])[1:])
-
-
-@pytest.mark.quick(1)
-@pytest.mark.full(4)
-@pytest.mark.parametrize("name", ["fig5", "fig9", "fig10"])
-@pytest.mark.parametrize(
-    ("change", "value", "said"),
-    [
-        ("Omega", lambda p: float(p.Omega) * 2 * np.pi, "times 2 pi"),
-        ("Omega", lambda p: float(p.Omega) / (2 * np.pi), "divided by 2 pi"),
-        ("Omega", lambda p: float(p.Omega) * np.pi / 180, "in degrees"),
-        ("m", lambda p: p.m / 10, "m = "),
-        ("FN", lambda p: 0, "no friction"),
-        ("c", lambda p: p.c / 2, "c = "),
-    ],
-)
-def test_far_away_coefficients_are_named(name: str, change: str, value: Any, said: str) -> None:
-    scene = load_scene(name)
-    p, t = scene.parameters, np.linspace(float(scene.t0), 10, 301)
-    motion = simulate(p.replace(**{change: value(p)}), t0=scene.t0, x0=scene.x0, v0=scene.v0, t_end=10)
-    first = crosscheck(scene, t, *motion(t)).diagnosis[0]
-    assert (first.cause, first.subject) == ("coefficient", change)
-    assert said in first.words
-    assert "all 300 steps are right" in first.evidence
 
 
 @pytest.mark.slow
@@ -218,26 +124,6 @@ def test_a_right_solution_has_no_diagnosis() -> None:
     assert [one.cause for one in crosscheck("fig5", t, np.round(x, 6), np.round(v, 6)).diagnosis] == ["precision"]
 
 
-@pytest.mark.slow
-def test_what_is_not_known_says_so() -> None:
-    """Two faults of different kinds at once: nothing explains most of the steps."""
-    rng = np.random.default_rng(3)
-    t = np.linspace(0, 7, 150)
-    x, v = simulate("fig5", t_end=7)(t)
-    x += np.cumsum(rng.uniform(0.0, 1e-3, len(t)))
-    check = crosscheck("fig5", t, x, v)
-    assert not check.ok
-    assert {one.cause for one in check.diagnosis} & {"unknown", "noise", "truncation"}
-
-
-@pytest.mark.slow
-def test_two_samples_get_a_verdict() -> None:
-    """A change of columns leaves one row of two: this had no steps to follow."""
-    assert "FAILED" in crosscheck("fig5", [0, 1], [0, 1]).summary()
-    for x, v in np.random.default_rng(1).normal(size=(2, 2)):
-        assert "FAILED" in crosscheck("fig5", [0, 1], [0, x], [0, v]).summary()
-
-
 def test_right_steps_from_another_start() -> None:
     scene = load_scene("fig9")
     t = np.linspace(float(scene.t0), 4, 60)
@@ -248,23 +134,6 @@ def test_right_steps_from_another_start() -> None:
 
 
 # -- data clues --------------------------------------------------------------------------------------------------------
-
-
-T = np.linspace(0, 12, 400)
-
-
-def test_lists_of_events() -> None:
-    motion = simulate("fig5", t_end=12)
-    x, v = motion(T)
-    events = [(float(event.t), event.kind) for event in motion.events]
-
-    def causes(listed: list[tuple[float, str]]) -> list[str]:
-        return [one.cause for one in crosscheck("fig5", T, x, v, events=listed).diagnosis]
-
-    assert causes(events) == []
-    assert causes(events[:2] + events[3:]) == ["missing events"]
-    assert causes(sorted([*events, (8.0, "cross")])) == ["invented events"]
-    assert causes([(t + 0.02 * (i == 1), kind) for i, (t, kind) in enumerate(events)]) == ["event times"]
 
 
 # -- other models ------------------------------------------------------------------------------------------------------
@@ -299,35 +168,7 @@ def test_a_wrong_coefficient_is_estimated(name: str) -> None:
     assert found[0].error < 1e-3 * abs(value)
 
 
-@pytest.mark.slow
-def test_a_fast_clock_and_a_drive_ahead_are_told_apart_by_the_start() -> None:
-    scene, shift = load_scene("fig9"), 0.03
-    t0 = float(scene.t0)
-    t = np.linspace(t0, 6, 150)
-    motion = simulate(scene, t_end=6)
-    clock = crosscheck(scene, t + shift, *motion(t)).diagnosis[0]
-    assert clock.cause == "time shift"
-    assert clock.value == pytest.approx(shift, abs=1e-8)
-    Om = float(scene.parameters.Omega)
-    ahead = simulate(scene.parameters, t0=t0 + shift, x0=scene.x0, v0=scene.v0, t_end=7)
-    phase = crosscheck(scene, t, *ahead(t + shift)).diagnosis[0]
-    assert phase.cause == "phase"
-    assert phase.value == pytest.approx(Om * shift, abs=1e-7)
-    sine = simulate(scene.parameters, t0=t0 - np.pi / 2 / Om, x0=scene.x0, v0=scene.v0, t_end=7)
-    assert "sine in place of cosine" in crosscheck(scene, t, *sine(t - np.pi / 2 / Om)).diagnosis[0].words
-    # Without a scene there is no start to tell by: both are named.
-    both = crosscheck(scene.parameters, t + shift, *motion(t)).diagnosis[0]
-    assert {both.cause, *(one.cause for one in both.alternatives)} >= {"time shift", "phase"}
-
-
 # -- numbers of the faults ---------------------------------------------------------------------------------------------
-
-
-def solved(flaw: Flaw, name: str = "fig10", every: int = 4, **options: Any) -> tuple[Any, ...]:
-    scene = load_scene(name)
-    grid = np.linspace(float(scene.t0), float(scene.t0) + 9, 601)
-    run = Solver(scene.parameters, flaw, **options).run(grid, float(scene.x0), float(scene.v0))
-    return (name, *(column[::every] for column in run.arrays()))
 
 
 def softened(curve: str, width: float, name: str, samples: int) -> tuple[Any, ...]:
@@ -337,25 +178,14 @@ def softened(curve: str, width: float, name: str, samples: int) -> tuple[Any, ..
     return (name, *smoothed(scene.parameters, times, float(scene.x0), float(scene.v0), width, curve))
 
 
-def noisy(size: float) -> tuple[Any, ...]:
-    t = np.linspace(0, 12, 400)
-    return "fig5", t, *(simulate("fig5", t_end=12)(t) + size * np.random.default_rng(2).standard_normal((2, 400)))
-
-
 MEASURED: dict[str, tuple[Any, str, str | None, float | None, float]] = {
-    "noise": (lambda: noisy(1e-2), "noise", None, 1e-2, 0.15),
     "static friction": (lambda: solved(Flaw(static=1.3)), "stick left late", None, 1.3, 1e-6),
-    "shown ends": (lambda: solved(Flaw(static=1.1), every=1, joints=True), "stick left late", None, 1.1, 0.01),
-    "early ends": (lambda: solved(Flaw(early=0.25)), "stick left early", None, None, 0.0),
     "drift": (lambda: solved(Flaw(drift=-2e-3)), "drift", None, -2e-3, 1e-3),
     "drift in steps": (lambda: solved(Flaw(drift=-2e-3), "fig5", 60), "drift", None, -2e-3, 1e-6),
     "drift in 3 steps": (lambda: solved(Flaw(drift=-2e-3), every=40), "drift", None, -2e-3, 1e-6),
-    "Heun": (lambda: solved(Flaw(method="heun"), "fig5"), "truncation", "Heun", 0.06 / 4, 1e-6),
-    "late events": (lambda: solved(Flaw(late=True), every=2), "late events", None, None, 0.0),
     "tanh, narrow": (lambda: softened("tanh", 0.01, "fig5", 400), "smoothed friction", "tanh", 0.01, 0.05),
     "tanh, narrowest": (lambda: softened("tanh", 1e-3, "fig5", 400), "smoothed friction", "tanh", 1e-3, 1e-5),
     "arctan, wide": (lambda: softened("arctan", 7.2, "fig9", 60), "smoothed friction", "arctan", 7.2, 1e-3),
-    "root, passages": (lambda: softened("root", 0.02, "fig9", 300), "smoothed friction", None, 0.02, 0.3),
 }
 
 

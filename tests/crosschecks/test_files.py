@@ -223,43 +223,6 @@ def test_numbers_are_read_however_they_are_written() -> None:
         assert {name: column.tolist() for name, column in found.items()} == columns, lines
 
 
-def test_columns_may_be_named_by_their_numbers() -> None:
-    text = "9 0 5 1\n9 1 6 2\n"
-    found = read(text, t="2", x="4", v="3")
-    assert [found[name].tolist() for name in "txv"] == [[0, 1], [1, 2], [5, 6]]
-    with pytest.raises(ParameterError, match="has no header and 4 columns; say which are meant, such as t=1,x=2,v=3"):
-        read(text)
-
-
-def test_a_header_may_hold_numbers() -> None:
-    found = read("t,x,1\n0,1,2\n1,2,3\n", v="1")
-    assert [found[name].tolist() for name in "txv"] == [[0, 1], [1, 2], [2, 3]]
-
-
-def test_what_spreadsheets_and_fortran_write() -> None:
-    assert read("sep=;\nt;x;v\n0,5;1;2\n1,5;2;3\n")["t"].tolist() == [0.5, 1.5]
-    assert read("1.5D-03 1.D0 2d+1\n1.5 2 3\n")["t"].tolist() == [1.5e-3, 1.5]
-    assert read("1.5D-03 1.D0 2d+1\n1.5 2 3\n")["v"].tolist() == [20, 3]
-
-
-@pytest.mark.parametrize(
-    ("text", "words"),
-    [
-        ("t,x,v\n0,1,2\n1,x,2\n", r"x\[1\] = 'x': is not a number \(line 3\)"),
-        ("t,x,v\n0,1,2\n\n1,2\n", "row 4 has 2 entries, the header 3"),
-        ("t,x,v,x\n0,1,2,3\n", "has 'x' twice"),
-        ("time,pos,position,v\n0,1,2,3\n", "may be any of pos, position in here; say which, such as x=pos"),
-        ("a,b,c\n0,1,2\n", "t.*is missing in here; there are: a, b, c; say which, such as t=a"),
-        ("\n \n", "is empty"),
-        ("t,x,v\n0,1,2\n\x00\n", "is not text in lines"),
-    ],
-)
-def test_what_is_wrong_is_said(text: str, words: str) -> None:
-    with pytest.raises(ParameterError, match=words) as caught:
-        read(text)
-    assert "\n" not in str(caught.value)
-
-
 # -- octave ------------------------------------------------------------------------------------------------------------
 
 

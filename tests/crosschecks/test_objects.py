@@ -121,16 +121,6 @@ def test_several_solutions_in_one_object() -> None:
     assert len(solutions_in([frame(), COLUMNS, np.column_stack([T, X, V])], {})) == 3
 
 
-def test_pieces_that_meet_are_joined() -> None:
-    parts = (slice(0, 21), slice(20, 41), slice(40, 60))
-    pieces = [{name: column[part] for name, column in COLUMNS.items()} for part in parts]
-    (samples,) = solutions_in(pieces, {})
-    assert len(samples.t) == 62
-    assert samples.notes == ("joined from 3 pieces",)
-    assert crosscheck("fig9", pieces).ok
-    assert len(solutions_in([pieces[0], pieces[2]], {})) == 2
-
-
 def test_rows_may_have_numbers_for_names() -> None:
     """Names that are no text stopped the reader with a TypeError."""
     with pytest.raises(ParameterError, match="there are: 1, 2"):
@@ -183,24 +173,6 @@ def test_what_is_no_solution_is_one_line(source: Any) -> None:
     assert len(str(caught.value)) < 300
 
 
-def test_rows_of_several_ids_are_sorted_out() -> None:
-    """Of any number of ids and rows, however mixed; in the order in which they begin."""
-    rng = np.random.default_rng(3)
-    for count in (2, 3, 5):
-        lengths = rng.integers(2, 9, count)
-        ids = rng.permutation(np.repeat(np.arange(count), lengths))
-        t = np.empty(len(ids))
-        for i in range(count):
-            t[ids == i] = np.sort(rng.uniform(0, 9, lengths[i]))
-        columns = {"t": t, "x": rng.uniform(-1, 1, len(t)), "v": rng.uniform(-1, 1, len(t))}
-        found = solutions_in({**columns, "id": [f"run {i}" for i in ids]}, {})
-        order = list(dict.fromkeys(ids.tolist()))
-        assert [samples.name for samples in found] == [f"run {i}" for i in order]
-        for samples, i in zip(found, order, strict=True):
-            for name, column in columns.items():
-                assert getattr(samples, name).tolist() == column[ids == i].tolist()
-
-
 # -- functions ---------------------------------------------------------------------------------------------------------
 
 
@@ -220,16 +192,6 @@ def test_functions_of_one_time_and_of_many() -> None:
         assert (samples.t[0], samples.t[-1]) == (float(FIG9.t0), float(FIG9.t_end))
     long = of_function(lambda t: (t, t), replace(FIG9, t0=Fraction(0), t_end=Fraction(10**9)))
     assert len(long.t) == MOST_TIMES + 1
-
-
-def test_a_function_may_be_given_with_times() -> None:
-    motion, t = simulate("fig9", t_end=3), np.linspace(0.2, 3, 50)
-    for first in ("fig9", FIG9.parameters):
-        check = crosscheck(first, t, lambda time: motion(time))
-        assert check.ok
-        assert check.t.tolist() == t.tolist()
-    assert crosscheck("fig9", simulate("fig9")).ok
-    assert len(crosscheck("fig9", simulate("fig9")).matched) == len(simulate("fig9").events)
 
 
 def test_what_is_no_solution_of_a_function() -> None:
@@ -387,20 +349,6 @@ def test_what_is_a_column_all_the_same() -> None:
 @pytest.mark.parametrize("events", NO_EVENTS, ids=lambda events: repr(events)[:20])
 def test_what_is_no_list_of_events(events: Any) -> None:
     one_line(lambda: crosscheck("fig9", SAMPLES_T, SAMPLES_X, SAMPLES_V, events=events), "events")
-
-
-def test_times() -> None:
-    one_line(lambda: crosscheck("fig9", SAMPLES_T[::-1], SAMPLES_X, SAMPLES_V), "t[1]", "comes after")
-    one_line(lambda: crosscheck("fig9", np.ones(30), SAMPLES_X, SAMPLES_V), "t", "repeated")
-    one_line(lambda: crosscheck("fig9", SAMPLES_T + 1e40, SAMPLES_X, SAMPLES_V), "t", "repeated")
-    for shift in (1e6, -1e6):
-        assert not crosscheck("fig9", SAMPLES_T + shift, SAMPLES_X, SAMPLES_V).ok
-
-
-def test_a_missing_column_is_said() -> None:
-    one_line(lambda: crosscheck("fig9", SAMPLES_T, v=SAMPLES_V), "x = None", "missing")
-    for source in (None, 5, [1, 2], b"x", np.zeros((3, 4)), {}, {"t": SAMPLES_T}, (value for value in SAMPLES_T)):
-        one_line(lambda source=source: crosscheck("fig9", source), " = ")  # type: ignore[misc]
 
 
 GOOD = {"t": SAMPLES_T.tolist(), "x": SAMPLES_X.tolist(), "v": SAMPLES_V.tolist()}

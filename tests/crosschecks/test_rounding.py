@@ -47,45 +47,6 @@ def test_digits_are_counted(kind: Any, count: int) -> None:
         assert np.max(np.abs(cut(values) - values) / digits.units) > 0.3
 
 
-@pytest.mark.slow
-def test_six_digits_are_not_the_method_but_a_bad_method_is() -> None:
-    t = np.linspace(0, 12, 201)
-    right, wrong = (
-        simulate("fig5", t_end=12)(t),
-        simulate(load_scene("fig5").parameters.replace(k="1.002"), t0=0, x0=0, v0=0, t_end=12)(t),
-    )
-    cut, words = significant(6)
-    result = crosscheck("fig5", t, cut(right[0]), cut(right[1]))
-    assert result.ok
-    assert result.rounded == {"x": words, "v": words}
-    assert "they are judged at that precision" in result.summary()
-    # In full digits, and in few, a wrong model is a wrong model.
-    full = crosscheck("fig5", t, *wrong)
-    assert not full.ok
-    assert not full.rounded
-    assert full.first_wrong is not None
-    few = crosscheck("fig5", t, cut(wrong[0]), cut(wrong[1]))
-    assert not few.ok
-    assert few.first_wrong is not None
-    assert few.first_wrong.t >= full.first_wrong.t
-    # Rounding that the tolerance covers is said, and no more.
-    ten = crosscheck("fig5", t, *(significant(10)[0](values) for values in right))
-    assert ten.ok
-    assert "10 significant digits" in ten.notes[0]
-    assert "judged at that precision" not in ten.notes[0]
-
-
-def test_a_list_with_few_digits_is_judged_at_them() -> None:
-    exact = simulate("fig9", t_end=8)
-    t = np.linspace(0.1324, 8, 300)
-    own = [(round(float(event.t), 4), event.kind) for event in exact.events]
-    result = crosscheck("fig9", t, *exact(t), events=own)
-    assert result.ok, result.summary()
-    assert result.rounded == {"events": "4 decimals"}
-    off = [(round(time + 0.0003, 4), kind) for time, kind in own]
-    assert len(crosscheck("fig9", t, *exact(t), events=off).invented) == len(own)
-
-
 # -- rounded solutions -------------------------------------------------------------------------------------------------
 
 
@@ -160,15 +121,6 @@ def test_the_global_tolerance_is_obeyed_beside_the_rounding() -> None:
         assert np.max(check.limits[:, 0]) <= tolerance * check.scales[0] + rounding * 1.001
     exact = np.round(simulate("fig5")(t), 4)
     assert strict("fig5", t, *exact, global_tolerance=1e-12).ok
-
-
-def test_digits_that_are_cut_off_are_those_of_a_right_solution() -> None:
-    t = np.linspace(0.1324, 10, 900)
-    exact = simulate("fig9")(t)
-    for cut, way in ((np.trunc, "cut off"), (np.floor, "rounded down")):
-        check = strict("fig9", t, *(cut(np.array(exact) * 1e3) / 1e3))
-        assert check.ok, check.summary()
-        assert any(f"the last digits are {way}" in note for note in check.notes)
 
 
 # -- false alarms ------------------------------------------------------------------------------------------------------

@@ -186,26 +186,6 @@ def test_nothing_is_left_where_it_fails(tmp_path: Path, monkeypatch: pytest.Monk
 
 
 @pytest.mark.parametrize(
-    ("file", "text", "message"),
-    [
-        ("manifest.json", "{", "is not JSON"),
-        ("manifest.json", '{"format": "symosc reference cases 1"}', "is not a set of reference cases: KeyError"),
-        ("paper-fig6/events.csv", "t\n1\n", "is not the file that was written: its checksum differs"),
-        ("manifest.json", None, "has no manifest.json; `symosc cases -o"),
-    ],
-)
-def test_a_broken_set_is_one_line(file: str, text: str | None, message: str, tmp_path: Path) -> None:
-    target = write_cases(tmp_path / "cases", [each for each in small_set() if each.name == "paper-fig6"])
-    if text is None:
-        (target / file).unlink()
-    else:
-        (target / file).write_text(text)
-    with pytest.raises(ResultError, match=message) as error:
-        read_set(target)
-    assert len(str(error.value).splitlines()) == 1
-
-
-@pytest.mark.parametrize(
     "value", [Fraction(1, 3), Fraction(-5, 4), Fraction(7), 1 + Fraction(1, 10**95), Fraction(10**40)]
 )
 def test_numbers_read_back_exactly(value: Fraction) -> None:

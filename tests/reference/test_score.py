@@ -24,12 +24,8 @@ from symosc.reference.score import (
     CaseScore,
     Score,
     align,
-    as_html,
-    as_markdown,
     as_text,
     case_cell,
-    faults,
-    group_cell,
     judge_case,
     read_tolerance,
     score,
@@ -244,52 +240,10 @@ def test_results_that_end_early_are_not_right() -> None:
             assert case_cell(found).endswith(f"ends at t = {end:g}")
 
 
-def test_of_a_very_long_run_the_last_period_is_compared_and_the_rest_counted() -> None:
-    case = case_of("continuum-1-2")
-    events, last = right(case).events, case.events[-2:]
-    known = {"events": last, "conditions": case.conditions[-2:], "derivatives": ({}, {})}
-    long = with_known(replace(case, periods=len(events) // 2), **known)
-    assert judged(long, events).right
-    assert judged(long, events[-2:]).right  # only the last period is handed in
-    assert counts(judged(long, events[1:])) == {"missed": 1}
-    early = events[0]._replace(t=events[0].t + Fraction(1, 10))
-    assert counts(judged(long, [events[0], early, *events[1:]])) == {"invented": 1}
-    assert counts(judged(long, events[:-1])) == {"missed": 1}
-
-
-def test_cases_without_results_are_no_faults() -> None:
-    cases = list(small_set())
-    found = score("mine", cases, {cases[0].name: right(cases[0])})
-    assert found.ok
-    assert len(found.given) == 1
-    assert verdict(found) == f"mine: right in 1 of 1 cases; {len(cases) - 1} cases without results"
-    noted = score("mine", cases, {cases[0].name: CaseResult(note="> 4 s")})
-    assert case_cell(noted.cases[0]) == "> 4 s"
-    assert group_cell(noted.cases[1:2]) == "no result"
-
-
 @pytest.mark.parametrize("value", ["0", "2", "nan", None])
 def test_a_tolerance_is_a_small_number(value: object) -> None:
     with pytest.raises(ParameterError, match="tolerance"):
         read_tolerance(value)
-
-
-def test_tables_say_what_is_wrong_in_every_form() -> None:
-    cases = list(small_set())
-    good = score("a|b", cases, {case.name: right(case) for case in cases})
-    events = right(cases[0]).events
-    bad = score("<c>", cases, {cases[0].name: CaseResult([*events[1:3], *events[4:]], seconds=0.25)})
-    assert len(faults(bad)) == 2
-    text = as_text([good, bad])
-    assert f"a|b: right in all {len(cases)} cases" in text
-    assert f"{cases[0].name}: missed: stick at belt 1 at t = 0.1223031923" in text
-    page = as_markdown([good, bad], "Scores", 1)
-    assert "| missed 2" in page
-    assert "a\\|b" in page
-    html = as_html([good, bad], "Scores", 1)
-    assert "&lt;c&gt;" in html
-    assert "<c>" not in html
-    assert html.count("<table>") == 2
 
 
 # -- pairs of events ---------------------------------------------------------------------------------------------------
