@@ -12,7 +12,7 @@ from excerpts import crosscheck
 from fault_kinds import KINDS, finer
 from fault_matrix import judge, run, table, whole
 from fault_scenes import cases
-from faulty_solver import METHODS, smoothed, without_events
+from faulty_solver import METHODS, Flaw, Solver, smoothed, without_events
 
 from symosc import load_scene, simulate
 from symosc.crosschecks.causes import CAUSES, Diagnosis
@@ -169,6 +169,13 @@ def test_a_wrong_coefficient_is_estimated(name: str) -> None:
 
 
 # -- numbers of the faults ---------------------------------------------------------------------------------------------
+
+
+def solved(flaw: Flaw, name: str = "fig10", every: int = 4) -> tuple[Any, ...]:
+    scene = load_scene(name)
+    grid = np.linspace(float(scene.t0), float(scene.t0) + 9, 601)
+    run = Solver(scene.parameters, flaw).run(grid, float(scene.x0), float(scene.v0))
+    return (name, *(column[::every] for column in run.arrays()))
 
 
 def softened(curve: str, width: float, name: str, samples: int) -> tuple[Any, ...]:
