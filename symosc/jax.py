@@ -15,7 +15,7 @@ import numpy as np
 
 from symosc.errors import ParameterError, meant, optional
 from symosc.exact import whole_number
-from symosc.model import PARAMETER_NAMES, Parameters
+from symosc.model import PARAMETER_NAMES, Parameters, by_name
 from symosc.scenes import STARTS
 from symosc.sensitivities import sensitivities
 from symosc.simulation.ensemble import simulate_many
@@ -119,7 +119,7 @@ def flow(parameters: Parameters | Mapping[str, Any], t: Any, *, t0: Any = 0.0, x
 def _values(parameters: Any, *start: Any) -> Any:
     """Return the eleven parameters, then t0, x0 and v0, as one JAX array: the order of NAMES."""
     if isinstance(parameters, Parameters):
-        parameters = parameters.by_name(float)
+        parameters = by_name(parameters, float)
     if not isinstance(parameters, Mapping):
         raise ParameterError("parameters", parameters, "must be Parameters, or a mapping of all eleven names")
     for name in parameters:

@@ -106,15 +106,11 @@ class Parameters:
             if name not in PARAMETER_NAMES:
                 allowed = f"is not a parameter; the parameters are {', '.join(PARAMETER_NAMES)}"
                 raise ParameterError(name, value, allowed + meant(name, PARAMETER_NAMES))
-        return Parameters(**self.by_name() | changes)
-
-    def by_name(self, number: Callable[[Fraction], Any] = lambda value: value) -> dict[str, Any]:
-        """Return the parameters by name, each converted by the function `number`."""
-        return {name: number(getattr(self, name)) for name in PARAMETER_NAMES}
+        return Parameters(**by_name(self) | changes)
 
     def as_dict(self) -> dict[str, str]:
         """Return the parameters as text that reads back exactly."""
-        return self.by_name(show)
+        return by_name(self, show)
 
     @public
     def A(self, alpha: int) -> Fraction:
@@ -140,6 +136,11 @@ class Parameters:
 
     def __repr__(self) -> str:
         return f"Parameters({', '.join(f'{name}={_source(value)}' for name, value in self.as_dict().items())})"
+
+
+def by_name(p: Parameters, number: Callable[[Fraction], Any] = lambda value: value) -> dict[str, Any]:
+    """Return parameters by name, exact or converted by the function `number`."""
+    return {name: number(getattr(p, name)) for name in PARAMETER_NAMES}
 
 
 class OtherNumbers:

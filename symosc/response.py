@@ -27,7 +27,7 @@ from symosc.display.frames import imported
 from symosc.display.progress import late_bar
 from symosc.errors import ParameterError, meant
 from symosc.files import write_text
-from symosc.model import Parameters
+from symosc.model import Parameters, by_name
 from symosc.orbits.closing_equations import ConvergenceError
 from symosc.orbits.find import find_orbit, settled_orbit
 from symosc.orbits.floquet import rest_positions
@@ -193,7 +193,7 @@ def model_of(what: Any) -> OtherModel:
         if scene.original is not None:
             return scene.original.model
         what = scene.parameters
-    return OtherModel(**what.by_name())
+    return OtherModel(**by_name(what))
 
 
 def respond(model: OtherModel, before: PeriodicOrbit | None = None) -> tuple[Record, PeriodicOrbit | None]:

@@ -40,6 +40,7 @@ def test_events_and_their_gradients() -> None:
     np.testing.assert_allclose(jax.jacfwd(time)(P["mu1"], P["Omega"], 0.0), expected.dt[4, 0], rtol=1e-12)
 
 
+@pytest.mark.slow
 def test_many_motions_by_vmap() -> None:
     values = np.array([0.6, 0.7, 0.8])
 

@@ -28,7 +28,7 @@ from symosc.engine.arithmetic import bind
 from symosc.engine.flow import friction_signs
 from symosc.errors import ParameterError
 from symosc.files import write_text
-from symosc.model import NEIGHBOURS, PARAMETER_NAMES, Parameters
+from symosc.model import NEIGHBOURS, PARAMETER_NAMES, Parameters, by_name
 from symosc.reference.case import ReferenceCase
 from symosc.reference.cases import SET_VERSION, reference_cases
 from symosc.reference.score import CaseScore, Score, as_markdown, by_group
@@ -77,7 +77,7 @@ def pieces(scene: Scene, events: Iterable[FoundEvent]) -> Iterator[tuple[Any, ..
 def through_events(scene: Scene, events: Iterable[FoundEvent], jacobian: Jacobian) -> Iterator[FoundEvent]:
     """Yield the events of a motion with their derivatives, by the chain rule from the derivatives of its flights."""
     p, q, t0 = scene.parameters, problem(scene.parameters, scene.t0), float(scene.t0)
-    number = p.by_name(float)
+    number = by_name(p, float)
     m, c, k, B0, Omega = (number[name] for name in ("m", "c", "k", "B0", "Omega"))
 
     def gradient_of_A(domain: int) -> np.ndarray:
@@ -293,7 +293,7 @@ def _settings(p: Parameters, mode: int, side: int) -> tuple[float, ...]:
 def differentiated_by_diffrax(scene: Scene, tolerance: float) -> Callable[[], list[FoundEvent]]:
     """Prepare diffrax: it finds the events, and JAX differentiates each piece through them."""
     p, (piece, slopes), t0 = scene.parameters, diffrax_pieces(tolerance), float(scene.t0)
-    numbers, q = np.array([*p.by_name(float).values()]), problem(p, scene.t0)
+    numbers, q = np.array([*by_name(p, float).values()]), problem(p, scene.t0)
     longest, offset = q.period / STEPS_PER_PERIOD, ONE_STEP_OFFSET * max(abs(q.v1), abs(q.v2))
 
     def leave(q: Any, s: None, mode: int, t: float, x: float, v: float, t_end: float) -> tuple[int, float, float]:

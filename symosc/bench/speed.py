@@ -33,7 +33,7 @@ from symosc.fit import fit
 from symosc.grazing.window import grazing_window, grazing_windows
 from symosc.mappings.compiled import compiled_residual
 from symosc.mappings.equations import residual
-from symosc.model import Parameters
+from symosc.model import Parameters, by_name
 from symosc.orbits.find import find_orbit
 from symosc.scenes import Scene, load_scene
 from symosc.simulation.batch import warm
@@ -160,7 +160,7 @@ def _ensemble(count: int) -> Iterator[Call]:
     yield Call("rows of events", "event", follow)
     yield Call("words", "event", partial(follow, record=("events", "word", "multiplicity")))
     yield Call("all columns of a summary", "event", partial(follow, record="summary"))
-    columns: Record = p.by_name(float)
+    columns: Record = by_name(p, float)
     columns["Omega"] = np.random.default_rng(2).uniform(0.9, 1.1, count) * float(p.Omega)
     swept = partial(simulate_many, columns, (0, 0, 0), PERIODS * 2 * pi / columns["Omega"], **ONE_CORE)
     yield Call("as many values of Omega, counted", "event", partial(swept, record=COUNTS))
@@ -288,7 +288,7 @@ def _sweep(motions: int, folder: str) -> Iterator[Call]:
     from symosc.sweeps.sweep import sweep
 
     scene, values, record = load_scene("fig9"), np.linspace(-5, 5, motions), ("word", "events")
-    p: Record = scene.parameters.by_name()
+    p: Record = by_name(scene.parameters)
     starts = {"t0": scene.t0, "x0": values, "v0": scene.v0}
     t_end = float(scene.t0) + PERIODS * 2 * pi / float(p["Omega"])
     paths = (f"{folder}/{i}.nc" for i in range(100))

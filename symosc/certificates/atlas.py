@@ -28,7 +28,7 @@ from symosc.display.progress import reporting
 from symosc.errors import ParameterError
 from symosc.exact import read_exact, show, whole_number
 from symosc.files import STDOUT, check_folder_of, write_text
-from symosc.model import PARAMETER_NAMES, Parameters
+from symosc.model import PARAMETER_NAMES, Parameters, by_name
 from symosc.orbits.border import REST, Border, BorderError, borders_between, passes
 from symosc.orbits.closing_equations import ConvergenceError
 from symosc.orbits.find import SETTLING_PERIODS, find_orbit
@@ -146,7 +146,7 @@ class Plane(NamedTuple):
 
     def rests(self, box: Rectangle) -> bool | None:
         """Return whether the mass may rest on a belt for all parameters of a box; None if only for some of them."""
-        ends = self.p.by_name(lambda value: (value, value))
+        ends = by_name(self.p, lambda value: (value, value))
         ends.update(zip(self.names, box, strict=True))
         low, high = sorted(map(abs, ends["B0"]))
         low = Fraction(0) if ends["B0"][0] < 0 < ends["B0"][1] else low
@@ -186,7 +186,7 @@ class Plane(NamedTuple):
         words = {(x, y): REST for x, y in points if self.rests(((x, x), (y, y)))}
         moving = [point for point in points if point not in words]
         if moving:  # one run of all of them finds most words; the others are looked for one by one
-            numbers: Record = self.p.by_name(float)
+            numbers: Record = by_name(self.p, float)
             numbers |= dict(zip(self.names, np.array(moving, dtype=float).T, strict=True))
             columns = ("word", "multiplicity", "status")
             runs = simulate_many(numbers, (0, 0, 0), f"{SETTLING_PERIODS[0]}T", record=columns, workers=1)

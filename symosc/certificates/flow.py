@@ -20,7 +20,7 @@ from typing import Any, NamedTuple
 from flint import acb_series, arb, arb_series
 
 from symosc.certificates.balls import Ball, Undecided, ball, sure_sign
-from symosc.model import Parameters
+from symosc.model import Parameters, by_name
 
 #: A family counts as critically damped unless its frequency is at least so many times its error.
 ROUGH = 32
@@ -53,7 +53,7 @@ class Oscillator:
 
     def __init__(self, p: Parameters, ranges: Mapping[str, Ball] | None = None) -> None:
         self.p, ranges = p, ranges or {}
-        b = p.by_name(ball) | dict(ranges)
+        b = by_name(p, ball) | dict(ranges)
         self.B0, self.c, self.k, self.m, self.Omega = (b[name] for name in ("B0", "c", "k", "m", "Omega"))
         self.h, self.cm, self.km = self.c / (2 * self.m), self.c / self.m, self.k / self.m
         self.drive = self.B0 * self.Omega / self.m

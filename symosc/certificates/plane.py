@@ -40,7 +40,7 @@ from symosc.certificates.balls import Ball, Undecided, ball
 from symosc.certificates.flow import Jet, Oscillator, coefficient, entire_0f1
 from symosc.certificates.motion import belts_around
 from symosc.certificates.orbit import Margin, Values, column, prove_positive, unit_matrix
-from symosc.model import Parameters
+from symosc.model import Parameters, by_name
 from symosc.orbits.closing_equations import OrbitPiece, pieces_of
 from symosc.words import Word
 
@@ -465,7 +465,7 @@ class Surface:
         self, p: Parameters, names: Sequence[str], box: Rectangle, flights: Flights, near: Sequence[float]
     ) -> None:
         self.p, self.names, self.flights = p, names, flights
-        self.fixed = p.by_name(ball)
+        self.fixed = by_name(p, ball)
         self.middle = [ball((low + high) / 2) for low, high in box]
         self.half = [ball((high - low) / 2) for low, high in box]
         self.range = [ball(low).union(ball(high)) for low, high in box]

@@ -11,7 +11,7 @@ import sympy as sp
 from symosc.aliases import Expr
 from symosc.derive.latex import latex, named
 from symosc.exact import read_exact, show
-from symosc.model import NEIGHBOURS, PARAMETER_NAMES, Parameters
+from symosc.model import NEIGHBOURS, PARAMETER_NAMES, Parameters, by_name
 from symosc.scenes import Scene
 from symosc.simulation.simulate import simulate
 from symosc.symbolic import solution
@@ -47,7 +47,7 @@ class Scope:
     @property
     def values(self) -> tuple[tuple[str, Any], ...]:
         """The parameters given as numbers, by name; none without a scene."""
-        return tuple(self.scene.parameters.by_name().items()) if self.scene else ()
+        return tuple(by_name(self.scene.parameters).items()) if self.scene else ()
 
     @cached_property
     def maps(self) -> tuple[str, ...]:
@@ -132,5 +132,5 @@ def fragment_scope(
     given = {name: read_exact(name, settings[name]) for name in ("v1", "v2") if name in settings and not scene}
     other = {"v2": given["v1"] + 1} if "v1" in given else {"v1": given["v2"] - 1} if given else {}
     checked = base.replace(**{**other, **settings})
-    values = tuple((name, value) for name, value in checked.by_name().items() if scene or name in settings)
+    values = tuple((name, value) for name, value in by_name(checked).items() if scene or name in settings)
     return FragmentScope(None, values, form, digits)

@@ -22,7 +22,7 @@ from symosc.engine.flow import Constants, belt_forces, constant_force
 from symosc.engine.state import BELT, DOMAIN_ABOVE, ON_BELT, Covariance, State
 from symosc.kernels._generated import acceleration
 from symosc.kernels.entire import EPS
-from symosc.model import Parameters
+from symosc.model import Parameters, by_name
 
 #: Sine and cosine of a phase.
 Phase: TypeAlias = tuple[Number, Number]
@@ -168,7 +168,7 @@ def reach_of_error(start: Start, arithmetic: Arithmetic) -> Number:
 def _decided_start(start: Start, boundary: int) -> BeltStart:
     """Decide whether a motion sticks or leaves at its start on a belt, with enough digits to tell a force from 0."""
     p = start.parameters
-    numbers = [start.t0, start.x0, start.v0, *p.by_name().values()]
+    numbers = [start.t0, start.x0, start.v0, *by_name(p).values()]
     digits = SPARE_DIGITS + sum(len(str(abs(q.numerator))) + len(str(q.denominator)) for q in numbers)
     arithmetic = MpArithmetic(p, digits)
     x = arithmetic.number(start.x0)

@@ -38,7 +38,7 @@ from symosc.engine.arithmetic import Arithmetic
 from symosc.engine.flow import constants, derivatives
 from symosc.kernels._generated import motion, next_derivative
 from symosc.kernels.entire import EPS
-from symosc.model import NEIGHBOURS, OtherNumbers, Parameters
+from symosc.model import NEIGHBOURS, OtherNumbers, Parameters, by_name
 from symosc.orbits import admissibility
 from symosc.orbits.admissibility import Condition, clearances, conditions, holding_forces, scales
 from symosc.orbits.closing_equations import ClosingEquations, Orbit, OrbitPiece, pieces_of
@@ -113,7 +113,7 @@ class BorderSystem:
         self.word, self.periods, points = orbit
         self.plane, self.fixed, self.names, self.zeros = plane, plane.fixed, plane.names, tuple(zeros)
         self.timed = [zero for zero in self.zeros if zero.kind in TIMED]
-        self.given = plane.fixed.by_name(float)
+        self.given = by_name(plane.fixed, float)
         self.pieces = pieces_of(self.word)
         self.n = len(self.pieces)
         self.sizes = np.zeros(0)
@@ -365,7 +365,7 @@ class ClosedForm(BorderSystem):
         changed = dict(zip(self.names, u, strict=True))
         if digits is None:
             return OtherNumbers(self.given | changed)
-        return OtherNumbers(self.fixed.by_name(lambda q: u[0].context.mpf(q.numerator) / q.denominator) | changed)
+        return OtherNumbers(by_name(self.fixed, lambda q: u[0].context.mpf(q.numerator) / q.denominator) | changed)
 
     def terms(self, u: Any, digits: int | None = None) -> tuple[Number, Number]:
         """Return the two terms that are equal on the border; where the first is larger the motion has no word."""

@@ -39,7 +39,15 @@ from symosc.simulation import batch as loops
 from symosc.simulation.batch import CancelToken, chosen_loops, in_chunks, pair_loops, read_workers
 from symosc.simulation.motion import MOST_MORE, PAIR_NOISE, fits_pairs
 from symosc.simulation.problems import NumberColumn, Problems
-from symosc.simulation.simulate import MOST_EVENTS, attainable, check_reached, end_status, in_doubles, read_accuracy
+from symosc.simulation.simulate import (
+    MOST_EVENTS,
+    attainable,
+    check_reached,
+    end_status,
+    in_doubles,
+    read_accuracy,
+    read_most,
+)
 from symosc.simulation.tables import CHANGES, SUMMARY_COLUMNS, Summary, table_from
 from symosc.simulation.tangents import chosen_tangents, event_changes, read_wrt
 from symosc.simulation.trajectory import Trajectory
@@ -119,7 +127,7 @@ def simulate_many(
     [0, 0, 0, 0, 0, 1, 1, 1, 1, 1]
     """
     problems = Problems(parameters, starts, t_end, read_start_error(start_error))
-    most = MOST_EVENTS if max_events is None else min(whole_number("max_events", max_events, 1), 2**62)
+    most = read_most(max_events, MOST_EVENTS)
     task = Task(problems, chosen_loops(use_numba), most, read_accuracy(accuracy))
     of_events = isinstance(record, str) and record == "events"
     work: Callable[..., Any]

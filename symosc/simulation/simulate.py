@@ -105,7 +105,7 @@ def simulate(
     """
     start, original = read_problem(scene, {"t0": t0, "x0": x0, "v0": v0, "t_end": t_end}, start_error)
     default = MOST_EVENTS if digits is None else MOST_EXACT_EVENTS
-    most = default if max_events is None else whole_number("max_events", max_events, 1)
+    most = read_most(max_events, default)
     label = "simulate" if digits is None else f"simulate, {digits} digits"
     if digits is None:
         follow = partial(in_doubles, start, most, read_accuracy(accuracy))
@@ -117,6 +117,11 @@ def simulate(
     with late_bar(progress, label, "events") if progress else nullcontext() as advance:
         motion = follow(advance)
     return motion if original is None else MovedTrajectory(motion, original)
+
+
+def read_most(max_events: Any, default: int) -> int:
+    """Return after how many events to stop at most; compiled loops count to 2**62."""
+    return default if max_events is None else min(whole_number("max_events", max_events, 1), 2**62)
 
 
 def read_start(scene: Scene | Parameters | SceneName, given: dict[str, Any], start_error: Any) -> Start:

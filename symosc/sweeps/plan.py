@@ -23,7 +23,7 @@ import symosc
 from symosc.aliases import Record
 from symosc.errors import ParameterError, SweepError, meant
 from symosc.exact import LARGEST, read_exact, show, unmasked, whole_number
-from symosc.model import PARAMETER_NAMES, Parameters
+from symosc.model import PARAMETER_NAMES, Parameters, by_name
 from symosc.quantities import read_number
 from symosc.scenes import STARTS, Scene, forcing_periods, from_rest, load_scene, not_reduced_error
 from symosc.simulation.ensemble import simulate_many
@@ -137,7 +137,7 @@ class SweepPlan:
     def arguments(self, begin: int, end: int) -> Record:
         """Return the arguments of `simulate_many` that compute the cells from `begin` up to `end`."""
         swept = self.cells(begin, end)
-        p: Record = {name: swept.get(name, value) for name, value in self.scene.parameters.by_name().items()}
+        p: Record = {name: swept.get(name, value) for name, value in by_name(self.scene.parameters).items()}
         starts = {name: swept.get(name, getattr(self.scene, name)) for name in STARTS}
         period = 2 * math.pi / np.asarray(p["Omega"], dtype=float)
         t_end = self.t_end.times(period)

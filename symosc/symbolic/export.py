@@ -27,7 +27,7 @@ from typing import Any, NamedTuple
 from symosc.aliases import Record
 from symosc.errors import OutputError, ParameterError
 from symosc.files import make_folder, read_path, write_text
-from symosc.model import NEIGHBOURS, PARAMETER_NAMES, Parameters
+from symosc.model import NEIGHBOURS, PARAMETER_NAMES, Parameters, by_name
 from symosc.scenes import load_scene
 from symosc.words import Map, Word, WordLike, read_word
 
@@ -197,7 +197,7 @@ residual gives f1, f2 of each map, both 0 where it leads from (x_i, theta_i) to 
         """Return switching points (not an orbit) and parameters for the example call at the end of the source."""
         p = self.parameters or load_scene(EXAMPLE).parameters
         z = [each for n in range(len(self.maps) + 1) for each in (round(0.5 - 0.3 * n, 1), round(0.4 + 0.7 * n, 1))]
-        return z, p.by_name(float)
+        return z, by_name(p, float)
 
 
 def _program(word: Word, arrays: bool, fix: Parameters | None) -> _Program:

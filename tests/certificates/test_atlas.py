@@ -20,7 +20,7 @@ from symosc.certificates.balls import ball
 from symosc.certificates.flow import Oscillator
 from symosc.certificates.verify_orbits import Flight, judge, marks
 from symosc.certificates.verify_orbits import Oscillator as InBalls
-from symosc.model import PARAMETER_NAMES
+from symosc.model import PARAMETER_NAMES, by_name
 from symosc.orbits.border import borders_between
 
 COULOMB = Parameters(m=1, c="0.1", k=1, A0=0, B0=1, Omega=1, v1=0, v2=10, mu1=1, mu2=0, FN="0.5")
@@ -369,6 +369,6 @@ def test_long_words_end_at_the_limit_of_work() -> None:
 def test_a_stiff_spring_takes_no_memory() -> None:
     assert len(marks([(True, arb(0), arb(1))], arb("1e-5"))) < 20
     stiff = COULOMB.replace(k="1e20")
-    o = Oscillator(stiff, stiff.by_name(ball))
+    o = Oscillator(stiff, by_name(stiff, ball))
     flights = atlases._flights(("P2", "P1", "P3", "P1"), stiff, ("Omega", "FN"))
     assert flights.cuts(o, flights.legs[0], [arb(1), arb(1)]) is None

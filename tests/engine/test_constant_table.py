@@ -10,6 +10,7 @@ from symosc import Parameters, load_scene, scene_names
 from symosc.engine import flow
 from symosc.engine.arithmetic import Arithmetic
 from symosc.engine.flow import ConstantRows
+from symosc.model import by_name
 from symosc.simulation.batch import INTERPRETED
 from symosc.simulation.problems import ParameterSets
 
@@ -31,7 +32,7 @@ def test_rows_are_those_of_single_sets(seed: int) -> None:
 
 def test_columns_of_doubles_are_the_decimals_that_they_print_as() -> None:
     rng = np.random.default_rng(5)
-    base = load_scene("fig9").parameters.by_name(float)
+    base = by_name(load_scene("fig9").parameters, float)
     columns = base | {"Omega": rng.uniform(1, 6, 40), "c": np.round(rng.uniform(0, 1, 40), 2)}
     given = ParameterSets(columns)
     single = [Parameters(**{name: np.broadcast_to(columns[name], 40)[i] for name in base}) for i in range(40)]

@@ -16,6 +16,7 @@ from symosc.engine.flow import ConstantRows
 from symosc.engine.lanes import BELT_THERE, KIND, T_ERROR, suits_lanes
 from symosc.engine.next_event import advance, time_with_errors
 from symosc.engine.state import GRAZE, MOVED, ON_BELT
+from symosc.model import by_name
 from symosc.simulation.problems import Problems
 
 pytest.importorskip("numba")
@@ -102,7 +103,7 @@ def test_a_motion_has_no_neighbours(number: int) -> None:
     rng = random.Random(number)
     p = SCENES[number] if number < len(SCENES) else rng.choice([p for p in random_sets(7, 60) if p.B0 > 0])
     starts, span = starts_of(rng, p, 150), 30 * 6.3 / float(p.Omega)
-    columns: dict[str, Any] = p.by_name(float)
+    columns: dict[str, Any] = by_name(p, float)
     columns["Omega"] = float(p.Omega) * np.linspace(0.9, 1.1, 150)
     for parameters in (p, columns):
         for record in ("summary", ("events", "sticks", "t", "x")):

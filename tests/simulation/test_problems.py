@@ -13,6 +13,7 @@ from symosc import Parameters, load_scene
 from symosc.engine.arithmetic import Arithmetic
 from symosc.engine.batch import row_of
 from symosc.engine.start import first_state, last_time
+from symosc.model import by_name
 from symosc.simulation.batch import INTERPRETED
 from symosc.simulation.problems import Problems, decimal_rest
 
@@ -73,7 +74,7 @@ def test_a_start_is_on_a_belt_if_the_exact_numbers_are_equal(speed: str) -> None
 
 
 def columns(**changes: Any) -> dict[str, Any]:
-    return FIG9.by_name() | changes
+    return by_name(FIG9) | changes
 
 
 def test_speeds_that_are_equal_as_doubles_may_differ() -> None:

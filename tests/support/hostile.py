@@ -251,6 +251,7 @@ def functions() -> dict[str, tuple[Callable[..., Any], dict[str, Any]]]:
         "Parameters.replace": (P5.replace, {"m": 1}),
         "Parameters.A": (P5.A, {"alpha": 1}),
         "Parameters.belt": (P5.belt, {"boundary": 1}),
+        "Parameters.friction": (P5.friction, {"boundary": 1}),
         "Scene": (s.Scene, {"name": "a", "parameters": P5, **start}),
         "Scene.changed": (scene.changed, {"m": 1}),
         "OtherModel": (s.OtherModel, wall),

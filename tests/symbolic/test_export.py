@@ -21,7 +21,7 @@ from mpmath import mp
 from symosc import Parameters, load_scene
 from symosc.errors import OutputError, ParameterError
 from symosc.mappings import equations
-from symosc.model import PARAMETER_NAMES
+from symosc.model import PARAMETER_NAMES, by_name
 from symosc.symbolic.export import export, write_export
 from symosc.words import WordError, read_word
 
@@ -88,7 +88,7 @@ def python(word: str, language: str = "python", fix: Parameters | None = None) -
     module = load(export(word, language, fix, "made")["made.py"])
 
     def evaluate(z: list[float], p: Parameters) -> tuple[Any, Any]:
-        rest = [] if fix else [module.constants(**p.by_name(float))]
+        rest = [] if fix else [module.constants(**by_name(p, float))]
         if language == "python":
             return module.residual(z, *rest), module.jacobian(z, *rest)
         columns = [np.array([value, value]) for value in z]
@@ -111,7 +111,7 @@ def compiled(folder: Path, word: str, fix: Parameters | None = None) -> Evaluate
         K = []
         if fix is None:
             K = [ctypes.create_string_buffer(400)]
-            made.made_setup(K[0], *map(ctypes.c_double, p.by_name(float).values()))
+            made.made_setup(K[0], *map(ctypes.c_double, by_name(p, float).values()))
         made.made_residual(points_, *K, f)
         made.made_jacobian(points_, *K, J)
         return list(f), np.array(J).reshape(n, 2, 4)
@@ -206,7 +206,7 @@ def test_julia_agrees_with_mpmath(tmp_path: Path) -> None:
         (path,) = write_export(tmp_path, word, "julia", fix, "made", force=True)
 
         def evaluate(z: list[float], p: Parameters, path: Path = path, fix: Any = fix) -> tuple[Any, Any]:
-            given = ", ".join(f"{name} = {value!r}" for name, value in p.by_name(float).items())
+            given = ", ".join(f"{name} = {value!r}" for name, value in by_name(p, float).items())
             rest = "" if fix else f", Made.constants(; {given})"
             program = (
                 f'include("{path}"); println(Made.residual({z}{rest})); '

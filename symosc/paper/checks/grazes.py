@@ -20,7 +20,7 @@ from symosc.engine.state import Covariance, Launch
 from symosc.grazing.start import GrazingStart, grazing_start, is_grazing
 from symosc.grazing.window import grazing_window
 from symosc.mappings.theorem7_cases import Place, place
-from symosc.model import NEIGHBOURS, PARAMETER_NAMES, Parameters
+from symosc.model import NEIGHBOURS, PARAMETER_NAMES, Parameters, by_name
 from symosc.paper.checks.exact import flow
 from symosc.paper.checks.motions import (
     LAST_HALF_UNIT,
@@ -376,7 +376,7 @@ def start_grazes(figure: Graze) -> Evidence:
     """Check that, of all starts from which the flow grazes, the nearest to the printed start rounds to it."""
     scene, printed = figure.scene, figure.printed.parameters
     near = nearest_graze(scene, figure.mapping)
-    values = scene.parameters.by_name()
+    values = by_name(scene.parameters)
     changed = ", ".join(f"{name} = {text(value)}" for name, value in values.items() if value != getattr(printed, name))
     numbers = {
         "printed x₀, ẋ₀": text((scene.x0, scene.v0)),

@@ -22,7 +22,7 @@ from symosc.errors import ParameterError, SymoscError
 from symosc.exact import read_start_error, show
 from symosc.grazing.window import GrazingWindow, grazing_window
 from symosc.mappings.theorem7_cases import PLACES
-from symosc.model import PARAMETER_NAMES, Parameters
+from symosc.model import PARAMETER_NAMES, Parameters, by_name
 from symosc.orbits.find import find_orbit
 from symosc.plot.figures import simulate_orbit
 from symosc.plot.panels import EVENT_MARKS, SHAPES, Sampling, View, view_of
@@ -88,7 +88,7 @@ def shipped_scenes() -> dict[str, Scene]:
 
 def state_of(scene: Scene) -> dict[str, str]:
     """Return the texts of the page's fields for a scene."""
-    state = {"scene": scene.name, **scene.parameters.by_name(show)}
+    state = {"scene": scene.name, **by_name(scene.parameters, show)}
     state |= {name: show(getattr(scene, name)) for name in STARTS}
     state["periods"] = f"{float((scene.t_end - scene.t0) * scene.parameters.Omega) / tau:.{PERIODS_DIGITS}g}"
     return state if scene.start_error is None else state | {"start_error": ",".join(map(show, scene.start_error))}
