@@ -212,7 +212,7 @@ def meeting_point_by_running(c: Any, guess: tuple[float, float]) -> tuple[float,
         phase = where[0] * t
         return np.cos(phase) - x + where[1], np.sin(phase)
 
-    return tuple(optimize.root(conditions, guess, tol=1e-14, options={"eps": 1e-8}).x.tolist())
+    return tuple(optimize.root(conditions, guess, tol=1e-12, options={"eps": 1e-8}).x.tolist())
 
 
 def end_without_stops(c: Any, P: Any, near: float) -> tuple[Any, Any]:
