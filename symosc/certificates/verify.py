@@ -348,7 +348,7 @@ class Motion:
         return low.union(high), first, last, self.f(end, low.union(high))
 
     def arrive(self, end, belt, when):
-        """Return the states (t, x, v) where f of an end of the mode is 0, at times in the ball `when`."""
+        """Return the states (t, x, v), at times in `when`, in which the mode ends: the function f of that end is 0."""
         v, sides = arb(self.problem.p[f"v{belt}"]), []
         slope, i, count = self.f(end, when)[1], self.mode.ends.index(end), len(self.columns)
         for dz in self.moved(when, [*self.columns, *(self.rest or ())]):

@@ -316,7 +316,7 @@ class Oscillator:
         return root - lifted(self.h), -root - lifted(self.h)
 
     def driven(self, s):
-        """Return S, S', Z and Z' a time s after a start, where S and Z are responses of the position x."""
+        """Return S, S', Z and Z' at a time s: how x responds to a push at the start (S) and to the drive (Z)."""
         (first_root, other), s, drive = self.roots, lifted(s), times_i(self.Om)
 
         def X(a, b):

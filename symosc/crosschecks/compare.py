@@ -343,7 +343,7 @@ class Task:
         return f"the solution ends at t = {last:.10g}; the motion of {scene.name} goes on to t = {t_end:.10g}"
 
     def _wrong_spans(self, loose: np.ndarray, near: np.ndarray, scales: np.ndarray) -> np.ndarray:
-        """Return the spans of steps, as first and last sample, over which rounded samples leave the exact motion.
+        """Return the spans (first and last sample) over which samples are off by more than their rounding explains.
 
         `loose` are the errors of x and v that the rounding of each sample allows, `near` the distances of v from a
         belt's speed that count as on the belt, and `scales` the units of x and v.

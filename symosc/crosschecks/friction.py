@@ -283,7 +283,7 @@ class StickSteps(NamedTuple):
 
 
 def _find_sticks(case: Case) -> StickSteps | None:
-    """Return the wrong steps in which the samples stick and then fly; None if there are none."""
+    """Return the wrong steps in which the samples end a stick, too early or too late; None if there are none."""
     s, rows = case.steps, []
     for i in case.thinned(np.flatnonzero(case.wrong & (case.domain[1:] > 0)), MOST_DELAYS).tolist():
         part = s.events.rows(i, i)

@@ -236,7 +236,7 @@ def _single(values: np.ndarray, numbers: np.ndarray) -> Digits | None:
 
 
 def _grid(values: np.ndarray, numbers: np.ndarray) -> Digits | None:
-    """Return the rounding of `values` to an even grid, as of a converter, as their part `numbers` shows, or None."""
+    """Return the equidistant grid to which values are rounded, as an A/D converter does; None if there is none."""
     # Two halves of the numbers, or all but one of a few, must give the same step, of a few numbers to a factor of 2: a
     # single number beside a grid would make a much finer one.
     levels = np.unique(np.abs(numbers))

@@ -410,7 +410,7 @@ def closest_approach(tau, earliest, side, M4, start, walls, S, K):
 
 
 def gap_reopens(tau, side, start, walls, S, K):
-    """Return whether a gap that is 0 within its error at `tau` clearly differs from 0 half a time scale later."""
+    """Return whether a gap that is 0 within its error at `tau` is clearly not 0 soon after: the contact is a touch."""
     for rate in (K.rate, K.Om):
         now = state_at(tau + 0.5 / rate, start, K)
         if abs(gap_to(side, now, walls)) > 4.0 * tolerance(side, now, start, walls, S, K):

@@ -67,7 +67,7 @@ class Launch(NamedTuple):
 
 
 class Letters(NamedTuple):
-    """The parameters that forces contain and `Constants` does not: m, mu1, mu2 and FN."""
+    """The parameters by which forces are differentiated and that `Constants` lacks: m, mu1, mu2 and FN."""
 
     m: Number
     mu1: Number

@@ -185,7 +185,7 @@ def _read(columns: tuple[Any, ...], names: tuple[str, ...], dimensions: int) -> 
 
 @lru_cache(maxsize=KINDS)
 def _loops(kind: int) -> dict[str, Any]:
-    """Return the compiled functions over arrays, by name; `kind` chooses the formula for the basis functions."""
+    """Return the compiled functions that evaluate maps for whole arrays; `kind` is the formula of their basis."""
     outlined = {"flights", "flights_and_slopes", "sticks", "sticks_and_slopes", "load", "store", "kinds_of"}
     if kind == WIDE:
         return compile_modules((mapping,), outlined | {"flight", "flight_slopes"}, compiled())

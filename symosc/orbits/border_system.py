@@ -437,7 +437,7 @@ def turns_of(equations: ClosingEquations, points: Any, i: int, kind: str) -> lis
 
 
 def zero_values(equations: ClosingEquations, points: Any, zero: Zero, theta: Number) -> list[Number]:
-    """Return what must be 0 for the margin `zero` to vanish; `theta` is the phase of the extremum, if it is one."""
+    """Return the expressions that are 0 on the border `zero`; `theta` is the phase of its extremum, if it has one."""
     K, piece, start = equations.K, equations.pieces[zero.piece], points[zero.piece]
     if zero.kind in (AT_FAR, AT_ARRIVAL, AT_FLAT):
         x, end = equations.ends(points)[zero.piece]

@@ -291,7 +291,7 @@ def grazing_figure_P2(name: str, columns: int = 2) -> Figure:
 
 
 def _velocity_and_gap(ax: Axes, view: View) -> None:
-    """Draw panel (b), with a bar over the remaining gap if the mass never reaches a belt."""
+    """Draw panel (b), velocity over time; if the mass never reaches a belt, a bar marks the gap that is left."""
     PANELS["b"](ax, view)
     if view.trajectory.events:
         return

@@ -167,7 +167,7 @@ class _Program(NamedTuple):
         return [] if self.parameters else ["K"]
 
     def calls(self, first: int) -> list[tuple[str, str, str]]:
-        """Return name, arguments and Jacobian's arguments of each mapping's function; z starts at index `first`."""
+        """Return the calls in the written program: each map's name, its arguments from z[first] on, its Jacobian's."""
         found = []
         for n, label in enumerate(self.maps):
             z = {name: f"z[{2 * n + i + first}]" for i, name in enumerate(("x_i", "theta_i", "x_j", "theta_j"))}

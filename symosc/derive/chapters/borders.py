@@ -114,7 +114,7 @@ def items(scope: Scope) -> Items:
 
 
 def _names_table() -> Table:
-    """Return the table of the four kinds of border, with the names of branch ends on both sides of each."""
+    """Return the table of the four kinds of border: what is 0 there, and what a branch's end is called."""
     graze = "grazing", "grazing, or vanishing of a stick"
     rows = (
         (NAMES[0], r"$\dot{x} = v_\lambda$ in a flight", r"$\sqrt{\epsilon}$", *graze),

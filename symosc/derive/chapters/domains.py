@@ -318,7 +318,7 @@ _WAVES = sp.sin, sp.cos, sp.sinh, sp.cosh
 
 
 def _times(wave: Any, row: Any) -> Any:
-    """Return the product wave * row, with a minus put in front if all terms of the sum `row` are negative."""
+    """Return wave (a sine, cosine or exponential) times a sum; if all its terms are negative, the minus comes first."""
     if wave != 1 and row.is_Add and all(term.could_extract_minus_sign() for term in row.args):
         return -wave * sp.Add(*(-term for term in row.args))
     return wave * row

@@ -31,7 +31,7 @@ UNDAMPED = {cm: 0, c: 0, G: 0, Omega: r * sp.sqrt(w0sq)}
 
 
 def items(scope: Scope) -> Items:
-    """Yield the chapter: the symmetric motion, its end, borders, stops, continua, and moving bases, with numbers."""
+    """Yield the items of the chapter on published results: symmetric motion, borders, stops, continua, moving bases."""
     u_0, w_0 = named("u_0"), named(r"\dot{u}_0")
     x, v = _free_motion(u_0, w_0)
     x_u, v_u = coulomb.transition() * sp.Matrix([u_0, w_0])
