@@ -134,7 +134,7 @@ def softened(curve: str, width: float, name: str = "fig10", t_end: float = 10.0,
 
 
 def noisy(t: np.ndarray, x: np.ndarray, v: np.ndarray) -> Columns:
-    noise = np.random.default_rng(2).standard_normal((2, len(t)))
+    noise = np.random.RandomState(3).standard_normal((2, len(t)))
     return t, x + 1e-3 * noise[0], v + 1e-3 * noise[1]
 
 
@@ -611,7 +611,7 @@ CHECKS: dict[str, Callable[[], object]] = {
     "an outlier and why": lambda: judged(*spoilt(moved(1, 0.01, 40, 41)), why=True),
     "few digits and why": lambda: rounded(decimals(5), why=True),
     "two samples": lambda: judged("fig5", [0, 1], [0, 0.5], [0, 1]),
-    "undecidable": lambda: judged("fig5", [0.0, 1.0, 2.0, 3.0], [0, 1e40, 0, 0], [0, 1, 1, 2]),
+    "wrong by far": lambda: judged("fig5", [0.0, 1.0, 2.0, 3.0], [0, 1e40, 0, 0], [0, 1, 1, 2]),
     "list: right": lambda: listed(lambda events: None),
     "list: one missing": lambda: listed(lambda events: events[:2] + events[3:]),
     "list: last missing": lambda: listed(lambda events: events[:-1], "fig10", 10),
