@@ -19,6 +19,7 @@ from unittest.mock import Mock, patch
 import numpy as np
 from cli_runs import run
 from outputs import reference
+from stored_outputs import some_lines
 
 from symosc import Parameters, Scene, bench, load_scene, simulate
 from symosc.bench import (
@@ -203,8 +204,8 @@ def exactly(scene: Scene, tolerance: float) -> Callable[[], list[FoundEvent]]:
 
 
 def nearly(scene: Scene, tolerance: float) -> Callable[[], list[FoundEvent]]:
-    """Prepare a solver whose events are late by more than rounding."""
-    return lambda: [event._replace(t=event.t + 5e-13) for event in exactly(scene, 0.0)()]
+    """Prepare a solver whose events are late by more than rounding, such that no number that is shown is near a tie."""
+    return lambda: [event._replace(t=event.t + 4.6e-13) for event in exactly(scene, 0.0)()]
 
 
 def fails(scene: Scene, tolerance: float) -> Callable[[], list[FoundEvent]]:
@@ -342,8 +343,8 @@ def at_once(
 
 
 def chosen_cases() -> list[Any]:
-    names = ("paper-fig6", "rest-1", "free-decay-2", "easy-fig9", "light-mass-m-0p1")
-    return [reference.computed(name) for name in names if name in {c.name for c in reference.reference_cases()}]
+    names = ("paper-fig6", "rest-1", "free-decay-2", "easy-fig9", "light-mass-m-1e-2")
+    return [reference.computed(name) for name in names]
 
 
 @cache
@@ -432,7 +433,7 @@ def without_packages() -> list[str]:
 
 
 def command(*arguments: str, wrong: bool = False) -> str:
-    """Return the exit code of `symosc bench`, what it prints, and the pages that it writes, without measuring."""
+    """Return the exit code of `symosc bench`, what it prints, and titles and lists of its pages, without measuring."""
     runs = {cases: scored(wrong), speed: timed(), work: worked(), error_map: mapped(), gradients: scored(wrong)}
     with TemporaryDirectory() as name, ExitStack() as stack:
         for module, found in runs.items():
@@ -440,7 +441,8 @@ def command(*arguments: str, wrong: bool = False) -> str:
         stack.enter_context(patch("symosc.plot.save", lambda figure, path: Path(path)))
         stack.enter_context(patch("symosc.cli.bench.find_spec", lambda name: name))
         done = run(*(each.replace("FOLDER", name) for each in ("bench", *arguments)))
-        pages = [path.read_text().partition("\n\n")[0] for path in sorted(Path(name).iterdir())]
+        pages = [each for path in sorted(Path(name).iterdir()) for each in path.read_text().splitlines()]
+        pages = [each for each in pages if each.startswith(("# ", "- "))]
     return "\n".join([str(done.exit_code), done.output.replace(name, "FOLDER"), *pages])
 
 
@@ -517,9 +519,9 @@ CASES: dict[str, Callable[[], object]] = {
     "README that cannot be written": protected,
     "without packages": without_packages,
     "command": command,
-    "command with a picture": lambda: command("-o", "FOLDER/work.svg")[-60:],
-    "command --hard": lambda: command("--hard", "-o", "FOLDER/map.svg")[-400:],
-    "command --hard, wrong": lambda: command("--hard", wrong=True)[:200],
+    "command with a picture": lambda: some_lines(command("-o", "FOLDER/work.svg"), -2),
+    "command --hard": lambda: some_lines(command("--hard", "-o", "FOLDER/map.svg"), -11),
+    "command --hard, wrong": lambda: some_lines(command("--hard", wrong=True), 0, 5),
     "command --scores": lambda: command("--scores", "FOLDER/scores.md"),
     "command --scores, wrong": lambda: command("--scores", "FOLDER/scores.md", wrong=True),
     "command --gradients": lambda: command("--gradients", "FOLDER/gradients.md"),

@@ -8,6 +8,7 @@ from collections.abc import Callable, Iterator
 from fractions import Fraction
 from pathlib import Path
 from typing import Any
+from unittest.mock import patch
 
 from paper_orbits import FIG9
 from said import errors_of
@@ -138,8 +139,7 @@ def drawn() -> Iterator[Any]:
     """Yield atlases: their regions, boxes and what was found without proof, their words, and a file."""
     from symosc.certificates import atlas as atlases
 
-    grid, atlases.GRID = atlases.GRID, 2
-    try:
+    with patch.object(atlases, "GRID", 2):
         yield from of_atlas(symosc.atlas(COULOMB, RESTING, workers=1))
         for p, over in PROVEN:
             plane = symosc.atlas(p, over, prove="0.3", workers=1)
@@ -148,8 +148,6 @@ def drawn() -> Iterator[Any]:
         plane = symosc.atlas(FIG9, PLANE, prove="0.1", workers=1)
         yield from of_atlas(plane)
         yield from file_of_atlas(plane)
-    finally:
-        atlases.GRID = grid
 
 
 def of_atlas(plane: symosc.Atlas) -> Iterator[Any]:

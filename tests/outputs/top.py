@@ -128,7 +128,7 @@ def fits() -> Iterator[Any]:
         numbers = [*found.values.values(), *found.errors.values()]
         return [found.success, message, *numbers, *np.ravel(found.covariance), len(found.residuals)]
 
-    dice, motion = np.random.default_rng(5), simulate("fig5", t_end=20)
+    dice, motion = np.random.RandomState(5), simulate("fig5", t_end=20)
     events = [(event.t + dice.normal() * 1e-3, event.kind) for event in motion.events]
     yield said(fit("fig5", events, ("mu1", "c"), sigma=1e-3, start={"mu1": "0.82"}))
     yield said(fit("fig5", events[:6], "FN"))

@@ -125,8 +125,10 @@ def evidence(number: int) -> Evidence:
     """Return the evidence if the paper says something else."""
     module, name, instead, check, verdict = STATEMENTS[number]
     theorem_7.rows_of.cache_clear()
-    with patch.dict(module, {name: instead}) if isinstance(module, dict) else patch.object(module, name, instead):
-        found = check()
-    theorem_7.rows_of.cache_clear()
+    try:
+        with patch.dict(module, {name: instead}) if isinstance(module, dict) else patch.object(module, name, instead):
+            found = check()
+    finally:
+        theorem_7.rows_of.cache_clear()
     assert found.verdict == verdict
     return found
