@@ -565,7 +565,7 @@ def options() -> Iterator[str]:
         assert command is not None
         for each in command.params:
             about = each.to_info_dict()
-            kind = {key: value for key, value in about["type"].items() if key != "name"}
+            kind = {key: value for key, value in sorted(about["type"].items()) if key != "name"}
             flags = [key for key in ("required", "multiple", "is_flag", "is_eager") if about.get(key)]
             default = "" if each.default in (None, False) or "UNSET" in repr(each.default) else each.default
             yield f"{name}: {' '.join(each.opts)} {each.nargs} {kind} {flags} {default} {getattr(each, 'metavar', '')}"

@@ -626,7 +626,7 @@ def requests() -> str:
             text = (
                 ""
                 if "bokeh" in target
-                else text[-80:]
+                else text[-8:]
                 if target == "/"
                 else text[:300].partition("body")[2] or text[:90]
             )
@@ -675,7 +675,7 @@ def plots_of_the_page() -> str:
             parts = {
                 part: parts[part]
                 for part in sorted(parts)
-                if not re.search("^id$|select|hover_|muted|view|formatter|policy|_source$", part)
+                if not re.search("^id$|sort_by|select|hover_|muted|view|formatter|policy|_source$", part)
             }
             texts = " ".join(f"{part}={follow(each)}" for part, each in parts.items() if part != "renderers")
             follow(parts.get("renderers", ()))

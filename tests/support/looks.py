@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.collections import Collection
-from matplotlib.colors import to_hex
+from matplotlib.colors import is_color_like, to_hex
 from matplotlib.figure import Figure
 from matplotlib.legend import Legend
 from matplotlib.lines import Line2D
@@ -20,7 +20,7 @@ from stored_outputs import lines_of_figure, sampled
 NAMES = {
     Legend: ("frame_on", "visible"),
     Line2D: ("markerfacecolor", "markeredgecolor", "markeredgewidth", "clip_on", "drawstyle", "alpha"),
-    Text: ("color", "fontsize", "ha", "va", "rotation"),
+    Text: ("color", "fontsize", "ha", "va"),
     Collection: ("edgecolor", "linewidth", "hatch", "linestyle", "rasterized"),
     Patch: ("facecolor", "edgecolor", "linewidth", "hatch", "linestyle"),
 }
@@ -63,16 +63,14 @@ def look_of(artist: Any, axes: Axes | None) -> str:
     if axes is None and kind is Line2D:
         values += [shown(getattr(artist, f"get_{name}")()) for name in ("marker", "markersize", "linestyle", "color")]
     if (offset := getattr(artist, "xyann", None)) is not None:
-        values += [f"beside {artist.xy} by {offset}"]
+        values += [f"beside {artist.xy} by {' '.join(f'{each:.2f}' for each in offset)}"]
     return f"  {kind.__name__} {' '.join(values)}"
 
 
 def shown(value: Any) -> str:
     """Return a property as text; of many colours or lengths their sums."""
-    if isinstance(value, str) and value[:1].isdigit():
-        return to_hex(value)
-    if isinstance(value, tuple) and len(value) == 4:
-        return to_hex(value)
+    if isinstance(value, (str, tuple)) and is_color_like(value) and str(value).lower() != "none":
+        return to_hex(value)  # versions differ in which form they keep
     if isinstance(value, np.ndarray):
         return sampled(value)
     return "-" if value is None else str(value)

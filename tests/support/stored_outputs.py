@@ -24,12 +24,13 @@ from matplotlib.axes import Axes
 from matplotlib.axis import Axis
 from matplotlib.collections import Collection
 from matplotlib.colors import to_hex
+from matplotlib.contour import ContourSet
 from matplotlib.figure import Figure
 from matplotlib.image import AxesImage
 from matplotlib.lines import Line2D
 from matplotlib.patches import Patch
 from matplotlib.spines import Spine
-from matplotlib.text import Text
+from matplotlib.text import Annotation, Text
 from matplotlib.ticker import FixedLocator
 
 FOLDER = Path(__file__).parents[1] / "outputs"
@@ -124,8 +125,10 @@ def lines_of_axes(axes: Axes, indent: str) -> Iterator[str]:
             yield f"{indent}  ticks {[label.get_text() for label in axis.get_ticklabels()]}"
     if legend := axes.get_legend():
         yield f"{indent}  legend {[text.get_text() for text in legend.get_texts()]}"
+    contours = [artist for artist in axes.collections if isinstance(artist, ContourSet)]
+    labels = {id(text) for contour in contours for text in getattr(contour, "labelTexts", ())}
     for artist in axes.get_children():
-        if artist is not axes.patch and (text := artist_line(artist)):
+        if artist is not axes.patch and id(artist) not in labels and (text := artist_line(artist)):
             yield f"{indent}  {text}"
     for child in axes.child_axes:
         yield from lines_of_axes(child, indent + "  ")
@@ -142,6 +145,8 @@ def artist_line(artist: object) -> str:
             look = (artist.get_linestyle(), artist.get_marker(), artist.get_linewidth(), artist.get_markersize())
             places = sampled(np.asarray(artist.get_xydata(), float))
             return f"line {label} {to_hex(artist.get_color())} {look} {artist.get_zorder()}: {places}"
+        case ContourSet():
+            return f"contours at {' '.join(map(shown, artist.levels))} {sampled_mask(artist.get_array())}"
         case Collection():
             paths = [path.vertices for path in artist.get_paths()]
             outline = sampled(np.concatenate(paths).ravel()) if paths else ""
@@ -158,7 +163,9 @@ def artist_line(artist: object) -> str:
             across = sampled(artist.get_patch_transform().get_matrix())
             return f"patch {label} {to_hex(artist.get_facecolor())} {artist.get_zorder()}: {outline} by {across}"
         case Text() if artist.get_text():
-            return f"text {artist.get_text()!r} at {' '.join(map(shown, artist.get_position()))}"
+            place = artist.get_position()  # of an annotation the offset in points, which a layout rounds
+            texts = [f"{each:.2f}" for each in place] if isinstance(artist, Annotation) else map(shown, place)
+            return f"text {artist.get_text()!r} at {' '.join(texts)}"
     return ""
 
 
