@@ -11,7 +11,6 @@ from importlib.metadata import PackageNotFoundError
 from itertools import count, product
 from math import nan
 from pathlib import Path
-from tempfile import TemporaryDirectory
 from types import SimpleNamespace
 from typing import Any
 from unittest.mock import Mock, patch
@@ -19,6 +18,7 @@ from unittest.mock import Mock, patch
 import numpy as np
 from cli_runs import run
 from outputs import reference
+from said import empty_folder, outcome, written
 
 from symosc import Parameters, Scene, bench, load_scene, simulate
 from symosc.bench import (
@@ -66,27 +66,25 @@ def interpreted(module: Any) -> dict[str, Any]:
     return bind((event_logic, module), {})
 
 
-def followed(scene: Scene, functions: dict[str, Any], settings: Any, offset: float = 0.0) -> str:
+def followed(scene: Scene, functions: dict[str, Any], settings: Callable[[], Any], offset: float = 0.0) -> str:
     """Return the events that a solver finds, or why it gives up."""
-    try:
-        found = list(runner(scene, functions, settings, offset)())
-    except PeerError as error:
-        return str(error)
-    return "\n".join(f"{event.t:.8f} {event.x:.7f} {event.kind} {event.boundary}" for event in found)
+
+    def found() -> str:
+        events = runner(scene, functions, settings(), offset)()
+        return "\n".join(f"{event.t:.8f} {event.x:.7f} {event.kind} {event.boundary}" for event in events)
+
+    return str(outcome(found, PeerError))
 
 
 def by_scan(name: str, points: int = 40, **changes: Any) -> str:
     scene = replace(SCENES[name], parameters=SCENES[name].parameters.replace(**changes))
-    try:
-        settings = peers_scan.scan_of(problem(scene.parameters), points, 1e-12)
-    except PeerError as error:
-        return str(error)
+    settings = partial(peers_scan.scan_of, problem(scene.parameters), points, 1e-12)
     return followed(scene, interpreted(peers_scan), settings)
 
 
 def by_dop853(name: str, tolerance: float = 1e-10) -> str:
-    scene = SCENES[name]
-    return followed(scene, interpreted(peers_numba), peers_numba.settings(problem(scene.parameters), tolerance), 1e-15)
+    settings = partial(peers_numba.settings, problem(SCENES[name].parameters), tolerance)
+    return followed(SCENES[name], interpreted(peers_numba), settings, 1e-15)
 
 
 def by_scipy(name: str, method: str, tolerance: float) -> str:
@@ -124,7 +122,7 @@ def gives_up(outcome: str) -> str:
     def leave(q: Any, s: Any, mode: int, t: float, x: float, v: float, t_end: float) -> tuple[int, float, float]:
         return (event_logic.UNSOLVED, t, x) if outcome == "unsolved" else ((1, -1, -1, 1, 1)[mode - 1], t + 1e-3, x)
 
-    return followed(SCENES["from a belt"], bind((event_logic,), {"leave": leave}), None)
+    return followed(SCENES["from a belt"], bind((event_logic,), {"leave": leave}), lambda: None)
 
 
 def derivatives(name: str) -> str:
@@ -360,14 +358,15 @@ def scored(wrong: bool = False) -> dict[str, Any]:
 
 def bench_files() -> str:
     """Return the pages that are written into a folder with a README."""
-    with TemporaryDirectory() as name:
-        readme = Path(name) / "README.md"
-        readme.write_text("above\n<!-- results: begin, by the command -->\nold\n<!-- results: end -->\nbelow\n")
+    with empty_folder() as folder:
+        readme = folder / "README.md"
+        text = "above\n<!-- results: begin, by the command -->\nold\n<!-- results: end -->\nbelow\n"
+        readme.write_text(text, encoding="utf-8")
         whole = {"speed": timed(), "work_precision": worked(), "error_map": mapped(), "scores": scored(), "quick": True}
         with patch.object(results.plot, "save", lambda figure, path: Path(path)):
-            written = results.write(readme, whole)
-        texts = [path.read_text() for path in written if path.suffix == ".md"]
-    return "\n".join([*(str(path.relative_to(name)) for path in written), *texts])
+            paths = results.write(readme, whole)
+        texts = [path.read_text(encoding="utf-8") for path in paths if path.suffix == ".md"]
+    return "\n".join([*(str(path.relative_to(folder)) for path in paths), *texts])
 
 
 def compared_in_words() -> str:
@@ -417,12 +416,9 @@ def first_calls() -> list[Any]:
 
 def protected() -> str:
     """Return what is said of a README that cannot be written."""
-    with TemporaryDirectory() as name, patch.object(results.os, "access", lambda path, mode: False):
-        (Path(name) / "README.md").write_text("text")
-        try:
-            return results.check(Path(name) / "README.md")
-        except OutputError as error:
-            return str(error).replace(name, "FOLDER")
+    with empty_folder() as folder, patch.object(results.os, "access", lambda path, mode: False):
+        (folder / "README.md").write_text("text", encoding="utf-8")
+        return str(outcome(lambda: results.check(folder / "README.md"), OutputError))
 
 
 def without_packages() -> list[str]:
@@ -434,14 +430,14 @@ def without_packages() -> list[str]:
 def command(*arguments: str, wrong: bool = False) -> str:
     """Return the exit code of `symosc bench`, what it prints, and the pages that it writes, without measuring."""
     runs = {cases: scored(wrong), speed: timed(), work: worked(), error_map: mapped(), gradients: scored(wrong)}
-    with TemporaryDirectory() as name, ExitStack() as stack:
+    with empty_folder() as folder, ExitStack() as stack:
         for module, found in runs.items():
             stack.enter_context(patch.object(module, "run", lambda *_, found=found, **options: found))
         stack.enter_context(patch("symosc.plot.save", lambda figure, path: Path(path)))
         stack.enter_context(patch("symosc.cli.bench.find_spec", lambda name: name))
-        done = run(*(each.replace("FOLDER", name) for each in ("bench", *arguments)))
-        pages = [path.read_text().partition("\n\n")[0] for path in sorted(Path(name).iterdir())]
-    return "\n".join([str(done.exit_code), done.output.replace(name, "FOLDER"), *pages])
+        done = run("bench", *arguments)
+        pages = [path.read_text(encoding="utf-8").partition("\n\n")[0] for path in sorted(folder.iterdir())]
+    return "\n".join([str(done.exit_code), done.output, *pages])
 
 
 def differentiated() -> str:
@@ -454,12 +450,11 @@ def differentiated() -> str:
 
     solvers = tuple(Solver(name, partial(prepare, factor), (0.0,)) for name, factor in (("right", 1.0), ("off", 1.5)))
     with (
-        TemporaryDirectory() as name, patch.object(cases, "in_parallel", at_once),
+        patch.object(cases, "in_parallel", at_once),
         patch.object(cases, "machine", lambda: ABOUT), patch.object(gradients, "solvers", lambda: solvers),
     ):  # fmt: skip
         found = gradients.run(chosen=chosen_cases())
-        (page,) = gradients.write(Path(name) / "gradients.md", found, "the command")
-        return page.read_text()
+        return written(lambda path: gradients.write(path, found, "the command"), "gradients.md")
 
 
 def settings() -> str:

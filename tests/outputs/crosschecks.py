@@ -6,14 +6,13 @@ import re
 from collections.abc import Callable, Iterator
 from functools import cache, partial
 from itertools import pairwise
-from pathlib import Path
-from tempfile import TemporaryDirectory
 from types import SimpleNamespace
 from typing import Any
 
 import careful_solver
 import numpy as np
 from faulty_solver import METHODS, Flaw, Solver, smoothed, without_events
+from said import empty_folder, outcome
 from stored_outputs import sampled
 
 from symosc import Parameters, crosscheck, load_scene, simulate
@@ -437,20 +436,19 @@ def several() -> Any:
 
 def texts(*sources: str, columns: Any = None, suffix: str = "csv") -> str:
     """Return what is read from texts, or said of those that hold no solution."""
-    with TemporaryDirectory() as folder:
-        path, lines = Path(folder) / f"run.{suffix}", []
+    with empty_folder() as folder:
+        path, lines = folder / f"run.{suffix}", []
         for source in sources:
-            path.write_text(source.replace("|", "\n"))
+            path.write_text(source.replace("|", "\n"), encoding="utf-8")
             lines.append(read(path, columns).replace(str(path), "FILE"))
     return "\n".join(lines)
 
 
 def read(source: Any, columns: Any = None) -> str:
     """Return what is read from a file or an object, or why there is no solution."""
-    try:
-        found = read_solutions(source, columns, load_scene("fig5"))
-    except ParameterError as error:
-        return str(error)
+    found = outcome(lambda: read_solutions(source, columns, load_scene("fig5")), ParameterError)
+    if isinstance(found, str):
+        return found
     shown = [(each.t[:4], each.x[:4], each.v[:4], len(each.t), each.events, each.notes) for each in found]
     return "; ".join(f"{each.name}: {' '.join(map(str, row))}" for each, row in zip(found, shown, strict=True))
 

@@ -11,6 +11,7 @@ from unittest.mock import patch
 import sympy as sp
 from chapters import unchecked
 from project_files import ROOT
+from said import outcome
 
 from symosc import Scene, load_scene
 from symosc.derive import citation, document, figures, front, mathml, steps
@@ -74,10 +75,7 @@ def page(*keys: str) -> str:
 
 def verified(given: Step) -> str:
     """Return the evidence for a step, or why it fails."""
-    try:
-        return f"{given}: {' '.join(map(str, given.verify()))}"
-    except StepError as error:
-        return f"{error.statement}: {error.reason}"
+    return outcome(lambda: f"{given}: {' '.join(map(str, given.verify()))}", StepError)
 
 
 y, z = sp.symbols("y z", real=True)
@@ -143,13 +141,7 @@ UNICODE = [
 
 def attempted(call: Callable[[str], str], texts: list[str]) -> str:
     """Return what a function makes of texts, or why it refuses them."""
-    found = []
-    for text in texts:
-        try:
-            found.append(call(text))
-        except ValueError as error:
-            found.append(f"error: {error}")
-    return "\n".join(found)
+    return "\n".join(outcome(partial(call, text), ValueError, before="error: ") for text in texts)
 
 
 def references() -> str:

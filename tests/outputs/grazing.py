@@ -10,7 +10,7 @@ from typing import Any
 import mpmath
 import numpy as np
 from paper_orbits import FIG9, FIG10
-from said import errors_of
+from said import errors_of, outcome
 from window_samples import parameters
 
 from symosc import (
@@ -223,12 +223,7 @@ def next_points() -> Iterator[Any]:
         (p, f"P{n}", x, theta) for p in (FIG9, FIG10) for n in range(1, 9) for x in (-3, 4) for theta in (1, 14.5, -4)
     ]
     for given in tries:
-        try:
-            yield end(*given)
-        except ArithmeticError as error:
-            yield str(error)
-        except ValueError as error:
-            yield str(error)
+        yield outcome(lambda given=given: end(*given), ArithmeticError, ValueError)  # type: ignore[misc]
     with mpmath.workdps(25):
         point = solve_map(FIG9, "P2", mpmath.mpf("4.5"), mpmath.mpf("0.5"))
         yield [str(point.x), str(point.theta)]

@@ -10,7 +10,6 @@ from copy import copy
 from dataclasses import dataclass
 from fractions import Fraction
 from functools import cache, partial
-from tempfile import TemporaryDirectory
 from typing import Any
 from unittest.mock import patch
 
@@ -22,6 +21,7 @@ from explorer_states import FIG5, random_state
 from looks import full
 from matplotlib.figure import Figure
 from problems import ordinary
+from said import written
 from small_sweeps import made_up
 from stored_outputs import lines_of
 
@@ -220,8 +220,8 @@ def inexact() -> CrossCheck:
 
 def page_of(check: CrossCheck) -> str:
     """Return the page of a check without its pictures."""
-    with TemporaryDirectory() as folder, patch.object(Figure, "savefig", lambda *_, **__: None):
-        text = check.to_html(f"{folder}/check.html").read_text(encoding="utf-8")
+    with patch.object(Figure, "savefig", lambda *_, **__: None):
+        text = written(check.to_html, "check.html")
     text = re.sub(r"base64,[^\"]*", "", text)
     return re.sub(r"(?s)<style>.*?</style>", "", text).replace('</td><td class="">', " | ")
 

@@ -3,19 +3,17 @@
 from __future__ import annotations
 
 import random
-import tempfile
 from collections.abc import Callable, Iterator
 from fractions import Fraction
 from functools import cache
 from math import inf
-from pathlib import Path
 from typing import Any
 
 import numpy as np
 import scene_families
 from problems import FAMILIES
 from regimes import random_sets
-from said import errors_of
+from said import errors_of, written
 from touches import steady
 
 from symosc import OtherModel, Parameters, Scene, Trajectory, load_scene, simulate, simulate_many
@@ -112,14 +110,6 @@ def original() -> Iterator[Any]:
     yield told(motion.reduced)
     scene = Scene("mine", SHIFTED, t0=1, x0=1, v0=0, t_end=9, start_error="1e-6")
     yield told(simulate(scene, t_end="1T"))
-
-
-def written(write: Callable[[Path], None]) -> str:
-    """Return what is in a file that was written."""
-    with tempfile.TemporaryDirectory() as folder:
-        path = Path(folder) / "file"
-        write(path)
-        return path.read_text(encoding="utf-8")
 
 
 def files() -> Iterator[Any]:
