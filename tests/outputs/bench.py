@@ -18,9 +18,10 @@ from unittest.mock import Mock, patch
 import numpy as np
 from cli_runs import run
 from outputs import reference
+from parameter_sets import DIP, EASY
 from said import empty_folder, outcome, written
 
-from symosc import Parameters, Scene, bench, load_scene, simulate
+from symosc import Scene, bench, load_scene, simulate
 from symosc.bench import (
     cases,
     error_map,
@@ -40,12 +41,6 @@ from symosc.errors import OutputError
 from symosc.mappings.equations import residual
 
 ABOUT = {"processor": "a processor", "cores": "2", "date": "a day", "symosc": "1.2", "numpy": "3.4"}
-EASY = Parameters(m=1, c=1, k=4, A0=1, B0=9, Omega="3/2", v1=-1, v2=2, mu1="2/5", mu2="3/10", FN=5)
-#: A flight of 2.5 ms, 3.4e-6 below belt 1, seen from 2 s before: it is shorter than the first step of an integrator.
-DIP = Parameters(
-    m="1.966", c="1.541", k="4.409", A0="3.603", B0="4.25", Omega="2.25", v1="-0.987", v2="4.752", mu1="0.462",
-    mu2="0.367", FN="2.693",
-)  # fmt: skip
 SCENES = {
     "fig5": replace(load_scene("fig5"), t_end=Fraction(7)),
     "fig8": replace(load_scene("fig8"), t_end=Fraction(5)),
@@ -53,7 +48,7 @@ SCENES = {
     "critical": Scene("critical", EASY.replace(c=4), 0, "1/10", 3, 6),  # type: ignore[arg-type]
     "overdamped": Scene("overdamped", EASY.replace(c=5), 10**6, "1/10", 3, 10**6 + 6),  # type: ignore[arg-type]
     "peak": replace(load_scene("fig7-corrected"), t_end=Fraction(5)),
-    "dip": Scene("dip", DIP, "2.491758084473163", "0.162784459", "-0.987", 5),  # type: ignore[arg-type]
+    "dip": replace(DIP, t_end=Fraction(5)),
     "from a belt": Scene("from a belt", EASY.replace(v1=0), 1, -6, 0, 5),  # type: ignore[arg-type]
 }
 

@@ -10,6 +10,7 @@ from unittest.mock import patch
 
 import sympy as sp
 from chapters import unchecked
+from parameter_sets import NUMBERS
 from project_files import ROOT
 from said import outcome
 
@@ -22,8 +23,6 @@ from symosc.derive.scope import Scope, fragment_scope
 from symosc.derive.steps import Step, StepError, StepEvidence, equation, step
 from symosc.symbolic.solution import B0, FN, Omega, c, h, k, m, mu1, mu2, omega_d, t, tau, theta_i, v, x, x_i
 
-NUMBERS = {"m": "1", "c": "2/5", "k": "4", "A0": "1", "B0": "3", "Omega": "3/2", "FN": "9.81"}
-NUMBERS |= {"v1": "1", "v2": "5", "mu1": "0.8", "mu2": "0.6"}
 #: A damper and no spring, equal roots, resonance, neither, and too strong a damper.
 REGIMES = (
     {"c": "2/5", "k": "0"},

@@ -10,6 +10,7 @@ from typing import Any
 import mpmath
 import numpy as np
 from paper_orbits import FIG9, FIG10
+from parameter_sets import FREE, OVER
 from said import errors_of, outcome
 from window_samples import parameters
 
@@ -36,11 +37,6 @@ from symosc.mappings.numbers import ExactPhase, latex_number, read_phase_text, s
 
 MAPS = ("P2", "P3", "P5", "P6")
 FIG6, FIG7, FIG8 = (load_scene(name).parameters for name in ("fig6", "fig7-exact", "fig8"))
-OVER = Parameters(
-    m="1.991", c="3.353", k="0.524", A0="1.449", B0="7.585", Omega="1.157", v1="1.675", v2="2.836", mu1="0.392",
-    mu2="0.398", FN="6.522",
-)  # fmt: skip
-FREE = Parameters(m=1, c=0, k=2, A0="0.5", B0=0, Omega="1.3", v1=1, v2="1.5", mu1="0.4", mu2="0.3", FN=3)
 
 
 def plain(value: Any) -> Any:

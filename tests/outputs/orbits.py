@@ -9,6 +9,7 @@ from typing import Any
 
 import numpy as np
 from paper_orbits import BOTH_BELTS, FIG9, FIG10
+from parameter_sets import COULOMB, MANY_SLIPS, PLANE, SHRINKS
 from said import errors_of
 
 from symosc import Border, Branch, Parameters, PeriodicOrbit, Scene, continue_border, continue_orbit, find_orbit
@@ -19,18 +20,9 @@ from symosc.orbits.closing_equations import ClosingEquations
 from symosc.orbits.floquet import rest_positions
 from symosc.words import read_word
 
-#: Sticks on both belts and slips; a belt at rest with the other one out of reach; no damper.
-MANY_SLIPS = Parameters(
-    m=1, c="0.26", k="4.04", A0="3.53", B0="10.37", Omega="1.44", v1="-2.02", v2="1.02", mu1="0.68", mu2="0.71", FN=10
-)
-COULOMB = Parameters(m=1, c="0.1", k=1, A0=0, B0=1, Omega="0.9", v1=0, v2=1000, mu1=1, mu2=0, FN="0.4")
+#: No damper.
 UNDAMPED = COULOMB.replace(c=0, FN=1, mu1="0.1", Omega="1.5", v2=100)
 MARGINAL = UNDAMPED.replace(Omega="0.5")
-PLANE = {"Omega": (0.25, 2), "FN": (0.02, 1)}
-SHRINKS = Parameters(
-    m="0.774", c="1.682", k="2.765", A0="-0.236", B0="4.57", Omega="2.043", v1="-2.927", v2="2.681", mu1="0.38",
-    mu2="0.247", FN="5.058",
-)  # fmt: skip
 
 
 def numbers(p: Parameters) -> list[float]:

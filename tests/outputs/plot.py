@@ -20,6 +20,7 @@ from excerpts import crosscheck
 from explorer_states import FIG5, random_state
 from looks import full
 from matplotlib.figure import Figure
+from paper_orbits import FIG9 as P
 from problems import ordinary
 from said import written
 from small_sweeps import made_up
@@ -40,7 +41,6 @@ from symosc.reference.score import CaseScore, Score
 from symosc.response import COLUMNS, FrequencyResponse
 
 Case = Callable[[], object]
-P = load_scene("fig9").parameters
 
 # -- motions ----------------------------------------------------------------------------------------------------------
 

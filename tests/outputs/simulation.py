@@ -11,15 +11,15 @@ from typing import Any
 
 import numpy as np
 import scene_families
+from paper_orbits import FIG9
 from problems import FAMILIES
 from regimes import random_sets
 from said import errors_of, written
 from touches import steady
 
-from symosc import OtherModel, Parameters, Scene, Trajectory, load_scene, simulate, simulate_many
+from symosc import OtherModel, Parameters, Scene, Trajectory, simulate, simulate_many
 from symosc.simulation.problems import NumberColumn, Problems
 
-FIG9 = load_scene("fig9").parameters
 SHIFTED = OtherModel(
     m=2, k="8.5", c="0.4", Omega="3/2", FN="1.5", mu1="0.8", v1=0, v2=1, mu2="0.3", Y="0.7", joined=True, A0=1,
     Y_phase="0.3",

@@ -7,15 +7,15 @@ from functools import partial
 from typing import Any
 
 import sympy as sp
+from paper_orbits import FIG9, FIG10
 from said import empty_folder, outcome
 
-from symosc import Parameters, load_scene, theorem7, values_containing, values_empty, values_everything
+from symosc import Parameters, theorem7, values_containing, values_empty, values_everything
 from symosc.mappings.theorem7_cases import PLACES
 from symosc.symbolic import codegen, inverse
 from symosc.symbolic.export import LANGUAGES, export, write_export
 from symosc.symbolic.theorem7 import critical_phase, sign_of
 
-FIG9, FIG10 = (load_scene(name).parameters for name in ("fig9", "fig10"))
 #: Belt 1 stands still, belt 2 has the speed of equality at Omega = 2; no drive; no spring.
 STILL = Parameters(m=1, c=1, k=2, A0=0, B0=-3, Omega=2, v1=0, v2=3, mu1=1, mu2=1, FN=1)
 SCENES = {"fig9": FIG9, "fig10": FIG10, "still": STILL, "no drive": STILL.replace(B0=0), "no spring": FIG9.replace(k=0)}

@@ -42,7 +42,7 @@ from symosc.response import FrequencyResponse, harmonic_balance, meets_no_belt
 from symosc.words import WordError, cycle, why_not
 
 FIG5 = load_scene("fig5").parameters
-COULOMB = OtherModel(m=1, k=1, c="0.1", Omega=1, FN="0.4", B0=1)
+ONE_BELT = OtherModel(m=1, k=1, c="0.1", Omega=1, FN="0.4", B0=1)
 
 
 def whole(found: FrequencyResponse) -> Iterator[Any]:
@@ -57,10 +57,10 @@ def responses() -> Iterator[Any]:
     """Yield responses of each kind of settled motion and model, over several parameters."""
     yield whole(frequency_response("fig9", {"Omega": "3:5:5"}))
     yield whole(frequency_response("fig10", {"B0": [-5, 4, 5]}))
-    yield whole(frequency_response(COULOMB, {"FN": [0, "0.1", "0.5", "0.9", "1.1"]}))
-    yield whole(frequency_response(COULOMB.replace(c=0), {"Omega": ["0.5", 1, "1.3"]}))
-    yield whole(frequency_response(COULOMB.replace(c=0, FN="0.1"), {"Omega": ["0.5"]}))
-    yield whole(frequency_response(COULOMB.replace(c=0, FN=1, v1=-9, v2=9), {"Omega": [3]}))
+    yield whole(frequency_response(ONE_BELT, {"FN": [0, "0.1", "0.5", "0.9", "1.1"]}))
+    yield whole(frequency_response(ONE_BELT.replace(c=0), {"Omega": ["0.5", 1, "1.3"]}))
+    yield whole(frequency_response(ONE_BELT.replace(c=0, FN="0.1"), {"Omega": ["0.5"]}))
+    yield whole(frequency_response(ONE_BELT.replace(c=0, FN=1, v1=-9, v2=9), {"Omega": [3]}))
     one, other = (frequency_response("fig9", {"FN": [5, FN]}) for FN in (9, 10))
     yield [one == one, one == other, len(one), error_of(lambda: one.colour)]
     head, *rows = written(one.to_csv, "a.csv").splitlines()
@@ -68,8 +68,8 @@ def responses() -> Iterator[Any]:
     base = OtherModel(m=1, k=1, c="0.2", Omega=1, FN="1/4", Y=1, joined=True)
     yield whole(frequency_response(base, {"Y": [1, 2]}))
     yield whole(frequency_response(base.replace(joined=False, v1=-3, v2=3, mu2=1), {"Y_phase": [0, 1]}))
-    yield whole(frequency_response(COULOMB.replace(B0=0, W=1, v1="0.2"), {"W": [1, 2]}))
-    yield whole(frequency_response(COULOMB.replace(v1=-9, v2=9), {"c": ["0.3", 0]}))
+    yield whole(frequency_response(ONE_BELT.replace(B0=0, W=1, v1="0.2"), {"W": [1, 2]}))
+    yield whole(frequency_response(ONE_BELT.replace(v1=-9, v2=9), {"c": ["0.3", 0]}))
     seeds = random.Random("responses")
     for kind in KINDS:
         model = drawn(kind, seeds.randrange(99)).replace(c="1/2")
@@ -268,7 +268,7 @@ def bad_arguments() -> str:
             lambda: OtherModel(m=1, k=1, Omega=1, FN=1, mu2=1),
             lambda: OtherModel(m=1, k=1, Omega=0, FN=1),
             lambda: OtherModel(m=1, k=1, Omega=1, FN=1, joined="maybe"),  # type: ignore[arg-type]
-            lambda: sensitivities(Scene("mine", COULOMB, 0, 0, 0, 5)),
+            lambda: sensitivities(Scene("mine", ONE_BELT, 0, 0, 0, 5)),
         ]
     )
 
