@@ -208,9 +208,6 @@ CASES: dict[str, Callable[[], object]] = {
     "branch: range": lambda: columns(branch(FIG9, "P32", "Omega", 3.9, 4.1)),
     "branch: stick is born": lambda: ends(branch(FIG9.replace(Omega="3.29"), "P32", "Omega", "3.28", "3.3")),
     "branch: graze": lambda: ends(graze_branch()),
-    "branch: from its end": lambda: ends(
-        continue_orbit(graze_branch().parameters(-1), "P32", "Omega", (4.99, 5.1), graze_branch().points[-1])
-    ),
     "branch: slip is born": lambda: ends(branch(FIG10.replace(B0=5), "P45", "B0", "4.99", "5.1")),
     "branch: no belt": lambda: ends(free_branch()),
     "branch: most points": lambda: [end.kind for end in branch(FIG9, "P32", "Omega", 3.5, 4.5, max_points=5).ends],
