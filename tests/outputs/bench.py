@@ -8,6 +8,7 @@ from dataclasses import replace
 from fractions import Fraction
 from functools import cache, partial
 from importlib.metadata import PackageNotFoundError
+from inspect import isgeneratorfunction
 from itertools import count, product
 from math import nan
 from pathlib import Path
@@ -378,14 +379,11 @@ def compared_in_words() -> str:
 
 def planned(quick: bool) -> str:
     """Return the groups of calls, with the sizes of their tasks."""
-    with patch.object(speed, "warm", lambda: None), patch.object(speed, "find_spec", lambda name: True):
-        groups = [(group.title, vars_of(group.calls), group.clock.__name__) for group in speed.groups(quick)]
+    made = [name for name, each in vars(speed).items() if isgeneratorfunction(each) and each is not speed.groups]
+    noted = dict.fromkeys(made, lambda *given: [each for each in given if not isinstance(each, str)])
+    with patch.multiple(speed, warm=lambda: None, find_spec=lambda name: True, **noted):
+        groups = [(group.title, group.calls, group.clock.__name__) for group in speed.groups(quick)]
     return "\n".join(map(str, groups))
-
-
-def vars_of(calls: Any) -> list[Any]:
-    """Return the arguments of a generator that has not begun."""
-    return [value for value in calls.gi_frame.f_locals.values() if not isinstance(value, str)]
 
 
 def lambdified() -> str:
@@ -402,10 +400,10 @@ def lambdified() -> str:
 
 def first_calls() -> list[Any]:
     """Return the calls that a worker makes, which imports and compiles before the first call of each solver."""
-    worker, calls = object.__new__(Worker), list[Any]()
-    vars(worker).update(_warm=set(), call=lambda *arguments: calls.append(arguments))
-    for name in ("one", "one", "two"):
-        worker.warm(name, len, "abc")
+    worker, calls = Worker(), list[Any]()  # its process starts with a call
+    with patch.object(worker, "call", lambda *arguments: calls.append(arguments)):
+        for name in ("one", "one", "two"):
+            worker.warm(name, len, "abc")
     return [(limit, arguments) for limit, _, *arguments in calls]
 
 
