@@ -94,10 +94,7 @@ def noted_bars(notes: list[str]) -> Iterator[None]:
         engine = about[0].startswith(("simulate", "sweep"))  # how often it reports is its own affair
         notes.append(f"bar {about} {more}: {'' if engine else calls[:1] + calls[-1:]}")
 
-    replaced = {"_bar_drawer": noted, "shows_bars": lambda: True, "working": contextlib.nullcontext}
-    with contextlib.ExitStack() as stack:
-        for name, function in replaced.items():
-            stack.enter_context(patch.object(progress, name, function))
+    with patch.multiple(progress, _bar_drawer=noted, shows_bars=lambda: True, working=contextlib.nullcontext):
         yield
 
 
@@ -324,17 +321,18 @@ def benched(line: str, ok: bool = True, **files: str) -> str:
     def drawn(found: Any) -> Figure:
         return Figure(figsize=(3, 2))
 
+    def write(path: Any, *more: Any) -> list[Any]:
+        asked.append(f"{more if len(more) > 1 else sorted(more[0])}")
+        return [path]
+
     names = {"speed": speed, "work": work, "cases": cases, "map": error_map}
     with contextlib.ExitStack() as stack:
         for name, module in names.items():
-            stack.enter_context(patch.object(module, "run", measured(name)))
-            for each, value in {"table": lambda _, name=name: f"table of {name}", "figure": drawn}.items():
-                stack.enter_context(patch.object(module, each, value, create=True))
+            new = {"run": measured(name), "table": lambda _, name=name: f"table of {name}", "figure": drawn}
+            stack.enter_context(patch.multiple(module, create=True, **new))
         stack.enter_context(patch.object(cases, "as_json", lambda found: found))
-        stack.enter_context(patch.object(cases, "write", lambda page, *more: asked.append(f"{more}") or [page]))
-        stack.enter_context(
-            patch.object(results, "write", lambda path, found: asked.append(f"{sorted(found)}") or [path])
-        )
+        for module in (cases, results):
+            stack.enter_context(patch.object(module, "write", write))
         text = told(line, **files)
     return "\n".join([text, *asked])
 
@@ -431,10 +429,11 @@ def scored(line: str, *short: int) -> str:
         cases_of = [case for case in found.cases if case.right] if short else found.cases
         return replace(found, name=name, cases=cases_of)
 
-    with contextlib.ExitStack() as stack:
-        stack.enter_context(patch("symosc.reference.folder.read_set", lambda _: (7, [SimpleNamespace(name="one")])))
-        stack.enter_context(patch("symosc.reference.results.read_results", lambda each, names: f"{each} {names}"))
-        stack.enter_context(patch("symosc.reference.score.score", judge))
+    with (
+        patch("symosc.reference.folder.read_set", lambda _: (7, [SimpleNamespace(name="one")])),
+        patch("symosc.reference.results.read_results", lambda each, names: f"{each} {names}"),
+        patch("symosc.reference.score.score", judge),
+    ):
         return "\n".join([told(line), *asked])
 
 
@@ -475,11 +474,8 @@ def derived(line: str, latex: bool = True) -> str:
     def printed(chapters: Any, scope: Any, form: str) -> str:
         return f"printed {len(chapters)} {form}\n"
 
-    with contextlib.ExitStack() as stack:
-        replaced = {"check_chapter": check, "write_document": write, "make_pdf": compiled, "printed": printed}
-        for name, function in replaced.items():
-            stack.enter_context(patch.object(document, name, function))
-        stack.enter_context(patch.object(document, "has_latex", lambda: "none" not in line))
+    new: dict[str, Any] = {"check_chapter": check, "write_document": write, "make_pdf": compiled, "printed": printed}
+    with patch.multiple(document, has_latex=lambda: "none" not in line, **new):
         return "\n".join([told(line), *asked])
 
 
@@ -499,10 +495,8 @@ def reproduced(line: str, changed: int = 0, failed: int = 0) -> str:
             progress()
         return Results(plan, tuple(judged), drawn, chapters, 65.4)
 
-    with contextlib.ExitStack() as stack:
-        stack.enter_context(patch("symosc.paper.run.run", everything))
-        for name, function in {"write": lambda *_: None, "files": lambda _: {}, "data": lambda _: {"ok": 1}}.items():
-            stack.enter_context(patch.object(report, name, function))
+    new: dict[str, Any] = {"write": lambda *_: None, "files": lambda _: {}, "data": lambda _: {"ok": 1}}
+    with patch("symosc.paper.run.run", everything), patch.multiple(report, **new):
         return told(line)
 
 
@@ -587,27 +581,28 @@ def bars() -> str:
     """Return what bars show at given times: of counted steps, of percents, of work that begins anew, late ones."""
     clock, shown = count(0.0, 0.5), Terminal()
     environment = {"SYMOSC_PROGRESS_DELAY": "1", "COLUMNS": "100", "TERM": "xterm", "NO_COLOR": "1"}
-    with contextlib.ExitStack() as stack:
-        stack.enter_context(patch.object(progress, "monotonic", lambda: next(clock)))
-        stack.enter_context(patch.object(sys, "stderr", shown))
-        with patch.dict("os.environ", environment):
-            with progress.bar("counted", 8) as report:
-                for done in (1, 2, 4, 3, 8):
-                    report(done, 8)
-            shown.write("\n")
-            with progress.reporting(True, 100, 400, "percents", "") as report:
-                for done in (100, 200, 300, 400):
-                    report(done, 400)
-            shown.write("\n")
-            with progress.late_bar(True, "late", "events") as advance:
-                assert advance is not None
-                for part in (0.1, 0.5, 0.7, 1.0):
-                    advance(part, int(1e4 * part))
-            shown.write("\n")
-            clock = count(0.0, 0.03)
-            with progress.bar("fast", 100) as report:
-                for done in range(1, 101):
-                    report(done, 100)
+    with (
+        patch.object(progress, "monotonic", lambda: next(clock)),
+        patch.object(sys, "stderr", shown),
+        patch.dict("os.environ", environment),
+    ):
+        with progress.bar("counted", 8) as report:
+            for done in (1, 2, 4, 3, 8):
+                report(done, 8)
+        shown.write("\n")
+        with progress.reporting(True, 100, 400, "percents", "") as report:
+            for done in (100, 200, 300, 400):
+                report(done, 400)
+        shown.write("\n")
+        with progress.late_bar(True, "late", "events") as advance:
+            assert advance is not None
+            for part in (0.1, 0.5, 0.7, 1.0):
+                advance(part, int(1e4 * part))
+        shown.write("\n")
+        clock = count(0.0, 0.03)
+        with progress.bar("fast", 100) as report:
+            for done in range(1, 101):
+                report(done, 100)
     text = re.sub(r"\x1b\[[\d;?]*[A-Za-z]|\x1b.", "", shown.getvalue())
     return re.sub("[━╸╺ ]{6,}", " ━ ", text).replace("\r", "\n")
 
