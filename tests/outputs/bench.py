@@ -129,7 +129,7 @@ def derivatives(name: str) -> str:
         found = gradients.tangent_steps(*map(float, values), 1e-11)
         return found[2::2], found[3::2]
 
-    events = [FoundEvent(float(e.t), float(e.x), e.kind, e.boundary) for e in simulate(scene).events][:4]
+    events = exactly(scene, 0.0)()[:4]
     middle = FoundEvent((events[1].t + events[2].t) / 2, 0.0, "graze", events[2].boundary)
     lines = []
     for each in gradients.through_events(
@@ -187,7 +187,7 @@ def map_figure() -> Any:
 
 def late(scene: Scene, tolerance: float) -> Callable[[], Iterator[FoundEvent]]:
     """Prepare a solver whose events are late, and which misses the third one and reports another."""
-    found = [FoundEvent(float(e.t) + tolerance, float(e.x), e.kind, e.boundary) for e in simulate(scene).events]
+    found = [event._replace(t=event.t + tolerance) for event in exactly(scene, 0.0)()]
     other = [FoundEvent(float(scene.t0) + 1, 0.0, "cross", 1)]
     return lambda: iter([*found[:2], *found[3:], *other])
 
@@ -273,7 +273,7 @@ def compared() -> list[Any]:
     """Return what is said of right, wrong and missing events."""
     scene = load_scene("fig5")
     exact = simulate(scene, t_end=7).events
-    right = [FoundEvent(float(e.t), float(e.x), e.kind, e.boundary) for e in exact]
+    right = exactly(SCENES["fig5"], 0.0)()
     lists = [
         right,
         right[1:],

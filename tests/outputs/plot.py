@@ -604,21 +604,14 @@ EXPLORED: dict[str, Case] = {
 def requests() -> str:
     """Return how the server answers: the status, some headers, and how the text begins."""
     pytest.importorskip("bokeh")
-    from http.client import HTTPConnection
-    from urllib.parse import urlsplit
-
-    from exploring import served
+    from exploring import ask, served
 
     lines = []
     with served("fig9") as address:
         for line in REQUESTS.splitlines():
             method, target, *given = line.split()
             body, headers = (given[0] if method == "POST" else None), dict(each.split("=") for each in given[1:])
-            connection = HTTPConnection(urlsplit(address).netloc, timeout=60)
-            connection.request(method, target, body, headers)
-            answered = connection.getresponse()
-            text = answered.read().decode()
-            connection.close()
+            answered, text = ask(address, target, body, **headers)
             kept = {name: each for name, each in answered.headers.items() if name.startswith(("C", "X"))}
             text = (
                 ""

@@ -174,7 +174,7 @@ def written() -> str:
         shown = [f"{c.name} {c.group} {c.scene.parameters.m} {c.t_end} {c.condition} {c.count}" for c in found]
         shown += [str(list(each.items())[:1]) for c in found for each in c.derivatives]
         shown += [str(event)[:60] for c in found for event in c.events]
-        (top / SMALL[0] / "events.csv").write_text("t,x\n")
+        (top / SMALL[0] / "events.csv").write_text("t,x\n", encoding="utf-8")
         shown.append(said(lambda: folder.read_set(top)))
         (top / SMALL[0] / "events.csv").unlink()
         shown.append(said(lambda: folder.read_set(top)))
