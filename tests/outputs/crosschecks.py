@@ -11,7 +11,7 @@ from typing import Any
 
 import careful_solver
 import numpy as np
-from faulty_solver import METHODS, Flaw, Solver, smoothed, without_events
+from faulty_solver import METHODS, Flaw, softened, solved, without_events
 from said import empty_folder, outcome
 from stored_outputs import sampled
 
@@ -100,26 +100,12 @@ def other(name: str = "fig10", t_end: float = 6.0, count: int = 81, **changes: A
     return name, t, *motion(t)
 
 
-def solved(flaw: Flaw, name: str = "fig10", t_end: float = 10.0, count: int = 161, every: int = 4, **more: Any) -> Any:
-    """Return what a solver with a flaw makes of a scene, in steps of which every n-th ends at a sample."""
-    scene = load_scene(name)
-    grid = np.linspace(float(scene.t0), t_end, (count - 1) * every + 1)
-    run = Solver(scene.parameters, flaw, **more).run(grid, float(scene.x0), float(scene.v0))
-    return name, *(column[:: 1 if more else every] for column in run.arrays())
-
-
 def unlocated(method: str, held: bool = False, name: str = "fig10", t_end: float = 10.0, every: int = 3) -> Any:
     scene = load_scene(name)
     grid = np.linspace(float(scene.t0), t_end, 160 * every + 1)
     start = float(scene.x0), float(scene.v0)
     run = without_events(scene.parameters, grid, *start, METHODS[method], held)
     return name, *(column[::every] for column in run)
-
-
-def softened(curve: str, width: float, name: str = "fig10", t_end: float = 10.0, count: int = 161) -> Any:
-    scene = load_scene(name)
-    times = np.linspace(float(scene.t0), t_end, count)
-    return name, *smoothed(scene.parameters, times, float(scene.x0), float(scene.v0), width, curve)
 
 
 def noisy(t: np.ndarray, x: np.ndarray, v: np.ndarray) -> Columns:
