@@ -7,7 +7,6 @@ import io
 import re
 import shlex
 import sys
-import tempfile
 from collections.abc import Callable, Iterator
 from dataclasses import replace
 from functools import cache, partial
@@ -22,6 +21,7 @@ import click
 import pytest
 from cli_runs import COMMANDS, run
 from matplotlib.figure import Figure
+from said import empty_folder
 from stored_outputs import lines_of_figure
 
 import symosc
@@ -60,7 +60,7 @@ def told(line: str, lines: int = 60, **files: str) -> str:
         return Path(path)
 
     with (
-        tempfile.TemporaryDirectory() as folder,
+        empty_folder() as folder,
         contextlib.chdir(folder),
         patch.object(symosc.plot, "save", save, create=True),
         noted_bars(drawn),
@@ -158,8 +158,6 @@ LIMIT = " ".join(
 
 MOTIONS = {
     "simulate": "simulate fig5",
-    "simulate without events": "simulate fig7 --t-end 3",
-    "simulate one event": "simulate fig6 --t-end 2",
     "simulate with a start": "simulate fig5 --t0 1/3 --x0 -0.5 --v0 -2 --t-end 3T --set mu2=0 --set Omega=2*pi",
     "simulate few events": "simulate fig10 --max-events 3",
     "simulate digits": "simulate fig8 --digits 20 --t-end 8",
