@@ -13,6 +13,7 @@ from typing import Any
 import mpmath
 import numpy as np
 import pytest
+from parameter_sets import DIP, EASY
 
 from symosc import Parameters, Scene, load_scene, simulate, simulate_many
 from symosc.bench.event_logic import CHATTER, PeerError, problem, resolve
@@ -25,17 +26,6 @@ PEERS = [solver for solver in all_solvers() if solver not in OURS]
 FAST = [solver for solver in PEERS if not solver.name.startswith(("scipy", "CVODE"))]
 SLOW = [solver for solver in PEERS if solver not in FAST]
 COMPILED = pytest.mark.slow  # compiles for half a minute
-
-EASY = Parameters(m=1, c=1, k=4, A0=1, B0=9, Omega="3/2", v1=-1, v2=2, mu1="2/5", mu2="3/10", FN=5)
-# A flight of 2.5 ms, 3.4e-6 below belt 1, seen from 2 s before: it is shorter than the first step of most integrators.
-DIP = Scene(
-    "dip",
-    Parameters(
-        m="1.966", c="1.541", k="4.409", A0="3.603", B0="4.25", Omega="2.25", v1="-0.987", v2="4.752", mu1="0.462",
-        mu2="0.367", FN="2.693",
-    ),
-    "2.491758084473163", "0.162784459", "-0.987", 6,
-)  # fmt: skip
 
 
 def found_by(solver: Solver, scene: Scene, tolerance: float | None = None) -> Sequence[FoundEvent]:

@@ -12,10 +12,11 @@ from typing import Any
 
 import pytest
 from flint import arb
+from parameter_sets import AT_REST
 from samples import sample_of
 
 import symosc.certificates.atlas as atlases
-from symosc import Atlas, ParameterError, Parameters, atlas, certify, find_orbit
+from symosc import Atlas, ParameterError, atlas, certify, find_orbit
 from symosc.certificates.balls import ball
 from symosc.certificates.flow import Oscillator
 from symosc.certificates.verify_orbits import Flight, judge, marks
@@ -23,7 +24,6 @@ from symosc.certificates.verify_orbits import Oscillator as InBalls
 from symosc.model import PARAMETER_NAMES, by_name
 from symosc.orbits.border import borders_between
 
-COULOMB = Parameters(m=1, c="0.1", k=1, A0=0, B0=1, Omega=1, v1=0, v2=10, mu1=1, mu2=0, FN="0.5")
 PLANE = {"Omega": ("0.95", "1.05"), "FN": ("0.8", "1.1")}
 
 
@@ -36,7 +36,7 @@ def _few_points(monkeypatch: pytest.MonkeyPatch) -> None:
 def small() -> Atlas:
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr(atlases, "GRID", 3)
-        return atlas(COULOMB, PLANE, prove=0.4, workers=1)
+        return atlas(AT_REST, PLANE, prove=0.4, workers=1)
 
 
 def contents(plane: Atlas) -> dict[str, Any]:
@@ -77,7 +77,7 @@ def test_proven_words_are_those_of_the_settled_motions(small: Atlas) -> None:
 
 @pytest.mark.slow
 def test_borders_that_the_grid_misses_are_found() -> None:
-    plane = atlas(COULOMB, {"Omega": ("0.3", "0.6"), "FN": ("0.05", "0.3")}, workers=1)
+    plane = atlas(AT_REST, {"Omega": ("0.3", "0.6"), "FN": ("0.05", "0.3")}, workers=1)
     assert sorted(("|".join(sorted(each.words, key=str)), each.sliding) for each in plane.borders) == [
         ("P3121|P31312121", "adding-sliding"),
         ("P3121|P31312121", "grazing-sliding"),
@@ -96,7 +96,7 @@ def test_borders_explain_the_changes_of_words_in_random_planes(count: int) -> No
         rng = random.Random(seed)
         v1 = rng.choice([0, round(rng.uniform(-1, 1), 2)])
         given: dict[str, Any] = {name: round(rng.uniform(0.4, 2), 2) for name in ("B0", "k", "Omega", "FN", "mu2")}
-        p = COULOMB.replace(v1=v1, v2=v1 + rng.choice([0.5, 1, 3]), A0=round(rng.uniform(-1, 1), 2), c="0.3", **given)
+        p = AT_REST.replace(v1=v1, v2=v1 + rng.choice([0.5, 1, 3]), A0=round(rng.uniform(-1, 1), 2), c="0.3", **given)
         names = rng.choice([("Omega", "FN"), ("B0", "A0"), ("k", "m"), ("mu1", "Omega"), ("c", "B0")])
         limits = {name: sorted(float(getattr(p, name)) * by for by in (0.6, 1.4)) for name in names}
         limits |= {"A0": [-1.0, 1.0]} if "A0" in names else {}
@@ -111,7 +111,7 @@ def test_borders_explain_the_changes_of_words_in_random_planes(count: int) -> No
 
 @pytest.mark.campaign
 def test_a_proven_plane_against_2000_motions() -> None:
-    plane = atlas(COULOMB, {"Omega": ("0.3", 2), "FN": ("0.05", 1)}, prove=0.95, workers=1)
+    plane = atlas(AT_REST, {"Omega": ("0.3", 2), "FN": ("0.05", 1)}, prove=0.95, workers=1)
     inside, wrong = differences(plane, 2000, 2)
     assert inside > 1800
     assert not wrong
@@ -135,7 +135,7 @@ def test_a_proven_plane_against_2000_motions() -> None:
     ],
 )
 def test_other_oscillators(changes: dict[str, Any], over: dict[str, Any]) -> None:
-    plane = atlas(COULOMB.replace(**changes), over, prove=0.9, seconds=20, workers=1)
+    plane = atlas(AT_REST.replace(**changes), over, prove=0.9, seconds=20, workers=1)
     assert plane.proven >= 0.9
     assert judge(contents(plane))[0] == 0
     assert not differences(plane, 4, 3)[1]
@@ -219,16 +219,16 @@ def test_a_word_that_is_another_one_is_refused_in_a_thousand_parts(
 
 def test_a_second_call_takes_up_the_first(tmp_path: Path) -> None:
     path = tmp_path / "plane.json"
-    before = atlas(COULOMB, PLANE, prove=0.35, workers=1, path=path)
-    after = atlas(COULOMB, PLANE, prove=round(before.proven + 0.02, 6), workers=1, path=path)
+    before = atlas(AT_REST, PLANE, prove=0.35, workers=1, path=path)
+    after = atlas(AT_REST, PLANE, prove=round(before.proven + 0.02, 6), workers=1, path=path)
     assert after.proven > before.proven >= 0.35
     assert [each.words for each in after.borders] == [each.words for each in before.borders] == [("P3121", "rest")]
     assert set(before.boxes[:1]) <= {box._replace(points=before.boxes[0].points) for box in after.boxes}
     with pytest.raises(ParameterError, match="another plane"):
-        atlas(COULOMB, PLANE | {"FN": ("0.8", 1)}, path=path)
+        atlas(AT_REST, PLANE | {"FN": ("0.8", 1)}, path=path)
     path.write_text("{}")
     with pytest.raises(ParameterError, match="no file of an atlas"):
-        atlas(COULOMB, PLANE, path=path)
+        atlas(AT_REST, PLANE, path=path)
 
 
 @pytest.mark.parametrize(
@@ -243,7 +243,7 @@ def test_a_second_call_takes_up_the_first(tmp_path: Path) -> None:
 )
 def test_bad_arguments(how: dict[str, Any], named: str) -> None:
     with pytest.raises(ParameterError, match=named):
-        atlas(COULOMB, **how)
+        atlas(AT_REST, **how)
 
 
 def test_the_figure_and_the_page(small: Atlas) -> None:
@@ -260,15 +260,15 @@ def one_box(word: str, box: Any, phases: list[str], x: list[str], **changes: Any
     """Return a file with one box in the plane of Omega and FN."""
     row = {"word": word, "range": box, "phases": phases, "x": x}
     about = {"format": "symosc certificate 1", "kind": "atlas", "proven": True, "over": ["Omega", "FN"], "open": []}
-    parameters = COULOMB.replace(**changes).as_dict()
+    parameters = AT_REST.replace(**changes).as_dict()
     return about | {"parameters": parameters, "range": box, "share": "1", "boxes": [row], "found": {}}
 
 
 @pytest.mark.slow
 def test_a_box_over_its_border_is_refused() -> None:
     (border,) = borders_between(
-        COULOMB.replace(Omega="1.655", FN="0.5"),
-        COULOMB.replace(Omega="1.655", FN="0.7"),
+        AT_REST.replace(Omega="1.655", FN="0.5"),
+        AT_REST.replace(Omega="1.655", FN="0.7"),
         ("Omega", "FN"),
         {"Omega": (1, 2), "FN": ("0.3", 1)},
         step="0.05",
@@ -295,7 +295,7 @@ P32_BOX = [["1.65", "1.7"], ["0.4", "0.5"]]
 
 
 def p32(**changes: Any) -> dict[str, Any]:
-    points = find_orbit(COULOMB.replace(Omega="1.675", FN="0.45"), "P32").points[:2]
+    points = find_orbit(AT_REST.replace(Omega="1.675", FN="0.45"), "P32").points[:2]
     return one_box(
         "P32", P32_BOX, [str(1.675 * float(t)) for t, _ in points], [str(float(x)) for _, x in points], **changes
     )
@@ -306,7 +306,7 @@ def test_the_mirror_image_crosses_a_belt_without_friction() -> None:
 
     assert judge(p32())[0] == 0
     assert judge(p32(v2="0.5"))[0] == 1  # there the word is P8276
-    near = COULOMB.replace(v2="0.5")
+    near = AT_REST.replace(v2="0.5")
     box = ((Fraction("1.65"), Fraction("1.7")), (Fraction("0.4"), Fraction("0.5")))
     names = ("Omega", "FN")
     row = p32()["boxes"][0]
@@ -368,7 +368,7 @@ def test_long_words_end_at_the_limit_of_work() -> None:
 
 def test_a_stiff_spring_takes_no_memory() -> None:
     assert len(marks([(True, arb(0), arb(1))], arb("1e-5"))) < 20
-    stiff = COULOMB.replace(k="1e20")
+    stiff = AT_REST.replace(k="1e20")
     o = Oscillator(stiff, by_name(stiff, ball))
     flights = atlases._flights(("P2", "P1", "P3", "P1"), stiff, ("Omega", "FN"))
     assert flights.cuts(o, flights.legs[0], [arb(1), arb(1)]) is None

@@ -12,7 +12,7 @@ from excerpts import crosscheck
 from fault_kinds import KINDS, finer
 from fault_matrix import judge, run, table, whole
 from fault_scenes import cases
-from faulty_solver import METHODS, Flaw, Solver, smoothed, without_events
+from faulty_solver import METHODS, Flaw, softened, solved, without_events
 
 from symosc import load_scene, simulate
 from symosc.crosschecks.causes import CAUSES, Diagnosis
@@ -171,28 +171,14 @@ def test_a_wrong_coefficient_is_estimated(name: str) -> None:
 # -- numbers of the faults ---------------------------------------------------------------------------------------------
 
 
-def solved(flaw: Flaw, name: str = "fig10", every: int = 4) -> tuple[Any, ...]:
-    scene = load_scene(name)
-    grid = np.linspace(float(scene.t0), float(scene.t0) + 9, 601)
-    run = Solver(scene.parameters, flaw).run(grid, float(scene.x0), float(scene.v0))
-    return (name, *(column[::every] for column in run.arrays()))
-
-
-def softened(curve: str, width: float, name: str, samples: int) -> tuple[Any, ...]:
-    scene = load_scene(name)
-    begin = float(scene.t0)
-    times = np.linspace(begin, begin + 8, samples)
-    return (name, *smoothed(scene.parameters, times, float(scene.x0), float(scene.v0), width, curve))
-
-
 MEASURED: dict[str, tuple[Any, str, str | None, float | None, float]] = {
-    "static friction": (lambda: solved(Flaw(static=1.3)), "stick left late", None, 1.3, 1e-6),
-    "drift": (lambda: solved(Flaw(drift=-2e-3)), "drift", None, -2e-3, 1e-3),
-    "drift in steps": (lambda: solved(Flaw(drift=-2e-3), "fig5", 60), "drift", None, -2e-3, 1e-6),
-    "drift in 3 steps": (lambda: solved(Flaw(drift=-2e-3), every=40), "drift", None, -2e-3, 1e-6),
-    "tanh, narrow": (lambda: softened("tanh", 0.01, "fig5", 400), "smoothed friction", "tanh", 0.01, 0.05),
-    "tanh, narrowest": (lambda: softened("tanh", 1e-3, "fig5", 400), "smoothed friction", "tanh", 1e-3, 1e-5),
-    "arctan, wide": (lambda: softened("arctan", 7.2, "fig9", 60), "smoothed friction", "arctan", 7.2, 1e-3),
+    "static friction": (lambda: solved(Flaw(static=1.3), t_end=9.4588, count=151), "stick left late", None, 1.3, 1e-6),
+    "drift": (lambda: solved(Flaw(drift=-2e-3), t_end=9.4588, count=151), "drift", None, -2e-3, 1e-3),
+    "drift in steps": (lambda: solved(Flaw(drift=-2e-3), "fig5", 9, 11, 60), "drift", None, -2e-3, 1e-6),
+    "drift in 3 steps": (lambda: solved(Flaw(drift=-2e-3), "fig10", 9.4588, 16, 40), "drift", None, -2e-3, 1e-6),
+    "tanh, narrow": (lambda: softened("tanh", 0.01, "fig5", 8, 400), "smoothed friction", "tanh", 0.01, 0.05),
+    "tanh, narrowest": (lambda: softened("tanh", 1e-3, "fig5", 8, 400), "smoothed friction", "tanh", 1e-3, 1e-5),
+    "arctan, wide": (lambda: softened("arctan", 7.2, "fig9", 8.1324, 60), "smoothed friction", "arctan", 7.2, 1e-3),
 }
 
 

@@ -16,6 +16,7 @@ from typing import Any
 import pytest
 from click.testing import CliRunner
 from latex_reader import Reader
+from parameter_sets import NUMBERS
 from step_mutants import mutations
 from symbols import KNOWN, symbols
 
@@ -28,8 +29,6 @@ from symosc.derive.scope import LETTERS, fragment_scope
 from symosc.derive.steps import Step, StepError, StepEvidence, flat
 from symosc.model import PARAMETER_NAMES, Parameters
 
-NUMBERS = {"m": "1", "c": "2/5", "k": "4", "A0": "1", "B0": "3", "Omega": "3/2", "FN": "9.81"}
-NUMBERS |= {"v1": "1", "v2": "5", "mu1": "0.8", "mu2": "0.6"}
 #: Damping and stiffness of m = 3/2 and Omega = 7/5 in each regime.
 REGIMES = {
     "underdamped": ("1/5", "3"), "critical": ("6", "6"), "overdamped": ("9", "2"), "undamped": ("0", "2"),

@@ -12,6 +12,7 @@ import pytest
 import sympy
 from effort import at_most
 from oracle import flow_oracle
+from parameter_sets import FREE, OVER
 
 from symosc import Parameters, grazing_start, grazing_window, load_scene, solve_grazing
 from symosc.grazing.start import GrazingStart
@@ -19,15 +20,10 @@ from symosc.grazing.start import GrazingStart
 DOMAIN = {"P2": 1, "P3": 2, "P5": 2, "P6": 3}
 BELT = {"P2": 1, "P3": 1, "P5": 2, "P6": 2}
 REGIMES = ["undamped", "under", "critical", "near", "over", "very over"]
-OVER = Parameters(
-    m="1.991", c="3.353", k="0.524", A0="1.449", B0="7.585", Omega="1.157", v1="1.675", v2="2.836", mu1="0.392",
-    mu2="0.398", FN="6.522",
-)  # fmt: skip
 SLOW = Parameters(
     m="1.091", c="4.039", k="3.604", A0="0.976", B0="6.729", Omega="2.852", v1="-2.259", v2="0.224", mu1="0.602",
     mu2="0.71", FN="1.89",
 )  # fmt: skip
-FREE = Parameters(m=1, c=0, k=2, A0="0.5", B0=0, Omega="1.3", v1=1, v2="1.5", mu1="0.4", mu2="0.3", FN=3)
 
 
 def parameters(rng: random.Random, regime: str) -> Parameters:

@@ -10,6 +10,7 @@ import mpmath
 import numpy as np
 import pytest
 from oracle import simulate_oracle
+from parameter_sets import COULOMB, PLANE
 from samples import sample_of
 
 from symosc import (
@@ -25,9 +26,6 @@ from symosc.orbits.border import borders_between
 from symosc.orbits.branch import Branch
 from symosc.words import cycle
 
-#: One belt at rest, the other one out of reach: the oscillator of Den Hartog, and the plane of the tests.
-COULOMB = Parameters(m=1, c="0.1", k=1, A0=0, B0=1, Omega="0.9", v1=0, v2=1000, mu1=1, mu2=0, FN="0.4")
-PLANE = {"Omega": (0.25, 2), "FN": (0.02, 1)}
 MAPS = {(1, "Omega1", 1): "2", (1, "Omega2", 1): "3", (1, "belt1", 1): "1", (2, "belt2", 2): "4"}
 MAPS |= {(2, "Omega2", 2): "5", (2, "Omega3", 2): "6", (2, "Omega2", 1): "7", (1, "Omega2", 2): "8"}
 

@@ -10,6 +10,7 @@ import pytest
 from branches import branch_of
 from oracle import simulate_oracle
 from paper_orbits import BOTH_BELTS
+from parameter_sets import SHRINKS
 from scipy.optimize import minimize_scalar
 
 from symosc import Parameters, load_scene, simulate
@@ -137,13 +138,6 @@ def test_a_range_may_end_where_no_system_is_beyond():
     assert branch.values[0] == 0
     assert branch.ends[0].kind == "end of the range"
     assert abs(branch.multipliers[0]).max() < 1
-
-
-# v2 lies just below the greatest velocity that P32 has at any Omega; it does not act on P32 otherwise.
-SHRINKS = Parameters(
-    m="0.774", c="1.682", k="2.765", A0="-0.236", B0="4.57", Omega="2.043", v1="-2.927", v2="2.681", mu1="0.38",
-    mu2="0.247", FN="5.058",
-)  # fmt: skip
 
 
 def drawn(rng: random.Random) -> tuple[Parameters, float]:

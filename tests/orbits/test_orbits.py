@@ -11,17 +11,13 @@ import numpy as np
 import pytest
 from oracle import simulate_oracle
 from paper_orbits import BOTH_BELTS, FIG9, FIG10, P32, P32_MULTIPLIER, P4645
+from parameter_sets import MANY_SLIPS
 
-from symosc import Parameters
 from symosc.orbits.closing_equations import ClosingEquations, ConvergenceError, newton
 from symosc.orbits.find import find_orbit
 from symosc.orbits.floquet import multipliers
 from symosc.words import read_word
 
-# Sticks on both belts; found by simulating random parameters.
-MANY_SLIPS = Parameters(
-    m=1, c="0.26", k="4.04", A0="3.53", B0="10.37", Omega="1.44", v1="-2.02", v2="1.02", mu1="0.68", mu2="0.71", FN=10
-)
 CROSSING_BOTH = FIG9.replace(Omega="5.1")
 PAPER = [(FIG9, "P32", P32), (FIG10, "P4645", P4645)]
 

@@ -8,10 +8,10 @@ from dataclasses import replace
 from fractions import Fraction
 from functools import cache, partial
 from importlib.metadata import PackageNotFoundError
+from inspect import isgeneratorfunction
 from itertools import count, product
 from math import nan
 from pathlib import Path
-from tempfile import TemporaryDirectory
 from types import SimpleNamespace
 from typing import Any
 from unittest.mock import Mock, patch
@@ -19,9 +19,11 @@ from unittest.mock import Mock, patch
 import numpy as np
 from cli_runs import run
 from outputs import reference
+from parameter_sets import DIP, EASY
+from said import empty_folder, outcome, written
 from stored_outputs import some_lines
 
-from symosc import Parameters, Scene, bench, load_scene, simulate
+from symosc import Scene, bench, load_scene, simulate
 from symosc.bench import (
     cases,
     error_map,
@@ -41,12 +43,6 @@ from symosc.errors import OutputError
 from symosc.mappings.equations import residual
 
 ABOUT = {"processor": "a processor", "cores": "2", "date": "a day", "symosc": "1.2", "numpy": "3.4"}
-EASY = Parameters(m=1, c=1, k=4, A0=1, B0=9, Omega="3/2", v1=-1, v2=2, mu1="2/5", mu2="3/10", FN=5)
-#: A flight of 2.5 ms, 3.4e-6 below belt 1, seen from 2 s before: it is shorter than the first step of an integrator.
-DIP = Parameters(
-    m="1.966", c="1.541", k="4.409", A0="3.603", B0="4.25", Omega="2.25", v1="-0.987", v2="4.752", mu1="0.462",
-    mu2="0.367", FN="2.693",
-)  # fmt: skip
 SCENES = {
     "fig5": replace(load_scene("fig5"), t_end=Fraction(7)),
     "fig8": replace(load_scene("fig8"), t_end=Fraction(5)),
@@ -54,7 +50,7 @@ SCENES = {
     "critical": Scene("critical", EASY.replace(c=4), 0, "1/10", 3, 6),  # type: ignore[arg-type]
     "overdamped": Scene("overdamped", EASY.replace(c=5), 10**6, "1/10", 3, 10**6 + 6),  # type: ignore[arg-type]
     "peak": replace(load_scene("fig7-corrected"), t_end=Fraction(5)),
-    "dip": Scene("dip", DIP, "2.491758084473163", "0.162784459", "-0.987", 5),  # type: ignore[arg-type]
+    "dip": replace(DIP, t_end=Fraction(5)),
     "from a belt": Scene("from a belt", EASY.replace(v1=0), 1, -6, 0, 5),  # type: ignore[arg-type]
 }
 
@@ -67,27 +63,25 @@ def interpreted(module: Any) -> dict[str, Any]:
     return bind((event_logic, module), {})
 
 
-def followed(scene: Scene, functions: dict[str, Any], settings: Any, offset: float = 0.0) -> str:
+def followed(scene: Scene, functions: dict[str, Any], settings: Callable[[], Any], offset: float = 0.0) -> str:
     """Return the events that a solver finds, or why it gives up."""
-    try:
-        found = list(runner(scene, functions, settings, offset)())
-    except PeerError as error:
-        return str(error)
-    return "\n".join(f"{event.t:.8f} {event.x:.7f} {event.kind} {event.boundary}" for event in found)
+
+    def found() -> str:
+        events = runner(scene, functions, settings(), offset)()
+        return "\n".join(f"{event.t:.8f} {event.x:.7f} {event.kind} {event.boundary}" for event in events)
+
+    return str(outcome(found, PeerError))
 
 
 def by_scan(name: str, points: int = 40, **changes: Any) -> str:
     scene = replace(SCENES[name], parameters=SCENES[name].parameters.replace(**changes))
-    try:
-        settings = peers_scan.scan_of(problem(scene.parameters), points, 1e-12)
-    except PeerError as error:
-        return str(error)
+    settings = partial(peers_scan.scan_of, problem(scene.parameters), points, 1e-12)
     return followed(scene, interpreted(peers_scan), settings)
 
 
 def by_dop853(name: str, tolerance: float = 1e-10) -> str:
-    scene = SCENES[name]
-    return followed(scene, interpreted(peers_numba), peers_numba.settings(problem(scene.parameters), tolerance), 1e-15)
+    settings = partial(peers_numba.settings, problem(SCENES[name].parameters), tolerance)
+    return followed(SCENES[name], interpreted(peers_numba), settings, 1e-15)
 
 
 def by_scipy(name: str, method: str, tolerance: float) -> str:
@@ -125,7 +119,7 @@ def gives_up(outcome: str) -> str:
     def leave(q: Any, s: Any, mode: int, t: float, x: float, v: float, t_end: float) -> tuple[int, float, float]:
         return (event_logic.UNSOLVED, t, x) if outcome == "unsolved" else ((1, -1, -1, 1, 1)[mode - 1], t + 1e-3, x)
 
-    return followed(SCENES["from a belt"], bind((event_logic,), {"leave": leave}), None)
+    return followed(SCENES["from a belt"], bind((event_logic,), {"leave": leave}), lambda: None)
 
 
 def derivatives(name: str) -> str:
@@ -136,7 +130,7 @@ def derivatives(name: str) -> str:
         found = gradients.tangent_steps(*map(float, values), 1e-11)
         return found[2::2], found[3::2]
 
-    events = [FoundEvent(float(e.t), float(e.x), e.kind, e.boundary) for e in simulate(scene).events][:4]
+    events = exactly(scene, 0.0)()[:4]
     middle = FoundEvent((events[1].t + events[2].t) / 2, 0.0, "graze", events[2].boundary)
     lines = []
     for each in gradients.through_events(
@@ -194,7 +188,7 @@ def map_figure() -> Any:
 
 def late(scene: Scene, tolerance: float) -> Callable[[], Iterator[FoundEvent]]:
     """Prepare a solver whose events are late, and which misses the third one and reports another."""
-    found = [FoundEvent(float(e.t) + tolerance, float(e.x), e.kind, e.boundary) for e in simulate(scene).events]
+    found = [event._replace(t=event.t + tolerance) for event in exactly(scene, 0.0)()]
     other = [FoundEvent(float(scene.t0) + 1, 0.0, "cross", 1)]
     return lambda: iter([*found[:2], *found[3:], *other])
 
@@ -280,7 +274,7 @@ def compared() -> list[Any]:
     """Return what is said of right, wrong and missing events."""
     scene = load_scene("fig5")
     exact = simulate(scene, t_end=7).events
-    right = [FoundEvent(float(e.t), float(e.x), e.kind, e.boundary) for e in exact]
+    right = exactly(SCENES["fig5"], 0.0)()
     lists = [
         right,
         right[1:],
@@ -361,14 +355,15 @@ def scored(wrong: bool = False) -> dict[str, Any]:
 
 def bench_files() -> str:
     """Return the pages that are written into a folder with a README."""
-    with TemporaryDirectory() as name:
-        readme = Path(name) / "README.md"
-        readme.write_text("above\n<!-- results: begin, by the command -->\nold\n<!-- results: end -->\nbelow\n")
+    with empty_folder() as folder:
+        readme = folder / "README.md"
+        text = "above\n<!-- results: begin, by the command -->\nold\n<!-- results: end -->\nbelow\n"
+        readme.write_text(text, encoding="utf-8")
         whole = {"speed": timed(), "work_precision": worked(), "error_map": mapped(), "scores": scored(), "quick": True}
         with patch.object(results.plot, "save", lambda figure, path: Path(path)):
-            written = results.write(readme, whole)
-        texts = [path.read_text() for path in written if path.suffix == ".md"]
-    return "\n".join([*(str(path.relative_to(name)) for path in written), *texts])
+            paths = results.write(readme, whole)
+        texts = [path.read_text(encoding="utf-8") for path in paths if path.suffix == ".md"]
+    return "\n".join([*(str(path.relative_to(folder)) for path in paths), *texts])
 
 
 def compared_in_words() -> str:
@@ -385,14 +380,11 @@ def compared_in_words() -> str:
 
 def planned(quick: bool) -> str:
     """Return the groups of calls, with the sizes of their tasks."""
-    with patch.object(speed, "warm", lambda: None), patch.object(speed, "find_spec", lambda name: True):
-        groups = [(group.title, vars_of(group.calls), group.clock.__name__) for group in speed.groups(quick)]
+    made = [name for name, each in vars(speed).items() if isgeneratorfunction(each) and each is not speed.groups]
+    noted = dict.fromkeys(made, lambda *given: [each for each in given if not isinstance(each, str)])
+    with patch.multiple(speed, warm=lambda: None, find_spec=lambda name: True, **noted):
+        groups = [(group.title, group.calls, group.clock.__name__) for group in speed.groups(quick)]
     return "\n".join(map(str, groups))
-
-
-def vars_of(calls: Any) -> list[Any]:
-    """Return the arguments of a generator that has not begun."""
-    return [value for value in calls.gi_frame.f_locals.values() if not isinstance(value, str)]
 
 
 def lambdified() -> str:
@@ -409,21 +401,18 @@ def lambdified() -> str:
 
 def first_calls() -> list[Any]:
     """Return the calls that a worker makes, which imports and compiles before the first call of each solver."""
-    worker, calls = object.__new__(Worker), list[Any]()
-    vars(worker).update(_warm=set(), call=lambda *arguments: calls.append(arguments))
-    for name in ("one", "one", "two"):
-        worker.warm(name, len, "abc")
+    worker, calls = Worker(), list[Any]()  # its process starts with a call
+    with patch.object(worker, "call", lambda *arguments: calls.append(arguments)):
+        for name in ("one", "one", "two"):
+            worker.warm(name, len, "abc")
     return [(limit, arguments) for limit, _, *arguments in calls]
 
 
 def protected() -> str:
     """Return what is said of a README that cannot be written."""
-    with TemporaryDirectory() as name, patch.object(results.os, "access", lambda path, mode: False):
-        (Path(name) / "README.md").write_text("text")
-        try:
-            return results.check(Path(name) / "README.md")
-        except OutputError as error:
-            return str(error).replace(name, "FOLDER")
+    with empty_folder() as folder, patch.object(results.os, "access", lambda path, mode: False):
+        (folder / "README.md").write_text("text", encoding="utf-8")
+        return str(outcome(lambda: results.check(folder / "README.md"), OutputError))
 
 
 def without_packages() -> list[str]:
@@ -435,15 +424,15 @@ def without_packages() -> list[str]:
 def command(*arguments: str, wrong: bool = False) -> str:
     """Return the exit code of `symosc bench`, what it prints, and titles and lists of its pages, without measuring."""
     runs = {cases: scored(wrong), speed: timed(), work: worked(), error_map: mapped(), gradients: scored(wrong)}
-    with TemporaryDirectory() as name, ExitStack() as stack:
+    with empty_folder() as folder, ExitStack() as stack:
         for module, found in runs.items():
             stack.enter_context(patch.object(module, "run", lambda *_, found=found, **options: found))
         stack.enter_context(patch("symosc.plot.save", lambda figure, path: Path(path)))
         stack.enter_context(patch("symosc.cli.bench.find_spec", lambda name: name))
-        done = run(*(each.replace("FOLDER", name) for each in ("bench", *arguments)))
-        pages = [each for path in sorted(Path(name).iterdir()) for each in path.read_text().splitlines()]
-        pages = [each for each in pages if each.startswith(("# ", "- "))]
-    return "\n".join([str(done.exit_code), done.output.replace(name, "FOLDER"), *pages])
+        done = run("bench", *arguments)
+        pages = [line for path in sorted(folder.iterdir()) for line in path.read_text(encoding="utf-8").splitlines()]
+        pages = [line for line in pages if line.startswith(("# ", "- "))]
+    return "\n".join([str(done.exit_code), done.output, *pages])
 
 
 def differentiated() -> str:
@@ -456,12 +445,11 @@ def differentiated() -> str:
 
     solvers = tuple(Solver(name, partial(prepare, factor), (0.0,)) for name, factor in (("right", 1.0), ("off", 1.5)))
     with (
-        TemporaryDirectory() as name, patch.object(cases, "in_parallel", at_once),
+        patch.object(cases, "in_parallel", at_once),
         patch.object(cases, "machine", lambda: ABOUT), patch.object(gradients, "solvers", lambda: solvers),
     ):  # fmt: skip
         found = gradients.run(chosen=chosen_cases())
-        (page,) = gradients.write(Path(name) / "gradients.md", found, "the command")
-        return page.read_text()
+        return written(lambda path: gradients.write(path, found, "the command"), "gradients.md")
 
 
 def settings() -> str:
@@ -480,13 +468,12 @@ def settings() -> str:
 
 CASES: dict[str, Callable[[], object]] = {
     "forces": forces,
-    **{f"scan: {name}": partial(by_scan, name) for name in SCENES},
+    **{f"scan: {name}": partial(by_scan, name) for name in ("critical", "overdamped", "from a belt")},
     "scan: no spring": lambda: by_scan("fig5", k=0),
-    "scan: resonance": lambda: by_scan("fig5", c=0),
     "fine scan": lambda: by_scan("fig8", 2000),
-    **{f"DOP853: {name}": partial(by_dop853, name) for name in SCENES},
-    **{f"coarse DOP853: {name}": partial(by_dop853, name, 1e-4) for name in ("dip", "peak", "fig10", "fig8")},
-    **{f"{method} of scipy": partial(by_scipy, "fig5", method, 1e-8) for method in ("RK45", "DOP853", "LSODA")},
+    **{f"DOP853: {name}": partial(by_dop853, name) for name in ("fig5", "fig10", "peak", "dip")},
+    **{f"coarse DOP853: {name}": partial(by_dop853, name, 1e-4) for name in ("peak", "fig10", "fig8")},
+    "LSODA of scipy": lambda: by_scipy("fig5", "LSODA", 1e-8),
     "Radau of scipy": lambda: by_scipy("from a belt", "Radau", 1e-6),
     "chatters": lambda: gives_up("chatters"),
     "gives up": lambda: gives_up("unsolved"),
@@ -498,18 +485,13 @@ CASES: dict[str, Callable[[], object]] = {
     "measured times": measured_times,
     "work": lambda: worked()["rows"],
     "work, slow": lambda: worked(True, 0.125)["rows"],
-    "work as a table": lambda: work.table(worked()),
     "work as Markdown": lambda: work.table(worked(True, 0.125), markdown=True),
-    "work in short": lambda: work.summary(worked()),
     "work as a picture": lambda: work.figure(worked()),
     "speed": lambda: timed()["groups"],
-    "speed as a table": lambda: speed.table(timed()),
-    "speed as Markdown": lambda: f"{speed.brief(timed())}\n{speed.table(timed(), 'github')}",
     "calls to measure": named_calls,
     "durations": lambda: [speed.duration(value) for value in (12.3456, 1.0, 0.0123456, 1e-3, 4.5e-5, 1e-6, 3.21e-8)],
     "scores": lambda: cases.table(scored()),
     "wrong scores": lambda: cases.our_verdict(scored(True)),
-    "hard cases": lambda: cases.hard_summary(scored()),
     "scores as data": lambda: {key: cases.as_json(scored())[key] for key in ("ok", "limit_s", "skipped", "violations")},
     "calls in groups": lambda: planned(False),
     "calls in quick groups": lambda: planned(True),
@@ -525,9 +507,6 @@ CASES: dict[str, Callable[[], object]] = {
     "command --scores": lambda: command("--scores", "FOLDER/scores.md"),
     "command --scores, wrong": lambda: command("--scores", "FOLDER/scores.md", wrong=True),
     "command --gradients": lambda: command("--gradients", "FOLDER/gradients.md"),
-    "command --scores, refused": lambda: (
-        command("--scores", "FOLDER/scores.txt") + command("--scores", "a.md", "--hard")
-    ),
     "results in words": compared_in_words,
     "pages of results": bench_files,
     "page of derivatives": differentiated,

@@ -3,22 +3,20 @@
 from __future__ import annotations
 
 import json
-import tempfile
 from collections.abc import Callable, Iterator
 from fractions import Fraction
-from pathlib import Path
 from typing import Any
 from unittest.mock import patch
 
 from paper_orbits import FIG9
-from said import errors_of
+from parameter_sets import AT_REST
+from said import empty_folder, errors_of
 
 import symosc
 from symosc import Parameters, Scene, load_scene
 from symosc.certificates.certificate import common_complex, common_digits, provable
 from symosc.files import write_text
 
-COULOMB = Parameters(m=1, c="0.1", k=1, A0=0, B0=1, Omega=1, v1=0, v2=10, mu1=1, mu2=0, FN="0.5")
 #: A plane across which a stick is born, and one with a region of rest.
 PLANE, RESTING = (
     {"Omega": ("3.25", "3.33"), "FN": ("9.9", "10.1")},
@@ -88,10 +86,10 @@ def objects() -> Iterator[Any]:
     for each in made:
         yield [repr(each), each.message, str(each.stable)]
         yield [each.events, each.points, each.multipliers, each.derivatives]
-    undriven = Scene("still", COULOMB.replace(B0=0, c=0), 0, "0.3", 0, 5)
+    undriven = Scene("still", AT_REST.replace(B0=0, c=0), 0, "0.3", 0, 5)
     yield symosc.certify(undriven).message
-    yield symosc.certify(Scene("start", COULOMB, 0, "0.5", 0, 5)).message
-    for p in (FIG9, FIG9.replace(k=0), FIG9.replace(k=0, c=0), COULOMB.replace(c=0)):
+    yield symosc.certify(Scene("start", AT_REST, 0, "0.5", 0, 5)).message
+    for p in (FIG9, FIG9.replace(k=0), FIG9.replace(k=0, c=0), AT_REST.replace(c=0)):
         yield " ".join(provable(p, p.v1)) + "; " + " ".join(provable(p, Fraction(3)))
     yield [common_digits("1.2345", "1.2349"), common_digits("-1", "1"), common_complex(("1", "1.1"), ("-2", "-2"))]
     yield common_complex(("0.5", "0.5"), ("0", "0"))
@@ -140,7 +138,7 @@ def drawn() -> Iterator[Any]:
     from symosc.certificates import atlas as atlases
 
     with patch.object(atlases, "GRID", 2):
-        yield from of_atlas(symosc.atlas(COULOMB, RESTING, workers=1))
+        yield from of_atlas(symosc.atlas(AT_REST, RESTING, workers=1))
         for p, over in PROVEN:
             plane = symosc.atlas(p, over, prove="0.3", workers=1)
             yield from of_atlas(plane)
@@ -166,25 +164,25 @@ def of_atlas(plane: symosc.Atlas) -> Iterator[Any]:
 def file_of_atlas(plane: symosc.Atlas) -> Iterator[Any]:
     from symosc.certificates.verify_orbits import judge
 
-    with tempfile.TemporaryDirectory() as folder:
-        path = Path(folder) / "plane.json"
+    with empty_folder() as folder:
+        path = folder / "plane.json"
         plane.to_json(path)
-        data = json.loads(path.read_text())
+        data = json.loads(path.read_text(encoding="utf-8"))
         again = symosc.atlas(FIG9, PLANE, path=path, workers=1)
         yield [again.proven == plane.proven, again.grid == plane.grid, len(again.borders)]
         write_text(path, "{}")
         errors = [
             lambda: symosc.atlas(FIG9, PLANE, path=path),
-            lambda: symosc.atlas(COULOMB, PLANE | {"k": (1, 2)}),
-            lambda: symosc.atlas(COULOMB, {"Omega": (1, 2), "FN": (2, 1)}),
-            lambda: symosc.atlas(COULOMB, {"Omega": (1, 2), "FN": 1}),  # type: ignore[dict-item]
-            lambda: symosc.atlas(COULOMB, {"Omega": (1, 2), "c": (0, 1)}),
-            lambda: symosc.atlas(COULOMB, PLANE, prove=2),
-            lambda: symosc.atlas(COULOMB, PLANE, seconds=0),
+            lambda: symosc.atlas(AT_REST, PLANE | {"k": (1, 2)}),
+            lambda: symosc.atlas(AT_REST, {"Omega": (1, 2), "FN": (2, 1)}),
+            lambda: symosc.atlas(AT_REST, {"Omega": (1, 2), "FN": 1}),  # type: ignore[dict-item]
+            lambda: symosc.atlas(AT_REST, {"Omega": (1, 2), "c": (0, 1)}),
+            lambda: symosc.atlas(AT_REST, PLANE, prove=2),
+            lambda: symosc.atlas(AT_REST, PLANE, seconds=0),
             lambda: plane.word_at(Omega=1),
             lambda: plane.word_at(Omega=1, FN=10),
         ]
-        yield errors_of(errors).replace(folder, "FOLDER")
+        yield errors_of(errors)
     yield symosc.certify(plane).message
     for changes in ({"share": "1/3"}, {"boxes": data["boxes"][1:], "share": "1/4"}, {"open": []}):
         code, line = judge(data | changes)

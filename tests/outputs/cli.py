@@ -7,7 +7,6 @@ import io
 import re
 import shlex
 import sys
-import tempfile
 from collections.abc import Callable, Iterator
 from dataclasses import replace
 from functools import cache, partial
@@ -22,6 +21,7 @@ import click
 import pytest
 from cli_runs import COMMANDS, run
 from matplotlib.figure import Figure
+from said import empty_folder
 from stored_outputs import PLACE, lines_of_figure
 
 import symosc
@@ -60,7 +60,7 @@ def told(line: str, lines: int = 60, **files: str) -> str:
         return Path(path)
 
     with (
-        tempfile.TemporaryDirectory() as folder,
+        empty_folder() as folder,
         contextlib.chdir(folder),
         patch.object(symosc.plot, "save", save, create=True),
         noted_bars(drawn),
@@ -94,10 +94,7 @@ def noted_bars(notes: list[str]) -> Iterator[None]:
         engine = about[0].startswith(("simulate", "sweep"))  # how often it reports is its own affair
         notes.append(f"bar {about} {more}: {'' if engine else calls[:1] + calls[-1:]}")
 
-    replaced = {"_bar_drawer": noted, "shows_bars": lambda: True, "working": contextlib.nullcontext}
-    with contextlib.ExitStack() as stack:
-        for name, function in replaced.items():
-            stack.enter_context(patch.object(progress, name, function))
+    with patch.multiple(progress, _bar_drawer=noted, shows_bars=lambda: True, working=contextlib.nullcontext):
         yield
 
 
@@ -161,8 +158,6 @@ LIMIT = " ".join(
 
 MOTIONS = {
     "simulate": "simulate fig5",
-    "simulate without events": "simulate fig7 --t-end 3",
-    "simulate one event": "simulate fig6 --t-end 2",
     "simulate with a start": "simulate fig5 --t0 1/3 --x0 -0.5 --v0 -2 --t-end 3T --set mu2=0 --set Omega=2*pi",
     "simulate few events": "simulate fig10 --max-events 3",
     "simulate digits": "simulate fig8 --digits 20 --t-end 8",
@@ -173,7 +168,6 @@ MOTIONS = {
     "simulate csv and json": "simulate fig6 --csv - --json",
     "simulate undecidable": f"simulate fig5 --t-end 100 {LIMIT}",
     "simulate a start known roughly": "simulate fig8 --start-error 1e-3,1e-3,1e-3 --t-end 8",
-    "simulate verbose": "simulate fig7 --t-end 3 -v",
     "simulate quiet": "simulate fig6 --set Omega=2*pi -q --t-end 2",
     "figure": "figure fig5 -o a.svg",
     "figure of a column": "figure fig10 -o a.pdf --panels bdg --boundary 2 --columns 1 --t-end 1T",
@@ -197,7 +191,6 @@ ORBITS = {
     "orbit with its branch": "orbit fig9 --continue Omega=3.99:4.01 -o branch.svg",
     "response": "orbit fig9 --response Omega=3.9:4.1:2 -o response.svg",
     "response json": "orbit fig9 --response Omega=4:5:2 --json",
-    "response in digits": "orbit fig9 --response Omega=4:5:2 --digits 20",
     "response of an orbit": "orbit fig9 --response Omega=4 --structure P32",
 }
 FITS = {
@@ -206,8 +199,8 @@ FITS = {
     "fit from a first value": "fit fig5 it.csv --free mu1,c --start mu1=0.7 --start c=1.1",
     "fit of too much": "fit fig5 it.csv --free A0,x0 --sigma 1e-3",
 }
-BAD_FITS = {"no rows": "t,kind\n", "a short row": "t,kind\n1,stick\n2\n", "a long row": "t,kind\n1,stick,3\n"}
-BAD_FITS |= {"a kind": "t,kind\n1,stuck\n", "no number": "t,kind\nx,stick\n", "a quote": 't,kind\n"1"2,stick\n'}
+BAD_FITS = {"a short row": "t,kind\n1,stick\n2\n", "a kind": "t,kind\n1,stuck\n", "no number": "t,kind\nx,stick\n"}
+BAD_FITS |= {"a quote": 't,kind\n"1"2,stick\n'}
 GRAZING = {
     "grazing": "grazing fig9",
     "grazing in the paper's order": "grazing fig8 --map P3 --order paper",
@@ -250,7 +243,6 @@ CODE = {
     "derive a form": "derive friction --form paper --set mu1=1/3 --digits 5 --tags paper --prefix mine --alone",
     "derive into a file": "derive friction --scene fig5 -o it.tex",
     "derive json": "derive friction --json",
-    "derive to stdout": "derive friction -o -",
     "derive a page of a fragment": "derive P3 --format html",
     "derive a chapter with digits": "derive sticks --digits 5",
     "derive a chapter, pdf of html": "derive sticks --pdf --format html",
@@ -327,17 +319,18 @@ def benched(line: str, ok: bool = True, **files: str) -> str:
     def drawn(found: Any) -> Figure:
         return Figure(figsize=(3, 2))
 
+    def write(path: Any, *more: Any) -> list[Any]:
+        asked.append(f"{more if len(more) > 1 else sorted(more[0])}")
+        return [path]
+
     names = {"speed": speed, "work": work, "cases": cases, "map": error_map}
     with contextlib.ExitStack() as stack:
         for name, module in names.items():
-            stack.enter_context(patch.object(module, "run", measured(name)))
-            for each, value in {"table": lambda _, name=name: f"table of {name}", "figure": drawn}.items():
-                stack.enter_context(patch.object(module, each, value, create=True))
+            new = {"run": measured(name), "table": lambda _, name=name: f"table of {name}", "figure": drawn}
+            stack.enter_context(patch.multiple(module, create=True, **new))
         stack.enter_context(patch.object(cases, "as_json", lambda found: found))
-        stack.enter_context(patch.object(cases, "write", lambda page, *more: asked.append(f"{more}") or [page]))
-        stack.enter_context(
-            patch.object(results, "write", lambda path, found: asked.append(f"{sorted(found)}") or [path])
-        )
+        for module in (cases, results):
+            stack.enter_context(patch.object(module, "write", write))
         text = told(line, **files)
     return "\n".join([text, *asked])
 
@@ -434,10 +427,11 @@ def scored(line: str, *short: int) -> str:
         cases_of = [case for case in found.cases if case.right] if short else found.cases
         return replace(found, name=name, cases=cases_of)
 
-    with contextlib.ExitStack() as stack:
-        stack.enter_context(patch("symosc.reference.folder.read_set", lambda _: (7, [SimpleNamespace(name="one")])))
-        stack.enter_context(patch("symosc.reference.results.read_results", lambda each, names: f"{each} {names}"))
-        stack.enter_context(patch("symosc.reference.score.score", judge))
+    with (
+        patch("symosc.reference.folder.read_set", lambda _: (7, [SimpleNamespace(name="one")])),
+        patch("symosc.reference.results.read_results", lambda each, names: f"{each} {names}"),
+        patch("symosc.reference.score.score", judge),
+    ):
         return "\n".join([told(line), *asked])
 
 
@@ -478,11 +472,8 @@ def derived(line: str, latex: bool = True) -> str:
     def printed(chapters: Any, scope: Any, form: str) -> str:
         return f"printed {len(chapters)} {form}\n"
 
-    with contextlib.ExitStack() as stack:
-        replaced = {"check_chapter": check, "write_document": write, "make_pdf": compiled, "printed": printed}
-        for name, function in replaced.items():
-            stack.enter_context(patch.object(document, name, function))
-        stack.enter_context(patch.object(document, "has_latex", lambda: "none" not in line))
+    new: dict[str, Any] = {"check_chapter": check, "write_document": write, "make_pdf": compiled, "printed": printed}
+    with patch.multiple(document, has_latex=lambda: "none" not in line, **new):
         return "\n".join([told(line), *asked])
 
 
@@ -502,10 +493,8 @@ def reproduced(line: str, changed: int = 0, failed: int = 0) -> str:
             progress()
         return Results(plan, tuple(judged), drawn, chapters, 65.4)
 
-    with contextlib.ExitStack() as stack:
-        stack.enter_context(patch("symosc.paper.run.run", everything))
-        for name, function in {"write": lambda *_: None, "files": lambda _: {}, "data": lambda _: {"ok": 1}}.items():
-            stack.enter_context(patch.object(report, name, function))
+    new: dict[str, Any] = {"write": lambda *_: None, "files": lambda _: {}, "data": lambda _: {"ok": 1}}
+    with patch("symosc.paper.run.run", everything), patch.multiple(report, **new):
         return told(line)
 
 
@@ -535,13 +524,11 @@ OTHERS: dict[str, Case] = {
     "bench scores of another kind": lambda: benched("bench --scores page.txt"),
     "bench two pages": lambda: benched("bench --scores page.md --gradients other.md"),
     "bench gradients": lambda: benched("bench --gradients page.md --quick"),
-    "bench scores, quick": lambda: benched("bench --scores page.md --quick"),
     "warm": lambda: warmed("warm"),
     "warm json": lambda: warmed("warm --json"),
     "atlas": lambda: mapped("atlas fig9 --over Omega=3:5 --over FN=5:12 -o a.json --plot a.svg --prove 0.5 --set k=2"),
     "atlas json": lambda: mapped("atlas fig9 --over Omega=3:5 --over FN=5:12 --json --seconds 3 --workers 2"),
     "atlas of one parameter": lambda: mapped("atlas fig9 --over Omega=3:5"),
-    "atlas of one twice": lambda: mapped("atlas fig9 --over Omega=3:5 --over Omega=3:6"),
     "explore": lambda: explored("explore fig9 --set k=1/3"),
     "explore on a port": lambda: explored("explore --port 0 --no-browser"),
     "certify a list": lambda: listed("certify --orbits", ("", "", "")),
@@ -592,27 +579,28 @@ def bars() -> str:
     """Return what bars show at given times: of counted steps, of percents, of work that begins anew, late ones."""
     clock, shown = count(0.0, 0.5), Terminal()
     environment = {"SYMOSC_PROGRESS_DELAY": "1", "COLUMNS": "100", "TERM": "xterm", "NO_COLOR": "1"}
-    with contextlib.ExitStack() as stack:
-        stack.enter_context(patch.object(progress, "monotonic", lambda: next(clock)))
-        stack.enter_context(patch.object(sys, "stderr", shown))
-        with patch.dict("os.environ", environment):
-            with progress.bar("counted", 8) as report:
-                for done in (1, 2, 4, 3, 8):
-                    report(done, 8)
-            shown.write("\n")
-            with progress.reporting(True, 100, 400, "percents", "") as report:
-                for done in (100, 200, 300, 400):
-                    report(done, 400)
-            shown.write("\n")
-            with progress.late_bar(True, "late", "events") as advance:
-                assert advance is not None
-                for part in (0.1, 0.5, 0.7, 1.0):
-                    advance(part, int(1e4 * part))
-            shown.write("\n")
-            clock = count(0.0, 0.03)
-            with progress.bar("fast", 100) as report:
-                for done in range(1, 101):
-                    report(done, 100)
+    with (
+        patch.object(progress, "monotonic", lambda: next(clock)),
+        patch.object(sys, "stderr", shown),
+        patch.dict("os.environ", environment),
+    ):
+        with progress.bar("counted", 8) as report:
+            for done in (1, 2, 4, 3, 8):
+                report(done, 8)
+        shown.write("\n")
+        with progress.reporting(True, 100, 400, "percents", "") as report:
+            for done in (100, 200, 300, 400):
+                report(done, 400)
+        shown.write("\n")
+        with progress.late_bar(True, "late", "events") as advance:
+            assert advance is not None
+            for part in (0.1, 0.5, 0.7, 1.0):
+                advance(part, int(1e4 * part))
+        shown.write("\n")
+        clock = count(0.0, 0.03)
+        with progress.bar("fast", 100) as report:
+            for done in range(1, 101):
+                report(done, 100)
     text = re.sub(r"\x1b\[[\d;?]*[A-Za-z]|\x1b.", "", shown.getvalue())
     return re.sub("[━╸╺ ]{6,}", " ━ ", text).replace("\r", "\n")
 

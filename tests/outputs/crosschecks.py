@@ -6,15 +6,14 @@ import re
 from collections.abc import Callable, Iterator
 from functools import cache, partial
 from itertools import pairwise
-from pathlib import Path
-from tempfile import TemporaryDirectory
 from types import SimpleNamespace
 from typing import Any
 from unittest.mock import patch
 
 import careful_solver
 import numpy as np
-from faulty_solver import METHODS, Flaw, Solver, smoothed, without_events
+from faulty_solver import METHODS, Flaw, softened, solved, without_events
+from said import empty_folder, outcome
 from stored_outputs import PLACE, sampled
 
 from symosc import Parameters, crosscheck, load_scene, simulate
@@ -111,26 +110,12 @@ def other(name: str = "fig10", t_end: float = 6.0, count: int = 81, **changes: A
     return name, t, *motion(t)
 
 
-def solved(flaw: Flaw, name: str = "fig10", t_end: float = 10.0, count: int = 161, every: int = 4, **more: Any) -> Any:
-    """Return what a solver with a flaw makes of a scene, in steps of which every n-th ends at a sample."""
-    scene = load_scene(name)
-    grid = np.linspace(float(scene.t0), t_end, (count - 1) * every + 1)
-    run = Solver(scene.parameters, flaw, **more).run(grid, float(scene.x0), float(scene.v0))
-    return name, *(column[:: 1 if more else every] for column in run.arrays())
-
-
 def unlocated(method: str, held: bool = False, name: str = "fig10", t_end: float = 10.0, every: int = 3) -> Any:
     scene = load_scene(name)
     grid = np.linspace(float(scene.t0), t_end, 160 * every + 1)
     start = float(scene.x0), float(scene.v0)
     run = without_events(scene.parameters, grid, *start, METHODS[method], held)
     return name, *(column[::every] for column in run)
-
-
-def softened(curve: str, width: float, name: str = "fig10", t_end: float = 10.0, count: int = 161) -> Any:
-    scene = load_scene(name)
-    times = np.linspace(float(scene.t0), t_end, count)
-    return name, *smoothed(scene.parameters, times, float(scene.x0), float(scene.v0), width, curve)
 
 
 def noisy(t: np.ndarray, x: np.ndarray, v: np.ndarray) -> Columns:
@@ -447,20 +432,19 @@ def several() -> Any:
 
 def texts(*sources: str, columns: Any = None, suffix: str = "csv") -> str:
     """Return what is read from texts, or said of those that hold no solution."""
-    with TemporaryDirectory() as folder:
-        path, lines = Path(folder) / f"run.{suffix}", []
+    with empty_folder() as folder:
+        path, lines = folder / f"run.{suffix}", []
         for source in sources:
-            path.write_text(source.replace("|", "\n"))
+            path.write_text(source.replace("|", "\n"), encoding="utf-8")
             lines.append(read(path, columns).replace(str(path), "FILE"))
     return "\n".join(lines)
 
 
 def read(source: Any, columns: Any = None) -> str:
     """Return what is read from a file or an object, or why there is no solution."""
-    try:
-        found = read_solutions(source, columns, load_scene("fig5"))
-    except ParameterError as error:
-        return str(error)
+    found = outcome(lambda: read_solutions(source, columns, load_scene("fig5")), ParameterError)
+    if isinstance(found, str):
+        return found
     shown = [(each.t[:4], each.x[:4], each.v[:4], len(each.t), each.events, each.notes) for each in found]
     return "; ".join(f"{each.name}: {' '.join(map(str, row))}" for each, row in zip(found, shown, strict=True))
 

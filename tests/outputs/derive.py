@@ -11,7 +11,9 @@ from unittest.mock import patch
 
 import sympy as sp
 from chapters import unchecked
+from parameter_sets import NUMBERS
 from project_files import ROOT
+from said import outcome
 
 from symosc import Scene, load_scene
 from symosc.derive import citation, document, figures, front, mathml, steps
@@ -22,8 +24,6 @@ from symosc.derive.scope import Scope, fragment_scope
 from symosc.derive.steps import Step, StepError, StepEvidence, equation, step
 from symosc.symbolic.solution import B0, FN, Omega, c, h, k, m, mu1, mu2, omega_d, t, tau, theta_i, v, x, x_i
 
-NUMBERS = {"m": "1", "c": "2/5", "k": "4", "A0": "1", "B0": "3", "Omega": "3/2", "FN": "9.81"}
-NUMBERS |= {"v1": "1", "v2": "5", "mu1": "0.8", "mu2": "0.6"}
 #: A damper and no spring, equal roots, resonance, neither, and too strong a damper.
 REGIMES = (
     {"c": "2/5", "k": "0"},
@@ -82,10 +82,7 @@ def page(*keys: str) -> str:
 
 def verified(given: Step) -> str:
     """Return the evidence for a step, or why it fails."""
-    try:
-        return f"{given}: {' '.join(map(str, given.verify()))}"
-    except StepError as error:
-        return f"{error.statement}: {error.reason}"
+    return outcome(lambda: f"{given}: {' '.join(map(str, given.verify()))}", StepError)
 
 
 y, z = sp.symbols("y z", real=True)
@@ -151,13 +148,7 @@ UNICODE = [
 
 def attempted(call: Callable[[str], str], texts: list[str]) -> str:
     """Return what a function makes of texts, or why it refuses them."""
-    found = []
-    for text in texts:
-        try:
-            found.append(call(text))
-        except ValueError as error:
-            found.append(f"error: {error}")
-    return "\n".join(found)
+    return "\n".join(outcome(partial(call, text), ValueError, before="error: ") for text in texts)
 
 
 def references() -> str:

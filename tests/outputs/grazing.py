@@ -10,7 +10,8 @@ from typing import Any
 import mpmath
 import numpy as np
 from paper_orbits import FIG9, FIG10
-from said import errors_of
+from parameter_sets import FREE, OVER
+from said import errors_of, outcome
 from window_samples import parameters
 
 from symosc import (
@@ -36,11 +37,6 @@ from symosc.mappings.numbers import ExactPhase, latex_number, read_phase_text, s
 
 MAPS = ("P2", "P3", "P5", "P6")
 FIG6, FIG7, FIG8 = (load_scene(name).parameters for name in ("fig6", "fig7-exact", "fig8"))
-OVER = Parameters(
-    m="1.991", c="3.353", k="0.524", A0="1.449", B0="7.585", Omega="1.157", v1="1.675", v2="2.836", mu1="0.392",
-    mu2="0.398", FN="6.522",
-)  # fmt: skip
-FREE = Parameters(m=1, c=0, k=2, A0="0.5", B0=0, Omega="1.3", v1=1, v2="1.5", mu1="0.4", mu2="0.3", FN=3)
 
 
 def plain(value: Any) -> Any:
@@ -223,12 +219,7 @@ def next_points() -> Iterator[Any]:
         (p, f"P{n}", x, theta) for p in (FIG9, FIG10) for n in range(1, 9) for x in (-3, 4) for theta in (1, 14.5, -4)
     ]
     for given in tries:
-        try:
-            yield end(*given)
-        except ArithmeticError as error:
-            yield str(error)
-        except ValueError as error:
-            yield str(error)
+        yield outcome(lambda given=given: end(*given), ArithmeticError, ValueError)  # type: ignore[misc]
     with mpmath.workdps(25):
         point = solve_map(FIG9, "P2", mpmath.mpf("4.5"), mpmath.mpf("0.5"))
         yield [str(point.x), str(point.theta)]

@@ -9,6 +9,7 @@ from typing import Any
 
 import numpy as np
 from paper_orbits import BOTH_BELTS, FIG9, FIG10
+from parameter_sets import COULOMB, MANY_SLIPS, PLANE, SHRINKS
 from said import errors_of
 
 from symosc import Border, Branch, Parameters, PeriodicOrbit, Scene, continue_border, continue_orbit, find_orbit
@@ -19,18 +20,9 @@ from symosc.orbits.closing_equations import ClosingEquations
 from symosc.orbits.floquet import rest_positions
 from symosc.words import read_word
 
-#: Sticks on both belts and slips; a belt at rest with the other one out of reach; no damper.
-MANY_SLIPS = Parameters(
-    m=1, c="0.26", k="4.04", A0="3.53", B0="10.37", Omega="1.44", v1="-2.02", v2="1.02", mu1="0.68", mu2="0.71", FN=10
-)
-COULOMB = Parameters(m=1, c="0.1", k=1, A0=0, B0=1, Omega="0.9", v1=0, v2=1000, mu1=1, mu2=0, FN="0.4")
+#: No damper.
 UNDAMPED = COULOMB.replace(c=0, FN=1, mu1="0.1", Omega="1.5", v2=100)
 MARGINAL = UNDAMPED.replace(Omega="0.5")
-PLANE = {"Omega": (0.25, 2), "FN": (0.02, 1)}
-SHRINKS = Parameters(
-    m="0.774", c="1.682", k="2.765", A0="-0.236", B0="4.57", Omega="2.043", v1="-2.927", v2="2.681", mu1="0.38",
-    mu2="0.247", FN="5.058",
-)  # fmt: skip
 
 
 def numbers(p: Parameters) -> list[float]:
@@ -216,9 +208,6 @@ CASES: dict[str, Callable[[], object]] = {
     "branch: range": lambda: columns(branch(FIG9, "P32", "Omega", 3.9, 4.1)),
     "branch: stick is born": lambda: ends(branch(FIG9.replace(Omega="3.29"), "P32", "Omega", "3.28", "3.3")),
     "branch: graze": lambda: ends(graze_branch()),
-    "branch: from its end": lambda: ends(
-        continue_orbit(graze_branch().parameters(-1), "P32", "Omega", (4.99, 5.1), graze_branch().points[-1])
-    ),
     "branch: slip is born": lambda: ends(branch(FIG10.replace(B0=5), "P45", "B0", "4.99", "5.1")),
     "branch: no belt": lambda: ends(free_branch()),
     "branch: most points": lambda: [end.kind for end in branch(FIG9, "P32", "Omega", 3.5, 4.5, max_points=5).ends],

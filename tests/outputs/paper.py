@@ -155,9 +155,7 @@ def found_on(part: str) -> dict[str, Evidence]:
 
 CASES: dict[str, Callable[[], object]] = {f"claims on {part}": partial(found_on, part) for part in PARTS}
 CASES |= {f"other motions: {name}": partial(other_evidence, name) for name in other.OTHER}
-CASES |= {
-    "other statements": lambda: [short(paper_statements.evidence(n)) for n in range(len(paper_statements.STATEMENTS))]
-}
+CASES |= {"other statements": other_statements}
 CASES |= {key: partial(picture, key) for key in PICTURES}
 CASES |= {
     "items of the paper": lambda: {key: [each.id for each in on] for key, on in coverage(claims()).items()},

@@ -10,7 +10,6 @@ from copy import copy
 from dataclasses import dataclass
 from fractions import Fraction
 from functools import cache, partial
-from tempfile import TemporaryDirectory
 from typing import Any
 from unittest.mock import patch
 
@@ -21,7 +20,9 @@ from excerpts import crosscheck
 from explorer_states import FIG5, random_state
 from looks import full
 from matplotlib.figure import Figure
+from paper_orbits import FIG9 as P
 from problems import ordinary
+from said import written
 from small_sweeps import made_up
 from stored_outputs import lines_of, some_lines
 
@@ -40,7 +41,6 @@ from symosc.reference.score import CaseScore, Score
 from symosc.response import COLUMNS, FrequencyResponse
 
 Case = Callable[[], object]
-P = load_scene("fig9").parameters
 
 # -- motions ----------------------------------------------------------------------------------------------------------
 
@@ -220,8 +220,8 @@ def inexact() -> CrossCheck:
 
 def page_of(check: CrossCheck) -> str:
     """Return the page of a check without its pictures."""
-    with TemporaryDirectory() as folder, patch.object(Figure, "savefig", lambda *_, **__: None):
-        text = check.to_html(f"{folder}/check.html").read_text(encoding="utf-8")
+    with patch.object(Figure, "savefig", lambda *_, **__: None):
+        text = written(check.to_html, "check.html")
     text = re.sub(r"base64,[^\"]*", "", text)
     return re.sub(r"(?s)<style>.*?</style>", "", text).replace('</td><td class="">', " | ")
 
@@ -605,23 +605,17 @@ def requests() -> str:
     """Return how the server answers: the status, some headers, and how the text begins."""
     pytest.importorskip("bokeh")
     from http import HTTPStatus
-    from http.client import HTTPConnection
     from http.server import BaseHTTPRequestHandler
-    from urllib.parse import urlsplit
 
-    from exploring import served
+    from exploring import ask, served
 
     lines = []
     with patch.object(BaseHTTPRequestHandler, "error_message_format", "%(explain)s"), served("fig9") as address:
         for line in REQUESTS.splitlines():
             method, target, *given = line.split()
             body, headers = (given[0] if method == "POST" else None), dict(each.split("=") for each in given[1:])
-            connection = HTTPConnection(urlsplit(address).netloc, timeout=60)
-            connection.request(method, target, body, headers)
-            answered = connection.getresponse()
-            text = answered.read().decode()
+            answered, text = ask(address, target, body, **headers)
             text = "" if text == HTTPStatus(answered.status).description else text  # Python's words
-            connection.close()
             kept = {name: each for name, each in answered.headers.items() if name.startswith(("C", "X"))}
             text = (
                 ""

@@ -6,13 +6,12 @@ from collections.abc import Callable
 from dataclasses import replace
 from fractions import Fraction
 from functools import cache, partial
-from pathlib import Path
-from tempfile import TemporaryDirectory
 from types import SimpleNamespace
 from typing import Any
 
-from symosc import ReferenceCase, reference_cases
-from symosc.errors import ParameterError, ResultError
+from said import empty_folder, outcome
+
+from symosc import ReferenceCase, SymoscError, reference_cases
 from symosc.reference import cases, folder, score
 from symosc.reference.case import KnownChange, shifted, with_known
 from symosc.reference.results import CaseResult, GivenEvent, read_results
@@ -151,14 +150,12 @@ RESULTS = {
 
 def read(*names: str) -> str:
     """Return the results in files, each alone or, if there are several, in one folder."""
-    with TemporaryDirectory() as name:
-        top = Path(name)
+    with empty_folder() as top:
         for each in names:
-            (top / each).write_text(RESULTS[each])
-        try:
-            found = read_results(top if len(names) > 1 else top / names[0], NAMES)
-        except (ResultError, ParameterError) as error:
-            return str(error).replace(name, "FOLDER")
+            (top / each).write_text(RESULTS[each], encoding="utf-8")
+        found = outcome(lambda: read_results(top if len(names) > 1 else top / names[0], NAMES), SymoscError)
+    if isinstance(found, str):
+        return found
     return "\n".join(f"{key}: {r.events} {r.seconds} {r.note} {r.end}" for key, r in found.items())
 
 
@@ -169,21 +166,22 @@ def written() -> str:
     """Return the files of a set, without what depends on the version, and what is read of them, whole and damaged."""
     proof = SimpleNamespace(as_dict=lambda: {"made": "up"})
     chosen = [with_known(computed(name), certificate=proof) for name in SMALL[:4]]
-    with TemporaryDirectory() as name:
-        top = folder.write_cases(Path(name) / "set", chosen)
-        texts = {str(path.relative_to(top)): path.read_text() for path in sorted(top.rglob("*")) if path.is_file()}
+    with empty_folder() as name:
+        top = folder.write_cases(name / "set", chosen)
+        paths = [path for path in sorted(top.rglob("*")) if path.is_file()]
+        texts = {str(path.relative_to(top)): path.read_text(encoding="utf-8") for path in paths}
         version, found = folder.read_set(top)
         shown = [f"{c.name} {c.group} {c.scene.parameters.m} {c.t_end} {c.condition} {c.count}" for c in found]
         shown += [str(list(each.items())[:1]) for c in found for each in c.derivatives]
         shown += [str(event)[:60] for c in found for event in c.events]
-        (top / SMALL[0] / "events.csv").write_text("t,x\n")
-        shown.append(said(lambda: folder.read_set(top), name))
+        (top / SMALL[0] / "events.csv").write_text("t,x\n", encoding="utf-8")
+        shown.append(said(lambda: folder.read_set(top)))
         (top / SMALL[0] / "events.csv").unlink()
-        shown.append(said(lambda: folder.read_set(top), name))
+        shown.append(said(lambda: folder.read_set(top)))
         for text in ("{", "[]", '{"format": "other"}', f'{{"format": "{folder.SET_FORMAT}"}}'):
-            (top / "manifest.json").write_text(text)
-            shown.append(said(lambda: folder.read_set(top), name))
-        shown.append(said(lambda: folder.read_set(top / "nowhere"), name))
+            (top / "manifest.json").write_text(text, encoding="utf-8")
+            shown.append(said(lambda: folder.read_set(top)))
+        shown.append(said(lambda: folder.read_set(top / "nowhere")))
     for each, text in texts.items():
         rows = text.splitlines()
         lines = rows[::60] if each.endswith("trajectory.csv") else [] if each == "manifest.json" else rows
@@ -191,12 +189,8 @@ def written() -> str:
     return "\n".join([str(version), *shown])
 
 
-def said(call: Callable[[], object], top: str) -> str:
-    """Return what is said of a call that is refused."""
-    try:
-        return str(call())
-    except (ParameterError, ResultError) as error:
-        return str(error).replace(top, "FOLDER")
+def said(call: Callable[[], object]) -> str:
+    return str(outcome(call, SymoscError))
 
 
 def conditioned() -> str:
@@ -210,8 +204,8 @@ def conditioned() -> str:
 def refused() -> str:
     """Return what is said of cases and groups that do not exist, and the numbers of those that do."""
     lines = [str(len(cases.chosen(group))) for group in (None, "easy", "long run")]
-    lines += [said(lambda name=name: cases.reference_case(name), "FOLDER") for name in ("paper-fig4", "?")]  # type: ignore[misc]
-    return "\n".join([*lines, said(lambda: cases.chosen("hard"), "FOLDER")])
+    lines += [said(lambda name=name: cases.reference_case(name)) for name in ("paper-fig4", "?")]  # type: ignore[misc]
+    return "\n".join([*lines, said(lambda: cases.chosen("hard"))])
 
 
 CASES: dict[str, Callable[[], object]] = {

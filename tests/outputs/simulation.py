@@ -3,27 +3,25 @@
 from __future__ import annotations
 
 import random
-import tempfile
 from collections.abc import Callable, Iterator
 from fractions import Fraction
 from functools import cache
 from math import inf
-from pathlib import Path
 from typing import Any
 from unittest.mock import patch
 
 import numpy as np
 import scene_families
+from paper_orbits import FIG9
 from problems import FAMILIES
 from regimes import random_sets
-from said import errors_of
+from said import errors_of, written
 from touches import steady
 
-from symosc import OtherModel, Parameters, Scene, Trajectory, load_scene, simulate, simulate_many
+from symosc import OtherModel, Parameters, Scene, Trajectory, simulate, simulate_many
 from symosc.simulation.batch import DOUBLES, PAIRS
 from symosc.simulation.problems import NumberColumn, Problems
 
-FIG9 = load_scene("fig9").parameters
 SHIFTED = OtherModel(
     m=2, k="8.5", c="0.4", Omega="3/2", FN="1.5", mu1="0.8", v1=0, v2=1, mu2="0.3", Y="0.7", joined=True, A0=1,
     Y_phase="0.3",
@@ -120,14 +118,6 @@ def original() -> Iterator[Any]:
     yield told(motion.reduced)
     scene = Scene("mine", SHIFTED, t0=1, x0=1, v0=0, t_end=9, start_error="1e-6")
     yield told(simulate(scene, t_end="1T"))
-
-
-def written(write: Callable[[Path], None]) -> str:
-    """Return what is in a file that was written."""
-    with tempfile.TemporaryDirectory() as folder:
-        path = Path(folder) / "file"
-        write(path)
-        return path.read_text(encoding="utf-8")
 
 
 def files() -> Iterator[Any]:

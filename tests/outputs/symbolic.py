@@ -2,21 +2,20 @@
 
 from __future__ import annotations
 
-import tempfile
 from collections.abc import Callable
 from functools import partial
-from pathlib import Path
 from typing import Any
 
 import sympy as sp
+from paper_orbits import FIG9, FIG10
+from said import empty_folder, outcome
 
-from symosc import Parameters, load_scene, theorem7, values_containing, values_empty, values_everything
+from symosc import Parameters, theorem7, values_containing, values_empty, values_everything
 from symosc.mappings.theorem7_cases import PLACES
 from symosc.symbolic import codegen, inverse
 from symosc.symbolic.export import LANGUAGES, export, write_export
 from symosc.symbolic.theorem7 import critical_phase, sign_of
 
-FIG9, FIG10 = (load_scene(name).parameters for name in ("fig9", "fig10"))
 #: Belt 1 stands still, belt 2 has the speed of equality at Omega = 2; no drive; no spring.
 STILL = Parameters(m=1, c=1, k=2, A0=0, B0=-3, Omega=2, v1=0, v2=3, mu1=1, mu2=1, FN=1)
 SCENES = {"fig9": FIG9, "fig10": FIG10, "still": STILL, "no drive": STILL.replace(B0=0), "no spring": FIG9.replace(k=0)}
@@ -106,6 +105,10 @@ def source(word: str, language: str, fix: Parameters | None, name: str | None = 
     return "\n".join(lines)
 
 
+def code_of(kernel: codegen.Kernel) -> str:
+    return "\n".join(codegen.function_source(kernel).splitlines()[2:])
+
+
 def kernels() -> str:
     """Return the code of kernels that are made up, or why there is none."""
     x, y, z, w = sp.symbols("x y z w")
@@ -125,17 +128,14 @@ def kernels() -> str:
     lines = []
     for formula in formulas:
         kernel = codegen.Kernel("f", "Made up.", {"x": x, "y": y, "z": z}, {"u": x * y, "r": formula}, ("u", "r"))
-        try:
-            lines += codegen.function_source(kernel).splitlines()[2:]
-        except ValueError as error:
-            lines.append(f"error: {error}")
+        lines += outcome(partial(code_of, kernel), ValueError, before="error: ").splitlines()
     return "\n".join(lines)
 
 
 def written() -> str:
     """Return which files are written."""
-    with tempfile.TemporaryDirectory() as folder:
-        paths = [path for language in ("c", "julia") for path in write_export(Path(folder) / "new", "P2", language)]
+    with empty_folder() as folder:
+        paths = [path for language in ("c", "julia") for path in write_export(folder / "new", "P2", language)]
         return "\n".join(f"{path.parent.name}/{path.name}" for path in paths)
 
 

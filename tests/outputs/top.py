@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import random
-import tempfile
 from collections.abc import Callable, Iterator
 from decimal import Decimal
 from fractions import Fraction
@@ -16,7 +15,7 @@ import sympy
 from other_models import KINDS, drawn
 from paper_orbits import FIG9
 from regimes import random_sets
-from said import error_of, errors_of
+from said import empty_folder, error_of, errors_of, outcome, written
 
 from symosc import (
     Fit,
@@ -43,7 +42,7 @@ from symosc.response import FrequencyResponse, harmonic_balance, meets_no_belt
 from symosc.words import WordError, cycle, why_not
 
 FIG5 = load_scene("fig5").parameters
-COULOMB = OtherModel(m=1, k=1, c="0.1", Omega=1, FN="0.4", B0=1)
+ONE_BELT = OtherModel(m=1, k=1, c="0.1", Omega=1, FN="0.4", B0=1)
 
 
 def whole(found: FrequencyResponse) -> Iterator[Any]:
@@ -58,21 +57,19 @@ def responses() -> Iterator[Any]:
     """Yield responses of each kind of settled motion and model, over several parameters."""
     yield whole(frequency_response("fig9", {"Omega": "3:5:5"}))
     yield whole(frequency_response("fig10", {"B0": [-5, 4, 5]}))
-    yield whole(frequency_response(COULOMB, {"FN": [0, "0.1", "0.5", "0.9", "1.1"]}))
-    yield whole(frequency_response(COULOMB.replace(c=0), {"Omega": ["0.5", 1, "1.3"]}))
-    yield whole(frequency_response(COULOMB.replace(c=0, FN="0.1"), {"Omega": ["0.5"]}))
-    yield whole(frequency_response(COULOMB.replace(c=0, FN=1, v1=-9, v2=9), {"Omega": [3]}))
+    yield whole(frequency_response(ONE_BELT, {"FN": [0, "0.1", "0.5", "0.9", "1.1"]}))
+    yield whole(frequency_response(ONE_BELT.replace(c=0), {"Omega": ["0.5", 1, "1.3"]}))
+    yield whole(frequency_response(ONE_BELT.replace(c=0, FN="0.1"), {"Omega": ["0.5"]}))
+    yield whole(frequency_response(ONE_BELT.replace(c=0, FN=1, v1=-9, v2=9), {"Omega": [3]}))
     one, other = (frequency_response("fig9", {"FN": [5, FN]}) for FN in (9, 10))
     yield [one == one, one == other, len(one), error_of(lambda: one.colour)]
-    with tempfile.TemporaryDirectory() as folder:
-        one.to_csv(Path(folder) / "a.csv")
-        head, *rows = (Path(folder) / "a.csv").read_text().splitlines()
-        yield [head, *(row.rpartition(",")[0].rpartition(",")[0] for row in rows)]
+    head, *rows = written(one.to_csv, "a.csv").splitlines()
+    yield [head, *(row.rpartition(",")[0].rpartition(",")[0] for row in rows)]
     base = OtherModel(m=1, k=1, c="0.2", Omega=1, FN="1/4", Y=1, joined=True)
     yield whole(frequency_response(base, {"Y": [1, 2]}))
     yield whole(frequency_response(base.replace(joined=False, v1=-3, v2=3, mu2=1), {"Y_phase": [0, 1]}))
-    yield whole(frequency_response(COULOMB.replace(B0=0, W=1, v1="0.2"), {"W": [1, 2]}))
-    yield whole(frequency_response(COULOMB.replace(v1=-9, v2=9), {"c": ["0.3", 0]}))
+    yield whole(frequency_response(ONE_BELT.replace(B0=0, W=1, v1="0.2"), {"W": [1, 2]}))
+    yield whole(frequency_response(ONE_BELT.replace(v1=-9, v2=9), {"c": ["0.3", 0]}))
     seeds = random.Random("responses")
     for kind in KINDS:
         model = drawn(kind, seeds.randrange(99)).replace(c="1/2")
@@ -196,19 +193,13 @@ def numbers() -> Iterator[str]:
         "1e2000", "nan", "1/0", "2*pi", "0,5", None, 1e51, float("inf"), "1_0", "1" * 30, "1e-30", "-12.5e25", 2.0**-60,
     ]  # fmt: skip
     for value in values:
-        try:
-            yield f"{value!r:.40}: {show(read_exact('x', value))}"
-        except ParameterError as error:
-            yield str(error)
+        yield outcome(lambda value=value: f"{value!r:.40}: {show(read_exact('x', value))}", ParameterError)
     for text in (
         "3*pi/2", "2*3 - 1/4", "-(1 + 2)^2/3", "sqrt(2)", "sin(pi/6)*2", "exp(-1)", "cos(1)", "pi - pi", "sqrt(-1)",
         "2^0.5", "1/(1-1)", "2 pi", "--1", "import", "exp(1000)", "+pi", "2**3", "π/4", "sqrt(2)^2", "1e3*pi",
     ):  # fmt: skip
-        try:
-            number, exact = read_number("k", text)
-            yield f"{text}: {show(number)[:60]} {exact}"
-        except Exception as error:
-            yield f"{text}: {error}"
+        found = outcome(lambda text=text: read_number("k", text), ParameterError)  # type: ignore[misc]
+        yield f"{text}: {found if isinstance(found, str) else f'{show(found[0])[:60]} {found[1]}'}"
     for value in (Fraction(1, 3), Fraction(-2, 7) * 10**9, Fraction(10**50 + 1), Fraction(5)):
         yield f"{show(rounded(value))} {show(half_unit(value))}"
     for given in (None, 1, "0.5", [1, 2, "1/3"], (1, 2), -1):
@@ -220,9 +211,8 @@ def numbers() -> Iterator[str]:
 
 def files() -> Iterator[str]:
     """Yield what is written, and what cannot be."""
-    with tempfile.TemporaryDirectory() as name:
-        folder = Path(name)
-        yield f"{write_text(folder / 'a.txt', 'words').name} {(folder / 'a.txt').read_text()}"
+    with empty_folder() as folder:
+        yield f"{write_text(folder / 'a.txt', 'words').name} {(folder / 'a.txt').read_text(encoding='utf-8')}"
         write_folder(folder / "new", {"one.txt": "1", "in/two.txt": "2"}, lambda _: ())
         write_folder(folder / "new", {"three.txt": "3"}, lambda _: ("one.txt", "in/two.txt"))
         yield " ".join(sorted(path.relative_to(folder).as_posix() for path in folder.rglob("*")))
@@ -239,7 +229,7 @@ def files() -> Iterator[str]:
             lambda: check_new_folder(folder / "a.txt" / "b"),
             lambda: check_new_folder(folder / "b" / "c"),
         ]
-        yield errors_of(calls).replace(name, "FOLDER")
+        yield errors_of(calls).replace(f"{Path.cwd()}/", "")
 
 
 def bad_arguments() -> str:
@@ -275,7 +265,7 @@ def bad_arguments() -> str:
             lambda: OtherModel(m=1, k=1, Omega=1, FN=1, mu2=1),
             lambda: OtherModel(m=1, k=1, Omega=0, FN=1),
             lambda: OtherModel(m=1, k=1, Omega=1, FN=1, joined="maybe"),  # type: ignore[arg-type]
-            lambda: sensitivities(Scene("mine", COULOMB, 0, 0, 0, 5)),
+            lambda: sensitivities(Scene("mine", ONE_BELT, 0, 0, 0, 5)),
         ]
     )
 

@@ -5,14 +5,13 @@ from __future__ import annotations
 import json
 import random
 from fractions import Fraction
-from http.client import HTTPConnection, HTTPResponse
 from math import hypot, pi
 from urllib.parse import urlsplit
 
 import numpy as np
 import pytest
-from effort import PATIENCE
 from explorer_states import FIG5, random_state
+from exploring import ask
 
 from symosc import grazing_window, load_scene, scene_names, simulate
 from symosc.plot.explorer.answers import (
@@ -131,15 +130,6 @@ def test_a_link_and_a_file_have_the_whole_state() -> None:
 
 
 GOOD = as_toml(load_scene("fig5"))
-
-
-def ask(address: str, target: str, body: bytes | None = None, **headers: str) -> tuple[HTTPResponse, str]:
-    connection = HTTPConnection(urlsplit(address).netloc, timeout=PATIENCE)
-    connection.request("GET" if body is None else "POST", target, body, headers)
-    response = connection.getresponse()
-    text = response.read().decode()
-    connection.close()
-    return response, text
 
 
 def test_the_page_has_the_numbers_of_its_link(address: str) -> None:

@@ -1,10 +1,14 @@
-"""The page of `symosc explore`, served inside a test."""
+"""The page of `symosc explore`, served inside a test, and what it answers."""
 
 from __future__ import annotations
 
 from collections.abc import Iterator
 from contextlib import contextmanager
+from http.client import HTTPConnection, HTTPResponse
 from threading import Thread
+from urllib.parse import urlsplit
+
+from effort import PATIENCE
 
 from symosc import load_scene
 
@@ -22,3 +26,12 @@ def served(scene: str) -> Iterator[str]:
         finally:
             server.shutdown()
             thread.join()
+
+
+def ask(address: str, target: str, body: bytes | str | None = None, **headers: str) -> tuple[HTTPResponse, str]:
+    connection = HTTPConnection(urlsplit(address).netloc, timeout=PATIENCE)
+    connection.request("GET" if body is None else "POST", target, body, headers)
+    response = connection.getresponse()
+    text = response.read().decode()
+    connection.close()
+    return response, text

@@ -15,7 +15,7 @@ import numpy as np
 from scipy.integrate import solve_ivp
 from scipy.optimize import brentq
 
-from symosc import Parameters
+from symosc import Parameters, load_scene
 from symosc.engine.arithmetic import Arithmetic
 from symosc.kernels._generated import acceleration, motion
 from symosc.kernels.entire import basis
@@ -290,3 +290,17 @@ def smoothed(p: Parameters, grid: np.ndarray, x: float, v: float, width: float, 
 
     found = solve_ivp(right, (grid[0], grid[-1]), [x, v], "LSODA", t_eval=grid, rtol=1e-10, atol=1e-11)
     return found.t, *found.y
+
+
+def solved(flaw: Flaw, name: str = "fig10", t_end: float = 10.0, count: int = 161, every: int = 4, **more: Any) -> Any:
+    """Return what a solver with a flaw makes of a scene, in steps of which every n-th ends at a sample."""
+    scene = load_scene(name)
+    grid = np.linspace(float(scene.t0), t_end, (count - 1) * every + 1)
+    run = Solver(scene.parameters, flaw, **more).run(grid, float(scene.x0), float(scene.v0))
+    return name, *(column[:: 1 if more else every] for column in run.arrays())
+
+
+def softened(curve: str, width: float, name: str = "fig10", t_end: float = 10.0, count: int = 161) -> Any:
+    scene = load_scene(name)
+    times = np.linspace(float(scene.t0), t_end, count)
+    return name, *smoothed(scene.parameters, times, float(scene.x0), float(scene.v0), width, curve)

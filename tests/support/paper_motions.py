@@ -57,7 +57,6 @@ OTHER: dict[str, tuple[Callable[[], Evidence], str]] = {
     "no stick": (lambda: motions.force_products((FIG9,)), UNDECIDED),
     "stick at once": (lambda: motions.onset_later(FIG6, 2), NOT_AS_PRINTED),
     "never together": (lambda: motions.together(FIG9, 1), NOT_AS_PRINTED),
-    "no forces of a stick": (lambda: motions.forces_hold(FIG9, 1), NOT_AS_PRINTED),
     "does not end below": (lambda: motions.ends_below(FIG10, 2), NOT_AS_PRINTED),
     "another domain": (lambda: motions.flight_after(FIG6, 2, 3), NOT_AS_PRINTED),
     "not followed": (lambda: motions.flight_after(changed(FIG6, t_end=2), 2, 2), UNDECIDED),
