@@ -22,6 +22,7 @@ from symosc.paper.claims import (
     DEFINITION,
     FAULTY,
     PAPER,
+    coverage,
     items_of,
     read_claims,
 )
@@ -132,3 +133,15 @@ def test_a_claim_and_a_figure_are_added_as_contributing_says(tmp_path: Path) -> 
     report = (out / "report.md").read_text(encoding="utf-8")
     assert "k is less than 1000" in report
     assert "Fig. 9, mine: my orbit" in report
+
+
+def test_every_numbered_item_of_the_paper_has_a_claim() -> None:
+    assert [item for item, on in coverage(CLAIMS).items() if not on] == []
+    assert list(PAPER.values()).count("equation") == 66
+    assert set(PAPER) >= {"Abstract", "(1)", "(66)", "Lemma 3", "Theorem 4", "Fig. 10", "Section 7"}
+    # A claim that is taken away leaves a gap.
+    table = coverage(claim for claim in CLAIMS if "(15)" not in claim.source)
+    assert [item for item, on in table.items() if not on] == ["(15)", "(16)"]
+    for entry in (*CLAIMS, *UNJUDGED):
+        assert set(items_of(entry.source)) <= set(PAPER), entry.source
+        assert items_of(entry.source), entry.source
