@@ -19,8 +19,8 @@ from typing import Any, NamedTuple
 
 import pytest
 from certificate_files import Document, document, forged, moved, put
-from flint import ctx, fmpq
-from mpmath import mpf, nstr, pi, workdps
+from flint import arb, ctx, fmpq
+from mpmath import cos, expm, matrix, mpf, nstr, pi, sin, workdps
 
 import symosc.certificates.verify as verify
 import symosc.certificates.verify_orbits as verify_orbits
@@ -328,6 +328,24 @@ def test_behind_an_event_the_velocity_is_that_of_the_belt() -> None:
     with ctx.workprec(256):
         behind = verify.begin(verify.Problem(p, {"left": 1000, "steps": 1000}), start, [fmpq(0)] * 3, []).behind(row)
         assert behind.centre[2].contains(fmpq(1000001, 1000000))
+
+
+def test_the_state_at_the_first_of_uncertain_times_is_enclosed() -> None:
+    """For each time that the start may have, the state is followed back by the exponential of the ODE's matrix."""
+    p = verify.read(document("swing")["parameters"], verify.MOTION["parameters"], "p")
+    m, c, k, A0, B0, Om, *_, mu1, mu2, FN = (mpf(int(q.p)) / int(q.q) for q in (p[name] for name in verify.NAMES))
+    rows = [[0, 1, 0, 0, 0], [-k / m, -c / m, (A0 + (mu2 - mu1) * FN) / m, B0 / m, 0]]
+    M, half = matrix([*rows, [0] * 5, [0, 0, 0, 0, -Om], [0, 0, 0, Om, 0]]), Fraction(1, 64)
+    for x, v in ((-5, -1), (-5, 1), (7, -2), (7, 2)):
+        centre = [arb(1), arb(x), arb(v)]
+        with ctx.workprec(128):
+            problem = verify.Problem(p, {"left": 1000, "steps": 1000})
+            found = verify.Motion(problem, 2, 0, centre, [[arb(float(half)), arb(0), arb(0)]])
+        for part in range(-4, 5):
+            late = half * (4 + part) / 4  # after the first time
+            t = 1 - float(half) + float(late)
+            z = expm(-M * float(late)) * matrix([x, v, 1, cos(Om * t), sin(Om * t)])
+            assert all(found.z0[i, 0].contains(arb(nstr(z[i], 12))) or i == 2 for i in range(5)), (x, v, part)
 
 
 @pytest.mark.slow
