@@ -16,6 +16,7 @@ from symosc.crosschecks.steps import follow_steps
 from symosc.crosschecks.velocities import with_velocities
 from symosc.errors import ParameterError
 from symosc.model import Parameters
+from symosc.simulation.tables import counted
 
 # In any units x must agree with the integral of v up to this factor.
 SAME_WAY = 5.0
@@ -273,19 +274,14 @@ def event_list_faults(check: Any) -> Iterator[Diagnosis]:
     evidence = "the samples are right"
     if missed and len(missed) == len(invented) and [e.kind for e in missed] == [e.kind for e in invented]:
         worst = max((found.t - float(exact.t) for found, exact in zip(invented, missed, strict=True)), key=abs)
-        which = (
-            "1 event of the list is at a wrong time"
-            if len(missed) == 1
-            else f"{len(missed)} events of the list are at wrong times"
-        )
-        words = f"{which}, by up to {worst:.3g}"
+        words = f"the list has {counted(len(missed), 'event')} at a wrong time, by up to {worst:.3g}"
         yield Diagnosis("event times", "", words, evidence, worst, None)
         return
     lists = ("missing events", missed, "lacks"), ("invented events", invented, "has, and the motion has not,")
     for cause, events, what in lists:
         if events:
             first = f"{events[0].kind} at t = {float(events[0].t):.10g}"
-            words = f"the list {what} {len(events)} event{'s' if len(events) > 1 else ''}, first: {first}"
+            words = f"the list {what} {counted(len(events), 'event')}, first: {first}"
             yield Diagnosis(cause, "", words, evidence, float(len(events)), 0.0)
 
 
