@@ -127,7 +127,7 @@ class _Columns:
         self.kind: Any = float if self.context is None else object
         number, piece = self.numbers.number, trajectory._pieces[:, 0]
         self.letters = np.array([[number(each) for each in (p.m, p.mu1, p.mu2, p.FN)]], dtype=self.kind)
-        theta = many_digits(p, self.context.dps).phase(start.t0) if self.context else piece[1]
+        theta = many_digits(p, self.context.dps).phase(start.t0)[0] if self.context else piece[1]
         first = int(piece[2]), number(start.t0), theta, number(start.x0), number(start.v0)
         self.starts = np.array([first], dtype=self.kind)
         self.rows: tuple[Any, ...] = columns_of(trajectory.rows())

@@ -214,7 +214,7 @@ def follow_from(
     """
     t, x, v, theta = samples
     left, start_v = t[steps + 1] - t[steps], np.where(on > 0, np.array([K.belt1.v, K.belt2.v])[on - 1], v[steps])
-    rows, _ = start_rows(on, theta[steps], x[steps], start_v, (0.0, 0.0, left, 0.0, 0.0), K)
+    rows, _ = start_rows(on, (theta[steps], 0.0), x[steps], start_v, (0.0, 0.0, left, 0.0, 0.0), K)
     modes, ends = np.array([rows[:, 0], rows[:, 0]]).astype(np.int8), np.empty((len(rows), 2))
     quiet, states = quiet_ends(rows, left, K)
     ends[quiet] = states

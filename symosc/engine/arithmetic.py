@@ -225,10 +225,13 @@ class Arithmetic:
     def __init__(self, parameters: Parameters) -> None:
         self.parameters, self.K = parameters, _float_constants(parameters)
 
-    def phase(self, t: Fraction) -> Number:
-        """Return the phase Omega t mod 2 pi of an exact time `t`, in [0, 2 pi), correctly rounded."""
+    def phase(self, t: Fraction) -> tuple[Number, Number]:
+        """Return the phase Omega t mod 2 pi of an exact time `t`, in [0, 2 pi), rounded, and what rounding took."""
         theta = _angle_in_turn(self.parameters.Omega * t, self.digits)
-        return self.rounded(theta) if theta else self.number(Fraction(0))
+        if theta is None:
+            return self.number(Fraction(0)), self.number(Fraction(0))
+        rounded = self.rounded(theta)
+        return rounded, self.rounded(theta - rounded)
 
     def time(self, t: Fraction) -> tuple[Number, Number]:
         """Return an exact time as the sum (high, low) of two numbers of this arithmetic."""

@@ -372,8 +372,10 @@ def tolerance(side, now, start, walls, S, K):
     start_gap = walls.below if side < 0 else walls.above
     pull = -K.w0sq * now.E1
     variance = pull * pull * S.S11 + 2.0 * pull * now.E0 * S.S12 + now.E0 * now.E0 * S.S22
-    rounding = ROUNDING * EPS * (velocity_scale(now.tau, start.v, start.F, K) + start_gap)
-    return rounding + K.sigmas * sqrt(abs(variance))
+    size = velocity_scale(now.tau, start.v, start.F, K) + start_gap
+    if start.F != 0.0:  # then it was rounded as its terms, which may be much larger; that of x counts in S
+        size = size + (abs(K.f0) + K.cm * abs(start.v)) * abs(now.E1)
+    return ROUNDING * EPS * size + K.sigmas * sqrt(abs(variance))
 
 
 def closest_approach(tau, earliest, side, M4, start, walls, S, K):

@@ -20,7 +20,7 @@ import numpy as np
 from symosc.aliases import Number
 from symosc.engine.state import Flown
 from symosc.kernels._generated import acceleration, motion, next_derivative
-from symosc.kernels.elementary import exp, select
+from symosc.kernels.elementary import cos, exp, select, sin
 from symosc.kernels.entire import SIXTH, basis
 from symosc.kernels.pair_columns import PairColumn, as_double, atan2_of_columns, either, exactly, larger, sign
 from symosc.model import OtherNumbers, Parameters
@@ -369,6 +369,17 @@ def turned(s, c, angle):
     sixth = SIXTH * angle * angle
     last = 0.25 * angle * sixth
     return s + (c - (s * half + c * sixth - s * last)) * angle, c - (s + (c * half - s * sixth - c * last)) * angle
+
+
+def sine_and_cosine(theta, theta_low):
+    """Return sine and cosine of the phase theta + theta_low."""
+    return corrected(sin(theta), cos(theta), theta_low)
+
+
+def corrected(s, c, theta_low):
+    """Return sine and cosine of the phase theta + theta_low, given those of theta, which is rounded."""
+    # Left alone this rounding would be the largest error of the force B0 cos(theta): up to 4 EPS |B0|.
+    return s + c * theta_low, c - s * theta_low
 
 
 def derivatives(v, F, s, c, K):

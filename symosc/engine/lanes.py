@@ -44,7 +44,7 @@ from symosc.engine.first_exit import (
     stays_open,
     wrap_phase,
 )
-from symosc.engine.flow import ROW, BeltConstants, MarchConstants, constant_force, derivatives
+from symosc.engine.flow import ROW, BeltConstants, MarchConstants, constant_force, corrected, derivatives
 from symosc.engine.next_event import (
     NEAR_FORCE,
     PAST_END,
@@ -276,14 +276,15 @@ def flown_side_by_side(tau, v0, F0, s0, c0, K):
 def advance_phases(n, theta, theta_low, s, c, tau, K):
     """Advance the phase of each lane by `tau`; return (late, n, theta, theta_low, s, c)."""
     theta, theta_low = phase_after(theta, theta_low, tau, K)
-    turned = theta >= TWO_PI
-    theta, theta_low = select(turned, theta - TWO_PI, theta), select(turned, theta_low - TWO_PI_REST, theta_low)
+    passes = theta >= TWO_PI
+    theta, theta_low = select(passes, theta - TWO_PI, theta), select(passes, theta_low - TWO_PI_REST, theta_low)
     late = (theta >= TWO_PI) | (tau == K.period)
     theta, theta_low = in_two_parts(theta, theta_low)
-    if any_of(turned):
+    if any_of(passes):
         sine, cosine = sine_cosine(theta)
-        s, c = select(turned, sine, s), select(turned, cosine, c)
-    return late, select(turned, n + 1.0, n), theta, theta_low, s, c
+        sine, cosine = corrected(sine, cosine, theta_low)
+        s, c = select(passes, sine, s), select(passes, cosine, c)
+    return late, select(passes, n + 1.0, n), theta, theta_low, s, c
 
 
 # --- sticks ---

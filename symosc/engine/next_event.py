@@ -44,7 +44,15 @@ from symosc.engine.first_exit import (
     search_begin,
     slip_near,
 )
-from symosc.engine.flow import clock_time, constant_force, derivatives, speeds_around, state_at, velocity_scale
+from symosc.engine.flow import (
+    clock_time,
+    constant_force,
+    derivatives,
+    sine_and_cosine,
+    speeds_around,
+    state_at,
+    velocity_scale,
+)
 from symosc.engine.state import (
     BELT,
     CROSS,
@@ -71,7 +79,7 @@ from symosc.engine.state import (
 )
 from symosc.kernels._generated import acceleration, next_derivative
 from symosc.kernels.double_double import two_product
-from symosc.kernels.elementary import cos, select, sin
+from symosc.kernels.elementary import select
 from symosc.kernels.entire import EPS, SERIES_BELOW, SIXTH
 
 TWO_PI = 2.0 * acos(-1.0)
@@ -162,7 +170,7 @@ def after_flight(state, end, start, remaining, K):
     turns, theta, theta_low = advance_phase(0, theta, theta_low, now.tau, K)
     n, s, c = n + turns, now.s, now.c
     if turns > 0:
-        s, c = sin(theta), cos(theta)
+        s, c = sine_and_cosine(theta, theta_low)
     t, t_low = advance_time(t, t_low, now.tau, K)
     x, F = x + now.dx, now.F
     if code == NOTHING:
@@ -196,7 +204,7 @@ def no_contact(state, there, now, remaining, K):
     if never_leaves(Launch(v, F, now.s, now.c), S, lower, upper, mode, K):
         return NextEvent(REST, 0, True, 0.0, state)
     F = acceleration(x, v, now.c, constant_force(mode, K), K.cm, K.w0sq, K.f0)
-    s, c = sin(theta), cos(theta)
+    s, c = sine_and_cosine(theta, theta_low)
     return NextEvent(MOVED, 0, True, 0.0, State(mode, 0, n, theta, x, v, F, F, S, t, t_low, s, c, theta_low))
 
 
@@ -332,7 +340,7 @@ def graze_belt(there, G1, G2, G3, v_noise, tau, remaining, K):
         x = x + (v + (0.5 * F + SIXTH * G1 * shift) * shift) * shift
         n, theta, theta_low = advance_phase(n, theta, theta_low, shift, K)
         t, t_low = advance_time(t, t_low, shift, K)
-        s, c = sin(theta), cos(theta)
+        s, c = sine_and_cosine(theta, theta_low)
     t_error = passing_time(K.rate * (sqrt(S.S22) + v_noise), G1, G2, G3, K)
     code = GRAZE if t_error < tau else FAILED  # a touch that may be anywhere in the flight is none
     F = 0.0 * F
@@ -388,7 +396,7 @@ def after_stick(state, end, remaining, K):
     turns, theta, theta_low = advance_phase(0, theta, theta_low, tau, K)
     n = n + turns
     if code != HIT or turns > 0:
-        s, c = sin(theta), cos(theta)
+        s, c = sine_and_cosine(theta, theta_low)
     t, t_low = advance_time(t, t_low, tau, K)
     if code == NOTHING:
         held = State(mode, boundary, n, theta, x, v, Fb + Delta, Fa + Delta, S, t, t_low, s, c, theta_low)

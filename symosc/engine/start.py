@@ -18,7 +18,7 @@ from symosc.aliases import Number
 from symosc.engine.arithmetic import Arithmetic, MpArithmetic, column_functions
 from symosc.engine.batch import rounded_covariance, row_of
 from symosc.engine.first_exit import ROUNDING
-from symosc.engine.flow import Constants, belt_forces, constant_force
+from symosc.engine.flow import Constants, belt_forces, constant_force, corrected
 from symosc.engine.state import BELT, DOMAIN_ABOVE, ON_BELT, Covariance, State
 from symosc.kernels._generated import acceleration
 from symosc.kernels.entire import EPS
@@ -96,14 +96,18 @@ def belt_state(
 
 
 def start_rows(
-    at: np.ndarray, theta: np.ndarray, x: np.ndarray, v: np.ndarray, times: Sequence[Any], K: Any
+    at: np.ndarray, phase: tuple[np.ndarray, Any], x: np.ndarray, v: np.ndarray, times: Sequence[Any], K: Any
 ) -> tuple[np.ndarray, np.ndarray]:
     """Return batch rows for columns of starts (on belt `at` if > 0), and where doubles do not decide the forces.
 
-    `times` holds t, t_low, t_end, t_end_low and t0; `K` has the constants, for all rows or one for each.
+    `phase` holds theta and theta_low, and `times` t, t_low, t_end, t_end_low and t0; `K` has the constants, for all
+    rows or one for each.
     """
     mode = np.where(at > 0, at, 1 + (v > K.belt1.v) + (v > K.belt2.v))
+    theta, theta_low = phase
     s, c = column_functions()["sine_cosine"](theta)
+    if np.any(theta_low):
+        s, c = corrected(s, c, theta_low)
     A_below, A_above = (np.choose(n - 1, [K.A1, K.A2, K.A3]) for n in (mode, mode + (at > 0)))
     below, above = (acceleration(x, v, c, A, K.cm, K.w0sq, K.f0) for A in (A_below, A_above))
     terms = np.maximum(abs(A_below), abs(A_above)) + abs(K.f0) + abs(K.w0sq * x) + abs(K.cm * v)
@@ -114,7 +118,7 @@ def start_rows(
     zero, S22 = np.zeros(len(at)), np.where(at > 0, 0.0, EPS * v) ** 2
     t, t_low, *ends = times
     columns = [np.where(held, ON_BELT + at, mode + up), at, zero, theta, x, v, below, above, (EPS * x) ** 2, zero, S22]
-    return np.stack(np.broadcast_arrays(*columns, t, t_low, *ends, s, c, zero), axis=1), unclear
+    return np.stack(np.broadcast_arrays(*columns, t, t_low, *ends, s, c, theta_low), axis=1), unclear
 
 
 def force_terms(boundary: int, x: Number, K: Constants) -> Number:
@@ -130,8 +134,8 @@ def first_state(start: Start, arithmetic: Arithmetic) -> State:
     # force that the error of the start can make 0 is 0.
     p, K, number = start.parameters, arithmetic.K, arithmetic.number
     eps = arithmetic.namespace["EPS"]
-    x, v, theta = number(start.x0), number(start.v0), arithmetic.phase(start.t0)
-    phase = sine_and_cosine(theta, arithmetic)
+    x, v, (theta, theta_low) = number(start.x0), number(start.v0), arithmetic.phase(start.t0)
+    phase: Phase = arithmetic.namespace["sine_and_cosine"](theta, theta_low)
     at = 1 if start.v0 == p.v1 else 2 if start.v0 == p.v2 else 0
     if at:
         begun = belt_start(at, x, phase, arithmetic)
@@ -150,12 +154,7 @@ def first_state(start: Start, arithmetic: Arithmetic) -> State:
         # Half-widths, no standard errors: with the factor 3 no sum of the three is underestimated (Cauchy-Schwarz).
         S12 = 3 * v * Fb * dt**2
         S = Covariance(S.S11 + 3 * (dx**2 + (v * dt) ** 2), S12, S.S22 + 3 * (dv**2 + (Fb * dt) ** 2))
-    return State(mode, at, 0, theta, x, v, Fb, Fa, S, *arithmetic.time(start.t0), *phase, 0 * x)
-
-
-def sine_and_cosine(theta: Number, arithmetic: Arithmetic) -> Phase:
-    """Return sine and cosine of the phase `theta` in the given arithmetic."""
-    return arithmetic.namespace["sin"](theta), arithmetic.namespace["cos"](theta)
+    return State(mode, at, 0, theta, x, v, Fb, Fa, S, *arithmetic.time(start.t0), *phase, theta_low)
 
 
 def reach_of_error(start: Start, arithmetic: Arithmetic) -> Number:
@@ -173,7 +172,7 @@ def _decided_start(start: Start, boundary: int) -> BeltStart:
     arithmetic = MpArithmetic(p, digits)
     x = arithmetic.number(start.x0)
     rounding = ROUNDING * arithmetic.namespace["EPS"] * force_terms(boundary, x, arithmetic.K)
-    phase = sine_and_cosine(arithmetic.phase(start.t0), arithmetic)
+    phase: Phase = arithmetic.namespace["sine_and_cosine"](*arithmetic.phase(start.t0))
     return belt_start(boundary, x, phase, arithmetic, rounding + reach_of_error(start, arithmetic))
 
 
@@ -248,14 +247,16 @@ def continued(state: State, eps: Fraction, arithmetic: MpArithmetic) -> State:
             return belt_forces(state.at, x, phase[1], K)
         return (acceleration(x, v, phase[1], constant_force(state.mode, K), K.cm, K.w0sq, K.f0),) * 2
 
-    phase, part, missing = sine_and_cosine(theta, arithmetic), K.period * arithmetic.number(eps), 0 * x
+    turn = arithmetic.namespace["sine_and_cosine"]
+    phase: Phase = turn(theta, 0 * theta)
+    part, missing = K.period * arithmetic.number(eps), 0 * x
     Fb, Fa = forces()
     if state.mode <= ON_BELT and state.Fb == 0:
         for _ in range(MOST_CORRECTIONS):
             slope = K.fB * phase[0] + K.w0sq * v
             shift = Fb / slope if abs(Fb) <= abs(slope) * K.period else 0 * x
             theta, t, x = theta + K.Om * shift, t + shift, x + v * shift
-            phase = sine_and_cosine(theta, arithmetic)
+            phase = turn(theta, 0 * theta)
             Fb, Fa = forces()
             if abs(shift) <= arithmetic.namespace["EPS"] * K.period:
                 break

@@ -30,7 +30,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from symosc.engine.first_exit import NEAR, fourth_derivative_bound, positive_on, shifted
-from symosc.engine.flow import clock_time, constant_force, derivatives, speeds_around, state_at
+from symosc.engine.flow import clock_time, constant_force, derivatives, sine_and_cosine, speeds_around, state_at
 from symosc.engine.next_event import TWO_PI, advance_phase
 from symosc.engine.state import END, GRAZE, ON_BELT, REST, STICK, Flown, Launch, State
 from symosc.kernels._generated import acceleration, motion
@@ -343,7 +343,7 @@ def rest_stretches(i, state, remaining, t0, tally, K):
             there = state_at(step, launch_of(now), K)
             x, v, F = now.x + there.dx, now.v + there.dv, there.F
         _, phase, theta_low = advance_phase(0, now.theta, now.theta_low, step, K)
-        clock = now.t + step, now.t_low, sin(phase), cos(phase), theta_low
+        clock = now.t + step, now.t_low, *sine_and_cosine(phase, theta_low), theta_low
         then = State(now.mode, 0, now.n, phase, x, v, F, F, now.S, *clock)
         tally_stretch(i, now, then, step, t0, tally, K)
         passed = passed + step

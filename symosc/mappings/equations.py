@@ -31,7 +31,7 @@ from symosc.engine import tangent
 from symosc.engine.arithmetic import Arithmetic, MpArithmetic, bind, many_digits
 from symosc.engine.first_exit import ROUNDING
 from symosc.engine.flow import Constants, constant_force, constants, friction_signs
-from symosc.engine.start import belt_start, belt_state, force_terms, sine_and_cosine
+from symosc.engine.start import belt_start, belt_state, force_terms
 from symosc.engine.state import END, FAILED, GRAZE, MOVED, ON_BELT, REST, SLIP, Covariance, NextEvent
 from symosc.errors import ParameterError, SymoscError
 from symosc.kernels import entire_array, mapping
@@ -414,14 +414,15 @@ def _next_event(row: Map, arithmetic: Arithmetic, x: Number, theta: Number) -> t
     phase = (theta - turns * two_pi) - turns * names["TWO_PI_REST"]
     # After a stick one force is 0, up to the rounding errors of its end.
     allowed = ROUNDING * eps * (force_terms(belt, x, K) + abs(K.f0 * theta))
-    start = belt_start(belt, x, (names["sin"](phase), names["cos"](phase)), arithmetic, allowed)
+    sine_and_cosine = names["sine_and_cosine"](phase, 0 * phase)
+    start = belt_start(belt, x, sine_and_cosine, arithmetic, allowed)
     if start.mode != row.mode:
         goes = "stays on" if start.mode > ON_BELT else "goes into"
         low, high = NEIGHBOURS[belt]
         forces = f"F^({low}) = {float(start.below):.6g}, F^({high}) = {float(start.above):.6g}"
         raise MapError(row.label, x, theta, f"the motion {goes} {MODE_NAMES[start.mode]} there, since {forces}")
     error, horizon = Covariance((eps * x) ** 2, 0 * x, 0 * x), MOST_MAP_PERIODS * K.period
-    state = belt_state(start, (0, phase), sine_and_cosine(phase, arithmetic), x, error, K)
+    state = belt_state(start, (0, phase), sine_and_cosine, x, error, K)
     event = arithmetic.advance(state, horizon, 0 * horizon)
     while event.code == MOVED:
         event = arithmetic.advance(event.state, horizon, 0 * horizon)

@@ -274,7 +274,7 @@ class Chunk:
         starts = self._starts[members]
         numbers = self._first + np.array(members, np.int64)
         arithmetic = many_digits(parameters, ROUNDED_FROM)
-        pairs = self.task.problems.pair_rows(numbers, starts, lambda t: pairs_as_complex(arithmetic.phase(t)))
+        pairs = self.task.problems.pair_rows(numbers, starts, lambda t: pairs_as_complex(arithmetic.phase(t)[0]))
         pair_loops(len(pairs)).first_pairs(pairs, pair_constants(parameters))
         least, largest = abs(starts[:, 6:8]).min(axis=1), abs(starts[:, 6:8]).max(axis=1)
         unclear = (starts[:, 1] > 0) & (least <= SMALL_FORCE * (largest + float(parameters.FN)))

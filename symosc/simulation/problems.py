@@ -287,7 +287,7 @@ class Problems:
         unclear |= (t_end.hi - t0.hi) * Omega.hi > 6.0 * MOST_PERIODS  # near the end of what is followed at all
         times = np.broadcast_arrays(t0.hi, t0.lo, t_end.hi, t_end.lo, t0.hi)
         K = ConstantRows(table)[0] if len(table) == 1 else table.view(np.recarray)
-        states, small_force = start_rows(at, theta.hi, x0.hi, v0.hi, times, K)
+        states, small_force = start_rows(at, (theta.hi, theta.lo), x0.hi, v0.hi, times, K)
         return states, unclear | small_force | bool(self.start_error)
 
     def _at_belt(self, boundary: int, rows: slice) -> tuple[np.ndarray, np.ndarray]:

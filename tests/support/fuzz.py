@@ -23,7 +23,9 @@ from scene_families import FuzzScene
 from tabulate import tabulate
 from verdicts import DOUBTFUL, Verdict, judge, settled
 
-NAMES = "wide graze near approach limit creep settle aimed digits late long coincide onbelt rest undriven extreme"
+NAMES = (
+    "wide graze near approach limit creep settle aimed shallow digits late long coincide onbelt rest undriven extreme"
+)
 FAMILIES: dict[str, Callable[[Random, int], FuzzScene]] = {
     name: getattr(touching if hasattr(touching, name) else plain, name) for name in NAMES.split()
 }

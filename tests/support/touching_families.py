@@ -10,7 +10,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from fractions import Fraction
 from functools import partial
-from math import sin
+from math import pi, sin
 from random import Random
 from typing import Any
 
@@ -282,6 +282,43 @@ def aimed(rng: Random, index: int) -> FuzzScene:
     t0 = t_m - tau
     scene = FuzzScene("aimed", index, p, t0, x0, v0, t_m + span(rng, p, 1, 4, 100))
     return with_digits(scene, touch=places >= 14, dps=2 * places + 40)
+
+
+def shallow(rng: Random, index: int) -> FuzzScene:
+    """A touch as shallow as what the rounding of the phase does to a force, from a launch where that force is small.
+
+    Speeds and friction are small beside the drive, whose force is near 0 at a phase that has large rounding errors.
+    Many flights between the belts are launched by a crossing, the others begin at the start.
+    """
+    while True:
+        p = wide_parameters(rng)
+        alpha, boundary, side = TOUCHES[rng.choice(list(TOUCHES))]
+        if p.k and p.B0:
+            break
+    f0, Omega = abs(p.B0) / p.m, size(rng, -3, -1, 2)
+    v1 = signed(rng, -5, -3, 2)
+    p = p.replace(A0=0, FN=p.FN * size(rng, -5, -3, 1), Omega=Omega, v1=v1, v2=v1 + size(rng, -5, -3, 2))
+    quarter, tau = rng.choice([1, 3, 3, 3]), Fraction(f"{rng.uniform(0.05, 0.5) / fastest(p):.3g}")
+    angle = (quarter / 2 + 2 * rng.randint(0, 9)) * pi + rng.uniform(-0.03, 0.03)
+    # Near a quarter period B0 cos(theta) is steep: it bends the gap away from the belt if B0 has this sign.
+    bends = 1 if quarter == 1 else -1
+    p, t_m = p.replace(B0=side * bends * abs(p.B0)), Fraction(f"{angle / float(Omega):.5g}")
+    depth = rng.uniform(-4, 4) * 2.0**-53 * float(f0 * tau)
+    speed = p.belt(boundary) + side * Fraction(f"{depth:.3g}")
+    with mpmath.workdps(90):
+        cosine = mpmath.cos(number(p.Omega * t_m))
+        x_m = (number(p.A(alpha) - p.c * speed) + number(p.B0) * cosine) / number(p.k)
+        x, v, F = flow_oracle(p, alpha, t_m, cut(x_m, 85), speed, -tau, 90)
+        t0, other = t_m - tau, cut(v, 6)
+        if alpha == 2 and rng.random() < 0.7 and side * (p.belt(boundary) - other) > 0:
+            p = p.replace(**{f"v{3 - boundary}": other})
+            t, tau = t0 + cut((number(other) - v) / F, 6), tau * Fraction(rng.randint(1, 9), 10)
+            x, v = flow_oracle(p, alpha, t_m, cut(x_m, 85), speed, t - t_m, 90)[:2]
+            t0 = t - tau
+            x, v = flow_oracle(p, 2 - side, t, cut(x, 85), cut(v, 85), -tau, 90)[:2]
+        x0, v0 = cut(x, 30), cut(v, 30)
+    scene = FuzzScene("shallow", index, p, t0, x0, v0, t_m + span(rng, p, 1, 4, 100))
+    return with_digits(scene, touch=True, dps=80)
 
 
 def cut(value: Any, places: int) -> Fraction:

@@ -141,7 +141,7 @@ def number(p: Parameters, value: Fraction) -> Any:
 def start_contact(scene: Scene, belt: int) -> SceneContact:
     """Return the start of a scene that begins on a belt."""
     exact = arithmetic(scene.parameters)
-    return SceneContact(belt, exact.number(scene.t0), exact.number(scene.x0), exact.phase(scene.t0))
+    return SceneContact(belt, exact.number(scene.t0), exact.number(scene.x0), exact.phase(scene.t0)[0])
 
 
 def scene_contacts(scene: Scene, t_end: Any = None) -> list[SceneContact]:
