@@ -77,6 +77,7 @@ THIN, FAINT = 1e-9, 1e-8
 SOON = 1e-2  # a gap within its error that leaves it within this time, times 1/rate, is on its way through 0
 SAME_PHASE = 64.0  # phases closer than this times EPS are one
 MOST_STEPS, MOST_STICK_STEPS, MOST_NEWTON, MOST_DESCENTS, MOST_HALVINGS = 20000, 20000, 200, 400, 400
+MOST_EVEN = 12  # steps towards a minimum that do not get shorter: the gap dies away, without a minimum
 MOST_CORRECTIONS = 8  # each evaluation of the flow makes five times as many digits right
 # Short steps on which no minimum of the gap was found ahead, before the search is given up: beside a gap that has 1e-30
 # of its usual size, and hardly bends, it takes a hundred to get away.
@@ -87,7 +88,7 @@ MOST_STALLS = 150
 
 
 def fourth_derivative_bound(G2, G3, s, c, K):
-    """Return M4 >= |v''''|: for all later times if `K.steady`, else for the next 1/Omega."""
+    """Return a bound M4 of |v''''| from now on (if not `K.steady`: for 1/Omega), given G2 = v''', G3 = v'''', phase."""
     if not K.steady:
         return sqrt(G3 * G3 + K.w0sq * G2 * G2) + abs(K.fB) * K.Om * K.Om
     Om3 = K.Om * K.Om * K.Om
@@ -150,7 +151,7 @@ def gap_to(side, now, walls):
 
 
 def gap_bound(side, now, M4, margin, walls):
-    """Return (P, degree): a polynomial in the time since point `now` that is never above the gap on `side`."""
+    """Return (P, degree): a polynomial in the time after `now` below the gap on `side`, over time^(4 - degree)."""
     # The margin for the error of the start is held back from the gap, or half the gap if that is not much larger. At a
     # start on the wall P is divided by its root there.
     g, g1, g2, g3 = gap_to(side, now, walls), -side * now.F, -side * now.G1, -side * now.G2
@@ -167,7 +168,7 @@ def gap_bound(side, now, M4, margin, walls):
 
 
 def is_near(root, P, degree, M4, size, K):
-    """Return three flags about a `root` of the lower bound `P` of a gap, for the gap's own root beside it."""
+    """Return three flags of the gap beside the `root` of its bound `P`: just one root; very near; and no touch."""
     # One root near `root`, and only one: the gap there is known to be within `missing` of 0, and its slope keeps its
     # sign up to there and over what makes up for `missing` (Kantorovich).
     p0, p1, p2, p3, p4 = P
@@ -237,7 +238,7 @@ class Marched(NamedTuple):
 
 
 def march(tau_max, v0, now, walls, margin, K):
-    """Follow a flight from point `now` by fixed steps that surely meet no wall, up to `tau_max`; return a `Marched`."""
+    """Follow a flight from `now` to `tau_max` by fixed steps, while they surely meet no wall; return a `Marched`."""
     # Over a fixed step the transient is multiplied by a constant matrix and the steady state turns by a constant angle,
     # so the derivatives cost no exp, sin or cos. Their rounding errors are far below the slack that the gaps are given.
     # Strides are tried where the gaps look wide enough.
@@ -284,7 +285,7 @@ def march(tau_max, v0, now, walls, margin, K):
 
 
 def free_motion(v0, now, walls, margin, K):
-    """Return v and v' of the transient at point `now`, the slack for gaps, and whether each wall is out of reach."""
+    """Return v and v' of the transient at `now`, the `slack` that gaps must exceed, which walls are out of reach."""
     v_free, F_free = v0 - (K.Ss * now.s + K.Sc * now.c), now.F - K.Om * (K.Ss * now.c - K.Sc * now.s)
     slack = MARCH_SLACK * (abs(v0) + K.V0 + abs(v_free) + abs(F_free) * K.swing) + margin
     # The steady amplitude and the energy of the transient bound v: walls beyond that do not count.
@@ -305,7 +306,7 @@ def marched(v_free, F_free, v0, now, M, K):
 
 
 def lifted(h, M4, slack):
-    """Return what the middle Bernstein coefficient of a gap must exceed in a step of length `h` (see `is_free`)."""
+    """Return what a gap's middle Bernstein coefficient must exceed in a step `h` so that the gap exceeds `slack`."""
     return 0.25 * SIXTH * SIXTH * (h * h) * (h * h) * M4 + slack
 
 
@@ -324,7 +325,7 @@ def gaps_exceed(least, dv, walls):
 
 
 def is_free(side, now, there, lift, slack, walls):
-    """Return whether the step from point `now` to `there` surely meets no wall on `side`, except as it leaves it."""
+    """Return whether a step from `now` to `there` surely meets no wall on `side`; `lift`, `slack`: see `stays_open`."""
     # The cubic less its error is a polynomial of degree four whose Bernstein coefficients are g0, g0 + d0/4, (g0 +
     # g1)/2 + (d0 - d1)/6 - M4 h^4/144, g1 - d1/4 and g1, with the values g0, g1 and the slopes times h, d0, d1, at both
     # ends. If they are positive, so is the gap. At a start on the wall, where g0 = 0, the other four show that it has
@@ -338,20 +339,23 @@ def is_free(side, now, there, lift, slack, walls):
 
 
 def stays_open(g0, d0, g1, d1, lift, slack):
-    """Return whether a gap exceeds `slack` in a whole step; g0, g1: its values at the ends, d0, d1: slopes times h."""
+    """Return whether a gap exceeds `slack` in a whole step, given its values g0, g1 and slopes d0, d1 at the ends.
+
+    Slopes are multiplied by the length of the step, and `lift` is what `lifted` returns for it.
+    """
     ends = (g0 > slack) & (g0 + 0.25 * d0 > slack) & (g1 > slack) & (g1 - 0.25 * d1 > slack)
     return ends & (0.5 * (g0 + g1) + SIXTH * (d0 - d1) > lift)
 
 
 def opens(d0, b0, g1, d1, lift, slack):
-    """Return whether a gap that is 0 at the start of a step is surely positive in the rest of it."""
+    """Return what `stays_open` does after the start of a step where the gap is 0, with slope d0 and bend b0."""
     steep = (d0 >= 0.0) & (g1 - 0.25 * d1 > slack) & (0.5 * g1 + SIXTH * (d0 - d1) > lift)
     flat = (d0 == 0.0) & (b0 >= 0.0) & (0.125 * b0 + 0.25 * g1 > 1.5 * lift)
     return (g1 > slack) & (steep | flat)
 
 
 def meets_once(side, now, there, M4, slack, walls):
-    """Return whether the gap on `side` is surely > 0 at point `now`, < 0 at `there`, and 0 just once between them."""
+    """Return whether the gap on `side` is > `slack` at `now`, < -`slack` at `there`, and surely 0 only once between."""
     # It is if its slope, d0 and d1 at the ends, is negative all the way, or if its bend, b0 and b1, keeps its sign.
     meets = (gap_to(side, there, walls) < -slack) & (gap_to(side, now, walls) > slack)
     h = there.tau - now.tau
@@ -385,7 +389,7 @@ def closest_approach(tau, earliest, side, M4, start, walls, S, K):
     not found, or comes before `earliest`. `M4` bounds the fourth derivative of v.
     """
     # NOTHING says that the gap is positive on the way there too, STALLED also that this is not proven.
-    begin, sign, last, depth_known = tau, -side, FAR, False
+    begin, sign, last, depth_known, even = tau, -side, FAR, False, 0
     for _ in range(MOST_DESCENTS):
         now = state_at(tau, start, K)
         gap, slope, bend = gap_to(side, now, walls), sign * now.F, sign * now.G1
@@ -404,9 +408,10 @@ def closest_approach(tau, earliest, side, M4, start, walls, S, K):
                 return (NOTHING if free and back > 0.0 else STALLED), tau
             if abs(shift) >= 0.9 * last or shift == 0.0:  # as near as rounding allows
                 return (TANGENCY if gap_reopens(tau, side, start, walls, S, K) else LOST), tau
+        even = even + 1 if abs(shift) >= 0.9 * last else 0
         last = abs(shift)
         tau = tau + shift
-        if tau < earliest:
+        if tau < earliest or even > MOST_EVEN:
             return STALLED, begin
     return LOST, tau
 
@@ -421,14 +426,14 @@ def gap_reopens(tau, side, start, walls, S, K):
 
 
 def gap_stays_zero(tau, side, start, walls, S, K):
-    """Return whether a gap is 0 within its error at `tau` and changes too slowly to leave 0 within 0.01/rate."""
+    """Return whether a gap is 0 within its error at `tau`, and so slow that it stays so for 0.01/`K.rate`."""
     now = state_at(tau, start, K)
     allowed = tolerance(side, now, start, walls, S, K)
     return gap_to(side, now, walls) <= allowed and abs(now.F) <= allowed * K.rate / SOON
 
 
 def side_of_zero_gap(now, thin, start, walls, S, K):
-    """Return the side (-1 below, 1 above) of the wall to which the gap is and stays 0 within its error; else 0."""
+    """Return the side (-1, 1) on which a gap with a square below `thin` is and stays 0 within its error; else 0."""
     below, above, away = walls.below + now.dv, walls.above - now.dv, now.tau > 0.0
     thin_below = walls.has_below and below * below < thin and (away or not walls.on_below)
     thin_above = walls.has_above and above * above < thin and (away or not walls.on_above)
@@ -464,9 +469,10 @@ def first_exit(tau_max, start, walls, S, K):
 
 
 def search_begin(tau_max, start, walls, S, K):
-    """Return (now, flat, thin, margin): the point where a search begins, and whether the gap is flat (tau^4) there.
+    """Return (now, flat, thin, margin): the point up to which there is no contact, and limits for the search after it.
 
-    A gap with a square below `thin` is compared with its error; `margin` is what the start's error can do to a gap.
+    `flat`: a gap grows only as tau^4 from the launch, and `now` is later. `margin` is what the start's error can do to
+    a gap; a gap is compared with its own error if its square is below `thin`.
     """
     # Where the margin is less than rounding, it is 0, and `tolerance` includes it.
     v0, F0, s0, c0 = start
@@ -504,7 +510,7 @@ def behind_flat_start(tau_max, G2, G3, start, K):
 
 
 def stepped(tau_max, now, M4, thin, margin, start, walls, S, K):
-    """Search from point `now` on, by steps that surely meet no wall, for the first contact; return a `FlightEnd`."""
+    """Find the first contact after `now` by steps that surely meet no wall, given what `search_begin` returns."""
     code, tau, low, high = STALLED, now.tau, now.tau, now.tau  # what was found, where, and in which bracket
     crossing, tau_deep, stalled = 0, now.tau, 0  # the side on which the gap is known to be negative, and where
     for _ in range(MOST_STEPS):
@@ -530,7 +536,7 @@ def stepped(tau_max, now, M4, thin, margin, start, walls, S, K):
         beside = margin > 0.0 and side * now.F > 0.0 and gap_to(side, now, walls) < 2.0 * margin
         if (short or not deep or beside) and not known and (now.tau > 0.0 or start_gap > 0.0):
             verdict, tau = graze_ahead(now, side, step, M4, start, walls, S, K)
-            if verdict in (TANGENCY, LOST):
+            if verdict == TANGENCY or (verdict == LOST and tau <= tau_max):
                 code = TANGENCY if verdict == TANGENCY else STALLED
                 break
             if verdict == HIT:
@@ -560,7 +566,7 @@ def stepped(tau_max, now, M4, thin, margin, start, walls, S, K):
 
 
 def nearest_root(cap, now, M4, margin, walls):
-    """Return (side, step, root, P, degree) for the wall with the shorter safe step; `P` bounds its gap from below."""
+    """Return the side of the wall with the shorter safe step, and what `safe_step` and `gap_bound` return for it."""
     side = -1 if walls.has_below else 1
     P, degree = gap_bound(side, now, M4, margin, walls)
     step, root = safe_step(cap, P)
@@ -575,7 +581,7 @@ def nearest_root(cap, now, M4, margin, walls):
 
 
 def graze_ahead(now, side, step, M4, start, walls, S, K):
-    """Find the next minimum of the gap on `side`; return a code of `closest_approach` and the time."""
+    """Return what `closest_approach` does for the gap on `side`, but STALLED if the other wall may be met first."""
     verdict, tau_min = closest_approach(now.tau, now.tau, side, M4, start, walls, S, K)
     reach = tau_min - now.tau
     if walls.has_below and walls.has_above and verdict != STALLED and reach > step:
@@ -648,13 +654,13 @@ def shifted(now, shift, v0, K):
 
 
 def force_gain(tau, s0, c0, belt, K):
-    """Return Delta, the gain of both forces on a belt after `tau` of stick, and sine and cosine of the phase then."""
+    """Return Delta, the gain of both forces in a stick of length `tau` from phase s0, c0, and the phase's s, c then."""
     half = 0.5 * K.Om * tau
     return force_gain_at(tau, sin(half), cos(half), s0, c0, belt, K)
 
 
 def force_gain_at(tau, s, c, s0, c0, belt, K):
-    """Return Delta, the gain of both forces on a belt after `tau` of stick, and sine and cosine of the phase then."""
+    """Return what `force_gain` does, given the sine `s` and cosine `c` of Omega tau/2, half the phase gained."""
     swing = -2.0 * (s0 * c + c0 * s) * s  # cos(theta + Omega tau) - cos(theta)
     Delta = stick_acceleration(0.0 * tau, belt.v, tau, swing, K.w0sq, K.f0)
     s_Om, c_Om = 2.0 * s * c, 1.0 - 2.0 * s * s
@@ -662,7 +668,7 @@ def force_gain_at(tau, s, c, s0, c0, belt, K):
 
 
 def force_slopes(s, c, belt, K):
-    """Return two time derivatives of the force on a belt at the phase with sine `s` and cosine `c`."""
+    """Return the first and second time derivative of the force on a belt at the phase with sine `s`, cosine `c`."""
     return belt.drift - K.fB * s, -K.fB * K.Om * c
 
 
@@ -721,7 +727,7 @@ def belt_exit(tau_max, held, belt, K):
 
 
 def force_noise(F_below, tau, S11, belt, K):
-    """Return how far a force on a belt may be wrong `tau` after the stick began; S11: variance of x at its start."""
+    """Return how wrong a force may be `tau` after a stick began with the force F_below and the variance S11 of x."""
     size = abs(F_below) + abs(belt.drift) * tau + 2.0 * abs(K.f0)
     return ROUNDING * EPS * size + K.sigmas * K.w0sq * sqrt(S11)
 
@@ -778,7 +784,7 @@ def exit_root(force, side, low, high, Delta, s, c, held, belt, K):
 
 
 def is_beside(over, slope, bend, K):
-    """Return whether a force is so near 0 that a polynomial gives the time at which it vanishes."""
+    """Return whether a force `over`, with derivatives `slope`, `bend`, is so near 0 that its root needs no search."""
     return (abs(over * bend) < 0.1 * slope * slope) & (abs(over) * K.Om < 2.0 * NEAR * abs(slope))
 
 
@@ -795,7 +801,7 @@ def slips_at(tau, step, side, Delta, s, c, belt, K):
 
 
 def contact_at_dip(tau, free, side, start, walls, S, K):
-    """Find where the gap on `side`, which dips below 0 near `tau`, first becomes 0; STALLED if this is not sure."""
+    """Find the first zero of a gap that dips below 0 near `tau`, or STALLED; up to the time `free` there is none."""
     # It is if the polynomial bound of the gap to each wall, taken backward from it, is positive as far as the flight is
     # not known to be `free`.
     now = state_at(tau, start, K)

@@ -58,8 +58,8 @@ def fits_pairs(start: Start) -> bool:
     return start.start_error is None and start.spare_digits <= PAIR_SPARE and not settles(start)
 
 
-def row_to_end(start: Start) -> np.ndarray:
-    """Return a batch row with the end time and the t0 of a motion in doubles; its state is still to be filled in."""
+def row_without_state(start: Start) -> np.ndarray:
+    """Return a row of a batch with the end time and the t0 of a motion in doubles, and zeros in place of its state."""
     row = np.zeros((1, batch.STATE_WIDTH))
     row[0, 13:16] = *last_time(start, Arithmetic(start.parameters)), float(start.t0)
     return row
@@ -77,11 +77,11 @@ class SearchInDoubles:
         compiled = bool(functions) and (SEARCHES.events <= 0 or all(map(arithmetic.is_compiled, found)))
         self._search, self._doubt = found if compiled else plain
         careful = Arithmetic(start.parameters).K
-        self._row = row_to_end(start)
+        self._row = row_without_state(start)
         self._careful, self._K = (table_of([each]) if compiled else [each] for each in (careful, K))
 
     def next_event(self, state: State) -> tuple[NextEvent, float] | None:
-        """Return the event after `state`, and how long surely no wall is met if it is undecided; None on overflow."""
+        """Return the event after `state` and, if undecided, a time before which no wall is met; None on overflow."""
         keep_state(self._row, 0, state)
         SEARCHES.events -= 1
         try:
@@ -91,7 +91,7 @@ class SearchInDoubles:
             return None
 
     def next_doubt(self, state: State, count: int, limits: Limits) -> int:
-        """Return the number of the next event after `count` that doubles cannot decide; 0 if none comes soon."""
+        """Return the number of the first event after number `count` that doubles cannot decide, 0 if none is near."""
         keep_state(self._row, 0, state)
         SEARCHES.events -= batch.LOOK_AHEAD
         try:
@@ -173,7 +173,7 @@ class Motion:
         self._columns.append((s.n, *map(float, (s.theta, s.mode, s.x, s.v, a)), elapsed))
 
     def columns(self) -> np.ndarray:
-        """Return the pieces of the motion between steps as columns: n, theta, mode, x, v, acceleration, time."""
+        """Return period number, theta, mode, x, v, acceleration, time at the start of each piece: (7, pieces)."""
         return np.array(self._columns, dtype=float).T
 
     def step(self) -> None:
@@ -193,7 +193,7 @@ class Motion:
                 self.grazes_only = self.grazes_only and found.code == GRAZE
 
     def _record_event(self, before: State, found: NextEvent, clock: tuple[Number, ...]) -> None:
-        """Store an event; `clock` is its time, and the errors of its time and position."""
+        """Store the event `found` after `before`; `clock` has its time, and the errors of its time and position."""
         t, t_error, x_error = clock
         self._worst = max(self._worst, t_error / max(1, abs(t)), x_error / max(1, abs(found.state.x)))
         numbers = self.arithmetic.following["event_numbers"](before, found, clock, self.K)
@@ -212,7 +212,7 @@ class Motion:
         return found
 
     def _elapsed(self) -> Number:
-        """Return the time since t0, in the motion's arithmetic."""
+        """Return the time since t0, as a number of the kind that the motion is computed with."""
         since, before = self._state.t - self._begin[0], self._begin[1]
         return since + ((self._state.t_low - before) + since * self.K.Om_gain)
 
@@ -230,7 +230,7 @@ class Motion:
 
     @property
     def elapsed(self) -> Number:
-        """The time since t0."""
+        """The time since t0, as an mpmath number."""
         with self.arithmetic.precision():
             return self.arithmetic.outward(self._elapsed())
 
@@ -247,7 +247,7 @@ class MotionInPairs:
         self._follow, self._K = loops.follow_pairs, arithmetic.pair_constants(start.parameters)
         self._limits = batch.PairLimits(limits.most, limits.accuracy, MOST_EVER, limits.noise, *tables)
         self._pairs = np.array([arithmetic.pairs_as_complex(tuple(batch.row_of(state, *last_time(start, exact))))])
-        self._batch = batch.batch_of(row_to_end(start))
+        self._batch = batch.batch_of(row_without_state(start))
         keep_state(self._batch.states, 0, rounded(state, float(start.t0), K.Om_gain))
         self._events, self._pieces = list[EventRows](), list[np.ndarray]()
         self.goal = 0  # the number of events to come to
@@ -261,14 +261,14 @@ class MotionInPairs:
         return state_of(self._batch.states, 0)
 
     def last_sure(self, finer: MpArithmetic) -> State:
-        """Return the state before the first event that pairs leave open, in the more precise arithmetic `finer`."""
+        """Return the state before the first event that pairs cannot decide, in the more precise arithmetic `finer`."""
         number = finer.context.mpf
         row = [number(z.real) + number(z.imag) for z in self._pairs[0].tolist()]
         numbers: tuple[Any, ...] = (*map(int, row[:3]), *row[3:8], Covariance(*row[8:11]), *row[11:13], *row[16:])
         return continued(State(*numbers), arithmetic.PAIR_EPS, finer)
 
     def reach(self, count: int) -> bool:
-        """Follow to `count` events, then on until doubles can decide again; return False if an event stays open."""
+        """Follow to `count` events, then until doubles can decide again; return False if pairs leave one undecided."""
         first, wanted = np.arange(1), np.array([count])
         while True:
             size = 2 * (max(count - self.count, 0) + MOST_MORE)
@@ -304,7 +304,7 @@ class MotionInDigits(Motion):
 
     @property
     def count(self) -> int:
-        """The number of events since t0, those of the motion that it continues included."""
+        """The number of events since t0, including those of the motion from which this one goes on."""
         return self._skipped + len(self._events)
 
     def reach(self, count: int) -> bool:
@@ -332,7 +332,7 @@ class MotionInDigits(Motion):
         self._events.append((tuple(map(float, numbers)), event_codes(before, found)))
 
     def last_sure(self, finer: MpArithmetic) -> State:
-        """Return the current state in the more precise arithmetic `finer`."""
+        """Return the current state, the last that is known, in the more precise arithmetic `finer`."""
         return continued(self.state, Fraction(1, 1 << self.arithmetic.context.prec), finer)
 
     def take(self) -> tuple[EventRows, np.ndarray]:
@@ -351,8 +351,9 @@ class FinerMotion:
     # Pairs follow it, if `loops` are given or this process has them compiled, else FINER_DIGITS digits. Past a contact
     # that these leave undecided it goes on with as many digits as confirm a graze (`digits_to_confirm_graze`): from the
     # state before it with its error, or from t0 if that error is why. If they do not decide the contact, it is a graze.
-    # If they do, the next such contact takes twice as many digits: where sticks get shorter, so do gaps. `K` are the
-    # constants by which doubles are in doubt, `now` is the motion in the precision at hand.
+    # If they do, the next such contact takes twice as many digits: where sticks get shorter, so do gaps. Where a gap
+    # has died away below these digits, it begins again with as many as die away until t_end. `K` are the constants by
+    # which doubles are in doubt, `now` is the motion in the precision at hand.
 
     def __init__(self, start: Start, K: Constants, limits: Limits, loops: PairLoops | None = None) -> None:
         self._problem = start, K, limits
@@ -380,7 +381,7 @@ class FinerMotion:
         self.pieces.append(pieces)
 
     def _settle_contact(self) -> bool:
-        """Go on with more digits at an undecided contact, or call it a graze; return False if neither is possible."""
+        """Get past an undecided contact with more digits, or by taking it for a graze; return False if both fail."""
         now, (start, *_) = self.now, self._problem
         self._goal = now.goal
         if isinstance(now, MotionInPairs):
@@ -395,6 +396,8 @@ class FinerMotion:
             return True
         self.open_at, self.open_in = float(now.state.t), now.digits
         now.undo()
+        if now.code == FAILED and now.from_start and now.is_known and now.digits < whole < inf:
+            return self._go_on(int(whole))
         if now.code == FAILED or now.digits >= needed or needed == inf or not now.is_known:
             return not now.from_start and self._go_on(now.digits)
         self._asked_at = at
@@ -402,7 +405,7 @@ class FinerMotion:
         return self._go_on(int(max(needed, most)), now)
 
     def _go_on(self, digits: int, other: MotionInPairs | MotionInDigits | None = None) -> bool:
-        """Go on with `digits` digits from where `other` is, or from t0; return whether the present event is reached."""
+        """Go on with `digits` digits from where `other` is, or from t0; return whether it reaches all events so far."""
         self._take()
         before, count = self.now, self.now.count
         self.now = now = MotionInDigits(*self._problem, digits, other)
@@ -419,7 +422,10 @@ class FinerMotion:
 
 
 def digits_to_confirm_graze(motion: Motion, elapsed: Number, digits: int, least: int = 0) -> int | None:
-    """Return with how many digits a contact must stay undecided to be called a graze; None: too many to try."""
+    """Return how many digits must leave a contact undecided for it to count as a graze; None: too many to try.
+
+    The contact is a time `elapsed` after t0. The result is at least `least`, and more than `digits`.
+    """
     # A motion that tends to one that grazes has gaps that shrink like exp(-rate t), and each of them is a near miss or
     # a crossing. The rate is the larger one of the free motion, or, where that takes too many digits, the smaller one:
     # only starts without any share of the slow decay are fooled by that. A start that is on the steady motion has none

@@ -120,7 +120,7 @@ def simulate(
 
 
 def read_most(max_events: Any, default: int) -> int:
-    """Return after how many events to stop at most; compiled loops count to 2**62."""
+    """Return `max_events` as a whole number, at most 2**62; `default` if it is None."""
     return default if max_events is None else min(whole_number("max_events", max_events, 1), 2**62)
 
 
@@ -167,14 +167,17 @@ def read_accuracy(value: Any) -> float:
 
 
 def attainable(accuracy: float, start_error: tuple[Fraction, Fraction, Fraction] | None) -> float:
-    """Return the accuracy to ask of events: inf (none) if an error of the start is larger than `accuracy`."""
+    """Return the accuracy to demand of events: `accuracy`, or inf (none) if the error of the start is larger."""
     return inf if start_error and max(start_error) > accuracy else accuracy
 
 
 def in_doubles(
     start: Start, most: int, accuracy: float, advance: Advance = None, loops: PairLoops | None = None
 ) -> Trajectory:
-    """Follow a motion in doubles, and in pairs or many digits where doubles are in doubt; return its Trajectory."""
+    """Follow a motion in doubles, and in pairs or many digits where doubles are in doubt; return its Trajectory.
+
+    It stops after `most` events; an event less accurate than `accuracy` is in doubt. `advance` is told of the progress.
+    """
     # It is a batch of one. Given `loops` in pairs, these come before digits whatever is loaded, with the noise that
     # `simulate_many` allows. With accuracy inf decisions exceed their own rounding only, not the errors of the state.
     arithmetic, needed, t0 = Arithmetic(start.parameters), attainable(accuracy, start.start_error), float(start.t0)
@@ -207,7 +210,7 @@ def in_doubles(
             advance(_part_done(start, clock_time(state.t - t0, state.t_low, 0.0, K), count, most), count)
     rows, last = joined(events), float(start.t_end)
     if finer and not decided:
-        status, message, last = "undecidable", _open_contact(finer.open_at, finer.open_in), finer.open_at
+        status, message, last = "undecidable", _open_contact(start, finer.open_at, finer.open_in), finer.open_at
     elif code == FULL:
         last = float(rows.floats[0, -1])  # the time of the last event, by the clock
         status, message = "max_events", f"stopped after max_events = {most} events, at t = {last!r}"
@@ -218,7 +221,7 @@ def in_doubles(
 
 
 def single_loop(count: int, K: Constants) -> tuple[Callable[..., tuple[int, int, int]], Any, int]:
-    """Return an event loop for a motion with `count` events so far, its constants, and how many rows to give it."""
+    """Return an event loop for a motion that has had `count` events, constants for it, and the most rows for events."""
     if functions := loaded_loop():
         return functions["follow_all"], table_of([K]), LARGEST_BLOCK
     if count < TURN:
@@ -258,7 +261,7 @@ def in_digits(start: Start, most: int, digits: int, advance: Advance = None) -> 
     last = motion.state.t
     if undecided or missing > 0:
         motion.undo()
-        status, message = "undecidable", _open_contact(float(last), working, digits)
+        status, message = "undecidable", _open_contact(start, float(last), working, digits)
     elif settled or motion.ended:
         status, message = _ended(start, REST if settled else motion.code, motion.state)
         last = motion.arithmetic.number(start.t_end)
@@ -278,7 +281,7 @@ def check_reached(start: Start, periods: int) -> None:
 
 
 def end_status(code: int, mode: int, v: Number, p: Parameters) -> str:
-    """Return the status of a motion whose last step ended with END or REST in this mode, at this speed."""
+    """Return the status, "t_end" or "equilibrium", of a motion that ended with `code` END or REST in `mode` at `v`."""
     if code != REST:
         return "t_end"
     settles = p.B0 == 0 and p.c > 0 and (p.k > 0 or p.A(mode) == 0) if mode <= ON_BELT else v == 0
@@ -286,7 +289,7 @@ def end_status(code: int, mode: int, v: Number, p: Parameters) -> str:
 
 
 def _ended(start: Start, code: int, state: State) -> tuple[str, str]:
-    """Return status and message of a motion whose last step ended with `code` (END or REST) in `state`."""
+    """Return status and message of a motion that ended in `state`: at its end (END) or with no event left (REST)."""
     if code != REST:
         check_reached(start, state.n)
     status, message = end_status(code, state.mode, state.v, start.parameters), f"reached t_end = {show(start.t_end)}"
@@ -297,7 +300,9 @@ def _ended(start: Start, code: int, state: State) -> tuple[str, str]:
     return status, message
 
 
-def _open_contact(t: float, used: int, asked: int | None = None) -> str:
+def _open_contact(start: Start, t: float, used: int, asked: int | None = None) -> str:
     """Return the message that `used` digits do not decide the contact near `t`; `asked` were asked for."""
-    hint = f"ask for more digits, such as digits={2 * (asked or used)}"
-    return f"the contact near t = {t!r} cannot be decided with {used} digits; {hint}"
+    open_at = f"the contact near t = {t!r} cannot be decided"
+    if start.start_error:
+        return f"{open_at} with this error of the start; give a smaller one, or else ask for more than {used} digits"
+    return f"{open_at} with {used} digits; ask for more digits, such as digits={2 * (asked or used)}"

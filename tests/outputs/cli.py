@@ -153,12 +153,13 @@ WALL = symosc.OtherModel(m=1, k=1, Omega=1, FN=1, Y="5/3", joined=True)
 MODEL = as_toml(symosc.Scene("wall", WALL, t0=0, x0=1, v0=0, t_end=9))
 LIMIT = " ".join(
     f"--set {text}"
-    for text in (f"A0=-0.{40 * '9'}", "c=1", "k=0", "B0=0", "v1=1", "v2=5", "mu1=0.5", "mu2=0.5", "FN=2")
+    for text in (f"A0=-0.{700 * '9'}", "c=1", "k=0", "B0=0", "v1=1", "v2=5", "mu1=0.5", "mu2=0.5", "FN=2")
 )
 
 MOTIONS = {
     "simulate": "simulate fig5",
     "simulate with a start": "simulate fig5 --t0 1/3 --x0 -0.5 --v0 -2 --t-end 3T --set mu2=0 --set Omega=2*pi",
+    "derive without a name": "derive --output ''",
     "simulate few events": "simulate fig10 --max-events 3",
     "simulate digits": "simulate fig8 --digits 20 --t-end 8",
     "simulate json": "simulate fig6 --t-end 4 --json",
@@ -166,13 +167,14 @@ MOTIONS = {
     "simulate csv": "simulate fig6 --csv events.csv",
     "simulate csv only": "simulate fig6 --csv -",
     "simulate csv and json": "simulate fig6 --csv - --json",
-    "simulate undecidable": f"simulate fig5 --t-end 100 {LIMIT}",
+    "simulate undecidable": f"simulate fig5 --t-end 1600 {LIMIT}",
+    "simulate an uncertain start": "simulate fig5 --start-error 0.5",
     "simulate a start known roughly": "simulate fig8 --start-error 1e-3,1e-3,1e-3 --t-end 8",
     "simulate quiet": "simulate fig6 --set Omega=2*pi -q --t-end 2",
     "figure": "figure fig5 -o a.svg",
     "figure of a column": "figure fig10 -o a.pdf --panels bdg --boundary 2 --columns 1 --t-end 1T",
     "figure to stdout": "figure fig7 -o - --panels c --t-end 3",
-    "figure undecidable": f"figure fig5 -o a.svg --panels a --t-end 100 {LIMIT}",
+    "figure undecidable": f"figure fig5 -o a.svg --panels a --t-end 1600 {LIMIT}",
     "scenes": "scenes",
     "a scene": "scenes fig8-exact",
     "a scene as json": "scenes fig9-orbit --json",
