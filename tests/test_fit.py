@@ -65,7 +65,9 @@ def test_as_many_data_as_numbers_tell_no_errors() -> None:
     found = fit("fig5", [(1.221, "slip")], "mu1")
     assert found.errors == {"mu1": np.inf}
     assert "give sigma" in found.message
-    assert fit("fig5", [(1.221, "slip")], "mu1", sigma=1e-3).errors["mu1"] < 1
+    given = fit("fig5", [(1.221, "slip")], "mu1", sigma=1e-3)
+    assert given.errors["mu1"] < 1
+    assert fit("fig5", [(1.221, "slip")], "mu1", sigma=[1e-3, 9]).errors == given.errors
     refused(lambda: fit("fig5", [(1, 2, 3, 4)], "mu1"), "data")
 
 

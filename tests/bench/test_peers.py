@@ -16,9 +16,9 @@ import pytest
 from parameter_sets import DIP, EASY
 
 from symosc import Parameters, Scene, load_scene, simulate, simulate_many
+from symosc.bench import peers_heyoka, peers_scan
 from symosc.bench.event_logic import CHATTER, PeerError, problem, resolve
-from symosc.bench.peers_heyoka import count_many
-from symosc.bench.solvers import OURS, FoundEvent, Solver, all_solvers
+from symosc.bench.solvers import OURS, FoundEvent, Solver, all_solvers, multiprecision
 
 SOLVERS = {solver.name: solver for solver in all_solvers()}
 PEERS = [solver for solver in all_solvers() if solver not in OURS]
@@ -150,15 +150,22 @@ def test_the_events_of_an_easy_scene(solver: Solver, name: str) -> None:
         assert errors[0] > 1e-9 > errors[1]
 
 
+@pytest.mark.parametrize("peer", ["heyoka", pytest.param("numba", marks=COMPILED)])
 @pytest.mark.parametrize("name", ["fig5", "fig9", "fig10"])
-def test_batches_of_heyoka_count_what_we_count(name: str) -> None:
-    pytest.importorskip("heyoka")
+def test_batches_of_others_count_what_we_count(name: str, peer: str) -> None:
+    pytest.importorskip(peer)
     scene, rng = load_scene(name), np.random.default_rng(1)
     starts = np.column_stack([rng.uniform(0, 6, 21), rng.uniform(-5, 5, 21), rng.uniform(-5, 5, 21)])
     ours = simulate_many(scene.parameters, starts, starts[:, 0] + 20, record=("events",), use_numba=False).events
-    run = count_many(scene.parameters, starts, np.full(21, 20.0), 2e-13)
+    count_many, points = (peers_heyoka.count_many, []) if peer == "heyoka" else (peers_scan.count_many, [2000])
+    run = count_many(scene.parameters, starts, np.full(21, 20.0), *points, 2e-13)
     for _ in range(2):
         assert run().tolist() == ours.tolist()
+
+
+def test_simulate_with_digits_is_followed_as_far_as_asked() -> None:
+    scene = replace(load_scene("fig9"), t_end=Fraction(90))
+    assert words(multiprecision(scene, 1e-20)()) == words(simulate(scene).events)
 
 
 @COMPILED

@@ -106,7 +106,7 @@ def test_borders_explain_the_changes_of_words_in_random_planes(count: int) -> No
             b = [0.8 * value + 0.2 * rng.uniform(*limits[name]) for value, name in zip(a, names, strict=True)]
             words = [atlases.Plane(p, names, plane.range).word(point) for point in (a, b)]
             if words[0] != words[1]:
-                assert atlases.explained(plane.borders, (*a, words[0]), (*b, words[1])), (seed, a, b, words)
+                assert atlases.border_known(plane.borders, (*a, words[0]), (*b, words[1])), (seed, a, b, words)
 
 
 @pytest.mark.campaign

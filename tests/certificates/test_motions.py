@@ -327,6 +327,15 @@ def test_a_start_that_misses_by_a_little_does_not_touch(seed: int) -> None:
         assert judged(false)[0] == 1
 
 
+@pytest.mark.parametrize("error", [("1e-30", "0", "0"), ("0", "1e-30", "0"), ("0", "0", "1e-30")])
+def test_a_start_that_is_uncertain_is_not_proven_to_touch(error: tuple[str, str, str]) -> None:
+    """Some of these starts touch, others meet the belt or miss it."""
+    scene, _ = touching(0)
+    found = certify(scene, start_error=error)
+    assert not found.proven
+    assert "near miss" in found.message
+
+
 @pytest.mark.quick(4)
 @pytest.mark.parametrize("seed", range(12))
 def test_a_motion_touches_once_a_turn_after_a_stick(seed: int) -> None:

@@ -326,8 +326,8 @@ def test_behind_an_event_the_velocity_is_that_of_the_belt() -> None:
     row |= {"t": (row["t"][0] - fmpq(1, 1000), row["t"][1] + fmpq(1, 1000))}
     start = [fmpq(0), fmpq(-3), fmpq(-1)]
     with ctx.workprec(256):
-        behind = verify.begin(verify.Problem(p, {"left": 1000, "steps": 1000}), start, [fmpq(0)] * 3, []).behind(row)
-        assert behind.centre[2].contains(fmpq(1000001, 1000000))
+        then = verify.begin(verify.Problem(p, {"left": 1000, "steps": 1000}), start, [fmpq(0)] * 3, []).after_event(row)
+        assert then.centre[2].contains(fmpq(1000001, 1000000))
 
 
 def test_the_state_at_the_first_of_uncertain_times_is_enclosed() -> None:

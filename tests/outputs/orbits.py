@@ -17,6 +17,7 @@ from symosc.orbits.admissibility import conditions, grazing_distance
 from symosc.orbits.border import borders_between, passes
 from symosc.orbits.branch import piece_margins
 from symosc.orbits.closing_equations import ClosingEquations
+from symosc.orbits.find import resting_text
 from symosc.orbits.floquet import rest_positions
 from symosc.words import read_word
 
@@ -162,6 +163,7 @@ CASES: dict[str, Callable[[], object]] = {
     "margins of P4645": lambda: [c._asdict() for c in found(FIG10, "P4645").conditions()],
     "derivatives of an orbit": lambda: found(FIG10, "P4645").sensitivities(("FN", "v2", "A0")),
     "settled": lambda: [repr(find_orbit(p)) for p in (FIG9, FIG10, COULOMB, COULOMB.replace(FN="0.9"), SHRINKS)],
+    "words for where motions end": lambda: [resting_text(SHRINKS, mode) for mode in range(1, 6)],
     "approaches": lambda: [
         found(FIG9, "P32").approach("fig9"),
         found(FIG10, "P4645").approach("fig10", within="1e-3"),

@@ -60,7 +60,7 @@ def test_labels_of_drawings_are_on_the_page_and_apart(name: str) -> None:
 def test_fig3_marks_where_the_mass_sticks() -> None:
     p = load_scene("fig5").parameters
     for belt in (1, 2):
-        low, high = figures.stick_zone(p, belt)
+        low, high = figures.sticking_interval(p, belt)
         for x, sticks in ((low + 0.01, True), (high - 0.01, True), (low - 0.01, False), (high + 0.01, False)):
             motion = simulate(p, t0=0, x0=x, v0=p.belt(belt), t_end="1e-6", max_events=1)
             assert (motion.mode(0.0) == f"belt{belt}") == sticks

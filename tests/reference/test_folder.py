@@ -8,7 +8,7 @@ import json
 import tomllib
 from dataclasses import replace
 from fractions import Fraction
-from math import inf
+from math import inf, pi
 from pathlib import Path
 from typing import Any
 
@@ -20,6 +20,7 @@ from symosc import OutputError, ResultError, load_scene, simulate
 from symosc.certificates.verify_orbits import verify
 from symosc.reference import folder
 from symosc.reference.case import COMPUTED
+from symosc.reference.cases import reference_case
 from symosc.reference.folder import SET_FORMAT, checksum, exact_text, read_set, write_cases
 from symosc.reference.results import GivenEvent, read_results
 from symosc.reference.score import SCORE_TOLERANCE
@@ -105,6 +106,12 @@ def test_trajectories_are_the_motion_with_events_twice(written: Path) -> None:
             t = float(event.middle[0])
             modes = [row["mode"] for row in listed if float(row["t"]) == t]
             assert modes[:2] == [event.source, event.target] or event.source in modes
+
+
+def test_samples_of_a_long_run_show_twenty_periods() -> None:
+    case = reference_case("1e5-periods-fig10-orbit")
+    first, *_, last = folder._samples(case)
+    assert float(last[0]) - float(first[0]) == pytest.approx(20 * 2 * pi / float(case.parameters.Omega))
 
 
 def test_certificates_are_proven_by_the_checker(written: Path) -> None:

@@ -238,6 +238,11 @@ def test_answers_agree_with_the_exact_flow(mapping: str) -> None:
                 seen[verdict == YES] += 1
 
 
+def test_a_symbol_is_no_value() -> None:
+    found = values_containing(FIG9, "P2", "Omega", "pi/3")
+    refused(lambda: sp.Symbol("Omega") in found, "Omega")
+
+
 def test_each_comparison_is_decided_with_numbers() -> None:
     x = sp.Symbol("x", real=True)
     for number in (-1, 0, 1):
