@@ -5,7 +5,7 @@ from signal import SIGINT
 
 
 def run() -> None:
-    """Run the command line."""
+    """Run the program `symosc` with the arguments given on the command line."""
     try:
         from symosc.cli.app import main
 

@@ -39,19 +39,19 @@ class Kind(NamedTuple):
 
 
 def _inherits(*names: str) -> Callable[[type], bool]:
-    """Return a function that tells whether a type inherits from a class with one of these names."""
+    """Return a function that tells whether a type is, or inherits from, a class with one of the `names`."""
     return lambda kind: any(base.__name__ in names for base in kind.__mro__)
 
 
-def _is_truth(kind: type) -> bool:
-    """Return whether a type is a boolean."""
+def _is_bool(kind: type) -> bool:
+    """Return whether a type is the boolean type of Python or of numpy."""
     return kind is bool or (kind.__name__ in ("bool", "bool_") and kind.__module__ == "numpy")
 
 
 def _is_real(kind: type) -> bool:
     """Return whether values of a type are real numbers: of Python, numpy, gmpy2, mpmath or sympy."""
     if issubclass(kind, numbers.Real | Decimal):
-        return not (_is_truth(kind) or kind.__name__ == "timedelta64")
+        return not (_is_bool(kind) or kind.__name__ == "timedelta64")
     return hasattr(kind, "_mpf_") or _inherits("Expr")(kind)
 
 
@@ -71,12 +71,12 @@ def _is_file_name(kind: type) -> bool:
 
 
 def _is_short(value: Any) -> bool:
-    """Return whether a row is an array with dimensions, or a sequence of at most MOST_ENTRIES entries."""
+    """Return whether a sequence has at most MOST_ENTRIES entries; an array is short unless it has no dimensions."""
     return value.shape != () if hasattr(value, "dtype") else len(value) <= MOST_ENTRIES
 
 
 def _is_shallow(value: Any, depth: int = MOST_DEPTH) -> bool:
-    """Return whether nested lists are not deeper than `depth` and short enough to be read."""
+    """Return whether lists are nested at most `depth` deep, each with at most MOST_ENTRIES entries."""
     if not isinstance(value, list | tuple | range):
         return True
     if not depth or not _is_short(value):
@@ -98,8 +98,8 @@ def _takes_arguments(count: int | None, value: Any) -> bool:
     return True
 
 
-def _class(name: str, source: str = "") -> Kind:
-    """Return the kind that takes instances of the class with a given name."""
+def _kind_of_class(name: str, source: str = "") -> Kind:
+    """Return the kind of the instances of the class `name`; `source` tells a user how to get such an object."""
     return Kind(f"{'an' if name[0] in 'AEIO' else 'a'} {name}", _inherits(name), source=source)
 
 
@@ -108,7 +108,7 @@ CONVERTERS: dict[str, Callable[[Any], Any]] = {}
 #: What the names in annotations mean; a text is another annotation.
 KINDS: dict[str, Kind | str] = {
     "None": Kind("None", lambda kind: kind is type(None)),
-    "bool": Kind("True or False", _is_truth),
+    "bool": Kind("True or False", _is_bool),
     "int": Kind("a whole number", lambda kind: issubclass(kind, numbers.Integral) and _is_real(kind)),
     "float": Kind("a number", _is_real),
     "str": Kind("text", _is_text),
@@ -149,7 +149,7 @@ KINDS: dict[str, Kind | str] = {
     ),
 }
 KINDS |= {
-    name: _class(name, f"{source} makes one")
+    name: _kind_of_class(name, f"{source} makes one")
     for name, source in {
         "Branch": "continue_orbit(...)",
         "Certificate": "certify(...)",
@@ -170,7 +170,7 @@ KINDS |= {
 
 
 def _kinds(annotation: ast.expr | str) -> list[Kind] | None:
-    """Return the kinds allowed by an annotation, or None for anything."""
+    """Return the kinds of argument that an annotation allows, or None if it allows any value."""
     match ast.parse(annotation, mode="eval").body if isinstance(annotation, str) else annotation:
         case ast.BinOp(left, ast.BitOr(), right):
             first, second = _kinds(left), _kinds(right)
@@ -194,16 +194,16 @@ def _kinds(annotation: ast.expr | str) -> list[Kind] | None:
         case ast.Subscript(ast.Name("Sequence" | "Iterable" as name), entry):
             return [_kind_of_sequence(_kinds(entry), name == "Iterable")]
         case ast.Subscript(ast.Name("Mapping"), ast.Tuple([key, value])):
-            return [_mapping(_kinds(key), _kinds(value))]
+            return [_kind_of_mapping(_kinds(key), _kinds(value))]
         case other:
             raise TypeError(f"no kind of argument: {ast.unparse(other)}")  # a fault of the annotation
 
 
 def _kinds_of_name(name: str) -> list[Kind] | None:
-    """Return the kinds that a name in an annotation allows, or None for anything."""
+    """Return the kinds of argument that an annotation such as "float" allows, or None if it allows any value."""
     if name in ("Any", "object"):
         return None
-    kind = KINDS.get(name) or _class(name)
+    kind = KINDS.get(name) or _kind_of_class(name)
     return _kinds(kind) if isinstance(kind, str) else [kind]
 
 
@@ -219,7 +219,7 @@ def _text(kinds: list[Kind]) -> str:
 
 
 def _each(kinds: list[Kind] | None) -> str:
-    """Return how a message names the entries of a row: ", each a number" for numbers, "" if they may be anything."""
+    """Return text that says of which kinds the entries of a sequence must be, such as ", each a number"; "" for any."""
     return f", each {_text(kinds)}" if kinds else ""
 
 
@@ -234,7 +234,7 @@ def _kind_of_row(entries: list[list[Kind] | None]) -> Kind:
 
 
 def _kind_of_sequence(entry: list[Kind] | None, once: bool) -> Kind:
-    """Return the kind of a sequence of any length, given the kinds of its entries."""
+    """Return the kind of a sequence with entries of the kinds `entry`; `once` says whether an iterator will do."""
 
     def fits(value: Any) -> bool:
         return not _is_row(type(value)) or (_is_short(value) and all(_fits(entry, each) for each in value))
@@ -242,7 +242,7 @@ def _kind_of_sequence(entry: list[Kind] | None, once: bool) -> Kind:
     return Kind(f"a sequence{_each(entry)}", lambda kind: _is_row(kind) or (once and hasattr(kind, "__next__")), fits)
 
 
-def _mapping(key: list[Kind] | None, value: list[Kind] | None) -> Kind:
+def _kind_of_mapping(key: list[Kind] | None, value: list[Kind] | None) -> Kind:
     """Return the kind of a mapping, given the kinds of its keys and of its values."""
 
     def fits(given: Mapping[Any, Any]) -> bool:
@@ -274,7 +274,7 @@ class Rule:
 
 
 class Rules:
-    """The rules for a function's arguments: for each name, for ``*args`` (`more`) and for ``**kwargs`` (`others`)."""
+    """The rules for all arguments of one function: by name, for ``*args`` (`more`) and for ``**kwargs`` (`others`)."""
 
     __slots__ = ("by_name", "in_order", "more", "others", "parameters", "title")
 
@@ -312,7 +312,7 @@ class Rules:
 
 
 def public(function: Callable[Given, Result]) -> Callable[Given, Result]:
-    """Check the arguments of each call against the annotations of the function.
+    """Return a function that checks its arguments against the annotations of `function`, and then calls it.
 
     Raises
     ------

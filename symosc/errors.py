@@ -136,7 +136,7 @@ class MissingExtraError(SymoscError, ImportError):
 
 
 class SweepError(SymoscError, RuntimeError):
-    """A sweep that cannot go on: its output is another sweep's, or a worker failed. Finished chunks are kept.
+    """A sweep that cannot go on: its file belongs to another sweep, or a worker failed. Finished chunks are kept.
 
     Attributes
     ----------

@@ -47,7 +47,7 @@ def read_exact(name: str, value: object) -> Fraction:
 
 
 def _read(name: str, value: Any) -> Fraction:
-    """Convert a number of any type, or its text, to an exact Fraction of any size."""
+    """Return a number of any type, or its text, as an exact Fraction; error messages call the number `name`."""
     if isinstance(value, Fraction):
         return value
     # numpy takes its timedelta64 for an integer
@@ -74,7 +74,7 @@ def _read(name: str, value: Any) -> Fraction:
 
 
 def _read_text(name: str, text: str) -> Fraction:
-    """Return a number given as text as an exact Fraction."""
+    """Return a number written as text, such as "4/5", as an exact Fraction; error messages call it `name`."""
     if len(text) > MOST_CHARACTERS:
         raise ParameterError(name, text, f"a number may have at most {MOST_CHARACTERS} characters")
     read = NUMBER.fullmatch(text.strip())
@@ -141,7 +141,7 @@ MOST_ZEROS, LONGEST_DECIMAL = 20, 60
 
 
 def show(value: Fraction) -> str:
-    """Return a short text that reads back as `value`: a decimal where it ends, else a fraction."""
+    """Return a short text that reads back as `value`: a decimal if 60 digits suffice, else a fraction."""
     n, d = Decimal(value.numerator), Decimal(value.denominator)  # an int of more than 4300 digits cannot be printed
     context = Context(prec=LONGEST_DECIMAL, traps=[Inexact])
     try:

@@ -18,8 +18,11 @@ DRAFT_PREFIX = ".symosc-"
 
 
 def write_whole(path: str | Path, write: Callable[[Path], object], suffix: str = "") -> Path:
-    """Let `write` make a draft of a file beside `path`, then move the draft there; after an error no file remains."""
-    # ``"-"`` is standard output; the draft then has the given suffix. OutputError if the folder cannot be written to.
+    """Let `write` fill a draft file beside `path`, then move the draft there; after an error no file remains.
+
+    If `path` is "-", the draft has a name that ends with `suffix`, and is copied to standard output.
+    """
+    # OutputError if the folder cannot be written to.
     name = read_path(path)
     target = Path(name).resolve()  # a link stays one
     try:
@@ -49,7 +52,7 @@ def read_path(path: object) -> str:
 
 
 def check_folder_of(path: str | Path) -> None:
-    """Raise OutputError unless a file of this name can be created: checked before long work."""
+    """Raise OutputError unless the folder of the file `path` exists and is writable: a check before long work."""
     folder = Path(read_path(path)).resolve().parent
     if not folder.is_dir():
         raise OutputError(str(path), "No such file or directory")
@@ -58,7 +61,7 @@ def check_folder_of(path: str | Path) -> None:
 
 
 def check_new_folder(folder: Path, wanted: str = "the output is a folder") -> None:
-    """Raise OutputError unless a folder, existing or not, can be written; `wanted` says why it must be no file."""
+    """Raise OutputError unless `folder` is writable or can be made; `wanted` ends the message if it is a file."""
     above = next(each for each in (folder, *folder.absolute().parents) if os.path.exists(each))
     if not above.is_dir():
         raise OutputError(str(folder), f"{above} is a file, and {wanted}")
@@ -76,7 +79,7 @@ def make_folder(folder: Path) -> Path:
 
 
 def _to_stdout(write: Callable[[Path], object], suffix: str) -> None:
-    """Let `write` write a draft, and copy it to standard output."""
+    """Let `write` fill a draft file, whose name ends with `suffix`, and copy its content to standard output."""
     with tempfile.TemporaryDirectory() as folder:
         draft = Path(folder) / f"draft{suffix}"
         write(draft)
@@ -93,7 +96,7 @@ def _to_stdout(write: Callable[[Path], object], suffix: str) -> None:
 
 
 def drop_stdout() -> None:
-    """Send further standard output to nowhere: after a closed pipe it would fail once more at exit."""
+    """Send standard output to the null device, as flushing a closed pipe would raise one more error at exit."""
     with suppress(OSError):  # in a notebook or a test it may be something that is not a file
         os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
 
@@ -107,7 +110,7 @@ def write_folder(path: str | Path, texts: Mapping[str, str], earlier: Callable[[
     """Write a folder of text files whole or not at all; it may replace only a folder that an earlier run wrote.
 
     `texts` has the text of each file by its name. `earlier(folder)` returns the names of the files that an earlier run
-    has written into an existing folder: if it has any other file it stays as it is.
+    has written into an existing folder: a folder with any other file is left as it is.
     """
     # OutputError if it stays, and if it cannot be written.
     target = check_folder(path, earlier)
@@ -131,7 +134,7 @@ def write_folder(path: str | Path, texts: Mapping[str, str], earlier: Callable[[
 
 
 def check_folder(path: str | Path, earlier: Callable[[Path], Container[str]]) -> Path:
-    """Return the path of a folder to be written, or before long work raise the errors of `write_folder`."""
+    """Check, before long work, that `write_folder(path, ..., earlier)` may write; return the path of the folder."""
     name = read_path(path)
     if name == STDOUT:
         raise ParameterError("path", name, "must be the name of a folder")

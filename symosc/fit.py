@@ -178,11 +178,11 @@ def fit(
 def _spread(
     names: tuple[str, ...], residuals: np.ndarray, slopes: np.ndarray, steps: np.ndarray, estimated: bool
 ) -> tuple[np.ndarray, np.ndarray, str, str]:
-    """Return standard errors and covariance of the fitted numbers, and two texts on what is not determined.
+    """Return standard errors and covariance of the fitted numbers, and two texts on those that are not determined.
 
-    `slopes` is the Jacobian of `residuals`. The first text has the `names` of numbers that the data do not determine,
-    the second their undetermined combinations in units of the first values `steps`. If `estimated`, the variance is
-    that of the residuals, else 1.
+    `slopes` is the Jacobian of `residuals`. The first text lists those of the `names` that the data do not determine,
+    the second the undetermined combinations, each number in units of its entry in `steps`. If `estimated`, the variance
+    is that of the residuals, else 1.
     """
     _, sizes, rows = np.linalg.svd(slopes * steps, full_matrices=len(residuals) < len(names))
     sizes = np.append(sizes, np.zeros(len(names) - len(sizes)))
@@ -202,7 +202,11 @@ def _spread(
 def _residuals(
     moved: Sensitivities, measured: Measured, scale: np.ndarray, end: float
 ) -> tuple[np.ndarray, np.ndarray, Trajectory]:
-    """Return (motion - data) / sigma, the derivatives of this with respect to the free numbers, and the motion."""
+    """Return (motion - data) / sigma, its derivatives with respect to the free numbers, and the motion.
+
+    `moved` has the motion and its derivatives, and `scale` the sigmas. A measured event of a kind that the motion lacks
+    is compared with the time `end`.
+    """
     trajectory, count = moved.trajectory, len(moved.wrt)
     if measured.kinds is None:
         assert measured.states is not None
@@ -224,7 +228,7 @@ def _residuals(
 
 
 def _sigma(sigma: Any) -> np.ndarray:
-    """Return the two standard deviations that `sigma` states: those of times or x, and of v."""
+    """Return `sigma` as two standard deviations: of times or positions, and of velocities; None stands for 1."""
     given = sigma if isinstance(sigma, Sequence) and not isinstance(sigma, str) else [1 if sigma is None else sigma] * 2
     found = [float(read_exact("sigma", each)) for each in given]
     if len(found) != 2 or min(found) <= 0:
@@ -233,7 +237,7 @@ def _sigma(sigma: Any) -> np.ndarray:
 
 
 def _read(data: Any) -> Measured:
-    """Return measured data, given as a table or as rows, as columns; ParameterError if they have no such columns."""
+    """Return measured data, given as a table or as rows, as `Measured`; raise ParameterError if columns are missing."""
     try:
         columns = _columns(data)
     except (TypeError, ValueError, KeyError):  # of what is no table

@@ -117,7 +117,7 @@ def flow(parameters: Parameters | Mapping[str, Any], t: Any, *, t0: Any = 0.0, x
 
 
 def _values(parameters: Any, *start: Any) -> Any:
-    """Return the eleven parameters, then t0, x0 and v0, as one JAX array: the order of NAMES."""
+    """Return the eleven parameters, and the numbers t0, x0, v0 of `start`, as one JAX array of 14 numbers."""
     if isinstance(parameters, Parameters):
         parameters = by_name(parameters, float)
     if not isinstance(parameters, Mapping):
@@ -135,21 +135,21 @@ def _values(parameters: Any, *start: Any) -> Any:
 
 
 def _functions() -> tuple[Callable[..., Any], Callable[..., Any]]:
-    """Return the functions of `_made` after a check that JAX is there (MissingExtraError) and computes in doubles."""
+    """Return what `_jax_functions` returns; raise an error if JAX is missing or does not compute in doubles."""
     jax = optional("jax", "symosc.jax", "jax")
     if not jax.config.read("jax_enable_x64"):
         hint = 'must be True, since events need doubles: jax.config.update("jax_enable_x64", True)'
         raise ParameterError("jax_enable_x64", False, hint)
-    return _made()
+    return _jax_functions()
 
 
 @lru_cache(maxsize=1)
-def _made() -> tuple[Callable[..., Any], Callable[..., Any]]:
-    """Make the functions `events_(values, t_end, count)` and `flow_(values, times)` that JAX can differentiate."""
+def _jax_functions() -> tuple[Callable[..., Any], Callable[..., Any]]:
+    """Return two functions that JAX can differentiate by the array of `_values`: of events, and of [x, v] at times."""
     import jax
 
     def computed(function: Callable[..., Any], shapes: Any, *given: Any) -> Any:
-        """Call a numpy function from JAX, given the shapes and types of its results."""
+        """Call a numpy function of the arguments `given` from JAX; `shapes` are shapes and types of its results."""
         out = tuple(jax.ShapeDtypeStruct(shape, kind) for shape, kind in shapes)
         return jax.pure_callback(function, out, *given, vmap_method="broadcast_all")
 
@@ -186,7 +186,7 @@ def _made() -> tuple[Callable[..., Any], Callable[..., Any]]:
 
 
 def _events_of(values: Any, t_end: Any, count: int) -> tuple[np.ndarray, ...]:
-    """Return t, x, kind, boundary, regular, dt and dx of the first `count` events of each motion of a batch."""
+    """Return t, x, kind, boundary, regular, dt, dx of the first `count` events of motions: one per row of `values`."""
     values, lead = np.asarray(values), np.shape(values)[:-1]
     rows, ends = values.reshape(-1, len(NAMES)), np.broadcast_to(np.asarray(t_end), lead).reshape(-1)
     columns = dict(zip(NAMES, rows.T, strict=True))
@@ -206,7 +206,7 @@ def _events_of(values: Any, t_end: Any, count: int) -> tuple[np.ndarray, ...]:
 
 
 def _states_of(values: Any, times: Any) -> tuple[np.ndarray, ...]:
-    """Return [x, v] of a batch of motions at times, and the derivatives with respect to all numbers and to time."""
+    """Return [x, v] at `times` of motions, one per row of 14 `values`, and its derivatives by these and by time."""
     values, times = np.asarray(values), np.asarray(times)
     lead, n = values.shape[:-1], times.shape[-1]
     rows, instants = values.reshape(-1, len(NAMES)), np.broadcast_to(times, (*lead, n)).reshape(-1, n)

@@ -144,7 +144,7 @@ def by_name(p: Parameters, number: Callable[[Fraction], Any] = lambda value: val
 
 
 class OtherNumbers:
-    """Parameters in other numbers, such as columns of them; the formulas are those of `Parameters`."""
+    """Parameters that are not Fractions but, for example, columns; it has the formulas of `Parameters`."""
 
     A, belt, friction = Parameters.A, Parameters.belt, Parameters.friction
 
@@ -153,7 +153,7 @@ class OtherNumbers:
 
 
 def _source(text: str) -> str:
-    """Return the text of a number as Python source: as a number, or in quotes if a float would not be the same."""
+    """Return a number's text as Python source for `Parameters`: in quotes if a float would not read as that number."""
     # A float is read as the decimal that it prints as; a fraction, or a decimal with more digits, stays text.
     exact = "/" not in text and Fraction(str(float(text))) == Fraction(text)
     return text if exact else repr(text)

@@ -72,7 +72,7 @@ UNITS = {
 
 
 def _quantity(name: str) -> Quantity:
-    """Return the `Quantity` of the number `name`; Omega[3], the name of an entry of a column, gives that of Omega."""
+    """Return the `Quantity` called `name`; an index after the name, as in "Omega[3]", is ignored."""
     return QUANTITIES[name.partition("[")[0]]
 
 
@@ -82,7 +82,7 @@ def unit_of(name: str) -> str:
 
 
 def read_number(name: str, value: Any) -> tuple[Fraction, bool]:
-    """Return a number, perhaps given as text with an expression or a unit, and whether it is exact."""
+    """Return the number called `name`, whose `value` may be text such as "2*pi" or "3 kg", and whether it is exact."""
     symbolic = hasattr(type(value), "free_symbols") and not isinstance(value, numbers.Real)  # of sympy, such as 2*pi
     text = str(value) if symbolic else value
     if not isinstance(text, str) or NUMBER.fullmatch(text.strip()) or NOT_FINITE.fullmatch(text.strip()):
@@ -103,7 +103,7 @@ _OPERATORS = {ast.Add: operator.add, ast.Sub: operator.sub, ast.Mult: operator.m
 
 
 def read_expression(name: str, text: str) -> tuple[Fraction, bool]:
-    """Return the value of an expression, and whether it is exact."""
+    """Return the value of an expression such as "3*pi/2" for the number `name`, and whether it is exact."""
     from mpmath import iv, mp
 
     source = text.strip().replace("π", "pi").replace("^", "**")
@@ -196,7 +196,7 @@ def is_quantity(text: str) -> bool:
 
 
 def read_quantity(name: str, text: str) -> tuple[Fraction, bool]:
-    """Read a number with a unit; return it in the standard unit of its dimension, and whether it is exact."""
+    """Return a number with a unit, such as "3 cm", in the unit of the number `name`, and whether it is exact."""
     parts, wanted, what = _QUANTITY.fullmatch(text), unit_of(name), _quantity(name).meaning
     plain = wanted == "1"
     allowed = "a number without a unit" if plain else f"give it in {wanted}, or in a unit of the same kind"

@@ -76,8 +76,8 @@ def harmonic(size: Fraction, phase: Fraction) -> Harmonic:
 def cos_sin(angle: Fraction) -> tuple[Fraction, Fraction, bool]:
     """Return the cosine and the sine of an angle, and whether they are exact.
 
-    They are exact for 0, and for an angle that is a multiple of pi/2 up to the rounding of its 40th digit: it is taken
-    to be this multiple.
+    They are exact for 0, and for an angle that differs from a multiple of pi/2 by no more than the rounding of its 40th
+    digit: then they are those of the multiple.
     """
     turns = round(2 * angle / PI)
     if abs(angle - turns * PI / 2) <= (half_unit(angle) if turns else 0):
@@ -233,7 +233,7 @@ class OtherModel:
 
     @cached_property
     def exact(self) -> bool:
-        """Whether the parameters and the time of the reduced oscillator are exact."""
+        """Whether the numbers of `parameters`, and `delay`, are exact and not rounded."""
         return self._drive[2] and (self.g == 0 or cos_sin(self.angle)[2])
 
     @cached_property
@@ -330,7 +330,7 @@ def reduced_time(model: OtherModel, t: Fraction) -> Fraction:
 
 
 def reduced_start(model: OtherModel, t0: Fraction, x0: Fraction, v0: Fraction) -> tuple[Three, Three]:
-    """Convert a start of a model to one of symosc's oscillator; return this, and half-widths where it is not exact."""
+    """Return a model's start as t0, x0, v0 of symosc's oscillator, and by how much each may be off (0 if exact)."""
     p, zero, (cos, sin, exact) = model.parameters, Fraction(0), cos_sin(model.Omega * t0)
     s0, s_error = reduced_time(model, t0), half_unit(abs(t0) + abs(model.delay)) if model.delay else zero
     if model.shift.bound() == 0:
@@ -369,7 +369,7 @@ def number_like(value: Number) -> Callable[[Fraction], Number]:
 
 
 def _difference(a: Fraction, b: Fraction) -> tuple[Fraction, Fraction]:
-    """Return the difference of two numbers that are known to 40 digits, and a bound of its error."""
+    """Return a - b of two numbers that are known to 40 digits, and a bound of the error of this difference."""
     # It is 0 where both agree up to the rounding of these digits.
     size = abs(a) + abs(b)
     return rounded(a - b) if abs(a - b) * 10 ** (DIGITS - 20) > size else Fraction(0), half_unit(size)

@@ -185,7 +185,7 @@ def frequency_response(
 
 
 def model_of(what: Any) -> OtherModel:
-    """Return the `OtherModel` of a scene, its name, or parameters; of plain parameters one whose base is at rest."""
+    """Return `what` (a scene, its name, Parameters or OtherModel) as an OtherModel; by default its base is at rest."""
     if isinstance(what, OtherModel):
         return what
     if not isinstance(what, Parameters):
@@ -197,9 +197,9 @@ def model_of(what: Any) -> OtherModel:
 
 
 def respond(model: OtherModel, before: PeriodicOrbit | None = None) -> tuple[Record, PeriodicOrbit | None]:
-    """Return one row of a `FrequencyResponse`, the known columns by name, and an orbit for the next row if any.
+    """Return one row of a `FrequencyResponse` by the names of its columns, and an orbit to begin the next row with.
 
-    The orbit is that of this `model`, or else `before`, an orbit for nearby parameters.
+    This is the orbit of the `model`, or, if none was found, `before`: an orbit at nearby parameters, or None.
     """
     p = model.parameters
     if p.k == 0:
@@ -210,7 +210,7 @@ def respond(model: OtherModel, before: PeriodicOrbit | None = None) -> tuple[Rec
         if z == inf:
             raise _unsettled("the motion grows for ever, at resonance without a damper")
         status, start, orbit = settle(p, (mean + z.real, -float(p.Omega) * z.imag), before)
-        row = measured(model, start, orbit)
+        row = cycle_response(model, start, orbit)
     except ConvergenceError as error:
         return {"status": error.reason, "balance": balance}, before
     part = balance / row["amplitude"] - 1 if row["amplitude"] else nan if balance == 0 else inf
@@ -230,7 +230,7 @@ Settled = tuple[str, tuple[Any, Any, Any], PeriodicOrbit | None]
 
 
 def settle(p: Parameters, guess: tuple[float, float], before: PeriodicOrbit | None) -> Settled:
-    """Find the settled motion; ConvergenceError if there is none."""
+    """Return the settled motion, found from x, v of `guess` or the nearby orbit `before`; else ConvergenceError."""
     for boundary in (1, 2):
         rests = rest_positions(p, boundary)
         if rests is not None:
@@ -276,7 +276,7 @@ def _orbit_reached(p: Parameters, guess: tuple[float, float]) -> PeriodicOrbit |
 
 
 def _orbit(p: Parameters, word: str, points: list[tuple[float, float]]) -> PeriodicOrbit | None:
-    """Return the orbit of a word near some points, if there is one."""
+    """Return the orbit of one period with the word `word` near the switching points (t, x) of `points`, or None."""
     try:
         found = find_orbit(p, word, points, periods=1)
     except (ConvergenceError, ParameterError, WordError):
@@ -285,7 +285,7 @@ def _orbit(p: Parameters, word: str, points: list[tuple[float, float]]) -> Perio
 
 
 def meets_no_belt(p: Parameters) -> int | None:
-    """Return the domain in which the steady linear motion stays and meets no belt, or None; decided exactly."""
+    """Decide exactly whether the steady linear motion meets no belt; return the domain in which it stays, or None."""
     stiffness = (p.k - p.m * p.Omega**2) ** 2 + (p.c * p.Omega) ** 2
     if stiffness == 0:
         return None
@@ -304,8 +304,8 @@ def harmonic_balance(p: Parameters) -> tuple[float, complex]:
     smallest, most = (4 / pi * sum(force for force, v in belts if abs(v) <= limit) for limit in (0, inf))
     stiffness = hypot(k / Omega - m * Omega, c)
 
-    def sides(V: float) -> tuple[float, float]:
-        """Return the two parts of the drive that sustain a velocity amplitude V: in phase with x, and with x'."""
+    def drive_parts(V: float) -> tuple[float, float]:
+        """Return the parts of the drive in phase with x and with x' that sustain the velocity amplitude V."""
         friction = sum(force * sqrt(1 - (v / V) ** 2) for force, v in belts if abs(v) < V)
         return (k / Omega - m * Omega) * V, c * V + 4 / pi * friction
 
@@ -316,10 +316,10 @@ def harmonic_balance(p: Parameters) -> tuple[float, complex]:
         from scipy.optimize import brentq
 
         high = abs(B0) / stiffness if stiffness else 1.0
-        while hypot(*sides(high)) < abs(B0):
+        while hypot(*drive_parts(high)) < abs(B0):
             high *= 2
-        V = brentq(lambda V: (hypot(*sides(V)) if V else smallest) - abs(B0), 0.0, high, xtol=1e-300, rtol=1e-15)
-        elastic, loss = sides(V)
+        V = brentq(lambda V: (hypot(*drive_parts(V)) if V else smallest) - abs(B0), 0.0, high, xtol=1e-300, rtol=1e-15)
+        elastic, loss = drive_parts(V)
         z = complex(V / Omega * np.exp(-1j * atan2(loss, elastic))) * (1 if B0 > 0 else -1)
     pull = sum(2 / pi * force * asin(max(-1.0, min(v / V, 1.0)) if V else float(np.sign(v))) for force, v in belts)
     return (float(p.A0) + pull) / k, z
@@ -334,7 +334,7 @@ Part = tuple[Segment, tuple[float, float], np.ndarray, np.ndarray, np.ndarray, n
 
 @cache
 def _gauss() -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """Return the POINTS points and weights of Gauss in [-1, 1], and a matrix that makes Legendre coefficients."""
+    """Return points and weights of Gauss in [-1, 1], and the matrix from values there to Legendre coefficients."""
     points, weights = legendre.leggauss(POINTS)
     degrees = np.arange(POINTS)
     return points, weights, (degrees + 0.5)[:, None] * legendre.legvander(points, POINTS - 1).T * weights
@@ -378,8 +378,8 @@ def turning_points(values: np.ndarray) -> np.ndarray:
     return np.concatenate([[-1, 1], inside])
 
 
-def measured(model: OtherModel, start: tuple[Any, Any, Any], orbit: PeriodicOrbit | None) -> Record:
-    """Return the response of a settled motion: integrals and extremes over a cycle; ConvergenceError near a graze."""
+def cycle_response(model: OtherModel, start: tuple[Any, Any, Any], orbit: PeriodicOrbit | None) -> Record:
+    """Return the columns of a response from one cycle of the settled motion through `start` (on `orbit`, if any)."""
     p, Omega, delay, n = model.parameters, float(model.Omega), float(model.delay), orbit.periods if orbit else 1
     period, (t0, x0, v0) = 2 * pi * n / Omega, start
     motion = simulate(p, t0=t0, x0=x0, v0=v0, t_end=float(t0) + period)

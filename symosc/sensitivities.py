@@ -120,7 +120,7 @@ class Sensitivities(Comparable):
 
 
 class _Columns:
-    """The events of a motion as columns of doubles or mpmath numbers, from which all derivatives are computed."""
+    """A motion with its events as columns of doubles or mpmath numbers; its methods compute all derivatives."""
 
     def __init__(self, trajectory: Trajectory, start: Start) -> None:
         self.trajectory, p = trajectory, trajectory.parameters
@@ -144,21 +144,22 @@ class _Columns:
 
     @property
     def numbers(self) -> MapArithmetic:
-        """The motion's constants and the functions of its mappings, for doubles or for numbers of mpmath."""
+        """The constants of the motion, kernels by name and a conversion of Fractions, for doubles or for mpmath."""
         return map_arithmetic(self.trajectory.parameters, self.context)
 
     def loop(self, name: str, count: int) -> tuple[Callable[..., None], Any]:
-        """Return the function `name` of `symosc.engine.tangent`, and the motion's constants in the form it takes."""
+        """Return the function `name` of `symosc.engine.tangent` for `count` events or times, and constants for it."""
         compiled = tangent_loops(count > MANY) if self.context is None else None
         if compiled:
             return compiled[name], table_of([self.numbers.K])
         return self.numbers.of[name], [self.numbers.K]
 
     def event_derivatives(self, wrt: tuple[str, ...], count: int) -> tuple[np.ndarray, ...]:
-        """Return derivatives dt and dx of events by the first `count` names, marks of these, and three more results.
+        """Return dt, dx, marks, reasons, growth and last: derivatives of all events by the first `count` names.
 
-        A mark is 1 where the derivative exists, else says why not. The others: for each event the code of a reason
-        (`REASONS`), 0 if there is none; the logarithms of how lengths and areas grow; derivatives at the last start.
+        A mark is 1 where the derivative exists, else says why not; a reason is a code for each event, 0 if there is
+        none. Growth is the logarithms of how lengths and areas grow; last has the derivatives where the last piece
+        begins.
         """
         codes, events = codes_of(wrt), len(self.rows[0])
         kept = [np.zeros((events, count), self.kind) for _ in range(2)]
@@ -169,7 +170,7 @@ class _Columns:
         return *out, work
 
     def pieces(self) -> tuple[np.ndarray, np.ndarray]:
-        """Return the starts of all pieces of the motion between events, and the numbers of the events there."""
+        """Return rows of mode, t, theta, x, v where pieces of the motion begin, and the indices of the events there."""
         t, theta, x, v, kinds, _, targets = self.rows
         events = np.flatnonzero(kinds != GRAZE)
         rows = np.array([targets, t, theta, x, v], dtype=self.kind).T[events]
@@ -189,10 +190,11 @@ class _Columns:
     def _state_derivatives(
         self, loop: Any, times: np.ndarray, pieces: np.ndarray, starts: np.ndarray, launched: np.ndarray, codes: Any
     ) -> np.ndarray:
-        """Return the derivatives of x and v at times by the names with `codes`, from those at the starts of the pieces.
+        """Return derivatives of x and v at `times`, from those where the pieces of the motion begin.
 
-        `pieces` has for each time the number of its piece, whose start is a row of `starts`; `launched` are the
-        derivatives of t, x and v there. `loop` is the function to use, with the motion's constants.
+        They are with respect to the numbers with `codes`. `pieces` has for each time the index of its piece: of the row
+        of `starts` where that begins, and of the derivatives `launched` of t, x and v there. `loop` is the function to
+        call, and the motion's constants.
         """
         out, (function, table) = np.zeros((2, len(times), len(codes)), self.kind), loop
         work = work_space(codes, self.kind)

@@ -44,9 +44,9 @@ class WordError(SymoscError, ValueError):
 
 
 class Plane(NamedTuple):
-    """A switching plane of the paper: the boundary where it is, and on which side of the belt's speed.
+    """A switching plane of the paper, by the number of its belt (`boundary`) and its side (`superscript`).
 
-    The `superscript` is 0 for sticking on the belt, 1 for just below its speed and 2 for just above.
+    The `superscript` is 0 for sticking on the belt, 1 for velocities just below the belt's speed and 2 for just above.
     """
 
     superscript: int
@@ -110,7 +110,7 @@ class Word(NamedTuple):
     labels: tuple[str, ...]
 
     def latex(self) -> str:
-        """Return the word as the paper writes it: P_{32} = P_3 after P_2."""
+        """Return the word in LaTeX as a composition of mappings, such as P32 = P3∘P2."""
         composed = r" \circ ".join(f"P_{label[1:]}" for label in reversed(self.labels))
         return f"P_{{{str(self)[1:]}}} = {composed}" if len(self.labels) > 1 else composed
 
@@ -125,8 +125,8 @@ class Word(NamedTuple):
     def exits(self) -> tuple[str | None, ...]:
         """Return for each map that is a stick whether the next map moves "below" or "above" the belt.
 
-        The entry is None for a flight. The last map is followed by the first one, as on a periodic orbit. If that does
-        not begin at the belt of a stick before it, the stick's entry is None too.
+        The last map is followed by the first one, as on a periodic orbit. The entry is None for a flight, and for a
+        stick if the next map is no flight that begins at its belt.
         """
         found: list[str | None] = []
         for step, after in zip(self.maps, [*self.maps[1:], self.maps[0]], strict=True):
@@ -140,7 +140,7 @@ class Word(NamedTuple):
 
 
 def cycle(word: str) -> str:
-    """Return the largest rotation of a word in text order, the same for P32 and P23, which are one cycle."""
+    """Return the rotation of a word that is last in text order: P32 for P32 and for P23, which are one cycle."""
     digits = word[1:]
     return "P" + max(digits[i:] + digits[:i] for i in range(len(digits))) if digits else ""
 

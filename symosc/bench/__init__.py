@@ -42,11 +42,11 @@ def machine() -> dict[str, str]:
 
 
 def sentence(about: dict[str, str]) -> str:
-    """Return the result of `machine` as text."""
+    """Return the description of a machine, `about` as `machine` returns it, in one line of text."""
     versions = [f"{name} {value}" for name, value in about.items() if name not in ("processor", "cores", "date")]
     return f"{about['processor']}, {about['cores']} cores, {about['date']}; {', '.join(versions)}"
 
 
 def not_run(result: Record) -> list[str]:
-    """Return a sentence for each solver that could not run, and why."""
+    """Return a sentence for each solver that could not run in a benchmark with the results `result`; it says why."""
     return [f"Not run: {name}: {reason}." for name, reason in result["skipped"].items()]

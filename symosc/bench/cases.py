@@ -44,7 +44,7 @@ def run(
     limit: float = CASE_LIMIT,
     with_derivatives: bool = False,
 ) -> Record:
-    """Run solvers (None: all) on cases (None: all) and judge their events."""
+    """Run solvers (None: all) on reference cases (None: all), at most `limit` seconds each, and score their events."""
     # `limit` is in seconds of processor time. Keys: scores and ours (lists of Score; the second one with OUR_TOLERANCE,
     # of the hard cases and symosc's own solvers), violations (where those did not keep the bound), ok, limit_s, skipped
     # (solver: why it cannot run), machine.
@@ -52,7 +52,7 @@ def run(
     chosen = list(reference_cases() if cases is None else cases)
     able = [solver for solver in solvers if not solver.missing]
     steps = iter(progress(range(len(chosen) * (1 + len(able)))))
-    jobs = [(i, solved, case, with_derivatives) for i, case in enumerate(chosen)]
+    jobs = [(i, answers_of, case, with_derivatives) for i, case in enumerate(chosen)]
     known = in_parallel([jobs[first::PROCESSES] for first in range(PROCESSES)], steps)
     for outcome in known.values():
         if outcome.failure:
@@ -85,8 +85,8 @@ def run(
     }
 
 
-def solved(case: ReferenceCase, with_derivatives: bool) -> Record:
-    """Compute the events, condition numbers and derivatives of a case, as arguments of `with_known`."""
+def answers_of(case: ReferenceCase, with_derivatives: bool) -> Record:
+    """Return a dict of a case's known events, their condition numbers and, if `with_derivatives`, their derivatives."""
     derivatives = case.derivatives if with_derivatives else ({},) * len(case.events)
     return {"events": case.events, "conditions": case.conditions, "derivatives": derivatives}
 
@@ -101,7 +101,7 @@ def found_by(solver: Solver, case: ReferenceCase, limit: float) -> list[Any] | N
 
 
 def _result(outcome: Outcome, limit: float) -> CaseResult:
-    """Convert the outcome of a solver's call to its events, or to a note that says why it found none."""
+    """Return the events in a solver's outcome, or a note why there are none, such as more than `limit` seconds."""
     if outcome.failure == HANG or (not outcome.failure and outcome.value is None):
         return CaseResult(note=f"> {limit:g} s")
     if outcome.failure:
@@ -136,7 +136,7 @@ def table(result: Record) -> str:
 
 
 def hard_summary(result: Record) -> str:
-    """Return a Markdown table of the groups of hard cases: each solver's results, and the difficulty."""
+    """Return a Markdown table with a row per group of hard cases: each solver's score, and what is hard about them."""
     scores, rows = result["scores"], []
     for group, cases in score.by_group(scores[0].cases):
         if group in GROUPS:
@@ -147,12 +147,12 @@ def hard_summary(result: Record) -> str:
 
 
 def as_json(result: Record) -> Record:
-    """Return the results as plain data."""
+    """Return the result of `run` with its scores as dicts, so that it can be written as JSON."""
     return result | {key: [each.as_dict() for each in result[key]] for key in ("scores", "ours")}
 
 
 def write(path: str | Path, result: Record, command: str) -> list[Path]:
-    """Write the page of all scores and its picture; return both files."""
+    """Write a page of all scores, which names `command` as its origin, and a plot of all errors; return both paths."""
     picture, scores = Path(path).with_suffix(".svg"), result["scores"]
     more = [
         f"Made by `{command}`. Each solver of `symosc bench` at its finest tolerance, with at "

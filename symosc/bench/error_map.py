@@ -48,7 +48,7 @@ RATIO_RANGE, ZETA_RANGE = (-2, 2), (-10, 2)
 
 
 def value_at(place: float) -> Fraction:
-    """Return the number at a place on an axis of the map; the axis resolves numbers near 0, near 1, and large ones."""
+    """Return the number at a coordinate of an axis that spreads out numbers near 0, numbers near 1, and large ones."""
     # Up to NEAREST the place is log10(value/(1 - value)), from there on 2 NEAREST + log10(value - 1); 1 is at NEAREST.
     if abs(place - NEAREST) < 1e-9:
         return Fraction(1)
@@ -59,7 +59,7 @@ def value_at(place: float) -> Fraction:
 
 
 def place_of(value: float, beyond: float = 0.0) -> float:
-    """Return the place of a number on the axis; one close to 1 is given as the sum of two doubles."""
+    """Return the coordinate, as `value_at` takes it, of the number `value` + `beyond`, which may be very close to 1."""
     below = (1.0 - value) - beyond
     if below == 0.0:
         return float(NEAREST)
@@ -67,7 +67,7 @@ def place_of(value: float, beyond: float = 0.0) -> float:
 
 
 def axis(low: int, high: int, points: int) -> np.ndarray:
-    """Return places on an axis, about evenly spaced from the number 10^low to 10^high; the number 1 is one of them."""
+    """Return coordinates, as `value_at` takes them, evenly from that of 10^low to that of 10^high, with that of 1."""
     first, last = place_of(10.0**low), place_of(10.0**high)
     before = round((points - 1) * (NEAREST - first) / (last - first))
     below, above = np.linspace(first, NEAREST, before + 1), np.linspace(NEAREST, last, points - before)
@@ -80,7 +80,7 @@ def scaled_parameters(zeta: Fraction, ratio: Fraction) -> Parameters:
 
 
 def run(quick: bool = False, progress: Progress = iter, taus: Sequence[float] = TAUS) -> Record:
-    """Measure the map for some values of w0 tau and return plain data; with `quick` at fewer points."""
+    """Return errors of the flow in doubles over damping ratio and Omega/w0, for each w0 tau in `taus`: plain data."""
     # Keys: taus; zeta and ratio (places on the axes, see `value_at`); cheap and symosc: errors, a matrix per tau, zeta
     # in rows and Omega/w0 in columns, nan where the formula cannot be evaluated or the time is longer than what symosc
     # evaluates at once; formulas (matrices on the finer grid border_zeta, border_ratio): "series", "apart" (the
@@ -125,7 +125,7 @@ def error(values: Sequence[float], exact: Sequence[Number], tau: float) -> float
 
 
 def closed_form(tau: float, K: Constants) -> tuple[float, ...]:
-    """Return the flow's five basis functions of an underdamped system by the cheap formula, however inexact."""
+    """Return the flow's five basis functions at `tau` by the underdamped closed form, even where it is inaccurate."""
     angle, drive = K.omega_d * tau, K.Om * tau
     waves = (sin(angle), cos(angle), sin(drive), cos(drive))
     values: tuple[float, ...] = entire.basis_apart(exp(-K.h * tau), *waves, K.h, K.omega_d, K.w0sq, K.Om, K.p, K.q)
@@ -141,7 +141,7 @@ _naming_basis = types.FunctionType(
 
 
 def _formula(tau: float, K: Constants) -> str:
-    """Name symosc's formula for the basis functions at `tau`: "series", "apart" (the cheap one) or "careful"."""
+    """Return the name of the formula by which symosc computes the basis functions at `tau`; "" if tau is too long."""
     return "" if tau > K.chunk else str(_naming_basis(tau, 0.0, 1.0, K)[0])
 
 
@@ -183,7 +183,7 @@ def figure(result: Record) -> Figure:
                 options = {"cmap": "viridis", "shading": "nearest", "rasterized": True}
                 ax.set_facecolor("0.88")
                 mesh = ax.pcolormesh(result["ratio"], result["zeta"], logs, norm=Normalize(*COLOUR_RANGE), **options)
-                _borders(ax, result, column, shipped=key == "symosc")
+                _borders(ax, result, column, all_borders=key == "symosc")
                 largest = float(np.nanmax(errors))
                 ax.set_title(rf"$\omega_0\tau = {_number(tau)}$: up to ${_number(largest)}$", fontsize=8.0)
                 ax.tick_params(labelfontfamily="STIXGeneral", labelsize=7.0, direction="out")
@@ -199,29 +199,29 @@ def figure(result: Record) -> Figure:
         return drawing
 
 
-def _borders(ax: Axes, result: Record, column: int, shipped: bool) -> None:
-    """Draw where symosc stops using its cheap formula; if `shipped`, all borders between formulas, with names."""
+def _borders(ax: Axes, result: Record, column: int, all_borders: bool) -> None:
+    """Draw the border of the cheap formula at the time number `column`; if `all_borders`, all borders, with names."""
     from scipy.ndimage import label
 
     chosen = np.array(result["formulas"][column])
     ratios, zetas = np.array(result["border_ratio"]), np.array(result["border_zeta"])
-    for formula in ("apart", "careful") if shipped else ("apart",):  # two borders between three formulas
+    for formula in ("apart", "careful") if all_borders else ("apart",):  # two borders between three formulas
         inside = np.where(chosen == "", nan, chosen == formula)
         if np.nanmin(inside) < np.nanmax(inside):
             border = ax.contour(ratios, zetas, inside, [0.5], colors="white", linewidths=1.0)
             border.set_path_effects([*OUTLINE])
-    for formula, name in FORMULA_LABELS.items() if shipped else ():
+    for formula, name in FORMULA_LABELS.items() if all_borders else ():
         parts, count = label(chosen == formula)
         for part in range(1, count + 1):
-            _name(ax, ratios, zetas, parts == part, name)
-    _name(ax, ratios, zetas, chosen == "", "longer than one period", color="0.25", rotation=90, path_effects=None)
-    if not shipped:
+            _label(ax, ratios, zetas, parts == part, name)
+    _label(ax, ratios, zetas, chosen == "", "longer than one period", color="0.25", rotation=90, path_effects=None)
+    if not all_borders:
         over = np.broadcast_to(zetas[:, np.newaxis] > NEAREST, chosen.shape) & (chosen != "")
-        _name(ax, ratios, zetas, over, "overdamped:\nno such formula", color="0.25", path_effects=None)
+        _label(ax, ratios, zetas, over, "overdamped:\nno such formula", color="0.25", path_effects=None)
 
 
-def _name(ax: Axes, ratios: np.ndarray, zetas: np.ndarray, inside: np.ndarray, name: str, **style: Any) -> None:
-    """Write a name where a region is widest, if it is wide enough."""
+def _label(ax: Axes, ratios: np.ndarray, zetas: np.ndarray, inside: np.ndarray, name: str, **style: Any) -> None:
+    """Write `name` into a plot where the region in which `inside` is true is widest, if there is enough room."""
     from scipy.ndimage import distance_transform_edt
 
     depth = distance_transform_edt(np.pad(inside, 1))[1:-1, 1:-1]
@@ -234,7 +234,7 @@ def _name(ax: Axes, ratios: np.ndarray, zetas: np.ndarray, inside: np.ndarray, n
 
 
 def _number(value: float) -> str:
-    """Return a number for math text: 1, 6 or a power of ten."""
+    """Return a positive number as math text: a whole number from 1 to 100, else one digit times a power of ten."""
     if 0.95 <= value < 100:
         return f"{value:.0f}"
     mantissa, exponent = f"{value:.0e}".split("e")

@@ -58,7 +58,7 @@ class PeerError(SymoscError, RuntimeError):
 
 
 class Problem(NamedTuple):
-    """A parameter set as floats: coefficients of eq. (9), belt speeds, the shorter one of drive's and free period."""
+    """A parameter set as floats: coefficients of eq. (9), belt speeds, shorter of drive period and free period."""
 
     A1: float
     A2: float
@@ -112,14 +112,14 @@ def margins(q, mode, t, x, v):
 
 
 def turn(q, mode, t, x, v):
-    """Return the time derivative of a margin, up to its sign; between its zeros both margins of a mode are monotone."""
+    """Return the time derivative of a mode's margins, up to its sign; both margins turn only where it is 0."""
     if mode < 4:
         return force(q, mode, t, x, v)
     return q.swing * q.Omega * sin(q.Omega * t + q.theta) + q.stiffness * v
 
 
 def sign_of_force(q, alpha, t, x, v):
-    """Return the sign of F^(alpha) at a boundary; where F is 0, that of its first nonzero derivative (Theorem 6)."""
+    """Return the sign of F^(alpha) at a boundary or, if F = 0, the sign of its first nonzero derivative (Theorem 6)."""
     phase, swing = q.Omega * t + q.theta, q.swing
     A = q.A1 if alpha == 1 else q.A2 if alpha == 2 else q.A3
     size = abs(A) + abs(swing * cos(phase)) + abs(q.stiffness * x) + abs(q.damping * v) + abs(swing * phase)
@@ -155,7 +155,7 @@ def start_mode(q, x, v):
 
 
 def root(q, mode, side, piece, a, b, fa, fb, tolerance):
-    """Return the time between a and b at which the margin to the exit on one side changes its sign."""
+    """Find the time between `a` and `b` at which a margin of a flight or stick is 0; it is `fa` at a and `fb` at b."""
     # Chandrupatla's method (1997).
     c, fc, part = a, fa, 0.5
     for _ in range(200):
@@ -222,8 +222,8 @@ def follow(q, s, t, x, v, mode, boundary, offset, t_end):
 def runner(scene: Scene, functions: Record, settings: Any, offset: float) -> Callable[[], Iterator[FoundEvent]]:
     """Return a function that follows a scene and returns its events, or raises PeerError.
 
-    `functions` are those of this module, bound to the solver's `leave`, and `settings` are the solver's. Flights from a
-    belt start off the belt's velocity by the part `offset` of the larger belt speed.
+    `functions` are those of this module, by name, bound to the solver's function `leave`; `settings` are what it gets.
+    A flight from a belt starts with a velocity that is off the belt's by `offset` times the larger belt speed.
     """
     q, t0, x, v = problem(scene.parameters, scene.t0), float(scene.t0), float(scene.x0), float(scene.v0)
     arguments = q, settings, 0.0, x, v, *start_mode(q, x, v), offset * max(abs(q.v1), abs(q.v2))

@@ -44,7 +44,7 @@ X, V, OF_M, OF_C, OF_K, OF_A, OF_B, OF_OMEGA, OF_PHASE = COLUMNS = range(9)
 
 
 def found_changes(event: FoundEvent, dt: Sequence[float], dx: Sequence[float]) -> FoundEvent:
-    """Return an event with its derivatives with respect to parameters and start values, without those that are NaN."""
+    """Return an event with the derivatives `dt` of its time and `dx` of its position stored by name, without NaN."""
     rows = (("dt", dt), ("dx", dx))
     changes = {f"{of}_{name}": float(d) for of, row in rows for name, d in zip(NAMES, row, strict=True) if d == d}
     return event._replace(changes=changes)
@@ -113,7 +113,7 @@ def through_events(scene: Scene, events: Iterable[FoundEvent], jacobian: Jacobia
 def by_flights(
     follow: Prepare, jacobian_of: Callable[[float], Jacobian], scene: Scene, tolerance: float
 ) -> Callable[[], list[FoundEvent]]:
-    """Return a function that finds the events by one tool and differentiates the flights between them by another."""
+    """Return a function that finds events by `follow` and differentiates them by the Jacobians of their flights."""
     run, jacobian = follow(scene, tolerance), jacobian_of(tolerance)
     return lambda: list(through_events(scene, run(), jacobian))
 
@@ -143,7 +143,7 @@ def heyoka_jacobian(tolerance: float) -> Jacobian:
 
 @lru_cache(maxsize=1)
 def cvodes_jacobian(tolerance: float) -> Jacobian:
-    """Return a function that differentiates a flight's end by CVODES (called by casadi), with the time scaled to 1."""
+    """Return a function that differentiates a flight's end by CVODES (from casadi), over a time scaled to [0, 1]."""
     import casadi as ca
 
     y, p, s = ca.SX.sym("y", 2), ca.SX.sym("p", 8), ca.SX.sym("s")
@@ -212,7 +212,7 @@ def dop853_jacobian(tolerance: float) -> Jacobian:
 
 
 def differences(scene: Scene, tolerance: float) -> Callable[[], list[FoundEvent]]:
-    """Prepare central differences of events found by scipy's DOP853; forward ones for a number at its minimum."""
+    """Prepare differences of events found by scipy's DOP853: central, or forward if a parameter cannot be decreased."""
     follow = partial(peers_scipy.prepare, "DOP853")
 
     def moved(name: str, by: float) -> list[FoundEvent] | None:
@@ -246,7 +246,7 @@ def differences(scene: Scene, tolerance: float) -> Callable[[], list[FoundEvent]
 
 @lru_cache(maxsize=1)
 def diffrax_pieces(tolerance: float) -> tuple[Callable[..., Any], Callable[..., Any]]:
-    """Return a function that follows a flight or stick to an event, and its derivatives through the event by JAX."""
+    """Return two functions: one follows a flight or stick to its event, the other differentiates that event by JAX."""
     # The arguments are the parameters; t, x, v and the phase at the start; the duration, the signs of the friction,
     # whether it flies, and the event function: of v, of the force, and of both belt speeds.
     import diffrax
@@ -283,7 +283,7 @@ def diffrax_pieces(tolerance: float) -> tuple[Callable[..., Any], Callable[..., 
 
 
 def _settings(p: Parameters, mode: int, side: int) -> tuple[float, ...]:
-    """Return the last seven arguments of the function from `diffrax_pieces`, which set up a flight or stick."""
+    """Return the last seven arguments of the `diffrax_pieces`, which define the motion in `mode` and exit on `side`."""
     if mode > 3:
         return *friction_signs(mode - 3 if side < 0 else mode - 2), 0.0, 0.0, -float(side), 0.0, 0.0
     boundary = mode if side > 0 else mode - 1
@@ -291,7 +291,7 @@ def _settings(p: Parameters, mode: int, side: int) -> tuple[float, ...]:
 
 
 def differentiated_by_diffrax(scene: Scene, tolerance: float) -> Callable[[], list[FoundEvent]]:
-    """Prepare diffrax: it finds the events, and JAX differentiates each piece through them."""
+    """Prepare diffrax, which finds the events; JAX differentiates each flight or stick, with the event at its end."""
     p, (piece, slopes), t0 = scene.parameters, diffrax_pieces(tolerance), float(scene.t0)
     numbers, q = np.array([*by_name(p, float).values()]), problem(p, scene.t0)
     longest, offset = q.period / STEPS_PER_PERIOD, ONE_STEP_OFFSET * max(abs(q.v1), abs(q.v2))
@@ -382,7 +382,7 @@ def table(scores: Sequence[Score]) -> str:
 
 
 def write(path: str | Path, result: Record, command: str) -> list[Path]:
-    """Write the page of all scores."""
+    """Write a page of the scores of derivatives, which names `command` as its origin; return its path in a list."""
     notes = "; ".join(f"{solver.name}: {solver.note}" for solver in solvers() if solver.note)
     more = [
         f"Made by `{command}`. Each way differentiates all events by all eleven parameters and by t0, x0, v0, with at "

@@ -39,7 +39,7 @@ def tables(q: Problem) -> tuple[dict[Any, Any], ...]:
 
 
 def equations(q: Problem) -> tuple[list[Any], tuple[Any, Any]]:
-    """Return the differential equations and the two event functions."""
+    """Return heyoka's equations of motion and two event functions, whose zeros end a flight or stick."""
     import heyoka as hy
 
     x, v, C, S = hy.make_vars("x", "v", "C", "S")
@@ -63,7 +63,7 @@ def prepare(scene: Scene, tolerance: float) -> Callable[[], Iterator[FoundEvent]
     p_now: Any
 
     def callback(event: int) -> Callable[[Any, int], bool]:
-        """Return the callback of event 1 or 2: in a flight contact with belt 1 or 2, in a stick a slip down or up."""
+        """Return the callback of event 1 or 2: in a flight, contact with belt 1 or 2; in a stick, a slip down or up."""
         belt = belts[event]
         drag, A_below, A_above = damping * belt, A[event], A[event + 1]
         v_below, v_above, stick = starts[event, event], starts[event, event + 1], pars[3 + event]
@@ -125,7 +125,7 @@ def count_many(p: Parameters, starts: np.ndarray, durations: np.ndarray, toleran
     stiffness, now, counts = q.stiffness, [0] * width, [0] * width
 
     def callback(event: int) -> Callable[[Any, int, int], bool]:
-        """Return the callback of an event, as in `prepare`, with the number of the motion in the batch."""
+        """Return the callback of an event, as in `prepare`; it also takes the number of the motion in the batch."""
         belt = belts[event]
         drag, A_below, A_above = q.damping * belt, A[event], A[event + 1]
         v_below, v_above, stick = v_starts[event, event], v_starts[event, event + 1], pars[3 + event]

@@ -72,7 +72,7 @@ class SolverStep(NamedTuple):
 
 
 def settings(q: Problem, tolerance: float) -> Settings:
-    """Return the settings for a tolerance."""
+    """Return DOP853's settings for a relative tolerance, with steps in proportion to the period of `q`."""
     stages, terms = np.zeros((2, ALL_STAGES)), np.zeros((2, DENSE_TERMS))
     # The first step of each flight and stick, as a part of the period.
     return Settings(tolerance, ATOL * tolerance, q.period / STEPS_PER_PERIOD, q.period / 20, stages, terms)
@@ -136,7 +136,7 @@ def state_in(step, tau):
 
 
 def margin(q, mode, side, step, tau):
-    """Return a margin (side < 0: lower, > 0: upper), or for side 0 its rate, tau after a step began; see `margins`."""
+    """Return the lower margin (side < 0), upper margin (> 0) or `turn` (0) at the time tau after a step began."""
     x, v = state_in(step, tau)
     t = step.t + tau
     if side == 0:
@@ -213,7 +213,7 @@ def leave(q, s, mode, t, x, v, t_end):
 
 @lru_cache(maxsize=1)
 def compiled() -> Record:
-    """Return the functions compiled by numba."""
+    """Return the functions of this module and of `event_logic` by name, compiled together by numba."""
     return compile_modules((event_logic, sys.modules[__name__]))
 
 

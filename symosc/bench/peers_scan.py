@@ -54,7 +54,7 @@ class ScanPiece(NamedTuple):
 
 
 def scan_of(q: Problem, points: int, tolerance: float) -> Scan:
-    """Return the constants of the closed form; PeerError where it divides by zero."""
+    """Return a scan with `points` samples per period; raise PeerError where its closed form divides by zero."""
     Omega, k = q.Omega, q.stiffness
     try:
         square = (k - Omega**2) ** 2 + (q.damping * Omega) ** 2
@@ -142,7 +142,7 @@ def leave(q, s, mode, t, x, v, t_end):
 
 @lru_cache(maxsize=1)
 def compiled() -> Record:
-    """Return the functions compiled by numba."""
+    """Return the functions of this module and of `event_logic` by name, compiled together by numba."""
     return compile_modules((event_logic, sys.modules[__name__]))
 
 
@@ -154,7 +154,7 @@ def prepare(points: int, scene: Scene, tolerance: float) -> Callable[[], Iterato
 def count_many(
     p: Parameters, starts: np.ndarray, durations: np.ndarray, points: int, tolerance: float
 ) -> Callable[[], np.ndarray]:
-    """Return a function that counts the events of motions from (t, x, v), all of them compiled."""
+    """Return a function that counts the events of motions from (t, x, v) by the scan, in one loop compiled by numba."""
     import numba
 
     q, follow = problem(p), compiled()["follow"]

@@ -43,7 +43,7 @@ Integrate = Callable[[Problem, int, float, float, float], Left]
 
 
 def _functions(q: Problem, mode: int) -> tuple[Callable[..., Any], list[Callable[..., float]], Any]:
-    """Return the right-hand side of a mode, the margins to its exits followed by their rate, and the Jacobian."""
+    """Return a mode's right-hand side, its event functions (a margin for each exit, and `turn`), and its Jacobian."""
 
     def rate(t: float, y: State) -> tuple[float, float]:
         return y[1], force(q, mode, t, y[0], y[1]) if mode < 4 else 0.0
@@ -126,7 +126,7 @@ def leave_by(integrate: Integrate) -> Callable[..., tuple[int, float, float]]:
 
 
 def prepare(method: str, scene: Scene, tolerance: float) -> Callable[[], Iterator[FoundEvent]]:
-    """Return a function that follows a scene by an integrator with ``rtol = tolerance`` and returns its events."""
+    """Return a function that follows a scene by the integrator `method` with this rtol, and returns its events."""
     longest = problem(scene.parameters).period / STEPS_PER_PERIOD
     options = {"method": method, "rtol": tolerance, "atol": ATOL * tolerance, "max_step": longest}
     leave = leave_by(partial(integrate_by_cvode if method in CVODE_METHODS else integrate_by_scipy, options))

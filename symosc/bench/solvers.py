@@ -46,7 +46,7 @@ REFERENCE_DIGITS = 40
 
 
 class FoundEvent(NamedTuple):
-    """A switching event as a solver reports it, in the words of `symosc.Event`; dt_mu1, ... are in `changes`."""
+    """A switching event that a solver found, named as in `symosc.Event`; `changes` has derivatives such as dt_mu1."""
 
     t: float
     x: float
@@ -175,7 +175,7 @@ def _one_process() -> ProcessPool:
 
 @contextmanager
 def processor_limit(seconds: float) -> Iterator[None]:
-    """Raise TimeoutError if the `with` block takes more processor time; a compiled function is not interrupted."""
+    """Raise TimeoutError once a `with` block exceeds `seconds` of processor time; it cannot interrupt compiled code."""
     # In the main thread only, and where the system has such a timer.
     if not hasattr(signal, "setitimer"):
         yield
@@ -222,7 +222,10 @@ def _drop_output() -> None:
 def in_parallel(
     chunks: Sequence[Sequence[tuple[Any, ...]]], steps: Iterator[Any], limit: float = FIRST_LIMIT
 ) -> dict[Any, Outcome]:
-    """Run each chunk of jobs (key, function, arguments ...) in its own worker; return the outcomes by key."""
+    """Run each chunk of jobs (key, function, arguments ...) in its own worker; return the outcomes by key.
+
+    A job may take `limit` seconds. Before each job an item of `steps` is taken, to show the progress.
+    """
     # The first job of a chunk is done once more before it in each new process, where it may take FIRST_LIMIT.
     stop, turn, done = Flag(), Lock(), dict[Any, Outcome]()
 

@@ -77,7 +77,7 @@ class Group(NamedTuple):
 
 
 def closed_form(count, h, w, Om, P, Q, R, S):
-    """Evaluate the closed form of x and x' (underdamped) `count` times: a lower bound on the time of an event."""
+    """Evaluate the underdamped x and x' `count` times, to be timed, and return a sum; h to S are constants of both."""
     total = 0.0
     for i in range(count):
         tau = 1e-3 * (i % 3000)
@@ -115,7 +115,7 @@ def _seconds(action: Callable[[], object], clock: Callable[[], float]) -> float:
 
 
 def groups(quick: bool = False) -> Iterator[Group]:
-    """Yield the groups of calls, ready to be measured; `quick`: smaller tasks, and not all code is compiled before."""
+    """Yield the groups of calls to measure; `quick`: with smaller tasks, and without compiling everything before."""
     if not quick:
         warm()
     yield Group("One long motion, events counted", _long_motions(100_000 if quick else 200_000))
@@ -299,7 +299,7 @@ def _sweep(motions: int, folder: str) -> Iterator[Call]:
 
 
 def _processes(quick: bool, cache: str) -> Iterator[Call]:
-    """Yield commands in new processes; unless `quick` also one that has to compile everything, for a minute."""
+    """Yield calls of commands in new processes; unless `quick`, one must compile all code, into the folder `cache`."""
     many = "import symosc; symosc.simulate_many(symosc.load_scene('fig9').parameters, (0, 0, 0), 30, use_numba=True)"
     commands: list[tuple[str, tuple[str, ...], dict[str, str]]] = [
         ("import numpy", ("-c", "import numpy"), {}),
@@ -316,7 +316,7 @@ def _processes(quick: bool, cache: str) -> Iterator[Call]:
 
 
 def run(quick: bool = False, progress: Progress = iter) -> Record:
-    """Measure everything; with `quick` fewer repeats and smaller tasks."""
+    """Return times of all `groups` and errors of `simulate` as plain data; `quick`: fewer repeats, smaller tasks."""
     # Keys: machine; floor_ns, one evaluation of the closed form; c_ns, the time of a counted event of fig5; errors
     # (`measure_errors`); groups, each with a title and rows: what, per (the unit), s (seconds per unit), over_c, and
     # over_first (as a multiple of the group's first row).
@@ -363,7 +363,7 @@ def _events_of(result: Any) -> int:
 
 
 def measure_errors() -> list[Record]:
-    """Compare `simulate` with 40 digits: scene, events, largest error, and largest estimated error."""
+    """Return, for four scenes, the largest error of `simulate` against 40 digits, and its largest error estimate."""
     # Errors are of times and positions, relative to max(1, |value|).
 
     def relative(error: Number, value: Number) -> float:

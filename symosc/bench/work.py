@@ -73,7 +73,10 @@ def prepare(solver: Solver, scene: Scene, tolerance: float) -> None:
 def measure(
     solver: Solver, scene: Scene, tolerance: float, until: float, limit: float, budget: float
 ) -> tuple[list[float], list[float], list[FoundEvent]]:
-    """Prepare a solver and call it once, then again until `budget` seconds are spent; return events before `until`."""
+    """Measure a solver on a scene; return its times, times of one closed-form evaluation, and events up to `until`.
+
+    The solver is called again until `budget` seconds are spent, unless one call takes a large part of `limit`.
+    """
     # First the seconds of the preparation and of all calls, then those of one closed-form evaluation right after each
     # repeated call: some machines change their pace by the second. Only what the call itself does is timed: the
     # events are read afterwards, and an iterator makes objects of them only then.
@@ -98,7 +101,7 @@ def run(
     solvers: Sequence[Solver] | None = None,
     scenes: dict[str, tuple[int, int, int]] | None = None,
 ) -> Record:
-    """Measure time and error of solvers; return plain data. With `quick`: two scenes, each peer's finest tolerance."""
+    """Return times and errors of solvers on scenes (see SCENE_SPANS) as plain data; `quick`: fewer scenes and runs."""
     # `solvers` and `scenes` replace all; the numbers of a scene are the events of the short span, those to compare in
     # the long span, and the events of the long span, as in SCENE_SPANS. Keys: machine; floor_ns, one closed-form
     # evaluation; limit_s; skipped, solver: why it cannot run; notes, solver: its precautions; rows, one per
@@ -226,7 +229,7 @@ def compare(found: Iterable[FoundEvent], scene: Scene, exact: Sequence[Event]) -
 
 
 def table(result: Record, markdown: bool = False) -> str:
-    """Return the result of `run` as text, one table per scene: first each solver's time as a multiple of symosc's."""
+    """Return the result of `run` as text: a table per scene, with each solver's times, largest error and failures."""
     heads = ["solver", "tolerance", "time / ours", "us per event", "error"]
     heads += ["events", "missed", "invented", "what went wrong"]
     parts = []
@@ -247,7 +250,7 @@ def table(result: Record, markdown: bool = False) -> str:
 
 
 def _cells(row: Record, limit: float) -> list[str]:
-    """Return the cells of a table's row, as text, for a row of the results."""
+    """Format a row of the results as cells of a table; `limit` is the number of seconds to name where a solver hung."""
     times = ["" if row[name] is None else rounded(row[name], 3) for name in ("over_ours", "us_per_event")]
     error = "" if row["error"] is None else f"{row['error']:.1e}"
     counts = ["" if row[name] is None else str(row[name]) for name in ("compared", "missed", "invented")]

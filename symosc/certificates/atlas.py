@@ -55,7 +55,7 @@ Place = tuple[float, float, str]
 
 
 class ProvenBox(NamedTuple):
-    """A box of both parameters in which a word is proven.
+    """A box of two parameters in which a word is proven.
 
     Attributes
     ----------
@@ -64,8 +64,8 @@ class ProvenBox(NamedTuple):
     range : tuple of two pairs of Fractions
         The lower and the upper value of each parameter.
     points : tuple of (phase, x)
-        Approximate switching points of the orbit that the box has at its middle, in order of time. A flight begins at
-        the first of them.
+        Approximate switching points of the orbit at the middle of the box, in order of time. A flight begins at the
+        first of them. Empty for "rest".
     """
 
     word: str
@@ -81,7 +81,7 @@ class Region(NamedTuple):
     word : str
         "rest" where the mass may rest on a belt for ever, "" where no word was found.
     share : float
-        The region's part of the whole area: what is proven, and a part of the rest, estimated from the grid.
+        The region's part of the whole area: `proven`, and its part of what is not proven, estimated from the grid.
     proven : float
         The part of the whole area in which the word is proven.
     """
@@ -92,7 +92,7 @@ class Region(NamedTuple):
 
 
 class Task(NamedTuple):
-    """A rectangle of the plane of two parameters in which a word is still to be proven, with hints for the proof."""
+    """A rectangle of the plane of two parameters in which a word is still to be proven, and orbits that it may have."""
 
     box: Rectangle
     near: tuple[Candidate, ...] = ()  # orbits that it may have, that of the nearest rectangle first
@@ -113,7 +113,7 @@ def middle_of(box: Rectangle) -> tuple[float, float]:
 
 
 def divided(box: Rectangle, along: int, at: Fraction | None = None) -> list[Rectangle]:
-    """Return both parts of a rectangle cut across side `along`, in its middle or at the value `at`."""
+    """Cut side `along` (0 or 1) of a box at `at` or its middle; return both parts, or [box] if `at` is not inside."""
     (low, high), other = box[along], box[1 - along]
     middle = (low + high) / 2 if at is None else at
     if not low < middle < high:
@@ -122,12 +122,12 @@ def divided(box: Rectangle, along: int, at: Fraction | None = None) -> list[Rect
 
 
 def canonical(labels: Sequence[str]) -> str:
-    """Return the text of a word, rotated so that words which differ only in their first label give the same text."""
+    """Return the text of a word, rotated so that all rotations of its `labels` give the same text."""
     return cycle(str(Word(tuple(labels))))
 
 
 def flight_first(word: str) -> tuple[str, ...]:
-    """Return the labels of a word, which has a flight, in order of time and rotated so that a flight is first."""
+    """Return the labels of `word` in order of time, rotated so that the first is a flight; there must be one."""
     labels = read_word(word).labels
     first = next(i for i, label in enumerate(labels) if label not in ("P1", "P4"))
     return labels[first:] + labels[:first]
@@ -179,7 +179,7 @@ class Plane(NamedTuple):
             return ""
 
     def grid(self, pool: Executor | None) -> tuple[Place, ...]:
-        """Return places on a grid and on the edges, each with the word of its settled motion ("" if not found)."""
+        """Return places (value, value, settled word or "") on a grid and the edges; `pool` does the computations."""
         parts = [Fraction(0), *(Fraction(2 * i + 1, 2 * GRID) for i in range(GRID)), Fraction(1)]
         axes = [[low + (high - low) * part for part in parts] for low, high in self.range]
         points = [(x, y) for x in axes[0] for y in axes[1]]
@@ -201,12 +201,12 @@ class Plane(NamedTuple):
     # -- borders -------------------------------------------------------------------------------------------------------
 
     def borders(self, pairs: Sequence[tuple[Place, Place]], known: Sequence[Border] = ()) -> list[Border]:
-        """Return the `known` borders between regions with different words, and all new ones that are found."""
+        """Search for borders between the places of `pairs` whose words differ; return them and the `known` borders."""
         found, failed, looked, waiting = list(known), Counter[frozenset[str]](), len(known), deque(pairs)
         while waiting:
             a, b = waiting.popleft()
             words = frozenset((a[2], b[2]))
-            if len(words) < 2 or failed[words] >= MOST_FAILED or explained(found, a, b):
+            if len(words) < 2 or failed[words] >= MOST_FAILED or border_known(found, a, b):
                 continue
             ends, limits = [self.at(place[:2]) for place in (a, b)], dict(zip(self.names, self.range, strict=True))
             try:
@@ -215,13 +215,13 @@ class Plane(NamedTuple):
                         found += [each for each in border.network(step=BORDER_STEP) if not _is_among(each, found)]
             except (BorderError, ConvergenceError):
                 pass
-            failed[words] += not explained(found, a, b)
+            failed[words] += not border_known(found, a, b)
             waiting += [pair for border in found[looked:] for pair in self.beyond(border)]
             looked = len(found)
         return found
 
     def beyond(self, border: Border) -> Iterator[tuple[Place, Place]]:
-        """Yield for each side of a border two places, one beside it and one at the plane's edge, to search between."""
+        """Yield for each side of a border a place beside it and one at the edge: `borders` searches between them."""
         middle, way = self.across(border.points)
         for step in (way, -way):
             sides = zip(np.array(self.range, dtype=float), middle, step, strict=True)
@@ -240,7 +240,7 @@ class Plane(NamedTuple):
     # -- boxes ---------------------------------------------------------------------------------------------------------
 
     def orbit_near(self, box: Rectangle) -> Candidate | None:
-        """Return the labels and the unknowns (`Flights`) of the orbit that attracts at a box's middle, or None."""
+        """Return labels and unknowns (`Flights`) of the attracting orbit at a box's middle; None if none is usable."""
         middle = self.at([(low + high) / 2 for low, high in box])
         try:
             orbit = find_orbit(middle)
@@ -254,9 +254,9 @@ class Plane(NamedTuple):
         return wanted, tuple(_flights(wanted, self.p, self.names).unknowns(Omega, points))
 
     def attempt(self, task: Task) -> tuple[str, ProvenBox | None, list[Task]]:
-        """Try to prove one word in a task's rectangle; return the word, the proven box or None, and parts still to try.
+        """Try to prove one word in a task's rectangle; return the word, the box if proven, and the parts left to try.
 
-        The orbits in `task.near` and that of the middle are tried. The word is "" if none of them exists at the middle.
+        The orbits in `task.near` are tried first, then one found at the middle. The word is "" if the middle has none.
         """
         from symosc.certificates.plane import NotInBox, Surface, box_arithmetic
 
@@ -300,13 +300,13 @@ def _flights(labels: tuple[str, ...], p: Parameters, names: tuple[str, str]) -> 
 
 
 def _longer_side(box: Rectangle) -> int:
-    """Return which side of a box is longer (0 or 1), each measured relative to the size of its parameter."""
+    """Return which side of a box (0 or 1) is longer, relative to the largest absolute value of its parameter there."""
     sizes = [(high - low) / max(abs(high), abs(low)) for low, high in box]
     return int(sizes[1] > sizes[0])
 
 
-def explained(found: Sequence[Border], a: Place, b: Place) -> bool:
-    """Return whether the words of `a` and `b` both occur at those of the `found` borders that pass between them."""
+def border_known(found: Sequence[Border], a: Place, b: Place) -> bool:
+    """Return whether the border between places `a` and `b` is known: the `found` ones there have both words."""
     words = {word or "" for each in found if crosses(each.points, a[:2], b[:2]) for word in each.words}
     return {a[2], b[2]} <= words
 
@@ -367,7 +367,7 @@ class Cover:
     def run(self, share: Fraction, until: float, pool: Executor | None, report: Any) -> None:
         """Try to prove the rectangles of the queue until the proven share of the plane is `share`, or the time is up.
 
-        `until` is a time of the monotonic clock. The workers of `pool` do the proofs, and `report` is told the share.
+        `until` is a time of the monotonic clock. The workers of `pool` do the proofs; `report` gets (proven, `share`).
         """
         work = self.plane.attempt
         while self.heap and self.area < share and monotonic() < until:
@@ -402,7 +402,7 @@ class Cover:
 
 @dataclass(frozen=True, repr=False)
 class Atlas(Drawable):
-    """The plane of two parameters: which word the settled motion has where, and where that is proven.
+    """The plane of two parameters: the words of the settled motions, and boxes in which a word is proven.
 
     With c > 0 and k > 0 a point of the plane has one word, as an orbit with a flight attracts all motions.
 
@@ -419,7 +419,7 @@ class Atlas(Drawable):
     grid : tuple of (value, value, word)
         The settled motions that were looked at; no proof.
     borders : tuple of Border
-        Continued from where the word changes on the grid, and from their points of codimension two.
+        They were continued from where the word changes on the grid, and from points of codimension two.
 
     Examples
     --------
@@ -521,7 +521,7 @@ class Atlas(Drawable):
         return np.flatnonzero((low_x <= x) & (x <= high_x) & (low_y <= y) & (y <= high_y))
 
     def statement(self) -> Record:
-        """Return the contents of the file: the proven boxes, and what was found without proof (grid, borders)."""
+        """Return what `to_json` writes: the plane, the boxes, and what was found without proof (grid, borders)."""
 
         def pairs(box: Rectangle) -> list[list[str]]:
             return [[show(low), show(high)] for low, high in box]
@@ -566,9 +566,9 @@ def atlas(
     """Draw up the plane of two parameters: the words of the settled motions, their borders, and boxes with proofs.
 
     The words are first looked for on a grid. Where two neighbours differ, the border between their words is continued.
-    Other borders begin at its points of codimension two, and are continued in turn (`symosc.continue_border`). A box is
-    proven if an orbit of its word exists, and is admissible, for all parameters in the box: then all motions settle on
-    that orbit (extra ``certify``).
+    Other borders begin at that border's points of codimension two, and are continued in turn
+    (`symosc.continue_border`). A box is proven if an orbit of its word exists, and is admissible, for all parameters in
+    the box: then all motions settle on that orbit (extra ``certify``).
 
     Parameters
     ----------

@@ -44,7 +44,7 @@ class Undecided(Exception):
 
 
 def made_by(bits: int) -> dict[str, Any]:
-    """Return the entry of a file that names the program, its versions, and the working precision in bits."""
+    """Return {"made_by": text}, the entry of a file that names symosc, the version of python-flint, and the `bits`."""
     return {"made_by": f"symosc, python-flint {FLINT_VERSION}, {bits} bits"}
 
 
@@ -64,7 +64,7 @@ def sure_sign(value: Ball) -> int:
 
 
 def decided_sign(value: Ball, what: str, near: Ball | None = None) -> int:
-    """Return the sign of all numbers in a ball; raise Undecided, with `what` and the time `near`, if they differ."""
+    """Return the sign that all numbers in a ball have; else raise Undecided with the text `what` and time `near`."""
     sign = sure_sign(value)
     if sign == 0:
         raise Undecided(what, near)
@@ -132,7 +132,7 @@ class StateSet:
         return [c + _dot(row, self.box) for c, row in zip(self.centre, self.matrix, strict=True)]
 
     def image(self, value: Sequence[Ball], jacobian: Matrix) -> StateSet:
-        """Return a set that contains the image under a map, given its `value` at the centre and its `jacobian`."""
+        """Return a set that contains the image under a map, by its `value` at the centre and `jacobian` over all."""
         carried, slopes = (
             [[_dot(row, column) for column in zip(*each, strict=True)] for row in jacobian]
             for each in (self.matrix, self.slopes)
@@ -153,7 +153,7 @@ def _dot(row: Sequence[Ball], column: Sequence[Ball]) -> Ball:
 
 
 def _direction(carried: Matrix, box: Sequence[Ball]) -> tuple[Ball, Ball]:
-    """Return the direction, as exact balls, of the longest side of the image of `box` under the matrix `carried`."""
+    """Return a vector of two exact balls along the longest side of the parallelogram `carried` y, y in `box`."""
     sides = [(a.mid() * y.rad(), b.mid() * y.rad()) for a, b, y in zip(*carried, box, strict=True)]
     a, b = max(sides, key=lambda side: (abs(side[0]) + abs(side[1])).mid())
     length = (abs(a) + abs(b)).mid()

@@ -99,7 +99,7 @@ class Family:
         raise Undecided("one root for every value of the parameter")
 
     def _coefficients(self, value: Ball, curve: list[arb_mat], order: int) -> list[arb_mat]:
-        """Return the first `order` Taylor coefficients of the closing equations' residuals, about a parameter value."""
+        """Return the first `order` Taylor coefficients of the residuals along a `curve` of unknowns, about `value`."""
         ctx.cap, wide = max(ctx.cap, order), self.wide
         series = Oscillator(wide.oscillator.p, {self.prover.name: arb_series([value, 1], prec=order)})
         values = [arb_series(list(each), prec=order) for each in zip(*(row.entries() for row in curve), strict=True)]
@@ -107,11 +107,11 @@ class Family:
         return [column([each[j] for each in found]) for j in range(order)]
 
     def near(self, value: Fraction) -> Values:
-        """Return the approximate root at a parameter value, even outside the interval, by the polynomial `curve`."""
+        """Return the approximate root at a parameter value, even outside the interval, by the family's polynomial."""
         return list(_horner(self.curve, ball(value) - self.middle).entries())
 
     def holds(self, value: Fraction, points: Values) -> bool:
-        """Return whether `points`, unknowns at a parameter value, lie in the box with just one root about the curve."""
+        """Return whether `points` are in the box, about the approximate root at `value`, that has exactly one root."""
         return all((c + r).contains(each) for c, r, each in zip(self.near(value), self.tube, points, strict=True))
 
     def root(self, value: Fraction) -> tuple[ClosingBalls, Values]:
@@ -155,7 +155,7 @@ def violated(closing: ClosingBalls, values: Values) -> tuple[str, Ball, str] | N
 
 
 def _below(margin: Margin, span: Ball) -> Ball | None:
-    """Return a time from 0 to `span` (since the start of a piece) at which its `margin` is certainly < 0, else None."""
+    """Return a time (0 to `span`) after a piece's start at which its `margin` is certainly < 0, None if not found."""
     last, curve = span.lower().mid(), margin.curve
     tau = min(((last * part / LOW_SAMPLES).mid() for part in range(1, LOW_SAMPLES)), key=lambda t: float(curve(t).g))
     for _ in range(MOST_LOW_STEPS):
@@ -226,7 +226,7 @@ class BranchProver:
         return confirmed("branch", statement)
 
     def _end(self, kind: str, value: Fraction, near: Values, side: int) -> Record:
-        """Prove an end of the branch near a value of the parameter; return its row of the file."""
+        """Prove the branch's lower (`side` -1) or upper (1) end at `value`, with the orbit `near`; return its row."""
         if kind == END_OF_RANGE:
             return {"kind": kind, "inside": show(value), "outside": show(value)}
         width = Fraction(10) ** floor(log10(END_WIDTH * max(abs(value), self.ends[1][1] - self.ends[0][1])))

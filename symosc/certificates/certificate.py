@@ -22,7 +22,7 @@ STARTS = ("t0", "x0", "v0")
 
 
 def provable(p: Parameters, v0: Fraction) -> tuple[str, ...]:
-    """Return the names by which `certify` can prove derivatives (`wrt`), for a start with the velocity v0."""
+    """Return the parameters and start values by which `certify` can prove derivatives (`wrt`), if `v0` is as given."""
     left_out = [name for n in (1, 2) if v0 == p.belt(n) for name in (f"v{n}", "v0")]
     if p.k == 0:
         left_out += ["k", "c"] if p.c == 0 else ["k"]
@@ -113,12 +113,12 @@ def confirmed(kind: str, statement: Record, points: tuple[Any, ...] = ()) -> Cer
 
 
 def proven_rows(statement: Record) -> list[Record]:
-    """Return the events that a statement has, as dicts; for a settled motion only the last ones, before t_end."""
+    """Return the events in the contents of a file as dicts; of a motion that settles, the last ones before t_end."""
     return list(statement.get("last") or statement.get("events") or ())
 
 
 def common_digits(low: str, high: str) -> str:
-    """Return a number to as many digits as possible, such that both ends of its enclosure round to it."""
+    """Round both ends of an enclosure to the most digits that give one text, and return it; else "low … high"."""
     for digits in range(SHOWN_DIGITS, 0, -1):
         shown = {f"{Decimal(end):.{digits}g}" for end in (low, high)}
         if len(shown) == 1:
@@ -127,6 +127,6 @@ def common_digits(low: str, high: str) -> str:
 
 
 def common_complex(re: tuple[str, str], im: tuple[str, str]) -> str:
-    """Return the digits common to the ends of a complex number's enclosure; one real number if it is real."""
+    """Return a complex number as text, each part with the digits common to its ends; only `re` if `im` is exactly 0."""
     imaginary = "" if im == ("0", "0") else f" + {common_digits(*im)} i".replace("+ -", "- ")
     return common_digits(*re) + imaginary

@@ -120,7 +120,7 @@ def certify(
 
 
 def _motion(scene: Scene, t_end: Any, start_error: Any, digits: Any, wrt: tuple[str, ...]) -> Certificate:
-    """Prove the motion of a scene event by event or, if it settles on an orbit, by that orbit; options as `certify`."""
+    """Prove a scene's motion event by event, or by the orbit on which it settles; other arguments as in `certify`."""
     from symosc.certificates.trajectory import DIGITS, EXACT, ToProve, prove_settled, prove_trajectory
 
     if t_end is not None:

@@ -97,7 +97,7 @@ class Oscillator:
         self.turns = cache(lambda boundary: Turns(p, boundary))
 
     def entire(self, tau: Ball) -> tuple[Ball, Ball, Ball]:
-        """Return E, E' and phi = E' + (c/m) E a time `tau` after a start."""
+        """Return E, E' and phi = E' + (c/m) E at the time `tau`: E is the free motion with E(0) = 0 and E'(0) = 1."""
         if self.damping > 0:
             fast, slow, width = (self.fast * tau).exp(), (self.slow * tau).exp(), 2 * self.omega_d
             E, E1 = (slow - fast) / width, (self.slow * slow - self.fast * fast) / width
@@ -192,13 +192,13 @@ class Flight:
         return self.x0 + self.v0 * there.tau + way / o.m
 
     def moved(self, there: FlightPoint, change: Sequence[Ball]) -> tuple[Ball, Ball]:
-        """Return how fast x and v at a point change, at a fixed time, if the start moves along `change`."""
+        """Return the derivatives of x and v at a point, at a fixed time, by a `change` (dt, dx, dv) of the start."""
         # A later start by dt is one at the same time with x lower by v dt and v lower by a dt.
         dt, dx, *rest = change
         x, v = dx - self.v0 * dt, (rest[0] if rest else arb(0)) - self.a0 * dt
         return there.phi * x + there.E * v, there.E1 * v - self.oscillator.km * there.E * x
 
-    def stays_within(self, there: FlightPoint) -> Ball:
+    def speed_bound(self, there: FlightPoint) -> Ball:
         """Return a bound of |v| after a point, by the energy of the motion without drive; infinity if it gives none."""
         # The free motion y loses energy: y^2 + (m/k) y'^2 never grows.
         o = self.oscillator
@@ -240,9 +240,9 @@ def holding_force(o: Oscillator, boundary: int, domain: int, t: Ball, x: Ball) -
 
 
 class Turns:
-    """The times (turns) at which the drift of the gap to a belt, -(k v_belt + B0 Omega sin(Omega t)), changes sign.
+    """The times (turns) at which the drift of a belt's forces, m dF/dt = -(k v + B0 Omega sin(Omega t)), changes sign.
 
-    If the drift never changes its sign, there are no turns, and `constant` is that sign; otherwise it is None.
+    If the drift never changes its sign, there are no turns, and `constant` is that sign; otherwise `constant` is None.
     """
 
     def __init__(self, p: Parameters, boundary: int) -> None:
@@ -263,7 +263,7 @@ class Turns:
         return (angle + 2 * turn * arb.pi()) / self.Omega
 
     def after(self, t: Ball) -> Iterator[tuple[Ball | None, int]]:
-        """Yield for each turn after t its time and the drift's sign before it; without turns, (None, sign) once."""
+        """Yield the time of each turn after t and the drift's sign before it; without turns, (None, its sign) once."""
         if self.constant is not None:
             yield None, self.constant
             return

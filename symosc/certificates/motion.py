@@ -41,8 +41,10 @@ MOST_PIECES = 20_000
 
 
 def first_zero(flight: Flight, boundary: int, stop: Ball, on_it: bool) -> tuple[Jet, Jet] | None:
-    """Return two jets of the gap to a belt, before and after its first zero in a flight; None without one by `stop`."""
-    # `on_it`: the flight starts on that belt, from where it is known to leave it.
+    """Return jets of a flight's gap to a belt before and after its first zero; None if it has none until `stop`.
+
+    `on_it` says that the flight starts on that belt, from where it is known to leave it.
+    """
     gap = flight.gap(boundary)
     low = gap(arb(0))
     if on_it:
@@ -63,7 +65,7 @@ def first_zero(flight: Flight, boundary: int, stop: Ball, on_it: bool) -> tuple[
         low, on_it, count = high, False, count + 1
         if count % 8 == 0:
             wall = -flight.side(boundary) * flight.oscillator.speed[boundary]
-            if wall > flight.stays_within(flight.at(end)):  # for ever
+            if wall > flight.speed_bound(flight.at(end)):  # for ever
                 return None
         if count > MOST_PIECES:
             raise Undecided(f"a flight of more than {MOST_PIECES} pieces", flight.t0 + end)
@@ -71,7 +73,7 @@ def first_zero(flight: Flight, boundary: int, stop: Ball, on_it: bool) -> tuple[
 
 
 def _ends_of_pieces(flight: Flight, boundary: int, stop: Ball) -> Iterator[tuple[Ball, bool, bool]]:
-    """Yield the end of each piece of a flight, and whether H is convex on that piece, and whether it is concave."""
+    """Yield each piece's end, and whether m g'' + c g' + k g (g: the gap to the belt) is >= 0, and is <= 0, on it."""
     o, begin, at = flight.oscillator, flight.t0, arb(0)
     # Pieces are at most this long, in units of 1/omega_d: less than pi.
     longest = (arb(2.8) / o.omega_d).mid() if o.damping < 0 else None
@@ -93,9 +95,9 @@ def _ends_of_pieces(flight: Flight, boundary: int, stop: Ball) -> Iterator[tuple
 
 
 def _dip(flight: Flight, boundary: int, gap: Curve, low: Jet, high: Jet) -> tuple[Jet, Jet] | None:
-    """Search a piece of a flight for the first zero of the gap; return jets before and after it, None if there is none.
+    """Search a flight from `low` to `high` for the first zero of its gap; return jets before and after it, or None.
 
-    The gap is > 0 at both ends of the piece. H, as defined in the module docstring, is convex on it.
+    The gap g is > 0 at both ends, and m g'' + c g' + k g is >= 0 between them.
     """
     o, pending = flight.oscillator, [high]
     for cut in range(200):
@@ -120,8 +122,8 @@ def _dip(flight: Flight, boundary: int, gap: Curve, low: Jet, high: Jet) -> tupl
 
 
 def _where_to_cut(o: Oscillator, low: Jet, high: Jet, u: Ball, cut: int) -> Ball | None:
-    """Return when to cut a piece of a flight from `low` to `high`; None if the gap to the belt is > 0 on all of it."""
-    # `u` is how long the piece lasts, `cut` how many times it was divided before.
+    """Return when to cut a flight between `low` and `high`, which last `u`; None if its gap is > 0 on all of it."""
+    # `cut` is how many times it was cut before.
     slope_low = low.dg + o.h * low.g
     if slope_low >= 0:
         return None
@@ -147,7 +149,7 @@ def _where_to_cut(o: Oscillator, low: Jet, high: Jet, u: Ball, cut: int) -> Ball
 
 
 def zero_in(gap: Curve, low: Ball, high: Ball, what: str, t: Ball) -> Ball:
-    """Enclose the only zero of a gap between the times `low`, where the gap is > 0, and `high`, where it is < 0."""
+    """Enclose the only zero of a gap that is > 0 at time `low`, < 0 at `high`; errors name `what` and the start `t`."""
     # Newton's method finds it, kept between points where the sign is known; two signs prove the enclosure. The slope
     # has one sign on it.
     ends, here = (low, high), high.mid()
@@ -168,11 +170,11 @@ def zero_in(gap: Curve, low: Ball, high: Ball, what: str, t: Ball) -> Ball:
         if following == here:
             break
         here, sample = following, gap(following)
-    return fenced(gap, sample, arb(0), ends, what, t)
+    return enclosed_zero(gap, sample, arb(0), ends, what, t)
 
 
-def fenced(gap: Curve, sample: Jet, spare: Ball, ends: tuple[Ball, Ball], what: str, t: Ball) -> Ball:
-    """Return a ball of times around a `sample` in which the gap falls from > 0 to < 0, so that it has just one zero."""
+def enclosed_zero(gap: Curve, sample: Jet, spare: Ball, ends: tuple[Ball, Ball], what: str, t: Ball) -> Ball:
+    """Enclose the zero of a falling gap near its jet `sample` by two signs; errors name `what` and the start `t`."""
     # It lies between the two `ends`; its radius is twice the step of Newton's method, plus `spare`, or a little more.
     (low, high), here = ends, sample.tau
     width = 2 * abs(sample.g).upper() / max(abs(sample.dg).lower(), arb(2) ** -10000) + spare
@@ -233,7 +235,7 @@ def end_of_stick(o: Oscillator, boundary: int, t: Ball, x: Ball, stop: Ball) -> 
 
 
 class Moving(NamedTuple):
-    """A set of states in one mode: (t, x, v) at a start between belts; else (t, x), as v is the speed of a belt."""
+    """A set of states in one mode: of (t, x, v), or only of (t, x) where v is the speed of a belt."""
 
     mode: int  # a code of `symosc.model.MODE_NAMES`
     boundary: int  # the belt that it is on or leaves just now (into its mode, which is proven), or 0

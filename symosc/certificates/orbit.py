@@ -88,7 +88,7 @@ class ClosingBalls:
         self.periods, self.turn = periods, 2 * periods * arb.pi() / oscillator.Omega
 
     def ends(self, values: Values) -> Values:
-        """Return t and x at the end of each piece: of the next point; for the last piece, of point 0 a period later."""
+        """Return [t_1, x_1, ..., t_0 + period, x_0], where pieces 0, 1, ... end, from `values` [t_0, x_0, t_1, ...]."""
         return [*values[2:], values[0] + self.turn, values[1]]
 
     def flight(self, i: int, values: Values) -> Flight:
@@ -305,7 +305,7 @@ class Stability(NamedTuple):
 def certify_orbit(
     p: Parameters, labels: tuple[str, ...], periods: int, points: Sequence[tuple[Number, Number]]
 ) -> Certificate:
-    """Prove an orbit of `periods` forcing periods and given `labels` near `points` (t, x), with enough bits."""
+    """Prove an orbit with `labels` and forcing `periods` near `points` (t, x); return its certificate."""
     word, bits = Word(labels), LEAST_ORBIT_BITS
     near = [arb(each) for point in points for each in point]
     while True:
@@ -339,7 +339,7 @@ def _prove_with_word(closing: ClosingBalls, near: Values) -> tuple[Values, Value
 
 
 def _marginal(closing: ClosingBalls, near: Values) -> str:
-    """Return a text for a message if an orbit has a multiplier that is 1 to about 12 digits, else an empty text."""
+    """Return a remark for a message if the orbit `near` has a multiplier that is 1 to about 12 digits, otherwise ""."""
     try:
         T, D = closing.stability(near)
     except Undecided:
@@ -353,7 +353,7 @@ def _marginal(closing: ClosingBalls, near: Values) -> str:
 
 
 def switchings(closing: ClosingBalls, values: Values, begin: int) -> list[ProvenEvent]:
-    """Return the events of one period, beginning with number `begin`, and at the end event `begin` a period later."""
+    """Return all events of one period from event `begin` on, and at the end event `begin` again, a period later."""
     pieces, n, rows = closing.pieces, len(closing.pieces), []
     for j in range(begin, begin + n + 1):
         (before, piece), (t, x) = (pieces[j % n - 1], pieces[j % n]), values[2 * (j % n) : 2 * (j % n) + 2]

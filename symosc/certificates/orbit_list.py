@@ -59,7 +59,7 @@ class ListedOrbit(NamedTuple):
 
 @cache
 def listed_orbits() -> tuple[ListedOrbit, ...]:
-    """Return the list that ships with the package."""
+    """Return the orbits of orbits.csv, the list that ships with the package."""
     text, found = (files("symosc.certificates") / "orbits.csv").read_text(encoding="utf-8"), []
     for row in csv.reader(text.splitlines()):
         if row and not row[0].startswith("#"):

@@ -90,9 +90,8 @@ class Leg(NamedTuple):
 
 
 def mirrors(p: Parameters, names: Sequence[str] = ()) -> dict[int, int]:
-    """Return the mode that mirrors each mode if the oscillator is symmetric about x = A0/k and v = 0, else {}."""
-    # It is symmetric if the belts are alike with opposite speeds, or if one has no friction and the other no speed; the
-    # parameters in `names` may have any values.
+    """Return the mirror image of each mode if, for any `names`, x = A0/k and v = 0 is a centre of symmetry; else {}."""
+    # It is symmetric if the belts are alike with opposite speeds, or if one has no friction and the other no speed.
     if not {"v1", "v2", "mu1", "mu2"} & set(names) and p.v1 == -p.v2 and p.mu1 == p.mu2:
         return {1: 3, 2: 2, 3: 1, 4: 5, 5: 4}
     for belt, other in ((1, 2), (2, 1)):
@@ -107,8 +106,8 @@ class Flown:
     The unknowns `u` of the orbit are balls or power series. E, E1 = E' and phi are the motions without drive of
     `symosc.certificates.flow`. The response of v to the drive is the integral of E(tau - s) sin(theta(s)) over s.
     If the motion is underdamped, let lambda = -c/2m + i omega_d, and let X(lambda) be the integral of exp(lambda (tau -
-    s) + i Omega s) over s. The response to exp(i Omega s) is (X(lambda) - X(conjugate))/(2 i omega_d). Near resonance
-    X(lambda) is computed without a division.
+    s) + i Omega s) over s. The response to exp(i Omega s) is (X(lambda) - X(-c/2m - i omega_d))/(2 i omega_d). Near
+    resonance X(lambda) is computed without a division.
     """
 
     def __init__(self, o: Oscillator, leg: Leg, u: Values, tau: Ball) -> None:
@@ -273,11 +272,11 @@ class Flights:
         return [index for index, phase in turns if not phase < low and not phase > high]
 
     def drift(self, o: Oscillator, belt: int, phase: Ball) -> Ball:
-        """Return k v + B0 Omega sin(theta) for the speed v of a belt: -m times the rate of the force on either side."""
+        """Return k v + B0 Omega sin(theta), that is -m dF/dt of both forces on a belt of speed v, at a phase theta."""
         return o.k * o.speed[belt] + o.B0 * o.Omega * phase.sin()
 
     def sections(self, o: Oscillator, leg: Leg, u: Values) -> list[tuple[int, Ball, Ball]] | None:
-        """Split a flight back to its belt at the turns: (sign of L g, begin, end) of each part; None if undecided."""
+        """Cut a flight with gap g at the turns; return a list of (sign of m g'' + c g' + k g, begin, end), or None."""
         phase, belt, found = u[leg.at], leg.piece.start, []
         end = phase + o.Omega * u[leg.tau]
         turns = [self.turn(o, belt, index) for index in self.turns_between(o, belt, phase, end)]
@@ -294,7 +293,7 @@ class Flights:
     def plan(self, o: Oscillator, u: Values) -> Plan:
         """Return how to prove the word for all unknowns in the balls u: turns in each stick, and cuts of each flight.
 
-        A cut is a point of a flight at which the gap is shown to be > 0. None in place of cuts: use short steps.
+        A cut is a point of a flight at which the gap is shown to be > 0; a flight that needs short steps has None.
         """
         flown, turns, cuts = self.flown(o, u), list[list[int]](), list[list[Cut] | None]()
         for i, leg in enumerate(self.legs):
@@ -304,7 +303,7 @@ class Flights:
         return turns, cuts
 
     def cuts(self, o: Oscillator, leg: Leg, u: Values) -> list[Cut] | None:
-        """Return the cuts of a flight back to its belt, where to show that the gap is > 0; None: use short steps."""
+        """Return the points (`Cut`) of a flight at which to show that its gap is > 0; None if it needs short steps."""
         found, longest = self.sections(o, leg, u), longest_part(o)
         if found is None:
             return None
@@ -496,7 +495,10 @@ class Surface:
     def directed(
         self, d: tuple[int, int], rows: Sequence[arb_mat], count: int, wide: bool
     ) -> tuple[Oscillator, Values]:
-        """Return oscillator and unknowns as power series of `count` terms along the direction `d` in the box."""
+        """Return oscillator and unknowns as power series of `count` terms along the direction `d` in the box.
+
+        `rows` has the coefficients of the unknowns. The series begin at the middle or, if `wide`, at all of the box.
+        """
         ctx.cap = count
         base = zip(self.range if wide else self.middle, self.half, d, strict=True)
         o = self.oscillator([arb_series([b, h * e], prec=count) for b, h, e in base])
@@ -568,7 +570,7 @@ class Surface:
     def _coefficients(
         self, d: tuple[int, int], rows: Sequence[arb_mat], count: int, wide: bool
     ) -> tuple[list[arb_mat], tuple[Oscillator, Values, list[Flown]]]:
-        """Return Taylor coefficients of Y f along `d`, and oscillator, unknowns, flights as series (see `directed`)."""
+        """Return coefficients of Y f (f: residuals, Y: nearly J^-1), and series of oscillator, unknowns, flights."""
         o, u = self.directed(d, rows, count, wide)
         flown, r = self.flights.residuals(o, u)
         return [self.Y * column([each[k] for each in r]) for k in range(count)], (o, u, flown)
@@ -580,8 +582,8 @@ class Surface:
         return slope, i * i * aa + i * j * ab + j * j * bb
 
     def _root_distances(self, surface: arb_mat, pushed: Values, along: int) -> tuple[Values, list[dict[str, Values]]]:
-        """Return bounds of how far roots are from the `surface` in each unknown, and the slopes of all flights."""
-        # `pushed` bounds -Y f on the surface; `along` is the side to cut if there is no proof.
+        """Return for each unknown a bound on how far roots are from `surface`, where |Y f| <= `pushed`; and slopes."""
+        # `along` is the side to cut if there is no proof.
         flights, tube = self.flights, [INFLATION * each for each in pushed]
         for _ in range(MOST_INFLATIONS):
             tube = [(INFLATION * each).mid() for each in tube]

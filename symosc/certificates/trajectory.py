@@ -40,7 +40,7 @@ from symosc.certificates.motion import (
     ProvenEvent,
     begin,
     belts_around,
-    fenced,
+    enclosed_zero,
     first_zero,
     next_event,
 )
@@ -178,7 +178,7 @@ def _followed(o: Oscillator, state: Moving, t_end: Ball, most: int) -> Iterator[
 
 
 def _differentiated(task: ToProve, proof: Proof) -> Proof:
-    """Return a proof with the derivatives in `wrt` added, or with the reason why one of them is undecided."""
+    """Return `proof` with the derivatives by `task.wrt` added or, if one is undecided, the exception that says so."""
     try:
         changes = [_changes(task, MODE_NUMBERS[proof.mode], proof.events, name) for name in task.wrt]
         if not task.precise(*(value for column in changes for change in column for value in change)):
@@ -228,13 +228,13 @@ def _changes(task: ToProve, mode: int, events: Sequence[ProvenEvent], name: str)
 
 
 def _with_a_graze(task: ToProve, proof: Proof, graze: tuple[int, Ball]) -> Proof:
-    """Return a proof of the motion from one start within the error, which grazes after the events of `proof`."""
+    """Return a proof that one start within the error grazes, after the events of `proof`, near `graze` (belt, time)."""
     o, before, (boundary, near) = Oscillator(task.p), len(proof.events), graze
     name, place = next((name, place) for name, place in FREE if task.errors[place])
     events: list[ProvenEvent] = []
 
     def arrive(value: Ball) -> Moving:
-        """Return the states just before the flight that grazes; the start value `name` may be any in `value`."""
+        """Return the states before the grazing flight, from all starts whose t0, x0 or v0 (`name`) is in `value`."""
         events.clear()
         low, high = exact_ends(value)
         start, errors = list(task.start), list(EXACT)
@@ -274,7 +274,11 @@ def _with_a_graze(task: ToProve, proof: Proof, graze: tuple[int, Ball]) -> Proof
 def _grazing_interval(
     o: Oscillator, arrive: Callable[[Ball], Moving], boundary: int, given: Fraction, error: Fraction, near: Ball
 ) -> tuple[Fraction, Fraction]:
-    """Estimate two fractions so that one start value between them leads to a graze, by the secant method; no proof."""
+    """Estimate, by the secant method, two values of t0, x0 or v0 between which one leads to a graze; no proof.
+
+    `arrive` returns the states before the flight that grazes, about a time `near` after its start. The values differ
+    from the `given` one by `error` at most.
+    """
     start, reach, points = ball(given), ball(error), list[tuple[Ball, Ball]]()
     for count in range(2 + MOST_SECANTS):
         if count < 2:
@@ -314,7 +318,7 @@ def _lowest(o: Oscillator, state: Moving, boundary: int, near: Ball) -> tuple[Fl
         if done:
             break
     ends, spare = (arb(0), arb.pos_inf()), arb(2) ** (8 - ctx.prec)
-    return flight, gap(fenced(falling, falling(tau), spare, ends, "the lowest point of a gap", flight.t0))
+    return flight, gap(enclosed_zero(falling, falling(tau), spare, ends, "the lowest point of a gap", flight.t0))
 
 
 def _only_contact(o: Oscillator, state: Moving, flight: Flight, there: Jet, boundary: int) -> None:
@@ -346,7 +350,7 @@ def _certificate(task: ToProve, proof: Proof, bits: int) -> Certificate:
         rows.append(event_row(event, digits))
         before = event.t
     starts = "all" if proof.free is None else "some"
-    statement = question(task, bits) | {"starts": starts, "mode": proof.mode, "events": rows}
+    statement = first_entries(task, bits) | {"starts": starts, "mode": proof.mode, "events": rows}
     if proof.changes:
         derivatives = [
             {d: [decimals(change[i], task.digits) for change in of_event] for i, d in enumerate(("dt", "dx"))}
@@ -365,8 +369,8 @@ def _certificate(task: ToProve, proof: Proof, bits: int) -> Certificate:
     return stated("trajectory", False, message, statement)
 
 
-def question(task: ToProve, bits: int) -> Record:
-    """Return the entries with which a motion's file begins: the program, and the input as exact rational numbers."""
+def first_entries(task: ToProve, bits: int) -> Record:
+    """Return the first entries of a motion's file: the program, and parameters and start as rational numbers."""
     return made_by(bits) | {
         "parameters": task.p.as_dict(),
         "start": {name: show(value) for name, value in zip(STARTS, task.start, strict=True)},
@@ -393,7 +397,7 @@ def decimals(value: Ball, digits: int) -> list[str]:
 
 
 class Cycle(NamedTuple):
-    """A box of t and x at an arrival on a belt, to which motions from it return after `turns` periods of an orbit."""
+    """A box of t and x at an arrival on a belt, into which all motions from it come back after `turns` periods."""
 
     place: int  # the orbit's switching point in it
     middle: list[Fraction]
@@ -414,7 +418,7 @@ def prove_settled(task: ToProve, orbit: PeriodicOrbit) -> Certificate:
             if root is None:
                 raise Undecided("the orbit on which the motion is to settle")
             start, until = _start(closing.oscillator, task)
-            about = question(task, SETTLED_BITS) | {"mode": MODE_NAMES[start.mode]}
+            about = first_entries(task, SETTLED_BITS) | {"mode": MODE_NAMES[start.mode]}
             about["may_stick_until"] = None if until is None else show(until)
             for event, state in _followed(closing.oscillator, start, ball(task.t_end), MOST_EVENTS_BEFORE):
                 before.append(event)
@@ -427,7 +431,7 @@ def prove_settled(task: ToProve, orbit: PeriodicOrbit) -> Certificate:
 
 
 def _start(o: Oscillator, task: ToProve) -> tuple[Moving, Fraction | None]:
-    """Return the set of initial states, and None."""
+    """Return the initial states and None or, if the mass may stick first, the states as it slips and a later time."""
     p, (t0, x0, v0) = task.p, task.start
     try:
         return begin(o, task.start, task.errors), None
@@ -458,7 +462,7 @@ def _arrival(closing: ClosingBalls, points: Values, event: ProvenEvent) -> int |
 
 
 def _invariant_box(closing: ClosingBalls, points: Values, i: int, state: Moving) -> Cycle | None:
-    """Return a box around the orbit's point i that contains `state`, and to which motions from it return, else None."""
+    """Return a box around the orbit's point i that has `state` in it and into which its motions return, or None."""
     n, turns, once = len(closing.pieces), 1, unit_matrix(2)
     for j in range(i, i + n):  # the derivative of the map from point i to itself, approximately
         once = (closing.end_by_start(j % n, points) * once).mid()
@@ -489,7 +493,7 @@ def _invariant_box(closing: ClosingBalls, points: Values, i: int, state: Moving)
 
 
 def _contracted_box(D: arb_mat) -> tuple[Fraction, Fraction] | None:
-    """Return sides (the larger is 1) of a box that the matrix D maps into MOST_Q (< 1) times the box, or None."""
+    """Return sides (the larger is 1) of a box about 0 that the matrix D maps into a smaller copy of it, or None."""
     sizes = [[abs(float(D[i, j])) for j in (0, 1)] for i in (0, 1)]
     e = [1.0, 1.0]
     for _ in range(60):  # towards the eigenvector of |D|
@@ -502,7 +506,7 @@ def _contracted_box(D: arb_mat) -> tuple[Fraction, Fraction] | None:
 def _settled_certificate(
     task: ToProve, closing: ClosingBalls, points: Values, before: Sequence[ProvenEvent], cycle: Cycle, about: Record
 ) -> Certificate:
-    """Let the checker prove that a motion goes from the events `before` into a `cycle`; return the certificate."""
+    """Let the checker prove that the events `before` lead into a `cycle`; return the certificate, headed by `about`."""
     n, turn, t_end = len(cycle.events), cycle.turns * closing.turn, ball(task.t_end)
     widths = list(map(ball, cycle.widths))
     box = [[show(c - w), show(c + w)] for c, w in zip(cycle.middle, cycle.widths, strict=True)]

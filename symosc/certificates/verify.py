@@ -74,7 +74,7 @@ def require(value, what):
 
 
 def inside(value, ends):
-    """Raise Stop unless a number lies between two ends that a file states, or is exactly 0 where both ends are 0."""
+    """Raise Stop unless a ball is between the two `ends` that a file states; if both are 0, it must be exactly 0."""
     if not (ends[0] == ends[1] == 0 and value.is_zero()):
         require(value - arb(ends[0]), "a number is not above the lower end stated")
         require(arb(ends[1]) - value, "a number is not below the upper end stated")
@@ -99,7 +99,7 @@ def interval(value, where):
 
 
 def read(value, shape, where):
-    """Check that a part of a file has a `shape`, and return it with its texts turned into numbers."""
+    """Return a part of a file with its texts turned into numbers; raise Stop unless it has a `shape` as in SHAPES."""
     if isinstance(shape, dict):
         check(type(value) is dict, f"{where} is no object", BAD)
         wrong = sorted(value.keys() ^ shape.keys(), key=str)
@@ -158,7 +158,7 @@ class Problem:
         self.p, self.limits, self.mode = p, limits, cache(lambda i: Mode(p, i))
 
     def step(self, count=1):
-        """Count steps against the work limit."""
+        """Add `count` steps to the work done; raise Stop if that is more than the limit."""
         self.limits["left"] -= max(1, count) * max(1, ctx.prec // 256)
         check(self.limits["left"] > 0, f"more than {self.limits['steps']} steps (--steps)")
 
@@ -214,7 +214,11 @@ class Mode:
         return all(arb(self.row[i, 2]) - most > 0 for i in range(len(self.ends)))
 
     def stays(self, z, h, orders, after=None):
-        """Return whether the mode certainly lasts for a time `h` after the state z, as all its f stay > 0."""
+        """Return whether the mode certainly lasts for a time `h` after the state z, as all its f stay > 0.
+
+        `orders` has, by the ends of the mode, the order of the first derivative that is not 0 of each f that is 0 at z.
+        `after` is the state at the end of that time, if it is known.
+        """
         half = h if after is None else h / 2
         for i, end in enumerate(self.ends):
             n = orders.get(end, 0)  # f, or its first derivative that is not 0
@@ -261,7 +265,7 @@ class Motion:
         return z if t.is_exact() else (self.mode.M * (t - t.mid())).exp() * z
 
     def f(self, end, t):
-        """Return f, f' and f'' at a time, or (by Taylor's theorem) at all times of a ball."""
+        """Return f (0 where the mode ends at `end`), f' and f'' at a time or, by Taylor's theorem, on a ball."""
         i, z, change = self.mode.ends.index(end), self.at(t.mid()), t - t.mid()
         f = [(row * z)[i, 0] for row in self.mode.rows[:4]]
         if t.is_exact():
@@ -307,8 +311,8 @@ class Motion:
         # A later start is one at the same time with another x and v.
         return [e * arb_mat([[x - rate[0, 0] * s], [v - rate[1, 0] * s], [0], [0], [0]]) for s, x, v in sides]
 
-    def behind(self, row, limits=()):
-        """Prove that the next event is the one stated in a row of the file; return the motion after it."""
+    def after_event(self, row, limits=()):
+        """Prove that the event in a `row` of the file is next; return the motion after it (`limits`: see `graze`)."""
         if row["kind"] == "graze":
             return self.graze(row, limits)
         p, mode, flies = self.problem.p, self.mode, self.mode.flies
@@ -364,7 +368,10 @@ class Motion:
         return [t.mid(), centre[1].mid(), v], [[each.mid() for each in side] for side in sides[:count]], frame(rest)
 
     def graze(self, row, limits):
-        """Prove that the next event is a graze, as stated in a row of the file; return the motion after it."""
+        """Prove that the next event is a graze, as stated in a row of the file; return the motion after it.
+
+        If only one start grazes, `limits` has the motions from the lowest and the highest start.
+        """
         end, mode = row["boundary"], self.mode
         check(mode.flies and end in mode.ends, "a graze of a belt that is not beside the domain")
         speed = self.problem.p[f"v{end}"]
@@ -390,7 +397,7 @@ class Motion:
         return Motion(self.problem, mode.number, end, place, columns, {end: 2}, None, [])
 
     def least(self, end, times):
-        """Return the least distance f of v from the belt `end`, at a time in `times`, where f' changes its sign."""
+        """Return the least distance f of v from the belt `end`, which is reached at a time in `times`."""
         found = self.zero(end, 1, times)
         return self.f(end, found.mid())[0] + self.f(end, found)[1] * (found - found.mid())
 
@@ -412,7 +419,7 @@ class Motion:
 
 
 def frame(sides):
-    """Return two orthogonal sides, one along the longest of `sides`, of a rectangle that contains all their sums."""
+    """Return two orthogonal sides of a rectangle that contains all sums of `sides`, each times a number in [-1, 1]."""
     p, q, _ = (each.mid() for each in max(sides, key=lambda side: (abs(side[0]) + abs(side[1])).upper()))
     if p == q == 0:
         p = arb(1)
@@ -423,7 +430,7 @@ def frame(sides):
 
 
 def begin(problem, start, errors, rest=None):
-    """Return the motion from a start (t0, x0, v0) with errors; on a belt the forces F on both sides decide the mode."""
+    """Return the motion from a start (t0, x0, v0) with errors; on a belt forces decide its mode (`rest`: `Motion`)."""
     (t0, x0, v0), p, centre = start, problem.p, [arb(value) for value in start]
     columns = [[arb(error) if i == j else arb(0) for j in range(3)] for i, error in enumerate(errors) if error]
     z = fmpq_mat([[x0], [v0], [1], [1], [0]])  # where t0 or B0 is 0
@@ -458,7 +465,7 @@ def leave(problem, start, errors, until):
     check(v0 in (p["v1"], p["v2"]) and errors[2] == 0 and after > 0, "a start on a belt, and a time after it")
 
     def motion(mode, t, x, leaves=None):
-        """Return the motion in a mode from all starts within a time `t` and a distance `x` of the given one."""
+        """Return the motion in a mode from all starts within a time `t` and a distance `x` of `start`."""
         columns = [(arb(t), arb(0), arb(0)), (arb(0), arb(x), arb(0))]
         return Motion(problem, mode, at, [arb(value) for value in start], columns, leaves)
 
@@ -492,8 +499,8 @@ def table(rows):
         yield "; ".join(["{}: {} at belt {}, {} to {}".format(i, *what(row)), *ends])
 
 
-def question(data, source):
-    """Return the start of a motion, its errors, and a line of text with all that the file was asked to prove."""
+def read_start(data, source):
+    """Read a motion's start and its errors; return them, and a line of text that states them and the parameters."""
     start, errors = [data["start"][name] for name in START], data["start_error"]
     check(min(errors) >= 0, "start_error: a negative number", BAD)
     check(data["t_end"] - start[0] - errors[0] > 0, "t_end is not after the start", BAD)
@@ -502,7 +509,7 @@ def question(data, source):
 
 
 def varied(problem, number, name):
-    """Return derivatives by the parameter `name` of M and of the rows of f, in z' = M z and f = row z of a mode."""
+    """Return the derivatives by `name` of M and of the rows of mode `number`, where z' = M z and f = row z."""
     if name in START:
         return fmpq_mat(5, 5), fmpq_mat(2, 5)
     p = problem.p
@@ -558,7 +565,7 @@ def differentiated(problem, data, motions):
 def trajectory(data, source, limits):
     """Prove that a motion has the stated events, and no others until t_end; return what is proven, as lines of text."""
     problem = Problem(data["parameters"], limits)
-    start, errors, shown = question(data, source)
+    start, errors, shown = read_start(data, source)
     starts, suffix = [(start, errors)], ", for every start within the error" if any(errors) else ""
     if data["starts"] == "some":
         name, low, high = (data["free"][each] for each in ("name", "low", "high"))
@@ -572,8 +579,8 @@ def trajectory(data, source, limits):
     check(data["mode"] == motion.mode.number, f"the motion begins in {MODES[motion.mode.number]}")
     motions = [motion]
     for row in data["events"]:
-        motion = motion.behind(row, others).within(row)
-        others = [] if row["kind"] == "graze" else [each.behind(row) for each in others]
+        motion = motion.after_event(row, others).within(row)
+        others = [] if row["kind"] == "graze" else [each.after_event(row) for each in others]
         motions.append(motion)
     check(not others, "a graze that only one start has, and no graze is stated")
     motion.positive(arb(data["t_end"]).upper())
@@ -592,13 +599,13 @@ def period(problem, rows, centre, widths, turn, kind=Motion):
     """Follow a box of t and x at the first event through all events in `rows`; return the motions, u and D.
 
     Let P map t and x at the first event to those at the last, with t less by `turn`, the time of the periods. D
-    encloses the Jacobian of P over the box, and centre + u is its only fixed point.
+    encloses the Jacobian of P over the box `centre` +- `widths`; if centre + u is inside, it is P's only fixed point.
     """
     (dt, dx), belt, mode = widths, rows[0]["boundary"], rows[0]["target"]
     columns, leaves = [(dt, arb(0), arb(0)), (arb(0), dx, arb(0))], {belt: 1} if mode < 4 else {}
     motions = [kind(problem, mode, belt, [*centre, arb(problem.p[f"v{belt}"])], columns, leaves)]
     for row in rows[1:]:
-        motions.append(motions[-1].behind(row))
+        motions.append(motions[-1].after_event(row))
     last = motions[-1]
     D = arb_mat([[last.columns[j][i] / widths[j] for j in (0, 1)] for i in (0, 1)])
     moved = arb_mat([[last.centre[0] - turn - centre[0]], [last.centre[1] - centre[1]]])
@@ -611,14 +618,14 @@ def period(problem, rows, centre, widths, turn, kind=Motion):
 def settled(data, source, limits):
     """Prove that a motion has its first events, then a cycle of events again and again, and the last events stated."""
     problem, until = Problem(data["parameters"], limits), data["may_stick_until"]
-    start, errors, shown = question(data, source)
+    start, errors, shown = read_start(data, source)
     events, cycle, last = data["events"], data["cycle"], data["last"]
     right = events and len(cycle) > 2 and 0 < len(last) <= 1000 and 0 < data["periods"] < 10_000
     check(right, "events, cycle, last or periods out of range", BAD)
     motion = begin(problem, start, errors, []) if until is None else leave(problem, start, errors, until)
     check(data["mode"] == motion.mode.number, f"the motion begins in {MODES[motion.mode.number]}")
     for row in events:
-        motion = motion.behind(row).within(row)
+        motion = motion.after_event(row).within(row)
     ends = [what(row) for row in (events[-1], cycle[0], cycle[-1])]
     check(ends[0] == ends[1] == ends[2] and cycle[0]["kind"] in ("cross", "stick"), "a cycle from the last event on")
     motion.within(cycle[0])

@@ -95,7 +95,7 @@ def end_of_branch(value, where):
     return base.read(value, shape, where)
 
 
-def curves(value, where):
+def border_points(value, where):
     """Read the points of all borders in an atlas, sorted by the first parameter; ignore all else about borders."""
     try:
         points = [tuple(map(float, point)) for border in value.get("borders", ()) for point in border["points"]]
@@ -122,14 +122,14 @@ base.SHAPES["atlas"] = {
     "over": (set(base.NAMES), set(base.NAMES)),
     "range": BOX,
     "share": number,
-} | {"boxes": [{"word": str, "range": BOX, "phases": [number], "x": [number]}], "open": [BOX], "found": curves}
+} | {"boxes": [{"word": str, "range": BOX, "phases": [number], "x": [number]}], "open": [BOX], "found": border_points}
 
 
 # -- orbits ------------------------------------------------------------------------------------------------------------
 
 
 def course(data):
-    """Prove that an orbit's events fit and have the stated word; return tuples (kind, belt, source, target)."""
+    """Prove that an orbit's events follow each other and have its word; return (kind, belt, source, target) of each."""
     rows = data["events"]
     check(0 < data["periods"] < 10_000 and len(rows) > 2, "a number of periods, and three events at least", BAD)
     found = [tuple(base.what(row)) for row in rows]
@@ -293,13 +293,13 @@ class Oscillator:
 
     @cached_property
     def frequency(self):
-        """Return whether w^2 = (c/(2m))^2 - k/m is > 0, the root of |w^2|, and whether that may be 0 or nearly so."""
+        """Return whether w^2 = (c/(2m))^2 - k/m is > 0, the root of |w^2|, and whether that root may be 0 or nearly."""
         over = coefficient(self.square) > 0
         w = (self.square if over else -self.square).sqrt()
         return over, w, not coefficient(w) > 32 * coefficient(w).rad()
 
     def free(self, s):
-        """Return C and S, with which the motion y without drive is y(0) C + (y'(0) + h y(0)) S a time s later."""
+        """Return C and S at a time s: a motion without drive or friction is y(s) = y(0) C + (y'(0) + h y(0)) S."""
         decay, (over, w, critical) = (-self.h * s).exp(), self.frequency
         if critical:
             z = self.square * s * s / 4
@@ -316,7 +316,7 @@ class Oscillator:
         return root - lifted(self.h), -root - lifted(self.h)
 
     def driven(self, s):
-        """Return S, S', Z and Z' at a time s: how x responds to a push at the start (S) and to the drive (Z)."""
+        """Return S, S', Z, Z' at a time s: S is x after x = 0, v = 1; Z is x due to the drive exp(i Omega s)."""
         (first_root, other), s, drive = self.roots, lifted(s), times_i(self.Om)
 
         def X(a, b):
@@ -338,7 +338,7 @@ class Oscillator:
 
 
 class Margin(NamedTuple):
-    """A function f of time that must be > 0 on a piece of an orbit, and the kind of branch end that f = 0 makes."""
+    """A function f of time that must be > 0 on a piece of an orbit, and the `kind` of branch end at which f = 0."""
 
     text: str
     kind: str
@@ -372,7 +372,7 @@ def positive(margin, until, problem):
 
 
 def in_parts(prove, whole, most, what):
-    """Call `prove` for the box `whole` or, if that fails, for halves and so on; return the last result."""
+    """Call `prove` for the box `whole` or, where it fails, for halves, at most `most` times; return the last result."""
     parts, count, found = [whole], 0, None
     while parts:
         part, count = parts.pop(), count + 1
@@ -434,12 +434,12 @@ class Course:
         self.turn = periods * self.forcing
 
     def piece(self, i, u, late=0):
-        """Return the motion from event i to event i + 1, its duration, and when it ends, from the unknowns u."""
+        """Return the motion from event i, begun `late` later, its duration, and when it ends, from the unknowns u."""
         until, t = u[2 * i + 2] if i + 1 < self.count else u[0] + self.turn, u[2 * i]
         return Piece(self.e, self.events[i][3], self.events[i][1], t, u[2 * i + 1], late), until - t, until
 
     def residual(self, i, u, late=0):
-        """Return two residuals of the motion from event i to the next one: of x, and of v or, after a stick, of F."""
+        """Return two residuals of the motion from event i (begun `late` later): of x, and of v or, after a stick, F."""
         (piece, s, until), (_, belt, _, target) = self.piece(i, u, late), self.events[i + 1]
         sticks, onto = piece.mode > 3, u[(2 * i + 3) % len(u)]
         x, f = (piece.x + piece.v * s, piece.force(target, s, until)[0]) if sticks else piece.at(s, until)[:2]
@@ -502,9 +502,9 @@ class Course:
 
 
 class Family:
-    """A family of orbits, proven by interval Newton: for each parameter value from `low` to `high` there is one.
+    """A family of orbits, one for each parameter value from `low` to `high`, proven by interval Newton.
 
-    Its unknowns are the only root of the equations r(u) = 0 in the box that a row of the file states.
+    The unknowns of each are the only root of the equations r(u) = 0 in the box that a row of the file states.
     """
 
     def __init__(self, problem, data, events, row, low, high):
@@ -538,7 +538,7 @@ class Family:
         return [column([each[j] for each in r]) for j in range(count)]
 
     def newton(self, c, r):
-        """Prove that the box stated has the points `c`, near the root; return c - J^-1 r, which contains the root."""
+        """Prove that `c` is in the box stated; return c - J^-1 r (r: the residuals there), which contains the root."""
         for each, whole in zip(c.entries(), self.box, strict=True):
             require(arb(whole.rad()) - abs(each - whole.mid()), "a curve in the box")
         return (c - self.YJ.solve(self.Y * r)).entries()
@@ -630,7 +630,7 @@ def pairs(row):
 class Flight:
     """A flight of a word: mode, belts at its start and end, whether it follows a stick, and what comes after it.
 
-    If a stick follows, `stick` is the domain into which that slips; otherwise it is 0.
+    If a stick follows, `stick` is the domain into which the mass slips after it; otherwise `stick` is 0.
     """
 
     def __init__(self, piece, at, slips, stick):
@@ -656,9 +656,9 @@ class Flight:
         return u[self.at] + e.Om * u[self.tau]
 
     def parts(self, e, u):
-        """Split a flight back to its belt at the zeros of q; return (q > 0, begin, end) of each part; None: undecided.
+        """Split a flight back to its belt at the zeros of q; return (q > 0, begin, end) of each part, or None.
 
-        q drives the distance g from the belt: m g'' + c g' + k g = q.
+        The distance g from the belt solves m g'' + c g' + k g = q.
         """
         phase, end, found = u[self.at], self.end(e, u), []
         turns = [turning(e, self.belt, n) for n in between(e, self.belt, phase, end)]
@@ -715,7 +715,7 @@ def between(e, belt, low, high):
 
 
 def marks(parts, most):
-    """Choose the cuts of a flight from its `parts`: where its distance g from the belt is to be shown > 0."""
+    """Choose where in a flight with these `parts` to show that it is off its belt; `most` is its `longest_part`."""
     most, tau, found = 0.95 * float(most), float(parts[-1][2]), []
     spare = 2 * max(float(b.rad()) for _, _, b in parts) + tau / 500
     for i, (up, *ends) in enumerate(parts):
@@ -770,7 +770,7 @@ class Word:
         return (u[0] + arb.pi(), (e.A[1] + e.A[3]) / e.k - x) if self.half else (u[0] + 2 * arb.pi(), x)
 
     def r(self, e, u, plan=None):
-        """Return the residuals r of oscillator `e` at unknowns u and, given a `plan`, the margins, to be shown > 0."""
+        """Return the residuals r of oscillator `e` at unknowns u and, with a `plan` of turns and cuts, the margins."""
         found, margins, self.looks = [], [], {}  # the margins by which a flight is looked at, and its number
         for i, flight in enumerate(self.flights):
             s, (phase, x), v, end = u[flight.tau], self.next(e, i, u), e.belts[flight.onto], flight.end(e, u)
@@ -799,7 +799,7 @@ class Word:
         return found, margins
 
     def plan(self, e, u):
-        """Return the turns of the forces in each stick, and the cuts of each flight, None if it needs short steps."""
+        """Return the turns of the forces in each stick, and for each flight its cuts or, to use short steps, None."""
         turns, cuts = list[Any](), list[Any]()
         for i, flight in enumerate(self.flights):
             after = self.next(e, i, u)[0]
@@ -833,7 +833,7 @@ class Word:
 
 
 class Box:
-    """A box of two parameters; to make one is to prove that a word has one orbit for all of them, or to raise Stop."""
+    """A box of two parameters; the constructor proves that a word has one orbit for all of them, or raises Stop."""
 
     def __init__(self, p, over, word, box, u, problem):
         self.p, self.over, self.word, self.u, self.problem = p, over, word, column(u), problem
@@ -851,8 +851,8 @@ class Box:
     def series(self, side, rows, count, wide=False, plan=None):
         """Return the first `count` Taylor coefficients of Y r in the direction `side`, and all margins as series.
 
-        r has the residuals, and Y is a matrix near the inverse of their Jacobian. `rows` has the coefficients of the
-        unknowns u. All series begin at the middle of the box or, if `wide`, at all of its points at once.
+        r are the residuals, Y is near the inverse of their Jacobian, and `rows` has the coefficients of the unknowns as
+        a series. All series begin at the middle of the box or, if `wide`, at all of its points at once.
         """
         ctx.cap = count
         start = self.wide if wide else self.middle
@@ -954,7 +954,7 @@ class Box:
         raise Stop(OPEN, "one root for all parameters of a box")
 
     def squares(self, side, u, slope):
-        """Return second Taylor coefficients of Y r along `side`, for all of the box; u changes at the rate `slope`."""
+        """Return second Taylor coefficients of Y r along `side`, all over the box, if u changes at the rate `slope`."""
         return self.series(side, [u, slope, 0 * slope], 3, True)[0][2]
 
 
@@ -966,7 +966,7 @@ def rests(p, over, box):
     check(any(holds), "that the mass may rest on a belt")
 
 
-def apart(boxes):
+def check_disjoint(boxes):
     """Prove that no two boxes overlap: a vertical line moves across, and the boxes that it cuts are compared."""
     events = sorted((box[0][side], side == 0, i) for i, box in enumerate(boxes) for side in (0, 1))
     there = list[Any]()
@@ -991,7 +991,7 @@ def clear(boxes, points, whole):
 
 
 def mirror_of(p, over):
-    """Return the mode that mirrors each mode if the oscillator is symmetric about x = A0/k and v = 0, else {}."""
+    """Return the mirror image of each mode if, for any `over`, x = A0/k and v = 0 is a centre of symmetry; else {}."""
     if not {"v1", "v2", "mu1", "mu2"} & set(over) and p["v1"] == -p["v2"] and p["mu1"] == p["mu2"]:
         return {1: 3, 2: 2, 3: 1, 4: 5, 5: 4}
     for belt, other in ((1, 2), (2, 1)):
@@ -1013,7 +1013,7 @@ def atlas(data, source, limits):
         check(all(low < high for low, high in box), "sides from a lower to an upper value", BAD)
         inner = all(low <= a and b <= high for (a, b), (low, high) in zip(box, whole, strict=True))
         check(inner, "a box beyond the range")
-    apart([*boxes, *data["open"]])
+    check_disjoint([*boxes, *data["open"]])
     clear(boxes, data["found"], whole)
     kinds = [whole], boxes, data["open"]
     all_of, proven, rest = (sum((b - a) * (d - c) for (a, b), (c, d) in each) for each in kinds)

@@ -22,7 +22,7 @@ NO_PHASE, ALL_PHASES, BUT_ONE_PHASE, ON_AN_ARC = "nowhere", "everywhere", "every
 
 
 def prove_window(window: GrazingWindow) -> Certificate:
-    """Prove at which phases a contact of a map grazes; return the certificate of its window."""
+    """Prove at which phases a mapping that meets a belt with F = 0 grazes it; return the certificate of that window."""
     p, place = window.parameters, window.place
     bias, swing = place.side * p.k * p.belt(place.boundary), place.side * p.B0 * p.Omega
     statement = made_by(WINDOW_BITS) | {"parameters": p.as_dict(), "map": window.mapping, "order": window.order}
@@ -36,7 +36,7 @@ def prove_window(window: GrazingWindow) -> Certificate:
 
 
 def _positive_phases(bias: Fraction, swing: Fraction, full: bool) -> tuple[str, list[tuple[Ball, Fraction, int]]]:
-    """Return at which phases theta the number s = bias + swing sin(theta) is > 0, in words, and the ends of the arc."""
+    """Return in words where bias + swing sin(theta) > 0 (`full`: a lone zero is no exception), and the ends of it."""
     # An arc reaches from its first end, with growing theta, to its second.
     if abs(bias) > abs(swing) or swing == 0:
         return (ALL_PHASES if bias > 0 else NO_PHASE), []

@@ -48,7 +48,7 @@ COMMANDS = {
 
 
 class CommandLine(click.Group):
-    """A group of commands whose errors are one line each, click's own usage errors included."""
+    """The command `symosc` with its subcommands; any error, also one of usage, is printed as one line."""
 
     def list_commands(self, ctx: click.Context) -> list[str]:
         """Return the names of all commands of the program."""
@@ -64,7 +64,7 @@ class CommandLine(click.Group):
         return command
 
     def resolve_command(self, ctx: click.Context, args: list[str]) -> Any:
-        """Return the command that the first argument names, and the other arguments; suggest one for a wrong name."""
+        """Return the name, the command and the other arguments from `args`; for a wrong name suggest a right one."""
         if not ctx.resilient_parsing and self.get_command(ctx, args[0]) is None and not args[0].startswith("-"):
             ctx.fail(f"No such command {args[0]!r}{meant(args[0], COMMANDS)}")
         return super().resolve_command(ctx, args)
@@ -126,7 +126,7 @@ def _verbosity_options() -> list[click.Option]:
 
 
 def _is_interrupt(error: BaseException | None) -> bool:
-    """Return whether an error is a KeyboardInterrupt, or was caused by one as its `__cause__` says."""
+    """Return whether an error is a KeyboardInterrupt, or was raised because of one."""
     return isinstance(error, KeyboardInterrupt) or (error is not None and _is_interrupt(error.__cause__))
 
 
@@ -134,7 +134,7 @@ _as_python_does = warnings.showwarning
 
 
 def _warn(message: Any, category: type[Warning], *where: Any, **more: Any) -> None:
-    """Print a warning of symosc as one line without the place in the code, and any other as Python does."""
+    """Print a warning about the cache of compiled code as a one-line note, and any other as Python does."""
     if issubclass(category, CodeCacheWarning):
         note(str(message))
     else:

@@ -22,9 +22,9 @@ from symosc.cli.options import Settings, Text, option
 @options.plot_option
 @options.json_option
 def atlas(scene: str, over: tuple[str, ...], settings: Settings, path: Text, plot: Text, **how: Any) -> None:
-    """Compute the plane of two parameters: words, borders, special points, and boxes in which the word is proven.
+    """Map a plane of two parameters: words, borders, special points, and boxes in which the word is proven.
 
-    `symosc verify` proves the file of -o once more.
+    `symosc verify` proves again the file that -o writes.
 
     \b
     Examples:

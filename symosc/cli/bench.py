@@ -27,13 +27,14 @@ from symosc.errors import MissingExtraError
 @option("--scores FILE", "Score all solvers on the reference cases: a Markdown page.")
 @option("--gradients FILE", "Score ways to differentiate the events: a Markdown page.")
 def bench(quick: bool, hard: bool, picture: Text, readme: Text, scores: Text, gradients: Text) -> int:
-    """Measure speed beside error, of symosc and of other solvers.
+    """Measure the speed and the error of symosc and of other solvers.
 
-    Prints our time per event and the solvers' time and error on the shipped scenes, all as multiples of ours and of one
-    closed-form evaluation. Solvers that are not installed are skipped, and named (extra bench); one that hangs or fails
-    is shown as such. With --hard all solvers get the hard ones of the reference cases. The exit code is 1 if symosc
-    itself misses or invents an event, or has an error above 1e-12 (in ill-conditioned cases above 100 * condition *
-    1e-16). Then -o draws the error of symosc's kernels over damping ratio and drive.
+    Prints the time per event of symosc, and time and error of other solvers, on the shipped scenes; times are given as
+    multiples of symosc's and of one closed-form evaluation. Solvers that are not installed are skipped, and named
+    (extra bench); one that hangs or fails is shown as such. With --hard all solvers get the hard ones of the reference
+    cases. The exit code is 1 if symosc itself misses or invents an event, or has an error above 1e-12 (in
+    ill-conditioned cases above 100 * condition * 1e-16). Then -o draws the error of symosc's kernels over damping ratio
+    and drive.
 
     --scores lets all solvers follow all reference cases (`symosc cases`), which takes some minutes, and writes what
     `symosc score` says of them, with a picture beside it.
@@ -94,7 +95,7 @@ def bench(quick: bool, hard: bool, picture: Text, readme: Text, scores: Text, gr
 
 
 def _score(hint: str, page: str) -> int:
-    """Score all solvers on the reference cases, and write the Markdown file `page`; return the exit code."""
+    """Carry out --scores or --gradients, as `hint` says, and write the Markdown file `page`; return exit code 0."""
     from symosc.bench import cases, gradients
     from symosc.files import check_folder_of
 

@@ -28,7 +28,7 @@ from symosc.errors import MissingExtraError
 @option("-o, --output FILE", "Write the certificate, a JSON file. -: to stdout, and only that.", "path")
 @options.json_option
 def certify(scene: Text, settings: Settings, t_end: Text, orbits: bool, path: Text, **asked: Any) -> int:
-    """Prove all events of a scene: that each is the next one, of its kind, and between which times and positions.
+    """Prove all events of a scene: none is missed, and each has its kind, and time and position within bounds.
 
     Or prove its periodic orbit, a branch of such orbits up to its ends, or a grazing window. With --branch the
     structure is that of --orbit, or the scene's. The table rounds an enclosure to the digits that both ends share.
@@ -45,7 +45,7 @@ def certify(scene: Text, settings: Settings, t_end: Text, orbits: bool, path: Te
     """
     if orbits:
         options.refuse((scene is not None, "--orbits proves its own list; give no scene"))
-        return _listed(again=False)
+        return _certify_list(again=False)
     if scene is None:
         raise click.UsageError("Missing argument 'SCENE'.")
     if any(map(asked.get, ("word", "span", "mapping"))) and (t_end or asked["start_error"] or asked["wrt"]):
@@ -63,7 +63,7 @@ def certify(scene: Text, settings: Settings, t_end: Text, orbits: bool, path: Te
 def _proof(
     problem: symosc.Scene, start_error: Any, wrt: Text, word: Text, span: Text, mapping: Text
 ) -> symosc.Certificate:
-    """Make the certificate that the options ask for; the command fails if there is no such orbit."""
+    """Return the certificate of a motion, of an orbit (`word`), a branch (`span`) or a window (`mapping`)."""
     if mapping is not None:
         return symosc.certify(symosc.grazing_window(problem.parameters, mapping))
     if word is None and span is None:
@@ -98,8 +98,8 @@ def _print_certificate(certificate: symosc.Certificate) -> None:
         output.write(f"proven: {certificate.message}")
 
 
-def _listed(again: bool) -> int:
-    """Certify the shipped list of orbits, or verify its certificates `again`; print how many are proven, which not."""
+def _certify_list(again: bool) -> int:
+    """Certify the shipped list of orbits, if `again` also verify each certificate; print how many are proven."""
     from symosc.certificates.orbit_list import listed_orbits, prove_list
 
     orbits, verb = listed_orbits(), "proven again" if again else "proven"
@@ -139,7 +139,7 @@ def verify(file: Text, orbits: bool, **limits: int | None) -> int:
     except ImportError:
         raise MissingExtraError("verify", "certify") from None
     if file is None:
-        return _listed(again=True)
+        return _certify_list(again=True)
     code, answer = verify_orbits.verify(file, **{name: most for name, most in limits.items() if most is not None})
     (output.complain if code else output.write)(answer)
     return code

@@ -69,7 +69,7 @@ Examples:
 @flag("--alone", "Fragments: a document of its own.")
 @options.json_option
 def derive(subject: str, scene: Text, path: Text, pdf: bool, format: str, **of_fragments: Any) -> int:
-    """Derive a chapter, all chapters or a fragment, and write or print it. The text of --help is `HELP`."""
+    """Derive a chapter, all chapters or a fragment, and write or print it; `of_fragments`: options of fragments."""
     from symosc.derive.fragments import FRAGMENTS
 
     if subject not in subjects():
@@ -216,7 +216,7 @@ def _export_code(word: str, language: str, fix: Text, name: Text, folder: str, f
 
 
 def _kernels(regenerate: bool) -> int:
-    """Write symosc's own kernels from the formulas of sympy, or compare the file with what these give."""
+    """Write the file of symosc's own kernels (`regenerate`), or check that it is what sympy's formulas give."""
     from symosc.symbolic import codegen as generator
 
     if regenerate:

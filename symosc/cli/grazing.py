@@ -140,7 +140,7 @@ def _window_data(window: symosc.GrazingWindow) -> Record:
 
 
 def _draw_windows(windows: list[symosc.GrazingWindow], against: Text) -> Any:
-    """Return the figure of windows, or of a single one against a parameter."""
+    """Return the figure of all windows or, if `against` names a parameter, of the first one as that changes."""
     from symosc.plot.windows import draw_plane, sweep_figure, window_figure
 
     def plane(axes: Any, window: symosc.GrazingWindow) -> None:
@@ -154,11 +154,11 @@ def _draw_windows(windows: list[symosc.GrazingWindow], against: Text) -> Any:
 
 
 def _solve(p: Parameters | None, mappings: list[str], names: str, phases: Text, order: Order, plot: Text) -> list[Any]:
-    """Return for which values of the parameters `names` the windows contain the phase, or every phase from LOW to HIGH.
+    """Return for which values of the parameters `names` each mapping's window contains a phase, or all in an interval.
 
-    `names` is NAME or NAME,NAME. If `phases` is None, two questions are answered for each mapping: for which values is
-    the window empty, and for which is it all phases? The answers are formulas if `p` is None. If `plot` names a file,
-    the region of two parameters is drawn.
+    `names` is NAME or NAME,NAME, and `phases` is PHASE or LOW:HIGH; without `phases` two questions are answered: for
+    which values is the window empty, and for which is it all phases? The answers are formulas if `p` is None. If `plot`
+    names a file, the region of two parameters is drawn. `order` is that of `symosc.grazing_window`.
     """
     asked = tuple(name.strip() for name in names.split(","))
     if not all(asked) or len(asked) > 2:

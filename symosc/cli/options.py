@@ -25,10 +25,7 @@ Completion: TypeAlias = Callable[[click.Context, click.Parameter, str], list[Com
 
 
 def complete(names: Callable[[], Iterable[str]], end: str = "") -> Completion:
-    """Return a function that completes the last name of a list with commas for the shell, and appends `end` to it.
-
-    `names` returns the names that there are.
-    """
+    """Return a shell completion of the last of comma-separated names by those of `names()`, with `end` appended."""
 
     def matching(context: click.Context, argument: click.Parameter, text: str) -> list[CompletionItem]:
         before, comma, word = text.rpartition(",")
@@ -38,21 +35,21 @@ def complete(names: Callable[[], Iterable[str]], end: str = "") -> Completion:
 
 
 def complete_scene(context: click.Context, argument: click.Parameter, text: str) -> list[CompletionItem]:
-    """Return the scenes whose names begin with a text; without any, the shell completes files."""
+    """Return the shipped scenes whose names begin with `text`; if there are none, the shell completes file names."""
     return complete(scene_names)(context, argument, text) or [CompletionItem(text, type="file")]
 
 
-def read_file(context: click.Context, given: click.Parameter, path: Text) -> Text:
-    """Return the name of a file to write; BadParameter if it is empty, or if "-" would mix it with other output."""
+def checked_file(context: click.Context, given: click.Parameter, path: Text) -> Text:
+    """Return the file name `path`; BadParameter if it is empty, or if it is "-" and other output goes there too."""
     if path == "":
         hint = max(given.opts, key=len) if isinstance(given, click.Option) else given.make_metavar(context)
         raise click.BadParameter("give the name of a file; '-' is standard output", param_hint=hint)
     return claim_stdout(context, given, path)
 
 
-def read_picture(context: click.Context, given: click.Parameter, path: Text) -> Text:
-    """Return the name of a figure's file, which must have one of the known suffixes."""
-    if read_file(context, given, path) is not None:
+def checked_picture(context: click.Context, given: click.Parameter, path: Text) -> Text:
+    """Return the name of a figure's file, checked as any file name; it must end in .pdf, .svg or .png."""
+    if checked_file(context, given, path) is not None:
         from symosc.plot.drawing import check_suffix
 
         check_suffix(path or "")
@@ -69,7 +66,7 @@ class WholeNumber(click.IntRange):
         return super().convert(value, param, ctx)
 
     def _describe_range(self) -> str:
-        """Return the allowed range for --help: an empty text, not click's x<=None, where there is no limit."""
+        """Return the range of allowed numbers as --help shows it, or an empty text if there is no limit."""
         return "" if self.min is None and self.max is None else super()._describe_range()
 
 
@@ -80,15 +77,15 @@ KINDS: dict[str, dict[str, Any]] = {
     "MAP": {"shell_complete": complete(lambda: PLACES)},
     "NAMES": {"shell_complete": complete(lambda: PARAMETER_NAMES, ",")},
     "NAME=": {"shell_complete": complete(lambda: PARAMETER_NAMES, "=")},
-    **{name: {"callback": read_file} for name in ("FILE", "FOLDER", "PATH")},
-    "FIGURE": {"callback": read_picture},
+    **{name: {"callback": checked_file} for name in ("FILE", "FOLDER", "PATH")},
+    "FIGURE": {"callback": checked_picture},
 }
 
 
 def option(form: str, about: str, *names: str, **settings: Any) -> Callable[[Any], Any]:
-    """Return a click option from its form, such as "-o, --output FILE", and its text `about`, as in --help.
+    """Return a click option from its `form`, such as "-o, --output FILE", and its help text `about`.
 
-    The last word of the form (FILE) says how the value is read and completed, see `KINDS`; `settings` are click's.
+    The last word of the form (FILE) says how values are read and completed (`KINDS`); the rest is for click.option.
     """
     *short, long = form.split(", ")
     long, _, metavar = long.partition(" ")
@@ -98,7 +95,7 @@ def option(form: str, about: str, *names: str, **settings: Any) -> Callable[[Any
 
 
 def flag(form: str, about: str, *names: str, **settings: Any) -> Callable[[Any], Any]:
-    """Return a click option that takes no value."""
+    """Return a click option that takes no value, from the arguments of `option`."""
     return option(form, about, *names, is_flag=True, **settings)
 
 
@@ -117,21 +114,21 @@ start_error_option = option(
 
 
 def refuse(*rules: tuple[object, str]) -> None:
-    """Raise UsageError with the text of the first of these rules whose condition is true."""
+    """Raise UsageError with the first text in these pairs (condition, text) whose condition is true."""
     for broken, text in rules:
         if broken:
             raise click.UsageError(text)
 
 
 def folder_name(output: str, hint: str = "--output") -> str:
-    """Return the name of a folder; BadParameter if it is empty or standard output."""
+    """Return the folder name `output`; BadParameter for the option `hint` if it is empty or standard output."""
     if output in ("", STDOUT):
         raise click.BadParameter(f"{output!r} is not a folder; './-' is one named -", param_hint=hint)
     return output
 
 
 def split_setting(text: str, hint: str, form: str, known: Iterable[str] = ()) -> tuple[str, str]:
-    """Return name and value of a text NAME=VALUE; BadParameter if one is empty, or if the name is in `known`."""
+    """Return name and value of NAME=VALUE; BadParameter for option `hint` if not of that `form`, or name in `known`."""
     name, _, value = (part.strip() for part in text.partition("="))
     if not (name and value):
         raise click.BadParameter(f"{text!r} is not {form}", param_hint=hint)
@@ -141,7 +138,7 @@ def split_setting(text: str, hint: str, form: str, known: Iterable[str] = ()) ->
 
 
 def read_span(text: str, hint: str) -> tuple[str, tuple[str, str]]:
-    """Return the name and the two limits of NAME=LOW:HIGH; BadParameter for anything else."""
+    """Return the name and the limits of `text`, NAME=LOW:HIGH; BadParameter for the option `hint` otherwise."""
     form = "NAME=LOW:HIGH, such as Omega=3:5"
     name, limits = split_setting(text, hint, form)
     low, colon, high = limits.partition(":")
@@ -151,7 +148,7 @@ def read_span(text: str, hint: str) -> tuple[str, tuple[str, str]]:
 
 
 def read_settings(settings: Settings) -> dict[str, str]:
-    """Return names and values of --set options as texts; BadParameter for other forms and for names of the start."""
+    """Return names and values of --set options as texts; BadParameter if not NAME=VALUE, or for t0, x0, v0, t_end."""
     changes: dict[str, str] = {}
     for setting in settings:
         name, value = split_setting(setting, "--set", "NAME=VALUE, such as k=3", changes)
@@ -167,7 +164,7 @@ def read_parameters(settings: Settings) -> dict[str, Any]:
 
 
 def scene_with(scene: str | Scene, settings: Settings, **start: Text) -> Scene:
-    """Return a scene with --set parameters and a start from the command line; its notes go to stderr."""
+    """Return a scene with parameters changed by --set, and its start by `start`; print its notes on stderr."""
     scene = load_scene(scene) if isinstance(scene, str) else scene
     for line in scene.notes:
         note(f"{scene.name}: {line}")
@@ -189,12 +186,12 @@ def reduced_scene(scene: Scene) -> Scene:
 
 
 def read_duration(name: str, text: str) -> Any:
-    """Return periods such as 10T as they are, and any other time as a number."""
+    """Return a time in periods, such as 10T, as it is, and any other as `read_typed` does; errors call it `name`."""
     return text.strip() if text.strip().endswith("T") else read_typed(name, text)
 
 
 def read_typed(name: str, text: str) -> Any:
-    """Return the text of a number unchanged, and the value of an expression such as 2*pi, with a note if rounded."""
+    """Return the text of a number unchanged, and the value of an expression such as 2*pi; messages call it `name`."""
     if not re.search(r"pi|π|[*^()]", text):
         return text
     number, exact = read_number(name, text)

@@ -33,7 +33,7 @@ from symosc.reductions import MODEL_NAMES
 def orbit(
     scene: str, structure: Text, settings: Settings, span: Text, response: Text, picture: Text, **exact: int | None
 ) -> int:
-    """Find a periodic orbit, and say whether it is stable: that of a mapping structure, or of the settled motion.
+    """Find the periodic orbit of a mapping structure, or the one that a motion settles to, and its stability.
 
     Prints the switching points, the multipliers, and how far the scene's start is from the orbit. With --continue the
     orbit is followed both ways until it ends or leaves the range. Each end is located, and printed with its reason and
@@ -74,7 +74,7 @@ def orbit(
 
 
 def _print_response(problem: symosc.Scene, over: str, picture: Text) -> None:
-    """Print and draw a frequency response."""
+    """Print and draw the frequency response of a scene over the parameter in `over`, NAME=LOW:HIGH:N."""
     name, values = options.split_setting(over, "--response", "NAME=LOW:HIGH:N, such as Omega=1:5:80")
     found = symosc.frequency_response(problem, {name: values}, progress=True)
     output.draw(picture, found.plot)

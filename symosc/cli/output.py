@@ -157,5 +157,5 @@ def undecidable(trajectory: symosc.Trajectory) -> bool:
 
 
 def count_events(events: Sequence[object]) -> str:
-    """Return the number of events with its noun."""
+    """Return how many events there are as a text for messages: "1 event", "3 events" and so on."""
     return f"{len(events)} event{'' if len(events) == 1 else 's'}"

@@ -60,7 +60,7 @@ def _scene_data(scene: Scene) -> Record:
 
 
 @click.command()
-@click.argument("file", callback=options.read_file)
+@click.argument("file", callback=options.checked_file)
 @options.option("--like SCENE", "The scene whose numbers it has.", default="fig5", show_default=True)
 @options.flag("--force", "Replace a file that is there.")
 def new(file: str, like: str, force: bool) -> None:

@@ -68,7 +68,7 @@ def _print_events(trajectory: symosc.Trajectory) -> None:
 
 
 def _cell(name: str, row: Record) -> str:
-    """Return the text of a column of the table for an event; source and target are one column."""
+    """Return the text of an event in the column `name` of the table; in "source" it is both modes, as A -> B."""
     value = row[name]
     if name == "source":
         return f"{value} -> {row['target']}"

@@ -80,7 +80,7 @@ def sweep(
 
 
 def _swept(problem: Any, over: dict[str, str], asked: Record, workers: Any, executor: Any, restart: bool) -> Any:
-    """Run a sweep; on an interrupt, print how much of it is done."""
+    """Return the results of a sweep over the axes `over`; an interrupt prints how many motions are kept."""
     if executor is not None:
         from symosc.sweeps.sweep import dask_client
 

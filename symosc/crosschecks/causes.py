@@ -90,10 +90,10 @@ ChangeColumns = Callable[[np.ndarray, np.ndarray, np.ndarray], tuple[np.ndarray,
 
 
 class Candidate(NamedTuple):
-    """A diagnosis and, where there is one, the change of parameters or columns that should make all steps right.
+    """A diagnosis and, if there is one, a change that tests it: with the change all steps should be right.
 
-    `words` describe the change, such as "with m = 2"; without a change they are "". The exact motion gets the
-    `parameters`, or the function `columns` makes new columns t, x, v.
+    Either the exact motion gets the changed `parameters`, or the function `columns` turns the samples t, x, v into
+    others. `words` describe the change, such as "with m = 2"; without a change they are "".
     """
 
     diagnosis: Diagnosis
@@ -174,11 +174,11 @@ def explain(
     allowed: np.ndarray,
     near: np.ndarray,
 ) -> tuple[Fault, ...]:
-    """Describe the wrong steps with the numbers `chosen` as faults, each with a guess at its cause.
+    """Return a `Fault` with a guess at the cause for each of the wrong steps that have the numbers `chosen`.
 
-    `modes` are the mode codes of the samples, 0 where a sample only passes a belt. `allowed` is the largest right
-    defect of each step in x and v, and `sizes` the defect of each step divided by it. The v of a sample may be off a
-    belt's speed by `near` and still count as on the belt.
+    `modes` are the mode codes of the samples, 0 where a sample only passes a belt. `allowed` is the defect in x and v
+    up to which each step is right, and `sizes` the defect of each step divided by it. A sample is on a belt if its v
+    differs from the belt's speed by at most `near`.
     """
     since = np.array(chosen, dtype=int)
     misses = []  # of flights with the force of each domain, to the next sample and to the one after
@@ -190,8 +190,8 @@ def explain(
     def guess(i: int, to_next: np.ndarray, over_next: np.ndarray) -> tuple[str, str]:
         """Return why step `i` is probably wrong: a key of REASONS, and a sentence about this step.
 
-        A flight from sample i with the force of each domain misses the next sample by `to_next`, and the sample after
-        that by `over_next`, both divided by the allowed defect.
+        Three flights from sample i, one with the force of each domain, miss the next sample by `to_next`, and the
+        sample after that by `over_next`; both are arrays of three numbers in units of the allowed defect.
         """
         if not np.isfinite(sizes[i]):
             return "undecidable", "the exact motion over the step cannot be decided in double precision"
@@ -253,7 +253,7 @@ SURE = 1.0 + AS_GOOD
 
 
 class Fit(NamedTuple):
-    """The result of a fit to steps: the fitted numbers, their standard deviations, and the defect left in each step."""
+    """Numbers fitted to the steps between samples, their standard deviations, and the defect left in each step."""
 
     value: np.ndarray
     error: np.ndarray
@@ -261,7 +261,7 @@ class Fit(NamedTuple):
 
 
 def tried_samples(check: Any) -> slice:
-    """Return which samples of a `CrossCheck` are used to test possible causes, at most MOST_TRIED_STEPS steps."""
+    """Return the slice of a `CrossCheck`'s samples on which causes are tried, with at most MOST_TRIED_STEPS steps."""
     # They begin 300 steps before the first wrong one, or earlier if few follow it.
     first = int(check.wrong_steps[0]) if len(check.wrong_steps) else 0
     low = max(0, min(first - 300, len(check.t) - MOST_TRIED_STEPS - 1))
@@ -297,7 +297,7 @@ class Case:
 
     @cached_property
     def sticks(self) -> bool:
-        """Whether the mass sticks anywhere: in the exact motion, or over two successive steps of the samples."""
+        """Whether there is a stick: in the exact motion, or as two successive steps of the samples on one belt."""
         if any(part.mode.startswith("belt") and part.t_end > part.t_start for part in self.check.trajectory.segments):
             return True
         s, on = self.steps, self.domain == 0
@@ -306,35 +306,35 @@ class Case:
         return bool(np.any(np.diff(stays) == 1))
 
     def limits(self, part: float = EXPLAINS) -> np.ndarray:
-        """Return the defect up to which each step counts as explained: the allowed or, if larger, `part` of its own."""
+        """Return for each step the defect that a cause may leave: the allowed one or, if larger, `part` of its own."""
         return _limits(self.sizes, part)
 
-    def share(self, sizes: np.ndarray, of: np.ndarray | None = None, part: float = EXPLAINS) -> float:
-        """Return the fraction of wrong steps that a cause explains if it leaves defects `sizes` in the steps `of`."""
-        return explained_share(self.sizes if of is None else self.sizes[of], sizes, part)
+    def share(self, sizes: np.ndarray, steps: np.ndarray | None = None, part: float = EXPLAINS) -> float:
+        """Return the `explained_share` of a cause, given the defects `sizes` that it leaves in `steps` (None: all)."""
+        return explained_share(self.sizes if steps is None else self.sizes[steps], sizes, part)
 
     def misses(self, ends: np.ndarray, steps: np.ndarray) -> np.ndarray:
-        """Return computed states x, v at the ends of `steps` minus the samples there, in units of allowed defects."""
+        """Return `ends`, computed states at the ends of `steps`, minus the samples there, divided by the allowed."""
         return np.asarray((ends - self.steps.states[steps + 1]) / self.allowed[steps])
 
     def miss_sizes(self, ends: np.ndarray, steps: np.ndarray) -> np.ndarray:
-        """Return for each computed end state the larger of its misses in x and v, in units of the allowed ones."""
+        """Return for each of `steps` the larger of its misses in x and in v, of `misses(ends, steps)`, without sign."""
         return larger(self.misses(ends, steps))
 
     def defects_with(self, p: Parameters, ahead: float = 0.0) -> np.ndarray:
-        """Return the defects of all steps, divided by the allowed, for parameters `p` and times later by `ahead`."""
+        """Return all defects, divided by the allowed, for parameters `p` and with `ahead` added to all times."""
         s = self.steps
         return np.asarray(follow_steps(p, s.t + ahead, s.x, s.v, self.near, self.scales).defects / self.allowed)
 
     def share_mended_by(self, t: np.ndarray, x: np.ndarray, v: np.ndarray) -> float:
-        """Return the fraction of wrong steps that become right with other columns t, x, v, which may be shorter."""
+        """Return the fraction of wrong steps that become right if t, x, v, perhaps fewer, are taken as the samples."""
         if len(t) < 2:
             return 0.0
         found = follow_steps(self.parameters, t, x, v, float(np.median(self.near)), self.scales)
         return mended_share(self.sizes, larger(found.defects / np.median(self.allowed, axis=0)))
 
     def thinned(self, chosen: np.ndarray, most: int) -> np.ndarray:
-        """Return at most `most` of the given step numbers, spread evenly over them."""
+        """Return the step numbers `chosen` or, if these are more than `most`, so many of them, evenly selected."""
         if len(chosen) <= most:
             return chosen
         return chosen[np.linspace(0, len(chosen) - 1, most).astype(int)]
@@ -345,10 +345,10 @@ class Case:
         return self.defects_from(begin, chosen + 1, self.near[chosen], p) / self.allowed[chosen]
 
     def defects_from(self, begin: np.ndarray, until: np.ndarray, near: Any, p: Parameters | None = None) -> np.ndarray:
-        """Follow the exact motion from each row t, x, v of `begin` to a sample; return its ends minus these samples.
+        """Follow the exact motion from each state in `begin` to a sample; return the final states minus these samples.
 
-        `until` has the number of the sample for each row, and `near` is as in `follow_steps`. No row may begin before
-        the motion of the row before it has ended.
+        The rows of `begin` are t, x, v; `until` has the number of the sample for each. `near` is as in `follow_steps`.
+        The motions must be in order of time and must not overlap.
         """
         end = np.column_stack([self.steps.t, self.steps.states])[until]
         found, moving = begin[:, 1:] - end[:, 1:], begin[:, 0] < end[:, 0]
@@ -361,8 +361,8 @@ class Case:
     def flight_misses(self, K: Constants, turn: float = 0.0, chosen: np.ndarray | None = None) -> np.ndarray:
         """Return how far flights over steps miss the next samples in x and v, divided by the allowed defects.
 
-        The steps are those numbered `chosen`, or all of `inside`. Each flight has the force of the domain of its first
-        sample, the constants `K` of another system, and a drive whose phase is ahead by the angle `turn`.
+        The steps are those numbered `chosen`, or else all that lie inside a domain. Each flight has the force of the
+        domain of its first sample, the constants `K` of another system, and a drive ahead by the angle `turn`.
         """
         chosen, s = self.inside if chosen is None else chosen, self.steps
         other = replace(s, K=K, theta=s.theta + (K.Om - s.K.Om) * s.t + turn)
@@ -389,7 +389,7 @@ def explained_share(before: np.ndarray, after: np.ndarray, part: float = EXPLAIN
 
 
 def mended_share(before: np.ndarray, after: np.ndarray) -> float:
-    """Return the fraction of wrong steps that other samples mend, from the defects of the old and the new steps."""
+    """Return the fraction of wrong steps that new samples mend; the defects are `before` and `after` the change."""
     wrong = ~(before <= 1.0)
     usual = before[wrong & np.isfinite(before)]
     limit = max(1.0, EXPLAINS * float(np.median(usual))) if len(usual) else 1.0
@@ -397,10 +397,10 @@ def mended_share(before: np.ndarray, after: np.ndarray) -> float:
 
 
 def fitted(misses: Callable[[np.ndarray], np.ndarray], start: np.ndarray, ticks: np.ndarray) -> Fit | None:
-    """Fit numbers to steps, from first values `start`; leave out steps that miss the samples by far more than others.
+    """Return the `Fit` of numbers to steps, from first values `start`; None if the steps do not determine them.
 
     `misses(numbers)` returns by how much each step then misses the next sample in x and v, shape (steps, 2).
-    Derivatives are difference quotients over the small changes `ticks`. None if the numbers are not determined.
+    Derivatives are difference quotients over the small changes `ticks`. Steps that miss by far the most are left out.
     """
     value = np.array(start, dtype=float)
     kept, error = None, np.zeros(len(value))
@@ -442,7 +442,7 @@ def _median_change(here: np.ndarray, J: np.ndarray) -> tuple[np.ndarray, np.ndar
 
 
 def _least_squares(here: np.ndarray, J: np.ndarray) -> tuple[np.ndarray, np.ndarray] | None:
-    """Return the change of the fitted numbers by least squares, and their standard deviations; None if undetermined."""
+    """Return the change of numbers by least squares and its deviations; `here` are misses, `J` their derivatives."""
     matrix, right = J.reshape(-1, J.shape[-1]), -here.ravel()
     units = np.sqrt(np.sum(matrix**2, axis=0))
     if not len(right) or not np.all(units > 0.0):
@@ -459,8 +459,8 @@ def best_between(
 ) -> tuple[np.ndarray, np.ndarray]:
     """Find for each step the number between its `low` and `high` at which it misses least; return numbers and misses.
 
-    `misses(numbers)` returns the miss of each step at its own number. A grid with so many `points` is refined around
-    the best of them, at most 8 times, or until the miss of every step is at most its `enough`.
+    `misses(numbers)` returns the miss of each step at its own number. It is tried at `points` numbers, then at as many
+    around the best of these, and so on: at most 8 times, or until the miss of every step is at most its `enough`.
     """
     best, leaves, begin, end = low, np.full(len(low), np.inf), low, high
     for _ in range(8):

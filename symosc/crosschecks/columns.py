@@ -43,7 +43,7 @@ def other_columns(case: Case) -> Iterator[Candidate]:
 
 
 def changed_columns(p: Parameters, t: np.ndarray, x: np.ndarray, v: np.ndarray) -> Iterator[Candidate]:
-    """Yield candidates with other signs, order or units of columns; units only if x then fits the integral of v."""
+    """Yield candidates with other signs, order or units of columns; units only if x and v then give one path length."""
     m, Om = float(p.m), float(p.Omega)
     table: list[tuple[str, str, str, str, float | None, Callable[..., Columns]]] = [
         ("sign", "x", "x has the wrong sign", "with -x", None, lambda t, x, v: (t, -x, v)),
@@ -142,10 +142,10 @@ def _velocities_from_positions(case: Case) -> tuple[int, np.ndarray] | None:
 
 
 def _velocities_beside(case: Case, first: int, v: np.ndarray, part: float) -> np.ndarray:
-    """Return the exact velocities at times next to the samples from number `first` on, which have velocities `v`.
+    """Return the exact velocities at times beside the samples from number `first` on, which have velocities `v`.
 
-    Each time lies before its sample by the fraction `part` of the step to it, or if `part` is negative after its sample
-    by this fraction of the next step. NaN where there is no such step.
+    A positive `part` puts each time before its sample, by this fraction of the step to the sample; a negative one puts
+    it after, by the fraction -`part` of the next step. NaN for a sample without this step.
     """
     s = case.steps
     t, x = s.t[first:], s.x[first:]
@@ -234,7 +234,7 @@ def even_times(case: Case) -> Iterator[Candidate]:
 
 
 def _even(t: np.ndarray, digits: int | None) -> np.ndarray:
-    """Return evenly spaced times near `t`, with a step that is rounded to `digits` digits."""
+    """Return evenly spaced times near `t`: the step has `digits` digits, or is exact (0), or the ends have 6 (None)."""
     # 0: the step follows from the first and the last time; None: from these two rounded to 6 digits.
     if not digits:
         ends = (float(t[0]), float(t[-1])) if digits == 0 else (float(f"{t[0]:.6g}"), float(f"{t[-1]:.6g}"))

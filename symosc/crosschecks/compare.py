@@ -14,7 +14,16 @@ from numpy.typing import ArrayLike
 from symosc.aliases import NumberLike, Progress, Record, SceneName, SolutionLike
 from symosc.arguments import public
 from symosc.crosschecks.causes import Fault, explain
-from symosc.crosschecks.events import WINDOW, FoundEvent, Match, Matcher, Reach, find_events, given_events, labels
+from symosc.crosschecks.events import (
+    WINDOW,
+    FoundEvent,
+    Match,
+    Matcher,
+    TimeTolerances,
+    find_events,
+    given_events,
+    labels,
+)
 from symosc.crosschecks.files import read_solutions
 from symosc.crosschecks.objects import dense_note, of_function
 from symosc.crosschecks.report import EVENT_LISTS, CrossCheck, CrossChecks, check_all
@@ -186,7 +195,7 @@ class Task:
         return replace(result, ok=result.ok and not early, early_end=early)
 
     def _judge_cut_off(self, half: np.ndarray, listed: np.ndarray, result: CrossCheck) -> CrossCheck | None:
-        """Judge the samples as if their last digits had been cut off, not rounded; return None if they still fail."""
+        """Judge the samples again with `half` a unit added, as if digits had been cut off; None if they still fail."""
         samples = self.samples
         # Digits that are cut off, not rounded, make no larger errors.
         if not np.any(half) or np.nanmax(np.abs(result.errors) / result.limits) > 4.0:
@@ -202,7 +211,7 @@ class Task:
         return None
 
     def _with_coarser(self, half: np.ndarray, listed: np.ndarray, result: CrossCheck) -> CrossCheck:
-        """Return a failed `result` with a verdict on every n-th sample as its `coarser`."""
+        """Return the failed `result`; if many spans of samples are wrong, its `coarser` judges every n-th sample."""
         # Over one dense step the rounding of the samples is larger than what a wrong model does; over n it is not.
         spans, samples = result.wrong_spans, self.samples
         # A few spans show no cause, and where most steps are wrong these show it themselves.
@@ -244,8 +253,8 @@ class Task:
         found, modes = find_events(steps, label, wrong)
         # The part of the samples' errors that is allowed; 0 after the end of the exact motion.
         within = np.where(np.isnan(errors), 0.0, np.fmin(np.abs(errors), limits))
-        reach = Reach(steps, within + loose, tolerance * float(scales[1]), tolerance, listed)
-        matching = self._match(trajectory, start, found, reach, label, wrong)
+        tolerances = TimeTolerances(steps, within + loose, tolerance * float(scales[1]), tolerance, listed)
+        matching = self._match(trajectory, start, found, tolerances, label, wrong)
         faults = _faults(steps, modes, sizes, allowed, near, matching)
         late = next((pair for pair in pairwise(samples.events or ()) if pair[1][0] < pair[0][0]), None)
         close = not np.any(np.abs(errors) > limits)
@@ -300,7 +309,10 @@ class Task:
         )
 
     def _start(self, loose: np.ndarray, rounding: np.ndarray) -> tuple[Record, str]:
-        """Return the start of the exact motion, and a note if the samples start elsewhere than the scene."""
+        """Return the start of the exact motion, and a note if the first sample is not on the motion of the scene.
+
+        `loose` are the allowed errors of this sample's x and v, `rounding` the rounding of its t, x and v.
+        """
         # {} is the scene's own start, which may have more digits than the first sample.
         scene, samples, limit, rate = self.scene, self.samples, self.limit, fastest_rate(self.parameters)
         first = np.array([samples.t[0], samples.x[0], samples.v[0]])
@@ -366,27 +378,28 @@ class Task:
         return best
 
     def _match(
-        self, trajectory: Trajectory, start: Record, found: list[FoundEvent], reach: Reach, label: Any, wrong: Any
-    ) -> Matcher:
+        self, trajectory: Trajectory, start: Record, found: list[FoundEvent], tolerances: TimeTolerances,
+        label: Any, wrong: Any,
+    ) -> Matcher:  # fmt: skip
         """Match the exact events with the solver's list of events or, if none was given, with those `found`.
 
         The events `found` were read off the samples. `label` are the mode codes of the samples, `wrong` marks the wrong
-        steps, and `reach` tells how far times of events may be off.
+        steps, and `tolerances` tell how far times of events may be off.
         """
         events, until, last = self.samples.events, float(trajectory.t_end), float(self.samples.t[-1])
         there = until if until < last else np.inf  # where the exact motion has ended there is nothing to match
         if events is None or (events and not any(kind for _, kind in events)):
             found = [event for event in found if float(self.samples.t[event.step]) <= until]
-            matching = Matcher(trajectory, trajectory.events, found, False, reach, label, wrong)
+            matching = Matcher(trajectory, trajectory.events, found, False, tolerances, label, wrong)
             if events:  # a solver's list of times
                 matching.match_times([t for t, _ in events if t <= until])
             return matching
         order = sorted((i for i, (t, _) in enumerate(events) if t <= there), key=lambda i: events[i][0])
-        pairs, exact, span = [events[i] for i in order], [*trajectory.events], WINDOW * reach.steps.K.period
+        pairs, exact, span = [events[i] for i in order], [*trajectory.events], WINDOW * tolerances.steps.K.period
         if trajectory.status == "t_end" and pairs and pairs[-1][0] >= until - span:  # and those just after the end
             exact += self._simulate(until + span, start).events[len(exact) :]
-        reach = replace(reach, listed=reach.listed[order])
-        return Matcher(trajectory, exact, given_events(reach.steps, pairs), True, reach, label, wrong)
+        tolerances = replace(tolerances, listed=tolerances.listed[order])
+        return Matcher(trajectory, exact, given_events(tolerances.steps, pairs), True, tolerances, label, wrong)
 
     def _simulate(self, t_end: float, start: Record) -> Trajectory:
         """Return the exact motion from a start to t_end, cut short if it has far more events than there are samples."""

@@ -111,8 +111,8 @@ class Match:
 def labels(steps: ExactSteps, near: np.ndarray, drift: np.ndarray) -> np.ndarray:
     """Return the mode code of each sample: 1 to 3 for the domain that it is in, 4 at belt 1, 5 at belt 2.
 
-    A sample is at a belt, sticking or passing, if its v differs from the belt's by at most `near`, or by at most
-    `drift` where the exact motion sticks to the belt in the step before or after: solvers let v drift off there.
+    A sample is at a belt, sticking or passing, if its v differs from the belt's speed by at most `near`. Beside a step
+    in which the exact motion sticks to the belt `drift` is enough, since solvers let v drift off in a stick.
     """
     v, K = steps.v, steps.K
     label = np.int8(1) + (v > K.belt1.v) + (v > K.belt2.v)
@@ -126,8 +126,8 @@ def labels(steps: ExactSteps, near: np.ndarray, drift: np.ndarray) -> np.ndarray
 def find_events(steps: ExactSteps, label: np.ndarray, wrong: np.ndarray) -> tuple[list[FoundEvent], np.ndarray]:
     """Return the events that the mode codes `label` of the samples show, in order of time, and corrected codes.
 
-    The corrected codes are 0 for samples at a belt that only pass or graze it, and else equal. `wrong` marks wrong
-    steps.
+    The corrected codes are 0 for samples at a belt that only pass or graze it, and those of `label` for all others.
+    `wrong` marks the wrong steps.
     """
     modes = label.copy()
     starts = np.flatnonzero((np.diff(label, prepend=0) != 0) | _reached_by_flight(steps, label, wrong))
@@ -136,7 +136,7 @@ def find_events(steps: ExactSteps, label: np.ndarray, wrong: np.ndarray) -> tupl
     now, since = 0, 0  # the last mode of the samples, and the last sample in it
 
     def move_to(domain: int, sample: int) -> None:
-        """Record the events on the way from the last mode of the samples to a domain, reached at `sample`."""
+        """Record the slip and the crosses that lead from the last mode to `domain`, where the mass is at `sample`."""
         nonlocal now
         if now > 3:
             entered = min((now - 3, now - 2), key=lambda d: abs(d - domain))
@@ -177,7 +177,7 @@ def find_events(steps: ExactSteps, label: np.ndarray, wrong: np.ndarray) -> tupl
 
 
 def _reached_by_flight(steps: ExactSteps, label: np.ndarray, wrong: np.ndarray) -> np.ndarray:
-    """Mark samples at a belt that a right step reaches from a sample at the same belt by a flight, without a stick."""
+    """Mark samples at the same belt as the sample before if the step between is right and does not stick to it."""
     held = (steps.first == label[:-1]) | (steps.last == label[:-1])
     for i in np.flatnonzero((label[:-1] > 3) & ~held).tolist():
         held[i] = bool(np.any(steps.events.target[steps.events.rows(i, i)] == label[i]))
@@ -199,7 +199,7 @@ def _is_stick(steps: ExactSteps, mode: int, first: int, last: int, wrong: np.nda
 def _event(
     steps: ExactSteps, kind: str, boundary: int, source: int, target: int, step: int, last_step: int, sample: int | None
 ) -> FoundEvent:
-    """Return an event that the samples show between sample `step` and the sample after `last_step`."""
+    """Return a `FoundEvent`; its time is that of the exact motion over the steps, or of `sample`, or estimated by v."""
     last_step = min(last_step, len(steps.first) - 1)
     i, j, rows = step, last_step + 1, steps.events.rows(step, last_step)
     times = steps.events.t[rows][(steps.events.kind[rows] == CODES[kind]) & (steps.events.boundary[rows] == boundary)]
@@ -224,8 +224,8 @@ def given_events(steps: ExactSteps, pairs: Iterable[tuple[float, str]]) -> list[
 
 
 @dataclass(frozen=True)
-class Reach:
-    """The tolerances of event times: by how much they may be off, given the tolerance and the errors of the samples."""
+class TimeTolerances:
+    """How far the times of events in a solution may be from the exact ones, as the errors of its samples allow."""
 
     steps: ExactSteps
     errors: np.ndarray  # allowed errors of the samples in x and v, (n, 2)
@@ -236,7 +236,7 @@ class Reach:
     def of_event(self, event: Event) -> float:
         """Return by how much a solver's time of an exact event may be off."""
         t, x, theta = float(event.t), float(event.x), float(event.theta)
-        return self._width(t, x, theta, event.boundary, MODES[event.source])
+        return self._tolerance(t, x, theta, event.boundary, MODES[event.source])
 
     def of_row(self, row: int) -> float:
         """Return by how much a solver's time of the exact event in one `row` of `steps.events` may be off."""
@@ -245,15 +245,15 @@ class Reach:
         starts = row == 0 or events.step[row - 1] != step
         source = int(self.steps.first[step] if starts else events.target[row - 1])
         source = 3 + boundary if events.kind[row] == CODES["slip"] else min(source, 3)
-        return self._width(float(events.t[row]), float(events.x[row]), float(events.theta[row]), boundary, source)
+        return self._tolerance(float(events.t[row]), float(events.x[row]), float(events.theta[row]), boundary, source)
 
     def of_start(self, boundary: int) -> float:
         """Return how long after the first sample a solver may list its start on a belt as an event."""
         t, x, theta = float(self.steps.t[0]), float(self.steps.x[0]), float(self.steps.theta[0])
-        return max(self._width(t, x, theta, boundary, domain) for domain in NEIGHBOURS[boundary])
+        return max(self._tolerance(t, x, theta, boundary, domain) for domain in NEIGHBOURS[boundary])
 
     def of_near_graze(self, trajectory: Trajectory, time: float) -> float | None:
-        """Return for how long the exact motion nearly touches a belt around a time; None if it does not."""
+        """Return how long before and after a time v is within tolerance of a belt's speed; None if it is not."""
         inside = float(trajectory.t_start) <= time <= float(trajectory.t_end)
         mode = MODES[trajectory.mode(time)] if inside else 4
         if mode > 3:
@@ -282,8 +282,8 @@ class Reach:
         dx, dv = (float(value) for value in np.max(self.errors[max(j - 2, 0) : j + 2], axis=0))
         return dx, sqrt(dv * dv + self.steps.K.w0sq * dx * dx)
 
-    def _width(self, time: float, x: float, theta: float, boundary: int, source: int) -> float:
-        """Return by how much the time of an event at a boundary may be off; `source` is the mode that ends there."""
+    def _tolerance(self, time: float, x: float, theta: float, boundary: int, source: int) -> float:
+        """Return how far the time of an event at x, theta and a belt may be off; `source` is the mode that it ends."""
         K, (dx, dv) = self.steps.K, self._spread(time)
         v, s, c = (K.belt1, K.belt2)[boundary - 1].v, sin(theta), cos(theta)
         rate = max(K.Om, sqrt(K.w0sq))
@@ -301,20 +301,20 @@ class Reach:
 
 
 class Matcher:
-    """Exact events paired with those of the samples or of a solver's list (`given`), and verdicts on the others."""
+    """Exact events paired with those of the samples or (if `given`) of a list, and verdicts on unpaired events."""
 
     # `exact` may have events shortly after the last sample too; `label` are the codes of `labels`; `wrong` marks steps.
     # The results `matched`, `missed`, `invented`, `unresolved` and `notes` are those of `CrossCheck`.
 
     def __init__(
-        self, trajectory: Trajectory, exact: Sequence[Event], found: Sequence[FoundEvent], given: bool, reach: Reach,
-        label: np.ndarray, wrong: np.ndarray,
+        self, trajectory: Trajectory, exact: Sequence[Event], found: Sequence[FoundEvent], given: bool,
+        tolerances: TimeTolerances, label: np.ndarray, wrong: np.ndarray,
     ) -> None:  # fmt: skip
         self.trajectory, self.exact, self.found, self.given = trajectory, exact, found, given
-        self.reach, self.steps, self.label, self.wrong = reach, reach.steps, label, wrong
+        self.tolerances, self.steps, self.label, self.wrong = tolerances, tolerances.steps, label, wrong
         self.window = WINDOW * self.steps.K.period
         self.times = np.array([float(event.t) for event in exact])
-        self.reaches = np.array([reach.of_event(event) for event in exact])
+        self.reaches = np.array([tolerances.of_event(event) for event in exact])
         self.local = [self._local(event) for event in exact]
         # Numbers of the exact events and of those found that have no partner yet.
         self.exact_free, self.found_free = set(range(len(exact))), set(range(len(found)))
@@ -340,7 +340,7 @@ class Matcher:
         return int(rows[np.argmin(np.abs(events.t[rows] - time))]) if len(rows) else None
 
     def _own_time(self, i: int) -> float | None:
-        """Return the time of exact event number `i` on the motions restarted at the samples; None if these lack it."""
+        """Return when exact event number `i` occurs if the motion restarts at every sample, None if it does not."""
         return None if self.local[i] is None else float(self.steps.events.t[self.local[i]])
 
     def _pair(self) -> None:
@@ -348,7 +348,7 @@ class Matcher:
         pairs = []
         most = float(np.max(self.reaches, initial=0.0)) + self.window
         for j, event in enumerate(self.found):
-            slack = event.spread + self.reach.listed[j] if self.given else event.spread
+            slack = event.spread + self.tolerances.listed[j] if self.given else event.spread
             low, high = np.searchsorted(self.times, [event.t - most - slack, event.t + most + slack])
             for i in range(int(low), int(high)):
                 if self.exact[i].kind == event.kind and event.boundary in (0, self.exact[i].boundary):
@@ -369,12 +369,12 @@ class Matcher:
             return
         first = min(self.found_free)
         time = self.found[first].t
-        if abs(time - float(self.steps.t[0])) <= self.reach.of_start(boundary) + self.reach.listed[first]:
+        if abs(time - float(self.steps.t[0])) <= self.tolerances.of_start(boundary) + self.tolerances.listed[first]:
             self.found_free.remove(first)
             self.notes.append(f"the list's event at t = {time:.10g} is the start on belt {boundary}")
 
     def _allow_events_of_the_samples(self) -> None:
-        """Set aside listed events that the motion over a right step has, but not the motion from the first sample."""
+        """Set aside listed events that the exact motion has only if it restarts at every sample, in a right step."""
         events = self.steps.events
         used = {row for row in self.local if row is not None}
         for j in sorted(self.found_free):
@@ -383,17 +383,17 @@ class Matcher:
             for row in range(int(low), int(high)):
                 if events.kind[row] != CODES[event.kind] or row in used or self.wrong[events.step[row]]:
                     continue
-                distance, reach = abs(float(events.t[row]) - event.t), self.reach.of_row(row)
+                distance, reach = abs(float(events.t[row]) - event.t), self.tolerances.of_row(row)
                 near = np.flatnonzero(np.abs(self.times - events.t[row]) <= self.reaches + reach).tolist()
                 kind = event.kind, events.boundary[row]
                 is_exact = any((self.exact[i].kind, self.exact[i].boundary) == kind for i in near)
-                if not is_exact and distance <= reach + self.reach.listed[j]:
+                if not is_exact and distance <= reach + self.tolerances.listed[j]:
                     used.add(row)
                     self._set_aside([j], ())
                     break
 
     def _allow_close_events(self) -> None:
-        """Set aside unpaired events where exact ones at a belt are too close together to tell them apart."""
+        """Set aside unpaired events among exact events at one belt that are too close in time to be told apart."""
         partner = {id(match.event): match.found for match in self.matched}
         index = {id(event): j for j, event in enumerate(self.found)}
         clusters: list[list[int]] = []
@@ -424,7 +424,7 @@ class Matcher:
         runs: list[list[int]] = []
         for j in sorted(self.found_free):
             time = self.found[j].t
-            width = self.reach.of_near_graze(self.trajectory, time)
+            width = self.tolerances.of_near_graze(self.trajectory, time)
             # A contact next to an exact event belongs to that event.
             if width is None or np.any(np.abs(self.times - time) <= self.reaches + width):
                 continue
@@ -438,7 +438,7 @@ class Matcher:
                 self._set_aside(run, ())
 
     def _set_aside(self, found: Iterable[int], exact: Iterable[int]) -> None:
-        """Set events, given by their numbers, aside as unresolved: they count neither for nor against the solution."""
+        """Set the events numbered `found` and `exact` aside as unresolved: they do not count in the verdict."""
         exact, found = sorted(exact), sorted(found)
         self.exact_free -= set(exact)
         self.found_free -= set(found)
@@ -497,7 +497,7 @@ class Matcher:
             nearest = int(np.argmin(gaps)) if len(gaps) else -1
             near = nearest >= 0 and gaps[nearest] <= self.window
             close = False
-            if near:  # the event may be as far from its exact time as that of the samples' own path, and its reach
+            if near:  # the event may be as far from its exact time as that of the samples' own path, and its tolerance
                 exact, own = float(self.times[nearest]), self._own_time(nearest)
                 close = bool(gaps[nearest] <= self.reaches[nearest] + abs((exact if own is None else own) - exact))
             if close and nearest not in used:
@@ -505,7 +505,7 @@ class Matcher:
                 event = self.exact[nearest]
                 found = matched[id(event)].found if id(event) in matched else None
                 matched[id(event)] = Match(event, time, found)
-            elif not close and abs(time - float(self.steps.t[0])) > max(map(self.reach.of_start, (1, 2))):
+            elif not close and abs(time - float(self.steps.t[0])) > max(map(self.tolerances.of_start, (1, 2))):
                 step = self.steps.at(time)[0]
                 kind = self.exact[nearest].kind if near else "cross"
                 self.invented.append(FoundEvent(time, kind, 0, "", "", step, step))

@@ -63,10 +63,12 @@ Reader = Callable[[IO[bytes], Any, str], Any]
 def read_solutions(
     source: Any, columns: Mapping[str, str | None] | None = None, problem: Problem = None
 ) -> list[Samples]:
-    """Read solutions from a file, standard input ("-"), a list of files, or an object such as a table or a function."""
-    # docs/checking.md lists the objects. `columns`: what the columns t, x, v and id are called; None: there is none.
-    # `problem`: the scene or parameters, from which a function gets its times. ParameterError if the file cannot be
-    # read, a column is missing or the samples are wrong.
+    """Read solutions from a file, standard input ("-"), a list of files, or an object such as a table or a function.
+
+    `columns` says how the columns t, x, v and id are called, None for a missing one; from `problem` a function gets its
+    times. ParameterError if the file cannot be read, a column is missing or the samples are wrong.
+    """
+    # docs/checking.md lists the objects.
     asked = read_column_names(columns)
     if isinstance(source, (list, tuple)) and source and all(isinstance(each, (str, Path)) for each in source):
         found = [(path, each) for path in source for each in read_solutions(path, columns, problem)]
@@ -80,7 +82,7 @@ def read_solutions(
 
 
 def read_content(path: str | Path, choose: Choose) -> Any:
-    """Return the contents of a file: columns, an array, JSON values with Decimals, or lines of text."""
+    """Return the contents of a file: arrays, JSON values, or the rows of a text table in columns named by `choose`."""
     # A line is its place in the file, and its cells that are not empty by the names that `choose` gives them.
 
     def cells_by_name(file: IO[bytes], asked: Any, where: str) -> list[tuple[str, dict[str, str]]]:
@@ -93,7 +95,7 @@ def read_content(path: str | Path, choose: Choose) -> Any:
 
 
 def _read(path: str | Path, where: str, asked: Asked | None, text: Reader) -> Any:
-    """Return the contents of a file, read according to its format; any error becomes a one-line ParameterError."""
+    """Return the columns `asked` for (None: all) of a file; `text` reads plain text. Any error is a ParameterError."""
     library = ""
     try:
         with _opened(path, where) as file:
@@ -205,7 +207,7 @@ class TextColumns(dict[str, np.ndarray]):
 
 
 def read_text(file: IO[bytes], asked: Asked, where: str) -> TextColumns:
-    """Return the columns t and x of a text table, and v and id if it has them."""
+    """Return the columns t and x of a text table, and v and id if present; `asked` may say how they are called."""
 
     def choose(names: list[str]) -> dict[str, str]:
         if names != [str(i + 1) for i in range(len(names))] or set(asked.values()) & set(names):
@@ -232,7 +234,7 @@ def read_text(file: IO[bytes], asked: Asked, where: str) -> TextColumns:
 
 
 def _number(cell: str, delimiter: str | None) -> float:
-    """Return a cell as a float: perhaps with a Fortran exponent, or a decimal comma unless commas separate cells."""
+    """Return a cell as a float; read Fortran exponents and, unless the `delimiter` is a comma, decimal commas too."""
     try:
         return float(cell) if "_" not in cell and cell.isascii() else number_of(cell)
     except ValueError:
@@ -249,7 +251,7 @@ def plain_number(cell: str) -> str:
 def _table(
     file: IO[bytes], choose: Choose, where: str
 ) -> tuple[str | None, dict[str, int], Iterator[tuple[int, list[str]]]]:
-    """Return the delimiter of a text table, the positions of the columns to be read, and its rows with line numbers."""
+    """Return a text table's delimiter, the positions of columns that `choose` names, and its rows with line numbers."""
     lines = _lines(file, where)
     head = list(islice(lines, 1000))  # lines that may hold the header
     data = [i for i, (_, _, has_data) in enumerate(head) if has_data]
@@ -405,12 +407,12 @@ def _unwrapped(found: Record) -> Any:
 
 
 def _read_hdf5(file: IO[bytes], asked: Asked | None, where: str) -> Any:
-    """Return the datasets in one group of an HDF5 or netCDF 4 file: the first at the least depth that has any."""
+    """Return the datasets in one group of an HDF5 or netCDF 4 file: the group nearest to the root that has any."""
     h5py = optional("h5py", "an HDF5 file", "tables")
     groups: dict[str, Record] = {}
 
     def visit(path: str, item: Any) -> None:
-        """Note a dataset under its group and name; an Octave cell array becomes one dict of datasets by number."""
+        """Enter the dataset `item` into `groups`; the cells of an Octave cell array go into one dict, by number."""
         # MATLAB keeps the targets of references in a group "#refs#", Octave x as x/type and x/value.
         octave = "OCTAVE_NEW_FORMAT" in item.parent.attrs
         if not isinstance(item, h5py.Dataset) or path.startswith("#") or (octave and path.endswith("/type")):
@@ -431,7 +433,7 @@ def _read_hdf5(file: IO[bytes], asked: Asked | None, where: str) -> Any:
 
 
 def _hdf5_value(item: Any) -> Any:
-    """Return the value of an HDF5 dataset, or for an Octave cell array, which is a dict, the list of its values."""
+    """Return the value of an HDF5 dataset, or the list of values in a dict of datasets (an Octave cell array)."""
     if isinstance(item, dict):
         return [_hdf5_value(item[i]) for i in sorted(item)]
     values, octave = item[()], "OCTAVE_NEW_FORMAT" in item.parent.attrs
@@ -504,7 +506,7 @@ MAT_HEADER = 128
 
 
 def _read_mat(file: IO[bytes], asked: Asked | None, where: str) -> Any:
-    """Return the variables of a MATLAB file; version 7.3 is HDF5."""
+    """Return the variables of a MATLAB file by name, also of version 7.3, which is HDF5."""
     begins, sign = file.read(512 + 8), b"\x89HDF\r\n\x1a\n"  # perhaps behind a block of text
     file.seek(0)
     if begins.startswith(sign) or begins.endswith(sign):
@@ -534,7 +536,7 @@ def has_wrong_tags(data: bytes) -> bool:
 
 
 def _is_sound(data: bytes, order: str, kind: int, begin: int, end: int, depth: int) -> bool:
-    """Return whether a data element of a MATLAB file, and every element inside it, has a valid tag."""
+    """Return whether a MATLAB data element of type number `kind`, and every element nested in it, has a valid tag."""
     if kind != 14:  # no matrix: numbers, a packed matrix, which has a checksum of its own, or text
         return kind in (1, 2, 3, 4, 5, 6, 7, 9, 12, 13, 15, 16, 17, 18)
     parts = list(_tags(data, order, begin, end, True))

@@ -126,8 +126,8 @@ def _widths_in_sticks(
 ) -> list[tuple[str, float, float, float]]:
     """Fit each of CURVES to samples in sticks whose v is off the belt's by `gap`; return name, width, error, spread.
 
-    The spread is the deviation of the widths that the single samples ask for, divided by their median. The error is the
-    standard deviation of the width.
+    Each sample alone gives a width. The result is their median, its standard deviation (the error), and the deviation
+    of the single widths divided by the median (the spread).
     """
     s, K, i, half = case.steps, case.steps.K, steps + 1, _half_jump(case, boundary)
     push = _free_acceleration(case, s.x[i], s.v[i], s.theta[i], boundary)
@@ -156,7 +156,7 @@ def _widths_in_sticks(
 
 
 def smoothed_flights(case: Case) -> Iterator[Diagnosis]:
-    """Yield the diagnosis of smoothed friction with the curve and width whose integration repeats the wrong steps."""
+    """Yield the diagnosis of smoothed friction if integration with one curve and width reproduces the wrong steps."""
     wrong = case.moving_wrong[np.isfinite(case.sizes[case.moving_wrong])]
     if len(wrong) < 2:
         return
@@ -355,7 +355,7 @@ def stick_ends(case: Case) -> Iterator[Diagnosis]:
 
 
 def _kept_too_long(case: Case) -> Iterator[Diagnosis]:
-    """Yield the diagnosis of sticks that end too late, where only steps that stay on the belt are wrong."""
+    """Yield the diagnosis of sticks that end too late, from wrong steps in which samples just move on with the belt."""
     s, wrong = case.steps, np.flatnonzero(case.wrong)
     on = wrong[(case.domain[wrong] == 0) & (s.last[wrong] <= 3)]
     on = on[_kept_on(case, on)]
@@ -369,7 +369,7 @@ def _kept_too_long(case: Case) -> Iterator[Diagnosis]:
 
 
 def _diagnose_late_end(held: np.ndarray, evidence: str, share: float) -> Diagnosis:
-    """Return the diagnosis of sticks that end late: too much friction holds them, or their ends are not located."""
+    """Return the diagnosis of sticks that end late; `held` is the friction there divided by the largest possible."""
     ratio, count = float(np.median(held)), len(held)
     alike = np.abs(held - ratio) <= SAME_RATE * abs(ratio - 1.0) + ONE_NUMBER
     if count >= 3 and 2 * np.sum(alike) < count:
@@ -397,9 +397,9 @@ def _phase(case: Case, sticks: StickSteps, time: np.ndarray) -> np.ndarray:
 
 
 def _misses_at(case: Case, sticks: StickSteps, time: np.ndarray, side: int, dx: Any = 0.0, dv: Any = 0.0) -> np.ndarray:
-    """Return the misses of steps whose sticks end at `time`, with errors dx of x and dv of v, and turn to flights.
+    """Return by how much flights that begin where sticks end, at `time`, miss the next samples.
 
-    All flights are below the belt (`side` 0) or above it (1), and go on to the next samples.
+    They are all below the belt (`side` 0) or above it (1), and begin with errors `dx` of x and `dv` of v.
     """
     s, speed = case.steps, case.steps.belts[sticks.boundary - 1]
     x, tau = sticks.x + speed * (time - sticks.begin) + dx, s.t[sticks.step + 1] - time

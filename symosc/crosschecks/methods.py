@@ -99,7 +99,7 @@ RARE = {name for name in FIXED_STEP_METHODS if name.startswith(("RK4 with", "RK3
 
 
 def known_methods(case: Case) -> Iterator[Diagnosis]:
-    """Yield the diagnosis that one of FIXED_STEP_METHODS made the wrong steps: with a fixed step it repeats them."""
+    """Yield the diagnosis that the samples were made by one of FIXED_STEP_METHODS, which reproduces the wrong steps."""
     wrong, inside = case.moving_wrong, case.inside_wrong
     at_events = case.thinned(np.setdiff1d(wrong, inside), MOST_REPEATED)
     flights = case.thinned(inside, MOST_REPEATED)
@@ -156,10 +156,10 @@ def _other_weights(case: Case, flights: np.ndarray) -> Iterator[Diagnosis]:
 
 
 def _not_located(case: Case, name: str, h: float, share: float, unseen: bool, held: bool) -> Diagnosis:
-    """Return the diagnosis that a method does not locate events: "chatter" if the mass should stick.
+    """Return the diagnosis that the method `name` does not locate events, or makes chatter where the mass should stick.
 
-    The method `name` with steps `h` repeats the fraction `share` of the steps with events. `unseen`: most of them end
-    on the side of the belt where they began. `held`: the friction is that at the beginning of a step.
+    With steps `h` it reproduces the fraction `share` of the steps with events. `unseen` says that most of these end on
+    the side of the belt where they began, `held` that each step keeps the friction of its beginning.
     """
     if name == "exact" and unseen:
         words = "belts are met and left within a step, and that is not seen"
@@ -279,9 +279,9 @@ def delays(case: Case) -> Iterator[Diagnosis]:
 
 
 def _with_delay(case: Case, chosen: np.ndarray, rows: np.ndarray, delay: np.ndarray, onto: bool) -> np.ndarray:
-    """Return the misses of the steps `chosen` if the first event of each, in `rows` of the events, is late by `delay`.
+    """Return by how much the exact motion misses the ends of steps if the first event of each is late by `delay`.
 
-    If `onto`, v is set to the belt's speed at the delayed event.
+    `rows` are the rows of these events in the `StepEvents`. If `onto`, v is set to the belt's speed at the late event.
     """
     # Up to its delayed end a mode goes on as before the event.
     s = case.steps
@@ -296,7 +296,7 @@ def _with_delay(case: Case, chosen: np.ndarray, rows: np.ndarray, delay: np.ndar
 
 
 def _misses_from(case: Case, chosen: np.ndarray, time: np.ndarray, x: np.ndarray, v: np.ndarray) -> np.ndarray:
-    """Return by how much the exact motion from states inside steps misses the samples at their ends."""
+    """Return by how much the exact motion from states time, x, v inside the steps `chosen` misses their ends."""
     return larger(case.defects_from(np.column_stack([time, x, v]), chosen + 1, 0.0) / case.allowed[chosen])
 
 
@@ -337,7 +337,7 @@ def interpolated(case: Case) -> Iterator[Diagnosis]:
 
 
 def _first_events(case: Case, usable: np.ndarray) -> tuple[np.ndarray, np.ndarray, int]:
-    """Return up to MOST_DELAYS wrong steps with events, the row of the first event of each, and the number of all.
+    """Return at most MOST_DELAYS wrong steps with events, the row of each first event, and how many steps there are.
 
     `usable` marks the steps that may be taken.
     """

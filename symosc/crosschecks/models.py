@@ -123,7 +123,7 @@ def _wrong_signs(case: Case) -> Iterator[Candidate]:
 
 
 def coefficients(case: Case) -> Iterator[Candidate]:
-    """Yield each parameter as a wrong coefficient, fitted to the flights; a belt's speed is fitted to all steps."""
+    """Yield for each parameter the diagnosis that it is wrong, its value fitted to flights (v1, v2: wrong steps)."""
     for name in PARAMETER_NAMES:
         if name not in ("v1", "v2"):
             yield from _coefficient(case, name, _fit_flights(case, name))
@@ -147,7 +147,7 @@ def far_coefficients(case: Case) -> Iterator[Candidate]:
 
 
 def _median(sizes: np.ndarray) -> float:
-    """Return the median of the defect sizes that are not NaN: inf if all are NaN, 0 if there is none."""
+    """Return the median of the sizes of defects without NaN; inf if all are NaN, 0 if `sizes` is empty."""
     known = sizes[~np.isnan(sizes)]
     return float(np.median(known)) if len(known) else 0.0 if not len(sizes) else inf
 
@@ -192,7 +192,7 @@ def _tick(p: Parameters, name: str) -> np.ndarray:
 
 
 def _fit_flights(case: Case, name: str, start: float | None = None) -> Fit | None:
-    """Fit one coefficient to the flights of the samples; None if more than LEFT_OVER of their median defect is left."""
+    """Fit the parameter `name` to the flights of the samples; None if the fit does not remove most of their defects."""
     p, flights = case.parameters, case.thinned(case.inside, MOST_FLOWN)
     before = _median(case.sizes[flights])
     if not before > 1.0:
@@ -278,7 +278,7 @@ def phases_of_drive(case: Case) -> Iterator[Candidate]:
 
 
 def _phase_shift(case: Case, flights: np.ndarray) -> float | None:
-    """Return by which angle the drive is ahead in the steps `flights`; None if they show another amplitude of it."""
+    """Return by which angle the drive is ahead in the steps `flights`; None if its amplitude is not right either."""
     K = case.steps.K
 
     def misses(value: np.ndarray) -> np.ndarray:

@@ -53,7 +53,7 @@ MOST_NAMES = 12  # in a message
 
 
 def read_column_names(columns: Mapping[str, str | None] | None) -> dict[str, str | None]:
-    """Check the mapping from t, x, v and id to column names; "none" or None means that the column is missing."""
+    """Check and return `columns`, column names by t, x, v and id; "none", for a missing column, becomes None."""
     if columns is not None and not isinstance(columns, Mapping):
         raise ParameterError("columns", columns, 'must be a mapping, such as {"x": "position"}')
     asked: dict[str, str | None] = {}
@@ -80,7 +80,7 @@ def plain(name: str) -> str:
 
 
 def is_wanted(name: str, asked: Asked | None) -> bool:
-    """Return whether the column `name` of a file must be read: all are if `asked` is None, else only known names."""
+    """Return whether to read the column `name`: any if `asked` is None, else one asked for or with a usual name."""
     if asked is None or plain(name) in set().union(*USUAL_NAMES.values()):
         return True
     return name.lower() in {column.lower() for column in asked.values() if column} | {EVENTS, *STATE_NAMES}
@@ -95,15 +95,15 @@ def refuse_twice(where: str, names: Iterable[str], asked: Asked | None) -> None:
         seen.add(name)
 
 
-def find_columns(there: Sequence[str], asked: Asked, where: str) -> dict[str, str]:
-    """Find the columns t and x, and v and id if present; ParameterError if one is missing or ambiguous."""
-    missing = f"is missing in {where}; there are: {names_text(there)}"
+def find_columns(names: Sequence[str], asked: Asked, where: str) -> dict[str, str]:
+    """Find t, x and perhaps v, id among the column `names`, as `asked` or by usual names; ParameterError if unclear."""
+    missing = f"is missing in {where}; there are: {names_text(names)}"
     found: dict[str, str] = {}
-    free = [each for each in there if each not in asked.values()]
+    free = [each for each in names if each not in asked.values()]
     for name, usual in USUAL_NAMES.items():
         column = asked.get(name)
         if column is not None:
-            same = [each for each in there if each == column] or [e for e in there if e.lower() == column.lower()]
+            same = [each for each in names if each == column] or [e for e in names if e.lower() == column.lower()]
             if len(set(same)) != 1:
                 raise ParameterError("column", column, missing)
             found[name] = same[0]
@@ -119,7 +119,7 @@ def find_columns(there: Sequence[str], asked: Asked, where: str) -> dict[str, st
             left = [each for each in free if each not in found.values()]
             say = f"; say which, such as {name}={brief(left[0])}" if left else ""
             raise ParameterError("column", name, missing + say)
-    if "v" not in found and "v" not in asked and set(there) - {*found.values(), EVENTS}:
+    if "v" not in found and "v" not in asked and set(names) - {*found.values(), EVENTS}:
         raise ParameterError("column", "v", f"{missing}; without velocities, which are then computed: v=none")
     return found
 
@@ -167,7 +167,7 @@ def solutions_in(source: Any, asked: Asked, problem: Problem = None, where: str 
 
 
 def _has_x(source: Any) -> bool:
-    """Return whether a source has a column x."""
+    """Return whether an object is a table or a mapping with a column named "x"."""
     if isinstance(source, np.ndarray):
         return "x" in (source.dtype.names or ())
     with suppress(TypeError, ValueError):
@@ -281,7 +281,7 @@ def _pandas_table(frame: Any) -> Table:
 
 
 def _xarray_table(data: Any) -> Table:
-    """Return a Dataset as a table; if it has two dimensions, the one that is not time numbers the solutions."""
+    """Return an xarray Dataset as a table; of two dimensions, the one that is not time becomes the id of solutions."""
     if max((len(variable.dims) for variable in data.variables.values()), default=0) <= 1:
         return {str(name): variable for name, variable in data.variables.items()}
     frame = data.to_dataframe().reset_index()
@@ -293,7 +293,7 @@ def _xarray_table(data: Any) -> Table:
 
 
 def _read_table(table: Table, asked: Asked, where: str) -> list[Samples]:
-    """Return the solutions in a table."""
+    """Return the solutions in a table: a single one, or one for each id or for each row of matrices."""
     if not ({plain(name) for name in table} & {"x", "position"} or "x" in asked):
         for name in [name for name in table if name.lower() in STATE_NAMES]:  # x and v together
             both = _array(table[name])
@@ -370,10 +370,10 @@ def _grid(t0: float, t_end: float, problem: Scene | Parameters) -> np.ndarray:
 
 
 def of_function(function: Callable[..., Any], problem: Problem, times: Any = None) -> Samples:
-    """Return samples of a function t -> (x, v) at given `times`, or if None at many times of an interval.
+    """Return samples of a function t -> (x, v) at the given `times`, or if None at many times from start to end.
 
-    The interval is t_min to t_max if the function has these attributes, as scipy's OdeSolution, else that of the scene
-    `problem`.
+    Start and end are t_min and t_max if the function has these attributes, as scipy's OdeSolution has, else those of
+    the scene `problem`.
     """
     if times is None:
         ends: list[Any] = [getattr(function, name, None) for name in ("t_min", "t_max")]
@@ -414,7 +414,7 @@ def _evaluated(function: Callable[..., Any], times: np.ndarray) -> np.ndarray:
 
 
 def dense_note(trajectory: Trajectory, dense: Callable[[np.ndarray], Any], until: float) -> str:
-    """Return a note on how far a solver's dense output is off up to the time `until`; verdicts do not use it."""
+    """Return a note that says how far a solver's dense output is from the exact motion up to the time `until`."""
     ends = (getattr(dense, "t_min", -inf), getattr(dense, "t_max", inf))
     low, high = max(float(trajectory.t_start), float(ends[0])), min(until, float(ends[1]))
     if not low < high:
@@ -427,7 +427,7 @@ def dense_note(trajectory: Trajectory, dense: Callable[[np.ndarray], Any], until
 
 
 def _solver_events(result: Any, problem: Problem) -> tuple[tuple[tuple[float, str], ...] | None, tuple[str, ...]]:
-    """Return the events at a belt in scipy's `t_events`, each with kind "", and notes on its other events."""
+    """Return a result's `t_events` at a belt as pairs (t, ""), their kinds being unknown, and notes on the others."""
     # Two functions that vanish together, such as an event that ends a piece, are one event.
     lists, states = getattr(result, "t_events", None), getattr(result, "y_events", None)
     if lists is None or problem is None:
@@ -466,7 +466,7 @@ def _solver_events(result: Any, problem: Problem) -> tuple[tuple[tuple[float, st
 
 
 def run_solver(name: str, scene: Scene) -> Any:
-    """Call the FUNCTION of "MODULE:FUNCTION" or "file.py:FUNCTION" with (parameters, t0, x0, v0, t_end)."""
+    """Return what the solver "MODULE:FUNCTION" or "file.py:FUNCTION" returns for (parameters, t0, x0, v0, t_end)."""
     # It prints to standard error. ParameterError if it does not exist, fails, or returns nothing.
     module, colon, function = name.rpartition(":")
     if not (module and colon and function):

@@ -340,7 +340,7 @@ class CrossChecks(list[CrossCheck]):
 
 
 def _judged(task: Callable[[Samples], Any], name: str, samples: Samples) -> CrossCheck:
-    """Judge one of several solutions; if it raises a ParameterError, add the solution's name to the message."""
+    """Judge samples by the `Task` that `task` makes of them; add the solution's `name` to a ParameterError."""
     try:
         found: CrossCheck = task(samples).verdict()
     except ParameterError as error:
@@ -349,7 +349,7 @@ def _judged(task: Callable[[Samples], Any], name: str, samples: Samples) -> Cros
 
 
 def check_all(task: Callable[[Samples], Any], solutions: Sequence[Samples], workers: int, progress: Any) -> CrossChecks:
-    """Judge several solutions, in `workers` processes; return the results in order."""
+    """Judge each of `solutions` by the `Task` that `task` makes of it, in `workers` processes; return all in order."""
     count, total = min(workers, len(solutions)), len(solutions)
     names, found = [samples.name or str(i) for i, samples in enumerate(solutions)], list[CrossCheck]()
     with reporting(progress or False, 0, total, "check", "solutions") as report, ExitStack() as stack:

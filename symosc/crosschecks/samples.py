@@ -67,10 +67,10 @@ def checked(t: object, x: object, v: object = None, events: object = None) -> Sa
 
 
 def check_joints(samples: Samples, part: float, slack: np.ndarray) -> None:
-    """Raise ParameterError if the states at a repeated time differ by more than those of two joined pieces may.
+    """Raise ParameterError if two samples at one time, where pieces are joined, differ too much in x or v.
 
-    They may differ by the fraction `part` of the largest |x| and |v|, and by twice `slack`, the errors allowed to the
-    samples, shape (n, 2).
+    They may differ by the fraction `part` of the largest |x| or |v|, plus twice the error that `slack`, of shape
+    (n, 2), allows to each sample.
     """
     twice = np.flatnonzero(np.diff(samples.t) == 0.0)
     for name, values, more in (("x", samples.x, slack[:, 0]), ("v", samples.v, slack[:, 1])):
@@ -165,8 +165,8 @@ class Digits(NamedTuple):
 def find_rounding(samples: Samples, speeds: Iterable[float], start: float | None = None) -> dict[str, Digits]:
     """Return the rounding of the columns "t", "x", "v" and of listed "events" that have fewer digits than a double.
 
-    Velocities that are `speeds` of the belts are short by nature and show no rounding. A time such as 0.05 is exact:
-    times on an even grid count as rounded only if the first one is the scene's time `start`, rounded.
+    Velocities equal to one of the belts' `speeds` may have few digits anyway and show no rounding. Evenly spaced times,
+    such as multiples of 0.05, count as rounded only if the first one is the scene's time `start`, rounded.
     """
     # Times are taken as rounded only if x or v are.
     x, v = find_digits(samples.x, samples.x[:1]), find_digits(samples.v, [*speeds, samples.v[0]])
@@ -187,7 +187,7 @@ def find_rounding(samples: Samples, speeds: Iterable[float], start: float | None
 def find_digits(values: np.ndarray, natural: Iterable[float] = (), least: int = LEAST_SHOWN) -> Digits | None:
     """Return the rounding of `values`; None if they are full doubles, or if too few of them show a rounding.
 
-    At least `least` of them must show it; 0 and the numbers `natural`, which are short anyway, do not.
+    At least `least` values must show it. 0 and the numbers in `natural`, which have few digits anyway, do not count.
     """
     # Fixed decimals and significant digits are tried. Rounded numbers fit both, one of them with more digits than were
     # written: the coarser unit is the right one for every number.
@@ -201,14 +201,14 @@ def find_digits(values: np.ndarray, natural: Iterable[float] = (), least: int = 
 
 
 def _as_neighbour(values: np.ndarray, beside: Digits | None) -> Digits | None:
-    """Return `beside`, the rounding of x or v, if it fits `values` of the other of these columns too; else None."""
+    """Return `beside`, the rounding of the column x (or v), if it fits the `values` of v (or x) too; else None."""
     if beside is None or np.ptp(beside.units) > 0.0:
         return None
     return beside if _are_multiples(values, beside.units) else None
 
 
 def _decimal(values: np.ndarray, numbers: np.ndarray) -> Digits | None:
-    """Return to how many decimals or digits `values` are rounded, as their part `numbers` shows; None if to none."""
+    """Return the decimals or digits to which `values` are rounded, or None; `numbers` are those that can show it."""
     exponents = _exponents(numbers)
     # Hardly a double has at most 13 significant digits by chance (one of a thousand).
     significant = next((n for n in range(1, 14) if _fits(numbers, n - 1 - exponents)), None)
@@ -226,7 +226,7 @@ def _decimal(values: np.ndarray, numbers: np.ndarray) -> Digits | None:
 
 
 def _single(values: np.ndarray, numbers: np.ndarray) -> Digits | None:
-    """Return the rounding of `values` to single or half precision, as their part `numbers` shows, or None."""
+    """Return the rounding of `values` to single or half precision, or None; `numbers` are those that can show it."""
     for kind, name in ((np.float16, "half"), (np.float32, "single")):
         with np.errstate(over="ignore"):
             fits = np.array_equal(numbers.astype(kind), numbers)
@@ -236,7 +236,7 @@ def _single(values: np.ndarray, numbers: np.ndarray) -> Digits | None:
 
 
 def _grid(values: np.ndarray, numbers: np.ndarray) -> Digits | None:
-    """Return the equidistant grid to which values are rounded, as an A/D converter does; None if there is none."""
+    """Return the even grid to which `values` are rounded, as by an A/D converter, or None; `numbers` can show it."""
     # Two halves of the numbers, or all but one of a few, must give the same step, of a few numbers to a factor of 2: a
     # single number beside a grid would make a much finer one.
     levels = np.unique(np.abs(numbers))

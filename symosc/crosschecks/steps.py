@@ -49,7 +49,7 @@ CLEARANCE = 1e-9
 
 
 def propagated(p: Parameters, off: np.ndarray, tau: Any) -> np.ndarray:
-    """Bound the difference [x, v] of two exact motions a time `tau` after it was `off`, whatever events they have."""
+    """Bound the difference [x, v] of two exact motions that differed by `off` a time `tau` ago, with any events."""
     if not np.any(off):
         return np.zeros(2)
     x, v = off[..., 0], off[..., 1]
@@ -241,7 +241,7 @@ def phases(parameters: Parameters, t: Any) -> np.ndarray:
 
 
 def quiet_ends(rows: np.ndarray, left: np.ndarray, K: Constants) -> tuple[np.ndarray, np.ndarray]:
-    """Return the numbers of starts that surely have no event in the time `left` to them, and their final states [x, v].
+    """Return the numbers of starts that certainly have no event for a time `left`, and their states [x, v] after it.
 
     `rows` are starts as `engine.start.start_rows` makes them.
     """
@@ -311,10 +311,10 @@ def _ends(rows: np.ndarray, modes: np.ndarray, left: np.ndarray, events: StepEve
 
 
 def _follow_one(batch: Batch, rows: np.ndarray, i: int, K: Constants) -> list[tuple[Any, ...]]:
-    """Follow the start in row `i`, whose contact with a belt doubles cannot decide, and return its events.
+    """Follow the start in row `i` event by event and return the events; put its final state into the `batch`.
 
-    Contact or none, both answers are right within rounding, and the first is taken. The final state goes into the
-    `batch`.
+    This is for starts where doubles cannot decide whether a belt is met. Either answer is right within rounding, and
+    that of `advance` is taken.
     """
     state, (t_end, t_end_low) = state_of(rows, i), rows[i, 13:15].tolist()
     events, code = list[tuple[Any, ...]](), MOVED

@@ -177,7 +177,7 @@ def _is_start(scene: Scene | Parameters, samples: Samples, off: float, clock: fl
 
 
 def _flight_velocities(t: np.ndarray, x: np.ndarray, theta: np.ndarray, K: Constants) -> tuple[np.ndarray, np.ndarray]:
-    """Return velocities at the starts and at the ends of flights over all steps, each of shape (3, n - 1)."""
+    """Return velocities at the starts and at the ends of flights over all steps, each (3, n - 1), a row per domain."""
     tau, s, c = np.diff(t), np.sin(theta[:-1]), np.cos(theta[:-1])
     usable = (tau > 0.0) & (K.rate * tau < LONGEST_FLIGHT)
     E0, E1, E2, R2, I2, _, _ = entire_array.basis(np.where(usable, tau, 0.5 * LONGEST_FLIGHT / K.rate), K)
@@ -200,10 +200,10 @@ def _flight_velocities(t: np.ndarray, x: np.ndarray, theta: np.ndarray, K: Const
 
 
 def _nearest(starts: np.ndarray, ends: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """Return for each inner sample which flights to it and from it have the most similar velocities there.
+    """Return for each inner sample how nearly a flight to it and a flight from it agree about its velocity.
 
-    The first result is the difference of these velocities, the others are the rows of `ends` and `starts` that have it:
-    each flight, over one step, may have the force of any domain.
+    `ends` and `starts` have the velocities of these flights, a row for each force or belt. The results are the smallest
+    difference, and the rows of `ends` and of `starts` that have it.
     """
     inner = starts.shape[1] - 1
     best, left, right = np.full(inner, np.inf), np.zeros(inner, np.int8), np.zeros(inner, np.int8)
@@ -216,10 +216,10 @@ def _nearest(starts: np.ndarray, ends: np.ndarray) -> tuple[np.ndarray, np.ndarr
 
 
 def _agreed(starts: np.ndarray, ends: np.ndarray, left: np.ndarray, right: np.ndarray, sure: np.ndarray) -> np.ndarray:
-    """Return velocities of samples where the flights to and from a sample agree about its velocity; elsewhere NaN.
+    """Return the velocities of samples at which a flight to and one from them agree, and of their neighbours; else NaN.
 
-    `sure` are the numbers of these samples, from the second one on; `left` and `right` are the rows of `_nearest`, for
-    the flights to a sample and from it.
+    `sure` are the numbers of these samples, counted from the second one; `starts`, `ends` are the velocities of flights
+    over steps, and `left` and `right` the rows that `_nearest` returns.
     """
     v = np.full(starts.shape[1] + 1, np.nan)
     left, right = left[sure], right[sure]

@@ -30,7 +30,7 @@ def bibtex() -> str:
 
 
 def paper_reference(title: str = "{}", space: str = " ", dash: str = "\N{EN DASH}") -> str:
-    r"""Return the paper's entry for a list of references; `title` is a format for its title, as ``r"\emph{{{}}}"``."""
+    """Return the paper's entry for a bibliography; `title` formats its title, `space` and `dash` replace ~ and --."""
     line = reference_line("chen2016").removesuffix(".").replace("~", space).replace("--", dash)
     return re.sub(r"\\emph\{(.*)\}", lambda found: title.format(found[1]), line)
 

@@ -38,7 +38,7 @@ COUNTED = {Step: "eq", Table: "tab", Illustration: "fig"}
 
 
 class Part(NamedTuple):
-    """A checked item of a chapter, its steps with the evidence for each; its number and label, "" where it has none."""
+    """A checked item of a chapter, with its steps and the evidence for each; number and label are "" if it has none."""
 
     item: Any
     steps: list[tuple[Step, StepEvidence]]
@@ -128,7 +128,7 @@ _REFERENCE = re.compile(
 
 
 def _chapter_number(key: str) -> int:
-    """Return the number of a chapter in the whole document, 0 if it is not in it."""
+    """Return the number in the complete document of the chapter with this key, or 0 if there is no such chapter."""
     return list(CHAPTERS).index(key) + 1 if key in CHAPTERS else 0
 
 
@@ -142,9 +142,9 @@ def numbers_of(chapters: Iterable[Checked]) -> dict[str, str]:
 
 
 def resolved(text: str, numbers: dict[str, str], link: Callable[[str, str], str] | None = None) -> str:
-    """Replace references to other documents by "Chapter n"; if `link` is given, replace all others by what it returns.
+    """Return `text` in which references to labels of other documents say "Chapter n".
 
-    `numbers` has the numbers of the labels in this document; `link` is called with a label and its number.
+    `numbers` has the numbers of this document's labels; if `link` is given, references to them become what it returns.
     """
 
     def replace(found: re.Match[str]) -> str:
@@ -301,7 +301,7 @@ def as_html(chapter: Checked, scope: Scope, numbers: dict[str, str] | None = Non
 
 
 def _html_piece(part: Part | list[Part], scope: Scope, html: ToHtml, level: int) -> str:
-    """Return a part of a chapter as HTML."""
+    """Return a part of a chapter as HTML; `html` converts LaTeX text, and headings are <h2> for `level` 2."""
     if isinstance(part, list):
         return _display_html(part, scope, html)
     item, number = part.item, part.number
@@ -353,7 +353,7 @@ def _display_html(display: list[Part], scope: Scope, html: ToHtml) -> str:
 
 
 def _table(heads: Sequence[str], body: Iterable[Sequence[str]], html: ToHtml) -> str:
-    """Return a table with its column heads as HTML."""
+    """Return a table as HTML, from its column heads and the rows in `body`; `html` converts LaTeX text."""
     top = "".join(f"<th>{html(head)}</th>" for head in heads)
     lines = "\n".join("<tr>" + "".join(f"<td>{html(value)}</td>" for value in row) + "</tr>" for row in body)
     return f'<div class="wide"><table class="cells">\n<tr>{top}</tr>\n{lines}\n</table></div>'
@@ -398,7 +398,7 @@ def has_latex() -> bool:
 
 
 def make_pdf(main: Path) -> Path:
-    """Compile a LaTeX document; return the PDF's path; SymoscError for errors, warnings, lines 5 pt too wide."""
+    """Compile a LaTeX file and return the path of the PDF; SymoscError for an error, a warning or an overfull line."""
     with TemporaryDirectory() as scratch:
         work = Path(scratch)
         shutil.copy(main, work)

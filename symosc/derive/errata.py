@@ -72,13 +72,13 @@ def read_toml(path: Path) -> dict[str, Any]:
 
 
 def kebab(where: str, name: str) -> None:
-    """Raise RecordsError unless a name is in kebab case, such as "wrong-sign"."""
+    """Raise RecordsError, with `where` for the place, unless a name is in kebab case, such as "wrong-sign"."""
     if not re.fullmatch(r"[a-z0-9]+(-[a-z0-9]+)*", name):
         raise RecordsError(where, f"id = {name!r}: must be kebab case")
 
 
 def one_of(where: str, what: str, value: str, allowed: Collection[str]) -> None:
-    """Raise RecordsError unless a value is one of those allowed."""
+    """Raise RecordsError, with `where` for the place and `what` for the key, unless a value is one of those allowed."""
     if value not in allowed:
         raise RecordsError(where, f"{what} = {value!r}: must be one of {', '.join(allowed)}")
 

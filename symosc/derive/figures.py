@@ -94,7 +94,7 @@ FIGURES: dict[str, tuple[Callable[[Axes], None], tuple[float, float]]] = {
 
 @cache
 def figure(key: str) -> Figure:
-    """Return a figure in the style of `symosc.plot`."""
+    """Return the figure with a key of `FIGURES`, in the style of `symosc.plot`."""
     from matplotlib import rc_context
     from matplotlib.figure import Figure
 
@@ -111,7 +111,7 @@ def figure(key: str) -> Figure:
 
 
 def svg(key: str) -> str:
-    """Return a figure as SVG."""
+    """Return the figure with a key of `FIGURES` as the text of an SVG file."""
     from symosc.plot import save
 
     with TemporaryDirectory() as folder:

@@ -39,7 +39,7 @@ BASIS_TEXT = (
 
 
 class Fragment(NamedTuple):
-    """A piece of theory for users' papers: title, function that returns its items, the paper's numbers by label."""
+    """A piece of theory for users' papers: title, function that returns its items, and the paper's equation numbers."""
 
     title: str
     items: Callable[[FragmentScope], Items]
@@ -47,7 +47,7 @@ class Fragment(NamedTuple):
 
 
 def check_fragment(name: str, scope: FragmentScope) -> Checked:
-    """Build a fragment and check its steps; StepError too if its numbers divide by 0."""
+    """Build the fragment `name` and check its steps; StepError if one fails or divides by 0 in the scope's numbers."""
     numbers = scope.given()
     given = [f"The {'numbers are' if numbers[1:] else 'number is'} {', '.join(numbers)}."] if numbers else []
     fragment = check(name, FRAGMENTS[name].title, flat([given, FRAGMENTS[name].items(scope)]))
@@ -92,7 +92,7 @@ def as_latex(
 
 
 def _table(table: Table, scope: FragmentScope, tags: dict[str, str]) -> str:
-    """Return a table as LaTeX."""
+    """Return a table as LaTeX; `tags` has the paper's equation numbers, which column heads show."""
     lines = [" & ".join(cell(value, scope) for value in row) for row in table.rows]
     heads = [head + (f", {tags[f'column{i}']}" if f"column{i}" in tags else "") for i, head in enumerate(table.heads)]
     begin = "\\begin{center}\n" + rf"\begin{{tabular}}{{{'l' * len(heads)}}}"

@@ -134,7 +134,7 @@ class PaperPrinter(LatexPrinter):
         return rf"\frac{{{top}}}{{{bottom}}}"
 
     def _product(self, factors: list[Expr], alone: bool = True) -> str:
-        """Return the LaTeX of a product, its factors in the paper's order; `alone`: with no other factor beside it."""
+        """Return the LaTeX of a product in the paper's order; if it is not `alone`, a single sum has parentheses."""
         parts: list[str] = []
         for factor in sorted(factors, key=_factor_key):
             text = self._print(factor)
@@ -286,8 +286,10 @@ def width(text: str) -> float:
 
 
 def lines(statement: Step, decimals: bool = False, left_width: float | None = None) -> list[str]:
-    """Return a statement as the rows of an align environment: `left &= right`, broken before + and - where needed."""
-    # `left_width` is the width of the column left of the relation sign, if other statements share it.
+    """Return a statement as rows of an align environment: `left &= right`, broken before + and - where needed.
+
+    `decimals` asks for decimals, not fractions; `left_width` is the left column's width if other statements share it.
+    """
     left, right = latex(statement.left, decimals), latex(statement.right, decimals)
     room = max(LINE_WIDTH - 4.0 - (width(left) if left_width is None else left_width), 0.3 * LINE_WIDTH)
     rows = [right]

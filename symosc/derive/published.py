@@ -66,7 +66,7 @@ class Flight:
 
 
 class Formulas(Flight):
-    """Den Hartog's symmetric motion without stops, in numbers; ParameterError for k = 0, or c = 0 and k = m Omega^2."""
+    """Den Hartog's symmetric motion without stops for given parameters; ParameterError if k = 0 or it is unbounded."""
 
     def __init__(self, p: Parameters) -> None:
         if p.k == 0:
@@ -89,7 +89,10 @@ class Formulas(Flight):
         return trace**2 - 2 * determinant, determinant**2
 
     def slide_bound(self, angle: Any) -> Any:
-        """Return B at an angle after the highest point: the mass moves down there if and only if p_0 > B F/k."""
+        """Return the bound B: at an angle after the highest point the mass moves down if and only if p_0 > B F/k.
+
+        p_0 is the value of the steady response to the drive at the highest point.
+        """
         angle = MP.mpf(angle)
         return self.value(coulomb.slide_function(), self.basis(angle / self.numbers[solution.Omega]) | {phi: angle})
 
@@ -123,7 +126,7 @@ def _as_function(expr: Any, letters: tuple[Any, ...]) -> Callable[..., Any]:
 
 @cache
 def _slide_bounds(regime: solution.Regime) -> tuple[Callable[..., Any], list[Any]]:
-    """Return `slide_bound` in a damping regime as a numpy function, and the symbols that it takes after the angle."""
+    """Return `slide_bound` in a damping regime as a numpy function of the angle and some symbols, and these symbols."""
     closed = coulomb.closed(coulomb.slide_function(), regime, phi / solution.Omega)
     letters = sorted(closed.free_symbols - {phi}, key=str)
     return sp.lambdify([phi, *letters], closed, "numpy"), letters
@@ -152,7 +155,7 @@ def resonance_growth(F: Any, P: Any, digits: int = 30) -> list[Any]:
 
 
 def one_sided_orbit(F: Any, n: int, middle: Fraction) -> PeriodicOrbit:
-    """Return the orbit without stops at Omega = 1/(2 n), c = 0, whose two turning points have a given mean."""
+    """Return the orbit without stops, c = 0, Omega = 1/(2 n), friction F, whose turning points have mean `middle`."""
     # In doubles only: neighbouring motions are orbits too, so the equations are singular, which more digits would show.
     guess = [(0, float(middle + _free_amplitude(n))), (2 * pi * n, float(middle - _free_amplitude(n)))]
     return find_orbit(wall(F, Fraction(1, 2 * n)), "P32", guess=guess)
@@ -164,13 +167,13 @@ def _free_amplitude(n: int) -> Fraction:
 
 
 def one_sided_path(F: Any, n: int, middle: Fraction, cycles: Fraction) -> Trajectory:
-    """Simulate some cycles of an orbit without stops from its highest point; `middle` is its turning points' mean."""
+    """Simulate `cycles` periods of the motion of `one_sided_orbit`, which starts at its highest point."""
     t_end = cycles * Fraction(4 * pi * n)
     return simulate(wall(F, Fraction(1, 2 * n)), t0=0, x0=middle + _free_amplitude(n), v0=0, t_end=t_end, accuracy=1e-6)
 
 
 def one_sided_end(F: Any, n: int) -> float:
-    """Bisect for the largest mean of both turning points with which the motion has no further turns or stops."""
+    """Return the largest `middle` with which the motion of `one_sided_orbit` has no stops, found by bisection."""
     return _largest_without_stops(lambda middle: (F, n, middle))
 
 
@@ -180,7 +183,7 @@ def last_friction(n: int) -> float:
 
 
 def _largest_without_stops(motion: Callable[[Fraction], tuple[Any, int, Fraction]]) -> float:
-    """Return the largest z in (0, 1) for which ``one_sided_path(*motion(z), 9/4)`` has no stops, by bisection."""
+    """Return the largest z in (0, 1) for which `one_sided_path` with (F, n, middle) = motion(z) has no stops."""
     low, high = Fraction(0), Fraction(1)
     while high - low > 1e-9:
         middle = (low + high) / 2
@@ -205,7 +208,7 @@ def meeting_point(c: Any, guess: tuple[float, float]) -> tuple[Any, Any]:
 
 
 def meeting_point_by_running(c: Any, guess: tuple[float, float]) -> tuple[float, float]:
-    """Return (Omega, F) of the meeting point by running the package: from the switching points of the orbit P32."""
+    """Return (Omega, F) of `meeting_point`, solved for with orbits P32 from `find_orbit` instead of formulas."""
 
     def conditions(where: Any) -> tuple[float, float]:
         t, x = max(find_orbit(wall(where[1], where[0], c), "P32").points, key=lambda point: point.x)
@@ -232,12 +235,12 @@ def end_without_stops(c: Any, P: Any, near: float) -> tuple[Any, Any]:
 
 
 def base_and_wall(F: Any, Omega: Any) -> Parameters:
-    """Return the parameters of the motion x - y where base and wall both move with y = cos(Omega t); m = k = 1."""
+    """Return parameters for the mass's motion relative to base and wall, which both move as cos(Omega t); m = k = 1."""
     return wall(F, Omega, P=Fraction(Omega) ** 2)
 
 
 def transmissibility(F: Any, Omega: Any) -> Any:
-    """Return the mass's largest |x| by Den Hartog's formula for x - y, c = 0, where y is the motion of the base."""
+    """Return the mass's largest absolute displacement if base and wall move as cos(Omega t), by formula; c = 0."""
     formulas = Formulas(base_and_wall(F, Omega))
     known, r, (p, q) = formulas.numbers, formulas.numbers[solution.Omega], formulas.steady
 
@@ -251,7 +254,7 @@ def transmissibility(F: Any, Omega: Any) -> Any:
 
 
 def transmissibility_by_running(F: Any, Omega: Any) -> float:
-    """Return the mass's largest |x| by running the package: it is y + (x - y), with x - y on the orbit P32."""
+    """Return the same as `transmissibility` by simulation: motion on P32 relative to the base, plus cos(Omega t)."""
     p = base_and_wall(F, Omega)
     (t0, x0), _ = slide_orbit(p).points
     path = simulate(p, t0=Fraction(t0), x0=Fraction(x0), v0=0, t_end=Fraction(t0) + Fraction(slide_orbit(p).period))
@@ -330,7 +333,7 @@ def find_border(low: Any, high: Any, Omega: Any, c: Any = 0) -> Border:
 
 
 def solve_border(Omega: Any, border: Border) -> tuple[Any, str]:
-    """Solve for F/P at a border, c = 0; return also what shrinks to nothing: a stop ("graze") or a slide ("birth")."""
+    """Return F/P at `border`, c = 0, by equations, and its kind: "graze" (a stop of length 0) or "birth" (a slide)."""
     # With P = k = 1 half a cycle is n slides down. Each starts where a stop ends, x = cos(theta) + F, and ends at rest,
     # the last one at minus the first one's start: 2 n equations for n phases and n durations. The border is where
     # "graze": a slide comes to rest on the way without staying, v = x'' = 0: a stop of no length (with its time, two
@@ -370,7 +373,7 @@ def _half_cycle(p: Parameters, F: Any, phases: Any, times: Any) -> list[Any]:
 
 
 def _slide_ends(F: Any, phases: Any) -> list[Any]:
-    """Return the positions where slides end: each where the next one starts, at cos(theta) + F for its phase theta."""
+    """Return where each slide of half a cycle ends, which is where the next one starts: at x = cos(phase) + F."""
     starts = [MP.cos(phase) + F for phase in phases]
     return [*starts[1:], -starts[0]]
 
@@ -387,7 +390,7 @@ def _slide(p: Parameters) -> tuple[Callable[..., Any], ...]:
 
 
 def _slides_near_border(p: Parameters, count: int) -> tuple[list[tuple[float, float]], list[Any]]:
-    """Return phase and duration of each slide down in half a cycle, and how near each is to both kinds of border."""
+    """Return phase, duration of `count` simulated slides, and candidates (distance, kind, slide, time) for a border."""
     path = from_rest(p, 22)
     late = [event for event in path.events if event.t > 40 * pi / float(p.Omega)]
     pairs = [(a, b) for a, b in pairwise(late) if a.kind == "slip"]
@@ -405,7 +408,7 @@ def _slides_near_border(p: Parameters, count: int) -> tuple[list[tuple[float, fl
 
 
 def largest_exponent(count: int, seed: int = 0) -> float:
-    """Return the largest Lyapunov exponent of `count` random oscillators (m = k = 1) over 60 periods; none is > 0."""
+    """Return the largest Lyapunov exponent found in `count` random oscillators (m = k = 1) over 60 periods each."""
     dice, largest = random.Random(seed), -np.inf
     for _ in range(count):
         F, Omega = f"{dice.uniform(0.01, 1):.3f}", f"{dice.uniform(0.05, 3):.3f}"
@@ -463,7 +466,7 @@ TABLES: dict[str, tuple[str, tuple[str, ...], Callable[[], Iterator[Value]]]] = 
 
 
 def _compared(key: str, title: str, *sources: str) -> Callable[..., Any]:
-    """Return the decorator that registers a function as the source of the rows of the table with this key."""
+    """Return a decorator that registers a function, which yields a table's rows, with key, title and `sources`."""
     return lambda rows: TABLES.setdefault(key, (title, sources, rows))
 
 

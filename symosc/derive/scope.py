@@ -126,7 +126,7 @@ def _rounded(expr: Expr, digits: int) -> Expr:
 def fragment_scope(
     settings: dict[str, str], scene: Scene | None = None, form: str = "entire", digits: int | None = None
 ) -> FragmentScope:
-    """Return the scope of a fragment: parameters from `settings` (texts) and, if given, the others from `scene`."""
+    """Return a fragment's scope, parameters from `settings` (texts) or `scene`; `form` is "entire" or "paper"."""
     # To check the given parameters, the others get any allowed values, and so does the speed of the other belt.
     base = scene.parameters if scene else Parameters(**dict.fromkeys(PARAMETER_NAMES, 1) | {"v1": -1, "v2": 1})
     given = {name: read_exact(name, settings[name]) for name in ("v1", "v2") if name in settings and not scene}

@@ -231,7 +231,7 @@ def solves(
 
 
 def modes(expr: Expr) -> Expr:
-    """Return 0 for a function of tau that vanishes, else the function sorted by its products of tau, exp, sin, ..."""
+    """Return a function of tau as a sum of modes (products of tau, exp, sin, ...), or 0 if it always vanishes."""
     expr = sp.expand_trig(expr)
     found = sorted(expr.atoms(sp.exp, sp.sin, sp.cos, sp.sinh, sp.cosh), key=sp.default_sort_key)
     # Modes count as independent symbols here: the expression vanishes for all their values if its numerator does.
@@ -337,7 +337,7 @@ def rounded(number: Any, decimals: int) -> Any:
 
 
 def _vanish(statement: Step, rest: Expr, complaint: str) -> None:
-    """Raise StepError unless an expression is 0; `complaint` is a format for the expression that is left."""
+    """Raise StepError unless the expression `rest` is 0; the message is `complaint` with `rest` for its {}."""
     if rest != 0 and sp.simplify(rest) != 0:
         raise StepError(str(statement), complaint.format(rest))
 

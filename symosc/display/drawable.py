@@ -30,7 +30,7 @@ def register(kind: type | str, show: Callable[..., Any], what: Literal["draw", "
 
 
 def _found(result: object, what: str) -> Callable[..., Any] | None:
-    """Return the function that is registered for the class of a result; None if there is none."""
+    """Return the function that `register` got for the class of a result and for `what`; None if there is none."""
     import_module(MODULES[what])
     names = (f"{kind.__module__}.{kind.__qualname__}" for kind in type(result).__mro__)
     return next((_registered[what, name] for name in names if (what, name) in _registered), None)
@@ -81,7 +81,7 @@ class Drawable:
 
 
 class Comparable:
-    """A result, of a dataclass, that is equal to another one if all public fields are; NaN is equal to NaN."""
+    """A base class for dataclasses: instances are equal if all their public fields are, and NaN equals NaN."""
 
     __slots__ = ()
     __hash__ = None  # type: ignore[assignment]  # arrays have none

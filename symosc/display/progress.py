@@ -35,7 +35,7 @@ def shows_bars() -> bool:
 
 
 def delay() -> float:
-    """Return after how many seconds of work a progress bar appears, at most a day."""
+    """Return after how many seconds a progress bar appears: by the environment variable SYMOSC_PROGRESS_DELAY."""
     try:
         seconds = float(os.environ.get("SYMOSC_PROGRESS_DELAY", USUAL_DELAY))
     except ValueError:
@@ -47,10 +47,10 @@ def delay() -> float:
 def reporting(
     progress: Any, there: float, total: float, label: str = "sweep", unit: str = "motions"
 ) -> Iterator[Report]:
-    """Yield a function of the amount done and the total, which reports progress.
+    """Yield a function that reports progress; call it with the amount done and the total amount.
 
-    This function is `progress` itself if it can be called. Else it draws a bar if `progress` is true, or does nothing.
-    `there` is the amount that was done before; without a `unit` the bar shows percents.
+    It is `progress` itself if that is a function, else draws a bar if `progress` is true, or does nothing.
+    `there` is the amount done before this run; without a `unit` the bar shows percents.
     """
     if callable(progress):
         yield progress
@@ -62,15 +62,15 @@ def reporting(
 
 
 def bar(label: str, total: float, unit: str = "steps") -> AbstractContextManager[Report]:
-    """Show a progress bar in a `with` block, which gets the function that takes what is done and the total."""
+    """Return a context that shows a progress bar, and gives a function to call with the amount done and the total."""
     return reporting(True, 0, total, label, unit)
 
 
 @contextmanager
 def late_bar(progress: Any, label: str, unit: str) -> Iterator[Advance]:
-    """Yield a function that takes the fraction done (0 to 1) and how many of `unit` are done; None if no bar is shown.
+    """Yield a function to call with the fraction done (0 to 1) and the number of steps done; None if no bar is shown.
 
-    It is for work whose end is known and whose number of steps is not.
+    It is for work whose number of steps is not known in advance; the bar calls the steps `unit`.
     """
     if callable(progress):
         yield lambda part, count: progress(part, 1.0)
@@ -85,7 +85,7 @@ def late_bar(progress: Any, label: str, unit: str) -> Iterator[Advance]:
 def _bar_drawer(
     label: str, unit: str, total: float = 1.0, there: float = 0.0, counted: bool = False
 ) -> Iterator[Callable[[float, float, float], None]]:
-    """Yield a function that draws a bar once the work has taken some seconds."""
+    """Yield show(done, total, count), which after some seconds draws a bar with the rate of `count` per second."""
     begin = since = monotonic()
     last, drawn = there, -LEAST_PAUSE
     shown: Any = None

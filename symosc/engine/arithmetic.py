@@ -68,7 +68,7 @@ OUTLINED = """
 
 
 def functions_of(modules: Iterable[types.ModuleType]) -> dict[str, types.FunctionType]:
-    """Return the functions that the `modules` define (not those that they import), by name; refuse a name twice."""
+    """Return by name the functions that `modules` define, not import; ValueError if two have the same name."""
     found: dict[str, types.FunctionType] = {}
     for module in modules:
         for name, value in vars(module).items():
@@ -226,7 +226,7 @@ class Arithmetic:
         self.parameters, self.K = parameters, _float_constants(parameters)
 
     def phase(self, t: Fraction) -> tuple[Number, Number]:
-        """Return the phase Omega t mod 2 pi of an exact time `t`, in [0, 2 pi), rounded, and what rounding took."""
+        """Return the phase Omega t mod 2 pi, in [0, 2 pi), of an exact time in two parts: rounded, and the rest."""
         theta = _angle_in_turn(self.parameters.Omega * t, self.digits)
         if theta is None:
             return self.number(Fraction(0)), self.number(Fraction(0))
@@ -239,7 +239,7 @@ class Arithmetic:
         return high, float(t - Fraction(high))
 
     def advance(self, state: State, t_end: Number, t_end_low: Number) -> NextEvent:
-        """Return the NextEvent after `state`: an event, or END at the time t_end + t_end_low, MOVED or REST."""
+        """Return the NextEvent after `state`: the next event up to t_end + t_end_low, or why there is none yet."""
         found: NextEvent = next_event.advance(state, t_end, t_end_low, self.K)
         return found
 
@@ -252,7 +252,7 @@ def _float_constants(parameters: Parameters) -> Constants:
 
 @lru_cache(maxsize=256)
 def _angle_in_turn(angle: Fraction, digits: int) -> Any:
-    """Return an exact angle modulo 2 pi to `digits` digits (None for 0), from a cache: many starts share a phase."""
+    """Return an exact angle modulo 2 pi to `digits` digits, or None if the angle is 0; results are cached."""
     if angle == 0:
         return None
     context = mp_context(digits + 20 + len(str(abs(int(angle)))))
@@ -385,7 +385,7 @@ class MpArithmetic(Arithmetic):
             self._inner.leave(before)
 
     def advance(self, state: State, t_end: Number, t_end_low: Number) -> NextEvent:
-        """Return the NextEvent after `state`: an event, or END at the time t_end + t_end_low, MOVED or REST."""
+        """Return the NextEvent after `state`: the next event up to t_end + t_end_low, or why there is none yet."""
         with self.precision():
             given = self.inward((state, t_end, t_end_low))
             found: NextEvent = self.outward(self.following["advance"](*given, self.inner_K))

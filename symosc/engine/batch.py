@@ -122,12 +122,12 @@ def event_buffer(events: int) -> EventRows:
 
 
 def rows_between(rows: EventRows, begin: int, end: int) -> EventRows:
-    """Return the rows of an event buffer from `begin` to before `end`, without a copy."""
+    """Return the events from number `begin` to before `end` of an event buffer, without a copy."""
     return EventRows(rows.floats[:, begin:end], rows.ints[:, begin:end])
 
 
 def joined(parts: Iterable[EventRows]) -> EventRows:
-    """Concatenate blocks of event rows in contiguous memory."""
+    """Concatenate the events of several buffers in contiguous memory."""
     rows = list(parts) or [event_buffer(0)]
     return rows[0] if len(rows) == 1 else EventRows(*(np.concatenate(each, axis=1) for each in zip(*rows, strict=True)))
 
@@ -171,7 +171,10 @@ def keep_state(states, i, state):
 
 
 def follow_all(begin, batch, most, accuracy, out, pieces, tally, table):
-    """Follow the trajectories of `batch` from number `begin` on, until all have ended or a buffer is full."""
+    """Follow the trajectories of `batch` from number `begin` on, until all have ended or a buffer is full.
+
+    Return the number of the first that has not ended, and how many events and pieces are in the buffers.
+    """
     #   begin : first trajectory to follow; it may have been begun before.
     #   batch : Batch, updated.
     #   most : events after which a trajectory is FULL.
@@ -189,7 +192,7 @@ def follow_all(begin, batch, most, accuracy, out, pieces, tally, table):
 
 
 def follow_one(i, once, rows, parts, batch, most, accuracy, out, pieces, tally, table):
-    """Follow trajectory `i` until it ends or a buffer is full, or for one step if `once`."""
+    """Follow trajectory `i` to its end or a full buffer, or one step if `once`; return counts of events and pieces."""
     batch, out, pieces, tally, table = borrowed((batch, out, pieces, tally, table))
     states, sets, counts, codes = batch
     recorded, tallied = pieces.shape[1] > 0, tally.floats.shape[0] > 0
@@ -230,13 +233,13 @@ def follow_one(i, once, rows, parts, batch, most, accuracy, out, pieces, tally, 
 
 
 def is_inexact(t, t_error, x, x_error, t0, accuracy):
-    """Return whether an event's t or x has an error above `accuracy` max(1, |value|), for t also above that of |t0|."""
+    """Return whether t_error > accuracy max(1, |t|, |t0|) or x_error > accuracy max(1, |x|) for an event."""
     late = (t_error > accuracy) & (t_error > accuracy * abs(t)) & (t_error > accuracy * abs(t0))
     return late | ((x_error > accuracy) & (x_error > accuracy * abs(x)))
 
 
 def end_by_phase(row, K):
-    """Return t_end, t_end_low and t0 of a batch row, t_end corrected for the rounding of Omega as state times are."""
+    """Return t_end, t_end_low and t0 of a batch row; t_end becomes phase/Omega with Omega rounded, as in states."""
     t_end, t0 = float(row[13]), float(row[15])
     return t_end, float(row[14]) - (t_end - t0) * K.Om_gain, t0
 
@@ -248,7 +251,7 @@ def searched(state, row, K):
 
 
 def search_row(states, table):
-    """Advance the state in row 0 to its next event; return code, boundary, decided, t_error and `open_free_time`."""
+    """Move the state in row 0 on to its next event; return the rest of the NextEvent, and its `open_free_time`."""
     before, K = state_of(states, 0), table[0]
     found = searched(before, states[0], K)
     keep_state(states, 0, found.state)
@@ -261,7 +264,7 @@ def open_free_time(found, state, K):
 
 
 def doubt_row(states, count, most, accuracy, table):
-    """Look up to 16 steps ahead of the state in row 0; return the number of the first undecided event, or 0."""
+    """Return what `next_undecided` does for the state in row 0 of `states` and constants in row 0 of `table`."""
     return next_undecided(state_of(states, 0), count, states[0], most, accuracy, table[0])
 
 
@@ -287,7 +290,7 @@ def next_undecided(state, count, row, most, accuracy, K):
 
 
 def write_event(out, row, i, before, found, clock, K):
-    """Write an event of trajectory `i` into row `row` of `out`; `clock` is its time, with the errors of t and x."""
+    """Write the event `found` of trajectory `i` into column `row` of `out`; `clock` is (t, t_error, x_error)."""
     numbers, codes = event_numbers(before, found, clock, K), event_codes(before, found)
     for n in range(len(numbers)):
         out.floats[n, row] = numbers[n]
@@ -316,7 +319,7 @@ def from_complex(value):
 
 
 def first_pairs(pairs, K):
-    """Fill in velocity, forces, sine, cosine and errors of start states in pairs; on a belt no force may be near 0."""
+    """Fill in forces, sine, cosine and errors of start states in pairs; none may be on a belt with a force near 0."""
     K = from_complex(K)
     for i in range(pairs.shape[0]):
         mode, at, theta = int(pairs[i, 0]), int(pairs[i, 1]), float(pairs[i, 3])

@@ -57,7 +57,7 @@ class Event:
 
 
 def event_numbers(before, found, clock, K):
-    """Return t, x, v, theta, t_error and x_error of an event; `clock` is (t, t_error, x_error), `found` a NextEvent."""
+    """Return t, x, v, theta, t_error, x_error of the event `found`, a NextEvent; `clock` is (t, t_error, x_error)."""
     # From the state before the search, the NextEvent found, and (t, t_error, x_error) of `time_with_errors`.
     state = found.state
     t, t_error, x_error = clock

@@ -137,7 +137,7 @@ def constants(
     angle: Callable[[Number, Number], Number] = atan2,
     pi: Number = pi,
 ) -> Constants:
-    """Return the constants of `parameters`; each is derived in rational numbers and rounded once by `number`."""
+    """Return the constants of `parameters`, rounded once by `number`; `root`, `angle`: sqrt, atan2 of such numbers."""
     # `number` is ``float``, or a conversion to mpmath. Parameters may be columns of pairs (`constant_table`): then the
     # constants are arrays.
     m, Om = parameters.m, parameters.Omega
@@ -289,7 +289,10 @@ def table_of(rows: Iterable[Constants]) -> np.ndarray:
 def constant_table(
     columns: dict[str, PairColumn], count: int, alone: Callable[[int], Constants], march_rows: Callable[..., None]
 ) -> np.ndarray:
-    """Return a table of the constants of `count` parameter sets, computed from columns of double-double numbers."""
+    """Return a table of the constants of `count` parameter sets, computed from columns of double-double numbers.
+
+    `alone` returns the constants of a set that needs more digits; `march_rows` is that function, compiled or not.
+    """
     doubts = np.zeros(count, dtype=bool)
     given = {name: PairColumn(column.hi, column.lo, doubts) for name, column in columns.items()}
     for column in given.values():
@@ -322,7 +325,7 @@ def _fill(table: np.ndarray, values: Any) -> None:
 
 
 def clock_time(t, t_low, t0, K):
-    """Return the true time of a state, in which `t` + `t_low` counts phase/Omega with Omega rounded to a double."""
+    """Return the time of a state with its true Omega: `t` + `t_low` is phase/Omega with Omega rounded to a double."""
     return t + (t_low + (t - t0) * K.Om_gain)
 
 

@@ -115,7 +115,7 @@ def end_of_group(begin, sets, table):
 
 
 def fly(state, remaining, K):
-    """Advance flights, one in each lane, to their next event; return (good, code, boundary, t_error, state)."""
+    """Advance flights, one per lane, to next events (if `good`); return (good, code, boundary, t_error, state)."""
     mode, at, n, theta, x, v0, F0, _, S, t, t_low, s0, c0, theta_low = state
     tau_max = select(remaining <= K.chunk, remaining + PAST_END * remaining, K.chunk)
     lower = select(mode == 1, -inf, select(mode == 2, K.belt1.v, K.belt2.v))
@@ -174,7 +174,7 @@ def fly(state, remaining, K):
 
 
 def march_side_by_side(tau_max, v0, now, walls, margin, K):
-    """March one flight per lane by fixed steps; return (hit, now, there, side)."""
+    """March one flight per lane; return (hit, now, there, side): if `hit`, the step that meets the wall on `side`."""
     v_free, F_free, slack, beyond_below, beyond_above = free_motion(v0, now, walls, margin, K)
     below, above = select(beyond_below, inf, walls.below), select(beyond_above, inf, walls.above)
     walls = Walls(below, above, True, True, walls.on_below, walls.on_above)
@@ -234,7 +234,7 @@ def chosen(which, one, other):
 
 
 def polish_side_by_side(good, now, there, side, v0, F0, s0, c0, walls, K):
-    """Return (good, point): for each lane the contact with the wall on `side` between points `now` and `there`."""
+    """Return (good, point): in `good` lanes, the contact with the wall on `side` between points `now` and `there`."""
     low, high = now.tau, there.tau
     slack, h = 4.0 * EPS * high, high - low
     part = part_to_root(now, there, side, walls)
@@ -274,7 +274,7 @@ def flown_side_by_side(tau, v0, F0, s0, c0, K):
 
 
 def advance_phases(n, theta, theta_low, s, c, tau, K):
-    """Advance the phase of each lane by `tau`; return (late, n, theta, theta_low, s, c)."""
+    """Advance each lane's phase by `tau`; return (late, n, theta, theta_low, s, c), no result where `late`."""
     theta, theta_low = phase_after(theta, theta_low, tau, K)
     passes = theta >= TWO_PI
     theta, theta_low = select(passes, theta - TWO_PI, theta), select(passes, theta_low - TWO_PI_REST, theta_low)
@@ -291,7 +291,7 @@ def advance_phases(n, theta, theta_low, s, c, tau, K):
 
 
 def slip(state, remaining, K):
-    """Advance sticks, one in each lane, to where they end; return (good, code, boundary, t_error, state)."""
+    """Advance sticks, one per lane, to their ends (if `good`); return (good, code, boundary, t_error, state)."""
     mode, _, n, theta, x, v, Fb, _, S, t, t_low, _, _, theta_low = state
     boundary = mode - ON_BELT
     belt = belts(boundary, K)
@@ -352,7 +352,7 @@ def end_of_stick(held, belt, K):
 
 
 def slip_side_by_side(good, force, side, low, high, Delta, s, c, held, belt, K):
-    """Return (good, tau, slope, bend, s, c): for each lane the time tau between `low` and `high` when a stick ends."""
+    """Return (good, tau, slope, bend, s, c): in `good` lanes, when a stick ends, the force's derivatives, the phase."""
     tau, over = low, force + Delta
     sine = select(side * K.fB < 0.0, 1.0, -1.0)
     inflection = wrap_phase(0.5 * sine * PI - held.theta) / K.Om
@@ -409,7 +409,7 @@ def force_gain_in_lanes(tau, s0, c0, belt, K):
 
 
 def block(flights, given, found, accuracy, K):
-    """Advance a flight (`flights`) or a stick in each lane by one step, all of one parameter set."""
+    """Advance a flight (`flights`) or stick per lane from the array `given` to `found`; return good lanes as bits."""
     return advance_side_by_side(flights, given, found, accuracy, K)
 
 
@@ -485,7 +485,7 @@ def follow_lanes(begin, batch, most, accuracy, out, pieces, tally, table):
 
 
 def follow_group(begin, end, alike, rows, batch, most, accuracy, out, pieces, tally, table, space):
-    """Follow trajectories `begin` to `end` - 1 side by side; return how many rows of `out` are filled."""
+    """Follow trajectories `begin` to `end` - 1 side by side in arrays `space`; return `rows`, the events so far."""
     out, pieces, tally, table, batch, space = borrowed((out, pieces, tally, table, batch, space))
     queue, given, constants, found = space
     states, sets, counts, codes = batch
@@ -547,7 +547,7 @@ def follow_group(begin, end, alike, rows, batch, most, accuracy, out, pieces, ta
 
 
 def tally_lanes(good, taken, members, found, batch, most, tally, table):
-    """Add a step of each lane whose bit in `good` is set to the tally of its motion, `members[lane]`."""
+    """Add the steps of the first `taken` lanes, if their bits in `good` are set, to tallies of motions `members`."""
     members, found, table, batch, tally = borrowed((members, found, table, batch, tally))
     states, sets, counts, _ = batch
     for lane in range(taken):

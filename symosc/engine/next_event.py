@@ -135,7 +135,7 @@ def launched(state, K):
 
 
 def past_end(tau_max, remaining):
-    """Return `tau_max`, but at most a little more than `remaining`, so that a contact right at the end is found."""
+    """Return how far to search: `tau_max` or, if a motion ends before, to just behind its end in `remaining` time."""
     if tau_max >= remaining:
         return remaining + PAST_END * remaining if remaining > 0.0 else remaining
     return tau_max
@@ -230,7 +230,7 @@ def never_leaves(start, S, lower, upper, domain, K):
 
 
 def creeps_for_ever(state, K):
-    """Return whether a flight without drive and oscillation never meets a wall, however close it comes."""
+    """Return whether a flight from `state` surely never meets a wall; it must have no drive and no oscillation."""
     mode, v, F, S = state.mode, state.v, state.Fb, state.S
     terms = abs(constant_force(mode, K)) + abs(K.w0sq * state.x) + (K.cm - K.l2) * abs(v)
     noise = ROUNDING * EPS * terms + K.sigmas * (K.w0sq * sqrt(S.S11) + (K.cm - K.l2) * sqrt(S.S22))
@@ -359,7 +359,7 @@ def resolve(v, F_below, F_above, s, c, K):
 
 
 def following_sign(v, F, s, c, K):
-    """Return the sign (-1, 0, 1) of the force F on a belt just after a contact, or of its first derivative not 0."""
+    """Return the sign of the force F on a belt or, if F = 0, of its first time derivative that is not 0; else 0."""
     # v is the velocity of the belt, F the acceleration, which is exact (F = 0 means that it vanishes), and s, c are
     # sine and cosine of the phase.
     if F != 0.0:
@@ -459,20 +459,20 @@ def advance_time(t, t_low, tau, K):
 
 
 def passing_time(error, first, second, third, K):
-    """Return how uncertain the time is at which a quantity with an `error` passes 0."""
+    """Return how uncertain the time is when a quantity with `error` and derivatives `first` to `third` passes 0."""
     if passes_at_once(error, abs(first), second, third):
         return error / abs(first)
     return slow_passing_time(error, first, second, third, K)
 
 
 def passes_at_once(error, speed, second, third):
-    """Return whether a quantity passes 0 so fast that error/speed is how uncertain the time is."""
+    """Return whether `passing_time` is just error/speed, since the derivatives `second` and `third` are too small."""
     limit = 1e-3 * speed * speed
     return (error * abs(second) < limit) & (error * error * abs(third) < limit * speed)
 
 
 def slow_passing_time(error, first, second, third, K):
-    """Return how uncertain the time is at which a quantity with an `error` passes 0, if all derivatives count."""
+    """Return the least time in which one of three derivatives alone makes up for an `error`; at most 1/Omega."""
     best = 1.0 / K.Om
     if error == 0.0:
         return 0.0 * best
@@ -497,7 +497,7 @@ def time_with_errors(t, t_low, t0, x, v, t_error, S11, K):
 def advance_near(state, rough, found, free, t_end, t_end_low, K):
     """Advance `state` to its next event with many digits, beside the event `found` by doubles from `rough`.
 
-    `rough` is the same state in doubles; if they left a touch open, `free` is how long they surely met no wall.
+    `rough` is `state` in doubles. If `found` is undecided, no wall is met for the time `free` after `rough`.
     """
     # Doubles decide by more than the rounding of their start and their own. Where they are sure which contact is the
     # first and how it is met, many digits would find the same one. So these begin at its time, take a step of Newton's

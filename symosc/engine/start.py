@@ -53,7 +53,7 @@ class Start:
 
     @property
     def spare_digits(self) -> int:
-        """How many digits more than usual tell v0 from the belt speeds and resolve the errors of the start."""
+        """The number of digits beyond the usual that resolve v0 - v1, v0 - v2 and the errors of the start."""
         p = self.parameters
         small = [abs(value) for value in (*(self.start_error or ()), self.v0 - p.v1, self.v0 - p.v2) if value != 0]
         return max(0, *(ceil(-log10(value)) for value in small))
@@ -90,7 +90,7 @@ def belt_start(boundary: int, x: Number, phase: Phase, arithmetic: Arithmetic, a
 def belt_state(
     start: BeltStart, clock: tuple[int, Number], phase: Phase, x: Number, S: Covariance, K: Constants
 ) -> State:
-    """Return the State of a motion that starts on a belt, at time 0; `clock`: whole periods before, and the phase."""
+    """Return the State at time 0 of a start on a belt, from `clock` (periods, theta) and `phase` (sine, cosine)."""
     v, zero = (K.belt1 if start.boundary == 1 else K.belt2).v, 0 * x
     return State(start.mode, start.boundary, *clock, x, v, *start.forces, S, zero, zero, *phase, zero)
 
@@ -98,10 +98,10 @@ def belt_state(
 def start_rows(
     at: np.ndarray, phase: tuple[np.ndarray, Any], x: np.ndarray, v: np.ndarray, times: Sequence[Any], K: Any
 ) -> tuple[np.ndarray, np.ndarray]:
-    """Return batch rows for columns of starts (on belt `at` if > 0), and where doubles do not decide the forces.
+    """Return batch rows for columns of starts, and flags of starts on a belt where a force may be 0 in doubles.
 
-    `phase` holds theta and theta_low, and `times` t, t_low, t_end, t_end_low and t0; `K` has the constants, for all
-    rows or one for each.
+    `at` is the belt or 0, `phase` holds theta and theta_low, and `times` t, t_low, t_end, t_end_low and t0; `K` has the
+    constants, for all rows or one for each.
     """
     mode = np.where(at > 0, at, 1 + (v > K.belt1.v) + (v > K.belt2.v))
     theta, theta_low = phase
@@ -188,7 +188,7 @@ def first_row(start: Start, arithmetic: Arithmetic) -> list[Number]:
 
 
 def is_steady(start: Start) -> bool:
-    """Return whether a start at t0 = 0 lies on the periodic motion of its domain, by rational numbers; else False."""
+    """Return whether a start at t0 = 0 lies exactly on the periodic motion of its domain; False for any other t0."""
     p = start.parameters
     pull, drag = p.k - p.m * p.Omega**2, p.c * p.Omega
     size = pull * pull + drag * drag
@@ -234,7 +234,7 @@ def rounded(state: State, t0: float, gain: float) -> State:
 
 
 def continued(state: State, eps: Fraction, arithmetic: MpArithmetic) -> State:
-    """Convert a state of mpmath numbers to more digits, and add the rounding `eps` that it has to its error."""
+    """Convert a state to the digits of `arithmetic`, and add its earlier relative rounding `eps` to its error."""
     # Phase and time have the rounding too: it is an error of x and v that such a part of a period makes. Where the
     # force is 0, at the end of a stick or a touch, the time is made right to all digits: else a force would act for
     # ever.

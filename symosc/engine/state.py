@@ -55,7 +55,7 @@ class State(NamedTuple):
 
 
 class NextEvent(NamedTuple):
-    """The result of one step: code (kind of event, or END, REST, MOVED, FAILED), belt (0: none), and new state."""
+    """The result of one step: code (event, END, REST: none to come, MOVED: none yet, FAILED), belt or 0, new state."""
 
     code: int
     boundary: int

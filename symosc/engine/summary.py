@@ -104,7 +104,7 @@ class Extremes(NamedTuple):
 
 
 class Open(NamedTuple):
-    """Which extremes a flight may still exceed: the least v, the largest v, and those of x."""
+    """Flags of the extremes that a flight may still exceed: the least v, the largest v, and both of x."""
 
     v_min: bool
     v_max: bool
@@ -181,7 +181,7 @@ def launch_of(state):
 
 
 def tally_stretch(i, before, after, tau, t0, tally, K):
-    """Add stick time and extremes between two states, `tau` apart, to motion i's tally, from time SKIPPED on."""
+    """Add stick time and extremes between two states, `tau` apart, to motion i's tally, without skipped time."""
     floats, asked = tally.floats, tally.asked
     begin = floats[i, SKIPPED] - ((before.t - t0) + before.t_low)
     if tau < begin:
@@ -272,7 +272,7 @@ def tally_sections(i, before, last, S, tally, K):
 
 
 def keep_section(i, before, tau, S_x, S_v, tally):
-    """Store the section at `tau` after the state `before`, and end the word of its period if that is still open."""
+    """Store the section at `tau` after `before`, with variances S_x, S_v; end the period's word if still open."""
     ints = tally.ints
     if ints[i, EARLY] == 0:
         close_word(i, tally)
@@ -400,7 +400,7 @@ def same_words(i, m, tally):
 
 
 def same_sections(i, m, tally, K):
-    """Return whether the last m sections equal the m before them, within 1e-6 of the extent and 8 times the errors."""
+    """Return whether the last m sections equal the m before, up to 1e-6 of the ranges of x and v, plus 8 errors."""
     floats, there = tally.floats, tally.ints[i, SECTIONS]
     x_extent, v_extent = floats[i, X_HIGH] - floats[i, X_LOW], floats[i, V_HIGH] - floats[i, V_LOW]
     for n in range(there - m, there):
@@ -513,7 +513,7 @@ def within(reach, way, now, M4, v0, x0, seen, open_ends):
 
 
 def stays_positive(reach, p0, p1, p2, p3, p4):
-    """Return whether p0 + p1 s + ... + p4 s^4 is proven positive for s in [0, reach]; a shallow dip is no obstacle."""
+    """Return whether p0 + p1 s + ... + p4 s^4 is proven positive for s in [0, reach], even if it falls at first."""
     if p1 < 0.0 and p2 > 0.0 and p1 * p1 < 2.0 * p0 * p2:  # p1 s + p2 s^2/2 is not below -p1^2/(2 p2)
         return positive_on(reach, (p0 - 0.5 * p1 * p1 / p2, 0.0, 0.5 * p2, p3, p4))
     return positive_on(reach, (p0, p1, p2, p3, p4))

@@ -55,7 +55,7 @@ DT, DX, DV, END_X, END_V, SIZE, BY_X, BY_V = range(8)
 
 
 class Launch(NamedTuple):
-    """The start of a piece of a motion: its mode, time, phase, sine and cosine of that, position and velocity."""
+    """The start of a piece of a motion: mode, time, phase with its sine and cosine, position and velocity."""
 
     mode: int
     t: Number
@@ -86,7 +86,7 @@ def letters_of(row):
 
 
 def phase_between(start, t, theta, K):
-    """Return the phase gained, turns included, from `start` to the time `t`, where it is `theta`."""
+    """Return the phase gained, whole turns included, from `start` to the time `t`, at which the phase is `theta`."""
     turn = theta - start.theta
     return turn + TWO_PI * floor((K.Om * (t - start.t) - turn) / TWO_PI + 0.5)
 
@@ -102,7 +102,7 @@ def fill_parameters(work, row, domain, letters, by_m, by_c, by_k, by_A, by_B, by
 
 
 def piece_changes(start, t, turn, codes, deep, letters, K, work):
-    """Write derivatives of x and v at time `t` of the piece from `start`, one for each of `codes`; return v' there."""
+    """Write derivatives by `codes` of x and v at time `t`, a phase `turn` after `start`, into `work`; return v'."""
     # The phase has gone on by `turn`. `deep` says whether any column needs the functions of repeated roots: those for
     # m, c, k and Omega. `codes` are the numbers of the parameters and start values, one for each column.
     if start.mode > ON_BELT:
@@ -156,7 +156,7 @@ def vanishes(domain, now, K):
 
 
 def force_changes(domain, now, codes, letters, K, work):
-    """Write derivatives of a domain's force at a fixed time, one for each of `codes`, into row SIZE of `work`."""
+    """Write a force's derivatives by `codes` into `work`; return its rates in time by the motion and by the drive."""
     # Rows END_X and END_V have the derivatives of x and v at this time.
     F, rounding = force(domain, now, K)
     F = 0.0 * F if abs(F) <= VANISHES * rounding else F
@@ -173,7 +173,7 @@ def force_changes(domain, now, codes, letters, K, work):
 
 
 def vanishing_times(domain, now, codes, letters, K, work):
-    """Write derivatives of the time when a force passes 0 into row DT of `work`; return REGULAR, or what is wrong."""
+    """Write derivatives by `codes` of the time when a force passes 0 into `work`; return REGULAR, or what is wrong."""
     # Rows END_X and END_V have the derivatives of x and v at this fixed time.
     of_way, of_drive = force_changes(domain, now, codes, letters, K, work)
     rate, rounding = of_way + of_drive, EPS * (abs(of_way) + abs(K.f0 * K.Om))
@@ -184,7 +184,7 @@ def vanishing_times(domain, now, codes, letters, K, work):
 
 
 def contact_times(domain, other, belt, now, a, codes, K, work):
-    """Write derivatives of the time when a flight meets a belt into row DT; return REGULAR, or what is wrong."""
+    """Write derivatives by `codes` of when a flight meets a belt with v' = `a`; return as `vanishing_times` does."""
     # `a` is the acceleration that the flight arrives with: the balance of forces at a rounded point may know it worse.
     for j in range(len(codes)):
         own = 1.0 if codes[j] == belt else 0.0
@@ -196,7 +196,7 @@ def contact_times(domain, other, belt, now, a, codes, K, work):
 
 
 def kinks(above, belt, codes, marks, n, regular, before, work):
-    """Mark by which parameters and start values a graze becomes a crossing or a miss; return if there is any."""
+    """Mark in row `n` of `marks` which of `codes` turn a graze into a crossing or a miss; return whether any does."""
     found = False
     for j in range(len(regular)):
         own = 1.0 if codes[j] == belt else 0.0
@@ -208,7 +208,7 @@ def kinks(above, belt, codes, marks, n, regular, before, work):
 
 
 def tangents(motions, cuts, starts, sets, rows, codes, deep, letters, table, out, work):
-    """Write derivatives of t and x at all events of the chosen `motions` into `out`, one for each of `codes`."""
+    """Write derivatives of t and x at all events of `motions` into `out`, by the parameters and starts in `codes`."""
     # `cuts` are the first rows of the motions and the end of the last one, `starts` rows of mode, t, theta, x, v.
     # `rows` are t, theta, x, v of the events and their kind, boundary and target. `out` has dt, dx, marks and reasons
     # of the events, and for each motion the logarithms of what its last columns and its areas have grown by: columns
@@ -255,7 +255,7 @@ def tangents(motions, cuts, starts, sets, rows, codes, deep, letters, table, out
 
 
 def changes_at(times, pieces, starts, launched, codes, deep, letters, table, out, work):
-    """Write derivatives of x and v at fixed `times` into `out`, (2, times, codes)."""
+    """Write derivatives of x and v at fixed `times` by `codes` into `out`, from those where pieces are `launched`."""
     # `pieces` are the numbers of the pieces in which the times lie. Pieces begin at `starts`, rows as in `tangents`;
     # `launched` (3, pieces, columns) are the derivatives of t, x and v where they begin.
     K, mine = table[0], letters_of(letters[0])
@@ -271,7 +271,7 @@ def changes_at(times, pieces, starts, launched, codes, deep, letters, table, out
 
 
 def begin(start, codes, count, letters, K, work):
-    """Write derivatives of t, x, v at a start into `work`; return for which of the first `count` codes they exist."""
+    """Write derivatives of t, x, v at a start by `codes` into `work`; return which of the first `count` are valid."""
     # On a belt it is not for a number that takes the start off the belt, or that may change a force that is 0 there.
     regular = [True] * count
     for j in range(len(codes)):
@@ -297,7 +297,7 @@ def begin(start, codes, count, letters, K, work):
 
 
 def grow(i, start, now, kind, turn, growth, count, columns, K, work):
-    """Scale the derivatives from column `count` on to size 1; add the logs of their and areas' growth to `growth`."""
+    """Scale columns of derivatives from `count` on to size 1; add logs of this and of the areas' factor to `growth`."""
     size = 0.0
     for row in range(DV + 1):
         for j in range(count, columns):

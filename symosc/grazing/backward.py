@@ -191,7 +191,7 @@ BackwardHit: TypeAlias = tuple[bool, Number, Boundary]
 
 
 class BackwardStep(NamedTuple):
-    """A backward step: its first state (with errors as at its end), Taylor coefficients T of v, and first contact."""
+    """A backward step: first state (with the error bounds of its end), Taylor coefficients T of v, first contact."""
 
     begin: BackwardState
     T: list[Number]
@@ -296,7 +296,7 @@ class BackwardSteps:
         return self.moved(step, sigma)._replace(v=boundary.v, kind=kind, boundary=boundary.number)
 
     def _taylor(self, v: Number, a: Number, s: Number, c: Number) -> list[Number]:
-        """Return the Taylor coefficients of v over a step, and one more; s and c are sine and cosine of the phase."""
+        """Return Taylor coefficients of v from v, a and the phase's sine s, cosine c; the last bounds the remainder."""
         sines = (s, -c, -s, c)  # (-d/dphase)^k sin
         T = [v, -a * self.H]
         for k, (power, cm, w0sq) in enumerate(self.recurrence):
@@ -383,7 +383,7 @@ class Flights:
         return BackwardState(tau, now.dx, now.v, now.a, now.v_error, now.x_error, now.v_error * self.K.rate)
 
     def refined(self, theta: Number, found: BackwardState, tau_max: Number) -> BackwardState | None:
-        """Refine the arrival `found` in doubles to all digits; None if Newton's method leads to another contact."""
+        """Refine the result `found` of a search back to `tau_max` to all digits; None if Newton's method fails."""
         if found.kind in (NEVER, LARGE, LONG):
             return found
         tau = self.number(tau_max if found.kind == REACHED else found.tau)
@@ -512,7 +512,7 @@ class Origins:
         return self.steps.moved(step, (far - state.tau) / self.steps.H)._replace(kind=REACHED)
 
     def _never_came(self, theta: float, state: BackwardState) -> bool:
-        """Return whether the flow surely met no boundary before `state`: its transient runs away from the only one."""
+        """Return whether the flow back from `state` surely meets no boundary: it runs away from its only one."""
         K = self.K
         if K.under or self.place.domain == 2:
             return False
@@ -528,7 +528,7 @@ class Origins:
     def exact(
         self, angle: Angle | float, order: int, far: Callable[[Flights], Number], wanted: int
     ) -> tuple[BackwardState, Flights]:
-        """Return where the flow came from, with `wanted` digits after the point, and the `Flights` used."""
+        """Return where the flow came from with `wanted` decimals, and the `Flights` used; `far`: time to search."""
         # `far` is the time to search, as a number of the given flights.
         flights = self.flights(wanted + 20)
         found = self.arrival(angle, order, float(far(flights)), digits=min(wanted + 20, 200))

@@ -225,7 +225,7 @@ def check_grazing(
 
 
 def _decide_random(ways: Ways, theta: np.ndarray, disagree: Callable[..., None]) -> tuple[np.ndarray, ...]:
-    """Decide in double precision which random phases graze, and with more digits where that is undecided."""
+    """Decide by all three ways which random phases graze; return columns. `disagree` is called where F is not 0."""
     inside, K = ways.window.contains(theta), ways.K
     if inside.any():  # F must vanish at the window's x_m
         drive, spring = K.f0 * np.cos(theta[inside]), -K.w0sq * ways.window.contact(theta[inside])
@@ -243,7 +243,7 @@ def _decide_random(ways: Ways, theta: np.ndarray, disagree: Callable[..., None])
 
 
 def _decide_special(ways: Ways) -> tuple[np.ndarray, ...]:
-    """Decide the adversarial phases (multiples of pi/2, zeros of G^(1), and beside them); return the same columns."""
+    """Decide as `_decide_random` for phases at and beside zeros of G^(1) and multiples of pi/2; return such columns."""
     import sympy
 
     zeros: set[Expr] = set()  # where G^(1) = 0 exactly
@@ -364,7 +364,7 @@ class Ways:
         return verdicts
 
     def gap_by_solver(self, theta: np.ndarray, tau: float) -> np.ndarray:
-        """Return the scaled distance of v from the belt's speed at the time tau, by DOP853 (> 0: in the domain)."""
+        """Return v's distance from the belt's speed at the time tau by DOP853, over size tau^2 (> 0: in the domain)."""
         # The unknowns are y = (x - x_m)/tau and u = (v - v_lambda)/(size tau^2), as functions of time/tau. The force is
         # the difference from its value 0 at the contact, where a difference of cosines is written as a product.
         from scipy.integrate import solve_ivp

@@ -49,7 +49,7 @@ OWN, OTHER, NOWHERE, UNKNOWN = "own belt", "other belt", "no belt", "not within 
 
 @dataclass(frozen=True)
 class CurveEnd(LatexAnswer):
-    """An end of a piece of the curve.
+    """An end of a piece of the grazing curve, with the reason why the curve ends there.
 
     Attributes
     ----------
@@ -119,7 +119,7 @@ class CurvePiece:
 
 @dataclass(frozen=True, repr=False)
 class GrazingCurve(Drawable, LatexAnswer):
-    """The grazing curve of a mapping.
+    """The grazing curve of a mapping: the starts whose flights graze, in pieces over the phase theta_m of the graze.
 
     Attributes
     ----------
@@ -353,7 +353,7 @@ def _continuous(left: Sample, right: Sample) -> bool:
 def _edge(tracer: Tracer, left: Sample, right: Sample) -> tuple[list[Sample], list[Sample], float] | None:
     """Locate the change of origin, or the jump of the start, between two samples; None if there is none.
 
-    Return the samples found before it, those found behind it (first `right`, then towards the change), and theta_m.
+    Return the new samples on the left, those on the right (`right` first, then to the left), and theta_m of the change.
     """
     # Jumps among flows from the other belt are no edges, but something may hide behind them.
     if left.origin == right.origin and _continuous(left, right):

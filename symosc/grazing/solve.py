@@ -184,7 +184,7 @@ def _has_value(start: GrazingStart, p: Parameters, name: str, value: Any, digits
 
 
 class Point(NamedTuple):
-    """A point of the curve: phase theta_m, value of the given unknown, its slope by theta_m, and flight time tau."""
+    """A point of the grazing curve: phase theta_m, x_i or theta_i, its derivative by theta_m, and flight time tau."""
 
     theta_m: float
     value: float
@@ -322,7 +322,7 @@ class Candidates:
         return theta - Om * tau - target, 1, -Om
 
     def _newton(self, theta_m: float, tau: float, target: Number) -> tuple[Number, Number] | None:
-        """Solve for the theta_m and duration tau of the flight whose x_i or theta_i is the target, from a guess."""
+        """Find (theta_m, tau) of the flight with x_i or theta_i = `target` by Newton's method from a guess; or None."""
         context, K = self.flights.context, self.flights.K
         theta, tau = context.mpf(theta_m), context.mpf(tau)
         settled = False
@@ -345,7 +345,7 @@ class Candidates:
         return None
 
     def _solve_among_grazes(self, theta_m: float, target: Number) -> tuple[Number, Number] | None:
-        """Return the solution where flights start at a graze too, and so all take the same time; None if not found."""
+        """Find the solution among flights that start at a graze too, and so all take one time; None if not found."""
         flights, phase = self.flights, Fraction(theta_m)
         arrival, _ = self.source.exact(phase, 1, lambda each: each.K.period * SEARCH_PERIODS, flights.digits)
         if arrival.kind != TOUCH:
@@ -363,7 +363,7 @@ class Candidates:
     def _store_if_between(
         self, solution: tuple[Number, Number] | None, first: Point, last: Point, more: float = 0.0
     ) -> bool:
-        """Store a solution if it lies between two points of the curve, or at most `more` beside; return whether so."""
+        """Store a solution if it lies between two points of the curve, give or take `more`; return whether it does."""
         if solution is None:
             return False
         theta, tau = solution
@@ -383,7 +383,7 @@ class Candidates:
         return True
 
     def _note_endless(self, end: CurveEnd, point: Point, index: int, piece: CurvePiece) -> None:
-        """Add a note if solutions may lie between the piece's outermost sample `point` and its end, beyond doubles."""
+        """Add a note if solutions past the outermost sample `point` may be nearer to `end` than doubles resolve."""
         if end.reason in ("end of the window", "closed"):
             return
         if end.reason.endswith("(within the search)"):

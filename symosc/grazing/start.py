@@ -96,7 +96,7 @@ class GrazingStart(LatexAnswer):
         return rf"{name}:\quad {latex_point('i', self.theta, self.x)} \mapsto {tangency}"
 
     def to_dict(self) -> Record:
-        """Return the entries as text and booleans."""
+        """Return the attributes as a dict with numbers as text, without `start` and `undecided`."""
         values = {name: getattr(self, name) for name in ("t", "x", "v", "theta", "t_m", "x_m", "theta_m")}
         texts = {name: None if value is None else str(value) for name, value in values.items()}
         first = {"mapping": self.mapping, "found": self.found, "reason": self.reason}
@@ -176,7 +176,7 @@ def start_of(
     digits: int | None = None,
     periods: float = SEARCH_PERIODS,
 ) -> GrazingStart:
-    """Return the result of `grazing_start` for a tangency at the exact time and phase `angle`; `until` is its t0."""
+    """Return the result of `grazing_start` for a tangency at the exact `time` and phase `angle`, with t0 = `until`."""
     p, mapping, decimals = origins.p, origins.mapping, digits or DEFAULT_DIGITS
     window = grazing_window(p, mapping)
     if not window.contains(angle):

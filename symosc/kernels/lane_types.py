@@ -66,7 +66,7 @@ def _spread(context: Any, builder: Any, given: Any, wanted: Any, value: Any) -> 
 
 
 def lanes_among(arguments: Any, flags: bool) -> Any:
-    """Return the LanesType (of flags or doubles, as `flags` says) among argument types if the others fit, else None."""
+    """Return the type of lanes (of flags if `flags`) in which an operation on `arguments` is computed, else None."""
     found = [each for each in arguments if isinstance(each, LanesType)]
     if not found or found[0].flags is not flags:
         return None
@@ -74,7 +74,7 @@ def lanes_among(arguments: Any, flags: bool) -> Any:
 
 
 def _operator(name: Callable[..., Any], of_flags: bool, to_flags: bool, code: Callable[..., Any]) -> None:
-    """Register the operator `name` on lanes (of flags if `of_flags`) with numba; `code` makes its LLVM code."""
+    """Register an operator on lanes, from flags (`of_flags`) or to flags (`to_flags`); `code` makes its LLVM code."""
 
     @infer_global(name)
     class Typing(AbstractTemplate):

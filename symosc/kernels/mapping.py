@@ -105,7 +105,7 @@ def stick_by_parameters(x_j, theta_i, theta_j, v, F, m, K):
 
 
 def repeated(tau, E0, E1, E2, R2, I2, s, c, K):
-    """Return U0, U1, U2, V, W, P, Q: the divided differences over repeated roots for derivatives by parameters."""
+    """Return the divided differences U0, U1, U2, V, W, P, Q at `tau` that derivatives by parameters are made of."""
     if K.apart and K.omega_d * tau >= FAR_APART:
         return repeated_apart(tau, K.h, K.omega_d, K.cm, K.w0sq, K.Om, K.p, K.q, E0, E1, E2, R2, I2, s, c)
     zero = 0.0 * K.Om
@@ -124,7 +124,7 @@ def repeated(tau, E0, E1, E2, R2, I2, s, c, K):
 
 
 def divided_difference(n0, n1, n2, n3, nodes, tau, known, there):
-    """Return the divided difference of exp(z tau) over four `nodes`, taken n0, n1, n2 and n3 times."""
+    """Return the divided difference of exp(z tau) over four `nodes`, taken n0 to n3 times; `known`, `there`: cache."""
     # A stack, since numba keeps no recursion on disk.
     stack = [(n0, n1, n2, n3)]
     key = key_of(stack[0])
@@ -150,7 +150,7 @@ def divided_difference(n0, n1, n2, n3, nodes, tau, known, there):
 
 
 def key_of(counts):
-    """Return the place (0 to 53) in a list for a divided difference: `counts` says how often it takes each node."""
+    """Return the index (0 to 53) of a divided difference in the cache; it takes node i `counts[i]` times."""
     return ((counts[0] * 3 + counts[1]) * 3 + counts[2]) * 3 + counts[3]
 
 
@@ -160,7 +160,7 @@ def one_less(counts, i):
 
 
 def farthest(counts, nodes):
-    """Return the distance of the two nodes that are farthest apart, and their numbers; counts[i] = 0: no node i."""
+    """Return the distance and the numbers of the two farthest `nodes` among those whose `counts` are not 0."""
     far, first, last = -1.0, 0, 3
     for i in range(4):
         for j in range(i):
@@ -270,7 +270,7 @@ def flights(points, speeds, A, K, f):
 def flights_and_slopes(points, speeds, A, K, f, J):
     """Fill f (2, n) with the residuals (x, v) of flights, J (2, 4, n) with derivatives by x_i, theta_i, x_j, theta_j.
 
-    `points` are four arrays of these letters, `speeds` those of the belts, and A is A_alpha/m of the domain.
+    `points` are the arrays x_i, theta_i, x_j, theta_j, `speeds` the speeds of both belts, and A is A_alpha/m.
     """
     v_i, v_j = speeds
     block = np.empty(12 * BLOCK)
@@ -292,7 +292,7 @@ def flights_and_slopes(points, speeds, A, K, f, J):
 
 
 def sticks(points, v, sides, K, f):
-    """Fill f (2, n) with the residuals (x, smaller force) of sticks at belt speed v; `sides` has both A_alpha/m."""
+    """Fill f (2, n) with the residuals of sticks at belt speed v: x, and the smaller force of `sides` (A_alpha/m)."""
     # `sides` has A_alpha/m of the domains that a stick may slip into; of f2 the smaller counts.
     below, above = sides
     block = np.empty(6 * BLOCK)

@@ -150,7 +150,7 @@ class BasisMP:
         self.for_differences.leave(before)
 
     def _roots(self, context: Context) -> tuple[Mpf, Mpf, Mpf]:
-        """Return the characteristic roots l1 (slow, or upper), l2 of the free motion, and i Omega, in a context."""
+        """Return l1, l2, i Omega in a context; roots l1, l2 of the free motion: slow, fast or upper, lower complex."""
         h, w0sq, Om = (_number(q, context) for q in (self.h, self.w0sq, self.Om))
         square = self.w0sq - self.h * self.h
         w = context.sqrt(_number(abs(square), context))

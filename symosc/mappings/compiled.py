@@ -185,7 +185,7 @@ def _read(columns: tuple[Any, ...], names: tuple[str, ...], dimensions: int) -> 
 
 @lru_cache(maxsize=KINDS)
 def _loops(kind: int) -> dict[str, Any]:
-    """Return the compiled functions that evaluate maps for whole arrays; `kind` is the formula of their basis."""
+    """Return the compiled functions that evaluate maps for whole arrays; `kind` says by which formula for the basis."""
     outlined = {"flights", "flights_and_slopes", "sticks", "sticks_and_slopes", "load", "store", "kinds_of"}
     if kind == WIDE:
         return compile_modules((mapping,), outlined | {"flight", "flight_slopes"}, compiled())
@@ -199,7 +199,7 @@ def _loops(kind: int) -> dict[str, Any]:
 
 
 def _scalar(row: Map, K: Constants, jacobian: bool, exit: str | None) -> Any:
-    """Return a compiled function for the residual (and Jacobian) of a map at one pair of switching points."""
+    """Return a compiled function for the residual (and Jacobian) of the map `row` at one pair of points."""
     import numba
 
     flight, flight_slopes, stick, stick_slopes = (

@@ -130,7 +130,7 @@ def parameter_jacobian(p: ParametersLike, label: str, start: Pair, end: Pair, ex
 
 
 class MapArithmetic(NamedTuple):
-    """For maps in one kind of numbers: constants K, kernel functions by name (`of`), conversion from Fractions."""
+    """What maps need in one kind of numbers: constants `K`, kernel functions by name, and conversion from Fractions."""
 
     K: Constants
     of: dict[str, Any]
@@ -144,7 +144,7 @@ def flight_arguments(row: Map, K: Constants) -> tuple[Number, Number, Number]:
 
 
 def stick_arguments(row: Map, K: Constants, exit: str | None) -> tuple[Number, tuple[Number, Number]]:
-    """Return a stick's belt speed and a pair of A_alpha/m: of the domains below and above, or of `exit` in both."""
+    """Return a stick's belt speed, and A_alpha/m of the domains below and above (both of `exit` if it is given)."""
     below, above = (constant_force(domain, K) for domain in NEIGHBOURS[row.start.boundary])
     sides = {None: (below, above), "below": (below, below), "above": (above, above)}[exit]
     return (K.belt1 if row.start.boundary == 1 else K.belt2).v, sides
@@ -270,7 +270,7 @@ def read_points(
 
 
 def _in_blocks(evaluate: Any, points: list[Any], head: tuple[int, ...], shape: tuple[int, ...] | None) -> Any:
-    """Call `evaluate` for numbers at once, for arrays in small blocks; return an array of the shape head + shape."""
+    """Return evaluate(points); do arrays in small blocks, and return these with the shape `head` + `shape`."""
     if shape is None:
         return evaluate(points)
     found = np.empty((*head, len(points[0])))
@@ -378,7 +378,7 @@ def solve_map(p: ParametersLike, label: str, x_i: Number, theta_i: Number) -> Ma
         raise ParameterError("x_i", x_i, "must be a number; maps are solved one by one")
     x, theta = points[:2]
     context = getattr(x, "context", None)
-    arithmetic = _engine(p, context.dps + 10 if context else None)
+    arithmetic = _search_arithmetic(p, context.dps + 10 if context else None)
     convert = context.convert if context else float
     inner = arithmetic.context.convert if isinstance(arithmetic, MpArithmetic) else float
     event, gain = _next_event(row, arithmetic, inner(x), inner(theta))
@@ -401,13 +401,13 @@ def solve_map(p: ParametersLike, label: str, x_i: Number, theta_i: Number) -> Ma
 
 
 @lru_cache(maxsize=64)
-def _engine(p: Parameters, digits: int | None) -> Arithmetic:
-    """Return the arithmetic of the event search with the number of decimal digits given or, for None, in doubles."""
+def _search_arithmetic(p: Parameters, digits: int | None) -> Arithmetic:
+    """Return the arithmetic in which to search events: with so many decimal `digits` or, for None, in doubles."""
     return many_digits(p, digits) if digits else Arithmetic(p)
 
 
 def _next_event(row: Map, arithmetic: Arithmetic, x: Number, theta: Number) -> tuple[NextEvent, Number]:
-    """Return the next event and the change of phase until then; MapError if the motion does not start in row's mode."""
+    """Return the next event and the phase until it; MapError if the motion does not start in the map's mode."""
     K, names, belt = arithmetic.K, arithmetic.namespace, row.start.boundary
     two_pi, eps = names["TWO_PI"], names["EPS"]
     turns = int(theta / two_pi) - (theta < 0)

@@ -276,7 +276,7 @@ def latex_table(heads: Sequence[str], rows: Iterable[Sequence[str]]) -> str:
 
 
 class LatexAnswer:
-    """Base class of results that notebooks show as a formula, the one that `latex` returns."""
+    """Base class of results that notebooks show as a formula; each class writes its own in the method `latex`."""
 
     __slots__ = ()
 

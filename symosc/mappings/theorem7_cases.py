@@ -77,8 +77,8 @@ def place(mapping: str) -> Place:
 def window_kind(side: int, gamma_sign: int, amplitude_sign: int, excess_sign: int, full: bool) -> int:
     """Return the kind of window from the signs of gamma, of the amplitude and of |gamma| - |amplitude| (the excess).
 
-    Here gamma is k v_lambda/m, the amplitude B0 Omega/m. `full` is the order "full" of `symosc.grazing_window`: a
-    tangency of fourth order counts as a graze.
+    Here gamma is k v_lambda/m, the amplitude B0 Omega/m, and the kind a code such as ARC. With `full`, the order "full"
+    of `symosc.grazing_window`, a tangency of fourth order counts as a graze.
     """
     # At |gamma| = |amplitude| the order 1 excludes one phase. G^(1) = G^(2) = 0 there. G^(3) = -gamma Omega^2 has the
     # sign of a graze at `side` iff the rest of the circle is in the window; then `full` includes the phase.
@@ -93,7 +93,7 @@ def window_kind(side: int, gamma_sign: int, amplitude_sign: int, excess_sign: in
 
 
 def case_label(place: Place, gamma_sign: int, amplitude_sign: int, excess_sign: int) -> str:
-    """Return the label of the case with these signs: (55.1) is the first of eq. (55), a letter is not in the paper."""
+    """Return the label of the case with these signs: (55.1) is the first of eq. (55), (55.a) is not in the paper."""
     # a: gamma has the wrong sign and |gamma| = |amplitude|; b, c: B0 = 0, everything and nothing. B0 < 0 is B0 > 0 half
     # a period later.
     if amplitude_sign == 0:
@@ -149,7 +149,7 @@ def window(k, v, B, Omega, side, full):
 
 
 def windows(pairs, side, full, columns):
-    """Compute many windows: fill the arrays kind, low, high, theta_cr in `columns` with the results of `window`."""
+    """Fill `columns` (kind, low, high, theta_cr) by `window`; `pairs` are arrays: two parts each of k, v, B, Omega."""
     kh, kl, vh, vl, Bh, Bl, Oh, Ol = pairs
     kind, low, high, theta_cr = columns
     for i in range(len(kind)):

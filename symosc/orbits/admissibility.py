@@ -83,7 +83,7 @@ ARRIVAL, STICK_LASTS, STICK_END, PASSING, HOLD, STAYS_INSIDE, FLIGHT_LASTS, ENGI
 
 
 class Extremum(NamedTuple):
-    """An extremum of the velocity in a flight: the time `tau` since the flight's start, and `v` and b = v'' then."""
+    """An extremum of v in a flight: the time `tau` since the flight's start, the velocity `v`, and `b` = v''."""
 
     tau: Number
     v: Number
@@ -124,7 +124,7 @@ MarginRow = tuple[str, Number, Number, str, int, float]
 
 
 def _flight(equations: ClosingEquations, span: Span, following: OrbitPiece, sizes: Scales) -> Iterator[MarginRow]:
-    """Yield the inequalities that a flight must satisfy, with their margins; `following` is the next piece."""
+    """Yield the inequalities of the flight `span` before the piece `following`; `sizes` go into `Condition.scale`."""
     (piece, start, end, tau), K, side = span, equations.K, span.piece.side
     v_end, short = equations.belt(piece.end).v, float(min(1, abs(tau) * K.rate))
     sign, opposite = "><" if side > 0 else "<>"
@@ -147,7 +147,7 @@ def _flight(equations: ClosingEquations, span: Span, following: OrbitPiece, size
 
 
 def _stick(equations: ClosingEquations, span: Span, sizes: Scales) -> Iterator[MarginRow]:
-    """Yield the inequalities that a stick must satisfy, with their margins."""
+    """Yield the inequalities of the stick `span`, with their margins; `sizes` go into `Condition.scale`."""
     (piece, _, end, tau), K, belt = span, equations.K, equations.belt(span.piece.start)
     low, high = piece.start, piece.start + 1
     yield f"{piece.label} lasts", tau, end[1], VANISHING, STICK_LASTS, sizes.t
@@ -160,7 +160,7 @@ def _stick(equations: ClosingEquations, span: Span, sizes: Scales) -> Iterator[M
 
 
 def clearances(equations: ClosingEquations, span: Span) -> Iterator[tuple[Number, Number, int]]:
-    """Yield, for each turn of a flight before a belt, the velocity by which it misses the belt, phase, and belt."""
+    """Yield (gap, phase, belt) at each minimum of v in a flight above a belt, and at each maximum below a belt."""
     piece, start, _, tau = span
     flight = equations.start_of_flight(piece, start)
     for extremum in extrema(0 * tau, tau, flight, piece.after_stick, equations) if tau > 0 else ():
@@ -172,7 +172,7 @@ def clearances(equations: ClosingEquations, span: Span) -> Iterator[tuple[Number
 
 
 def holding_forces(equations: ClosingEquations, span: Span) -> Iterator[tuple[Number, Number, int]]:
-    """Yield (force, phase, domain) at each extremum of the two forces that hold the mass during a stick."""
+    """Yield (margin, phase, domain) where both forces are extremal in a stick: F^(below) or -F^(above), the smaller."""
     (piece, start, _, tau), K, names = span, equations.K, equations.arithmetic.namespace
     belt, s0, c0 = equations.belt(piece.start), equations.sin(start[1]), equations.cos(start[1])
     below = equations.force(piece.start, start[0], belt.v, start[1])
@@ -185,13 +185,13 @@ def holding_forces(equations: ClosingEquations, span: Span) -> Iterator[tuple[Nu
             turn += K.period
 
 
-def extrema(begin: Number, tau: Number, flight: Launch, at_rest: bool, equations: ClosingEquations) -> list[Extremum]:
-    """Return the extrema of v between the times `begin` and `tau` of a flight; `at_rest` leaves out one at `begin`."""
+def extrema(begin: Number, tau: Number, flight: Launch, skip: bool, equations: ClosingEquations) -> list[Extremum]:
+    """Return the extrema of v between the times `begin` and `tau` of a flight; with `skip`, without one at `begin`."""
     # They are bracketed in doubles, and then located in the arithmetic of the equations.
     coarse = equations.coarse.K
     v0, a0, s0, c0 = (float(value) for value in flight)
     span, count = float(tau - begin), int(min(4000, max(8, float(tau - begin) * coarse.rate / SAMPLE)))
-    times = float(begin) + span * np.arange(at_rest, count + 1) / count
+    times = float(begin) + span * np.arange(skip, count + 1) / count
     _, _, slopes = motion(v0, a0, s0, c0, coarse.cm, coarse.w0sq, coarse.f0, coarse.Om, *basis(times, coarse)[:5])
     rising = slopes > 0
     for j in np.flatnonzero(slopes[:-1] == 0)[::-1]:  # a sample just at a turn belongs to what follows
@@ -200,8 +200,8 @@ def extrema(begin: Number, tau: Number, flight: Launch, at_rest: bool, equations
     return [_extremum(times[j], times[j + 1], rising[j], flight, equations) for j in turns]
 
 
-def _extremum(low: float, high: float, falls: bool, flight: Launch, equations: ClosingEquations) -> Extremum:
-    """Find the extremum of v between the times `low` and `high` of a flight, by Newton steps that stay between them."""
+def _extremum(low: float, high: float, maximum: bool, flight: Launch, equations: ClosingEquations) -> Extremum:
+    """Find the minimum or `maximum` of v between the times `low` and `high` of a flight by bracketed Newton steps."""
     states, K, number = equations.arithmetic.namespace["state_at"], equations.K, equations.number
     allowed = 64.0 * equations.arithmetic.namespace["EPS"]  # to which an extremum is known, as a part of its time
     low, high = number(low), number(high)
@@ -211,7 +211,7 @@ def _extremum(low: float, high: float, falls: bool, flight: Launch, equations: C
         a, b = now.F, now.G1
         if a == 0:
             break
-        low, high = (tau, high) if (a > 0) == falls else (low, tau)
+        low, high = (tau, high) if (a > 0) == maximum else (low, tau)
         before, tau = tau, tau - a / b if b != 0 else low
         if not low < tau < high:
             tau = (low + high) / 2
@@ -222,7 +222,7 @@ def _extremum(low: float, high: float, falls: bool, flight: Launch, equations: C
 
 
 def grazing_distance(equations: ClosingEquations, points: Points) -> float:
-    """Return the smallest difference in velocity that keeps the orbit from grazing a belt; inf if no flight turns."""
+    """Return the least gap in velocity between a belt and an extremum of a flight or its continuation; inf if none."""
     # At an extremum inside a flight that is the gap to the belt. At a flight's end it is how far the flight would go
     # past the belt if the motion of its domain went on. Both are 0 where the orbit grazes, seen from below and from
     # above.
@@ -236,7 +236,7 @@ def grazing_distance(equations: ClosingEquations, points: Points) -> float:
 
 
 def concerns_whole_piece(condition: Condition) -> bool:
-    """Return whether a condition concerns a whole piece, not only its end or duration."""
+    """Return whether a condition is about all times of a piece (gaps, forces in a stick), not its end or duration."""
     return " stays in " in condition.text or " during " in condition.text
 
 
@@ -249,7 +249,7 @@ def failing(found: list[Condition]) -> list[Condition]:
 
 
 def failures(equations: ClosingEquations, points: Points) -> list[Condition]:
-    """Return the conditions because of which a root in doubles is no orbit, the main one first; empty for an orbit."""
+    """Return the conditions that keep a root in doubles from being an orbit, sorted by rank; [] for an orbit."""
     found = conditions(equations, points)
     small = any(abs(condition.value) < MARGINAL * condition.scale for condition in found)
     if not small and not ill_conditioned(equations, points):
@@ -302,7 +302,7 @@ def ill_conditioned(equations: ClosingEquations, points: Points) -> bool:
 
 
 def engine_contradiction(equations: ClosingEquations, points: Points, digits: int | None = None) -> Condition | None:
-    """Simulate the motion from a root over its period; return the first piece that differs, None if it closes."""
+    """Simulate a root's motion over its period; return a failed condition on the first piece that differs, or None."""
     # It starts at the end of a flight where the forces on both sides of the belt are farthest from 0.
     pieces, number, K, p = equations.pieces, equations.number, equations.K, equations.parameters
 

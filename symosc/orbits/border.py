@@ -181,7 +181,7 @@ class Border(Drawable):
 
     @public
     def words_beside(self, i: int, distance: NumberLike = 1e-6) -> tuple[str | None, str | None]:
-        """Return the words on both sides of the i-th point, in the order of `words`, at the parameters from `beside`.
+        """Return the words of the motions at the two parameter sets that ``beside(i, distance)`` returns, in its order.
 
         Each is the word of an orbit that was found at these parameters and confirmed by a simulation; with c > 0 all
         motions settle to this orbit. The word is "rest" where the mass may rest on a belt for ever, None if no orbit
@@ -199,15 +199,15 @@ class Border(Drawable):
 
     @public
     def orbit(self, i: int) -> Orbit:
-        """Return the orbit at the border's i-th point; of the words on both sides it has the one with fewer pieces."""
+        """Return the orbit at the border's i-th point, with the shorter one of the words on its two sides."""
         return self._system.orbit(self._nodes[whole_number("i", i, -len(self), len(self) - 1)].z)
 
     @public
     def beside(self, i: int, distance: NumberLike = 1e-6) -> tuple[Parameters, Parameters]:
-        """Return the parameters on both sides of the i-th point, in the order of `words`.
+        """Return two parameter sets, one on either side of the i-th point, in the order of `words`.
 
-        In a plot over the ranges of the two parameters they lie on a line at a right angle to the border. There they
-        are `distance` away from it, a fraction of the plot's width.
+        In a plot over the ranges of the two parameters they lie on the border's normal through this point. Their
+        distance from the point is `distance`, as a fraction of the plot's width.
         """
         i, far = whole_number("i", i, -len(self), len(self) - 1), float(read_exact("distance", distance))
         if not 0 < far <= 0.01:
@@ -480,7 +480,7 @@ class Tracer:
         return Node(z, tangent, np.full(2, error)), SpecialPoint(FOLD, values, message, error)
 
     def _codimension_two(self, good: Node, bad: Node) -> tuple[Node, SpecialPoint]:
-        """Locate the border's end between `good`, where all inequalities hold, and `bad`; return node and point."""
+        """Locate the border's end between `good`, where all inequalities hold, and `bad`, as Node and SpecialPoint."""
         system, condition = self.system, self._failing(bad)
         for _ in range(MOST_HALVINGS):
             if np.linalg.norm(bad.z - good.z) < LOCATED:
@@ -511,9 +511,9 @@ def _scaled_margin(condition: Condition) -> float:
 
 
 def meeting(plane: Plane, orbit: Orbit, values: tuple[float, float]) -> SpecialPoint | None:
-    """Find the point near the parameters `values` at which two inequalities of one orbit vanish; None if not found.
+    """Find the point near the parameters `values` at which two inequalities of one word vanish; None if not found.
 
-    They are those of the word of `orbit`; if this word fails, those of the shortest word of the motions nearby.
+    The word is that of `orbit` or, if no point is found with it, the shortest one among the motions around `values`.
     """
     durations = ClosingEquations(plane.parameters(values), orbit.word, orbit.periods).durations(orbit.points)
     found = None if durations.min() < 1e-3 else _two_zeros(plane, orbit, values)
@@ -528,7 +528,7 @@ Motion = tuple[np.ndarray, Orbit]
 
 
 def _circle(plane: Plane, values: Sequence[float], orbit: Orbit) -> list[Motion]:
-    """Return the points in the ranges on a small circle around the point `values`, each with the orbit found there."""
+    """Return points of the plane on a small circle around the point `values`, each with the orbit found there."""
     found = []
     for i in range(24):
         angle = 2 * pi * (i + 0.5) / 24
@@ -583,7 +583,7 @@ def _two_zeros(plane: Plane, orbit: Orbit, values: tuple[float, float]) -> Speci
 
 
 def closed_form(plane: Plane, place: np.ndarray, orbit: Orbit) -> tuple[ClosedForm, Node] | None:
-    """Return the `ClosedForm` border through the point `place` of the plane, with its node there, or None."""
+    """Return the border through `place` beyond which the motion of `orbit` rests or meets no belt, and its node."""
     p = plane.parameters(place)
     system = ClosedForm(plane, p, orbit)
     holds, drives = system.terms(place)
@@ -598,8 +598,10 @@ def closed_form(plane: Plane, place: np.ndarray, orbit: Orbit) -> tuple[ClosedFo
 # -- finding borders ---------------------------------------------------------------------------------------------------
 
 
-def starts(plane: Plane, place: np.ndarray, orbit: Orbit, direction: np.ndarray) -> Iterator[tuple[BorderSystem, Node]]:
-    """Yield the borders of an orbit's word that the line through `place` along `direction` crosses, nearest first."""
+def crossed_borders(
+    plane: Plane, place: np.ndarray, orbit: Orbit, direction: np.ndarray
+) -> Iterator[tuple[BorderSystem, Node]]:
+    """Yield the borders of the word of `orbit`, found at `place`, that the line along `direction` crosses there."""
     equations, points = ClosingEquations(plane.parameters(place), orbit.word, orbit.periods), orbit.points
     nearest = sorted(conditions(equations, points), key=lambda c: abs(_scaled_margin(c)))[:6]
     for zero, phases in (found for c in nearest for found in zeros_of(equations, points, c)):
@@ -628,7 +630,7 @@ def first_crossing(plane: Plane, start: Motion, stop: Motion) -> tuple[BorderSys
         length = float(np.abs(way / plane.widths).max())
         if length <= max(1e-3 * whole, 1e-6):  # short enough for the equations
             for place, orbit in sorted((low, high), key=lambda end: len(end[1].points)):
-                for system, node in starts(plane, place, orbit, way):
+                for system, node in crossed_borders(plane, place, orbit, way):
                     part = (system.values(node.z) - low[0]) @ way / (way @ way)
                     if -0.5 <= part <= 1.5:
                         return system, node
@@ -702,7 +704,7 @@ def _settled(plane: Plane, p: Parameters) -> tuple[np.ndarray, Orbit | None]:
 
 
 def _loss_of_word(plane: Plane, inside: Any, place: np.ndarray) -> tuple[Motion, Any] | None:
-    """Find the border beyond which the motion has no word, between `inside` (a point and its orbit) and `place`."""
+    """Return (motion, border): the border between `inside`, with orbit, and `place`, without; a motion beside it."""
     system = ClosedForm(plane, plane.parameters(place), inside[1])
 
     def word(part: float) -> bool:
@@ -722,7 +724,7 @@ def _loss_of_word(plane: Plane, inside: Any, place: np.ndarray) -> tuple[Motion,
 
 
 def _distinct(begun: Iterable[tuple[BorderSystem, Node]], step: float, most: int) -> list[Border]:
-    """Follow the border through each node of `begun`, by steps up to `step` and to `most` points; return each once."""
+    """Return the borders through the nodes of `begun`, each once, followed by steps up to `step` to `most` points."""
     found = list[Border]()
     for system, node in begun:
         border = Tracer(system, node, step, most).border()
@@ -732,7 +734,7 @@ def _distinct(begun: Iterable[tuple[BorderSystem, Node]], step: float, most: int
 
 
 def passes(border: Border, values: Sequence[float] | np.ndarray, words: Any) -> bool:
-    """Return whether `border` separates `words` and passes through the point `values`, to 1e-4 of the ranges."""
+    """Return whether `border` has `words` on its sides and passes the point `values` within 1e-4 of the ranges."""
     if set(border.words) != set(words):
         return False
     # The chords of long steps are farther from the curve than that: the cubics between the points are cut in eight.

@@ -52,7 +52,7 @@ POINTS_WEIGHT = 4.0  # by which switching points count less than the parameters 
 
 
 class Zero(NamedTuple):
-    """A margin that is 0 on a border: the kind and piece of its inequality, and the belt (graze) or domain (force)."""
+    """A margin that is 0 on a border: its kind, its piece, and `place`, the belt of a gap or the domain of a force."""
 
     kind: str
     piece: int
@@ -60,7 +60,7 @@ class Zero(NamedTuple):
 
     @property
     def bend(self) -> Zero:
-        """The `Zero` of the margin's time derivative, which vanishes too where the margin has a multiple zero."""
+        """The `Zero` of this margin's next time derivative, which vanishes too where the zero is not a simple one."""
         return self._replace(kind=AT_BEND if self.kind in TIMED else AT_FLAT)
 
 
@@ -77,7 +77,7 @@ class Plane(NamedTuple):
         return self.fixed.replace(**dict(zip(self.names, map(float, values), strict=True)))
 
     def near(self, a: Sequence[float], b: Sequence[float]) -> bool:
-        """Return whether two points of the plane are equal to 1e-6 of the ranges."""
+        """Return whether two points of the plane differ by less than 1e-6 of the range in each parameter."""
         return bool((np.abs(np.subtract(a, b)) < 1e-6 * self.widths).all())
 
     @property
@@ -102,11 +102,11 @@ class QuickArithmetic(Arithmetic):
 
 
 class BorderSystem:
-    """The closing equations of a word together with the inequalities that are 0 on a border.
+    """The closing equations of a word together with the margins that have to vanish on a border, `zeros`.
 
     The unknowns u are x and theta of each switching point, the phase of each extremum at which a margin has to vanish,
-    and the two parameters. With one zero the roots are a curve, with two a point. Lengths are measured in the scaled
-    unknowns z = u/scale.
+    and the two parameters. If one margin vanishes the roots form a curve, the border; if two, a point. Lengths are
+    measured in the scaled unknowns z = u/scale.
     """
 
     def __init__(self, plane: Plane, orbit: Orbit, zeros: Sequence[Zero]) -> None:
@@ -125,7 +125,7 @@ class BorderSystem:
         self.scale = np.array([*[size * weight, weight] * self.n, *[weight] * len(self.timed), *plane.widths])
 
     def _unaccelerated_after(self, crossings: Iterable[int]) -> tuple[OrbitPiece, ...]:
-        """Return the word's pieces; the flights after those with numbers in `crossings` start with acceleration 0."""
+        """Return the word's pieces; a flight after a piece whose index is in `crossings` starts with acceleration 0."""
         pieces = list(self.pieces)
         for i in crossings:
             j = (i + 1) % self.n
@@ -187,7 +187,7 @@ class BorderSystem:
         return values, found
 
     def fine_tangent(self, u: Sequence[Any]) -> np.ndarray:
-        """Return the unit tangent in scaled unknowns, right to nearly all digits of a double."""
+        """Return the border's unit tangent at the mpmath numbers u, in scaled unknowns, to nearly double precision."""
         step, (equations, _, _) = u[0].context.mpf(10) ** -20, self.at(u, FINE_DIGITS)
 
         def at_fixed_parameters(each: Sequence[Any]) -> list[Number]:
@@ -289,7 +289,7 @@ class BorderSystem:
     # -- the inequalities along the border -----------------------------------------------------------------------------
 
     def hide(self, curve: Sequence[np.ndarray]) -> None:
-        """Set `hidden` to the numbers of the inequalities that are 0 at all points z of the border in `curve`."""
+        """Make `margins` ignore the inequalities that are 0 all along the border, at all its points z in `curve`."""
         flags, shift = list[list[bool]](), 0
         for z in curve:
             equations, points, _ = self.at((z * self.scale).tolist())
@@ -305,7 +305,7 @@ class BorderSystem:
         self.symmetric_pieces = self._unaccelerated_after(crossings)
 
     def margins(self, z: np.ndarray) -> list[Condition]:
-        """Return the inequalities that must hold on the border, and those without which a zero on it is not simple."""
+        """Return the inequalities that must hold on the border, and those by which the zeros on it are simple ones."""
         equations, points, phases = self.at((z * self.scale).tolist())
         equations.pieces = self.symmetric_pieces
         found, size = conditions(equations, points), scales(equations, points)
@@ -316,7 +316,7 @@ class BorderSystem:
             found += self._simple_zero_margins(equations, points, zero, theta, size.a / size.t)
         equations.pieces = self.pieces  # the margins at other extrema than those that vanish on the border
         for c in own:
-            turns = turns_of(equations, points, c.piece, kind_of(c)) if kind_of(c) in TIMED else []
+            turns = extrema_of(equations, points, c.piece, kind_of(c)) if kind_of(c) in TIMED else []
             away = [value for value, theta, _ in turns if all(abs(theta - phase) > 1e-5 for phase in phases)]
             found.append(c._replace(value=float(min(away, default=inf)), text=f"elsewhere, {c.text}"))
         return found
@@ -361,7 +361,7 @@ class ClosedForm(BorderSystem):
         self.up, self.push = 1 if fixed.belt(belt) > 0 else -1, 1 if fixed.B0 > 0 else -1
 
     def _numbers(self, u: Any, digits: int | None = None) -> Any:
-        """Return all parameters, with the values `u` of the two, as floats or with `digits` as mpmath numbers."""
+        """Return all parameters, with the values `u` of the plane's two, as floats or, with `digits`, in mpmath."""
         changed = dict(zip(self.names, u, strict=True))
         if digits is None:
             return OtherNumbers(self.given | changed)
@@ -396,7 +396,7 @@ class ClosedForm(BorderSystem):
         return np.array([b, -a]) / np.hypot(a, b)
 
     def margins(self, z: np.ndarray) -> list[Condition]:
-        """Return what must hold on the border: the belt moves and is met first, or it is at rest and holds the mass."""
+        """Return the conditions of the border: a moving belt is met before the other, a belt at rest holds the mass."""
         p, found = self._numbers(z * self.scale), []
         own, other = self.up * p.belt(self.belt), -self.up * p.belt(3 - self.belt)
         if self.line:
@@ -425,19 +425,19 @@ class ClosedForm(BorderSystem):
 
 
 def _slope(function: Any, u: Sequence[Any], values: np.ndarray, j: int, step: Any) -> np.ndarray:
-    """Return the derivative of a function, with the given values at u, by its j-th argument: a finite difference."""
+    """Return the difference quotient of `function` at u by u[j], with this step; `values` is function(u)."""
     beside = list(u)
     beside[j] += step
     return np.asarray((np.array(function(beside)) - values) / step)
 
 
-def turns_of(equations: ClosingEquations, points: Any, i: int, kind: str) -> list[tuple[Number, Number, int]]:
-    """Return the extrema in piece i: those of `clearances` for grazes, else those of `holding_forces`."""
+def extrema_of(equations: ClosingEquations, points: Any, i: int, kind: str) -> list[tuple[Number, Number, int]]:
+    """Return the extrema in piece i: from `clearances` if `kind` is that of a graze, else from `holding_forces`."""
     return list((clearances if kind == AT_TOUCH else holding_forces)(equations, equations.spans(points)[i]))
 
 
 def zero_values(equations: ClosingEquations, points: Any, zero: Zero, theta: Number) -> list[Number]:
-    """Return the expressions that are 0 on the border `zero`; `theta` is the phase of its extremum, if it has one."""
+    """Return what is 0 where `zero` is: its margin and, if this has an extremum, of phase `theta`, its derivative."""
     K, piece, start = equations.K, equations.pieces[zero.piece], points[zero.piece]
     if zero.kind in (AT_FAR, AT_ARRIVAL, AT_FLAT):
         x, end = equations.ends(points)[zero.piece]
@@ -464,7 +464,7 @@ def zero_values(equations: ClosingEquations, points: Any, zero: Zero, theta: Num
 
 
 def is_symmetric(points: np.ndarray, part: float = NOTHING) -> bool:
-    """Return whether the second half of an orbit mirrors the first: x(t + T/2) + x(t) is constant."""
+    """Return whether x(t + T/2) + x(t) is constant on the orbit through `points`, to the relative accuracy `part`."""
     if len(points) % 2:
         return False
     away = symmetrised(points) - points
@@ -492,9 +492,9 @@ def kind_of(condition: Condition) -> str:
 
 
 def zeros_of(equations: ClosingEquations, points: Any, condition: Condition) -> list[tuple[Zero, list[float]]]:
-    """Return the zeros that a condition close to 0 may stand for, each with the phase of its extremum, if any.
+    """Return each `Zero` that a condition near 0 can mean, with a list that has the phase of its extremum, if any.
 
-    There are two where the flight after a crossing turns back at once: the second is the graze of this flight.
+    There are two at a crossing after which the flight turns back at once: that of the force, and that of a graze.
     """
     kind, i = kind_of(condition), condition.piece
     piece, end = equations.pieces[i], equations.ends(points)[i]
@@ -509,12 +509,12 @@ def zeros_of(equations: ClosingEquations, points: Any, condition: Condition) -> 
         return found
     if kind in ("", AT_ARRIVAL):
         return [(Zero(kind, i, piece.mode), [])] if kind else []
-    rows = sorted(turns_of(equations, points, i, kind))[:1]
+    rows = sorted(extrema_of(equations, points, i, kind))[:1]
     return [(Zero(kind, i, place), [float(theta)]) for _, theta, place in rows]
 
 
 def names_of(system: BorderSystem, zero: Zero | None = None) -> tuple[str, str]:
-    """Name what happens at a border: the kind of end that a branch has there, and the name used in the literature."""
+    """Return (kind of a branch's end, name in the literature) for what happens at a border, or at its given `zero`."""
     zero = zero or system.zeros[0]
     if isinstance(system, ClosedForm) and system.rests:
         return admissibility.FLIGHT_VANISHING, ""

@@ -317,7 +317,7 @@ def read_range(parameters: Parameters, parameter: str, limits: Any) -> tuple[flo
 
 @dataclass(frozen=True)
 class BranchPoint:
-    """A point of a branch: its orbit's data at one `value` of the parameter, and the scaled unknowns `z` of `Curve`."""
+    """An orbit of a branch at one `value` of the parameter, with its scaled unknowns `z` and tangent on the `Curve`."""
 
     value: float
     points: np.ndarray
@@ -331,8 +331,8 @@ class BranchPoint:
 class Curve:
     """The curve of roots of the closing equations over one parameter, in the scaled unknowns z.
 
-    They are x/size and theta of each switching point, weighted, and the parameter divided by its range; size is that of
-    the motion.
+    These are, weighted, x and theta of each switching point and the parameter; x is divided by the size of the motion,
+    the parameter by its range.
     """
 
     # Arclength measures positions from their mean: a shift of the whole orbit, such as by A0/k, changes nothing else
@@ -376,7 +376,7 @@ class Curve:
 
     @staticmethod
     def level(z: np.ndarray) -> np.ndarray:
-        """Return z with the mean of the positions taken off: a shift of the whole orbit then has no length."""
+        """Return z with positions counted from their mean: a shift of the whole orbit then has length 0."""
         found = z.copy()
         found[:-1:2] -= found[:-1:2].mean()
         return found
@@ -469,7 +469,10 @@ class Curve:
     def follow(
         self, direction: float, most: int, advance: Advance, before: int = 0
     ) -> tuple[list[BranchPoint], BranchEnd]:
-        """Follow the curve in one direction from the first orbit; return its points and its end, with the reason."""
+        """Follow the curve from the first orbit to its end or for `most` points; return its points and the end.
+
+        `advance` reports the progress; `before` is the number of points found in the other direction.
+        """
         z, length, reached = self.joined(self.start, self.value), 0.02, 0.0
         path = [self.point(z, np.append(np.zeros(len(z) - 1), direction))]
         # At an end margins are rounding noise. Then a point just after it follows; between the two nothing is proven.
@@ -513,10 +516,11 @@ class Curve:
     def _scan(
         self, a: BranchPoint, b: BranchPoint, around: float = np.inf
     ) -> tuple[list[BranchPoint], BranchPoint | None] | None:
-        """Search the stretch from a to b for a point that is no orbit; return the orbits up to the first, and it.
+        """Search the stretch from a to b for a point that is no orbit; return the orbits before it, and this point.
 
-        It is None if all are orbits. The whole result is None if the points do not lie on one smooth curve: a shorter
-        step is needed. `around` is the length of the shortest known stretch around a and b that ends at no orbit.
+        Instead of the point return None if all are orbits. Return only None if the points do not lie on one smooth
+        curve: a shorter step is needed. `around` is the length of the shortest known stretch around a and b that ends
+        at no orbit.
         """
         length, changed = self.distance(a, b), bool(b.failures)
         around = min(around, length) if changed else around
@@ -568,7 +572,7 @@ class Curve:
     # -- the end -------------------------------------------------------------------------------------------------------
 
     def _end_at(self, path: list[BranchPoint], failed: BranchPoint, direction: float) -> BranchEnd:
-        """Return the end of the branch before `failed`, with its reason; make the last of `path` surely an orbit."""
+        """Return the end of the branch before the point `failed`; replace the last point of `path` by a sure orbit."""
         # Margins are compared with those at a point that is far enough before the end.
         before = next((point for point in reversed(path) if self.distance(point, failed) > 1e-3), path[0])
         # What a margin must have fallen to to count as 0, or where doubles cannot decide on which side of 0 it is
@@ -633,7 +637,7 @@ Node = tuple[ClosingEquations, np.ndarray]
 
 
 def _largest_bends(values: np.ndarray, axis: int) -> np.ndarray:
-    """Return, for each column of (5, n) values, the largest second difference along `axis` in it and beside it."""
+    """Return, for each column of (5, n) values, the largest second difference along `axis` in it or a neighbour."""
     bend = np.abs(np.diff(values, 2, axis=axis)).max(axis=0)
     bend = bend if axis == 0 else np.concatenate([bend[:1], bend, bend[-1:]])
     bend[1:-1] = np.maximum(bend[1:-1], np.maximum(bend[:-2], bend[2:]))
@@ -644,7 +648,7 @@ def _proven_positive(values: np.ndarray, deficit: float | np.ndarray = 0.0) -> n
     """Return, for each column of margins at five points of a branch, whether they stay > 0 between the points.
 
     The criterion is sqrt(f0) + sqrt(f1) > sqrt(C), as derived at the top of the module. `deficit` is by how much a
-    margin may be smaller between two columns than in them.
+    margin may be smaller between neighbouring columns than in these.
     """
     bend, least = _largest_bends(values, axis=0), values - deficit
     roots = np.sqrt(np.maximum(least, 0.0))

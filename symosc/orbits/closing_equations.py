@@ -86,7 +86,7 @@ class OrbitPiece:
         return self.mode > 3
 
     def roots(self, boundary: int) -> int:
-        """Return the multiplicity of the root tau = 0 of v - v_boundary: 1 from this belt, 2 after a stick, else 0."""
+        """Return the order of v - v_boundary = 0 at a flight's start: 1 on this belt, 2 there after a stick, else 0."""
         return 0 if self.sticks or boundary != self.start else 2 if self.after_stick else 1
 
     @property
@@ -152,7 +152,7 @@ class ClosingEquations:
         return ClosingEquations(self.parameters, self.word, self.periods, digits)
 
     def ends(self, points: Points) -> list[Point]:
-        """Return the points (x, theta) where the pieces end: the next ones, and the first after the orbit's period."""
+        """Return the end (x, theta) of each piece: the next of `points`; for the last, the first one a period later."""
         x, theta = points[0]
         return [*points[1:], (x, theta + self.turn)]
 
@@ -162,7 +162,7 @@ class ClosingEquations:
         return [Span(piece, start, end, (end[1] - start[1]) / self.K.Om) for piece, start, end in ends]
 
     def residuals(self, points: Points) -> list[Number]:
-        """Return f1 and f2 of eq. (54) for each piece in order; f2 is divided by tau^n for its known root tau = 0."""
+        """Return f1 and f2 of eq. (54) for each piece; f2 is divided by tau^n where tau = 0 is an n-fold root of it."""
         values = []
         for span in self.spans(points):
             f1, f2 = self._residual(span)
@@ -189,7 +189,7 @@ class ClosingEquations:
         return Launch(v, a, self.sin(start[1]), self.cos(start[1]))
 
     def _residual(self, span: Span) -> tuple[Number, Number]:
-        """Return f1 and f2 of eq. (54) for one piece, without the division of `residuals`."""
+        """Return f1 and f2 of eq. (54) for one piece, without the division of f2 by tau^n as in `residuals`."""
         (piece, start, end, tau), K, v_end = span, self.K, self.belt(span.piece.end).v
         if piece.sticks:
             A = (K.A1, K.A2, K.A3)[piece.start - (piece.side < 0)]  # of the domain that it leaves to
@@ -218,7 +218,7 @@ class ClosingEquations:
         return (x_x0, x_th0, -1, x_th1), (v_x0, v_th0, 0, v_th1)
 
     def matrix(self, points: Points) -> Any:
-        """Return the block-cyclic Jacobian: a (2n, 2n) array of floats, or a matrix of mpmath."""
+        """Return the block-cyclic Jacobian of `residuals` by all x and theta: a (2n, 2n) array or an mpmath matrix."""
         size = 2 * len(self.pieces)
         matrix = self.context.zeros(size) if self.context else np.zeros((size, size))
         for i, span in enumerate(self.spans(points)):
@@ -309,7 +309,7 @@ def solve(equations: ClosingEquations, guess: np.ndarray) -> Solution:
 
 
 def _largest_part(equations: ClosingEquations, points: np.ndarray, step: np.ndarray) -> float:
-    """Return the largest fraction of a Newton step that shortens each flight at most by the part MOST_SHORTENING."""
+    """Return the largest fraction of a Newton step that takes no more than the part MOST_SHORTENING off any flight."""
     # A stick may shrink to nothing and beyond: its equations have roots of negative duration, which are inadmissible.
     durations = equations.durations(points)
     changes = np.append(step[1:, 1], step[0, 1]) - step[:, 1]

@@ -385,7 +385,7 @@ def _words_of_a_period(equations: ClosingEquations, run: Run) -> list[Word]:
 
 
 def resting_text(parameters: Parameters, mode: int, what: str = "the motion comes to rest") -> str:
-    """Describe where a motion ends that stays in `mode` for ever; `what` is the subject and verb for a rest."""
+    """Describe where a motion ends that stays in `mode` for ever; if it can rest in an interval, begin with `what`."""
     if mode <= 3:
         return f"the motion ends up in Omega{mode} and meets no belt any more"
     positions = rest_positions(parameters, mode - 3)
@@ -417,7 +417,7 @@ def largest_displacement(equations: ClosingEquations) -> tuple[float, float]:
 
 
 def from_simulations(equations: ClosingEquations, periods: int | None) -> Iterator[Guess]:
-    """Simulate motions from the word's belts; of every eight starts yield the four guesses that close best."""
+    """Yield guesses from simulated motions that start on the word's belts: of every eight starts the four best."""
     # They start at 7 positions, in units of the largest displacement expected, at 8 phases.
     centre, size = largest_displacement(equations)
     boundaries = sorted({piece.start for piece in equations.pieces})

@@ -82,7 +82,7 @@ def multipliers(trace: Number, determinant: Number, root: Callable[[Number], Any
 
 
 def stability_margin(equations: ClosingEquations, points: Points, values: tuple[Number, Number]) -> float | None:
-    """Return 1 minus the size of the larger multiplier in `values`: > 0 if stable, None if below 1e-25 (marginal)."""
+    """Return 1 - max |value|, > 0 if the orbit with the multipliers `values` is stable; None if marginal (< 1e-25)."""
     gap = float(1 - max(abs(value) for value in values))
     if abs(gap) > NEAR_ONE:
         return gap

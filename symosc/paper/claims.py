@@ -64,7 +64,7 @@ def evidence(right: object, finding: str, numbers: dict[str, Any], if_right: str
 
 
 class Refuted(Exception):
-    """Raised by a check if what its statement is about does not exist; carries the evidence that refutes it."""
+    """The error that a check raises if the stick or orbit of its statement does not exist; carries the evidence."""
 
     def __init__(self, finding: str, numbers: dict[str, Any]) -> None:
         self.evidence = Evidence(NOT_AS_PRINTED, finding, numbers)
@@ -100,8 +100,8 @@ def read_claims(
 ) -> tuple[tuple[Claim, ...], tuple[Unjudged, ...]]:
     """Read all claims of claims.toml, part by part, and the parts of the paper without a verdict.
 
-    Claims may refer to the `pictures` with these keys; `checks` is the package with the check functions. RecordsError
-    says what is wrong with the file.
+    `pictures` has the keys of the pictures that claims may name; `checks` is the package of the check functions. A
+    faulty file raises RecordsError.
     """
     data, claims, unjudged = read_toml(path), dict[str, Claim](), []
     for says, row in data.pop("unjudged", {}).items():
@@ -204,7 +204,7 @@ def items_of(source: str) -> list[str]:
 
 
 def coverage(entries: Iterable[Claim | Unjudged]) -> dict[str, list[Any]]:
-    """Return the claims and unjudged parts on each numbered part of the paper, in the paper's order."""
+    """Return for each section, equation, theorem and so on of the paper, in order, the entries that are about it."""
     found: dict[str, list[Any]] = {item: [] for item in PAPER}
     for entry in entries:
         for item in items_of(entry.source):

@@ -130,7 +130,7 @@ def fig3() -> Figure:
     """Return Fig. 3, the phase plane with its domains and boundaries, and the direction of motion at t = 0."""
     p = load_scene("fig5").parameters
     v1, v2 = float(p.v1), float(p.v2)
-    zones = {belt: stick_zone(p, belt) for belt in (1, 2)}
+    zones = {belt: sticking_interval(p, belt) for belt in (1, 2)}
     left, right = min(zone[0] for zone in zones.values()), max(zone[1] for zone in zones.values())
     x = left - 0.25 * (right - left), right + 0.25 * (right - left)
     v = v1 - 0.9 * (v2 - v1), v2 + 0.9 * (v2 - v1)
@@ -163,8 +163,8 @@ def fig3() -> Figure:
     return drawing
 
 
-def stick_zone(p: Parameters, belt: int) -> tuple[float, float]:
-    """Return the displacements at which the mass sticks to a belt at phase 0: F(above) < 0 < F(below) (Theorem 4)."""
+def sticking_interval(p: Parameters, belt: int) -> tuple[float, float]:
+    """Return the ends of the interval of x in which the mass sticks to a belt at phase 0 (Theorem 4)."""
     ends = [(p.A(alpha) + p.B0 - p.c * p.belt(belt)) / p.k for alpha in reversed(NEIGHBOURS[belt])]
     return float(ends[0]), float(ends[1])
 

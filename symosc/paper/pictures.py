@@ -144,13 +144,13 @@ PRODUCTS = (
 
 
 def start_and_period(name: str) -> tuple[float, float]:
-    """Return t0 of a scene, and the period of its excitation."""
+    """Return t0 of a scene, and the period of its drive."""
     scene = load_scene(name)
     return float(scene.t0), 2 * pi / float(scene.parameters.Omega)
 
 
 def printed_scene(name: str) -> str:
-    """Return the scene as printed of which a scene is the correction: "fig7-exact" -> "fig7"."""
+    """Return the name of the printed scene for the name of a corrected one: "fig7-exact" -> "fig7"."""
     return name.partition("-")[0]
 
 
@@ -163,7 +163,7 @@ def printed_view(name: str) -> View:
 
 @lru_cache
 def several_periods_view(name: str) -> View:
-    """Return what Fig. 7(c), (d) show: several periods; marked are both ends of the first, and the first contact."""
+    """Return what Fig. 7(c), (d) show: several periods, with marks at both ends of period 1 and the first contact."""
     t0, T = start_and_period(name)
     view = view_of(simulate(name, t_end=t0 + SEVERAL_PERIODS * T), 1)
     marks = [Mark("start of period", ONSET_COLOR, t0), Mark("end of period", END_COLOR, t0 + T)]
@@ -387,7 +387,7 @@ def orbit_figure(name: str, columns: int = 2) -> Figure:
 
 
 def _draw_with_start(ax: Axes, view: View, panel: Panel, start: tuple[float, float]) -> None:
-    """Draw a panel with the printed start as a diamond; in (c), if it almost covers a crossing, also magnified."""
+    """Draw a panel with a diamond at the printed start; if an event is close, panel (c) gets a magnified inset."""
     panel(ax, view)
     low, high = ax.get_ylim()
     margin = 0.06 * (high - low)
@@ -429,7 +429,7 @@ WINDOW_SCENES = {"P2": "fig7-exact", "P3": "fig8-exact", "P5": "fig10", "P6": "f
 
 
 def window_parameters(mapping: str) -> tuple[Parameters, Fraction, Parameters]:
-    """Return a mapping's parameters, the belt speed with |gamma| = B0 Omega/m, and the parameters with one change."""
+    """Return a mapping's parameters, the belt speed with |gamma| = B0 Omega/m, and parameters to sweep this speed."""
     p = load_scene(WINDOW_SCENES[mapping]).parameters
     equality = abs(p.B0) * p.Omega / p.k
     far = 2 * equality + 1  # the window is independent of the other belt's speed
@@ -473,7 +473,7 @@ def window_sweep(mapping: str) -> Figure:
 
 
 def window_caption(mapping: str) -> str:
-    """Return the caption of a figure of Theorem 7."""
+    """Return the caption of the figure of a mapping's grazing phases against the belt's speed (Theorem 7)."""
     where, graze = place(mapping), window_graze(mapping)
     p, equality, free = window_parameters(mapping)
     case = grazing_window(p, mapping).case.strip("()").partition(".")[2]

@@ -153,7 +153,7 @@ def run(plan: Plan, progress: Callable[[], None] | None = None, workers: int | N
 
 
 def _in_processes(tasks: Tasks, workers: int | None) -> Generator[tuple[tuple[str, str], Done], None, None]:
-    """Run tasks in worker processes; yield keys with results. If a pool breaks, a new one repeats what it lost."""
+    """Run tasks in worker processes; yield their keys and results. If a pool breaks down, a new one runs the rest."""
     for _ in range(POOLS):
         pool = ProcessPool(max_workers=min(read_workers(workers), len(tasks)), context=get_context("spawn"))
         futures: dict[Any, tuple[str, str]] = {}

@@ -48,7 +48,7 @@ DRAWN_BY = {
 
 
 def _draw(figure_name: str, answer: object, /, *given: Any, **options: Any) -> Any:
-    """Draw a result with the function of `symosc.plot` that has this name; return the figure."""
+    """Draw the result `answer` by the function `figure_name` of `symosc.plot`, with arguments `given`, `options`."""
     return __getattr__(figure_name)(answer, *given, **options)
 
 

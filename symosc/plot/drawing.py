@@ -57,7 +57,7 @@ class Drawing(Figure):
     """A matplotlib Figure that notebooks display."""
 
     def draw(self, renderer: Any) -> None:
-        """Draw the figure; saving draws twice, the first time only for the layout."""
+        """Draw the figure; in the first of the two passes that saving makes, only compute the layout."""
         layout = self.get_layout_engine()
         if isinstance(layout, ConstrainedLayoutEngine) and self.canvas.is_saving():
             layout.execute(self)
@@ -192,7 +192,7 @@ def legend_entries(axes: Iterable[Axes]) -> dict[str, Any]:
 
 
 def add_legend(drawing: Figure, ax: Axes | None, shown: dict[str, Any] | Iterable[Axes], columns: int) -> None:
-    """Add a legend of the entries `shown`, or of what the axes `shown` contain."""
+    """Add a legend of `shown` (entries, or axes with them) to `ax` or, if None, in `columns` below the figure."""
     entries = shown if isinstance(shown, dict) else legend_entries(shown)
     if ax is not None and entries:
         ax.legend(list(entries.values()), list(entries))
@@ -220,7 +220,7 @@ def read_panels(panels: Any, known: Iterable[str], ax: Any = None, alone: str = 
 
 
 def check_suffix(path: str | Path) -> str:
-    """Return the suffix of a figure's file name (.svg for "-"); OutputError if figures have no such format."""
+    """Return the suffix of a figure's file name (.svg for "-"); raise OutputError unless it is .pdf, .svg or .png."""
     name = read_path(path)
     suffix = ".svg" if name == STDOUT else Path(name).suffix.lower()
     if suffix not in (".pdf", ".svg", ".png"):

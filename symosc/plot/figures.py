@@ -147,7 +147,7 @@ def orbit_figure(
 
 
 def simulate_orbit(orbit: PeriodicOrbit, periods: float) -> Trajectory:
-    """Return the motion on an orbit for some of its periods."""
+    """Return the motion on an orbit, simulated from its first switching point for `periods` of its periods."""
     (t0, x0), belt = orbit.points[0], orbit.equations().pieces[0].start
     t_end = float(t0) + periods * float(orbit.period)
     return simulate(orbit.parameters, t0=t0, x0=x0, v0=orbit.parameters.belt(belt), t_end=t_end)

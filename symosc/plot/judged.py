@@ -292,7 +292,7 @@ CAPTIONS = (
 
 
 def _pictures(check: CrossCheck) -> Iterator[Record]:
-    """Yield for each picture of the page what its template needs."""
+    """Yield the pictures of a cross-check's page, as from `_picture`: the first wrong step, if any, then all panels."""
     first, many = check.first_wrong, len(check.t) > 4_000  # as lines they would be megabytes
     if first:
         said = f"The step from sample {first.step} (t = {first.t:.8g}) to the next one. The line is the exact motion "
@@ -304,7 +304,7 @@ def _pictures(check: CrossCheck) -> Iterator[Record]:
 
 @rc_context(STYLE)
 def _picture(drawing: Figure, pixels: bool, title: str, caption: str) -> Record:
-    """Return a figure with its title and caption as the values that the page's template needs."""
+    """Return a dict of title, caption and image of a figure for the page's template: PNG if `pixels`, else SVG."""
     width, height = drawing.get_size_inches()
     for legend in drawing.legends:  # two columns fit the width
         handles = [handle for handle in legend.legend_handles if handle is not None]
@@ -410,7 +410,7 @@ def score_figure(scores: Sequence[Score]) -> Figure:
 
 
 def _height(case: CaseScore) -> float | None:
-    """Return the height at which a case is drawn; None if there is no event whose error could be measured."""
+    """Return the ordinate of a case in a figure of scores; None if it has no event whose error could be measured."""
     if not case.given:
         return ABSENT
     if not case.right:

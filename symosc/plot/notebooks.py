@@ -56,7 +56,7 @@ CELL = "text-align:left;padding:1px 12px 1px 0;white-space:nowrap"
 
 
 def page(kind: str, line: str, *parts: str) -> Markup:
-    """Return the HTML of a notebook page: a title, a line of text, then tables and pictures side by side."""
+    """Return the HTML of a notebook page: a bold `kind`, the text `line`, then tables and pictures side by side."""
     shown = Markup("").join(Markup("<div>{}</div>").format(part) for part in parts if part)
     head = Markup('<div style="margin-bottom:4px"><strong>{}</strong> {}</div>').format(kind, line)
     row = Markup('<div style="display:flex;flex-wrap:wrap;gap:8px 24px;align-items:flex-start">{}</div>').format(shown)
@@ -64,7 +64,7 @@ def page(kind: str, line: str, *parts: str) -> Markup:
 
 
 def table(heads: Sequence[str], count: int, row: Callable[[int], Sequence[Any]]) -> Markup:
-    """Return an HTML table of `count` rows, without the middle ones if these are many; "" if there are no rows."""
+    """Return an HTML table with headings `heads` and `count` rows row(i), the middle ones left out if many, or ""."""
     some = rows_to_show(count)
     rows = [_table_row("td", map(shown, row(i))) for i in some]
     if len(some) < count:
@@ -102,7 +102,7 @@ def facts(values: dict[str, Any]) -> Markup:
 def curve(says: str, x: Any, y: Any, marks: Iterable[tuple[float, float]] = ()) -> Markup:
     """Return a small SVG picture of a curve, interrupted at NaN, with dots at `marks`; "" for fewer than two points.
 
-    `says` is what it shows, in words: for who cannot see it, and when the mouse is over it.
+    `says` describes the picture in words, for screen readers and as a text that appears under the mouse.
     """
     x, y = (np.asarray(each, dtype=float) for each in (x, y))
     if len(x) > MOST_POINTS:

@@ -110,7 +110,7 @@ class View:
 
 
 class Sampling(NamedTuple):
-    """How many points the curves have."""
+    """The density of a curve's points: how many in a period, at least between two events, and at most in all."""
 
     per_period: int  # of the drive, or of the free oscillation if that is shorter
     least: int  # between two events
@@ -242,7 +242,7 @@ def _horizontal_axis(ax: Axes, view: View, across: str) -> None:
 
 
 def _belt_points(ax: Axes, view: View) -> None:
-    """Draw the path of a point of the belt through each contact, over time."""
+    """Draw, for each contact, the position over time of the point of the belt that the mass touches."""
     low, high = ax.get_ylim()
     reaches = view.belt_reach[0] * (view.t[-1] - view.t[0]), view.belt_reach[1] * (high - low)
     for contact in view.contacts:
@@ -272,12 +272,12 @@ def _belt_speeds(ax: Axes, view: View) -> None:
 
 
 def _marks_of_forces(view: View) -> list[Mark]:
-    """Return the marks for the panels of forces, without the start and the marks of the other belt."""
+    """Return the marks for the panels of forces: all but the start and events at the belt that is not `boundary`."""
     return [mark for mark in view.marks if mark.label != "start" and mark.belt in (view.boundary, None)]
 
 
 def _shade_sticks(ax: Axes, view: View) -> None:
-    """Shade the times at which the mass sticks to the belt of the forces."""
+    """Shade the times at which the mass sticks to the belt `boundary` of the view."""
     for stick in _sticks(view.trajectory):
         if stick.belt == view.boundary:
             ax.axvspan(stick.since, stick.until, color="0.92", lw=0, zorder=-1)

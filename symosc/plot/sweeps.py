@@ -52,7 +52,7 @@ UNDECIDED_COLOR = "#d7191c"
 
 
 def read_column(dataset: Any, name: Any) -> Any:
-    """Return a column of a result without dimensions of length 1; raise ParameterError if there is none."""
+    """Return the column `name` of a sweep, without dimensions of length 1; ParameterError if it was not recorded."""
     if "status" not in dataset:
         raise ParameterError("dataset", type(dataset).__name__, "must be what sweep(...) returns, with its status")
     names = [str(each) for each in dataset.data_vars]
@@ -307,7 +307,7 @@ def map_figure(dataset: xarray.Dataset, name: str | None = None, *, ax: Axes | N
 
 
 def _map(dataset: xarray.Dataset, column: Any, ax: Axes | None) -> Figure:
-    """Draw a map over two axes, with the belts where the second one is v0; return the figure."""
+    """Draw a column as a map over its two swept axes, with the belts if the vertical axis is v0; return the figure."""
     first, second = over = read_axes(column, 2, "a map")
     column = column.sortby(over).transpose(*over)
     unknown = read_column(dataset, "status").sortby(over).transpose(*over).values == "undecidable"
@@ -367,7 +367,7 @@ def classes_of(values: np.ndarray, undecidable: np.ndarray) -> tuple[np.ndarray,
 
 
 def _draw_classes(axes: Axes, edges: tuple[np.ndarray, np.ndarray], codes: Any, looks: list[Look], new: bool) -> None:
-    """Draw a map of classes: coloured or hatched cells, borders, names in large areas, and a legend."""
+    """Draw cells between `edges` by the `looks` of their classes `codes`, with a legend: beside all axes if `new`."""
     x, y = edges
     colors = ListedColormap([color for _, color, _ in looks])
     axes.pcolormesh(x, y, codes.T, cmap=colors, vmin=-0.5, vmax=len(looks) - 0.5, rasterized=True)

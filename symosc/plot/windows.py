@@ -459,7 +459,7 @@ def _draw_flight(axes: Axes, curve: GrazingCurve) -> None:
 
 
 def draw_plane(axes: Axes, curve: GrazingCurve) -> None:
-    """Draw the left half of `figure_grazing_curve` into given axes."""
+    """Draw the starts and the tangencies of a grazing curve on the switching plane."""
     for piece in curve.pieces:
         _line(axes, piece.theta, piece.x, color=START_COLOR, label="start")
         _line(axes, piece.theta_m, piece.x_m, color="#1f3fd6", label="grazing point", linestyle=(0, (4, 1.6)))
@@ -474,7 +474,7 @@ CURVE_PANELS = {"a": draw_plane, "b": _draw_flight}
 
 
 def _finish(axes: Axes, curve: GrazingCurve, span: tuple[float, float]) -> None:
-    """Set the range of phases, ticks at quarters of a turn and the legend; say why if nothing is drawn."""
+    """Set the range `span` of phases, ticks and legend; write why the curve is empty if it is."""
     if not curve.pieces:
         why = "no start on this plane grazes" if curve.windows else "the window is empty"
         axes.text(0.5, 0.5, why, transform=axes.transAxes, ha="center", va="center")

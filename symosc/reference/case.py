@@ -110,6 +110,7 @@ class ReferenceCase:
     name : str
         The case's unique name: letters, digits and hyphens.
     group : str
+        The group of cases that it belongs to, such as "long run".
     scene : Scene
         Parameters, start and end, all exact.
     hard : str
@@ -172,7 +173,7 @@ class ReferenceCase:
 
     @cached_property
     def certificate(self) -> Certificate:
-        """The proof, with the derivatives that can be proven; or the reason why there is none."""
+        """The certificate of the events and of all provable derivatives; if nothing is proven, it says why."""
         if not self.open and not self.periods and not any(self.scene.start_error or ()):
             wrt = provable(self.parameters, self.v0)
             found = certify(self.scene, digits=GIVEN_DIGITS, wrt=wrt)
@@ -209,7 +210,7 @@ class ReferenceCase:
 
     @cached_property
     def derivatives(self) -> tuple[dict[str, KnownChange], ...]:
-        """For each event its derivatives by those parameters and start values where they exist; none in a long run."""
+        """For each event its existing derivatives, by the name of the parameter or start value; none in a long run."""
         if self.periods:
             return ({},) * len(self.events)
         names, stated = self.certificate.statement.get("wrt", ()), self.certificate.derivatives
@@ -323,7 +324,7 @@ def relative_error(value: Number, exact: Number, start: Number = 0) -> float:
 
 
 def shifted(scene: Scene, name: str, step: Fraction) -> Scene:
-    """Return a scene with one parameter or start value times 1 + step; a start on a belt moves with it."""
+    """Return a scene with the parameter or start value `name` times 1 + step; a start on a belt stays on the belt."""
     p = scene.parameters
     on_belt = next((name for name in ("v1", "v2") if getattr(p, name) == scene.v0), "")
     if name in ("t0", "x0", "v0"):

@@ -147,7 +147,7 @@ def short(value: Number | Fraction) -> str:
 
 
 def _scene(p: Parameters | str, start: Start, t_end: NumberLike, name: str = "case", **changes: NumberLike) -> Scene:
-    """Return a scene with the parameters p or, if p names a shipped scene, with its parameters but for `changes`."""
+    """Return a scene with the parameters p; if p names a shipped scene, with that scene's parameters and `changes`."""
     p = load_scene(p).parameters.replace(**changes) if isinstance(p, str) else p
     t0, x0, v0, end = (read_exact("start", value) for value in (*start, t_end))
     return Scene(name, p, t0, x0, v0, end)
@@ -182,7 +182,7 @@ def start_with_force(p: Parameters, domain: int, boundary: int, t0: str, force: 
 
 
 def start_before_a_dip(p: Parameters, height: str, t0: str) -> tuple[str, str, str]:
-    """Return t0, x0, v0 on belt 1 from which the force F^(1) falls during the stick to its minimum, `height`."""
+    """Return t0, x0, v0 of a start on belt 1; in the stick that follows, the minimum of the force F^(1) is `height`."""
     # It is least at the phase pi + asin(k v1/(B0 Omega)), where its slope -(k v1 + B0 Omega sin(theta))/m turns
     # positive.
     context = mp_context(40)
@@ -308,12 +308,12 @@ GAP = Fraction(1)
 def _case(
     group: str, scene: Scene, hard: str, source: str, closed: Sequence[str] = (), reason: str = ""
 ) -> ReferenceCase:
-    """Return a case named like its scene: what is `hard` in it, `closed` forms, the `reason` why it is not proven."""
+    """Return a case with the scene's name; `closed` are known values of events, `reason` is why they are unproven."""
     return ReferenceCase(scene.name, group, scene, hard, source, tuple(closed), reason)
 
 
 def _creeping_cases() -> Iterator[ReferenceCase]:
-    """Yield overdamped flights without a drive whose velocity tends to the belt's, 0, and reaches it late or never."""
+    """Yield flights without a drive whose velocity creeps to 0, the speed of the belt, and reaches it late or never."""
     # With decay rates r1 <= r2 the gap g = -v closes only if u = g' + r2 g < 0 at the start: at the time
     # log(1 + (r2 - r1) g/|u|)/(r2 - r1), or g/|u| if the two rates are equal.
     for number, push in enumerate(("-1e-1", "-1e-9", "0", "1e-9"), 1):  # late, very late, just not, not
@@ -333,7 +333,7 @@ def _creeping_cases() -> Iterator[ReferenceCase]:
 
 
 def _limit_speed_cases() -> Iterator[ReferenceCase]:
-    """Yield flights without spring and drive: v tends to A/c, which is beyond, at, or short of the belt's speed 1."""
+    """Yield flights without spring and drive whose velocity tends to a limit at, or close to, the belt's speed 1."""
     for number, beyond in enumerate(("1e-3", "1e-12", "0", "-1e-12"), 1):
         b = Fraction(beyond)
         p = CREEPER.replace(c=2, k=0, v1=1, A0=2 + 2 * b - Fraction("0.3"))
@@ -377,7 +377,7 @@ def wall(F: NumberLike, Omega: NumberLike, c: NumberLike = 0, P: NumberLike = 1)
 
 
 def _slide_cases() -> Iterator[ReferenceCase]:
-    """Yield motions without stops that start at their highest point; their amplitude is Den Hartog's."""
+    """Yield motions without stops that start at their highest point and have the amplitude of Den Hartog's formula."""
     for number, (c, F, Omega) in enumerate((("0", "0.4", "1.5"), ("0.2", "0.4", "1.5"), ("0.1", "0.25", "0.6")), 1):
         p = wall(F, Omega, c)
         orbit = find_orbit(p, "P32", guess=find_orbit(p, "P32"), digits=ORBIT_DIGITS)
@@ -391,7 +391,7 @@ def _slide_cases() -> Iterator[ReferenceCase]:
 
 
 def amplitude(c: str, F: str, Omega: str) -> str:
-    """Return Den Hartog's amplitude for m = k = P = FN = 1 as an expression."""
+    """Return Den Hartog's amplitude for m = k = P = FN = 1 and friction F, as the text of an expression."""
     if Fraction(c) == 0:
         return f"sqrt((1/(1 - ({Omega})**2))**2 - ({F})**2*(tan(pi/(2*({Omega})))/({Omega}))**2)"
     zeta = f"(({c})/2)"
@@ -405,7 +405,7 @@ def amplitude(c: str, F: str, Omega: str) -> str:
 
 
 def _first_stop_cases() -> Iterator[ReferenceCase]:
-    """Yield motions with friction just below or above the least with which the mass stops."""
+    """Yield motions whose friction is just below or just above the least friction with which the mass stops."""
     # The mass stops in each cycle if F > 0.64657909 P (Omega = 1.5), or F > 0.81740639 P (Omega = 0.8).
     for Omega, below, above in (("1.5", "0.64", "0.65"), ("0.8", "0.81", "0.82")):
         for side, F in (("below", below), ("above", above)):

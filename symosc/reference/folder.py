@@ -190,7 +190,7 @@ def checksum(content: bytes) -> str:
 
 
 def _files_of_earlier_run(folder: Path) -> set[str]:
-    """Return the names of files that an earlier run wrote, by the folder's manifest, which is included; or none."""
+    """Return the names of a folder's manifest and of all files that it lists; nothing without a valid manifest."""
     try:
         return {MANIFEST, *_read_manifest(folder)["files"]}
     except (ResultError, KeyError, TypeError):

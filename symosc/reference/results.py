@@ -44,7 +44,7 @@ EVENT_COLUMNS = {
 
 
 class GivenEvent(NamedTuple):
-    """An event from a solver's file; x is None and boundary 0 if missing there; `changes` has its derivatives."""
+    """An event from a solver's file: `changes` has its derivatives; x is None and boundary 0 if the file lacks them."""
 
     t: Fraction
     x: Fraction | None
@@ -212,7 +212,7 @@ def _add_entry(where: str, result: CaseResult, entry: Record) -> None:
 
 
 def _number(where: str, entry: Record, name: str) -> Fraction | None:
-    """Return a number of an event, the middle of name_low and name_high if it is enclosed; None without one."""
+    """Return the number `name` of an event, or the middle of its name_low and name_high; None if both are missing."""
 
     def exact(value: Any) -> Fraction:
         try:

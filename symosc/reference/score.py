@@ -51,7 +51,7 @@ class Wrong(NamedTuple):
 
 @dataclass
 class CaseScore:
-    """The faults in a solver's results for a case; if they are not `given`, all counts are 0 and all errors None."""
+    """The faults and errors in a solver's results for a case; `given` is false if the solver has no results for it."""
 
     name: str
     group: str
@@ -122,7 +122,7 @@ def read_tolerance(value: object) -> float:
 
 
 def score(name: str, cases: Sequence[ReferenceCase], results: Results, tolerance: float = SCORE_TOLERANCE) -> Score:
-    """Judge a solver's results; each error may be `tolerance`, or 100 * condition * 1e-16 if that is more."""
+    """Return the score of solver `name`; errors up to `tolerance`, or 100 * condition * 1e-16 if more, are allowed."""
     return Score(name, tolerance, [judge_case(case, results.get(case.name), tolerance) for case in cases])
 
 
@@ -155,7 +155,7 @@ class _Judge:
         self.period = 2 * pi / float(case.parameters.Omega)
 
     def judge(self, events: Sequence[GivenEvent]) -> None:
-        """Judge all events as right or wrong."""
+        """Pair a solver's events with the case's; note too large errors, and missed, invented and wrong events."""
         case, found = self.case, self._of_last_period(events)
         placed = [event._replace(boundary=self._boundary(event)) for event in found]
         pairs = align(placed, case.events, self.times, WINDOW * self.period)
@@ -188,7 +188,7 @@ class _Judge:
             self._fault("invented", float(found[j].t), "", _event_text(found[j]))
 
     def _of_last_period(self, events: Sequence[GivenEvent]) -> Sequence[GivenEvent]:
-        """Return the events to judge one by one: those of the last period if the case has only these, else all."""
+        """Return the events to judge one by one: all, or those of the last period if the case knows no others."""
         uncompared = self.case.count - len(self.case.events)
         if not uncompared:
             return events
@@ -202,7 +202,7 @@ class _Judge:
         return last
 
     def _boundary(self, event: GivenEvent) -> int:
-        """Return the belt of a solver's event; if none is given, that of the case's nearest event of this kind."""
+        """Return the belt of a solver's event or, if not given, of the case's nearest event of the same kind."""
         same = [i for i, known in enumerate(self.case.events) if known.kind == event.kind]
         if event.boundary or not same:
             return event.boundary

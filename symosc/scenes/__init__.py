@@ -188,7 +188,7 @@ def moved_scene(scene: Scene, original: Original, **changes: Any) -> Scene:
 
 
 def _reduced_problem(given: Original) -> tuple[dict[str, Fraction], StartErrors | None]:
-    """Convert start and end of another model to symosc's coordinates; return them by name, and half-widths."""
+    """Return start and end of another model in symosc's coordinates, by name, and the `start_error` there."""
     model, t0, x0, v0, t_end, error = given
     start, known = reduced_start(model, t0, x0, v0)
     if error is not None:  # an error of t0 moves the belts
@@ -200,13 +200,13 @@ def _reduced_problem(given: Original) -> tuple[dict[str, Fraction], StartErrors 
 
 
 def not_reduced_error(scene: Any) -> ParameterError:
-    """Return the error of a function that takes no scene of another model, since it cannot convert its results back."""
+    """Return the error that `scene` is of another model, for a function that cannot give results in its coordinates."""
     allowed = "is of another model, and this does not turn results back into its coordinates; give scene.reduced()"
     return ParameterError("scene", scene.name if isinstance(scene, Scene) else str(scene), allowed)
 
 
 def start_numbers(given: Mapping[str, Any], p: Parameters) -> tuple[dict[str, Fraction], StartErrors | None]:
-    """Read the numbers of a start; return them by name, and half-widths of t0, x0 and v0, or None if all are exact."""
+    """Read the numbers of a start; return them by name, and how far t0, x0, v0 may be off (None if all are exact)."""
     # An expression with pi is known to 40 digits. On a belt the mass has its speed, however many digits that has.
     numbers, errors = dict[str, Fraction](), dict.fromkeys(START_NAMES, Fraction(0))
     for name, value in given.items():
@@ -218,7 +218,7 @@ def start_numbers(given: Mapping[str, Any], p: Parameters) -> tuple[dict[str, Fr
 
 
 def parameters_of(what: Parameters | OtherModel | Scene | SceneName) -> Parameters:
-    """Return the parameters of a model or a scene (or its name or file); parameters as they are."""
+    """Return the parameters of a model, or of a scene or its name or file; return `Parameters` unchanged."""
     if isinstance(what, Parameters):
         return what
     return (what if isinstance(what, Scene | OtherModel) else load_scene(what)).parameters
@@ -236,7 +236,7 @@ def end_time(given: Any, p: Parameters, t0: Any) -> Any:
 
 
 def forcing_periods(name: str, given: Any) -> Fraction | None:
-    """Return the number of periods of the drive that text such as "10T" gives, None for anything else."""
+    """Return the number of drive periods that text such as "10T" gives, else None; errors call the argument `name`."""
     if not (isinstance(given, str) and given.strip().endswith("T")):
         return None
     count = given.strip()[:-1].rstrip("* ")

@@ -89,7 +89,7 @@ def pair_loops(events: int) -> PairLoops:
 
 
 def _interpreted_first(compiled_one: Callable[..., Any]) -> Callable[..., tuple[int, int, int]]:
-    """Return an event loop that first interprets, up to 2048 events per call, and is compiled in later calls."""
+    """Return an event loop, interpreted for up to 2048 events per call until `DOUBLES` is used up, then compiled."""
 
     def follow(begin: int, batch: Batch, most: int, accuracy: float, out: EventRows, *others: Any) -> Any:
         if DOUBLES.events <= 0 or is_compiled(compiled_one):
@@ -113,7 +113,8 @@ def follow_batch(
 ) -> Iterator[EventRows]:
     """Follow all trajectories of a batch by the loop `follow`; yield copies of event rows each time `buffer` is full.
 
-    `most`, `accuracy`, `table` and `tally` are as in `symosc.engine.batch.follow_all`.
+    A motion ends after `most` events, or at an event less accurate than `accuracy`. `table` has the constants of the
+    parameter sets. With a `tally`, running summaries are updated there and no events are recorded.
     """
     buffer, tally, begin = buffer or event_buffer(4 * len(batch.states) + 64), tally or no_tally(), 0
     while begin < len(batch.states):
@@ -153,7 +154,7 @@ def in_chunks(
     workers: int,
     progress: Callable[[int, int], object],
 ) -> list[Result]:
-    """Call `work` for chunks of `count` rows, each with its own event buffer; return the results in order."""
+    """Call `work(rows, buffer, cancel)` for chunks of `count` rows, in threads; return the results in order."""
     # An interrupt, or an error of any chunk, ends all of them at their next `CancelToken.check`, and is raised.
     least = LEAST_IN_CHUNK if workers > 1 else LEAST_ALONE
     size = max(least, min(MOST_IN_CHUNK, -(-count // (CHUNKS_PER_WORKER * workers))))

@@ -152,7 +152,7 @@ def simulate_many(
 
 
 class Task(NamedTuple):
-    """The settings shared by all chunks: problems, loops, at most `most` events per motion, and the accuracy."""
+    """What all chunks of a call share: the problems, the loops, the most events of a motion, and the accuracy."""
 
     problems: Problems
     loops: loops.Loops
@@ -193,7 +193,7 @@ class Chunk:
         return self.task.problems[self._first + i]
 
     def launches(self) -> tuple[np.ndarray, ...]:
-        """Return starts (mode, t, theta, x, v), set indices, m, mu1, mu2, FN and constants, for event derivatives."""
+        """Return starts, indices of parameter sets, their m, mu1, mu2, FN, and their constants, for `event_changes`."""
         starts, sets = self._starts[:, [0, 0, 3, 4, 5]], self.task.problems.sets
         rows = slice(self._first, self._first + len(starts))
         starts[:, 1] = self.task.problems.t0.pairs(rows).hi
@@ -201,24 +201,24 @@ class Chunk:
         return starts, self.batch.sets, letters, self.table
 
     def _reset_undecided(self) -> list[int]:
-        """Return the numbers of the motions that ended undecided, and reset their tallies to the start."""
+        """Return the numbers of the motions that ended undecided; reset their running summaries to the start."""
         members: list[int] = np.flatnonzero(self.batch.codes <= UNDECIDED).tolist()
         if self._keep and members:
             store_tallies(self.tally, members, self._keep(self._first + np.array(members), self._starts[members]))
         return members
 
     def _in_doubles(self, batch: Batch, tally: Tally) -> Iterator[EventRows]:
-        """Follow the motions of a batch in doubles, with a tally; return their events."""
+        """Follow the motions of a batch in doubles and yield their events; update their summaries in `tally`."""
         follow, most = self.task.loops.follow, self.task.most
         for rows in loops.follow_batch(follow, batch, most, self._needed, self.table, self._buffer, tally):
             self._cancel.check()
             yield rows
 
     def _in_pairs(self, members: list[int]) -> dict[int, EventRows]:
-        """Follow undecided motions again from their starts, in double-double numbers; return events by motion."""
+        """Follow the motions `members` again, if double-double numbers suffice for them; return events by motion."""
         found: dict[int, EventRows] = {}
         numbers = self._first + np.array(members, np.int64)
-        apart = self.task.problems.are_apart(numbers, self._starts[members, 1], FAR_OFF)
+        apart = self.task.problems.surely_fit_pairs(numbers, self._starts[members, 1], FAR_OFF)
         groups: dict[int, list[int]] = {}
         for i, is_apart in zip(members, apart.tolist(), strict=True):
             if is_apart or fits_pairs(self.problem(i)):
@@ -233,7 +233,7 @@ class Chunk:
         return found
 
     def _escalate(self, parameters: Parameters, members: list[int]) -> Iterator[EventRows]:
-        """Follow motions of one parameter set to their ends, in double-double numbers where doubles are in doubt."""
+        """Follow the motions `members`, of one parameter set, to the end, in pairs where doubles are in doubt."""
         # Pairs go on from their own last state where doubles are in doubt again: a double has 16 digits of it only.
         most, K = self.task.most, pair_constants(parameters)
         pairs, tally = self._pair_rows(parameters, members), select_tallies(self.tally, members)
@@ -270,7 +270,7 @@ class Chunk:
         store_tallies(self.tally, members, tally)
 
     def _pair_rows(self, parameters: Parameters, members: list[int]) -> np.ndarray:
-        """Return the first states of motions in double-double numbers hi + lo, stored as complex numbers hi + i lo."""
+        """Return the first states of the motions `members` in pairs hi + lo, stored as complex numbers hi + i lo."""
         starts = self._starts[members]
         numbers = self._first + np.array(members, np.int64)
         arithmetic = many_digits(parameters, ROUNDED_FROM)
@@ -299,7 +299,7 @@ class Chunk:
 
 
 def with_replaced(parts: Sequence[EventRows], again: dict[int, EventRows]) -> list[EventRows]:
-    """Replace the event rows of the motions in `again`; return all rows in order of motion and time."""
+    """Return the event rows of `parts` in order of motion and time, with those of the motions in `again` replaced."""
     members, pieces = np.array(sorted(again), np.int64), list(again.values())
     for part in parts:
         begins, ends = (np.searchsorted(part.ints[0], members, side) for side in ("left", "right"))
@@ -309,7 +309,7 @@ def with_replaced(parts: Sequence[EventRows], again: dict[int, EventRows]) -> li
 
 
 def careful_table(table: np.ndarray) -> np.ndarray:
-    """Return the table with `sigmas` > 0, so that doubles decide only what a state's error cannot change."""
+    """Return the constants such that an event counts as decided only if the error of a state cannot change it."""
     if len(table) and (table["sigmas"] == 0.0).any():
         table = table.copy()
         table["sigmas"] = float(SIGMAS)
@@ -319,7 +319,7 @@ def careful_table(table: np.ndarray) -> np.ndarray:
 def events_of(
     task: Task, wrt: tuple[str, ...], use_numba: bool | None, rows: slice, buffer: EventRows, cancel: CancelToken
 ) -> tuple[list[EventRows], list[str], tuple[np.ndarray, ...]]:
-    """Return a chunk's events in order, its statuses and, by each of `wrt`, derivatives dt, dx and if they exist."""
+    """Follow the motions of `rows`; return their events, their statuses, and the columns dt, dx, regular by `wrt`."""
     chunk, changes = Chunk(task, rows, buffer, cancel), tuple[np.ndarray, ...]()
     if wrt:
         chunk.rows = [joined(chunk.rows)]
@@ -354,7 +354,7 @@ class SummaryRequest:
         return name in self.names
 
     def start_tallies(self, longest: int, motions: Any, states: np.ndarray) -> Tally:
-        """Return the tally at the start of some motions (a slice, or numbers), for words up to `longest` mappings."""
+        """Return new running summaries of `motions` that begin at `states`, for words of up to `longest` mappings."""
         repeats, extremes = "multiplicity" in self, not EXTREMES.keys().isdisjoint(self.names)
         ring = 2 * kept.LONGEST_REPEAT if repeats else kept.LEAST_RING if "word" in self or "section" in self else 0
         ring = max(ring, self.sections) if "section" in self else ring
@@ -366,7 +366,7 @@ class SummaryRequest:
 def summary_of(
     task: Task, asked: SummaryRequest, rows: slice, buffer: EventRows, cancel: CancelToken, longest: int = USUAL_WORD
 ) -> Record:
-    """Return the summary columns of a chunk; motions whose word exceeds `longest` mappings are followed once more."""
+    """Follow the motions of `rows`, again if words exceed `longest` mappings; return the summary columns `asked`."""
     chunk = Chunk(task, rows, buffer, cancel, partial(asked.start_tallies, longest))
     tally, sets, t0 = chunk.tally, chunk.batch.sets, task.problems.t0.pairs(rows).hi
     modes = chunk.batch.states[:, 0].astype(int)
@@ -397,7 +397,7 @@ def summary_of(
 
 
 def words_of(tally: Tally) -> np.ndarray:
-    """Return for each motion the word of its last whole forcing period as text, computed once per distinct word."""
+    """Return for each motion the word of its last whole forcing period as text, such as "P32"; "" if there is none."""
     width = tally.labels.shape[2]
     there = np.arange(width) < tally.ints[:, kept.LAST_LENGTH, None]
     rows = np.where(there, tally.labels[:, 1], np.uint8(0)).view(f"S{width}")[:, 0]
@@ -408,7 +408,7 @@ def words_of(tally: Tally) -> np.ndarray:
 
 
 def tally_alone(i: int, trajectory: Trajectory, tally: Tally, table: np.ndarray, set_: int) -> int:
-    """Fill in the tally of motion `i` from its `trajectory`; return the mode (domain or belt) that it ends in."""
+    """Fill row `i` of `tally` from a trajectory with the constants in row `set_` of `table`; return its last mode."""
     K, t0 = ConstantRows(table)[set_]._replace(Om_gain=0.0), float(trajectory.t_start)  # pieces have true times
     states, rows = [_state_of_piece(*piece) for piece in trajectory._pieces.T.tolist()], trajectory.rows()
     floats = (rows.floats[FLOAT_COLUMNS.index(name)].tolist() for name in ("x", "theta", "t_error"))

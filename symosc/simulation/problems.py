@@ -61,7 +61,7 @@ class NumberColumn:
         self.is_plain = plain or self.single  # then equal doubles are equal numbers
 
     def _split_doubles(self, given: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        """Return the doubles `given`, and the differences to the decimals that they print as, which are meant."""
+        """Return the doubles `given`, and what they lack to the numbers meant: the decimals that they print as."""
         largest = f"must be at most {float(LARGEST):g} in size"
         for bad, reason in ((~np.isfinite(given), "must be finite"), (abs(given) > float(LARGEST), largest)):
             if bad.any():
@@ -135,7 +135,7 @@ def named(name: str, given: Any, wanted: tuple[str, ...]) -> Any:
 
 
 def decimal_rest(values: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Return the shortest decimal of each double minus the double, and a flag: whether this difference was found."""
+    """Return the shortest decimal of each double minus the double, and flags: False where this was not found."""
     # The shortest decimal has 15, 16 or 17 digits: the first of them that is within half a unit of the double. Scaled
     # by a power of ten that is exact as a double, its distance from the double is exact.
     size = abs(values)
@@ -219,7 +219,7 @@ class ParameterSets:
         return np.stack(columns, axis=1)
 
     def table(self, rows: slice, march_rows: Callable[..., None]) -> np.ndarray:
-        """Return a table of the constants of the sets in `rows`; `march_rows` adds those of fixed steps."""
+        """Return a table of the constants of the sets in `rows`; `march_rows` computes those for fixed time steps."""
         if self._is_object:
             return table_of([Arithmetic(self[0]).K])
         # However few they are: the bits must not depend on how a sweep is cut into calls.
@@ -255,7 +255,7 @@ class Problems:
         return Start(self.sets[i], t0, x0, v0, end, self.start_error)
 
     def begin(self, rows: slice, march_rows: Callable[..., None]) -> tuple[Batch, np.ndarray]:
-        """Return the initial states of some rows, and the constants of their sets, with fixed steps by `march_rows`."""
+        """Return the motions in `rows` as a batch at the start, and their constants (see `ParameterSets.table`)."""
         size = rows.stop - rows.start
         table = self.sets.table(rows if len(self.sets) > 1 else slice(0, 1), march_rows)
         sets = np.arange(size) if len(self.sets) > 1 else np.zeros(size, np.int64)
@@ -269,7 +269,7 @@ class Problems:
         return batch_of(states, sets), table
 
     def _start_rows(self, rows: slice, table: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        """Return the initial states of some rows in doubles, and which of them doubles do not decide."""
+        """Return the first states of the motions in `rows` in doubles, and flags of those to be begun one by one."""
         size = rows.stop - rows.start
         unclear, at = np.zeros(size, dtype=bool), np.zeros(size, np.int64)
         t0, t_end, x0, v0 = (column.pairs(rows) for column in (self.t0, self.t_end, self.x0, self.v0))
@@ -291,7 +291,7 @@ class Problems:
         return states, unclear | small_force | bool(self.start_error)
 
     def _at_belt(self, boundary: int, rows: slice) -> tuple[np.ndarray, np.ndarray]:
-        """Return which rows have v0 equal to the speed of belt `boundary`, and which only if rounded to doubles."""
+        """Return the motions in `rows` whose v0 is the speed of belt `boundary`, and those that only round to it."""
         speed = self.sets.column(f"v{boundary}")
         v, belt = self.v0.pairs(rows), speed.pairs(rows)
         near = np.flatnonzero(np.broadcast_to(v.hi == belt.hi, rows.stop - rows.start))
@@ -300,8 +300,8 @@ class Problems:
         on_belt = np.broadcast_to(np.array(equal, dtype=bool), len(near))
         return near[on_belt], near[~on_belt]
 
-    def are_apart(self, rows: np.ndarray, at: np.ndarray, gap: float) -> np.ndarray:
-        """Return which motions surely suit pairs: B0 not 0, exact start, v0 more than `gap` off all belts but `at`."""
+    def surely_fit_pairs(self, rows: np.ndarray, at: np.ndarray, gap: float) -> np.ndarray:
+        """Return which motions pairs surely suit: B0 not 0, start exact, v0 more than `gap` off all belts but `at`."""
         v, B0 = self.v0.pairs(rows).hi, self.sets.column("B0").pairs(rows).hi
         apart = np.full(len(rows), self.start_error is None) & (B0 != 0.0)
         for boundary in (1, 2):
@@ -309,9 +309,9 @@ class Problems:
         return apart
 
     def pair_rows(self, rows: np.ndarray, states: np.ndarray, phase: Callable[[Fraction], complex]) -> np.ndarray:
-        """Return starts in double-double numbers, stored as complex numbers hi + i lo, for one parameter set.
+        """Return the starts of motions with equal parameters in pairs, stored as complex numbers hi + i lo.
 
-        `states` are the same starts in doubles, and `phase` computes the phase at a time.
+        `states` are the same starts in doubles, and `phase` returns the phase at a time as such a complex number.
         """
         # Forces and what follows from them are left to `symosc.engine.batch.first_pairs`.
         made = np.zeros((len(rows), STATE_WIDTH), complex)

@@ -141,7 +141,7 @@ def select_rows(table: EventTable, rows: Any, status: list[str]) -> EventTable:
 
 
 def table_from(parts: Sequence[EventRows], status: list[str], wrt: tuple[str, ...] = (), **changes: Any) -> EventTable:
-    """Return blocks of event rows as one table; `changes` are dt, dx (derivatives by `wrt`) and whether they exist."""
+    """Return blocks of event rows as one table; `changes` are its columns dt, dx and regular by `wrt`."""
     parts, columns = parts or [event_buffer(0)], dict[str, Any]()
     for names, which in ((FLOAT_COLUMNS, 0), (("trajectory", *CODE_ATTRIBUTES), 1)):
         for n, name in enumerate(names):
@@ -206,7 +206,7 @@ class Summary(Columns):
         The mode of the last state, "Omega1" … "belt2".
     word : (n,) array of str
         Mappings that ended in the last whole forcing period, written like `PeriodicOrbit.word`; "" if none did. The one
-        that was under way when the period began counts as its last: on an orbit of one period it is so at its end too.
+        under way when the period began is put last, since on an orbit of one period it is under way again at the end.
     multiplicity : (n,) int array
         Smallest number of forcing periods, 32 at most, after which words and sections repeat, twice in a row; 0 if they
         do not. Sections are the same if they differ by less than 1e-6 of the motion's extent plus 8 estimated errors.
@@ -266,7 +266,7 @@ class Summary(Columns):
         return pandas.DataFrame(columns, index=pandas.RangeIndex(len(self), name="motion"))
 
     def to_xarray(self) -> Any:
-        """Return a Dataset over `motion`, `section` and `component`; MissingExtraError if xarray is not installed."""
+        """Return a Dataset over `motion`, `period` and `component`; MissingExtraError if xarray is not installed."""
         columns: Record = {name: (("motion",), column) for name, column in self.columns().items()}
         places: Record = {"motion": np.arange(len(self))}
         if "section" in columns:

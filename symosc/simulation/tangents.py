@@ -39,7 +39,7 @@ def codes_of(wrt: Sequence[str]) -> np.ndarray:
 
 
 def is_deep(codes: np.ndarray) -> bool:
-    """Return whether any code is m, c, k or Omega, which take more work: divided differences at double roots."""
+    """Return whether any code is that of m, c, k or Omega: derivatives by these take more work."""
     return bool(np.isin(codes, (M, C, K_, OMEGA)).any())
 
 
@@ -51,7 +51,7 @@ def work_space(codes: np.ndarray, kind: Any = float) -> np.ndarray:
 def event_changes(
     events: EventRows, launches: tuple[np.ndarray, ...], wrt: tuple[str, ...], loop: Callable[..., None]
 ) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """Return dt, dx (derivatives of each event's t and x by each of `wrt`) and a flag: whether they exist."""
+    """Return dt, dx and regular of `events` by each of `wrt`; `launches` is what `Chunk.launches` returns."""
     (starts, sets, letters, table), codes, shape = launches, codes_of(wrt), (events.floats.shape[1], len(wrt))
     cuts = np.searchsorted(events.ints[0], np.arange(len(starts) + 1))
     dt, dx, marks, why = large_array(shape), large_array(shape), np.zeros(shape, np.int8), np.zeros(shape[0], np.int8)
@@ -61,14 +61,14 @@ def event_changes(
 
 
 def columns_of(events: EventRows) -> tuple[np.ndarray, ...]:
-    """Return t, theta, x, v, kind, boundary and target of events as columns, as the loop `tangents` takes them."""
+    """Return t, theta, x, v, kind, boundary and target of events, each as an array."""
     floats = [events.floats[FLOAT_COLUMNS.index(name)] for name in ("t", "theta", "x", "v")]
     codes = [events.ints[1 + CODE_COLUMNS.index(name)].astype(np.int64) for name in ("kind", "boundary", "target")]
     return *floats, *codes
 
 
 def tangent_loops(wanted: bool) -> dict[str, Any] | None:
-    """Return the compiled loops of derivatives, or None if not on disk or if (not `wanted`) numba is not in use."""
+    """Return the compiled loops of derivatives if on disk, else None; look only if `wanted` or if numba is in use."""
     if not wanted and loaded_loop() is None:
         return None
     try:
@@ -79,7 +79,7 @@ def tangent_loops(wanted: bool) -> dict[str, Any] | None:
 
 
 def chosen_tangents(events: int, in_threads: bool, use_numba: bool | None) -> Callable[..., None]:
-    """Return the loop for the derivatives of `events` events: compiled, or interpreted if that is quicker."""
+    """Return the loop for derivatives of so many `events`: compiled if `in_threads`, and if `use_numba` or quicker."""
     if not in_threads:
         return INTERPRETED
     compiled: Callable[..., None] = compiled_tangents()["tangents"]

@@ -233,8 +233,8 @@ class Trajectory(Drawable):
     def table(self) -> list[dict[str, Any]]:
         """Return the events as rows of plain values.
 
-        With ``digits=`` the numbers t, x, v and theta are text of that many digits, as a table or a reader of JSON
-        would round numbers to doubles (RFC 7493 recommends text for these). In double precision they are floats.
+        With ``digits=`` the numbers t, x, v and theta are text of that many digits, since programs that read numbers
+        round them to doubles (RFC 7493 recommends text in JSON). In double precision they are floats.
         """
         return [{name: self._plain(getattr(event, name)) for name in EVENT_COLUMNS} for event in self.events]
 
@@ -262,8 +262,8 @@ class Trajectory(Drawable):
     def to_scipy(self) -> Any:
         """Return the motion as the OdeResult of ``scipy.integrate.solve_ivp``, in doubles.
 
-        t and y are those of the start, the events and the end; `sol` is this trajectory; t_events and y_events are
-        those of belt 1, then of belt 2.
+        t and y are times and states at the start, the events and the end; `sol` is this trajectory; t_events and
+        y_events have the events on belt 1, then those on belt 2.
         """
         from scipy.optimize import OptimizeResult  # what scipy's OdeResult is, loaded in less time
 
@@ -329,7 +329,7 @@ def read_times(t: Any) -> np.ndarray:
 
 
 class MovedTrajectory(Trajectory):
-    """The motion of another model: that of the oscillator of symosc, moved back to the coordinates of the model.
+    """The motion of another model: the motion of symosc's oscillator, converted to the coordinates of the model.
 
     Attributes
     ----------

@@ -146,8 +146,7 @@ def output_path(path: Any) -> Path:
 def plan_of(path: Path, to_replace: bool = False) -> str | None:
     """Return the plan's key (`SweepPlan.key`) that an output file states; None if there is no such file.
 
-    SweepError if the file is no output of a sweep, or if it is a folder that is `to_replace` but has files of somebody
-    else.
+    SweepError if the file is no output of a sweep or, if `to_replace`, is a folder that has other files too.
     """
     # The file is read as bytes: the libraries do not fail well.
     if not os.path.lexists(path):
@@ -220,7 +219,7 @@ def _to_disk(path: Path) -> None:
 
 
 def _checksum(path: Path) -> tuple[str, str, int]:
-    """Return the checksum that an output should have, the one that it states ("" if none), and where this begins."""
+    """Return the checksum of an output, the one that is stated in it ("" if none), and the stated one's position."""
     place, stated, begin, found = _text_file(path), "", 0, sha256()
     for name, file in (_files_in(path) or {"": path}).items():
         content = memoryview(file.read_bytes())

@@ -105,7 +105,7 @@ class SweepPlan:
 
     @property
     def column_names(self) -> tuple[str, ...]:
-        """The names of the columns of a chunk: those that are recorded, and always the status."""
+        """The names of the columns that are computed for each cell: those to record, and always the status."""
         return tuple(dict.fromkeys((*self.record, "status")))
 
     @cached_property
@@ -153,9 +153,9 @@ class SweepPlan:
 
 
 def compute(arguments: Record, kernels: str, workers: int | None = 1) -> tuple[dict[str, np.ndarray], float]:
-    """Compute a chunk, given the arguments of `simulate_many`; return its columns and the processor seconds.
+    """Compute a chunk of cells by `simulate_many` with `arguments`; return its columns and the processor seconds.
 
-    `kernels` is the `kernels_hash` of the program that asks: SweepError in a worker with another version of symosc.
+    `kernels` is the caller's `kernels_hash`; SweepError if it differs here, in a worker with another symosc.
     """
     if kernels != kernels_hash():
         raise SweepError("a worker has another version of symosc than this program")
@@ -169,7 +169,7 @@ def compute(arguments: Record, kernels: str, workers: int | None = 1) -> tuple[d
 
 
 def cycles(words: np.ndarray) -> np.ndarray:
-    """Return for each word the rotation that stands for its cycle, the same for all of them: P32 for P32 and P23."""
+    """Replace each word by one of its rotations, always the same: both P32 and P23 become P32."""
     # Where a cycle is cut into periods depends on the phases of its events, and so on the parameters; a map over them
     # shows borders only where the cycle itself changes.
     texts, places = np.unique(words, return_inverse=True)
@@ -211,7 +211,7 @@ def read_plan(scene: Any, over: Any, record: Any, t_end: Any, skip: Any, starts:
 
 
 def read_coordinates(scene: Scene, over: Any, starts: np.ndarray | None = None) -> Coordinates:
-    """Return the swept values by name, from the axes or the table `over`; the rows `starts` are one more dimension."""
+    """Return the swept values by name, from axes or a table `over`; `starts`, rows t0, x0, v0, add a dimension."""
     table = _table_columns(over)
     found = _axes(over) if table is None else {name: Coordinate(SET_AXIS, values) for name, values in table.items()}
     if starts is not None:
@@ -258,8 +258,8 @@ def read_axis(name: str, values: Any) -> np.ndarray:
     return found
 
 
-def _whole(name: str, text: str, least: int) -> int:
-    """Return the whole number, at least `least`, that a text states."""
+def _read_whole(name: str, text: str, least: int) -> int:
+    """Return the whole number that a text states; ParameterError, which calls it `name`, if it is less than `least`."""
     text = text.strip()
     return whole_number(name, int(text) if text.isascii() and text.isdigit() else text, least)
 
@@ -270,7 +270,7 @@ def _evenly_spaced(name: str, text: str) -> np.ndarray:
     if len(parts) != 3:
         raise ParameterError(name, text, AXIS_FORM)
     low, high = (read_number(name, part)[0] for part in parts[:2])
-    count = _whole(name, parts[2], 2)
+    count = _read_whole(name, parts[2], 2)
     if count > MOST_SWEPT:
         raise ParameterError(name, text, f"must have at most {MOST_SWEPT} values")
     if low >= high:
@@ -356,9 +356,9 @@ def read_duration(name: str, given: Any) -> Duration:
 
 
 def _read_record(record: Any) -> tuple[tuple[str, ...], int]:
-    """Return the names of the columns to record, and the number of points of a Poincaré section, 0 without one.
+    """Return the names of the summary columns in `record`, and the number of points of a Poincaré section.
 
-    `record` has names of columns of a summary; "section:64" asks for a section with 64 points.
+    A column "section:64" asks for a section with 64 points; without a section the number is 0.
     """
     columns, sections = list[str](), 0
     for name in [record] if isinstance(record, str) else record:
@@ -369,7 +369,7 @@ def _read_record(record: Any) -> tuple[tuple[str, ...], int]:
         if column in columns:
             raise ParameterError("record", column, "is there twice")
         if column == "section":
-            sections = _whole("section", count, 1) if colon else SECTION_POINTS
+            sections = _read_whole("section", count, 1) if colon else SECTION_POINTS
         columns.append(column)
     if not columns:
         raise ParameterError("record", record, f"give names out of {', '.join(SUMMARY_COLUMNS)}")

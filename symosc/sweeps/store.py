@@ -54,7 +54,7 @@ class Store:
         return found if isinstance(found, str) and PLAN_KEY_FORM.fullmatch(found) else ""
 
     def open(self, key: str, content: Record, resume: bool = True) -> None:
-        """Create or reopen the folder of chunks and lock it; without `resume`, remove the chunks in it."""
+        """Lock the chunks' folder for the plan with this key and content; without `resume`, remove its old chunks."""
         # SweepError if it belongs to another plan, is no folder of a sweep, or another program works in it.
         try:
             self.folder.mkdir(exist_ok=True)
@@ -131,7 +131,7 @@ class Store:
         return sorted((int(match[1]), int(match[2])) for name in names if (match := CHUNK_FORM.fullmatch(name)))
 
     def chunks(self, names: Collection[str]) -> Iterator[tuple[int, int, Columns]]:
-        """Yield begin, end and columns of each saved chunk with these columns; remove damaged or changed ones."""
+        """Yield begin, end and columns of each intact chunk that has the columns `names`; delete all other chunks."""
         for begin, end in self.ranges():
             path, size, columns = self.folder / CHUNK_NAME.format(begin, end), sha256().digest_size, Columns()
             with suppress(OSError):

@@ -218,7 +218,7 @@ def _carried_out(
 
 
 def _next_chunk(todo: list[Range], size: int, under_way: int) -> Range:
-    """Take the next chunk, of about `size` cells, off the ranges still to do."""
+    """Take a chunk of about `size` cells off the ranges `todo`, less if too few are left for `under_way` chunks."""
     left = sum(end - begin for begin, end in todo)
     begin, end = todo.pop()
     middle = min(end, begin + max(min(size, -(-left // under_way)), 1))

@@ -100,13 +100,13 @@ def kernels() -> list[Kernel]:
 
 
 def _kernel(head: str, doc: str, steps: dict[str, Expr], own: dict[str, Expr]) -> Kernel:
-    """Make a kernel from "NAME ARGUMENT ..." that returns all `steps`; `own` adds to MEANING."""
+    """Make a kernel from `head`, "NAME ARGUMENT ...", that returns all `steps`; `own` has arguments not in MEANING."""
     name, *arguments = head.split()
     return Kernel(name, doc, {each: (MEANING | own)[each] for each in arguments}, steps, tuple(steps))
 
 
 def _basis_apart() -> Kernel:
-    """Return the underdamped kernel of the basis E0, E1 (by closed forms), E2, R2, I2 (by relations to these)."""
+    """Return the underdamped kernel of the basis: E0 and E1 in closed form, E2, R2 and I2 from E0 and E1."""
     # Cheap, but u and z lose digits in short flights, and R2 and I2 near undamped resonance, where p = q = 0.
     e, s, c, w, p, q = sp.symbols("e s c w p q")
     ec, C, D, u, z = sp.symbols("ec C D u z")
@@ -132,7 +132,7 @@ def _basis_apart() -> Kernel:
 
 
 def _repeated_apart() -> Kernel:
-    """Return the kernel of U0, U1, U2, V, W, P, Q for parameter derivatives, underdamped and far from resonance."""
+    """Return the kernel of U0 to Q in parameter derivatives, for underdamped systems far from resonance."""
     names = {omega_d: sp.Symbol("w"), sp.sin(Omega * tau): sp.Symbol("sO"), sp.cos(Omega * tau): sp.Symbol("cO")}
     return _kernel(
         "repeated_apart tau h w cm w0sq Om p q E0 E1 E2 R2 I2 sO cO",

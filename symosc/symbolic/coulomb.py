@@ -62,14 +62,14 @@ def symmetry() -> Expr:
 
 @cache
 def half_period() -> tuple[Expr, Expr]:
-    """Solve `symmetry` for G and H: the steady part p_0 cos + q_0 sin has p_0 = x_0 + G F/k and q_0 = H F/k."""
+    """Solve `symmetry` for G and H: the drive's response p_0 cos + q_0 sin has p_0 = x_0 + G F/k and q_0 = H F/k."""
     found = sp.solve(list(symmetry()), [p_0, q_0], dict=True)[0]
     return sp.simplify((found[p_0] - x_0) / x_f), sp.simplify(found[q_0] / x_f)
 
 
 @cache
 def amplitude() -> Expr:
-    """Return the highest point x_0 as the larger root of (x_0 + G x_f)^2 + (H x_f)^2 = Q^2, where x_f = F/k."""
+    """Return the highest point x_0 by the amplitude Q without friction: the larger root of p_0^2 + q_0^2 = Q^2."""
     roots = sp.solve((x_0 + G * x_f) ** 2 + (H * x_f) ** 2 - Q**2, x_0)
     return max(roots, key=lambda root: root.subs({G: 0, H: 0, Q: 1}))
 

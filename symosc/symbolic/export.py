@@ -59,7 +59,7 @@ RESERVED = {"python": _PYTHON, "numpy": _PYTHON, "c": {*_C_WORDS.split()}, "juli
 def export(
     word: WordLike, language: str = "python", fix: Parameters | None = None, name: str | None = None
 ) -> dict[str, str]:
-    """Return the source files of a word's residual and Jacobian, text by file name."""
+    """Return source text by file name for a word's residual and Jacobian, with parameters `fix` as numbers if given."""
     # `language` is "python" (math, floats), "numpy" (arrays), "c" (C99, with a header) or "julia"; `fix` folds
     # parameters in, else the functions take what `constants` computes; the word need not close. `name` begins file
     # names and, in C and Julia, names (None: the word in small letters); a Julia module has it with a capital, and
@@ -82,7 +82,7 @@ def export(
 
 
 def write_export(folder: str | Path, *arguments: Any, force: bool = False, **options: Any) -> list[Path]:
-    """Write the files that `export` returns for the other arguments to `folder`, made if needed; return their paths."""
+    """Write the files of `export(*arguments, **options)` to a folder; replace other files there only if `force`."""
     # OutputError if a file cannot be written, or, without `force`, is there with another content.
     folder = Path(read_path(folder))
     texts = {folder / name: text for name, text in export(*arguments, **options).items()}
@@ -167,7 +167,7 @@ class _Program(NamedTuple):
         return [] if self.parameters else ["K"]
 
     def calls(self, first: int) -> list[tuple[str, str, str]]:
-        """Return the calls in the written program: each map's name, its arguments from z[first] on, its Jacobian's."""
+        """Return each map's function name, its arguments, and those of its Jacobian, z beginning at z[first]."""
         found = []
         for n, label in enumerate(self.maps):
             z = {name: f"z[{2 * n + i + first}]" for i, name in enumerate(("x_i", "theta_i", "x_j", "theta_j"))}
@@ -260,7 +260,7 @@ def _program(word: Word, arrays: bool, fix: Parameters | None) -> _Program:
 
 
 def _map_source(row: Map, exit: str | None, arrays: bool) -> tuple[str, str]:
-    """Return the name of the function for a mapping, and the Python source of it and of its Jacobian."""
+    """Return a mapping's function name, and source of it and its Jacobian; `exit` of a stick: "below" or "above"."""
     # For arrays, the arguments are flattened and broadcast to one length, and results get the arguments' shape back.
     begin, end = f"K.v{row.start.boundary}", f"K.v{row.end.boundary}"
     if row.sticks:
@@ -299,13 +299,13 @@ def _names(node: ast.AST) -> set[str]:
 
 
 class _Fold(ast.NodeTransformer):
-    """A visitor that cuts from syntax trees the branches of `known` conditions; if `fixed`, it writes K_cm for K.cm."""
+    """A visitor that removes branches ruled out by `known` conditions; if `fixed`, it also writes K.cm as K_cm."""
 
     def __init__(self, known: dict[str, bool], fixed: bool) -> None:
         self.known, self.fixed = known, fixed
 
     def function(self, node: ast.FunctionDef) -> ast.FunctionDef:
-        """Cut from a function the branches of known conditions, annotations, and later paragraphs of its docstring."""
+        """Remove from a function its annotations, later docstring paragraphs, and branches that are never taken."""
         node = self.visit(node)
         for argument in node.args.args:
             argument.annotation = None
@@ -362,7 +362,7 @@ class _Julia(ast.NodeTransformer):
         return text[1:-1] if isinstance(node, ast.IfExp) else text
 
     def visit(self, node: ast.AST) -> Any:
-        """Replace each part that the language writes unlike Python by a name node with its finished source."""
+        """Replace each part of a node that the target language writes unlike Python by that language's text."""
         match node:
             case ast.BoolOp(op, values):
                 texts = [f"({self.expression(v)})" if isinstance(v, ast.BoolOp) else self.expression(v) for v in values]
@@ -444,7 +444,7 @@ class _C(_Julia):
         return super().visit(node)
 
     def head(self, node: ast.FunctionDef) -> str:
-        """Return the head of a C function, "type name(arguments)"; the name of a mapping begins with `base`."""
+        """Return a C function's head, "type name(arguments)"; a mapping's name gets the program's as prefix."""
         count, names = self.returns[node.name], [argument.arg for argument in node.args.args]
         arguments = [f"const {self.base}_constants *K" if name == "K" else f"double {name}" for name in names]
         if count > 1:

@@ -65,9 +65,9 @@ class PhaseInterval(NamedTuple):
     high_open: bool = False
 
     def deciding(self, signs: Sequence[int]) -> list[Extreme]:
-        """Return the phases of least (-1 in `signs`) and largest (1) sine, and if an open end is one, a phase inside.
+        """Return phases that decide for all others: the whole interval is in a window if these are.
 
-        All phases of the interval are in a window if these are.
+        They have the least (-1 in `signs`) or largest (1) sine; if an open end has it, a phase inside is added.
         """
         extremes = [self._extreme(sign) for sign in signs]
         if not all(attained for _, attained in extremes):
@@ -91,7 +91,7 @@ class PhaseInterval(NamedTuple):
 
 
 def read_phases(name: str, value: Any) -> Expr | PhaseInterval:
-    """Read a phase as a sympy expression, or an interval of phases as a PhaseInterval."""
+    """Read `value` as a phase (a sympy expression) or as an interval of phases; error messages call it `name`."""
     if isinstance(value, sp.Interval):
         ends, open_ends = (value.start, value.end), (bool(value.left_open), bool(value.right_open))
     elif isinstance(value, tuple | list):
@@ -207,7 +207,7 @@ class Answer(NamedTuple):
 
 
 class Answers(tuple[Answer, ...], LatexAnswer):
-    """The answers to a question about one parameter in letters: one per condition on the others, of which one holds.
+    """The values of one parameter where the others are letters: an Answer for each condition on those letters.
 
     Attributes
     ----------
@@ -301,7 +301,7 @@ class ParameterValues(LatexAnswer):
 
 
 class ParameterRegion(Drawable, LatexAnswer):
-    """The region of two parameters that has a property; `plot` draws it.
+    """The region in the plane of two parameters where a window has the property asked for; `plot` draws it.
 
     Attributes
     ----------
@@ -471,7 +471,7 @@ def values_everything(p: ParametersLike | None, mapping: str, name: str | Sequen
 
 
 def _read_names(mapping: str, given: Any, p: Any) -> tuple[str, ...]:
-    """Check the one or two names asked for; return them, with the belt's speed as "v" or, for numbers, "v1" or "v2"."""
+    """Check the parameter names `given` and return them, the belt's speed as "v" if p is None, else "v1" or "v2"."""
     belt = f"v{place(mapping).boundary}"
     asked = tuple(given) if isinstance(given, tuple | list) else (given,)
     own = "v" if p is None else belt
@@ -528,9 +528,9 @@ def _answer(p: Parameters | None, question: GrazingQuestion, full: bool) -> Any:
 
 
 def _containing(
-    name: str, values: dict[str, Expr], domain: Expr, side: int, extreme: Extreme, full: bool
+    name: str, values: dict[str, Expr], possible: Expr, side: int, extreme: Extreme, full: bool
 ) -> Iterator[Answer]:
-    """Solve side (k v + B0 Omega sin theta) > 0 for one letter at the phase of `extreme`; >= 0 at an open end."""
+    """Solve side (k v + B0 Omega sin theta) > 0 for the parameter `name` at one phase; >= 0 if that is an open end."""
     theta, attained = extreme
     k, v, B0, Omega, sine = *(values[each] for each in ("k", "v", "B0", "Omega")), sp.sin(theta)
     # The left side is start + slope * parameter; level is side k v at its root.
@@ -543,7 +543,7 @@ def _containing(
     for slope_sign, sloped in _signs(slope):
         if slope_sign == 0:
             for positive, started in _positive(start) if attained else [(sign_of(start) >= 0, sp.true)]:
-                yield Answer(sloped & started, domain if positive else sp.S.EmptySet)
+                yield Answer(sloped & started, possible if positive else sp.S.EmptySet)
             continue
         cases: Any = _tangency_grazes(theta, level) if attained and full else [(not attained, sp.true)]
         for closed, closing in cases:
@@ -551,7 +551,7 @@ def _containing(
 
 
 def _tangency_grazes(theta: Expr, level: Expr) -> Iterator[tuple[bool, Expr]]:
-    """Yield (grazes, condition) for a contact with G^(1) = 0: it grazes if cos(theta) = 0 < `level` = side k v."""
+    """Yield (grazes, condition) where G^(1) = 0: a contact grazes iff cos(theta) = 0 and `level`, side k v, is > 0."""
     cosine = sp.cos(theta)
     if not cosine.free_symbols:
         yield from _positive(level) if sign_of(cosine) == 0 else [(False, sp.true)]
@@ -564,9 +564,9 @@ def _tangency_grazes(theta: Expr, level: Expr) -> Iterator[tuple[bool, Expr]]:
 
 
 def _solve_for_all_phases(
-    name: str, values: dict[str, Expr], domain: Expr, direction: int, closed: bool, at_zero: bool
+    name: str, values: dict[str, Expr], possible: Expr, direction: int, closed: bool, at_zero: bool
 ) -> Iterator[Answer]:
-    """Solve direction k v >= |B0| Omega (`closed`) or > for a letter; `at_zero` allows the case that both are 0."""
+    """Solve direction k v > |B0| Omega for the parameter `name`; `closed`: >=; `at_zero`: also if both sides are 0."""
     k, v, B0, Omega = (values[each] for each in ("k", "v", "B0", "Omega"))
     if name in ("Omega", "B0"):
         # |B0| Omega <= level
@@ -579,7 +579,7 @@ def _solve_for_all_phases(
                 yield Answer(levelled, sp.Interval(-end, end, not closed, not closed))
             else:
                 for B0_sign, signed in _signs(B0):
-                    found = domain
+                    found = possible
                     if B0_sign:  # Omega > 0, and so is the end if the level is
                         end = level / (B0_sign * B0)
                         found = sp.Interval(0, end, True, not closed) if level_sign else sp.S.EmptySet
@@ -590,7 +590,7 @@ def _solve_for_all_phases(
     for factor_sign, factored in _signs(factor):
         for B0_sign, signed in _signs(B0):
             if factor_sign == 0 or (name == "k" and factor_sign < 0):  # k >= 0
-                reached = domain if factor_sign == 0 else sp.FiniteSet(0)
+                reached = possible if factor_sign == 0 else sp.FiniteSet(0)
                 found = reached if B0_sign == 0 and at_zero else sp.S.EmptySet
             else:
                 end = B0_sign * B0 * Omega / factor if B0_sign else sp.S.Zero
@@ -631,7 +631,7 @@ def _positive(expr: Expr) -> Iterator[tuple[bool, Expr]]:
 
 
 def _region(p: Parameters | None, where: Place, question: GrazingQuestion, full: bool) -> ParameterRegion:
-    """Return the region of two parameters in which the window has the question's property; `full`: in full order."""
+    """Return the region of two parameters where the window has the property asked for; `full`: by the order "full"."""
     if p is None:
         raise ParameterError("p", p, "must be Parameters where a region of two parameters is asked for")
     belt = f"v{where.boundary}"
@@ -656,7 +656,7 @@ def _region(p: Parameters | None, where: Place, question: GrazingQuestion, full:
 
 
 def _region_at(level: Expr, drive: Expr, extreme: Extreme, full: bool) -> Expr:
-    """Return the condition side k v_lambda > -side B0 Omega sin(theta) for a graze; >= if theta is an open end."""
+    """Return the condition for a graze at a phase, `level` > -`drive` sin(theta); >= if the phase is an open end."""
     theta, attained = extreme
     left, right = level, -drive * sp.sin(theta)
     if not attained:

@@ -40,7 +40,7 @@ CONVOLVED = {sp.Integer(1): E2, E0: U0, E1: U1, E2: U2, R2: V, I2: W}
 
 
 def rate(expr: Expr) -> Expr:
-    """Differentiate by tau an expression in tau, the basis E0, E1, E2, R2, I2 and the functions `REPEATED`."""
+    """Differentiate by tau an expression in tau, the basis E0, E1, E2, R2, I2 and the convolutions U0 to Q."""
     chain = (expr.diff(symbol) * value for symbol, value in REPEATED_RATES.items())
     return solution.time_derivative(expr) + sp.Add(*chain)
 
@@ -54,7 +54,7 @@ def convolve(expr: Expr) -> Expr:
 
 
 def repeated_apart() -> dict[str, Expr]:
-    """Return formulas for U0, U1, U2, V, W, P, Q by name, for use far from critical damping and from resonance."""
+    """Return formulas, by name, of U0 to Q in parameter derivatives, far from critical damping and resonance."""
     # U1 = S*S is explicit; the others solve D f = g, which by their known rates has no derivatives left. With
     # p + i q = w0sq - Omega^2 + i cm Omega, the last two pairs are (u + i z)/(p + i q).
     first = (E1 - tau * (E0 + h * E1)) / (2 * solution.omega_d**2)

@@ -58,7 +58,7 @@ def in_paper_letters(expr: Expr) -> Expr:
 
 
 def force_constant(alpha: int) -> Expr:
-    """Return A_alpha in domain alpha (1, 2 or 3): A0 plus the friction of both belts, > 0 from a faster belt."""
+    """Return A_alpha in domain alpha (1, 2 or 3): A0 plus the friction of both belts, positive from a faster belt."""
     return A0 + {1: mu1 + mu2, 2: mu2 - mu1, 3: -mu1 - mu2}[alpha] * FN
 
 
@@ -166,7 +166,7 @@ def _force_at_start() -> Expr:
 
 
 def collected(expr: Expr) -> Expr:
-    """Return an expression that is linear in x_i, v_i, a_i and f0, with its terms collected by these."""
+    """Return an expression that is linear in x_i, v_i, a_i and f0 = B0/m as a sum with one term for each of them."""
     expr, waves, causes = sp.expand(expr), [sp.cos(theta_i), sp.sin(theta_i)], (x_i, v_i, a_i, f0)
     parts = (q * sp.factor_terms(sp.collect(expr.coeff(q), waves)) for q in causes)
     return sp.Add(*parts) + sp.collect(expr.xreplace(dict.fromkeys(causes, sp.S.Zero)), waves)
@@ -207,13 +207,13 @@ def divided_difference(*nodes: Expr) -> Expr:
 
     def difference(z: list[Expr]) -> Expr:
         if z[0] == z[-1]:
-            return tau ** (len(z) - 1) * _mode(z[0]) / sp.factorial(len(z) - 1)
+            return tau ** (len(z) - 1) * _exponential(z[0]) / sp.factorial(len(z) - 1)
         return (difference(z[1:]) - difference(z[:-1])) / (z[-1] - z[0])
 
     return difference(sorted(nodes, key=sp.default_sort_key))  # puts equal nodes side by side
 
 
-def _mode(z: Expr) -> Expr:
+def _exponential(z: Expr) -> Expr:
     """Return exp(z tau), with cos and sin for the imaginary part of z, cosh and sinh for the overdamped rate eta."""
 
     def factor(part: Expr) -> Expr:
@@ -255,7 +255,7 @@ def possible_regimes(numbers: dict[Expr, Expr]) -> tuple[Regime, ...]:
 
 
 class Join(NamedTuple):
-    """A limit of damping regimes: with `path` put in, `letter` -> 0 turns the basis of `source` into `target`'s."""
+    """A limit of damping regimes: with `path` inserted, `source`'s basis tends to `target`'s basis as `letter` -> 0."""
 
     source: str
     target: str

@@ -159,10 +159,10 @@ def critical_phase(gamma: Expr, amplitude: Expr) -> Expr | None:
 
 
 def window_phases(
-    where: cases.Place, gamma: Expr, amplitude: Expr, full: bool, of: tuple[int, int, int] | None = None
+    where: cases.Place, gamma: Expr, amplitude: Expr, full: bool, known_signs: tuple[int, int, int] | None = None
 ) -> Expr:
-    """Return the set of phases at which a contact at the boundary `where` grazes (Theorem 7)."""
-    of = of or signs(gamma, amplitude)
+    """Return the set of phases at which a contact grazes (Theorem 7); `known_signs`: result of `signs`, if known."""
+    of = known_signs or signs(gamma, amplitude)
     kind = cases.window_kind(where.side, *of, full)
     if kind in (cases.EMPTY, cases.EVERYTHING):
         return CIRCLE if kind == cases.EVERYTHING else sp.S.EmptySet
@@ -216,7 +216,7 @@ def all_cases(where: cases.Place, full: bool) -> tuple[Case, ...]:
 
 
 def real(name: str, value: NumberLike) -> Expr:
-    """Return `value` as a sympy expression: numbers exact, real constants and symbols unchanged; or ParameterError."""
+    """Return `value` as an exact sympy expression, symbols unchanged; a ParameterError calls it `name`."""
     if isinstance(value, sp.Expr) and not value.is_Rational and not value.is_Float:
         if value.is_extended_real is False or value.is_infinite or value is sp.nan:
             raise ParameterError(name, value, "must be real and finite")

@@ -59,7 +59,7 @@ def items(scope: Scope) -> Items:
         r"\begin{proof} Write $g = e^{-hu} C q$, so that $H = q$. With $ds/du = (S'C - SC')/C^2 = 1/C^2$ it is "
         r"$dH/ds = C^2 q'$ and $d^2 H/ds^2 = C^3 (C q'' + 2 C' q')$, while $L g = e^{-hu} (C q'' + 2 C' q')$. The sign "
         r"of $L g$ is that of Lemma~\ref{thm:events-gap}, and $C > 0$ on the piece.\end{proof}",
-        facts(*(each for wave in (sp.cos, sp.cosh) for each in _flight_facts(wave))),
+        facts(*(each for wave in (sp.cos, sp.cosh) for each in _gap_facts(wave))),
         r"So $g > 0$ at both ends of a piece means $g > 0$ on it if $H$ is concave, or convex with tangents at the "
         r"ends that meet above 0; else the piece is cut. Opposite signs mean one zero, which interval Newton encloses. "
         r"On a belt both forces are monotone between critical phases (Section~\ref{sec:sticks}).",
@@ -201,8 +201,8 @@ def items(scope: Scope) -> Items:
     )
 
 
-def _flight_facts(wave: Any) -> Items:
-    """Return two steps of the lemma on the straightened gap; `wave` is cos or cosh, by the damping regime."""
+def _gap_facts(wave: Any) -> Items:
+    """Return two steps of the proof that e^{hu} g/C is convex or concave, for a gap g and C = `wave`, cos or cosh."""
     C, q = wave(W * U), sp.Function("q")(U)
     kappa, S = C.diff(U, 2) / C, {sp.cos: sp.sin, sp.cosh: sp.sinh}[wave](W * U) / W
     g = sp.exp(-RATE * U) * C * q

@@ -186,7 +186,7 @@ def flow() -> tuple[Step, ...]:
 
 
 def solved_functions(generic: dict[Any, Any]) -> Items:
-    """Return the corollary that expresses the basis functions E_2, R_2, I_2 of the motion by E_0 and E_1."""
+    """Return the corollary with E2, R2, I2 in terms of E0, E1; `generic` has their closed forms, for the checks."""
     still = sp.cos(Omega * tau) - E0 - cm * E1
     swing = sp.sin(Omega * tau) - Omega * E1
     meaning = generic | {name: value.xreplace(generic) for name, value in NORMS.items()}
@@ -238,9 +238,9 @@ MODES = {
 
 
 class PaperForm(NamedTuple):
-    """The motion with constants of integration: `check` verifies that x solves eq. (5) from the given start.
+    """The paper's closed form of a flight: x and v, with letters C1, C2, D1, D2 for its constants.
 
-    `constants` are those of integration, and `meaning` has what each letter stands for.
+    `constants` has their values, `meaning` defines all letters, `check` verifies that x solves eq. (5) from its start.
     """
 
     x: Any
@@ -274,7 +274,7 @@ def paper_form(regime: solution.Regime) -> PaperForm:
 
 
 def _one_exponential(v: Any, mode: Any) -> Any:
-    """Rewrite the velocity v with e^{-ct/2m} as one common factor, in which each sine or cosine occurs once."""
+    """Return the velocity v expanded and, if `mode`, the factor of C1 in x, decays, with e^{-ct/2m} factored out."""
     if not mode.has(sp.exp):
         return sp.expand(v)
     v, stand_in = sp.expand(v), sp.Dummy()
@@ -285,7 +285,7 @@ def _one_exponential(v: Any, mode: Any) -> Any:
 
 
 def constants(form: PaperForm) -> list[Step]:
-    """Return the steps that state the constants of a form, checked to fit the start or the drive."""
+    """Return a step for each constant of `form` that states its value; C1 and C2 are checked to fit the start."""
     start = {tau: sp.Integer(0)}
     fitted = sp.solve((form.x.subs(start) - x_i, form.x.diff(tau).subs(start) - v_i), [C1, C2], dict=True)[0]
     steps = []
@@ -297,7 +297,7 @@ def constants(form: PaperForm) -> list[Step]:
 
 
 def basis_function(symbol: Any, regime: solution.Regime, **options: Any) -> Step:
-    """Return the step that states the closed form of a basis function in a regime, and checks it."""
+    """Return the checked step "symbol = closed form" of a basis function in a regime; `options` go to `equation`."""
     force, start, rate = map(sp.sympify, RESPONSES[symbol])
     parameters = regime.parameters()
     check = solves(force, start, rate.xreplace(parameters), *parameters.values())
@@ -318,7 +318,7 @@ _WAVES = sp.sin, sp.cos, sp.sinh, sp.cosh
 
 
 def _times(wave: Any, row: Any) -> Any:
-    """Return wave (a sine, cosine or exponential) times a sum; if all its terms are negative, the minus comes first."""
+    """Return the function `wave` times the sum `row`; if all terms of `row` are negative, the minus comes first."""
     if wave != 1 and row.is_Add and all(term.could_extract_minus_sign() for term in row.args):
         return -wave * sp.Add(*(-term for term in row.args))
     return wave * row
@@ -337,7 +337,7 @@ def tidy(expr: Any) -> Any:
 
 
 def _sampled(join: solution.Join) -> Step:
-    """Return the step that R2 (a response to the drive) is near its limit at a border of two damping regimes."""
+    """Return the step that R2 in the regime `join.source`, next to `join.target`, agrees numerically with R2 there."""
     source, target = solution.REGIMES[join.source].basis(), solution.REGIMES[join.target].basis()
     values = {solution.h: "3/7", omega_d: "5/4", eta: "2/9", omega_0: "7/5", Omega: "8/5", tau: "9/4"}
     point = {letter: sp.Rational(value) for letter, value in values.items()}

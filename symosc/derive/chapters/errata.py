@@ -7,7 +7,7 @@ from typing import Any
 import sympy as sp
 
 from symosc.derive.chapters.motion import MU, newton
-from symosc.derive.chapters.orbits import root
+from symosc.derive.chapters.orbits import orbit_points
 from symosc.derive.errata import SEVERITIES, read_errata
 from symosc.derive.latex import named
 from symosc.derive.scope import F, Scope
@@ -72,7 +72,7 @@ def items(scope: Scope) -> Items:
     rows = []
     for figure, word, printed in ((9, "P32", "0.1324, 4.5447"), (10, "P4645", "0.4588, 3.0837")):
         parameters = load_scene(f"fig{figure}").parameters
-        place, phase = root(parameters, word)[0]
+        place, phase = orbit_points(parameters, word)[0]
         time = phase * parameters.Omega.denominator / parameters.Omega.numerator
         cells = decimal("t_1", time, 10), decimal("x_1", place, 10)
         rows.append((f"Fig.~{figure}", f"$P_{{{word[1:]}}}$", f"${printed}$", *cells))
@@ -89,7 +89,7 @@ def items(scope: Scope) -> Items:
 
 
 def _up_to_slip(scene: str, digits: int, target: str) -> list[Any]:
-    """Return the times of the events up to the first slip; StepError unless it goes into the domain `target`."""
+    """Simulate a scene with `digits` digits; return the event times up to its first slip, which must enter `target`."""
     events = simulate(load_scene(scene), digits=digits, max_events=6).events
     place = next(n for n, event in enumerate(events) if event.kind == "slip")
     if events[place].target != target:
@@ -98,7 +98,7 @@ def _up_to_slip(scene: str, digits: int, target: str) -> list[Any]:
 
 
 def _graze(scene: str, alpha: int, speed: Any, time: Any) -> tuple[Any, Any, Any]:
-    """Return the position of a graze at a time, and x, v at t0 = 2.5 of the flight in domain `alpha` that leads to it.
+    """Return x of the graze at `time`, and x, v at t0 = 2.5 on the flight in domain `alpha` that ends in this graze.
 
     `speed` is the speed of the grazed belt.
     """
@@ -114,7 +114,7 @@ def _graze(scene: str, alpha: int, speed: Any, time: Any) -> tuple[Any, Any, Any
 
 
 def _start(x0: Any, v0: Any, label: str) -> list[Step]:
-    """Return two steps that state the position and the velocity of a start."""
+    """Return two steps that print x_0 and v_0 of a start; they get `label`, and `label` with v0 instead of x0."""
     return [decimal("x_0", x0, 10, label=label), decimal(r"\dot{x}_0", v0, 10, label=label.replace("x0", "v0"))]
 
 

@@ -37,7 +37,7 @@ def items(scope: Scope) -> Items:
     near_x, near_v = place + speed * s + BEFORE * s**2 / 2 + e * (DX + DV * s), speed + BEFORE * s + e * DV
 
     def along(expr: Any) -> Any:
-        """Differentiate a quantity at the event by the parameter q; the event's time has the derivative t_q."""
+        """Return the derivative of `expr` by q at the event: q changes by e, and the event's time by s = e t_q."""
         return expr.subs(s, e * T_Q).diff(e).subs(e, 0)
 
     reached = sp.solve(along(near_v) - V_Q, T_Q)[0]
@@ -171,7 +171,7 @@ def items(scope: Scope) -> Items:
 
 @cache
 def event_time_derivatives(scene: str, by_friction: bool) -> list[Any]:
-    """Return the derivatives of event times with respect to x_0 or (`by_friction`) mu_1, by this chapter's matrices."""
+    """Return derivatives of a scene's event times by x_0, or mu_1 if `by_friction`, from formulas of this chapter."""
     start = load_scene(scene)
     p, w0 = start.parameters, number(start.parameters.k / start.parameters.m)
     path = simulate(start, digits=DIGITS + 15)
@@ -195,7 +195,7 @@ def event_time_derivatives(scene: str, by_friction: bool) -> list[Any]:
 
 
 def _events_table() -> Table:
-    """Return the table of derivatives of a scene's event times: the package's, checked against the matrices."""
+    """Return the table of derivatives of event times from `sensitivities`, checked by `event_time_derivatives`."""
     known = {q: event_time_derivatives(SCENE, q == "mu1") for q in ("x0", "mu1")}
     ran = {q: sensitivities(SCENE, q, digits=DIGITS) for q in known}
 
@@ -218,9 +218,9 @@ def _exponents_table() -> Table:
     _, product = multiplier_products("fig9-orbit", "P32")
     decay = CONTEXT.log(product) * number(load_scene("fig9-orbit").parameters.Omega) / (2 * CONTEXT.pi)
 
-    def growth(scene: str, of: Any) -> Any:
-        """Apply `of`, such as sum, to a scene's Lyapunov exponents over the periods 50 to 100 only."""
-        early, late = (of(sensitivities(scene, "x0", t_end=f"{n}T").lyapunov) for n in (50, 100))
+    def growth(scene: str, choose: Any) -> Any:
+        """Return the sum or maximum (`choose`) of a scene's Lyapunov exponents, averaged over periods 50 to 100."""
+        early, late = (choose(sensitivities(scene, "x0", t_end=f"{n}T").lyapunov) for n in (50, 100))
         return 2 * late - early
 
     stuck = find_orbit("fig10-orbit", "P4645", digits=DIGITS)

@@ -190,7 +190,7 @@ def items(scope: Scope) -> Items:
 
 
 def contact_steps() -> tuple[Step, Step, Step]:
-    """Return the steps on gamma, the amplitude a and the position x_m at a contact without force."""
+    """Return the steps that define gamma and a, and give the position x_m of a contact at which the force is 0."""
     acceleration, rate = named(r"\ddot{x}"), named(r"\dot{x}_m")
     at_contact = ((c * acceleration + k * rate) / m).subs({acceleration: 0, rate: v_lambda})
     force = solution.in_paper_letters(solution.acceleration()).subs({v: v_lambda, Omega * t: theta})
@@ -215,18 +215,18 @@ def windows_table(label: str = "tab:grazing-windows") -> Table:
 
 
 def _window(mapping: str, gamma: Any, amplitude: Any) -> Step:
-    """Return the step that states and checks a mapping's window for letters gamma and amplitude of known signs."""
+    """Return the checked step with a mapping's grazing window for `gamma` and `amplitude`, 0 or of known signs."""
     place, values = PLACES[mapping], {g: gamma, a: amplitude}
     conditions = ((row, row.condition.subs(values, simultaneous=True)) for row in theorem7.all_cases(place, False))
     case = next(row for row, condition in conditions if sp.simplify(condition) == sp.true)
     check = window(place.side, gamma, amplitude, {CRITICAL: sp.asin(-g / a)})
-    return step(THETA_M, "in", _with_name(case.phases), check)
+    return step(THETA_M, "in", _with_critical_phase(case.phases), check)
 
 
-def _with_name(phases: Any) -> Any:
-    """Print the critical phase asin(-gamma/a) in the ends of a set of phases as Theta^cr."""
+def _with_critical_phase(phases: Any) -> Any:
+    """Return a set of phases with the symbol Theta^cr for the critical phase asin(-gamma/a) in its ends."""
     if isinstance(phases, sp.Union):
-        return sp.Union(*(_with_name(part) for part in phases.args), evaluate=False)
+        return sp.Union(*(_with_critical_phase(part) for part in phases.args), evaluate=False)
     if not isinstance(phases, sp.Interval):
         return phases
     low, high, *open_ends = phases.args
@@ -235,7 +235,10 @@ def _with_name(phases: Any) -> Any:
 
 
 def window(side: int, gamma: Any, amplitude: Any, names: Any = ()) -> Check:
-    """Return the check that a step's set has just the phases with side (gamma + amplitude sin theta) > 0."""
+    """Return the check that the set in a step is that of all theta with `side` (`gamma` + `amplitude` sin theta) > 0.
+
+    `names` has the values of symbols in the ends of the set.
+    """
     # This is exact: the function has at most two zeros, and where the sine is 1, 0 or -1 its sign is decided.
 
     def angle(end: Any) -> Any:

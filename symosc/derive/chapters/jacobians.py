@@ -22,7 +22,7 @@ BEFORE, AFTER = named("F^{-}"), named("F^{+}")
 
 
 def total(expr: Any, letter: Any) -> Any:
-    """Differentiate with respect to a start value at fixed tau, also through a_i, the acceleration at the start."""
+    """Differentiate `expr` by a start value `letter` at fixed tau; the initial acceleration a_i varies with it."""
     return expr.diff(letter) + expr.diff(a_i) * solution.acceleration(x_i, v_i, theta_i).diff(letter)
 
 
@@ -193,6 +193,6 @@ def multiplier_products(scene: str, word: str) -> tuple[Any, Any]:
 
 
 def force_at_belt(p: Any, alpha: int, belt: int, x: Any, phase: Any) -> Any:
-    """Return m F^(alpha) at a belt's speed, a position and a phase, computed anew from the parameters."""
+    """Return the force m F^(alpha) at the speed of `belt`, a position and a phase, from the parameters `p` alone."""
     friction = {1: p.mu1 + p.mu2, 2: p.mu2 - p.mu1, 3: -p.mu1 - p.mu2}[alpha] * p.FN
     return number(p.A0 + friction - p.c * p.belt(belt)) + number(p.B0) * CONTEXT.cos(phase) - number(p.k) * x

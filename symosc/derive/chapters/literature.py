@@ -354,7 +354,7 @@ def items(scope: Scope) -> Items:
 
 
 def _agreed(value: Value) -> Any:
-    """Return the package's value of a number; StepError if it differs too much from the value by formula."""
+    """Return the number that the package computed for `value`; StepError unless it agrees with the formula's."""
     if not abs(value.difference) <= value.tolerance:
         raise StepError(value.name, f"formula and package differ by {MP.nstr(value.difference, 3)}")
     return number(value.package)

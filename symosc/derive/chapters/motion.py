@@ -23,7 +23,7 @@ VELOCITIES = {1: r"$\dot{x} < v_1$", 2: r"$v_1 < \dot{x} < v_2$", 3: r"$\dot{x} 
 
 
 def coulomb(alpha: int) -> Any:
-    """Return A0 plus the friction of both belts, -mu F_N sgn(x' - v_lambda) each, at any velocity in a domain."""
+    """Return the constant force in a domain: A0 and, for each belt, its friction -mu FN sgn(v - v_lambda)."""
     first, second = sp.symbols("p q", positive=True)
     slip1, slip2 = -first if alpha == 1 else first, second if alpha == 3 else -second
     return A0 - mu1 * FN * sp.sign(slip1) - mu2 * FN * sp.sign(slip2)
@@ -47,8 +47,8 @@ def stick_force(belt: int) -> Any:
     return A0 + B0 * WAVE - k * x - c * BELTS[belt] + MU[other] * FN * (1 if other == 2 else -1)
 
 
-def at_both(scope: Scope) -> Check:
-    """Return the check that a statement on belt lambda holds for each belt that occurs in the scope."""
+def at_each_belt(scope: Scope) -> Check:
+    """Return the check that a step, written for a belt lambda, holds for each belt that occurs in `scope`."""
     meanings = []
     for belt in scope.boundaries:
         lower, upper = (newton(alpha).subs(v, BELTS[belt]) for alpha in NEIGHBOURS[belt])
@@ -124,7 +124,7 @@ def items(scope: Scope) -> Items:
         ),
         r"\begin{lemma}[no boundary repels]\label{thm:motion-jump} "
         r"Where $\dot{x} = v_\lambda$, the accelerations below and above the boundary differ by",
-        equation(F(LOWER) - F(UPPER), gap, at_both(scope), "jump"),
+        equation(F(LOWER) - F(UPPER), gap, at_each_belt(scope), "jump"),
         r"which is not negative,",
         step(gap, ">=", 0, sign()),
         r"so that the flow never leaves a boundary to both sides at once.\end{lemma}",
@@ -171,11 +171,11 @@ def items(scope: Scope) -> Items:
         r"$\dot{x} = v_\lambda$; for belt 1 it is the paper's (2),",
         held,
         r"On the two sides of the boundary the belt adds its friction forward and backward,",
-        equation(m * F(LOWER), HELD + mu_lambda * FN, at_both(scope), "held-sides"),
-        equation(m * F(UPPER), HELD - mu_lambda * FN, at_both(scope)),
+        equation(m * F(LOWER), HELD + mu_lambda * FN, at_each_belt(scope), "held-sides"),
+        equation(m * F(UPPER), HELD - mu_lambda * FN, at_each_belt(scope)),
         r"so that the mass can stay on the belt, $|F_{s\lambda}| \le \mu_\lambda F_N$, iff "
         r"$F^{(\lambda)} \ge 0 \ge F^{(\lambda+1)}$; and the product of the paper's section 6 is",
-        equation(m**2 * F(LOWER) * F(UPPER), HELD**2 - mu_lambda**2 * FN**2, at_both(scope), "product"),
+        equation(m**2 * F(LOWER) * F(UPPER), HELD**2 - mu_lambda**2 * FN**2, at_each_belt(scope), "product"),
         r"\end{proposition}",
         r"\begin{proof} On the belt $\ddot{x} = 0$, so \eqref{eq:motion-newton} demands $T_\lambda = -F_{s\lambda}$, "
         r"which Definition~\ref{thm:motion-coulomb} allows iff $|F_{s\lambda}| \le \mu_\lambda F_N$. Below the "

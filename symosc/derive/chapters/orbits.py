@@ -97,9 +97,9 @@ def items(scope: Scope) -> Items:
 
 
 class Piece(NamedTuple):
-    """One mapping of an orbit: its `row` of `MAPS`, the mapping `before` it, and its equations f1 and f2.
+    """One mapping of an orbit: its entry `row` and the previous one's, `before`, in `MAPS`, and its equations f1, f2.
 
-    `letters` are its start (x, theta); `meaning` has what the other letters in f1 and f2 stand for.
+    `letters` are the symbols of x and theta at its start; `meaning` defines the other symbols in f1 and f2.
     """
 
     row: Map
@@ -111,8 +111,8 @@ class Piece(NamedTuple):
 
 
 @cache
-def root(parameters: Parameters, word: str) -> tuple[tuple[Any, Any], ...]:
-    """Return the switching points (x, theta) of the orbit with a word to 50 digits, as `find_orbit` finds them."""
+def orbit_points(parameters: Parameters, word: str) -> tuple[tuple[Any, Any], ...]:
+    """Return the switching points (x, theta) of the periodic orbit with a word, by `find_orbit` with 50 digits."""
     orbit = find_orbit(parameters, word, digits=STEP_DIGITS + 5)
     return tuple((x, steps.number(parameters.Omega) * t) for t, x in orbit.points)
 
@@ -151,7 +151,7 @@ def _substituted(scope: Scope, expr: Any) -> Any:
 
 
 def _values(found: list[Piece], points: tuple[tuple[Any, Any], ...], meaning: dict[Any, Any]) -> dict[Any, Any]:
-    """Return the values of all symbols at the orbit: of its switching points, and of what `meaning` defines."""
+    """Return the values of all symbols: x and theta at the switching `points`, and those that `meaning` defines."""
     letters = [letter for piece in found for letter in piece.letters]
     numbers = [CONTEXT.nstr(value, STEP_DIGITS + 8) for point in points for value in point]
     values = {letter: sp.Float(text, STEP_DIGITS + 10) for letter, text in zip(letters, numbers, strict=True)}
@@ -161,10 +161,10 @@ def _values(found: list[Piece], points: tuple[tuple[Any, Any], ...], meaning: di
 
 
 def _orbit_section(scope: Scope, word: str, figure: str) -> Items:
-    """Yield the items of the section on one orbit: its equations, switching points, and checks in between."""
+    """Yield the section on the orbit of a word, with `figure` in its title: equations, switching points, and checks."""
     assert scope.scene is not None
     p, found = scope.scene.parameters, pieces(scope, word)
-    points = root(p, word)
+    points = orbit_points(p, word)
     equations: list[Any] = []
     for i, (row, before, _, f1, f2, meaning) in enumerate(found, 1):
         after = i % len(found) + 1
@@ -260,7 +260,7 @@ FUNCTIONS = [{name: getattr(CONTEXT, name) for name in ("sin", "cos", "sinh", "c
 def _extremes(
     scope: Scope, piece: Piece, start: tuple[Any, Any], end: Any
 ) -> Iterator[tuple[str, Any, str, list[tuple[str, Any]]]]:
-    """Yield the extremes of the velocity in a flight, or of both forces in a stick, with the bounds to be kept."""
+    """Yield each extreme of v in a flight or of the forces in a stick: name, value, allowed range (LaTeX), bounds."""
     row, belt = piece.row, piece.row.start.boundary
     speed, duration = BELTS[belt], ((end - start[1]) % (2 * CONTEXT.pi)) / steps.evaluate(Omega, scope.numbers)
 

@@ -18,7 +18,7 @@ TITLE = "Sticks and their two ends"
 
 
 def force_on_belt(phase: Any) -> Any:
-    """Return F^(alpha) at the time tau of a stick on which it starts as a_i; `phase` is the drive's phase at tau."""
+    """Return F^(alpha) after a time tau of a stick, if a_i is its value at the start; `phase` is theta at that time."""
     here = solution.acceleration(x_i + v_lambda * tau, v_lambda, phase)
     return a_i + here - solution.acceleration(x_i, v_lambda, theta_i)
 
@@ -31,7 +31,7 @@ def rate() -> Step:
 
 
 def force(belt: int, alpha: int, label: str = "") -> Step:
-    """Return the step on m F^(alpha) at a belt's speed."""
+    """Return the step with the formula of m F^(alpha) at the speed of `belt`, checked by Newton's law."""
     at = {v: BELTS[belt], Omega * t: theta}
     right = sp.expand(m * acceleration(alpha).subs(at))
     return equation(m * F(alpha), right, {F(alpha): newton(alpha).subs(at)}, label)

@@ -21,9 +21,9 @@ def items(scope: Scope) -> Items:
     first, second = named(r"G^{(0,\alpha)}"), named(r"G^{(1,\alpha)}")
 
     def product(normal: str, dot: str) -> Any:
-        """Return a symbol that prints n^T (x^(alpha) - x^(0)) with `normal` before n, and the accent `dot` on each x.
+        """Return a symbol that prints the product n^T (x^(alpha) - x^(0)), also with derivatives of n or x.
 
-        `normal` ("", "D" or "D^2") marks a derivative of the normal n, `dot` (LaTeX) a time derivative of x.
+        `normal` is printed before n ("", "D" or "D^2"), and `dot` over each x: a LaTeX accent for time derivatives.
         """
         x_alpha, x_0 = (rf"{dot}{{\mathbf{{x}}}}^{{({each})}}" for each in (r"\alpha", "0"))
         return named(rf"{normal}\mathbf{{n}}^T ({x_alpha} - {x_0})".replace("{\\mathbf{x}}", r"{\mathbf{x}}"))
@@ -128,7 +128,7 @@ def items(scope: Scope) -> Items:
 
 
 def _gap_derivative(order: int) -> Any:
-    """Return the step that the distance from a straight boundary, n.(x - x0), has the derivatives of n.x alone."""
+    """Return the step that n.(x - x0) and n.x have the same `order`-th derivative, for x0 on a straight boundary."""
     n1, n2, p1, p2 = sp.symbols("n_1 n_2 p_1 p_2", real=True)
     first, second, way = (sp.Function(name)(t) for name in ("X", "Y", "s"))
     gap = n1 * (first - p1 + n2 * way) + n2 * (second - p2 - n1 * way)

@@ -39,7 +39,7 @@ def friction_on_mass(p: Parameters, alpha: int) -> Fraction:
 
 @dataclass(frozen=True)
 class RationalContact:
-    """A contact with a boundary (x' is the belt's speed), all numbers rational; s and c: sine and cosine of Omega t."""
+    """A contact of a motion with a boundary, in rational numbers: x, and s and c, the sine and cosine of Omega t."""
 
     p: Parameters
     boundary: int
@@ -59,7 +59,7 @@ class RationalContact:
 
     @property
     def forces(self) -> tuple[Fraction, Fraction]:
-        """F of the domains below and above the belt's speed."""
+        """F^(alpha) of the domains below and above the belt's speed, at the contact."""
         return self.force(self.domains[0]), self.force(self.domains[1])
 
     def force(self, alpha: int) -> Fraction:
@@ -73,7 +73,7 @@ class RationalContact:
 
     @cached_property
     def _motion(self) -> dict[int, list[Fraction]]:
-        """For each domain, x and its time derivatives along the flow there, from m x'' + c x' + k x = A + B0 cos."""
+        """For each domain at the belt, x and its time derivatives at the contact along the flow of this domain."""
         p, found = self.p, {}
         waves = (self.c, -self.s, -self.c, self.s)  # cos(theta) and its derivatives with respect to theta
         for alpha in self.domains:
@@ -85,7 +85,7 @@ class RationalContact:
         return found
 
     def side(self, alpha: int, after: bool) -> int:
-        """Return the sign of x' - v_lambda a short time before or after, along the flow of domain `alpha`."""
+        """Return the sign of x' minus belt speed just before or `after` the contact, by the flow of domain `alpha`."""
         t = SHORT if after else -SHORT
         value = sum(each * t**n / factorial(n) for n, each in enumerate(self._motion[alpha][2:], 1))
         return (value > 0) - (value < 0)
@@ -104,7 +104,7 @@ class RationalContact:
 
     @property
     def goes_on(self) -> str:
-        """The continuation after the contact, as a phrase such as "goes on in Omega1"."""
+        """What the motion does after the contact, as a phrase such as "goes on in Omega1"."""
         return f"goes on {'on' if self.sticks else 'in'} {self.next_mode}"
 
     @property
@@ -120,7 +120,7 @@ class RationalContact:
         return up or self.side(lo, after=True) < 0 < self.side(hi, after=False)
 
     def grazes(self, alpha: int) -> bool:
-        """Whether the flow of a domain is in that domain both before and after."""
+        """Return whether the flow of domain `alpha` is in this domain both just before and just after the contact."""
         own = -1 if alpha == self.boundary else 1
         return self.side(alpha, after=False) == self.side(alpha, after=True) == own
 
@@ -131,7 +131,7 @@ class RationalContact:
 
 @cache
 def contacts(boundary: int, count: int = 360, seed: int | None = None) -> tuple[RationalContact, ...]:
-    """Return random rational contacts with a boundary: some generic, some with a force 0, some with F = G^(1) = 0."""
+    """Return `count` random rational contacts with a boundary; some have F = 0 in a domain, some also G^(1) = 0."""
     # By default those of Theorems 4 to 6. Two kinds are generic; two have the force below or above exactly 0; two have
     # the phase such that G^(1) = 0 as well (at the top and the bottom of the sine then G^(2) = 0 too). A fifth of them
     # is at phase 0.
@@ -161,7 +161,7 @@ def contacts(boundary: int, count: int = 360, seed: int | None = None) -> tuple[
 
 
 def tally(cases: Iterable[Any], questions: Mapping[str, Callable[[Any], Any]]) -> dict[str, Any]:
-    """Count, for each question, the cases for which it is answered with yes."""
+    """Return for each of the `questions`, under its name, the number of `cases` for which its function returns true."""
     cases = list(cases)
     return {name: sum(bool(question(case)) for case in cases) for name, question in questions.items()}
 
@@ -173,7 +173,7 @@ DOP853_TOLERANCE, DOP853_AGREEMENT = 1e-12, 1e-9
 
 
 def flow(p: Parameters, A: Any, start: Sequence[Any], t: Any) -> tuple[Any, Any]:
-    """Solve m x'' + c x' + k x = A + B0 cos(Omega t), k > 0, for start = (t0, x0, v0); return x and x' at times t."""
+    """Return x and x' at times t from start = (t0, x0, v0) by eq. (5), with A for the sum of A0 and friction; k > 0."""
     # In complex numbers, independent of the package's kernels; not for undamped resonance.
     m, c, k, B0, Omega = (float(getattr(p, name)) for name in ("m", "c", "k", "B0", "Omega"))
     t0, x0, v0 = map(float, start)
@@ -198,7 +198,10 @@ def flow(p: Parameters, A: Any, start: Sequence[Any], t: Any) -> tuple[Any, Any]
 def dop853(
     p: Parameters, constant: Fraction, span: tuple[float, float], state: Any, until_speed: float | None = None
 ) -> Any:
-    """Integrate m x'' + c x' + k x = constant + B0 cos(Omega t) by DOP853, until v is `until_speed`."""
+    """Return scipy's DOP853 solution over the times `span` from (x, v) = `state`, or until v is `until_speed`.
+
+    It solves eq. (5) with `constant` for the sum of A0 and friction.
+    """
     from scipy.integrate import solve_ivp
 
     A, m, c, k, B0, Omega = (float(value) for value in (constant, p.m, p.c, p.k, p.B0, p.Omega))

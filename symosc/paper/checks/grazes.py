@@ -58,7 +58,7 @@ class Graze:
     half_turns: int  # the phase of the grazing point in units of pi
 
     def flow_back(self, to_start: bool = True) -> GrazingStart:
-        """Follow the grazing flow back from the graze to t0, or (not `to_start`) to the contact before it."""
+        """Return the start from which the flow grazes: at t0 or, if not `to_start`, at the contact before the graze."""
         theta = +mp_context(60).pi * self.half_turns
         return grazing_start(self.scene.parameters, self.mapping, theta, t0=self.scene.t0 if to_start else None)
 
@@ -69,7 +69,7 @@ class Graze:
 
     @property
     def print_is_right(self) -> bool:
-        """Whether, with all parameters as printed, the printed start is the rounded start of a motion that grazes."""
+        """Whether a start from which the flow grazes rounds to the printed start, all parameters being as printed."""
         return bool(nearest_graze(self.printed, self.mapping).round_to_it)
 
 
@@ -81,7 +81,7 @@ FIG8 = Graze(_FIG8, _FIG8, "P3", 0)
 
 @cache
 def exact(figure: Graze, t_end: Any = None) -> Scene:
-    """Return the scene of a figure from the start that grazes, to 40 decimals."""
+    """Return a figure's corrected scene with the start from which it grazes, to 40 decimals, and the end `t_end`."""
     start = figure.flow_back().start
     return replace(figure.scene, **(start | {"t0": figure.scene.t0, "t_end": t_end or figure.scene.t_end}))
 
@@ -187,7 +187,7 @@ def touches_once(figure: Graze) -> Evidence:
 
 
 def of_mapping(figure: Graze) -> Evidence:
-    """Check that the graze is of the figure's mapping: that mapping ends, or begins, at it."""
+    """Check that a motion of the figure's mapping ends, or begins, at the graze."""
     found, name = figure.flow_back(to_start=False), subscripted(figure.mapping)
     word = motion(exact(figure)).word
     follows = word[:1] == [figure.mapping]
@@ -204,7 +204,7 @@ def of_mapping(figure: Graze) -> Evidence:
 
 
 def in_window(figure: Graze) -> Evidence:
-    """Check that the phase of the graze is in the printed window of Theorem 7, whose case is decided exactly."""
+    """Check that the phase of the graze is in the window that Theorem 7 prints for its gamma and B0 Omega/m."""
     p, mapping, scene = figure.scene.parameters, figure.mapping, exact(figure)
     window = grazing_window(p, mapping, "paper")
     event = next(e for e in motion(scene).events if e.kind == "graze")
@@ -248,7 +248,7 @@ def same_point(figure: Graze) -> Evidence:
 
 
 def periodic(figure: Graze) -> Evidence:
-    """Check whether the motion is periodic or approaches a periodic one, and whether that one can graze."""
+    """Check whether the motion is, or approaches, a periodic motion, and whether the latter can touch the belt."""
     p, scene = figure.scene.parameters, exact(figure)
     changes = [hypot(*each) for each in returns(scene, 4)]
     fixed = changes[0] <= LAST_HALF_UNIT
@@ -273,7 +273,7 @@ def periodic(figure: Graze) -> Evidence:
 
 
 def not_at_belt(figure: Graze) -> Evidence:
-    """Check that the velocity differs from the belt's at the start and one period later."""
+    """Check that at the start, and one period later, x' is not the speed of the belt that the motion grazes."""
     numbers, gaps, belt = {}, [], figure.place.boundary
     for scene, name in ((figure.printed, "as printed"), (exact(figure), "A₀ = 10, exact start")):
         level, period = float(scene.parameters.belt(belt)), 2 * pi / float(scene.parameters.Omega)
@@ -289,7 +289,7 @@ def not_at_belt(figure: Graze) -> Evidence:
 
 
 def sticks_later(figure: Graze) -> Evidence:
-    """Check that the contact that follows the red point is the onset of a stick on the same belt, for both starts."""
+    """Check, from the printed and the exact start, that the contact after the red point begins a stick on that belt."""
     belt, scenes = figure.place.boundary, (figure.printed, exact(figure))
     contacts = [[event for event in motion(scene).events if event.kind != "slip"] for scene in scenes]
     least = min(map(len, contacts))
@@ -307,7 +307,7 @@ def sticks_later(figure: Graze) -> Evidence:
 
 
 def stick_after(figure: Graze, check: str, *domains: int) -> Evidence:
-    """Run a check of `motions` on the stick that follows the graze from the exact start."""
+    """Run the check of `motions` named `check`, with `domains`, on the stick after the graze from the exact start."""
     checks = {"together": together, "forces_hold": forces_hold, "flight_after": flight_after}
     return checks[check](exact(figure, Fraction(10) if domains else None), figure.place.boundary, *domains)
 
@@ -359,7 +359,7 @@ def contact_or_misprint(figure: Graze) -> Evidence:
 
 
 def misprints(scene: Scene, found: Sequence[FreeValue]) -> str:
-    """Return as text the values that have as few digits as printed; the likely ones come first."""
+    """Return as text which `found` values are as short as printed ones, first those that graze at a quarter period."""
     # Those are likely with which the graze is at a quarter of the period, as it is in the figures.
     quarter = pi / (2 * float(scene.parameters.Omega))
     lists: tuple[list[str], list[str]] = ([], [])
@@ -373,7 +373,7 @@ def misprints(scene: Scene, found: Sequence[FreeValue]) -> str:
 
 
 def start_grazes(figure: Graze) -> Evidence:
-    """Check that, of all starts from which the flow grazes, the nearest to the printed start rounds to it."""
+    """Check that the start that grazes nearest to the printed start, with the same t0, rounds to the printed start."""
     scene, printed = figure.scene, figure.printed.parameters
     near = nearest_graze(scene, figure.mapping)
     values = by_name(scene.parameters)
@@ -398,7 +398,7 @@ def start_grazes(figure: Graze) -> Evidence:
 
 
 def _grazes_exactly(figure: Graze, t_m: Fraction, numbers: dict[str, str]) -> bool:
-    """Return whether the start computed for a graze at t_m leads to that graze, by two independent computations."""
+    """Return whether the start for a graze at t_m grazes and rounds to the printed start; put details in `numbers`."""
     scene, at, p = figure.scene, figure.place, figure.scene.parameters
     found = grazing_start(p, figure.mapping, t_m=t_m, t0=scene.t0)
     start: dict[str, Any] = {name: Fraction(found.start[name]) for name in ("x0", "v0")}
@@ -427,7 +427,7 @@ HALF_UNIT = float(LAST_HALF_UNIT)
 
 @dataclass(frozen=True)
 class NearestGraze:
-    """The grazing start next to a printed start: the time t_m of its graze, and the differences dx and dv of both."""
+    """The start that grazes nearest to a printed start: dx, dv from the printed one, and the graze's time t_m."""
 
     t_m: float
     dx: float
@@ -437,7 +437,7 @@ class NearestGraze:
 
 @dataclass(frozen=True)
 class FreeValue:
-    """A value of one number of a scene with which its flow grazes at t_m, while all other numbers are as printed."""
+    """A `value` of the scene's number `name` with which the flow grazes, at t_m; all other numbers are as printed."""
 
     name: str
     value: float
@@ -446,14 +446,14 @@ class FreeValue:
 
     @property
     def shortest(self) -> str:
-        """The shortest decimal number within the uncertainty."""
+        """The shortest decimal number that differs from `value` by at most `uncertainty`."""
         rounded = [float(f"{self.value:.{digits}g}") for digits in range(1, LONGEST + 1)]
         fitting = (each for each in rounded if abs(each - self.value) <= self.uncertainty)
         return f"{next(fitting, self.value):.{LONGEST}g}"
 
     @property
     def as_short_as_printed(self) -> bool:
-        """Whether the value has no more digits than the paper prints for such a number."""
+        """Whether the value has no more digits than the paper prints for this parameter or start value."""
         # That is one decimal of t0, three digits of a parameter, and for x0 and v0 as many as it takes.
         if self.name == "t0":
             return len(self.shortest.partition(".")[2]) <= 1
@@ -470,7 +470,7 @@ def starts_that_graze(scene: Scene, mapping: str, t_m: np.ndarray) -> np.ndarray
 
 
 def nearest_graze(scene: Scene, mapping: str) -> NearestGraze:
-    """Find the grazing start nearest to the printed start, and the span of graze times of starts that round to it."""
+    """Return the start that grazes nearest to the printed start, and the times of grazes whose start rounds to it."""
     printed = np.array([[float(scene.x0)], [float(scene.v0)]])
 
     def away(t: float) -> float:
@@ -523,9 +523,9 @@ def values_that_graze(scene: Scene, mapping: str, name: str) -> list[FreeValue]:
 
 
 def _gap(scene: Scene, mapping: str, change: dict[str, float]) -> tuple[float, float, bool]:
-    """Return how far the flow's peak passes the belt (< 0: does not reach it), its time, and whether it can be a graze.
+    """Return how far the flow's peak is beyond the belt (< 0: short of it), its time, and whether it can be a graze.
 
-    It can be one if the flow is in the mapping's domain before. `change` has other values for numbers of the scene.
+    For a graze the flow must be in the mapping's domain before. `change` gives some numbers of the scene new values.
     """
     at = place(mapping)
     start = tuple(change.get(name, float(getattr(scene, name))) for name in START)

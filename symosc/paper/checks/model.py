@@ -47,7 +47,7 @@ def added_force(p: Parameters, alpha: int) -> Fraction:
 
 
 def vector_field(p: Parameters, alpha: int, x: Fraction, v: Fraction, cosine: Fraction) -> Fraction:
-    """Return the acceleration F^(alpha) of eq. (9) in a domain."""
+    """Return the acceleration F^(alpha) of eq. (9) in domain `alpha`, at x, v and `cosine` = cos(Omega t)."""
     rest = {1: p.A0 + (p.mu1 + p.mu2) * p.FN, 2: p.A0 - (p.mu1 - p.mu2) * p.FN, 3: p.A0 - (p.mu1 + p.mu2) * p.FN}
     return -p.c / p.m * v - p.k / p.m * x + p.B0 / p.m * cosine + rest[alpha] / p.m
 
@@ -93,7 +93,7 @@ def printed_planes(speed: Any, delta: Any) -> tuple[Any, Any]:
 
 
 def _both_boundaries(seed: int) -> tuple[RationalContact, ...]:
-    """Return random rational contacts, `CASES` with each of the two boundaries."""
+    """Return `CASES` random rational contacts with each of the two boundaries."""
     return (*contacts(1, CASES, seed + 1), *contacts(2, CASES, seed + 2))
 
 
@@ -384,7 +384,7 @@ def stick_exits(boundary: int) -> Evidence:
 
 
 def _first_exit(boundary: int, equation: int) -> dict[str, str]:
-    """Say how the first stick of Fig. 5 or 6 ends, by scipy's DOP853 and by the roots of the forces on the belt."""
+    """Return when the first stick of Fig. 5 or 6 begins and ends, and there the two sides' difference in `equation`."""
     scene, name, (lo, hi) = load_scene(f"fig{4 + boundary}"), f"Fig. {4 + boundary}", NEIGHBOURS[boundary]
     p, speed = scene.parameters, float(scene.parameters.belt(boundary))
     t, x = float(scene.t0), float(scene.x0)
@@ -410,7 +410,7 @@ def _first_exit(boundary: int, equation: int) -> dict[str, str]:
 
 
 def governing_equations() -> Evidence:
-    """Check eq. (54): f1 and f2 of flights vanish at the events of simulated motions, which DOP853 reaches as well."""
+    """Check eq. (54): f1 = f2 = 0 for both ends of simulated flights, and DOP853 takes each flight to the same end."""
     rests: dict[str, list[float]] = {label: [] for label in FLIGHTS}
     other: dict[str, list[float]] = {label: [] for label in FLIGHTS}
     motions = [simulate(load_scene(name), max_events=40) for name in MAPPED_SCENES]

@@ -85,7 +85,7 @@ def text(value: Any, digits: int = 15) -> str:
 
 
 def force_text(*values: Any) -> str:
-    """Return forces at a contact as text; one that vanishes as 0 with its bound."""
+    """Return forces at a contact as text; a force that vanishes appears as 0 with the bound that it is below."""
     return ", ".join(f"0 (to {NO_FORCE:g})" if is_zero(value) else text(value) for value in values)
 
 
@@ -112,7 +112,7 @@ _seen: list[Trajectory | PeriodicOrbit] = []
 
 
 def recorded(found: Found) -> Found:
-    """Add a motion or orbit that a check uses to the list that `judge` recomputes; return it."""
+    """Return the given motion or orbit after noting it for `judge`, which recomputes all that a check has used."""
     _seen.append(found)
     return found
 
@@ -129,12 +129,12 @@ def _motion(scene: Scene, t_end: Any = None) -> Trajectory:
 
 @cache
 def arithmetic(p: Parameters) -> MpArithmetic:
-    """Return the arithmetic of a parameter set with its constants, in 40 digits."""
+    """Return the arithmetic of 40 digits that holds the constants of a parameter set's closed forms."""
     return MpArithmetic(p, CONTACT_DIGITS + 10)
 
 
 def number(p: Parameters, value: Fraction) -> Any:
-    """Return a Fraction as a number of 40 digits."""
+    """Return a Fraction as a number of 40 digits, in the arithmetic of the parameters p."""
     return arithmetic(p).number(value)
 
 
@@ -162,7 +162,7 @@ def sticks(scene: Scene, t_end: Any = None) -> list[Stick]:
 
 
 def first_stick(scene: Scene, belt: int) -> Stick:
-    """Return the first stick on a belt that ends; Refuted if there is none before t_end."""
+    """Return the first stick on a belt that ends; raise Refuted if there is none before t_end."""
     for stick in sticks(scene):
         if stick.belt == belt and stick.end is not None:
             return stick
@@ -245,9 +245,9 @@ def stretches_of(what: Trajectory | PeriodicOrbit) -> list[Stretch]:
 
 
 def fly_again(p: Parameters, stretches: list[Stretch]) -> tuple[float, int]:
-    """Recompute each stretch of a motion; return the largest relative difference of its end from the given one.
+    """Recompute each stretch of a motion; return the largest relative difference between computed and stored ends.
 
-    Also return how many stretches leave their domain or belt, or cannot follow the one before.
+    Also return how many stretches leave their domain or belt, or begin where Theorems 4 and 5 forbid it.
     """
     differences, contradictions = [0.0], 0
     for stretch in stretches:
@@ -275,7 +275,7 @@ def field(p: Parameters, alpha: int, t: Any, x: Any, v: Any) -> Any:
 
 
 def _follows(p: Parameters, end: tuple[float, ...], then: int) -> bool:
-    """Return whether a domain or belt may follow at the state `end` on a belt, by Theorems 4 and 5."""
+    """Return whether by Theorems 4 and 5 domain `then`, or belt -`then`, may follow at `end` = (t, x, v) on a belt."""
     belt = 1 if abs(end[2] - float(p.v1)) < abs(end[2] - float(p.v2)) else 2
     lo, hi = NEIGHBOURS[belt]
     below, above = float(field(p, lo, *end)), float(field(p, hi, *end))
@@ -434,7 +434,7 @@ def product_after(scene: Scene, belt: int) -> Evidence:
 
 
 def sticks_at_start(scene: Scene, belt: int) -> Evidence:
-    """Check that the mass sticks from the start on (Theorem 4); if it sticks only later, say that it is CORRECTED."""
+    """Check that the mass sticks from the start on (Theorem 4); the verdict is CORRECTED if it sticks only later."""
     p, domains, mode = scene.parameters, NEIGHBOURS[belt], mode_text(motion(scene).segments[0].mode)
     both = forces(p, start_contact(scene, belt))[:2]
     values = (f"{force_names(each)} = {text(value, 8)}" for each, value in zip(domains, both, strict=True))

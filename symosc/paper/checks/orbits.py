@@ -48,7 +48,7 @@ WITHIN = 1e-4
 
 
 def orbit_of(scene: Scene) -> PeriodicOrbit:
-    """Return the periodic orbit of a scene's structure with 30 digits; Refuted if there is none."""
+    """Return the periodic orbit of the word that a scene names, with 30 digits; raise Refuted if there is none."""
     if found := _orbit_of(scene):
         return recorded(found)
     numbers = {"mappings from the printed start": " ".join(motion(scene).word[-8:]) or "none"}
@@ -65,7 +65,7 @@ def _orbit_of(scene: Scene) -> PeriodicOrbit | None:
 
 
 def orbit_exists(scene: Scene) -> Evidence:
-    """Solve the closing equations (54) of the structure and check every inequality that makes the root a motion."""
+    """Solve (54), closed after one period, for the scene's word; check all inequalities that the orbit must fulfil."""
     found, conditions = orbit_of(scene), orbit_of(scene).conditions()
     margin = min(conditions, key=lambda condition: condition.value)
     finding = f"{subscripted(scene.structure)} exists: it has the period of the excitation, {text(found.period, 10)}, "
@@ -84,7 +84,7 @@ def orbit_exists(scene: Scene) -> Evidence:
 
 
 def in_order(scene: Scene) -> Evidence:
-    """Check the order of the mappings from the start, and with (54) that each starts where the last one ended."""
+    """Check that the motion follows the scene's word, and by (54) that each mapping starts where the last one ended."""
     p, path, at = scene.parameters, motion(scene), scene_contacts(scene)
     points = [start_contact(scene, path.events[0].boundary), *at]
     Omega, word = number(p, p.Omega), path.word
@@ -222,7 +222,7 @@ def ends(scene: Scene, belt: int) -> Evidence:
 
 
 def closing_conditions(scene: Scene, closed: bool = False) -> Evidence:
-    """Check whether the printed equations (54) determine a periodic motion."""
+    """Check whether eqs. (54) determine a periodic motion: as printed or, if `closed`, with closing conditions."""
     found, p = orbit_of(scene), scene.parameters
     Omega, count = number(p, p.Omega), len(found.labels)
     points = [(point.x, Omega * point.t) for point in found.points]
@@ -282,7 +282,7 @@ def start_on_orbit(scene: Scene) -> Evidence:
 
 
 def start_or_misprint(scene: Scene) -> Evidence:
-    """Compare the printed start with the orbit; if it is not on it, search for one number that explains why."""
+    """Compare the printed start with the orbit; if they differ, search for one misprinted number that explains it."""
     distance = start_on_orbit(scene)
     if distance.verdict == CONFIRMED:
         return distance
@@ -359,7 +359,7 @@ class Nearest:
 
     @property
     def explains(self) -> bool:
-        """Whether with this value an orbit goes through the printed start, to half a unit of its last digit."""
+        """Whether with this value an orbit goes through the printed start, to half a unit of the start's last digit."""
         # With v0 free, x is compared at the printed t0, whose own rounding moves x by v times half a unit.
         allowed = float(LAST_HALF_UNIT) * (1 + abs(self.value) if self.name == "v0" else 1)
         return self.orbit and self.distance <= allowed
@@ -419,7 +419,7 @@ def _least(miss: Callable[[float], np.ndarray], around: tuple[float, float]) -> 
 
 
 def range_of(p: Parameters, name: str) -> tuple[float, float]:
-    """Return the range of a parameter to search: `REACH` times its size both ways, cut off where the model ends."""
+    """Return the range to search for a parameter: `REACH` times its size to both sides, but only values it may have."""
     value, margin = float(getattr(p, name)), LEAST * float(p.v2 - p.v1)
     reach = REACH * max(1.0, abs(value))
     least = {"m": LEAST * value, "k": LEAST * value, "Omega": LEAST * value, "v2": float(p.v1) + margin}
@@ -429,7 +429,7 @@ def range_of(p: Parameters, name: str) -> tuple[float, float]:
 
 
 def _misses(scene: Scene, name: str, values: np.ndarray) -> np.ndarray:
-    """Return, for each value of a parameter, (dt, dx) from the start one period later to the nearest contact."""
+    """Return, for each of a parameter's `values`, how far, (dt, dx), the motion misses its start after one period."""
     boundary = 1 if scene.v0 == scene.parameters.v1 else 2
     sets = [scene.parameters.replace(**{name: float(value)}) for value in values]
     periods = np.array([2 * pi / float(p.Omega) for p in sets])
@@ -447,7 +447,7 @@ def _misses(scene: Scene, name: str, values: np.ndarray) -> np.ndarray:
 
 
 def _gap(scene: Scene, name: str, value: float) -> np.ndarray:
-    """Return (dt, dx) from the printed start to the nearest switching point of the orbit; inf if there is none."""
+    """Return (dt, dx) from the printed start to the orbit's nearest point if `name` = `value`; inf without an orbit."""
     try:
         orbit = find_orbit(scene.parameters.replace(**{name: value}), str(scene.structure))
     except SymoscError:

@@ -38,7 +38,7 @@ class Arc(NamedTuple):
 
 
 def printed_window(mapping: str, gamma: Any, amplitude: Any) -> list[tuple[int, list[Arc]]]:
-    """Return, for each printed case of (55) to (58) whose condition holds, its number there and its arcs of phases."""
+    """Return number and arcs of phases of each printed case that holds for gamma and `amplitude`, B0 Omega/m."""
     g, a = gamma, amplitude
     ratio = -g / a if a and abs(g) <= abs(a) else None  # the sine of Theta_cr
     d = quarter_turns(abs(ratio), root(1 - ratio * ratio)) if ratio is not None else ZERO  # |Theta_cr|
@@ -97,7 +97,7 @@ def is_inside(cases: list[tuple[int, list[Arc]]], where: Any) -> bool:
 
 
 def zero_force_contact(mapping: str, gamma: Fraction, amplitude: Fraction, s: Fraction, c: Fraction) -> RationalContact:
-    """Return a contact with F = 0 in a mapping's domain, for gamma, B0 Omega/m, and sine and cosine of the phase."""
+    """Return a contact with F = 0 in a mapping's domain, for gamma, B0 Omega/m (`amplitude`), sin and cos of theta."""
     where = PLACES[mapping]
     m, k, Omega = Fraction(2), Fraction(3), Fraction(3, 2)
     speed = gamma * m / k
@@ -153,7 +153,7 @@ def _zero_force_contacts() -> tuple[tuple[int, RationalContact], ...]:
 
 
 def window(mapping: str, *scenes: str) -> Evidence:
-    """Check the printed cases (55) to (58) of a mapping by the exact flow at rational contacts."""
+    """Check a mapping's printed cases, (55) to (58), by the exact flow, and by `check_grazing` in shipped `scenes`."""
     rows = [row for row in rows_of(mapping) if row.case]
     wrong = [row for row in rows if not row.right]
     generic = sum(not row.fourth_order for row in wrong)
@@ -349,7 +349,7 @@ def one_unknown_is_free() -> Evidence:
 
 
 def mappings_that_graze() -> Evidence:
-    """Trace grazes back and follow them again: are the mappings that end with them P2, P3, P5, P6 (Theorem 7)?"""
+    """Flow back from grazes and simulate up to them: are the mappings that end there P2, P3, P5, P6 (Theorem 7)?"""
     counts: dict[str, Counter[str]] = {mapping: Counter() for mapping in PLACES}
     case = "none"
     for name, mappings in TRACED.items():

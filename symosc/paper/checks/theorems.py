@@ -41,7 +41,7 @@ def grazing_condition(from_below: bool, force: Fraction, slope: Fraction) -> boo
 
 
 def g_functions(n: Any, difference: Any, t: Any) -> tuple[Any, Any]:
-    """Return the right sides of (15) and (16): n(t) is the normal vector, `difference` x^(alpha)(t) - x^(0)(t)."""
+    """Return the right sides of (15) and (16) for a normal vector n(t) and `difference` = x^(alpha)(t) - x^(0)(t)."""
     first = (n.diff(t).T * difference + n.T * difference.diff(t))[0]
     second = (n.diff(t, 2).T * difference + 2 * n.diff(t).T * difference.diff(t) + n.T * difference.diff(t, 2))[0]
     return first, second
@@ -337,7 +337,7 @@ def no_repelling_boundary() -> Evidence:
 
 
 def grazing_definition() -> Evidence:
-    """Check what the definition before Theorem 7, a tangency after which the flow returns, says where G^(1) = 0 too."""
+    """Check whether contacts with G^(1) = 0 graze by the definition before Theorem 7: a tangent flow that returns."""
     kinds = ("F = 0, G⁽¹⁾ ≠ 0", "F = G⁽¹⁾ = 0, G⁽²⁾ ≠ 0", "F = G⁽¹⁾ = G⁽²⁾ = 0")
     returning: list[list[bool]] = [[], [], []]
     for contact in all_contacts():

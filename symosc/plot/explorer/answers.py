@@ -278,7 +278,7 @@ def _rounded(values: np.ndarray) -> list[float]:
 
 
 def _columns(names: str, rows: Iterable[Sequence[Any]]) -> Record:
-    """Return rows as the columns, with these names, of a data source for a plot in the browser."""
+    """Return a dict of columns of `rows` for a plot in the browser; `names` has their names, separated by spaces."""
     rows = list(rows)
     return {name: [row[i] for row in rows] for i, name in enumerate(names.split())}
 
@@ -302,7 +302,7 @@ def _ranges(view: View, curves: dict[str, np.ndarray]) -> dict[str, tuple[float,
 
 
 def _belts(view: View, v_range: tuple[float, float]) -> Record:
-    """Return the speeds of both belts, whether each lies in the shown range `v_range`, and the labels with places."""
+    """Return the speeds of both belts, whether each lies in the shown range `v_range`, and (height, text) of labels."""
     # The name of a belt that is too far away to be drawn is at the edge, with an arrow.
     speeds = [float(view.trajectory.parameters.belt(belt)) for belt in (1, 2)]
     low, high = v_range
