@@ -352,8 +352,8 @@ class FinerMotion:
     # that these leave undecided it goes on with as many digits as confirm a graze (`digits_to_confirm_graze`): from the
     # state before it with its error, or from t0 if that error is why. If they do not decide the contact, it is a graze.
     # If they do, the next such contact takes twice as many digits: where sticks get shorter, so do gaps. Where a gap
-    # has died away below these digits, it begins again with as many as die away until t_end. `K` are the constants by
-    # which doubles are in doubt, `now` is the motion in the precision at hand.
+    # has died away below these digits, it begins again with as many as die away until t_end, if that are at most
+    # MOST_FAST. `K` are the constants by which doubles are in doubt, `now` is the motion in the precision at hand.
 
     def __init__(self, start: Start, K: Constants, limits: Limits, loops: PairLoops | None = None) -> None:
         self._problem = start, K, limits
@@ -396,8 +396,8 @@ class FinerMotion:
             return True
         self.open_at, self.open_in = float(now.state.t), now.digits
         now.undo()
-        if now.code == FAILED and now.from_start and now.is_known and now.digits < whole < inf:
-            return self._go_on(int(whole))
+        if now.code == FAILED and now.from_start and now.is_known:
+            return now.digits < whole < base + GRAZE_SPARE + MOST_FAST and self._go_on(int(whole))
         if now.code == FAILED or now.digits >= needed or needed == inf or not now.is_known:
             return not now.from_start and self._go_on(now.digits)
         self._asked_at = at

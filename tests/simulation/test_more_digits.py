@@ -56,7 +56,7 @@ def test_a_contact_that_stays_open_ends_the_motion_and_says_what_to_ask_for(monk
     near, digits, advice = re.findall(
         r"near t = (\S+) cannot be decided with (\d+) digits; .*digits=(\d+)", found.message
     )[0]
-    assert 200 < found.t_end == float(near) < 150 * math.log(10)
+    assert 40 < found.t_end == float(near) < 150 * math.log(10)
     assert int(advice) == 2 * int(digits)
     (event,) = simulate(limit(150), t_end=400, digits=int(advice)).events
     assert float(event.t) == pytest.approx(150 * math.log(10), rel=1e-9)
