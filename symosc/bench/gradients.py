@@ -164,7 +164,7 @@ def cvodes_jacobian(tolerance: float) -> Jacobian:
 
 
 def tangent_steps(m, c, k, A, B, Omega, phase, x, v, duration, tolerance):
-    """Return x, v and their derivatives at the end of a flight: DOP853 on the flow and its variational equations."""
+    """Return x, v and derivatives by start and parameters after a flight, by DOP853 on the variational equations."""
     y, K, new, t = np.zeros(20), np.zeros((STAGES + 1, 20)), np.zeros(20), 0.0
     y[0], y[1], y[2 + 2 * X], y[3 + 2 * V] = x, v, 1.0, 1.0
     longest = duration / max(1.0, np.ceil(duration * max(Omega, np.sqrt(k / m)) * STEPS_PER_PERIOD / (2 * pi)))
@@ -283,7 +283,7 @@ def diffrax_pieces(tolerance: float) -> tuple[Callable[..., Any], Callable[..., 
 
 
 def _settings(p: Parameters, mode: int, side: int) -> tuple[float, ...]:
-    """Return the last seven arguments of the `diffrax_pieces`, which define the motion in `mode` and exit on `side`."""
+    """Return the seven signs and weights by which `diffrax_pieces` knows a motion in `mode` that exits on `side`."""
     if mode > 3:
         return *friction_signs(mode - 3 if side < 0 else mode - 2), 0.0, 0.0, -float(side), 0.0, 0.0
     boundary = mode if side > 0 else mode - 1

@@ -122,8 +122,10 @@ def _dip(flight: Flight, boundary: int, gap: Curve, low: Jet, high: Jet) -> tupl
 
 
 def _where_to_cut(o: Oscillator, low: Jet, high: Jet, u: Ball, cut: int) -> Ball | None:
-    """Return when to cut a flight between `low` and `high`, which last `u`; None if its gap is > 0 on all of it."""
-    # `cut` is how many times it was cut before.
+    """Return when to cut a flight from its gap `low` to the gap `high`, `u` later; None if the gap stays > 0.
+
+    `cut` is how many times the flight was cut before.
+    """
     slope_low = low.dg + o.h * low.g
     if slope_low >= 0:
         return None

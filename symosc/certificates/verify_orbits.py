@@ -799,7 +799,7 @@ class Word:
         return found, margins
 
     def plan(self, e, u):
-        """Return the turns of the forces in each stick, and for each flight its cuts or, to use short steps, None."""
+        """Return, for the unknowns `u`, the turns of the forces in each stick and each flight's cuts or None."""
         turns, cuts = list[Any](), list[Any]()
         for i, flight in enumerate(self.flights):
             after = self.next(e, i, u)[0]

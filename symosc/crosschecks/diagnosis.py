@@ -111,7 +111,7 @@ def _tested(tried: list[Candidate], check: Any) -> list[Diagnosis]:
 
 
 def with_evidence(candidate: Candidate, check: Any) -> Diagnosis | None:
-    """Repeat a check with the change of a candidate; return its diagnosis with the result as evidence."""
+    """Repeat the CrossCheck `check` with a candidate's change; add its result to the diagnosis. None: not possible."""
     diagnosis, change = candidate.diagnosis, candidate.words
     if not change:
         return diagnosis

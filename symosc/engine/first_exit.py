@@ -660,7 +660,7 @@ def force_gain(tau, s0, c0, belt, K):
 
 
 def force_gain_at(tau, s, c, s0, c0, belt, K):
-    """Return what `force_gain` does, given the sine `s` and cosine `c` of Omega tau/2, half the phase gained."""
+    """Return the gain of both forces in a stick and the new phase, as `force_gain`; `s`, `c`: of half its turn."""
     swing = -2.0 * (s0 * c + c0 * s) * s  # cos(theta + Omega tau) - cos(theta)
     Delta = stick_acceleration(0.0 * tau, belt.v, tau, swing, K.w0sq, K.f0)
     s_Om, c_Om = 2.0 * s * c, 1.0 - 2.0 * s * s

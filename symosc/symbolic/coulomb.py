@@ -101,7 +101,10 @@ def velocity() -> Expr:
 
 @cache
 def slide_function() -> Expr:
-    """Return the bound B(phi): at the angle phi after the highest point the mass moves down iff p_0 > B(phi) F/k."""
+    """Return B(phi): at the angle phi after its highest point the mass moves down iff p_0 > B(phi) F/k.
+
+    p_0 is the cosine part of the response to the drive.
+    """
     return sp.simplify(sp.solve(velocity().subs(x_0, p_0 - G * x_f), p_0)[0] / x_f)
 
 

@@ -194,7 +194,7 @@ def _interval(low: Expr, high: Expr, closed: bool = False) -> Expr:
 
 @cache
 def all_cases(where: cases.Place, full: bool) -> tuple[Case, ...]:
-    """Return every case of Theorem 7 in the symbols gamma and a = B0 Omega/m; those with a > 0 come first."""
+    """Return the cases of Theorem 7 for a boundary, those with a = B0 Omega/m > 0 first; `full`: to all orders."""
     g, a = GAMMA, AMPLITUDE
     found = []
     for amplitude_sign, sign in ((1, a > 0), (-1, a < 0)):
