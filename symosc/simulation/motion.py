@@ -396,8 +396,8 @@ class FinerMotion:
             return True
         self.open_at, self.open_in = float(now.state.t), now.digits
         now.undo()
-        if now.code == FAILED and now.from_start and now.is_known:
-            return now.digits < whole < base + GRAZE_SPARE + MOST_FAST and self._go_on(int(whole))
+        if now.code == FAILED and now.is_known and now.digits < whole < base + GRAZE_SPARE + MOST_FAST:
+            return self._go_on(int(whole))
         if now.code == FAILED or now.digits >= needed or needed == inf or not now.is_known:
             return not now.from_start and self._go_on(now.digits)
         self._asked_at = at
