@@ -643,7 +643,8 @@ def shifted(now, shift, v0, K):
     """Return the point `now` of a flight moved by a time `shift` that is short enough for Taylor's formula."""
     _, dx, dv, F, G1, G2, G3, s, c, E0, E1, E2 = now
     square = shift * shift
-    dx = dx + ((v0 + dv) * shift + square * ((0.5 * F + SIXTH * G1 * shift) + square * (0.25 * SIXTH * G2)))
+    last = 0.25 * SIXTH * (G2 + 0.2 * G3 * shift)  # short flights need the fifth power too
+    dx = dx + ((v0 + dv) * shift + square * ((0.5 * F + SIXTH * G1 * shift) + square * last))
     fifth = fifth_derivative(G3, G2, c, K)
     F = F + (G1 + (0.5 * G2 + SIXTH * (G3 + 0.25 * fifth * shift) * shift) * shift) * shift
     s, c = turned(s, c, K.Om * shift)
