@@ -218,8 +218,10 @@ class _Integrator:
                 continue
             gap = [vs[0] - self.v_belt[boundary], *vs[1:]]
             if boundary == self.contact:  # divide the root at the start out
-                multiplicity = 1 + next(i for i, value in enumerate(self.derivatives(alpha)) if value)
-                gap = gap[multiplicity:]
+                order = next((i for i, value in enumerate(self.derivatives(alpha)) if value), None)
+                if order is None:  # at rest there, for ever
+                    continue
+                gap = gap[order + 1 :]
             root = first_root(gap, b, self.tolerance)
             if root is not None and (best is None or root[0] < best[0]):
                 best = (*root, boundary)
