@@ -47,9 +47,11 @@ def test_touches_that_a_rounded_phase_hides(task: tuple[str, int, int]) -> None:
     assert_no_faults(family, range(number, number + 1), seed=seed)
 
 
-def test_the_position_after_a_short_flight_is_as_accurate_as_said() -> None:
-    """A flight of 5e-4 near x = 0, found from a point that is nearly as far from its end."""
-    assert_no_faults("digits", range(7, 8), seed=20281)
+@pytest.mark.parametrize("task", [("digits", 20281, 7), ("long", 112642, 1)])
+def test_errors_are_as_large_as_said(task: tuple[str, int, int]) -> None:
+    """A flight of 5e-4 near x = 0, whose last step is as long; 1,747 time units, in which phases are rounded anew."""
+    family, seed, number = task
+    assert_no_faults(family, range(number, number + 1), seed=seed)
 
 
 @pytest.mark.campaign
