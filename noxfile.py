@@ -13,7 +13,18 @@ nox.options.default_venv_backend = "uv|virtualenv"
 nox.options.reuse_venv = "yes"
 PROJECT = nox.project.load_toml("pyproject.toml")["project"]
 PYTHONS = ["3.11", "3.12", "3.13"]
-EXTRAS = ["fast", "bench", "sweep", "certify", "units", "tables", "explore", "jax", "gradients", "docs"]
+EXTRAS = [
+    "fast",
+    "bench",
+    "sweep",
+    "certify",
+    "units",
+    "tables",
+    "explore",
+    "jax",
+    "gradients",
+    "docs",
+]
 
 
 @nox.session
@@ -50,7 +61,9 @@ def pythons(session: nox.Session) -> None:
 @nox.parametrize("extra", EXTRAS)
 def without(session: nox.Session, extra: str) -> None:
     """Run the quick tests without one extra, and what it alone brings."""
-    needs = {extra, "docs"} | ({"bench"} if extra == "fast" else set())  # docs has nearly all the others
+    needs = {extra, "docs"} | (
+        {"bench"} if extra == "fast" else set()
+    )  # docs has nearly all the others
     kept = ",".join(name for name in EXTRAS if name not in needs)
     session.install("-e", f".[{kept},test]")
     session.run("pytest", "-n", "2", "-m", "not slow", *session.posargs)

@@ -1,7 +1,7 @@
 """The documentation site: `nox -s docs` builds it, and a warning is an error.
 
-Pages with `file_format: mystnb` are run at the build, each in a process of its own. Blocks `{console}` are shell
-commands that are run as well. So no number and no figure of a page is pasted.
+Pages with `file_format: mystnb` are run at the build, each in a process of its own. Blocks
+`{console}` are shell commands that are run as well. So no number and no figure of a page is pasted.
 """
 
 from __future__ import annotations
@@ -23,14 +23,19 @@ import api  # noqa: E402  it is in the folder that was just named
 # The programs of this environment come first in the commands of pages; nothing is coloured.
 os.environ["PATH"] = os.pathsep.join([str(Path(sys.executable).parent), os.environ["PATH"]])
 os.environ["NO_COLOR"] = "1"
-# Pages run as for everybody: without one's own settings of IPython, and without its warnings about a network.
+# Pages run as for everybody: without one's own settings of IPython, and without its warnings about
+# a network.
 ipython = tempfile.mkdtemp(prefix="symosc-docs-")
 atexit.register(shutil.rmtree, ipython, ignore_errors=True)
 os.environ["IPYTHONDIR"] = ipython
 Path(ipython, "profile_default").mkdir()
-Path(ipython, "profile_default", "ipython_kernel_config.py").write_text("c.IPKernelApp.log_level = 40\n")
+Path(ipython, "profile_default", "ipython_kernel_config.py").write_text(
+    "c.IPKernelApp.log_level = 40\n"
+)
 
-project, author, copyright = "symosc", "the symosc developers", "the symosc developers"
+project = "symosc"
+author = "the symosc developers"
+copyright = "the symosc developers"
 version = release = symosc.__version__
 
 extensions = [
@@ -52,7 +57,10 @@ pygments_style = "tango"
 
 myst_enable_extensions = ["dollarmath", "amsmath", "colon_fence", "deflist", "substitution"]
 myst_heading_anchors = 3
-nb_execution_mode = "cache" if os.environ.get("SYMOSC_DOCS_CACHE") else "force"
+if os.environ.get("SYMOSC_DOCS_CACHE"):
+    nb_execution_mode = "cache"
+else:
+    nb_execution_mode = "force"
 nb_execution_in_temp = True
 nb_execution_raise_on_error = True
 nb_execution_timeout = 600  # seconds, on a machine that others use, too

@@ -37,9 +37,13 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
 DOCS = Path(__file__).parent
-PAGE, FIGURE, MAPS = "literature.md", "literature.svg", "literature_maps.svg"
+PAGE = "literature.md"
+FIGURE = "literature.svg"
+MAPS = "literature_maps.svg"
 #: Cells of maps, points of a curve, and the r at which something is found by running.
-CELLS, FINE, RATIOS = (180, 120), 120, (0.42, 0.6, 0.7, 0.8, 0.9, 1.1, 1.25, 1.5, 1.75)
+CELLS = (180, 120)
+FINE = 120
+RATIOS = (0.42, 0.6, 0.7, 0.8, 0.9, 1.1, 1.25, 1.5, 1.75)
 
 OPENING = r"""# Published results, recomputed
 
@@ -63,31 +67,56 @@ SOURCES = {
     ),
     "denhartog1931": ("c ≥ 0", "amplitude", "likewise"),
     "shaw1986": ("c ≥ 0", "multipliers", "its text beyond the abstract"),
-    "hongliu2000": ("c = 0", "border, counts of stops, their map", "its map: the abstract names the counts"),
+    "hongliu2000": (
+        "c = 0",
+        "border, counts of stops, their map",
+        "its map: the abstract names the counts",
+    ),
     "csernak2007": ("c = 0", "continuum; its end in closed form", "its text beyond the abstract"),
     "kowalczyk2008": (
         "c = 0",
         "borders in the plane of 1/Ω and F",
         "its figure was not at hand: drawn anew, not compared",
     ),
-    "guardia2010": ("c = 0", "points A_n, B_n", "its text was not at hand: the points are derived here"),
+    "guardia2010": (
+        "c = 0",
+        "points A_n, B_n",
+        "its text was not at hand: the points are derived here",
+    ),
     "iklodi2024": (
         "c = 0.1",
         "ends of the branch P32",
         "its demo has these parameters, but static friction 1.1 times the kinetic one, and prints no numbers",
     ),
     "butikov2015": ("c = 0", "growth, decay, asymmetric motions", "its text beyond the abstract"),
-    "feeny1996": ("no drive", "decrements", "its text was not at hand: the formula is derived here"),
+    "feeny1996": (
+        "no drive",
+        "decrements",
+        "its text was not at hand: the formula is derived here",
+    ),
     "papangelo2015": (
         "c ≥ 0, slow drive",
         "stops and peaks of slow drives",
         "its text beyond the abstract, which has no numbers",
     ),
-    "murari2026": ("c = 0.1", "two limit cycles", "the paper prints parameters; the places of the stops are ours"),
-    "marino2019": ("base and wall move", "inversion point", "its text beyond the abstract, which has no number"),
-    "marino2020": ("base and wall move", "inversion point", "its experiments: real friction is not this model"),
+    "murari2026": (
+        "c = 0.1",
+        "two limit cycles",
+        "the paper prints parameters; the places of the stops are ours",
+    ),
+    "marino2019": (
+        "base and wall move",
+        "inversion point",
+        "its text beyond the abstract, which has no number",
+    ),
+    "marino2020": (
+        "base and wall move",
+        "inversion point",
+        "its experiments: real friction is not this model",
+    ),
 }
-#: What contradicts the theorem that there is no chaos, or seems to: where, what it says, and what follows.
+#: What contradicts the theorem that there is no chaos, or seems to: where, what it says, and what
+#: follows.
 JUDGED = (
     (
         "J. Vib. Control, doi:10.1177/1077546315616281",
@@ -186,14 +215,24 @@ def page() -> str:
 
 def _sources() -> str:
     """Return the table of sources, with the largest difference of their tables."""
-    rows = ["| source | model | reproduced | differences | not confirmed |", "| --- | --- | --- | ---: | --- |"]
+    rows = [
+        "| source | model | reproduced | differences | not confirmed |",
+        "| --- | --- | --- | ---: | --- |",
+    ]
     for key, (model, what, missing) in SOURCES.items():
-        reference, order = entries()[key].fields, -12
+        reference = entries()[key].fields
+        order = -12
         for name, (_, sources, _) in TABLES.items():
             if key in sources:
                 order = max(order, *(_above(abs(value.difference)) for value in table(name)))
-        people = [_markdown(plain_text(person.split(",")[0])) for person in reference["author"].split(" and ")]
-        names = f"{', '.join(people[:-1])} and {people[-1]}" if len(people) > 1 else people[0]
+        people = [
+            _markdown(plain_text(person.split(",")[0]))
+            for person in reference["author"].split(" and ")
+        ]
+        if len(people) > 1:
+            names = f"{', '.join(people[:-1])} and {people[-1]}"
+        else:
+            names = people[0]
         rows.append(f"| {names} {reference['year']} | {model} | {what} | < 1e{order} | {missing} |")
     return "".join(f"{row}\n" for row in rows)
 
@@ -202,7 +241,11 @@ def _judged() -> str:
     """Return the table of papers that seem to contradict the theorem, and what was computed on it."""
     count = 200
     assert largest_exponent(count) < 0
-    rows = ["| where | what it says | verdict |", "| --- | --- | --- |", *(f"| {' | '.join(row)} |" for row in JUDGED)]
+    rows = [
+        "| where | what it says | verdict |",
+        "| --- | --- | --- |",
+        *(f"| {' | '.join(row)} |" for row in JUDGED),
+    ]
     text = (
         "No motion of this model is chaotic: its period map moves no two states apart (proof: `symosc derive "
         f"exponents`, in short [here](explanation/possible.md)). Of {count} random oscillators with m = k = P = 1, c "
@@ -223,7 +266,8 @@ def _table(values: tuple[Value, ...]) -> str:
     ]
     for value in values:
         numbers = [
-            latex(rounded(number(each), value.decimals), decimals=True) for each in (value.formula, value.package)
+            latex(rounded(number(each), value.decimals), decimals=True)
+            for each in (value.formula, value.package)
         ]
         order = f"< 1e{_above(abs(value.difference))}"
         rows.append((f"${value.name}$", value.case, *numbers, order, value.note))
@@ -231,8 +275,13 @@ def _table(values: tuple[Value, ...]) -> str:
 
 
 def _above(difference: Any) -> int:
-    """Return the power of ten above a difference, -12 at least: machines differ in rounding errors."""
-    return max(-12, int(MP.ceil(MP.log10(difference)))) if difference else -12
+    """Return the power of ten above a difference, -12 at least.
+
+    Machines differ in rounding errors.
+    """
+    if difference:
+        return max(-12, int(MP.ceil(MP.log10(difference))))
+    return -12
 
 
 # --- the figure ---
@@ -251,7 +300,11 @@ def figure() -> Figure:
         found = [(r, _border_near(r, c)) for r in RATIOS]
         left.plot(*np.transpose(found), marker, color="0", mfc="1", ms=6, label=f"run, $c = {c}$")
     left.set(
-        xlabel=r"$r = \Omega/\omega_0$", ylabel="$F/P$", title="No stops below the curve", xlim=(0.3, 2), ylim=(0, 1)
+        xlabel=r"$r = \Omega/\omega_0$",
+        ylabel="$F/P$",
+        title="No stops below the curve",
+        xlim=(0.3, 2),
+        ylim=(0, 1),
     )
     for F, line, marker in (("0.2", "-", "o"), ("0.5", "--", "s")):
         ratios = [r for r in np.linspace(0.45, 2, FINE) if _slides(r, F)]
@@ -260,7 +313,9 @@ def figure() -> Figure:
         some = [r for r in (*RATIOS, 1.0) if _slides(r, F)]
         orbits = [slide_orbit(wall(F, _short(r), "0.1")) for r in some]
         highest = [max(x for _, x in orbit.points) for orbit in orbits]
-        right.plot(some, highest, marker, color="0", mfc="1", ms=6, label=f"$P_{{32}}$, $F/P = {F}$")
+        right.plot(
+            some, highest, marker, color="0", mfc="1", ms=6, label=f"$P_{{32}}$, $F/P = {F}$"
+        )
     right.set(
         xlabel=r"$r = \Omega/\omega_0$",
         ylabel=r"$x_0\, k/P$",
@@ -280,42 +335,73 @@ def maps() -> Figure:
 
     fig = Figure(figsize=(7, 6), layout="constrained")
     (counts, borders), (gains, cycles) = fig.subplots(2, 2)
-    Omegas, forces = np.geomspace(0.03, 2, CELLS[0]), np.linspace(0.005, 0.995, CELLS[1])
+    Omegas = np.geomspace(0.03, 2, CELLS[0])
+    forces = np.linspace(0.005, 0.995, CELLS[1])
     shown = counts.pcolormesh(Omegas, forces, _stops(Omegas, forces).T, **_greys(), rasterized=True)
-    counts.set(xscale="log", xlabel=r"$r = \Omega/\omega_0$", ylabel="$F/P$", title="Stops per cycle, $c = 0$")
+    counts.set(
+        xscale="log",
+        xlabel=r"$r = \Omega/\omega_0$",
+        ylabel="$F/P$",
+        title="Stops per cycle, $c = 0$",
+    )
     fig.colorbar(shown, ax=counts, ticks=range(0, 17, 2))
-    inverse, weak = np.linspace(0.5, 7, CELLS[0]), np.linspace(0.002, 0.6, CELLS[1])
-    borders.pcolormesh(inverse, weak, _stops(1 / inverse, weak).T, **_greys(), alpha=0.5, rasterized=True)
-    grid = [value for value in np.linspace(0.52, 6.98, 2 * FINE) if abs(value - round(value)) > 0.01]
+    inverse = np.linspace(0.5, 7, CELLS[0])
+    weak = np.linspace(0.002, 0.6, CELLS[1])
+    borders.pcolormesh(
+        inverse, weak, _stops(1 / inverse, weak).T, **_greys(), alpha=0.5, rasterized=True
+    )
+    grid = [
+        value for value in np.linspace(0.52, 6.98, 2 * FINE) if abs(value - round(value)) > 0.01
+    ]
     found = [Formulas(wall(1, _short(1 / value))) for value in grid]
     ends = np.array([float(each.largest_force_ratio()) for each in found])
     turning = np.array([each.largest_slide_bound()[1] == 0 for each in found])
-    for name, line, where in (("crossing-sliding", "-", turning), ("grazing-sliding", "--", ~turning)):
+    for name, line, where in (
+        ("crossing-sliding", "-", turning),
+        ("grazing-sliding", "--", ~turning),
+    ):
         borders.plot(grid, np.where(where, ends, np.nan), line, color="0", lw=1.4, label=name)
     for n in (1, 2, 3):
         for name, x, y in ((f"$A_{n}$", 2 * n, 1 / (4 * n * n - 1)), (f"$B_{n}$", 2 * n + 1, 0)):
             borders.plot(x, y, "o", color="0", mfc="1", ms=5, clip_on=False)
             borders.annotate(name, (x, y), xytext=(3, 5), textcoords="offset points")
     borders.set(
-        xlabel=r"$1/\Omega$", ylabel="$F$", title="Borders of motions without stops", xlim=(0.5, 7.2), ylim=(0, 0.6)
+        xlabel=r"$1/\Omega$",
+        ylabel="$F$",
+        title="Borders of motions without stops",
+        xlim=(0.5, 7.2),
+        ylim=(0, 0.6),
     )
     for F, line, marker in (("0.1", "-", "o"), ("0.5", "--", "s"), ("1", ":", "^")):
         ratios = [r for r in np.linspace(1.15, 2, 40) if float(_border_of_base(r)) > float(F)]
         heights = [float(transmissibility(F, _short(r))) for r in ratios]
         gains.plot(ratios, heights, line, color="0", lw=1.2, label=f"$F/(kY) = {F}$")
         gains.plot(
-            ratios[::6], [transmissibility_by_running(F, _short(r)) for r in ratios[::6]], marker, color="0", mfc="1"
+            ratios[::6],
+            [transmissibility_by_running(F, _short(r)) for r in ratios[::6]],
+            marker,
+            color="0",
+            mfc="1",
         )
         r = inversion(F, transmissibility)
         gains.plot(r, 1 / (r * r - 1), "x", color="0", ms=9, mew=2)
     free = np.linspace(1.15, 2, 100)
     gains.plot(free, 1 / (free**2 - 1), color="0.6", lw=2, zorder=0, label="no friction")
-    gains.set(xlabel=r"$r = \Omega/\omega_0$", ylabel="$X/Y$", title="Base and wall together", ylim=(0, 3.2))
+    gains.set(
+        xlabel=r"$r = \Omega/\omega_0$",
+        ylabel="$X/Y$",
+        title="Base and wall together",
+        ylim=(0, 3.2),
+    )
     for Omega, line in (("0.3", "-"), ("0.15", "--")):
         p = wall("0.5", Omega, "0.1")
         t = np.linspace(20, 21, 2000) * 2 * np.pi / float(p.Omega)
         cycles.plot(
-            *simulate(p, t0=0, x0=0, v0=0, t_end="22T")(t), line, color="0", lw=1.2, label=rf"$\Omega = {Omega}$"
+            *simulate(p, t0=0, x0=0, v0=0, t_end="22T")(t),
+            line,
+            color="0",
+            lw=1.2,
+            label=rf"$\Omega = {Omega}$",
         )
     cycles.set(xlabel="$x$", ylabel=r"$\dot{x}$", title="$c = 0.1$, $F = 0.5$", ylim=(None, 0.72))
     cycles.legend(fontsize=8, frameon=False, loc="upper center", ncols=2)
@@ -331,13 +417,20 @@ def _greys() -> dict[str, Any]:
     from matplotlib.colors import BoundaryNorm, ListedColormap
 
     colors = ["0.97", "0.62", "0.85", "0.5", "0.78", "0.4", "0.7", "0.3", "0.15"]
-    return {"cmap": ListedColormap(colors).with_extremes(bad="1"), "norm": BoundaryNorm(np.arange(-1, 18, 2), 9)}
+    return {
+        "cmap": ListedColormap(colors).with_extremes(bad="1"),
+        "norm": BoundaryNorm(np.arange(-1, 18, 2), 9),
+    }
 
 
 def _stops(Omegas: Any, forces: Any) -> Any:
     """Return the stops per cycle of motions from rest (frequencies, friction) after 100 periods, nan if not settled."""
     found = sweep(
-        wall("0.5", 1), {"Omega": Omegas, "mu1": forces}, record=("sticks", "multiplicity"), t_end="120T", skip="100T"
+        wall("0.5", 1),
+        {"Omega": Omegas, "mu1": forces},
+        record=("sticks", "multiplicity"),
+        t_end="120T",
+        skip="100T",
     )
     return np.where(found.multiplicity == 1, found.sticks / 20, np.nan)
 
@@ -354,7 +447,9 @@ def _short(r: float) -> str:
 def _border_near(r: float, c: str) -> float:
     """Return the border that is found by running between 0.98 and 1.02 times the formula's."""
     formula = Fraction(float(Formulas(wall(1, _short(r), c)).largest_force_ratio()))
-    return find_border(formula * Fraction(98, 100), formula * Fraction(102, 100), _short(r), c).middle
+    return find_border(
+        formula * Fraction(98, 100), formula * Fraction(102, 100), _short(r), c
+    ).middle
 
 
 def _slides(r: float, F: str) -> bool:

@@ -1,4 +1,7 @@
-"""``python -m symosc`` and the program `symosc`; an interrupt ends it quietly, while it loads too."""
+"""``python -m symosc`` and the program `symosc`.
+
+An interrupt ends it quietly, while it loads too.
+"""
 
 import sys
 from signal import SIGINT

@@ -1,8 +1,9 @@
 """Check the arguments of public functions against their annotations.
 
-`public` decorates a function or a method. Its annotations, read as text at the first call, say what each argument may
-be: no package is loaded for that, and a name such as ``Axes`` is that of a class, wherever it was defined. Whether a
-number is in range, or a name is one that exists, is left to the function.
+`public` decorates a function or a method. Its annotations, read as text at the first call, say what
+each argument may be: no package is loaded for that, and a name such as ``Axes`` is that of a class,
+wherever it was defined. Whether a number is in range, or a name is one that exists, is left to the
+function.
 """
 
 from __future__ import annotations
@@ -20,8 +21,10 @@ from symosc.errors import ParameterError, meant
 Given = ParamSpec("Given")
 Result = TypeVar("Result")
 
-#: The most entries of a list or a range that is read at all, and the greatest depth of lists in lists.
-MOST_ENTRIES, MOST_DEPTH = 10**8, 8
+#: The most entries of a list or a range that is read at all, and the greatest depth of lists in
+#: lists.
+MOST_ENTRIES = 10**8
+MOST_DEPTH = 8
 
 
 class Kind(NamedTuple):
@@ -31,7 +34,9 @@ class Kind(NamedTuple):
     of_type: Callable[[type], bool]  # whether values of a type may be of this kind
     of_value: Callable[[Any], bool] | None = None  # whether such a value is; None: all are
     source: str = ""  # where to get one, for messages
-    converted: str = ""  # the name of the function of CONVERTERS that makes of it what the function works with
+    converted: str = (
+        ""  # the name of the function of CONVERTERS that makes of it what the function works with
+    )
 
     def takes(self, value: object) -> bool:
         """Return whether a value is of this kind."""
@@ -49,7 +54,10 @@ def _is_bool(kind: type) -> bool:
 
 
 def _is_real(kind: type) -> bool:
-    """Return whether values of a type are real numbers: of Python, numpy, gmpy2, mpmath or sympy."""
+    """Return whether values of a type are real numbers.
+
+    Of Python, numpy, gmpy2, mpmath or sympy.
+    """
     if issubclass(kind, numbers.Real | Decimal):
         return not (_is_bool(kind) or kind.__name__ == "timedelta64")
     return hasattr(kind, "_mpf_") or _inherits("Expr")(kind)
@@ -71,8 +79,13 @@ def _is_file_name(kind: type) -> bool:
 
 
 def _is_short(value: Any) -> bool:
-    """Return whether a sequence has at most MOST_ENTRIES entries; an array is short unless it has no dimensions."""
-    return value.shape != () if hasattr(value, "dtype") else len(value) <= MOST_ENTRIES
+    """Return whether a sequence has at most MOST_ENTRIES entries.
+
+    An array is short unless it has no dimensions.
+    """
+    if hasattr(value, "dtype"):
+        return value.shape != ()
+    return len(value) <= MOST_ENTRIES
 
 
 def _is_shallow(value: Any, depth: int = MOST_DEPTH) -> bool:
@@ -81,7 +94,10 @@ def _is_shallow(value: Any, depth: int = MOST_DEPTH) -> bool:
         return True
     if not depth or not _is_short(value):
         return False
-    inner = [] if isinstance(value, range) else set(map(type, value)) & {list, tuple, range}
+    if isinstance(value, range):
+        inner: set[type] = set()
+    else:
+        inner = set(map(type, value)) & {list, tuple, range}
     return not inner or all(_is_shallow(each, depth - 1) for each in value)
 
 
@@ -99,7 +115,10 @@ def _takes_arguments(count: int | None, value: Any) -> bool:
 
 
 def _kind_of_class(name: str, source: str = "") -> Kind:
-    """Return the kind of the instances of the class `name`; `source` tells a user how to get such an object."""
+    """Return the kind of the instances of the class `name`.
+
+    `source` tells a user how to get such an object.
+    """
     return Kind(f"{'an' if name[0] in 'AEIO' else 'a'} {name}", _inherits(name), source=source)
 
 
@@ -109,14 +128,22 @@ CONVERTERS: dict[str, Callable[[Any], Any]] = {}
 KINDS: dict[str, Kind | str] = {
     "None": Kind("None", lambda kind: kind is type(None)),
     "bool": Kind("True or False", _is_bool),
-    "int": Kind("a whole number", lambda kind: issubclass(kind, numbers.Integral) and _is_real(kind)),
+    "int": Kind(
+        "a whole number", lambda kind: issubclass(kind, numbers.Integral) and _is_real(kind)
+    ),
     "float": Kind("a number", _is_real),
     "str": Kind("text", _is_text),
     "slice": Kind("a slice", lambda kind: kind is slice),
     "Path": Kind("a path", lambda kind: hasattr(kind, "__fspath__")),
-    "NumberLike": Kind("a number (or its text, such as '4/5')", lambda kind: _is_text(kind) or _is_real(kind)),
+    "NumberLike": Kind(
+        "a number (or its text, such as '4/5')", lambda kind: _is_text(kind) or _is_real(kind)
+    ),
     "ArrayLike": "NumberLike | Rows",
-    "Rows": Kind("an array or lists of numbers", lambda kind: _is_row(kind) or hasattr(kind, "dtype"), _is_shallow),
+    "Rows": Kind(
+        "an array or lists of numbers",
+        lambda kind: _is_row(kind) or hasattr(kind, "dtype"),
+        _is_shallow,
+    ),
     "SceneName": Kind("the name or file of a scene", _is_file_name),
     "Progress": "bool | Callable[[float, float], object]",
     "StartError": "NumberLike | tuple[NumberLike, NumberLike, NumberLike]",
@@ -126,16 +153,24 @@ KINDS: dict[str, Kind | str] = {
         lambda value: hasattr(value, "__next__") or (_is_short(value) and _is_shallow(value)),
     ),
     "Number": "float | Scalar",
-    "Scalar": Kind("an array without dimensions", lambda kind: hasattr(kind, "dtype"), lambda value: value.shape == ()),
+    "Scalar": Kind(
+        "an array without dimensions",
+        lambda kind: hasattr(kind, "dtype"),
+        lambda value: value.shape == (),
+    ),
     "ndarray": Kind("an array", _inherits("ndarray")),
     "Order": "Literal['full', 'paper']",
     "Pair": Kind("a pair (x, theta)", _is_row, lambda value: _is_short(value) and len(value) == 2),
     "SolutionLike": Kind(
         "a file, arrays, a table, a function, or what a solver returns",
-        lambda kind: not issubclass(kind, bytes | bytearray | memoryview | Set | numbers.Number | None),
+        lambda kind: (
+            not issubclass(kind, bytes | bytearray | memoryview | Set | numbers.Number | None)
+        ),
         _is_shallow,
     ),
-    "Parameters": Kind("Parameters", _inherits("Parameters"), source="a scene has them as scene.parameters"),
+    "Parameters": Kind(
+        "Parameters", _inherits("Parameters"), source="a scene has them as scene.parameters"
+    ),
     "ParametersLike": "Parameters | ParametersSource",
     "ParametersSource": Kind(
         "a Scene, or the name or file of one",
@@ -145,7 +180,8 @@ KINDS: dict[str, Kind | str] = {
     "Axes": Kind("axes of matplotlib, such as plt.subplots() makes", _inherits("Axes")),
     "Figure": Kind("a figure, such as plot.figure(...) returns", _inherits("Figure")),
     "Executor": Kind(
-        "an executor of concurrent.futures, or a Client of dask.distributed", _inherits("Executor", "Client")
+        "an executor of concurrent.futures, or a Client of dask.distributed",
+        _inherits("Executor", "Client"),
     ),
 }
 KINDS |= {
@@ -173,8 +209,11 @@ def _kinds(annotation: ast.expr | str) -> list[Kind] | None:
     """Return the kinds of argument that an annotation allows, or None if it allows any value."""
     match ast.parse(annotation, mode="eval").body if isinstance(annotation, str) else annotation:
         case ast.BinOp(left, ast.BitOr(), right):
-            first, second = _kinds(left), _kinds(right)
-            return None if first is None or second is None else first + second
+            first = _kinds(left)
+            second = _kinds(right)
+            if first is None or second is None:
+                return None
+            return first + second
         case ast.Constant(None):
             return _kinds_of_name("None")
         case ast.Constant(str(text)):
@@ -182,12 +221,23 @@ def _kinds(annotation: ast.expr | str) -> list[Kind] | None:
         case ast.Name(name) | ast.Attribute(_, name):
             return _kinds_of_name(name)
         case ast.Subscript(ast.Name("Callable"), ast.Tuple([taken, _])):
-            count = len(taken.elts) if isinstance(taken, ast.List) else None
-            text = "a function" if count is None else f"a function of {('one number', 'two numbers')[count - 1]}"
-            return [Kind(text, lambda kind: not issubclass(kind, type), partial(_takes_arguments, count))]
+            if isinstance(taken, ast.List):
+                count = len(taken.elts)
+            else:
+                count = None
+            if count is None:
+                text = "a function"
+            else:
+                text = f"a function of {('one number', 'two numbers')[count - 1]}"
+            return [
+                Kind(
+                    text, lambda kind: not issubclass(kind, type), partial(_takes_arguments, count)
+                )
+            ]
         case ast.Subscript(ast.Name("Literal"), choices):
             values = ast.literal_eval(choices)
-            values = values if isinstance(values, tuple) else (values,)
+            if not isinstance(values, tuple):
+                values = (values,)
             return [Kind(" or ".join(map(repr, values)), _is_text, lambda value: value in values)]
         case ast.Subscript(ast.Name("tuple"), ast.Tuple(entries)):
             return [_kind_of_row([_kinds(entry) for entry in entries])]
@@ -196,7 +246,9 @@ def _kinds(annotation: ast.expr | str) -> list[Kind] | None:
         case ast.Subscript(ast.Name("Mapping"), ast.Tuple([key, value])):
             return [_kind_of_mapping(_kinds(key), _kinds(value))]
         case other:
-            raise TypeError(f"no kind of argument: {ast.unparse(other)}")  # a fault of the annotation
+            raise TypeError(
+                f"no kind of argument: {ast.unparse(other)}"
+            )  # a fault of the annotation
 
 
 def _kinds_of_name(name: str) -> list[Kind] | None:
@@ -204,7 +256,9 @@ def _kinds_of_name(name: str) -> list[Kind] | None:
     if name in ("Any", "object"):
         return None
     kind = KINDS.get(name) or _kind_of_class(name)
-    return _kinds(kind) if isinstance(kind, str) else [kind]
+    if isinstance(kind, str):
+        return _kinds(kind)
+    return [kind]
 
 
 def _fits(kinds: list[Kind] | None, value: object) -> bool:
@@ -215,12 +269,16 @@ def _fits(kinds: list[Kind] | None, value: object) -> bool:
 def _text(kinds: list[Kind]) -> str:
     """Return the texts of kinds, joined by commas and "or", for a message."""
     *first, last = dict.fromkeys(kind.text for kind in kinds)
-    return f"{', '.join(first)} or {last}" if first else last
+    if first:
+        return f"{', '.join(first)} or {last}"
+    return last
 
 
 def _each(kinds: list[Kind] | None) -> str:
     """Return text that says of which kinds the entries of a sequence must be, such as ", each a number"; "" for any."""
-    return f", each {_text(kinds)}" if kinds else ""
+    if kinds:
+        return f", each {_text(kinds)}"
+    return ""
 
 
 def _kind_of_row(entries: list[list[Kind] | None]) -> Kind:
@@ -229,17 +287,29 @@ def _kind_of_row(entries: list[list[Kind] | None]) -> Kind:
     def fits(value: Any) -> bool:
         return _is_short(value) and len(value) == len(entries) and all(map(_fits, entries, value))
 
-    count = "a pair" if len(entries) == 2 else f"{len(entries)} entries"
+    if len(entries) == 2:
+        count = "a pair"
+    else:
+        count = f"{len(entries)} entries"
     return Kind(f"{count}{_each(entries[0])}", _is_row, fits)
 
 
 def _kind_of_sequence(entry: list[Kind] | None, once: bool) -> Kind:
-    """Return the kind of a sequence with entries of the kinds `entry`; `once` says whether an iterator will do."""
+    """Return the kind of a sequence with entries of the kinds `entry`.
+
+    `once` says whether an iterator will do.
+    """
 
     def fits(value: Any) -> bool:
-        return not _is_row(type(value)) or (_is_short(value) and all(_fits(entry, each) for each in value))
+        return not _is_row(type(value)) or (
+            _is_short(value) and all(_fits(entry, each) for each in value)
+        )
 
-    return Kind(f"a sequence{_each(entry)}", lambda kind: _is_row(kind) or (once and hasattr(kind, "__next__")), fits)
+    return Kind(
+        f"a sequence{_each(entry)}",
+        lambda kind: _is_row(kind) or (once and hasattr(kind, "__next__")),
+        fits,
+    )
 
 
 def _kind_of_mapping(key: list[Kind] | None, value: list[Kind] | None) -> Kind:
@@ -254,14 +324,18 @@ def _kind_of_mapping(key: list[Kind] | None, value: list[Kind] | None) -> Kind:
 class Rule:
     """The kinds of values that one parameter of a function takes, and the check of an argument against them."""
 
-    # `known` are types of values that were allowed, by their type alone: these are not checked again.
+    # `known` are types of values that were allowed, by their type alone: these are not checked
+    # again.
     __slots__ = ("kinds", "known", "name")
 
     def __init__(self, name: str, kinds: list[Kind]) -> None:
         self.name, self.kinds, self.known = name, kinds, set[type]()
 
     def check(self, value: object) -> Any:
-        """Return an argument, converted if its kind says so; raise ParameterError unless it is of an allowed kind."""
+        """Return an argument, converted if its kind says so.
+
+        Raise ParameterError unless it is of an allowed kind.
+        """
         for kind in self.kinds:
             if kind.takes(value):
                 if kind.converted:
@@ -269,12 +343,18 @@ class Rule:
                 if kind.of_value is None:
                     self.known.add(type(value))
                 return value
-        source = f"; {self.kinds[0].source}" if len(self.kinds) == 1 and self.kinds[0].source else ""
+        if len(self.kinds) == 1 and self.kinds[0].source:
+            source = f"; {self.kinds[0].source}"
+        else:
+            source = ""
         raise ParameterError(self.name, value, f"must be {_text(self.kinds)}{source}")
 
 
 class Rules:
-    """The rules for all arguments of one function: by name, for ``*args`` (`more`) and for ``**kwargs`` (`others`)."""
+    """The rules for all arguments of one function.
+
+    By name, for ``*args`` (`more`) and for ``**kwargs`` (`others`).
+    """
 
     __slots__ = ("by_name", "in_order", "more", "others", "parameters", "title")
 
@@ -283,13 +363,23 @@ class Rules:
         self.title = f"{function.__qualname__.removesuffix('.__init__')}()"
         rules = dict[str, Rule | None]()
         for each in self.parameters:
-            kinds = None if each.annotation is each.empty else _kinds(each.annotation)
-            rules[each.name] = None if kinds is None else Rule(each.name, kinds)
+            if each.annotation is each.empty:
+                kinds = None
+            else:
+                kinds = _kinds(each.annotation)
+            if kinds is None:
+                rules[each.name] = None
+            else:
+                rules[each.name] = Rule(each.name, kinds)
         many = inspect.Parameter.VAR_POSITIONAL, inspect.Parameter.VAR_KEYWORD
-        variable = {each.kind: rules.pop(each.name) for each in self.parameters if each.kind in many}
+        variable = {
+            each.kind: rules.pop(each.name) for each in self.parameters if each.kind in many
+        }
         self.more, self.others = (variable.get(kind) for kind in many)
         self.by_name = {name: rule for name, rule in rules.items() if rule}
-        self.in_order = [rules[each.name] for each in self.parameters if each.kind < each.VAR_POSITIONAL]
+        self.in_order = [
+            rules[each.name] for each in self.parameters if each.kind < each.VAR_POSITIONAL
+        ]
 
     def too_many(self) -> TypeError:
         """Return the error of a call with too many positional arguments."""
@@ -297,8 +387,13 @@ class Rules:
         in_order = ", ".join(each.name for each in named if each.kind < each.VAR_POSITIONAL)
         by_name = [f"{each.name}=" for each in named if each.kind is each.KEYWORD_ONLY]
         by_name = by_name or ["NAME=VALUE" for each in named if each.kind is each.VAR_KEYWORD]
-        more = f"; give more by name: {', '.join(by_name)}" if by_name else ""
-        return TypeError(f"{self.title} takes {f'only {in_order}' if in_order else 'nothing'} without a name{more}")
+        if by_name:
+            more = f"; give more by name: {', '.join(by_name)}"
+        else:
+            more = ""
+        return TypeError(
+            f"{self.title} takes {f'only {in_order}' if in_order else 'nothing'} without a name{more}"
+        )
 
     def check_unknown(self, name: str, value: object) -> None:
         """Raise an error if a keyword argument is no parameter, or if ``**kwargs`` do not allow its value."""
@@ -307,7 +402,10 @@ class Rules:
             return
         names = [each.name for each in self.parameters if each.name != "self"]
         if name not in names and not any(each.kind is each.VAR_KEYWORD for each in self.parameters):
-            known = f"; known are {', '.join(names)}{meant(name, names)}" if names else ""
+            if names:
+                known = f"; known are {', '.join(names)}{meant(name, names)}"
+            else:
+                known = ""
             raise TypeError(f"{self.title} got an unexpected keyword argument {name!r}{known}")
 
 
@@ -317,7 +415,8 @@ def public(function: Callable[Given, Result]) -> Callable[Given, Result]:
     Raises
     ------
     ParameterError
-        From the call, if an argument is not what its annotation says; with its name and value, and what is allowed.
+        From the call, if an argument is not what its annotation says; with its name and value, and
+        what is allowed.
     """
     rules: Rules | None = None
 
@@ -330,7 +429,8 @@ def public(function: Callable[Given, Result]) -> Callable[Given, Result]:
         for i, (rule, value) in enumerate(zip(rules.in_order, given)):  # noqa: B905  too few: Python says so below
             if rule is not None and type(value) not in rule.known:
                 taken = rule.check(value)
-                values = values if taken is value else (*values[:i], taken, *values[i + 1 :])
+                if taken is not value:
+                    values = (*values[:i], taken, *values[i + 1 :])
         if len(given) > len(rules.in_order):
             if rules.more is None:
                 raise rules.too_many()

@@ -11,18 +11,33 @@ LONGEST_VALUE = 80
 
 
 def shown(value: object) -> str:
-    """Return a value as text for a message: on one line, shortened if it is long, numbers without their type."""
+    """Return a value as text for a message.
+
+    On one line, shortened if it is long, numbers without their type.
+    """
     try:
-        text = str(value) if isinstance(value, Number) and not isinstance(value, str) else repr(value)
-    except Exception:  # an integer of thousands of digits cannot be printed; nor can what has a broken repr
+        if isinstance(value, Number) and not isinstance(value, str):
+            text = str(value)
+        else:
+            text = repr(value)
+    except (
+        Exception
+    ):  # an integer of thousands of digits cannot be printed; nor can what has a broken repr
         text = f"<{type(value).__name__}>"
     return brief(text)
 
 
 def brief(text: str) -> str:
-    """Return text as a message shows it: on one line, shortened if long, with escapes for unprintable characters."""
-    text = "".join(letter if letter.isprintable() else repr(letter)[1:-1] for letter in " ".join(text.split()))
-    return text if len(text) <= LONGEST_VALUE else f"{text[: LONGEST_VALUE - 20]}… ({len(text)} characters)"
+    """Return text as a message shows it.
+
+    On one line, shortened if long, with escapes for unprintable characters.
+    """
+    text = "".join(
+        letter if letter.isprintable() else repr(letter)[1:-1] for letter in " ".join(text.split())
+    )
+    if len(text) <= LONGEST_VALUE:
+        return text
+    return f"{text[: LONGEST_VALUE - 20]}… ({len(text)} characters)"
 
 
 class SymoscError(Exception):
@@ -39,7 +54,9 @@ class SymoscError(Exception):
     """
 
     def __reduce__(self) -> tuple[object, ...]:
-        return type(self), tuple(vars(self).values())  # each class keeps what it is made from, in order
+        return type(self), tuple(
+            vars(self).values()
+        )  # each class keeps what it is made from, in order
 
 
 class ParameterError(SymoscError, ValueError):
@@ -136,7 +153,9 @@ class MissingExtraError(SymoscError, ImportError):
 
 
 class SweepError(SymoscError, RuntimeError):
-    """A sweep that cannot go on: its file belongs to another sweep, or a worker failed. Finished chunks are kept.
+    """A sweep that cannot go on: its file belongs to another sweep, or a worker failed.
+
+    Finished chunks are kept.
 
     Attributes
     ----------
@@ -175,7 +194,10 @@ class ResultError(SymoscError, ValueError):
 
 
 def optional(package: str, what: str, extra: str) -> Any:
-    """Import and return a package; if it is missing, MissingExtraError says that `what` needs symosc's `extra`."""
+    """Import and return a package.
+
+    If it is missing, MissingExtraError says that `what` needs symosc's `extra`.
+    """
     try:
         return import_module(package)
     except ImportError:
@@ -186,10 +208,17 @@ def meant(word: object, known: Iterable[str]) -> str:
     """Return "; did you mean ...?" for a message about an unknown word, or "" if no known word is similar."""
     from difflib import SequenceMatcher
 
-    likeness = {name: SequenceMatcher(None, name.lower(), str(word).lower()).ratio() for name in known}
+    likeness = {
+        name: SequenceMatcher(None, name.lower(), str(word).lower()).ratio() for name in known
+    }
     near = [name for name, ratio in likeness.items() if ratio >= max([0.6, *likeness.values()])]
-    return f"; did you mean {' or '.join(near)}?" if 1 <= len(near) <= 3 else ""
+    if 1 <= len(near) <= 3:
+        return f"; did you mean {' or '.join(near)}?"
+    return ""
 
 
 class CodeCacheWarning(UserWarning):
-    """Compiled code cannot be kept on disk, or what was kept is damaged. It is compiled anew; results are the same."""
+    """Compiled code cannot be kept on disk, or what was kept is damaged.
+
+    It is compiled anew; results are the same.
+    """

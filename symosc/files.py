@@ -18,9 +18,12 @@ DRAFT_PREFIX = ".symosc-"
 
 
 def write_whole(path: str | Path, write: Callable[[Path], object], suffix: str = "") -> Path:
-    """Let `write` fill a draft file beside `path`, then move the draft there; after an error no file remains.
+    """Let `write` fill a draft file beside `path`, then move the draft there.
 
-    If `path` is "-", the draft has a name that ends with `suffix`, and is copied to standard output.
+    After an error no file remains.
+
+    If `path` is "-", the draft has a name that ends with `suffix`, and is copied to standard
+    output.
     """
     # OutputError if the folder cannot be written to.
     name = read_path(path)
@@ -43,8 +46,14 @@ def write_whole(path: str | Path, write: Callable[[Path], object], suffix: str =
 
 
 def read_path(path: object) -> str:
-    """Return the text of a file name; ParameterError if it is neither text nor a Path, or can name no file."""
-    text = os.fspath(path) if isinstance(path, os.PathLike) else path
+    """Return the text of a file name.
+
+    ParameterError if it is neither text nor a Path, or can name no file.
+    """
+    if isinstance(path, os.PathLike):
+        text = os.fspath(path)
+    else:
+        text = path
     with suppress(UnicodeEncodeError):  # half of a surrogate pair
         if isinstance(text, str) and text and b"\0" not in os.fsencode(text):
             return text
@@ -52,7 +61,10 @@ def read_path(path: object) -> str:
 
 
 def check_folder_of(path: str | Path) -> None:
-    """Raise OutputError unless the folder of the file `path` exists and is writable: a check before long work."""
+    """Raise OutputError unless the folder of the file `path` exists and is writable.
+
+    A check before long work.
+    """
     folder = Path(read_path(path)).resolve().parent
     if not folder.is_dir():
         raise OutputError(str(path), "No such file or directory")
@@ -61,7 +73,10 @@ def check_folder_of(path: str | Path) -> None:
 
 
 def check_new_folder(folder: Path, wanted: str = "the output is a folder") -> None:
-    """Raise OutputError unless `folder` is writable or can be made; `wanted` ends the message if it is a file."""
+    """Raise OutputError unless `folder` is writable or can be made.
+
+    `wanted` ends the message if it is a file.
+    """
     above = next(each for each in (folder, *folder.absolute().parents) if os.path.exists(each))
     if not above.is_dir():
         raise OutputError(str(folder), f"{above} is a file, and {wanted}")
@@ -106,17 +121,23 @@ def write_text(path: str | Path, text: str) -> Path:
     return write_whole(path, lambda draft: draft.write_text(text, encoding="utf-8"))
 
 
-def write_folder(path: str | Path, texts: Mapping[str, str], earlier: Callable[[Path], Container[str]]) -> Path:
-    """Write a folder of text files whole or not at all; it may replace only a folder that an earlier run wrote.
+def write_folder(
+    path: str | Path, texts: Mapping[str, str], earlier: Callable[[Path], Container[str]]
+) -> Path:
+    """Write a folder of text files whole or not at all.
 
-    `texts` has the text of each file by its name. `earlier(folder)` returns the names of the files that an earlier run
-    has written into an existing folder: a folder with any other file is left as it is.
+    It may replace only a folder that an earlier run wrote.
+
+    `texts` has the text of each file by its name. `earlier(folder)` returns the names of the files
+    that an earlier run has written into an existing folder: a folder with any other file is left as
+    it is.
     """
     # OutputError if it stays, and if it cannot be written.
     target = check_folder(path, earlier)
     try:
         with tempfile.TemporaryDirectory(prefix=DRAFT_PREFIX, dir=target.parent) as folder:
-            draft, away = Path(folder) / "new", Path(folder) / "old"
+            draft = Path(folder) / "new"
+            away = Path(folder) / "old"
             for each, text in texts.items():
                 (draft / each).parent.mkdir(parents=True, exist_ok=True)
                 (draft / each).write_bytes(text.encode())
@@ -134,7 +155,10 @@ def write_folder(path: str | Path, texts: Mapping[str, str], earlier: Callable[[
 
 
 def check_folder(path: str | Path, earlier: Callable[[Path], Container[str]]) -> Path:
-    """Check, before long work, that `write_folder(path, ..., earlier)` may write; return the path of the folder."""
+    """Check, before long work, that `write_folder(path, ..., earlier)` may write.
+
+    Return the path of the folder.
+    """
     name = read_path(path)
     if name == STDOUT:
         raise ParameterError("path", name, "must be the name of a folder")

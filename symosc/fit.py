@@ -1,7 +1,8 @@
 """Fit parameters and a start to measured events or samples, by least squares with exact derivatives.
 
-Each measured event is compared with the nearest one of its kind in the motion, so events may be missing. The fit is
-that of scipy.optimize.least_squares; its Jacobian is `symosc.sensitivities`. What the data do not determine is said.
+Each measured event is compared with the nearest one of its kind in the motion, so events may be
+missing. The fit is that of scipy.optimize.least_squares; its Jacobian is `symosc.sensitivities`.
+What the data do not determine is said.
 """
 
 from __future__ import annotations
@@ -26,7 +27,8 @@ from symosc.sensitivities import Sensitivities, sensitivities
 from symosc.simulation.simulate import read_start
 from symosc.simulation.trajectory import Trajectory
 
-#: A combination of numbers whose change by its own size changes the residuals by less than this is not determined.
+#: A combination of numbers whose change by its own size changes the residuals by less than this is
+#: not determined.
 UNDETERMINED = 1e-8
 KINDS = tuple(KIND_NAMES.values())
 
@@ -48,7 +50,8 @@ class Fit(Comparable, Drawable):
     Attributes
     ----------
     values, errors : dict
-        The fitted numbers by name, and their standard errors; inf for what the data do not determine.
+        The fitted numbers by name, and their standard errors; inf for what the data do not
+        determine.
     covariance : array, (free, free)
     residuals : array
         Motion minus data, divided by sigma: of each event in its order, or of all x, then of all v.
@@ -77,7 +80,9 @@ class Fit(Comparable, Drawable):
     _measured: Measured
 
     def __repr__(self) -> str:
-        texts = [f"{name} = {value:.6g} ± {self.errors[name]:.2g}" for name, value in self.values.items()]
+        texts = [
+            f"{name} = {value:.6g} ± {self.errors[name]:.2g}" for name, value in self.values.items()
+        ]
         return f"<Fit {', '.join(texts)}: {self.message}>"
 
 
@@ -97,15 +102,16 @@ def fit(
     what : Scene, or its name or its file
         The motion; what is not free is kept. Parameters begin at rest at t = 0.
     data : mapping, table or sequence of rows
-        Columns t and kind ("cross", "stick", "slip" or "graze"), of events in any number; or t and x, or t, x and v, of
-        samples. Rows are (t, kind) or (t, x) or (t, x, v).
+        Columns t and kind ("cross", "stick", "slip" or "graze"), of events in any number; or t and
+        x, or t, x and v, of samples. Rows are (t, kind) or (t, x) or (t, x, v).
     free : str or sequence of str
         Names of parameters, and t0, x0, v0.
     sigma : number, or two for x and v, optional
-        Standard deviation of the times of events, or of the positions (and velocities). None: from the residuals.
+        Standard deviation of the times of events, or of the positions (and velocities). None: from
+        the residuals.
     start : mapping, optional
-        First values of free numbers, in place of those of `what`. They must be near enough for the events to be
-        recognised.
+        First values of free numbers, in place of those of `what`. They must be near enough for the
+        events to be recognised.
 
     Returns
     -------
@@ -125,27 +131,45 @@ def fit(
     """
     from scipy.optimize import least_squares
 
-    names = (free,) if isinstance(free, str) else tuple(free)
+    if isinstance(free, str):
+        names: tuple[str, ...] = (free,)
+    else:
+        names = tuple(free)
     known = (*PARAMETER_NAMES, *STARTS)
     for argument, given_names in (("free", names or ("",)), ("start", start or {})):
         for name in given_names:
             if name not in known:
-                raise ParameterError(argument, name, f"must be of {', '.join(known)}{meant(str(name), known)}")
+                raise ParameterError(
+                    argument, name, f"must be of {', '.join(known)}{meant(str(name), known)}"
+                )
     for name in start or {}:
         if name not in names:
-            raise ParameterError("start", name, f"is a first value of what is not free; free are {', '.join(names)}")
-    measured, scale = replace(_read(data), weighted=sigma is not None), _sigma(sigma)
+            raise ParameterError(
+                "start", name, f"is a first value of what is not free; free are {', '.join(names)}"
+            )
+    measured = replace(_read(data), weighted=sigma is not None)
+    scale = _sigma(sigma)
     last = float(measured.t.max())
-    given = {"t0": None, "x0": None, "v0": None, "t_end": last + 1.0 if isinstance(what, Parameters) else None}
+    given = {
+        "t0": None,
+        "x0": None,
+        "v0": None,
+        "t_end": last + 1.0 if isinstance(what, Parameters) else None,
+    }
     scene = read_start(what, given, None)
     end = last + (0.05 * (last - float(scene.t0)) if measured.kinds is not None else 0.0)
-    own = {name: getattr(scene.parameters if name in PARAMETER_NAMES else scene, name) for name in names}
+    own = {
+        name: getattr(scene.parameters if name in PARAMETER_NAMES else scene, name)
+        for name in names
+    }
     first = [float(read_number(name, (start or {}).get(name, own[name]))[0]) for name in names]
 
     @lru_cache(maxsize=1)
     def evaluated(*values: float) -> tuple[np.ndarray, np.ndarray, Trajectory]:
         new = dict(zip(names, map(repr, values), strict=True))
-        p = scene.parameters.replace(**{name: new[name] for name in names if name in PARAMETER_NAMES})
+        p = scene.parameters.replace(
+            **{name: new[name] for name in names if name in PARAMETER_NAMES}
+        )
         begin = {name: new.get(name, getattr(scene, name)) for name in STARTS}
         return _residuals(sensitivities(p, names, **begin, t_end=end), measured, scale, end)
 
@@ -161,10 +185,14 @@ def fit(
         max_nfev=200,
     )
     residuals, slopes, trajectory = evaluated(*found.x.tolist())
-    errors, covariance, unknown, undetermined = _spread(names, residuals, slopes, steps, sigma is None)
+    errors, covariance, unknown, undetermined = _spread(
+        names, residuals, slopes, steps, sigma is None
+    )
     message = f"converged: {found.nfev} motions, {len(residuals)} residuals"
     if unknown:
-        message = f"the data do not determine {unknown} (in units of their first values: {undetermined})"
+        message = (
+            f"the data do not determine {unknown} (in units of their first values: {undetermined})"
+        )
     elif sigma is None and len(residuals) <= len(names):
         errors = np.full(len(names), np.inf)
         message += "; from no more residuals than numbers no errors can be estimated: give sigma"
@@ -176,22 +204,30 @@ def fit(
 
 
 def _spread(
-    names: tuple[str, ...], residuals: np.ndarray, slopes: np.ndarray, steps: np.ndarray, estimated: bool
+    names: tuple[str, ...],
+    residuals: np.ndarray,
+    slopes: np.ndarray,
+    steps: np.ndarray,
+    estimated: bool,
 ) -> tuple[np.ndarray, np.ndarray, str, str]:
     """Return standard errors and covariance of the fitted numbers, and two texts on those that are not determined.
 
-    `slopes` is the Jacobian of `residuals`. The first text lists those of the `names` that the data do not determine,
-    the second the undetermined combinations, each number in units of its entry in `steps`. If `estimated`, the variance
-    is that of the residuals, else 1.
+    `slopes` is the Jacobian of `residuals`. The first text lists those of the `names` that the data
+    do not determine, the second the undetermined combinations, each number in units of its entry in
+    `steps`. If `estimated`, the variance is that of the residuals, else 1.
     """
     _, sizes, rows = np.linalg.svd(slopes * steps, full_matrices=len(residuals) < len(names))
     sizes = np.append(sizes, np.zeros(len(names) - len(sizes)))
     free = sizes <= UNDETERMINED * max(float(sizes.max(initial=0.0)), 1e-300)
-    variance = float(residuals @ residuals) / max(len(residuals) - len(names), 1) if estimated else 1.0
+    if estimated:
+        variance = float(residuals @ residuals) / max(len(residuals) - len(names), 1)
+    else:
+        variance = 1.0
     inverse = np.where(free, 0.0, 1.0 / np.where(free, 1.0, sizes) ** 2)
     covariance = (rows.T * inverse) @ rows * variance * np.outer(steps, steps)
     combined = [
-        {name: part for name, part in zip(names, row, strict=True) if abs(part) > 1e-6} for row in rows[free].tolist()
+        {name: part for name, part in zip(names, row, strict=True) if abs(part) > 1e-6}
+        for row in rows[free].tolist()
     ]
     unknown = [name for name in names if any(name in each for each in combined)]
     errors = np.where([name in unknown for name in names], np.inf, np.sqrt(np.diag(covariance)))
@@ -204,21 +240,29 @@ def _residuals(
 ) -> tuple[np.ndarray, np.ndarray, Trajectory]:
     """Return (motion - data) / sigma, its derivatives with respect to the free numbers, and the motion.
 
-    `moved` has the motion and its derivatives, and `scale` the sigmas. A measured event of a kind that the motion lacks
-    is compared with the time `end`.
+    `moved` has the motion and its derivatives, and `scale` the sigmas. A measured event of a kind
+    that the motion lacks is compared with the time `end`.
     """
-    trajectory, count = moved.trajectory, len(moved.wrt)
+    trajectory = moved.trajectory
+    count = len(moved.wrt)
     if measured.kinds is None:
         assert measured.states is not None
         times = np.clip(measured.t, float(trajectory.t_start), float(trajectory.t_end))
-        rows, weights = len(measured.states), scale[: len(measured.states), None]
+        rows = len(measured.states)
+        weights = scale[: len(measured.states), None]
         off = (np.asarray(trajectory(times))[:rows] - measured.states) / weights
-        return off.ravel(), (moved(times)[:rows] / weights[:, :, None]).reshape(-1, count), trajectory
+        return (
+            off.ravel(),
+            (moved(times)[:rows] / weights[:, :, None]).reshape(-1, count),
+            trajectory,
+        )
     there = np.array([float(event.t) for event in trajectory.events])
     kinds = np.array([event.kind for event in trajectory.events], dtype=object)
-    off, slopes = np.empty(len(measured.t)), np.zeros((len(measured.t), count))
+    off = np.empty(len(measured.t))
+    slopes = np.zeros((len(measured.t), count))
     for kind in dict.fromkeys(measured.kinds.tolist()):
-        mine, its = np.flatnonzero(measured.kinds == kind), np.flatnonzero(kinds == kind)
+        mine = np.flatnonzero(measured.kinds == kind)
+        its = np.flatnonzero(kinds == kind)
         if not len(its):
             off[mine] = end - measured.t[mine]  # as if it came at the end
             continue
@@ -228,8 +272,14 @@ def _residuals(
 
 
 def _sigma(sigma: Any) -> np.ndarray:
-    """Return `sigma` as two standard deviations: of times or positions, and of velocities; None stands for 1."""
-    given = sigma if isinstance(sigma, Sequence) and not isinstance(sigma, str) else [1 if sigma is None else sigma] * 2
+    """Return `sigma` as two standard deviations: of times or positions, and of velocities.
+
+    None stands for 1.
+    """
+    if isinstance(sigma, Sequence) and not isinstance(sigma, str):
+        given = sigma
+    else:
+        given = [1 if sigma is None else sigma] * 2
     found = [float(read_exact("sigma", each)) for each in given]
     if len(found) != 2 or min(found) <= 0:
         raise ParameterError("sigma", sigma, "must be a number > 0, or two: of x and v")
@@ -237,7 +287,10 @@ def _sigma(sigma: Any) -> np.ndarray:
 
 
 def _read(data: Any) -> Measured:
-    """Return measured data, given as a table or as rows, as `Measured`; raise ParameterError if columns are missing."""
+    """Return measured data, given as a table or as rows, as `Measured`.
+
+    Raise ParameterError if columns are missing.
+    """
     try:
         columns = _columns(data)
     except (TypeError, ValueError, KeyError):  # of what is no table
@@ -246,8 +299,16 @@ def _read(data: Any) -> Measured:
         allowed = "must have the columns t and kind, or t and x, or t, x and v, or be rows of these"
         if isinstance(data, str):
             allowed += ", not the name of a file (the command symosc fit reads CSV files)"
-        names = list(data) if isinstance(data, Mapping) else list(getattr(data, "columns", ()))
-        shown = f"columns {', '.join(map(str, names))}" if names else data if isinstance(data, str) else repr(data)
+        if isinstance(data, Mapping):
+            names = list(data)
+        else:
+            names = list(getattr(data, "columns", ()))
+        if names:
+            shown = f"columns {', '.join(map(str, names))}"
+        elif isinstance(data, str):
+            shown = data
+        else:
+            shown = repr(data)
         raise ParameterError("data", brief(shown), allowed)
     if len({len(column) for column in columns.values()}) > 1:
         raise ParameterError("data", len(columns["t"]), "must have columns of one length")
@@ -257,21 +318,32 @@ def _read(data: Any) -> Measured:
 
     t = np.array(numbers("t"))
     if "kind" not in columns:
-        return Measured(t, None, np.array([numbers(name) for name in ("x", "v") if name in columns]))
+        return Measured(
+            t, None, np.array([numbers(name) for name in ("x", "v") if name in columns])
+        )
     for row, kind in enumerate(columns["kind"]):
         if not isinstance(kind, str) or kind not in KINDS:
-            raise ParameterError(f"kind[{row}]", kind, f"must be one of {', '.join(KINDS)}{meant(str(kind), KINDS)}")
+            raise ParameterError(
+                f"kind[{row}]", kind, f"must be one of {', '.join(KINDS)}{meant(str(kind), KINDS)}"
+            )
     return Measured(t, np.array(columns["kind"], dtype=object), None)
 
 
 def _columns(data: Any) -> dict[str, list[Any]]:
     """Return the columns t, kind, x and v of a table or of rows, as far as the data have them."""
     if isinstance(data, Mapping) or hasattr(data, "columns"):
-        return {name: list(unmasked(name, data[name])) for name in ("t", "kind", "x", "v") if name in data}
+        return {
+            name: list(unmasked(name, data[name]))
+            for name in ("t", "kind", "x", "v")
+            if name in data
+        }
     if isinstance(data, str | bytes | bytearray):
         return {}
     rows = [tuple(row) for row in unmasked("data", data)]
     if {len(row) for row in rows} not in ({2}, {3}):
         return {}
-    names = ("t", "kind") if isinstance(rows[0][1], str) else ("t", "x", "v")
+    if isinstance(rows[0][1], str):
+        names: tuple[str, ...] = ("t", "kind")
+    else:
+        names = ("t", "x", "v")
     return dict(zip(names, map(list, zip(*rows, strict=True)), strict=False))

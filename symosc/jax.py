@@ -1,8 +1,9 @@
 """Motions as functions that JAX differentiates, maps and compiles into larger programs.
 
-Values and derivatives are those of `symosc.simulate_many` and `symosc.sensitivities`, computed on the CPU in doubles:
-JAX differentiates nothing itself. All functions are differentiable once, forwards and backwards, by parameters, the
-start and the time, and serve ``jax.vmap`` and ``jax.jit``. They need ``jax.config.update("jax_enable_x64", True)``.
+Values and derivatives are those of `symosc.simulate_many` and `symosc.sensitivities`, computed on
+the CPU in doubles: JAX differentiates nothing itself. All functions are differentiable once,
+forwards and backwards, by parameters, the start and the time, and serve ``jax.vmap`` and
+``jax.jit``. They need ``jax.config.update("jax_enable_x64", True)``.
 """
 
 from __future__ import annotations
@@ -25,7 +26,9 @@ __all__ = ["Events", "events", "flow"]
 
 
 class Events(NamedTuple):
-    """The first events of a motion, as arrays of a fixed length; the rest is filled up, with inf, 0 or False.
+    """The first events of a motion, as arrays of a fixed length.
+
+    The rest is filled up, with inf, 0 or False.
 
     Attributes
     ----------
@@ -53,7 +56,13 @@ class Events(NamedTuple):
 
 
 def events(
-    parameters: Parameters | Mapping[str, Any], *, t0: Any = 0.0, x0: Any = 0.0, v0: Any = 0.0, t_end: Any, count: int
+    parameters: Parameters | Mapping[str, Any],
+    *,
+    t0: Any = 0.0,
+    x0: Any = 0.0,
+    v0: Any = 0.0,
+    t_end: Any,
+    count: int,
 ) -> Events:
     """Return the first `count` events of a motion until t_end.
 
@@ -94,10 +103,18 @@ def events(
     return Events(*events_(_values(parameters, t0, x0, v0), numpy.asarray(t_end, float), count))
 
 
-def flow(parameters: Parameters | Mapping[str, Any], t: Any, *, t0: Any = 0.0, x0: Any = 0.0, v0: Any = 0.0) -> Any:
+def flow(
+    parameters: Parameters | Mapping[str, Any],
+    t: Any,
+    *,
+    t0: Any = 0.0,
+    x0: Any = 0.0,
+    v0: Any = 0.0,
+) -> Any:
     """Return [x, v] of a motion at a time, of shape (2,), or at n times, of shape (2, n).
 
-    At an event the derivatives are those of the piece that begins there. Parameters and errors are those of `events`.
+    At an event the derivatives are those of the piece that begins there. Parameters and errors are
+    those of `events`.
 
     Examples
     --------
@@ -121,7 +138,9 @@ def _values(parameters: Any, *start: Any) -> Any:
     if isinstance(parameters, Parameters):
         parameters = by_name(parameters, float)
     if not isinstance(parameters, Mapping):
-        raise ParameterError("parameters", parameters, "must be Parameters, or a mapping of all eleven names")
+        raise ParameterError(
+            "parameters", parameters, "must be Parameters, or a mapping of all eleven names"
+        )
     for name in parameters:
         if name not in PARAMETER_NAMES:
             hint = f"is no parameter; they are {', '.join(PARAMETER_NAMES)}{meant(str(name), PARAMETER_NAMES)}"
@@ -131,11 +150,16 @@ def _values(parameters: Any, *start: Any) -> Any:
             raise ParameterError("parameters", sorted(parameters), f"{name} is missing")
     from jax import numpy
 
-    return numpy.stack([numpy.asarray(each, float) for each in (*map(parameters.get, PARAMETER_NAMES), *start)])
+    return numpy.stack(
+        [numpy.asarray(each, float) for each in (*map(parameters.get, PARAMETER_NAMES), *start)]
+    )
 
 
 def _functions() -> tuple[Callable[..., Any], Callable[..., Any]]:
-    """Return what `_jax_functions` returns; raise an error if JAX is missing or does not compute in doubles."""
+    """Return what `_jax_functions` returns.
+
+    Raise an error if JAX is missing or does not compute in doubles.
+    """
     jax = optional("jax", "symosc.jax", "jax")
     if not jax.config.read("jax_enable_x64"):
         hint = 'must be True, since events need doubles: jax.config.update("jax_enable_x64", True)'
@@ -145,11 +169,17 @@ def _functions() -> tuple[Callable[..., Any], Callable[..., Any]]:
 
 @lru_cache(maxsize=1)
 def _jax_functions() -> tuple[Callable[..., Any], Callable[..., Any]]:
-    """Return two functions that JAX can differentiate by the array of `_values`: of events, and of [x, v] at times."""
+    """Return two functions that JAX can differentiate by the array of `_values`.
+
+    Of events, and of [x, v] at times.
+    """
     import jax
 
     def computed(function: Callable[..., Any], shapes: Any, *given: Any) -> Any:
-        """Call a numpy function of the arguments `given` from JAX; `shapes` are shapes and types of its results."""
+        """Call a numpy function of the arguments `given` from JAX.
+
+        `shapes` are shapes and types of its results.
+        """
         out = tuple(jax.ShapeDtypeStruct(shape, kind) for shape, kind in shapes)
         return jax.pure_callback(function, out, *given, vmap_method="broadcast_all")
 
@@ -171,7 +201,12 @@ def _jax_functions() -> tuple[Callable[..., Any], Callable[..., Any]]:
 
     def all_of_flow(values: Any, times: Any) -> Any:
         shape = (2, len(times))
-        return computed(_states_of, [(shape, float), ((*shape, len(NAMES)), float), (shape, float)], values, times)
+        return computed(
+            _states_of,
+            [(shape, float), ((*shape, len(NAMES)), float), (shape, float)],
+            values,
+            times,
+        )
 
     @jax.custom_jvp
     def flow_(values: Any, times: Any) -> Any:
@@ -186,9 +221,13 @@ def _jax_functions() -> tuple[Callable[..., Any], Callable[..., Any]]:
 
 
 def _events_of(values: Any, t_end: Any, count: int) -> tuple[np.ndarray, ...]:
-    """Return t, x, kind, boundary, regular, dt, dx of the first `count` events of motions: one per row of `values`."""
+    """Return t, x, kind, boundary, regular, dt, dx of the first `count` events of motions.
+
+    One per row of `values`.
+    """
     values, lead = np.asarray(values), np.shape(values)[:-1]
-    rows, ends = values.reshape(-1, len(NAMES)), np.broadcast_to(np.asarray(t_end), lead).reshape(-1)
+    rows = values.reshape(-1, len(NAMES))
+    ends = np.broadcast_to(np.asarray(t_end), lead).reshape(-1)
     columns = dict(zip(NAMES, rows.T, strict=True))
     starts = {name: columns.pop(name) for name in STARTS}
     table = simulate_many(columns, starts, ends, max_events=count, wrt=NAMES)
@@ -202,22 +241,37 @@ def _events_of(values: Any, t_end: Any, count: int) -> tuple[np.ndarray, ...]:
 
     places = placed(table.t, np.inf), placed(table.x, np.inf)
     codes = placed(table.kind_code, 0, np.int32), placed(table.boundary, 0, np.int32)
-    return *places, *codes, placed(table.regular.all(axis=1), False, bool), placed(table.dt, 0.0), placed(table.dx, 0.0)
+    return (
+        *places,
+        *codes,
+        placed(table.regular.all(axis=1), False, bool),
+        placed(table.dt, 0.0),
+        placed(table.dx, 0.0),
+    )
 
 
 def _states_of(values: Any, times: Any) -> tuple[np.ndarray, ...]:
     """Return [x, v] at `times` of motions, one per row of 14 `values`, and its derivatives by these and by time."""
-    values, times = np.asarray(values), np.asarray(times)
-    lead, n = values.shape[:-1], times.shape[-1]
-    rows, instants = values.reshape(-1, len(NAMES)), np.broadcast_to(times, (*lead, n)).reshape(-1, n)
+    values = np.asarray(values)
+    times = np.asarray(times)
+    lead = values.shape[:-1]
+    n = times.shape[-1]
+    rows = values.reshape(-1, len(NAMES))
+    instants = np.broadcast_to(times, (*lead, n)).reshape(-1, n)
     states, slopes, rates = (np.empty((len(rows), 2, n, *last)) for last in ((), (len(NAMES),), ()))
     for i, (row, each) in enumerate(zip(rows.tolist(), instants, strict=True)):
         given = dict(zip(NAMES, row, strict=True))
         start = {name: given.pop(name) for name in STARTS}
-        last = float(each.max()) if float(each.max()) > start["t0"] else start["t0"] + 1.0
+        if float(each.max()) > start["t0"]:
+            last = float(each.max())
+        else:
+            last = start["t0"] + 1.0
         s = sensitivities(Parameters(**given), NAMES, **start, t_end=last)
         states[i], slopes[i] = s.trajectory(each), s(each)
         forces = {f"Omega{alpha}": s.trajectory.force(alpha, each) for alpha in (1, 2, 3)}
         rates[i, 0] = states[i, 1]
-        rates[i, 1] = [forces[mode][k] if mode in forces else 0.0 for k, mode in enumerate(s.trajectory.mode(each))]
+        rates[i, 1] = [
+            forces[mode][k] if mode in forces else 0.0
+            for k, mode in enumerate(s.trajectory.mode(each))
+        ]
     return tuple(made.reshape((*lead, *made.shape[1:])) for made in (states, slopes, rates))

@@ -1,10 +1,13 @@
-"""The double-belt friction oscillator: parameters, domains, boundaries and forces (eqs. (1) to (9)).
+"""The double-belt friction oscillator.
+
+Parameters, domains, boundaries and forces (eqs. (1) to (9)).
 
     m x'' + c x' + k x = A_alpha + B0 cos(Omega t)    in domain Omega_alpha, alpha = 1, 2, 3
 
-A mass is pressed with the force FN between two belts that move with v1 < v2. Below v1 (domain 1) both belts drag
-it forward, between the belts (domain 2) they pull against each other, above v2 (domain 3) both hold it back.
-Boundary 1 is v = v1, boundary 2 is v = v2. docs/reference/glossary.md explains the words that the code uses.
+A mass is pressed with the force FN between two belts that move with v1 < v2. Below v1 (domain 1)
+both belts drag it forward, between the belts (domain 2) they pull against each other, above v2
+(domain 3) both hold it back. Boundary 1 is v = v1, boundary 2 is v = v2. docs/reference/glossary.md
+explains the words that the code uses.
 """
 
 from __future__ import annotations
@@ -20,7 +23,8 @@ from symosc.errors import ParameterError, meant
 from symosc.exact import show, whole_number
 from symosc.quantities import QUANTITIES, least, read_number
 
-#: The states of motion, by the code that the fast paths use: 1 to 3 a domain, 4 and 5 a stick on belt 1 and 2.
+#: The states of motion, by the code that the fast paths use: 1 to 3 a domain, 4 and 5 a stick on
+#: belt 1 and 2.
 MODE_NAMES = {1: "Omega1", 2: "Omega2", 3: "Omega3", 4: "belt1", 5: "belt2"}
 
 #: The domains below and above each boundary.
@@ -44,9 +48,10 @@ class Parameters:
     FN : number
         Normal force >= 0.
 
-    Any consistent system of units will do. A number is an int, a float (read as the decimal that it prints as), a
-    string such as "0.8" or "4/5", a Fraction, a Decimal or a rational sympy number. An expression with pi such as
-    "2*pi" is read to 40 digits, and a quantity such as "2.5 cm" (extra `units`) in kg, m, s, N and rad.
+    Any consistent system of units will do. A number is an int, a float (read as the decimal that it
+    prints as), a string such as "0.8" or "4/5", a Fraction, a Decimal or a rational sympy number.
+    An expression with pi such as "2*pi" is read to 40 digits, and a quantity such as "2.5 cm"
+    (extra `units`) in kg, m, s, N and rad.
 
     Raises
     ------
@@ -84,19 +89,26 @@ class Parameters:
         for name, value in (given | {"mu1": mu1, "mu2": mu2, "FN": FN}).items():
             object.__setattr__(self, name, read_number(name, value)[0])
         for name in PARAMETER_NAMES:
-            value, lowest = getattr(self, name), least(name)
+            value = getattr(self, name)
+            lowest = least(name)
             if lowest is not None and value < lowest:
                 tiny = 0 < value < lowest
-                allowed = f"at least {float(lowest):g}" if tiny else QUANTITIES[name].allowed
+                if tiny:
+                    allowed = f"at least {float(lowest):g}"
+                else:
+                    allowed = QUANTITIES[name].allowed
                 raise ParameterError(name, show(value), f"must be {allowed}")
         if self.v1 >= self.v2:
             raise ParameterError("v1", show(self.v1), f"must be less than v2 = {show(self.v2)}")
 
     def __hash__(self) -> int:
-        # Many tables are kept by parameters, and to hash eleven fractions takes as long as an event.
+        # Many tables are kept by parameters, and to hash eleven fractions takes as long as an
+        # event.
         kept: int | None = self.__dict__.get("_hash")
         if kept is None:
-            kept = self.__dict__["_hash"] = hash(tuple(getattr(self, name) for name in PARAMETER_NAMES))
+            kept = self.__dict__["_hash"] = hash(
+                tuple(getattr(self, name) for name in PARAMETER_NAMES)
+            )
         return kept
 
     @public
@@ -122,7 +134,9 @@ class Parameters:
     @public
     def belt(self, boundary: int) -> Fraction:
         """Return the speed v1 or v2 of the belt at `boundary` 1 or 2."""
-        return self.v1 if whole_number("boundary", boundary, 1, 2) == 1 else self.v2
+        if whole_number("boundary", boundary, 1, 2) == 1:
+            return self.v1
+        return self.v2
 
     @public
     def friction(self, boundary: int) -> Fraction:
@@ -131,32 +145,47 @@ class Parameters:
 
     def _repr_latex_(self) -> str:
         """Return the parameters in the paper's letters, for notebooks."""
-        terms = r",\; ".join(f"{QUANTITIES[name].letter} = {value}" for name, value in self.as_dict().items())
+        terms = r",\; ".join(
+            f"{QUANTITIES[name].letter} = {value}" for name, value in self.as_dict().items()
+        )
         return f"${terms}$"
 
     def __repr__(self) -> str:
         return f"Parameters({', '.join(f'{name}={_source(value)}' for name, value in self.as_dict().items())})"
 
 
-def by_name(p: Parameters, number: Callable[[Fraction], Any] = lambda value: value) -> dict[str, Any]:
+def by_name(
+    p: Parameters, number: Callable[[Fraction], Any] = lambda value: value
+) -> dict[str, Any]:
     """Return parameters by name, exact or converted by the function `number`."""
     return {name: number(getattr(p, name)) for name in PARAMETER_NAMES}
 
 
 class OtherNumbers:
-    """Parameters that are not Fractions but, for example, columns; it has the formulas of `Parameters`."""
+    """Parameters that are not Fractions but, for example, columns.
 
-    A, belt, friction = Parameters.A, Parameters.belt, Parameters.friction
+    It has the formulas of `Parameters`.
+    """
+
+    A = Parameters.A
+    belt = Parameters.belt
+    friction = Parameters.friction
 
     def __init__(self, values: Mapping[str, Any]) -> None:
         vars(self).update(values)
 
 
 def _source(text: str) -> str:
-    """Return a number's text as Python source for `Parameters`: in quotes if a float would not read as that number."""
-    # A float is read as the decimal that it prints as; a fraction, or a decimal with more digits, stays text.
+    """Return a number's text as Python source for `Parameters`.
+
+    In quotes if a float would not read as that number.
+    """
+    # A float is read as the decimal that it prints as; a fraction, or a decimal with more digits,
+    # stays text.
     exact = "/" not in text and Fraction(str(float(text))) == Fraction(text)
-    return text if exact else repr(text)
+    if exact:
+        return text
+    return repr(text)
 
 
 PARAMETER_NAMES = tuple(field.name for field in fields(Parameters))

@@ -1,8 +1,11 @@
-"""The numbers of a problem: their meaning, units, and expressions and quantities read as exact numbers.
+"""The numbers of a problem.
 
-An expression such as "3*pi/2" is exact if it has numbers, + - * / ^ and parentheses alone. With pi, sqrt, sin, cos or
-exp an enclosure is computed and rounded to 40 digits, which are right; a value whose digits cancel is refused. A
-quantity such as "3 kg" or "60 rpm" (extra `units`: pint) becomes the number in kg, m, s, N and rad.
+Their meaning, units, and expressions and quantities read as exact numbers.
+
+An expression such as "3*pi/2" is exact if it has numbers, + - * / ^ and parentheses alone. With pi,
+sqrt, sin, cos or exp an enclosure is computed and rounded to 40 digits, which are right; a value
+whose digits cancel is refused. A quantity such as "3 kg" or "60 rpm" (extra `units`: pint) becomes
+the number in kg, m, s, N and rad.
 """
 
 from __future__ import annotations
@@ -21,7 +24,10 @@ from symosc.exact import LARGEST, NOT_FINITE, NUMBER, SMALLEST, read_exact
 
 
 class Quantity(NamedTuple):
-    """A parameter or start value of the problem: its meaning, dimension, letter in LaTeX, and allowed range."""
+    """A parameter or start value of the problem.
+
+    Its meaning, dimension, letter in LaTeX, and allowed range.
+    """
 
     meaning: str
     dimension: str
@@ -29,7 +35,8 @@ class Quantity(NamedTuple):
     allowed: str = ""
 
 
-#: All parameters, in order, and the numbers of a start. Any consistent system of units will do for them.
+#: All parameters, in order, and the numbers of a start. Any consistent system of units will do for
+#: them.
 QUANTITIES = {
     "m": Quantity("mass", "mass", "m", "> 0"),
     "c": Quantity("damping", "mass/time", "c", ">= 0"),
@@ -64,7 +71,8 @@ def least(name: str) -> Fraction | None:
     return {"> 0": SMALLEST, ">= 0": Fraction(0)}.get(QUANTITIES[name].allowed)
 
 
-#: The unit of each dimension in scene files where a number has one; plain numbers of such a file are in these too.
+#: The unit of each dimension in scene files where a number has one; plain numbers of such a file
+#: are in these too.
 UNITS = {
     "mass": "kg", "mass/time": "kg/s", "mass/time^2": "N/m", "force": "N", "angle/time": "rad/s", "length/time": "m/s",
     "1": "1", "time": "s", "length": "m", "angle": "rad", "length/time^2": "m/s^2",
@@ -72,7 +80,10 @@ UNITS = {
 
 
 def _quantity(name: str) -> Quantity:
-    """Return the `Quantity` called `name`; an index after the name, as in "Omega[3]", is ignored."""
+    """Return the `Quantity` called `name`.
+
+    An index after the name, as in "Omega[3]", is ignored.
+    """
     return QUANTITIES[name.partition("[")[0]]
 
 
@@ -83,23 +94,43 @@ def unit_of(name: str) -> str:
 
 def read_number(name: str, value: Any) -> tuple[Fraction, bool]:
     """Return the number called `name`, whose `value` may be text such as "2*pi" or "3 kg", and whether it is exact."""
-    symbolic = hasattr(type(value), "free_symbols") and not isinstance(value, numbers.Real)  # of sympy, such as 2*pi
-    text = str(value) if symbolic else value
-    if not isinstance(text, str) or NUMBER.fullmatch(text.strip()) or NOT_FINITE.fullmatch(text.strip()):
+    symbolic = hasattr(type(value), "free_symbols") and not isinstance(
+        value, numbers.Real
+    )  # of sympy, such as 2*pi
+    if symbolic:
+        text = str(value)
+    else:
+        text = value
+    if (
+        not isinstance(text, str)
+        or NUMBER.fullmatch(text.strip())
+        or NOT_FINITE.fullmatch(text.strip())
+    ):
         return read_exact(name, text), True
-    return read_quantity(name, text) if is_quantity(text) else read_expression(name, text)
+    if is_quantity(text):
+        return read_quantity(name, text)
+    return read_expression(name, text)
 
 
 #: Digits to which an expression with pi is known, and bits with which it is computed.
-KNOWN_DIGITS, ENCLOSURE_BITS = 40, 400
-#: Most characters of an expression, largest power, and most bits of the numerator and denominator of an exact value.
-LONGEST_EXPRESSION, MOST_POWER, LARGEST_BITS = 200, 100, 4000
+KNOWN_DIGITS = 40
+ENCLOSURE_BITS = 400
+#: Most characters of an expression, largest power, and most bits of the numerator and denominator
+#: of an exact value.
+LONGEST_EXPRESSION = 200
+MOST_POWER = 100
+LARGEST_BITS = 4000
 FORMS = (
     "give a number such as 0.8 or '4/5', a quantity such as '3 kg', or an expression such as '3*pi/2': numbers and pi "
     "with + - * / ^ ( ), sqrt(), sin(), cos() and exp()"
 )
 _LETTERS = re.compile(r"[\d.\s()+\-*/^]|pi|π|sqrt|sin|cos|exp|(?<=\d)[eE](?=[+-]?\d)", re.ASCII)
-_OPERATORS = {ast.Add: operator.add, ast.Sub: operator.sub, ast.Mult: operator.mul, ast.Div: operator.truediv}
+_OPERATORS = {
+    ast.Add: operator.add,
+    ast.Sub: operator.sub,
+    ast.Mult: operator.mul,
+    ast.Div: operator.truediv,
+}
 
 
 def read_expression(name: str, text: str) -> tuple[Fraction, bool]:
@@ -113,36 +144,55 @@ def read_expression(name: str, text: str) -> tuple[Fraction, bool]:
         return ParameterError(name, text, allowed)
 
     def enclosed(value: Any) -> Any:
-        return iv.mpf(value.numerator) / value.denominator if isinstance(value, Fraction) else value
+        if isinstance(value, Fraction):
+            return iv.mpf(value.numerator) / value.denominator
+        return value
 
     def limited(value: Any) -> Any:
         """Return a value; raise OverflowError if it is too large, or too long to compute with."""
         if isinstance(value, Fraction):
             large = max(abs(value.numerator), value.denominator).bit_length() > LARGEST_BITS
         else:
-            large = not (-LARGEST.numerator < value.a and value.b < LARGEST.numerator)  # where it divides by 0 too
+            large = not (
+                -LARGEST.numerator < value.a and value.b < LARGEST.numerator
+            )  # where it divides by 0 too
         if large:
             raise OverflowError
         return value
 
     def value(node: ast.expr) -> Any:
-        """Return the value of a part of the expression: a Fraction if exact, else an enclosing interval."""
+        """Return the value of a part of the expression.
+
+        A Fraction if exact, else an enclosing interval.
+        """
         match node:
             case ast.Constant():
                 return read_exact(name, ast.get_source_segment(source, node))
             case ast.Name("pi"):
                 return iv.pi
-            case ast.UnaryOp(ast.UAdd() | ast.USub() as sign, inside) if not isinstance(inside, ast.UnaryOp):
-                return value(inside) if isinstance(sign, ast.UAdd) else -value(inside)  # two signs are a slip
+            case ast.UnaryOp(ast.UAdd() | ast.USub() as sign, inside) if not isinstance(
+                inside, ast.UnaryOp
+            ):
+                # two signs are a slip
+                if isinstance(sign, ast.UAdd):
+                    return value(inside)
+                return -value(inside)
             case ast.BinOp(left, ast.Pow(), right):
-                base, power = value(left), value(right)
-                if not (isinstance(power, Fraction) and power.denominator == 1 and abs(power) <= MOST_POWER):
+                base = value(left)
+                power = value(right)
+                if not (
+                    isinstance(power, Fraction)
+                    and power.denominator == 1
+                    and abs(power) <= MOST_POWER
+                ):
                     raise refused(f"a power must be a whole number up to {MOST_POWER} in size")
                 return limited(base ** int(power))
             case ast.BinOp(left, operation, right) if type(operation) in _OPERATORS:
-                first, second = value(left), value(right)
+                first = value(left)
+                second = value(right)
                 if not (isinstance(first, Fraction) and isinstance(second, Fraction)):
-                    first, second = enclosed(first), enclosed(second)
+                    first = enclosed(first)
+                    second = enclosed(second)
                 return limited(_OPERATORS[type(operation)](first, second))
             case ast.Call(ast.Name("sqrt" | "sin" | "cos" | "exp" as function), [inside], []):
                 argument = enclosed(value(inside))
@@ -165,7 +215,9 @@ def read_expression(name: str, text: str) -> tuple[Fraction, bool]:
         return found, True
     low, high = (read_exact(name, mp.make_mpf(end._mpi_[0])) for end in (found.a, found.b))
     if (high - low) * 10 ** (KNOWN_DIGITS + 5) > min(abs(low), abs(high)):
-        raise refused(f"is not known to {KNOWN_DIGITS} digits, as they cancel; write it as a number, 0 if it is that")
+        raise refused(
+            f"is not known to {KNOWN_DIGITS} digits, as they cancel; write it as a number, 0 if it is that"
+        )
     return rounded((low + high) / 2), False
 
 
@@ -187,7 +239,8 @@ _QUANTITY = re.compile(
     r"(?P<unit>(?!pi\b|[eE][+-]?\d)(?:[^\W\d_]|[°%](?![\d.]))(?:[^\W\d_]|[\s°%*/^()·\-]|(?<!\d)\d(?!\d))*)"
 )
 #: A unit whose factor has more digits than this has pi in it, which is known to 50 digits in pint.
-LONGEST_UNIT, LONGEST_FACTOR = 50, 30
+LONGEST_UNIT = 50
+LONGEST_FACTOR = 30
 
 
 def is_quantity(text: str) -> bool:
@@ -197,23 +250,35 @@ def is_quantity(text: str) -> bool:
 
 def read_quantity(name: str, text: str) -> tuple[Fraction, bool]:
     """Return a number with a unit, such as "3 cm", in the unit of the number `name`, and whether it is exact."""
-    parts, wanted, what = _QUANTITY.fullmatch(text), unit_of(name), _quantity(name).meaning
+    parts = _QUANTITY.fullmatch(text)
+    wanted = unit_of(name)
+    what = _quantity(name).meaning
     plain = wanted == "1"
-    allowed = "a number without a unit" if plain else f"give it in {wanted}, or in a unit of the same kind"
+    if plain:
+        allowed = "a number without a unit"
+    else:
+        allowed = f"give it in {wanted}, or in a unit of the same kind"
     refused = ParameterError(name, text, f"{name} is the {what}{',' if plain else ':'} {allowed}")
     if parts is None or len(parts["unit"]) > LONGEST_UNIT:
         raise refused
     registry = _registry()
     try:
         given = registry.parse_units(parts["unit"].strip().replace("^", "**").replace("·", "*"))
-        unit = "dimensionless" if plain else registry.parse_units(wanted)
+        if plain:
+            unit = "dimensionless"
+        else:
+            unit = registry.parse_units(wanted)
         # Both count turns or radians, and do not say which.
-        ambiguous = wanted == "rad/s" and any(part.endswith(("hertz", "counts_per_second")) for part in given._units)
+        ambiguous = wanted == "rad/s" and any(
+            part.endswith(("hertz", "counts_per_second")) for part in given._units
+        )
         factor = Fraction(registry.Quantity(Fraction(1), given).to(unit).magnitude)
     except Exception:  # pint has a dozen kinds, some of them AssertionError and TypeError
         raise refused from None
     if ambiguous:
-        raise ParameterError(name, text, "hertz may mean turns or radians per second: write turn/s or rad/s")
+        raise ParameterError(
+            name, text, "hertz may mean turns or radians per second: write turn/s or rad/s"
+        )
     number = read_exact(name, parts["number"]) * factor
     exact = max(len(str(factor.numerator)), len(str(factor.denominator))) <= LONGEST_FACTOR
     return (number if exact else rounded(number)), exact

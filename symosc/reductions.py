@@ -7,10 +7,11 @@
 
 Friction depends on x' - w' alone. So z = x - w obeys
 
-    m z'' + c z' + k z = A0 + m g sin(angle) + P cos(Omega t) + Q sin(Omega t) + friction of belts at v1 and v2
+    m z'' + c z' + k z = A0 + m g sin(angle) + P cos(Omega t) + Q sin(Omega t) + friction of belts
+    at v1 and v2
 
-where P cos + Q sin = B0 cos(Omega t + phase) + c y' + k y - m w'' - c w' - k w. In the time s = t - delay that is
-hypot(P, Q) cos(Omega s).
+where P cos + Q sin = B0 cos(Omega t + phase) + c y' + k y - m w'' - c w' - k w. In the time s = t -
+delay that is hypot(P, Q) cos(Omega s).
 """
 
 from __future__ import annotations
@@ -36,15 +37,21 @@ if TYPE_CHECKING:  # scenes are read without numpy
 
 #: Digits to compute irrational numbers with; 40 of them are kept.
 DIGITS = 80
-PI = Fraction("3.1415926535897932384626433832795028841971693993751058209749445923078164062862089986280348253421170680")
-#: A missing belt is replaced by one faster, by this factor, than the forces can make the mass in the time 1/Omega.
+PI = Fraction(
+    "3.1415926535897932384626433832795028841971693993751058209749445923078164062862089986280348253421170680"
+)
+#: A missing belt is replaced by one faster, by this factor, than the forces can make the mass in
+#: the time 1/Omega.
 FAR = 10**6
 #: Numbers, or half-widths, of t0, x0 and v0.
 Three = tuple[Fraction, Fraction, Fraction]
 
 
 class Harmonic(NamedTuple):
-    """A function C cos(Omega t) + S sin(Omega t) with rational C and S; `exact` is False if these were rounded."""
+    """A function C cos(Omega t) + S sin(Omega t) with rational C and S.
+
+    `exact` is False if these were rounded.
+    """
 
     C: Fraction
     S: Fraction
@@ -52,14 +59,19 @@ class Harmonic(NamedTuple):
 
     def plus(self, other: Harmonic, factor: Fraction | int = 1) -> Harmonic:
         """Return the sum of this harmonic and `factor` times another."""
-        return Harmonic(self.C + factor * other.C, self.S + factor * other.S, self.exact and other.exact)
+        return Harmonic(
+            self.C + factor * other.C, self.S + factor * other.S, self.exact and other.exact
+        )
 
     def rate(self, Omega: Fraction) -> Harmonic:
         """Return the time derivative of the harmonic."""
         return Harmonic(Omega * self.S, -Omega * self.C, self.exact)
 
     def at(self, cos: Any, sin: Any, number: Callable[[Fraction], Any] = float) -> Any:
-        """Return the value of the harmonic, given cos(Omega t) and sin(Omega t); `number` converts C and S."""
+        """Return the value of the harmonic, given cos(Omega t) and sin(Omega t).
+
+        `number` converts C and S.
+        """
         return number(self.C) * cos + number(self.S) * sin
 
     def bound(self) -> Fraction:
@@ -76,8 +88,8 @@ def harmonic(size: Fraction, phase: Fraction) -> Harmonic:
 def cos_sin(angle: Fraction) -> tuple[Fraction, Fraction, bool]:
     """Return the cosine and the sine of an angle, and whether they are exact.
 
-    They are exact for 0, and for an angle that differs from a multiple of pi/2 by no more than the rounding of its 40th
-    digit: then they are those of the multiple.
+    They are exact for 0, and for an angle that differs from a multiple of pi/2 by no more than the
+    rounding of its 40th digit: then they are those of the multiple.
     """
     turns = round(2 * angle / PI)
     if abs(angle - turns * PI / 2) <= (half_unit(angle) if turns else 0):
@@ -105,7 +117,8 @@ def polar(sum: Harmonic) -> tuple[Fraction, Fraction, bool]:
         return P, Fraction(0), sum.exact
     if P == 0:
         return Q, PI / 2, False
-    context, square = _context(DIGITS), P * P + Q * Q
+    context = _context(DIGITS)
+    square = P * P + Q * Q
     p, q = (context.mpf(each.numerator) / each.denominator for each in (P, Q))
     size = Fraction(isqrt(square.numerator), isqrt(square.denominator))
     if size * size != square or not sum.exact:
@@ -115,19 +128,23 @@ def polar(sum: Harmonic) -> tuple[Fraction, Fraction, bool]:
 
 @dataclass(frozen=True, kw_only=True, repr=False)
 class OtherModel:
-    """An oscillator of the literature that is symosc's in other coordinates: base motion, moving walls, inclines.
+    """An oscillator of the literature that is symosc's in other coordinates.
 
-    m x'' + c (x' - y') + k (x - y) = A0 + m g sin(angle) + B0 cos(Omega t + phase) + friction, with the base
-    y = Y cos(Omega t + Y_phase), and belts with the speeds v1 + w' and v2 + w'. Functions that take Parameters take
-    such a model too and work on the oscillator that it is, its `parameters`; `simulate` and `frequency_response` give
-    their results in the coordinates of the model.
+    Base motion, moving walls, inclines.
+
+    m x'' + c (x' - y') + k (x - y) = A0 + m g sin(angle) + B0 cos(Omega t + phase) + friction, with
+    the base y = Y cos(Omega t + Y_phase), and belts with the speeds v1 + w' and v2 + w'. Functions
+    that take Parameters take such a model too and work on the oscillator that it is, its
+    `parameters`; `simulate` and `frequency_response` give their results in the coordinates of the
+    model.
 
     Parameters
     ----------
     m, k, Omega : number
         Mass, spring, and the angular frequency of all that oscillates.
     FN : number, optional
-        Normal force. None: the weight m g cos(angle). It is the force of friction if mu1 is left out.
+        Normal force. None: the weight m g cos(angle). It is the force of friction if mu1 is left
+        out.
     c, A0, B0, v1, mu1, v2, mu2 : number, optional
         As in Parameters; 0 if left out, and mu1 = 1. Without v2 there is no second belt.
     phase : number, optional
@@ -148,7 +165,8 @@ class OtherModel:
     exact : bool
         Whether these are exact. If not they, and a start, are known to 40 digits.
     delay : Fraction
-        The time of the model minus that of the oscillator at the same instant, a constant, to 80 digits.
+        The time of the model minus that of the oscillator at the same instant, a constant, to 80
+        digits.
 
     Raises
     ------
@@ -188,7 +206,8 @@ class OtherModel:
 
     def __post_init__(self) -> None:
         joined: Any = self.joined
-        joined = {"true": True, "false": False}.get(joined) if isinstance(joined, str) else joined
+        if isinstance(joined, str):
+            joined = {"true": True, "false": False}.get(joined)
         if not isinstance(joined, bool):
             raise ParameterError("joined", self.joined, "must be true or false")
         object.__setattr__(self, "joined", joined)
@@ -197,9 +216,13 @@ class OtherModel:
             if value is not None or name not in ("FN", "v2"):
                 object.__setattr__(self, name, read_number(name, value)[0])
         if self.FN is None and self.g <= 0:
-            raise ParameterError("FN", None, "is needed, or g > 0: then it is the weight m g cos(angle)")
+            raise ParameterError(
+                "FN", None, "is needed, or g > 0: then it is the weight m g cos(angle)"
+            )
         if self.v2 is None and self.mu2 != 0:
-            raise ParameterError("mu2", show(self.mu2), "needs v2: without it there is no second belt")
+            raise ParameterError(
+                "mu2", show(self.mu2), "needs v2: without it there is no second belt"
+            )
         self.parameters  # noqa: B018  raises errors of numbers that are out of range
 
     @cached_property
@@ -209,10 +232,17 @@ class OtherModel:
 
     @cached_property
     def shift(self) -> Harmonic:
-        """The oscillation w of the belts about their constant motion: the model has x = z + w, the oscillator z."""
+        """The oscillation w of the belts about their constant motion.
+
+        The model has x = z + w, the oscillator z.
+        """
         rate = harmonic(self.W, self.W_phase)
-        own = Harmonic(-rate.S / self.Omega, rate.C / self.Omega, rate.exact)  # its integral with mean 0
-        return own.plus(self.base) if self.joined else own
+        own = Harmonic(
+            -rate.S / self.Omega, rate.C / self.Omega, rate.exact
+        )  # its integral with mean 0
+        if self.joined:
+            return own.plus(self.base)
+        return own
 
     @cached_property
     def force(self) -> Harmonic:
@@ -221,14 +251,26 @@ class OtherModel:
 
     @cached_property
     def _drive(self) -> tuple[Fraction, Fraction, bool]:
-        """The drive R cos(Omega t - psi) of the reduced oscillator: R, psi, and whether both are exact."""
-        base, shift, shift_rate = self.base, self.shift, self.shift.rate(self.Omega)
+        """The drive R cos(Omega t - psi) of the reduced oscillator.
+
+        R, psi, and whether both are exact.
+        """
+        shift_rate = self.shift.rate(self.Omega)
+        shift = self.shift
+        base = self.base
         sum = self.force.plus(base.rate(self.Omega), self.c).plus(base, self.k)
-        return polar(sum.plus(shift_rate.rate(self.Omega), -self.m).plus(shift_rate, -self.c).plus(shift, -self.k))
+        return polar(
+            sum.plus(shift_rate.rate(self.Omega), -self.m)
+            .plus(shift_rate, -self.c)
+            .plus(shift, -self.k)
+        )
 
     @property
     def delay(self) -> Fraction:
-        """The constant shift of time: the time of this model minus that of symosc's oscillator at the same instant."""
+        """The constant shift of time.
+
+        The time of this model minus that of symosc's oscillator at the same instant.
+        """
         return self._drive[1] / self.Omega
 
     @cached_property
@@ -243,12 +285,24 @@ class OtherModel:
             raise ParameterError("Omega", show(self.Omega), "must be > 0")
         cos, sin, exact = cos_sin(self.angle)
         down, press = (self.m * self.g * each for each in (sin, cos))
-        A0, FN = self.A0 + down, press if self.FN is None else self.FN
+        A0 = self.A0 + down
+        if self.FN is None:
+            FN = press
+        else:
+            FN = self.FN
         if not exact and self.g:
-            A0, FN = rounded(A0), FN if self.FN is not None else rounded(FN)
-        B0, v2 = self._drive[0], self.v2
+            A0 = rounded(A0)
+            if self.FN is None:
+                FN = rounded(FN)
+        B0 = self._drive[0]
+        v2 = self.v2
         if v2 is None and self.m > 0:
-            forces = abs(A0) + abs(B0) + abs(self.mu1 * FN) + self.m * self.Omega * (abs(self.v1) + self.shift.bound())
+            forces = (
+                abs(A0)
+                + abs(B0)
+                + abs(self.mu1 * FN)
+                + self.m * self.Omega * (abs(self.v1) + self.shift.bound())
+            )
             v2 = self.v1 + FAR * Fraction(10) ** ceil(log10(forces / (self.m * self.Omega) or 1))
         same = {name: getattr(self, name) for name in ("m", "c", "k", "Omega", "v1", "mu1", "mu2")}
         return Parameters(**same, A0=A0, B0=B0, v2=self.v1 + 1 if v2 is None else v2, FN=FN)
@@ -263,7 +317,9 @@ class OtherModel:
         return OtherModel(**{name: getattr(self, name) for name in MODEL_NAMES} | changes)
 
     @public
-    def back(self, t: ArrayLike, x: ArrayLike, v: ArrayLike) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    def back(
+        self, t: ArrayLike, x: ArrayLike, v: ArrayLike
+    ) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
         """Convert times, positions and velocities of symosc's oscillator to those of this model.
 
         Examples
@@ -280,7 +336,9 @@ class OtherModel:
         return t + float(self.delay), x + w, v + rate
 
     @public
-    def forth(self, t: ArrayLike, x: ArrayLike, v: ArrayLike) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    def forth(
+        self, t: ArrayLike, x: ArrayLike, v: ArrayLike
+    ) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
         """Convert times, positions and velocities of this model to those of symosc's oscillator, in doubles.
 
         Examples
@@ -296,10 +354,20 @@ class OtherModel:
         return t - float(self.delay), x - w, v - rate
 
     def as_dict(self) -> dict[str, Any]:
-        """Return all numbers that are not at their defaults as text that reads back exactly; `joined` is a bool."""
+        """Return all numbers that are not at their defaults as text that reads back exactly.
+
+        `joined` is a bool.
+        """
         values = {each.name: getattr(self, each.name) for each in fields(self)}
-        changed = {each.name: values[each.name] for each in fields(self) if values[each.name] != each.default}
-        return {name: value if isinstance(value, bool) else show(value) for name, value in changed.items()}
+        changed = {
+            each.name: values[each.name]
+            for each in fields(self)
+            if values[each.name] != each.default
+        }
+        return {
+            name: value if isinstance(value, bool) else show(value)
+            for name, value in changed.items()
+        }
 
     def __repr__(self) -> str:
         return f"OtherModel({', '.join(f'{name}={value!r}' for name, value in self.as_dict().items())})"
@@ -309,7 +377,8 @@ def motion_of_belts(model: OtherModel, t: Any) -> tuple[Any, Any]:
     """Return the oscillation w of the belts and its rate w' at times of the model, in doubles."""
     import numpy as np
 
-    cos, sin = np.cos(float(model.Omega) * t), np.sin(float(model.Omega) * t)
+    cos = np.cos(float(model.Omega) * t)
+    sin = np.sin(float(model.Omega) * t)
     return model.shift.at(cos, sin), model.shift.rate(model.Omega).at(cos, sin)
 
 
@@ -317,22 +386,35 @@ def event_back(
     model: OtherModel, t: Number, x: Number, v: Number, theta: Number
 ) -> tuple[Number, Number, Number, Number]:
     """Convert t, x, v and phase of an event to the model's coordinates, in floats or mpf as they are given."""
-    number, context = number_like(t), getattr(t, "context", math)
+    number = number_like(t)
+    context = getattr(t, "context", math)
     theta = (theta + number(model._drive[1])) % (2 * context.pi)
-    cos, sin = context.cos(theta), context.sin(theta)
-    w, rate = model.shift.at(cos, sin, number), model.shift.rate(model.Omega).at(cos, sin, number)
+    cos = context.cos(theta)
+    sin = context.sin(theta)
+    w = model.shift.at(cos, sin, number)
+    rate = model.shift.rate(model.Omega).at(cos, sin, number)
     return t + number(model.delay), x + w, v + rate, theta
 
 
 def reduced_time(model: OtherModel, t: Fraction) -> Fraction:
     """Convert a time of the model to the time of symosc's oscillator."""
-    return rounded(t - model.delay) if model.delay else t
+    if model.delay:
+        return rounded(t - model.delay)
+    return t
 
 
-def reduced_start(model: OtherModel, t0: Fraction, x0: Fraction, v0: Fraction) -> tuple[Three, Three]:
+def reduced_start(
+    model: OtherModel, t0: Fraction, x0: Fraction, v0: Fraction
+) -> tuple[Three, Three]:
     """Return a model's start as t0, x0, v0 of symosc's oscillator, and by how much each may be off (0 if exact)."""
-    p, zero, (cos, sin, exact) = model.parameters, Fraction(0), cos_sin(model.Omega * t0)
-    s0, s_error = reduced_time(model, t0), half_unit(abs(t0) + abs(model.delay)) if model.delay else zero
+    p = model.parameters
+    zero = Fraction(0)
+    (cos, sin, exact) = cos_sin(model.Omega * t0)
+    s0 = reduced_time(model, t0)
+    if model.delay:
+        s_error = half_unit(abs(t0) + abs(model.delay))
+    else:
+        s_error = zero
     if model.shift.bound() == 0:
         return (s0, x0, v0), (s_error, zero, zero)
     w, rate = (each.at(cos, sin, Fraction) for each in (model.shift, model.shift.rate(model.Omega)))
@@ -341,38 +423,53 @@ def reduced_start(model: OtherModel, t0: Fraction, x0: Fraction, v0: Fraction) -
     (z0, z_error), (u0, u_error) = (_difference(a, b) for a, b in ((x0, w), (v0, rate)))
     for belt in (p.v1, p.v2):
         if abs(u0 - belt) <= half_unit(abs(v0) + abs(rate)):
-            u0, u_error = belt, zero
+            u0 = belt
+            u_error = zero
     return (s0, z0, u0), (s_error, z_error, u_error)
 
 
 def _read_arrays(**given: Any) -> list[np.ndarray]:
-    """Return numbers or arrays as arrays of doubles; ParameterError unless they are finite and of matching shapes."""
+    """Return numbers or arrays as arrays of doubles.
+
+    ParameterError unless they are finite and of matching shapes.
+    """
     import numpy as np
 
     found: dict[str, np.ndarray] = {}
     for name, value in given.items():
         array = np.asarray(unmasked(name, value), dtype=None if hasattr(value, "dtype") else object)
         if array.dtype.kind not in "iuf" or not np.isfinite(array).all():
-            array = np.vectorize(lambda each, name=name: float(read_exact(name, each)), otypes=[float])(array)
+            array = np.vectorize(
+                lambda each, name=name: float(read_exact(name, each)), otypes=[float]
+            )(array)
         found[name] = array.astype(float)
         try:
             np.broadcast_shapes(*(each.shape for each in found.values()))
         except ValueError:
-            raise ParameterError(name, array, "must have one number, or as many as the others") from None
+            raise ParameterError(
+                name, array, "must have one number, or as many as the others"
+            ) from None
     return list(found.values())
 
 
 def number_like(value: Number) -> Callable[[Fraction], Number]:
-    """Return the function that turns a Fraction into a number like `value`: a float, or an mpf of the same context."""
+    """Return the function that turns a Fraction into a number like `value`.
+
+    A float, or an mpf of the same context.
+    """
     context = getattr(value, "context", None)
-    return float if context is None else lambda exact: context.mpf(exact.numerator) / exact.denominator
+    if context is None:
+        return float
+    return lambda exact: context.mpf(exact.numerator) / exact.denominator
 
 
 def _difference(a: Fraction, b: Fraction) -> tuple[Fraction, Fraction]:
     """Return a - b of two numbers that are known to 40 digits, and a bound of the error of this difference."""
     # It is 0 where both agree up to the rounding of these digits.
     size = abs(a) + abs(b)
-    return rounded(a - b) if abs(a - b) * 10 ** (DIGITS - 20) > size else Fraction(0), half_unit(size)
+    return rounded(a - b) if abs(a - b) * 10 ** (DIGITS - 20) > size else Fraction(0), half_unit(
+        size
+    )
 
 
 MODEL_NAMES = tuple(each.name for each in fields(OtherModel))

@@ -1,9 +1,10 @@
 """The frequency response: what the settled motion does per cycle of the drive, over one parameter.
 
-The settled motion is the periodic orbit, or the motion that meets no belt, or a rest: for each of them one cycle is
-followed, exactly. Its pieces are analytic; on each, cut in halves until that has converged, Legendre polynomials
-through Gauss's points give the integrals and the extremes. The energies that go in and that are lost are integrals of
-their own, so that their difference shows the error.
+The settled motion is the periodic orbit, or the motion that meets no belt, or a rest: for each of
+them one cycle is followed, exactly. Its pieces are analytic; on each, cut in halves until that has
+converged, Legendre polynomials through Gauss's points give the integrals and the extremes. The
+energies that go in and that are lost are integrals of their own, so that their difference shows the
+error.
 """
 
 from __future__ import annotations
@@ -40,11 +41,16 @@ from symosc.simulation.trajectory import Segment, Trajectory
 from symosc.sweeps.plan import read_axis
 from symosc.words import Word, WordError
 
-#: Gauss points of a part of a piece, and what the last coefficients of its polynomials may be: as a part of the size of
-#: the motion or, where that is less, of this part of what the drive would do to the mass alone, or to the spring.
-POINTS, CONVERGED, SMALL_MOTION = 24, 1e-14, 1e-2
-#: How often a piece is halved at most, and where halving no longer helps because rounding is all that is left.
-MOST_HALVES, ROUNDING = 30, 1e-10
+#: Gauss points of a part of a piece, and what the last coefficients of its polynomials may be: as a
+#: part of the size of the motion or, where that is less, of this part of what the drive would do to
+#: the mass alone, or to the spring.
+POINTS = 24
+CONVERGED = 1e-14
+SMALL_MOTION = 1e-2
+#: How often a piece is halved at most, and where halving no longer helps because rounding is all
+#: that is left.
+MOST_HALVES = 30
+ROUNDING = 1e-10
 #: Periods after which a motion from harmonic balance is examined for an orbit, one after the other.
 FOLLOWED = 3, 12, 48
 #: The columns of a response, beside that of the parameter.
@@ -63,30 +69,31 @@ class FrequencyResponse(Columns):
         The parameter.
     values : array, (n,)
     status : array of str
-        "orbit", "marginal orbit", "linear" (meets no belt), "rest" (stays on a belt at rest), or why there is no
-        settled motion; then the numbers are nan.
+        "orbit", "marginal orbit", "linear" (meets no belt), "rest" (stays on a belt at rest), or
+        why there is no settled motion; then the numbers are nan.
     word : array of str
         The mapping structure of an orbit.
     amplitude : array
         Half the distance between the largest and the smallest x.
     transmissibility : array
-        Of a moving base: the amplitude over that of the base. Else: half the range of the force that spring, damper and
-        friction pass on, over that of the excitation. nan if neither base nor force oscillates.
+        Of a moving base: the amplitude over that of the base. Else: half the range of the force
+        that spring, damper and friction pass on, over that of the excitation. nan if neither base
+        nor force oscillates.
     phase : array
-        By how much the first harmonic of x lags the excitation, in (-pi, pi]: the base, if that moves, else
-        the force, else the speeds of the belts.
+        By how much the first harmonic of x lags the excitation, in (-pi, pi]: the base, if that
+        moves, else the force, else the speeds of the belts.
     harmonic : array
         The amplitude of the first harmonic of x.
     work, dissipated : array
-        Energies per cycle of the drive: what excitation, base and belts do on the mass, and what damper and belts turn
-        into heat. They are computed independently and are equal.
+        Energies per cycle of the drive: what excitation, base and belts do on the mass, and what
+        damper and belts turn into heat. They are computed independently and are equal.
     damper, friction : array
         The two parts of `dissipated`.
     stuck : array
         Share of the time for which the mass is stuck to a belt.
     balance, balance_error : array
-        The amplitude by harmonic balance (a single harmonic, and the first harmonic of friction), and how far it is
-        from `amplitude`, as a part of this.
+        The amplitude by harmonic balance (a single harmonic, and the first harmonic of friction),
+        and how far it is from `amplitude`, as a part of this.
     error : array
         Estimated error of `amplitude`.
 
@@ -101,7 +108,9 @@ class FrequencyResponse(Columns):
     """
 
     def __getattr__(self, name: str) -> Any:
-        raise AttributeError(f"FrequencyResponse has no column {name!r}; it has {', '.join(COLUMNS)}")
+        raise AttributeError(
+            f"FrequencyResponse has no column {name!r}; it has {', '.join(COLUMNS)}"
+        )
 
     def columns(self) -> dict[str, np.ndarray]:
         """Return all columns by name, first the column of the parameter."""
@@ -112,7 +121,10 @@ class FrequencyResponse(Columns):
         return imported("pandas").DataFrame(self.columns())
 
     def to_csv(self, path: str | Path) -> None:
-        """Write the columns as CSV with a header ("-": to standard output); OutputError if it cannot be written."""
+        """Write the columns as CSV with a header ("-": to standard output).
+
+        OutputError if it cannot be written.
+        """
         text = io.StringIO()
         writer = csv.writer(text, lineterminator="\n")
         writer.writerow(self.columns())
@@ -123,13 +135,17 @@ class FrequencyResponse(Columns):
         return len(self.values)
 
     def __repr__(self) -> str:
-        low, high = self.values.min(), self.values.max()
+        low = self.values.min()
+        high = self.values.max()
         return f"<FrequencyResponse over {self.name} from {low:g} to {high:g}, {len(self)} values>"
 
 
 @public
 def frequency_response(
-    what: Scene | Parameters | OtherModel | SceneName, over: Mapping[str, ArrayLike], *, progress: Progress = False
+    what: Scene | Parameters | OtherModel | SceneName,
+    over: Mapping[str, ArrayLike],
+    *,
+    progress: Progress = False,
 ) -> FrequencyResponse:
     """Return amplitude, transmissibility, phase, energies and time of sticking of the settled motion over a parameter.
 
@@ -138,10 +154,11 @@ def frequency_response(
     what : Scene, its name or file, Parameters or OtherModel
         With k > 0. The start of a scene does not count.
     over : mapping
-        One parameter, or number of the model, with its values, or text ``"LO:HI:N"``: ``{"Omega": "0.5:2:100"}``.
+        One parameter, or number of the model, with its values, or text ``"LO:HI:N"``: ``{"Omega":
+        "0.5:2:100"}``.
     progress : bool or callable, optional
-        True: if it takes more than two seconds, a bar with rate and time left on a terminal. Or a function of two
-        numbers: the part that is done, and 1.
+        True: if it takes more than two seconds, a bar with rate and time left on a terminal. Or a
+        function of two numbers: the part that is done, and 1.
 
     Returns
     -------
@@ -154,9 +171,10 @@ def frequency_response(
 
     Notes
     -----
-    With c > 0 the settled motion is the only one. With c = 0 it is too, if it attracts its neighbours: the period map
-    does not expand, so that periodic motions form a convex set. Where a marginal orbit has others beside it the status
-    is "marginal orbit", and the numbers are those of one of them.
+    With c > 0 the settled motion is the only one. With c = 0 it is too, if it attracts its
+    neighbours: the period map does not expand, so that periodic motions form a convex set. Where a
+    marginal orbit has others beside it the status is "marginal orbit", and the numbers are those of
+    one of them.
 
     Examples
     --------
@@ -167,12 +185,17 @@ def frequency_response(
     """
     model = model_of(what)
     if not isinstance(over, Mapping) or len(over) != 1:
-        raise ParameterError("over", over, 'must be one parameter with its values, such as {"Omega": "0.5:2:100"}')
+        raise ParameterError(
+            "over", over, 'must be one parameter with its values, such as {"Omega": "0.5:2:100"}'
+        )
     ((name, given),) = over.items()
     if name not in NUMBER_NAMES:
-        raise ParameterError("over", name, f"is not one of {', '.join(NUMBER_NAMES)}{meant(str(name), NUMBER_NAMES)}")
+        raise ParameterError(
+            "over", name, f"is not one of {', '.join(NUMBER_NAMES)}{meant(str(name), NUMBER_NAMES)}"
+        )
     values = read_axis(name, given)
-    rows, before = list[Record](), None
+    rows = list[Record]()
+    before = None
     with late_bar(progress, f"response over {name}", "values") as advance:
         for i, value in enumerate(values.tolist()):
             row, before = respond(model.replace(**{name: value}), before)
@@ -180,32 +203,49 @@ def frequency_response(
             if advance:
                 advance((i + 1) / len(values), i + 1)
     missing: Record = {"word": ""}
-    columns = {each: np.array([row.get(each, missing.get(each, nan)) for row in rows]) for each in COLUMNS}
+    columns = {
+        each: np.array([row.get(each, missing.get(each, nan)) for row in rows]) for each in COLUMNS
+    }
     return FrequencyResponse(name=name, values=values, **columns)
 
 
 def model_of(what: Any) -> OtherModel:
-    """Return `what` (a scene, its name, Parameters or OtherModel) as an OtherModel; by default its base is at rest."""
+    """Return `what` (a scene, its name, Parameters or OtherModel) as an OtherModel.
+
+    By default its base is at rest.
+    """
     if isinstance(what, OtherModel):
         return what
     if not isinstance(what, Parameters):
-        scene = what if isinstance(what, Scene) else load_scene(what)
+        if isinstance(what, Scene):
+            scene = what
+        else:
+            scene = load_scene(what)
         if scene.original is not None:
             return scene.original.model
         what = scene.parameters
     return OtherModel(**by_name(what))
 
 
-def respond(model: OtherModel, before: PeriodicOrbit | None = None) -> tuple[Record, PeriodicOrbit | None]:
+def respond(
+    model: OtherModel, before: PeriodicOrbit | None = None
+) -> tuple[Record, PeriodicOrbit | None]:
     """Return one row of a `FrequencyResponse` by the names of its columns, and an orbit to begin the next row with.
 
-    This is the orbit of the `model`, or, if none was found, `before`: an orbit at nearby parameters, or None.
+    This is the orbit of the `model`, or, if none was found, `before`: an orbit at nearby
+    parameters, or None.
     """
     p = model.parameters
     if p.k == 0:
-        raise ParameterError("k", 0, "must be > 0: without a spring nothing fixes the position of a settled motion")
-    late, (mean, z) = np.exp(-1j * float(model.delay * model.Omega)), harmonic_balance(p)
-    balance = inf if z == inf else abs(_phasor(model.shift) + late * z)
+        raise ParameterError(
+            "k", 0, "must be > 0: without a spring nothing fixes the position of a settled motion"
+        )
+    late = np.exp(-1j * float(model.delay * model.Omega))
+    (mean, z) = harmonic_balance(p)
+    if z == inf:
+        balance = inf
+    else:
+        balance = abs(_phasor(model.shift) + late * z)
     try:
         if z == inf:
             raise _unsettled("the motion grows for ever, at resonance without a damper")
@@ -213,7 +253,12 @@ def respond(model: OtherModel, before: PeriodicOrbit | None = None) -> tuple[Rec
         row = cycle_response(model, start, orbit)
     except ConvergenceError as error:
         return {"status": error.reason, "balance": balance}, before
-    part = balance / row["amplitude"] - 1 if row["amplitude"] else nan if balance == 0 else inf
+    if row["amplitude"]:
+        part = balance / row["amplitude"] - 1
+    elif balance == 0:
+        part = nan
+    else:
+        part = inf
     return {"status": status, "balance": balance, "balance_error": part} | row, orbit or before
 
 
@@ -230,7 +275,10 @@ Settled = tuple[str, tuple[Any, Any, Any], PeriodicOrbit | None]
 
 
 def settle(p: Parameters, guess: tuple[float, float], before: PeriodicOrbit | None) -> Settled:
-    """Return the settled motion, found from x, v of `guess` or the nearby orbit `before`; else ConvergenceError."""
+    """Return the settled motion, found from x, v of `guess` or the nearby orbit `before`.
+
+    Else ConvergenceError.
+    """
     for boundary in (1, 2):
         rests = rest_positions(p, boundary)
         if rests is not None:
@@ -239,36 +287,51 @@ def settle(p: Parameters, guess: tuple[float, float], before: PeriodicOrbit | No
     if free is not None:
         if p.c == 0:
             raise _unsettled("without a damper the motion between the belts goes on for ever")
-        z = float(p.B0) / complex(float(p.k - p.m * p.Omega**2), float(p.c * p.Omega))  # the first harmonic
+        z = float(p.B0) / complex(
+            float(p.k - p.m * p.Omega**2), float(p.c * p.Omega)
+        )  # the first harmonic
         return "linear", (0, float(p.A(free) / p.k) + z.real, -float(p.Omega) * z.imag), None
     orbit = _nearby_orbit(p, before) or _orbit_reached(p, guess) or settled_orbit(p, most=1000)
-    (t, x), belt = orbit.points[0], orbit.equations().pieces[0].start
+    (t, x) = orbit.points[0]
+    belt = orbit.equations().pieces[0].start
     return "orbit" if orbit.stable else "marginal orbit", (t, x, p.belt(belt)), orbit
 
 
 def _nearby_orbit(p: Parameters, before: PeriodicOrbit | None) -> PeriodicOrbit | None:
-    """Find the stable orbit with the word of `before`, an orbit at other parameters; None if there is none."""
+    """Find the stable orbit with the word of `before`, an orbit at other parameters.
+
+    None if there is none.
+    """
     if before is None:
         return None
     scale = float(before.parameters.Omega / p.Omega)
     found = _orbit(p, before.word, [(t * scale, x) for t, x in before.points])
-    return found if found and found.stable else None  # it attracts all motions: there is no other
+    # it attracts all motions: there is no other
+    if found and found.stable:
+        return found
+    return None
 
 
 def _orbit_reached(p: Parameters, guess: tuple[float, float]) -> PeriodicOrbit | None:
-    """Follow the motion from x and v of `guess` and find the orbit that it approaches; None if none, or unstable.
+    """Follow the motion from x and v of `guess` and find the orbit that it approaches.
 
-    The orbit is looked for near the events of the second last period followed: mappings that begin there end before the
-    motion does. A marginal orbit counts as stable.
+    None if none, or unstable.
+
+    The orbit is looked for near the events of the second last period followed: mappings that begin
+    there end before the motion does. A marginal orbit counts as stable.
     """
     period = 2 * pi / float(p.Omega)
     for count in FOLLOWED:
         motion = simulate(p, t0=0, x0=guess[0], v0=guess[1], t_end=count * period)
         begin = (count - 2) * period
-        cycle = [i for i, event in enumerate(motion.events) if begin <= float(event.t) < begin + period]
+        cycle = [
+            i for i, event in enumerate(motion.events) if begin <= float(event.t) < begin + period
+        ]
         labels = [motion.segments[i + 1].label for i in cycle]
         if labels and None not in labels:
-            points = [(float(event.t), float(event.x)) for event in (motion.events[i] for i in cycle)]
+            points = [
+                (float(event.t), float(event.x)) for event in (motion.events[i] for i in cycle)
+            ]
             orbit = _orbit(p, str(Word(tuple(filter(None, labels)))), points)
             if orbit and orbit.stable is not False:
                 return orbit
@@ -281,27 +344,41 @@ def _orbit(p: Parameters, word: str, points: list[tuple[float, float]]) -> Perio
         found = find_orbit(p, word, points, periods=1)
     except (ConvergenceError, ParameterError, WordError):
         return None
-    return found if found.admissible else None
+    if found.admissible:
+        return found
+    return None
 
 
 def meets_no_belt(p: Parameters) -> int | None:
-    """Decide exactly whether the steady linear motion meets no belt; return the domain in which it stays, or None."""
+    """Decide exactly whether the steady linear motion meets no belt.
+
+    Return the domain in which it stays, or None.
+    """
     stiffness = (p.k - p.m * p.Omega**2) ** 2 + (p.c * p.Omega) ** 2
     if stiffness == 0:
         return None
     square = (p.B0 * p.Omega) ** 2 / stiffness  # of its largest velocity
     inside = [square < speed * speed and speed > 0 for speed in (p.v1, -p.v1, p.v2, -p.v2)]
-    return 1 if inside[0] else 3 if inside[3] else 2 if inside[1] and inside[2] else None
+    if inside[0]:
+        return 1
+    if inside[3]:
+        return 3
+    if inside[1] and inside[2]:
+        return 2
+    return None
 
 
 def harmonic_balance(p: Parameters) -> tuple[float, complex]:
     """Return mean and first harmonic of x by harmonic balance, dropping the higher harmonics of x and friction."""
-    # For v = -V sin(a) these are, of a belt, (2/pi) mu FN arcsin(v_lambda/V) and -(4/pi) mu FN sqrt(1 - (v_lambda/V)^2)
-    # sin(a), and where V < |v_lambda| the whole force and 0. The size of both sides of the balance increases with V, so
-    # that there is one solution; inf where it grows for ever.
+    # For v = -V sin(a) these are, of a belt, (2/pi) mu FN arcsin(v_lambda/V) and -(4/pi) mu FN
+    # sqrt(1 - (v_lambda/V)^2) sin(a), and where V < |v_lambda| the whole force and 0. The size of
+    # both sides of the balance increases with V, so that there is one solution; inf where it grows
+    # for ever.
     m, c, k, Omega, B0 = (float(each) for each in (p.m, p.c, p.k, p.Omega, p.B0))
     belts = [(float(p.friction(belt)), float(p.belt(belt))) for belt in (1, 2)]
-    smallest, most = (4 / pi * sum(force for force, v in belts if abs(v) <= limit) for limit in (0, inf))
+    smallest, most = (
+        4 / pi * sum(force for force, v in belts if abs(v) <= limit) for limit in (0, inf)
+    )
     stiffness = hypot(k / Omega - m * Omega, c)
 
     def drive_parts(V: float) -> tuple[float, float]:
@@ -309,26 +386,42 @@ def harmonic_balance(p: Parameters) -> tuple[float, complex]:
         friction = sum(force * sqrt(1 - (v / V) ** 2) for force, v in belts if abs(v) < V)
         return (k / Omega - m * Omega) * V, c * V + 4 / pi * friction
 
-    V, z = 0.0, 0j
+    V = 0.0
+    z = 0j
     if abs(B0) > smallest:
-        if stiffness == 0 and abs(B0) >= most:  # at resonance without a damper friction alone holds the drive
+        if (
+            stiffness == 0 and abs(B0) >= most
+        ):  # at resonance without a damper friction alone holds the drive
             return 0.0, complex(inf)
         from scipy.optimize import brentq
 
-        high = abs(B0) / stiffness if stiffness else 1.0
+        if stiffness:
+            high = abs(B0) / stiffness
+        else:
+            high = 1.0
         while hypot(*drive_parts(high)) < abs(B0):
             high *= 2
-        V = brentq(lambda V: (hypot(*drive_parts(V)) if V else smallest) - abs(B0), 0.0, high, xtol=1e-300, rtol=1e-15)
+        V = brentq(
+            lambda V: (hypot(*drive_parts(V)) if V else smallest) - abs(B0),
+            0.0,
+            high,
+            xtol=1e-300,
+            rtol=1e-15,
+        )
         elastic, loss = drive_parts(V)
         z = complex(V / Omega * np.exp(-1j * atan2(loss, elastic))) * (1 if B0 > 0 else -1)
-    pull = sum(2 / pi * force * asin(max(-1.0, min(v / V, 1.0)) if V else float(np.sign(v))) for force, v in belts)
+    pull = sum(
+        2 / pi * force * asin(max(-1.0, min(v / V, 1.0)) if V else float(np.sign(v)))
+        for force, v in belts
+    )
     return (float(p.A0) + pull) / k, z
 
 
 # -- one cycle of it
 
 
-#: A part of a piece: its segment, its ends, Gauss's points and weights of an integral, and z and u of the motion there.
+#: A part of a piece: its segment, its ends, Gauss's points and weights of an integral, and z and u
+#: of the motion there.
 Part = tuple[Segment, tuple[float, float], np.ndarray, np.ndarray, np.ndarray, np.ndarray]
 
 
@@ -337,27 +430,36 @@ def _gauss() -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """Return points and weights of Gauss in [-1, 1], and the matrix from values there to Legendre coefficients."""
     points, weights = legendre.leggauss(POINTS)
     degrees = np.arange(POINTS)
-    return points, weights, (degrees + 0.5)[:, None] * legendre.legvander(points, POINTS - 1).T * weights
+    return (
+        points,
+        weights,
+        (degrees + 0.5)[:, None] * legendre.legvander(points, POINTS - 1).T * weights,
+    )
 
 
 def parts(motion: Trajectory) -> Iterator[Part]:
     """Yield the parts of a motion on which a polynomial through its values at Gauss's points is accurate."""
-    p, (points, weights, coefficients) = motion.parameters, _gauss()
-    # Periods of a motion without events are cut into parts of this angle of the fastest of drive and oscillator.
+    p = motion.parameters
+    (points, weights, coefficients) = _gauss()
+    # Periods of a motion without events are cut into parts of this angle of the fastest of drive
+    # and oscillator.
     longest = 2.0 / max(float(p.Omega), sqrt(p.k / p.m))
     times = np.linspace(float(motion.t_start), float(motion.t_end), POINTS)
     forces = float(abs(p.B0) + p.friction(1) + p.friction(2))
     least = SMALL_MOTION * np.array([forces / float(p.k), forces / float(p.m * p.Omega)])
     scale = np.maximum(np.maximum(np.abs(motion(times)).max(axis=1), least), 1e-300)  # of z and u
     for segment in motion.segments:
-        begin, end = float(segment.t_start), float(segment.t_end)
+        begin = float(segment.t_start)
+        end = float(segment.t_end)
         ends = np.linspace(begin, end, 2 + int((end - begin) / longest))
         todo = [(a, b, 0, inf) for a, b in pairwise(ends) if b > a]
         while todo:
             a, b, halved, before = todo.pop()
             t = np.clip(a + (b - a) * (points + 1) / 2, a, b)
             z, u = motion(t)
-            tail = float((np.abs(coefficients[-2:] @ np.stack([z, u], axis=1)).max(axis=0) / scale).max())
+            tail = float(
+                (np.abs(coefficients[-2:] @ np.stack([z, u], axis=1)).max(axis=0) / scale).max()
+            )
             rounding = ROUNDING > tail > before / 4
             if tail > CONVERGED and not rounding and halved < MOST_HALVES:
                 middle = (a + b) / 2
@@ -373,35 +475,67 @@ def turning_points(values: np.ndarray) -> np.ndarray:
     """
     found = _gauss()[2] @ values
     slope = legendre.legder(legendre.legtrim(found, CONVERGED * np.abs(found).max()))
-    roots = legendre.legroots(slope) if len(slope) > 1 else np.empty(0)
+    if len(slope) > 1:
+        roots = legendre.legroots(slope)
+    else:
+        roots = np.empty(0)
     inside = roots.real[(np.abs(roots.imag) < 1e-6) & (np.abs(roots.real) <= 1)]
     return np.concatenate([[-1, 1], inside])
 
 
-def cycle_response(model: OtherModel, start: tuple[Any, Any, Any], orbit: PeriodicOrbit | None) -> Record:
+def cycle_response(
+    model: OtherModel, start: tuple[Any, Any, Any], orbit: PeriodicOrbit | None
+) -> Record:
     """Return the columns of a response from one cycle of the settled motion through `start` (on `orbit`, if any)."""
-    p, Omega, delay, n = model.parameters, float(model.Omega), float(model.delay), orbit.periods if orbit else 1
-    period, (t0, x0, v0) = 2 * pi * n / Omega, start
+    p = model.parameters
+    Omega = float(model.Omega)
+    delay = float(model.delay)
+    if orbit:
+        n = orbit.periods
+    else:
+        n = 1
+    period = 2 * pi * n / Omega
+    (t0, x0, v0) = start
     motion = simulate(p, t0=t0, x0=x0, v0=v0, t_end=float(t0) + period)
     if motion.status == "undecidable":
         raise _unsettled(motion.message)
     m, c, k, drive = (float(each) for each in (model.m, model.c, model.k, p.B0))
     belts = [(float(p.friction(belt)), float(p.belt(belt))) for belt in (1, 2)]
-    shift_rate, base_rate = model.shift.rate(model.Omega), model.base.rate(model.Omega)
-    waves = model.shift, shift_rate, shift_rate.rate(model.Omega), model.base, base_rate, model.force
-    turns, passed, first, damper, work, heat, stuck = list[np.ndarray](), list[float](), 0j, 0.0, 0.0, 0.0, 0.0
+    shift_rate = model.shift.rate(model.Omega)
+    base_rate = model.base.rate(model.Omega)
+    waves = (
+        model.shift,
+        shift_rate,
+        shift_rate.rate(model.Omega),
+        model.base,
+        base_rate,
+        model.force,
+    )
+    turns = list[np.ndarray]()
+    passed = list[float]()
+    first = 0j
+    damper = 0.0
+    work = 0.0
+    heat = 0.0
+    stuck = 0.0
     for segment, (begin, end), t, weights, z, u in parts(motion):
-        cos, sin = np.cos(Omega * (t + delay)), np.sin(Omega * (t + delay))
+        cos = np.cos(Omega * (t + delay))
+        sin = np.sin(Omega * (t + delay))
         w, w_rate, w_second, y, y_rate, force = (each.at(cos, sin) for each in waves)
-        x, v = z + w, u + w_rate
+        x = z + w
+        v = u + w_rate
         driven = float(p.A0) + drive * np.cos(Omega * t) - c * u - k * z  # all but friction
-        pulls = [np.full(POINTS, friction * (-1 if u.mean() > speed else 1)) for friction, speed in belts]
+        pulls = [
+            np.full(POINTS, friction * (-1 if u.mean() > speed else 1)) for friction, speed in belts
+        ]
         if segment.mode.startswith("belt"):
             held = int(segment.mode[-1])
             pulls[held - 1] = -driven - pulls[2 - held]
             stuck += float(weights.sum())
         acceleration = (driven + sum(pulls)) / m
-        heat += sum(friction * abs(float(weights @ (u - speed))) for friction, speed in belts)  # 0 on a belt
+        heat += sum(
+            friction * abs(float(weights @ (u - speed))) for friction, speed in belts
+        )  # 0 on a belt
         damper += c * float(weights @ (v - y_rate) ** 2)
         pushed = force * v + (k * (y - x) + c * (y_rate - v)) * y_rate
         drawn = sum(pull * (speed + w_rate) for pull, (_, speed) in zip(pulls, belts, strict=True))
@@ -414,22 +548,31 @@ def cycle_response(model: OtherModel, start: tuple[Any, Any, Any], orbit: Period
     amplitude = float(np.ptp(motion(times)[0] + motion_of_belts(model, times + delay)[0])) / 2
     first *= 2 / period
     # What phases refer to: the base, the force, or the belts' speeds.
-    excitation = _phasor(model.base if model.Y else model.force if model.B0 else harmonic(model.W, model.W_phase))
-    Y, B0 = abs(float(model.Y)), abs(float(model.B0))
+    excitation = _phasor(
+        model.base if model.Y else model.force if model.B0 else harmonic(model.W, model.W_phase)
+    )
+    Y = abs(float(model.Y))
+    B0 = abs(float(model.B0))
     closure = np.abs(motion([motion.t_start, motion.t_end]) @ [1, -1]) / [1, Omega]
-    multiplier = max(abs(complex(each)) for each in orbit.multipliers) if orbit else 0.0
+    if orbit:
+        multiplier = max(abs(complex(each)) for each in orbit.multipliers)
+    else:
+        multiplier = 0.0
     return {
         "word": orbit.word if orbit else "",
         "amplitude": amplitude,
         "transmissibility": float(amplitude / Y if Y else np.ptp(passed) / 2 / B0 if B0 else nan),
-        "phase": float(np.angle(excitation / first)) if abs(first) > CONVERGED * abs(excitation) else nan,
+        "phase": float(np.angle(excitation / first))
+        if abs(first) > CONVERGED * abs(excitation)
+        else nan,
         "harmonic": abs(first),
         "work": work / n,
         "dissipated": (damper + heat) / n,
         "damper": damper / n,
         "friction": heat / n,
         "stuck": stuck / period,
-        "error": float(closure.max()) / max(1 - multiplier, CONVERGED) + float(np.spacing(amplitude)),
+        "error": float(closure.max()) / max(1 - multiplier, CONVERGED)
+        + float(np.spacing(amplitude)),
     }
 
 

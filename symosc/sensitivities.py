@@ -1,8 +1,10 @@
-"""Derivatives with respect to parameters and the start: of every event of a motion, and of its state at any time.
+"""Derivatives with respect to parameters and the start.
 
-At a graze a motion is differentiable on one side only by each number that moves the gap. There the derivatives are
-those of the side on which the touch opens, `regular` is False from there on, and `reasons` names the side. How the
-derivatives follow from each other says `symosc.engine.tangent`.
+Of every event of a motion, and of its state at any time.
+
+At a graze a motion is differentiable on one side only by each number that moves the gap. There the
+derivatives are those of the side on which the touch opens, `regular` is False from there on, and
+`reasons` names the side. How the derivatives follow from each other says `symosc.engine.tangent`.
 """
 
 from __future__ import annotations
@@ -30,11 +32,19 @@ from symosc.mappings.equations import MapArithmetic, map_arithmetic
 from symosc.model import Parameters
 from symosc.scenes import Scene
 from symosc.simulation.simulate import read_start, simulate
-from symosc.simulation.tangents import codes_of, columns_of, is_deep, read_wrt, tangent_loops, work_space
+from symosc.simulation.tangents import (
+    codes_of,
+    columns_of,
+    is_deep,
+    read_wrt,
+    tangent_loops,
+    work_space,
+)
 from symosc.simulation.trajectory import Trajectory, read_times
 
 #: Digits beyond those that are asked for, and digits of the phase of a start in doubles.
-SPARE, PHASE_DIGITS = 10, 40
+SPARE = 10
+PHASE_DIGITS = 40
 #: Digits to compute derivatives with if double precision loses too many.
 MORE_DIGITS = 30
 #: With more events or times than this, compiled code is looked for on disk.
@@ -51,8 +61,8 @@ REASONS = {
 class Sensitivities(Comparable):
     """The derivatives of a motion.
 
-    Call it for the derivatives of the state: ``s(t)`` are those of [x, v] at a fixed time, of shape (2, wrt) for a
-    scalar and (2, n, wrt) for n times.
+    Call it for the derivatives of the state: ``s(t)`` are those of [x, v] at a fixed time, of shape
+    (2, wrt) for a scalar and (2, n, wrt) for n times.
 
     Attributes
     ----------
@@ -67,8 +77,8 @@ class Sensitivities(Comparable):
     reasons : tuple
         For each event a text on what is not regular from there on, or None.
     lyapunov : array, (2,)
-        The exponents, per unit of time, of the distance of neighbouring motions over this motion; the second is -inf
-        where a stick occurred.
+        The exponents, per unit of time, of the distance of neighbouring motions over this motion;
+        the second is -inf where a stick occurred.
 
     Examples
     --------
@@ -88,7 +98,10 @@ class Sensitivities(Comparable):
 
     @cached_property
     def lyapunov(self) -> np.ndarray:
-        """The Lyapunov exponents: rates at which the distance of neighbouring motions grows, the larger one first."""
+        """The Lyapunov exponents.
+
+        Rates at which the distance of neighbouring motions grows, the larger one first.
+        """
         return self._motion.exponents()
 
     @public
@@ -110,37 +123,62 @@ class Sensitivities(Comparable):
         given = read_times(t)
         self.trajectory(given)  # which checks their range
         changes = self._motion.at_times(given.ravel(), self.wrt, self.dt, self.dx)
-        changes = changes.astype(float) if self.trajectory.digits is None else changes
+        if self.trajectory.digits is None:
+            changes = changes.astype(float)
         return changes.reshape((2, *given.shape, len(self.wrt)))
 
     def __repr__(self) -> str:
         first = next((n for n, row in enumerate(self.regular) if not row.all()), None)
-        about = "" if first is None else f", not all regular from event {first} on"
+        if first is None:
+            about = ""
+        else:
+            about = f", not all regular from event {first} on"
         return f"<Sensitivities of {len(self.dt)} events by {', '.join(self.wrt)}{about}>"
 
 
 class _Columns:
-    """A motion with its events as columns of doubles or mpmath numbers; its methods compute all derivatives."""
+    """A motion with its events as columns of doubles or mpmath numbers.
+
+    Its methods compute all derivatives.
+    """
 
     def __init__(self, trajectory: Trajectory, start: Start) -> None:
-        self.trajectory, p = trajectory, trajectory.parameters
-        self.kind: Any = float if self.context is None else object
-        number, piece = self.numbers.number, trajectory._pieces[:, 0]
-        self.letters = np.array([[number(each) for each in (p.m, p.mu1, p.mu2, p.FN)]], dtype=self.kind)
-        theta = many_digits(p, self.context.dps).phase(start.t0)[0] if self.context else piece[1]
+        p = trajectory.parameters
+        self.trajectory = trajectory
+        if self.context is None:
+            self.kind: Any = float
+        else:
+            self.kind = object
+        number = self.numbers.number
+        piece = trajectory._pieces[:, 0]
+        self.letters = np.array(
+            [[number(each) for each in (p.m, p.mu1, p.mu2, p.FN)]], dtype=self.kind
+        )
+        if self.context:
+            theta = many_digits(p, self.context.dps).phase(start.t0)[0]
+        else:
+            theta = piece[1]
         first = int(piece[2]), number(start.t0), theta, number(start.x0), number(start.v0)
         self.starts = np.array([first], dtype=self.kind)
         self.rows: tuple[Any, ...] = columns_of(trajectory.rows())
         if self.context:
             names = ("t", "theta", "x", "v")
-            exact = [[self.context.mpf(getattr(event, name)) for event in trajectory.events] for name in names]
+            exact = [
+                [self.context.mpf(getattr(event, name)) for event in trajectory.events]
+                for name in names
+            ]
             self.rows = (*np.array(exact, dtype=object), *self.rows[4:])
 
     @property
     def context(self) -> Any:
-        """The mpmath context of the numbers, None for doubles; it is not stored, as a context cannot be pickled."""
+        """The mpmath context of the numbers, None for doubles.
+
+        It is not stored, as a context cannot be pickled.
+        """
         digits = self.trajectory.digits
-        return None if digits is None else mp_context(digits + SPARE)
+        if digits is None:
+            return None
+        return mp_context(digits + SPARE)
 
     @property
     def numbers(self) -> MapArithmetic:
@@ -149,24 +187,44 @@ class _Columns:
 
     def loop(self, name: str, count: int) -> tuple[Callable[..., None], Any]:
         """Return the function `name` of `symosc.engine.tangent` for `count` events or times, and constants for it."""
-        compiled = tangent_loops(count > MANY) if self.context is None else None
+        if self.context is None:
+            compiled = tangent_loops(count > MANY)
+        else:
+            compiled = None
         if compiled:
             return compiled[name], table_of([self.numbers.K])
         return self.numbers.of[name], [self.numbers.K]
 
     def event_derivatives(self, wrt: tuple[str, ...], count: int) -> tuple[np.ndarray, ...]:
-        """Return dt, dx, marks, reasons, growth and last: derivatives of all events by the first `count` names.
+        """Return dt, dx, marks, reasons, growth and last.
 
-        A mark is 1 where the derivative exists, else says why not; a reason is a code for each event, 0 if there is
-        none. Growth is the logarithms of how lengths and areas grow; last has the derivatives where the last piece
-        begins.
+        Derivatives of all events by the first `count` names.
+
+        A mark is 1 where the derivative exists, else says why not; a reason is a code for each
+        event, 0 if there is none. Growth is the logarithms of how lengths and areas grow; last has
+        the derivatives where the last piece begins.
         """
-        codes, events = codes_of(wrt), len(self.rows[0])
+        codes = codes_of(wrt)
+        events = len(self.rows[0])
         kept = [np.zeros((events, count), self.kind) for _ in range(2)]
         out = *kept, np.zeros((events, count), np.int8), np.zeros(events, np.int8), np.zeros((1, 2))
-        work, one, cuts = work_space(codes, self.kind), np.zeros(1, np.int64), np.array([0, events])
+        work = work_space(codes, self.kind)
+        one = np.zeros(1, np.int64)
+        cuts = np.array([0, events])
         loop, table = self.loop("tangents", events)
-        loop(one, cuts, self.starts, one, self.rows, codes, is_deep(codes), self.letters, table, out, work)
+        loop(
+            one,
+            cuts,
+            self.starts,
+            one,
+            self.rows,
+            codes,
+            is_deep(codes),
+            self.letters,
+            table,
+            out,
+            work,
+        )
         return *out, work
 
     def pieces(self) -> tuple[np.ndarray, np.ndarray]:
@@ -176,43 +234,74 @@ class _Columns:
         rows = np.array([targets, t, theta, x, v], dtype=self.kind).T[events]
         return np.concatenate([self.starts, rows]), events
 
-    def at_times(self, times: np.ndarray, wrt: tuple[str, ...], dt: np.ndarray, dx: np.ndarray) -> np.ndarray:
+    def at_times(
+        self, times: np.ndarray, wrt: tuple[str, ...], dt: np.ndarray, dx: np.ndarray
+    ) -> np.ndarray:
         """Return derivatives of x, v at times with respect to `wrt`, (2, times, wrt), given dt, dx of the events."""
-        codes, (starts, events) = codes_of(wrt), self.pieces()
+        codes = codes_of(wrt)
+        (starts, events) = self.pieces()
         launched = np.zeros((3, len(starts), len(wrt)), self.kind)
         launched[:, 0] = codes == tangent.T0 + np.arange(3)[:, None]
         launched[0, 1:], launched[1, 1:] = dt[events], dx[events]
         launched[2, 1:] = codes == tangent.V1 - 1 + self.rows[5][events, None]
-        times = np.array([self.numbers.number(Fraction(t)) for t in times]) if self.context else times
-        pieces = np.maximum(np.searchsorted(starts[1:, 1].astype(float), times.astype(float), "right"), 0)
-        return self._state_derivatives(self.loop("changes_at", len(times)), times, pieces, starts, launched, codes)
+        if self.context:
+            times = np.array([self.numbers.number(Fraction(t)) for t in times])
+        pieces = np.maximum(
+            np.searchsorted(starts[1:, 1].astype(float), times.astype(float), "right"), 0
+        )
+        return self._state_derivatives(
+            self.loop("changes_at", len(times)), times, pieces, starts, launched, codes
+        )
 
     def _state_derivatives(
-        self, loop: Any, times: np.ndarray, pieces: np.ndarray, starts: np.ndarray, launched: np.ndarray, codes: Any
+        self,
+        loop: Any,
+        times: np.ndarray,
+        pieces: np.ndarray,
+        starts: np.ndarray,
+        launched: np.ndarray,
+        codes: Any,
     ) -> np.ndarray:
         """Return derivatives of x and v at `times`, from those where the pieces of the motion begin.
 
-        They are with respect to the numbers with `codes`. `pieces` has for each time the index of its piece: of the row
-        of `starts` where that begins, and of the derivatives `launched` of t, x and v there. `loop` is the function to
-        call, and the motion's constants.
+        They are with respect to the numbers with `codes`. `pieces` has for each time the index of
+        its piece: of the row of `starts` where that begins, and of the derivatives `launched` of t,
+        x and v there. `loop` is the function to call, and the motion's constants.
         """
-        out, (function, table) = np.zeros((2, len(times), len(codes)), self.kind), loop
+        out = np.zeros((2, len(times), len(codes)), self.kind)
+        (function, table) = loop
         work = work_space(codes, self.kind)
-        function(times, pieces, starts, launched, codes, is_deep(codes), self.letters, table, out, work)
+        function(
+            times, pieces, starts, launched, codes, is_deep(codes), self.letters, table, out, work
+        )
         return out
 
     def exponents(self) -> np.ndarray:
         """Return the Lyapunov exponents over the motion, the larger one first."""
-        codes, last = codes_of(("x0", "v0")), self.pieces()[0][-1:]
+        codes = codes_of(("x0", "v0"))
+        last = self.pieces()[0][-1:]
         *_, growth, work = self.event_derivatives(("x0", "v0"), 0)
         grown, volume = growth[0].tolist()
         end = (self.context.mpf if self.context else float)(self.trajectory.t_end)
-        interpreted, none = (self.numbers.of["changes_at"], [self.numbers.K]), np.zeros(1, np.int64)
-        out = self._state_derivatives(interpreted, np.array([end]), none, last, work[:3, None, :2].copy(), codes)
-        volume -= float(self.numbers.K.cm * (end - last[0, 1])) if last[0, 0] <= ON_BELT else inf
-        size, span = float(np.linalg.norm(out[:, 0].astype(float), 2)), float(end - self.starts[0, 1])
-        first = (grown + log(size)) / span if size > 0.0 else -inf
-        second = volume / span - first if volume > -inf else -inf
+        interpreted = (self.numbers.of["changes_at"], [self.numbers.K])
+        none = np.zeros(1, np.int64)
+        out = self._state_derivatives(
+            interpreted, np.array([end]), none, last, work[:3, None, :2].copy(), codes
+        )
+        if last[0, 0] <= ON_BELT:
+            volume -= float(self.numbers.K.cm * (end - last[0, 1]))
+        else:
+            volume -= inf
+        size = float(np.linalg.norm(out[:, 0].astype(float), 2))
+        span = float(end - self.starts[0, 1])
+        if size > 0.0:
+            first = (grown + log(size)) / span
+        else:
+            first = -inf
+        if volume > -inf:
+            second = volume / span - first
+        else:
+            second = -inf
         return np.array(sorted((first, second), reverse=True))
 
 
@@ -256,34 +345,46 @@ def sensitivities(
     names = read_wrt(wrt)
     start = read_start(what, {"t0": t0, "x0": x0, "v0": v0, "t_end": t_end}, None)
     about: dict[str, Any] = {"t0": start.t0, "x0": start.x0, "v0": start.v0, "t_end": start.t_end}
-    about |= {"max_events": max_events} | ({"start_error": start.start_error} if start.start_error else {})
+    about |= {"max_events": max_events} | (
+        {"start_error": start.start_error} if start.start_error else {}
+    )
     motion = simulate(start.parameters, **about, digits=digits)
     columns = _Columns(motion, start)
     dt, dx, marks, why, *_ = columns.event_derivatives(names, len(names))
     belts = max(abs(float(start.parameters.v1)), abs(float(start.parameters.v2)))
-    # A rounding that dx may have from v dt, relative to max(1, |dx|): with t0 = 1e8 all times depend much on Omega.
+    # A rounding that dx may have from v dt, relative to max(1, |dx|): with t0 = 1e8 all times
+    # depend much on Omega.
     late = EPS * belts * np.abs(dt) > 1e-12 * np.maximum(1, np.abs(dx))
     if digits is None and ((why >= tangent.ROUGH).any() or late.any()):
         exact = simulate(start.parameters, **about, digits=MORE_DIGITS)
         if [event.kind for event in exact.events] == [event.kind for event in motion.events]:
             columns = _Columns(exact, start)
             dt, dx, marks, why, *_ = columns.event_derivatives(names, len(names))
-            dt, dx = dt.astype(float), dx.astype(float)
-    return Sensitivities(motion, names, dt, dx, marks == 1, _reasons(columns, names, marks, why), columns)
+            dt = dt.astype(float)
+            dx = dx.astype(float)
+    return Sensitivities(
+        motion, names, dt, dx, marks == 1, _reasons(columns, names, marks, why), columns
+    )
 
 
-def _reasons(columns: _Columns, wrt: tuple[str, ...], marks: np.ndarray, codes: np.ndarray) -> tuple[str | None, ...]:
+def _reasons(
+    columns: _Columns, wrt: tuple[str, ...], marks: np.ndarray, codes: np.ndarray
+) -> tuple[str | None, ...]:
     """Return for each event why the motion is not differentiable from there on, None where it is.
 
-    The first entry also says so of the start. `marks` say for each event and name whether the derivative exists,
-    `codes` which of REASONS an event has.
+    The first entry also says so of the start. `marks` say for each event and name whether the
+    derivative exists, `codes` which of REASONS an event has.
     """
     found: list[str | None] = [None] * len(codes)
     for n in np.flatnonzero(codes).tolist():
         event = columns.trajectory.events[n]
         if codes[n] == tangent.KINK:
             words = {tangent.OPENS_ABOVE: "larger", tangent.OPENS_BELOW: "smaller"}
-            sides = [f"{name} {words[mark]}" for name, mark in zip(wrt, marks[n].tolist(), strict=True) if mark > 1]
+            sides = [
+                f"{name} {words[mark]}"
+                for name, mark in zip(wrt, marks[n].tolist(), strict=True)
+                if mark > 1
+            ]
             found[n] = f"after the graze at t = {float(event.t):.6g} for {', '.join(sides)}"
         elif codes[n] != tangent.ROUGH:
             found[n] = REASONS[codes[n]].format(t=float(event.t), belt=event.boundary)
@@ -293,21 +394,34 @@ def _reasons(columns: _Columns, wrt: tuple[str, ...], marks: np.ndarray, codes: 
 
 
 def _kink_at_start(columns: _Columns, wrt: tuple[str, ...], marks: np.ndarray) -> str | None:
-    """Return a text on why a start on a belt is not differentiable, with the names concerned; None if it is.
+    """Return a text on why a start on a belt is not differentiable, with the names concerned.
+
+    None if it is.
 
     `marks` are 0 for the names of `wrt` by which no derivative exists.
     """
     mode, _, _, _, v = columns.starts[0]
-    p, number = columns.trajectory.parameters, columns.numbers.number
+    p = columns.trajectory.parameters
+    number = columns.numbers.number
     on = [name for n, name in ((1, "v1"), (2, "v2")) if v == number(p.belt(n))]
     if not on:
         return None
     off = [name for name in wrt if name in ("v0", *on)]
-    moved = [name for name, mark in zip(wrt, marks[0].tolist(), strict=True) if not mark and name not in off]
-    parts, names = list[str](), ", ".join(off)
+    moved = [
+        name
+        for name, mark in zip(wrt, marks[0].tolist(), strict=True)
+        if not mark and name not in off
+    ]
+    parts = list[str]()
+    names = ", ".join(off)
     if off:
-        side = f"for other {names} a stick begins first" if mode > ON_BELT else f"by {names} on the flight's side only"
+        if mode > ON_BELT:
+            side = f"for other {names} a stick begins first"
+        else:
+            side = f"by {names} on the flight's side only"
         parts.append(side)
     if moved:
         parts.append(f"a force there is 0, and {', '.join(moved)} may move it")
-    return f"the start is on a belt: {'; '.join(parts)}" if parts else None
+    if parts:
+        return f"the start is on a belt: {'; '.join(parts)}"
+    return None

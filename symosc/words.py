@@ -1,9 +1,12 @@
-"""Words: sequences of mappings in order of time, such as P2 and then P3; and which mapping may follow which.
+"""Words: sequences of mappings in order of time, such as P2 and then P3.
 
-The paper writes a word like a composition of functions, from right to left: P32 = P3∘P2 applies P2 first. That text is
-its mapping structure. `read_word` makes a `Word` of a text, and ``str`` a text of a `Word`; nothing else converts them.
-A list that a user gives reads like the text. `Trajectory.word` and `Word.labels` are in order of time, a text
-(`Scene.structure`, `PeriodicOrbit.word`) is from right to left.
+And which mapping may follow which.
+
+The paper writes a word like a composition of functions, from right to left: P32 = P3∘P2 applies P2
+first. That text is its mapping structure. `read_word` makes a `Word` of a text, and ``str`` a text
+of a `Word`; nothing else converts them. A list that a user gives reads like the text.
+`Trajectory.word` and `Word.labels` are in order of time, a text (`Scene.structure`,
+`PeriodicOrbit.word`) is from right to left.
 """
 
 from __future__ import annotations
@@ -46,7 +49,8 @@ class WordError(SymoscError, ValueError):
 class Plane(NamedTuple):
     """A switching plane of the paper, by the number of its belt (`boundary`) and its side (`superscript`).
 
-    The `superscript` is 0 for sticking on the belt, 1 for velocities just below the belt's speed and 2 for just above.
+    The `superscript` is 0 for sticking on the belt, 1 for velocities just below the belt's speed
+    and 2 for just above.
     """
 
     superscript: int
@@ -57,7 +61,10 @@ class Plane(NamedTuple):
 
 
 class Map(NamedTuple):
-    """One mapping of the paper: its label, the planes where it starts and ends, and its domain (0 for a stick)."""
+    """One mapping of the paper.
+
+    Its label, the planes where it starts and ends, and its domain (0 for a stick).
+    """
 
     label: str
     start: Plane
@@ -112,7 +119,9 @@ class Word(NamedTuple):
     def latex(self) -> str:
         """Return the word in LaTeX as a composition of mappings, such as P32 = P3∘P2."""
         composed = r" \circ ".join(f"P_{label[1:]}" for label in reversed(self.labels))
-        return f"P_{{{str(self)[1:]}}} = {composed}" if len(self.labels) > 1 else composed
+        if len(self.labels) > 1:
+            return f"P_{{{str(self)[1:]}}} = {composed}"
+        return composed
 
     def _repr_latex_(self) -> str:
         return f"${self.latex()}$"
@@ -125,8 +134,8 @@ class Word(NamedTuple):
     def exits(self) -> tuple[str | None, ...]:
         """Return for each map that is a stick whether the next map moves "below" or "above" the belt.
 
-        The last map is followed by the first one, as on a periodic orbit. The entry is None for a flight, and for a
-        stick if the next map is no flight that begins at its belt.
+        The last map is followed by the first one, as on a periodic orbit. The entry is None for a
+        flight, and for a stick if the next map is no flight that begins at its belt.
         """
         found: list[str | None] = []
         for step, after in zip(self.maps, [*self.maps[1:], self.maps[0]], strict=True):
@@ -140,13 +149,20 @@ class Word(NamedTuple):
 
 
 def cycle(word: str) -> str:
-    """Return the rotation of a word that is last in text order: P32 for P32 and for P23, which are one cycle."""
+    """Return the rotation of a word that is last in text order.
+
+    P32 for P32 and for P23, which are one cycle.
+    """
     digits = word[1:]
-    return "P" + max(digits[i:] + digits[:i] for i in range(len(digits))) if digits else ""
+    if digits:
+        return "P" + max(digits[i:] + digits[:i] for i in range(len(digits)))
+    return ""
 
 
-#: The greatest length up to which labels are printed in full, and that of a repeated group that is looked for.
-MOST_PRINTED, LONGEST_PART = 40, 64
+#: The greatest length up to which labels are printed in full, and that of a repeated group that is
+#: looked for.
+MOST_PRINTED = 40
+LONGEST_PART = 64
 
 
 class Labels(list[str]):
@@ -166,23 +182,34 @@ class Labels(list[str]):
 
 
 def collapsed(labels: Sequence[str]) -> str:
-    """Return labels as text in which a group that is repeated up to the end is written once: P1 P3 (P1 P2)×46.
+    """Return labels as text in which a group that is repeated up to the end is written once.
+
+    P1 P3 (P1 P2)×46.
 
     After the last whole group there may be the beginning of one more.
     """
     if len(labels) <= MOST_PRINTED:
         return " ".join(labels)
-    best, count = (0, 1, 0), len(labels)  # begin, length and number of the repetitions
+    # begin, length and number of the repetitions
+    best = (0, 1, 0)
+    count = len(labels)
     for length in range(1, min(LONGEST_PART, count // 3) + 1):
-        same = next((n for n in range(count - 1 - length, -1, -1) if labels[n] != labels[n + length]), -1)
+        same = next(
+            (n for n in range(count - 1 - length, -1, -1) if labels[n] != labels[n + length]), -1
+        )
         times = (count - 1 - same) // length
         if times * length > best[1] * best[2]:
             best = same + 1, length, times
     begin, length, times = best
     if times < 3:
         return f"{' '.join(labels[: MOST_PRINTED // 2])} … {' '.join(labels[-MOST_PRINTED // 2 :])}"
-    part, head, tail = labels[begin : begin + length], labels[:begin], labels[begin + times * length :]
-    shown = [*head[:MOST_PRINTED], "…"] if len(head) > MOST_PRINTED else head
+    part = labels[begin : begin + length]
+    head = labels[:begin]
+    tail = labels[begin + times * length :]
+    if len(head) > MOST_PRINTED:
+        shown: Sequence[str] = [*head[:MOST_PRINTED], "…"]
+    else:
+        shown = head
     return " ".join([*shown, f"({' '.join(part)})×{times}", *tail])
 
 
@@ -216,7 +243,10 @@ def read_word(word: WordLike, *, closed: bool = True, grazing: bool = False) -> 
     >>> str(read_word(["P3", "P2"])), read_word("P32").labels
     ('P32', ('P2', 'P3'))
     """
-    labels, text = (word.labels, str(word)) if isinstance(word, Word) else _read(word)
+    if isinstance(word, Word):
+        labels, text = (word.labels, str(word))
+    else:
+        labels, text = _read(word)
     for before, after in itertools.pairwise((*labels, labels[0]) if closed else labels):
         if reason := why_not(before, after, grazing=grazing):
             raise WordError(text, reason, (before, after))
@@ -225,13 +255,17 @@ def read_word(word: WordLike, *, closed: bool = True, grazing: bool = False) -> 
 
 def why_not(before: str, after: str, *, grazing: bool = False) -> str:
     """Return why no motion can do mapping `before` and then mapping `after`, or "" if one can."""
-    first, second = MAPS[before], MAPS[after]
-    ends, starts = first.end, second.start
+    first = MAPS[before]
+    second = MAPS[after]
+    ends = first.end
+    starts = second.start
     step = f"{after} cannot follow {before}"
     if ends.boundary != starts.boundary:
         return f"{step}: {before} ends on {ends}, at belt {ends.boundary}, and {after} starts on {starts}"
     if first.sticks and second.sticks:
-        return f"{step}: a stick ends by slipping off belt {ends.boundary}, so a flight must come next"
+        return (
+            f"{step}: a stick ends by slipping off belt {ends.boundary}, so a flight must come next"
+        )
     if first.domain == second.domain and not grazing:
         return f"{step}: {before} comes from Ω{first.domain} and {after} goes back there, which only a graze does"
     return ""
@@ -240,9 +274,16 @@ def why_not(before: str, after: str, *, grazing: bool = False) -> str:
 def _read(word: str | Iterable[object]) -> tuple[tuple[str, ...], str]:
     """Return the labels of a word in order of time, and its text."""
     parts = list(filter(None, re.split(r"[\s,*·∘]+", word)) if isinstance(word, str) else word)
-    text, digits = word.strip() if isinstance(word, str) else "∘".join(map(str, parts)), ""
+    if isinstance(word, str):
+        text = word.strip()
+    else:
+        text = "∘".join(map(str, parts))
+    digits = ""
     for part in parts:
-        match = re.fullmatch(r"P_?\{?([1-8]+)\}?", part) if isinstance(part, str) else None
+        if isinstance(part, str):
+            match = re.fullmatch(r"P_?\{?([1-8]+)\}?", part)
+        else:
+            match = None
         if match is None:
             allowed = "the mappings are P1 to P8, written P32, P3∘P2 or ['P3', 'P2']"
             raise WordError(text, f"{shown(part)} is not a mapping; {allowed}")

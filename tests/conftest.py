@@ -19,7 +19,8 @@ import compiling
 import pytest
 from once import SHARED, alone
 
-#: Files and folders of tests that need an optional package, and cases of others: left out where it is not installed.
+#: Files and folders of tests that need an optional package, and cases of others: left out where it
+#: is not installed.
 NEED = {
     "flint": "certificates cli/test_certify.py cli/test_score.py reference/test_folder.py reference/test_score.py "
     "reference/test_cases.py",
@@ -42,13 +43,19 @@ collect_ignore = [path for name in MISSING for path in NEED[name].split()]
 
 
 def pytest_configure(config: pytest.Config) -> None:
-    """Make the folder that the workers share; give each of them tests that stand together, which share the most."""
-    if signal.getsignal(signal.SIGINT) is signal.SIG_IGN:  # a shell's background job; tests send interrupts
+    """Make the folder that the workers share.
+
+    Give each of them tests that stand together, which share the most.
+    """
+    if (
+        signal.getsignal(signal.SIGINT) is signal.SIG_IGN
+    ):  # a shell's background job; tests send interrupts
         signal.signal(signal.SIGINT, signal.default_int_handler)
     if getattr(config.option, "dist", "no") == "load":  # what pytest-xdist takes if nothing is said
         config.option.dist = "worksteal"
     if not hasattr(config, "workerinput"):  # the first process
-        # Else each program that a test starts, and each worker, compiles the package and the tests anew.
+        # Else each program that a test starts, and each worker, compiles the package and the tests
+        # anew.
         if os.environ.pop("PYTHONDONTWRITEBYTECODE", None):
             sys.dont_write_bytecode = False
         os.environ[SHARED] = folder = tempfile.mkdtemp(prefix="symosc-tests-")
@@ -57,9 +64,12 @@ def pytest_configure(config: pytest.Config) -> None:
 
 @pytest.hookimpl(wrapper=True)
 def pytest_collection() -> Generator[None, object, object]:
-    """Spare the garbage collector what stays to the end: half a million objects of modules and tests.
+    """Spare the garbage collector what stays to the end.
 
-    Later it looks at all others after millions of new ones, not after 70,000: that took a tenth of the time.
+    Half a million objects of modules and tests.
+
+    Later it looks at all others after millions of new ones, not after 70,000: that took a tenth of
+    the time.
     """
     gc.disable()
     try:
@@ -72,9 +82,12 @@ def pytest_collection() -> Generator[None, object, object]:
 
 @pytest.hookimpl(tryfirst=True)  # before `-m` selects
 def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
-    """Mark what is left out: of a test with `full(n)` all but n cases are a campaign, and a campaign is slow as well.
+    """Mark what is left out.
 
-    Of a test with `quick(n)` all but n cases of those that are left are slow. What needs compiled loops comes last.
+    Of a test with `full(n)` all but n cases are a campaign, and a campaign is slow as well.
+
+    Of a test with `quick(n)` all but n cases of those that are left are slow. What needs compiled
+    loops comes last.
     """
     _leave_out_without_extras(items)
     _leave_out(items, "full", unless="campaign", mark="campaign")
@@ -97,13 +110,18 @@ def _leave_out_without_extras(items: list[pytest.Item]) -> None:
 def _loops(item: pytest.Item) -> str:
     """Return which compiled loops a test needs: "" for none, then "doubles", then "pairs"."""
     marker = item.get_closest_marker("compiled")
-    return str(marker.args[0]) if marker else ""
+    if marker:
+        return str(marker.args[0])
+    return ""
 
 
 def pytest_collection_finish(session: pytest.Session) -> None:
     """Have the loops compiled if a test needs them; of several workers the first one sees to it."""
     worker = getattr(session.config, "workerinput", {"workerid": "gw0"})["workerid"]
-    wanted = "" if session.config.option.collectonly else max(map(_loops, session.items), default="")
+    if session.config.option.collectonly:
+        wanted = ""
+    else:
+        wanted = max(map(_loops, session.items), default="")
     if worker == "gw0" and wanted and (process := compiling.begin(wanted)):
         others_wait = hasattr(session.config, "workerinput")
         session.config.add_cleanup(partial(compiling.end, process, others_wait))
@@ -135,8 +153,8 @@ def _leave_out(items: list[pytest.Item], marker: str, unless: str, mark: str) ->
 def report() -> Path:
     """Return the folder of one run of `symosc reproduce`; workers wait for the one that makes it.
 
-    It has the chapters from the tests of the derivations, or they have them from here: each step is checked once.
-    The environment variable SYMOSC_REPORT names one that was just made.
+    It has the chapters from the tests of the derivations, or they have them from here: each step is
+    checked once. The environment variable SYMOSC_REPORT names one that was just made.
     """
     if made := os.environ.get("SYMOSC_REPORT"):
         assert (Path(made) / "report.json").is_file(), f"no report in SYMOSC_REPORT = {made}"

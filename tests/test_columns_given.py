@@ -1,4 +1,7 @@
-"""Arrays and tables that users give: nothing behind a mask is read, and columns are known by their names."""
+"""Arrays and tables that users give.
+
+Nothing behind a mask is read, and columns are known by their names.
+"""
 
 from __future__ import annotations
 
@@ -9,7 +12,15 @@ import numpy as np
 import pytest
 
 import symosc
-from symosc import ParameterError, crosscheck, find_orbit, load_scene, simulate, simulate_many, sweep
+from symosc import (
+    ParameterError,
+    crosscheck,
+    find_orbit,
+    load_scene,
+    simulate,
+    simulate_many,
+    sweep,
+)
 
 SCENE = load_scene("fig9")
 P = SCENE.parameters
@@ -33,13 +44,17 @@ TAKE_ROWS: dict[str, Function] = {
     "guess in pairs": lambda row: find_orbit(P, "P32", guess=[(0.5, row[1]), (1.5, 1.0)]),
     "index": lambda row: simulate_many(P, ROWS, 5, record="summary")[row.astype(int)],
     "axis": lambda row: sweep(SCENE, {"FN": row}, t_end=1),
-    "starts of a sweep": lambda row: sweep(SCENE, {"FN": [5, 6]}, starts={"t0": 0, "x0": row, "v0": 0}, t_end=1),
+    "starts of a sweep": lambda row: sweep(
+        SCENE, {"FN": [5, 6]}, starts={"t0": 0, "x0": row, "v0": 0}, t_end=1
+    ),
     "range": lambda row: symosc.continue_orbit(P, "P32", "FN", row[:2]),
     "t": lambda row: crosscheck(SCENE, row, [1, 2, 3], [1, 2, 3]),
     "x": lambda row: crosscheck(SCENE, [1, 2, 3], row, [1, 2, 3]),
     "v": lambda row: crosscheck(SCENE, {"t": [1, 2, 3], "x": [1, 2, 3], "v": row}),
     "function": lambda row: crosscheck(SCENE, lambda t: (row[1], 0.0)),
-    "events": lambda row: crosscheck(SCENE, [1, 2, 3], [1, 2, 3], [1, 2, 3], events=[(row[1], "cross")]),
+    "events": lambda row: crosscheck(
+        SCENE, [1, 2, 3], [1, 2, 3], [1, 2, 3], events=[(row[1], "cross")]
+    ),
     "residual": lambda row: symosc.residual(P, "P2", (row, 0.5), (1.0, 4.0)),
     "jacobian": lambda row: symosc.jacobian(P, "P2", (4.5, 0.5), (1.0, row)),
     "parameter_jacobian": lambda row: symosc.parameter_jacobian(P, "P2", (4.5, row), (1.0, 9.0)),
@@ -59,7 +74,8 @@ def test_what_is_behind_a_mask_is_not_read(name: str) -> None:
 
 def tables() -> dict[str, Any]:
     """Return the rows with names, not in order."""
-    pandas, xarray = pytest.importorskip("pandas"), pytest.importorskip("xarray")
+    pandas = pytest.importorskip("pandas")
+    xarray = pytest.importorskip("xarray")
     t0, x0, v0 = ROWS.T
     frame = pandas.DataFrame({"v0": v0, "x0": x0, "t0": t0})
     return {
@@ -75,7 +91,10 @@ def tables() -> dict[str, Any]:
 def test_starts_are_known_by_their_names(kind: str) -> None:
     table = tables()[kind]
     assert simulate_many(P, table, 5) == simulate_many(P, ROWS, 5)
-    assert sweep(SCENE, {"FN": [5, 6]}, starts=table, t_end=2).v0.values.tolist() == ROWS[:, 2].tolist()
+    assert (
+        sweep(SCENE, {"FN": [5, 6]}, starts=table, t_end=2).v0.values.tolist()
+        == ROWS[:, 2].tolist()
+    )
 
 
 def test_a_row_of_a_table_is_one_start() -> None:
@@ -87,7 +106,10 @@ def test_a_row_of_a_table_is_one_start() -> None:
 @pytest.mark.parametrize("change", [{"v0": "v"}, {"t0": "time", "x0": "t0"}, {"x0": 0}])
 def test_columns_of_other_names_are_refused(change: dict[str, Any]) -> None:
     table = tables()["frame"].rename(columns=change)
-    for call in (lambda: simulate_many(P, table, 5), lambda: sweep(SCENE, {"FN": [5, 6]}, starts=table, t_end=2)):
+    for call in (
+        lambda: simulate_many(P, table, 5),
+        lambda: sweep(SCENE, {"FN": [5, 6]}, starts=table, t_end=2),
+    ):
         with pytest.raises(ParameterError, match="must have the names t0, x0 and v0"):
             call()
     with pytest.raises(ParameterError, match="must have the names"):
@@ -95,7 +117,8 @@ def test_columns_of_other_names_are_refused(change: dict[str, Any]) -> None:
 
 
 def test_a_guess_is_known_by_its_names() -> None:
-    pandas, orbit = pytest.importorskip("pandas"), find_orbit(P, "P32")
+    pandas = pytest.importorskip("pandas")
+    orbit = find_orbit(P, "P32")
     t, x = np.array([(float(t), float(x)) for t, x in orbit.points]).T
     again = find_orbit(P, "P32", guess=pandas.DataFrame({"x": x, "t": t}))
     assert np.array(again.points) == pytest.approx(np.array(orbit.points), rel=1e-14)

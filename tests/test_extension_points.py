@@ -52,7 +52,11 @@ def energy(scene: str, settings: options.Settings) -> None:
 
 def test_a_command(scratch: Scratch) -> None:
     scratch.write("symosc/cli/energy.py", COMMAND)
-    scratch.replace("symosc/cli/app.py", '    "orbit": "orbit",\n', '    "energy": "energy",\n    "orbit": "orbit",\n')
+    scratch.replace(
+        "symosc/cli/app.py",
+        '    "orbit": "orbit",\n',
+        '    "energy": "energy",\n    "orbit": "orbit",\n',
+    )
     scratch.replace("README.md", "# symosc\n", "# symosc (`symosc energy` for energies)\n")
     lines = scratch.run("symosc", "energy", "fig5", "--set", "k=3", "--quiet").splitlines()
     assert lines[0].split() == ["t", "energy"]
@@ -68,18 +72,39 @@ REST = """    yield ReferenceCase(
 
 def test_a_reference_case(scratch: Scratch) -> None:
     pytest.importorskip("flint")
-    cases, tests, page = "symosc/reference/cases.py", "tests/reference/test_cases.py", "docs/cases.md"
+    cases = "symosc/reference/cases.py"
+    tests = "tests/reference/test_cases.py"
+    page = "docs/cases.md"
     scratch.replace(cases, "\n\n\n# -- the Coulomb", f"\n{REST}\n\n# -- the Coulomb")
     scratch.replace(cases, "SET_VERSION = 1\n", "SET_VERSION = 2\n")
-    command = [sys.executable, "-m", "pytest", "-q", tests, "-k", "new_version", "-p", "no:cacheprovider"]
-    said = subprocess.run(command, cwd=scratch.folder, capture_output=True, text=True, check=False).stdout
+    command = [
+        sys.executable,
+        "-m",
+        "pytest",
+        "-q",
+        tests,
+        "-k",
+        "new_version",
+        "-p",
+        "no:cacheprovider",
+    ]
+    said = subprocess.run(
+        command, cwd=scratch.folder, capture_output=True, text=True, check=False
+    ).stdout
     (found,) = set(re.findall(r"the sum of version 2 is (\w{64})", said))
     scratch.replace(tests, "SUMS = {1: ", f'SUMS = {{2: "{found}", 1: ')
-    scratch.replace(page, "158, in version 1 of the set. For 145 of", "159, in version 2 of the set. For 146 of")
+    scratch.replace(
+        page, "158, in version 1 of the set. For 145 of", "159, in version 2 of the set. For 146 of"
+    )
     scratch.replace(page, "| creeping and rest | 19 |", "| creeping and rest | 20 |")
     listed = scratch.run("symosc", "cases", "--group", "creeping and rest", "--json")
-    assert json.loads(listed)["cases"][-1] | {"events": 0, "status": "proven"} == json.loads(listed)["cases"][-1]
-    scratch.pytest(tests, "tests/reference/test_folder.py", only="set or version or page or read_back")
+    assert (
+        json.loads(listed)["cases"][-1] | {"events": 0, "status": "proven"}
+        == json.loads(listed)["cases"][-1]
+    )
+    scratch.pytest(
+        tests, "tests/reference/test_folder.py", only="set or version or page or read_back"
+    )
 
 
 SOLVER = """
@@ -96,7 +121,17 @@ def test_a_solver_to_check(scratch: Scratch) -> None:
     """Its prints and its errors are its own; the results of another one are scored from a file."""
     pytest.importorskip("flint")
     scratch.write("mysolver.py", SOLVER)
-    command = [sys.executable, "-m", "symosc", "check", "fig9", "--solver", "mysolver:solve", "--t-end", "4"]
+    command = [
+        sys.executable,
+        "-m",
+        "symosc",
+        "check",
+        "fig9",
+        "--solver",
+        "mysolver:solve",
+        "--t-end",
+        "4",
+    ]
     said = subprocess.run(command, cwd=scratch.folder, capture_output=True, text=True, check=False)
     assert (said.returncode, said.stderr) == (1, "")
     assert "wrong steps: 400 of 400" in said.stdout
@@ -106,4 +141,6 @@ def test_a_solver_to_check(scratch: Scratch) -> None:
         for event in simulate("fig9", t_end=10).events
     ]
     scratch.write("mine.csv", "\n".join(["case,t,x,kind,boundary", *rows, "easy-fig9,10,,end,"]))
-    assert "mine: right in 1 of 1 cases; 1 case without results" in scratch.run("symosc", "score", "cases", "mine.csv")
+    assert "mine: right in 1 of 1 cases; 1 case without results" in scratch.run(
+        "symosc", "score", "cases", "mine.csv"
+    )

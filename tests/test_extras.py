@@ -1,4 +1,7 @@
-"""Without optional packages all public names are there; what needs one says so when it is called."""
+"""Without optional packages all public names are there.
+
+What needs one says so when it is called.
+"""
 
 from __future__ import annotations
 
@@ -36,4 +39,9 @@ def test_public_names_need_no_extra() -> None:
     assert run.stderr == ""
     word, *needed = run.stdout.splitlines()
     assert word == "['P1', 'P2', 'P1', 'P3']"
-    assert needed == ["'symosc[certify]'", "'symosc[certify]'", "'symosc[sweep]'", "'symosc[sweep]'"]
+    assert needed == [
+        "'symosc[certify]'",
+        "'symosc[certify]'",
+        "'symosc[sweep]'",
+        "'symosc[sweep]'",
+    ]

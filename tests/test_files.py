@@ -14,7 +14,9 @@ from symosc.files import write_text, write_whole
     "error", [OSError(28, "No space left on device"), ValueError("no figure"), KeyboardInterrupt()]
 )
 @pytest.mark.parametrize("old", [None, "old"])
-def test_a_failed_write_leaves_the_folder_as_it_was(tmp_path: Path, error: BaseException, old: str | None) -> None:
+def test_a_failed_write_leaves_the_folder_as_it_was(
+    tmp_path: Path, error: BaseException, old: str | None
+) -> None:
     path = tmp_path / "events.csv"
     if old is not None:
         path.write_text(old)
@@ -33,7 +35,8 @@ def test_a_failed_write_leaves_the_folder_as_it_was(tmp_path: Path, error: BaseE
 
 
 def test_a_whole_write_replaces_the_file_and_keeps_a_link(tmp_path: Path) -> None:
-    target, link = tmp_path / "target.txt", tmp_path / "link.txt"
+    target = tmp_path / "target.txt"
+    link = tmp_path / "link.txt"
     target.write_text("old")
     link.symlink_to(target)
     assert write_text(link, "new") == link

@@ -15,14 +15,23 @@ from symosc import Trajectory, fit, simulate
 from symosc.cli.app import main
 
 
-def measured(seed: int, sigma: float, kept: float = 0.8, t_end: float = 60) -> list[tuple[float, str]]:
-    dice, trajectory = np.random.default_rng(seed), simulate("fig5", t_end=t_end)
-    return [(event.t + dice.normal() * sigma, event.kind) for event in trajectory.events if dice.random() < kept]
+def measured(
+    seed: int, sigma: float, kept: float = 0.8, t_end: float = 60
+) -> list[tuple[float, str]]:
+    dice = np.random.default_rng(seed)
+    trajectory = simulate("fig5", t_end=t_end)
+    return [
+        (event.t + dice.normal() * sigma, event.kind)
+        for event in trajectory.events
+        if dice.random() < kept
+    ]
 
 
 @pytest.mark.parametrize("seed", range(4))
 def test_noisy_events_some_of_them_missing(seed: int) -> None:
-    found = fit("fig5", measured(seed, 1e-3), ("mu1", "c"), sigma=1e-3, start={"mu1": "0.84", "c": "1.05"})
+    found = fit(
+        "fig5", measured(seed, 1e-3), ("mu1", "c"), sigma=1e-3, start={"mu1": "0.84", "c": "1.05"}
+    )
     assert found.success, found.message
     for name, right in (("mu1", 0.8), ("c", 1.0)):
         assert abs(found.values[name] - right) < 4.5 * found.errors[name]
@@ -40,7 +49,9 @@ def test_errors_are_those_of_many_measurements() -> None:
 
 
 def test_samples() -> None:
-    dice, trajectory, t = np.random.default_rng(3), simulate("fig5", t_end=20), np.linspace(0.1, 20, 150)
+    dice = np.random.default_rng(3)
+    trajectory = simulate("fig5", t_end=20)
+    t = np.linspace(0.1, 20, 150)
     x, v = trajectory(t)
     data: dict[str, Any] = {"t": t, "x": x + dice.normal(size=len(t)) * 1e-3}
     found = fit("fig5", data, ("mu1", "k", "x0"), sigma=1e-3, start={"mu1": 0.83, "k": 1.02})
@@ -49,7 +60,9 @@ def test_samples() -> None:
     both = fit("fig5", data | {"v": v}, "mu1", sigma=[1e-3, 1e-2])
     assert len(both.residuals) == 2 * len(t)
     unknown = fit("fig5", data, "mu1")  # the error of the data is that of the residuals
-    assert unknown.errors["mu1"] == pytest.approx(fit("fig5", data, "mu1", sigma=1e-3).errors["mu1"], rel=0.3)
+    assert unknown.errors["mu1"] == pytest.approx(
+        fit("fig5", data, "mu1", sigma=1e-3).errors["mu1"], rel=0.3
+    )
 
 
 def test_what_the_data_do_not_determine_is_said() -> None:
@@ -72,14 +85,20 @@ def test_as_many_data_as_numbers_tell_no_errors() -> None:
 
 
 def test_the_command(tmp_path: Path) -> None:
-    file, run = tmp_path / "stops.csv", CliRunner().invoke
+    file = tmp_path / "stops.csv"
+    run = CliRunner().invoke
     file.write_text("t,kind\n" + "\n".join(f"{t},{kind}" for t, kind in measured(2, 1e-3)))
-    said = run(main, ["fit", "fig5", str(file), "--free", "mu1", "--sigma", "1e-3", "--start", "mu1=0.75"])
+    said = run(
+        main, ["fit", "fig5", str(file), "--free", "mu1", "--sigma", "1e-3", "--start", "mu1=0.75"]
+    )
     assert said.exit_code == 0
     assert said.output.splitlines()[-1].startswith("converged")
     as_json = run(main, ["fit", "fig5", str(file), "--free", "mu1", "--json"])
     assert '"success": true' in as_json.output
     bad = tmp_path / "bad.csv"
     bad.write_text("t,kind\n1\n")
-    for arguments in (["fit", "fig5", str(bad), "--free", "mu1"], ["fit", "fig5", "no.csv", "--free", "mu1"]):
+    for arguments in (
+        ["fit", "fig5", str(bad), "--free", "mu1"],
+        ["fit", "fig5", "no.csv", "--free", "mu1"],
+    ):
         assert run(main, arguments).exit_code == 2

@@ -1,4 +1,7 @@
-"""Motions as functions of JAX: values and derivatives are those of symosc, through grad, jacobian, vmap and jit."""
+"""Motions as functions of JAX.
+
+Values and derivatives are those of symosc, through grad, jacobian, vmap and jit.
+"""
 
 from __future__ import annotations
 
@@ -37,7 +40,9 @@ def test_events_and_their_gradients() -> None:
 
     slopes = jax.jit(jax.grad(time, argnums=(0, 1, 2)))(P["mu1"], P["Omega"], 0.0)
     np.testing.assert_allclose(slopes, expected.dt[4], rtol=1e-12)
-    np.testing.assert_allclose(jax.jacfwd(time)(P["mu1"], P["Omega"], 0.0), expected.dt[4, 0], rtol=1e-12)
+    np.testing.assert_allclose(
+        jax.jacfwd(time)(P["mu1"], P["Omega"], 0.0), expected.dt[4, 0], rtol=1e-12
+    )
 
 
 @pytest.mark.slow
@@ -65,13 +70,18 @@ def test_flow_by_start_and_time() -> None:
     for each in (forward, backward):
         np.testing.assert_allclose(np.stack(each, axis=-1), expected(times), rtol=1e-10, atol=1e-12)
     rates = jax.jacfwd(states, argnums=2)(0.0, P["k"], 2.5)
-    motion, h = simulate("fig5", t_end=7), 1e-6
+    motion = simulate("fig5", t_end=7)
+    h = 1e-6
     np.testing.assert_allclose(rates, (motion(2.5 + h) - motion(2.5 - h)) / (2 * h), rtol=1e-7)
 
 
 def test_what_is_wrong_is_said(monkeypatch: pytest.MonkeyPatch) -> None:
-    assert "did you mean" in refused(lambda: ours.events(P | {"mu": 1.0}, t_end=7, count=3), "parameters")
-    assert "FN is missing" in refused(lambda: ours.flow({n: P[n] for n in P if n != "FN"}, 1.0), "parameters")
+    assert "did you mean" in refused(
+        lambda: ours.events(P | {"mu": 1.0}, t_end=7, count=3), "parameters"
+    )
+    assert "FN is missing" in refused(
+        lambda: ours.flow({n: P[n] for n in P if n != "FN"}, 1.0), "parameters"
+    )
     refused(lambda: ours.events(P, t_end=7, count=0), "count")
     jax.config.update("jax_enable_x64", False)
     refused(lambda: ours.events(P, t_end=7, count=3), "jax_enable_x64")

@@ -13,7 +13,8 @@ from sources import nodes
 import symosc
 
 ROOT = Path(symosc.__file__).parent
-#: Packages and the modules beside them, level by level: each may use those of lower levels, and what is in itself.
+#: Packages and the modules beside them, level by level: each may use those of lower levels, and
+#: what is in itself.
 LEVELS = [
     {"aliases", "errors"},
     {"arguments", "exact", "files", "display"},
@@ -66,7 +67,10 @@ def imports(path: Path) -> list[str]:
 def used(path: Path) -> Iterator[str]:
     """Yield the modules of symosc that a file imports, late imports included."""
     for name in imports(path):
-        parts = name.split(".")[1:] if name.split(".")[0] == "symosc" else []
+        if name.split(".")[0] == "symosc":
+            parts = name.split(".")[1:]
+        else:
+            parts = []
         modules = [".".join(parts[: i + 1]) for i in range(len(parts))]
         found = [module for module in modules if module in MODULES]
         if found:
@@ -100,9 +104,16 @@ def test_only_symbolic_and_derivations_import_sympy() -> None:
     """At their top; a late import is one that a fast path never comes to."""
     for name, path in MODULES.items():
         heads = {
-            alias.name.split(".")[0] for node in body(path) if isinstance(node, ast.Import) for alias in node.names
+            alias.name.split(".")[0]
+            for node in body(path)
+            if isinstance(node, ast.Import)
+            for alias in node.names
         }
-        heads |= {(node.module or "").split(".")[0] for node in body(path) if isinstance(node, ast.ImportFrom)}
+        heads |= {
+            (node.module or "").split(".")[0]
+            for node in body(path)
+            if isinstance(node, ast.ImportFrom)
+        }
         if name.split(".")[0] not in ("symbolic", "derive"):
             assert "sympy" not in heads, name
 

@@ -22,7 +22,18 @@ from symosc.exact import read_start_error, show, unmasked
 from symosc.model import PARAMETER_NAMES, Parameters
 from symosc.scenes import Scene, load_scene, scene_names
 
-VALUES = {"m": 1, "c": 1, "k": 1, "A0": -15, "B0": 10, "Omega": 1, "v1": 1, "v2": 5, "mu1": "0.8", "mu2": "0.6"}
+VALUES = {
+    "m": 1,
+    "c": 1,
+    "k": 1,
+    "A0": -15,
+    "B0": 10,
+    "Omega": 1,
+    "v1": 1,
+    "v2": 5,
+    "mu1": "0.8",
+    "mu2": "0.6",
+}
 VALUES["FN"] = "9.81"
 P = load_scene("fig5").parameters
 START = {"t0": 0, "x0": 0, "v0": 0, "t_end": 5}
@@ -62,7 +73,9 @@ def test_a_start_that_is_read_to_forty_digits_has_an_error() -> None:
     assert rounded.start_error == (0, Fraction(1, 2 * 10**39), 0)
     assert rounded.started({"x0": 1}).start_error == (0, 0, 0)
     assert exact.started({"v0": "sqrt(2)"}).start_error == (0, 0, Fraction(1, 2 * 10**39))
-    assert simulate(parameters(), x0="pi/3", t_end="1T").events == simulate(rounded, t_end="1T").events
+    assert (
+        simulate(parameters(), x0="pi/3", t_end="1T").events == simulate(rounded, t_end="1T").events
+    )
 
 
 def test_masked_numbers_are_refused(monkeypatch: pytest.MonkeyPatch) -> None:
@@ -77,7 +90,11 @@ def test_masked_numbers_are_refused(monkeypatch: pytest.MonkeyPatch) -> None:
 
 def test_friction_forces_are_exact() -> None:
     p = parameters()
-    assert [p.A(alpha) for alpha in (1, 2, 3)] == [Fraction("-1.266"), Fraction("-16.962"), Fraction("-28.734")]
+    assert [p.A(alpha) for alpha in (1, 2, 3)] == [
+        Fraction("-1.266"),
+        Fraction("-16.962"),
+        Fraction("-28.734"),
+    ]
     assert p.A(1) - p.A(2) == 2 * p.mu1 * p.FN
     assert p.A(2) - p.A(3) == 2 * p.mu2 * p.FN
     assert (p.belt(1), p.belt(2)) == (1, 5)
@@ -91,7 +108,8 @@ def test_friction_forces_are_exact() -> None:
 
 
 def test_parameters_are_frozen_hashable_values() -> None:
-    p, same = parameters(), parameters(mu1=0.8, m=Fraction(2, 2))
+    p = parameters()
+    same = parameters(mu1=0.8, m=Fraction(2, 2))
     assert p == same
     assert hash(p) == hash(same)
     assert len({p, same, p.replace(c=2)}) == 2
@@ -164,10 +182,13 @@ PAPER = {  # A0, B0, Omega, c, k, m, v1, v2, mu1, mu2, FN; t0, x0, v0
 def test_scenes_hold_the_paper_s_numbers() -> None:
     names = ("A0", "B0", "Omega", "c", "k", "m", "v1", "v2", "mu1", "mu2", "FN")
     for name, row in PAPER.items():
-        numbers, scene = [Fraction(text) for text in row.split()], load_scene(name)
+        numbers = [Fraction(text) for text in row.split()]
+        scene = load_scene(name)
         assert scene.parameters == Parameters(**dict(zip(names, numbers[:11], strict=True)))
         assert [scene.t0, scene.x0, scene.v0] == numbers[11:]
-    printed, corrected, grazing = (load_scene(name) for name in ("fig7", "fig7-corrected", "fig7-exact"))
+    printed, corrected, grazing = (
+        load_scene(name) for name in ("fig7", "fig7-corrected", "fig7-exact")
+    )
     assert printed.parameters.replace(A0=10) == corrected.parameters == grazing.parameters
     assert (printed.t0, printed.x0, printed.v0) == (corrected.t0, corrected.x0, corrected.v0)
 
@@ -205,7 +226,9 @@ def test_a_scene_file_is_read_exactly(tmp_path: Path) -> None:
         assert (scene.t_end, scene.structure, scene.source) == (Fraction(5, 2), None, "")
 
 
-@pytest.mark.parametrize("name", ["fig11", "Fig5", "", "fig5.toml", "no/such/file.toml", ".", "a\0b", "n" * 5000])
+@pytest.mark.parametrize(
+    "name", ["fig11", "Fig5", "", "fig5.toml", "no/such/file.toml", ".", "a\0b", "n" * 5000]
+)
 def test_unknown_scenes(name: str) -> None:
     with pytest.raises(SceneError) as caught:
         load_scene(name)
@@ -246,7 +269,9 @@ def test_exact_scenes_are_known_to_half_a_unit_of_their_last_digit(name: str) ->
 def test_the_numeric_path_loads_no_heavy_package(code: str) -> None:
     heavy = {"sympy", "matplotlib", "numba", "xarray", "pandas", "distributed"}
     program = f"{code}\nimport sys\nprint(*{heavy} & set(sys.modules))"
-    done = subprocess.run([sys.executable, "-W", "error", "-c", program], capture_output=True, text=True, check=False)
+    done = subprocess.run(
+        [sys.executable, "-W", "error", "-c", program], capture_output=True, text=True, check=False
+    )
     assert (done.returncode, done.stdout.strip(), done.stderr) == (0, "", "")
 
 
@@ -268,6 +293,7 @@ def test_four_fifths_in_every_form() -> None:
 
 
 def test_expressions_are_read_to_forty_digits() -> None:
-    two_pi, root = "6.283185307179586476925286766559005768394", "0.3535533905932737622004221810524245196424"
+    two_pi = "6.283185307179586476925286766559005768394"
+    root = "0.3535533905932737622004221810524245196424"
     for given, digits in (("2*pi", two_pi), ("sqrt(2)/4", root), ("1/3 + 1/6", "0.5")):
         assert Fraction(digits) == parameters(A0=given).A0 == parameters(A0=sympy.sympify(given)).A0

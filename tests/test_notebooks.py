@@ -2,7 +2,15 @@
 
 from __future__ import annotations
 
-from symosc import OtherModel, Scene, find_orbit, frequency_response, grazing_window, load_scene, read_word
+from symosc import (
+    OtherModel,
+    Scene,
+    find_orbit,
+    frequency_response,
+    grazing_window,
+    load_scene,
+    read_word,
+)
 
 
 def test_parameters_in_the_papers_letters() -> None:

@@ -1,4 +1,7 @@
-"""One rule for arguments and one for answers: Parameters, a Scene, its name or its file; starts at 0; short texts."""
+"""One rule for arguments and one for answers: Parameters, a Scene, its name or its file.
+
+Starts at 0; short texts.
+"""
 
 from __future__ import annotations
 
@@ -30,7 +33,9 @@ CALLS: dict[str, Callable[[Any], Any]] = {
     "grazing_start": lambda what: symosc.grazing_start(what, "P2", "1.2").start,
     "check_grazing": lambda what: symosc.check_grazing(what, "P2", n=5).mismatches,
     "values_containing": lambda what: symosc.values_containing(what, "P2", "Omega", "7*pi/6"),
-    "simulate_many": lambda what: symosc.simulate_many(what, (0, 0, 0), 5, use_numba=False).t.tolist(),
+    "simulate_many": lambda what: symosc.simulate_many(
+        what, (0, 0, 0), 5, use_numba=False
+    ).t.tolist(),
 }
 
 
@@ -39,7 +44,9 @@ def test_a_scene_is_taken_for_its_parameters(name: str) -> None:
     expected = CALLS[name](P)
     for what in (SCENE, "fig9", SCENES / "fig9.toml", str(SCENES / "fig9.toml")):
         assert CALLS[name](what) == expected
-    with pytest.raises(ParameterError, match=r"must be Parameters.* a Scene, or the name or file of one"):
+    with pytest.raises(
+        ParameterError, match=r"must be Parameters.* a Scene, or the name or file of one"
+    ):
         CALLS[name](5)
 
 
@@ -84,7 +91,13 @@ def test_texts_of_answers_are_short() -> None:
     t = np.linspace(float(SCENE.t0), 60, 1_000)
     x, v = simulate("fig9", t_end=60)(t)
     motion = simulate("fig9", t_end=700)
-    answers = [motion, motion.events, motion.segments, symosc.reference_cases(), symosc.grazing_curve(P, "P2")]
+    answers = [
+        motion,
+        motion.events,
+        motion.segments,
+        symosc.reference_cases(),
+        symosc.grazing_curve(P, "P2"),
+    ]
     answers += [symosc.crosscheck("fig9", t, x + 0.1 * (t > 30), v), symosc.find_orbit(P, "P32")]
     for each in answers:
         assert len(repr(each)) <= 4_000

@@ -9,10 +9,13 @@ from stored_outputs import NAMES, cases, difference, lines_of, stored
 @pytest.mark.quick(20)
 @pytest.mark.parametrize(("name", "case"), [(name, case) for name in NAMES for case in cases(name)])
 def test_an_output_is_what_was_stored(name: str, case: str) -> None:
-    old, new = stored(name)[case], list(lines_of(cases(name)[case]()))
+    old = stored(name)[case]
+    new = list(lines_of(cases(name)[case]()))
     changes = [text for pair in zip(old, new, strict=False) if (text := difference(*pair))]
     changes += [f"- {line}" for line in old[len(new) :]] + [f"+ {line}" for line in new[len(old) :]]
-    assert not changes, "\n".join([*changes, f"if this is right: python tests/support/stored_outputs.py {name}"])
+    assert not changes, "\n".join(
+        [*changes, f"if this is right: python tests/support/stored_outputs.py {name}"]
+    )
 
 
 def test_each_stored_output_has_a_case() -> None:

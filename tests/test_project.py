@@ -33,12 +33,16 @@ def session_commands() -> dict[str, list[str]]:
         if isinstance(function, ast.FunctionDef):
             calls = [node for node in ast.walk(function) if isinstance(node, ast.Call)]
             runs = [call for call in calls if ast.unparse(call.func) == "session.run"]
-            found[function.name] = [" ".join(map(str, filter(None, map(_value, run.args)))) for run in runs]
+            found[function.name] = [
+                " ".join(map(str, filter(None, map(_value, run.args)))) for run in runs
+            ]
     return found
 
 
 def _value(node: ast.expr) -> Any:
-    return node.value if isinstance(node, ast.Constant) else None
+    if isinstance(node, ast.Constant):
+        return node.value
+    return None
 
 
 def contributor_commands() -> list[str]:
@@ -48,7 +52,8 @@ def contributor_commands() -> list[str]:
 
 
 def test_contributing_opens_with_three_commands_that_others_use_too() -> None:
-    sessions, readme = session_commands(), text("README.md")
+    sessions = session_commands()
+    readme = text("README.md")
     quick, lint, regenerate = (
         [part.removeprefix(".venv/bin/").replace('"', "") for part in line.split(" && ")]
         for line in contributor_commands()
@@ -59,7 +64,11 @@ def test_contributing_opens_with_three_commands_that_others_use_too() -> None:
     assert sessions["codegen"] == ["symosc codegen"]
     assert all(f".venv/bin/{command}\n" in text(".ci/run") for command in lint)
     assert f".venv/bin/{sessions['tests'][0]}\n" in readme
-    options = {name for each in main.get_command(click.Context(main), "codegen").params for name in each.opts}  # type: ignore[union-attr]
+    options = {
+        name
+        for each in main.get_command(click.Context(main), "codegen").params
+        for name in each.opts
+    }  # type: ignore[union-attr]
     assert {"--check", "--regenerate"} <= options
 
 
@@ -80,15 +89,29 @@ def test_every_dependency_has_a_lower_bound_and_no_upper_one() -> None:
 
 def test_what_is_imported_is_declared() -> None:
     """Every package that a module needs is one of ours, of Python's or of the project's dependencies."""
-    named = [each for part in (PROJECT["dependencies"], *PROJECT["optional-dependencies"].values()) for each in part]
-    declared = {re.split(r"[>\[]", each)[0].lower().replace("-", "_") for each in named} | {"symosc"}
+    named = [
+        each
+        for part in (PROJECT["dependencies"], *PROJECT["optional-dependencies"].values())
+        for each in part
+    ]
+    declared = {re.split(r"[>\[]", each)[0].lower().replace("-", "_") for each in named} | {
+        "symosc"
+    }
     declared |= {"sksundae", "flint"}  # of scikit-sundae and python-flint
     for path in (ROOT / "symosc").rglob("*.py"):
         for node in nodes(path):
-            names = [alias.name for alias in node.names] if isinstance(node, ast.Import) else []
-            names += [node.module] if isinstance(node, ast.ImportFrom) and node.module else []
+            if isinstance(node, ast.Import):
+                names = [alias.name for alias in node.names]
+            else:
+                names = []
+            if isinstance(node, ast.ImportFrom) and node.module:
+                names += [node.module]
+            else:
+                names += []
             for head in {name.partition(".")[0] for name in names}:
-                assert head in declared or head in sys.stdlib_module_names, f"{path.name} imports {head}"
+                assert head in declared or head in sys.stdlib_module_names, (
+                    f"{path.name} imports {head}"
+                )
 
 
 def test_nox_has_a_session_for_every_python_and_every_extra() -> None:

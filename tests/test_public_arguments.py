@@ -1,4 +1,7 @@
-"""Bad input of anything public: one clear error, and never a raw one; nothing that makes no sense is accepted."""
+"""Bad input of anything public: one clear error, and never a raw one.
+
+Nothing that makes no sense is accepted.
+"""
 
 from __future__ import annotations
 
@@ -45,7 +48,9 @@ def time_limit() -> Iterator[None]:
         signal.signal(signal.SIGALRM, before)
 
 
-def wrong(name: str, call: Callable[..., Any], given: dict[str, Any], parameter: str, value: str) -> str:
+def wrong(
+    name: str, call: Callable[..., Any], given: dict[str, Any], parameter: str, value: str
+) -> str:
     """Return what is wrong with what a call does with a value, "" if nothing is."""
     usual = inspect.signature(call).parameters.get(parameter)
     valid = is_valid(name, parameter, value, usual and usual.default)
@@ -55,26 +60,41 @@ def wrong(name: str, call: Callable[..., Any], given: dict[str, Any], parameter:
     except ParameterError as error:
         line = str(error)
         named = line.startswith((parameter, *CALLED.get(parameter, ())))
-        return "" if named and "\n" not in line and len(line) < 400 else f"says {line!r}"
+        if named and "\n" not in line and len(line) < 400:
+            return ""
+        return f"says {line!r}"
     except (SymoscError, GivenUp):
         return ""
     except Exception as error:
         index = name.endswith("__getitem__") and isinstance(error, IndexError)  # as of any sequence
-        return "" if index or (valid and value == "broken") else f"raises {error!r:.200}"
-    return "" if valid else "is accepted"
+        if index or (valid and value == "broken"):
+            return ""
+        return f"raises {error!r:.200}"
+    if valid:
+        return ""
+    return "is accepted"
 
 
-def fuzz(calls: dict[str, tuple[Callable[..., Any], dict[str, Any]]], rng: random.Random, share: float) -> int:
+def fuzz(
+    calls: dict[str, tuple[Callable[..., Any], dict[str, Any]]], rng: random.Random, share: float
+) -> int:
     """Try a share of all values for all parameters of calls; return how many that were."""
-    found, count = [], 0
+    found = []
+    count = 0
     for name, (call, given) in calls.items():
         given = full(call, given)
         for parameter in given:
             for value in VALUES:
-                if rng.random() < share and (parameter, value) != ("use_numba", "True"):  # which compiles for a minute
+                if rng.random() < share and (parameter, value) != (
+                    "use_numba",
+                    "True",
+                ):  # which compiles for a minute
                     count += 1
                     reason = wrong(name, call, given, parameter, value)
-                    found += [f"{name}({parameter} = {value}) {reason}"] if reason else []
+                    if reason:
+                        found += [f"{name}({parameter} = {value}) {reason}"]
+                    else:
+                        found += []
         plt.close("all")
     assert found == []
     return count
@@ -106,7 +126,10 @@ def test_hostile_values_of_every_parameter(share: float) -> None:
 
 @pytest.mark.slow
 def test_everything_public_is_tried() -> None:
-    """What takes no argument cannot be given a wrong one; constructors of answers are for symosc alone."""
+    """What takes no argument cannot be given a wrong one.
+
+    Constructors of answers are for symosc alone.
+    """
     tried = {name.split()[0] for name in functions() | of_answers()}
     for prefix, module in (("", symosc), ("plot.", plot)):
         for name in module.__all__:
@@ -115,8 +138,16 @@ def test_everything_public_is_tried() -> None:
                 assert prefix + name in tried
             elif isinstance(found, type) and not issubclass(found, Exception):
                 for method, each in vars(found).items():
-                    called = method in ("__call__", "__getitem__", "__contains__") or not method.startswith("_")
-                    if called and isinstance(each, types.FunctionType) and len(inspect.signature(each).parameters) > 1:
+                    called = method in (
+                        "__call__",
+                        "__getitem__",
+                        "__contains__",
+                    ) or not method.startswith("_")
+                    if (
+                        called
+                        and isinstance(each, types.FunctionType)
+                        and len(inspect.signature(each).parameters) > 1
+                    ):
                         assert f"{name}.{method}" in tried
 
 
@@ -141,13 +172,31 @@ def test_cases_of_an_audit(name: str, call: Callable[[], Any]) -> None:
 @pytest.mark.parametrize(
     ("call", "words"),
     [
-        (lambda: symosc.simulate("fig5", tend=4), r"simulate.*'tend'; known are scene, .*; did you mean t_end\?"),
-        (lambda: symosc.Parameters(mu_1=1), r"Parameters\(\).*'mu_1'; known are m, c, k, .*, FN; did you mean mu1\?"),
+        (
+            lambda: symosc.simulate("fig5", tend=4),
+            r"simulate.*'tend'; known are scene, .*; did you mean t_end\?",
+        ),
+        (
+            lambda: symosc.Parameters(mu_1=1),
+            r"Parameters\(\).*'mu_1'; known are m, c, k, .*, FN; did you mean mu1\?",
+        ),
         (lambda: symosc.Parameters(mu=1), r"'mu'; known are m, .*; did you mean mu1 or mu2\?"),
-        (lambda: symosc.simulate(P9, 14), r"^simulate\(\) takes only scene .*: t0=, .*t_end=.*progress=$"),
-        (lambda: symosc.Parameters(1, 2), r"^Parameters\(\) takes nothing without a name; .*: m=, c=, k=, .*, FN=$"),
-        (lambda: P9.replace("mu1", 3), r"^Parameters.replace\(\) takes nothing without a name; .*: NAME=VALUE$"),
-        (lambda: symosc.simulate("fig5", t_end=1).plot("b"), r"^figure\(\) takes only subject .*: .*panels=, "),
+        (
+            lambda: symosc.simulate(P9, 14),
+            r"^simulate\(\) takes only scene .*: t0=, .*t_end=.*progress=$",
+        ),
+        (
+            lambda: symosc.Parameters(1, 2),
+            r"^Parameters\(\) takes nothing without a name; .*: m=, c=, k=, .*, FN=$",
+        ),
+        (
+            lambda: P9.replace("mu1", 3),
+            r"^Parameters.replace\(\) takes nothing without a name; .*: NAME=VALUE$",
+        ),
+        (
+            lambda: symosc.simulate("fig5", t_end=1).plot("b"),
+            r"^figure\(\) takes only subject .*: .*panels=, ",
+        ),
     ],
 )
 def test_arguments_that_no_function_takes(call: Callable[[], Any], words: str) -> None:
@@ -157,7 +206,9 @@ def test_arguments_that_no_function_takes(call: Callable[[], Any], words: str) -
 
 def test_what_the_annotations_say_is_what_is_checked() -> None:
     @public
-    def f(self: Any, a: int, /, *more: str | None, b: tuple[int, int] = (1, 2), **rest: bool) -> str:
+    def f(
+        self: Any, a: int, /, *more: str | None, b: tuple[int, int] = (1, 2), **rest: bool
+    ) -> str:
         return f"{a} {more} {b} {rest}"
 
     assert f(0, 1, "x", None, b=[3, 4], c=True) == "1 ('x', None) [3, 4] {'c': True}"  # type: ignore[arg-type]

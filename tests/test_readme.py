@@ -1,4 +1,7 @@
-"""The README and the page about answers are tests: what they show is run, and must print what they say."""
+"""The README and the page about answers are tests.
+
+What they show is run, and must print what they say.
+"""
 
 from __future__ import annotations
 
@@ -40,8 +43,11 @@ def assert_same_print(printed: str, expected: str) -> None:
 
 @pytest.mark.slow
 def test_the_python_example(tmp_path: Path) -> None:
-    (code,), (expected,) = blocks("python"), blocks("text")
-    result = subprocess.run([sys.executable, "-c", code], cwd=tmp_path, capture_output=True, text=True, check=True)
+    (code,) = blocks("python")
+    (expected,) = blocks("text")
+    result = subprocess.run(
+        [sys.executable, "-c", code], cwd=tmp_path, capture_output=True, text=True, check=True
+    )
     assert_same_print(result.stdout, expected)
     assert "<svg" in (tmp_path / "motion.svg").read_text(encoding="utf-8")
     assert (ROOT / "docs" / "motion.svg").is_file()
@@ -52,14 +58,21 @@ def test_the_command_lines(tmp_path: Path) -> None:
     (session,) = blocks("console", ANSWERS)
     commands = re.split(r"^\$ ", session, flags=re.MULTILINE)[1:]
     assert len(commands) >= 5
-    environment = {**os.environ, "PATH": os.pathsep.join([str(_program_folder(tmp_path)), os.environ["PATH"]])}
+    environment = {
+        **os.environ,
+        "PATH": os.pathsep.join([str(_program_folder(tmp_path)), os.environ["PATH"]]),
+    }
     for entry in commands:
         command, _, expected = entry.partition("\n")
-        result = subprocess.run(command, shell=True, cwd=tmp_path, env=environment, capture_output=True, text=True)
+        result = subprocess.run(
+            command, shell=True, cwd=tmp_path, env=environment, capture_output=True, text=True
+        )
         assert (result.returncode, result.stderr) == (0, ""), command
         if expected:
             assert_same_print(result.stdout, expected)
-    assert {"events.csv", "fig8.svg", "mine.toml", "events.json"} <= {path.name for path in tmp_path.iterdir()}
+    assert {"events.csv", "fig8.svg", "mine.toml", "events.json"} <= {
+        path.name for path in tmp_path.iterdir()
+    }
 
 
 def _program_folder(tmp_path: Path) -> Path:
@@ -87,7 +100,9 @@ def test_every_scene_and_status_is_explained() -> None:
 def test_commands_in_the_text_exist() -> None:
     commands = main.list_commands(click.Context(main))
     for text in (README, ANSWERS):
-        for name in re.findall(r"`symosc\s([a-z]+)", text) + re.findall(r"^\$ symosc ([a-z]+)", text, re.MULTILINE):
+        for name in re.findall(r"`symosc\s([a-z]+)", text) + re.findall(
+            r"^\$ symosc ([a-z]+)", text, re.MULTILINE
+        ):
             assert name in commands
     assert all(f"symosc {name}" in " ".join(README.split()) for name in commands)
 

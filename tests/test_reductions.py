@@ -1,4 +1,7 @@
-"""Other models that are this one: by substitution, against their own equations, exactly, and from scene files."""
+"""Other models that are this one.
+
+By substitution, against their own equations, exactly, and from scene files.
+"""
 
 from __future__ import annotations
 
@@ -37,17 +40,36 @@ def test_a_motion_is_that_of_the_models_own_equation(kind: str, seed: int) -> No
 
 
 def test_the_substitution_is_an_identity() -> None:
-    """Put x = z + w into each model's equation: what is left is this oscillator's, with the drive that is computed."""
+    """Put x = z + w into each model's equation.
+
+    What is left is this oscillator's, with the drive that is computed.
+    """
     t, m, c, k, Om, g = sp.symbols("t m c k Omega g", positive=True)
-    A0, B0, Y, W, phase, Y_phase, W_phase, angle = sp.symbols("A0 B0 Y W phase Y_phase W_phase angle", real=True)
-    friction, z = sp.Function("f"), sp.Function("z")(t)
+    A0, B0, Y, W, phase, Y_phase, W_phase, angle = sp.symbols(
+        "A0 B0 Y W phase Y_phase W_phase angle", real=True
+    )
+    friction = sp.Function("f")
+    z = sp.Function("z")(t)
     for joined in (False, True):
         y = Y * sp.cos(Om * t + Y_phase)
         w = sp.integrate(W * sp.cos(Om * t + W_phase), t) + (y if joined else 0)
         x = z + w
         force = A0 + B0 * sp.cos(Om * t + phase) + m * g * sp.sin(angle)
-        rest = m * x.diff(t, 2) + c * (x - y).diff(t) + k * (x - y) - force - friction(sp.expand((x - w).diff(t)))
-        own = m * z.diff(t, 2) + c * z.diff(t) + k * z - A0 - m * g * sp.sin(angle) - friction(z.diff(t))
+        rest = (
+            m * x.diff(t, 2)
+            + c * (x - y).diff(t)
+            + k * (x - y)
+            - force
+            - friction(sp.expand((x - w).diff(t)))
+        )
+        own = (
+            m * z.diff(t, 2)
+            + c * z.diff(t)
+            + k * z
+            - A0
+            - m * g * sp.sin(angle)
+            - friction(z.diff(t))
+        )
         drive = sp.expand(sp.expand_trig(own - rest))
         P, Q = (drive.coeff(part(Om * t)) for part in (sp.cos, sp.sin))
         assert sp.simplify(drive - P * sp.cos(Om * t) - Q * sp.sin(Om * t)) == 0
@@ -70,11 +92,20 @@ def test_what_is_rational_is_exact() -> None:
     sine = OtherModel(m=1, k=2, Omega=3, FN=1, Y="1/5", Y_phase="-pi/2")
     assert Fraction(2, 5) == sine.parameters.B0
     assert not sine.exact
-    assert abs(sine.delay * 3 - Fraction("1.5707963267948966192313216916397514420985846996875529104874723")) < 1e-60
+    assert (
+        abs(
+            sine.delay * 3
+            - Fraction("1.5707963267948966192313216916397514420985846996875529104874723")
+        )
+        < 1e-60
+    )
     base = OtherModel(m=1, c=3, k=4, Omega=1, FN=1, Y=1)  # 5 cos(t - psi)
     assert base.parameters.B0 == 5
     slope = OtherModel(m=2, k=1, Omega=1, g=10, angle="pi/6")
-    assert (10, Fraction("17.32050807568877293527446341505872366943")) == (slope.parameters.A0, slope.parameters.FN)
+    assert (10, Fraction("17.32050807568877293527446341505872366943")) == (
+        slope.parameters.A0,
+        slope.parameters.FN,
+    )
     hung = OtherModel(m=2, k=1, Omega=1, FN=1, g=10, angle="pi/2", B0=1)
     assert hung.parameters.A0 == 20
     assert hung.exact
@@ -83,7 +114,11 @@ def test_what_is_rational_is_exact() -> None:
 
 
 def test_the_table_of_the_page_has_the_drives() -> None:
-    m, c, k, Om, size = 1.5, 0.4, 2.0, 1.3, 0.7
+    m = 1.5
+    c = 0.4
+    k = 2.0
+    Om = 1.3
+    size = 0.7
     numbers = {"m": m, "c": c, "k": k, "Omega": Om, "FN": 1}
     table: list[tuple[dict[str, object], float, float]] = [
         ({"B0": size, "phase": "-pi/2"}, size, np.pi / 2 / Om),
@@ -94,7 +129,9 @@ def test_the_table_of_the_page_has_the_drives() -> None:
     ]
     for given, B0, delay in table:
         model = OtherModel(**numbers | given)  # type: ignore[arg-type]
-        assert (float(model.parameters.B0), float(model.delay)) == pytest.approx((B0, delay), abs=1e-14)
+        assert (float(model.parameters.B0), float(model.delay)) == pytest.approx(
+            (B0, delay), abs=1e-14
+        )
 
 
 def test_the_phase_of_a_late_start_is_right() -> None:
@@ -116,10 +153,16 @@ def test_digits_are_those_of_the_doubles() -> None:
     coarse, fine = (simulate(model, x0=1, t_end=9, digits=digits) for digits in (None, 30))
     assert len(coarse.events) > 2
     for a, b in zip(coarse.events, fine.events, strict=True):
-        assert all(abs(getattr(a, name) - getattr(b, name)) < 1e-13 for name in ("t", "x", "v", "theta"))
+        assert all(
+            abs(getattr(a, name) - getattr(b, name)) < 1e-13 for name in ("t", "x", "v", "theta")
+        )
         assert a.x_error >= abs(a.x - b.x) / 10
-    t, x, v = fine.events[-1].t, fine.events[-1].x, fine.events[-1].v
-    assert abs(v + model.Omega * model.Y * t.context.sin(model.Omega * t)) < 1e-28  # the wall's velocity
+    t = fine.events[-1].t
+    x = fine.events[-1].x
+    v = fine.events[-1].v
+    assert (
+        abs(v + model.Omega * model.Y * t.context.sin(model.Omega * t)) < 1e-28
+    )  # the wall's velocity
     s, z, u = model.forth(float(t), float(x), float(v))
     assert abs(u) < 1e-13
     assert np.allclose(model.back(s, z, u), [float(t), float(x), float(v)], atol=1e-13)
@@ -168,7 +211,10 @@ def test_a_scene_file_names_a_model(tmp_path: Path) -> None:
 
 def test_what_does_not_turn_back_says_so() -> None:
     scene = read_scene(FILE, "wall.toml")
-    for refused in (lambda: symosc.sweep(scene, {"Omega": [1, 2]}), lambda: symosc.crosscheck(scene, lambda t: (t, t))):
+    for refused in (
+        lambda: symosc.sweep(scene, {"Omega": [1, 2]}),
+        lambda: symosc.crosscheck(scene, lambda t: (t, t)),
+    ):
         with pytest.raises(ParameterError, match=r"is of another model.*scene\.reduced"):
             refused()
     with pytest.raises(ParameterError, match=r"Yphase.*did you mean Y_phase"):
@@ -190,7 +236,9 @@ def test_what_does_not_turn_back_says_so() -> None:
         "new mine.toml --like wall.toml",
     ],
 )
-def test_commands_take_such_a_file(line: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_commands_take_such_a_file(
+    line: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
     monkeypatch.chdir(tmp_path)
     Path("wall.toml").write_text(FILE)
     done = run(*line.split())

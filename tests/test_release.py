@@ -20,7 +20,11 @@ pytestmark = [pytest.mark.campaign, pytest.mark.slow]
 
 
 def run(*command: str, folder: Path) -> str:
-    environment = {name: value for name, value in os.environ.items() if not name.startswith(("PYTHON", "PIP_REQUIRE"))}
+    environment = {
+        name: value
+        for name, value in os.environ.items()
+        if not name.startswith(("PYTHON", "PIP_REQUIRE"))
+    }
     done = subprocess.run(command, cwd=folder, env=environment, capture_output=True, text=True)
     assert done.returncode == 0, done.stdout + done.stderr
     return done.stdout
@@ -62,7 +66,10 @@ def test_wheel_and_source_have_what_they_need(built: list[Path]) -> None:
     assert wanted <= packed
     assert not [name for name in packed if name.startswith(("tests", "docs"))]
     with tarfile.open(source) as archive:
-        assert {name.partition("/")[2] for name in archive.getnames()} >= wanted | {"README.md", "LICENSE"}
+        assert {name.partition("/")[2] for name in archive.getnames()} >= wanted | {
+            "README.md",
+            "LICENSE",
+        }
 
 
 @pytest.mark.parametrize("kind", ["wheel", "source"])
@@ -70,15 +77,25 @@ def test_it_works_without_the_repository(built: list[Path], kind: str, tmp_path:
     package = built[("wheel", "source").index(kind)]
     programs = fresh(tmp_path / "environment", str(package))
     program = str(programs / "symosc")
-    about = "import symosc, sys; print(symosc.__file__); print(symosc.simulate('fig5', t_end=7).word)"
+    about = (
+        "import symosc, sys; print(symosc.__file__); print(symosc.simulate('fig5', t_end=7).word)"
+    )
     place, word = run(str(programs / "python"), "-c", about, folder=tmp_path).splitlines()
     assert str(tmp_path) in place
     assert word == "['P1', 'P2', 'P1', 'P3']"
     assert run(program, "--version", folder=tmp_path).split()[-1] == symosc.__version__
-    assert [each["name"] for each in json.loads(run(program, "scenes", "--json", folder=tmp_path))] == scene_names()
+    assert [
+        each["name"] for each in json.loads(run(program, "scenes", "--json", folder=tmp_path))
+    ] == scene_names()
     run(program, "new", "mine.toml", folder=tmp_path)
     run(program, "figure", "mine.toml", "-o", "mine.pdf", folder=tmp_path)
     assert (tmp_path / "mine.pdf").read_bytes().startswith(b"%PDF")
-    what = ["reproduce", "-o", "reproduced"] if kind == "wheel" else ["reproduce", "--only", "fig9", "-o", "reproduced"]
+    if kind == "wheel":
+        what = ["reproduce", "-o", "reproduced"]
+    else:
+        what = ["reproduce", "--only", "fig9", "-o", "reproduced"]
     run(program, *what, folder=tmp_path)
-    assert json.loads((tmp_path / "reproduced" / "report.json").read_text(encoding="utf-8"))["ok"] is True
+    assert (
+        json.loads((tmp_path / "reproduced" / "report.json").read_text(encoding="utf-8"))["ok"]
+        is True
+    )

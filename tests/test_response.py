@@ -32,8 +32,11 @@ def wall(F: float | str, **others: object) -> OtherModel:
 def test_it_is_that_of_the_models_own_equation(kind: str, seed: int) -> None:
     """Follow the equation by DOP853 until it has settled, and integrate over the last cycle by quad."""
     model = drawn(kind, 100 + seed).replace(c="4/5", m=1)
-    Om, follow = float(model.Omega), Original(model)
-    found, n, period = frequency_response(model, {"Omega": [Om]}), follow.n, TURN / Om
+    Om = float(model.Omega)
+    follow = Original(model)
+    found = frequency_response(model, {"Omega": [Om]})
+    n = follow.n
+    period = TURN / Om
     end = 14 * period + 60  # exp(-0.4 * 60) is 4e-11; a motion with sticks may be slower
     begin = end - period
     events, state = follow.follow(0.0, 0.1, 0.2, end)
@@ -47,27 +50,47 @@ def test_it_is_that_of_the_models_own_equation(kind: str, seed: int) -> None:
         return abs(float(state(t)[1]) - follow.belts(t)[0][belt])
 
     def extreme(sign: int) -> float:
-        near, step = times[int(np.argmax(sign * x))], times[1] - times[0]
-        bounds, fine = (near - step, min(near + step, end)), {"xatol": 1e-9}
-        best = minimize_scalar(lambda t: -sign * state(t)[0], bounds=bounds, method="bounded", options=fine)
+        near = times[int(np.argmax(sign * x))]
+        step = times[1] - times[0]
+        bounds = (near - step, min(near + step, end))
+        fine = {"xatol": 1e-9}
+        best = minimize_scalar(
+            lambda t: -sign * state(t)[0], bounds=bounds, method="bounded", options=fine
+        )
         return float(-sign * best.fun)
 
     most = [n["mu1"] * n["FN"], n["mu2"] * n["FN"]]
-    heat = sum(most[i] * integral(lambda t, i=i: slips(t, i)) for i in range(1 if follow.one_belt else 2))
+    heat = sum(
+        most[i] * integral(lambda t, i=i: slips(t, i)) for i in range(1 if follow.one_belt else 2)
+    )
     damper = n["c"] * integral(lambda t: (state(t)[1] - follow.base(t)[1]) ** 2)
     parts = (integral(lambda t, f=f: state(t)[0] * f(Om * t)) for f in (np.cos, np.sin))
     first = 2 / period * (next(parts) - 1j * next(parts))
     times = np.linspace(begin, end, 2001)
     x = np.array([state(t)[0] for t in times])
     held = [
-        (a, b) for (a, kind), (b, _) in pairwise([*((t, kind) for t, _, kind in events), (end, "")]) if kind == "stick"
+        (a, b)
+        for (a, kind), (b, _) in pairwise([*((t, kind) for t, _, kind in events), (end, "")])
+        if kind == "stick"
     ]
     stuck = sum(max(0.0, b - max(a, begin)) for a, b in held)
     assert found.status[0] in ("orbit", "rest")
-    expected = {"amplitude": (extreme(1) - extreme(-1)) / 2, "harmonic": abs(first), "friction": heat, "damper": damper}
+    expected = {
+        "amplitude": (extreme(1) - extreme(-1)) / 2,
+        "harmonic": abs(first),
+        "friction": heat,
+        "damper": damper,
+    }
     for name, value in (expected | {"work": heat + damper, "stuck": stuck / period}).items():
-        assert getattr(found, name)[0] == pytest.approx(value, rel=1e-8, abs=1e-8 if name == "stuck" else 1e-9), name
-    excitation = model.base if model.Y else model.force if model.B0 else None
+        assert getattr(found, name)[0] == pytest.approx(
+            value, rel=1e-8, abs=1e-8 if name == "stuck" else 1e-9
+        ), name
+    if model.Y:
+        excitation = model.base
+    elif model.B0:
+        excitation = model.force
+    else:
+        excitation = None
     if excitation is not None and found.harmonic[0] > 0:
         lag = np.angle(complex(float(excitation.C), -float(excitation.S)) / first)
         assert np.angle(np.exp(1j * (found.phase[0] - lag))) == pytest.approx(0, abs=1e-8)
@@ -76,7 +99,10 @@ def test_it_is_that_of_the_models_own_equation(kind: str, seed: int) -> None:
 @pytest.mark.parametrize("kind", KINDS)
 @pytest.mark.quick(3)
 def test_what_goes_in_is_what_is_lost(kind: str) -> None:
-    """Over 16 frequencies and springs of random models, most of them with sticks; and the errors are what is said."""
+    """Over 16 frequencies and springs of random models, most of them with sticks.
+
+    And the errors are what is said.
+    """
     for seed in range(2):
         model = drawn(kind, seed)
         for name, values in (("Omega", "0.35:2.9:4"), ("k", "0.6:3.5:4")):
@@ -85,7 +111,9 @@ def test_what_goes_in_is_what_is_lost(kind: str) -> None:
             for status in found.status[~known]:
                 assert model.c == 0
                 assert "for ever" in status
-            scale = np.maximum(np.abs(found.dissipated), float(model.FN or 1) * found.amplitude)[known]
+            scale = np.maximum(np.abs(found.dissipated), float(model.FN or 1) * found.amplitude)[
+                known
+            ]
             assert (np.abs(found.work - found.dissipated)[known] < 1e-11 * scale).all()
             assert (found.error[known] < 1e-10 * (1 + found.amplitude[known])).all()
 
@@ -124,20 +152,33 @@ def test_motions_that_meet_no_belt_and_rests() -> None:
     assert found.friction == pytest.approx(TURN / found.values * 1.5 * 5, rel=1e-12)
     rest = frequency_response(wall("1.01", c="0.1"), {"Omega": [0.5, 1.0]})
     assert rest.status.tolist() == ["rest"] * 2
-    assert (rest.amplitude.tolist(), rest.stuck.tolist(), rest.dissipated.tolist()) == ([0, 0], [1, 1], [0, 0])
+    assert (rest.amplitude.tolist(), rest.stuck.tolist(), rest.dissipated.tolist()) == (
+        [0, 0],
+        [1, 1],
+        [0, 0],
+    )
     assert np.isnan(rest.balance_error).all()  # harmonic balance rests too: 0/0
-    ridden = frequency_response(OtherModel(m=1, k=1, Omega=1, FN=9, Y=2, joined=True), {"Omega": [0.5]})
+    ridden = frequency_response(
+        OtherModel(m=1, k=1, Omega=1, FN=9, Y=2, joined=True), {"Omega": [0.5]}
+    )
     assert ridden.transmissibility[0] == pytest.approx(1, abs=1e-14)
     assert ridden.balance_error[0] == pytest.approx(0, abs=1e-14)
 
 
 def test_harmonic_balance_is_what_the_books_have() -> None:
-    """One belt at rest and c = 0: (P^2 - (4 F/pi)^2)^(1/2)/|k - m Omega^2|; and its error shrinks with friction."""
-    F, Om = 0.3, np.array([0.7, 1.4, 2.0])
+    """One belt at rest and c = 0: (P^2 - (4 F/pi)^2)^(1/2)/|k - m Omega^2|.
+
+    And its error shrinks with friction.
+    """
+    F = 0.3
+    Om = np.array([0.7, 1.4, 2.0])
     found = frequency_response(wall("0.3"), {"Omega": Om})
     assert found.balance == pytest.approx(sqrt(1 - (4 * F / pi) ** 2) / abs(1 - Om**2), rel=1e-12)
     assert found.balance_error == pytest.approx(found.balance / found.amplitude - 1, rel=1e-12)
-    errors = [abs(frequency_response(wall(F), {"Omega": [1.4]}).balance_error[0]) for F in ("0.4", "0.2", "0.1")]
+    errors = [
+        abs(frequency_response(wall(F), {"Omega": [1.4]}).balance_error[0])
+        for F in ("0.4", "0.2", "0.1")
+    ]
     assert errors[0] > 3 * errors[1] > 9 * errors[2]
     # belts that move: the first harmonic of friction by quadrature
     p = load_scene("fig9").parameters
@@ -145,7 +186,10 @@ def test_harmonic_balance_is_what_the_books_have() -> None:
     m, c, k, B0, FN = (float(each) for each in (p.m, p.c, p.k, p.B0, p.FN))
     V = 4 * found.balance[0]
     a = (np.arange(400_000) + 0.5) * TURN / 400_000
-    friction = -sum(float(mu) * FN * np.sign(-V * np.sin(a) - float(v)) for mu, v in ((p.mu1, p.v1), (p.mu2, p.v2)))
+    friction = -sum(
+        float(mu) * FN * np.sign(-V * np.sin(a) - float(v))
+        for mu, v in ((p.mu1, p.v1), (p.mu2, p.v2))
+    )
     harmonic = 2 * float(np.mean(friction * np.sin(a)))
     assert np.hypot((k - 16 * m) * V / 4, c * V + harmonic) == pytest.approx(B0, rel=1e-5)
 
@@ -162,9 +206,14 @@ def test_the_error_says_how_far_a_motion_is_from_the_settled_one() -> None:
 def test_marinos_inversion() -> None:
     """Beyond a frequency ratio near sqrt(2) friction on a wall that moves with the base amplifies its motion."""
     base = OtherModel(m=1, k=1, Omega=1, FN=1, Y=1, joined=True)
-    swept = [frequency_response(base.replace(Omega=r), {"FN": [0.1, 0.3, 0.5]}) for r in ("1.35", "1.6")]
+    swept = [
+        frequency_response(base.replace(Omega=r), {"FN": [0.1, 0.3, 0.5]}) for r in ("1.35", "1.6")
+    ]
     low, high = (found.transmissibility for found in swept)
     assert 1 / (1.35**2 - 1) > low[0] > low[1] > low[2]
     assert 1 / (1.6**2 - 1) < high[0] < high[1] < high[2]
     small = frequency_response(base.replace(FN="0.02"), {"Omega": [1.412, 1.4161]}).transmissibility
-    assert np.sign(small * (np.array([1.412, 1.4161]) ** 2 - 1) - 1).tolist() == [-1, 1]  # sqrt(2) = 1.41421
+    assert np.sign(small * (np.array([1.412, 1.4161]) ** 2 - 1) - 1).tolist() == [
+        -1,
+        1,
+    ]  # sqrt(2) = 1.41421

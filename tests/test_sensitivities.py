@@ -12,7 +12,15 @@ import pytest
 from derivative_checks import judged, scene_of
 from oracle import simulate_oracle
 
-from symosc import Parameters, Trajectory, find_orbit, load_scene, sensitivities, simulate, simulate_many
+from symosc import (
+    Parameters,
+    Trajectory,
+    find_orbit,
+    load_scene,
+    sensitivities,
+    simulate,
+    simulate_many,
+)
 from symosc.model import PARAMETER_NAMES
 
 NAMES = (*PARAMETER_NAMES, "t0", "x0", "v0")
@@ -26,25 +34,50 @@ def scene(seed: int) -> tuple[Parameters, dict[str, Fraction], Fraction]:
     def number(low: float, high: float) -> Fraction:
         return Fraction(dice.randint(int(low * 100), int(high * 100)), 100)
 
-    m, k, Omega, low = number(0.2, 2), number(0.5, 6), number(0.5, 4), number(-2, 1)
+    m = number(0.2, 2)
+    k = number(0.5, 6)
+    Omega = number(0.5, 4)
+    low = number(-2, 1)
     c = dice.choice((Fraction(0), number(0, 1), 2 * m * Omega, number(3, 9)))
-    k = m * Omega * Omega if c == 2 * m * Omega else Fraction(0) if seed % 11 == 3 else k  # critical; no spring
-    B0 = Fraction(0) if seed % 7 == 5 else number(1, 9)
-    mu1, mu2 = number(0, 1), number(0, 1)
+    # critical; no spring
+    if c == 2 * m * Omega:
+        k = m * Omega * Omega
+    elif seed % 11 == 3:
+        k = Fraction(0)
+    if seed % 7 == 5:
+        B0 = Fraction(0)
+    else:
+        B0 = number(1, 9)
+    mu1 = number(0, 1)
+    mu2 = number(0, 1)
     p = Parameters(
-        m=m, c=c, k=k, A0=number(-2, 2), B0=B0, Omega=Omega, v1=low, v2=low + number(0.5, 3), mu1=mu1, mu2=mu2, FN=2
+        m=m,
+        c=c,
+        k=k,
+        A0=number(-2, 2),
+        B0=B0,
+        Omega=Omega,
+        v1=low,
+        v2=low + number(0.5, 3),
+        mu1=mu1,
+        mu2=mu2,
+        FN=2,
     )
     start = {"t0": number(-3, 3), "x0": number(-3, 3), "v0": number(-4, 4) + Fraction(1, 997)}
     return p, start, start["t0"] + number(4, 10)
 
 
-def changed(p: Parameters, start: dict[str, Any], name: str, by: Fraction) -> tuple[Parameters, dict[str, Any]]:
+def changed(
+    p: Parameters, start: dict[str, Any], name: str, by: Fraction
+) -> tuple[Parameters, dict[str, Any]]:
     if name in start:
         return p, start | {name: start[name] + by}
     return p.replace(**{name: getattr(p, name) + by}), start
 
 
-def differences(p: Parameters, start: dict[str, Any], t_end: Any, name: str, sides: Any = (1, -1)) -> Any:
+def differences(
+    p: Parameters, start: dict[str, Any], t_end: Any, name: str, sides: Any = (1, -1)
+) -> Any:
     """Return the difference quotients of the times and positions of events, and both motions."""
     motions: list[Trajectory] = []
     for side in sides:
@@ -53,9 +86,9 @@ def differences(p: Parameters, start: dict[str, Any], t_end: Any, name: str, sid
     a, b = motions
     width = (sides[0] - sides[1]) * STEP
     pairs = zip(a.events, b.events, strict=True)
-    return np.array([[float((x.t - y.t) / width), float((x.x - y.x) / width)] for x, y in pairs]).reshape(
-        -1, 2
-    ), motions
+    return np.array(
+        [[float((x.t - y.t) / width), float((x.x - y.x) / width)] for x, y in pairs]
+    ).reshape(-1, 2), motions
 
 
 @pytest.mark.quick(3)
@@ -67,12 +100,20 @@ def test_derivatives_are_those_of_differences(seed: int) -> None:
         if name in ("c", "k", "mu1", "mu2") and getattr(p, name) == 0:
             continue
         quotients, motions = differences(p, start, t_end, name)
-        assert [each.kind for each in motions[0].events] == [each.kind for each in found.trajectory.events]
+        assert [each.kind for each in motions[0].events] == [
+            each.kind for each in found.trajectory.events
+        ]
         size = 1 + abs(quotients).max(initial=0)
-        np.testing.assert_allclose(found.dt[:, i], quotients[:, 0], rtol=0, atol=1e-9 * size, err_msg=name)
-        np.testing.assert_allclose(found.dx[:, i], quotients[:, 1], rtol=0, atol=1e-9 * size, err_msg=name)
+        np.testing.assert_allclose(
+            found.dt[:, i], quotients[:, 0], rtol=0, atol=1e-9 * size, err_msg=name
+        )
+        np.testing.assert_allclose(
+            found.dx[:, i], quotients[:, 1], rtol=0, atol=1e-9 * size, err_msg=name
+        )
         times = np.linspace(float(start["t0"]), float(t_end), 9)[1:]
-        apart = min((abs(times - float(event.t)).min() for event in found.trajectory.events), default=1)
+        apart = min(
+            (abs(times - float(event.t)).min() for event in found.trajectory.events), default=1
+        )
         if apart > 1e-4:  # so wide a step that doubles resolve it
             wide = []
             for side in (1, -1):
@@ -80,12 +121,16 @@ def test_derivatives_are_those_of_differences(seed: int) -> None:
                 wide.append(simulate(q, **begin, t_end=t_end))
             slopes = (np.asarray(wide[0](times)) - np.asarray(wide[1](times))) / 2e-6
             scale = 1 + abs(slopes).max()
-            np.testing.assert_allclose(found(times)[:, :, i], slopes, rtol=0, atol=1e-4 * scale, err_msg=name)
+            np.testing.assert_allclose(
+                found(times)[:, :, i], slopes, rtol=0, atol=1e-4 * scale, err_msg=name
+            )
 
 
 @pytest.mark.full(6)
 @pytest.mark.quick(1)
-@pytest.mark.parametrize("family", [name for name in fuzz.FAMILIES if name not in ("aimed", "creep", "settle")])
+@pytest.mark.parametrize(
+    "family", [name for name in fuzz.FAMILIES if name not in ("aimed", "creep", "settle")]
+)
 def test_random_scenes_of_the_fuzzer(family: str) -> None:
     """More of them, and all families: tests/support/derivative_checks.py."""
     rows = judged(scene_of(family, 1000, 0, 6), ("m", "Omega", "v1", "mu1", "t0", "v0"))
@@ -97,22 +142,28 @@ def test_random_scenes_of_the_fuzzer(family: str) -> None:
 def test_an_independent_program_has_the_same_derivatives(name: str) -> None:
     """Differences over 1e-20 of motions that another program finds with 50 digits, from the equation of motion."""
     one = load_scene("fig5")
-    start, step = {"t0": one.t0, "x0": one.x0, "v0": one.v0}, Fraction(1, 10**20)
+    start = {"t0": one.t0, "x0": one.x0, "v0": one.v0}
+    step = Fraction(1, 10**20)
     found = sensitivities(one, (name,), t_end=9)
     runs = []
     for side in (1, -1):
         q, begin = changed(one.parameters, start, name, side * step)
         runs.append(simulate_oracle(q, begin["t0"], begin["x0"], begin["v0"], 9, 50))
     for i, (a, b) in enumerate(zip(runs[0].events, runs[1].events, strict=True)):
-        assert found.dt[i, 0] == pytest.approx(float((a.t - b.t) / (2 * step)), rel=1e-10, abs=1e-10)
-        assert found.dx[i, 0] == pytest.approx(float((a.x - b.x) / (2 * step)), rel=1e-10, abs=1e-10)
+        assert found.dt[i, 0] == pytest.approx(
+            float((a.t - b.t) / (2 * step)), rel=1e-10, abs=1e-10
+        )
+        assert found.dx[i, 0] == pytest.approx(
+            float((a.x - b.x) / (2 * step)), rel=1e-10, abs=1e-10
+        )
 
 
 def test_many_digits() -> None:
     one = load_scene("fig5")
     doubles, exact = (sensitivities(one, NAMES, t_end=7, digits=digits) for digits in (None, 30))
     np.testing.assert_allclose(doubles.dt, exact.dt.astype(float), rtol=1e-10, atol=1e-10)
-    step, base = Fraction(1, 10**20), {"t0": one.t0, "x0": one.x0, "v0": one.v0}
+    step = Fraction(1, 10**20)
+    base = {"t0": one.t0, "x0": one.x0, "v0": one.v0}
     runs = []
     for side in (1, -1):
         q, begin = changed(one.parameters, base, "mu1", side * step)
@@ -129,10 +180,18 @@ def test_a_graze_is_a_kink_and_says_its_side(name: str) -> None:
     first = next(n for n, event in enumerate(found.trajectory.events) if event.kind == "graze")
     assert not found.regular[first:, 0].any()
     assert "after the graze at t = 3.14159" in str(found.reasons[first])
-    side = 1 if "A0 larger" in str(found.reasons[first]) else -1
-    step, times = side * Fraction(1, 10**6), np.linspace(float(one.t0), float(one.t_end), 7)[1:]
+    if "A0 larger" in str(found.reasons[first]):
+        side = 1
+    else:
+        side = -1
+    step = side * Fraction(1, 10**6)
+    times = np.linspace(float(one.t0), float(one.t_end), 7)[1:]
     moved = simulate(
-        one.parameters.replace(A0=one.parameters.A0 + step), t0=one.t0, x0=one.x0, v0=one.v0, t_end=one.t_end
+        one.parameters.replace(A0=one.parameters.A0 + step),
+        t0=one.t0,
+        x0=one.x0,
+        v0=one.v0,
+        t_end=one.t_end,
     )
     assert "stick" not in [event.kind for event in moved.events[: first + 1]]
     still = simulate(one)
@@ -147,7 +206,10 @@ def test_a_graze_that_stays_one_is_none() -> None:
     grazes = [n for n, event in enumerate(found.trajectory.events) if event.kind == "graze"]
     assert len(grazes) > 8
     for n in grazes:
-        assert {name for name, there in zip(NAMES, found.regular[n], strict=True) if not there} <= {"c", "B0"}
+        assert {name for name, there in zip(NAMES, found.regular[n], strict=True) if not there} <= {
+            "c",
+            "B0",
+        }
 
 
 def test_a_start_on_a_belt_is_a_kink() -> None:
@@ -160,8 +222,10 @@ def test_a_start_on_a_belt_is_a_kink() -> None:
 @pytest.mark.parametrize("name", ["fig9", "fig10", "fig5"])
 def test_exponents_of_a_settled_motion_are_those_of_its_orbit(name: str) -> None:
     orbit = find_orbit(name)
-    (t, x), belt = orbit.points[0], orbit.equations().pieces[0].start
-    p, periods = orbit.parameters, 40
+    (t, x) = orbit.points[0]
+    belt = orbit.equations().pieces[0].start
+    p = orbit.parameters
+    periods = 40
     found = sensitivities(p, ("x0",), t0=t, x0=x, v0=p.belt(belt), t_end=t + periods * orbit.period)
     expected = orbit.lyapunov
     assert found.lyapunov[0] == pytest.approx(expected[0], rel=0.05)
@@ -173,22 +237,56 @@ def test_exponents_of_a_settled_motion_are_those_of_its_orbit(name: str) -> None
 
 @pytest.mark.parametrize("beside", ["1e-14", "1e-8", "-1e-10", "0"])
 def test_near_critical_damping(beside: str) -> None:
-    p = Parameters(m=1, c=2, k=1 + Fraction(beside), A0=1, B0=9, Omega="3/2", v1=-1, v2=2, mu1="2/5", mu2="3/10", FN=5)
-    doubles, exact = (sensitivities(p, ("m", "c", "k", "Omega"), t_end=9, digits=digits) for digits in (None, 40))
+    p = Parameters(
+        m=1,
+        c=2,
+        k=1 + Fraction(beside),
+        A0=1,
+        B0=9,
+        Omega="3/2",
+        v1=-1,
+        v2=2,
+        mu1="2/5",
+        mu2="3/10",
+        FN=5,
+    )
+    doubles, exact = (
+        sensitivities(p, ("m", "c", "k", "Omega"), t_end=9, digits=digits) for digits in (None, 40)
+    )
     assert len(doubles.dt) > 3
     np.testing.assert_allclose(doubles.dt, exact.dt.astype(float), rtol=1e-11, atol=1e-12)
     np.testing.assert_allclose(doubles.dx, exact.dx.astype(float), rtol=1e-11, atol=1e-12)
 
 
 def test_a_slow_drive_and_a_creeping_flight_keep_their_digits() -> None:
-    """By Omega nothing cancels where it is small; where a contact has hardly a slope 30 digits are taken."""
-    slow = Parameters(m="0.1", c=0, k="3.5", A0=8, B0=20, Omega="8e-5", v1=30, v2=34, mu1="0.7", mu2="0.9", FN="1.6")
-    creeping = Parameters(m=1, c=3, k=1, A0="-1/2", B0="1e-6", Omega="1/30", v1=0, v2=1, mu1="0.8", mu2="0.2", FN=4)
+    """By Omega nothing cancels where it is small.
+
+    Where a contact has hardly a slope 30 digits are taken.
+    """
+    slow = Parameters(
+        m="0.1",
+        c=0,
+        k="3.5",
+        A0=8,
+        B0=20,
+        Omega="8e-5",
+        v1=30,
+        v2=34,
+        mu1="0.7",
+        mu2="0.9",
+        FN="1.6",
+    )
+    creeping = Parameters(
+        m=1, c=3, k=1, A0="-1/2", B0="1e-6", Omega="1/30", v1=0, v2=1, mu1="0.8", mu2="0.2", FN=4
+    )
     for p, start in ((slow, {"t0": 7, "x0": 2, "v0": 30}), (creeping, {"x0": "-1.5", "v0": "0.6"})):
         start |= {"t_end": 60}
         doubles, exact = (sensitivities(p, NAMES, **start, digits=digits) for digits in (None, 40))
         assert len(doubles.dt) > 0
-        for found, known in ((doubles.dt, exact.dt.astype(float)), (doubles.dx, exact.dx.astype(float))):
+        for found, known in (
+            (doubles.dt, exact.dt.astype(float)),
+            (doubles.dx, exact.dx.astype(float)),
+        ):
             np.testing.assert_allclose(found, known, rtol=1e-9, atol=1e-12 * abs(known).max())
 
 
@@ -200,7 +298,9 @@ def test_positions_of_late_events_keep_their_digits(t0: int) -> None:
         FN="0.0964",
     )  # fmt: skip
     start: dict[str, Any] = {"t0": t0, "x0": "-0.3976", "v0": 0}
-    known, _ = differences(p, {name: Fraction(value) for name, value in start.items()}, t0 + 40, "Omega")
+    known, _ = differences(
+        p, {name: Fraction(value) for name, value in start.items()}, t0 + 40, "Omega"
+    )
     found = sensitivities(p, "Omega", **start, t_end=t0 + 40)
     assert len(known) > 3
     np.testing.assert_allclose(found.dx[:, 0], known[:, 1], rtol=1e-9, atol=1e-9)
@@ -208,25 +308,40 @@ def test_positions_of_late_events_keep_their_digits(t0: int) -> None:
 
 
 def test_exponents_are_those_of_more_digits() -> None:
-    doubles, digits = (sensitivities("fig5", "x0", t_end="60T", digits=each).lyapunov for each in (None, 30))
+    doubles, digits = (
+        sensitivities("fig5", "x0", t_end="60T", digits=each).lyapunov for each in (None, 30)
+    )
     np.testing.assert_allclose(doubles, digits, rtol=1e-10)
 
 
 @pytest.mark.parametrize("name", ["fig9", "fig10", "fig5"])
 def test_orbits_have_the_derivatives_of_branches_and_motions(name: str) -> None:
     """Against differences of orbits in doubles, and the motion on the orbit after many periods."""
-    orbit, names, h = find_orbit(name), ("FN", "Omega", "k"), 1e-6
+    orbit = find_orbit(name)
+    names = ("FN", "Omega", "k")
+    h = 1e-6
     found = orbit.sensitivities(names)
     for i, each in enumerate(names):
-        value, beside = float(getattr(orbit.parameters, each)), []
+        value = float(getattr(orbit.parameters, each))
+        beside = []
         for way in (1, -1):
-            other = find_orbit(orbit.parameters.replace(**{each: value + way * h}), orbit.word, orbit)
-            beside.append(np.array([*(p.t for p in other.points), *(p.x for p in other.points), *other.multipliers]))
-        quotients, n = (beside[0] - beside[1]) / (2 * h), len(orbit.points)
+            other = find_orbit(
+                orbit.parameters.replace(**{each: value + way * h}), orbit.word, orbit
+            )
+            beside.append(
+                np.array(
+                    [*(p.t for p in other.points), *(p.x for p in other.points), *other.multipliers]
+                )
+            )
+        quotients = (beside[0] - beside[1]) / (2 * h)
+        n = len(orbit.points)
         np.testing.assert_allclose(found.dt[:, i], quotients[:n].real, rtol=1e-6, atol=1e-6)
         np.testing.assert_allclose(found.dx[:, i], quotients[n : 2 * n].real, rtol=1e-6, atol=1e-6)
-        np.testing.assert_allclose(found.dmultipliers[:, i], quotients[2 * n :], rtol=1e-5, atol=1e-6)
-    (t, x), belt = orbit.points[0], orbit.equations().pieces[0].start
+        np.testing.assert_allclose(
+            found.dmultipliers[:, i], quotients[2 * n :], rtol=1e-5, atol=1e-6
+        )
+    (t, x) = orbit.points[0]
+    belt = orbit.equations().pieces[0].start
     start = {"t0": t, "x0": x, "v0": orbit.parameters.belt(belt)}
     moved = sensitivities(orbit.parameters, "FN", **start, t_end=t + 30.5 * orbit.period)
     there = t + 30 * orbit.period
@@ -236,7 +351,10 @@ def test_orbits_have_the_derivatives_of_branches_and_motions(name: str) -> None:
 
 
 def test_ensembles_have_the_same_derivatives() -> None:
-    """Of many parameter sets and starts, interpreted and compiled; the bits are those of single motions."""
+    """Of many parameter sets and starts, interpreted and compiled.
+
+    The bits are those of single motions.
+    """
     scenes = [scene(seed) for seed in range(12)]
     sets = [p for p, _, _ in scenes]
     starts = [[float(start[name]) for name in ("t0", "x0", "v0")] for _, start, _ in scenes]
@@ -245,7 +363,8 @@ def test_ensembles_have_the_same_derivatives() -> None:
     assert tables[0] == tables[1]
     assert tables[0].dt.shape == (len(tables[0]), len(NAMES))
     for i, (t0, x0, v0) in enumerate(starts):
-        alone, mine = sensitivities(sets[i], NAMES, t0=t0, x0=x0, v0=v0, t_end=ends[i]), tables[0][i]
+        alone = sensitivities(sets[i], NAMES, t0=t0, x0=x0, v0=v0, t_end=ends[i])
+        mine = tables[0][i]
         np.testing.assert_allclose(mine.dt, alone.dt, rtol=1e-9, atol=1e-9)
         np.testing.assert_allclose(mine.dx, alone.dx, rtol=1e-9, atol=1e-9)
         np.testing.assert_array_equal(mine.regular, alone.regular)

@@ -1,6 +1,9 @@
-"""The documentation site: each task takes ten lines, each public name has a place, and no page is broken.
+"""The documentation site.
 
-The site is built once, as `nox -s docs` does it; a warning is an error, and so is a page whose code fails.
+Each task takes ten lines, each public name has a place, and no page is broken.
+
+The site is built once, as `nox -s docs` does it; a warning is an error, and so is a page whose code
+fails.
 """
 
 from __future__ import annotations
@@ -22,7 +25,9 @@ from once import alone
 import symosc
 
 DOCS = Path(__file__).parents[1] / "docs"
-BLOCK = re.compile(r"^```\{(?:code-cell\} python|console\})\n((?::[^\n]*\n)*)(.*?)^```$", re.MULTILINE | re.DOTALL)
+BLOCK = re.compile(
+    r"^```\{(?:code-cell\} python|console\})\n((?::[^\n]*\n)*)(.*?)^```$", re.MULTILINE | re.DOTALL
+)
 #: What is wrong with a page as the browser shows it; links are looked at without a browser.
 LOOK = """() => {
   const complaints = [], page = document.scrollingElement;
@@ -39,7 +44,9 @@ LOOK = """() => {
 def tasks() -> dict[str, str]:
     """Return the tasks of `tasks.md`, and the page that does each."""
     first_table = (DOCS / "tasks.md").read_text(encoding="utf-8").split("## ")[0]
-    return dict(re.findall(r"^\| (?!I want)([^|]+) \| \[.*?\]\((\S+?)\) \|$", first_table, re.MULTILINE))
+    return dict(
+        re.findall(r"^\| (?!I want)([^|]+) \| \[.*?\]\((\S+?)\) \|$", first_table, re.MULTILINE)
+    )
 
 
 @pytest.mark.parametrize("page", tasks().values(), ids=str)
@@ -57,24 +64,44 @@ def test_every_public_name_has_a_page(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.syspath_prepend(str(DOCS / "_ext"))
     import api
 
-    pages = "".join(path.read_text(encoding="utf-8") for path in (DOCS / "reference" / "api").glob("*.md"))
+    pages = "".join(
+        path.read_text(encoding="utf-8") for path in (DOCS / "reference" / "api").glob("*.md")
+    )
     assert sorted(re.findall(r"\{\{ (\w+) \}\}", pages)) == sorted(api.pages())
     entries = "\n".join(api.pages().values())
     for name in set(symosc.__all__) - {"plot", "__version__"}:
-        assert len(re.findall(rf"^\.\. auto\w+:: symosc\.{name}$", entries, re.MULTILINE)) == 1, name
+        assert len(re.findall(rf"^\.\. auto\w+:: symosc\.{name}$", entries, re.MULTILINE)) == 1, (
+            name
+        )
 
 
 @pytest.fixture(scope="module")
 def site(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    """Return the folder of the site, which one worker builds; SYMOSC_SITE names one that was just built."""
+    """Return the folder of the site, which one worker builds.
+
+    SYMOSC_SITE names one that was just built.
+    """
     pytest.importorskip("sphinx_design", reason="the extra docs is not installed")
     if made := os.environ.get("SYMOSC_SITE"):
         return Path(made)
     with alone("site") as folder:
         if not folder.exists():
             built = tmp_path_factory.mktemp("site")
-            command = [sys.executable, "-m", "sphinx", "-W", "--keep-going", "-q", "-j", "2", str(DOCS), str(built)]
-            result = subprocess.run([*command, "-d", f"{built}-trees"], capture_output=True, text=True, check=False)
+            command = [
+                sys.executable,
+                "-m",
+                "sphinx",
+                "-W",
+                "--keep-going",
+                "-q",
+                "-j",
+                "2",
+                str(DOCS),
+                str(built),
+            ]
+            result = subprocess.run(
+                [*command, "-d", f"{built}-trees"], capture_output=True, text=True, check=False
+            )
             assert result.returncode == 0, result.stderr[-5000:]
             folder.symlink_to(built, target_is_directory=True)
     return folder.resolve()
@@ -91,13 +118,23 @@ class Page(HTMLParser):
 
     def handle_starttag(self, tag: str, attrs: list[tuple[str, str | None]]) -> None:
         found = dict(attrs)
-        self.ids += [found["id"]] if found.get("id") else []
+        if found.get("id"):
+            self.ids += [found["id"]]
+        else:
+            self.ids += []
         for name in ("href", "src"):
-            self.links += [found[name] or ""] if name in found else []
+            if name in found:
+                self.links += [found[name] or ""]
+            else:
+                self.links += []
 
 
 def pages_of(site: Path) -> dict[Path, Page]:
-    return {path.resolve(): Page(path) for path in sorted(site.rglob("*.html")) if "_static" not in path.parts}
+    return {
+        path.resolve(): Page(path)
+        for path in sorted(site.rglob("*.html"))
+        if "_static" not in path.parts
+    }
 
 
 def dangling(pages: dict[Path, Page]) -> Iterator[str]:
@@ -107,10 +144,17 @@ def dangling(pages: dict[Path, Page]) -> Iterator[str]:
             target = urlsplit(link)
             if target.scheme or link in ("", "#"):
                 continue
-            file = (path.parent / unquote(target.path)).resolve() if target.path else path
+            if target.path:
+                file = (path.parent / unquote(target.path)).resolve()
+            else:
+                file = path
             if not file.is_file():
                 yield f"{path.name}: {link} is not there"
-            elif target.fragment and file in pages and unquote(target.fragment) not in pages[file].ids:
+            elif (
+                target.fragment
+                and file in pages
+                and unquote(target.fragment) not in pages[file].ids
+            ):
                 yield f"{path.name}: {link} is no anchor"
 
 
@@ -123,7 +167,10 @@ def test_internal_links_and_anchors(site: Path) -> None:
 
 @pytest.mark.slow
 def test_nothing_is_loaded_from_elsewhere(site: Path) -> None:
-    """The site can be read without a network: its scripts, styles, fonts and pictures are its own."""
+    """The site can be read without a network.
+
+    Its scripts, styles, fonts and pictures are its own.
+    """
     for path in site.rglob("*.html"):
         text = path.read_text(encoding="utf-8")
         assert not re.findall(r"<(?:script|img|link)[^>]+(?:src|href)=\"https?:[^\"]*", text), path
@@ -133,7 +180,10 @@ def look_at(browser: Any, paths: list[Path], width: int) -> list[str]:
     """Open pages one after the other, and return what is wrong with them."""
     page = browser.new_page(viewport={"width": width, "height": 800})
     complaints: list[str] = []
-    page.on("console", lambda message: complaints.append(message.text) if message.type == "error" else None)
+    page.on(
+        "console",
+        lambda message: complaints.append(message.text) if message.type == "error" else None,
+    )
     page.on("pageerror", lambda error: complaints.append(str(error)))
     page.on("requestfailed", lambda request: complaints.append(f"not loaded: {request.url[:80]}"))
     found = []

@@ -15,23 +15,39 @@ if TYPE_CHECKING:
     from sphinx.application import Sphinx
 
 
-PAGES = {path.stem for path in (Path(__file__).parents[1] / "reference" / "api").glob("*.md")} - {"index"}
+PAGES = {path.stem for path in (Path(__file__).parents[1] / "reference" / "api").glob("*.md")} - {
+    "index"
+}
 
 
 def public() -> dict[str, object]:
     """Return all public names with what they are."""
-    found = {f"symosc.{name}": getattr(symosc, name) for name in symosc.__all__ if name not in ("plot", "__version__")}
+    found = {
+        f"symosc.{name}": getattr(symosc, name)
+        for name in symosc.__all__
+        if name not in ("plot", "__version__")
+    }
     return found | {f"symosc.plot.{name}": getattr(plot, name) for name in plot.__all__}
 
 
 def package_of(name: str, subject: object) -> str:
-    """Return the package that a public name comes from, if it has a page; else `model`, which is for all modules."""
+    """Return the package that a public name comes from, if it has a page.
+
+    Else `model`, which is for all modules.
+    """
     package = (getattr(subject, "__module__", "") + ".").split(".")[1]
-    return "plot" if name.startswith("symosc.plot.") else package if package in PAGES else "model"
+    if name.startswith("symosc.plot."):
+        return "plot"
+    if package in PAGES:
+        return package
+    return "model"
 
 
 def pages() -> dict[str, str]:
-    """Return for each page what stands on it: a table of names, then all of them, functions first."""
+    """Return for each page what stands on it.
+
+    A table of names, then all of them, functions first.
+    """
     grouped: dict[str, list[str]] = defaultdict(list)
     for name, subject in public().items():
         grouped[package_of(name, subject)].append(name)
@@ -48,28 +64,39 @@ def _page(names: list[str]) -> str:
 
 def _kind(subject: object) -> str:
     if inspect.isclass(subject):
-        return "exception" if issubclass(subject, Exception) else "class"
-    return "function" if callable(subject) else "data"
+        if issubclass(subject, Exception):
+            return "exception"
+        return "class"
+    if callable(subject):
+        return "function"
+    return "data"
 
 
 def keep_bars(*about: Any) -> None:
     """Let bars in docstrings, as in |x|, be bars: for Sphinx they would be substitutions."""
     lines: list[str] = about[-1]
-    lines[:] = [line if ">>>" in line else re.sub(r"(?<![\\`])\|(?!`)", r"\\|", line) for line in lines]
+    lines[:] = [
+        line if ">>>" in line else re.sub(r"(?<![\\`])\|(?!`)", r"\\|", line) for line in lines
+    ]
 
 
 def show_examples(app: Sphinx, context: Any, lines: list[str]) -> None:
     """Make a block of the examples in the help of a command; what is above it may have bars."""
     at = next((n for n, line in enumerate(lines) if line.startswith("| Example")), len(lines))
-    about, examples = lines[:at], [line.removeprefix("| ").strip() for line in lines[at + 1 :]]
+    about = lines[:at]
+    examples = [line.removeprefix("| ").strip() for line in lines[at + 1 :]]
     keep_bars(about)
     block = [".. code-block:: console", "", *(f"   $ {line}" for line in examples if line), ""]
     lines[:] = about + (block if examples else [])
 
 
-def skip_fields(app: Sphinx, kind: str, name: str, subject: object, skip: bool, options: object) -> bool | None:
+def skip_fields(
+    app: Sphinx, kind: str, name: str, subject: object, skip: bool, options: object
+) -> bool | None:
     """Leave out the fields of a named tuple: its docstring has them, in words."""
-    return True if (inspect.getdoc(subject) or "").startswith("Alias for field number") else None
+    if (inspect.getdoc(subject) or "").startswith("Alias for field number"):
+        return True
+    return None
 
 
 def setup(app: Sphinx) -> dict[str, bool]:

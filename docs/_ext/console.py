@@ -1,7 +1,7 @@
 """The directive `{console}`: shell commands that are run at the build, shown with what they print.
 
-Each line that begins with a dollar is a command. The commands of one page run in one folder of their own, in order, so
-that one can use the file that another one wrote.
+Each line that begins with a dollar is a command. The commands of one page run in one folder of
+their own, in order, so that one can use the file that another one wrote.
 
     ```{console}
     :exit: 1
@@ -50,7 +50,10 @@ class Console(SphinxDirective):
             raise self.error("every line of a console block must begin with '$ '")
         shown = []
         for command in commands:
-            wanted = self.options.get("exit", 0) if command == commands[-1] else 0
+            if command == commands[-1]:
+                wanted = self.options.get("exit", 0)
+            else:
+                wanted = 0
             shown.append(f"$ {command}\n{self._output(command, folder, wanted)}".rstrip("\n"))
         text = "\n".join(shown)
         block = nodes.literal_block(text, text, language="console")
@@ -62,7 +65,9 @@ class Console(SphinxDirective):
             timeout=LONGEST, check=False,
         )  # fmt: skip
         if done.returncode != wanted:
-            raise self.error(f"{command!r} ended with {done.returncode}, not {wanted}: {done.stdout}")
+            raise self.error(
+                f"{command!r} ended with {done.returncode}, not {wanted}: {done.stdout}"
+            )
         lines = done.stdout.splitlines()
         most = self.options.get("lines", len(lines))
         return "\n".join(lines[:most] + (["..."] if len(lines) > most else []))

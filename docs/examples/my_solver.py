@@ -5,8 +5,17 @@ from math import copysign, cos
 import numpy as np
 from scipy.integrate import solve_ivp
 
-m, c, k, A0, B0, Omega = 1, 1, 1, -15, 10, 1
-v1, v2, mu1, mu2, FN = 1, 5, 0.8, 0.6, 9.81
+m = 1
+c = 1
+k = 1
+A0 = -15
+B0 = 10
+Omega = 1
+v1 = 1
+v2 = 5
+mu1 = 0.8
+mu2 = 0.6
+FN = 9.81
 
 
 def motion(t, state):

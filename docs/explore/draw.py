@@ -11,7 +11,8 @@ sys.path.insert(0, str(HERE.parents[1] / "tests" / "support"))
 from browsing import chromium  # noqa: E402  it is in the folder that was just named
 from exploring import served  # noqa: E402
 
-WIDTH, HEIGHT = 1400, 922
+WIDTH = 1400
+HEIGHT = 922
 
 
 def draw(path: Path) -> None:

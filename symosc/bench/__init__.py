@@ -1,6 +1,7 @@
 """Benchmarks: run time and error of this package and of other solvers on the same scenes.
 
-speed, work and error_map measure, cases scores on the reference cases, results writes README and docs/results.
+speed, work and error_map measure, cases scores on the reference cases, results writes README and
+docs/results.
 """
 
 from __future__ import annotations
@@ -43,7 +44,11 @@ def machine() -> dict[str, str]:
 
 def sentence(about: dict[str, str]) -> str:
     """Return the description of a machine, `about` as `machine` returns it, in one line of text."""
-    versions = [f"{name} {value}" for name, value in about.items() if name not in ("processor", "cores", "date")]
+    versions = [
+        f"{name} {value}"
+        for name, value in about.items()
+        if name not in ("processor", "cores", "date")
+    ]
     return f"{about['processor']}, {about['cores']} cores, {about['date']}; {', '.join(versions)}"
 
 

@@ -1,8 +1,11 @@
-"""Run all solvers on the reference cases: the score of each, and whether symosc keeps its error bound.
+"""Run all solvers on the reference cases.
 
-A solver follows a case at its finest tolerance, in a process of its own and within a limit of processor time, so that
-other work on the machine changes no score. In the hard cases (`symosc.reference.cases`) symosc's own errors must be
-within max(1e-12, 100 * condition * 1e-16) at every event: as good as the rounding of the case's numbers allows.
+The score of each, and whether symosc keeps its error bound.
+
+A solver follows a case at its finest tolerance, in a process of its own and within a limit of
+processor time, so that other work on the machine changes no score. In the hard cases
+(`symosc.reference.cases`) symosc's own errors must be within max(1e-12, 100 * condition * 1e-16) at
+every event: as good as the rounding of the case's numbers allows.
 """
 
 from __future__ import annotations
@@ -18,7 +21,16 @@ from tabulate import tabulate
 from symosc import plot
 from symosc.aliases import Record
 from symosc.bench import Progress, machine, not_run, sentence
-from symosc.bench.solvers import HANG, OURS, PROCESSES, Outcome, Solver, all_solvers, in_parallel, processor_limit
+from symosc.bench.solvers import (
+    HANG,
+    OURS,
+    PROCESSES,
+    Outcome,
+    Solver,
+    all_solvers,
+    in_parallel,
+    processor_limit,
+)
 from symosc.files import write_text
 from symosc.reference import score
 from symosc.reference.case import ReferenceCase, with_known
@@ -33,7 +45,10 @@ OUR_TOLERANCE = 1e-12
 
 
 def hard_ones(quick: bool = False) -> list[ReferenceCase]:
-    """Return the reference cases that are hard for solvers; with `quick` only those for `symosc bench --quick`."""
+    """Return the reference cases that are hard for solvers.
+
+    With `quick` only those for `symosc bench --quick`.
+    """
     return [case for case in hard_cases() if case.quick or not quick]
 
 
@@ -45,10 +60,11 @@ def run(
     with_derivatives: bool = False,
 ) -> Record:
     """Run solvers (None: all) on reference cases (None: all), at most `limit` seconds each, and score their events."""
-    # `limit` is in seconds of processor time. Keys: scores and ours (lists of Score; the second one with OUR_TOLERANCE,
-    # of the hard cases and symosc's own solvers), violations (where those did not keep the bound), ok, limit_s, skipped
-    # (solver: why it cannot run), machine.
-    solvers = all_solvers() if solvers is None else solvers
+    # `limit` is in seconds of processor time. Keys: scores and ours (lists of Score; the second one
+    # with OUR_TOLERANCE, of the hard cases and symosc's own solvers), violations (where those did
+    # not keep the bound), ok, limit_s, skipped (solver: why it cannot run), machine.
+    if solvers is None:
+        solvers = all_solvers()
     chosen = list(reference_cases() if cases is None else cases)
     able = [solver for solver in solvers if not solver.missing]
     steps = iter(progress(range(len(chosen) * (1 + len(able)))))
@@ -57,14 +73,24 @@ def run(
     for outcome in known.values():
         if outcome.failure:
             raise RuntimeError(f"no events of a reference case: {outcome.failure}")
-    chunks = [[((s.name, i), found_by, s, case, limit) for i, case in enumerate(chosen)] for s in able]
-    # The limit by the clock is this many times that of processor time; it ends what Python cannot interrupt.
+    chunks = [
+        [((s.name, i), found_by, s, case, limit) for i, case in enumerate(chosen)] for s in able
+    ]
+    # The limit by the clock is this many times that of processor time; it ends what Python cannot
+    # interrupt.
     outcomes = in_parallel(chunks, steps, 10.0 * limit)
     next(steps, None)  # lets a progress bar come to its end
 
     def judged(solver: Solver, numbers: Iterable[int], tolerance: float) -> Score:
-        pairs = [(with_known(chosen[i], **known[i].value), _result(outcomes[solver.name, i], limit)) for i in numbers]
-        return Score(solver.name, tolerance, [score.judge_case(case, result, tolerance) for case, result in pairs])
+        pairs = [
+            (with_known(chosen[i], **known[i].value), _result(outcomes[solver.name, i], limit))
+            for i in numbers
+        ]
+        return Score(
+            solver.name,
+            tolerance,
+            [score.judge_case(case, result, tolerance) for case, result in pairs],
+        )
 
     hard = [i for i, case in enumerate(chosen) if case.group in GROUPS]
     ours = [judged(solver, hard, OUR_TOLERANCE) for solver in able if solver in OURS]
@@ -72,7 +98,8 @@ def run(
         f"{each.name}: {case.name}: {case.wrong[0] if case.wrong else case.note}"
         for each in ours
         for case in each.cases
-        if case.wrong or (case.note and not case.note.startswith(">"))  # what took too long is left out
+        if case.wrong
+        or (case.note and not case.note.startswith(">"))  # what took too long is left out
     ]
     return {
         "machine": machine(),
@@ -87,7 +114,10 @@ def run(
 
 def answers_of(case: ReferenceCase, with_derivatives: bool) -> Record:
     """Return a dict of a case's known events, their condition numbers and, if `with_derivatives`, their derivatives."""
-    derivatives = case.derivatives if with_derivatives else ({},) * len(case.events)
+    if with_derivatives:
+        derivatives = case.derivatives
+    else:
+        derivatives = ({},) * len(case.events)
     return {"events": case.events, "conditions": case.conditions, "derivatives": derivatives}
 
 
@@ -113,22 +143,39 @@ def _result(outcome: Outcome, limit: float) -> CaseResult:
 
 
 def our_verdict(result: Record) -> str:
-    """Return a sentence: how many hard cases symosc solved within its bound; or list the cases where it did not."""
+    """Return a sentence: how many hard cases symosc solved within its bound.
+
+    Or list the cases where it did not.
+    """
     bound = "1e-12, or 100 * condition * 1e-16 where that is more"
     if result["violations"]:
         return "\n".join([f"Not within {bound}:", *(f"  {each}" for each in result["violations"])])
     parts = []
     for each in result["ours"]:
-        errors = [error for case in each.given for error in (case.error_t, case.error_x) if error is not None]
-        largest = f", largest error {max(errors):.0e}" if errors else ""
+        errors = [
+            error
+            for case in each.given
+            for error in (case.error_t, case.error_x)
+            if error is not None
+        ]
+        if errors:
+            largest = f", largest error {max(errors):.0e}"
+        else:
+            largest = ""
         absent = len(each.cases) - len(each.given)
-        unfinished = f", {absent} not finished" if absent else ""
+        if absent:
+            unfinished = f", {absent} not finished"
+        else:
+            unfinished = ""
         parts.append(f"{each.name} {len(each.given)} of {len(each.cases)}{largest}{unfinished}")
     return f"Hard cases solved within {bound}: {'; '.join(parts)}."
 
 
 def table(result: Record) -> str:
-    """Return the result of `run` as text: a row per case, a row per group, what the numbers mean, and the verdicts."""
+    """Return the result of `run` as text.
+
+    A row per case, a row per group, what the numbers mean, and the verdicts.
+    """
     scores = result["scores"]
     parts = [score.case_table(scores), score.group_table(scores), *score.legend(scores[0])]
     parts += ["\n".join(map(score.verdict, scores)), *not_run(result)]
@@ -136,11 +183,18 @@ def table(result: Record) -> str:
 
 
 def hard_summary(result: Record) -> str:
-    """Return a Markdown table with a row per group of hard cases: each solver's score, and what is hard about them."""
-    scores, rows = result["scores"], []
+    """Return a Markdown table with a row per group of hard cases.
+
+    Each solver's score, and what is hard about them.
+    """
+    scores = result["scores"]
+    rows = []
     for group, cases in score.by_group(scores[0].cases):
         if group in GROUPS:
-            cells = (score.group_cell([case for case in each.cases if case.group == group]) for each in scores)
+            cells = (
+                score.group_cell([case for case in each.cases if case.group == group])
+                for each in scores
+            )
             rows.append([f"{group} ({len(cases)})", *cells, GROUPS[group]])
     heads = ["group (cases)", *(each.name for each in scores), "what is hard"]
     return tabulate(rows, heads, tablefmt="github", disable_numparse=True)
@@ -152,13 +206,19 @@ def as_json(result: Record) -> Record:
 
 
 def write(path: str | Path, result: Record, command: str) -> list[Path]:
-    """Write a page of all scores, which names `command` as its origin, and a plot of all errors; return both paths."""
-    picture, scores = Path(path).with_suffix(".svg"), result["scores"]
+    """Write a page of all scores, which names `command` as its origin, and a plot of all errors.
+
+    Return both paths.
+    """
+    picture = Path(path).with_suffix(".svg")
+    scores = result["scores"]
     more = [
         f"Made by `{command}`. Each solver of `symosc bench` at its finest tolerance, with at "
         f"most {result['limit_s']:g} s of processor time for a case. {sentence(result['machine'])}",
         f"![The largest error of each case, a mark per solver]({picture.name})",
         *not_run(result),
     ]
-    page = score.as_markdown(scores, "Scores of solvers on the reference cases", SET_VERSION, more, with_faults=False)
+    page = score.as_markdown(
+        scores, "Scores of solvers on the reference cases", SET_VERSION, more, with_faults=False
+    )
     return [write_text(path, page), plot.save(plot.score_figure(scores), picture)]

@@ -1,15 +1,15 @@
 """Map of the errors of the flow's kernels in double precision over damping, drive and time, against 50 digits.
 
-The flow from any start is linear in the start's data, with the entire functions E0, E1, E2, R2, I2 of
-`symosc.kernels.entire` as coefficients. The error of a time is the largest error of these functions, each relative to
-the amplitude of its oscillation:
+The flow from any start is linear in the start's data, with the entire functions E0, E1, E2, R2, I2
+of `symosc.kernels.entire` as coefficients. The error of a time is the largest error of these
+functions, each relative to the amplitude of its oscillation:
 
     E0: max(1, |E0|),   E1: |E1| + |E0| tau/(1 + w0 tau),   E2: |E2|,   R2 and I2: |R2| + |I2|
 
-(a function that goes through 0 has no error relative to itself there). It is mapped over the damping ratio zeta = c/(2
-m w0) and over Omega/w0, with w0 = sqrt(k/m), for some w0 tau. There are two maps: one of the cheap closed form,
-wherever it can be evaluated, and one of what symosc does. That is the cheap form up to a border, and other forms beyond
-it.
+(a function that goes through 0 has no error relative to itself there). It is mapped over the
+damping ratio zeta = c/(2 m w0) and over Omega/w0, with w0 = sqrt(k/m), for some w0 tau. There are
+two maps: one of the cheap closed form, wherever it can be evaluated, and one of what symosc does.
+That is the cheap form up to a border, and other forms beyond it.
 """
 
 from __future__ import annotations
@@ -40,22 +40,28 @@ from symosc.plot.drawing import STYLE
 MAP_DIGITS = 50
 TAUS = (1e-6, 1e-2, 1.0, 6.0)
 #: Points per axis of the map, and of the finer grid on which the border is found.
-MAP_POINTS, QUICK_MAP_POINTS, BORDER_POINTS = 57, 25, 229
+MAP_POINTS = 57
+QUICK_MAP_POINTS = 25
+BORDER_POINTS = 229
 # Values are spread by their distance from 1, down to this power of ten.
 NEAREST = 10
 #: From 10^low to 10^high.
-RATIO_RANGE, ZETA_RANGE = (-2, 2), (-10, 2)
+RATIO_RANGE = (-2, 2)
+ZETA_RANGE = (-10, 2)
 
 
 def value_at(place: float) -> Fraction:
     """Return the number at a coordinate of an axis that spreads out numbers near 0, numbers near 1, and large ones."""
-    # Up to NEAREST the place is log10(value/(1 - value)), from there on 2 NEAREST + log10(value - 1); 1 is at NEAREST.
+    # Up to NEAREST the place is log10(value/(1 - value)), from there on 2 NEAREST + log10(value -
+    # 1); 1 is at NEAREST.
     if abs(place - NEAREST) < 1e-9:
         return Fraction(1)
     part = Fraction(repr(float(10.0 ** (place - 2 * NEAREST if place > NEAREST else -abs(place)))))
     if place > NEAREST:
         return 1 + part
-    return part / (1 + part) if place < 0 else 1 / (1 + part)
+    if place < 0:
+        return part / (1 + part)
+    return 1 / (1 + part)
 
 
 def place_of(value: float, beyond: float = 0.0) -> float:
@@ -63,14 +69,18 @@ def place_of(value: float, beyond: float = 0.0) -> float:
     below = (1.0 - value) - beyond
     if below == 0.0:
         return float(NEAREST)
-    return 2 * NEAREST + log10(-below) if below < 0.0 else log10((value + beyond) / below)
+    if below < 0.0:
+        return 2 * NEAREST + log10(-below)
+    return log10((value + beyond) / below)
 
 
 def axis(low: int, high: int, points: int) -> np.ndarray:
     """Return coordinates, as `value_at` takes them, evenly from that of 10^low to that of 10^high, with that of 1."""
-    first, last = place_of(10.0**low), place_of(10.0**high)
+    first = place_of(10.0**low)
+    last = place_of(10.0**high)
     before = round((points - 1) * (NEAREST - first) / (last - first))
-    below, above = np.linspace(first, NEAREST, before + 1), np.linspace(NEAREST, last, points - before)
+    below = np.linspace(first, NEAREST, before + 1)
+    above = np.linspace(NEAREST, last, points - before)
     return np.concatenate([below, above[1:]])
 
 
@@ -81,14 +91,20 @@ def scaled_parameters(zeta: Fraction, ratio: Fraction) -> Parameters:
 
 def run(quick: bool = False, progress: Progress = iter, taus: Sequence[float] = TAUS) -> Record:
     """Return errors of the flow in doubles over damping ratio and Omega/w0, for each w0 tau in `taus`: plain data."""
-    # Keys: taus; zeta and ratio (places on the axes, see `value_at`); cheap and symosc: errors, a matrix per tau, zeta
-    # in rows and Omega/w0 in columns, nan where the formula cannot be evaluated or the time is longer than what symosc
-    # evaluates at once; formulas (matrices on the finer grid border_zeta, border_ratio): "series", "apart" (the
-    # cheap closed form), "careful", or "" for such a time; largest: the largest error of symosc, in the map.
-    points = QUICK_MAP_POINTS if quick else MAP_POINTS
-    zetas, ratios = axis(*ZETA_RANGE, points), axis(*RATIO_RANGE, points)
+    # Keys: taus; zeta and ratio (places on the axes, see `value_at`); cheap and symosc: errors, a
+    # matrix per tau, zeta in rows and Omega/w0 in columns, nan where the formula cannot be
+    # evaluated or the time is longer than what symosc evaluates at once; formulas (matrices on the
+    # finer grid border_zeta, border_ratio): "series", "apart" (the cheap closed form), "careful",
+    # or "" for such a time; largest: the largest error of symosc, in the map.
+    if quick:
+        points = QUICK_MAP_POINTS
+    else:
+        points = MAP_POINTS
+    zetas = axis(*ZETA_RANGE, points)
+    ratios = axis(*RATIO_RANGE, points)
     shape = (len(taus), len(zetas), len(ratios))
-    cheap, shipped = np.full(shape, nan), np.full(shape, nan)
+    cheap = np.full(shape, nan)
+    shipped = np.full(shape, nan)
     for i, zeta in progress(list(enumerate(zetas))):
         for j, ratio in enumerate(ratios):
             p = scaled_parameters(value_at(zeta), value_at(ratio))
@@ -101,9 +117,13 @@ def run(quick: bool = False, progress: Progress = iter, taus: Sequence[float] = 
                 shipped[n, i, j] = error(entire.basis(tau, K), truth, tau)
                 if K.under:
                     cheap[n, i, j] = error(closed_form(tau, K), truth, tau)
-    fine_zetas, fine_ratios = axis(*ZETA_RANGE, BORDER_POINTS), axis(*RATIO_RANGE, BORDER_POINTS)
+    fine_zetas = axis(*ZETA_RANGE, BORDER_POINTS)
+    fine_ratios = axis(*RATIO_RANGE, BORDER_POINTS)
     exact_ratios = [value_at(each) for each in fine_ratios]
-    rows = [[constants(scaled_parameters(value_at(zeta), each)) for each in exact_ratios] for zeta in fine_zetas]
+    rows = [
+        [constants(scaled_parameters(value_at(zeta), each)) for each in exact_ratios]
+        for zeta in fine_zetas
+    ]
     return {
         "taus": list(taus),
         "zeta": zetas.tolist(),
@@ -126,13 +146,17 @@ def error(values: Sequence[float], exact: Sequence[Number], tau: float) -> float
 
 def closed_form(tau: float, K: Constants) -> tuple[float, ...]:
     """Return the flow's five basis functions at `tau` by the underdamped closed form, even where it is inaccurate."""
-    angle, drive = K.omega_d * tau, K.Om * tau
+    angle = K.omega_d * tau
+    drive = K.Om * tau
     waves = (sin(angle), cos(angle), sin(drive), cos(drive))
-    values: tuple[float, ...] = entire.basis_apart(exp(-K.h * tau), *waves, K.h, K.omega_d, K.w0sq, K.Om, K.p, K.q)
+    values: tuple[float, ...] = entire.basis_apart(
+        exp(-K.h * tau), *waves, K.h, K.omega_d, K.w0sq, K.Om, K.p, K.q
+    )
     return values
 
 
-# The kernel itself, with formulas that return their names: so the border on the map is the one that is shipped.
+# The kernel itself, with formulas that return their names: so the border on the map is the one that
+# is shipped.
 _NAMES = {"series": "series", "closed_form": "apart", "careful": "careful"}
 _naming_basis = types.FunctionType(
     entire.basis_with_drive.__code__,
@@ -141,8 +165,13 @@ _naming_basis = types.FunctionType(
 
 
 def _formula(tau: float, K: Constants) -> str:
-    """Return the name of the formula by which symosc computes the basis functions at `tau`; "" if tau is too long."""
-    return "" if tau > K.chunk else str(_naming_basis(tau, 0.0, 1.0, K)[0])
+    """Return the name of the formula by which symosc computes the basis functions at `tau`.
+
+    "" if tau is too long.
+    """
+    if tau > K.chunk:
+        return ""
+    return str(_naming_basis(tau, 0.0, 1.0, K)[0])
 
 
 def _exact(p: Parameters) -> Callable[[float], tuple[Number, ...]]:
@@ -152,7 +181,8 @@ def _exact(p: Parameters) -> Callable[[float], tuple[Number, ...]]:
     def number(value: Fraction) -> Number:
         return context.mpf(value.numerator) / value.denominator
 
-    K, basis = constants(p, number, context.sqrt, context.atan2, +context.pi), BasisMP(context, p)
+    K = constants(p, number, context.sqrt, context.atan2, +context.pi)
+    basis = BasisMP(context, p)
     return lambda tau: basis(context.mpf(tau), K)
 
 
@@ -160,10 +190,21 @@ def _exact(p: Parameters) -> Callable[[float], tuple[Number, ...]]:
 
 #: Range of the colours, as powers of ten.
 COLOUR_RANGE = (-17, 0)
-# Marks of both axes by their label, as `place_of` takes them: numbers next to 1 by their distance from it.
-RATIO_TICKS: Record = {"0.01": (0.01,), r"$1{-}10^{-3}$": (1, -1e-3), r"$1{-}10^{-6}$": (1, -1e-6), "1": (1,)}
+# Marks of both axes by their label, as `place_of` takes them: numbers next to 1 by their distance
+# from it.
+RATIO_TICKS: Record = {
+    "0.01": (0.01,),
+    r"$1{-}10^{-3}$": (1, -1e-3),
+    r"$1{-}10^{-6}$": (1, -1e-6),
+    "1": (1,),
+}
 RATIO_TICKS |= {r"$1{+}10^{-6}$": (1, 1e-6), r"$1{+}10^{-3}$": (1, 1e-3), "100": (100,)}
-ZETA_TICKS: Record = {r"$10^{-9}$": (1e-9,), r"$10^{-6}$": (1e-6,), r"$10^{-3}$": (1e-3,), "0.5": (0.5,)}
+ZETA_TICKS: Record = {
+    r"$10^{-9}$": (1e-9,),
+    r"$10^{-6}$": (1e-6,),
+    r"$10^{-3}$": (1e-3,),
+    "0.5": (0.5,),
+}
 ZETA_TICKS |= {r"$1{-}10^{-5}$": (1, -1e-5), "1": (1,), r"$1{+}10^{-5}$": (1, 1e-5), "100": (100,)}
 FORMULA_LABELS = {"apart": "cheap", "careful": "careful", "series": "series"}
 OUTLINE = [withStroke(linewidth=2.0, foreground="black")]
@@ -175,17 +216,23 @@ def figure(result: Record) -> Figure:
     with rc_context(STYLE):
         drawing = Figure(figsize=(7.0, 4.9), layout=ConstrainedLayoutEngine(w_pad=0.03, h_pad=0.04))
         grid = drawing.subplots(2, len(taus), sharex=True, sharey=True, squeeze=False)
-        for row, (key, name) in enumerate((("cheap", "the cheap formula everywhere"), ("symosc", "symosc"))):
+        for row, (key, name) in enumerate(
+            (("cheap", "the cheap formula everywhere"), ("symosc", "symosc"))
+        ):
             for column, tau in enumerate(taus):
                 ax = grid[row, column]
                 errors = np.array(result[key][column])
                 logs = np.log10(np.maximum(errors, 10.0 ** COLOUR_RANGE[0]))
                 options = {"cmap": "viridis", "shading": "nearest", "rasterized": True}
                 ax.set_facecolor("0.88")
-                mesh = ax.pcolormesh(result["ratio"], result["zeta"], logs, norm=Normalize(*COLOUR_RANGE), **options)
+                mesh = ax.pcolormesh(
+                    result["ratio"], result["zeta"], logs, norm=Normalize(*COLOUR_RANGE), **options
+                )
                 _borders(ax, result, column, all_borders=key == "symosc")
                 largest = float(np.nanmax(errors))
-                ax.set_title(rf"$\omega_0\tau = {_number(tau)}$: up to ${_number(largest)}$", fontsize=8.0)
+                ax.set_title(
+                    rf"$\omega_0\tau = {_number(tau)}$: up to ${_number(largest)}$", fontsize=8.0
+                )
                 ax.tick_params(labelfontfamily="STIXGeneral", labelsize=7.0, direction="out")
             grid[row, 0].set_ylabel(rf"{name}" + "\n" + r"damping ratio $\zeta = c/(2m\omega_0)$")
         for ax, ticks in ((grid[0, 0].xaxis, RATIO_TICKS), (grid[0, 0].yaxis, ZETA_TICKS)):
@@ -194,18 +241,26 @@ def figure(result: Record) -> Figure:
             ax.tick_params(axis="x", labelrotation=90)
             ax.set_xlabel(r"$\Omega/\omega_0$")
         bar = drawing.colorbar(mesh, ax=grid, pad=0.01, aspect=40, extend="max")
-        bar.set_label(r"$\log_{10}$ of the error of the flow (its worst entire function, against 50 digits)")
+        bar.set_label(
+            r"$\log_{10}$ of the error of the flow (its worst entire function, against 50 digits)"
+        )
         bar.ax.tick_params(labelfontfamily="STIXGeneral")
         return drawing
 
 
 def _borders(ax: Axes, result: Record, column: int, all_borders: bool) -> None:
-    """Draw the border of the cheap formula at the time number `column`; if `all_borders`, all borders, with names."""
+    """Draw the border of the cheap formula at the time number `column`.
+
+    If `all_borders`, all borders, with names.
+    """
     from scipy.ndimage import label
 
     chosen = np.array(result["formulas"][column])
-    ratios, zetas = np.array(result["border_ratio"]), np.array(result["border_zeta"])
-    for formula in ("apart", "careful") if all_borders else ("apart",):  # two borders between three formulas
+    ratios = np.array(result["border_ratio"])
+    zetas = np.array(result["border_zeta"])
+    for formula in (
+        ("apart", "careful") if all_borders else ("apart",)
+    ):  # two borders between three formulas
         inside = np.where(chosen == "", nan, chosen == formula)
         if np.nanmin(inside) < np.nanmax(inside):
             border = ax.contour(ratios, zetas, inside, [0.5], colors="white", linewidths=1.0)
@@ -214,13 +269,26 @@ def _borders(ax: Axes, result: Record, column: int, all_borders: bool) -> None:
         parts, count = label(chosen == formula)
         for part in range(1, count + 1):
             _label(ax, ratios, zetas, parts == part, name)
-    _label(ax, ratios, zetas, chosen == "", "longer than one period", color="0.25", rotation=90, path_effects=None)
+    _label(
+        ax,
+        ratios,
+        zetas,
+        chosen == "",
+        "longer than one period",
+        color="0.25",
+        rotation=90,
+        path_effects=None,
+    )
     if not all_borders:
         over = np.broadcast_to(zetas[:, np.newaxis] > NEAREST, chosen.shape) & (chosen != "")
-        _label(ax, ratios, zetas, over, "overdamped:\nno such formula", color="0.25", path_effects=None)
+        _label(
+            ax, ratios, zetas, over, "overdamped:\nno such formula", color="0.25", path_effects=None
+        )
 
 
-def _label(ax: Axes, ratios: np.ndarray, zetas: np.ndarray, inside: np.ndarray, name: str, **style: Any) -> None:
+def _label(
+    ax: Axes, ratios: np.ndarray, zetas: np.ndarray, inside: np.ndarray, name: str, **style: Any
+) -> None:
     """Write `name` into a plot where the region in which `inside` is true is widest, if there is enough room."""
     from scipy.ndimage import distance_transform_edt
 
@@ -234,8 +302,13 @@ def _label(ax: Axes, ratios: np.ndarray, zetas: np.ndarray, inside: np.ndarray, 
 
 
 def _number(value: float) -> str:
-    """Return a positive number as math text: a whole number from 1 to 100, else one digit times a power of ten."""
+    """Return a positive number as math text.
+
+    A whole number from 1 to 100, else one digit times a power of ten.
+    """
     if 0.95 <= value < 100:
         return f"{value:.0f}"
     mantissa, exponent = f"{value:.0e}".split("e")
-    return f"10^{{{int(exponent)}}}" if mantissa == "1" else rf"{mantissa}{{\times}}10^{{{int(exponent)}}}"
+    if mantissa == "1":
+        return f"10^{{{int(exponent)}}}"
+    return rf"{mantissa}{{\times}}10^{{{int(exponent)}}}"

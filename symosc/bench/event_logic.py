@@ -1,13 +1,17 @@
-"""Event logic for ODE integrators as a careful user writes it: floats, Theorems 4 to 6, independent of the engine.
+"""Event logic for ODE integrators as a careful user writes it.
 
-A solver gives ``leave(q, s, mode, t, x, v, t_end)``, which follows one flight or stick with the solver's settings `s`
-and returns (side, t, x): side -1 or +1 where it was left, 0 where it lasts until t_end, UNSOLVED where the solver gave
-up. `follow` decides from the forces on both sides of the belt what comes next. All is in scalars, so that numba can
-compile it together with a solver; solvers in Python call the same source.
+Floats, Theorems 4 to 6, independent of the engine.
 
-The clock starts anew with each flight and stick (`from_now`): after many periods the rounding of Omega t would be more
-than a fine tolerance allows. A contact without a change of sign is no event to an integrator: only a flight that ends
-at a belt by so little that the forces send it back is a "graze" here.
+A solver gives ``leave(q, s, mode, t, x, v, t_end)``, which follows one flight or stick with the
+solver's settings `s` and returns (side, t, x): side -1 or +1 where it was left, 0 where it lasts
+until t_end, UNSOLVED where the solver gave up. `follow` decides from the forces on both sides of
+the belt what comes next. All is in scalars, so that numba can compile it together with a solver;
+solvers in Python call the same source.
+
+The clock starts anew with each flight and stick (`from_now`): after many periods the rounding of
+Omega t would be more than a fine tolerance allows. A contact without a change of sign is no event
+to an integrator: only a flight that ends at a belt by so little that the forces send it back is a
+"graze" here.
 """
 
 from __future__ import annotations
@@ -31,24 +35,30 @@ CHATTER = 100
 EVENT_KINDS = ("cross", "stick", "slip", "graze")
 #: What `leave` returns as the side where the solver gave up; what `follow` returns as its outcome.
 UNSOLVED = 2
-CHATTERS, GAVE_UP = 1, 2
+CHATTERS = 1
+GAVE_UP = 2
 # A root is refined until its bracket is within this part of its time.
 LAST_BIT = 2.0**-52
-# A force, or a derivative of one, within this part of the sum of its terms is zero up to rounding; up to this many
-# derivatives decide where a force vanishes.
-FORCE_ROUNDING, MOST_DERIVATIVES = 1e-15, 5
+# A force, or a derivative of one, within this part of the sum of its terms is zero up to rounding;
+# up to this many derivatives decide where a force vanishes.
+FORCE_ROUNDING = 1e-15
+MOST_DERIVATIVES = 5
 
-# What careful users of step-by-step integrators set, found by trial on the shipped scenes and some hundred random ones:
-#: Flights from a belt start this part of the larger belt speed off it. Errors after a near graze are in proportion
-#: (1e-12 costs two digits in fig8); from the belt itself, some flights come back at once for ever.
+# What careful users of step-by-step integrators set, found by trial on the shipped scenes and some
+# hundred random ones:
+#: Flights from a belt start this part of the larger belt speed off it. Errors after a near graze
+#: are in proportion (1e-12 costs two digits in fig8); from the belt itself, some flights come back
+#: at once for ever.
 ONE_STEP_OFFSET = 1e-15
-#: Steps per period at least. With 4, coarse tolerances lose events of fig8; with more than 8, fine ones gain nothing.
+#: Steps per period at least. With 4, coarse tolerances lose events of fig8; with more than 8, fine
+#: ones gain nothing.
 STEPS_PER_PERIOD = 8
 #: atol by rtol. With atol = rtol the same error costs the same.
 ATOL = 1e-3
 
-#: What a solver's module defines under these names, and `bind` puts in their place: ``leave`` as above, and
-#: ``margin(q, mode, side, piece, tau)``, how far a flight or stick is from being left on one side after the time tau.
+#: What a solver's module defines under these names, and `bind` puts in their place: ``leave`` as
+#: above, and ``margin(q, mode, side, piece, tau)``, how far a flight or stick is from being left on
+#: one side after the time tau.
 leave: Any = None
 margin: Any = None
 
@@ -58,7 +68,10 @@ class PeerError(SymoscError, RuntimeError):
 
 
 class Problem(NamedTuple):
-    """A parameter set as floats: coefficients of eq. (9), belt speeds, shorter of drive period and free period."""
+    """A parameter set as floats: coefficients of eq.
+
+    (9), belt speeds, shorter of drive period and free period.
+    """
 
     A1: float
     A2: float
@@ -75,31 +88,44 @@ class Problem(NamedTuple):
 
 def problem(p: Parameters, origin: Fraction = Fraction(0)) -> Problem:
     """Return a parameter set in floats with the time counted from `origin`, so that late times keep their digits."""
-    m, Omega = float(p.m), float(p.Omega)
-    stiffness, damping = float(p.k) / m, float(p.c) / m
+    m = float(p.m)
+    Omega = float(p.Omega)
+    stiffness = float(p.k) / m
+    damping = float(p.c) / m
     period = 2 * pi / max(Omega, sqrt(max(0.0, stiffness - damping * damping / 4)))
     angle = p.Omega * origin
     context = mp_context(40 + len(str(abs(angle.numerator))))
     theta = float(context.fmod(context.mpf(angle.numerator) / angle.denominator, 2 * context.pi))
     A1, A2, A3 = (float(p.A(alpha)) / m for alpha in (1, 2, 3))
-    v1, v2 = float(p.v1), float(p.v2)
+    v1 = float(p.v1)
+    v2 = float(p.v2)
     return Problem(A1, A2, A3, float(p.B0) / m, Omega, stiffness, damping, v1, v2, period, theta)
 
 
 def from_now(q, t):
     """Return the problem `q` with its clock set to 0 at the time t."""
     theta = (q.theta + q.Omega * t) % (2.0 * pi)
-    return Problem(q.A1, q.A2, q.A3, q.swing, q.Omega, q.stiffness, q.damping, q.v1, q.v2, q.period, theta)
+    return Problem(
+        q.A1, q.A2, q.A3, q.swing, q.Omega, q.stiffness, q.damping, q.v1, q.v2, q.period, theta
+    )
 
 
 def force(q, alpha, t, x, v):
     """Return F^(alpha) of eq. (9), which is the acceleration in the domain `alpha`."""
-    A = q.A1 if alpha == 1 else q.A2 if alpha == 2 else q.A3
+    if alpha == 1:
+        A = q.A1
+    elif alpha == 2:
+        A = q.A2
+    else:
+        A = q.A3
     return A + q.swing * cos(q.Omega * t + q.theta) - q.stiffness * x - q.damping * v
 
 
 def margins(q, mode, t, x, v):
-    """Return how far a motion is from leaving its mode downward and upward; negative: it has left."""
+    """Return how far a motion is from leaving its mode downward and upward.
+
+    Negative: it has left.
+    """
     # In a flight these are the distances of v from the belts, in a stick F^(below) and -F^(above).
     if mode == 1:
         return inf, q.v1 - v
@@ -112,7 +138,10 @@ def margins(q, mode, t, x, v):
 
 
 def turn(q, mode, t, x, v):
-    """Return the time derivative of a mode's margins, up to its sign; both margins turn only where it is 0."""
+    """Return the time derivative of a mode's margins, up to its sign.
+
+    Both margins turn only where it is 0.
+    """
     if mode < 4:
         return force(q, mode, t, x, v)
     return q.swing * q.Omega * sin(q.Omega * t + q.theta) + q.stiffness * v
@@ -120,16 +149,35 @@ def turn(q, mode, t, x, v):
 
 def sign_of_force(q, alpha, t, x, v):
     """Return the sign of F^(alpha) at a boundary or, if F = 0, the sign of its first nonzero derivative (Theorem 6)."""
-    phase, swing = q.Omega * t + q.theta, q.swing
-    A = q.A1 if alpha == 1 else q.A2 if alpha == 2 else q.A3
-    size = abs(A) + abs(swing * cos(phase)) + abs(q.stiffness * x) + abs(q.damping * v) + abs(swing * phase)
-    before, now = v, force(q, alpha, t, x, v)
+    phase = q.Omega * t + q.theta
+    swing = q.swing
+    if alpha == 1:
+        A = q.A1
+    elif alpha == 2:
+        A = q.A2
+    else:
+        A = q.A3
+    size = (
+        abs(A)
+        + abs(swing * cos(phase))
+        + abs(q.stiffness * x)
+        + abs(q.damping * v)
+        + abs(swing * phase)
+    )
+    before = v
+    now = force(q, alpha, t, x, v)
     for order in range(MOST_DERIVATIVES):
         if abs(now) > FORCE_ROUNDING * size:
-            return 1 if now > 0.0 else -1
-        # The next derivative of m v'' + c v' + k v = -B0 Omega sin(Omega t); v' and what follows is 0 so far.
+            if now > 0.0:
+                return 1
+            return -1
+        # The next derivative of m v'' + c v' + k v = -B0 Omega sin(Omega t); v' and what follows is
+        # 0 so far.
         swing *= q.Omega
-        wave = sin(phase) if order % 2 == 0 else cos(phase)
+        if order % 2 == 0:
+            wave = sin(phase)
+        else:
+            wave = cos(phase)
         now = (-swing if order % 4 < 2 else swing) * wave - q.stiffness * before
         size = abs(swing) * (1.0 + abs(phase)) + abs(q.stiffness * before)
         before = 0.0
@@ -137,8 +185,14 @@ def sign_of_force(q, alpha, t, x, v):
 
 
 def resolve(q, boundary, t, x):
-    """Return the mode that follows at a point of a boundary: passing (Theorem 5) or else a stick (Theorem 4)."""
-    v = q.v1 if boundary == 1 else q.v2
+    """Return the mode that follows at a point of a boundary.
+
+    Passing (Theorem 5) or else a stick (Theorem 4).
+    """
+    if boundary == 1:
+        v = q.v1
+    else:
+        v = q.v2
     if sign_of_force(q, boundary + 1, t, x, v) > 0:
         return boundary + 1
     if sign_of_force(q, boundary, t, x, v) < 0:
@@ -148,48 +202,75 @@ def resolve(q, boundary, t, x):
 
 def start_mode(q, x, v):
     """Return the mode in which a motion starts at t = 0, and the boundary of its start, 0 if it is inside a domain."""
-    boundary = 1 if v == q.v1 else 2 if v == q.v2 else 0
+    if v == q.v1:
+        boundary = 1
+    elif v == q.v2:
+        boundary = 2
+    else:
+        boundary = 0
     if boundary > 0:
         return resolve(q, boundary, 0.0, x), boundary
     return 1 + (v > q.v1) + (v > q.v2), 0
 
 
 def root(q, mode, side, piece, a, b, fa, fb, tolerance):
-    """Find the time between `a` and `b` at which a margin of a flight or stick is 0; it is `fa` at a and `fb` at b."""
+    """Find the time between `a` and `b` at which a margin of a flight or stick is 0.
+
+    It is `fa` at a and `fb` at b.
+    """
     # Chandrupatla's method (1997).
-    c, fc, part = a, fa, 0.5
+    c = a
+    fc = fa
+    part = 0.5
     for _ in range(200):
         tau = a + part * (b - a)
         f = margin(q, mode, side, piece, tau)
         if (f < 0.0) == (fa < 0.0):
-            c, fc = a, fa
+            c = a
+            fc = fa
         else:
-            c, fc, b, fb = b, fb, a, fa
-        a, fa = tau, f
-        best, least = (a, fa) if abs(fa) < abs(fb) else (b, fb)
+            c = b
+            fc = fb
+            b = a
+            fb = fa
+        a = tau
+        fa = f
+        if abs(fa) < abs(fb):
+            best, least = (a, fa)
+        else:
+            best, least = (b, fb)
         smallest = (0.5 * tolerance + LAST_BIT * abs(best)) / abs(b - a)
         if smallest > 0.5 or least == 0.0:
             return best
         part = 0.5
-        xi, phi = (a - b) / (c - b), (fa - fb) / (fc - fb)
+        xi = (a - b) / (c - b)
+        phi = (fa - fb) / (fc - fb)
         if phi * phi < xi and (1.0 - phi) ** 2 < 1.0 - xi:
-            part = fa / (fb - fa) * fc / (fb - fc) + (c - a) / (b - a) * fa / (fc - fa) * fb / (fc - fb)
+            part = fa / (fb - fa) * fc / (fb - fc) + (c - a) / (b - a) * fa / (fc - fa) * fb / (
+                fc - fb
+            )
         part = min(1.0 - smallest, max(smallest, part))
     return b
 
 
 def follow(q, s, t, x, v, mode, boundary, offset, t_end):
-    """Follow a motion by a solver; return rows of events, their count, how it ended, and the last mode.
+    """Follow a motion by a solver.
 
-    `s` has the settings of the solver. `boundary` is the belt at which the motion starts, 0 for none. A flight from a
-    belt starts with a velocity that is off the belt's by `offset`.
+    Return rows of events, their count, how it ended, and the last mode.
+
+    `s` has the settings of the solver. `boundary` is the belt at which the motion starts, 0 for
+    none. A flight from a belt starts with a velocity that is off the belt's by `offset`.
     """
-    # A row is t, x, place in EVENT_KINDS, boundary; the outcome is 0 (t_end reached), CHATTERS or GAVE_UP.
+    # A row is t, x, place in EVENT_KINDS, boundary; the outcome is 0 (t_end reached), CHATTERS or
+    # GAVE_UP.
     rows = np.empty((64, 4))
     count = 0
     while t < t_end:
         if boundary > 0 and mode < 4:
-            v += offset if mode > boundary else -offset
+            if mode > boundary:
+                v += offset
+            else:
+                v += -offset
         here = from_now(q, t)
         side, tau, x = leave(here, s, mode, 0.0, x, v, t_end - t)
         t += tau
@@ -197,15 +278,31 @@ def follow(q, s, t, x, v, mode, boundary, offset, t_end):
             break
         if side == UNSOLVED:
             return rows, count, GAVE_UP, mode
-        source, kind = mode, 2  # a place in EVENT_KINDS
+        # a place in EVENT_KINDS
+        source = mode
+        kind = 2
         if source > 3:
             boundary = source - 3
-            mode = boundary + 1 if side > 0 else boundary
+            if side > 0:
+                mode = boundary + 1
+            else:
+                mode = boundary
         else:
-            boundary = source if side > 0 else source - 1
+            if side > 0:
+                boundary = source
+            else:
+                boundary = source - 1
             mode = resolve(here, boundary, tau, x)
-            kind = 1 if mode > 3 else 3 if mode == source else 0
-        v = q.v1 if boundary == 1 else q.v2
+            if mode > 3:
+                kind = 1
+            elif mode == source:
+                kind = 3
+            else:
+                kind = 0
+        if boundary == 1:
+            v = q.v1
+        else:
+            v = q.v2
         if count == len(rows):
             longer = np.empty((2 * count, 4))
             for i in range(count):  # a slice would make compiling three seconds longer
@@ -219,15 +316,22 @@ def follow(q, s, t, x, v, mode, boundary, offset, t_end):
     return rows, count, 0, mode
 
 
-def runner(scene: Scene, functions: Record, settings: Any, offset: float) -> Callable[[], Iterator[FoundEvent]]:
+def runner(
+    scene: Scene, functions: Record, settings: Any, offset: float
+) -> Callable[[], Iterator[FoundEvent]]:
     """Return a function that follows a scene and returns its events, or raises PeerError.
 
-    `functions` are those of this module, by name, bound to the solver's function `leave`; `settings` are what it gets.
-    A flight from a belt starts with a velocity that is off the belt's by `offset` times the larger belt speed.
+    `functions` are those of this module, by name, bound to the solver's function `leave`;
+    `settings` are what it gets. A flight from a belt starts with a velocity that is off the belt's
+    by `offset` times the larger belt speed.
     """
-    q, t0, x, v = problem(scene.parameters, scene.t0), float(scene.t0), float(scene.x0), float(scene.v0)
+    q = problem(scene.parameters, scene.t0)
+    t0 = float(scene.t0)
+    x = float(scene.x0)
+    v = float(scene.v0)
     arguments = q, settings, 0.0, x, v, *start_mode(q, x, v), offset * max(abs(q.v1), abs(q.v2))
-    duration, follow = float(scene.t_end - scene.t0), functions["follow"]
+    duration = float(scene.t_end - scene.t0)
+    follow = functions["follow"]
     follow(*arguments, 0.0)  # compiles
 
     def events(rows: np.ndarray) -> Iterator[FoundEvent]:
@@ -237,7 +341,9 @@ def runner(scene: Scene, functions: Record, settings: Any, offset: float) -> Cal
     def run() -> Iterator[FoundEvent]:
         rows, count, outcome, last = follow(*arguments, duration)
         if outcome:
-            where = f"in {MODE_NAMES[last]} after t = {t0 + rows[count - 1, 0] if count else t0:.6g}"
+            where = (
+                f"in {MODE_NAMES[last]} after t = {t0 + rows[count - 1, 0] if count else t0:.6g}"
+            )
             chatters = f"chatters {where}: more than {CHATTER} events within one period"
             raise PeerError(chatters if outcome == CHATTERS else f"took too many steps {where}")
         return events(rows[:count])

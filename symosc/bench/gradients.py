@@ -1,8 +1,9 @@
 """Ways to differentiate events, as careful users of other tools set them up, and their score on the reference cases.
 
-Where a tool has no derivatives through events, its flights have them, at a fixed duration; `through_events` does for
-all such tools what an event does to them (implicit function theorem, saltation). diffrax differentiates through its
-events itself; finite differences run the motion 28 times.
+Where a tool has no derivatives through events, its flights have them, at a fixed duration;
+`through_events` does for all such tools what an event does to them (implicit function theorem,
+saltation). diffrax differentiates through its events itself; finite differences run the motion 28
+times.
 """
 
 from __future__ import annotations
@@ -20,9 +21,33 @@ import numpy as np
 from tabulate import tabulate
 
 from symosc.aliases import Record
-from symosc.bench import Progress, cases, event_logic, not_run, peers_heyoka, peers_numba, peers_scipy, sentence
-from symosc.bench.event_logic import ONE_STEP_OFFSET, STEPS_PER_PERIOD, force, problem, runner, start_mode
-from symosc.bench.peers_numba import E3, E5, STAGE_TIMES, STAGE_WEIGHTS, STAGES, STEP_EXPONENT, STEP_SAFETY
+from symosc.bench import (
+    Progress,
+    cases,
+    event_logic,
+    not_run,
+    peers_heyoka,
+    peers_numba,
+    peers_scipy,
+    sentence,
+)
+from symosc.bench.event_logic import (
+    ONE_STEP_OFFSET,
+    STEPS_PER_PERIOD,
+    force,
+    problem,
+    runner,
+    start_mode,
+)
+from symosc.bench.peers_numba import (
+    E3,
+    E5,
+    STAGE_TIMES,
+    STAGE_WEIGHTS,
+    STAGES,
+    STEP_EXPONENT,
+    STEP_SAFETY,
+)
 from symosc.bench.solvers import FoundEvent, Prepare, Solver, events_of
 from symosc.engine.arithmetic import bind
 from symosc.engine.flow import friction_signs
@@ -36,9 +61,12 @@ from symosc.scenes import Scene
 from symosc.simulation.ensemble import simulate_many
 from symosc.simulation.tangents import NAMES
 
-#: Tolerance of the tools, and relative step of central differences: the cube root of the error of a run, about.
-TOLERANCE, DIFFERENCE = 1e-12, 1e-4
-#: ``jacobian(m, c, k, A, B, Omega, phase, x, v, duration)`` returns the gradients of x and v, in the order of COLUMNS.
+#: Tolerance of the tools, and relative step of central differences: the cube root of the error of a
+#: run, about.
+TOLERANCE = 1e-12
+DIFFERENCE = 1e-4
+#: ``jacobian(m, c, k, A, B, Omega, phase, x, v, duration)`` returns the gradients of x and v, in
+#: the order of COLUMNS.
 Jacobian = Callable[..., tuple[np.ndarray, np.ndarray]]
 X, V, OF_M, OF_C, OF_K, OF_A, OF_B, OF_OMEGA, OF_PHASE = COLUMNS = range(9)
 
@@ -46,7 +74,12 @@ X, V, OF_M, OF_C, OF_K, OF_A, OF_B, OF_OMEGA, OF_PHASE = COLUMNS = range(9)
 def found_changes(event: FoundEvent, dt: Sequence[float], dx: Sequence[float]) -> FoundEvent:
     """Return an event with the derivatives `dt` of its time and `dx` of its position stored by name, without NaN."""
     rows = (("dt", dt), ("dx", dx))
-    changes = {f"{of}_{name}": float(d) for of, row in rows for name, d in zip(NAMES, row, strict=True) if d == d}
+    changes = {
+        f"{of}_{name}": float(d)
+        for of, row in rows
+        for name, d in zip(NAMES, row, strict=True)
+        if d == d
+    }
     return event._replace(changes=changes)
 
 
@@ -58,25 +91,53 @@ ONE = dict(zip(NAMES, np.eye(len(NAMES)), strict=True))
 
 def pieces(scene: Scene, events: Iterable[FoundEvent]) -> Iterator[tuple[Any, ...]]:
     """Yield each event with the flight or stick that leads to it; a graze does not end a flight."""
-    # Of that: mode, t, x, v and boundary (or 0) of its start; the side where it ends, the next mode.
-    q, t, x, v = problem(scene.parameters, scene.t0), float(scene.t0), float(scene.x0), float(scene.v0)
-    t0, (mode, boundary) = t, start_mode(q, x, v)
+    # Of that: mode, t, x, v and boundary (or 0) of its start; the side where it ends, the next
+    # mode.
+    q = problem(scene.parameters, scene.t0)
+    t = float(scene.t0)
+    x = float(scene.x0)
+    v = float(scene.v0)
+    t0 = t
+    (mode, boundary) = start_mode(q, x, v)
     for event in events:
-        at, speed = event.boundary, q.v1 if event.boundary == 1 else q.v2
+        at = event.boundary
+        if event.boundary == 1:
+            speed = q.v1
+        else:
+            speed = q.v2
         if mode < 4:
-            side = 1 if at == mode else -1
-            after = 3 + at if event.kind == "stick" else mode if event.kind == "graze" else 2 * at + 1 - mode
+            if at == mode:
+                side = 1
+            else:
+                side = -1
+            if event.kind == "stick":
+                after = 3 + at
+            elif event.kind == "graze":
+                after = mode
+            else:
+                after = 2 * at + 1 - mode
         else:
             below, above = (abs(force(q, n, event.t - t0, event.x, speed)) for n in NEIGHBOURS[at])
-            side, after = (1, at + 1) if above < below else (-1, at)
+            if above < below:
+                side, after = (1, at + 1)
+            else:
+                side, after = (-1, at)
         yield event, mode, t, x, v, boundary, side, after
         if event.kind != "graze":
-            mode, boundary, t, x, v = after, at, event.t, event.x, speed
+            mode = after
+            boundary = at
+            t = event.t
+            x = event.x
+            v = speed
 
 
-def through_events(scene: Scene, events: Iterable[FoundEvent], jacobian: Jacobian) -> Iterator[FoundEvent]:
+def through_events(
+    scene: Scene, events: Iterable[FoundEvent], jacobian: Jacobian
+) -> Iterator[FoundEvent]:
     """Yield the events of a motion with their derivatives, by the chain rule from the derivatives of its flights."""
-    p, q, t0 = scene.parameters, problem(scene.parameters, scene.t0), float(scene.t0)
+    p = scene.parameters
+    q = problem(scene.parameters, scene.t0)
+    t0 = float(scene.t0)
     number = by_name(p, float)
     m, c, k, B0, Omega = (number[name] for name in ("m", "c", "k", "B0", "Omega"))
 
@@ -86,11 +147,16 @@ def through_events(scene: Scene, events: Iterable[FoundEvent], jacobian: Jacobia
         by_mu = number["FN"] * (one * ONE["mu1"] + two * ONE["mu2"])
         return ONE["A0"] + by_mu + (one * number["mu1"] + two * number["mu2"]) * ONE["FN"]
 
-    dx, dv = ONE["x0"], ONE["v0"]  # at fixed times
+    # at fixed times
+    dx = ONE["x0"]
+    dv = ONE["v0"]
     for n, (event, mode, t, x, v, _, _, after) in enumerate(pieces(scene, events)):
         if n == 0:
-            dx, dv = dx - v * ONE["t0"], dv - (force(q, mode, 0.0, x, v) if mode < 4 else 0.0) * ONE["t0"]
-        duration, speed, belt = event.t - t, number[f"v{event.boundary}"], ONE[f"v{event.boundary}"]
+            dx = dx - v * ONE["t0"]
+            dv = dv - (force(q, mode, 0.0, x, v) if mode < 4 else 0.0) * ONE["t0"]
+        duration = event.t - t
+        speed = number[f"v{event.boundary}"]
+        belt = ONE[f"v{event.boundary}"]
         if mode < 4:
             phase = (q.theta + Omega * (t - t0)) % (2 * pi)
             dx_end, dv_end = (
@@ -100,21 +166,31 @@ def through_events(scene: Scene, events: Iterable[FoundEvent], jacobian: Jacobia
             )  # fmt: skip
             dt = (belt - dv_end) / force(q, mode, event.t - t0, event.x, speed)
         else:
-            dx_end, phase = dx + dv * duration, q.theta + Omega * (event.t - t0)
-            change = gradient_of_A(after) + cos(phase) * ONE["B0"] - B0 * event.t * sin(phase) * ONE["Omega"]
+            dx_end = dx + dv * duration
+            phase = q.theta + Omega * (event.t - t0)
+            change = (
+                gradient_of_A(after)
+                + cos(phase) * ONE["B0"]
+                - B0 * event.t * sin(phase) * ONE["Omega"]
+            )
             change = change - event.x * ONE["k"] - k * dx_end - speed * ONE["c"] - c * belt
             dt = change / (k * speed + B0 * Omega * sin(phase))
         yield found_changes(event, dt, dx_end + speed * dt)
         if event.kind != "graze":
-            a = force(q, after, event.t - t0, event.x, speed) if after < 4 else 0.0
-            dx, dv = dx_end, belt - a * dt
+            if after < 4:
+                a = force(q, after, event.t - t0, event.x, speed)
+            else:
+                a = 0.0
+            dx = dx_end
+            dv = belt - a * dt
 
 
 def by_flights(
     follow: Prepare, jacobian_of: Callable[[float], Jacobian], scene: Scene, tolerance: float
 ) -> Callable[[], list[FoundEvent]]:
     """Return a function that finds events by `follow` and differentiates them by the Jacobians of their flights."""
-    run, jacobian = follow(scene, tolerance), jacobian_of(tolerance)
+    run = follow(scene, tolerance)
+    jacobian = jacobian_of(tolerance)
     return lambda: list(through_events(scene, run(), jacobian))
 
 
@@ -127,7 +203,9 @@ def heyoka_jacobian(tolerance: float) -> Jacobian:
     m, c, k, A, B, Omega, phase = (hy.par[i] for i in range(7))
     equations = [(x, v), (v, (A + B * hy.cos(Omega * hy.time + phase) - k * x - c * v) / m)]
     system = hy.var_ode_sys(equations, hy.var_args.vars | hy.var_args.params, order=1)
-    integrator = hy.taylor_adaptive(system, [0.0, 0.0], pars=[1.0] * 7, tol=tolerance, fast_math=True)
+    integrator = hy.taylor_adaptive(
+        system, [0.0, 0.0], pars=[1.0] * 7, tol=tolerance, fast_math=True
+    )
     begin = np.array(integrator.state)
 
     def jacobian(*values: float) -> tuple[np.ndarray, np.ndarray]:
@@ -146,7 +224,9 @@ def cvodes_jacobian(tolerance: float) -> Jacobian:
     """Return a function that differentiates a flight's end by CVODES (from casadi), over a time scaled to [0, 1]."""
     import casadi as ca
 
-    y, p, s = ca.SX.sym("y", 2), ca.SX.sym("p", 8), ca.SX.sym("s")
+    y = ca.SX.sym("y", 2)
+    p = ca.SX.sym("p", 8)
+    s = ca.SX.sym("s")
     m, c, k, A, B, Omega, phase, duration = (p[i] for i in range(8))
     push = A + B * ca.cos(Omega * duration * s + phase) - k * y[0] - c * y[1]
     equations = {"x": y, "p": p, "t": s, "ode": duration * ca.vertcat(y[1], push / m)}
@@ -165,9 +245,14 @@ def cvodes_jacobian(tolerance: float) -> Jacobian:
 
 def tangent_steps(m, c, k, A, B, Omega, phase, x, v, duration, tolerance):
     """Return x, v and derivatives by start and parameters after a flight, by DOP853 on the variational equations."""
-    y, K, new, t = np.zeros(20), np.zeros((STAGES + 1, 20)), np.zeros(20), 0.0
+    y = np.zeros(20)
+    K = np.zeros((STAGES + 1, 20))
+    new = np.zeros(20)
+    t = 0.0
     y[0], y[1], y[2 + 2 * X], y[3 + 2 * V] = x, v, 1.0, 1.0
-    longest = duration / max(1.0, np.ceil(duration * max(Omega, np.sqrt(k / m)) * STEPS_PER_PERIOD / (2 * pi)))
+    longest = duration / max(
+        1.0, np.ceil(duration * max(Omega, np.sqrt(k / m)) * STEPS_PER_PERIOD / (2 * pi))
+    )
     h = longest / 4.0
     while t < duration:
         h = min(h, longest, duration - t)
@@ -187,12 +272,22 @@ def tangent_steps(m, c, k, A, B, Omega, phase, x, v, duration, tolerance):
             K[stage, 3 + 2 * OF_OMEGA] -= B * sin(Omega * now + phase) * now / m
             K[stage, 3 + 2 * OF_PHASE] -= B * sin(Omega * now + phase) / m
         scale = tolerance * np.maximum(1e-3, np.maximum(np.abs(y), np.abs(new)))
-        third, fifth = np.sum((E3 @ K / scale) ** 2), np.sum((E5 @ K / scale) ** 2)
-        error = 0.0 if fifth == 0.0 else h * fifth / np.sqrt((fifth + 0.01 * third) * 20.0)
+        third = np.sum((E3 @ K / scale) ** 2)
+        fifth = np.sum((E5 @ K / scale) ** 2)
+        if fifth == 0.0:
+            error = 0.0
+        else:
+            error = h * fifth / np.sqrt((fifth + 0.01 * third) * 20.0)
         if error < 1.0 or t + h == t:
-            t = duration if h >= duration - t else t + h
+            if h >= duration - t:
+                t = duration
+            else:
+                t = t + h
             y[:] = new
-        h *= 5.0 if error == 0.0 else min(5.0, max(0.2, STEP_SAFETY * error**STEP_EXPONENT))
+        if error == 0.0:
+            h *= 5.0
+        else:
+            h *= min(5.0, max(0.2, STEP_SAFETY * error**STEP_EXPONENT))
     return y
 
 
@@ -212,14 +307,18 @@ def dop853_jacobian(tolerance: float) -> Jacobian:
 
 
 def differences(scene: Scene, tolerance: float) -> Callable[[], list[FoundEvent]]:
-    """Prepare differences of events found by scipy's DOP853: central, or forward if a parameter cannot be decreased."""
+    """Prepare differences of events found by scipy's DOP853.
+
+    Central, or forward if a parameter cannot be decreased.
+    """
     follow = partial(peers_scipy.prepare, "DOP853")
 
     def moved(name: str, by: float) -> list[FoundEvent] | None:
         start = name not in PARAMETER_NAMES
         try:
             changed = {name: getattr(scene if start else scene.parameters, name) + Fraction(by)}
-            changed = changed if start else {"parameters": scene.parameters.replace(**changed)}
+            if not start:
+                changed = {"parameters": scene.parameters.replace(**changed)}
             return list(follow(replace(scene, **changed), tolerance)())
         except (ParameterError, event_logic.PeerError):
             return None
@@ -230,8 +329,12 @@ def differences(scene: Scene, tolerance: float) -> Callable[[], list[FoundEvent]
         for j, name in enumerate(NAMES):
             value = float(getattr(scene.parameters if name in PARAMETER_NAMES else scene, name))
             h = DIFFERENCE * (abs(value) or 1.0)
-            more, less = moved(name, h), moved(name, -h)
-            low, width = (events, h) if less is None else (less, 2 * h)
+            more = moved(name, h)
+            less = moved(name, -h)
+            if less is None:
+                low, width = (events, h)
+            else:
+                low, width = (less, 2 * h)
             for n, (event, a, b) in enumerate(zip(events, more or [], low, strict=False)):
                 if not event[2:] == a[2:] == b[2:]:
                     break
@@ -247,8 +350,9 @@ def differences(scene: Scene, tolerance: float) -> Callable[[], list[FoundEvent]
 @lru_cache(maxsize=1)
 def diffrax_pieces(tolerance: float) -> tuple[Callable[..., Any], Callable[..., Any]]:
     """Return two functions: one follows a flight or stick to its event, the other differentiates that event by JAX."""
-    # The arguments are the parameters; t, x, v and the phase at the start; the duration, the signs of the friction,
-    # whether it flies, and the event function: of v, of the force, and of both belt speeds.
+    # The arguments are the parameters; t, x, v and the phase at the start; the duration, the signs
+    # of the friction, whether it flies, and the event function: of v, of the force, and of both
+    # belt speeds.
     import diffrax
     import jax
     import jax.numpy as jnp
@@ -259,7 +363,11 @@ def diffrax_pieces(tolerance: float) -> tuple[Callable[..., Any], Callable[..., 
     def rate(t: Any, y: Any, args: Any) -> Any:
         p, phase, one, two, flies = args
         F = (
-            p[3] + (one * p[8] + two * p[9]) * p[10] + p[4] * jnp.cos(phase + p[5] * t) - p[2] * y[0] - p[1] * y[1]
+            p[3]
+            + (one * p[8] + two * p[9]) * p[10]
+            + p[4] * jnp.cos(phase + p[5] * t)
+            - p[2] * y[0]
+            - p[1] * y[1]
         ) / p[0]
         return jnp.stack([y[1], flies * F])
 
@@ -286,20 +394,40 @@ def _settings(p: Parameters, mode: int, side: int) -> tuple[float, ...]:
     """Return the seven signs and weights by which `diffrax_pieces` knows a motion in `mode` that exits on `side`."""
     if mode > 3:
         return *friction_signs(mode - 3 if side < 0 else mode - 2), 0.0, 0.0, -float(side), 0.0, 0.0
-    boundary = mode if side > 0 else mode - 1
-    return *friction_signs(mode), 1.0, -float(side), 0.0, *(side * float(boundary == n) for n in (1, 2))
+    if side > 0:
+        boundary = mode
+    else:
+        boundary = mode - 1
+    return (
+        *friction_signs(mode),
+        1.0,
+        -float(side),
+        0.0,
+        *(side * float(boundary == n) for n in (1, 2)),
+    )
 
 
 def differentiated_by_diffrax(scene: Scene, tolerance: float) -> Callable[[], list[FoundEvent]]:
-    """Prepare diffrax, which finds the events; JAX differentiates each flight or stick, with the event at its end."""
-    p, (piece, slopes), t0 = scene.parameters, diffrax_pieces(tolerance), float(scene.t0)
-    numbers, q = np.array([*by_name(p, float).values()]), problem(p, scene.t0)
-    longest, offset = q.period / STEPS_PER_PERIOD, ONE_STEP_OFFSET * max(abs(q.v1), abs(q.v2))
+    """Prepare diffrax, which finds the events.
 
-    def leave(q: Any, s: None, mode: int, t: float, x: float, v: float, t_end: float) -> tuple[int, float, float]:
+    JAX differentiates each flight or stick, with the event at its end.
+    """
+    p = scene.parameters
+    (piece, slopes) = diffrax_pieces(tolerance)
+    t0 = float(scene.t0)
+    numbers = np.array([*by_name(p, float).values()])
+    q = problem(p, scene.t0)
+    longest = q.period / STEPS_PER_PERIOD
+    offset = ONE_STEP_OFFSET * max(abs(q.v1), abs(q.v2))
+
+    def leave(
+        q: Any, s: None, mode: int, t: float, x: float, v: float, t_end: float
+    ) -> tuple[int, float, float]:
         best = 0, t_end, x
         for side in peers_scipy.SIDES[mode]:
-            (tau, at), hit = piece(numbers, t, x, v, q.theta, best[1], longest, *_settings(p, mode, side))
+            (tau, at), hit = piece(
+                numbers, t, x, v, q.theta, best[1], longest, *_settings(p, mode, side)
+            )
             if bool(hit) or best[0] == 0:
                 best = (side if bool(hit) else 0), float(tau), float(at)
         return best
@@ -307,15 +435,30 @@ def differentiated_by_diffrax(scene: Scene, tolerance: float) -> Callable[[], li
     follow = runner(scene, bind((event_logic,), {"leave": leave}), None, ONE_STEP_OFFSET)
 
     def run() -> list[FoundEvent]:
-        found, at = [], np.stack([ONE["t0"], ONE["x0"], ONE["v0"]])  # of t, x, v at the start of a piece
+        # of t, x, v at the start of a piece
+        found = []
+        at = np.stack([ONE["t0"], ONE["x0"], ONE["v0"]])
         for event, mode, t, x, v, boundary, side, _ in pieces(scene, follow()):
             if boundary and mode < 4:  # off the belt, as in `follow`
-                v += offset if mode > boundary else -offset
+                if mode > boundary:
+                    v += offset
+                else:
+                    v += -offset
             theta = event_logic.from_now(q, t - t0).theta
-            args = numbers, t, x, v, theta, 2 * (event.t - t) + longest, longest, *_settings(p, mode, side)
+            args = (
+                numbers,
+                t,
+                x,
+                v,
+                theta,
+                2 * (event.t - t) + longest,
+                longest,
+                *_settings(p, mode, side),
+            )
             by_p, *by_start = map(np.asarray, slopes(*args))
             change = by_p @ np.eye(len(NAMES))[:11] + np.stack(by_start, axis=1) @ at
-            dt, dx = at[0] + change[0], change[1]
+            dt = at[0] + change[0]
+            dx = change[1]
             found.append(found_changes(event, dt, dx))
             if event.kind != "graze":
                 at = np.stack([dt, dx, ONE[f"v{event.boundary}"]])
@@ -329,12 +472,16 @@ def differentiated_by_diffrax(scene: Scene, tolerance: float) -> Callable[[], li
 
 def compiled(scene: Scene, tolerance: float) -> Callable[[], list[FoundEvent]]:
     """Prepare symosc's compiled derivatives of events; those that do not exist are left out."""
-    start, known = [scene.t0, scene.x0, scene.v0], scene.start_error
+    start = [scene.t0, scene.x0, scene.v0]
+    known = scene.start_error
 
     def run() -> list[FoundEvent]:
         table = simulate_many(scene.parameters, start, scene.t_end, start_error=known, wrt=NAMES)
         dt, dx = (np.where(table.regular, each, np.nan) for each in (table.dt, table.dx))
-        return [found_changes(event, *rows) for event, *rows in zip(events_of(table), dt, dx, strict=True)]
+        return [
+            found_changes(event, *rows)
+            for event, *rows in zip(events_of(table), dt, dx, strict=True)
+        ]
 
     return run
 
@@ -344,19 +491,37 @@ def solvers() -> tuple[Solver, ...]:
     heyoka = partial(by_flights, peers_heyoka.prepare, heyoka_jacobian)
     dop853 = partial(by_flights, peers_numba.prepare, dop853_jacobian)
     cvodes = partial(by_flights, partial(peers_scipy.prepare, "Adams"), cvodes_jacobian)
-    flights, ours = "derivatives of flights; what an event does to them is the user's", "JAX goes through its events"
+    flights = "derivatives of flights; what an event does to them is the user's"
+    ours = "JAX goes through its events"
     return (
         Solver("symosc", compiled, (0.0,), needs="numba"),
         Solver("heyoka, variational", heyoka, (1e-16,), "heyoka", flights),
         Solver("numba DOP853, tangents", dop853, (1e-14,), "numba", flights),
-        Solver("casadi, CVODES", cvodes, (TOLERANCE,), "casadi", f"{flights}; events by scikit-sundae", "gradients"),
-        Solver("diffrax, jacfwd", differentiated_by_diffrax, (TOLERANCE,), "diffrax", ours, "gradients"),
-        Solver("scipy DOP853, differences", differences, (TOLERANCE,), note=f"relative step {DIFFERENCE:g}"),
+        Solver(
+            "casadi, CVODES",
+            cvodes,
+            (TOLERANCE,),
+            "casadi",
+            f"{flights}; events by scikit-sundae",
+            "gradients",
+        ),
+        Solver(
+            "diffrax, jacfwd", differentiated_by_diffrax, (TOLERANCE,), "diffrax", ours, "gradients"
+        ),
+        Solver(
+            "scipy DOP853, differences",
+            differences,
+            (TOLERANCE,),
+            note=f"relative step {DIFFERENCE:g}",
+        ),
     )
 
 
 def run(progress: Progress = iter, chosen: Sequence[ReferenceCase] | None = None) -> Record:
-    """Judge the derivatives that each way to differentiate finds in the reference cases; return plain data."""
+    """Judge the derivatives that each way to differentiate finds in the reference cases.
+
+    Return plain data.
+    """
     some = [case for case in (reference_cases() if chosen is None else chosen) if not case.periods]
     return cases.run(progress, solvers(), some, with_derivatives=True)
 
@@ -373,16 +538,36 @@ def table(scores: Sequence[Score]) -> str:
     rows = []
     for group, first in (*by_group(scores[0].cases), ("all", scores[0].cases)):
         if known := total(first, "known_derivatives"):
-            of_group = ([case for case in each.cases if group in ("all", case.group)] for each in scores)
+            of_group = (
+                [case for case in each.cases if group in ("all", case.group)] for each in scores
+            )
             rows.append([group, f"{known:,}", *map(right, of_group)])
-    rows.append(["wrong", "", *(f"{total(score.cases, 'wrong_derivatives'):,}" for score in scores)])
-    largest = [[case.error_d for case in score.cases if case.error_d is not None] for score in scores]
-    rows.append(["largest error of a case: median", "", *(f"{median(each):.0e}" if each else "" for each in largest)])
-    return tabulate(rows, ["group", "derivatives", *(each.name for each in scores)], "github", disable_numparse=True)
+    rows.append(
+        ["wrong", "", *(f"{total(score.cases, 'wrong_derivatives'):,}" for score in scores)]
+    )
+    largest = [
+        [case.error_d for case in score.cases if case.error_d is not None] for score in scores
+    ]
+    rows.append(
+        [
+            "largest error of a case: median",
+            "",
+            *(f"{median(each):.0e}" if each else "" for each in largest),
+        ]
+    )
+    return tabulate(
+        rows,
+        ["group", "derivatives", *(each.name for each in scores)],
+        "github",
+        disable_numparse=True,
+    )
 
 
 def write(path: str | Path, result: Record, command: str) -> list[Path]:
-    """Write a page of the scores of derivatives, which names `command` as its origin; return its path in a list."""
+    """Write a page of the scores of derivatives, which names `command` as its origin.
+
+    Return its path in a list.
+    """
     notes = "; ".join(f"{solver.name}: {solver.note}" for solver in solvers() if solver.note)
     more = [
         f"Made by `{command}`. Each way differentiates all events by all eleven parameters and by t0, x0, v0, with at "
@@ -394,5 +579,7 @@ def write(path: str | Path, result: Record, command: str) -> list[Path]:
         "not given.",
         table(result["scores"]),
     ]
-    page = as_markdown(result["scores"], "Scores of derivatives", SET_VERSION, more, with_faults=False)
+    page = as_markdown(
+        result["scores"], "Scores of derivatives", SET_VERSION, more, with_faults=False
+    )
     return [write_text(path, page)]

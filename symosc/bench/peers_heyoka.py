@@ -1,14 +1,14 @@
 """heyoka: Taylor series of high order, compiled just in time, with events found on the series itself.
 
-One integrator does everything. Flights and sticks differ by its parameters, which the callbacks of its two terminal
-events rewrite; so Python runs once per event. The drive is two more state variables, which is cheaper than a cosine. It
-also keeps the steps short in a stick, where x and v alone would let them grow past its end. Flights start off the belt
-and need no cool-down: in a step that starts where an event function is exactly 0, heyoka 7.13 does not see the next
-root.
+One integrator does everything. Flights and sticks differ by its parameters, which the callbacks of
+its two terminal events rewrite; so Python runs once per event. The drive is two more state
+variables, which is cheaper than a cosine. It also keeps the steps short in a stick, where x and v
+alone would let them grow past its end. Flights start off the belt and need no cool-down: in a step
+that starts where an event function is exactly 0, heyoka 7.13 does not see the next root.
 
-The state is x, v, and B0/m times the cosine and the sine of the drive. With parameters p, v' = p0 (a + p1) with
-a = (B0 cos - k x - c v)/m. The event functions are p2 v + p3 a + p4 and p5 v + p6 a + p7: in flights the distances of v
-from both belts, in sticks the accelerations on both sides.
+The state is x, v, and B0/m times the cosine and the sine of the drive. With parameters p, v' = p0
+(a + p1) with a = (B0 cos - k x - c v)/m. The event functions are p2 v + p3 a + p4 and p5 v + p6 a +
+p7: in flights the distances of v from both belts, in sticks the accelerations on both sides.
 """
 
 from __future__ import annotations
@@ -20,7 +20,14 @@ from typing import Any
 
 import numpy as np
 
-from symosc.bench.event_logic import CHATTER, ONE_STEP_OFFSET, PeerError, Problem, problem, start_mode
+from symosc.bench.event_logic import (
+    CHATTER,
+    ONE_STEP_OFFSET,
+    PeerError,
+    Problem,
+    problem,
+    start_mode,
+)
 from symosc.bench.solvers import FoundEvent, Solver
 from symosc.model import NEIGHBOURS, Parameters
 from symosc.scenes import Scene
@@ -28,7 +35,8 @@ from symosc.scenes import Scene
 
 def tables(q: Problem) -> tuple[dict[Any, Any], ...]:
     """Return A_alpha/m by domain, belt speeds, integrator parameters by mode, and velocities just off a belt."""
-    A, belts = {1: q.A1, 2: q.A2, 3: q.A3}, {1: q.v1, 2: q.v2}
+    A = {1: q.A1, 2: q.A2, 3: q.A3}
+    belts = {1: q.v1, 2: q.v2}
     parameters = {alpha: np.array([1.0, A[alpha], 1.0, 0.0, -q.v1, 1.0, 0.0, -q.v2]) for alpha in A}
     for boundary, (below, above) in NEIGHBOURS.items():
         parameters[3 + boundary] = np.array([0.0, 0.0, 0.0, 1.0, A[below], 0.0, 1.0, A[above]])
@@ -43,7 +51,8 @@ def equations(q: Problem) -> tuple[list[Any], tuple[Any, Any]]:
     import heyoka as hy
 
     x, v, C, S = hy.make_vars("x", "v", "C", "S")
-    p, a = hy.par, C - q.stiffness * x - q.damping * v
+    p = hy.par
+    a = C - q.stiffness * x - q.damping * v
     rates = [(x, v), (v, p[0] * (a + p[1])), (C, -q.Omega * S), (S, q.Omega * C)]
     return rates, (p[2] * v + p[3] * a + p[4], p[5] * v + p[6] * a + p[7])
 
@@ -54,8 +63,11 @@ def prepare(scene: Scene, tolerance: float) -> Callable[[], Iterator[FoundEvent]
 
     q = problem(scene.parameters, scene.t0)
     A, belts, pars, starts = tables(q)
-    stiffness, damping, t0 = q.stiffness, q.damping, float(scene.t0)
-    # What the callbacks work on: mode, event list, and views of state and parameters, made once per run.
+    stiffness = q.stiffness
+    damping = q.damping
+    t0 = float(scene.t0)
+    # What the callbacks work on: mode, event list, and views of state and parameters, made once per
+    # run.
     now: int
     append: Any
     item: Any
@@ -63,28 +75,48 @@ def prepare(scene: Scene, tolerance: float) -> Callable[[], Iterator[FoundEvent]
     p_now: Any
 
     def callback(event: int) -> Callable[[Any, int], bool]:
-        """Return the callback of event 1 or 2: in a flight, contact with belt 1 or 2; in a stick, a slip down or up."""
+        """Return the callback of event 1 or 2: in a flight, contact with belt 1 or 2.
+
+        In a stick, a slip down or up.
+        """
         belt = belts[event]
-        drag, A_below, A_above = damping * belt, A[event], A[event + 1]
-        v_below, v_above, stick = starts[event, event], starts[event, event + 1], pars[3 + event]
+        drag = damping * belt
+        A_below = A[event]
+        A_above = A[event + 1]
+        v_below = starts[event, event]
+        v_above = starts[event, event + 1]
+        stick = pars[3 + event]
 
         def act(integrator: Any, sign: int) -> bool:
             nonlocal now
-            x, source = item(0), now
+            x = item(0)
+            source = now
             if source > 3:
                 boundary = source - 3
                 now = boundary + event - 1
-                state[1], p_now[:] = starts[boundary, now], pars[now]
+                state[1] = starts[boundary, now]
+                p_now[:] = pars[now]
                 append((t0 + integrator.time, x, "slip", boundary))
                 return True
             a = item(2) - stiffness * x - drag
             if a + A_above > 0.0:
-                now, state[1], p_now[1] = event + 1, v_above, A_above
+                now = event + 1
+                state[1] = v_above
+                p_now[1] = A_above
             elif a + A_below < 0.0:
-                now, state[1], p_now[1] = event, v_below, A_below
+                now = event
+                state[1] = v_below
+                p_now[1] = A_below
             else:
-                now, state[1], p_now[:] = 3 + event, belt, stick
-            kind = "stick" if now > 3 else "graze" if now == source else "cross"
+                now = 3 + event
+                state[1] = belt
+                p_now[:] = stick
+            if now > 3:
+                kind = "stick"
+            elif now == source:
+                kind = "graze"
+            else:
+                kind = "cross"
             append((t0 + integrator.time, x, kind, event))
             return True
 
@@ -92,10 +124,16 @@ def prepare(scene: Scene, tolerance: float) -> Callable[[], Iterator[FoundEvent]
 
     rates, functions = equations(q)
     events = [hy.t_event(f, callback=callback(n), cooldown=0.0) for n, f in enumerate(functions, 1)]
-    integrator = hy.taylor_adaptive(rates, [0.0] * 4, pars=[0.0] * 8, t_events=events, tol=tolerance, fast_math=True)
-    x0, v0 = float(scene.x0), float(scene.v0)
+    integrator = hy.taylor_adaptive(
+        rates, [0.0] * 4, pars=[0.0] * 8, t_events=events, tol=tolerance, fast_math=True
+    )
+    x0 = float(scene.x0)
+    v0 = float(scene.v0)
     mode, boundary = start_mode(q, x0, v0)
-    v = starts[boundary, mode] if boundary and mode < 4 else v0
+    if boundary and mode < 4:
+        v = starts[boundary, mode]
+    else:
+        v = v0
     start = np.array([x0, v, q.swing * cos(q.theta), q.swing * sin(q.theta)])
     duration = float(scene.t_end - scene.t0)
     # Steps that a run may take: this number per period, and as many before the first one.
@@ -104,11 +142,18 @@ def prepare(scene: Scene, tolerance: float) -> Callable[[], Iterator[FoundEvent]
     def run() -> Iterator[FoundEvent]:
         nonlocal now, append, item, state, p_now
         rows: list[tuple[Any, ...]] = []
-        now, append, integrator.time = mode, rows.append, 0.0
-        state, p_now = integrator.state, integrator.pars
-        state[:], p_now[:], item = start, pars[mode], state.item
+        now = mode
+        append = rows.append
+        integrator.time = 0.0
+        state = integrator.state
+        p_now = integrator.pars
+        item = state.item
+        p_now[:] = pars[mode]
+        state[:] = start
         outcome = integrator.propagate_until(duration, max_steps=most)[0]
-        append = item = state = p_now = None  # the integrator owns the callbacks: they must not own it
+        append = item = state = p_now = (
+            None  # the integrator owns the callbacks: they must not own it
+        )
         if outcome != hy.taylor_outcome.time_limit:
             raise PeerError(f"heyoka: {outcome} after {len(rows)} events")
         return starmap(FoundEvent, rows)
@@ -116,19 +161,31 @@ def prepare(scene: Scene, tolerance: float) -> Callable[[], Iterator[FoundEvent]
     return run
 
 
-def count_many(p: Parameters, starts: np.ndarray, durations: np.ndarray, tolerance: float) -> Callable[[], np.ndarray]:
+def count_many(
+    p: Parameters, starts: np.ndarray, durations: np.ndarray, tolerance: float
+) -> Callable[[], np.ndarray]:
     """Return a function that counts events of motions from (t, x, v), several at once in the processor's registers."""
     import heyoka as hy
 
-    q, width = problem(p), hy.recommended_simd_size()
+    q = problem(p)
+    width = hy.recommended_simd_size()
     A, belts, pars, v_starts = tables(q)
-    stiffness, now, counts = q.stiffness, [0] * width, [0] * width
+    stiffness = q.stiffness
+    now = [0] * width
+    counts = [0] * width
 
     def callback(event: int) -> Callable[[Any, int, int], bool]:
-        """Return the callback of an event, as in `prepare`; it also takes the number of the motion in the batch."""
+        """Return the callback of an event, as in `prepare`.
+
+        It also takes the number of the motion in the batch.
+        """
         belt = belts[event]
-        drag, A_below, A_above = q.damping * belt, A[event], A[event + 1]
-        v_below, v_above, stick = v_starts[event, event], v_starts[event, event + 1], pars[3 + event]
+        drag = q.damping * belt
+        A_below = A[event]
+        A_above = A[event + 1]
+        v_below = v_starts[event, event]
+        v_above = v_starts[event, event + 1]
+        stick = pars[3 + event]
 
         def act(_: Any, sign: int, i: int) -> bool:
             counts[i] += 1
@@ -150,19 +207,33 @@ def count_many(p: Parameters, starts: np.ndarray, durations: np.ndarray, toleran
         return act
 
     rates, functions = equations(q)
-    events = [hy.t_event_batch(f, callback=callback(n), cooldown=0.0) for n, f in enumerate(functions, 1)]
-    zeros, options = np.zeros((4, width)), {"t_events": events, "tol": tolerance, "fast_math": True}
+    events = [
+        hy.t_event_batch(f, callback=callback(n), cooldown=0.0) for n, f in enumerate(functions, 1)
+    ]
+    zeros = np.zeros((4, width))
+    options = {"t_events": events, "tol": tolerance, "fast_math": True}
     integrator = hy.taylor_adaptive_batch(rates, zeros, pars=np.zeros((8, width)), **options)
-    state, all_parameters = integrator.state, integrator.pars
-    parameters, v_now, force_now = list(all_parameters.T), state[1], all_parameters[1]
-    position, drive = state[0].item, state[2].item
+    state = integrator.state
+    all_parameters = integrator.pars
+    parameters = list(all_parameters.T)
+    v_now = state[1]
+    force_now = all_parameters[1]
+    position = state[0].item
+    drive = state[2].item
 
     def run() -> np.ndarray:
         found = np.zeros(len(starts), np.int64)
         for first in range(0, len(starts), width):
-            rows = np.arange(first, first + width) % len(starts)  # the last batch begins again with the first motions
+            rows = np.arange(first, first + width) % len(
+                starts
+            )  # the last batch begins again with the first motions
             theta = q.theta + q.Omega * starts[rows, 0]
-            state[:] = starts[rows, 1], starts[rows, 2], q.swing * np.cos(theta), q.swing * np.sin(theta)
+            state[:] = (
+                starts[rows, 1],
+                starts[rows, 2],
+                q.swing * np.cos(theta),
+                q.swing * np.sin(theta),
+            )
             integrator.set_time(0.0)
             for i, (_, x, v) in enumerate(starts[rows].tolist()):
                 now[i], counts[i] = start_mode(q, x, v)[0], 0

@@ -1,8 +1,11 @@
-"""DOP853 compiled by numba: an adaptive Runge-Kutta method with the event logic inside, nothing of it in Python.
+"""DOP853 compiled by numba.
 
-Coefficients, error estimate and dense output are those of `scipy.integrate.DOP853` (Hairer, Norsett & Wanner). An exit
-is searched where a margin changes its sign over a limited step, and up to its turning point inside. Steps of the method
-itself refine the event, not its interpolant, and flights start off the belt.
+An adaptive Runge-Kutta method with the event logic inside, nothing of it in Python.
+
+Coefficients, error estimate and dense output are those of `scipy.integrate.DOP853` (Hairer, Norsett
+& Wanner). An exit is searched where a margin changes its sign over a limited step, and up to its
+turning point inside. Steps of the method itself refine the event, not its interpolant, and flights
+start off the belt.
 """
 
 from __future__ import annotations
@@ -37,7 +40,9 @@ from symosc.engine.arithmetic import compile_modules
 from symosc.scenes import Scene
 
 STAGES = DOP853.n_stages
-ALL_STAGES = STAGES + 1 + len(DOP853.C_EXTRA)  # with the derivative at the end, and those of the dense output
+ALL_STAGES = (
+    STAGES + 1 + len(DOP853.C_EXTRA)
+)  # with the derivative at the end, and those of the dense output
 STAGE_TIMES = np.concatenate([DOP853.C, [1.0], DOP853.C_EXTRA])
 STAGE_WEIGHTS = np.zeros((ALL_STAGES, ALL_STAGES))
 STAGE_WEIGHTS[:STAGES, :STAGES], STAGE_WEIGHTS[STAGES, :STAGES], STAGE_WEIGHTS[STAGES + 1 :] = (
@@ -45,9 +50,14 @@ STAGE_WEIGHTS[:STAGES, :STAGES], STAGE_WEIGHTS[STAGES, :STAGES], STAGE_WEIGHTS[S
     DOP853.B,
     DOP853.A_EXTRA,
 )
-E3, E5, DENSE_WEIGHTS = DOP853.E3, DOP853.E5, DOP853.D
+E3 = DOP853.E3
+E5 = DOP853.E5
+DENSE_WEIGHTS = DOP853.D
 DENSE_TERMS = len(DENSE_WEIGHTS) + 3
-STEP_SAFETY, STEP_SHRINK, STEP_GROWTH, STEP_EXPONENT = 0.9, 0.2, 10.0, -1.0 / (DOP853.error_estimator_order + 1)
+STEP_SAFETY = 0.9
+STEP_SHRINK = 0.2
+STEP_GROWTH = 10.0
+STEP_EXPONENT = -1.0 / (DOP853.error_estimator_order + 1)
 
 
 class Settings(NamedTuple):
@@ -73,33 +83,49 @@ class SolverStep(NamedTuple):
 
 def settings(q: Problem, tolerance: float) -> Settings:
     """Return DOP853's settings for a relative tolerance, with steps in proportion to the period of `q`."""
-    stages, terms = np.zeros((2, ALL_STAGES)), np.zeros((2, DENSE_TERMS))
+    stages = np.zeros((2, ALL_STAGES))
+    terms = np.zeros((2, DENSE_TERMS))
     # The first step of each flight and stick, as a part of the period.
-    return Settings(tolerance, ATOL * tolerance, q.period / STEPS_PER_PERIOD, q.period / 20, stages, terms)
+    return Settings(
+        tolerance, ATOL * tolerance, q.period / STEPS_PER_PERIOD, q.period / 20, stages, terms
+    )
 
 
 def stages(q, s, mode, t, x, v, h, begin, end):
-    """Evaluate Runge-Kutta stages begin to end - 1 and store their rates in s.K; return the state of the last one."""
+    """Evaluate Runge-Kutta stages begin to end - 1 and store their rates in s.K.
+
+    Return the state of the last one.
+    """
     X = V = 0.0
     for stage in range(begin, end):
         dx = dv = 0.0
         for j in range(stage):
             dx += STAGE_WEIGHTS[stage, j] * s.K[0, j]
             dv += STAGE_WEIGHTS[stage, j] * s.K[1, j]
-        X, V = x + h * dx, v + h * dv
-        s.K[0, stage], s.K[1, stage] = V, force(q, mode, t + h * STAGE_TIMES[stage], X, V) if mode < 4 else 0.0
+        X = x + h * dx
+        V = v + h * dv
+        s.K[0, stage], s.K[1, stage] = (
+            V,
+            force(q, mode, t + h * STAGE_TIMES[stage], X, V) if mode < 4 else 0.0,
+        )
     return X, V
 
 
 def error_of(s, x, v, X, V, h):
-    """Return DOP853's error estimate of a step h from (x, v) to (X, V) in units of the tolerance; s has its stages."""
+    """Return DOP853's error estimate of a step h from (x, v) to (X, V) in units of the tolerance.
+
+    S has its stages.
+    """
     third = fifth = 0.0
     for row in range(2):
         e3 = e5 = 0.0
         for j in range(STAGES + 1):
             e3 += E3[j] * s.K[row, j]
             e5 += E5[j] * s.K[row, j]
-        size = max(abs(x), abs(X)) if row == 0 else max(abs(v), abs(V))
+        if row == 0:
+            size = max(abs(x), abs(X))
+        else:
+            size = max(abs(v), abs(V))
         scale = s.atol + s.rtol * size
         third += (e3 / scale) ** 2
         fifth += (e5 / scale) ** 2
@@ -112,7 +138,10 @@ def dense(q, s, mode, t, x, v, X, V, h):
     """Compute the dense output, into s.F, of a step from (x, v) to (X, V); return the step."""
     stages(q, s, mode, t, x, v, h, STAGES + 1, ALL_STAGES)
     for row in range(2):
-        delta = X - x if row == 0 else V - v
+        if row == 0:
+            delta = X - x
+        else:
+            delta = V - v
         s.F[row, 0] = delta
         s.F[row, 1] = h * s.K[row, 0] - delta
         s.F[row, 2] = 2.0 * delta - h * (s.K[row, STAGES] + s.K[row, 0])
@@ -129,7 +158,10 @@ def state_in(step, tau):
     part = tau / step.h
     x = v = 0.0
     for i in range(DENSE_TERMS):
-        factor = part if i % 2 == 0 else 1.0 - part
+        if i % 2 == 0:
+            factor = part
+        else:
+            factor = 1.0 - part
         x = (x + step.F[0, DENSE_TERMS - 1 - i]) * factor
         v = (v + step.F[1, DENSE_TERMS - 1 - i]) * factor
     return step.x + x, step.v + v
@@ -142,16 +174,24 @@ def margin(q, mode, side, step, tau):
     if side == 0:
         return turn(q, mode, t, x, v)
     below, above = margins(q, mode, t, x, v)
-    return below if side < 0 else above
+    if side < 0:
+        return below
+    return above
 
 
 def exit_within(q, s, mode, step, end, tolerance):
-    """Return (side, tau) at which a margin becomes negative within [0, end]; side 0 if none does."""
+    """Return (side, tau) at which a margin becomes negative within [0, end].
+
+    Side 0 if none does.
+    """
     x, v = state_in(step, end)
     below, above = margins(q, mode, step.t + end, x, v)
     if below >= 0.0 and above >= 0.0:
         return 0, end
-    side, after = (-1, below) if below < 0.0 else (1, above)
+    if below < 0.0:
+        side, after = (-1, below)
+    else:
+        side, after = (1, above)
     before = margin(q, mode, side, step, 0.0)
     if before < 0.0:
         return side, 0.0
@@ -165,7 +205,10 @@ def refined(q, s, mode, side, step, tau):
         x, v = stages(q, s, mode, step.t, step.x, step.v, tau, 1, STAGES + 1)
         below, above = margins(q, mode, step.t + tau, x, v)
         slope = abs(turn(q, mode, step.t + tau, x, v))
-        change = (below if side < 0 else above) / slope if slope > 0.0 else 0.0
+        if slope > 0.0:
+            change = (below if side < 0 else above) / slope
+        else:
+            change = 0.0
         if not abs(change) < 1e-3 * step.h or abs(change) < LAST_BIT * (step.t + tau):
             break
         tau += change
@@ -174,9 +217,15 @@ def refined(q, s, mode, side, step, tau):
 
 
 def leave(q, s, mode, t, x, v, t_end):
-    """Follow one flight or stick by steps; return side, time and position of its exit (side 0: t_end reached)."""
+    """Follow one flight or stick by steps.
+
+    Return side, time and position of its exit (side 0: t_end reached).
+    """
     h = s.first
-    s.K[0, 0], s.K[1, 0] = v, force(q, mode, t, x, v) if mode < 4 else 0.0  # the first Runge-Kutta stage
+    s.K[0, 0], s.K[1, 0] = (
+        v,
+        force(q, mode, t, x, v) if mode < 4 else 0.0,
+    )  # the first Runge-Kutta stage
     last_slope = turn(q, mode, t, x, v)
     for _ in range(1_000_000):
         h = min(h, s.longest, t_end - t)
@@ -194,7 +243,8 @@ def leave(q, s, mode, t, x, v, t_end):
             # What is found in the interpolant's last bits is refined anyway.
             tolerance = s.rtol * h
             step = dense(q, s, mode, t, x, v, X, V, h)
-            side, tau = 0, h
+            side = 0
+            tau = h
             if slope * last_slope < 0.0:
                 extremum = root(q, mode, 0, step, 0.0, h, last_slope, slope, tolerance)
                 side, tau = exit_within(q, s, mode, step, extremum, tolerance)
@@ -205,9 +255,15 @@ def leave(q, s, mode, t, x, v, t_end):
                 return side, t + tau, x
         if t + h >= t_end:
             return 0, t_end, X
-        t, x, v, last_slope = t + h, X, V, slope
+        t = t + h
+        x = X
+        v = V
+        last_slope = slope
         s.K[0, 0], s.K[1, 0] = s.K[0, STAGES], s.K[1, STAGES]
-        h *= STEP_GROWTH if error == 0.0 else min(STEP_GROWTH, STEP_SAFETY * error**STEP_EXPONENT)
+        if error == 0.0:
+            h *= STEP_GROWTH
+        else:
+            h *= min(STEP_GROWTH, STEP_SAFETY * error**STEP_EXPONENT)
     return UNSOLVED, t, x
 
 
@@ -219,7 +275,9 @@ def compiled() -> Record:
 
 def prepare(scene: Scene, tolerance: float) -> Callable[[], Iterator[FoundEvent]]:
     """Return a function that follows a scene by the compiled DOP853 and returns its events."""
-    return runner(scene, compiled(), settings(problem(scene.parameters), tolerance), ONE_STEP_OFFSET)
+    return runner(
+        scene, compiled(), settings(problem(scene.parameters), tolerance), ONE_STEP_OFFSET
+    )
 
 
 SOLVERS = (

@@ -1,8 +1,8 @@
 """The closed form as a careful user writes it, scanned at a fixed distance for a change of sign, compiled by numba.
 
-One formula for each regime of damping, sampled some times per period (of drive or spring, the shorter one), and a root
-finder between two samples of different sign. What happens between two samples is not seen, and the formulas divide by k
-and by the distance from resonance.
+One formula for each regime of damping, sampled some times per period (of drive or spring, the
+shorter one), and a root finder between two samples of different sign. What happens between two
+samples is not seen, and the formulas divide by k and by the distance from resonance.
 """
 
 from __future__ import annotations
@@ -24,18 +24,22 @@ from symosc.model import Parameters
 from symosc.scenes import Scene
 
 UNDERDAMPED, CRITICAL, OVERDAMPED = range(3)
-# The first sample of a flight or stick, as a part of the distance of two samples: at its start, the sign of what is
-# looked for is that of the rounding.
+# The first sample of a flight or stick, as a part of the distance of two samples: at its start, the
+# sign of what is looked for is that of the rounding.
 FIRST_SAMPLE = 1e-5
 
 
 class Scan(NamedTuple):
-    """What a scan for changes of sign needs: distance of samples, tolerance of a root, constants of the closed form."""
+    """What a scan for changes of sign needs.
+
+    Distance of samples, tolerance of a root, constants of the closed form.
+    """
 
     distance: float
     tolerance: float
     regime: int
-    decay: float  # h, omega_d (underdamped); h, 0 (critical); or both characteristic roots (overdamped)
+    # h, omega_d (underdamped); h, 0 (critical); or both characteristic roots (overdamped)
+    decay: float
     second: float
     P: float  # amplitudes of the particular solution's cosine, and (Q) sine
     Q: float
@@ -54,21 +58,35 @@ class ScanPiece(NamedTuple):
 
 
 def scan_of(q: Problem, points: int, tolerance: float) -> Scan:
-    """Return a scan with `points` samples per period; raise PeerError where its closed form divides by zero."""
-    Omega, k = q.Omega, q.stiffness
+    """Return a scan with `points` samples per period.
+
+    Raise PeerError where its closed form divides by zero.
+    """
+    Omega = q.Omega
+    k = q.stiffness
     try:
         square = (k - Omega**2) ** 2 + (q.damping * Omega) ** 2
-        P, Q = q.swing * (k - Omega**2) / square, q.swing * q.damping * Omega / square
+        P = q.swing * (k - Omega**2) / square
+        Q = q.swing * q.damping * Omega / square
         _ = 1 / k
     except ZeroDivisionError:
-        raise PeerError("the closed form divides by zero: k = 0, or resonance without damping") from None
-    h, discriminant = q.damping / 2, (q.damping / 2) ** 2 - k
+        raise PeerError(
+            "the closed form divides by zero: k = 0, or resonance without damping"
+        ) from None
+    h = q.damping / 2
+    discriminant = (q.damping / 2) ** 2 - k
     if discriminant < 0:
-        regime, decay, second = UNDERDAMPED, h, sqrt(-discriminant)
+        regime = UNDERDAMPED
+        decay = h
+        second = sqrt(-discriminant)
     elif discriminant == 0:
-        regime, decay, second = CRITICAL, h, 0.0
+        regime = CRITICAL
+        decay = h
+        second = 0.0
     else:
-        regime, decay, second = OVERDAMPED, -h + sqrt(discriminant), -h - sqrt(discriminant)
+        regime = OVERDAMPED
+        decay = -h + sqrt(discriminant)
+        second = -h - sqrt(discriminant)
     return Scan(q.period / points, tolerance, regime, decay, second, P, Q)
 
 
@@ -92,13 +110,18 @@ def state_at(q, mode, piece, tau):
     """Return position and velocity at the time tau after a piece began."""
     if mode > 3:
         return piece.x + piece.v * tau, piece.v
-    s, R, S = piece.s, piece.R, piece.S
+    s = piece.s
+    R = piece.R
+    S = piece.S
     phase = q.Omega * (piece.t + tau) + q.theta
-    cosine, sine = cos(phase), sin(phase)
+    cosine = cos(phase)
+    sine = sin(phase)
     x = piece.equilibrium + s.P * cosine + s.Q * sine
     v = q.Omega * (s.Q * cosine - s.P * sine)
     if s.regime == UNDERDAMPED:
-        decay, cosine, sine = exp(-s.decay * tau), cos(s.second * tau), sin(s.second * tau)
+        decay = exp(-s.decay * tau)
+        cosine = cos(s.second * tau)
+        sine = sin(s.second * tau)
         x += decay * (R * cosine + S * sine)
         v += decay * ((S * s.second - R * s.decay) * cosine - (R * s.second + S * s.decay) * sine)
     elif s.regime == CRITICAL:
@@ -106,21 +129,30 @@ def state_at(q, mode, piece, tau):
         x += decay * (R + S * tau)
         v += decay * (S - s.decay * (R + S * tau))
     else:
-        slow, fast = R * exp(s.decay * tau), S * exp(s.second * tau)
+        slow = R * exp(s.decay * tau)
+        fast = S * exp(s.second * tau)
         x += slow + fast
         v += s.decay * slow + s.second * fast
     return x, v
 
 
 def margin(q, mode, side, piece, tau):
-    """Return how far the mass is from its lower (side < 0) or upper exit, tau after a piece began; positive inside."""
+    """Return how far the mass is from its lower (side < 0) or upper exit, tau after a piece began.
+
+    Positive inside.
+    """
     x, v = state_at(q, mode, piece, tau)
     below, above = margins(q, mode, piece.t + tau, x, v)
-    return below if side < 0 else above
+    if side < 0:
+        return below
+    return above
 
 
 def leave(q, s, mode, t, x, v, t_end):
-    """Follow one flight or stick by samples; return side, time and position of its exit (side 0: t_end reached)."""
+    """Follow one flight or stick by samples.
+
+    Return side, time and position of its exit (side 0: t_end reached).
+    """
     piece = piece_from(q, s, mode, t, x, v)
     tau = FIRST_SAMPLE * s.distance
     x, v = state_at(q, mode, piece, tau)
@@ -130,13 +162,23 @@ def leave(q, s, mode, t, x, v, t_end):
         x, v = state_at(q, mode, piece, later)
         next_below, next_above = margins(q, mode, t + later, x, v)
         if next_below < 0.0 or next_above < 0.0:
-            side, before, after = (-1, below, next_below) if next_below < 0.0 else (1, above, next_above)
-            at = root(q, mode, side, piece, tau, later, before, after, s.tolerance) if before > 0.0 else tau
+            if next_below < 0.0:
+                side, before, after = (-1, below, next_below)
+            else:
+                side, before, after = (1, above, next_above)
+            if before > 0.0:
+                at = root(q, mode, side, piece, tau, later, before, after, s.tolerance)
+            else:
+                at = tau
             x, v = state_at(q, mode, piece, at)
-            return (side, t + at, x) if t + at <= t_end else (0, t_end, x)
+            if t + at <= t_end:
+                return (side, t + at, x)
+            return (0, t_end, x)
         if t + later >= t_end:
             return 0, t_end, x
-        tau, below, above = later, next_below, next_above
+        tau = later
+        below = next_below
+        above = next_above
     return UNSOLVED, t, x
 
 
@@ -157,14 +199,20 @@ def count_many(
     """Return a function that counts the events of motions from (t, x, v) by the scan, in one loop compiled by numba."""
     import numba
 
-    q, follow = problem(p), compiled()["follow"]
+    q = problem(p)
+    follow = compiled()["follow"]
     s = scan_of(q, points, tolerance)
 
     @numba.njit
     def count_all(q, s, starts, durations, counts):
         for i in range(len(starts)):
             t, x, v = starts[i]
-            mode = 1 if v < q.v1 else 2 if v < q.v2 else 3
+            if v < q.v1:
+                mode = 1
+            elif v < q.v2:
+                mode = 2
+            else:
+                mode = 3
             counts[i] = follow(q, s, t, x, v, mode, 0, 0.0, t + durations[i])[1]
 
     def run() -> np.ndarray:

@@ -1,18 +1,24 @@
-"""Integrators called from Python: solve_ivp of scipy (RK45, DOP853, Radau, LSODA) and CVODE of SUNDIALS (Adams, BDF).
+"""Integrators called from Python.
+
+Solve_ivp of scipy (RK45, DOP853, Radau, LSODA) and CVODE of SUNDIALS (Adams, BDF).
 
 Both look for a change of sign from one step to the next. So there are traps.
 
-- Out and back within one step is not seen. On a belt x is linear, every error estimate is 0, and the step grows past
-  the end of the stick. So the step is bounded. The turning points of the exit functions are recorded too, and where one
-  has turned outside, the piece is integrated again up to there.
-- A flight that starts on the belt starts at a zero of its own exit function. When it comes back within its first step,
-  solve_ivp finds the start again: the same flight begins again and again. So flights start off the belt.
-- LSODA's interpolant does not go through the start of a step, and brentq then finds no change of sign. The first steps
-  of CVODE, of order 1, cross the belt after a near graze. So these start farther off, in proportion to rtol.
-- Time itself: at t = 1e8 a step of 1e-9 is lost in rounding. So it is counted from the start of each piece.
-- A CVODE object of scikit-sundae (1.2) can be used for one solution only. It goes on counting events over calls of
-  `solve`, and after a terminal event the next call stops at any event. So each piece gets an object of its own (0.04
-  ms).
+- Out and back within one step is not seen. On a belt x is linear, every error estimate is 0, and
+  the step grows past the end of the stick. So the step is bounded. The turning points of the exit
+  functions are recorded too, and where one has turned outside, the piece is integrated again up to
+  there.
+- A flight that starts on the belt starts at a zero of its own exit function. When it comes back
+  within its first step, solve_ivp finds the start again: the same flight begins again and again. So
+  flights start off the belt.
+- LSODA's interpolant does not go through the start of a step, and brentq then finds no change of
+  sign. The first steps of CVODE, of order 1, cross the belt after a near graze. So these start
+  farther off, in proportion to rtol.
+- Time itself: at t = 1e8 a step of 1e-9 is lost in rounding. So it is counted from the start of
+  each piece.
+- A CVODE object of scikit-sundae (1.2) can be used for one solution only. It goes on counting
+  events over calls of `solve`, and after a terminal event the next call stops at any event. So each
+  piece gets an object of its own (0.04 ms).
 """
 
 from __future__ import annotations
@@ -26,18 +32,31 @@ from scipy.integrate import solve_ivp
 
 from symosc.aliases import Record
 from symosc.bench import event_logic
-from symosc.bench.event_logic import ATOL, STEPS_PER_PERIOD, PeerError, Problem, force, margins, problem, runner, turn
+from symosc.bench.event_logic import (
+    ATOL,
+    STEPS_PER_PERIOD,
+    PeerError,
+    Problem,
+    force,
+    margins,
+    problem,
+    runner,
+    turn,
+)
 from symosc.bench.solvers import FoundEvent, Solver
 from symosc.engine.arithmetic import bind
 from symosc.scenes import Scene
 
-#: As `ONE_STEP_OFFSET`; and of multistep methods at least this part of rtol: they start with order 1, so that the first
-#: steps away from the belt are wrong by as much as rtol allows, and closer to it they are back at the start, for ever.
-INTEGRATOR_OFFSET, MULTISTEP_OFFSET = 1e-14, 0.1
+#: As `ONE_STEP_OFFSET`; and of multistep methods at least this part of rtol: they start with order
+#: 1, so that the first steps away from the belt are wrong by as much as rtol allows, and closer to
+#: it they are back at the start, for ever.
+INTEGRATOR_OFFSET = 1e-14
+MULTISTEP_OFFSET = 0.1
 State = Sequence[float]
 #: On which sides a mode can be left.
 SIDES = {1: (1,), 2: (-1, 1), 3: (-1,), 4: (-1, 1), 5: (-1, 1)}
-#: What ``integrate(q, mode, x, v, t_end)`` returns: side, t and x of the end, and turning points (t, (x, v)) before it.
+#: What ``integrate(q, mode, x, v, t_end)`` returns: side, t and x of the end, and turning points
+#: (t, (x, v)) before it.
 Left = tuple[int, float, float, Iterable[tuple[float, State]]]
 Integrate = Callable[[Problem, int, float, float, float], Left]
 
@@ -56,12 +75,20 @@ def _functions(q: Problem, mode: int) -> tuple[Callable[..., Any], list[Callable
     return rate, [*exits, lambda t, y: turn(q, mode, t, y[0], y[1])], jacobian
 
 
-def integrate_by_scipy(options: Record, q: Problem, mode: int, x: float, v: float, t_end: float) -> Left:
-    """Follow a flight or stick with solve_ivp; return side, t and x of its end, and the turning points before it."""
+def integrate_by_scipy(
+    options: Record, q: Problem, mode: int, x: float, v: float, t_end: float
+) -> Left:
+    """Follow a flight or stick with solve_ivp.
+
+    Return side, t and x of its end, and the turning points before it.
+    """
     rate, functions, jacobian = _functions(q, mode)
     events: list[Any] = [partial(function) for function in functions]
     for event in events:
-        event.direction, event.terminal = (0, False) if event is events[-1] else (-1, True)
+        if event is events[-1]:
+            event.direction, event.terminal = (0, False)
+        else:
+            event.direction, event.terminal = (-1, True)
     if options["method"] in ("Radau", "LSODA"):
         options = options | {"jac": lambda t, y: jacobian}
     try:
@@ -77,12 +104,19 @@ def integrate_by_scipy(options: Record, q: Problem, mode: int, x: float, v: floa
     return 0, float(solution.t[-1]), float(solution.y[0, -1]), turns
 
 
-def integrate_by_cvode(options: Record, q: Problem, mode: int, x: float, v: float, t_end: float) -> Left:
-    """Follow a flight or stick with CVODE; return side, t and x of its end, and the turning points before it."""
+def integrate_by_cvode(
+    options: Record, q: Problem, mode: int, x: float, v: float, t_end: float
+) -> Left:
+    """Follow a flight or stick with CVODE.
+
+    Return side, t and x of its end, and the turning points before it.
+    """
     from sksundae.cvode import CVODE
 
     rate, functions, jacobian = _functions(q, mode)
-    begin = q.period  # at t = 0 CVODE takes a root for two that differ by rounding only, and gives up
+    begin = (
+        q.period
+    )  # at t = 0 CVODE takes a root for two that differ by rounding only, and gives up
 
     def rhsfn(t: float, y: Any, out: Any) -> None:
         out[0], out[1] = rate(t - begin, y)
@@ -106,14 +140,21 @@ def integrate_by_cvode(options: Record, q: Problem, mode: int, x: float, v: floa
     turns = [(t - begin, state) for which, t, state in events if which[-1]]
     for side, crossed in zip(SIDES[mode], solution.i_events[-1], strict=False):
         if crossed:
-            return side, float(solution.t_events[-1]) - begin, float(solution.y_events[-1][0]), turns
+            return (
+                side,
+                float(solution.t_events[-1]) - begin,
+                float(solution.y_events[-1][0]),
+                turns,
+            )
     return 0, t_end, float(solution.y[-1][0]), turns
 
 
 def leave_by(integrate: Integrate) -> Callable[..., tuple[int, float, float]]:
     """Return the function `leave` for an integrator, which follows a flight or stick to its exit."""
 
-    def leave(q: Problem, s: None, mode: int, t: float, x: float, v: float, t_end: float) -> tuple[int, float, float]:
+    def leave(
+        q: Problem, s: None, mode: int, t: float, x: float, v: float, t_end: float
+    ) -> tuple[int, float, float]:
         side, end, x_end, turns = integrate(q, mode, x, v, t_end)
         for at, state in turns:
             if 0 < at < end and min(margins(q, mode, at, *state)) < 0:
@@ -129,8 +170,13 @@ def prepare(method: str, scene: Scene, tolerance: float) -> Callable[[], Iterato
     """Return a function that follows a scene by the integrator `method` with this rtol, and returns its events."""
     longest = problem(scene.parameters).period / STEPS_PER_PERIOD
     options = {"method": method, "rtol": tolerance, "atol": ATOL * tolerance, "max_step": longest}
-    leave = leave_by(partial(integrate_by_cvode if method in CVODE_METHODS else integrate_by_scipy, options))
-    offset = MULTISTEP_OFFSET * tolerance if method in ("LSODA", *CVODE_METHODS) else INTEGRATOR_OFFSET
+    leave = leave_by(
+        partial(integrate_by_cvode if method in CVODE_METHODS else integrate_by_scipy, options)
+    )
+    if method in ("LSODA", *CVODE_METHODS):
+        offset = MULTISTEP_OFFSET * tolerance
+    else:
+        offset = INTEGRATOR_OFFSET
     functions = bind((event_logic,), {"leave": leave})
     return runner(scene, functions, None, max(offset, INTEGRATOR_OFFSET))
 
@@ -139,7 +185,14 @@ TOLERANCES = (1e-3, 1e-4, 1e-6, 1e-8, 1e-10, 1e-12)
 SCIPY_METHODS = {
     "RK45": TOLERANCES,
     "DOP853": TOLERANCES,
-    "Radau": (1e-3, 1e-4, 1e-5, 1e-6, 1e-7, 1e-8),  # of order 5 and written in Python: 1e-12 takes 0.1 s per event
+    "Radau": (
+        1e-3,
+        1e-4,
+        1e-5,
+        1e-6,
+        1e-7,
+        1e-8,
+    ),  # of order 5 and written in Python: 1e-12 takes 0.1 s per event
     "LSODA": TOLERANCES,
 }
 CVODE_METHODS = ("Adams", "BDF")
@@ -152,8 +205,16 @@ NOTES = {"Radau": f"Jacobian given, {NOTE} {INTEGRATOR_OFFSET:g}", "LSODA": FAR_
 
 SOLVERS = (
     *(
-        Solver(f"scipy {name}", partial(prepare, name), each, note=NOTES.get(name, f"{NOTE} {INTEGRATOR_OFFSET:g}"))
+        Solver(
+            f"scipy {name}",
+            partial(prepare, name),
+            each,
+            note=NOTES.get(name, f"{NOTE} {INTEGRATOR_OFFSET:g}"),
+        )
         for name, each in SCIPY_METHODS.items()
     ),
-    *(Solver(f"CVODE {name}", partial(prepare, name), TOLERANCES, "sksundae", note=FAR_OFF) for name in CVODE_METHODS),
+    *(
+        Solver(f"CVODE {name}", partial(prepare, name), TOLERANCES, "sksundae", note=FAR_OFF)
+        for name in CVODE_METHODS
+    ),
 )

@@ -20,29 +20,43 @@ RESULTS_FOLDER = Path("docs/results")
 
 
 def check(readme: str | Path) -> str:
-    """Return a README's text; raise OutputError if the file cannot be written or lacks the marks around the results."""
+    """Return a README's text.
+
+    Raise OutputError if the file cannot be written or lacks the marks around the results.
+    """
     try:
         text = Path(readme).read_text(encoding="utf-8")
     except (OSError, UnicodeDecodeError) as error:
-        raise OutputError(str(readme), getattr(error, "strerror", None) or "is not UTF-8 text") from None
+        raise OutputError(
+            str(readme), getattr(error, "strerror", None) or "is not UTF-8 text"
+        ) from None
     if not os.access(readme, os.W_OK):
         raise OutputError(str(readme), "Permission denied")
     return _replaced(text, "", readme)
 
 
 def _replaced(text: str, content: str, readme: str | Path) -> str:
-    """Return a README's text with other content between the marks of the results; OutputError if it lacks them."""
-    begin, end = "<!-- results: begin", "<!-- results: end -->"  # the first may say more before it closes
+    """Return a README's text with other content between the marks of the results.
+
+    OutputError if it lacks them.
+    """
+    # the first may say more before it closes
+    begin = "<!-- results: begin"
+    end = "<!-- results: end -->"
     pattern = re.compile(rf"({re.escape(begin)}[^>]*-->\n).*?({re.escape(end)})", re.DOTALL)
     if text.count(begin) != 1 or text.count(end) != 1 or not pattern.search(text):
-        raise OutputError(str(readme), f"needs the lines '{begin} -->' and '{end}', once each, around the results")
+        raise OutputError(
+            str(readme), f"needs the lines '{begin} -->' and '{end}', once each, around the results"
+        )
     return pattern.sub(lambda match: f"{match[1]}{content}{match[2]}", text)
 
 
 def write(readme: str | Path, result: Record) -> list[Path]:
     """Write the results of the parts ("speed", "work_precision", ...) into README and separate files; return these."""
-    text, folder = check(readme), Path(readme).parent / RESULTS_FOLDER
-    measured, command = result["work_precision"], _command_text(result)
+    text = check(readme)
+    folder = Path(readme).parent / RESULTS_FOLDER
+    measured = result["work_precision"]
+    command = _command_text(result)
     make_folder(folder)
     about = f"Written by `{command}` ({sentence(measured['machine'])})."
     page = f"# Work and precision\n\n{about}\n\n{work.table(measured, markdown=True)}\n"
@@ -53,15 +67,24 @@ def write(readme: str | Path, result: Record) -> list[Path]:
         *cases.write(folder / "scores.md", result["scores"], command),
         write_text(folder / "README.md", overview(result)),
     ]
-    parts = [speed.measurement_note(result["speed"]), speed.brief(result["speed"]), comparison(result)]
-    brief = "\n\n".join(parts) + f"\n[All calls, solvers, cases, and pictures]({RESULTS_FOLDER}/README.md).\n"
+    parts = [
+        speed.measurement_note(result["speed"]),
+        speed.brief(result["speed"]),
+        comparison(result),
+    ]
+    brief = (
+        "\n\n".join(parts)
+        + f"\n[All calls, solvers, cases, and pictures]({RESULTS_FOLDER}/README.md).\n"
+    )
     return [write_text(readme, _replaced(text, brief, readme)), *files]
 
 
 def comparison(result: Record) -> str:
     """Return the paragraph that compares symosc with heyoka, with looser accuracies and with its own error bound."""
     rows = result["work_precision"]["rows"]
-    text = " ".join([_heyoka_sentence(rows), *_loose_sentences(rows), cases.our_verdict(result["scores"])])
+    text = " ".join(
+        [_heyoka_sentence(rows), *_loose_sentences(rows), cases.our_verdict(result["scores"])]
+    )
     return fill(" ".join(text.split()), 120, break_long_words=False, break_on_hyphens=False)
 
 
@@ -115,10 +138,15 @@ def _heyoka_sentence(rows: list[Record]) -> str:
     finest: dict[str, str] = {}
     for row in rows:
         if row["solver"] == "heyoka" and row["over_ours"]:  # tolerances run from coarse to fine
-            error = f", error {row['error']:.0e}" if row["over_ours"] < 1 and row["error"] is not None else ""
+            if row["over_ours"] < 1 and row["error"] is not None:
+                error = f", error {row['error']:.0e}"
+            else:
+                error = ""
             finest[row["scene"]] = f"{work.rounded(row['over_ours'], 2)} ({row['scene']}{error})"
     ratios = ", ".join(finest.values())
-    return f"heyoka at its finest tolerance takes {ratios} times as long as symosc." if finest else ""
+    if finest:
+        return f"heyoka at its finest tolerance takes {ratios} times as long as symosc."
+    return ""
 
 
 def _loose_sentences(rows: list[Record]) -> list[str]:
@@ -127,13 +155,21 @@ def _loose_sentences(rows: list[Record]) -> list[str]:
     for row in rows:
         if row["solver"] == OURS[0].name and row["us_per_event"]:
             ours.setdefault(row["scene"], []).append(row)
-    found = [f"Where doubles cannot keep errors below {ACCURACY:g}, more digits are taken, which cost time:"]
-    for scene, (loose, *_, fine) in ((scene, each) for scene, each in ours.items() if len(each) > 1):
+    found = [
+        f"Where doubles cannot keep errors below {ACCURACY:g}, more digits are taken, which cost time:"
+    ]
+    for scene, (loose, *_, fine) in (
+        (scene, each) for scene, each in ours.items() if len(each) > 1
+    ):
         if loose["us_per_event"] < 0.5 * fine["us_per_event"]:
             less, more = (work.rounded(row["us_per_event"], 2) for row in (loose, fine))
-            found.append(f"{scene} takes {more} µs per event with an error of {fine['error']:.0e}, and with")
+            found.append(
+                f"{scene} takes {more} µs per event with an error of {fine['error']:.0e}, and with"
+            )
             found.append(f"`accuracy={loose['tolerance']:g}` {less} µs with {loose['error']:.0e}.")
-    return found if len(found) > 1 else []
+    if len(found) > 1:
+        return found
+    return []
 
 
 def _command_text(result: Record) -> str:

@@ -1,8 +1,9 @@
 """The solvers of the benchmarks, and calls of them with a time limit in a separate process.
 
-What hangs or dies there is a result, not the end of the run. The process is spawned, not forked: compiled peers (numba,
-heyoka) and the pool itself run threads, and locks that these hold at a fork are never released in the child. It serves
-all calls until one overruns its limit or kills it, so imports and compilation are paid once.
+What hangs or dies there is a result, not the end of the run. The process is spawned, not forked:
+compiled peers (numba, heyoka) and the pool itself run threads, and locks that these hold at a fork
+are never released in the child. It serves all calls until one overruns its limit or kills it, so
+imports and compilation are paid once.
 """
 
 from __future__ import annotations
@@ -33,10 +34,12 @@ from symosc.simulation.ensemble import simulate_many
 from symosc.simulation.simulate import ACCURACY, simulate
 from symosc.simulation.tables import EventTable
 
-HANG, CRASH = "hang", "crash"
+HANG = "hang"
+CRASH = "crash"
 #: How much of an exception's message is kept.
 LONGEST_MESSAGE = 120
-#: Seconds for the first call of a solver, with all that it imports and compiles, on a slow machine too.
+#: Seconds for the first call of a solver, with all that it imports and compiles, on a slow machine
+#: too.
 FIRST_LIMIT = 600.0
 PROCESSES = min(2, os.cpu_count() or 1)
 
@@ -46,7 +49,10 @@ REFERENCE_DIGITS = 40
 
 
 class FoundEvent(NamedTuple):
-    """A switching event that a solver found, named as in `symosc.Event`; `changes` has derivatives such as dt_mu1."""
+    """A switching event that a solver found, named as in `symosc.Event`.
+
+    `changes` has derivatives such as dt_mu1.
+    """
 
     t: float
     x: float
@@ -55,19 +61,24 @@ class FoundEvent(NamedTuple):
     changes: Mapping[str, float] = {}
 
 
-#: prepare(scene, tolerance) does what a user would do once (compile, build the integrator). It returns a function that
-#: follows the scene from its start to its end and returns its events; where they come in arrays, an iterator, so that
-#: making objects of them is not timed.
+#: prepare(scene, tolerance) does what a user would do once (compile, build the integrator). It
+#: returns a function that follows the scene from its start to its end and returns its events; where
+#: they come in arrays, an iterator, so that making objects of them is not timed.
 Prepare: TypeAlias = Callable[[Scene, float], Callable[[], Iterable[FoundEvent]]]
 
 
 @dataclass(frozen=True)
 class Solver:
-    """A solver to compare with: how it finds the events of a scene, with which tolerances, and what it needs."""
+    """A solver to compare with.
+
+    How it finds the events of a scene, with which tolerances, and what it needs.
+    """
 
     name: str  # in tables and plots
     prepare: Prepare
-    tolerances: tuple[float, ...]  # of a work-precision curve, coarse to fine; 0.0 alone for a solver without one
+    tolerances: tuple[
+        float, ...
+    ]  # of a work-precision curve, coarse to fine; 0.0 alone for a solver without one
     needs: str = ""  # the module that must be importable, "" if it comes with symosc
     note: str = ""  # its precautions
     extra: str = "bench"  # the extra that installs what it needs
@@ -82,11 +93,16 @@ class Solver:
 
 def events_of(table: EventTable) -> Iterator[FoundEvent]:
     """Yield the events of a table."""
-    yield from map(FoundEvent, table.t.tolist(), table.x.tolist(), table.kind.tolist(), table.boundary.tolist())
+    yield from map(
+        FoundEvent, table.t.tolist(), table.x.tolist(), table.kind.tolist(), table.boundary.tolist()
+    )
 
 
 def compiled(scene: Scene, tolerance: float) -> Callable[[], Iterator[FoundEvent]]:
-    """Prepare `simulate_many`; the tolerance is its `accuracy`: events with larger error estimates get more digits."""
+    """Prepare `simulate_many`.
+
+    The tolerance is its `accuracy`: events with larger error estimates get more digits.
+    """
     start = [scene.t0, scene.x0, scene.v0]
     options: Record = {"accuracy": tolerance, "start_error": scene.start_error}
     return lambda: events_of(simulate_many(scene.parameters, start, scene.t_end, **options))
@@ -97,14 +113,19 @@ def multiprecision(scene: Scene, tolerance: float) -> Callable[[], list[FoundEve
     digits = max(5, len(f"{1 / tolerance:.0f}") - 1)
 
     def run() -> list[FoundEvent]:
-        events = simulate(scene, digits=digits, max_events=10**9).events  # as many as the time limit allows
-        return [FoundEvent(float(event.t), float(event.x), event.kind, event.boundary) for event in events]
+        events = simulate(
+            scene, digits=digits, max_events=10**9
+        ).events  # as many as the time limit allows
+        return [
+            FoundEvent(float(event.t), float(event.x), event.kind, event.boundary)
+            for event in events
+        ]
 
     return run
 
 
-#: symosc's own; the time of the first one is the unit. Accuracies: one that doubles keep on all shipped scenes, and the
-#: default, for which fig8 is computed again with mpmath.
+#: symosc's own; the time of the first one is the unit. Accuracies: one that doubles keep on all
+#: shipped scenes, and the default, for which fig8 is computed again with mpmath.
 OURS = (
     Solver("symosc, compiled", compiled, (1e-9, ACCURACY), needs="numba"),
     Solver("symosc, mpmath", multiprecision, (1e-20,)),
@@ -114,8 +135,13 @@ OURS = (
 @lru_cache(maxsize=1)
 def all_solvers() -> tuple[Solver, ...]:
     """Return symosc's own solvers, then those of all modules peers_* in this package."""
-    names = [each.name for each in pkgutil.iter_modules(bench.__path__) if each.name.startswith("peers_")]
-    return (*OURS, *(solver for name in names for solver in import_module(f"symosc.bench.{name}").SOLVERS))
+    names = [
+        each.name for each in pkgutil.iter_modules(bench.__path__) if each.name.startswith("peers_")
+    ]
+    return (
+        *OURS,
+        *(solver for name in names for solver in import_module(f"symosc.bench.{name}").SOLVERS),
+    )
 
 
 # -- calls with a time limit -------------------------------------------------------------------------------------------
@@ -126,12 +152,16 @@ class Outcome:
     """The result of a call: its value, or None and a failure."""
 
     value: Any = None
-    failure: str = ""  # "hang" (time limit), "exception: <type>: <message>" or "crash: <how the process ended>"
+    # "hang" (time limit), "exception: <type>: <message>" or "crash: <how the process ended>"
+    failure: str = ""
     warnings: tuple[str, ...] = ()  # first lines of the different warnings
 
 
 class Worker:
-    """A process that runs one call at a time, in a ``with`` statement; what calls print is dropped."""
+    """A process that runs one call at a time, in a ``with`` statement.
+
+    What calls print is dropped.
+    """
 
     def __init__(self) -> None:
         self._pool, self._warm = _one_process(), set[str]()
@@ -145,12 +175,15 @@ class Worker:
 
     def call(self, limit: float, function: Callable[..., Any], *arguments: object) -> Outcome:
         """Return the outcome of ``function(*arguments)`` (picklable) within `limit` seconds."""
-        # The clock includes what the function imports or compiles, but not the start of the process.
-        # An argument that cannot be pickled ends in an exception here: that is the caller's mistake.
+        # The clock includes what the function imports or compiles, but not the start of the
+        # process. An argument that cannot be pickled ends in an exception here: that is the
+        # caller's mistake.
         if not self._pool.active:  # the process died between two calls
             self._pool = _one_process()
         try:
-            outcome: Outcome = self._pool.schedule(_guarded, args=(function, arguments), timeout=limit).result()
+            outcome: Outcome = self._pool.schedule(
+                _guarded, args=(function, arguments), timeout=limit
+            ).result()
             return outcome
         except TimeoutError:
             failure = HANG
@@ -175,7 +208,10 @@ def _one_process() -> ProcessPool:
 
 @contextmanager
 def processor_limit(seconds: float) -> Iterator[None]:
-    """Raise TimeoutError once a `with` block exceeds `seconds` of processor time; it cannot interrupt compiled code."""
+    """Raise TimeoutError once a `with` block exceeds `seconds` of processor time.
+
+    It cannot interrupt compiled code.
+    """
     # In the main thread only, and where the system has such a timer.
     if not hasattr(signal, "setitimer"):
         yield
@@ -189,7 +225,9 @@ def processor_limit(seconds: float) -> Iterator[None]:
     signal.setitimer(signal.ITIMER_PROF, seconds)
     try:
         yield
-    except SystemError as error:  # what an exception becomes that is raised while compiled code runs
+    except (
+        SystemError
+    ) as error:  # what an exception becomes that is raised while compiled code runs
         raise late if late in (error.__cause__, error.__context__) else error from None
     finally:
         signal.setitimer(signal.ITIMER_PROF, 0.0)
@@ -201,15 +239,21 @@ def _guarded(function: Callable[..., Any], arguments: tuple[object, ...]) -> Out
     with warnings.catch_warnings(record=True) as caught:
         warnings.simplefilter("always")
         try:
-            value, failure = function(*arguments), ""
+            value = function(*arguments)
+            failure = ""
         except Exception as error:
-            value, failure = None, f"exception: {type(error).__name__}: {_first_line(error)}".removesuffix(": ")
-    return Outcome(value, failure, tuple(dict.fromkeys(_first_line(each.message) for each in caught)))
+            value = None
+            failure = f"exception: {type(error).__name__}: {_first_line(error)}".removesuffix(": ")
+    return Outcome(
+        value, failure, tuple(dict.fromkeys(_first_line(each.message) for each in caught))
+    )
 
 
 def _first_line(message: object) -> str:
     line = next(iter(str(message).strip().splitlines()), "")
-    return line if len(line) <= LONGEST_MESSAGE else f"{line[: LONGEST_MESSAGE - 1]}…"
+    if len(line) <= LONGEST_MESSAGE:
+        return line
+    return f"{line[: LONGEST_MESSAGE - 1]}…"
 
 
 def _drop_output() -> None:
@@ -222,12 +266,18 @@ def _drop_output() -> None:
 def in_parallel(
     chunks: Sequence[Sequence[tuple[Any, ...]]], steps: Iterator[Any], limit: float = FIRST_LIMIT
 ) -> dict[Any, Outcome]:
-    """Run each chunk of jobs (key, function, arguments ...) in its own worker; return the outcomes by key.
+    """Run each chunk of jobs (key, function, arguments ...) in its own worker.
 
-    A job may take `limit` seconds. Before each job an item of `steps` is taken, to show the progress.
+    Return the outcomes by key.
+
+    A job may take `limit` seconds. Before each job an item of `steps` is taken, to show the
+    progress.
     """
-    # The first job of a chunk is done once more before it in each new process, where it may take FIRST_LIMIT.
-    stop, turn, done = Flag(), Lock(), dict[Any, Outcome]()
+    # The first job of a chunk is done once more before it in each new process, where it may take
+    # FIRST_LIMIT.
+    stop = Flag()
+    turn = Lock()
+    done = dict[Any, Outcome]()
 
     def follow(chunk: Sequence[tuple[Any, ...]]) -> None:
         with Worker() as worker:

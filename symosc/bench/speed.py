@@ -1,8 +1,9 @@
 """Benchmarks of what users call, measured in one run.
 
-Calls of a group are measured in turns, because some machines change their pace every second. Times are the best of the
-turns, ratios within a group their medians. The unit c is the time of an event of fig5 that `simulate_many` only counts,
-on one core. One evaluation of the closed form is timed too: less than that no event can cost.
+Calls of a group are measured in turns, because some machines change their pace every second. Times
+are the best of the turns, ratios within a group their medians. The unit c is the time of an event
+of fig5 that `simulate_many` only counts, on one core. One evaluation of the closed form is timed
+too: less than that no event can cost.
 """
 
 from __future__ import annotations
@@ -46,17 +47,23 @@ from symosc.simulation.trajectory import Trajectory
 
 FLOOR_EVALUATIONS = 30_000
 #: Periods of the motions of an ensemble; samples per period and tolerance of the scan.
-PERIODS, SCAN_POINTS, SCAN_ACCURACY = 50, 20, 1e-13
-#: The tolerance of heyoka's batches; a looser one saves hardly anything, since callbacks take most of the time.
+PERIODS = 50
+SCAN_POINTS = 20
+SCAN_ACCURACY = 1e-13
+#: The tolerance of heyoka's batches; a looser one saves hardly anything, since callbacks take most
+#: of the time.
 BATCH_TOLERANCE = 2e-13
 ONE_CORE: Record = {"use_numba": True, "workers": 1}
 COUNTS = ("events",)
 # Seconds: what takes longer is measured once, what takes less several times in a turn.
-LONG, SHORT = 5.0, 0.01
+LONG = 5.0
+SHORT = 0.01
 
 
 class Call(NamedTuple):
-    """A call to measure: the function `action`, called `what` in tables; its time is divided by its number of `units`.
+    """A call to measure: the function `action`, called `what` in tables.
+
+    Its time is divided by its number of `units`.
 
     `per` names a unit, such as an event.
     """
@@ -65,7 +72,9 @@ class Call(NamedTuple):
     per: str
     action: Callable[[], Any]
     units: float | None = None  # None: the events of the result
-    once: bool = False  # whether the first call is of interest; else a call is made before it is measured
+    once: bool = (
+        False  # whether the first call is of interest; else a call is made before it is measured
+    )
 
 
 class Group(NamedTuple):
@@ -77,11 +86,18 @@ class Group(NamedTuple):
 
 
 def closed_form(count, h, w, Om, P, Q, R, S):
-    """Evaluate the underdamped x and x' `count` times, to be timed, and return a sum; h to S are constants of both."""
+    """Evaluate the underdamped x and x' `count` times, to be timed, and return a sum.
+
+    H to S are constants of both.
+    """
     total = 0.0
     for i in range(count):
         tau = 1e-3 * (i % 3000)
-        decay, s, c, sO, cO = exp(-h * tau), sin(w * tau), cos(w * tau), sin(Om * tau), cos(Om * tau)
+        decay = exp(-h * tau)
+        s = sin(w * tau)
+        c = cos(w * tau)
+        sO = sin(Om * tau)
+        cO = cos(Om * tau)
         x = P * sO + Q * cO + decay * (R * c + S * s)
         v = Om * (P * cO - Q * sO) + decay * ((S * w - R * h) * c - (R * w + S * h) * s)
         total += x + v
@@ -115,17 +131,27 @@ def _seconds(action: Callable[[], object], clock: Callable[[], float]) -> float:
 
 
 def groups(quick: bool = False) -> Iterator[Group]:
-    """Yield the groups of calls to measure; `quick`: with smaller tasks, and without compiling everything before."""
+    """Yield the groups of calls to measure.
+
+    `quick`: with smaller tasks, and without compiling everything before.
+    """
     if not quick:
         warm()
     yield Group("One long motion, events counted", _long_motions(100_000 if quick else 200_000))
     yield Group(f"Starts of fig9, {PERIODS} periods each", _ensemble(2_000 if quick else 10_000))
-    yield Group(f"Derivatives, starts of fig9, {PERIODS} periods each", _derivatives(500 if quick else 2_000))
+    yield Group(
+        f"Derivatives, starts of fig9, {PERIODS} periods each",
+        _derivatives(500 if quick else 2_000),
+    )
     yield Group("simulate", _single_motions(10_000 if quick else 100_000))
-    yield Group("fig8 in simulate_many, to t =", _shrinking_sticks(2 if quick else 4, 20 if quick else 100))
+    yield Group(
+        "fig8 in simulate_many, to t =", _shrinking_sticks(2 if quick else 4, 20 if quick else 100)
+    )
     yield Group("Formulas", _residuals(100_000 if quick else 1_000_000))
     yield Group("Orbits and windows", _orbits_and_windows(100_000 if quick else 1_000_000))
-    yield Group("Workers, time on the wall", _workers(2_000 if quick else 10_000), time.perf_counter)
+    yield Group(
+        "Workers, time on the wall", _workers(2_000 if quick else 10_000), time.perf_counter
+    )
     with TemporaryDirectory() as folder:
         if find_spec("xarray"):
             yield Group("Sweep of x0 in fig9", _sweep(4_000 if quick else 300_000, folder))
@@ -134,18 +160,27 @@ def groups(quick: bool = False) -> Iterator[Group]:
 
 def _long_motions(events: int) -> Iterator[Call]:
     for name in ("fig5", "fig9", "fig10", "fig10, interpreted"):
-        scene, options = load_scene(name.partition(",")[0]), {"max_events": events, **ONE_CORE}
+        scene = load_scene(name.partition(",")[0])
+        options = {"max_events": events, **ONE_CORE}
         if "interpreted" in name:
             options = {"max_events": 2_000, "use_numba": False}
-        start, far = [scene.t0, scene.x0, scene.v0], scene.t0 + 10**7
-        yield Call(name, "event", partial(simulate_many, scene.parameters, start, far, record=COUNTS, **options))
+        start = [scene.t0, scene.x0, scene.v0]
+        far = scene.t0 + 10**7
+        yield Call(
+            name,
+            "event",
+            partial(simulate_many, scene.parameters, start, far, record=COUNTS, **options),
+        )
 
 
 def _starts(count: int, name: str = "fig9") -> tuple[Parameters, np.ndarray, np.ndarray]:
     """Return the parameters of a scene, random starts, and end times `PERIODS` periods of the drive later."""
-    p, rng = load_scene(name).parameters, np.random.default_rng(1)
+    p = load_scene(name).parameters
+    rng = np.random.default_rng(1)
     period = 2 * pi / float(p.Omega)
-    starts = np.column_stack([rng.uniform(0, period, count), rng.uniform(-5, 5, count), rng.uniform(-5, 5, count)])
+    starts = np.column_stack(
+        [rng.uniform(0, period, count), rng.uniform(-5, 5, count), rng.uniform(-5, 5, count)]
+    )
     return p, starts, starts[:, 0] + PERIODS * period
 
 
@@ -162,7 +197,9 @@ def _ensemble(count: int) -> Iterator[Call]:
     yield Call("all columns of a summary", "event", partial(follow, record="summary"))
     columns: Record = by_name(p, float)
     columns["Omega"] = np.random.default_rng(2).uniform(0.9, 1.1, count) * float(p.Omega)
-    swept = partial(simulate_many, columns, (0, 0, 0), PERIODS * 2 * pi / columns["Omega"], **ONE_CORE)
+    swept = partial(
+        simulate_many, columns, (0, 0, 0), PERIODS * 2 * pi / columns["Omega"], **ONE_CORE
+    )
     yield Call("as many values of Omega, counted", "event", partial(swept, record=COUNTS))
     yield Call("as many values of Omega, all columns", "event", partial(swept, record="summary"))
     durations = ends - starts[:, 0]
@@ -191,14 +228,18 @@ def _derivatives(count: int) -> Iterator[Call]:
 
 
 def _single_motions(most: int) -> Iterator[Call]:
-    fig5, fig8 = load_scene("fig5"), load_scene("fig8")
+    fig5 = load_scene("fig5")
+    fig8 = load_scene("fig8")
     far = replace(fig5, t_end=fig5.t0 + 10**7)
     for count in (10, 1_000, most):
         yield Call(f"fig5, {count:,} events", "event", partial(simulate, far, max_events=count))
     yield Call("fig5 by its name, 16 events", "call", partial(simulate, "fig5"), 1)
     yield Call("fig5, 30 digits", "event", partial(simulate, fig5, digits=30))
     yield Call(
-        "fig5, as many digits, all by mpmath", "event", partial(_in_mpmath, fig5, 40), len(simulate(fig5).events)
+        "fig5, as many digits, all by mpmath",
+        "event",
+        partial(_in_mpmath, fig5, 40),
+        len(simulate(fig5).events),
     )
     yield Call("fig8", "event", partial(simulate, fig8))
     yield Call("fig8, accuracy=1e-9", "event", partial(simulate, fig8, accuracy=1e-9))
@@ -207,7 +248,9 @@ def _single_motions(most: int) -> Iterator[Call]:
 def _in_mpmath(scene: Scene, digits: int) -> None:
     """Follow a motion with mpmath's numbers throughout, also in the search for events."""
     given = dict.fromkeys(("t0", "x0", "v0", "t_end"))
-    motion = Motion(read_start(scene, given, None), MpArithmetic(scene.parameters, digits, fast=False))
+    motion = Motion(
+        read_start(scene, given, None), MpArithmetic(scene.parameters, digits, fast=False)
+    )
     while not motion.ended:
         motion.step()
 
@@ -215,13 +258,18 @@ def _in_mpmath(scene: Scene, digits: int) -> None:
 def _shrinking_sticks(ends: int, motions: int) -> Iterator[Call]:
     scene = load_scene("fig8")
     for t_end in (9, 27, 60, 200)[:ends]:
-        starts = [(scene.t0, scene.x0, scene.v0)] * (motions if t_end < 30 else max(motions // 20, 1))
-        yield Call(str(t_end), "event", partial(simulate_many, scene.parameters, starts, t_end, **ONE_CORE))
+        starts = [(scene.t0, scene.x0, scene.v0)] * (
+            motions if t_end < 30 else max(motions // 20, 1)
+        )
+        yield Call(
+            str(t_end), "event", partial(simulate_many, scene.parameters, starts, t_end, **ONE_CORE)
+        )
 
 
 def _residuals(points: int) -> Iterator[Call]:
     """Yield calls that evaluate the residuals of P3 at many points."""
-    p, rng = load_scene("fig9").parameters, np.random.default_rng(0)
+    p = load_scene("fig9").parameters
+    rng = np.random.default_rng(0)
     x_i, x_j = rng.uniform(-5, 5, (2, points))
     theta_i = rng.uniform(0, 6.28, points)
     theta_j = theta_i + float(p.Omega) * rng.uniform(0.01, 2, points)
@@ -248,8 +296,19 @@ def lambdified(p: Parameters, cse: bool) -> Callable[..., Any]:
     K = constants(p)
     flow = solution.flow(solution.REGIMES["underdamped"])
     start = {solution.a_i: solution.acceleration(solution.x_i, solution.v_i, solution.theta_i)}
-    numbers = {solution.h: K.h, solution.omega_d: K.omega_d, solution.Omega: K.Om, solution.f0: K.f0, solution.cm: K.cm}
-    numbers |= {solution.w0sq: K.w0sq, solution.A_m: K.A2, solution.v_i: K.belt1.v, maps.v_j: K.belt1.v}
+    numbers = {
+        solution.h: K.h,
+        solution.omega_d: K.omega_d,
+        solution.Omega: K.Om,
+        solution.f0: K.f0,
+        solution.cm: K.cm,
+    }
+    numbers |= {
+        solution.w0sq: K.w0sq,
+        solution.A_m: K.A2,
+        solution.v_i: K.belt1.v,
+        maps.v_j: K.belt1.v,
+    }
     tau = (maps.theta_j - solution.theta_i) / K.Om
     formulas = [flow.x.xreplace(start) - maps.x_j, flow.v.xreplace(start) - maps.v_j]
     formulas = [formula.xreplace(numbers).subs(solution.tau, tau) for formula in formulas]
@@ -263,10 +322,14 @@ def _orbits_and_windows(points: int) -> Iterator[Call]:
     p = load_scene("fig10").parameters
     guess = [(round(point.t, 1), round(point.x, 1)) for point in find_orbit(p, "P4645").points]
     yield Call(
-        "orbit P4645 of fig10 from a guess of one decimal", "call", partial(find_orbit, p, "P4645", guess=guess), 1
+        "orbit P4645 of fig10 from a guess of one decimal",
+        "call",
+        partial(find_orbit, p, "P4645", guess=guess),
+        1,
     )
     yield Call("without a guess", "call", partial(find_orbit, p, "P4645"), 1)
-    q, speeds = load_scene("fig9").parameters, np.random.default_rng(1).uniform(-20, 20, points)
+    q = load_scene("fig9").parameters
+    speeds = np.random.default_rng(1).uniform(-20, 20, points)
     changed = (q.replace(v1=Fraction(n, 7)) for n in range(1, 10**6))
 
     def exact() -> None:
@@ -274,32 +337,45 @@ def _orbits_and_windows(points: int) -> Iterator[Call]:
         _ = window.phases, window.theta_cr, window.intervals
 
     yield Call("grazing window, exact", "call", exact, 1)
-    yield Call("grazing windows of floats", "window", partial(grazing_windows, q, "P3", v1=speeds), points)
+    yield Call(
+        "grazing windows of floats", "window", partial(grazing_windows, q, "P3", v1=speeds), points
+    )
 
 
 def _workers(count: int) -> Iterator[Call]:
     p, starts, ends = _starts(count)
     for workers in (1, 2):
-        call = partial(simulate_many, p, starts, ends, record=COUNTS, use_numba=True, workers=workers)
+        call = partial(
+            simulate_many, p, starts, ends, record=COUNTS, use_numba=True, workers=workers
+        )
         yield Call(f"{workers} worker{'s'[: workers - 1]}", "motion", call, count)
 
 
 def _sweep(motions: int, folder: str) -> Iterator[Call]:
     from symosc.sweeps.sweep import sweep
 
-    scene, values, record = load_scene("fig9"), np.linspace(-5, 5, motions), ("word", "events")
+    scene = load_scene("fig9")
+    values = np.linspace(-5, 5, motions)
+    record = ("word", "events")
     p: Record = by_name(scene.parameters)
     starts = {"t0": scene.t0, "x0": values, "v0": scene.v0}
     t_end = float(scene.t0) + PERIODS * 2 * pi / float(p["Omega"])
     paths = (f"{folder}/{i}.nc" for i in range(100))
     bare = partial(simulate_many, p, starts, t_end, record=(*record, "status"))
     yield Call("the bare call of simulate_many", "motion", bare, motions)
-    written = lambda: sweep(scene, {"x0": values}, t_end=f"{PERIODS}T", record=record, path=next(paths))  # noqa: E731
+
+    def written() -> object:
+        file = next(paths)
+        return sweep(scene, {"x0": values}, t_end=f"{PERIODS}T", record=record, path=file)
+
     yield Call("sweep, written as netCDF", "motion", written, motions)
 
 
 def _processes(quick: bool, cache: str) -> Iterator[Call]:
-    """Yield calls of commands in new processes; unless `quick`, one must compile all code, into the folder `cache`."""
+    """Yield calls of commands in new processes.
+
+    Unless `quick`, one must compile all code, into the folder `cache`.
+    """
     many = "import symosc; symosc.simulate_many(symosc.load_scene('fig9').parameters, (0, 0, 0), 30, use_numba=True)"
     commands: list[tuple[str, tuple[str, ...], dict[str, str]]] = [
         ("import numpy", ("-c", "import numpy"), {}),
@@ -309,30 +385,49 @@ def _processes(quick: bool, cache: str) -> Iterator[Call]:
     ]
     for what, arguments, changes in commands[:3] if quick else commands:
         options: Record = {"check": True, "capture_output": True, "env": os.environ | changes}
-        yield Call(what, "call", partial(subprocess.run, [sys.executable, *arguments], **options), 1, bool(changes))
+        yield Call(
+            what,
+            "call",
+            partial(subprocess.run, [sys.executable, *arguments], **options),
+            1,
+            bool(changes),
+        )
 
 
 # -- measuring ---------------------------------------------------------------------------------------------------------
 
 
 def run(quick: bool = False, progress: Progress = iter) -> Record:
-    """Return times of all `groups` and errors of `simulate` as plain data; `quick`: fewer repeats, smaller tasks."""
-    # Keys: machine; floor_ns, one evaluation of the closed form; c_ns, the time of a counted event of fig5; errors
-    # (`measure_errors`); groups, each with a title and rows: what, per (the unit), s (seconds per unit), over_c, and
-    # over_first (as a multiple of the group's first row).
-    repeats = 3 if quick else 7
+    """Return times of all `groups` and errors of `simulate` as plain data.
+
+    `quick`: fewer repeats, smaller tasks.
+    """
+    # Keys: machine; floor_ns, one evaluation of the closed form; c_ns, the time of a counted event
+    # of fig5; errors (`measure_errors`); groups, each with a title and rows: what, per (the unit),
+    # s (seconds per unit), over_c, and over_first (as a multiple of the group's first row).
+    if quick:
+        repeats = 3
+    else:
+        repeats = 7
     measured = [_measured(group, repeats, progress) for group in groups(quick)]
     c = measured[0]["rows"][0]["s"]
     for row in (row for group in measured for row in group["rows"]):
         row["over_c"] = row["s"] / c
-    about = {"machine": machine(), "floor_ns": 1e9 * min(floor_s() for _ in range(20)), "c_ns": 1e9 * c}
+    about = {
+        "machine": machine(),
+        "floor_ns": 1e9 * min(floor_s() for _ in range(20)),
+        "c_ns": 1e9 * c,
+    }
     return about | {"errors": measure_errors(), "groups": measured}
 
 
 def _measured(group: Group, repeats: int, progress: Progress) -> Record:
     """Measure the calls of a group in turns, after a first call of each."""
-    calls, clock = list(group.calls), group.clock
-    units, lengths = list[float](), list[float]()  # number of units of each call, and seconds of one
+    calls = list(group.calls)
+    clock = group.clock
+    # number of units of each call, and seconds of one
+    units = list[float]()
+    lengths = list[float]()
     for call in calls:
         begin = clock()
         result = call.action()
@@ -359,7 +454,9 @@ def _events_of(result: Any) -> int:
     """Return the number of events of a motion, a table of events, a summary or counts."""
     if isinstance(result, EventTable):
         return len(result)
-    return len(result.events) if isinstance(result, Trajectory) else int(np.sum(getattr(result, "events", result)))
+    if isinstance(result, Trajectory):
+        return len(result.events)
+    return int(np.sum(getattr(result, "events", result)))
 
 
 def measure_errors() -> list[Record]:
@@ -372,7 +469,11 @@ def measure_errors() -> list[Record]:
     rows = []
     for name in ("fig5", "fig8", "fig9", "fig10"):
         scene = load_scene(name)
-        pairs = list(zip(simulate(scene).events, simulate(scene, digits=REFERENCE_DIGITS).events, strict=True))
+        pairs = list(
+            zip(
+                simulate(scene).events, simulate(scene, digits=REFERENCE_DIGITS).events, strict=True
+            )
+        )
         error = max(max(relative(a.t - b.t, b.t), relative(a.x - b.x, b.x)) for a, b in pairs)
         estimate = max(max(relative(a.t_error, a.t), relative(a.x_error, a.x)) for a, _ in pairs)
         rows.append({"scene": name, "events": len(pairs), "error": error, "estimate": estimate})
@@ -391,7 +492,10 @@ def duration(seconds: float) -> str:
 
 
 def measurement_note(result: Record) -> str:
-    """Return the paragraph below the speed tables: the machine, and the times of an event and of one closed form."""
+    """Return the paragraph below the speed tables.
+
+    The machine, and the times of an event and of one closed form.
+    """
     text = (
         f"One run of `symosc bench` ({sentence(result['machine'])}). c = {result['c_ns']:.0f} ns is the time of an "
         "event of fig5 that simulate_many only counts, on one core; an evaluation of the closed form, one exp and two "
@@ -405,7 +509,10 @@ BRIEF = (
     ("One long motion, events counted", "fig5"),
     (f"Starts of fig9, {PERIODS} periods each", "events counted"),
     (f"Starts of fig9, {PERIODS} periods each", "all columns of a summary"),
-    (f"Starts of fig9, {PERIODS} periods each", f"closed form, scan of {SCAN_POINTS} points, numba"),
+    (
+        f"Starts of fig9, {PERIODS} periods each",
+        f"closed form, scan of {SCAN_POINTS} points, numba",
+    ),
     ("simulate", "fig5, 1,000 events"),
     ("simulate", "fig5, 30 digits"),
     ("simulate", "fig8"),
@@ -415,9 +522,17 @@ BRIEF = (
 
 def brief(result: Record) -> str:
     """Return the README's speed table in Markdown, which has only the rows listed in BRIEF."""
-    found = {(group["title"], row["what"]): row for group in result["groups"] for row in group["rows"]}
-    rows = [[f"{title}: {what}", _time_text(found[title, what])] for title, what in BRIEF if (title, what) in found]
-    return tabulate(rows, ["", "time"], tablefmt="github", disable_numparse=True, colalign=("left", "right"))
+    found = {
+        (group["title"], row["what"]): row for group in result["groups"] for row in group["rows"]
+    }
+    rows = [
+        [f"{title}: {what}", _time_text(found[title, what])]
+        for title, what in BRIEF
+        if (title, what) in found
+    ]
+    return tabulate(
+        rows, ["", "time"], tablefmt="github", disable_numparse=True, colalign=("left", "right")
+    )
 
 
 def _time_text(row: Record) -> str:
@@ -425,20 +540,35 @@ def _time_text(row: Record) -> str:
 
 
 def table(result: Record, form: str = "simple") -> str:
-    """Return the result of `run` as text, in a form of tabulate: a table of all groups, and one of errors."""
+    """Return the result of `run` as text, in a form of tabulate.
+
+    A table of all groups, and one of errors.
+    """
     rows = []
     for group in result["groups"]:
-        rows.append([f"**{group['title']}**" if form == "github" else f"{group['title']}:", "", "", ""])
+        rows.append(
+            [f"**{group['title']}**" if form == "github" else f"{group['title']}:", "", "", ""]
+        )
         for row in group["rows"]:
             ratios = (f"{float(f'{row[key]:.3g}'):g}" for key in ("over_first", "over_c"))
             rows.append([row["what"], _time_text(row), *ratios])
     errors = [
-        [each["scene"], each["events"], f"{each['error']:.1e}", f"{each['estimate']:.1e}"] for each in result["errors"]
+        [each["scene"], each["events"], f"{each['error']:.1e}", f"{each['estimate']:.1e}"]
+        for each in result["errors"]
     ]
     heads = ["scene", "events compared", "largest error", "estimated error"]
-    options: Record = {"tablefmt": form, "disable_numparse": True, "colalign": ("left", "right", "right", "right")}
-    parts = [] if form == "github" else [measurement_note(result)]
+    options: Record = {
+        "tablefmt": form,
+        "disable_numparse": True,
+        "colalign": ("left", "right", "right", "right"),
+    }
+    if form == "github":
+        parts = []
+    else:
+        parts = [measurement_note(result)]
     parts += [tabulate(rows, ["", "time", "times the group's first", "times c"], **options)]
     parts += [tabulate(errors, heads, **options)]
-    parts += [f"Errors of times and positions against {REFERENCE_DIGITS} digits, relative to max(1, |value|)."]
+    parts += [
+        f"Errors of times and positions against {REFERENCE_DIGITS} digits, relative to max(1, |value|)."
+    ]
     return "\n\n".join(parts)

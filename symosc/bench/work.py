@@ -1,7 +1,9 @@
-"""Work-precision diagrams: time per event and error of every solver, at every tolerance, on the shipped scenes.
+"""Work-precision diagrams.
 
-Errors, against a run in 40 digits, are of a short span that all solvers get; times are of a long one, if the solver
-finishes it soon, so that the fixed cost of a call does not count.
+Time per event and error of every solver, at every tolerance, on the shipped scenes.
+
+Errors, against a run in 40 digits, are of a short span that all solvers get; times are of a long
+one, if the solver finishes it soon, so that the fixed cost of a call does not count.
 """
 
 from __future__ import annotations
@@ -22,7 +24,16 @@ from tabulate import tabulate
 
 from symosc.aliases import Record
 from symosc.bench import Progress, machine
-from symosc.bench.solvers import HANG, OURS, REFERENCE_DIGITS, FoundEvent, Outcome, Solver, Worker, all_solvers
+from symosc.bench.solvers import (
+    HANG,
+    OURS,
+    REFERENCE_DIGITS,
+    FoundEvent,
+    Outcome,
+    Solver,
+    Worker,
+    all_solvers,
+)
 from symosc.bench.speed import floor_s
 from symosc.crosschecks.events import WINDOW
 from symosc.exact import read_exact
@@ -33,28 +44,47 @@ from symosc.scenes import Scene, load_scene
 from symosc.simulation.simulate import simulate
 from symosc.simulation.trajectory import Event
 
-#: Scenes, and how many events the short span has; how many of the long span are compared, and how many it has. What
-#: comes after fig8's first 20 events is beyond doubles: its sticks shrink by 3/8 each half period.
+#: Scenes, and how many events the short span has; how many of the long span are compared, and how
+#: many it has. What comes after fig8's first 20 events is beyond doubles: its sticks shrink by 3/8
+#: each half period.
 SCENE_SPANS = {"fig5": (24, 1000, 10_000), "fig6": (24, 1000, 10_000), "fig8": (20, 20, 20)}
 SCENE_SPANS |= {"fig9": (24, 1000, 10_000), "fig10": (24, 1000, 10_000)}
 QUICK_SCENE_SPANS = {"fig5": (24, 100, 4_000), "fig8": (20, 20, 20)}
-#: Seconds that a solver may take for one span; the long span is for solvers that need no more than LONG_RUN for it.
-SPAN_LIMIT, QUICK_SPAN_LIMIT, LONG_RUN = 20.0, 6.0, 1.0
+#: Seconds that a solver may take for one span; the long span is for solvers that need no more than
+#: LONG_RUN for it.
+SPAN_LIMIT = 20.0
+QUICK_SPAN_LIMIT = 6.0
+LONG_RUN = 1.0
 # Calls are repeated until they have taken this many seconds ...
-BUDGET, QUICK_BUDGET = 0.2, 0.05
-# ... but not more often than that, not less than that if a call takes no longer than so many seconds, and not at all if
-# it takes longer than a part of the limit.
-MOST_REPEATS, LEAST_REPEATS, SHORT_CALL, LONG_CALL_PART = 25, 3, 0.3, 0.1
+BUDGET = 0.2
+QUICK_BUDGET = 0.05
+# ... but not more often than that, not less than that if a call takes no longer than so many
+# seconds, and not at all if it takes longer than a part of the limit.
+MOST_REPEATS = 25
+LEAST_REPEATS = 3
+SHORT_CALL = 0.3
+LONG_CALL_PART = 0.1
 
 #: What `relative_error` is, for readers of tables.
 ERRORS = "of event times relative to max(1, t - t0), of positions to max(1, |x|)"
-TIME_KEYS = ("prepare_s", "first_call_s", "times_s", "timed_events", "us_per_event", "floor_ns", "over_floor")
+TIME_KEYS = (
+    "prepare_s",
+    "first_call_s",
+    "times_s",
+    "timed_events",
+    "us_per_event",
+    "floor_ns",
+    "over_floor",
+)
 ERROR_KEYS = ("error", "error_t", "error_x", "missed", "invented", "missed_grazes", "first_wrong")
 
 
 @dataclass(frozen=True)
 class Span:
-    """A scene to time, its number of events, and the exact events to compare with: those before the time `until`."""
+    """A scene to time, its number of events, and the exact events to compare with.
+
+    Those before the time `until`.
+    """
 
     scene: Scene
     count: int
@@ -73,20 +103,32 @@ def prepare(solver: Solver, scene: Scene, tolerance: float) -> None:
 def measure(
     solver: Solver, scene: Scene, tolerance: float, until: float, limit: float, budget: float
 ) -> tuple[list[float], list[float], list[FoundEvent]]:
-    """Measure a solver on a scene; return its times, times of one closed-form evaluation, and events up to `until`.
+    """Measure a solver on a scene.
 
-    The solver is called again until `budget` seconds are spent, unless one call takes a large part of `limit`.
+    Return its times, times of one closed-form evaluation, and events up to `until`.
+
+    The solver is called again until `budget` seconds are spent, unless one call takes a large part
+    of `limit`.
     """
-    # First the seconds of the preparation and of all calls, then those of one closed-form evaluation right after each
-    # repeated call: some machines change their pace by the second. Only what the call itself does is timed: the
-    # events are read afterwards, and an iterator makes objects of them only then.
+    # First the seconds of the preparation and of all calls, then those of one closed-form
+    # evaluation right after each repeated call: some machines change their pace by the second. Only
+    # what the call itself does is timed: the events are read afterwards, and an iterator makes
+    # objects of them only then.
     begin = time.perf_counter()
     follow = solver.prepare(scene, tolerance)
     prepared = time.perf_counter()
     found = follow()
     times = [prepared - begin, time.perf_counter() - prepared]
-    least = 0 if times[1] > LONG_CALL_PART * limit else 1 if times[1] > SHORT_CALL else LEAST_REPEATS
-    floors = [] if least else [floor_s()]
+    if times[1] > LONG_CALL_PART * limit:
+        least = 0
+    elif times[1] > SHORT_CALL:
+        least = 1
+    else:
+        least = LEAST_REPEATS
+    if least:
+        floors = []
+    else:
+        floors = [floor_s()]
     while len(floors) < least or (least and sum(times[2:]) < budget and len(floors) < MOST_REPEATS):
         again = time.perf_counter()
         found = follow()
@@ -101,7 +143,10 @@ def run(
     solvers: Sequence[Solver] | None = None,
     scenes: dict[str, tuple[int, int, int]] | None = None,
 ) -> Record:
-    """Return times and errors of solvers on scenes (see SCENE_SPANS) as plain data; `quick`: fewer scenes and runs."""
+    """Return times and errors of solvers on scenes (see SCENE_SPANS) as plain data.
+
+    `quick`: fewer scenes and runs.
+    """
     # `solvers` and `scenes` replace all; the numbers of a scene are the events of the short span, those to compare in
     # the long span, and the events of the long span, as in SCENE_SPANS. Keys: machine; floor_ns, one closed-form
     # evaluation; limit_s; skipped, solver: why it cannot run; notes, solver: its precautions; rows, one per
@@ -115,37 +160,52 @@ def run(
     #     missed, invented, missed_grazes, first_wrong: as in `compare`, over the first `compared` events of the
     #         longest span;
     #     warnings: what the solver warned of.
-    solvers = all_solvers() if solvers is None else solvers
+    if solvers is None:
+        solvers = all_solvers()
     chosen = scenes or (QUICK_SCENE_SPANS if quick else SCENE_SPANS)
-    limit, budget = (QUICK_SPAN_LIMIT, QUICK_BUDGET) if quick else (SPAN_LIMIT, BUDGET)
+    if quick:
+        limit, budget = (QUICK_SPAN_LIMIT, QUICK_BUDGET)
+    else:
+        limit, budget = (SPAN_LIMIT, BUDGET)
     spans: dict[str, tuple[Span, Span]] = {}
     able = [solver for solver in solvers if not solver.missing]
     plan = [
         (name, solver, tolerance)
         for name in chosen
         for solver in able
-        for tolerance in (solver.tolerances[-1:] if quick and solver != OURS[0] else solver.tolerances)
+        for tolerance in (
+            solver.tolerances[-1:] if quick and solver != OURS[0] else solver.tolerances
+        )
     ]
     rows: list[Record] = []
     with Worker() as worker:
 
         def call(solver: Solver, tolerance: float, span: Span) -> Outcome:
             worker.warm(solver.name, prepare, solver, span.scene, tolerance)
-            return worker.call(limit, measure, solver, span.scene, tolerance, span.until, limit, budget)
+            return worker.call(
+                limit, measure, solver, span.scene, tolerance, span.until, limit, budget
+            )
 
         for name, solver, tolerance in progress(plan):
             if name not in spans:
                 spans[name] = _spans(load_scene(name), *chosen[name])
             row = {"scene": name, "solver": solver.name, "tolerance": tolerance}
             rows.append(row | _measured(partial(call, solver, tolerance), *spans[name]))
-    # A machine may be half as fast in one minute as in the next, so seconds of different minutes do not compare: times
-    # are in units of the floor of their moment.
+    # A machine may be half as fast in one minute as in the next, so seconds of different minutes do
+    # not compare: times are in units of the floor of their moment.
     unit = min((row["floor_ns"] for row in rows if row["floor_ns"]), default=nan)
     ours = {row["scene"]: row["over_floor"] for row in rows if row["solver"] == OURS[0].name}
     for row in rows:
-        own, mine = row["over_floor"], ours.get(row["scene"])
-        row["over_ours"] = own / mine if own and mine else None
-        row["us_per_event"] = 1e-3 * unit * own if own else None
+        own = row["over_floor"]
+        mine = ours.get(row["scene"])
+        if own and mine:
+            row["over_ours"] = own / mine
+        else:
+            row["over_ours"] = None
+        if own:
+            row["us_per_event"] = 1e-3 * unit * own
+        else:
+            row["us_per_event"] = None
     return {
         "machine": machine(),
         "floor_ns": unit,
@@ -157,7 +217,9 @@ def run(
 
 
 def _spans(scene: Scene, short: int, compared: int, long: int) -> tuple[Span, Span]:
-    """Return a scene cut off after `short` events, and cut off after `long` events; the first is compared as a whole.
+    """Return a scene cut off after `short` events, and cut off after `long` events.
+
+    The first is compared as a whole.
 
     Of the second only the first `compared` events are compared with the exact ones.
     """
@@ -177,37 +239,70 @@ def _spans(scene: Scene, short: int, compared: int, long: int) -> tuple[Span, Sp
 
 
 def _measured(call: Callable[[Span], Outcome], short: Span, long: Span) -> Record:
-    """Measure a solver on the short span and, if it is fast, on the long one; return its times, errors and failure."""
+    """Measure a solver on the short span and, if it is fast, on the long one.
+
+    Return its times, errors and failure.
+    """
     outcome = call(short)
-    row, failure, warnings = _row_numbers(outcome, short), outcome.failure, outcome.warnings
+    row = _row_numbers(outcome, short)
+    failure = outcome.failure
+    warnings = outcome.warnings
     if long is not short and not failure and row["us_per_event"] * long.count < 1e6 * LONG_RUN:
         longer = call(long)
         if longer.failure:
             failure = f"{longer.failure} (in {long.count} events, not in {short.count})"
         else:
-            row |= {name: value for name, value in _row_numbers(longer, long).items() if not name.startswith("error")}
+            row |= {
+                name: value
+                for name, value in _row_numbers(longer, long).items()
+                if not name.startswith("error")
+            }
         warnings = tuple(dict.fromkeys((*warnings, *longer.warnings)))
     return row | {"failure": failure, "warnings": list(warnings)}
 
 
 def _row_numbers(outcome: Outcome, span: Span) -> Record:
-    """Return a solver's times on a span and its errors against the reference; None in each after a failure."""
+    """Return a solver's times on a span and its errors against the reference.
+
+    None in each after a failure.
+    """
     about = {"compared": len(span.reference)}
     if outcome.failure:
         return about | dict.fromkeys((*TIME_KEYS, *ERROR_KEYS))
     (prepared, first, *repeats), floors, found = outcome.value
-    times, count = repeats or [first], span.count
+    times = repeats or [first]
+    count = span.count
     multiple = median(a / b for a, b in zip(times, floors, strict=True)) / count
-    values = prepared, first, repeats, count, 1e6 / count * median(times), 1e9 * min(floors), multiple
-    return about | dict(zip(TIME_KEYS, values, strict=True)) | compare(found, span.scene, span.reference)
+    values = (
+        prepared,
+        first,
+        repeats,
+        count,
+        1e6 / count * median(times),
+        1e9 * min(floors),
+        multiple,
+    )
+    return (
+        about
+        | dict(zip(TIME_KEYS, values, strict=True))
+        | compare(found, span.scene, span.reference)
+    )
 
 
 def compare(found: Iterable[FoundEvent], scene: Scene, exact: Sequence[Event]) -> Record:
-    """Compare a solver's events with the exact ones of a scene: largest errors, and how many are missed or invented."""
-    # Keys: error_t, error_x, error (the larger one; None if nothing can be compared), missed and invented (numbers),
-    # missed_grazes (which do not count as missed), and first_wrong (the time of the first missed or invented event).
-    given, times = list(found), [float(event.t) for event in exact]
-    ordered = sorted((event for event in given if isfinite(event.t) and isfinite(event.x)), key=lambda event: event.t)
+    """Compare a solver's events with the exact ones of a scene.
+
+    Largest errors, and how many are missed or invented.
+    """
+    # Keys: error_t, error_x, error (the larger one; None if nothing can be compared), missed and
+    # invented (numbers), missed_grazes (which do not count as missed), and first_wrong (the time of
+    # the first missed or invented event).
+    given = list(found)
+    times = [float(event.t) for event in exact]
+    ordered = sorted(
+        (event for event in given if isfinite(event.t) and isfinite(event.x)),
+        key=lambda event: event.t,
+    )
     pairs = align(ordered, exact, times, WINDOW * 2 * pi / float(scene.parameters.Omega))
     unmatched = set(range(len(exact))) - {i for i, _ in pairs}
     missed = [times[i] for i in unmatched if exact[i].kind != "graze"]
@@ -229,13 +324,20 @@ def compare(found: Iterable[FoundEvent], scene: Scene, exact: Sequence[Event]) -
 
 
 def table(result: Record, markdown: bool = False) -> str:
-    """Return the result of `run` as text: a table per scene, with each solver's times, largest error and failures."""
+    """Return the result of `run` as text.
+
+    A table per scene, with each solver's times, largest error and failures.
+    """
     heads = ["solver", "tolerance", "time / ours", "us per event", "error"]
     heads += ["events", "missed", "invented", "what went wrong"]
     parts = []
     for scene in dict.fromkeys(row["scene"] for row in result["rows"]):
         rows = [_cells(row, result["limit_s"]) for row in result["rows"] if row["scene"] == scene]
-        form, align = "github" if markdown else "simple", ("left", *["right"] * 7, "left")
+        if markdown:
+            form = "github"
+        else:
+            form = "simple"
+        align = ("left", *["right"] * 7, "left")
         text = tabulate(rows, heads, tablefmt=form, disable_numparse=True, colalign=align)
         parts += [f"**{scene}**\n" if markdown else f"{scene}:", text, ""]
     parts.append(
@@ -244,20 +346,39 @@ def table(result: Record, markdown: bool = False) -> str:
         "events if it goes on so for less than a second, else 24, of fig8 20, and what it costs itself is included. "
         f"Errors are {ERRORS}, against {REFERENCE_DIGITS} digits."
     )
-    notes = result["notes"] | {name: f"skipped, {reason}" for name, reason in result["skipped"].items()}
+    notes = result["notes"] | {
+        name: f"skipped, {reason}" for name, reason in result["skipped"].items()
+    }
     parts += ["", *(f"{'- ' if markdown else ''}{name}: {note}" for name, note in notes.items())]
     return "\n".join(parts)
 
 
 def _cells(row: Record, limit: float) -> list[str]:
-    """Format a row of the results as cells of a table; `limit` is the number of seconds to name where a solver hung."""
-    times = ["" if row[name] is None else rounded(row[name], 3) for name in ("over_ours", "us_per_event")]
-    error = "" if row["error"] is None else f"{row['error']:.1e}"
-    counts = ["" if row[name] is None else str(row[name]) for name in ("compared", "missed", "invented")]
+    """Format a row of the results as cells of a table.
+
+    `limit` is the number of seconds to name where a solver hung.
+    """
+    times = [
+        "" if row[name] is None else rounded(row[name], 3) for name in ("over_ours", "us_per_event")
+    ]
+    if row["error"] is None:
+        error = ""
+    else:
+        error = f"{row['error']:.1e}"
+    counts = [
+        "" if row[name] is None else str(row[name]) for name in ("compared", "missed", "invented")
+    ]
     failure = row["failure"]
     if failure.startswith(HANG):
         failure = failure.replace(HANG, f"hang: more than {limit:g} s", 1)
-    return [row["solver"], f"{row['tolerance']:.0e}" if row["tolerance"] else "", *times, error, *counts, failure]
+    return [
+        row["solver"],
+        f"{row['tolerance']:.0e}" if row["tolerance"] else "",
+        *times,
+        error,
+        *counts,
+        failure,
+    ]
 
 
 def best_rows(result: Record) -> dict[tuple[str, str], Record]:
@@ -277,14 +398,26 @@ def best_rows(result: Record) -> dict[tuple[str, str], Record]:
 
 
 def summary(result: Record) -> str:
-    """Return a Markdown table of the solvers at their best: time as a multiple of ours, error, and what went wrong."""
+    """Return a Markdown table of the solvers at their best.
+
+    Time as a multiple of ours, error, and what went wrong.
+    """
 
     def cell(row: Record) -> str:
-        failure = "chatters" if "chatters" in row["failure"] else row["failure"].partition(":")[0]
+        if "chatters" in row["failure"]:
+            failure = "chatters"
+        else:
+            failure = row["failure"].partition(":")[0]
         if row["us_per_event"] is None:
             return failure
-        parts = [f"{rounded(row['over_ours'], 2)} ×"] if row["over_ours"] is not None else []
-        parts += [f"{row['error']:.0e}"] if row["error"] is not None else []
+        if row["over_ours"] is not None:
+            parts = [f"{rounded(row['over_ours'], 2)} ×"]
+        else:
+            parts = []
+        if row["error"] is not None:
+            parts += [f"{row['error']:.0e}"]
+        else:
+            parts += []
         parts += [f"{name} {row[name]}" for name in ("missed", "invented") if row[name]]
         return ", ".join([*parts, *[failure] * bool(failure)])
 
@@ -305,14 +438,19 @@ COLUMNS = 3
 #: A colour per library, a mark per method of it.
 COLOURS = ("#b2182b", "#2166ac", "#e08214", "#1b7837", "#762a83", "#8c510a")
 POINT_MARKS = "os^Dv"
-#: What is more exact than this (a double has no more digits) is drawn here, what is worse than the other there.
-BEST, WORST = 1e-17, 1.0
+#: What is more exact than this (a double has no more digits) is drawn here, what is worse than the
+#: other there.
+BEST = 1e-17
+WORST = 1.0
 
 
 def figure(result: Record) -> Figure:
-    """Draw the result of `run`: error against time per event, a panel per scene, a curve per solver."""
-    # A cross over a mark: events were missed or invented; no line leads there. Runs that failed have no time; each
-    # panel says how many there were.
+    """Draw the result of `run`.
+
+    Error against time per event, a panel per scene, a curve per solver.
+    """
+    # A cross over a mark: events were missed or invented; no line leads there. Runs that failed
+    # have no time; each panel says how many there were.
     scenes = list(dict.fromkeys(row["scene"] for row in result["rows"]))
     styles = _styles(dict.fromkeys(row["solver"] for row in result["rows"]))
     columns = min(COLUMNS, len(scenes) + 1)
@@ -330,26 +468,46 @@ def figure(result: Record) -> Figure:
         for ax in grid.flat:
             ax.tick_params(labelbottom=True)
         drawing.supxlabel("time per event [µs]", fontsize=STYLE["axes.labelsize"])
-        handles = [Line2D([], [], linewidth=0.7, label=name, **style) for name, style in styles.items()]
+        handles = [
+            Line2D([], [], linewidth=0.7, label=name, **style) for name, style in styles.items()
+        ]
         wrong: Record = {"marker": "x", "color": "black", "linestyle": "none", "markersize": 4}
         handles.append(Line2D([], [], label="events missed or invented", **wrong))
-        options: Record = {"fontsize": 7.0, "frameon": False, "borderaxespad": 0.0, "labelspacing": 0.3}
+        options: Record = {
+            "fontsize": 7.0,
+            "frameon": False,
+            "borderaxespad": 0.0,
+            "labelspacing": 0.3,
+        }
         grid[-1, -1].legend(handles=handles, loc="upper left", **options)
     return drawing
 
 
 def _styles(solvers: Iterable[str]) -> dict[str, Record]:
-    """Return colour and mark of each solver: a black star for ours, a colour per library for the others."""
+    """Return colour and mark of each solver.
+
+    A black star for ours, a colour per library for the others.
+    """
     methods: dict[str, int] = {}
     styles: dict[str, Record] = {}
     for name in solvers:
         library = name.split()[0].rstrip(",")
         number = methods[library] = methods.get(library, -1) + 1
         if library == "symosc":
-            styles[name] = {"color": "black", "marker": "*P"[number % 2], "markersize": 9 - 3 * number}
+            styles[name] = {
+                "color": "black",
+                "marker": "*P"[number % 2],
+                "markersize": 9 - 3 * number,
+            }
         else:
-            colour = COLOURS[[each for each in methods if each != "symosc"].index(library) % len(COLOURS)]
-            styles[name] = {"color": colour, "marker": POINT_MARKS[number % len(POINT_MARKS)], "markersize": 4}
+            colour = COLOURS[
+                [each for each in methods if each != "symosc"].index(library) % len(COLOURS)
+            ]
+            styles[name] = {
+                "color": colour,
+                "marker": POINT_MARKS[number % len(POINT_MARKS)],
+                "markersize": 4,
+            }
     return styles
 
 
@@ -357,18 +515,29 @@ def _draw_panel(ax: Axes, scene: str, rows: Sequence[Record], styles: dict[str, 
     """Draw the curves of a scene."""
 
     def points(rows: Sequence[Record]) -> tuple[list[float], list[float]]:
-        errors = [WORST if row["error"] is None else min(max(row["error"], BEST), WORST) for row in rows]
+        errors = [
+            WORST if row["error"] is None else min(max(row["error"], BEST), WORST) for row in rows
+        ]
         return [row["us_per_event"] for row in rows], errors
 
     for solver in dict.fromkeys(row["solver"] for row in rows):
-        style = styles[solver] | {"markeredgewidth": 0.6} | ({"zorder": 4} if solver.startswith("symosc") else {})
+        style = (
+            styles[solver]
+            | {"markeredgewidth": 0.6}
+            | ({"zorder": 4} if solver.startswith("symosc") else {})
+        )
         drawn = [row for row in rows if row["solver"] == solver and row["us_per_event"] is not None]
         right = [row for row in drawn if not row["missed"] and not row["invented"]]
         wrong = [row for row in drawn if row not in right]
         ax.plot(*points(right), linewidth=0.7, **style)
         ax.plot(*points(wrong), **style | {"linestyle": "none"})
         ax.plot(*points(wrong), "x", color="black", markersize=6, markeredgewidth=0.7, zorder=5)
-    ax.set(xscale="log", yscale="log", ylim=(BEST / 3, WORST * 3), yticks=[10.0**n for n in range(-16, 1, 4)])
+    ax.set(
+        xscale="log",
+        yscale="log",
+        ylim=(BEST / 3, WORST * 3),
+        yticks=[10.0**n for n in range(-16, 1, 4)],
+    )
     ax.minorticks_off()
     ax.grid(linewidth=0.3, color="0.85")
     ax.set_title(scene, loc="left", pad=4)

@@ -18,10 +18,12 @@ Modules, lowest layer first:
     plane           a box of two parameters: one word for all of them
     atlas           `atlas`: a plane of two parameters, its words, borders, and proven boxes
 
-Another kind of proof builds on `motion`: `next_event` takes a set of states (`Moving`) and returns the proven event and
-the set after it, or raises `Undecided`. `verify.KINDS` names what proves a kind of file again, and `verify.SHAPES` its
-shape. A family over a parameter may pass through critical damping, but not through resonance.
+Another kind of proof builds on `motion`: `next_event` takes a set of states (`Moving`) and returns
+the proven event and the set after it, or raises `Undecided`. `verify.KINDS` names what proves a
+kind of file again, and `verify.SHAPES` its shape. A family over a parameter may pass through
+critical damping, but not through resonance.
 
-Not proven, and reported as such: grazes from exact starts with damping or drive (double zeros), forces that are exactly
-0 where they turn, motions of more than MOST_PROVEN_EVENTS events that settle on no orbit.
+Not proven, and reported as such: grazes from exact starts with damping or drive (double zeros),
+forces that are exactly 0 where they turn, motions of more than MOST_PROVEN_EVENTS events that
+settle on no orbit.
 """

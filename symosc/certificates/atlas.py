@@ -6,7 +6,7 @@ import heapq
 import json
 import os
 from collections import Counter, defaultdict, deque
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from concurrent.futures import Executor, ProcessPoolExecutor
 from contextlib import nullcontext
 from dataclasses import dataclass
@@ -37,18 +37,25 @@ from symosc.simulation.ensemble import simulate_many
 from symosc.words import Word, cycle, read_word
 
 #: How many boxes are tried before the time is checked again, and in one call of a worker.
-BATCH, CHUNK = 64, 8
+BATCH = 64
+CHUNK = 8
 #: How many likely orbits are passed on to the parts of a rectangle.
 MOST_NEAR = 3
 #: The least side of a box that is tried, as a part of the range.
 LEAST_SIDE = Fraction(1, 1 << 24)
-#: How often to try to find a border between two words; how far beside a border to look, as a part of the plane.
-MOST_FAILED, BESIDE = 3, 1e-4
-#: Points of the grid along each side; so far inside of the plane's edge a place is looked at; the step along a border.
-GRID, EDGE, BORDER_STEP = 12, 1e-6, 0.005
+#: How often to try to find a border between two words; how far beside a border to look, as a part
+#: of the plane.
+MOST_FAILED = 3
+BESIDE = 1e-4
+#: Points of the grid along each side; so far inside of the plane's edge a place is looked at; the
+#: step along a border.
+GRID = 12
+EDGE = 1e-6
+BORDER_STEP = 0.005
 
 Rectangle = tuple[tuple[Fraction, Fraction], tuple[Fraction, Fraction]]
-#: Labels of a word in order of time, and the unknowns of its orbit, nearly (`symosc.certificates.plane`).
+#: Labels of a word in order of time, and the unknowns of its orbit, nearly
+#: (`symosc.certificates.plane`).
 Candidate = tuple[tuple[str, ...], tuple[float, ...]]
 #: Both parameters and the word there, "" if it has none.
 Place = tuple[float, float, str]
@@ -64,8 +71,8 @@ class ProvenBox(NamedTuple):
     range : tuple of two pairs of Fractions
         The lower and the upper value of each parameter.
     points : tuple of (phase, x)
-        Approximate switching points of the orbit at the middle of the box, in order of time. A flight begins at the
-        first of them. Empty for "rest".
+        Approximate switching points of the orbit at the middle of the box, in order of time. A
+        flight begins at the first of them. Empty for "rest".
     """
 
     word: str
@@ -81,7 +88,8 @@ class Region(NamedTuple):
     word : str
         "rest" where the mass may rest on a belt for ever, "" where no word was found.
     share : float
-        The region's part of the whole area: `proven`, and its part of what is not proven, estimated from the grid.
+        The region's part of the whole area: `proven`, and its part of what is not proven, estimated
+        from the grid.
     proven : float
         The part of the whole area in which the word is proven.
     """
@@ -97,7 +105,9 @@ class Task(NamedTuple):
     box: Rectangle
     near: tuple[Candidate, ...] = ()  # orbits that it may have, that of the nearest rectangle first
     divide: int = 0  # how many times it is halved before a proof is tried, as it is much too large
-    above: Place | None = None  # the middle of a rectangle around it or beside it, and the word there
+    above: Place | None = (
+        None  # the middle of a rectangle around it or beside it, and the word there
+    )
 
 
 def area(box: Rectangle) -> Fraction:
@@ -113,12 +123,21 @@ def middle_of(box: Rectangle) -> tuple[float, float]:
 
 
 def divided(box: Rectangle, along: int, at: Fraction | None = None) -> list[Rectangle]:
-    """Cut side `along` (0 or 1) of a box at `at` or its middle; return both parts, or [box] if `at` is not inside."""
-    (low, high), other = box[along], box[1 - along]
-    middle = (low + high) / 2 if at is None else at
+    """Cut side `along` (0 or 1) of a box at `at` or its middle.
+
+    Return both parts, or [box] if `at` is not inside.
+    """
+    (low, high) = box[along]
+    other = box[1 - along]
+    if at is None:
+        middle = (low + high) / 2
+    else:
+        middle = at
     if not low < middle < high:
         return [box]
-    return [(part, other) if along == 0 else (other, part) for part in ((low, middle), (middle, high))]
+    return [
+        (part, other) if along == 0 else (other, part) for part in ((low, middle), (middle, high))
+    ]
 
 
 def canonical(labels: Sequence[str]) -> str:
@@ -127,14 +146,20 @@ def canonical(labels: Sequence[str]) -> str:
 
 
 def flight_first(word: str) -> tuple[str, ...]:
-    """Return the labels of `word` in order of time, rotated so that the first is a flight; there must be one."""
+    """Return the labels of `word` in order of time, rotated so that the first is a flight.
+
+    There must be one.
+    """
     labels = read_word(word).labels
     first = next(i for i, label in enumerate(labels) if label not in ("P1", "P4"))
     return labels[first:] + labels[:first]
 
 
 class Plane(NamedTuple):
-    """A plane of two parameters, with their names and ranges; `p` has the values of the other nine parameters."""
+    """A plane of two parameters, with their names and ranges.
+
+    `p` has the values of the other nine parameters.
+    """
 
     p: Parameters
     names: tuple[str, str]
@@ -145,31 +170,52 @@ class Plane(NamedTuple):
         return self.p.replace(**dict(zip(self.names, point, strict=True)))
 
     def rests(self, box: Rectangle) -> bool | None:
-        """Return whether the mass may rest on a belt for all parameters of a box; None if only for some of them."""
+        """Return whether the mass may rest on a belt for all parameters of a box.
+
+        None if only for some of them.
+        """
         ends = by_name(self.p, lambda value: (value, value))
         ends.update(zip(self.names, box, strict=True))
         low, high = sorted(map(abs, ends["B0"]))
-        low = Fraction(0) if ends["B0"][0] < 0 < ends["B0"][1] else low
+        if ends["B0"][0] < 0 < ends["B0"][1]:
+            low = Fraction(0)
         still = [belt for belt in "12" if ends["v" + belt] == (0, 0)]
-        holds = [[mu * FN for mu, FN in zip(ends["mu" + belt], ends["FN"], strict=True)] for belt in still]
-        return any(least >= high for least, _ in holds) or (None if any(most > low for _, most in holds) else False)
+        holds = [
+            [mu * FN for mu, FN in zip(ends["mu" + belt], ends["FN"], strict=True)]
+            for belt in still
+        ]
+        return any(least >= high for least, _ in holds) or (
+            None if any(most > low for _, most in holds) else False
+        )
 
     def cut_at_rest(self) -> list[Rectangle]:
-        """Cut the plane along those borders of the region of rest that are parallel to an axis; return the parts."""
-        parts, p = [self.range], self.p
+        """Cut the plane along those borders of the region of rest that are parallel to an axis.
+
+        Return the parts.
+        """
+        parts = [self.range]
+        p = self.p
         for belt in "12":
             mu = getattr(p, "mu" + belt)
-            at = {"B0": mu * p.FN, "FN": abs(p.B0) / mu if mu else 0, "mu" + belt: abs(p.B0) / p.FN if p.FN else 0}
+            at = {
+                "B0": mu * p.FN,
+                "FN": abs(p.B0) / mu if mu else 0,
+                "mu" + belt: abs(p.B0) / p.FN if p.FN else 0,
+            }
             free = [name for name in at if name in self.names]
             if f"v{belt}" in self.names or p.belt(int(belt)) != 0 or len(free) != 1:
                 continue
-            along, value = self.names.index(free[0]), Fraction(at[free[0]])
+            along = self.names.index(free[0])
+            value = Fraction(at[free[0]])
             for each in (value, -value):
                 parts = [piece for part in parts for piece in divided(part, along, each)]
         return parts
 
     def word(self, point: Sequence[Any]) -> str:
-        """Return the word of the settled motion at a point, "rest" if the mass may rest; "" if it is not found."""
+        """Return the word of the settled motion at a point, "rest" if the mass may rest.
+
+        "" if it is not found.
+        """
         x, y = map(Fraction, point)
         if self.rests(((x, x), (y, y))):
             return REST
@@ -179,7 +225,10 @@ class Plane(NamedTuple):
             return ""
 
     def grid(self, pool: Executor | None) -> tuple[Place, ...]:
-        """Return places (value, value, settled word or "") on a grid and the edges; `pool` does the computations."""
+        """Return places (value, value, settled word or "") on a grid and the edges.
+
+        `pool` does the computations.
+        """
         parts = [Fraction(0), *(Fraction(2 * i + 1, 2 * GRID) for i in range(GRID)), Fraction(1)]
         axes = [[low + (high - low) * part for part in parts] for low, high in self.range]
         points = [(x, y) for x in axes[0] for y in axes[1]]
@@ -189,30 +238,52 @@ class Plane(NamedTuple):
             numbers: Record = by_name(self.p, float)
             numbers |= dict(zip(self.names, np.array(moving, dtype=float).T, strict=True))
             columns = ("word", "multiplicity", "status")
-            runs = simulate_many(numbers, (0, 0, 0), f"{SETTLING_PERIODS[0]}T", record=columns, workers=1)
-            for point, word, count, status in zip(moving, runs.word, runs.multiplicity, runs.status, strict=True):
+            runs = simulate_many(
+                numbers, (0, 0, 0), f"{SETTLING_PERIODS[0]}T", record=columns, workers=1
+            )
+            for point, word, count, status in zip(
+                moving, runs.word, runs.multiplicity, runs.status, strict=True
+            ):
                 if word and count == 1 and status == "t_end":
                     words[point] = canonical(read_word(str(word)).labels)
         left = [point for point in points if point not in words]
-        found = map(self.word, left) if pool is None else pool.map(self.word, left, chunksize=CHUNK)
+        if pool is None:
+            found: Iterator[str] = map(self.word, left)
+        else:
+            found = pool.map(self.word, left, chunksize=CHUNK)
         words.update(zip(left, found, strict=True))
         return tuple((float(x), float(y), words[x, y]) for x, y in points)
 
     # -- borders -------------------------------------------------------------------------------------------------------
 
-    def borders(self, pairs: Sequence[tuple[Place, Place]], known: Sequence[Border] = ()) -> list[Border]:
-        """Search for borders between the places of `pairs` whose words differ; return them and the `known` borders."""
-        found, failed, looked, waiting = list(known), Counter[frozenset[str]](), len(known), deque(pairs)
+    def borders(
+        self, pairs: Sequence[tuple[Place, Place]], known: Sequence[Border] = ()
+    ) -> list[Border]:
+        """Search for borders between the places of `pairs` whose words differ.
+
+        Return them and the `known` borders.
+        """
+        found = list(known)
+        failed = Counter[frozenset[str]]()
+        looked = len(known)
+        waiting = deque(pairs)
         while waiting:
             a, b = waiting.popleft()
             words = frozenset((a[2], b[2]))
             if len(words) < 2 or failed[words] >= MOST_FAILED or border_known(found, a, b):
                 continue
-            ends, limits = [self.at(place[:2]) for place in (a, b)], dict(zip(self.names, self.range, strict=True))
+            ends = [self.at(place[:2]) for place in (a, b)]
+            limits = dict(zip(self.names, self.range, strict=True))
             try:
-                for border in borders_between(ends[0], ends[1], self.names, limits, step=BORDER_STEP):
+                for border in borders_between(
+                    ends[0], ends[1], self.names, limits, step=BORDER_STEP
+                ):
                     if not _is_among(border, found):
-                        found += [each for each in border.network(step=BORDER_STEP) if not _is_among(each, found)]
+                        found += [
+                            each
+                            for each in border.network(step=BORDER_STEP)
+                            if not _is_among(each, found)
+                        ]
             except (BorderError, ConvergenceError):
                 pass
             failed[words] += not border_known(found, a, b)
@@ -221,11 +292,16 @@ class Plane(NamedTuple):
         return found
 
     def beyond(self, border: Border) -> Iterator[tuple[Place, Place]]:
-        """Yield for each side of a border a place beside it and one at the edge: `borders` searches between them."""
+        """Yield for each side of a border a place beside it and one at the edge.
+
+        `borders` searches between them.
+        """
         middle, way = self.across(border.points)
         for step in (way, -way):
             sides = zip(np.array(self.range, dtype=float), middle, step, strict=True)
-            reach = min(((high if by > 0 else low) - value) / by for (low, high), value, by in sides if by)
+            reach = min(
+                ((high if by > 0 else low) - value) / by for (low, high), value, by in sides if by
+            )
             if reach > 2 * BESIDE:
                 ends = [(middle + part * step).tolist() for part in (BESIDE, reach * (1 - EDGE))]
                 a, b = ((x, y, self.word((x, y))) for x, y in ends)
@@ -233,14 +309,18 @@ class Plane(NamedTuple):
 
     def across(self, points: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """Return the middle one of a border's `points` and a vector across the border, in units of the plane's size."""
-        middle, size = len(points) // 2, np.array([float(high - low) for low, high in self.range])
+        middle = len(points) // 2
+        size = np.array([float(high - low) for low, high in self.range])
         along = (points[middle] - points[middle - 1]) / size
         return points[middle], np.array([along[1], -along[0]]) / np.hypot(*along) * size
 
     # -- boxes ---------------------------------------------------------------------------------------------------------
 
     def orbit_near(self, box: Rectangle) -> Candidate | None:
-        """Return labels and unknowns (`Flights`) of the attracting orbit at a box's middle; None if none is usable."""
+        """Return labels and unknowns (`Flights`) of the attracting orbit at a box's middle.
+
+        None if none is usable.
+        """
         middle = self.at([(low + high) / 2 for low, high in box])
         try:
             orbit = find_orbit(middle)
@@ -248,19 +328,29 @@ class Plane(NamedTuple):
             return None
         if not orbit.admissible or orbit.periods != 1:
             return None
-        Omega, labels, wanted = float(middle.Omega), orbit.labels, flight_first(canonical(orbit.labels))
+        Omega, labels, wanted = (
+            float(middle.Omega),
+            orbit.labels,
+            flight_first(canonical(orbit.labels)),
+        )
         first = next(i for i in range(len(labels)) if labels[i:] + labels[:i] == wanted)
         points = [(t * Omega, x) for t, x in orbit.points[first:] + orbit.points[:first]]
         return wanted, tuple(_flights(wanted, self.p, self.names).unknowns(Omega, points))
 
     def attempt(self, task: Task) -> tuple[str, ProvenBox | None, list[Task]]:
-        """Try to prove one word in a task's rectangle; return the word, the box if proven, and the parts left to try.
+        """Try to prove one word in a task's rectangle.
 
-        The orbits in `task.near` are tried first, then one found at the middle. The word is "" if the middle has none.
+        Return the word, the box if proven, and the parts left to try.
+
+        The orbits in `task.near` are tried first, then one found at the middle. The word is "" if
+        the middle has none.
         """
         from symosc.certificates.plane import NotInBox, Surface, box_arithmetic
 
-        box, found, surface, labels = task.box, list(task.near), None, tuple[str, ...]()
+        box = task.box
+        found = list(task.near)
+        surface = None
+        labels = tuple[str, ...]()
 
         def candidates() -> Iterator[Candidate]:
             yield from task.near
@@ -271,22 +361,37 @@ class Plane(NamedTuple):
         for labels, unknowns in candidates():
             try:
                 with box_arithmetic():
-                    surface = Surface(self.p, self.names, box, _flights(labels, self.p, self.names), unknowns)
+                    surface = Surface(
+                        self.p, self.names, box, _flights(labels, self.p, self.names), unknowns
+                    )
                     break
             except NotInBox:
                 continue
         if surface is None:
-            return "", None, [Task(part, tuple(found[:MOST_NEAR])) for part in divided(box, _longer_side(box))]
-        word, along, divide = canonical(labels), None, task.divide - 1
+            return (
+                "",
+                None,
+                [Task(part, tuple(found[:MOST_NEAR])) for part in divided(box, _longer_side(box))],
+            )
+        word = canonical(labels)
+        along = None
+        divide = task.divide - 1
         try:
             with box_arithmetic():
                 if not task.divide:
                     surface.prove()
                     return word, ProvenBox(word, box, tuple(surface.points())), []
         except NotInBox as reason:
-            along, divide = reason.along, int(log2(max(reason.excess, 1)) / 2) if reason.excess < 1e6 else 3
-        along = _longer_side(box) if along is None else along
-        others = [(labels, surface.near(0, 0)), *(each for each in found if each[0] != labels)][:MOST_NEAR]
+            along = reason.along
+            if reason.excess < 1e6:
+                divide = int(log2(max(reason.excess, 1)) / 2)
+            else:
+                divide = 3
+        if along is None:
+            along = _longer_side(box)
+        others = [(labels, surface.near(0, 0)), *(each for each in found if each[0] != labels)][
+            :MOST_NEAR
+        ]
         near = [(labels, surface.near(*((by, 0) if along == 0 else (0, by)))) for by in (-0.5, 0.5)]
         parts = zip(divided(box, along), near, strict=True)
         return word, None, [Task(part, (each, *others), divide) for part, each in parts]
@@ -306,8 +411,13 @@ def _longer_side(box: Rectangle) -> int:
 
 
 def border_known(found: Sequence[Border], a: Place, b: Place) -> bool:
-    """Return whether the border between places `a` and `b` is known: the `found` ones there have both words."""
-    words = {word or "" for each in found if crosses(each.points, a[:2], b[:2]) for word in each.words}
+    """Return whether the border between places `a` and `b` is known.
+
+    The `found` ones there have both words.
+    """
+    words = {
+        word or "" for each in found if crosses(each.points, a[:2], b[:2]) for word in each.words
+    }
     return {a[2], b[2]} <= words
 
 
@@ -320,31 +430,54 @@ def crosses(points: np.ndarray, a: Any, b: Any) -> bool:
     """Return whether the polygonal line through `points` crosses the segment from `a` to `b`."""
 
     def sides(of: np.ndarray, start: np.ndarray, end: np.ndarray) -> np.ndarray:
-        along, to = end - start, of - start
+        along = end - start
+        to = of - start
         return np.sign(along[..., 0] * to[..., 1] - along[..., 1] * to[..., 0])
 
-    a, b, low, high = np.asarray(a), np.asarray(b), points[:-1], points[1:]
-    return bool(((sides(low, a, b) != sides(high, a, b)) & (sides(a, low, high) != sides(b, low, high))).any())
+    a = np.asarray(a)
+    b = np.asarray(b)
+    low = points[:-1]
+    high = points[1:]
+    return bool(
+        (
+            (sides(low, a, b) != sides(high, a, b)) & (sides(a, low, high) != sides(b, low, high))
+        ).any()
+    )
 
 
 def neighbours(grid: Sequence[Place]) -> list[tuple[Place, Place]]:
     """Return all pairs of neighbouring places, side by side or one above the other, of a square grid."""
     side = GRID + 2
-    ends = ((i, j) for i in range(len(grid)) for j in (i + 1, i + side) if j < len(grid) and (j != i + 1 or j % side))
+    ends = (
+        (i, j)
+        for i in range(len(grid))
+        for j in (i + 1, i + side)
+        if j < len(grid) and (j != i + 1 or j % side)
+    )
     return [(grid[i], grid[j]) for i, j in ends]
 
 
 class Cover:
-    """A division of the plane into boxes: proven ones, and a queue of those still to prove, the larger ones first."""
+    """A division of the plane into boxes.
+
+    Proven ones, and a queue of those still to prove, the larger ones first.
+    """
 
     def __init__(self, plane: Plane) -> None:
         self.plane, self.count, self.area = plane, 0, Fraction(0)
-        self.proven, self.small, self.heap = list[ProvenBox](), list[Rectangle](), list[tuple[float, int, Task]]()
+        self.proven, self.small, self.heap = (
+            list[ProvenBox](),
+            list[Rectangle](),
+            list[tuple[float, int, Task]](),
+        )
         #: Places near to each other with different words.
         self.changes = list[tuple[Place, Place]]()
 
     def add(self, *tasks: Task) -> None:
-        """Add rectangles to prove; one where the mass may rest everywhere counts as proven at once."""
+        """Add rectangles to prove.
+
+        One where the mass may rest everywhere counts as proven at once.
+        """
         for task in tasks:
             sides = zip(task.box, self.plane.range, strict=True)
             if self.plane.rests(task.box):
@@ -367,14 +500,19 @@ class Cover:
     def run(self, share: Fraction, until: float, pool: Executor | None, report: Any) -> None:
         """Try to prove the rectangles of the queue until the proven share of the plane is `share`, or the time is up.
 
-        `until` is a time of the monotonic clock. The workers of `pool` do the proofs; `report` gets (proven, `share`).
+        `until` is a time of the monotonic clock. The workers of `pool` do the proofs; `report` gets
+        (proven, `share`).
         """
         work = self.plane.attempt
         while self.heap and self.area < share and monotonic() < until:
             tasks = [heapq.heappop(self.heap)[2] for _ in range(min(BATCH, len(self.heap)))]
-            results = map(work, tasks) if pool is None else pool.map(work, tasks, chunksize=CHUNK)
+            if pool is None:
+                results: Iterable[Any] = map(work, tasks)
+            else:
+                results = pool.map(work, tasks, chunksize=CHUNK)
             for task, (word, box, parts) in zip(tasks, results, strict=True):
-                place, above = (*middle_of(task.box), word), task.above
+                place = (*middle_of(task.box), word)
+                above = task.above
                 if above and word not in ("", above[2]):
                     self.changes.append((above, place))
                 if box:
@@ -385,26 +523,35 @@ class Cover:
     def take_up(self, boxes: Sequence[ProvenBox], left: Sequence[Rectangle]) -> None:
         """Add an earlier run's proven `boxes` and, with their orbits as hints, the rectangles `left` to prove."""
         self.prove(*boxes)
-        orbits, plane = [each for each in boxes if each.points], self.plane
+        orbits = [each for each in boxes if each.points]
+        plane = self.plane
         sizes = np.array([float(high - low) for low, high in plane.range])
         middles = np.array([middle_of(each.range) for each in orbits]).reshape(-1, 2) / sizes
         for box in left:
             place = np.array(middle_of(box)) / sizes
-            near, nearest = dict[tuple[str, ...], Candidate](), np.argsort(((middles - place) ** 2).sum(axis=1))
+            near = dict[tuple[str, ...], Candidate]()
+            nearest = np.argsort(((middles - place) ** 2).sum(axis=1))
             for each in (orbits[i] for i in nearest[:MOST_NEAR]):
-                labels, Omega = flight_first(each.word), float(plane.at([(a + b) / 2 for a, b in each.range]).Omega)
+                labels = flight_first(each.word)
+                Omega = float(plane.at([(a + b) / 2 for a, b in each.range]).Omega)
                 unknowns = _flights(labels, plane.p, plane.names).unknowns(Omega, each.points)
                 near.setdefault(labels, (labels, tuple(unknowns)))
             first = [orbits[i] for i in nearest[:1]]
-            above = (*middle_of(first[0].range), first[0].word) if first else None
+            if first:
+                above = (*middle_of(first[0].range), first[0].word)
+            else:
+                above = None
             self.add(Task(box, tuple(near.values()), above=above))
 
 
 @dataclass(frozen=True, repr=False)
 class Atlas(Drawable):
-    """The plane of two parameters: the words of the settled motions, and boxes in which a word is proven.
+    """The plane of two parameters.
 
-    With c > 0 and k > 0 a point of the plane has one word, as an orbit with a flight attracts all motions.
+    The words of the settled motions, and boxes in which a word is proven.
+
+    With c > 0 and k > 0 a point of the plane has one word, as an orbit with a flight attracts all
+    motions.
 
     Attributes
     ----------
@@ -419,7 +566,8 @@ class Atlas(Drawable):
     grid : tuple of (value, value, word)
         The settled motions that were looked at; no proof.
     borders : tuple of Border
-        They were continued from where the word changes on the grid, and from points of codimension two.
+        They were continued from where the word changes on the grid, and from points of codimension
+        two.
 
     Examples
     --------
@@ -451,31 +599,46 @@ class Atlas(Drawable):
 
     @cached_property
     def regions(self) -> tuple[Region, ...]:
-        """One region per word: its share of the area, and how much of it is proven; the largest first."""
-        whole, proven = area(self.range), defaultdict[str, float](float)
+        """One region per word: its share of the area, and how much of it is proven.
+
+        The largest first.
+        """
+        whole = area(self.range)
+        proven = defaultdict[str, float](float)
         for box in self.boxes:
             proven[box.word] += float(area(box.range) / whole)
         (left_end, right), (bottom, top) = self.range
-        looked = [each for each in self.grid if left_end < each[0] < right and bottom < each[1] < top]
+        looked = [
+            each for each in self.grid if left_end < each[0] < right and bottom < each[1] < top
+        ]
         outside = [word for x, y, word in looked if not self._around(x, y).size]
         seen = Counter(outside or [word for *_, word in looked])
         words = set(proven) | {word for *_, word in looked}
         words |= {word for each in self.borders for word in each.words if word}
         left = max(0.0, 1 - sum(proven.values()))
-        found = [Region(word, proven[word] + left * seen[word] / max(seen.total(), 1), proven[word]) for word in words]
+        found = [
+            Region(word, proven[word] + left * seen[word] / max(seen.total(), 1), proven[word])
+            for word in words
+        ]
         return tuple(sorted(found, key=lambda each: (-each.share, each.word)))
 
     @property
     def special(self) -> tuple[Any, ...]:
         """The special points of all borders (`SpecialPoint`), folds and points of codimension two, each once."""
-        found, size = dict[tuple[Any, ...], Any](), [float(high - low) for low, high in self.range]
+        found = dict[tuple[Any, ...], Any]()
+        size = [float(high - low) for low, high in self.range]
         for each in (point for border in self.borders for point in border.special):
-            found.setdefault((each.kind, *(round(v / s, 6) for v, s in zip(each.values, size, strict=True))), each)
+            found.setdefault(
+                (each.kind, *(round(v / s, 6) for v, s in zip(each.values, size, strict=True))),
+                each,
+            )
         return tuple(found.values())
 
     @public
     def word_at(self, **values: NumberLike) -> str:
-        """Return the word at a point: that of a proven box, else that of the motion which the engine finds there.
+        """Return the word at a point.
+
+        That of a proven box, else that of the motion which the engine finds there.
 
         Parameters
         ----------
@@ -495,23 +658,32 @@ class Atlas(Drawable):
             If no box has the point, and the motion does not settle on an orbit that meets a belt.
         """
         if set(values) != set(self.over):
-            raise ParameterError("values", ", ".join(values), f"give {self.over[0]} and {self.over[1]}")
+            raise ParameterError(
+                "values", ", ".join(values), f"give {self.over[0]} and {self.over[1]}"
+            )
         x, y = (read_exact(name, values[name]) for name in self.over)
         for name, value, (low, high) in zip(self.over, (x, y), self.range, strict=True):
             if not low <= value <= high:
-                raise ParameterError(name, values[name], f"must be between {show(low)} and {show(high)}")
+                raise ParameterError(
+                    name, values[name], f"must be between {show(low)} and {show(high)}"
+                )
         plane = Plane(self.parameters, self.over, self.range)
         if plane.rests(((x, x), (y, y))):
             return REST
         for i in self._around(float(x), float(y)):
             box = self.boxes[i]
-            if all(low <= value <= high for value, (low, high) in zip((x, y), box.range, strict=True)):
+            if all(
+                low <= value <= high for value, (low, high) in zip((x, y), box.range, strict=True)
+            ):
                 return box.word
         return canonical(find_orbit(plane.at((x, y))).labels)
 
     @cached_property
     def _ends(self) -> np.ndarray:
-        """An array with a column for each box: low and high end of the first parameter, low and high of the second."""
+        """An array with a column for each box.
+
+        Low and high end of the first parameter, low and high of the second.
+        """
         rows = [[float(end) for side in box.range for end in side] for box in self.boxes]
         return np.array(rows).reshape(-1, 4).T
 
@@ -521,7 +693,10 @@ class Atlas(Drawable):
         return np.flatnonzero((low_x <= x) & (x <= high_x) & (low_y <= y) & (y <= high_y))
 
     def statement(self) -> Record:
-        """Return what `to_json` writes: the plane, the boxes, and what was found without proof (grid, borders)."""
+        """Return what `to_json` writes.
+
+        The plane, the boxes, and what was found without proof (grid, borders).
+        """
 
         def pairs(box: Rectangle) -> list[list[str]]:
             return [[show(low), show(high)] for low, high in box]
@@ -533,11 +708,17 @@ class Atlas(Drawable):
             "share": show(self._share),
             "boxes": [
                 {"word": box.word, "range": pairs(box.range)}
-                | {"phases": [f"{phase:.8g}" for phase, _ in box.points], "x": [f"{x:.8g}" for _, x in box.points]}
+                | {
+                    "phases": [f"{phase:.8g}" for phase, _ in box.points],
+                    "x": [f"{x:.8g}" for _, x in box.points],
+                }
                 for box in self.boxes
             ],
             "open": [pairs(box) for box in self.open],
-            "found": {"grid": list(map(list, self.grid)), "borders": [border.as_dict() for border in self.borders]},
+            "found": {
+                "grid": list(map(list, self.grid)),
+                "borders": [border.as_dict() for border in self.borders],
+            },
         }
 
     def to_json(self, path: str | Path) -> None:
@@ -547,7 +728,8 @@ class Atlas(Drawable):
         write_text(path, text.replace('{"word"', '\n{"word"') + "\n")
 
     def __repr__(self) -> str:
-        words, borders = len([each for each in self.regions if each.word]), len(self.borders)
+        words = len([each for each in self.regions if each.word])
+        borders = len(self.borders)
         about = f"{words} word{'s' * (words != 1)}, {borders} border{'s' * (borders != 1)}"
         return f"<Atlas over {self.over[0]} and {self.over[1]}: {about}, {self.proven:.6f} of the area proven>"
 
@@ -563,12 +745,15 @@ def atlas(
     path: str | Path | None = None,
     progress: Progress = False,
 ) -> Atlas:
-    """Draw up the plane of two parameters: the words of the settled motions, their borders, and boxes with proofs.
+    """Draw up the plane of two parameters.
 
-    The words are first looked for on a grid. Where two neighbours differ, the border between their words is continued.
-    Other borders begin at that border's points of codimension two, and are continued in turn
-    (`symosc.continue_border`). A box is proven if an orbit of its word exists, and is admissible, for all parameters in
-    the box: then all motions settle on that orbit (extra ``certify``).
+    The words of the settled motions, their borders, and boxes with proofs.
+
+    The words are first looked for on a grid. Where two neighbours differ, the border between their
+    words is continued. Other borders begin at that border's points of codimension two, and are
+    continued in turn (`symosc.continue_border`). A box is proven if an orbit of its word exists,
+    and is admissible, for all parameters in the box: then all motions settle on that orbit (extra
+    ``certify``).
 
     Parameters
     ----------
@@ -581,9 +766,11 @@ def atlas(
     seconds : number, optional
         When to stop proving.
     workers : int, optional
-        Processes; default: one for each core. The result does not depend on it, unless the time is up.
+        Processes; default: one for each core. The result does not depend on it, unless the time is
+        up.
     path : str or Path, optional
-        A JSON file: what an earlier call with the same plane has left there is taken up; the result is written there.
+        A JSON file: what an earlier call with the same plane has left there is taken up; the result
+        is written there.
     progress : bool or callable
         True: a bar, on a terminal. Or what gets the part proven, and the part to prove.
 
@@ -601,19 +788,30 @@ def atlas(
     'P32'
     """
     began = monotonic()
-    p = what if isinstance(what, Parameters) else (what if isinstance(what, Scene) else load_scene(what)).parameters
-    plane, share = _read_plane(p, over), read_exact("prove", prove)
+    if isinstance(what, Parameters):
+        p = what
+    else:
+        p = (what if isinstance(what, Scene) else load_scene(what)).parameters
+    plane = _read_plane(p, over)
+    share = read_exact("prove", prove)
     if not 0 <= share <= 1:
         raise ParameterError("prove", prove, "must be a part of the area, from 0 to 1")
-    limit = float("inf") if seconds is None else float(read_exact("seconds", seconds))
+    if seconds is None:
+        limit = float("inf")
+    else:
+        limit = float(read_exact("seconds", seconds))
     if limit <= 0:
         raise ParameterError("seconds", seconds, "must be > 0")
-    count = whole_number("workers", workers, 1) if workers is not None else os.cpu_count() or 1
+    if workers is not None:
+        count = whole_number("workers", workers, 1)
+    else:
+        count = os.cpu_count() or 1
     if share > 0:
         import symosc.certificates.balls  # noqa: F401  says so if python-flint is not installed
     if path is not None and path != STDOUT:
         check_folder_of(path)
-    cover, earlier = Cover(plane), path is not None and Path(path).exists()
+    cover = Cover(plane)
+    earlier = path is not None and Path(path).exists()
     if earlier:
         before, boxes, left, grid, pairs = _read_file(path)
         if before != plane:
@@ -641,25 +839,36 @@ def _read_plane(p: Parameters, over: Mapping[str, Any]) -> Plane:
     """Check the arguments of `atlas`, and return the oscillator, both names and both ranges as a `Plane`."""
     if len(over) != 2 or not set(over) <= set(PARAMETER_NAMES):
         names = ", ".join(PARAMETER_NAMES)
-        raise ParameterError("over", ", ".join(map(str, over)), f"give two parameters out of {names}")
+        raise ParameterError(
+            "over", ", ".join(map(str, over)), f"give two parameters out of {names}"
+        )
     ranges = []
     for name, limits in over.items():
         if np.array(limits, dtype=object).shape != (2,):
             raise ParameterError(name, limits, "give its lowest and its highest value")
         low, high = (read_exact(name, value) for value in limits)
         if not low < high:
-            raise ParameterError(name, f"{show(low)}:{show(high)}", "give its lowest value before its highest")
+            raise ParameterError(
+                name, f"{show(low)}:{show(high)}", "give its lowest value before its highest"
+            )
         ranges.append((low, high))
     first, second = over
     plane = Plane(p, (first, second), (ranges[0], ranges[1]))
     for name, at in product("ck", map(plane.at, product(*ranges))):
         if getattr(at, name) <= 0:
-            raise ParameterError(name, getattr(at, name), "must be > 0: else a point need not have one word")
+            raise ParameterError(
+                name, getattr(at, name), "must be > 0: else a point need not have one word"
+            )
     return plane
 
 
-def _read_file(path: Any) -> tuple[Plane, list[ProvenBox], list[Rectangle], tuple[Place, ...], list[Any]]:
-    """Read the file of an atlas; return its plane, boxes, open boxes, grid, and pairs of places beside its borders."""
+def _read_file(
+    path: Any,
+) -> tuple[Plane, list[ProvenBox], list[Rectangle], tuple[Place, ...], list[Any]]:
+    """Read the file of an atlas.
+
+    Return its plane, boxes, open boxes, grid, and pairs of places beside its borders.
+    """
 
     def box(sides: Any) -> Rectangle:
         (a, b), (c, d) = ([Fraction(end) for end in side] for side in sides)
@@ -668,7 +877,9 @@ def _read_file(path: Any) -> tuple[Plane, list[ProvenBox], list[Rectangle], tupl
     try:
         data = json.loads(Path(path).read_text(encoding="utf-8"))
         first, second = data["over"]
-        plane, boxes, pairs = Plane(Parameters(**data["parameters"]), (first, second), box(data["range"])), [], []
+        plane = Plane(Parameters(**data["parameters"]), (first, second), box(data["range"]))
+        boxes = []
+        pairs = []
         for row in data["boxes"]:
             points = zip(map(float, row["phases"]), map(float, row["x"]), strict=True)
             boxes.append(ProvenBox(row["word"], box(row["range"]), tuple(points)))
@@ -676,7 +887,12 @@ def _read_file(path: Any) -> tuple[Plane, list[ProvenBox], list[Rectangle], tupl
         for row in data["found"]["borders"]:
             middle, way = plane.across(np.array(row["points"], dtype=float))
             ends = zip((-BESIDE, BESIDE), row["words"], strict=True)
-            pairs.append(tuple((*np.clip(middle + by * way, low, high).tolist(), word or "") for by, word in ends))
+            pairs.append(
+                tuple(
+                    (*np.clip(middle + by * way, low, high).tolist(), word or "")
+                    for by, word in ends
+                )
+            )
         grid = tuple((float(x), float(y), str(word)) for x, y, word in data["found"]["grid"])
         return plane, boxes, [box(each) for each in data["open"]], grid, pairs
     except (OSError, ValueError, LookupError, TypeError) as error:

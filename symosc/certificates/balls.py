@@ -1,7 +1,9 @@
-"""Ball arithmetic: python-flint's arb, exact input, certain signs, decimals rounded outward; sets of states.
+"""Ball arithmetic: python-flint's arb, exact input, certain signs, decimals rounded outward.
 
-The working precision of arb is global to the process. `ctx.workprec` sets and restores it; nothing here may run in
-threads.
+Sets of states.
+
+The working precision of arb is global to the process. `ctx.workprec` sets and restores it; nothing
+here may run in threads.
 """
 
 from __future__ import annotations
@@ -21,8 +23,13 @@ try:
 except ImportError:
     raise MissingExtraError("certify", "certify") from None
 
-if tuple(int(part) for part in FLINT_VERSION.split(".")[:2]) < (0, 9):  # before it, the negative of a ball was wrong.
-    raise MissingExtraError(f"certify with python-flint {FLINT_VERSION}, which has unsound balls,", "certify")
+if tuple(int(part) for part in FLINT_VERSION.split(".")[:2]) < (
+    0,
+    9,
+):  # before it, the negative of a ball was wrong.
+    raise MissingExtraError(
+        f"certify with python-flint {FLINT_VERSION}, which has unsound balls,", "certify"
+    )
 
 #: A ball: an enclosure of a real number.
 Ball: TypeAlias = Any
@@ -30,17 +37,25 @@ Matrix: TypeAlias = Sequence[Sequence[Ball]]
 
 
 class Undecided(Exception):
-    """Raised if balls cannot decide a sign; a higher precision, or a smaller error of the start, may decide it."""
+    """Raised if balls cannot decide a sign.
 
-    # `near` is a time nearby. If a graze is possible, `graze` has the belt and the time after the start of the flight.
+    A higher precision, or a smaller error of the start, may decide it.
+    """
 
-    def __init__(self, what: str, near: Ball | None = None, graze: tuple[int, Ball] | None = None) -> None:
+    # `near` is a time nearby. If a graze is possible, `graze` has the belt and the time after the
+    # start of the flight.
+
+    def __init__(
+        self, what: str, near: Ball | None = None, graze: tuple[int, Ball] | None = None
+    ) -> None:
         self.what, self.near, self.graze = what, near, graze
         super().__init__(what)
 
     def place(self) -> str:
         """Return the text " near t = ..." for a message; "" if no time is known."""
-        return "" if self.near is None else f" near t = {self.near.mid().str(15, radius=False)}"
+        if self.near is None:
+            return ""
+        return f" near t = {self.near.mid().str(15, radius=False)}"
 
 
 def made_by(bits: int) -> dict[str, Any]:
@@ -60,11 +75,18 @@ def around(middle: Ball, radius: Ball) -> Ball:
 
 def sure_sign(value: Ball) -> int:
     """Return the sign of all numbers in a ball, 0 if they differ in sign."""
-    return 1 if value > 0 else -1 if value < 0 else 0
+    if value > 0:
+        return 1
+    if value < 0:
+        return -1
+    return 0
 
 
 def decided_sign(value: Ball, what: str, near: Ball | None = None) -> int:
-    """Return the sign that all numbers in a ball have; else raise Undecided with the text `what` and time `near`."""
+    """Return the sign that all numbers in a ball have.
+
+    Else raise Undecided with the text `what` and time `near`.
+    """
     sign = sure_sign(value)
     if sign == 0:
         raise Undecided(what, near)
@@ -78,14 +100,16 @@ def size(value: Ball) -> float:
 
 def exact_ends(value: Ball) -> tuple[Fraction, Fraction]:
     """Return the ends of a ball as exact fractions, from its middle and radius."""
-    middle, radius = (Fraction(int(part.p), int(part.q)) for part in (value.mid().fmpq(), value.rad().fmpq()))
+    middle, radius = (
+        Fraction(int(part.p), int(part.q)) for part in (value.mid().fmpq(), value.rad().fmpq())
+    )
     return middle - radius, middle + radius
 
 
 def outward(value: Ball, digits: int) -> tuple[str, str]:
     """Return both ends of a ball as decimal texts, the lower one rounded down and the upper one up."""
-    # The ends are one unit of the last digit further apart than necessary, so that a checker can prove them whose ball
-    # is about as wide as this one.
+    # The ends are one unit of the last digit further apart than necessary, so that a checker can
+    # prove them whose ball is about as wide as this one.
     low, high = exact_ends(value)
     scale = max(abs(low), abs(high), Fraction(1))
     unit = Fraction(10) ** (len(str(int(scale))) - digits)
@@ -105,10 +129,11 @@ class StateSet:
     Centre and matrix are exact. The box has a ball around 0 for each component of y.
     """
 
-    # The image of a map with the value f at the centre and the Jacobian J over the whole set lies in f + (J matrix) y
-    # (mean value theorem). It is turned into an orthogonal frame along its longest side (Lohner's QR), in which the box
-    # stays small where the map contracts: sets do not grow by being put into boxes. `slopes` are the derivatives by the
-    # coordinates of the box with which the set began, over the whole set.
+    # The image of a map with the value f at the centre and the Jacobian J over the whole set lies
+    # in f + (J matrix) y (mean value theorem). It is turned into an orthogonal frame along its
+    # longest side (Lohner's QR), in which the box stays small where the map contracts: sets do not
+    # grow by being put into boxes. `slopes` are the derivatives by the coordinates of the box with
+    # which the set began, over the whole set.
 
     centre: Sequence[Ball]
     matrix: Matrix
@@ -120,7 +145,9 @@ class StateSet:
         """Return the set of all states within the given balls: a box along the axes."""
         count = len(values)
         unit = [[arb(int(i == j)) for j in range(count)] for i in range(count)]
-        return cls([value.mid() for value in values], unit, [value - value.mid() for value in values], unit)
+        return cls(
+            [value.mid() for value in values], unit, [value - value.mid() for value in values], unit
+        )
 
     @property
     def thin(self) -> bool:

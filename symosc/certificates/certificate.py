@@ -1,4 +1,7 @@
-"""The result of a proof: an object with a short repr, and a JSON file that `symosc verify` proves again."""
+"""The result of a proof.
+
+An object with a short repr, and a JSON file that `symosc verify` proves again.
+"""
 
 from __future__ import annotations
 
@@ -25,7 +28,10 @@ def provable(p: Parameters, v0: Fraction) -> tuple[str, ...]:
     """Return the parameters and start values by which `certify` can prove derivatives (`wrt`), if `v0` is as given."""
     left_out = [name for n in (1, 2) if v0 == p.belt(n) for name in (f"v{n}", "v0")]
     if p.k == 0:
-        left_out += ["k", "c"] if p.c == 0 else ["k"]
+        if p.c == 0:
+            left_out += ["k", "c"]
+        else:
+            left_out += ["k"]
     elif p.c == 0 and p.k == p.m * p.Omega**2 and p.B0:
         left_out += ["m", "c", "k", "Omega"]
     return tuple(name for name in (*PARAMETER_NAMES, *STARTS) if name not in left_out)
@@ -38,15 +44,15 @@ class Certificate(Drawable):
     Attributes
     ----------
     kind : str
-        "trajectory", "orbit", "branch", "window" or "atlas"; "settled" for a trajectory that is proven to settle on an
-        orbit.
+        "trajectory", "orbit", "branch", "window" or "atlas"; "settled" for a trajectory that is
+        proven to settle on an orbit.
     proven : bool
         Whether all of it is proven.
     message : str
         What is proven, in the words of the checker; otherwise what could not be proven, and where.
     events : tuple
-        The proven events: (kind, source, target, (t_low, t_high), (x_low, x_high)), the numbers as decimals. Of a
-        trajectory that settles, those of its last periods only.
+        The proven events: (kind, source, target, (t_low, t_high), (x_low, x_high)), the numbers as
+        decimals. Of a trajectory that settles, those of its last periods only.
     points, multipliers : tuple
         Of an orbit: enclosures of the switching points, and of the multipliers.
     stable : bool or None
@@ -78,32 +84,63 @@ class Certificate(Drawable):
 
     def as_dict(self) -> Record:
         """Return the contents of the file written by `to_json`."""
-        about = {"format": FORMAT, "kind": self.kind, "proven": self.proven, "message": self.message}
+        about = {
+            "format": FORMAT,
+            "kind": self.kind,
+            "proven": self.proven,
+            "message": self.message,
+        }
         return about | self.statement
 
     def to_json(self, path: str | Path) -> None:
-        """Write the certificate as JSON ("-": to standard output); OutputError if it cannot be written."""
+        """Write the certificate as JSON ("-": to standard output).
+
+        OutputError if it cannot be written.
+        """
         write_text(path, json.dumps(self.as_dict(), indent=1) + "\n")
 
     def __repr__(self) -> str:
-        count = f", {len(self.events)} event{'' if len(self.events) == 1 else 's'}" if self.kind == "trajectory" else ""
-        article = "an" if self.kind == "orbit" else "a"
+        if self.kind == "trajectory":
+            count = f", {len(self.events)} event{'' if len(self.events) == 1 else 's'}"
+        else:
+            count = ""
+        if self.kind == "orbit":
+            article = "an"
+        else:
+            article = "a"
         return f"<Certificate of {article} {self.kind}: {'proven' if self.proven else 'not proven'}{count}>"
 
 
-def stated(kind: str, proven: bool, message: str, statement: Record, points: tuple[Any, ...] = ()) -> Certificate:
-    """Make a certificate from `statement`, the contents of its file; an orbit has its switching points in `points`."""
-    ends = [tuple(tuple(row[name]) for name in "tx" if name in row) for row in proven_rows(statement)]
+def stated(
+    kind: str, proven: bool, message: str, statement: Record, points: tuple[Any, ...] = ()
+) -> Certificate:
+    """Make a certificate from `statement`, the contents of its file.
+
+    An orbit has its switching points in `points`.
+    """
+    ends = [
+        tuple(tuple(row[name]) for name in "tx" if name in row) for row in proven_rows(statement)
+    ]
     names = [(row["kind"], row["source"], row["target"]) for row in proven_rows(statement)]
     events = tuple((*name, *end) for name, end in zip(names, ends, strict=True))
-    multipliers = tuple((tuple(row["re"]), tuple(row["im"])) for row in statement.get("multipliers", ()))
-    changes = tuple(tuple(tuple(map(tuple, row[d])) for d in ("dt", "dx")) for row in statement.get("derivatives", ()))
+    multipliers = tuple(
+        (tuple(row["re"]), tuple(row["im"])) for row in statement.get("multipliers", ())
+    )
+    changes = tuple(
+        tuple(tuple(map(tuple, row[d])) for d in ("dt", "dx"))
+        for row in statement.get("derivatives", ())
+    )
     stable = statement.get("stable")
-    return Certificate(kind, proven, message, events, points, multipliers, stable, statement, changes)
+    return Certificate(
+        kind, proven, message, events, points, multipliers, stable, statement, changes
+    )
 
 
 def confirmed(kind: str, statement: Record, points: tuple[Any, ...] = ()) -> Certificate:
-    """Let the independent checker prove a statement, the contents of a file; return a certificate with its verdict."""
+    """Let the independent checker prove a statement, the contents of a file.
+
+    Return a certificate with its verdict.
+    """
     from symosc.certificates.verify_orbits import judge
 
     code, answer = judge({"format": FORMAT, "kind": kind, "proven": True} | statement)
@@ -113,12 +150,18 @@ def confirmed(kind: str, statement: Record, points: tuple[Any, ...] = ()) -> Cer
 
 
 def proven_rows(statement: Record) -> list[Record]:
-    """Return the events in the contents of a file as dicts; of a motion that settles, the last ones before t_end."""
+    """Return the events in the contents of a file as dicts.
+
+    Of a motion that settles, the last ones before t_end.
+    """
     return list(statement.get("last") or statement.get("events") or ())
 
 
 def common_digits(low: str, high: str) -> str:
-    """Round both ends of an enclosure to the most digits that give one text, and return it; else "low … high"."""
+    """Round both ends of an enclosure to the most digits that give one text, and return it.
+
+    Else "low … high".
+    """
     for digits in range(SHOWN_DIGITS, 0, -1):
         shown = {f"{Decimal(end):.{digits}g}" for end in (low, high)}
         if len(shown) == 1:
@@ -127,6 +170,12 @@ def common_digits(low: str, high: str) -> str:
 
 
 def common_complex(re: tuple[str, str], im: tuple[str, str]) -> str:
-    """Return a complex number as text, each part with the digits common to its ends; only `re` if `im` is exactly 0."""
-    imaginary = "" if im == ("0", "0") else f" + {common_digits(*im)} i".replace("+ -", "- ")
+    """Return a complex number as text, each part with the digits common to its ends.
+
+    Only `re` if `im` is exactly 0.
+    """
+    if im == ("0", "0"):
+        imaginary = ""
+    else:
+        imaginary = f" + {common_digits(*im)} i".replace("+ -", "- ")
     return common_digits(*re) + imaginary

@@ -1,4 +1,6 @@
-"""`certify`: the proof of a motion, an orbit, a branch or a window. The provers are loaded on demand.
+"""`certify`: the proof of a motion, an orbit, a branch or a window.
+
+The provers are loaded on demand.
 
 So the name is there without python-flint too: `from symosc import *` and completion need no extra.
 """
@@ -39,30 +41,34 @@ def certify(
 ) -> Certificate:
     """Prove a motion: when and where each event until t_end is, of what kind it is, and that none is left out.
 
-    Or prove an orbit: it exists, is the only one in a box and has its word; its multipliers are enclosed. Or prove a
-    branch: there is such an orbit for every value of its parameter, up to where the branch ends. Or prove a grazing
-    window, for all phases. A motion of a thousand periods is proven to settle on an orbit (kind "settled") if its scene
-    names the word of that orbit as its structure: from some event on, a cycle of events repeats.
+    Or prove an orbit: it exists, is the only one in a box and has its word; its multipliers are
+    enclosed. Or prove a branch: there is such an orbit for every value of its parameter, up to
+    where the branch ends. Or prove a grazing window, for all phases. A motion of a thousand periods
+    is proven to settle on an orbit (kind "settled") if its scene names the word of that orbit as
+    its structure: from some event on, a cycle of events repeats.
 
-    Nothing is taken from a simulation; all numbers are balls (python-flint), with as many bits as it takes.
+    Nothing is taken from a simulation; all numbers are balls (python-flint), with as many bits as
+    it takes.
 
     Parameters
     ----------
     what : Scene, str, Path, Parameters, PeriodicOrbit, Branch, GrazingWindow or Atlas
-        A scene, the name of one, or the path of a TOML file; Parameters, from rest until `t_end`. Or what
-        `symosc.find_orbit`, `symosc.continue_orbit` or `symosc.grazing_window` returns.
+        A scene, the name of one, or the path of a TOML file; Parameters, from rest until `t_end`.
+        Or what `symosc.find_orbit`, `symosc.continue_orbit` or `symosc.grazing_window` returns.
     t_end : number, optional
         End in place of the scene's.
     start_error : number or three numbers, optional
-        Half-widths to which t0, x0, v0 are known; one number serves for all. None: those of the scene, or exact. The
-        proof is for every start within them; where a contact may be a graze for some of them: one that grazes.
+        Half-widths to which t0, x0, v0 are known; one number serves for all. None: those of the
+        scene, or exact. The proof is for every start within them; where a contact may be a graze
+        for some of them: one that grazes.
     digits : int, optional
         Digits of a scene's enclosures; default 25, and more where events are closer to each other.
     wrt : str or sequence of str, optional
-        Names of parameters, and t0, x0, v0: the derivatives of all events by them are enclosed too. For exact starts,
-        and motions without a graze.
+        Names of parameters, and t0, x0, v0: the derivatives of all events by them are enclosed too.
+        For exact starts, and motions without a graze.
     progress : bool or callable, optional
-        For a branch. True: a bar on stderr, on a terminal. Or a function of the part of it that is proven.
+        For a branch. True: a bar on stderr, on a terminal. Or a function of the part of it that is
+        proven.
 
     Returns
     -------
@@ -99,9 +105,16 @@ def certify(
 
     if isinstance(what, Scene):
         return _motion(what, t_end, start_error, digits, () if wrt is None else read_wrt(wrt))
-    for name, value in (("t_end", t_end), ("start_error", start_error), ("digits", digits), ("wrt", wrt)):
+    for name, value in (
+        ("t_end", t_end),
+        ("start_error", start_error),
+        ("digits", digits),
+        ("wrt", wrt),
+    ):
         if value is not None:
-            raise ParameterError(name, value, f"is for a scene only, not for a {type(what).__name__}")
+            raise ParameterError(
+                name, value, f"is for a scene only, not for a {type(what).__name__}"
+            )
     if isinstance(what, PeriodicOrbit):
         from symosc.certificates.orbit import certify_orbit
 
@@ -112,16 +125,29 @@ def certify(
         return prove_branch(what, progress)
     if isinstance(what, Atlas):
         if not what.boxes:
-            return Certificate("atlas", False, "nothing is proven in it", statement=what.statement())
+            return Certificate(
+                "atlas", False, "nothing is proven in it", statement=what.statement()
+            )
         return confirmed("atlas", what.statement())
     from symosc.certificates.window import prove_window
 
     return prove_window(what)
 
 
-def _motion(scene: Scene, t_end: Any, start_error: Any, digits: Any, wrt: tuple[str, ...]) -> Certificate:
-    """Prove a scene's motion event by event, or by the orbit on which it settles; other arguments as in `certify`."""
-    from symosc.certificates.trajectory import DIGITS, EXACT, ToProve, prove_settled, prove_trajectory
+def _motion(
+    scene: Scene, t_end: Any, start_error: Any, digits: Any, wrt: tuple[str, ...]
+) -> Certificate:
+    """Prove a scene's motion event by event, or by the orbit on which it settles.
+
+    Other arguments as in `certify`.
+    """
+    from symosc.certificates.trajectory import (
+        DIGITS,
+        EXACT,
+        ToProve,
+        prove_settled,
+        prove_trajectory,
+    )
 
     if t_end is not None:
         scene = scene.started({"t_end": t_end})
@@ -131,8 +157,11 @@ def _motion(scene: Scene, t_end: Any, start_error: Any, digits: Any, wrt: tuple[
     wanted = read_digits(digits, 500) or DIGITS  # digits of enclosures that may be asked for
     if wrt and any(errors):
         raise ParameterError("wrt", wrt, "is for a start that is known exactly")
-    task = ToProve(scene.parameters, (scene.t0, scene.x0, scene.v0), errors, scene.t_end, wanted, wrt)
-    # A motion that lasts longer than this (Omega t), in a scene with a word, may settle on the orbit of this word.
+    task = ToProve(
+        scene.parameters, (scene.t0, scene.x0, scene.v0), errors, scene.t_end, wanted, wrt
+    )
+    # A motion that lasts longer than this (Omega t), in a scene with a word, may settle on the
+    # orbit of this word.
     if not wrt and scene.structure and scene.parameters.Omega * (scene.t_end - scene.t0) > 6000:
         with suppress(ConvergenceError):  # there is no such orbit
             settled = prove_settled(task, find_orbit(scene.parameters, scene.structure))

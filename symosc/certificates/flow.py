@@ -1,13 +1,13 @@
 """The motion in one mode, enclosed: velocity, acceleration and position at a time after its start.
 
-With L = D^2 + (c/m) D + k/m the velocity solves L v = -(B0 Omega/m) sin(Omega t) in every domain. It is a steady
-motion, of rational amplitudes, and a free one, which E (L E = 0, E(0) = 0, E'(0) = 1) and phi = E' + (c/m) E
-(phi(0) = 1, phi'(0) = 0) carry. Friction enters only through the acceleration at the start. Damping regime and
-resonance are decided in rational numbers.
+With L = D^2 + (c/m) D + k/m the velocity solves L v = -(B0 Omega/m) sin(Omega t) in every domain.
+It is a steady motion, of rational amplitudes, and a free one, which E (L E = 0, E(0) = 0, E'(0) =
+1) and phi = E' + (c/m) E (phi(0) = 1, phi'(0) = 0) carry. Friction enters only through the
+acceleration at the start. Damping regime and resonance are decided in rational numbers.
 
-The gap g = v - v_belt has L g = drift/m in every domain, with the drift -(k v_belt + B0 Omega sin(Omega t)), which is
-also m dF/dt of both forces on the belt. It turns at the phases Theta_cr of Theorem 7; between the turns its sign is
-known from their order and needs no evaluation.
+The gap g = v - v_belt has L g = drift/m in every domain, with the drift -(k v_belt + B0 Omega
+sin(Omega t)), which is also m dF/dt of both forces on the belt. It turns at the phases Theta_cr of
+Theorem 7; between the turns its sign is known from their order and needs no evaluation.
 """
 
 from __future__ import annotations
@@ -27,37 +27,49 @@ ROUGH = 32
 
 
 def coefficient(value: Ball, order: int = 0) -> Ball:
-    """Return the coefficient of a given `order` in a power series; a ball counts as a constant series."""
-    return value[order] if isinstance(value, arb_series) else arb(0) if order else value
+    """Return the coefficient of a given `order` in a power series.
+
+    A ball counts as a constant series.
+    """
+    if isinstance(value, arb_series):
+        return value[order]
+    if order:
+        return arb(0)
+    return value
 
 
 def entire_0f1(b: Ball, z: Ball) -> Ball:
     """Return the hypergeometric function 0F1(b; z) of a real or complex ball or power series z."""
-    # 0F1(1/2; w^2/4) is cosh w, and 0F1(3/2; w^2/4) is sinh w/w, where w^2 may have any sign. The derivative is 0F1(b +
-    # 1; z)/b, which gives the Taylor series.
+    # 0F1(1/2; w^2/4) is cosh w, and 0F1(3/2; w^2/4) is sinh w/w, where w^2 may have any sign. The
+    # derivative is 0F1(b + 1; z)/b, which gives the Taylor series.
     if not isinstance(z, arb_series | acb_series):
         return z.hypgeom_0f1(b)
     kind: Any = type(z)
     change, total, factor = (kind(each, prec=z.prec) for each in ([0, *list(z)[1:]], [0], [1]))
     for j in range(z.prec):
-        total, factor = total + factor * z[0].hypgeom_0f1(b + j), factor * change / ((b + j) * (j + 1))
+        total = total + factor * z[0].hypgeom_0f1(b + j)
+        factor = factor * change / ((b + j) * (j + 1))
     return total
 
 
 class Oscillator:
     """The constants of an oscillator as balls, with its damping regime and whether it is at resonance."""
 
-    # `ranges` replaces parameters of `p` by a ball, or by a power series in a change of one parameter (arb_series),
-    # whose first coefficient may be a ball: a family of oscillators. Undecided if it may be at resonance without
-    # damping.
+    # `ranges` replaces parameters of `p` by a ball, or by a power series in a change of one
+    # parameter (arb_series), whose first coefficient may be a ball: a family of oscillators.
+    # Undecided if it may be at resonance without damping.
 
     def __init__(self, p: Parameters, ranges: Mapping[str, Ball] | None = None) -> None:
-        self.p, ranges = p, ranges or {}
+        self.p = p
+        ranges = ranges or {}
         b = by_name(p, ball) | dict(ranges)
-        self.B0, self.c, self.k, self.m, self.Omega = (b[name] for name in ("B0", "c", "k", "m", "Omega"))
+        self.B0, self.c, self.k, self.m, self.Omega = (
+            b[name] for name in ("B0", "c", "k", "m", "Omega")
+        )
         self.h, self.cm, self.km = self.c / (2 * self.m), self.c / self.m, self.k / self.m
         self.drive = self.B0 * self.Omega / self.m
-        #: The sign of (c/2m)^2 - k/m, 0 if undecided, and the root of its size: the damped frequency or its twin.
+        #: The sign of (c/2m)^2 - k/m, 0 if undecided, and the root of its size: the damped
+        #: frequency or its twin.
         free = ranges.keys() & {"m", "c", "k"}
         if free:
             self.kappa = self.h * self.h - self.km
@@ -77,18 +89,21 @@ class Oscillator:
         self.speed = {1: b["v1"], 2: b["v2"]}
         #: The jump of the acceleration at each belt, F^(below) - F^(above).
         self.jump = {boundary: 2 * b[f"mu{boundary}"] * b["FN"] / self.m for boundary in (1, 2)}
-        driven, tuned = p.B0 != 0 or "B0" in ranges, not free and "Omega" not in ranges
+        driven = p.B0 != 0 or "B0" in ranges
+        tuned = not free and "Omega" not in ranges
         self.resonant = driven and tuned and p.c == 0 and p.k == p.m * p.Omega**2
         if self.resonant:
             self.growth = self.B0 / (2 * self.m * self.Omega)
         elif not driven:
             self.steady_c = self.steady_s = arb(0)
         elif tuned and "B0" not in ranges:
-            pull, drag = p.k / p.m - p.Omega**2, p.c * p.Omega / p.m
+            pull = p.k / p.m - p.Omega**2
+            drag = p.c * p.Omega / p.m
             gain = p.B0 * p.Omega / p.m / (pull * pull + drag * drag)
             self.steady_c, self.steady_s = ball(gain * drag), ball(-gain * pull)
         else:
-            pull, drag = self.km - self.Omega * self.Omega, self.cm * self.Omega
+            pull = self.km - self.Omega * self.Omega
+            drag = self.cm * self.Omega
             square = pull * pull + drag * drag
             if not coefficient(square) > 0:
                 raise Undecided("whether the family is at resonance")
@@ -97,10 +112,16 @@ class Oscillator:
         self.turns = cache(lambda boundary: Turns(p, boundary))
 
     def entire(self, tau: Ball) -> tuple[Ball, Ball, Ball]:
-        """Return E, E' and phi = E' + (c/m) E at the time `tau`: E is the free motion with E(0) = 0 and E'(0) = 1."""
+        """Return E, E' and phi = E' + (c/m) E at the time `tau`.
+
+        E is the free motion with E(0) = 0 and E'(0) = 1.
+        """
         if self.damping > 0:
-            fast, slow, width = (self.fast * tau).exp(), (self.slow * tau).exp(), 2 * self.omega_d
-            E, E1 = (slow - fast) / width, (self.slow * slow - self.fast * fast) / width
+            fast = (self.fast * tau).exp()
+            slow = (self.slow * tau).exp()
+            width = 2 * self.omega_d
+            E = (slow - fast) / width
+            E1 = (self.slow * slow - self.fast * fast) / width
         else:
             decay = (-self.h * tau).exp()
             if self.damping == 0:
@@ -114,16 +135,23 @@ class Oscillator:
         return E, E1, E1 + self.cm * E
 
     def steady(self, tau: Ball, s: Ball, c: Ball) -> tuple[Ball, Ball]:
-        """Return v and v' of the steady motion (at resonance it grows); `s`, `c` are sine and cosine of the phase."""
+        """Return v and v' of the steady motion (at resonance it grows).
+
+        `s`, `c` are sine and cosine of the phase.
+        """
         if self.resonant:
             turn = self.Omega * tau
             return self.growth * (s + turn * c), self.growth * self.Omega * (2 * c - turn * s)
-        P, R, Omega = self.steady_c, self.steady_s, self.Omega
+        P = self.steady_c
+        R = self.steady_s
+        Omega = self.Omega
         return P * c + R * s, Omega * (R * c - P * s)
 
     def force(self, domain: int, t: Ball, x: Ball, v: Ball) -> Ball:
         """Return the force per mass, which is the acceleration, in a domain at time t, position x and velocity v."""
-        return (self.A[domain] + self.B0 * (self.Omega * t).cos() - self.k * x - self.c * v) / self.m
+        return (
+            self.A[domain] + self.B0 * (self.Omega * t).cos() - self.k * x - self.c * v
+        ) / self.m
 
 
 class Jet(NamedTuple):
@@ -139,7 +167,9 @@ Curve = Callable[[Ball], Jet]
 
 
 class FlightPoint(NamedTuple):
-    """A point of a flight, a time tau after its start: v, a, sine s and cosine c of the phase, E, E1 = E' and phi.
+    """A point of a flight, a time tau after its start.
+
+    V, a, sine s and cosine c of the phase, E, E1 = E' and phi.
 
     E and phi are the motions without drive of `Oscillator.entire`.
     """
@@ -170,7 +200,8 @@ class Flight:
         s, c = (o.Omega * (self.t0 + tau)).sin_cos()
         E, E1, phi = o.entire(tau)
         v, a = o.steady(tau, s, c)
-        v, a = v + self.free_v * phi + self.free_a * E, a - o.km * E * self.free_v + self.free_a * E1
+        v = v + self.free_v * phi + self.free_a * E
+        a = a - o.km * E * self.free_v + self.free_a * E1
         return FlightPoint(tau, v, a, s, c, E, E1, phi)
 
     def jerk(self, there: FlightPoint) -> Ball:
@@ -180,9 +211,12 @@ class Flight:
 
     def x(self, there: FlightPoint) -> Ball:
         """Return the position at a point of the flight, by the balance of forces or, if k = 0, that of momentum."""
-        o, p = self.oscillator, self.oscillator.p
+        o = self.oscillator
+        p = self.oscillator.p
         if p.k > 0:
-            change = o.B0 * (there.c - self.c0) - o.c * (there.v - self.v0) - o.m * (there.a - self.a0)
+            change = (
+                o.B0 * (there.c - self.c0) - o.c * (there.v - self.v0) - o.m * (there.a - self.a0)
+            )
             return self.x0 + change / o.k
         push = o.A[self.domain] * there.tau + o.B0 / o.Omega * (there.s - self.s0)
         if p.c > 0:
@@ -195,27 +229,35 @@ class Flight:
         """Return the derivatives of x and v at a point, at a fixed time, by a `change` (dt, dx, dv) of the start."""
         # A later start by dt is one at the same time with x lower by v dt and v lower by a dt.
         dt, dx, *rest = change
-        x, v = dx - self.v0 * dt, (rest[0] if rest else arb(0)) - self.a0 * dt
+        x = dx - self.v0 * dt
+        v = (rest[0] if rest else arb(0)) - self.a0 * dt
         return there.phi * x + there.E * v, there.E1 * v - self.oscillator.km * there.E * x
 
     def speed_bound(self, there: FlightPoint) -> Ball:
-        """Return a bound of |v| after a point, by the energy of the motion without drive; infinity if it gives none."""
+        """Return a bound of |v| after a point, by the energy of the motion without drive.
+
+        Infinity if it gives none.
+        """
         # The free motion y loses energy: y^2 + (m/k) y'^2 never grows.
         o = self.oscillator
         if o.resonant or o.p.k == 0:
             return arb.pos_inf()
         v, a = o.steady(there.tau, there.s, there.c)
-        free_v, free_a = there.v - v, there.a - a
+        free_v = there.v - v
+        free_a = there.a - a
         free = (free_v * free_v + free_a * free_a / o.km).nonnegative_part().sqrt()
         return free + (o.steady_c * o.steady_c + o.steady_s * o.steady_s).sqrt()
 
     def side(self, boundary: int) -> int:
         """Return 1 if the flight is in a domain above the speed of a belt (`boundary`), -1 if it is in one below."""
-        return 1 if self.domain > boundary else -1
+        if self.domain > boundary:
+            return 1
+        return -1
 
     def gap(self, boundary: int) -> Curve:
         """Return the gap to a belt, which is how far v is from its speed, as a function from the time to a `Jet`."""
-        speed, side = self.oscillator.speed[boundary], self.side(boundary)
+        speed = self.oscillator.speed[boundary]
+        side = self.side(boundary)
 
         def gap(tau: Ball) -> Jet:
             there = self.at(tau)
@@ -229,12 +271,18 @@ def holding_force(o: Oscillator, boundary: int, domain: int, t: Ball, x: Ball) -
 
     While that force is > 0, the mass does not slip from the belt into `domain`.
     """
-    speed, side = o.speed[boundary], 1 if domain == boundary else -1
+    speed = o.speed[boundary]
+    if domain == boundary:
+        side = 1
+    else:
+        side = -1
 
     def force(tau: Ball) -> Jet:
         s, c = (o.Omega * (t + tau)).sin_cos()
         value = (o.A[domain] + o.B0 * c - o.k * (x + speed * tau) - o.c * speed) / o.m
-        return Jet(tau, side * value, -side * (o.km * speed + o.drive * s), -side * o.drive * o.Omega * c)
+        return Jet(
+            tau, side * value, -side * (o.km * speed + o.drive * s), -side * o.drive * o.Omega * c
+        )
 
     return force
 
@@ -242,11 +290,13 @@ def holding_force(o: Oscillator, boundary: int, domain: int, t: Ball, x: Ball) -
 class Turns:
     """The times (turns) at which the drift of a belt's forces, m dF/dt = -(k v + B0 Omega sin(Omega t)), changes sign.
 
-    If the drift never changes its sign, there are no turns, and `constant` is that sign; otherwise `constant` is None.
+    If the drift never changes its sign, there are no turns, and `constant` is that sign; otherwise
+    `constant` is None.
     """
 
     def __init__(self, p: Parameters, boundary: int) -> None:
-        bias, amplitude = p.k * p.belt(boundary), p.B0 * p.Omega
+        bias = p.k * p.belt(boundary)
+        amplitude = p.B0 * p.Omega
         self.Omega, self.constant, self.rising = ball(p.Omega), None, (p.B0 > 0) - (p.B0 < 0)
         #: Whether the forces on the belt repeat with the drive.
         self.repeats = bias == 0
@@ -257,13 +307,22 @@ class Turns:
             self.angle = ball(ratio).asin()
 
     def time(self, index: int) -> Ball:
-        """Return the time of the turn with an index; sin(Omega t) rises there if the index is even, else it falls."""
+        """Return the time of the turn with an index.
+
+        Sin(Omega t) rises there if the index is even, else it falls.
+        """
         turn, odd = divmod(index, 2)
-        angle = arb.pi() - self.angle if odd else self.angle
+        if odd:
+            angle = arb.pi() - self.angle
+        else:
+            angle = self.angle
         return (angle + 2 * turn * arb.pi()) / self.Omega
 
     def after(self, t: Ball) -> Iterator[tuple[Ball | None, int]]:
-        """Yield the time of each turn after t and the drift's sign before it; without turns, (None, its sign) once."""
+        """Yield the time of each turn after t and the drift's sign before it.
+
+        Without turns, (None, its sign) once.
+        """
         if self.constant is not None:
             yield None, self.constant
             return

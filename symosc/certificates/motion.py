@@ -1,21 +1,27 @@
-"""Proven steps from event to event: the next belt, the time, and the continuation (Theorems 4 and 5).
+"""Proven steps from event to event.
 
-No sign is guessed: a ball that contains 0 raises `Undecided`. The lemmas are proven in `symosc derive certificates`.
+The next belt, the time, and the continuation (Theorems 4 and 5).
 
-Contacts. Let g = v - v_belt, taken positive where the flight is, and L g = drift/m (`symosc.certificates.flow`). On a
-piece between two turns, shorter than pi/omega_d if the motion is underdamped, let C'' = kappa C, C(0) = 1, C'(0) = 0
-and S'' = kappa S, S(0) = 0, S'(0) = 1. As a function of s = S/C, H = exp(h u) g/C is convex if the drift is >= 0,
-concave if it is <= 0. So with signs at the ends only: g < 0 at the end: one zero in the piece. Concave, g > 0 at the
-end: none. Convex: none after a start with g = 0, nor with g > 0 at both ends if H rises at the left or falls at the
-right, or if its tangents meet above 0. Else the piece is cut where g may be least.
+No sign is guessed: a ball that contains 0 raises `Undecided`. The lemmas are proven in `symosc
+derive certificates`.
 
-Sticks. F^(below) and F^(above) change alike, and between two turns monotonically. A falling piece can only end the
-stick downwards, where F^(below) reaches 0; a rising one only upwards, where F^(above) does. If the drift has no mean
-(v = 0 or k = 0), the forces repeat with the drive: a stick that lasts for one period lasts for ever.
+Contacts. Let g = v - v_belt, taken positive where the flight is, and L g = drift/m
+(`symosc.certificates.flow`). On a piece between two turns, shorter than pi/omega_d if the motion is
+underdamped, let C'' = kappa C, C(0) = 1, C'(0) = 0 and S'' = kappa S, S(0) = 0, S'(0) = 1. As a
+function of s = S/C, H = exp(h u) g/C is convex if the drift is >= 0, concave if it is <= 0. So with
+signs at the ends only: g < 0 at the end: one zero in the piece. Concave, g > 0 at the end: none.
+Convex: none after a start with g = 0, nor with g > 0 at both ends if H rises at the left or falls
+at the right, or if its tangents meet above 0. Else the piece is cut where g may be least.
 
-Exact grazes. In a domain without damping and drive (v, v'/w), w^2 = k/m, goes round a circle. The velocity grazes a
-belt if and only if v^2 + v'^2 m/k = v_belt^2, which is decided in rational numbers: v and v' are rational for an exact
-start, at the end of a stick (v = v_belt, v' = F = 0) and at a graze (the same). Balls only say when.
+Sticks. F^(below) and F^(above) change alike, and between two turns monotonically. A falling piece
+can only end the stick downwards, where F^(below) reaches 0; a rising one only upwards, where
+F^(above) does. If the drift has no mean (v = 0 or k = 0), the forces repeat with the drive: a stick
+that lasts for one period lasts for ever.
+
+Exact grazes. In a domain without damping and drive (v, v'/w), w^2 = k/m, goes round a circle. The
+velocity grazes a belt if and only if v^2 + v'^2 m/k = v_belt^2, which is decided in rational
+numbers: v and v' are rational for an exact start, at the end of a stick (v = v_belt, v' = F = 0)
+and at a graze (the same). Balls only say when.
 """
 
 from __future__ import annotations
@@ -27,7 +33,15 @@ from typing import NamedTuple
 from flint import arb, ctx
 
 from symosc.aliases import Record
-from symosc.certificates.balls import Ball, StateSet, Undecided, around, ball, decided_sign, sure_sign
+from symosc.certificates.balls import (
+    Ball,
+    StateSet,
+    Undecided,
+    around,
+    ball,
+    decided_sign,
+    sure_sign,
+)
 from symosc.certificates.flow import Curve, Flight, Jet, Oscillator, holding_force
 from symosc.model import MODE_NAMES, NEIGHBOURS, Parameters
 
@@ -41,7 +55,9 @@ MOST_PIECES = 20_000
 
 
 def first_zero(flight: Flight, boundary: int, stop: Ball, on_it: bool) -> tuple[Jet, Jet] | None:
-    """Return jets of a flight's gap to a belt before and after its first zero; None if it has none until `stop`.
+    """Return jets of a flight's gap to a belt before and after its first zero.
+
+    None if it has none until `stop`.
 
     `on_it` says that the flight starts on that belt, from where it is known to leave it.
     """
@@ -62,7 +78,9 @@ def first_zero(flight: Flight, boundary: int, stop: Ball, on_it: bool) -> tuple[
             found = _dip(flight, boundary, gap, low, high)
             if found is not None:
                 return found
-        low, on_it, count = high, False, count + 1
+        low = high
+        on_it = False
+        count = count + 1
         if count % 8 == 0:
             wall = -flight.side(boundary) * flight.oscillator.speed[boundary]
             if wall > flight.speed_bound(flight.at(end)):  # for ever
@@ -74,11 +92,19 @@ def first_zero(flight: Flight, boundary: int, stop: Ball, on_it: bool) -> tuple[
 
 def _ends_of_pieces(flight: Flight, boundary: int, stop: Ball) -> Iterator[tuple[Ball, bool, bool]]:
     """Yield each piece's end, and whether m g'' + c g' + k g (g: the gap to the belt) is >= 0, and is <= 0, on it."""
-    o, begin, at = flight.oscillator, flight.t0, arb(0)
+    o = flight.oscillator
+    begin = flight.t0
+    at = arb(0)
     # Pieces are at most this long, in units of 1/omega_d: less than pi.
-    longest = (arb(2.8) / o.omega_d).mid() if o.damping < 0 else None
+    if o.damping < 0:
+        longest = (arb(2.8) / o.omega_d).mid()
+    else:
+        longest = None
     for turn, drift in o.turns(boundary).after(begin):
-        end = None if turn is None else turn - begin
+        if turn is None:
+            end = None
+        else:
+            end = turn - begin
         if end is None or end >= stop:
             end = stop
         elif not end < stop:
@@ -95,11 +121,14 @@ def _ends_of_pieces(flight: Flight, boundary: int, stop: Ball) -> Iterator[tuple
 
 
 def _dip(flight: Flight, boundary: int, gap: Curve, low: Jet, high: Jet) -> tuple[Jet, Jet] | None:
-    """Search a flight from `low` to `high` for the first zero of its gap; return jets before and after it, or None.
+    """Search a flight from `low` to `high` for the first zero of its gap.
+
+    Return jets before and after it, or None.
 
     The gap g is > 0 at both ends, and m g'' + c g' + k g is >= 0 between them.
     """
-    o, pending = flight.oscillator, [high]
+    o = flight.oscillator
+    pending = [high]
     for cut in range(200):
         high = pending[-1]
         u = high.tau - low.tau
@@ -122,7 +151,9 @@ def _dip(flight: Flight, boundary: int, gap: Curve, low: Jet, high: Jet) -> tupl
 
 
 def _where_to_cut(o: Oscillator, low: Jet, high: Jet, u: Ball, cut: int) -> Ball | None:
-    """Return when to cut a flight from its gap `low` to the gap `high`, `u` later; None if the gap stays > 0.
+    """Return when to cut a flight from its gap `low` to the gap `high`, `u` later.
+
+    None if the gap stays > 0.
 
     `cut` is how many times the flight was cut before.
     """
@@ -130,16 +161,21 @@ def _where_to_cut(o: Oscillator, low: Jet, high: Jet, u: Ball, cut: int) -> Ball
     if slope_low >= 0:
         return None
     if o.damping == 0:
-        S, C = u, arb(1)
+        S = u
+        C = arb(1)
     else:
-        S, C = (o.omega_d * u).sin_cos() if o.damping < 0 else (o.omega_d * u).sinh_cosh()
+        if o.damping < 0:
+            S, C = (o.omega_d * u).sin_cos()
+        else:
+            S, C = (o.omega_d * u).sinh_cosh()
         S = S / o.omega_d
     s = S / C
     slope_high = high.dg + o.h * high.g - o.kappa * s * high.g
     if slope_high <= 0:
         return None
     grown = (o.h * u).exp()
-    H_high, rise = grown * high.g / C, grown * C * slope_high
+    H_high = grown * high.g / C
+    rise = grown * C * slope_high
     meet = (low.g - H_high + rise * s) / (rise - slope_low)
     if low.g + slope_low * meet > 0:
         return None
@@ -151,12 +187,18 @@ def _where_to_cut(o: Oscillator, low: Jet, high: Jet, u: Ball, cut: int) -> Ball
 
 
 def zero_in(gap: Curve, low: Ball, high: Ball, what: str, t: Ball) -> Ball:
-    """Enclose the only zero of a gap that is > 0 at time `low`, < 0 at `high`; errors name `what` and the start `t`."""
-    # Newton's method finds it, kept between points where the sign is known; two signs prove the enclosure. The slope
-    # has one sign on it.
-    ends, here = (low, high), high.mid()
-    low, high = low.mid(), high.mid()
-    sample, step = gap(here), high
+    """Enclose the only zero of a gap that is > 0 at time `low`, < 0 at `high`.
+
+    Errors name `what` and the start `t`.
+    """
+    # Newton's method finds it, kept between points where the sign is known; two signs prove the
+    # enclosure. The slope has one sign on it.
+    ends = (low, high)
+    here = high.mid()
+    low = low.mid()
+    high = high.mid()
+    sample = gap(here)
+    step = high
     for count in range(400):
         if sample.g > 0:
             low = here
@@ -164,21 +206,30 @@ def zero_in(gap: Curve, low: Ball, high: Ball, what: str, t: Ball) -> Ball:
             high = here
         else:
             break
-        before, step = step, (-sample.g / sample.dg).mid()
+        before = step
+        step = (-sample.g / sample.dg).mid()
         following = (here + step).mid()
         slow = count % 4 == 3 and abs(step) > abs(before) / 2
         if slow or not step.is_finite() or not low < following < high:
             following = ((low + high) / 2).mid()
         if following == here:
             break
-        here, sample = following, gap(following)
+        here = following
+        sample = gap(following)
     return enclosed_zero(gap, sample, arb(0), ends, what, t)
 
 
-def enclosed_zero(gap: Curve, sample: Jet, spare: Ball, ends: tuple[Ball, Ball], what: str, t: Ball) -> Ball:
-    """Enclose the zero of a falling gap near its jet `sample` by two signs; errors name `what` and the start `t`."""
-    # It lies between the two `ends`; its radius is twice the step of Newton's method, plus `spare`, or a little more.
-    (low, high), here = ends, sample.tau
+def enclosed_zero(
+    gap: Curve, sample: Jet, spare: Ball, ends: tuple[Ball, Ball], what: str, t: Ball
+) -> Ball:
+    """Enclose the zero of a falling gap near its jet `sample` by two signs.
+
+    Errors name `what` and the start `t`.
+    """
+    # It lies between the two `ends`; its radius is twice the step of Newton's method, plus `spare`,
+    # or a little more.
+    (low, high) = ends
+    here = sample.tau
     width = 2 * abs(sample.g).upper() / max(abs(sample.dg).lower(), arb(2) ** -10000) + spare
     for _ in range(40):
         width = width.mid()
@@ -194,8 +245,12 @@ def enclosed_zero(gap: Curve, sample: Jet, spare: Ball, ends: tuple[Ball, Ball],
 
 
 def sharper(gap: Curve, found: Ball, slope: Ball) -> Ball:
-    """Narrow the enclosure `found` of a gap's zero by two interval Newton steps; `slope` encloses the derivative."""
-    # `slope` encloses the derivative of the gap over `found`, and may do so for other starts as well.
+    """Narrow the enclosure `found` of a gap's zero by two interval Newton steps.
+
+    `slope` encloses the derivative.
+    """
+    # `slope` encloses the derivative of the gap over `found`, and may do so for other starts as
+    # well.
     for _ in range(2):
         middle = found.mid()
         step = middle - gap(middle).g / slope
@@ -206,18 +261,25 @@ def sharper(gap: Curve, found: Ball, slope: Ball) -> Ball:
     return found
 
 
-def end_of_stick(o: Oscillator, boundary: int, t: Ball, x: Ball, stop: Ball) -> tuple[int, Ball, Ball] | None:
+def end_of_stick(
+    o: Oscillator, boundary: int, t: Ball, x: Ball, stop: Ball
+) -> tuple[int, Ball, Ball] | None:
     """Return the domain into which a stick from (t, x) slips, its duration, and the derivative of the force at its end.
 
-    Return None if it lasts at least for a time `stop`. The caller has proven that the forces hold the mass at the start
-    of the stick, or right after it.
+    Return None if it lasts at least for a time `stop`. The caller has proven that the forces hold
+    the mass at the start of the stick, or right after it.
     """
-    begin, turns = stop * 0, o.turns(boundary)
+    begin = stop * 0
+    turns = o.turns(boundary)
     for lasted, (turn, drift) in enumerate(turns.after(t), 1):
         if drift == 0:
             return None
         last = turn is None or turn - t >= stop
-        end, domain = stop if last else turn - t, boundary + (drift > 0)
+        if last:
+            end = stop
+        else:
+            end = turn - t
+        domain = boundary + (drift > 0)
         force = holding_force(o, boundary, domain, t, x)
         g = force(end).g
         if g < 0:
@@ -237,17 +299,32 @@ def end_of_stick(o: Oscillator, boundary: int, t: Ball, x: Ball, stop: Ball) -> 
 
 
 class Moving(NamedTuple):
-    """A set of states in one mode: of (t, x, v), or only of (t, x) where v is the speed of a belt."""
+    """A set of states in one mode.
+
+    Of (t, x, v), or only of (t, x) where v is the speed of a belt.
+    """
 
     mode: int  # a code of `symosc.model.MODE_NAMES`
-    boundary: int  # the belt that it is on or leaves just now (into its mode, which is proven), or 0
+    boundary: (
+        int  # the belt that it is on or leaves just now (into its mode, which is proven), or 0
+    )
     states: StateSet
-    #: Exact initial v and a of a flight without damping and drive: the point (v, a/omega_0) moves on a circle.
+    #: Exact initial v and a of a flight without damping and drive: the point (v, a/omega_0) moves
+    #: on a circle.
     circle: tuple[Fraction, Fraction] | None = None
 
     def flight(self, o: Oscillator, values: list[Ball]) -> Flight:
-        """Return the flight that starts with `values`: t, x and v, or only t and x, if v is the speed of a belt."""
-        return Flight(o, self.mode, values[0], values[1], values[2] if len(values) == 3 else o.speed[self.boundary])
+        """Return the flight that starts with `values`.
+
+        T, x and v, or only t and x, if v is the speed of a belt.
+        """
+        return Flight(
+            o,
+            self.mode,
+            values[0],
+            values[1],
+            values[2] if len(values) == 3 else o.speed[self.boundary],
+        )
 
 
 class ProvenEvent(NamedTuple):
@@ -266,7 +343,10 @@ class ProvenEvent(NamedTuple):
 
 
 def goes_round(p: Parameters) -> bool:
-    """Return whether flights have a spring, no damping and no drive: then (v, a/omega_0) moves on a circle."""
+    """Return whether flights have a spring, no damping and no drive.
+
+    Then (v, a/omega_0) moves on a circle.
+    """
     return p.c == 0 and p.B0 == 0 and p.k > 0
 
 
@@ -277,14 +357,19 @@ def belts_around(domain: int) -> list[int]:
 
 def begin(o: Oscillator, start: tuple[Fraction, ...], errors: tuple[Fraction, ...]) -> Moving:
     """Return the initial mode and the set of initial states, given t0, x0, v0 and their half-widths."""
-    p, (t0, x0, v0) = o.p, start
+    p = o.p
+    (t0, x0, v0) = start
     values = [around(ball(each), ball(error)) for each, error in zip(start, errors, strict=True)]
     if v0 not in (p.v1, p.v2):
-        boundary, mode = 0, 1 + (v0 > p.v1) + (v0 > p.v2)
+        boundary = 0
+        mode = 1 + (v0 > p.v1) + (v0 > p.v2)
     else:
         if errors[2] > 0:
             raise Undecided("a start on a belt whose velocity is known to an error only", values[0])
-        boundary = 1 if v0 == p.v1 else 2
+        if v0 == p.v1:
+            boundary = 1
+        else:
+            boundary = 2
         exact = not any(errors) and (t0 == 0 or p.B0 == 0)  # the forces are rational
         signs = []  # of the forces, or of the derivative of one that is exactly 0
         for domain in NEIGHBOURS[boundary]:
@@ -298,7 +383,12 @@ def begin(o: Oscillator, start: tuple[Fraction, ...], errors: tuple[Fraction, ..
                 raise Undecided("a force on the belt that is 0 for ever", values[0])
             signs.append(sign)
         below, above = signs
-        mode = boundary + 1 if above > 0 else boundary if below < 0 else ON_A_BELT + boundary
+        if above > 0:
+            mode = boundary + 1
+        elif below < 0:
+            mode = boundary
+        else:
+            mode = ON_A_BELT + boundary
         values.pop()
     circle = None
     if goes_round(p) and not any(errors) and mode <= ON_A_BELT:
@@ -311,9 +401,15 @@ def next_event(o: Oscillator, state: Moving, t_end: Ball) -> tuple[ProvenEvent, 
     return (_slip if state.mode > ON_A_BELT else _contact)(o, state, t_end)
 
 
-def _first_contact(flight: Flight, belts: list[int], on: int, t_end: Ball) -> tuple[int, Ball] | None:
-    """Return the belt that a flight from belt `on` (0: from none) meets first, and when; None if none until t_end."""
-    best, stop = None, t_end - flight.t0
+def _first_contact(
+    flight: Flight, belts: list[int], on: int, t_end: Ball
+) -> tuple[int, Ball] | None:
+    """Return the belt that a flight from belt `on` (0: from none) meets first, and when.
+
+    None if none until t_end.
+    """
+    best = None
+    stop = t_end - flight.t0
     for boundary in belts:
         found = first_zero(flight, boundary, stop, boundary == on)
         if found is not None:
@@ -323,24 +419,41 @@ def _first_contact(flight: Flight, belts: list[int], on: int, t_end: Ball) -> tu
                 if tau > best[1]:
                     continue
                 raise Undecided("which belt comes first", flight.t0 + tau)
-            best, stop = (boundary, tau), tau.upper()
+            best = (boundary, tau)
+            stop = tau.upper()
     return best
 
 
 def _contact(o: Oscillator, state: Moving, t_end: Ball) -> tuple[ProvenEvent, Moving] | None:
-    """Return the event at the first contact of a flight and the states after it; None if none until t_end."""
-    flight, belts = state.flight(o, state.states.hull()), belts_around(state.mode)
-    grazes = {} if state.circle is None else _exact_grazes(o.p, *state.circle, belts)
-    met = _first_contact(flight, [belt for belt in belts if belt not in grazes], state.boundary, t_end)
+    """Return the event at the first contact of a flight and the states after it.
+
+    None if none until t_end.
+    """
+    flight = state.flight(o, state.states.hull())
+    belts = belts_around(state.mode)
+    if state.circle is None:
+        grazes = {}
+    else:
+        grazes = _exact_grazes(o.p, *state.circle, belts)
+    met = _first_contact(
+        flight, [belt for belt in belts if belt not in grazes], state.boundary, t_end
+    )
     if grazes:
         boundary = min(grazes, key=lambda belt: float(grazes[belt]))
         tau = grazes[boundary]
         if met is None or not met[1] < tau:
-            until, t = t_end if met is None else flight.t0 + met[1], flight.t0 + tau
+            if met is None:
+                until = t_end
+            else:
+                until = flight.t0 + met[1]
+            t = flight.t0 + tau
             if decided_sign(until - t, "whether a touch is the next event", t) < 0:
                 return None
-            x, name = ball(o.p.A(state.mode) / o.p.k), MODE_NAMES[state.mode]
-            after = Moving(state.mode, boundary, StateSet.of([t, x]), (o.p.belt(boundary), Fraction(0)))
+            x = ball(o.p.A(state.mode) / o.p.k)
+            name = MODE_NAMES[state.mode]
+            after = Moving(
+                state.mode, boundary, StateSet.of([t, x]), (o.p.belt(boundary), Fraction(0))
+            )
             return ProvenEvent("graze", boundary, name, name, t, x), after
     if met is None:
         return None
@@ -352,44 +465,69 @@ def _contact(o: Oscillator, state: Moving, t_end: Ball) -> tuple[ProvenEvent, Mo
         thin = state.flight(o, list(state.states.centre))
         then = sharper(thin.gap(boundary), tau, flight.side(boundary) * there.a)
         value = [thin.t0 + then, thin.x(thin.at(then))]
-        columns, count = [], len(state.states.centre)  # the derivatives of (t, x) by those of (t, x, v) at the start
+        # the derivatives of (t, x) by those of (t, x, v) at the start
+        columns = []
+        count = len(state.states.centre)
         for i in range(count):
             dx, dv = flight.moved(there, [arb(int(i == j)) for j in range(3)])
             dt = -dv / there.a
             columns.append((dt, dx + o.speed[boundary] * dt))
         states = state.states.image(value, [list(row) for row in zip(*columns, strict=True)])
     t, x = states.hull()
-    # What follows (Theorems 4 and 5): it crosses if both forces have the sign of the passage, else it sticks.
-    upward, jump, kind, target = state.mode == boundary, o.jump[boundary], "cross", 2 * boundary + 1 - state.mode
+    # What follows (Theorems 4 and 5): it crosses if both forces have the sign of the passage, else
+    # it sticks.
+    upward = state.mode == boundary
+    jump = o.jump[boundary]
+    kind = "cross"
+    target = 2 * boundary + 1 - state.mode
     if not jump.is_zero():
-        other = there.a - jump if upward else there.a + jump
+        if upward:
+            other = there.a - jump
+        else:
+            other = there.a + jump
         if decided_sign(other, "a force at a contact", t) != (1 if upward else -1):
-            kind, target = "stick", ON_A_BELT + boundary
+            kind = "stick"
+            target = ON_A_BELT + boundary
     event = ProvenEvent(kind, boundary, MODE_NAMES[state.mode], MODE_NAMES[target], t, x)
     return event, Moving(target, boundary, states)
 
 
 def _exact_grazes(p: Parameters, v0: Fraction, a0: Fraction, belts: list[int]) -> dict[int, Ball]:
     """Return the belts that a flight from v0, a0 without damping and drive just touches, and after how much time."""
-    square, found = v0**2 + a0**2 * p.m / p.k, {}
+    square = v0**2 + a0**2 * p.m / p.k
+    found = {}
     for boundary in belts:
         speed = p.belt(boundary)
         if speed == 0 or speed**2 != square:
             continue
         w = (ball(p.k) / ball(p.m)).sqrt()
         if a0 == 0:
-            turn = 2 * arb.pi() if v0 == speed else arb.pi()
-        else:  # the angle from the start's direction (v0, a0/w) to that of the belt, the way the motion goes
-            side = 1 if speed > 0 else -1
+            if v0 == speed:
+                turn = 2 * arb.pi()
+            else:
+                turn = arb.pi()
+        # the angle from the start's direction (v0, a0/w) to that of the belt, the way the motion
+        # goes
+        else:
+            if speed > 0:
+                side = 1
+            else:
+                side = -1
             turn = arb.atan2(side * ball(a0) / w, side * ball(v0))
-            turn = turn if a0 * side > 0 else turn + 2 * arb.pi()
+            if not (a0 * side > 0):
+                turn = turn + 2 * arb.pi()
         found[boundary] = turn / w
     return found
 
 
 def _slip(o: Oscillator, state: Moving, t_end: Ball) -> tuple[ProvenEvent, Moving] | None:
-    """Return the event at the end of a stick and the states after it; None if it lasts until t_end."""
-    boundary, speed, (t, x) = state.boundary, o.speed[state.boundary], state.states.hull()
+    """Return the event at the end of a stick and the states after it.
+
+    None if it lasts until t_end.
+    """
+    (t, x) = state.states.hull()
+    speed = o.speed[state.boundary]
+    boundary = state.boundary
     slip = end_of_stick(o, boundary, t, x, t_end - t)
     if slip is None:
         return None
@@ -399,11 +537,15 @@ def _slip(o: Oscillator, state: Moving, t_end: Ball) -> tuple[ProvenEvent, Movin
     else:
         t_c, x_c = state.states.centre
         then = sharper(holding_force(o, boundary, domain, t_c, x_c), tau, -abs(slope))
-        # The force depends on the line x - v t = u of the stick and on time: dt = (k/m) du / (dF/dt).
+        # The force depends on the line x - v t = u of the stick and on time: dt = (k/m) du /
+        # (dF/dt).
         by_x = o.km / slope
         jacobian = [[-speed * by_x, by_x], [-speed * (1 + speed * by_x), 1 + speed * by_x]]
         states = state.states.image([t_c + then, x_c + speed * then], jacobian)
     t, x = states.hull()
     event = ProvenEvent("slip", boundary, MODE_NAMES[state.mode], MODE_NAMES[domain], t, x)
-    circle = (o.p.belt(boundary), Fraction(0)) if goes_round(o.p) else None
+    if goes_round(o.p):
+        circle = (o.p.belt(boundary), Fraction(0))
+    else:
+        circle = None
     return event, Moving(domain, boundary, states, circle)

@@ -1,15 +1,20 @@
-"""A periodic orbit, proven: it exists, is alone in a box, has its word, and its multipliers are enclosed.
+"""A periodic orbit, proven.
 
-The unknowns are all switching points t_0, x_0, t_1, x_1, ..., and the equations f those of `symosc.orbits`. Let c be
-the middle of a box X, J an enclosure of the Jacobian over X, Y any matrix. If K(X) = c - Y f(c) + (1 - Y J) (X - c)
-lies inside X, then f has exactly one root in X, and it lies in K(X) (Krawczyk 1969). Constants may be balls.
+It exists, is alone in a box, has its word, and its multipliers are enclosed.
 
-A root says that a piece ends on its belt, not that it comes there first. So for each belt around a flight the gap g has
-to be positive between its start and its end, and for each stick both forces that hold it. On a step one of these is
-enough, g > 0 being known where it begins, or g = 0 at a start on the belt: g > 0; g' > 0; g'' > 0 if it begins with a
-flight that leaves a stick; g' < 0 if it ends with the flight, where g = 0. The steps may begin and end anywhere.
+The unknowns are all switching points t_0, x_0, t_1, x_1, ..., and the equations f those of
+`symosc.orbits`. Let c be the middle of a box X, J an enclosure of the Jacobian over X, Y any
+matrix. If K(X) = c - Y f(c) + (1 - Y J) (X - c) lies inside X, then f has exactly one root in X,
+and it lies in K(X) (Krawczyk 1969). Constants may be balls.
 
-Trace T and determinant D of the monodromy matrix give the multipliers. Both lie inside the unit circle if and only if
+A root says that a piece ends on its belt, not that it comes there first. So for each belt around a
+flight the gap g has to be positive between its start and its end, and for each stick both forces
+that hold it. On a step one of these is enough, g > 0 being known where it begins, or g = 0 at a
+start on the belt: g > 0; g' > 0; g'' > 0 if it begins with a flight that leaves a stick; g' < 0 if
+it ends with the flight, where g = 0. The steps may begin and end anywhere.
+
+Trace T and determinant D of the monodromy matrix give the multipliers. Both lie inside the unit
+circle if and only if
 |D| < 1 and |T| < 1 + D (Schur and Cohn). The proofs are in `symosc derive certificates`.
 """
 
@@ -31,20 +36,27 @@ from symosc.model import MODE_NAMES, Parameters
 from symosc.orbits.closing_equations import OrbitPiece, pieces_of
 from symosc.words import Word
 
-#: Boxes to try, as parts of the period and of the largest position: the first one that works is stated.
+#: Boxes to try, as parts of the period and of the largest position: the first one that works is
+#: stated.
 BOXES = (1e-7, 1e-9, 1e-12, 1e-16, 1e-20, 1e-26, 1e-34)
 #: First step, as a part of the piece; shortest step.
-FIRST_COURSE_STEP, SHORTEST_COURSE_STEP = 1 / 8, 2.0**-60
+FIRST_COURSE_STEP = 1 / 8
+SHORTEST_COURSE_STEP = 2.0**-60
 #: Multipliers whose difference squared is less than this are enclosed together.
 NEARLY_DOUBLE = arb(2) ** -90
-LEAST_ORBIT_BITS, MOST_ORBIT_BITS = 128, 1024
-#: Digits of the enclosures of points and of multipliers in a file; the radius that the first must have, relatively.
-POINT_DIGITS, MULTIPLIER_PLACES = 25, 16
+LEAST_ORBIT_BITS = 128
+MOST_ORBIT_BITS = 1024
+#: Digits of the enclosures of points and of multipliers in a file; the radius that the first must
+#: have, relatively.
+POINT_DIGITS = 25
+MULTIPLIER_PLACES = 16
 ACCURATE = 10.0 ** (-POINT_DIGITS - 2)
-#: This part of the box in which an orbit is proven to be alone is stated: a checker with wider balls needs a margin.
+#: This part of the box in which an orbit is proven to be alone is stated: a checker with wider
+#: balls needs a margin.
 STATED = arb(2) ** -24
 #: How many times the first-order value a hint for the checker is; the least radius in a hint.
-SPARE, LEAST_RADIUS = 32, Fraction(1, 10**60)
+SPARE = 32
+LEAST_RADIUS = Fraction(1, 10**60)
 
 Values = list[Ball]
 
@@ -67,11 +79,16 @@ def krawczyk(box: Values, middle: Values, residuals: Values, J: arb_mat) -> Valu
         return None
     moved = (unit_matrix(len(box)) - Y * J) * (column(box) - column(middle)) - Y * column(residuals)
     image = (column(middle) + moved).entries()
-    return image if all(value.contains_interior(each) for value, each in zip(box, image, strict=True)) else None
+    if all(value.contains_interior(each) for value, each in zip(box, image, strict=True)):
+        return image
+    return None
 
 
 class Margin(NamedTuple):
-    """A quantity that must be > 0 for an orbit: a number, or a function of the time since a piece's start."""
+    """A quantity that must be > 0 for an orbit.
+
+    A number, or a function of the time since a piece's start.
+    """
 
     what: str
     curve: Curve | Ball
@@ -81,19 +98,28 @@ class Margin(NamedTuple):
 
 
 class ClosingBalls:
-    """The closing equations of an orbit, enclosed; wide balls as constants stand for a family of oscillators."""
+    """The closing equations of an orbit, enclosed.
 
-    def __init__(self, oscillator: Oscillator, pieces: tuple[OrbitPiece, ...], periods: int) -> None:
+    Wide balls as constants stand for a family of oscillators.
+    """
+
+    def __init__(
+        self, oscillator: Oscillator, pieces: tuple[OrbitPiece, ...], periods: int
+    ) -> None:
         self.oscillator, self.pieces = oscillator, pieces
         self.periods, self.turn = periods, 2 * periods * arb.pi() / oscillator.Omega
 
     def ends(self, values: Values) -> Values:
-        """Return [t_1, x_1, ..., t_0 + period, x_0], where pieces 0, 1, ... end, from `values` [t_0, x_0, t_1, ...]."""
+        """Return [t_1, x_1, ..., t_0 + period, x_0], where pieces 0, 1, ...
+
+        End, from `values` [t_0, x_0, t_1, ...].
+        """
         return [*values[2:], values[0] + self.turn, values[1]]
 
     def flight(self, i: int, values: Values) -> Flight:
         """Return the flight that begins at switching point i."""
-        piece, o = self.pieces[i], self.oscillator
+        piece = self.pieces[i]
+        o = self.oscillator
         return Flight(o, piece.mode, values[2 * i], values[2 * i + 1], o.speed[piece.start])
 
     def slips_into(self, i: int) -> int:
@@ -102,9 +128,12 @@ class ClosingBalls:
 
     def residuals(self, values: Values) -> Values:
         """Return the residuals f of the closing equations, two for each piece, as balls or power series."""
-        o, end, found = self.oscillator, self.ends(values), list[Ball]()
+        o = self.oscillator
+        end = self.ends(values)
+        found = list[Ball]()
         for i, piece in enumerate(self.pieces):
-            (t0, x0), (t1, x1) = values[2 * i : 2 * i + 2], end[2 * i : 2 * i + 2]
+            (t0, x0) = values[2 * i : 2 * i + 2]
+            (t1, x1) = end[2 * i : 2 * i + 2]
             if piece.sticks:
                 speed = o.speed[piece.start]
                 found += [x0 + speed * (t1 - t0) - x1, o.force(self.slips_into(i), t1, x1, speed)]
@@ -116,14 +145,27 @@ class ClosingBalls:
 
     def _slopes(self, i: int, values: Values) -> tuple[Sequence[Ball], Sequence[Ball]]:
         """Return for both residuals of piece i their derivatives by t and x at its start, and by t and x at its end."""
-        o, piece = self.oscillator, self.pieces[i]
-        t0, t1, v0, one, zero = values[2 * i], self.ends(values)[2 * i], o.speed[piece.start], arb(1), arb(0)
+        o = self.oscillator
+        piece = self.pieces[i]
+        t0 = values[2 * i]
+        t1 = self.ends(values)[2 * i]
+        v0 = o.speed[piece.start]
+        one = arb(1)
+        zero = arb(0)
         if piece.sticks:
             return (-v0, one, v0, -one), (zero, zero, -o.drive * (o.Omega * t1).sin(), -o.km)
         flight = self.flight(i, values)
         there = flight.at(t1 - t0)
-        phi, E, E1, a0 = there.phi, there.E, there.E1, flight.a0
-        return (-v0 * phi - a0 * E, phi, there.v, -one), (o.km * E * v0 - a0 * E1, -o.km * E, there.a, zero)
+        phi = there.phi
+        E = there.E
+        E1 = there.E1
+        a0 = flight.a0
+        return (-v0 * phi - a0 * E, phi, there.v, -one), (
+            o.km * E * v0 - a0 * E1,
+            -o.km * E,
+            there.a,
+            zero,
+        )
 
     def jacobian(self, values: Values) -> arb_mat:
         """Return the Jacobian of the residuals with respect to t and x of all points."""
@@ -138,12 +180,17 @@ class ClosingBalls:
     def end_by_start(self, i: int, values: Values) -> arb_mat:
         """Return approximate derivatives of t and x at the end of piece i by t and x at its start, a 2 x 2 matrix."""
         rows = self._slopes(i, values)
-        return -arb_mat([list(row[2:]) for row in rows]).solve(arb_mat([list(row[:2]) for row in rows]))
+        return -arb_mat([list(row[2:]) for row in rows]).solve(
+            arb_mat([list(row[:2]) for row in rows])
+        )
 
     # -- roots ---------------------------------------------------------------------------------------------------------
 
     def polished(self, values: Values) -> Values:
-        """Return numbers (exact balls) near a root, by Newton's method without proof; may raise Undecided."""
+        """Return numbers (exact balls) near a root, by Newton's method without proof.
+
+        May raise Undecided.
+        """
         values = [value.mid() for value in values]
         for _ in range(12):
             try:
@@ -154,7 +201,10 @@ class ClosingBalls:
             if not all(each.is_finite() for each in values):
                 break
             scale = max(map(abs, values), key=float)
-            if all(abs(each.mid()) <= scale * arb(2) ** (16 - ctx.prec * 3 // 4) for each in step.entries()):
+            if all(
+                abs(each.mid()) <= scale * arb(2) ** (16 - ctx.prec * 3 // 4)
+                for each in step.entries()
+            ):
                 return values
         raise Undecided("a root of the closing equations, which are singular or nearly so")
 
@@ -171,37 +221,76 @@ class ClosingBalls:
             if root is None:
                 continue
             for _ in range(4):
-                before, root = root, self.krawczyk(root, [each.mid() for each in root]) or root
-                if all(float(a.rad()) > 0.25 * float(b.rad()) for a, b in zip(root, before, strict=True)):
+                before = root
+                root = self.krawczyk(root, [each.mid() for each in root]) or root
+                if all(
+                    float(a.rad()) > 0.25 * float(b.rad())
+                    for a, b in zip(root, before, strict=True)
+                ):
                     break
             yield box, root
 
     # -- the course of the word ----------------------------------------------------------------------------------------
 
     def margins(self, i: int, values: Values) -> list[Margin]:
-        """Return what must be > 0 on piece i: its duration, forces that decide its mode, and inequalities during it."""
-        # None is needed at a start behind a stick: one force is 0 there, the other one is a margin of the stick.
-        o, piece, before, (t, x) = self.oscillator, self.pieces[i], self.pieces[i - 1], values[2 * i : 2 * i + 2]
-        kind = "stick" if piece.sticks else "slip" if piece.after_stick else "flight"
-        found = [Margin(f"{piece.label} lasts", self.ends(values)[2 * i] - t, kind=f"vanishing of a {kind}")]
+        """Return what must be > 0 on piece i.
+
+        Its duration, forces that decide its mode, and inequalities during it.
+        """
+        # None is needed at a start behind a stick: one force is 0 there, the other one is a margin
+        # of the stick.
+        o = self.oscillator
+        piece = self.pieces[i]
+        before = self.pieces[i - 1]
+        (t, x) = values[2 * i : 2 * i + 2]
+        if piece.sticks:
+            kind = "stick"
+        elif piece.after_stick:
+            kind = "slip"
+        else:
+            kind = "flight"
+        found = [
+            Margin(
+                f"{piece.label} lasts", self.ends(values)[2 * i] - t, kind=f"vanishing of a {kind}"
+            )
+        ]
         if not before.sticks:
-            signs = (1, -1) if piece.sticks else (1, 1) if before.mode == piece.start else (-1, -1)
+            if piece.sticks:
+                signs = (1, -1)
+            elif before.mode == piece.start:
+                signs = (1, 1)
+            else:
+                signs = (-1, -1)
             smooth = o.jump[piece.start].is_zero()
             for domain, sign in zip((piece.start, piece.start + 1), signs, strict=True):
                 force = o.force(piece.start if smooth else domain, t, x, o.speed[piece.start])
                 far = domain != before.mode and not smooth
-                kind = "grazing" if not far else "birth of a slip" if piece.sticks else "birth of a stick"
+                if not far:
+                    kind = "grazing"
+                elif piece.sticks:
+                    kind = "birth of a slip"
+                else:
+                    kind = "birth of a stick"
                 what = f"F^({domain}) {'>' if sign > 0 else '<'} 0 where {before.label} ends"
                 found.append(Margin(what, sign * force, kind=kind))
         if piece.sticks:
             for domain in (piece.start, piece.start + 1):
                 curve = holding_force(o, piece.start, domain, t, x)
-                what = f"F^({domain}) {'>' if domain == piece.start else '<'} 0 during {piece.label}"
-                found.append(Margin(what, curve, 0, domain == self.slips_into(i), "birth of a slip"))
+                what = (
+                    f"F^({domain}) {'>' if domain == piece.start else '<'} 0 during {piece.label}"
+                )
+                found.append(
+                    Margin(what, curve, 0, domain == self.slips_into(i), "birth of a slip")
+                )
             return found
         flight = self.flight(i, values)
         for boundary in belts_around(piece.mode):
-            zeros = 0 if boundary != piece.start else 2 if piece.after_stick else 1
+            if boundary != piece.start:
+                zeros = 0
+            elif piece.after_stick:
+                zeros = 2
+            else:
+                zeros = 1
             what = f"v {'>' if piece.mode > boundary else '<'} v{boundary} during {piece.label}"
             found.append(Margin(what, flight.gap(boundary), zeros, boundary == piece.end))
         return found
@@ -220,25 +309,32 @@ class ClosingBalls:
 
     def stability(self, values: Values) -> Stability:
         """Return trace and determinant of the monodromy matrix of the root in `values`."""
-        o, ends = self.oscillator, self.ends(values)
+        o = self.oscillator
+        ends = self.ends(values)
         monodromy = unit_matrix(2)
         determinant = (-o.cm * self.turn).exp()
         for i, piece in enumerate(self.pieces):
             if piece.sticks:
                 continue
             there = self.flight(i, values).at(ends[2 * i] - values[2 * i])
-            ratio, following = arb(0), self.pieces[(i + 1) % len(self.pieces)]
+            ratio = arb(0)
+            following = self.pieces[(i + 1) % len(self.pieces)]
             if not following.sticks:
                 force = o.force(following.mode, ends[2 * i], ends[2 * i + 1], o.speed[piece.end])
                 ratio = force / there.a
-            monodromy = arb_mat([[there.phi, there.E], [-ratio * o.km * there.E, ratio * there.E1]]) * monodromy
+            monodromy = (
+                arb_mat([[there.phi, there.E], [-ratio * o.km * there.E, ratio * there.E1]])
+                * monodromy
+            )
             determinant = determinant * ratio
         return Stability(monodromy.trace(), determinant)
 
 
 def prove_positive(margin: Margin, span: Ball) -> None:
     """Prove that a margin is > 0 from time 0 to any time in the ball `span`, or raise Undecided."""
-    last, begin, zeros = span.upper().mid(), arb(0), margin.at_start
+    last = span.upper().mid()
+    begin = arb(0)
+    zeros = margin.at_start
     if zeros == 0 and not margin.curve(begin).g > 0:
         raise Undecided(f"{margin.what} at its start")
     step = (last * FIRST_COURSE_STEP).mid()
@@ -246,7 +342,9 @@ def prove_positive(margin: Margin, span: Ball) -> None:
         end = (begin + step).mid()
         final = bool(end >= last)
         over = begin.union(last if final else end)
-        whole, there, off = margin.curve(over), margin.curve(over.mid()), over - over.mid()
+        whole = margin.curve(over)
+        there = margin.curve(over.mid())
+        off = over - over.mid()
         slope = there.dg + whole.ddg * off
         if final and margin.at_end:
             sure = not zeros and slope < 0
@@ -256,7 +354,9 @@ def prove_positive(margin: Margin, span: Ball) -> None:
         if sure and final:
             return
         if sure:
-            begin, zeros, step = end, 0, (step * 1.5).mid()
+            begin = end
+            zeros = 0
+            step = (step * 1.5).mid()
         else:
             step = (((last if final else end) - begin) / 2).mid()
             if step <= last * SHORTEST_COURSE_STEP:
@@ -273,14 +373,18 @@ class Stability(NamedTuple):
     @property
     def stable(self) -> bool | None:
         """True if both multipliers are certainly inside the unit circle, False if one is outside, None if undecided."""
-        T, D = self.trace, self.determinant
+        T = self.trace
+        D = self.determinant
         if abs(D) < 1 and abs(T) < 1 + D:
             return True
-        return False if abs(D) > 1 or abs(T) > 1 + D else None
+        if abs(D) > 1 or abs(T) > 1 + D:
+            return False
+        return None
 
     def multipliers(self) -> tuple[tuple[Ball, Ball], tuple[Ball, Ball]]:
         """Return real and imaginary parts of both multipliers, the larger one first if real."""
-        half, zero = self.trace / 2, arb(0)
+        half = self.trace / 2
+        zero = arb(0)
         square = half * half - self.determinant
         if self.determinant.is_zero():
             return (self.trace, zero), (zero, zero)
@@ -295,7 +399,10 @@ class Stability(NamedTuple):
             return (half, root), (half, -root)
         if half.contains(0):
             return (half + root, zero), (half - root, zero)
-        large = half + root if half > 0 else half - root
+        if half > 0:
+            large = half + root
+        else:
+            large = half - root
         return (large, zero), (self.determinant / large, zero)
 
 
@@ -305,8 +412,12 @@ class Stability(NamedTuple):
 def certify_orbit(
     p: Parameters, labels: tuple[str, ...], periods: int, points: Sequence[tuple[Number, Number]]
 ) -> Certificate:
-    """Prove an orbit with `labels` and forcing `periods` near `points` (t, x); return its certificate."""
-    word, bits = Word(labels), LEAST_ORBIT_BITS
+    """Prove an orbit with `labels` and forcing `periods` near `points` (t, x).
+
+    Return its certificate.
+    """
+    word = Word(labels)
+    bits = LEAST_ORBIT_BITS
     near = [arb(each) for point in points for each in point]
     while True:
         with ctx.workprec(bits):
@@ -324,7 +435,10 @@ def certify_orbit(
 
 
 def _prove_with_word(closing: ClosingBalls, near: Values) -> tuple[Values, Values]:
-    """Prove that a root near the points `near` follows its word; return a box with no other root, and the root."""
+    """Prove that a root near the points `near` follows its word.
+
+    Return a box with no other root, and the root.
+    """
     reason = Undecided("the closing equations: no box in which their root is the only one")
     for box, root in closing.roots(closing.polished(near)):
         try:
@@ -344,7 +458,9 @@ def _marginal(closing: ClosingBalls, near: Values) -> str:
         T, D = closing.stability(near)
     except Undecided:
         return ""
-    if not abs(float((1 - T + D).mid())) < 1e-12:  # a multiplier that is 1 to this part makes it singular
+    if (
+        not abs(float((1 - T + D).mid())) < 1e-12
+    ):  # a multiplier that is 1 to this part makes it singular
         return ""
     return "; it is marginal (a multiplier is 1, as nearly as can be seen), and need not be isolated: there may be many"
 
@@ -354,12 +470,23 @@ def _marginal(closing: ClosingBalls, near: Values) -> str:
 
 def switchings(closing: ClosingBalls, values: Values, begin: int) -> list[ProvenEvent]:
     """Return all events of one period from event `begin` on, and at the end event `begin` again, a period later."""
-    pieces, n, rows = closing.pieces, len(closing.pieces), []
+    rows = []
+    n = len(closing.pieces)
+    pieces = closing.pieces
     for j in range(begin, begin + n + 1):
-        (before, piece), (t, x) = (pieces[j % n - 1], pieces[j % n]), values[2 * (j % n) : 2 * (j % n) + 2]
-        kind = "slip" if before.sticks else "stick" if piece.sticks else "cross"
-        t = t + closing.turn if j >= n else t
-        rows.append(ProvenEvent(kind, piece.start, MODE_NAMES[before.mode], MODE_NAMES[piece.mode], t, x))
+        (before, piece) = (pieces[j % n - 1], pieces[j % n])
+        (t, x) = values[2 * (j % n) : 2 * (j % n) + 2]
+        if before.sticks:
+            kind = "slip"
+        elif piece.sticks:
+            kind = "stick"
+        else:
+            kind = "cross"
+        if j >= n:
+            t = t + closing.turn
+        rows.append(
+            ProvenEvent(kind, piece.start, MODE_NAMES[before.mode], MODE_NAMES[piece.mode], t, x)
+        )
     return rows
 
 
@@ -371,15 +498,27 @@ def one_digit(radius: Ball) -> str:
 
 
 def _certificate(
-    p: Parameters, word: Word, closing: ClosingBalls, box: Values, root: Values, stability: Stability, bits: int
+    p: Parameters,
+    word: Word,
+    closing: ClosingBalls,
+    box: Values,
+    root: Values,
+    stability: Stability,
+    bits: int,
 ) -> Certificate:
-    """Let the checker prove an orbit, a `root` that is the only one in its `box`; return the certificate."""
-    pieces, n = closing.pieces, len(closing.pieces)
+    """Let the checker prove an orbit, a `root` that is the only one in its `box`.
+
+    Return the certificate.
+    """
+    n = len(closing.pieces)
+    pieces = closing.pieces
     # It begins at the end of a flight: there the forces say how the motion goes on.
     begin = next(i for i in range(n) if not pieces[i - 1].sticks)
-    # A hint for the checker, not a proof: how far apart in time motions from the box meet each event, many times
-    # the first-order value, as the checker uses balls that are wider than the set.
-    wide, middle = [STATED * value.rad() for value in box[2 * begin : 2 * begin + 2]], [each.mid() for each in root]
+    # A hint for the checker, not a proof: how far apart in time motions from the box meet each
+    # event, many times the first-order value, as the checker uses balls that are wider than the
+    # set.
+    wide = [STATED * value.rad() for value in box[2 * begin : 2 * begin + 2]]
+    middle = [each.mid() for each in root]
     moved = arb_mat([[wide[0].mid(), 0], [0, wide[1].mid()]])
     reaches = [2 * moved[0, 0]]
     for i in range(begin, begin + n):
@@ -393,7 +532,9 @@ def _certificate(
     ]
 
     def decimals(value: Ball) -> list[str]:
-        return ["0", "0"] if value.is_zero() else list(outward(value, MULTIPLIER_PLACES))
+        if value.is_zero():
+            return ["0", "0"]
+        return list(outward(value, MULTIPLIER_PLACES))
 
     statement = made_by(bits) | {
         "parameters": p.as_dict(),
@@ -401,7 +542,9 @@ def _certificate(
         "periods": closing.periods,
         "events": rows,
         "alone_within": [one_digit(each) for each in wide],
-        "multipliers": [{"re": decimals(re), "im": decimals(im)} for re, im in stability.multipliers()],
+        "multipliers": [
+            {"re": decimals(re), "im": decimals(im)} for re, im in stability.multipliers()
+        ],
         "stable": stability.stable,
     }
     enclosures = [outward(value, POINT_DIGITS) for value in root]

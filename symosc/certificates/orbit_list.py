@@ -1,7 +1,7 @@
 """The list of periodic orbits in all damping regimes that ships with the package, and the proof of all of them.
 
-Each line of ``orbits.csv`` has the eleven parameters, the word, and t and x at its first event, the end of a flight.
-The other points are simulated from there; the proof takes them as a guess.
+Each line of ``orbits.csv`` has the eleven parameters, the word, and t and x at its first event, the
+end of a flight. The other points are simulated from there; the proof takes them as a guess.
 """
 
 from __future__ import annotations
@@ -24,7 +24,10 @@ from symosc.words import MAPS, cycle, read_word
 
 
 class ListedOrbit(NamedTuple):
-    """An orbit of the list in orbits.csv: parameters, word, and approximate t and x of its first event."""
+    """An orbit of the list in orbits.csv.
+
+    Parameters, word, and approximate t and x of its first event.
+    """
 
     p: Parameters
     word: str
@@ -37,7 +40,11 @@ class ListedOrbit(NamedTuple):
         square = self.p.c * self.p.c - 4 * self.p.k * self.p.m
         if self.p.c == 0:
             return "undamped"
-        return "underdamped" if square < 0 else "overdamped" if square > 0 else "critically damped"
+        if square < 0:
+            return "underdamped"
+        if square > 0:
+            return "overdamped"
+        return "critically damped"
 
     @property
     def cycle(self) -> str:
@@ -46,7 +53,8 @@ class ListedOrbit(NamedTuple):
 
     def points(self) -> list[tuple[float, float]]:
         """Return the approximate switching points (t, x) of one period, simulated from the first one."""
-        labels, p = read_word(self.word).labels, self.p
+        labels = read_word(self.word).labels
+        p = self.p
         v0 = p.belt(MAPS[labels[0]].start.boundary)
         end = self.t + 2.02 * math.pi / float(p.Omega)  # a little more than a period
         events = simulate(p, t0=self.t, x0=self.x, v0=v0, t_end=end, max_events=len(labels)).events
@@ -60,7 +68,8 @@ class ListedOrbit(NamedTuple):
 @cache
 def listed_orbits() -> tuple[ListedOrbit, ...]:
     """Return the orbits of orbits.csv, the list that ships with the package."""
-    text, found = (files("symosc.certificates") / "orbits.csv").read_text(encoding="utf-8"), []
+    text = (files("symosc.certificates") / "orbits.csv").read_text(encoding="utf-8")
+    found = []
     for row in csv.reader(text.splitlines()):
         if row and not row[0].startswith("#"):
             *numbers, word, t, x = row
@@ -76,13 +85,17 @@ def prove_list(
     *,
     again: bool = False,
 ) -> list[str]:
-    """Prove all orbits of a list (default: the shipped one); return for each "", or the reason of failure.
+    """Prove all orbits of a list (default: the shipped one).
 
-    With `again` the independent checker also proves the certificate of each orbit. `progress` is called with the number
-    of orbits done and the number of all. The proofs run in processes, since the precision of balls is global to a
-    process.
+    Return for each "", or the reason of failure.
+
+    With `again` the independent checker also proves the certificate of each orbit. `progress` is
+    called with the number of orbits done and the number of all. The proofs run in processes, since
+    the precision of balls is global to a process.
     """
-    orbits, answers = listed_orbits() if orbits is None else orbits, list[str]()
+    if orbits is None:
+        orbits = listed_orbits()
+    answers = list[str]()
     with ProcessPoolExecutor(workers, get_context("spawn")) as pool:
         for answer in pool.map(partial(_reason, again), orbits, chunksize=25):
             answers.append(answer)
@@ -92,11 +105,18 @@ def prove_list(
 
 
 def _reason(again: bool, orbit: ListedOrbit) -> str:
-    """Prove an orbit and, if `again`, let the checker prove its certificate; return "" or why it is not proven."""
+    """Prove an orbit and, if `again`, let the checker prove its certificate.
+
+    Return "" or why it is not proven.
+    """
     proof = orbit.prove()
     if not again:
-        return "" if proof.proven else proof.message
+        if proof.proven:
+            return ""
+        return proof.message
     from symosc.certificates.verify_orbits import judge
 
     code, line = judge(json.loads(json.dumps(proof.as_dict())))
-    return f"{orbit.word} at {orbit.p}: {line}" if code else ""
+    if code:
+        return f"{orbit.word} at {orbit.p}: {line}"
+    return ""

@@ -1,27 +1,36 @@
-"""A box of two parameters, proven: for all of its values one word has an orbit, which is the attracting motion.
+"""A box of two parameters, proven.
 
-The equations are those of `symosc.certificates.orbit` with as few unknowns as possible: of each flight its phase at the
-start, its duration, and its position if it starts with a crossing; where a stick ends, the force says the position. If
-oscillator and word are symmetric, half a period is enough: the rest is its mirror image.
+For all of its values one word has an orbit, which is the attracting motion.
 
-Let delta be the place in the box, each component in [-1, 1], and c(delta) a polynomial of degree 2 near the surface of
-roots. By Taylor's theorem along the line from the middle f(c(delta), delta) is a polynomial of degree 2, all of whose
-coefficients are nearly 0, plus a cubic form with coefficients at another place of the box. The forms are found from
-exact directions, so that what cancels in them does so before the place is a ball. The Jacobian is that at the middle
-plus its change along both sides. The rest is Krawczyk's proof, as in `symosc.certificates.branch`.
+The equations are those of `symosc.certificates.orbit` with as few unknowns as possible: of each
+flight its phase at the start, its duration, and its position if it starts with a crossing; where a
+stick ends, the force says the position. If oscillator and word are symmetric, half a period is
+enough: the rest is its mirror image.
 
-The inequalities of the word follow from a few numbers (`Flights.margins`), by Taylor's theorem of order 2:
+Let delta be the place in the box, each component in [-1, 1], and c(delta) a polynomial of degree 2
+near the surface of roots. By Taylor's theorem along the line from the middle f(c(delta), delta) is
+a polynomial of degree 2, all of whose coefficients are nearly 0, plus a cubic form with
+coefficients at another place of the box. The forms are found from exact directions, so that what
+cancels in them does so before the place is a ball. The Jacobian is that at the middle plus its
+change along both sides. The rest is Krawczyk's proof, as in `symosc.certificates.branch`.
 
-- At the end of a flight the acceleration says how v meets the belt, and whether it crosses or sticks.
-- During a stick the forces are monotone between the turns (Theta_cr), so their values there suffice.
-- During a flight the gap g has m L g = drift, of one sign between the turns, and on a part shorter than half a period
-  of the free motion a solution y of L y = 0 has one zero at most (Polya). So g > 0 where L g <= 0 if g >= 0 at both
-  ends of the part. Where L g >= 0, g is not below the y with the same value and slope at one point: g > 0 after a start
-  with g = 0 <= g', before an end with g = 0 >= g', and where the y of a point between is > 0 at both ends of the part.
-  Where this does not do, short steps do.
+The inequalities of the word follow from a few numbers (`Flights.margins`), by Taylor's theorem of
+order 2:
 
-With c > 0 an admissible orbit attracts all motions (`symosc.orbits.floquet`): a point of the box has this word and no
-other. On a belt with the speed 0 the mass may rest where mu FN >= |B0|, and only there; rational numbers decide that.
+- At the end of a flight the acceleration says how v meets the belt, and whether it crosses or
+  sticks.
+- During a stick the forces are monotone between the turns (Theta_cr), so their values there
+  suffice.
+- During a flight the gap g has m L g = drift, of one sign between the turns, and on a part shorter
+  than half a period of the free motion a solution y of L y = 0 has one zero at most (Polya). So g >
+  0 where L g <= 0 if g >= 0 at both ends of the part. Where L g >= 0, g is not below the y with the
+  same value and slope at one point: g > 0 after a start with g = 0 <= g', before an end with g = 0
+  >= g', and where the y of a point between is > 0 at both ends of the part. Where this does not do,
+  short steps do.
+
+With c > 0 an admissible orbit attracts all motions (`symosc.orbits.floquet`): a point of the box
+has this word and no other. On a belt with the speed 0 the mass may rest where mu FN >= |B0|, and
+only there; rational numbers decide that.
 """
 
 from __future__ import annotations
@@ -45,10 +54,13 @@ from symosc.orbits.closing_equations import OrbitPiece, pieces_of
 from symosc.words import Word
 
 BOX_BITS = 64
-MOST_NEWTON, CONVERGED = 12, 1e-13
-MOST_INFLATIONS, INFLATION = 5, 1.1
+MOST_NEWTON = 12
+CONVERGED = 1e-13
+MOST_INFLATIONS = 5
+INFLATION = 1.1
 #: The longest part of a flight between two cuts, as a part of half a period of the free motion.
-SHORTER, MOST_CUTS = 0.95, 12
+SHORTER = 0.95
+MOST_CUTS = 12
 #: The directions in a box in which series are computed.
 DIRECTIONS = ((1, 0), (0, 1), (1, 1), (1, -1))
 
@@ -56,18 +68,21 @@ DIRECTIONS = ((1, 0), (0, 1), (1, 1), (1, -1))
 NEAR = 3.0
 
 Rectangle = tuple[tuple[Fraction, Fraction], tuple[Fraction, Fraction]]
-#: A cut: a share of a flight after which the gap is > 0, and for how long before and after the free motion's is too.
+#: A cut: a share of a flight after which the gap is > 0, and for how long before and after the free
+#: motion's is too.
 Cut = tuple[float, float]
 #: The turns in the stick after each flight, and the cuts of each flight (None: short steps).
 Plan = tuple[list[list[int]], list[list[Cut] | None]]
-#: A quantity that must be positive: what it is, its value, and its derivatives with respect to the unknowns.
+#: A quantity that must be positive: what it is, its value, and its derivatives with respect to the
+#: unknowns.
 Inequality = tuple[str, Ball, Values]
 
 
 class NotInBox(Exception):
     """Raised if a word cannot be proven in a box of two parameters.
 
-    `along` is the side along which to divide the box, `excess` an estimate of how many times too large it is.
+    `along` is the side along which to divide the box, `excess` an estimate of how many times too
+    large it is.
     """
 
     def __init__(self, what: str, along: int | None = None, excess: float = 1) -> None:
@@ -86,16 +101,21 @@ class Leg(NamedTuple):
     @property
     def side(self) -> int:
         """The side from which the flight meets the belt at its end: 1 from above, -1 from below."""
-        return 1 if self.piece.mode > self.piece.end else -1
+        if self.piece.mode > self.piece.end:
+            return 1
+        return -1
 
 
 def mirrors(p: Parameters, names: Sequence[str] = ()) -> dict[int, int]:
     """Return the mirror image of each mode if, for any `names`, x = A0/k and v = 0 is a centre of symmetry; else {}."""
-    # It is symmetric if the belts are alike with opposite speeds, or if one has no friction and the other no speed.
+    # It is symmetric if the belts are alike with opposite speeds, or if one has no friction and the
+    # other no speed.
     if not {"v1", "v2", "mu1", "mu2"} & set(names) and p.v1 == -p.v2 and p.mu1 == p.mu2:
         return {1: 3, 2: 2, 3: 1, 4: 5, 5: 4}
     for belt, other in ((1, 2), (2, 1)):
-        if not {f"v{belt}", f"mu{other}"} & set(names) and p.belt(belt) == 0 == getattr(p, f"mu{other}"):
+        if not {f"v{belt}", f"mu{other}"} & set(names) and p.belt(belt) == 0 == getattr(
+            p, f"mu{other}"
+        ):
             return {belt: belt + 1, belt + 1: belt, 3 + belt: 3 + belt}
     return {}
 
@@ -103,36 +123,57 @@ def mirrors(p: Parameters, names: Sequence[str] = ()) -> dict[int, int]:
 class Flown:
     """A flight of a word, followed for a time `tau`: x0 and a0 at its start; x, v and a at its end.
 
-    The unknowns `u` of the orbit are balls or power series. E, E1 = E' and phi are the motions without drive of
-    `symosc.certificates.flow`. The response of v to the drive is the integral of E(tau - s) sin(theta(s)) over s.
-    If the motion is underdamped, let lambda = -c/2m + i omega_d, and let X(lambda) be the integral of exp(lambda (tau -
-    s) + i Omega s) over s. The response to exp(i Omega s) is (X(lambda) - X(-c/2m - i omega_d))/(2 i omega_d). Near
-    resonance X(lambda) is computed without a division.
+    The unknowns `u` of the orbit are balls or power series. E, E1 = E' and phi are the motions
+    without drive of `symosc.certificates.flow`. The response of v to the drive is the integral of
+    E(tau - s) sin(theta(s)) over s. If the motion is underdamped, let lambda = -c/2m + i omega_d,
+    and let X(lambda) be the integral of exp(lambda (tau - s) + i Omega s) over s. The response to
+    exp(i Omega s) is (X(lambda) - X(-c/2m - i omega_d))/(2 i omega_d). Near resonance X(lambda) is
+    computed without a division.
     """
 
     def __init__(self, o: Oscillator, leg: Leg, u: Values, tau: Ball) -> None:
-        phase, speed, A = u[leg.at], o.speed[leg.piece.start], o.A[leg.piece.mode]
-        begins, turned = times_i(phase).exp(), times_i(o.Omega * tau).exp()
+        phase = u[leg.at]
+        speed = o.speed[leg.piece.start]
+        A = o.A[leg.piece.mode]
+        begins = times_i(phase).exp()
+        turned = times_i(o.Omega * tau).exp()
         if o.damping < 0:
             root, other = (complexed(-o.h) + times_i(side * o.omega_d) for side in (1, -1))
-            free, rate = (root * complexed(tau)).exp(), times_i(o.Omega) - root
+            free = (root * complexed(tau)).exp()
+            rate = times_i(o.Omega) - root
             z = rate * complexed(tau)
             near = float(abs(z[0] if isinstance(z, acb_series) else z).upper()) < NEAR
             # (exp(z) - 1)/z = exp(z/2) sinh(z/2)/(z/2)
-            slope = (z / 2).exp() * entire_0f1(acb(1.5), z * z / 16) if near else None
-            X = free * complexed(tau) * slope if near else (turned - free) / rate
+            if near:
+                slope = (z / 2).exp() * entire_0f1(acb(1.5), z * z / 16)
+            else:
+                slope = None
+            if near:
+                X = free * complexed(tau) * slope
+            else:
+                X = (turned - free) / rate
             Y = (turned - (other * complexed(tau)).exp()) / (times_i(o.Omega) - other)
             quotient = times_i(2 * o.omega_d)
-            Z, Z1 = (X - Y) / quotient, (root * X - other * Y) / quotient
+            Z = (X - Y) / quotient
+            Z1 = (root * X - other * Y) / quotient
             self.E, self.E1 = component(free, 1) / o.omega_d, component(root * free, 1) / o.omega_d
         else:
             self.E, self.E1, _ = o.entire(tau)
             pull = complexed(o.km - o.Omega * o.Omega) + times_i(o.cm * o.Omega)
-            E, E1, Omega = complexed(self.E), complexed(self.E1), times_i(o.Omega)
+            E = complexed(self.E)
+            E1 = complexed(self.E1)
+            Omega = times_i(o.Omega)
             Z = (turned - E1 - (complexed(o.cm) + Omega) * E) / pull
             Z1 = (Omega * turned + complexed(o.km) * E - Omega * E1) / pull
-        self.phi, Z, Z1 = self.E1 + o.cm * self.E, begins * Z, begins * Z1
-        sine, self.cosine, sine1, self.cosine1 = component(Z, 1), component(Z, 0), component(Z1, 1), component(Z1, 0)
+        self.phi = self.E1 + o.cm * self.E
+        Z = begins * Z
+        Z1 = begins * Z1
+        sine, self.cosine, sine1, self.cosine1 = (
+            component(Z, 1),
+            component(Z, 0),
+            component(Z1, 1),
+            component(Z1, 0),
+        )
         if leg.piece.after_stick:  # the force says the position
             self.x0, self.a0 = (A + o.B0 * phase.cos() - o.c * speed) / o.k, arb(0)
         else:
@@ -144,7 +185,10 @@ class Flown:
         self.x = self.x0 + (o.B0 * change - o.c * (self.v - speed) - o.m * (self.a - self.a0)) / o.k
 
     def jerk(self, o: Oscillator, sine: Ball) -> Ball:
-        """Return the derivative of the acceleration at the end of the flight; `sine` is the sine of the phase there."""
+        """Return the derivative of the acceleration at the end of the flight.
+
+        `sine` is the sine of the phase there.
+        """
         return -o.cm * self.a - o.km * self.v - o.drive * sine
 
 
@@ -154,7 +198,8 @@ class Flights:
     After a stick x is no unknown: it follows from the force, which is 0 where the stick ends.
     """
 
-    # `labels` begin with a flight; if their second half is the mirror image of the first, only the first is followed.
+    # `labels` begin with a flight; if their second half is the mirror image of the first, only the
+    # first is followed.
 
     def __init__(self, labels: tuple[str, ...], mirror: dict[int, int]) -> None:
         self.pieces = pieces_of(Word(labels))
@@ -163,21 +208,32 @@ class Flights:
         self.mirrored = not odd and [mirror.get(mode) for mode in modes[:half]] == modes[half:]
         #: The image of one belt at rest; the other belt is not symmetric.
         self.beside = self.mirrored and mirror.get(1) != 3
-        used = self.pieces[:half] if self.mirrored else self.pieces
+        if self.mirrored:
+            used = self.pieces[:half]
+        else:
+            used = self.pieces
         self.legs, self.count = list[Leg](), 0
         for piece, after in zip(used, [*used[1:], None], strict=True):
             if not piece.sticks:
                 tau = self.count + 2 - piece.after_stick
-                self.legs.append(Leg(piece, self.count, tau, after if after and after.sticks else None))
+                self.legs.append(
+                    Leg(piece, self.count, tau, after if after and after.sticks else None)
+                )
                 self.count = tau + 1
 
     def unknowns(self, Omega: float, points: Sequence[tuple[float, float]]) -> list[float]:
         """Return the unknowns of an orbit from its switching points (phase, x), one for each label of the word."""
-        times, found, period = [phase for phase, _ in points], list[float](), 2 * float(arb.pi())
+        times = [phase for phase, _ in points]
+        found = list[float]()
+        period = 2 * float(arb.pi())
         times = [*(each + period * (each < times[0]) for each in times), times[0] + period]
         flights = [i for i, piece in enumerate(self.pieces) if not piece.sticks][: len(self.legs)]
         for i, leg in zip(flights, self.legs, strict=True):
-            found += [times[i], *([] if leg.piece.after_stick else [points[i][1]]), (times[i + 1] - times[i]) / Omega]
+            found += [
+                times[i],
+                *([] if leg.piece.after_stick else [points[i][1]]),
+                (times[i + 1] - times[i]) / Omega,
+            ]
         return found
 
     def points(self, o: Oscillator, u: Values) -> list[tuple[float, float]]:
@@ -196,23 +252,29 @@ class Flights:
         """Return all flights of the oscillator `o`, with the unknowns `u` of an orbit, followed to their ends."""
         return [Flown(o, leg, u, u[leg.tau]) for leg in self.legs]
 
-    def next_start(self, o: Oscillator, i: int, u: Values, flown: Sequence[Flown]) -> tuple[Ball, Ball]:
-        """Return phase and position at the start of the flight after flight i; `flown` has all flights."""
+    def next_start(
+        self, o: Oscillator, i: int, u: Values, flown: Sequence[Flown]
+    ) -> tuple[Ball, Ball]:
+        """Return phase and position at the start of the flight after flight i.
+
+        `flown` has all flights.
+        """
         if i + 1 < len(self.legs):
             return u[self.legs[i + 1].at], flown[i + 1].x0
         x = flown[0].x0
-        return u[0] + (2 - self.mirrored) * arb.pi(), (o.A[1] + o.A[3]) / o.k - x if self.mirrored else x
+        return u[0] + (2 - self.mirrored) * arb.pi(), (
+            o.A[1] + o.A[3]
+        ) / o.k - x if self.mirrored else x
 
     def residuals(self, o: Oscillator, u: Values) -> tuple[list[Flown], Values]:
         """Return the flights followed to their ends, and the residuals of the closing equations."""
-        flown, found = self.flown(o, u), list[Ball]()
+        flown = self.flown(o, u)
+        found = list[Ball]()
         for i, (leg, there) in enumerate(zip(self.legs, flown, strict=True)):
-            speed, (phase, x), start, tau = (
-                o.speed[leg.piece.end],
-                self.next_start(o, i, u, flown),
-                u[leg.at],
-                u[leg.tau],
-            )
+            speed = o.speed[leg.piece.end]
+            (phase, x) = self.next_start(o, i, u, flown)
+            start = u[leg.at]
+            tau = u[leg.tau]
             if leg.stick:
                 found += [there.v - speed, there.x + speed * ((phase - start) / o.Omega - tau) - x]
             else:
@@ -220,24 +282,41 @@ class Flights:
         return flown, found
 
     def slopes(self, o: Oscillator, leg: Leg, u: Values, share: float = 1) -> dict[str, Values]:
-        """Return a dict of derivatives by a flight's unknowns: of x0, and of x, v, a after a `share` of its time."""
+        """Return a dict of derivatives by a flight's unknowns.
+
+        Of x0, and of x, v, a after a `share` of its time.
+        """
         tau = u[leg.tau] * share
-        d, s0, s1 = Flown(o, leg, u, tau), u[leg.at].sin(), (u[leg.at] + o.Omega * tau).sin()
+        d = Flown(o, leg, u, tau)
+        s0 = u[leg.at].sin()
+        s1 = (u[leg.at] + o.Omega * tau).sin()
         crossed = not leg.piece.after_stick
-        x0, a0 = (arb(0), -o.B0 * s0 / o.m) if crossed else (-o.B0 * s0 / o.k, arb(0))
-        v, a = a0 * d.E - o.drive * d.cosine, a0 * d.E1 - o.drive * d.cosine1
+        if crossed:
+            x0, a0 = (arb(0), -o.B0 * s0 / o.m)
+        else:
+            x0, a0 = (-o.B0 * s0 / o.k, arb(0))
+        v = a0 * d.E - o.drive * d.cosine
+        a = a0 * d.E1 - o.drive * d.cosine1
         x = x0 - (o.B0 * (s1 - s0) + o.c * v + o.m * (a - a0)) / o.k
         by_phase = {"x0": x0, "x": x, "v": v, "a": a}
-        by_x = {"x0": arb(1), "x": d.phi, "v": -o.km * d.E, "a": -o.km * d.E1} if crossed else {}
+        if crossed:
+            by_x = {"x0": arb(1), "x": d.phi, "v": -o.km * d.E, "a": -o.km * d.E1}
+        else:
+            by_x = {}
         by_tau = {"x0": arb(0), "x": d.v * share, "v": d.a * share, "a": d.jerk(o, s1) * share}
         return {name: [by[name] for by in (by_phase, by_x, by_tau) if by] for name in by_tau}
 
     def jacobian(self, o: Oscillator, u: Values) -> tuple[list[dict[str, Values]], list[Values]]:
         """Return the `slopes` of all flights, and the Jacobian of the residuals as a list of rows."""
-        slopes, rows = [self.slopes(o, leg, u) for leg in self.legs], list[Values]()
+        slopes = [self.slopes(o, leg, u) for leg in self.legs]
+        rows = list[Values]()
         for i, (leg, by) in enumerate(zip(self.legs, slopes, strict=True)):
             follows = (i + 1) % len(self.legs)
-            then, sign = self.legs[follows].at, -1 if follows == 0 and self.mirrored else 1
+            then = self.legs[follows].at
+            if follows == 0 and self.mirrored:
+                sign = -1
+            else:
+                sign = 1
             meets, joins, meeting = ([arb(0)] * self.count for _ in range(3))
             meets[leg.at : leg.tau + 1], joins[leg.at : leg.tau + 1] = by["v"], by["x"]
             for j, entry in enumerate(slopes[follows]["x0"], then):
@@ -245,7 +324,11 @@ class Flights:
             rows += [meets, joins]
             if leg.stick:
                 speed = o.speed[leg.piece.end]
-                for j, entry in ((then, speed / o.Omega), (leg.at, -speed / o.Omega), (leg.tau, -speed)):
+                for j, entry in (
+                    (then, speed / o.Omega),
+                    (leg.at, -speed / o.Omega),
+                    (leg.tau, -speed),
+                ):
                     joins[j] += entry
             else:
                 for j, entry in ((leg.at, 1), (leg.tau, o.Omega), (then, -1)):
@@ -256,18 +339,23 @@ class Flights:
     # -- the inequalities ----------------------------------------------------------------------------------------------
 
     def turn(self, o: Oscillator, belt: int, index: int) -> Ball:
-        """Return a phase at which k v + B0 Omega sin theta = 0 on a belt; sin theta rises there for an even `index`."""
+        """Return a phase at which k v + B0 Omega sin theta = 0 on a belt.
+
+        Sin theta rises there for an even `index`.
+        """
         angle = (-o.k * o.speed[belt] / o.drive / o.m).asin()
         return index * arb.pi() + (-angle if index % 2 else angle)
 
     def turns_between(self, o: Oscillator, belt: int, low: Ball, high: Ball) -> list[int]:
         """Return the indices of all turns of the forces on a belt that may lie between the phases `low` and `high`."""
-        bias, swing = abs(o.k * o.speed[belt]), abs(o.B0 * o.Omega)
+        bias = abs(o.k * o.speed[belt])
+        swing = abs(o.B0 * o.Omega)
         if bias > swing:
             return []
         if not bias < swing:
             raise NotInBox("whether the forces turn")
-        first, last = int(float(low) / float(arb.pi())) - 3, int(float(high) / float(arb.pi())) + 3
+        first = int(float(low) / float(arb.pi())) - 3
+        last = int(float(high) / float(arb.pi())) + 3
         turns = [(index, self.turn(o, belt, index)) for index in range(first, last)]
         return [index for index, phase in turns if not phase < low and not phase > high]
 
@@ -276,14 +364,21 @@ class Flights:
         return o.k * o.speed[belt] + o.B0 * o.Omega * phase.sin()
 
     def sections(self, o: Oscillator, leg: Leg, u: Values) -> list[tuple[int, Ball, Ball]] | None:
-        """Cut a flight with gap g at the turns; return a list of (sign of m g'' + c g' + k g, begin, end), or None."""
-        phase, belt, found = u[leg.at], leg.piece.start, []
+        """Cut a flight with gap g at the turns.
+
+        Return a list of (sign of m g'' + c g' + k g, begin, end), or None.
+        """
+        phase = u[leg.at]
+        belt = leg.piece.start
+        found = []
         end = phase + o.Omega * u[leg.tau]
         turns = [self.turn(o, belt, index) for index in self.turns_between(o, belt, phase, end)]
         if not all(phase < turn < end for turn in turns):
             return None
         times = [arb(0), *((each - phase) / o.Omega for each in turns), u[leg.tau]]
-        for (a, b), (low, high) in zip(pairwise([phase, *turns, end]), pairwise(times), strict=True):
+        for (a, b), (low, high) in zip(
+            pairwise([phase, *turns, end]), pairwise(times), strict=True
+        ):
             value = self.drift(o, belt, ((a + b) / 2).mid())
             if not abs(value) > 0:
                 return None
@@ -291,23 +386,34 @@ class Flights:
         return found
 
     def plan(self, o: Oscillator, u: Values) -> Plan:
-        """Return how to prove the word for all unknowns in the balls u: turns in each stick, and cuts of each flight.
+        """Return how to prove the word for all unknowns in the balls u.
 
-        A cut is a point of a flight at which the gap is shown to be > 0; a flight that needs short steps has None.
+        Turns in each stick, and cuts of each flight.
+
+        A cut is a point of a flight at which the gap is shown to be > 0; a flight that needs short
+        steps has None.
         """
-        flown, turns, cuts = self.flown(o, u), list[list[int]](), list[list[Cut] | None]()
+        flown = self.flown(o, u)
+        turns = list[list[int]]()
+        cuts = list[list[Cut] | None]()
         for i, leg in enumerate(self.legs):
-            end, begin = self.next_start(o, i, u, flown)[0], u[leg.at] + o.Omega * u[leg.tau]
+            end = self.next_start(o, i, u, flown)[0]
+            begin = u[leg.at] + o.Omega * u[leg.tau]
             turns.append(self.turns_between(o, leg.piece.end, begin, end) if leg.stick else [])
             cuts.append(self.cuts(o, leg, u) if leg.piece.start == leg.piece.end else None)
         return turns, cuts
 
     def cuts(self, o: Oscillator, leg: Leg, u: Values) -> list[Cut] | None:
-        """Return the points (`Cut`) of a flight at which to show that its gap is > 0; None if it needs short steps."""
-        found, longest = self.sections(o, leg, u), longest_part(o)
+        """Return the points (`Cut`) of a flight at which to show that its gap is > 0.
+
+        None if it needs short steps.
+        """
+        found = self.sections(o, leg, u)
+        longest = longest_part(o)
         if found is None:
             return None
-        tau, cuts = float(u[leg.tau]), list[Cut]()
+        tau = float(u[leg.tau])
+        cuts = list[Cut]()
         spare = 2 * max(float(high.rad()) for _, _, high in found) + tau / 1000
         for i, (sign, *ends) in enumerate(found):
             low, high = map(float, ends)
@@ -323,24 +429,38 @@ class Flights:
                 count = ceil(4 * (high - low) / longest)
                 half = (high - low) / count / 2
                 cuts += [(low + (2 * j + 1) * half, 1.05 * half + spare) for j in range(count)]
-        return None if len(cuts) > MOST_CUTS else [(round(at / tau * 1024) / 1024, reach) for at, reach in cuts]
+        if len(cuts) > MOST_CUTS:
+            return None
+        return [(round(at / tau * 1024) / 1024, reach) for at, reach in cuts]
 
     def stays(self, o: Oscillator, leg: Leg, u: Values, cuts: list[Cut]) -> bool:
         """Return whether the gap of a flight back to its belt is > 0 all the time, if it is > 0 at the `cuts`."""
-        found, longest, tau, left = self.sections(o, leg, u), longest_part(o), u[leg.tau], list(cuts)
+        found = self.sections(o, leg, u)
+        longest = longest_part(o)
+        tau = u[leg.tau]
+        left = list(cuts)
         if found is None:
             return False
         for i, (sign, low, high) in enumerate(found):
-            inside = [(tau * share, reach) for share, reach in left if float(tau) * share < float(high)]
+            inside = [
+                (tau * share, reach) for share, reach in left if float(tau) * share < float(high)
+            ]
             left = left[len(inside) :]
             if sign < 0:
                 spans = [b - a for a, b in pairwise([low, *(mark for mark, _ in inside), high])]
-                if any(reach for _, reach in inside) or not all(0 < span < longest for span in spans):
+                if any(reach for _, reach in inside) or not all(
+                    0 < span < longest for span in spans
+                ):
                     return False
                 continue
-            known = low + longest if i == 0 else low
+            if i == 0:
+                known = low + longest
+            else:
+                known = low
             for mark, reach in inside:
-                if not (low < mark < high and mark - reach < known and 2 * reach < longest and reach > 0):
+                if not (
+                    low < mark < high and mark - reach < known and 2 * reach < longest and reach > 0
+                ):
                     return False
                 known = mark + reach
             if not known > (high - longest if i + 1 == len(found) else high):
@@ -348,11 +468,19 @@ class Flights:
         return not left
 
     def margins(
-        self, o: Oscillator, u: Values, flown: Sequence[Flown], plan: Plan, slopes: Sequence[dict[str, Values]] = ()
+        self,
+        o: Oscillator,
+        u: Values,
+        flown: Sequence[Flown],
+        plan: Plan,
+        slopes: Sequence[dict[str, Values]] = (),
     ) -> list[Inequality]:
-        """Return the margins, which must be > 0 for the word: each one's text, value, and derivatives by the unknowns.
+        """Return the margins, which must be > 0 for the word.
 
-        `flown` has the flights, and `plan` the turns and cuts at which to look. Without `slopes` the derivatives are 0.
+        Each one's text, value, and derivatives by the unknowns.
+
+        `flown` has the flights, and `plan` the turns and cuts at which to look. Without `slopes`
+        the derivatives are 0.
         """
         found = list[Inequality]()
 
@@ -364,48 +492,88 @@ class Flights:
             found.append((text, value, row))
 
         for i, (leg, there) in enumerate(zip(self.legs, flown, strict=True)):
-            (phase, _), piece, stick, belt = self.next_start(o, i, u, flown), leg.piece, leg.stick, leg.piece.end
-            then, side, tau, jump = self.legs[(i + 1) % len(self.legs)].at, leg.side, u[leg.tau], o.jump[belt]
+            belt = leg.piece.end
+            stick = leg.stick
+            piece = leg.piece
+            (phase, _) = self.next_start(o, i, u, flown)
+            then = self.legs[(i + 1) % len(self.legs)].at
+            side = leg.side
+            tau = u[leg.tau]
+            jump = o.jump[belt]
             meets = -side * there.a
             by_meets = (leg.at, [-side * each for each in slopes[i]["a"]] if slopes else [])
             add(f"{piece.label} lasts", tau, (leg.tau, [arb(1)]))
             add(f"{piece.label} meets belt {belt}", meets, by_meets)
             if stick:
-                s, lasts = 1 if stick.side < 0 else -1, (phase - u[leg.at]) / o.Omega - tau
+                if stick.side < 0:
+                    s = 1
+                else:
+                    s = -1
+                lasts = (phase - u[leg.at]) / o.Omega - tau
                 by_lasts = (leg.at, [-1 / o.Omega]), (leg.tau, [arb(-1)]), (then, [1 / o.Omega])
                 drift = s * self.drift(o, belt, phase)
                 add(f"{stick.label} lasts", lasts, *by_lasts)
-                add(f"{stick.label} begins", jump - meets, (leg.at, [-each for each in by_meets[1]]))
+                add(
+                    f"{stick.label} begins", jump - meets, (leg.at, [-each for each in by_meets[1]])
+                )
                 add(f"{stick.label} ends", drift, (then, [s * o.B0 * o.Omega * phase.cos()]))
                 for turn in (self.turn(o, belt, index) for index in plan[0][i]):
-                    rises = o.B0 * (turn.cos() - phase.cos()) + o.k * o.speed[belt] * (phase - turn) / o.Omega
-                    force, change = s * rises / o.m, drift / (o.Omega * o.m)
+                    rises = (
+                        o.B0 * (turn.cos() - phase.cos())
+                        + o.k * o.speed[belt] * (phase - turn) / o.Omega
+                    )
+                    force = s * rises / o.m
+                    change = drift / (o.Omega * o.m)
                     add(f"{stick.label} holds", force, (then, [change]))
                     add(f"{stick.label} holds", jump - force, (then, [-change]))
             else:
                 add(f"{piece.label} crosses belt {belt}", meets - jump, by_meets)
             for share, reach in plan[1][i] or ():
                 cut = Flown(o, leg, u, tau * share)
-                rates = self.slopes(o, leg, u, share) if slopes else {"v": [], "a": []}
+                if slopes:
+                    rates = self.slopes(o, leg, u, share)
+                else:
+                    rates = {"v": [], "a": []}
                 for later in (reach, -reach) if reach else (0.0,):
                     E, _, phi = o.entire(arb(later))
                     ahead = side * ((cut.v - o.speed[belt]) * phi + cut.a * E)
-                    changes = [side * (v * phi + a * E) for v, a in zip(rates["v"], rates["a"], strict=True)]
+                    changes = [
+                        side * (v * phi + a * E)
+                        for v, a in zip(rates["v"], rates["a"], strict=True)
+                    ]
                     add(f"v meets belt {belt} during {piece.label}", ahead, (leg.at, changes))
         return found
 
     def prove_flights(self, o: Oscillator, u: Values, plan: Plan) -> None:
-        """Prove that no flight meets a belt before its end, if all margins are > 0; raise Undecided if that fails."""
+        """Prove that no flight meets a belt before its end, if all margins are > 0.
+
+        Raise Undecided if that fails.
+        """
         for leg, cuts in zip(self.legs, plan[1], strict=True):
             piece = leg.piece
-            sides = {belt: (1 if piece.mode > belt else -1, o.speed[belt]) for belt in belts_around(piece.mode)}
+            sides = {
+                belt: (1 if piece.mode > belt else -1, o.speed[belt])
+                for belt in belts_around(piece.mode)
+            }
             if self.beside and piece.mode != 2:  # its mirror image is between both belts
-                other = 2 if piece.mode == 1 else 1
+                if piece.mode == 1:
+                    other = 2
+                else:
+                    other = 1
                 sides[other] = (1 if piece.mode == 1 else -1), -o.speed[other]
             for belt, (side, speed) in sides.items():
-                if belt == piece.start == piece.end and cuts is not None and self.stays(o, leg, u, cuts):
+                if (
+                    belt == piece.start == piece.end
+                    and cuts is not None
+                    and self.stays(o, leg, u, cuts)
+                ):
                     continue
-                zeros = 0 if belt != piece.start else 2 if piece.after_stick else 1
+                if belt != piece.start:
+                    zeros = 0
+                elif piece.after_stick:
+                    zeros = 2
+                else:
+                    zeros = 1
                 gap = partial(self.gap, o, leg, u, side, speed)
                 prove_positive(Margin(piece.label, gap, zeros, belt == piece.end), u[leg.tau])
 
@@ -418,30 +586,41 @@ class Flights:
 
 def complexed(value: Ball) -> Ball:
     """Return a real ball or series as a complex one."""
-    return acb_series(value) if isinstance(value, arb_series) else acb(value)
+    if isinstance(value, arb_series):
+        return acb_series(value)
+    return acb(value)
 
 
 def times_i(value: Ball) -> Ball:
     """Return the imaginary unit times a real ball or series."""
-    return acb_series(value) * acb_series([acb(0, 1)]) if isinstance(value, arb_series) else acb(0, value)
+    if isinstance(value, arb_series):
+        return acb_series(value) * acb_series([acb(0, 1)])
+    return acb(0, value)
 
 
 def component(value: Ball, imaginary: int) -> Ball:
     """Return the real part of a complex ball or series or, if `imaginary`, its imaginary part."""
     if not isinstance(value, acb_series):
-        return value.imag if imaginary else value.real
+        if imaginary:
+            return value.imag
+        return value.real
     return arb_series([each.imag if imaginary else each.real for each in value], prec=value.prec)
 
 
 def longest_part(o: Oscillator) -> float:
     """Return a time that is just less than half a period of the motion without drive (infinity if it has no period)."""
     square = (-o.kappa).upper()
-    return float((arb.pi() / square.sqrt()).lower()) * (1 - 1e-12) if square > 0 else float("inf")
+    if square > 0:
+        return float((arb.pi() / square.sqrt()).lower()) * (1 - 1e-12)
+    return float("inf")
 
 
 @contextmanager
 def box_arithmetic() -> Iterator[None]:
-    """Set the precision for boxes in a with block; if Undecided or a division by 0 occurs in it, raise NotInBox."""
+    """Set the precision for boxes in a with block.
+
+    If Undecided or a division by 0 occurs in it, raise NotInBox.
+    """
     before = ctx.cap
     try:
         with ctx.workprec(BOX_BITS):
@@ -455,13 +634,20 @@ def box_arithmetic() -> Iterator[None]:
 class Surface:
     """Approximate roots of the closing equations for all parameters of a box.
 
-    The unknowns u(a, b) are quadratic polynomials of the place in the box, which has a and b in [-1, 1].
+    The unknowns u(a, b) are quadratic polynomials of the place in the box, which has a and b in
+    [-1, 1].
     """
 
-    # Raises NotInBox if the orbit found from `near` at the middle of the box does not have the word.
+    # Raises NotInBox if the orbit found from `near` at the middle of the box does not have the
+    # word.
 
     def __init__(
-        self, p: Parameters, names: Sequence[str], box: Rectangle, flights: Flights, near: Sequence[float]
+        self,
+        p: Parameters,
+        names: Sequence[str],
+        box: Rectangle,
+        flights: Flights,
+        near: Sequence[float],
     ) -> None:
         self.p, self.names, self.flights = p, names, flights
         self.fixed = by_name(p, ball)
@@ -481,7 +667,9 @@ class Surface:
             if not size < 1e3:
                 break
             if size < CONVERGED:
-                margins = flights.margins(o, self.u.entries(), flown, flights.plan(o, self.u.entries()))
+                margins = flights.margins(
+                    o, self.u.entries(), flown, flights.plan(o, self.u.entries())
+                )
                 what, value, _ = min(margins, key=lambda each: float(each[1]))
                 if value < 0:
                     raise NotInBox(what)
@@ -497,12 +685,16 @@ class Surface:
     ) -> tuple[Oscillator, Values]:
         """Return oscillator and unknowns as power series of `count` terms along the direction `d` in the box.
 
-        `rows` has the coefficients of the unknowns. The series begin at the middle or, if `wide`, at all of the box.
+        `rows` has the coefficients of the unknowns. The series begin at the middle or, if `wide`,
+        at all of the box.
         """
         ctx.cap = count
         base = zip(self.range if wide else self.middle, self.half, d, strict=True)
         o = self.oscillator([arb_series([b, h * e], prec=count) for b, h, e in base])
-        return o, [arb_series(list(each), prec=count) for each in zip(*(row.entries() for row in rows), strict=True)]
+        return o, [
+            arb_series(list(each), prec=count)
+            for each in zip(*(row.entries() for row in rows), strict=True)
+        ]
 
     def near(self, a: float, b: float) -> tuple[float, ...]:
         """Return approximate unknowns at a place (a, b) in the box as floats."""
@@ -514,36 +706,49 @@ class Surface:
 
     def at(self, a: Ball, b: Ball) -> arb_mat:
         """Return the unknowns at a place (a, b) in the box, by their quadratic polynomials."""
-        (da, db), (aa, ab, bb) = self.slopes, self.squares
+        (da, db) = self.slopes
+        (aa, ab, bb) = self.squares
         return self.u + a * (da + a * aa + b * ab) + b * (db + b * bb)
 
     def prove(self) -> None:
-        """Prove that an orbit with the word exists for all parameters of the box; raise NotInBox if that fails."""
-        flights, place, zero = self.flights, arb(0, 1), arb(0)
+        """Prove that an orbit with the word exists for all parameters of the box.
+
+        Raise NotInBox if that fails.
+        """
+        flights = self.flights
+        place = arb(0, 1)
+        zero = arb(0)
         da, db = (-self._coefficients(d, [self.u], 2, False)[0][1].mid() for d in DIRECTIONS[:2])
-        thin, bends, rest = list[tuple[Oscillator, Values, list[Flown]]](), list[arb_mat](), [zero] * flights.count
+        thin = list[tuple[Oscillator, Values, list[Flown]]]()
+        bends = list[arb_mat]()
+        rest = [zero] * flights.count
         for d in DIRECTIONS[:3]:
             r, found = self._coefficients(d, [self.u, d[0] * da + d[1] * db], 3, False)
             bends.append(-r[2].mid())
             thin.append(found)
             for values in (r[0], r[1], r[2] + self.Y * (self.J * bends[-1])):
-                rest = [each + 3 * abs(more) for each, more in zip(rest, values.entries(), strict=True)]
+                rest = [
+                    each + 3 * abs(more) for each, more in zip(rest, values.entries(), strict=True)
+                ]
         aa, bb, both = bends
         self.slopes, self.squares = [da, db], (aa, both - aa - bb, bb)
-        wide, surface = self.oscillator(self.range), self.at(place, place)
+        wide = self.oscillator(self.range)
+        surface = self.at(place, place)
         plan = flights.plan(wide, surface.entries())
-        low, rises = (
-            list[Ball](),
-            list[int](),
-        )  # of each margin the least of its linear part; along which side it changes
-        for (what, one, _), (_, other, _) in zip(*(flights.margins(*each, plan) for each in thin[:2]), strict=True):
+        # of each margin the least of its linear part; along which side it changes
+        low = list[Ball]()
+        rises = list[int]()
+        for (what, one, _), (_, other, _) in zip(
+            *(flights.margins(*each, plan) for each in thin[:2]), strict=True
+        ):
             a, b = (abs(coefficient(each, 1)) for each in (one, other))
             low.append(coefficient(one, 0) - a - b)
             rises.append(int(b > a))
             if low[-1] < 0:
                 raise NotInBox(what, rises[-1])
 
-        cubes, curves = list[arb_mat](), list[list[Ball]]()
+        cubes = list[arb_mat]()
+        curves = list[list[Ball]]()
         for d in DIRECTIONS:
             r, found = self._coefficients(d, [surface, *self._derivatives(d, place)], 4, True)
             cubes.append(r[3])
@@ -552,14 +757,22 @@ class Surface:
         form = A, (cubes[2] - cubes[3]) / 2 - D, (cubes[2] + cubes[3]) / 2 - A, D
         parts = zip(rest, *(each.entries() for each in form), strict=True)
         pushed = [(each + sum(map(abs, more), zero)).upper() for each, *more in parts]
-        sizes = [max(float(abs(a) / p) for a, p in zip(each.entries(), pushed, strict=True)) for each in (A, D)]
+        sizes = [
+            max(float(abs(a) / p) for a, p in zip(each.entries(), pushed, strict=True))
+            for each in (A, D)
+        ]
         along = int(sizes[1] > sizes[0])
         tube, slopes = self._root_distances(surface, pushed, along)
 
         whole = (surface + column([arb(0, r) for r in tube])).entries()
-        if not all(set(new) <= set(old) for new, old in zip(flights.plan(wide, whole)[0], plan[0], strict=True)):
+        if not all(
+            set(new) <= set(old)
+            for new, old in zip(flights.plan(wide, whole)[0], plan[0], strict=True)
+        ):
             raise NotInBox("which turns are in a stick", along)
-        for i, (what, _, by) in enumerate(flights.margins(wide, whole, flights.flown(wide, whole), plan, slopes)):
+        for i, (what, _, by) in enumerate(
+            flights.margins(wide, whole, flights.flown(wide, whole), plan, slopes)
+        ):
             bent = [curve[i] for curve in curves[:3]]
             mixed = abs(bent[2] - bent[0] - bent[1])
             near = sum((abs(each) * r for each, r in zip(by, tube, strict=True)), zero)
@@ -577,28 +790,42 @@ class Surface:
 
     def _derivatives(self, d: tuple[int, int], place: Ball) -> tuple[arb_mat, arb_mat]:
         """Return first and second Taylor coefficients of the unknowns u(a, b) along `d`, for all a and b in `place`."""
-        (da, db), (aa, ab, bb), (i, j) = self.slopes, self.squares, d
+        (da, db) = self.slopes
+        (aa, ab, bb) = self.squares
+        (i, j) = d
         slope = i * (da + place * (2 * aa) + place * ab) + j * (db + place * (2 * bb) + place * ab)
         return slope, i * i * aa + i * j * ab + j * j * bb
 
-    def _root_distances(self, surface: arb_mat, pushed: Values, along: int) -> tuple[Values, list[dict[str, Values]]]:
+    def _root_distances(
+        self, surface: arb_mat, pushed: Values, along: int
+    ) -> tuple[Values, list[dict[str, Values]]]:
         """Return for each unknown a bound on how far roots are from `surface`, where |Y f| <= `pushed`; and slopes."""
         # `along` is the side to cut if there is no proof.
-        flights, tube = self.flights, [INFLATION * each for each in pushed]
+        flights = self.flights
+        tube = [INFLATION * each for each in pushed]
         for _ in range(MOST_INFLATIONS):
             tube = [(INFLATION * each).mid() for each in tube]
             reach = column([arb(0, r) for r in tube])
             _, rows = flights.jacobian(self.oscillator(self.middle), (self.u + reach).entries())
             parts = [unit_matrix(flights.count) - self.Y * arb_mat(rows)]
             for d in DIRECTIONS[:2]:
-                o, u = self.directed(d, [surface + reach, self._derivatives(d, arb(0, 1))[0]], 2, True)
+                o, u = self.directed(
+                    d, [surface + reach, self._derivatives(d, arb(0, 1))[0]], 2, True
+                )
                 slopes, rows = flights.jacobian(o, u)
-                parts.append(self.Y * arb_mat([[coefficient(each, 1) for each in row] for row in rows]))
+                parts.append(
+                    self.Y * arb_mat([[coefficient(each, 1) for each in row] for row in rows])
+                )
             entries = zip(*(part.entries() for part in parts), strict=True)
-            apart = arb_mat(flights.count, flights.count, [sum(map(abs, each), arb(0)) for each in entries])
+            apart = arb_mat(
+                flights.count, flights.count, [sum(map(abs, each), arb(0)) for each in entries]
+            )
             image = (column(pushed) + apart * column(tube)).entries()
             if all(each < r for each, r in zip(image, tube, strict=True)):
-                return tube, [{name: [coefficient(z, 0) for z in row] for name, row in by.items()} for by in slopes]
+                return tube, [
+                    {name: [coefficient(z, 0) for z in row] for name, row in by.items()}
+                    for by in slopes
+                ]
             grown = (apart * column(pushed)).entries()
             excess = max(float(each) / float(p) for each, p in zip(grown, pushed, strict=True))
             tube = [each.upper() for each in image]

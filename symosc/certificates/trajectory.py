@@ -1,22 +1,28 @@
-"""Proof of a motion up to its end, event by event, with as many bits as needed; a graze of one start in its error.
+"""Proof of a motion up to its end, event by event, with as many bits as needed.
 
-A graze is a double zero of the gap, and no balls can tell it from a near miss. So one number s of the start is left
-free: (t, s) is a simple zero of gap = d gap/dt = 0, and Krawczyk's operator proves that exactly one s between two
-fractions grazes. The checker proves the same by continuity and by the sign of d gap/ds (`symosc derive certificates`).
+A graze of one start in its error.
 
-Derivatives of the events by a number are coefficients of power series of two terms in its change: at the time of the
-next event, which is known, v (on a belt: the force that vanishes) has a derivative, and the implicit function theorem
-gives that of the event. It holds because each event is proven to be transversal: the slope there is not 0, nor is the
-force after it. So nearby motions have the same events.
+A graze is a double zero of the gap, and no balls can tell it from a near miss. So one number s of
+the start is left free: (t, s) is a simple zero of gap = d gap/dt = 0, and Krawczyk's operator
+proves that exactly one s between two fractions grazes. The checker proves the same by continuity
+and by the sign of d gap/ds (`symosc derive certificates`).
 
-A motion settles on a proven orbit: let P be the map from an arrival at a belt to the same one some periods later, less
-the periods, and B = c + [-e, e] a box about the orbit's arrival. If every motion from B has the events of the word, and
-P(B) lies in B, every motion that comes into B has these events in every later period. Let D contain the derivatives of
-P over B and q be the largest of (|D| e)_i / e_i. If q < 1, there is one fixed point in B, and after n cycles a motion
-is within 2 q^n e of it. So a certificate says as much of 100,000 periods as of one.
+Derivatives of the events by a number are coefficients of power series of two terms in its change:
+at the time of the next event, which is known, v (on a belt: the force that vanishes) has a
+derivative, and the implicit function theorem gives that of the event. It holds because each event
+is proven to be transversal: the slope there is not 0, nor is the force after it. So nearby motions
+have the same events.
 
-A start on a belt to all its digits, where a stick ends, may stick a little at first: every start leaves the belt before
-a time that is stated, with F = 0 or F of the sign of a flight. All these flights are followed as one set.
+A motion settles on a proven orbit: let P be the map from an arrival at a belt to the same one some
+periods later, less the periods, and B = c + [-e, e] a box about the orbit's arrival. If every
+motion from B has the events of the word, and P(B) lies in B, every motion that comes into B has
+these events in every later period. Let D contain the derivatives of P over B and q be the largest
+of (|D| e)_i / e_i. If q < 1, there is one fixed point in B, and after n cycles a motion is within 2
+q^n e of it. So a certificate says as much of 100,000 periods as of one.
+
+A start on a belt to all its digits, where a stick ends, may stick a little at first: every start
+leaves the belt before a time that is stated, with F = 0 or F of the sign of a flight. All these
+flights are followed as one set.
 """
 
 from __future__ import annotations
@@ -31,7 +37,17 @@ from typing import NamedTuple, TypeAlias
 from flint import arb, arb_mat, arb_series, ctx
 
 from symosc.aliases import Record
-from symosc.certificates.balls import Ball, StateSet, Undecided, around, ball, exact_ends, made_by, outward, size
+from symosc.certificates.balls import (
+    Ball,
+    StateSet,
+    Undecided,
+    around,
+    ball,
+    exact_ends,
+    made_by,
+    outward,
+    size,
+)
 from symosc.certificates.certificate import STARTS, Certificate, confirmed, provable, stated
 from symosc.certificates.flow import Flight, Jet, Oscillator, coefficient
 from symosc.certificates.motion import (
@@ -44,30 +60,45 @@ from symosc.certificates.motion import (
     first_zero,
     next_event,
 )
-from symosc.certificates.orbit import ClosingBalls, Values, krawczyk, one_digit, switchings, unit_matrix
+from symosc.certificates.orbit import (
+    ClosingBalls,
+    Values,
+    krawczyk,
+    one_digit,
+    switchings,
+    unit_matrix,
+)
 from symosc.exact import show
 from symosc.model import MODE_NAMES, PARAMETER_NAMES, Parameters
 from symosc.orbits.closing_equations import pieces_of
 from symosc.orbits.periodic_orbit import PeriodicOrbit
 from symosc.words import Word
 
-FIRST_BITS, MOST_BITS = 128, 8192
+FIRST_BITS = 128
+MOST_BITS = 8192
 #: How often the bits are doubled for a start with an error, which they hardly help.
 RAISES_WITH_ERROR = 1
 MOST_PROVEN_EVENTS = 20_000
 #: Enclosures of events have this many digits, and more where events are closer to each other.
-DIGITS, DIGITS_BEYOND = 25, 8
+DIGITS = 25
+DIGITS_BEYOND = 8
 EXACT = (Fraction(0),) * 3
 WIDE = "the digits of a derivative"
 #: Which start value is varied for a graze: the first one of these that has an error.
 FREE = (("x0", 1), ("v0", 2), ("t0", 0))
-MOST_SECANTS, MOST_NARROWINGS = 12, 60
+MOST_SECANTS = 12
+MOST_NARROWINGS = 60
 MODE_NUMBERS = {name: mode for mode, name in MODE_NAMES.items()}
 SETTLED_BITS = 320
 #: How many events a motion may take to come near the orbit, and how near that is (of t, and of x).
-MOST_EVENTS_BEFORE, NEAR_ARRIVAL = 2000, 1e-6
-#: How many times larger the box is than the set that comes into it; its least size; the largest factor q.
-BOX_MARGIN, LEAST_BOX, MOST_Q, MOST_TURNS = 8, Fraction(1, 10**22), 0.9, 8
+MOST_EVENTS_BEFORE = 2000
+NEAR_ARRIVAL = 1e-6
+#: How many times larger the box is than the set that comes into it; its least size; the largest
+#: factor q.
+BOX_MARGIN = 8
+LEAST_BOX = Fraction(1, 10**22)
+MOST_Q = 0.9
+MOST_TURNS = 8
 #: dt and dx of an event.
 Change: TypeAlias = tuple[Ball, Ball]
 
@@ -89,22 +120,33 @@ class ToProve(NamedTuple):
 
     def precise(self, *values: Ball) -> bool:
         """Return whether balls are known to the task's digits, relative to the value or, if |value| < 1, to 1."""
-        return all(size(each.rad()) < 10.0 ** (-self.digits - 1) * max(1.0, size(each)) for each in values)
+        return all(
+            size(each.rad()) < 10.0 ** (-self.digits - 1) * max(1.0, size(each)) for each in values
+        )
 
 
 class Proof(NamedTuple):
-    """What is proven of a motion: its first mode and its events; `undecided` is the exception that ended the proof."""
+    """What is proven of a motion: its first mode and its events.
+
+    `undecided` is the exception that ended the proof.
+    """
 
     mode: str
     events: list[ProvenEvent]
     undecided: Undecided | None = None
-    free: tuple[str, Fraction, Fraction] | None = None  # a number of the start, and between what one value grazes
+    free: tuple[str, Fraction, Fraction] | None = (
+        None  # a number of the start, and between what one value grazes
+    )
     changes: list[list[Change]] | None = None  # dt and dx of all events by each name
 
 
 def prove_trajectory(task: ToProve) -> Certificate:
-    """Prove all events of a motion until t_end, with more bits where some sign is undecided; return the certificate."""
-    bits, raises = _first_bits(task), 0
+    """Prove all events of a motion until t_end, with more bits where some sign is undecided.
+
+    Return the certificate.
+    """
+    bits = _first_bits(task)
+    raises = 0
     while True:
         with ctx.workprec(bits):
             proof = _follow(task)
@@ -125,7 +167,8 @@ def prove_trajectory(task: ToProve) -> Certificate:
 
 def _first_bits(task: ToProve) -> int:
     """Return the binary precision to begin with: more for an accurate start and for late times."""
-    p, (t0, _, v0) = task.p, task.start
+    p = task.p
+    (t0, _, v0) = task.start
     small = [each for each in (*task.errors, abs(v0 - p.v1), abs(v0 - p.v2)) if each]
     turns = abs(p.Omega * t0) + p.Omega * (task.t_end - t0)
     spare = max(0, *(-_log2(each) for each in small)) + max(0, _log2(turns))
@@ -134,12 +177,16 @@ def _first_bits(task: ToProve) -> int:
 
 def _log2(number: Fraction) -> int:
     """Return the binary logarithm of a number, approximately."""
-    return number.numerator.bit_length() - number.denominator.bit_length() if number else 0
+    if number:
+        return number.numerator.bit_length() - number.denominator.bit_length()
+    return 0
 
 
 def _follow(task: ToProve) -> Proof:
     """Prove events with the working precision until t_end, or up to the first sign that is undecided."""
-    mode, events, o = "", [], Oscillator(task.p)
+    mode = ""
+    events = []
+    o = Oscillator(task.p)
     try:
         state = begin(o, task.start, task.errors)
         mode = MODE_NAMES[state.mode]
@@ -152,7 +199,8 @@ def _follow(task: ToProve) -> Proof:
 
 def _events(o: Oscillator, state: Moving, task: ToProve) -> Iterator[tuple[ProvenEvent, Moving]]:
     """Yield the proven events until t_end, and the states after each."""
-    t_end, count = ball(task.t_end), 0
+    t_end = ball(task.t_end)
+    count = 0
     for event, after in _followed(o, state, t_end, MOST_PROVEN_EVENTS):
         count += 1
         if not event.t < t_end:
@@ -164,7 +212,9 @@ def _events(o: Oscillator, state: Moving, task: ToProve) -> Iterator[tuple[Prove
         raise Undecided(f"what comes after {MOST_PROVEN_EVENTS} events", event.t)
 
 
-def _followed(o: Oscillator, state: Moving, t_end: Ball, most: int) -> Iterator[tuple[ProvenEvent, Moving]]:
+def _followed(
+    o: Oscillator, state: Moving, t_end: Ball, most: int
+) -> Iterator[tuple[ProvenEvent, Moving]]:
     """Yield up to `most` proven events before t_end, with the states after each."""
     for _ in range(most):
         following = next_event(o, state, t_end)
@@ -180,8 +230,12 @@ def _followed(o: Oscillator, state: Moving, t_end: Ball, most: int) -> Iterator[
 def _differentiated(task: ToProve, proof: Proof) -> Proof:
     """Return `proof` with the derivatives by `task.wrt` added or, if one is undecided, the exception that says so."""
     try:
-        changes = [_changes(task, MODE_NUMBERS[proof.mode], proof.events, name) for name in task.wrt]
-        if not task.precise(*(value for column in changes for change in column for value in change)):
+        changes = [
+            _changes(task, MODE_NUMBERS[proof.mode], proof.events, name) for name in task.wrt
+        ]
+        if not task.precise(
+            *(value for column in changes for change in column for value in change)
+        ):
             raise Undecided(WIDE)
     except Undecided as undecided:
         return proof._replace(undecided=undecided)
@@ -189,11 +243,18 @@ def _differentiated(task: ToProve, proof: Proof) -> Proof:
 
 
 def _changes(task: ToProve, mode: int, events: Sequence[ProvenEvent], name: str) -> list[Change]:
-    """Enclose derivatives of t and x of all events by `name`, a parameter or start value; `mode` is the first mode."""
-    p, start = task.p, task.start
+    """Enclose derivatives of t and x of all events by `name`, a parameter or start value.
+
+    `mode` is the first mode.
+    """
+    p = task.p
+    start = task.start
     if name not in provable(p, start[2]):
         on_belt = start[2] in (p.v1, p.v2) and name[0] == "v"
-        where = "of a start on a belt" if on_belt else "at resonance or where it is 0"
+        if on_belt:
+            where = "of a start on a belt"
+        else:
+            where = "at resonance or where it is 0"
         raise Undecided(f"a derivative by {name} {where}")
 
     def series(value: Ball, slope: Ball) -> Ball:
@@ -201,25 +262,38 @@ def _changes(task: ToProve, mode: int, events: Sequence[ProvenEvent], name: str)
 
     found: list[Change] = []
     with suppress(ZeroDivisionError, ValueError):  # series cannot be divided by what may be 0
-        o = Oscillator(p, {name: series(ball(getattr(p, name)), arb(1))} if name in PARAMETER_NAMES else None)
-        t, x, v = (series(ball(value), arb(int(name == own))) for value, own in zip(start, STARTS, strict=True))
+        o = Oscillator(
+            p, {name: series(ball(getattr(p, name)), arb(1))} if name in PARAMETER_NAMES else None
+        )
+        t, x, v = (
+            series(ball(value), arb(int(name == own)))
+            for value, own in zip(start, STARTS, strict=True)
+        )
         for event in events:
             if event.kind == "graze":
                 raise Undecided("a derivative behind a graze", event.t)
-            speed, then, target = o.speed[event.boundary], series(event.t, arb(0)), MODE_NUMBERS[event.target]
+            speed = o.speed[event.boundary]
+            then = series(event.t, arb(0))
+            target = MODE_NUMBERS[event.target]
             if mode > ON_A_BELT:
                 at_end = x + speed * (then - t)
                 force = o.force(target, then, at_end, speed)
-                dt = coefficient(force, 1) / coefficient(o.km * speed + o.drive * (o.Omega * then).sin())
+                dt = coefficient(force, 1) / coefficient(
+                    o.km * speed + o.drive * (o.Omega * then).sin()
+                )
             else:
                 flight = Flight(o, mode, t, x, v)
                 there = flight.at(then - t)
-                at_end, dt = flight.x(there), coefficient(speed - there.v, 1) / coefficient(there.a)
+                at_end = flight.x(there)
+                dt = coefficient(speed - there.v, 1) / coefficient(there.a)
             dx = coefficient(at_end, 1) + coefficient(speed) * dt
             if not (dt.is_finite() and dx.is_finite()):
                 raise Undecided(f"a derivative by {name} of an event", event.t)
             found.append((dt, dx))
-            mode, t, x, v = target, series(event.t, dt), series(event.x, dx), speed
+            mode = target
+            t = series(event.t, dt)
+            x = series(event.x, dx)
+            v = speed
         return found
     raise Undecided(f"a derivative by {name} at critical damping")
 
@@ -229,7 +303,9 @@ def _changes(task: ToProve, mode: int, events: Sequence[ProvenEvent], name: str)
 
 def _with_a_graze(task: ToProve, proof: Proof, graze: tuple[int, Ball]) -> Proof:
     """Return a proof that one start within the error grazes, after the events of `proof`, near `graze` (belt, time)."""
-    o, before, (boundary, near) = Oscillator(task.p), len(proof.events), graze
+    o = Oscillator(task.p)
+    before = len(proof.events)
+    (boundary, near) = graze
     name, place = next((name, place) for name, place in FREE if task.errors[place])
     events: list[ProvenEvent] = []
 
@@ -237,7 +313,8 @@ def _with_a_graze(task: ToProve, proof: Proof, graze: tuple[int, Ball]) -> Proof
         """Return the states before the grazing flight, from all starts whose t0, x0 or v0 (`name`) is in `value`."""
         events.clear()
         low, high = exact_ends(value)
-        start, errors = list(task.start), list(EXACT)
+        start = list(task.start)
+        errors = list(EXACT)
         start[place], errors[place] = (low + high) / 2, (high - low) / 2
         state = begin(o, tuple(start), tuple(errors))
         for event, after in islice(_events(o, state, task), before):
@@ -246,15 +323,22 @@ def _with_a_graze(task: ToProve, proof: Proof, graze: tuple[int, Ball]) -> Proof
         return state
 
     try:
-        low, high = _grazing_interval(o, arrive, boundary, task.start[place], task.errors[place], near)
+        low, high = _grazing_interval(
+            o, arrive, boundary, task.start[place], task.errors[place], near
+        )
         free = ball(low).union(ball(high))
-        middle, state = arrive(free.mid()), arrive(free)
+        middle = arrive(free.mid())
+        state = arrive(free)
         flight, there = _lowest(o, state, boundary, near)
         _only_contact(o, state, flight, there, boundary)
-        # Exactly one start value between low and high has a flight that grazes near `times` (Krawczyk).
-        side, lowest = flight.side(boundary), flight.t0 + there.tau
-        times, one = around(lowest.mid(), 4 * lowest.rad()), middle.flight(o, middle.states.hull())
-        thin, wide = one.at(times.mid() - one.t0), flight.at(times - flight.t0)
+        # Exactly one start value between low and high has a flight that grazes near `times`
+        # (Krawczyk).
+        side = flight.side(boundary)
+        lowest = flight.t0 + there.tau
+        times = around(lowest.mid(), 4 * lowest.rad())
+        one = middle.flight(o, middle.states.hull())
+        thin = one.at(times.mid() - one.t0)
+        wide = flight.at(times - flight.t0)
         dx, dv = flight.moved(wide, [row[place] for row in state.states.slopes])
         J = side * arb_mat([[wide.a, dv], [flight.jerk(wide), -o.cm * dv - o.km * dx]])
         residual = [side * (thin.v - o.speed[boundary]), side * thin.a]
@@ -272,14 +356,21 @@ def _with_a_graze(task: ToProve, proof: Proof, graze: tuple[int, Ball]) -> Proof
 
 
 def _grazing_interval(
-    o: Oscillator, arrive: Callable[[Ball], Moving], boundary: int, given: Fraction, error: Fraction, near: Ball
+    o: Oscillator,
+    arrive: Callable[[Ball], Moving],
+    boundary: int,
+    given: Fraction,
+    error: Fraction,
+    near: Ball,
 ) -> tuple[Fraction, Fraction]:
     """Estimate, by the secant method, two values of t0, x0 or v0 between which one leads to a graze; no proof.
 
-    `arrive` returns the states before the flight that grazes, about a time `near` after its start. The values differ
-    from the `given` one by `error` at most.
+    `arrive` returns the states before the flight that grazes, about a time `near` after its start.
+    The values differ from the `given` one by `error` at most.
     """
-    start, reach, points = ball(given), ball(error), list[tuple[Ball, Ball]]()
+    start = ball(given)
+    reach = ball(error)
+    points = list[tuple[Ball, Ball]]()
     for count in range(2 + MOST_SECANTS):
         if count < 2:
             value = (start + arb(0.25 * count) * reach).mid()
@@ -293,7 +384,9 @@ def _grazing_interval(
         points.append((value, there.g.mid()))
         near = there.tau
     unit = Fraction(1, 10 ** int(ctx.prec * 0.301 / 2.5 + 1))
-    low, high = (Fraction(round(exact_ends(points[-1][0])[0] / unit) + step) * unit for step in (-1, 1))
+    low, high = (
+        Fraction(round(exact_ends(points[-1][0])[0] / unit) + step) * unit for step in (-1, 1)
+    )
     if max(abs(low - given), abs(high - given)) > error:
         raise Undecided("a touch that is further off than the error of the start", near)
     return low, high
@@ -314,11 +407,15 @@ def _lowest(o: Oscillator, state: Moving, boundary: int, near: Ball) -> tuple[Fl
         following = (tau - sample.g / sample.dg).mid()
         if not following.is_finite():
             break
-        done, tau = abs(following - tau) < arb(2) ** (10 - ctx.prec) * abs(tau), following
+        done = abs(following - tau) < arb(2) ** (10 - ctx.prec) * abs(tau)
+        tau = following
         if done:
             break
-    ends, spare = (arb(0), arb.pos_inf()), arb(2) ** (8 - ctx.prec)
-    return flight, gap(enclosed_zero(falling, falling(tau), spare, ends, "the lowest point of a gap", flight.t0))
+    ends = (arb(0), arb.pos_inf())
+    spare = arb(2) ** (8 - ctx.prec)
+    return flight, gap(
+        enclosed_zero(falling, falling(tau), spare, ends, "the lowest point of a gap", flight.t0)
+    )
 
 
 def _only_contact(o: Oscillator, state: Moving, flight: Flight, there: Jet, boundary: int) -> None:
@@ -331,7 +428,10 @@ def _only_contact(o: Oscillator, state: Moving, flight: Flight, there: Jet, boun
     else:
         raise Undecided("the bend of a gap at a touch", flight.t0 + there.tau)
     for belt in belts_around(state.mode):
-        before = (there.tau - width).lower() if belt == boundary else there.tau.upper()
+        if belt == boundary:
+            before = (there.tau - width).lower()
+        else:
+            before = there.tau.upper()
         if first_zero(flight, belt, before, belt == state.boundary) is not None:
             raise Undecided("a contact before a touch", flight.t0 + there.tau)
 
@@ -340,20 +440,32 @@ def _only_contact(o: Oscillator, state: Moving, flight: Flight, there: Jet, boun
 
 
 def _certificate(task: ToProve, proof: Proof, bits: int) -> Certificate:
-    """Return the certificate of a motion: with the checker's verdict, or with what `bits` bits leave undecided."""
-    rows, before, undecided = [], ball(task.start[0]), proof.undecided
+    """Return the certificate of a motion.
+
+    With the checker's verdict, or with what `bits` bits leave undecided.
+    """
+    rows = []
+    before = ball(task.start[0])
+    undecided = proof.undecided
     for event in proof.events:
-        digits, since = task.digits, event.t - before
+        digits = task.digits
+        since = event.t - before
         if since > 0:
             scale = max(1.0, size(event.t))
             digits = max(digits, DIGITS_BEYOND + ceil(log2(scale / size(since)) * log10(2)))
         rows.append(event_row(event, digits))
         before = event.t
-    starts = "all" if proof.free is None else "some"
+    if proof.free is None:
+        starts = "all"
+    else:
+        starts = "some"
     statement = first_entries(task, bits) | {"starts": starts, "mode": proof.mode, "events": rows}
     if proof.changes:
         derivatives = [
-            {d: [decimals(change[i], task.digits) for change in of_event] for i, d in enumerate(("dt", "dx"))}
+            {
+                d: [decimals(change[i], task.digits) for change in of_event]
+                for i, d in enumerate(("dt", "dx"))
+            }
             for of_event in zip(*proof.changes, strict=True)
         ]
         statement |= {"wrt": list(task.wrt), "derivatives": derivatives}
@@ -370,7 +482,10 @@ def _certificate(task: ToProve, proof: Proof, bits: int) -> Certificate:
 
 
 def first_entries(task: ToProve, bits: int) -> Record:
-    """Return the first entries of a motion's file: the program, and parameters and start as rational numbers."""
+    """Return the first entries of a motion's file.
+
+    The program, and parameters and start as rational numbers.
+    """
     return made_by(bits) | {
         "parameters": task.p.as_dict(),
         "start": {name: show(value) for name, value in zip(STARTS, task.start, strict=True)},
@@ -408,7 +523,10 @@ class Cycle(NamedTuple):
 
 
 def prove_settled(task: ToProve, orbit: PeriodicOrbit) -> Certificate:
-    """Prove all events until t_end of a motion that settles on an orbit, by a cycle of events; return a certificate."""
+    """Prove all events until t_end of a motion that settles on an orbit, by a cycle of events.
+
+    Return a certificate.
+    """
     with ctx.workprec(SETTLED_BITS):
         closing = ClosingBalls(Oscillator(task.p), pieces_of(Word(orbit.labels)), orbit.periods)
         before: list[ProvenEvent] = []
@@ -419,8 +537,13 @@ def prove_settled(task: ToProve, orbit: PeriodicOrbit) -> Certificate:
                 raise Undecided("the orbit on which the motion is to settle")
             start, until = _start(closing.oscillator, task)
             about = first_entries(task, SETTLED_BITS) | {"mode": MODE_NAMES[start.mode]}
-            about["may_stick_until"] = None if until is None else show(until)
-            for event, state in _followed(closing.oscillator, start, ball(task.t_end), MOST_EVENTS_BEFORE):
+            if until is None:
+                about["may_stick_until"] = None
+            else:
+                about["may_stick_until"] = show(until)
+            for event, state in _followed(
+                closing.oscillator, start, ball(task.t_end), MOST_EVENTS_BEFORE
+            ):
                 before.append(event)
                 i = _arrival(closing, root, event)
                 if i is not None and (cycle := _invariant_box(closing, root, i, state)) is not None:
@@ -432,30 +555,46 @@ def prove_settled(task: ToProve, orbit: PeriodicOrbit) -> Certificate:
 
 def _start(o: Oscillator, task: ToProve) -> tuple[Moving, Fraction | None]:
     """Return the initial states and None or, if the mass may stick first, the states as it slips and a later time."""
-    p, (t0, x0, v0) = task.p, task.start
+    p = task.p
+    (t0, x0, v0) = task.start
     try:
         return begin(o, task.start, task.errors), None
     except Undecided:
         if v0 not in (p.v1, p.v2) or task.errors[2]:
             raise
-    boundary = 1 if v0 == p.v1 else 2
+    if v0 == p.v1:
+        boundary = 1
+    else:
+        boundary = 2
     t, x = (around(ball(c), ball(e)) for c, e in zip((t0, x0), task.errors, strict=False))
     low, high = (o.force(domain, t, x, o.speed[boundary]) for domain in (boundary, boundary + 1))
     slope = -(o.km * o.speed[boundary] + o.drive * (o.Omega * t).sin())
     if not ((slope < 0 and high < 0) or (slope > 0 and low > 0)):
         raise Undecided("a force on the belt at the start", t)
-    domain, force = (boundary, low) if slope < 0 else (boundary + 1, high)
+    if slope < 0:
+        domain, force = (boundary, low)
+    else:
+        domain, force = (boundary + 1, high)
     longest = exact_ends(2 * abs(force).upper() / abs(slope).lower())[1]
-    lasts = task.errors[0] + Fraction(floor(longest * 10**60) + 2, 10**60)  # a decimal of few digits above it
+    lasts = task.errors[0] + Fraction(
+        floor(longest * 10**60) + 2, 10**60
+    )  # a decimal of few digits above it
     reached = x + arb(0, (abs(o.speed[boundary]) * ball(2 * lasts)).upper())
-    return Moving(domain, boundary, StateSet.of([around(ball(t0), ball(lasts)), reached])), t0 + lasts
+    return Moving(
+        domain, boundary, StateSet.of([around(ball(t0), ball(lasts)), reached])
+    ), t0 + lasts
 
 
 def _arrival(closing: ClosingBalls, points: Values, event: ProvenEvent) -> int | None:
-    """Return the index of the orbit's switching point (after a flight) that is near an event; None if none is."""
+    """Return the index of the orbit's switching point (after a flight) that is near an event.
+
+    None if none is.
+    """
     for i, row in enumerate(switchings(closing, points, 0)[:-1]):
         turns = float((event.t - row.t) / closing.turn)
-        near = abs(turns - round(turns)) < NEAR_ARRIVAL and abs(float(event.x - row.x)) < NEAR_ARRIVAL
+        near = (
+            abs(turns - round(turns)) < NEAR_ARRIVAL and abs(float(event.x - row.x)) < NEAR_ARRIVAL
+        )
         if near and row[:4] == event[:4] and event.kind != "slip":
             return i
     return None
@@ -463,12 +602,15 @@ def _arrival(closing: ClosingBalls, points: Values, event: ProvenEvent) -> int |
 
 def _invariant_box(closing: ClosingBalls, points: Values, i: int, state: Moving) -> Cycle | None:
     """Return a box around the orbit's point i that has `state` in it and into which its motions return, or None."""
-    n, turns, once = len(closing.pieces), 1, unit_matrix(2)
+    n = len(closing.pieces)
+    turns = 1
+    once = unit_matrix(2)
     for j in range(i, i + n):  # the derivative of the map from point i to itself, approximately
         once = (closing.end_by_start(j % n, points) * once).mid()
     D = once
     while (shape := _contracted_box(D)) is None:
-        turns, D = turns + 1, D * once
+        turns = turns + 1
+        D = D * once
         if turns > MOST_TURNS:
             raise Undecided("a norm in which the orbit attracts")
     t, x = state.states.hull()
@@ -476,20 +618,30 @@ def _invariant_box(closing: ClosingBalls, points: Values, i: int, state: Moving)
     about = points[2 * i] + gone * closing.turn, points[2 * i + 1]
     middle = [Fraction(round(exact_ends(each)[0] * 10**60), 10**60) for each in about]
     off = [abs(value - ball(c)).upper() for value, c in zip((t, x), middle, strict=True)]
-    largest = max(LEAST_BOX, *(BOX_MARGIN * exact_ends(each / ball(w))[1] for each, w in zip(off, shape, strict=True)))
+    largest = max(
+        LEAST_BOX,
+        *(BOX_MARGIN * exact_ends(each / ball(w))[1] for each, w in zip(off, shape, strict=True)),
+    )
     widths = [Fraction(one_digit(ball(largest * w))) for w in shape]
     if max(widths) > NEAR_ARRIVAL:
         return None
     box = StateSet.of([around(ball(c), ball(w)) for c, w in zip(middle, widths, strict=True)])
     late = box.hull()[0] + (turns + 1) * closing.turn
-    steps = list(_followed(closing.oscillator, Moving(state.mode, state.boundary, box), late, n * turns))
-    events, states = [event for event, _ in steps], [box, *(after.states for _, after in steps)]
+    steps = list(
+        _followed(closing.oscillator, Moving(state.mode, state.boundary, box), late, n * turns)
+    )
+    events = [event for event, _ in steps]
+    states = [box, *(after.states for _, after in steps)]
     t, x = states[-1].hull()
     t = t - turns * closing.turn
-    inside = all(ball(w) > abs(value - ball(c)) for value, c, w in zip((t, x), middle, widths, strict=True))
+    inside = all(
+        ball(w) > abs(value - ball(c)) for value, c, w in zip((t, x), middle, widths, strict=True)
+    )
     wanted = switchings(closing, points, i)[1:] * turns
     same = [event[:4] for event in events] == [row[:4] for row in wanted]
-    return Cycle(i, middle, widths, turns, events, states) if inside and same else None
+    if inside and same:
+        return Cycle(i, middle, widths, turns, events, states)
+    return None
 
 
 def _contracted_box(D: arb_mat) -> tuple[Fraction, Fraction] | None:
@@ -499,20 +651,37 @@ def _contracted_box(D: arb_mat) -> tuple[Fraction, Fraction] | None:
     for _ in range(60):  # towards the eigenvector of |D|
         e = [sum(a * b for a, b in zip(row, e, strict=True)) + 1e-3 * max(e) for row in sizes]
         e = [each / max(e) for each in e]
-    q = max(sum(a * b for a, b in zip(row, e, strict=True)) / each for row, each in zip(sizes, e, strict=True))
-    return (Fraction(f"{e[0]:.2g}"), Fraction(f"{e[1]:.2g}")) if q < MOST_Q else None
+    q = max(
+        sum(a * b for a, b in zip(row, e, strict=True)) / each
+        for row, each in zip(sizes, e, strict=True)
+    )
+    if q < MOST_Q:
+        return (Fraction(f"{e[0]:.2g}"), Fraction(f"{e[1]:.2g}"))
+    return None
 
 
 def _settled_certificate(
-    task: ToProve, closing: ClosingBalls, points: Values, before: Sequence[ProvenEvent], cycle: Cycle, about: Record
+    task: ToProve,
+    closing: ClosingBalls,
+    points: Values,
+    before: Sequence[ProvenEvent],
+    cycle: Cycle,
+    about: Record,
 ) -> Certificate:
-    """Let the checker prove that the events `before` lead into a `cycle`; return the certificate, headed by `about`."""
-    n, turn, t_end = len(cycle.events), cycle.turns * closing.turn, ball(task.t_end)
+    """Let the checker prove that the events `before` lead into a `cycle`.
+
+    Return the certificate, headed by `about`.
+    """
+    n = len(cycle.events)
+    turn = cycle.turns * closing.turn
+    t_end = ball(task.t_end)
     widths = list(map(ball, cycle.widths))
     box = [[show(c - w), show(c + w)] for c, w in zip(cycle.middle, cycle.widths, strict=True)]
     rows = [event_row(before[-1], DIGITS) | {"t": box[0], "x": box[1]}]
     for event in cycle.events:
-        wide = event._replace(t=around(event.t, 2 * event.t.rad()), x=around(event.x, 2 * event.x.rad()))
+        wide = event._replace(
+            t=around(event.t, 2 * event.t.rad()), x=around(event.x, 2 * event.x.rad())
+        )
         rows.append(event_row(wide, 60))
     times = [around(ball(cycle.middle[0]), widths[0]), *(event.t for event in cycle.events)]
     cycles = max(0, floor(float((t_end - times[0]) / turn)))
@@ -520,23 +689,33 @@ def _settled_certificate(
     if left < 0 or not times[left] + cycles * turn < t_end < times[left + 1] + cycles * turn:
         raise Undecided("how many events there are until t_end")
     reaches = [
-        [sum((abs(d) * w for d, w in zip(row, widths, strict=True)), arb(0)) for row in states.slopes]
+        [
+            sum((abs(d) * w for d, w in zip(row, widths, strict=True)), arb(0))
+            for row in states.slopes
+        ]
         for states in cycle.states
     ]
     sums = [reach / width for reach, width in zip(reaches[-1], widths, strict=True)]
     q = sums[0].union(sums[1]).upper()
     if not q < 1:
         raise Undecided("a norm in which the orbit attracts")
-    total, last = cycles * n + left, []
+    total = cycles * n + left
+    last = []
     for number in range(max(1, total - n // cycle.turns + 1), total + 1):
         k, j = divmod(number, n)
-        place, event = (cycle.place + j) % len(closing.pieces), before[-1] if j == 0 else cycle.events[j - 1]
+        place = (cycle.place + j) % len(closing.pieces)
+        if j == 0:
+            event = before[-1]
+        else:
+            event = cycle.events[j - 1]
         spare = [2 * reach * q**k for reach in reaches[j]]
         gone = ((times[j] - points[2 * place]) / closing.turn).unique_fmpz()
         if gone is None:
             raise Undecided("how many periods an event of the cycle is behind that of the orbit")
         t = around(points[2 * place] + int(gone) * closing.turn + k * turn, spare[0])
-        last.append(event_row(event._replace(t=t, x=around(points[2 * place + 1], spare[1])), task.digits))
+        last.append(
+            event_row(event._replace(t=t, x=around(points[2 * place + 1], spare[1])), task.digits)
+        )
     statement = about | {
         "events": [event_row(event, DIGITS) for event in before],
         "periods": cycle.turns * closing.periods,

@@ -1,39 +1,47 @@
 #!/usr/bin/env python3
 """Prove a certificate of a motion or of a grazing window once more: ``python verify.py FILE``.
 
-It needs python-flint and nothing of symosc (orbits and branches: verify_orbits.py). The page "The format of
-certificates" has the equation of motion, what each kind of file states, and the exit codes. Balls (arb) prove it:
+It needs python-flint and nothing of symosc (orbits and branches: verify_orbits.py). The page "The
+format of certificates" has the equation of motion, what each kind of file states, and the exit
+codes. Balls (arb) prove it:
 
-1. z = (x, v, 1, cos Omega t, sin Omega t) solves z' = M z in each mode, so z(t + s) = exp(s M) z(t). A mode ends when
-   a function f = row z reaches 0: the distance of v from a belt, or, on a belt, F below it or -F above it.
-2. f > 0 from a to a + h if f + f' h - B h^2/2 > 0 at a and h, |f''| <= B all the way; and up to b as well if that is so
-   for h = (b - a)/2, both from a onwards and from b backwards. After a start with f = ... = 0, f > 0 while the next
-   derivative is > 0, which is shown in the same way. In flights u = f^(n) solves u'' + (c/m) u' + (k/m) u = r with
+1. z = (x, v, 1, cos Omega t, sin Omega t) solves z' = M z in each mode, so z(t + s) = exp(s M)
+   z(t). A mode ends when a function f = row z reaches 0: the distance of v from a belt, or, on a
+   belt, F below it or -F above it.
+2. f > 0 from a to a + h if f + f' h - B h^2/2 > 0 at a and h, |f''| <= B all the way; and up to b
+   as well if that is so for h = (b - a)/2, both from a onwards and from b backwards. After a start
+   with f = ... = 0, f > 0 while the next derivative is > 0, which is shown in the same way. In
+   flights u = f^(n) solves u'' + (c/m) u' + (k/m) u = r with
    |r| <= D = |B0| Omega^(n+1)/m. So |u| is at most (u^2 + (m/k) u'^2)^(1/2) + h D (m/k)^(1/2) for a time h, by its
-   energy; and, with l the smaller one of h and m/c, (|u| + h |u'| + h l D)/(1 - h l k/m) if the divisor is > 0. On a
-   belt |F^(n)| <= |B0| Omega^n/m, and it changes by h |B0| Omega^(n+1)/m at most;
-   F without its drive changes by |k v| h/m.
-3. In an event f > 0 at one time, f < 0 at a later one, f' < 0 between them. The other f is a constant less this one, so
-   it grows. F on both sides of the belt says what follows.
-4. A graze: for all starts from low to high f > 0 > f' at one time, f > 0 and f' > 0 at a later one, and f'' > 0 between
-   them. The least f is > 0 for one of low and high, < 0 for the other, and its derivative by the start (that of f) is
-   not 0: one start touches. If c = B0 = 0, v^2 + v'^2 m/k is constant: if it is the belt's speed squared, f = 0 at a
-   least f, as v is not beyond that speed.
-5. With a start_error the states after an event are f(centre) + D (start - centre), D the derivatives of all starts.
-6. "settled": let B be the box of the first event of `cycle`, c its middle, e its half-widths, P the motion from B to
-   the last event of `cycle`, less the periods. If all motions from B have these events, and P(B) lies in B, each motion
-   that comes into B has them again and again. If D contains the derivatives of P over B and |D| e <= q e, q < 1, P is a
-   contraction: it has one fixed point c + u in B, u = (1 - D)^-1 (P(c) - c). After n cycles a motion is within 2 q^n e
-   of it. `may_stick_until`: all starts leave the belt to one side, where F falls to 0, before that time.
-7. Derivatives by a number q, of exact starts without a graze: z_q' = M z_q + M_q z at fixed times after an event,
-   where x_q = dx - v dt, v_q = dv - v' dt. The next event has dt = -(row_q z + row z_q)/f', dx = x_q + v dt. They
-   exist, as f' and the forces after an event are not 0 (3 above), nor is a force on the belt where a motion begins.
-8. "window": with f = f' = 0 at a contact, m f'' = s, s = side (k v + B0 Omega sin theta), side = 1 below the belt, -1
-   above it. It grazes where s > 0, not where s < 0. At a zero of s with cos theta != 0 the motion passes. Where |k v| =
+   energy; and, with l the smaller one of h and m/c, (|u| + h |u'| + h l D)/(1 - h l k/m) if the
+   divisor is > 0. On a belt |F^(n)| <= |B0| Omega^n/m, and it changes by h |B0| Omega^(n+1)/m at
+   most; F without its drive changes by |k v| h/m.
+3. In an event f > 0 at one time, f < 0 at a later one, f' < 0 between them. The other f is a
+   constant less this one, so it grows. F on both sides of the belt says what follows.
+4. A graze: for all starts from low to high f > 0 > f' at one time, f > 0 and f' > 0 at a later one,
+   and f'' > 0 between them. The least f is > 0 for one of low and high, < 0 for the other, and its
+   derivative by the start (that of f) is not 0: one start touches. If c = B0 = 0, v^2 + v'^2 m/k is
+   constant: if it is the belt's speed squared, f = 0 at a least f, as v is not beyond that speed.
+5. With a start_error the states after an event are f(centre) + D (start - centre), D the
+   derivatives of all starts.
+6. "settled": let B be the box of the first event of `cycle`, c its middle, e its half-widths, P the
+   motion from B to the last event of `cycle`, less the periods. If all motions from B have these
+   events, and P(B) lies in B, each motion that comes into B has them again and again. If D contains
+   the derivatives of P over B and |D| e <= q e, q < 1, P is a contraction: it has one fixed point c
+   + u in B, u = (1 - D)^-1 (P(c) - c). After n cycles a motion is within 2 q^n e of it.
+   `may_stick_until`: all starts leave the belt to one side, where F falls to 0, before that time.
+7. Derivatives by a number q, of exact starts without a graze: z_q' = M z_q + M_q z at fixed times
+   after an event, where x_q = dx - v dt, v_q = dv - v' dt. The next event has dt = -(row_q z + row
+   z_q)/f', dx = x_q + v dt. They exist, as f' and the forces after an event are not 0 (3 above),
+   nor is a force on the belt where a motion begins.
+8. "window": with f = f' = 0 at a contact, m f'' = s, s = side (k v + B0 Omega sin theta), side = 1
+   below the belt, -1 above it. It grazes where s > 0, not where s < 0. At a zero of s with cos
+   theta != 0 the motion passes. Where |k v| =
    |B0| Omega, s = 0 at one phase, and there f'''' has the sign of side k v, which decides in the "full" order.
 
-The letters of the code are those above. `data` is the content of a file, with its numbers read; `source` is the same
-content as it is, with texts; `limits` has the most bytes, events and steps; `where` names an entry of the file.
+The letters of the code are those above. `data` is the content of a file, with its numbers read;
+`source` is the same content as it is, with texts; `limits` has the most bytes, events and steps;
+`where` names an entry of the file.
 """
 
 import argparse
@@ -49,17 +57,24 @@ from flint import arb, arb_mat, ctx, fmpq, fmpq_mat
 
 FORMAT = "symosc certificate 1"
 NUMBER = re.compile(r"-?\d{1,2000}(/\d{1,2000}|(\.\d{1,2000})?(e[+-]?\d{1,3})?)", re.ASCII)
-NAMES, START = ("m", "c", "k", "A0", "B0", "Omega", "v1", "v2", "mu1", "mu2", "FN"), ("t0", "x0", "v0")
+NAMES = ("m", "c", "k", "A0", "B0", "Omega", "v1", "v2", "mu1", "mu2", "FN")
+START = ("t0", "x0", "v0")
 MODES = ("", "Omega1", "Omega2", "Omega3", "belt1", "belt2")
 LIMITS = {"bytes": 10**7, "events": 50_000, "steps": 2_000_000}
-ORDERS, TINY, TOO_NEAR, WIDENINGS = 12, fmpq(1, 10**100), 2.0**-20, 40
+ORDERS = 12
+TINY = fmpq(1, 10**100)
+TOO_NEAR = 2.0**-20
+WIDENINGS = 40
 OPEN, FALSE, BAD = range(3)
 #: Held while the precision of flint, which all threads share, is changed.
 LOCK = RLock()
 
 
 class Stop(Exception):
-    """Raised if no proof is found; its code: OPEN (more bits may decide), FALSE (false or unproven), BAD (bad file)."""
+    """Raised if no proof is found.
+
+    Its code: OPEN (more bits may decide), FALSE (false or unproven), BAD (bad file).
+    """
 
 
 def check(good, what, code=FALSE):
@@ -69,12 +84,18 @@ def check(good, what, code=FALSE):
 
 
 def require(value, what):
-    """Raise Stop with the text `what` unless a ball is > 0; its code is FALSE if all of the ball is < 0, else OPEN."""
+    """Raise Stop with the text `what` unless a ball is > 0.
+
+    Its code is FALSE if all of the ball is < 0, else OPEN.
+    """
     check(value > 0, what, FALSE if value < 0 else OPEN)
 
 
 def inside(value, ends):
-    """Raise Stop unless a ball is between the two `ends` that a file states; if both are 0, it must be exactly 0."""
+    """Raise Stop unless a ball is between the two `ends` that a file states.
+
+    If both are 0, it must be exactly 0.
+    """
     if not (ends[0] == ends[1] == 0 and value.is_zero()):
         require(value - arb(ends[0]), "a number is not above the lower end stated")
         require(arb(ends[1]) - value, "a number is not below the upper end stated")
@@ -84,22 +105,38 @@ def inside(value, ends):
 
 
 def number(value, where):
-    """Read a number given as text, a decimal or a fraction, as an exact fmpq; `where` names the entry of the file."""
-    found = fmpq(*Fraction(value).as_integer_ratio()) if type(value) is str and NUMBER.fullmatch(value) else None
+    """Read a number given as text, a decimal or a fraction, as an exact fmpq.
+
+    `where` names the entry of the file.
+    """
+    if type(value) is str and NUMBER.fullmatch(value):
+        found = fmpq(*Fraction(value).as_integer_ratio())
+    else:
+        found = None
     right = found is not None and (found == 0 or TINY <= abs(found) <= 1 / TINY)
-    check(right, f"{where}: {str(value)[:40]!r} is no decimal or fraction between 1e-100 and 1e100", BAD)
+    check(
+        right,
+        f"{where}: {str(value)[:40]!r} is no decimal or fraction between 1e-100 and 1e100",
+        BAD,
+    )
     return found
 
 
 def interval(value, where):
-    """Read a list of two texts as the lower and the upper end of an enclosure; `where` names the entry of the file."""
+    """Read a list of two texts as the lower and the upper end of an enclosure.
+
+    `where` names the entry of the file.
+    """
     low, high = read(value, (number, number), where)
     check(low < high or low == high == 0, f"{where}: the lower end is not below the upper one", BAD)
     return low, high
 
 
 def read(value, shape, where):
-    """Return a part of a file with its texts turned into numbers; raise Stop unless it has a `shape` as in SHAPES."""
+    """Return a part of a file with its texts turned into numbers.
+
+    Raise Stop unless it has a `shape` as in SHAPES.
+    """
     if isinstance(shape, dict):
         check(type(value) is dict, f"{where} is no object", BAD)
         wrong = sorted(value.keys() ^ shape.keys(), key=str)
@@ -109,35 +146,65 @@ def read(value, shape, where):
         check(type(value) is shape, f"{where}: {str(value)[:40]!r} is no {shape.__name__}", BAD)
         return value
     if isinstance(shape, set):
-        check(any(type(value) is type(one) and value == one for one in shape), f"{where}: {str(value)[:40]!r}", BAD)
+        check(
+            any(type(value) is type(one) and value == one for one in shape),
+            f"{where}: {str(value)[:40]!r}",
+            BAD,
+        )
         return value
     if isinstance(shape, list | tuple):
         right = type(value) is list and (isinstance(shape, list) or len(value) == len(shape))
         check(right, f"{where} is no list, or not as long as it must be", BAD)
-        parts = shape * len(value) if isinstance(shape, list) else shape
-        return [read(each, part, f"{where}[{i}]") for i, (each, part) in enumerate(zip(value, parts, strict=True))]
+        if isinstance(shape, list):
+            parts: Any = shape * len(value)
+        else:
+            parts = shape
+        return [
+            read(each, part, f"{where}[{i}]")
+            for i, (each, part) in enumerate(zip(value, parts, strict=True))
+        ]
     return shape(value, where)
 
 
 def mode_number(value, where):
-    """Read a mode's name, Omega1 to Omega3 or belt1 or belt2, as its number from 1 to 5; `where` names the entry."""
+    """Read a mode's name, Omega1 to Omega3 or belt1 or belt2, as its number from 1 to 5.
+
+    `where` names the entry.
+    """
     return MODES.index(read(value, set(MODES[1:]), where))
 
 
 def optional(value, where):
     """Read a number or, if the entry of the file is null, return None; `where` names the entry."""
-    return None if value is None else number(value, where)
+    if value is None:
+        return None
+    return number(value, where)
 
 
-WHAT = {"kind": {"cross", "stick", "slip", "graze"}, "boundary": {1, 2}, "source": mode_number, "target": mode_number}
+WHAT = {
+    "kind": {"cross", "stick", "slip", "graze"},
+    "boundary": {1, 2},
+    "source": mode_number,
+    "target": mode_number,
+}
 EVENTS = [WHAT | {"t": interval, "x": interval}]
-MOTION = {"parameters": dict.fromkeys(NAMES, number), "start": dict.fromkeys(START, number), "t_end": number}
+MOTION = {
+    "parameters": dict.fromkeys(NAMES, number),
+    "start": dict.fromkeys(START, number),
+    "t_end": number,
+}
 MOTION |= {"start_error": (number,) * 3, "mode": mode_number, "events": EVENTS}
 SHAPES = {
     "trajectory": MOTION | {"starts": {"all"}},
-    "some": MOTION | {"starts": {"some"}, "free": {"name": set(START), "low": number, "high": number}},
-    "settled": MOTION | {"may_stick_until": optional, "cycle": EVENTS, "periods": int, "count": int, "last": EVENTS},
-    "window": {"parameters": MOTION["parameters"], "map": {"P2", "P3", "P5", "P6"}, "order": {"full", "paper"}}
+    "some": MOTION
+    | {"starts": {"some"}, "free": {"name": set(START), "low": number, "high": number}},
+    "settled": MOTION
+    | {"may_stick_until": optional, "cycle": EVENTS, "periods": int, "count": int, "last": EVENTS},
+    "window": {
+        "parameters": MOTION["parameters"],
+        "map": {"P2", "P3", "P5", "P6"},
+        "order": {"full", "paper"},
+    }
     | {"grazes": {"nowhere", "everywhere", "everywhere but at one phase", "on an arc"}}
     | {"ends": [{"phase": interval, "sine": number, "cosine": {-1, 0, 1}}]},
 }
@@ -166,11 +233,13 @@ class Problem:
 class Mode:
     """A mode of motion: the state z = (x, v, 1, cos Omega t, sin Omega t) solves z' = M z, until a function f is 0.
 
-    Each f is a row times z: the distance of v from a belt or, on a belt, the force F below it or -F above it. The
-    products rows[n] z are the n-th derivatives of all f.
+    Each f is a row times z: the distance of v from a belt or, on a belt, the force F below it or -F
+    above it. The products rows[n] z are the n-th derivatives of all f.
     """
 
-    steady = None  # a bound of the steady velocity, if there is one; `free` is then the row of v less the steady one
+    # a bound of the steady velocity, if there is one; `free` is then the row of v less the steady
+    # one
+    steady = None
 
     def __init__(self, p, number):
         m, c, k, A0, B0, Om, *_, mu1, mu2, FN = (p[name] for name in NAMES)
@@ -179,31 +248,44 @@ class Mode:
         self.number, self.flies = number, number < 4
         if self.flies:  # the distance from each belt around the domain
             sides = ((number - 1, 1), (number, -1))
-            rows = {belt: [0, side, -side * p[f"v{belt}"], 0, 0] for belt, side in sides if belt in (1, 2)}
+            rows = {
+                belt: [0, side, -side * p[f"v{belt}"], 0, 0]
+                for belt, side in sides
+                if belt in (1, 2)
+            }
         else:  # F below the belt, and -F above it
             rows = {number - 3: F[number - 3], number - 2: [-each for each in F[number - 2]]}
         self.ends, self.row = list(rows), fmpq_mat(list(rows.values()))
-        self.exact = fmpq_mat([[0, 1, 0, 0, 0], F.get(number, [0] * 5), [0] * 5, [0, 0, 0, 0, -Om], [0, 0, 0, Om, 0]])
+        self.exact = fmpq_mat(
+            [[0, 1, 0, 0, 0], F.get(number, [0] * 5), [0] * 5, [0, 0, 0, 0, -Om], [0, 0, 0, Om, 0]]
+        )
         self.M = arb_mat(self.exact)
         self.rows = [arb_mat(self.row * self.exact**order) for order in range(ORDERS)]
         self.km, self.lag = arb(k / m), arb(m / c) if c else arb.pos_inf()
         self.drive = [arb(abs(B0) * Om**order / m) for order in range(ORDERS + 1)]
-        pull, drag = k - m * Om * Om, c * Om
+        pull = k - m * Om * Om
+        drag = c * Om
         square = pull * pull + drag * drag
         if self.flies and k > 0 and square > 0:
             self.steady = arb(abs(B0) * Om) / arb(square).sqrt()
-            self.free = arb_mat(fmpq_mat([[0, 1, 0, -B0 * Om * drag / square, B0 * Om * pull / square]]))
+            self.free = arb_mat(
+                fmpq_mat([[0, 1, 0, -B0 * Om * drag / square, B0 * Om * pull / square]])
+            )
 
     def bound(self, z, n, h):
         """Return a number that |f^(n)|, n > 1, does not exceed for a time `h` after the state z, for each f."""
         u, w = (abs((rows * z)[0, 0]).upper() for rows in self.rows[n : n + 2])
-        D, lag = self.drive[n + 1], h.min(self.lag)
+        D = self.drive[n + 1]
+        lag = h.min(self.lag)
         if not self.flies:
             return self.drive[n].min(u + h * D)
-        near, energy = 1 - h * lag * self.km, arb.pos_inf()
+        near = 1 - h * lag * self.km
+        energy = arb.pos_inf()
         if self.km > 0:
             energy = (u * u + w * w / self.km).sqrt() + h * D / self.km.sqrt()
-        return energy.min((u + h * w + h * lag * D) / near) if near > 0 else energy
+        if near > 0:
+            return energy.min((u + h * w + h * lag * D) / near)
+        return energy
 
     def settles(self, z):
         """Return whether a flight certainly never meets a belt after the state z, by a bound of its velocity."""
@@ -216,13 +298,18 @@ class Mode:
     def stays(self, z, h, orders, after=None):
         """Return whether the mode certainly lasts for a time `h` after the state z, as all its f stay > 0.
 
-        `orders` has, by the ends of the mode, the order of the first derivative that is not 0 of each f that is 0 at z.
-        `after` is the state at the end of that time, if it is known.
+        `orders` has, by the ends of the mode, the order of the first derivative that is not 0 of
+        each f that is 0 at z. `after` is the state at the end of that time, if it is known.
         """
-        half = h if after is None else h / 2
+        if after is None:
+            half = h
+        else:
+            half = h / 2
         for i, end in enumerate(self.ends):
             n = orders.get(end, 0)  # f, or its first derivative that is not 0
-            f, slope, bend = (self.rows[n] * z)[i, 0], (self.rows[n + 1] * z)[i, 0], self.bound(z, n + 2, h)
+            f = (self.rows[n] * z)[i, 0]
+            slope = (self.rows[n + 1] * z)[i, 0]
+            bend = self.bound(z, n + 2, h)
             sure = f > 0 and f + slope * half - bend * half * half / 2 > 0
             if not (self.flies or n):  # F at its least: the drive against it, and x from now on
                 row = self.rows[0]
@@ -230,7 +317,8 @@ class Mode:
                 if least > 0:
                     continue
             if sure and after is not None:
-                f, slope = (self.rows[n] * after)[i, 0], (self.rows[n + 1] * after)[i, 0]
+                f = (self.rows[n] * after)[i, 0]
+                slope = (self.rows[n + 1] * after)[i, 0]
                 sure = f > 0 and f - slope * half - bend * half * half / 2 > 0
             if not sure:
                 return not orders and self.settles(z)
@@ -238,111 +326,174 @@ class Mode:
 
 
 class Motion:
-    """The motions in one mode from a set of starts (t, x, v): `centre` plus each side times any number in [-1, 1]."""
+    """The motions in one mode from a set of starts (t, x, v).
 
-    # The sides are vectors: `columns` contain the derivatives with respect to the first start; or, if there is a `rest`
-    # of sides, exact numbers near them, so that the set of a long motion does not grow by what is not known of the
-    # derivatives. `leaves` are the ends whose f is 0 at the start, and the order of the first derivative that is not.
-    # `amplitude` is v^2 + v'^2 m/k, where that is constant and known.
+    `centre` plus each side times any number in [-1, 1].
+    """
 
-    def __init__(self, problem, mode, belt, centre, columns=(), leaves=None, amplitude=None, rest=None):
+    # The sides are vectors: `columns` contain the derivatives with respect to the first start; or,
+    # if there is a `rest` of sides, exact numbers near them, so that the set of a long motion does
+    # not grow by what is not known of the derivatives. `leaves` are the ends whose f is 0 at the
+    # start, and the order of the first derivative that is not. `amplitude` is v^2 + v'^2 m/k, where
+    # that is constant and known.
+
+    def __init__(
+        self, problem, mode, belt, centre, columns=(), leaves=None, amplitude=None, rest=None
+    ):
         self.problem, self.mode, self.belt, self.centre = problem, problem.mode(mode), belt, centre
         self.columns, self.rest, sides = columns, rest, [*columns, *(rest or ())]
-        self.t, x, v = (c + sum((side[i] * arb(0, 1) for side in sides), arb(0)) for i, c in enumerate(centre))
+        self.t, x, v = (
+            c + sum((side[i] * arb(0, 1) for side in sides), arb(0)) for i, c in enumerate(centre)
+        )
         self.x, self.leaves, self.origin, p = x, leaves or {}, self.t.lower(), problem.p
         cosine, sine = (arb(p["Omega"]) * self.t).sin_cos()[::-1]
         self.first = arb_mat([[x], [v], [1], [cosine], [sine]])
-        back, rate = (self.origin - self.t).union(arb(0)), self.mode.M * self.first
+        back = (self.origin - self.t).union(arb(0))
+        rate = self.mode.M * self.first
         bend = self.mode.M * (self.mode.M * back).exp() * rate
-        self.z0 = self.first + rate * back + bend * (back * back / 2)  # Taylor: where F is small, so is its error
+        self.z0 = (
+            self.first + rate * back + bend * (back * back / 2)
+        )  # Taylor: where F is small, so is its error
         circles = p["c"] == p["B0"] == 0 < p["k"]
-        self.amplitude = p[f"v{belt}"] ** 2 if circles and max(self.leaves.values(), default=0) > 1 else amplitude
+        if circles and max(self.leaves.values(), default=0) > 1:
+            self.amplitude = p[f"v{belt}"] ** 2
+        else:
+            self.amplitude = amplitude
 
     def at(self, t):
         """Return the state z = (x, v, 1, cos, sin) at a time, or an enclosure of it for a ball of times."""
         self.problem.step()
         z = (self.mode.M * (t.mid() - self.origin)).exp() * self.z0
-        return z if t.is_exact() else (self.mode.M * (t - t.mid())).exp() * z
+        if t.is_exact():
+            return z
+        return (self.mode.M * (t - t.mid())).exp() * z
 
     def f(self, end, t):
         """Return f (0 where the mode ends at `end`), f' and f'' at a time or, by Taylor's theorem, on a ball."""
-        i, z, change = self.mode.ends.index(end), self.at(t.mid()), t - t.mid()
+        i = self.mode.ends.index(end)
+        z = self.at(t.mid())
+        change = t - t.mid()
         f = [(row * z)[i, 0] for row in self.mode.rows[:4]]
         if t.is_exact():
             return f[:3]
-        flow, z, bend = (self.mode.M * change).exp(), self.mode.M * z, []
+        flow = (self.mode.M * change).exp()
+        z = self.mode.M * z
+        bend = []
         for _ in range(3):
-            z = self.mode.M * z  # derivatives of z, so that what cancels in them does so before the times differ
+            z = (
+                self.mode.M * z
+            )  # derivatives of z, so that what cancels in them does so before the times differ
             bend.append((self.mode.rows[0] * (flow * z))[i, 0] * change * change / 2)
         return [f[n] + f[n + 1] * change + bend[n] for n in range(3)]
 
     def positive(self, until):
         """Prove that the mode lasts from the start until a time, as all f (distances or forces) are > 0."""
         require(until - self.t, "an event or the end is not after the event before it")
-        a, orders, last, h = self.origin, self.leaves, self.at(until), until - self.origin
+        a = self.origin
+        orders = self.leaves
+        last = self.at(until)
+        h = until - self.origin
         while True:
-            z, h = self.at(a), 4 * h
+            z = self.at(a)
+            h = 4 * h
             while True:
                 ends = not a + h < until
-                b = until if ends else (a + h).mid()
+                if ends:
+                    b = until
+                else:
+                    b = (a + h).mid()
                 if self.mode.stays(z, b - a, orders, last if ends and not orders else None):
                     break
                 h = ((b - a) / 2).mid()
                 if h < TOO_NEAR:
                     beyond = self.mode.rows[0] * self.at((a + 4 * h).min(until).mid())
-                    check(not any(f < 0 for f in beyond.entries()), "the mode ends before the next event or t_end")
+                    check(
+                        not any(f < 0 for f in beyond.entries()),
+                        "the mode ends before the next event or t_end",
+                    )
                 check(a + h > a and h > arb(2) ** (-ctx.prec // 2), "a touch or a near miss", OPEN)
             if ends and not orders:
                 return
-            a, h, orders = b, b - a, {}
+            orders = {}
+            h = b - a
+            a = b
 
     def zero(self, end, order, found):
         """Narrow the enclosure `found` of a time at which f (order 0) or f' (order 1) of an end of the mode is 0."""
         while True:
             step = found.mid() - self.f(end, found.mid())[order] / self.f(end, found)[order + 1]
             check(step.overlaps(found), "where an event is", OPEN)
-            before, found = found, step.intersection(found)
+            before = found
+            found = step.intersection(found)
             if not found.rad() < before.rad() / 2:
                 return found
 
     def moved(self, t, sides):
         """Return how the state z at a time changes if the start moves along each of `sides`, vectors (dt, dx, dv)."""
-        e, rate = (self.mode.M * (t - self.t)).exp(), self.mode.M * self.first
+        e = (self.mode.M * (t - self.t)).exp()
+        rate = self.mode.M * self.first
         # A later start is one at the same time with another x and v.
-        return [e * arb_mat([[x - rate[0, 0] * s], [v - rate[1, 0] * s], [0], [0], [0]]) for s, x, v in sides]
+        return [
+            e * arb_mat([[x - rate[0, 0] * s], [v - rate[1, 0] * s], [0], [0], [0]])
+            for s, x, v in sides
+        ]
 
     def after_event(self, row, limits=()):
-        """Prove that the event in a `row` of the file is next; return the motion after it (`limits`: see `graze`)."""
+        """Prove that the event in a `row` of the file is next.
+
+        Return the motion after it (`limits`: see `graze`).
+        """
         if row["kind"] == "graze":
             return self.graze(row, limits)
-        p, mode, flies = self.problem.p, self.mode, self.mode.flies
-        end, belt = (row["boundary"],) * 2 if flies else (row["target"], self.belt)
+        flies = self.mode.flies
+        mode = self.mode
+        p = self.problem.p
+        if flies:
+            end, belt = (row["boundary"],) * 2
+        else:
+            end, belt = (row["target"], self.belt)
         if flies:
             check(end in mode.ends, "an event at a belt that is not beside the domain")
         else:
-            check(end in mode.ends and row["boundary"] == self.belt, "the end of a stick on another belt")
+            check(
+                end in mode.ends and row["boundary"] == self.belt,
+                "the end of a stick on another belt",
+            )
         times, *_, (_, slope, _) = self.around(end, row, -1)
-        once = "that v meets a belt once at an event" if flies else "that F meets 0 once at the end of a stick"
+        if flies:
+            once = "that v meets a belt once at an event"
+        else:
+            once = "that F meets 0 once at the end of a stick"
         require(-slope, once)
-        when, kind, then, leaves = self.zero(end, 0, times), "slip", end, {belt: 2}
+        when = self.zero(end, 0, times)
+        kind = "slip"
+        then = end
+        leaves = {belt: 2}
         centre, columns, rest = self.arrive(end, belt, when)
         if flies:
             there = Motion(self.problem, mode.number, end, centre, columns, rest=rest).first
-            F, jump = (mode.M * there)[1, 0], arb(2 * p[f"mu{end}"] * p["FN"] / p["m"])
+            F = (mode.M * there)[1, 0]
+            jump = arb(2 * p[f"mu{end}"] * p["FN"] / p["m"])
             both = F * (F - jump if mode.number == end else F + jump)
             require(abs(both), "F at a belt, and behind it")
-            kind, then, leaves = ("cross", 2 * end + 1 - mode.number, {end: 1}) if both > 0 else ("stick", 3 + end, {})
+            if both > 0:
+                kind, then, leaves = ("cross", 2 * end + 1 - mode.number, {end: 1})
+            else:
+                kind, then, leaves = ("stick", 3 + end, {})
         self.require_row(row, kind, then)
         return type(self)(self.problem, then, belt, centre, columns, leaves, None, rest)
 
     def around(self, end, row, turn):
         """Return a ball of times around an event, and f, f', f'' at its lower end, at its upper end, and on all of it.
 
-        The event is where f of the mode's `end` is 0. f > 0 is proven before it, and turn * f > 0 after it.
+        The event is where f of the mode's `end` is 0. f > 0 is proven before it, and turn * f > 0
+        after it.
         """
-        low, high = arb(row["t"][0]).lower(), arb(row["t"][1]).upper()
+        low = arb(row["t"][0]).lower()
+        high = arb(row["t"][1]).upper()
         for _ in range(WIDENINGS):
-            first, last = self.f(end, low), self.f(end, high)
+            first = self.f(end, low)
+            last = self.f(end, high)
             if not self.columns or (first[0] > 0 and turn * last[0] > 0):
                 break  # else the signs are rough, as the starts are a box
             low, high = (3 * low - 2 * high).mid(), (3 * high - 2 * low).mid()
@@ -352,9 +503,15 @@ class Motion:
         return low.union(high), first, last, self.f(end, low.union(high))
 
     def arrive(self, end, belt, when):
-        """Return the states (t, x, v), at times in `when`, in which the mode ends: the function f of that end is 0."""
-        v, sides = arb(self.problem.p[f"v{belt}"]), []
-        slope, i, count = self.f(end, when)[1], self.mode.ends.index(end), len(self.columns)
+        """Return the states (t, x, v), at times in `when`, in which the mode ends.
+
+        The function f of that end is 0.
+        """
+        v = arb(self.problem.p[f"v{belt}"])
+        sides = []
+        slope = self.f(end, when)[1]
+        i = self.mode.ends.index(end)
+        count = len(self.columns)
         for dz in self.moved(when, [*self.columns, *(self.rest or ())]):
             dt = -(self.mode.rows[0] * dz)[i, 0] / slope
             sides.append((dt, dz[0, 0] + v * dt, arb(0)))
@@ -363,16 +520,26 @@ class Motion:
         centre = t, thin.at(t)[0, 0], v
         if self.rest is None:
             return centre, sides, None
-        unknown = [sum((each[i].rad() for each in (centre, *sides[:count])), arb(0)).upper() for i in (0, 1)]
+        unknown = [
+            sum((each[i].rad() for each in (centre, *sides[:count])), arb(0)).upper()
+            for i in (0, 1)
+        ]
         rest = [*sides[count:], (unknown[0], arb(0), arb(0)), (arb(0), unknown[1], arb(0))]
-        return [t.mid(), centre[1].mid(), v], [[each.mid() for each in side] for side in sides[:count]], frame(rest)
+        return (
+            [t.mid(), centre[1].mid(), v],
+            [[each.mid() for each in side] for side in sides[:count]],
+            frame(rest),
+        )
 
     def graze(self, row, limits):
-        """Prove that the next event is a graze, as stated in a row of the file; return the motion after it.
+        """Prove that the next event is a graze, as stated in a row of the file.
+
+        Return the motion after it.
 
         If only one start grazes, `limits` has the motions from the lowest and the highest start.
         """
-        end, mode = row["boundary"], self.mode
+        end = row["boundary"]
+        mode = self.mode
         check(mode.flies and end in mode.ends, "a graze of a belt that is not beside the domain")
         speed = self.problem.p[f"v{end}"]
         check(limits or self.amplitude == speed**2, "a graze of no start")
@@ -387,10 +554,13 @@ class Motion:
             low, high = (each.least(end, times) for each in limits)
             require(-low * high, "that one start goes beyond the belt, and one does not reach it")
             (dz,) = self.moved(when, self.columns)
-            require(abs((mode.rows[0] * dz)[mode.ends.index(end), 0]), "that only one start touches")
+            require(
+                abs((mode.rows[0] * dz)[mode.ends.index(end), 0]), "that only one start touches"
+            )
         else:
             x = arb(-mode.exact[1, 2] / mode.exact[1, 0])  # where F = 0
-        place, columns = [when, x, arb(speed)], []
+        place = [when, x, arb(speed)]
+        columns = []
         if self.columns or limits:
             place = [each.mid() for each in place[:2]] + place[2:]
             columns = [(arb(when.rad()), arb(0), arb(0)), (arb(0), arb(x.rad()), arb(0))]
@@ -404,23 +574,37 @@ class Motion:
     def require_row(self, row, kind, then):
         """Raise Stop unless a row of the file states an event of this kind, from this mode to the mode `then`."""
         found = row["kind"], row["source"], row["target"]
-        check(found == (kind, self.mode.number, then), f"{kind}: {MODES[self.mode.number]} to {MODES[then]}")
+        check(
+            found == (kind, self.mode.number, then),
+            f"{kind}: {MODES[self.mode.number]} to {MODES[then]}",
+        )
 
     def within(self, row):
-        """Prove that t and x of the start lie between the ends stated in a row of the file; return this motion."""
+        """Prove that t and x of the start lie between the ends stated in a row of the file.
+
+        Return this motion.
+        """
         inside(self.t, row["t"])
         inside(self.x, row["x"])
         return self
 
     def from_centre(self, parts):
-        """Return t and x of one start: the centre plus each of the columns, multiplied by its factor in `parts`."""
-        moved = [[part * each for each in column] for part, column in zip(parts, self.columns, strict=True)]
+        """Return t and x of one start.
+
+        The centre plus each of the columns, multiplied by its factor in `parts`.
+        """
+        moved = [
+            [part * each for each in column]
+            for part, column in zip(parts, self.columns, strict=True)
+        ]
         return [sum((column[i] for column in moved), c) for i, c in enumerate(self.centre[:2])]
 
 
 def frame(sides):
     """Return two orthogonal sides of a rectangle that contains all sums of `sides`, each times a number in [-1, 1]."""
-    p, q, _ = (each.mid() for each in max(sides, key=lambda side: (abs(side[0]) + abs(side[1])).upper()))
+    p, q, _ = (
+        each.mid() for each in max(sides, key=lambda side: (abs(side[0]) + abs(side[1])).upper())
+    )
     if p == q == 0:
         p = arb(1)
     square = p * p + q * q
@@ -430,20 +614,37 @@ def frame(sides):
 
 
 def begin(problem, start, errors, rest=None):
-    """Return the motion from a start (t0, x0, v0) with errors; on a belt forces decide its mode (`rest`: `Motion`)."""
-    (t0, x0, v0), p, centre = start, problem.p, [arb(value) for value in start]
-    columns = [[arb(error) if i == j else arb(0) for j in range(3)] for i, error in enumerate(errors) if error]
+    """Return the motion from a start (t0, x0, v0) with errors.
+
+    On a belt forces decide its mode (`rest`: `Motion`).
+    """
+    (t0, x0, v0) = start
+    p = problem.p
+    centre = [arb(value) for value in start]
+    columns = [
+        [arb(error) if i == j else arb(0) for j in range(3)]
+        for i, error in enumerate(errors)
+        if error
+    ]
     z = fmpq_mat([[x0], [v0], [1], [1], [0]])  # where t0 or B0 is 0
     if v0 not in (p["v1"], p["v2"]):
         mode = problem.mode(1 + (v0 > p["v1"]) + (v0 > p["v2"]))
         circles = not any(errors) and p["c"] == p["B0"] == 0 < p["k"]
-        amplitude = v0**2 + (mode.exact * z)[1, 0] ** 2 * p["m"] / p["k"] if circles else None
+        if circles:
+            amplitude = v0**2 + (mode.exact * z)[1, 0] ** 2 * p["m"] / p["k"]
+        else:
+            amplitude = None
         return Motion(problem, mode.number, 0, centre, columns, {}, amplitude, rest)
     check(errors[2] == 0, "a start on a belt whose velocity is known exactly")
-    at, found = 1 if v0 == p["v1"] else 2, []
+    if v0 == p["v1"]:
+        at = 1
+    else:
+        at = 2
+    found = []
     hold = problem.mode(3 + at)
     for i in (0, 1):
-        order, value = 0, (hold.rows[0] * Motion(problem, 3 + at, at, centre, columns).first)[i, 0]
+        order = 0
+        value = (hold.rows[0] * Motion(problem, 3 + at, at, centre, columns).first)[i, 0]
         exact = not any(errors) and (t0 == 0 or p["B0"] == 0)
         while exact and value.contains(0) and order < ORDERS - 5:
             value = arb((hold.row * hold.exact**order * z)[i, 0])
@@ -454,15 +655,29 @@ def begin(problem, start, errors, rest=None):
     if below and above:  # F > 0 below, -F > 0 above: it sticks
         leaves = {at + i: n for i, (_, n) in enumerate(found) if n}
         return Motion(problem, 3 + at, at, centre, columns, leaves, None, rest)
-    domain, order = (at, first) if not below else (at + 1, second)
+    if not below:
+        domain, order = (at, first)
+    else:
+        domain, order = (at + 1, second)
     return Motion(problem, domain, at, centre, columns, {at: order + 1}, None, rest)
 
 
 def leave(problem, start, errors, until):
-    """Prove that all starts within the errors leave the belt before `until`; return the set of their flights."""
-    (t0, _, v0), p = start, problem.p
-    at, after = 1 if v0 == p["v1"] else 2, until - t0 - errors[0]
-    check(v0 in (p["v1"], p["v2"]) and errors[2] == 0 and after > 0, "a start on a belt, and a time after it")
+    """Prove that all starts within the errors leave the belt before `until`.
+
+    Return the set of their flights.
+    """
+    (t0, _, v0) = start
+    p = problem.p
+    if v0 == p["v1"]:
+        at = 1
+    else:
+        at = 2
+    after = until - t0 - errors[0]
+    check(
+        v0 in (p["v1"], p["v2"]) and errors[2] == 0 and after > 0,
+        "a start on a belt, and a time after it",
+    )
 
     def motion(mode, t, x, leaves=None):
         """Return the motion in a mode from all starts within a time `t` and a distance `x` of `start`."""
@@ -470,9 +685,17 @@ def leave(problem, start, errors, until):
         return Motion(problem, mode, at, [arb(value) for value in start], columns, leaves)
 
     wide = until - t0, errors[1] + abs(v0) * (until - t0 + errors[0])
-    now, then, rows = motion(3 + at, *errors[:2]).first, motion(3 + at, *wide).first, problem.mode(3 + at).rows
-    F, F_then, slope = rows[0] * now, rows[0] * then, rows[1] * then
-    i = 0 if slope[0, 0] < 0 else 1  # F of this side ends the stick
+    now = motion(3 + at, *errors[:2]).first
+    then = motion(3 + at, *wide).first
+    rows = problem.mode(3 + at).rows
+    F = rows[0] * now
+    F_then = rows[0] * then
+    slope = rows[1] * then
+    # F of this side ends the stick
+    if slope[0, 0] < 0:
+        i = 0
+    else:
+        i = 1
     require(-slope[i, 0], "F on the belt that falls")
     require(F_then[1 - i, 0], "F on the other side of the belt")
     require(-F[i, 0] - slope[i, 0] * arb(after), "the end of a stick before the time stated")
@@ -483,7 +706,10 @@ def leave(problem, start, errors, until):
 
 
 def about(p, *more):
-    """Return the line of the answer that says what a proof is about: the parameters `p`, and the texts in `more`."""
+    """Return the line of the answer that says what a proof is about.
+
+    The parameters `p`, and the texts in `more`.
+    """
     return ", ".join([f"{name} = {p[name]}" for name in NAMES] + list(more))
 
 
@@ -500,11 +726,18 @@ def table(rows):
 
 
 def read_start(data, source):
-    """Read a motion's start and its errors; return them, and a line of text that states them and the parameters."""
-    start, errors = [data["start"][name] for name in START], data["start_error"]
+    """Read a motion's start and its errors.
+
+    Return them, and a line of text that states them and the parameters.
+    """
+    start = [data["start"][name] for name in START]
+    errors = data["start_error"]
     check(min(errors) >= 0, "start_error: a negative number", BAD)
     check(data["t_end"] - start[0] - errors[0] > 0, "t_end is not after the start", BAD)
-    shown = [f"{name} = {source['start'][name]} +- {e}" for name, e in zip(START, source["start_error"], strict=True)]
+    shown = [
+        f"{name} = {source['start'][name]} +- {e}"
+        for name, e in zip(START, source["start_error"], strict=True)
+    ]
     return start, errors, about(source["parameters"], *shown) + f"; it begins in {source['mode']}"
 
 
@@ -513,8 +746,12 @@ def varied(problem, number, name):
     if name in START:
         return fmpq_mat(5, 5), fmpq_mat(2, 5)
     p = problem.p
-    by, factor = (p["m"], 2 / p["m"]) if name == "m" else (fmpq(1), fmpq(1))
-    mode, other = problem.mode(number), Mode(p | {name: p[name] + by}, number)
+    if name == "m":
+        by, factor = (p["m"], 2 / p["m"])
+    else:
+        by, factor = (fmpq(1), fmpq(1))
+    mode = problem.mode(number)
+    other = Mode(p | {name: p[name] + by}, number)
     return (other.exact - mode.exact) * factor, (other.row - mode.row) * factor
 
 
@@ -527,35 +764,60 @@ def changes(problem, motions, rows, name):
     found = []
     for motion, row, after in zip(motions, rows, motions[1:], strict=False):
         problem.step(5)
-        mode, z = motion.mode, motion.first
+        mode = motion.mode
+        z = motion.first
         N, by_row = (arb_mat(each) for each in varied(problem, mode.number, name))
-        rate, turned = mode.M * z, motion.t if name == "Omega" else arb(0)
-        launched = [dx - rate[0, 0] * dt, dv - rate[1, 0] * dt, arb(0), -z[4, 0] * turned, z[3, 0] * turned]
-        M, none = mode.M.tolist(), [arb(0)] * 5
-        both = arb_mat([[*a, *b] for a, b in zip(M, N.tolist(), strict=True)] + [[*none, *a] for a in M])
+        rate = mode.M * z
+        if name == "Omega":
+            turned = motion.t
+        else:
+            turned = arb(0)
+        launched = [
+            dx - rate[0, 0] * dt,
+            dv - rate[1, 0] * dt,
+            arb(0),
+            -z[4, 0] * turned,
+            z[3, 0] * turned,
+        ]
+        M = mode.M.tolist()
+        none = [arb(0)] * 5
+        both = arb_mat(
+            [[*a, *b] for a, b in zip(M, N.tolist(), strict=True)] + [[*none, *a] for a in M]
+        )
         zq = ((after.t - motion.t) * both).exp() * arb_mat(10, 1, [*launched, *z.entries()])
-        zq, belt = arb_mat(zq.tolist()[:5]), row["boundary"]
+        zq = arb_mat(zq.tolist()[:5])
+        belt = row["boundary"]
         i = mode.ends.index(belt if mode.flies else row["target"])
-        there = arb_mat([[after.x], [problem.p[f"v{belt}"]], [1], *([after.first[i, 0]] for i in (3, 4))])
+        there = arb_mat(
+            [[after.x], [problem.p[f"v{belt}"]], [1], *([after.first[i, 0]] for i in (3, 4))]
+        )
         slope = (mode.rows[1] * there)[i, 0]
         require(abs(slope), "the slope at an event")
         dt = -((by_row * there)[i, 0] + (mode.rows[0] * zq)[i, 0]) / slope
-        dx, dv = zq[0, 0] + problem.p[f"v{belt}"] * dt, arb(int(name == f"v{belt}"))
+        dx = zq[0, 0] + problem.p[f"v{belt}"] * dt
+        dv = arb(int(name == f"v{belt}"))
         found.append((dt, dx))
     return found
 
 
 def differentiated(problem, data, motions):
     """Prove that the derivatives of all events lie between the ends that the file states, or raise Stop."""
-    first, names, stated = motions[0], data["wrt"], data["derivatives"]
+    first = motions[0]
+    names = data["wrt"]
+    stated = data["derivatives"]
     check(not any(data["start_error"]), "derivatives of a start that is not exact", BAD)
     check(names and len({*names}) == len(names), "wrt: no names, or one twice", BAD)
-    right = len(stated) == len(data["events"]) and all(len(row[d]) == len(names) for row in stated for d in row)
+    right = len(stated) == len(data["events"]) and all(
+        len(row[d]) == len(names) for row in stated for d in row
+    )
     check(right, "derivatives: not as many as events and names", BAD)
     check(all(row["kind"] != "graze" for row in data["events"]), "derivatives behind a graze")
     on = [f"v{n}" for n in (1, 2) if data["start"]["v0"] == problem.p[f"v{n}"]]
     check(not {"v0", *on} & {*names} or not on, "a derivative by what takes the start off its belt")
-    check(max(first.leaves.values(), default=0) <= first.mode.flies, "derivatives where a force is 0 at the start")
+    check(
+        max(first.leaves.values(), default=0) <= first.mode.flies,
+        "derivatives where a force is 0 at the start",
+    )
     for j, name in enumerate(names):
         for found, row in zip(changes(problem, motions, data["events"], name), stated, strict=True):
             for value, ends in zip(found, (row["dt"][j], row["dx"][j]), strict=True):
@@ -563,28 +825,49 @@ def differentiated(problem, data, motions):
 
 
 def trajectory(data, source, limits):
-    """Prove that a motion has the stated events, and no others until t_end; return what is proven, as lines of text."""
+    """Prove that a motion has the stated events, and no others until t_end.
+
+    Return what is proven, as lines of text.
+    """
     problem = Problem(data["parameters"], limits)
     start, errors, shown = read_start(data, source)
-    starts, suffix = [(start, errors)], ", for every start within the error" if any(errors) else ""
+    starts = [(start, errors)]
+    if any(errors):
+        suffix = ", for every start within the error"
+    else:
+        suffix = ""
     if data["starts"] == "some":
         name, low, high = (data["free"][each] for each in ("name", "low", "high"))
         i = START.index(name)
-        check(start[i] - errors[i] <= low < high <= start[i] + errors[i], "a free number within the start's error")
+        check(
+            start[i] - errors[i] <= low < high <= start[i] + errors[i],
+            "a free number within the start's error",
+        )
         near = ((low + high) / 2, (high - low) / 2), (low, fmpq(0)), (high, fmpq(0))
-        starts = [([*start[:i], s, *start[i + 1 :]], [e * (j == i) for j in range(3)]) for s, e in near]
+        starts = [
+            ([*start[:i], s, *start[i + 1 :]], [e * (j == i) for j in range(3)]) for s, e in near
+        ]
         suffix = f", for some {name} within the error of the start"
-        shown += "; {name} is between {low} and {high}, and one value between them touches".format(**source["free"])
-    motion, *others = [begin(problem, *each, None if i == 0 < len(starts) - 1 else []) for i, each in enumerate(starts)]
+        shown += "; {name} is between {low} and {high}, and one value between them touches".format(
+            **source["free"]
+        )
+    motion, *others = [
+        begin(problem, *each, None if i == 0 < len(starts) - 1 else [])
+        for i, each in enumerate(starts)
+    ]
     check(data["mode"] == motion.mode.number, f"the motion begins in {MODES[motion.mode.number]}")
     motions = [motion]
     for row in data["events"]:
         motion = motion.after_event(row, others).within(row)
-        others = [] if row["kind"] == "graze" else [each.after_event(row) for each in others]
+        if row["kind"] == "graze":
+            others = []
+        else:
+            others = [each.after_event(row) for each in others]
         motions.append(motion)
     check(not others, "a graze that only one start has, and no graze is stated")
     motion.positive(arb(data["t_end"]).upper())
-    count, lines = len(data["events"]), []
+    count = len(data["events"])
+    lines = []
     if "wrt" in data:
         differentiated(problem, data, motions)
         suffix = f", with derivatives by {', '.join(data['wrt'])}"
@@ -596,13 +879,22 @@ def trajectory(data, source, limits):
 
 
 def period(problem, rows, centre, widths, turn, kind=Motion):
-    """Follow a box of t and x at the first event through all events in `rows`; return the motions, u and D.
+    """Follow a box of t and x at the first event through all events in `rows`.
 
-    Let P map t and x at the first event to those at the last, with t less by `turn`, the time of the periods. D
-    encloses the Jacobian of P over the box `centre` +- `widths`; if centre + u is inside, it is P's only fixed point.
+    Return the motions, u and D.
+
+    Let P map t and x at the first event to those at the last, with t less by `turn`, the time of
+    the periods. D encloses the Jacobian of P over the box `centre` +- `widths`; if centre + u is
+    inside, it is P's only fixed point.
     """
-    (dt, dx), belt, mode = widths, rows[0]["boundary"], rows[0]["target"]
-    columns, leaves = [(dt, arb(0), arb(0)), (arb(0), dx, arb(0))], {belt: 1} if mode < 4 else {}
+    (dt, dx) = widths
+    belt = rows[0]["boundary"]
+    mode = rows[0]["target"]
+    columns = [(dt, arb(0), arb(0)), (arb(0), dx, arb(0))]
+    if mode < 4:
+        leaves = {belt: 1}
+    else:
+        leaves = {}
     motions = [kind(problem, mode, belt, [*centre, arb(problem.p[f"v{belt}"])], columns, leaves)]
     for row in rows[1:]:
         motions.append(motions[-1].after_event(row))
@@ -617,21 +909,33 @@ def period(problem, rows, centre, widths, turn, kind=Motion):
 
 def settled(data, source, limits):
     """Prove that a motion has its first events, then a cycle of events again and again, and the last events stated."""
-    problem, until = Problem(data["parameters"], limits), data["may_stick_until"]
+    problem = Problem(data["parameters"], limits)
+    until = data["may_stick_until"]
     start, errors, shown = read_start(data, source)
-    events, cycle, last = data["events"], data["cycle"], data["last"]
+    events = data["events"]
+    cycle = data["cycle"]
+    last = data["last"]
     right = events and len(cycle) > 2 and 0 < len(last) <= 1000 and 0 < data["periods"] < 10_000
     check(right, "events, cycle, last or periods out of range", BAD)
-    motion = begin(problem, start, errors, []) if until is None else leave(problem, start, errors, until)
+    if until is None:
+        motion = begin(problem, start, errors, [])
+    else:
+        motion = leave(problem, start, errors, until)
     check(data["mode"] == motion.mode.number, f"the motion begins in {MODES[motion.mode.number]}")
     for row in events:
         motion = motion.after_event(row).within(row)
     ends = [what(row) for row in (events[-1], cycle[0], cycle[-1])]
-    check(ends[0] == ends[1] == ends[2] and cycle[0]["kind"] in ("cross", "stick"), "a cycle from the last event on")
+    check(
+        ends[0] == ends[1] == ends[2] and cycle[0]["kind"] in ("cross", "stick"),
+        "a cycle from the last event on",
+    )
     motion.within(cycle[0])
 
     turn = 2 * data["periods"] * arb.pi() / arb(problem.p["Omega"])
-    centre, widths = ([arb((cycle[0][name][1] + sign * cycle[0][name][0]) / 2) for name in "tx"] for sign in (1, -1))
+    centre, widths = (
+        [arb((cycle[0][name][1] + sign * cycle[0][name][0]) / 2) for name in "tx"]
+        for sign in (1, -1)
+    )
     motions, u, D = period(problem, cycle, centre, widths, turn)
     for motion, row in zip(motions[1:], cycle[1:], strict=True):
         motion.within(row)
@@ -639,25 +943,37 @@ def settled(data, source, limits):
     inside(motion.t - turn, cycle[0]["t"])  # P(B) lies in B
     inside(motion.x, cycle[0]["x"])
 
-    n, k, t_end = len(cycle) - 1, data["count"] - len(events), arb(data["t_end"])
+    n = len(cycle) - 1
+    k = data["count"] - len(events)
+    t_end = arb(data["t_end"])
     check(k >= len(last), "a count of events that is not less than those stated")
     for gone, sign in ((k, 1), (k + 1, -1)):
         low, high = cycle[gone % n]["t"]
-        require(sign * (t_end - arb(low).union(arb(high)) - gone // n * turn), "so many events until t_end")
+        require(
+            sign * (t_end - arb(low).union(arb(high)) - gone // n * turn),
+            "so many events until t_end",
+        )
 
     sums = [sum((abs(D[i, j]) * widths[j] for j in (0, 1)), arb(0)) / widths[i] for i in (0, 1)]
     q = sums[0].max(sums[1]).upper()
     require(1 - q, "a contraction in the norm of the box")
     for back, row in enumerate(reversed(last)):
         gone, j = divmod(k - back, n)
-        parts = [each / width + 2 * q**gone * arb(0, 1) for each, width in zip(u, widths, strict=True)]
+        parts = [
+            each / width + 2 * q**gone * arb(0, 1) for each, width in zip(u, widths, strict=True)
+        ]
         check(what(row) == what(cycle[j]), "the kinds of the last events")
         t, x = motions[j].from_centre(parts)
         inside(t + gone * turn, row["t"])
         inside(x, row["x"])
     first = f"{data['count']} events until t = {source['t_end']}, the last {k} of them on a cycle of {n}"
-    lines = [line for name in ("events", "cycle", "last") for line in [f"{name}:", *table(source[name])]]
-    stuck = [] if until is None else [f"all have left the belt at t = {source['may_stick_until']}"]
+    lines = [
+        line for name in ("events", "cycle", "last") for line in [f"{name}:", *table(source[name])]
+    ]
+    if until is None:
+        stuck = []
+    else:
+        stuck = [f"all have left the belt at t = {source['may_stick_until']}"]
     return [first, shown, *stuck, f"a cycle takes {data['periods']} forcing periods", *lines]
 
 
@@ -671,17 +987,30 @@ def keeps(bias, swing, low, high, problem):
         check(not s < 0, "a window with phases on the wrong side of its ends")
         check(s > 0 or b - a > arb(2) ** -ctx.prec, "the sign of s near an end of the window", OPEN)
         middle = ((a + b) / 2).mid()
-        parts += [] if s > 0 else [(a, middle), (middle, b)]
+        if s > 0:
+            parts += []
+        else:
+            parts += [(a, middle), (middle, b)]
 
 
 def window(data, source, limits):
-    """Prove at which phases a contact with a force F = 0 is a graze, as the file states; return lines of text."""
-    problem, where, ends = Problem(data["parameters"], limits), data["grazes"], data["ends"]
-    p, (belt, side) = problem.p, {"P2": (1, 1), "P3": (1, -1), "P5": (2, 1), "P6": (2, -1)}[data["map"]]
-    bias, swing, circle = side * p["k"] * p[f"v{belt}"], side * p["B0"] * p["Omega"], (arb(0), 2 * arb.pi())
+    """Prove at which phases a contact with a force F = 0 is a graze, as the file states.
+
+    Return lines of text.
+    """
+    problem = Problem(data["parameters"], limits)
+    where = data["grazes"]
+    ends = data["ends"]
+    p = problem.p
+    (belt, side) = {"P2": (1, 1), "P3": (1, -1), "P5": (2, 1), "P6": (2, -1)}[data["map"]]
+    bias = side * p["k"] * p[f"v{belt}"]
+    swing = side * p["B0"] * p["Omega"]
+    circle = (arb(0), 2 * arb.pi())
     count = {"on an arc": 2, "everywhere but at one phase": 1}.get(where, 0)
     check(len(ends) == count, "two ends of an arc, or one", BAD)
-    one = swing != 0 and abs(bias) == abs(swing)  # s = bias (1 -+ sin theta), 0 at one phase, of fourth order there
+    one = swing != 0 and abs(bias) == abs(
+        swing
+    )  # s = bias (1 -+ sin theta), 0 at one phase, of fourth order there
     if where == "on an arc":
         (a, b), (c, d) = ([arb(each) for each in end["phase"]] for end in ends)
         for x, y in pairwise((a, b, c, d, a + 2 * arb.pi())):
@@ -689,8 +1018,14 @@ def window(data, source, limits):
         keeps(bias, swing, b, c, problem)
         keeps(-bias, -swing, d, a + 2 * arb.pi(), problem)
     elif one:
-        above = "everywhere" if data["order"] == "full" else "everywhere but at one phase"
-        right = "nowhere" if bias < 0 else above
+        if data["order"] == "full":
+            above = "everywhere"
+        else:
+            above = "everywhere but at one phase"
+        if bias < 0:
+            right = "nowhere"
+        else:
+            right = above
         check(where == right, "a window that is not so at the phase where s is 0, or elsewhere")
     elif where == "nowhere" and not bias == swing == 0:
         keeps(-bias, -swing, *circle, problem)
@@ -698,7 +1033,9 @@ def window(data, source, limits):
         check(where == "everywhere", "a window that leaves out a phase at which nothing is special")
         keeps(bias, swing, *circle, problem)
     for end in ends:
-        (low, high), sine, cosine = [arb(each) for each in end["phase"]], end["sine"], end["cosine"]
+        (low, high) = [arb(each) for each in end["phase"]]
+        sine = end["sine"]
+        cosine = end["cosine"]
         check(bias + swing * sine == 0, "an end where s is not 0")
         require(1 - (high - low), "an enclosure of many phases")
         if where == "on an arc":
@@ -709,12 +1046,20 @@ def window(data, source, limits):
         else:
             check(cosine == 0, "a phase where the derivative of s is 0")
             inside((2 - arb(sine)) * arb.pi() / 2, end["phase"])
-    first, shown = f"{data['map']} grazes {where}, order {data['order']}", source["ends"]
+    first = f"{data['map']} grazes {where}, order {data['order']}"
+    shown = source["ends"]
     if where == "on an arc":
         balls = [arb(low).union(arb(high)) for low, high in (end["phase"] for end in ends)]
-        first += " from {} to {}".format(*(phase.str(12, radius=phase.rad() > 1e-12) for phase in balls))
-    first += f", the sine being {shown[0]['sine']} there" if ends else ""
-    phases = [f"{i}: {end['phase'][0]} < theta < {end['phase'][1]}" for i, end in enumerate(shown, 1)]
+        first += " from {} to {}".format(
+            *(phase.str(12, radius=phase.rad() > 1e-12) for phase in balls)
+        )
+    if ends:
+        first += f", the sine being {shown[0]['sine']} there"
+    else:
+        first += ""
+    phases = [
+        f"{i}: {end['phase'][0]} < theta < {end['phase'][1]}" for i, end in enumerate(shown, 1)
+    ]
     return [f"{first}, for all phases", about(source["parameters"]), *phases]
 
 
@@ -732,21 +1077,51 @@ def unique(pairs):
 
 
 def prove(data, limits):
-    """Prove a certificate and return what is proven, as lines of text; `limits` has the most events and steps."""
+    """Prove a certificate and return what is proven, as lines of text.
+
+    `limits` has the most events and steps.
+    """
     check(type(data) is dict and data.get("format") == FORMAT, "an unknown format", BAD)
-    kind, proven, author = data.get("kind"), data.get("proven"), data.get("made_by", "")
-    check(type(author) is str and len(author) <= 200, "made_by is no text of 200 characters at most", BAD)
-    check(type(proven) is bool and type(kind) is str, "no kind, or proven is neither true nor false", BAD)
+    kind = data.get("kind")
+    proven = data.get("proven")
+    author = data.get("made_by", "")
+    check(
+        type(author) is str and len(author) <= 200,
+        "made_by is no text of 200 characters at most",
+        BAD,
+    )
+    check(
+        type(proven) is bool and type(kind) is str,
+        "no kind, or proven is neither true nor false",
+        BAD,
+    )
     check(proven, "the file itself says that it is not proven")
-    more = " verify_orbits.py proves it" if kind in BESIDE else ""
+    if kind in BESIDE:
+        more = " verify_orbits.py proves it"
+    else:
+        more = ""
     check(kind in KINDS, f"{kind[:20]!r}: of that kind this checker proves none.{more}", BAD)
-    source = {key: each for key, each in data.items() if key not in ("format", "kind", "proven", "message", "made_by")}
-    some = "some" if data.get("starts") == "some" else "derivatives" if "wrt" in data else kind
+    source = {
+        key: each
+        for key, each in data.items()
+        if key not in ("format", "kind", "proven", "message", "made_by")
+    }
+    if data.get("starts") == "some":
+        some = "some"
+    elif "wrt" in data:
+        some = "derivatives"
+    else:
+        some = kind
     shape = SHAPES[some if kind == "trajectory" else kind]
     counted = sum(len(each) for each in source.values() if type(each) is list)
     check(counted <= limits["events"], f"more than {limits['events']} events and boxes (--events)")
-    content, limits["left"], lines = read(source, shape, kind), limits["steps"], None
-    most = 4096 if kind == "trajectory" and not any(content["start_error"]) else 2048
+    content = read(source, shape, kind)
+    limits["left"] = limits["steps"]
+    lines = None
+    if kind == "trajectory" and not any(content["start_error"]):
+        most = 4096
+    else:
+        most = 2048
     while not lines:
         try:
             lines = KINDS[kind](content, source, limits)
@@ -754,21 +1129,30 @@ def prove(data, limits):
             if stop.args[0] != OPEN or ctx.prec >= most:
                 raise
             ctx.prec *= 2
-    check(data.get("message", lines[0]) == lines[0], f"a message that says something else than {lines[0]}")
+    check(
+        data.get("message", lines[0]) == lines[0],
+        f"a message that says something else than {lines[0]}",
+    )
     return lines
 
 
 def judge(data, **limits):
     """Prove the contents of a file, read from JSON, again; return an exit code and the answer."""
     with LOCK:
-        before, ctx.prec = (ctx.prec, ctx.cap), 256
+        before = (ctx.prec, ctx.cap)
+        ctx.prec = 256
         try:
             return 0, "proven: " + "\n  ".join(prove(data, LIMITS | limits))
         except Stop as stop:
             code = stop.args[0] or FALSE
-            return code, " ".join(f"{'no certificate' if code == BAD else 'not proven'}: {stop.args[1]}".split())
+            return code, " ".join(
+                f"{'no certificate' if code == BAD else 'not proven'}: {stop.args[1]}".split()
+            )
         except (ValueError, LookupError, TypeError, ArithmeticError, RecursionError) as error:
-            return BAD, f"no certificate: {type(error).__name__}, {' '.join(str(error).split())[:100]}"
+            return (
+                BAD,
+                f"no certificate: {type(error).__name__}, {' '.join(str(error).split())[:100]}",
+            )
         finally:
             ctx.prec, ctx.cap = before
 
@@ -796,7 +1180,9 @@ def main():
     parser = argparse.ArgumentParser(description="Prove a certificate once more.")
     parser.add_argument("file")
     for name, most in LIMITS.items():
-        parser.add_argument(f"--{name}", type=int, default=most, help=f"at most so many (default: {most})")
+        parser.add_argument(
+            f"--{name}", type=int, default=most, help=f"at most so many (default: {most})"
+        )
     arguments = vars(parser.parse_args())
     code, answer = verify(arguments.pop("file"), **arguments)
     print(answer, file=sys.stderr if code else sys.stdout)

@@ -1,63 +1,84 @@
 #!/usr/bin/env python3
-"""Prove a certificate of an orbit, of a branch of orbits or of an atlas once more: ``python verify_orbits.py FILE``.
+"""Prove a certificate of an orbit, of a branch of orbits or of an atlas once more.
 
-It needs verify.py beside it, python-flint, and nothing of symosc; it proves all kinds. verify.py has the equation and
-how a motion is followed from event to event, for all starts of a box at once. Balls (arb) prove:
+``python verify_orbits.py FILE``.
 
-1. "orbit": let P be the motion from the times and positions at the first event to those at the last, less the periods,
-   and D its derivatives over a box c + [-e, e]. A fixed point c + u has u = (P(c) - c) + D u (mean value theorem). If
-   the solution w of (1 - D) w = P(c) - c is unique and lies in [-e, e], for all matrices in D, there is exactly one
-   fixed point in the box, and it is in c + w (interval Newton). It is done for the box stated, and again for one or two
-   small boxes around the fixed point, to know it better.
-2. The multipliers are the eigenvalues of D at the fixed point: the roots of z^2 - T z + d, with its trace T and its
-   determinant d (0 if the motion sticks). Both are inside the unit circle if and only if |d| < 1 and |T| < 1 + d.
-3. A motion with a smaller period of N/q forcing periods does the same events after 1/q of them: it has not, if their
-   kinds differ, or t or x at the event where it would begin again. (A period is a multiple of the forcing period: for
-   B0 = 0 no orbit is alone.) On a branch one box is enough: two roots where J is regular never meet.
+It needs verify.py beside it, python-flint, and nothing of symosc; it proves all kinds. verify.py
+has the equation and how a motion is followed from event to event, for all starts of a box at once.
+Balls (arb) prove:
+
+1. "orbit": let P be the motion from the times and positions at the first event to those at the
+   last, less the periods, and D its derivatives over a box c + [-e, e]. A fixed point c + u has u =
+   (P(c) - c) + D u (mean value theorem). If the solution w of (1 - D) w = P(c) - c is unique and
+   lies in [-e, e], for all matrices in D, there is exactly one fixed point in the box, and it is in
+   c + w (interval Newton). It is done for the box stated, and again for one or two small boxes
+   around the fixed point, to know it better.
+2. The multipliers are the eigenvalues of D at the fixed point: the roots of z^2 - T z + d, with its
+   trace T and its determinant d (0 if the motion sticks). Both are inside the unit circle if and
+   only if |d| < 1 and |T| < 1 + d.
+3. A motion with a smaller period of N/q forcing periods does the same events after 1/q of them: it
+   has not, if their kinds differ, or t or x at the event where it would begin again. (A period is a
+   multiple of the forcing period: for B0 = 0 no orbit is alone.) On a branch one box is enough: two
+   roots where J is regular never meet.
 
 A "branch", for an interval of a parameter at once:
 
-4. x = A/k + a cos(Omega t) + b sin(Omega t) + y, a + i b = B0/(k - m Omega^2 - i c Omega), y'' + 2 h y' + (k/m) y = 0,
-   h = c/(2m). So y(s) = y(0) C + (y'(0) + h y(0)) S, with C and S = exp(-h s) times cosh(w s) and sinh(w s)/w, and
-   w^2 = h^2 - k/m of any sign. A mode ends where a function f is 0: the distance of v from a belt; on a belt F or -F.
-5. u = (t_0, x_0, t_1, ...) is on an orbit only if r(u) = 0: each mode leads from one (t_i, x_i) to the next, f = 0
-   there, and the last is the first again. Let J contain the derivatives of r over a box X and an interval of the
-   parameter, and c be in X for each of its values. If J has no singular matrix and c - J^-1 r(c) lies in X, then for
-   each value r has exactly one root in X, and it is in c - J^-1 r(c) (interval Newton). c is a polynomial in the
-   change d of the parameter, and r(c) = r_0 + r_1 d + ... + r_n d^n with r_n of all its values (Taylor).
+4. x = A/k + a cos(Omega t) + b sin(Omega t) + y, a + i b = B0/(k - m Omega^2 - i c Omega), y'' + 2
+   h y' + (k/m) y = 0, h = c/(2m). So y(s) = y(0) C + (y'(0) + h y(0)) S, with C and S = exp(-h s)
+   times cosh(w s) and sinh(w s)/w, and w^2 = h^2 - k/m of any sign. A mode ends where a function f
+   is 0: the distance of v from a belt; on a belt F or -F.
+5. u = (t_0, x_0, t_1, ...) is on an orbit only if r(u) = 0: each mode leads from one (t_i, x_i) to
+   the next, f = 0 there, and the last is the first again. Let J contain the derivatives of r over a
+   box X and an interval of the parameter, and c be in X for each of its values. If J has no
+   singular matrix and c - J^-1 r(c) lies in X, then for each value r has exactly one root in X, and
+   it is in c - J^-1 r(c) (interval Newton). c is a polynomial in the change d of the parameter, and
+   r(c) = r_0 + r_1 d + ... + r_n d^n with r_n of all its values (Taylor).
 6. The modes follow each other as F on both sides of a belt says, and f > 0 between two events.
-7. An end: from `inside`, a value that the boxes contain, to `outside` r has one root in a box. It is the branch's at
-   `inside`, where all inequalities hold; at `outside` the one named fails (a distance or a force on a belt: at the time
-   `at`). Both sides of it are continuous: in between it becomes an equality. Which one is the first is not proven.
+7. An end: from `inside`, a value that the boxes contain, to `outside` r has one root in a box. It
+   is the branch's at `inside`, where all inequalities hold; at `outside` the one named fails (a
+   distance or a force on a belt: at the time `at`). Both sides of it are continuous: in between it
+   becomes an equality. Which one is the first is not proven.
 
-An "atlas", for a box of two parameters at once. For c > 0 and k > 0 an orbit with a flight attracts all other motions
-(the energy of a difference of two motions never grows), so that a point of the plane has one word:
+An "atlas", for a box of two parameters at once. For c > 0 and k > 0 an orbit with a flight attracts
+all other motions (the energy of a difference of two motions never grows), so that a point of the
+plane has one word:
 
-8. Between two events x'' + (c/m) x' + (k/m) x = (A + B0 cos theta)/m. With the roots l, l' of l^2 + (c/m) l + k/m and
-   X(a, b) = (exp(a s) - exp(b s))/(a - b) = s exp((a + b) s/2) sinh(w)/w, w = (a - b) s/2, it is S = X(l, l') for a
-   unit of velocity at the start, and Z = (X(l, i Omega) - X(l', i Omega))/(l - l') for the drive exp(i Omega s)/m.
-   sinh(w)/w = 0F1(3/2; w^2/4) is entire: nothing is special at resonance.
-9. Unknowns u: of each flight the phase at its start, its duration, and x at its start, unless it follows a stick:
-   there F = 0 says x. r(u) = 0: v is that of the belt at its end, and x and the phase fit to the next flight. If word
-   and oscillator are symmetric about A0/k, half a period is enough (a belt without friction is seen in the image too).
-10. u(d) is a polynomial of degree 2 in the place d in the box, |d_i| <= 1 (it proves nothing). By Taylor's theorem
-   r(u(d)) is r_0 + ... + r_3 with r_0, r_1, r_2 at the middle, and r_3, a cubic form, somewhere in the box: from series
-   in four directions. J, the derivatives of r by u, is that at the middle and its change, from series in sums of two
-   directions. Let p >= |Y r| and N >= |1 - Y J| for |u - u(d)| <= e. If p + N e < e there is one root for each d
-   (Krawczyk).
-11. The inequalities of the word, by the same series to second order: each flight and stick lasts; at the end of a
-   flight F on both sides of the belt says what follows; during a stick both forces hold it: they are monotone between
-   the turns, where k v + B0 Omega sin theta = 0, so it is enough to look there and at its ends.
-12. In a flight back to its belt the distance g has m (g'' + (c/m) g' + (k/m) g) = q = -side (k v + B0 Omega sin theta).
-   Over a time less than pi/|Im l| no solution y of the equation with q = 0 has two zeros (Polya). So g > 0 where q < 0
-   between two times with g >= 0. Where q > 0, g >= y with the value and slope of g at one time: g > 0 after
-   g = 0 <= g', before g = 0 >= g', and around a time as far as y > 0. Elsewhere, and at the other belt, by short steps.
-13. "rest": a belt has the speed 0, and mu FN >= |B0|: the mass may rest on it, and no orbit has a flight.
-14. The boxes are in the range and do not overlap; their part of its area is the share. With the open boxes they fill
-   it. What is "found" is not proven; but no point of a border may be inside a box, where the word does not change.
+8. Between two events x'' + (c/m) x' + (k/m) x = (A + B0 cos theta)/m. With the roots l, l' of l^2 +
+   (c/m) l + k/m and X(a, b) = (exp(a s) - exp(b s))/(a - b) = s exp((a + b) s/2) sinh(w)/w, w = (a
+   - b) s/2, it is S = X(l, l') for a unit of velocity at the start, and Z = (X(l, i Omega) - X(l',
+   i Omega))/(l - l') for the drive exp(i Omega s)/m. sinh(w)/w = 0F1(3/2; w^2/4) is entire: nothing
+   is special at resonance.
+9. Unknowns u: of each flight the phase at its start, its duration, and x at its start, unless it
+   follows a stick: there F = 0 says x. r(u) = 0: v is that of the belt at its end, and x and the
+   phase fit to the next flight. If word and oscillator are symmetric about A0/k, half a period is
+   enough (a belt without friction is seen in the image too).
+10. u(d) is a polynomial of degree 2 in the place d in the box, |d_i| <= 1 (it proves nothing). By
+    Taylor's theorem
+   r(u(d)) is r_0 + ... + r_3 with r_0, r_1, r_2 at the middle, and r_3, a cubic form, somewhere in
+   the box: from series in four directions. J, the derivatives of r by u, is that at the middle and
+   its change, from series in sums of two directions. Let p >= |Y r| and N >= |1 - Y J| for |u -
+   u(d)| <= e. If p + N e < e there is one root for each d (Krawczyk).
+11. The inequalities of the word, by the same series to second order: each flight and stick lasts;
+    at the end of a
+   flight F on both sides of the belt says what follows; during a stick both forces hold it: they
+   are monotone between the turns, where k v + B0 Omega sin theta = 0, so it is enough to look there
+   and at its ends.
+12. In a flight back to its belt the distance g has m (g'' + (c/m) g' + (k/m) g) = q = -side (k v +
+    B0 Omega sin theta).
+   Over a time less than pi/|Im l| no solution y of the equation with q = 0 has two zeros (Polya).
+   So g > 0 where q < 0 between two times with g >= 0. Where q > 0, g >= y with the value and slope
+   of g at one time: g > 0 after g = 0 <= g', before g = 0 >= g', and around a time as far as y > 0.
+   Elsewhere, and at the other belt, by short steps.
+13. "rest": a belt has the speed 0, and mu FN >= |B0|: the mass may rest on it, and no orbit has a
+    flight.
+14. The boxes are in the range and do not overlap; their part of its area is the share. With the
+    open boxes they fill
+   it. What is "found" is not proven; but no point of a border may be inside a box, where the word
+   does not change.
 
-The letters of the code are those above; e is an `Oscillator`, q in `Flight.parts` is that of 12, and Y is a matrix near
-the inverse of J. `data`, `source`, `limits` and `where` are those of verify.py.
+The letters of the code are those above; e is an `Oscillator`, q in `Flight.parts` is that of 12,
+and Y is a matrix near the inverse of J. `data`, `source`, `limits` and `where` are those of
+verify.py.
 """
 
 import sys
@@ -74,21 +95,54 @@ from flint import acb, acb_series, arb, arb_mat, arb_series, ctx, fmpq
 try:
     base = import_module(".verify" if __package__ else "verify", __package__)
 except ImportError as error:
-    print(f"no certificate was read: verify.py has to be beside verify_orbits.py ({error})", file=sys.stderr)
+    print(
+        f"no certificate was read: verify.py has to be beside verify_orbits.py ({error})",
+        file=sys.stderr,
+    )
     sys.exit(2)
-Stop, OPEN, BAD, check, require, inside = base.Stop, base.OPEN, base.BAD, base.check, base.require, base.inside
-number, interval, verify, judge, MODES = base.number, base.interval, base.verify, base.judge, base.MODES
+Stop = base.Stop
+OPEN = base.OPEN
+BAD = base.BAD
+check = base.check
+require = base.require
+inside = base.inside
+number = base.number
+interval = base.interval
+verify = base.verify
+judge = base.judge
+MODES = base.MODES
 
-PIECES = ((1, 4, 1), (1, 1, 1), (1, 2, 1), (2, 5, 2), (2, 2, 2), (2, 3, 2), (2, 2, 1), (1, 2, 2))  # from, mode, to
+PIECES = (
+    (1, 4, 1),
+    (1, 1, 1),
+    (1, 2, 1),
+    (2, 5, 2),
+    (2, 2, 2),
+    (2, 3, 2),
+    (2, 2, 1),
+    (1, 2, 2),
+)  # from, mode, to
 LABELS = {piece: number for number, piece in enumerate(PIECES, 1)}
-SMALL, KNOWN, RANGE_END = fmpq(1, 10**15), 1e-16, "end of the range"
-ORDER, MOST_PARTS, NEWTON_STEPS = 3, 256, 4
-BOX_BITS, MOST_BOX_PARTS, BOX_NEWTON_STEPS, NEAR, MOST_CUTS, MOST_TURNS = 64, 1024, 12, 1e-14, 16, 1000
+SMALL = fmpq(1, 10**15)
+KNOWN = 1e-16
+RANGE_END = "end of the range"
+ORDER = 3
+MOST_PARTS = 256
+NEWTON_STEPS = 4
+BOX_BITS = 64
+MOST_BOX_PARTS = 1024
+BOX_NEWTON_STEPS = 12
+NEAR = 1e-14
+MOST_CUTS = 16
+MOST_TURNS = 1000
 SIDES = ((1, 0), (0, 1), (1, 1), (1, -1))
 
 
 def end_of_branch(value, where):
-    """Read an end of a branch: its kind, the parameter just inside and just outside, and what fails outside."""
+    """Read an end of a branch.
+
+    Its kind, the parameter just inside and just outside, and what fails outside.
+    """
     shape = {"kind": {RANGE_END}, "inside": number, "outside": number}
     if not (type(value) is dict and value.get("kind") == RANGE_END):
         shape |= POINTS | {"kind": str, "inequality": str, "at": number}
@@ -96,25 +150,46 @@ def end_of_branch(value, where):
 
 
 def border_points(value, where):
-    """Read the points of all borders in an atlas, sorted by the first parameter; ignore all else about borders."""
+    """Read the points of all borders in an atlas, sorted by the first parameter.
+
+    Ignore all else about borders.
+    """
     try:
-        points = [tuple(map(float, point)) for border in value.get("borders", ()) for point in border["points"]]
+        points = [
+            tuple(map(float, point))
+            for border in value.get("borders", ())
+            for point in border["points"]
+        ]
     except (AttributeError, LookupError, TypeError, ValueError):
         points = [()]
-    check(all(len(each) == 2 and abs(sum(each)) < 1e99 for each in points), f"{where}: the points of a border", BAD)
+    check(
+        all(len(each) == 2 and abs(sum(each)) < 1e99 for each in points),
+        f"{where}: the points of a border",
+        BAD,
+    )
     return sorted(points)
 
 
-PARAMETERS, POINTS, BOX = base.MOTION["parameters"], {"t": [interval], "x": [interval]}, ((number, number),) * 2
+PARAMETERS = base.MOTION["parameters"]
+POINTS = {"t": [interval], "x": [interval]}
+BOX = ((number, number),) * 2
 ORBIT = {"parameters": PARAMETERS, "word": str, "periods": int}
 base.SHAPES["orbit"] = (
     ORBIT
-    | {"events": [base.WHAT | {"t": interval, "x": interval, "reach": number}], "alone_within": (number, number)}
+    | {
+        "events": [base.WHAT | {"t": interval, "x": interval, "reach": number}],
+        "alone_within": (number, number),
+    }
     | {"multipliers": ({"re": interval, "im": interval},) * 2, "stable": {True, False, None}}
 )
 base.SHAPES["branch"] = (
     ORBIT
-    | {"parameter": set(base.NAMES), "range": (number, number), "stable": {True, None}, "ends": (end_of_branch,) * 2}
+    | {
+        "parameter": set(base.NAMES),
+        "range": (number, number),
+        "stable": {True, None},
+        "ends": (end_of_branch,) * 2,
+    }
     | {"events": [base.WHAT], "boxes": [POINTS | {"value": (number, number)}]}
 )
 base.SHAPES["atlas"] = {
@@ -122,24 +197,41 @@ base.SHAPES["atlas"] = {
     "over": (set(base.NAMES), set(base.NAMES)),
     "range": BOX,
     "share": number,
-} | {"boxes": [{"word": str, "range": BOX, "phases": [number], "x": [number]}], "open": [BOX], "found": border_points}
+} | {
+    "boxes": [{"word": str, "range": BOX, "phases": [number], "x": [number]}],
+    "open": [BOX],
+    "found": border_points,
+}
 
 
 # -- orbits ------------------------------------------------------------------------------------------------------------
 
 
 def course(data):
-    """Prove that an orbit's events follow each other and have its word; return (kind, belt, source, target) of each."""
+    """Prove that an orbit's events follow each other and have its word.
+
+    Return (kind, belt, source, target) of each.
+    """
     rows = data["events"]
-    check(0 < data["periods"] < 10_000 and len(rows) > 2, "a number of periods, and three events at least", BAD)
+    check(
+        0 < data["periods"] < 10_000 and len(rows) > 2,
+        "a number of periods, and three events at least",
+        BAD,
+    )
     found = [tuple(base.what(row)) for row in rows]
     for before, (kind, belt, source, target) in pairwise([found[-2], *found]):
-        made = "slip" if source > 3 else "stick" if target > 3 else "cross"
+        if source > 3:
+            made = "slip"
+        elif target > 3:
+            made = "stick"
+        else:
+            made = "cross"
         near = source != target and {source, target} <= {belt, belt + 1, belt + 3}
         check(near and (kind, source) == (made, before[3]), "events that do not follow each other")
     check(found[0] == found[-1], "a last event that is not the first one again")
     labels = [LABELS.get((belt, mode, after[1])) for (_, belt, _, mode), after in pairwise(found)]
-    word, shown = data["word"], "".join(map(str, reversed(labels)))
+    word = data["word"]
+    shown = "".join(map(str, reversed(labels)))
     right = word[:1] == "P" and len(word) == len(shown) + 1 and word[1:] in shown * 2
     check(right, f"the word {word[:40]!r}, of events that say {shown[:40]}")
     return found
@@ -148,18 +240,26 @@ def course(data):
 def least(events, periods, apart):
     """Prove that no smaller number of forcing periods is a period of the orbit.
 
-    `apart(i, n)` says whether t or x of event i surely differs from those of event 0, n forcing periods later.
+    `apart(i, n)` says whether t or x of event i surely differs from those of event 0, n forcing
+    periods later.
     """
     n = len(events) - 1
     for q in range(2, periods + 1):
-        if periods % q == n % q == 0 and all(events[i] == events[(i + n // q) % n] for i in range(n)):
+        if periods % q == n % q == 0 and all(
+            events[i] == events[(i + n // q) % n] for i in range(n)
+        ):
             less = periods // q
-            check(apart(n // q, less), f"that the least period is {periods} forcing periods, not {less}", OPEN)
+            check(
+                apart(n // q, less),
+                f"that the least period is {periods} forcing periods, not {less}",
+                OPEN,
+            )
 
 
 def eigenvalues(T, d):
     """Return real and imaginary parts of both eigenvalues of a matrix with trace T and determinant d, largest first."""
-    zero, square = arb(0), T * T / 4 - d
+    zero = arb(0)
+    square = T * T / 4 - d
     if d.is_zero():
         return (T, zero), (zero, zero)
     if not abs(square) > 0:
@@ -170,47 +270,67 @@ def eigenvalues(T, d):
     if square < 0:
         return (T / 2, root), (T / 2, -root)
     require(abs(T), "which multiplier is the larger one")
-    root = root if T > 0 else -root
+    if not (T > 0):
+        root = -root
     return (T / 2 + root, zero), (T / 2 - root, zero)
 
 
-#: A motion from a smaller set of starts than one already proven to have no events in between: this is not proven again.
+#: A motion from a smaller set of starts than one already proven to have no events in between: this
+#: is not proven again.
 Within = type("Within", (base.Motion,), {"positive": lambda motion, *until: None})
 
 
 def orbit(data, source, limits):
-    """Prove that the stated orbit exists with its multipliers, and is unique in its box; return lines of text."""
-    problem, periods, events = base.Problem(data["parameters"], limits), data["periods"], course(data)
-    rows, turn = data["events"], 2 * periods * arb.pi() / arb(problem.p["Omega"])
+    """Prove that the stated orbit exists with its multipliers, and is unique in its box.
+
+    Return lines of text.
+    """
+    problem = base.Problem(data["parameters"], limits)
+    periods = data["periods"]
+    events = course(data)
+    rows = data["events"]
+    turn = 2 * periods * arb.pi() / arb(problem.p["Omega"])
     right = min(data["alone_within"]) > 0 <= min(row["reach"] for row in rows)
     check(right, "alone_within, or reach out of range", BAD)
-    centre, widths = [arb(sum(rows[0][name]) / 2) for name in "tx"], [arb(each) for each in data["alone_within"]]
+    centre = [arb(sum(rows[0][name]) / 2) for name in "tx"]
+    widths = [arb(each) for each in data["alone_within"]]
     whole = list(zip(centre, widths, strict=True))
     for scale in (fmpq(1), SMALL, SMALL**2):  # the box stated, and one or two in it
         spare = [row["reach"] * scale for row in rows]
-        wide = [row | {"t": (row["t"][0] - by, row["t"][1] + by)} for row, by in zip(rows, spare, strict=True)]
-        motions, u, D = base.period(problem, wide, centre, widths, turn, base.Motion if scale == 1 else Within)
+        wide = [
+            row | {"t": (row["t"][0] - by, row["t"][1] + by)}
+            for row, by in zip(rows, spare, strict=True)
+        ]
+        motions, u, D = base.period(
+            problem, wide, centre, widths, turn, base.Motion if scale == 1 else Within
+        )
         for each, width, c, (about, most) in zip(u, widths, centre, whole, strict=True):
             require(width - abs(each), "that an orbit is in the box, and only one")
             check(scale == 1 or abs(c - about) + width < most, "a smaller box in the other", OPEN)
         if scale < SMALL or (scale < 1 and all(each.rad() < KNOWN for each in D.entries())):
             break
         root = [c + each for c, each in zip(centre, u, strict=True)]
-        centre, widths = [each.mid() for each in root], [(2 * each.rad()).mid() for each in root]
+        centre = [each.mid() for each in root]
+        widths = [(2 * each.rad()).mid() for each in root]
     parts = [each / width for each, width in zip(u, widths, strict=True)]
-    points = [motion.from_centre(parts) for motion in motions]  # of the fixed point, by the derivatives
+    points = [
+        motion.from_centre(parts) for motion in motions
+    ]  # of the fixed point, by the derivatives
     for (t, x), row in zip(points, rows, strict=True):
         inside(t, row["t"])
         inside(x, row["x"])
 
     def apart(i, later):
         """Return whether t or x of event i surely differs from that of event 0, `later` forcing periods later."""
-        (t, x), (t0, x0) = points[i], points[0]
+        (t, x) = points[i]
+        (t0, x0) = points[0]
         return not ((t - t0) * periods).overlaps(later * turn) or not x.overlaps(x0)
 
     least(events, periods, apart)
-    T, d = D[0, 0] + D[1, 1], D[0, 0] * D[1, 1] - D[0, 1] * D[1, 0]
-    d = arb(0) if any(row["kind"] == "stick" for row in rows) else d
+    T = D[0, 0] + D[1, 1]
+    d = D[0, 0] * D[1, 1] - D[0, 1] * D[1, 0]
+    if any(row["kind"] == "stick" for row in rows):
+        d = arb(0)
     for (re, im), ends in zip(eigenvalues(T, d), data["multipliers"], strict=True):
         inside(re, ends["re"])
         inside(im, ends["im"])
@@ -223,7 +343,10 @@ def orbit(data, source, limits):
     kind = {True: "a stable orbit", False: "an unstable orbit", None: "an orbit"}[data["stable"]]
     first = f"{kind} {data['word']} of {periods} forcing period{'s' * (periods != 1)}, the only one within"
     first += " {} in t and {} in x".format(*source["alone_within"])
-    shown = [f"multiplier: {' .. '.join(each['re'])} + i ({' .. '.join(each['im'])})" for each in source["multipliers"]]
+    shown = [
+        f"multiplier: {' .. '.join(each['re'])} + i ({' .. '.join(each['im'])})"
+        for each in source["multipliers"]
+    ]
     return [first, base.about(source["parameters"]), *base.table(source["events"]), *shown]
 
 
@@ -236,7 +359,10 @@ def column(values):
 
 
 def horner(rows, at):
-    """Return the values of several polynomials at `at`; rows[i] is a column with the i-th coefficient of each."""
+    """Return the values of several polynomials at `at`.
+
+    Rows[i] is a column with the i-th coefficient of each.
+    """
     total = rows[-1]
     for row in reversed(rows[:-1]):
         total = row + at * total
@@ -245,22 +371,32 @@ def horner(rows, at):
 
 def coefficient(value, order=0):
     """Return a coefficient of a power series; a ball counts as a constant series."""
-    return value[order] if isinstance(value, arb_series) else arb(0) if order else value
+    if isinstance(value, arb_series):
+        return value[order]
+    if order:
+        return arb(0)
+    return value
 
 
 def lifted(value):
     """Return a real ball or series as a complex one."""
-    return acb_series(value) if isinstance(value, arb_series) else acb(value)
+    if isinstance(value, arb_series):
+        return acb_series(value)
+    return acb(value)
 
 
 def times_i(value):
     """Return i times a real ball or series."""
-    return acb_series([acb(0, 1)]) * acb_series(value) if isinstance(value, arb_series) else acb(0, value)
+    if isinstance(value, arb_series):
+        return acb_series([acb(0, 1)]) * acb_series(value)
+    return acb(0, value)
 
 
 def real(value):
     """Return the real part of a complex ball or series."""
-    return arb_series([each.real for each in value], prec=value.prec) if isinstance(value, acb_series) else value.real
+    if isinstance(value, acb_series):
+        return arb_series([each.real for each in value], prec=value.prec)
+    return value.real
 
 
 def entire(b, z):
@@ -270,24 +406,38 @@ def entire(b, z):
     kind: Any = type(z)
     change, total, factor = (kind(each, prec=z.prec) for each in ([0, *list(z)[1:]], [0], [1]))
     for j in range(z.prec):  # by its derivative 0F1(b + 1; z)/b
-        total, factor = total + factor * z[0].hypgeom_0f1(b + j), factor * change / ((b + j) * (j + 1))
+        total = total + factor * z[0].hypgeom_0f1(b + j)
+        factor = factor * change / ((b + j) * (j + 1))
     return total
 
 
 class Oscillator:
-    """The oscillator with balls or series as parameters; h = c/(2m), and A has the constant force in each domain."""
+    """The oscillator with balls or series as parameters.
+
+    H = c/(2m), and A has the constant force in each domain.
+    """
 
     def __init__(self, q):
-        self.m, self.c, self.k, A0, self.B0, self.Om, *belts, mu1, mu2, FN = (q[each] for each in base.NAMES)
-        self.A, self.belts = [A0 + each * FN for each in (0, mu1 + mu2, mu2 - mu1, -mu1 - mu2)], [None, *belts]
+        self.m, self.c, self.k, A0, self.B0, self.Om, *belts, mu1, mu2, FN = (
+            q[each] for each in base.NAMES
+        )
+        self.A, self.belts = (
+            [A0 + each * FN for each in (0, mu1 + mu2, mu2 - mu1, -mu1 - mu2)],
+            [None, *belts],
+        )
         self.jump = [None, *(2 * mu * FN / self.m for mu in (mu1, mu2))]
-        self.h, self.km, self.drive = self.c / (2 * self.m), self.k / self.m, self.B0 * self.Om / self.m
+        self.h, self.km, self.drive = (
+            self.c / (2 * self.m),
+            self.k / self.m,
+            self.B0 * self.Om / self.m,
+        )
         self.square = self.h * self.h - self.km
 
     @cached_property
     def steady(self):
         """Return a and b of the steady motion, whose x is a cos(Omega t) + b sin(Omega t) and a constant."""
-        pull, drag = self.k - self.m * self.Om * self.Om, self.c * self.Om
+        pull = self.k - self.m * self.Om * self.Om
+        drag = self.c * self.Om
         size = pull * pull + drag * drag
         return self.B0 * pull / size, self.B0 * drag / size
 
@@ -299,14 +449,24 @@ class Oscillator:
         return over, w, not coefficient(w) > 32 * coefficient(w).rad()
 
     def free(self, s):
-        """Return C and S at a time s: a motion without drive or friction is y(s) = y(0) C + (y'(0) + h y(0)) S."""
-        decay, (over, w, critical) = (-self.h * s).exp(), self.frequency
+        """Return C and S at a time s.
+
+        A motion without drive or friction is y(s) = y(0) C + (y'(0) + h y(0)) S.
+        """
+        decay = (-self.h * s).exp()
+        (over, w, critical) = self.frequency
         if critical:
             z = self.square * s * s / 4
             return decay * entire(arb(0.5), z), decay * s * entire(arb(1.5), z)
         ws = w * s
-        up, down = (ws.exp(), (-ws).exp()) if over else (ws, ws)
-        sine, cosine = ((up - down) / 2, (up + down) / 2) if over else ws.sin_cos()
+        if over:
+            up, down = (ws.exp(), (-ws).exp())
+        else:
+            up, down = (ws, ws)
+        if over:
+            sine, cosine = ((up - down) / 2, (up + down) / 2)
+        else:
+            sine, cosine = ws.sin_cos()
         return decay * cosine, decay * sine / w
 
     @cached_property
@@ -316,8 +476,13 @@ class Oscillator:
         return root - lifted(self.h), -root - lifted(self.h)
 
     def driven(self, s):
-        """Return S, S', Z, Z' at a time s: S is x after x = 0, v = 1; Z is x due to the drive exp(i Omega s)."""
-        (first_root, other), s, drive = self.roots, lifted(s), times_i(self.Om)
+        """Return S, S', Z, Z' at a time s: S is x after x = 0, v = 1.
+
+        Z is x due to the drive exp(i Omega s).
+        """
+        (first_root, other) = self.roots
+        s = lifted(s)
+        drive = times_i(self.Om)
 
         def X(a, b):
             """Return (exp(a s) - exp(b s))/(a - b) at the time s of `driven`, also where a and b are close."""
@@ -326,15 +491,25 @@ class Oscillator:
                 return ((a * s).exp() - (b * s).exp()) / (a - b)
             return s * ((a + b) * s / 2).exp() * entire(acb(1.5), half * half / 4)
 
-        first, second, difference, S = X(first_root, drive), X(other, drive), first_root - other, X(first_root, other)
+        first = X(first_root, drive)
+        second = X(other, drive)
+        difference = first_root - other
+        S = X(first_root, other)
         S1 = (first_root * s).exp() + other * S
         # The derivative of X(a, b) with respect to s is exp(b s) + a X(a, b).
-        return real(S), real(S1), (first - second) / difference, (first_root * first - other * second) / difference
+        return (
+            real(S),
+            real(S1),
+            (first - second) / difference,
+            (first_root * first - other * second) / difference,
+        )
 
     def longest_part(self):
         """Return a time that is surely shorter than half a period of the free motion."""
         most = (-coefficient(self.square)).upper()
-        return (arb.pi() / most.sqrt()).lower() if most > 0 else arb.pos_inf()
+        if most > 0:
+            return (arb.pi() / most.sqrt()).lower()
+        return arb.pos_inf()
 
 
 class Margin(NamedTuple):
@@ -350,13 +525,21 @@ class Margin(NamedTuple):
 
 def positive(margin, until, problem):
     """Prove that a margin's f > 0 between the times 0 and `until`, step by step with Taylor's theorem."""
-    a, step, order = arb(0), until / 8, margin.order
+    a = arb(0)
+    step = until / 8
+    order = margin.order
     while True:
         problem.step()
         last = not a + step < until
-        b = until if last else (a + step).mid()
-        m, T, h = ((a + b) / 2).mid(), a.union(b), ((b - a) / 2).upper()
-        middle, around = margin.f(m), margin.f(T)
+        if last:
+            b = until
+        else:
+            b = (a + step).mid()
+        m = ((a + b) / 2).mid()
+        T = a.union(b)
+        h = ((b - a) / 2).upper()
+        middle = margin.f(m)
+        around = margin.f(T)
         slope = middle[1] + around[2] * arb(0, 1) * h
         if last and margin.zero:
             sure = slope < 0 and not order
@@ -367,24 +550,42 @@ def positive(margin, until, problem):
             sure = sure or (order and around[2] > 0)  # f' >= 0 at the start, by the forces there
         if sure and last:
             return
-        a, order, step = (b, 0, step * 3 / 2) if sure else (a, order, h)
+        if sure:
+            a, order, step = (b, 0, step * 3 / 2)
+        else:
+            a, order, step = (a, order, h)
         check(step > until * arb(2) ** -ctx.prec, margin.text, OPEN)
 
 
 def in_parts(prove, whole, most, what):
-    """Call `prove` for the box `whole` or, where it fails, for halves, at most `most` times; return the last result."""
-    parts, count, found = [whole], 0, None
+    """Call `prove` for the box `whole` or, where it fails, for halves, at most `most` times.
+
+    Return the last result.
+    """
+    parts = [whole]
+    count = 0
+    found = None
     while parts:
-        part, count = parts.pop(), count + 1
+        part = parts.pop()
+        count = count + 1
         try:
             found = prove(part)
-        except (Stop, ZeroDivisionError, ValueError) as stop:  # the latter two: a ball or a series may be 0
+        except (
+            Stop,
+            ZeroDivisionError,
+            ValueError,
+        ) as stop:  # the latter two: a ball or a series may be 0
             check(not isinstance(stop, Stop) or stop.args[0] == OPEN, str(stop.args[-1]))
             check(count < most, what)
-            sides = [(high - low) / (b - a) for (low, high), (a, b) in zip(part, whole, strict=True)]
+            sides = [
+                (high - low) / (b - a) for (low, high), (a, b) in zip(part, whole, strict=True)
+            ]
             i = sides.index(max(sides))
             middle = sum(part[i]) / 2
-            parts += [(*part[:i], side, *part[i + 1 :]) for side in ((middle, part[i][1]), (part[i][0], middle))]
+            parts += [
+                (*part[:i], side, *part[i + 1 :])
+                for side in ((middle, part[i][1]), (part[i][0], middle))
+            ]
     return found
 
 
@@ -395,58 +596,122 @@ class Piece:
     """The motion in one mode that starts on a belt at t and x, and the functions f that are > 0 while it lasts."""
 
     def __init__(self, e, mode, belt, t, x, late):
-        self.e, self.mode, self.t, self.x, self.v, self.ends = e, mode, t, x, e.belts[belt], {belt: 1, belt + 1: -1}
-        self.a = self.force(mode, 0, t)[0] if mode < 4 else arb(0)
-        self.x, self.v = x - self.v * late, self.v - self.a * late  # a later start is one with another x and v
+        self.e, self.mode, self.t, self.x, self.v, self.ends = (
+            e,
+            mode,
+            t,
+            x,
+            e.belts[belt],
+            {belt: 1, belt + 1: -1},
+        )
         if mode < 4:
-            self.ends, (a, b) = {i: 1 if mode > i else -1 for i in (1, 2) if mode - i in (0, 1)}, e.steady
+            self.a = self.force(mode, 0, t)[0]
+        else:
+            self.a = arb(0)
+        self.x, self.v = (
+            x - self.v * late,
+            self.v - self.a * late,
+        )  # a later start is one with another x and v
+        if mode < 4:
+            self.ends = {i: 1 if mode > i else -1 for i in (1, 2) if mode - i in (0, 1)}
+            (a, b) = e.steady
             sine, cosine = (e.Om * t).sin_cos()
             self.y = self.x - e.A[mode] / e.k - a * cosine - b * sine
-            self.dy, force = self.v - e.Om * (b * cosine - a * sine), self.force(mode, 0, t)[0]
+            force = self.force(mode, 0, t)[0]
+            self.dy = self.v - e.Om * (b * cosine - a * sine)
             self.ddy = force + e.Om * e.Om * (a * cosine + b * sine)
 
     def at(self, s, t):
         """Return x, v, v' and v'' of a flight at the time t, which is a time s after its start."""
-        e, (C, S), (a, b) = self.e, self.e.free(s), self.e.steady
+        (a, b) = self.e.steady
+        (C, S) = self.e.free(s)
+        e = self.e
         sine, cosine = (e.Om * t).sin_cos()
-        u, w, square = a * cosine + b * sine, e.Om * (b * cosine - a * sine), e.Om * e.Om
+        u = a * cosine + b * sine
+        w = e.Om * (b * cosine - a * sine)
+        square = e.Om * e.Om
         y = C * self.y + S * (self.dy + e.h * self.y)
-        dy, ddy = C * self.dy + S * (self.ddy + e.h * self.dy), C * self.ddy - S * (e.km * self.dy + e.h * self.ddy)
-        return e.A[self.mode] / e.k + u + y, w + dy, ddy - square * u, -2 * e.h * ddy - e.km * dy - square * w
+        dy, ddy = (
+            C * self.dy + S * (self.ddy + e.h * self.dy),
+            C * self.ddy - S * (e.km * self.dy + e.h * self.ddy),
+        )
+        return (
+            e.A[self.mode] / e.k + u + y,
+            w + dy,
+            ddy - square * u,
+            -2 * e.h * ddy - e.km * dy - square * w,
+        )
 
     def force(self, domain, s, t):
-        """Return F, F' and F'' at the time t, a time s after the start; F is a domain's force per mass at the belt."""
-        e, (sine, cosine) = self.e, (self.e.Om * t).sin_cos()
+        """Return F, F' and F'' at the time t, a time s after the start.
+
+        F is a domain's force per mass at the belt.
+        """
+        (sine, cosine) = (self.e.Om * t).sin_cos()
+        e = self.e
         F = (e.A[domain] + e.B0 * cosine - e.k * (self.x + self.v * s) - e.c * self.v) / e.m
         return F, -e.drive * sine - e.km * self.v, -e.drive * e.Om * cosine
 
     def f(self, end, s):
-        """Return f, f' and f'' a time s after the start, for an `end` of the mode: the mode ends there where f = 0."""
-        first, *others = self.force(end, s, self.t + s) if self.mode > 3 else self.at(s, self.t + s)[1:]
-        return [self.ends[end] * each for each in (first if self.mode > 3 else first - self.e.belts[end], *others)]
+        """Return f, f' and f'' a time s after the start, for an `end` of the mode.
+
+        The mode ends there where f = 0.
+        """
+        if self.mode > 3:
+            first, *others = self.force(end, s, self.t + s)
+        else:
+            first, *others = self.at(s, self.t + s)[1:]
+        return [
+            self.ends[end] * each
+            for each in (first if self.mode > 3 else first - self.e.belts[end], *others)
+        ]
 
 
 class Course:
     """The equations r(u) = 0 that an orbit with given events solves, and the inequalities that a root must satisfy."""
 
     def __init__(self, events, periods, e):
-        self.events, self.e, self.count, self.forcing = events, e, len(events) - 1, 2 * arb.pi() / e.Om
+        self.events, self.e, self.count, self.forcing = (
+            events,
+            e,
+            len(events) - 1,
+            2 * arb.pi() / e.Om,
+        )
         self.turn = periods * self.forcing
 
     def piece(self, i, u, late=0):
         """Return the motion from event i, begun `late` later, its duration, and when it ends, from the unknowns u."""
-        until, t = u[2 * i + 2] if i + 1 < self.count else u[0] + self.turn, u[2 * i]
-        return Piece(self.e, self.events[i][3], self.events[i][1], t, u[2 * i + 1], late), until - t, until
+        if i + 1 < self.count:
+            until = u[2 * i + 2]
+        else:
+            until = u[0] + self.turn
+        t = u[2 * i]
+        return (
+            Piece(self.e, self.events[i][3], self.events[i][1], t, u[2 * i + 1], late),
+            until - t,
+            until,
+        )
 
     def residual(self, i, u, late=0):
-        """Return two residuals of the motion from event i (begun `late` later): of x, and of v or, after a stick, F."""
-        (piece, s, until), (_, belt, _, target) = self.piece(i, u, late), self.events[i + 1]
-        sticks, onto = piece.mode > 3, u[(2 * i + 3) % len(u)]
-        x, f = (piece.x + piece.v * s, piece.force(target, s, until)[0]) if sticks else piece.at(s, until)[:2]
+        """Return two residuals of the motion from event i (begun `late` later).
+
+        Of x, and of v or, after a stick, F.
+        """
+        (piece, s, until) = self.piece(i, u, late)
+        (_, belt, _, target) = self.events[i + 1]
+        sticks = piece.mode > 3
+        onto = u[(2 * i + 3) % len(u)]
+        if sticks:
+            x, f = (piece.x + piece.v * s, piece.force(target, s, until)[0])
+        else:
+            x, f = piece.at(s, until)[:2]
         return x - onto, f if sticks else f - self.e.belts[belt]
 
     def r(self, u):
-        """Return the residuals of all pieces at the unknowns u = (t_0, x_0, t_1, ...); they are 0 on an orbit."""
+        """Return the residuals of all pieces at the unknowns u = (t_0, x_0, t_1, ...).
+
+        They are 0 on an orbit.
+        """
         return [each for i in range(self.count) for each in self.residual(i, u)]
 
     def jacobian(self, u):
@@ -454,24 +719,41 @@ class Course:
         J = arb_mat(len(u), len(u))
         for i in range(self.count):
             for j in (j % len(u) for j in range(2 * i, 2 * i + 4)):
-                moved = u if j == 2 * i else [*u[:j], arb_series([u[j], 1], prec=2), *u[j + 1 :]]
+                if j == 2 * i:
+                    moved = u
+                else:
+                    moved = [*u[:j], arb_series([u[j], 1], prec=2), *u[j + 1 :]]
                 parts = self.residual(i, moved, arb_series([0, 1], prec=2) if j == 2 * i else 0)
                 J[2 * i, j], J[2 * i + 1, j] = (coefficient(each, 1) for each in parts)
         return J
 
     def margins(self, i, u):
-        """Return the margins after event i: functions that must be > 0 at the event, or from it to the next one."""
-        ((made, belt, source, mode), after), (piece, s, _) = self.events[i : i + 2], self.piece(i, u)
+        """Return the margins after event i.
+
+        Functions that must be > 0 at the event, or from it to the next one.
+        """
+        (piece, s, _) = self.piece(i, u)
+        ((made, belt, source, mode), after) = self.events[i : i + 2]
         around = pairwise([self.events[i - 1 - (not i)], *self.events[i : i + 2]])
         previous, label = (f"P{LABELS[a[1], a[3], b[1]]}" for a, b in around)
-        kind = "vanishing of a stick" if mode > 3 else "vanishing of a slip" if source > 3 else "vanishing of a flight"
+        if mode > 3:
+            kind = "vanishing of a stick"
+        elif source > 3:
+            kind = "vanishing of a slip"
+        else:
+            kind = "vanishing of a flight"
         found = [Margin(f"{label} lasts", kind, lambda _: (s, arb(0), arb(0)))]
         signs = {"stick": (1, -1), "slip": ()}.get(made, (1, 1) if mode > source else (-1, -1))
         for domain, sign in zip((belt, belt + 1), signs, strict=False):
             F = sign * piece.force(domain, 0, piece.t)[0], arb(0), arb(0)
             text = f"F^({domain}) {'<>'[sign > 0]} 0 where {previous} ends"
             far = domain != source and coefficient(self.e.jump[belt]) > 0
-            kind = "grazing" if not far else "birth of a slip" if mode > 3 else "birth of a stick"
+            if not far:
+                kind = "grazing"
+            elif mode > 3:
+                kind = "birth of a slip"
+            else:
+                kind = "birth of a stick"
             found.append(Margin(text, kind, lambda _, F=F: F))
         for end, side in piece.ends.items():
             f = partial(piece.f, end)
@@ -481,21 +763,32 @@ class Course:
             else:
                 order = (1 + (source > 3)) * (end == belt)
                 first = f(arb(0))[order]
-                kind = "grazing" if first > 0 else "vanishing of a slip" if order == 2 and first < 0 else ""
+                if first > 0:
+                    kind = "grazing"
+                elif order == 2 and first < 0:
+                    kind = "vanishing of a slip"
+                else:
+                    kind = ""
                 text = f"v {'<>'[side > 0]} v{end} during {label}"
                 found.append(Margin(text, kind, f, order, end == after[1], True))
         return found
 
     def prove(self, u, stable, problem):
         """Prove all margins for all unknowns in u and, if `stable`, that the multipliers are inside the unit circle."""
-        period, D, J = arb_mat([[1, 0], [0, 1]]), arb(1), self.jacobian(u)
+        period = arb_mat([[1, 0], [0, 1]])
+        D = arb(1)
+        J = self.jacobian(u)
         for i in range(self.count):
             piece, s, until = self.piece(i, u)
             for margin in self.margins(i, u):
                 positive(margin, s.upper(), problem)
             rows = [[J[j, (2 * i + k) % len(u)] for k in range(4)] for j in (2 * i, 2 * i + 1)]
             start, end = (arb_mat([row[k : k + 2] for row in rows]) for k in (0, 2))
-            D *= (-2 * self.e.h * s).exp() * piece.a / (1 if piece.mode > 3 else piece.at(s, until)[2])
+            D *= (
+                (-2 * self.e.h * s).exp()
+                * piece.a
+                / (1 if piece.mode > 3 else piece.at(s, until)[2])
+            )
             period = -end.solve(start) * period
         for margin in (1 - abs(D), 1 + D - abs(period.trace())) if stable else ():
             require(margin, "stable")
@@ -504,17 +797,25 @@ class Course:
 class Family:
     """A family of orbits, one for each parameter value from `low` to `high`, proven by interval Newton.
 
-    The unknowns of each are the only root of the equations r(u) = 0 in the box that a row of the file states.
+    The unknowns of each are the only root of the equations r(u) = 0 in the box that a row of the
+    file states.
     """
 
     def __init__(self, problem, data, events, row, low, high):
         problem.step((2 * len(events)) ** 3 // 256)  # the work, and by it the size, of the matrices
         check(len(row["t"]) == len(row["x"]) == len(events), "t and x at each event", BAD)
-        ends, p = [pair for both in zip(row["t"], row["x"], strict=True) for pair in both], problem.p
-        fixed, name, periods = {each: arb(p[each]) for each in base.NAMES}, data["parameter"], data["periods"]
+        ends = [pair for both in zip(row["t"], row["x"], strict=True) for pair in both]
+        p = problem.p
+        fixed = {each: arb(p[each]) for each in base.NAMES}
+        name = data["parameter"]
+        periods = data["periods"]
         self.course = lambda value: Course(events, periods, Oscillator(fixed | {name: value}))
         self.box = [arb(a).union(arb(b)) for a, b in ends[:-2]]
-        self.middle, every, c = arb((low + high) / 2), arb(low).union(arb(high)), column(self.box).mid()
+        self.middle, every, c = (
+            arb((low + high) / 2),
+            arb(low).union(arb(high)),
+            column(self.box).mid(),
+        )
         thin, self.all, change = self.course(self.middle), self.course(every), every - self.middle
         for _ in range(NEWTON_STEPS):  # it finds c and proves nothing
             self.Y = thin.jacobian(c.entries()).mid().inv().mid()
@@ -533,19 +834,26 @@ class Family:
     def coefficients(self, value, curve, count):
         """Return the first `count` Taylor coefficients of the residuals r along a curve of unknowns, about `value`."""
         ctx.cap = max(ctx.cap, count)
-        points = [arb_series(list(each), prec=count) for each in zip(*(row.entries() for row in curve), strict=True)]
+        points = [
+            arb_series(list(each), prec=count)
+            for each in zip(*(row.entries() for row in curve), strict=True)
+        ]
         r = self.course(arb_series([value, 1], prec=count)).r(points)
         return [column([each[j] for each in r]) for j in range(count)]
 
     def newton(self, c, r):
-        """Prove that `c` is in the box stated; return c - J^-1 r (r: the residuals there), which contains the root."""
+        """Prove that `c` is in the box stated.
+
+        Return c - J^-1 r (r: the residuals there), which contains the root.
+        """
         for each, whole in zip(c.entries(), self.box, strict=True):
             require(arb(whole.rad()) - abs(each - whole.mid()), "a curve in the box")
         return (c - self.YJ.solve(self.Y * r)).entries()
 
     def root(self, value):
         """Return an enclosure of the root at one value of the parameter, and the equations (a Course) there."""
-        c, course = horner(self.curve, arb(value) - self.middle).mid(), self.course(arb(value))
+        c = horner(self.curve, arb(value) - self.middle).mid()
+        course = self.course(arb(value))
         return self.newton(c, column(course.r(c.entries()))), course
 
     def within(self, row, u, course):
@@ -556,12 +864,16 @@ class Family:
 
     def apart(self, i, later):
         """Return whether t or x of event i surely differs from that of event 0, `later` forcing periods later."""
-        (t, x), (t0, x0) = self.points[2 * i : 2 * i + 2], self.points[:2]
+        (t, x) = self.points[2 * i : 2 * i + 2]
+        (t0, x0) = self.points[:2]
         return not (t - t0).overlaps(later * self.all.forcing) or not x.overlaps(x0)
 
 
 def family(problem, data, events, row, part):
-    """Prove the orbits of a row of a branch for all parameter values in a part of the row's range; return a Family."""
+    """Prove the orbits of a row of a branch for all parameter values in a part of the row's range.
+
+    Return a Family.
+    """
     found = Family(problem, data, events, row, *part[0])
     found.all.prove(found.points, data["stable"], problem)
     return found
@@ -571,29 +883,56 @@ def fails(problem, data, events, end, row):
     """Prove that the inequality which an end of a branch names fails just outside of the branch."""
     found = Family(problem, data, events, end, *sorted((end["inside"], end["outside"])))
     found.within(row, *found.root(end["inside"]))
-    (u, course), at, kind = found.root(end["outside"]), arb(end["at"]), end["kind"]
+    (u, course) = found.root(end["outside"])
+    at = arb(end["at"])
+    kind = end["kind"]
     for i in range(course.count):
-        after, s = at - u[2 * i], course.piece(i, u)[1]
+        after = at - u[2 * i]
+        s = course.piece(i, u)[1]
         for margin in course.margins(i, u):
-            if margin.text == end["inequality"] and margin.f(after)[0] < 0 and (not margin.during or 0 < after < s):
-                check(margin.kind == kind, f"an end that is a {kind[:40]!r}, and not a {margin.kind or 'consequence'}")
+            if (
+                margin.text == end["inequality"]
+                and margin.f(after)[0] < 0
+                and (not margin.during or 0 < after < s)
+            ):
+                check(
+                    margin.kind == kind,
+                    f"an end that is a {kind[:40]!r}, and not a {margin.kind or 'consequence'}",
+                )
                 return
     raise Stop(base.FALSE, f"that {end['inequality'][:60]!r} fails at the outer value of the end")
 
 
 def branch(data, source, limits):
-    """Prove a branch: every row, that the rows join, and both ends; return what is proven, as lines of text."""
-    name, rows, span, periods = data["parameter"], data["boxes"], data["range"], data["periods"]
-    values, events, tried = [row["value"] for row in rows], course(data), list[Any]()
-    right = values and span == [values[0][0], values[-1][1]] and all(a[1] == b[0] for a, b in pairwise(values))
+    """Prove a branch: every row, that the rows join, and both ends.
+
+    Return what is proven, as lines of text.
+    """
+    name = data["parameter"]
+    rows = data["boxes"]
+    span = data["range"]
+    periods = data["periods"]
+    values = [row["value"] for row in rows]
+    events = course(data)
+    tried = list[Any]()
+    right = (
+        values
+        and span == [values[0][0], values[-1][1]]
+        and all(a[1] == b[0] for a, b in pairwise(values))
+    )
     check(right, "rows that follow each other from one end of the range to the other")
-    check(all(low < high for low, high in values), "intervals from a lower to an upper value of a parameter", BAD)
+    check(
+        all(low < high for low, high in values),
+        "intervals from a lower to an upper value of a parameter",
+        BAD,
+    )
     for value in [*span, *(end["outside"] for end in data["ends"])]:
         problem = base.Problem(data["parameters"] | {name: value}, limits)
     for row in rows:
         if tried:
             tried[-1].within(row, *tried[-1].root(row["value"][0]))
-        box, what = (row["value"],), "for all values from {} to {}".format(*row["value"])
+        box = (row["value"],)
+        what = "for all values from {} to {}".format(*row["value"])
         tried.append(in_parts(partial(family, problem, data, events, row), box, MOST_PARTS, what))
     least(events, periods, lambda *shift: any(each.apart(*shift) for each in tried))
     first = f"an orbit {data['word']} for every {name} from {source['range'][0]} to {source['range'][1]}"
@@ -601,17 +940,28 @@ def branch(data, source, limits):
     sides = data["ends"], (rows[0], rows[-1]), span, (-1, 1), source["ends"]
     for end, row, inner, side, shown in zip(*sides, strict=True):
         beyond = side * (end["outside"] - end["inside"])
-        right = end["inside"] == inner and beyond >= 0 and (beyond == 0) == (end["kind"] == RANGE_END)
+        right = (
+            end["inside"] == inner and beyond >= 0 and (beyond == 0) == (end["kind"] == RANGE_END)
+        )
         check(right, "an end of the range, or one outside of it")
         if beyond:
             fails(problem, data, events, end, row)
             between = (shown["inside"], shown["outside"])[::side]
             first += "; {} between {} and {}: {}".format(end["kind"], *between, end["inequality"])
-    stable = "stable for every value" if data["stable"] else "nothing is said of its stability"
+    if data["stable"]:
+        stable = "stable for every value"
+    else:
+        stable = "nothing is said of its stability"
     whole = f"{periods} forcing period{'s' * (periods != 1)}"
     about = base.about(source["parameters"] | {name: "(varies)"}, whole, stable)
-    note = [f"that {end['inequality']} is the first to fail is not proven" for end in data["ends"] if "at" in end]
-    shown = [f"{row['value'][0]} <= {name} <= {row['value'][1]}: {pairs(row)}" for row in source["boxes"]]
+    note = [
+        f"that {end['inequality']} is the first to fail is not proven"
+        for end in data["ends"]
+        if "at" in end
+    ]
+    shown = [
+        f"{row['value'][0]} <= {name} <= {row['value'][1]}: {pairs(row)}" for row in source["boxes"]
+    ]
     return [first, about, *note, *base.table(source["events"]), *shown]
 
 
@@ -630,7 +980,8 @@ def pairs(row):
 class Flight:
     """A flight of a word: mode, belts at its start and end, whether it follows a stick, and what comes after it.
 
-    If a stick follows, `stick` is the domain into which the mass slips after it; otherwise `stick` is 0.
+    If a stick follows, `stick` is the domain into which the mass slips after it; otherwise `stick`
+    is 0.
     """
 
     def __init__(self, piece, at, slips, stick):
@@ -638,15 +989,23 @@ class Flight:
         self.tau, self.side = at + 2 - slips, 1 if self.mode > self.onto else -1
 
     def start(self, e, u):
-        """Return x at the start of the flight: one of the unknowns u or, after a stick, the x where the force is 0."""
+        """Return x at the start of the flight.
+
+        One of the unknowns u or, after a stick, the x where the force is 0.
+        """
         if not self.slips:
             return u[self.at + 1]
         return (e.A[self.mode] + e.B0 * u[self.at].cos() - e.c * e.belts[self.belt]) / e.k
 
     def after(self, e, u, s):
         """Return x, v and v' of a flight of the oscillator `e`, a time s after its start, from the unknowns u."""
-        x, v, A, phase, (S, S1, Z, Z1) = self.start(e, u), e.belts[self.belt], e.A[self.mode], u[self.at], e.driven(s)
-        turn, y = times_i(phase).exp() * lifted(e.B0 / e.m), x - A / e.k
+        x = self.start(e, u)
+        v = e.belts[self.belt]
+        A = e.A[self.mode]
+        phase = u[self.at]
+        (S, S1, Z, Z1) = e.driven(s)
+        turn = times_i(phase).exp() * lifted(e.B0 / e.m)
+        y = x - A / e.k
         there = A / e.k + y * (S1 + 2 * e.h * S) + v * S + real(turn * Z)
         speed = v * S1 - e.km * S * y + real(turn * Z1)
         return there, speed, (A + e.B0 * (phase + e.Om * s).cos() - e.k * there - e.c * speed) / e.m
@@ -656,11 +1015,15 @@ class Flight:
         return u[self.at] + e.Om * u[self.tau]
 
     def parts(self, e, u):
-        """Split a flight back to its belt at the zeros of q; return (q > 0, begin, end) of each part, or None.
+        """Split a flight back to its belt at the zeros of q.
+
+        Return (q > 0, begin, end) of each part, or None.
 
         The distance g from the belt solves m g'' + c g' + k g = q.
         """
-        phase, end, found = u[self.at], self.end(e, u), []
+        phase = u[self.at]
+        end = self.end(e, u)
+        found = []
         turns = [turning(e, self.belt, n) for n in between(e, self.belt, phase, end)]
         if not all(phase < turn < end for turn in turns):
             return None
@@ -675,11 +1038,14 @@ class Flight:
 
     def stays_off(self, e, u, cuts):
         """Return whether a flight back to its belt surely stays off it until its end, if it is off it at all `cuts`."""
-        found, most, at = self.parts(e, u), e.longest_part(), [(u[self.tau] * part, reach) for part, reach in cuts]
+        found = self.parts(e, u)
+        most = e.longest_part()
+        at = [(u[self.tau] * part, reach) for part, reach in cuts]
         if found is None:
             return False
         for i, (up, a, b) in enumerate(found):
-            here, at = [each for each in at if each[0] < b], [each for each in at if not each[0] < b]
+            here = [each for each in at if each[0] < b]
+            at = [each for each in at if not each[0] < b]
             if not all(a < mark for mark, _ in here):
                 return False
             if not up:
@@ -687,7 +1053,10 @@ class Flight:
                 if not all(0 < span < most for span in spans):
                     return False
                 continue
-            until = a + most if i == 0 else a
+            if i == 0:
+                until = a + most
+            else:
+                until = a
             for mark, reach in here:
                 if not (mark - reach < until and 2 * reach < most):
                     return False
@@ -704,27 +1073,46 @@ def turning(e, belt, n):
 
 def between(e, belt, low, high):
     """Return the numbers n of all turns of a belt's forces (`turning`) that may lie between two phases."""
-    bias, swing = abs(e.k * e.belts[belt]), abs(e.B0 * e.Om)
+    bias = abs(e.k * e.belts[belt])
+    swing = abs(e.B0 * e.Om)
     if bias > swing:
         return []
     require(swing - bias, "whether the forces on a belt turn")
-    first, last = (low / arb.pi()).lower().floor() - 1, (high / arb.pi()).upper().ceil() + 1
+    first = (low / arb.pi()).lower().floor() - 1
+    last = (high / arb.pi()).upper().ceil() + 1
     check(last - first < MOST_TURNS, "few turns in a piece", OPEN)
     all_of = range(int(float(first)), int(float(last)) + 1)
     return [n for n in all_of if not turning(e, belt, n) < low and not turning(e, belt, n) > high]
 
 
 def marks(parts, most):
-    """Choose where in a flight with these `parts` to show that it is off its belt; `most` is its `longest_part`."""
-    most, tau, found = 0.95 * float(most), float(parts[-1][2]), []
+    """Choose where in a flight with these `parts` to show that it is off its belt.
+
+    `most` is its `longest_part`.
+    """
+    most = 0.95 * float(most)
+    tau = float(parts[-1][2])
+    found = []
     spare = 2 * max(float(b.rad()) for _, _, b in parts) + tau / 500
     for i, (up, *ends) in enumerate(parts):
         a, b = map(float, ends)
-        a, b = (a + most * (i == 0), b - most * (i + 1 == len(parts))) if up else (a, b)
-        count = (int(4 * (b - a) / most) + 1 if a < b else 0) if up else int((b - a) / most)
+        if up:
+            a, b = (a + most * (i == 0), b - most * (i + 1 == len(parts)))
+        else:
+            a, b = (a, b)
+        if up:
+            count = int(4 * (b - a) / most) + 1 if a < b else 0
+        else:
+            count = int((b - a) / most)
         count = min(count, MOST_CUTS + 1)  # else there are too many
-        step = (b - a) / max(count, 1) if up else (b - a) / (count + 1)
-        found += [(a + (j + (0.5 if up else 1)) * step, 0.52 * step + spare if up else 0.0) for j in range(count)]
+        if up:
+            step = (b - a) / max(count, 1)
+        else:
+            step = (b - a) / (count + 1)
+        found += [
+            (a + (j + (0.5 if up else 1)) * step, 0.52 * step + spare if up else 0.0)
+            for j in range(count)
+        ]
     return [(round(at / tau * 512) / 512, reach) for at, reach in found]
 
 
@@ -732,8 +1120,11 @@ class Word:
     """A word: its flights, and the equations r(u) = 0 for the unknowns u of its orbit (phases, x, durations)."""
 
     def __init__(self, text, mirror):
-        digits, what = text[1:], f"the word {text[:40]!r}"
-        check(text[:1] == "P" and 0 < len(digits) <= 200 and set(digits) <= set("12345678"), what, BAD)
+        digits = text[1:]
+        what = f"the word {text[:40]!r}"
+        check(
+            text[:1] == "P" and 0 < len(digits) <= 200 and set(digits) <= set("12345678"), what, BAD
+        )
         pieces = [PIECES[int(digit) - 1] for digit in reversed(digits)]
         check(any(mode < 4 for _, mode, _ in pieces), f"{what}, which has no flight", BAD)
         while pieces[0][1] > 3:
@@ -741,21 +1132,36 @@ class Word:
         for (_, mode, end), (start, after, _) in zip(pieces, pieces[1:] + pieces[:1], strict=True):
             near = {mode, after} <= {start, start + 1, start + 3} and mode != after
             check(end == start and near, f"{what}, whose maps do not follow each other", BAD)
-        self.text, self.count, half, modes = text, len(pieces), len(pieces) // 2, [mode for _, mode, _ in pieces]
-        self.half = len(modes) % 2 == 0 and [mirror.get(mode) for mode in modes[:half]] == modes[half:]
+        self.text, self.count, half, modes = (
+            text,
+            len(pieces),
+            len(pieces) // 2,
+            [mode for _, mode, _ in pieces],
+        )
+        self.half = (
+            len(modes) % 2 == 0 and [mirror.get(mode) for mode in modes[:half]] == modes[half:]
+        )
         self.alone = mirror.get(1) != 3  # one belt is at rest, and v = 0 divides the modes
         self.flights, self.rows, self.size = [], [], 0
         for i in range(half if self.half else self.count):
             if modes[i] < 4:
-                slips, follows = modes[i - 1] > 3, modes[(i + 1) % self.count] > 3
-                self.flights.append(Flight(pieces[i], self.size, slips, modes[(i + 2) % self.count] if follows else 0))
+                slips = modes[i - 1] > 3
+                follows = modes[(i + 1) % self.count] > 3
+                self.flights.append(
+                    Flight(
+                        pieces[i], self.size, slips, modes[(i + 2) % self.count] if follows else 0
+                    )
+                )
                 self.rows.append(i)
                 self.size += 3 - slips
 
     def unknowns(self, row, Om):
         """Return approximate unknowns u from the phases and positions in a row of the file."""
-        check(len(row["phases"]) == len(row["x"]) == self.count, "a phase and an x at each event", BAD)
-        phases, found = [float(arb(each)) for each in row["phases"]], []
+        check(
+            len(row["phases"]) == len(row["x"]) == self.count, "a phase and an x at each event", BAD
+        )
+        phases = [float(arb(each)) for each in row["phases"]]
+        found = []
         phases.append(phases[0] + 2 * float(arb.pi()))
         for flight, i in zip(self.flights, self.rows, strict=True):
             found += [phases[i]] + ([] if flight.slips else [float(arb(row["x"][i]))])
@@ -767,13 +1173,21 @@ class Word:
         if i + 1 < len(self.flights):
             return u[self.flights[i + 1].at], self.flights[i + 1].start(e, u)
         x = self.flights[0].start(e, u)
-        return (u[0] + arb.pi(), (e.A[1] + e.A[3]) / e.k - x) if self.half else (u[0] + 2 * arb.pi(), x)
+        if self.half:
+            return (u[0] + arb.pi(), (e.A[1] + e.A[3]) / e.k - x)
+        return (u[0] + 2 * arb.pi(), x)
 
     def r(self, e, u, plan=None):
         """Return the residuals r of oscillator `e` at unknowns u and, with a `plan` of turns and cuts, the margins."""
-        found, margins, self.looks = [], [], {}  # the margins by which a flight is looked at, and its number
+        # the margins by which a flight is looked at, and its number
+        found = []
+        margins = []
+        self.looks = {}
         for i, flight in enumerate(self.flights):
-            s, (phase, x), v, end = u[flight.tau], self.next(e, i, u), e.belts[flight.onto], flight.end(e, u)
+            s = u[flight.tau]
+            (phase, x) = self.next(e, i, u)
+            v = e.belts[flight.onto]
+            end = flight.end(e, u)
             there, speed, F = flight.after(e, u, s)
             if not flight.stick:
                 found += [speed - v, there - x, end - phase]
@@ -781,14 +1195,22 @@ class Word:
                 found += [speed - v, there + v * ((phase - end) / e.Om) - x]
             if plan is None:
                 continue
-            meets, jump = -flight.side * F, e.jump[flight.onto]
+            meets = -flight.side * F
+            jump = e.jump[flight.onto]
             margins += [s, meets, jump - meets if flight.stick else meets - jump]
             if flight.stick:
-                sign = 1 if flight.stick == flight.onto else -1
+                if flight.stick == flight.onto:
+                    sign = 1
+                else:
+                    sign = -1
                 margins += [(phase - end) / e.Om, sign * (e.k * v + e.B0 * e.Om * phase.sin())]
                 for n in plan[0][i]:
                     turn = turning(e, flight.onto, n)
-                    force = sign * (e.B0 * (turn.cos() - phase.cos()) + e.k * v * (phase - turn) / e.Om) / e.m
+                    force = (
+                        sign
+                        * (e.B0 * (turn.cos() - phase.cos()) + e.k * v * (phase - turn) / e.Om)
+                        / e.m
+                    )
                     margins += [force, jump - force]
             for part, reach in plan[1][i] or ():
                 _, at, slope = flight.after(e, u, s * part)
@@ -800,12 +1222,19 @@ class Word:
 
     def plan(self, e, u):
         """Return, for the unknowns `u`, the turns of the forces in each stick and each flight's cuts or None."""
-        turns, cuts = list[Any](), list[Any]()
+        turns = list[Any]()
+        cuts = list[Any]()
         for i, flight in enumerate(self.flights):
             after = self.next(e, i, u)[0]
             turns.append(between(e, flight.onto, flight.end(e, u), after) if flight.stick else [])
-            found = flight.parts(e, u) if flight.belt == flight.onto else None
-            chosen = marks(found, e.longest_part()) if found else []
+            if flight.belt == flight.onto:
+                found = flight.parts(e, u)
+            else:
+                found = None
+            if found:
+                chosen = marks(found, e.longest_part())
+            else:
+                chosen = []
             cuts.append(None if found is None or len(chosen) > MOST_CUTS else chosen)
         return turns, cuts
 
@@ -814,11 +1243,20 @@ class Word:
         for flight, cuts in zip(self.flights, plan[1], strict=True):
             near = {flight.mode - 1, flight.mode} & {1, 2}
             sides = {belt: (1 if flight.mode > belt else -1, e.belts[belt]) for belt in near}
-            if self.half and self.alone and flight.mode != 2:  # the mirror image is between both belts
-                other = 2 if flight.mode == 1 else 1
+            if (
+                self.half and self.alone and flight.mode != 2
+            ):  # the mirror image is between both belts
+                if flight.mode == 1:
+                    other = 2
+                else:
+                    other = 1
                 sides[other] = -flight.side, -e.belts[other]
             for belt, (side, speed) in sides.items():
-                if belt == flight.belt == flight.onto and cuts is not None and flight.stays_off(e, u, cuts):
+                if (
+                    belt == flight.belt == flight.onto
+                    and cuts is not None
+                    and flight.stays_off(e, u, cuts)
+                ):
                     continue
 
                 def f(s, flight=flight, side=side, speed=speed):
@@ -828,12 +1266,17 @@ class Word:
                     return side * (v - speed), side * a, side * jerk
 
                 order = (1 + flight.slips) * (belt == flight.belt)
-                margin = Margin("a flight that meets no belt before its end", "", f, order, belt == flight.onto)
+                margin = Margin(
+                    "a flight that meets no belt before its end", "", f, order, belt == flight.onto
+                )
                 positive(margin, u[flight.tau].upper(), problem)
 
 
 class Box:
-    """A box of two parameters; the constructor proves that a word has one orbit for all of them, or raises Stop."""
+    """A box of two parameters.
+
+    The constructor proves that a word has one orbit for all of them, or raises Stop.
+    """
 
     def __init__(self, p, over, word, box, u, problem):
         self.p, self.over, self.word, self.u, self.problem = p, over, word, column(u), problem
@@ -851,19 +1294,33 @@ class Box:
     def series(self, side, rows, count, wide=False, plan=None):
         """Return the first `count` Taylor coefficients of Y r in the direction `side`, and all margins as series.
 
-        r are the residuals, Y is near the inverse of their Jacobian, and `rows` has the coefficients of the unknowns as
-        a series. All series begin at the middle of the box or, if `wide`, at all of its points at once.
+        r are the residuals, Y is near the inverse of their Jacobian, and `rows` has the
+        coefficients of the unknowns as a series. All series begin at the middle of the box or, if
+        `wide`, at all of its points at once.
         """
         ctx.cap = count
-        start = self.wide if wide else self.middle
-        e = self.plane([arb_series([b, h * i], prec=count) for b, h, i in zip(start, self.half, side, strict=True)])
-        u = [arb_series(list(each), prec=count) for each in zip(*(row.entries() for row in rows), strict=True)]
+        if wide:
+            start = self.wide
+        else:
+            start = self.middle
+        e = self.plane(
+            [
+                arb_series([b, h * i], prec=count)
+                for b, h, i in zip(start, self.half, side, strict=True)
+            ]
+        )
+        u = [
+            arb_series(list(each), prec=count)
+            for each in zip(*(row.entries() for row in rows), strict=True)
+        ]
         r, margins = self.word.r(e, u, plan)
         return [self.Y * column([each[k] for each in r]) for k in range(count)], margins
 
     def columns(self, e, u, plan=None):
         """Return for each unknown the derivatives by it of the residuals r and, given a `plan`, of the margins."""
-        found, u, ctx.cap = [], u.entries(), 2
+        found = []
+        u = u.entries()
+        ctx.cap = 2
         self.problem.step(len(u) * len(self.word.flights) // 2)
         for j in range(len(u)):
             parts = self.word.r(e, [*u[:j], arb_series([u[j], 1], prec=2), *u[j + 1 :]], plan)
@@ -880,12 +1337,23 @@ class Box:
             if all(abs(each) < NEAR for each in step.entries()):
                 return  # J is that at u
             self.u = (self.u - step).mid()
-            check(all(abs(each) < 10 for each in step.entries()), "a root at the middle of a box", OPEN)
+            check(
+                all(abs(each) < 10 for each in step.entries()),
+                "a root at the middle of a box",
+                OPEN,
+            )
         raise Stop(OPEN, "a root at the middle of a box")
 
     def surface(self):
         """Prove that for all places d in the box the word has one orbit, whose unknowns are near a polynomial u(d)."""
-        word, p, second, thin, d, zero = self.word, [arb(0)] * self.word.size, [], [], arb(0, 1), arb(0)
+        word, p, second, thin, d, zero = (
+            self.word,
+            [arb(0)] * self.word.size,
+            [],
+            [],
+            arb(0, 1),
+            arb(0),
+        )
         a, b = (-self.series(side, [self.u], 2)[0][1].mid() for side in SIDES[:2])
         for i, j in SIDES[:3]:
             thin.append([self.u, i * a + j * b])
@@ -893,7 +1361,9 @@ class Box:
             second.append(-r[2].mid())
             for part in (r[0], r[1], r[2] + self.Y * (self.J * second[-1])):
                 p = [each + 3 * abs(more) for each, more in zip(p, part.entries(), strict=True)]
-        aa, bb, ab = second[0], second[1], second[2] - second[0] - second[1]
+        aa = second[0]
+        bb = second[1]
+        ab = second[2] - second[0] - second[1]
         u = self.u + d * (a + d * aa + d * ab) + d * (b + d * bb)
 
         def slopes(i, j):
@@ -901,7 +1371,9 @@ class Box:
             first = i * (a + 2 * d * aa + d * ab) + j * (b + 2 * d * bb + d * ab)
             return first, i * i * aa + j * j * bb + i * j * ab
 
-        e, cubes, bends = self.plane(self.wide), [], []
+        e = self.plane(self.wide)
+        cubes = []
+        bends = []
         plan = word.plan(e, u.entries())
         for side in SIDES:
             r, margins = self.series(side, [u, *slopes(*side)], 4, True, plan)
@@ -913,10 +1385,16 @@ class Box:
         p = [(each + sum(map(abs, more), zero)).upper() for each, *more in parts]
         tube = self.contract(p, u, [slopes(*side)[0] for side in SIDES[:2]])
         around = u + column([arb(0, by) for by in tube])
-        same = all(set(new) <= set(old) for new, old in zip(word.plan(e, around.entries())[0], plan[0], strict=True))
+        same = all(
+            set(new) <= set(old)
+            for new, old in zip(word.plan(e, around.entries())[0], plan[0], strict=True)
+        )
         check(same, "which turns are in a stick", OPEN)
         by_u = [column[1] for column in self.columns(e, around, plan)]
-        lines = [self.series(side, rows, 2, False, plan)[1] for side, rows in zip(SIDES[:2], thin, strict=False)]
+        lines = [
+            self.series(side, rows, 2, False, plan)[1]
+            for side, rows in zip(SIDES[:2], thin, strict=False)
+        ]
         for i, (one, other) in enumerate(zip(*lines, strict=True)):
             bend = [each[i] for each in bends[:3]]
             least = coefficient(one) - abs(coefficient(one, 1)) - abs(coefficient(other, 1))
@@ -925,26 +1403,37 @@ class Box:
             if i in word.looks and not least > 0:
                 plan[1][word.looks[i]] = None  # by short steps, then
                 continue
-            check(least > 0, "an inequality of a word in a box", OPEN)  # smaller boxes may decide it
+            check(
+                least > 0, "an inequality of a word in a box", OPEN
+            )  # smaller boxes may decide it
         word.stays(e, around.entries(), plan, self.problem)
 
     def contract(self, p, u, slopes):
         """Return how far, for each unknown, a root is from u(d) at most, for all places d in the box (Krawczyk)."""
-        size, tube = range(self.word.size), [arb(1.1) * each for each in p]
+        size = range(self.word.size)
+        tube = [arb(1.1) * each for each in p]
         sizes = zip(*(each.entries() for each in slopes), tube, strict=True)
         scales = [max((abs(a).upper(), abs(b).upper(), t), key=float).mid() for a, b, t in sizes]
         units = [column([scales[j] if i == j else arb(0) for i in size]) for j in size]
         for _ in range(4):
             tube = [(arb(1.15) * each).mid() for each in tube]
             near = column([arb(0, by) for by in tube])
-            at = [(self.Y * column(part[0])).entries() for part in self.columns(self.plane(self.middle), self.u + near)]
-            N = [[abs(arb(int(i == j)) - each) for i, each in enumerate(row)] for j, row in enumerate(at)]
+            at = [
+                (self.Y * column(part[0])).entries()
+                for part in self.columns(self.plane(self.middle), self.u + near)
+            ]
+            N = [
+                [abs(arb(int(i == j)) - each) for i, each in enumerate(row)]
+                for j, row in enumerate(at)
+            ]
             alone = [self.squares((0, 0), u + near, unit) for unit in units]
             for side, slope in zip(SIDES[:2], slopes, strict=False):
                 own = self.squares(side, u + near, slope)
                 for j, unit in enumerate(units):
                     mixed = self.squares(side, u + near, slope + unit) - own - alone[j]
-                    N[j] = [x + abs(y) / scales[j] for x, y in zip(N[j], mixed.entries(), strict=True)]
+                    N[j] = [
+                        x + abs(y) / scales[j] for x, y in zip(N[j], mixed.entries(), strict=True)
+                    ]
             image = (column(p) + arb_mat(N).transpose() * column(tube)).entries()
             if all(each < by for each, by in zip(image, tube, strict=True)):
                 return tube
@@ -959,15 +1448,24 @@ class Box:
 
 
 def rests(p, over, box):
-    """Prove that the mass may rest on a belt for all parameters of a box: v = 0 and mu FN >= |B0|."""
+    """Prove that the mass may rest on a belt for all parameters of a box.
+
+    V = 0 and mu FN >= |B0|.
+    """
     ends = {name: (p[name], p[name]) for name in base.NAMES} | dict(zip(over, box, strict=True))
     drive = max(abs(each) for each in ends["B0"])
-    holds = (ends["v" + belt] == (0, 0) and ends["mu" + belt][0] * ends["FN"][0] >= drive for belt in "12")
+    holds = (
+        ends["v" + belt] == (0, 0) and ends["mu" + belt][0] * ends["FN"][0] >= drive
+        for belt in "12"
+    )
     check(any(holds), "that the mass may rest on a belt")
 
 
 def check_disjoint(boxes):
-    """Prove that no two boxes overlap: a vertical line moves across, and the boxes that it cuts are compared."""
+    """Prove that no two boxes overlap.
+
+    A vertical line moves across, and the boxes that it cuts are compared.
+    """
     events = sorted((box[0][side], side == 0, i) for i, box in enumerate(boxes) for side in (0, 1))
     there = list[Any]()
     for _, begins, i in events:
@@ -982,10 +1480,15 @@ def check_disjoint(boxes):
 
 
 def clear(boxes, points, whole):
-    """Raise Stop if a point of a border is inside a proven box; a rim of 1e-12 of the sides of `whole` is left out."""
+    """Raise Stop if a point of a border is inside a proven box.
+
+    A rim of 1e-12 of the sides of `whole` is left out.
+    """
     away = [1e-12 * float(high - low) for low, high in whole]
     for box in boxes:
-        (left, right), (low, high) = ((float(a) + by, float(b) - by) for (a, b), by in zip(box, away, strict=True))
+        (left, right), (low, high) = (
+            (float(a) + by, float(b) - by) for (a, b), by in zip(box, away, strict=True)
+        )
         for x, y in points[bisect_right(points, (left, inf)) : bisect_left(points, (right,))]:
             check(not low < y < high, f"a border at {x:.6g}, {y:.6g}, in a box of one word")
 
@@ -1002,8 +1505,13 @@ def mirror_of(p, over):
 
 
 def atlas(data, source, limits):
-    """Prove an atlas: all boxes, that they do not overlap, and their share of the area; return lines of text."""
-    over, whole, p = data["over"], data["range"], data["parameters"]
+    """Prove an atlas: all boxes, that they do not overlap, and their share of the area.
+
+    Return lines of text.
+    """
+    over = data["over"]
+    whole = data["range"]
+    p = data["parameters"]
     check(over[0] != over[1], "two different parameters", BAD)
     for corner in ((x, y) for x in whole[0] for y in whole[1]):
         problem = base.Problem(p | dict(zip(over, corner, strict=True)), limits)
@@ -1020,11 +1528,13 @@ def atlas(data, source, limits):
     stated = f"a share of {source['share'][:40]}, where the boxes have {proven / all_of}"[:160]
     check(proven == data["share"] * all_of, stated)
     check(proven + rest == all_of, "boxes and open ones that fill the range")
-    mirror, words = mirror_of(p, over), dict[str, Word]()
+    mirror = mirror_of(p, over)
+    words = dict[str, Word]()
     with ctx.workprec(BOX_BITS):
         values = {name: arb(problem.p[name]) for name in base.NAMES}
         for row, shown in zip(data["boxes"], source["boxes"], strict=True):
-            text, box = row["word"], row["range"]
+            text = row["word"]
+            box = row["range"]
             problem.step()
             if text == "rest":
                 check(not row["phases"] and not row["x"], "a rest with switchings", BAD)
@@ -1038,7 +1548,10 @@ def atlas(data, source, limits):
             in_parts(prove, box, MOST_BOX_PARTS, what)
     share = f"{float((data['share'] * 10**6).floor()) / 1e6:.6f}"  # rounded down
     named = ", ".join(sorted({row["word"] for row in data["boxes"]}))
-    spans = [f"{name} from {low} to {high}" for name, (low, high) in zip(over, source["range"], strict=True)]
+    spans = [
+        f"{name} from {low} to {high}"
+        for name, (low, high) in zip(over, source["range"], strict=True)
+    ]
     count = f"{len(boxes)} box{'' if len(boxes) == 1 else 'es'}"
     first = f"the words of {count}, {share} of the area, {', '.join(spans)}: {named}"
     return [first, base.about(source["parameters"] | dict.fromkeys(over, "(varies)"))]

@@ -1,9 +1,12 @@
-"""A grazing window, proven for all phases: where a motion that meets a belt with F = 0 turns back, and where not.
+"""A grazing window, proven for all phases.
 
-At the contact g = g' = 0 for the distance g from the belt, and m g'' = s = side (k v + B0 Omega sin theta), side = 1
-below the belt and -1 above it. It grazes where s > 0, and leaves its domain where s < 0. If s has two zeros, one phase
-shows its sign on each arc, and at the ends the motion passes. If it has one (|k v| = |B0| Omega, decided in rational
-numbers), the touch there is of fourth order, which the paper's order leaves out (`symosc derive certificates`).
+Where a motion that meets a belt with F = 0 turns back, and where not.
+
+At the contact g = g' = 0 for the distance g from the belt, and m g'' = s = side (k v + B0 Omega sin
+theta), side = 1 below the belt and -1 above it. It grazes where s > 0, and leaves its domain where
+s < 0. If s has two zeros, one phase shows its sign on each arc, and at the ends the motion passes.
+If it has one (|k v| = |B0| Omega, decided in rational numbers), the touch there is of fourth order,
+which the paper's order leaves out (`symosc derive certificates`).
 """
 
 from __future__ import annotations
@@ -17,15 +20,28 @@ from symosc.certificates.certificate import Certificate, confirmed
 from symosc.exact import show
 from symosc.grazing.window import GrazingWindow
 
-WINDOW_BITS, WINDOW_PLACES = 128, 25
-NO_PHASE, ALL_PHASES, BUT_ONE_PHASE, ON_AN_ARC = "nowhere", "everywhere", "everywhere but at one phase", "on an arc"
+WINDOW_BITS = 128
+WINDOW_PLACES = 25
+NO_PHASE = "nowhere"
+ALL_PHASES = "everywhere"
+BUT_ONE_PHASE = "everywhere but at one phase"
+ON_AN_ARC = "on an arc"
 
 
 def prove_window(window: GrazingWindow) -> Certificate:
-    """Prove at which phases a mapping that meets a belt with F = 0 grazes it; return the certificate of that window."""
-    p, place = window.parameters, window.place
-    bias, swing = place.side * p.k * p.belt(place.boundary), place.side * p.B0 * p.Omega
-    statement = made_by(WINDOW_BITS) | {"parameters": p.as_dict(), "map": window.mapping, "order": window.order}
+    """Prove at which phases a mapping that meets a belt with F = 0 grazes it.
+
+    Return the certificate of that window.
+    """
+    p = window.parameters
+    place = window.place
+    bias = place.side * p.k * p.belt(place.boundary)
+    swing = place.side * p.B0 * p.Omega
+    statement = made_by(WINDOW_BITS) | {
+        "parameters": p.as_dict(),
+        "map": window.mapping,
+        "order": window.order,
+    }
     with ctx.workprec(WINDOW_BITS):
         statement["grazes"], ends = _positive_phases(bias, swing, window.order == "full")
         statement["ends"] = [
@@ -35,7 +51,9 @@ def prove_window(window: GrazingWindow) -> Certificate:
     return confirmed("window", statement)
 
 
-def _positive_phases(bias: Fraction, swing: Fraction, full: bool) -> tuple[str, list[tuple[Ball, Fraction, int]]]:
+def _positive_phases(
+    bias: Fraction, swing: Fraction, full: bool
+) -> tuple[str, list[tuple[Ball, Fraction, int]]]:
     """Return in words where bias + swing sin(theta) > 0 (`full`: a lone zero is no exception), and the ends of it."""
     # An arc reaches from its first end, with growing theta, to its second.
     if abs(bias) > abs(swing) or swing == 0:
@@ -45,14 +63,22 @@ def _positive_phases(bias: Fraction, swing: Fraction, full: bool) -> tuple[str, 
         if bias < 0 or full:
             return (ALL_PHASES if bias > 0 else NO_PHASE), []
         return BUT_ONE_PHASE, [(arb.pi() * (1 if sine > 0 else 3) / 2, sine, 0)]
-    rising, falling = ball(sine).asin(), arb.pi() - ball(sine).asin()
-    low, high = ((rising, 1), (falling, -1)) if swing > 0 else ((falling, -1), (rising, 1))
-    first, second = low[0], high[0]
+    rising = ball(sine).asin()
+    falling = arb.pi() - ball(sine).asin()
+    if swing > 0:
+        low, high = ((rising, 1), (falling, -1))
+    else:
+        low, high = ((falling, -1), (rising, 1))
+    first = low[0]
+    second = high[0]
     if first < 0:
         first = first + 2 * arb.pi()
     while not second > first:
         second = second + 2 * arb.pi()
     for sign, phase in ((1, (first + second) / 2), (-1, (first + second) / 2 + arb.pi())):
-        if decided_sign(ball(bias) + ball(swing) * phase.sin(), "the sign of the drift", phase) != sign:
+        if (
+            decided_sign(ball(bias) + ball(swing) * phase.sin(), "the sign of the drift", phase)
+            != sign
+        ):
             raise ArithmeticError("an arc on the wrong side of its ends")
     return ON_AN_ARC, [(first, sine, low[1]), (second, sine, high[1])]

@@ -1,4 +1,7 @@
-"""The command line: `app` is the group, each command is in a module of its name; output and settings are shared.
+"""The command line: `app` is the group, each command is in a module of its name.
 
-May import everything. To add a command, write a module with a function of its name, and add it to `app.COMMANDS`.
+Output and settings are shared.
+
+May import everything. To add a command, write a module with a function of its name, and add it to
+`app.COMMANDS`.
 """

@@ -48,7 +48,10 @@ COMMANDS = {
 
 
 class CommandLine(click.Group):
-    """The command `symosc` with its subcommands; any error, also one of usage, is printed as one line."""
+    """The command `symosc` with its subcommands.
+
+    Any error, also one of usage, is printed as one line.
+    """
 
     def list_commands(self, ctx: click.Context) -> list[str]:
         """Return the names of all commands of the program."""
@@ -58,14 +61,25 @@ class CommandLine(click.Group):
         """Import the module of a command and return the command, with the options --quiet and --verbose."""
         if cmd_name not in COMMANDS:
             return None
-        command: click.Command = getattr(import_module(f"symosc.cli.{COMMANDS[cmd_name]}"), cmd_name)
+        command: click.Command = getattr(
+            import_module(f"symosc.cli.{COMMANDS[cmd_name]}"), cmd_name
+        )
         known = {option for each in command.params for option in each.opts}
-        command.params += [option for option in _verbosity_options() if not known & set(option.opts)]
+        command.params += [
+            option for option in _verbosity_options() if not known & set(option.opts)
+        ]
         return command
 
     def resolve_command(self, ctx: click.Context, args: list[str]) -> Any:
-        """Return the name, the command and the other arguments from `args`; for a wrong name suggest a right one."""
-        if not ctx.resilient_parsing and self.get_command(ctx, args[0]) is None and not args[0].startswith("-"):
+        """Return the name, the command and the other arguments from `args`.
+
+        For a wrong name suggest a right one.
+        """
+        if (
+            not ctx.resilient_parsing
+            and self.get_command(ctx, args[0]) is None
+            and not args[0].startswith("-")
+        ):
             ctx.fail(f"No such command {args[0]!r}{meant(args[0], COMMANDS)}")
         return super().resolve_command(ctx, args)
 
@@ -82,8 +96,14 @@ class CommandLine(click.Group):
         except click.ClickException as error:
             context = getattr(error, "ctx", None)
             option = getattr(error, "option_name", "").lstrip("-")
-            set_it = f"; a parameter is set by --set {option}=VALUE" if option in PARAMETER_NAMES else ""
-            hint = f" (see {context.command_path} --help)" if context else ""
+            if option in PARAMETER_NAMES:
+                set_it = f"; a parameter is set by --set {option}=VALUE"
+            else:
+                set_it = ""
+            if context:
+                hint = f" (see {context.command_path} --help)"
+            else:
+                hint = ""
             _fail(error.format_message().rstrip(".") + set_it + hint)
         except SymoscError as error:
             _fail(str(error))
@@ -103,14 +123,18 @@ class CommandLine(click.Group):
             with progress.working("working"):
                 code = super().invoke(ctx)
             about = f"symosc {symosc.__version__}, Python {python_version()}"
-            note(f"{ctx.invoked_subcommand}: {monotonic() - begin:.2f} s; {about}", progress.VERBOSE)
+            note(
+                f"{ctx.invoked_subcommand}: {monotonic() - begin:.2f} s; {about}", progress.VERBOSE
+            )
             return code
         except (KeyboardInterrupt, RuntimeError) as error:
             if not _is_interrupt(error):
                 raise
             ctx.exit(INTERRUPTED)
         finally:
-            progress.level = progress.NORMAL  # a program that runs commands itself goes on as it was
+            progress.level = (
+                progress.NORMAL
+            )  # a program that runs commands itself goes on as it was
 
 
 def _verbosity_options() -> list[click.Option]:
@@ -118,16 +142,27 @@ def _verbosity_options() -> list[click.Option]:
 
     def set_verbosity(context: click.Context, option: click.Parameter, wanted: bool) -> None:
         if wanted:
-            progress.level = progress.QUIET if option.name == "quiet" else progress.VERBOSE
+            if option.name == "quiet":
+                progress.level = progress.QUIET
+            else:
+                progress.level = progress.VERBOSE
 
-    about = {"quiet": "Print results and errors only: no bars, no notes.", "verbose": "Print more on stderr."}
+    about = {
+        "quiet": "Print results and errors only: no bars, no notes.",
+        "verbose": "Print more on stderr.",
+    }
     options: dict[str, Any] = {"is_flag": True, "expose_value": False, "callback": set_verbosity}
-    return [click.Option([f"--{name}", f"-{name[0]}"], help=text, **options) for name, text in about.items()]
+    return [
+        click.Option([f"--{name}", f"-{name[0]}"], help=text, **options)
+        for name, text in about.items()
+    ]
 
 
 def _is_interrupt(error: BaseException | None) -> bool:
     """Return whether an error is a KeyboardInterrupt, or was raised because of one."""
-    return isinstance(error, KeyboardInterrupt) or (error is not None and _is_interrupt(error.__cause__))
+    return isinstance(error, KeyboardInterrupt) or (
+        error is not None and _is_interrupt(error.__cause__)
+    )
 
 
 _as_python_does = warnings.showwarning
@@ -154,14 +189,22 @@ def _print_citation(context: click.Context, option: click.Parameter, wanted: boo
         context.exit()
 
 
-@click.group(cls=CommandLine, no_args_is_help=False, context_settings={"help_option_names": ["-h", "--help"]})
+@click.group(
+    cls=CommandLine, no_args_is_help=False, context_settings={"help_option_names": ["-h", "--help"]}
+)
 @click.version_option(symosc.__version__, prog_name="symosc")
-@flag("--cite", "Print BibTeX of symosc and the paper.", is_eager=True, expose_value=False, callback=_print_citation)
+@flag(
+    "--cite",
+    "Print BibTeX of symosc and the paper.",
+    is_eager=True,
+    expose_value=False,
+    callback=_print_citation,
+)
 def main() -> None:
     """Exact solutions of the double-belt friction oscillator.
 
-    SCENE is the name of a shipped scene (see symosc scenes) or the path of a TOML file of the same form. Numbers are
-    read exactly: 0.8 and 4/5 are the same.
+    SCENE is the name of a shipped scene (see symosc scenes) or the path of a TOML file of the same
+    form. Numbers are read exactly: 0.8 and 4/5 are the same.
 
     Exit codes: 0 success, 1 a check failed, 2 bad input.
 

@@ -18,11 +18,17 @@ from symosc.cli.options import Settings, Text, option
 @option("--prove SHARE", "Part of the area to prove: 0 to 1.", default="0", show_default=True)
 @option("--seconds S", "When to stop proving.")
 @option("--workers N", "Processes. Default: one for each core.")
-@option("-o, --output FILE", "Write it as JSON; what an earlier run left there is taken up.", "path")
+@option(
+    "-o, --output FILE", "Write it as JSON; what an earlier run left there is taken up.", "path"
+)
 @options.plot_option
 @options.json_option
-def atlas(scene: str, over: tuple[str, ...], settings: Settings, path: Text, plot: Text, **how: Any) -> None:
-    """Map a plane of two parameters: words, borders, special points, and boxes in which the word is proven.
+def atlas(
+    scene: str, over: tuple[str, ...], settings: Settings, path: Text, plot: Text, **how: Any
+) -> None:
+    """Map a plane of two parameters.
+
+    Words, borders, special points, and boxes in which the word is proven.
 
     `symosc verify` proves again the file that -o writes.
 
@@ -32,19 +38,28 @@ def atlas(scene: str, over: tuple[str, ...], settings: Settings, path: Text, plo
       symosc atlas fig9 --over Omega=3.9:4.1 --over FN=9.5:10.5 --prove 0.9 -o plane.json
     """
     spans = [options.read_span(side, "--over") for side in over]
-    options.refuse((len(dict(spans)) != 2 or len(spans) != 2, "give --over twice, with two parameters"))
-    made = symosc.atlas(options.scene_with(scene, settings), dict(spans), **how, path=path, progress=True)
+    options.refuse(
+        (len(dict(spans)) != 2 or len(spans) != 2, "give --over twice, with two parameters")
+    )
+    made = symosc.atlas(
+        options.scene_with(scene, settings), dict(spans), **how, path=path, progress=True
+    )
     output.draw(plot, made.plot)
     output.report(made.statement, lambda: _print_atlas(made, path, plot))
 
 
 def _print_atlas(made: symosc.Atlas, *files: Text) -> None:
-    rows = [[region.word or "none found", f"{region.share:.4%}", f"{region.proven:.4%}"] for region in made.regions]
+    rows = [
+        [region.word or "none found", f"{region.share:.4%}", f"{region.proven:.4%}"]
+        for region in made.regions
+    ]
     output.write_table(rows, ["word", "share", "proven"])
     for border in made.borders:
         words = " | ".join(word or "?" for word in border.words)
         output.write(f"border {words}: {border.sliding or border.kind}, {len(border)} points")
     for point in made.special:
-        at = ", ".join(f"{name} = {value:.10g}" for name, value in zip(made.over, point.values, strict=True))
+        at = ", ".join(
+            f"{name} = {value:.10g}" for name, value in zip(made.over, point.values, strict=True)
+        )
         output.write(f"{point.kind}: {at}")
     output.name_files(*files)

@@ -1,4 +1,7 @@
-"""`symosc certify` and `symosc verify`: prove events, orbits, branches and windows, and prove them again."""
+"""`symosc certify` and `symosc verify`.
+
+Prove events, orbits, branches and windows, and prove them again.
+"""
 
 from __future__ import annotations
 
@@ -19,21 +22,30 @@ from symosc.errors import MissingExtraError
 @options.optional_scene
 @option("--t-end T", "End time in place of the scene's; 10T: after 10 periods.")
 @options.start_error_option
-@option("--wrt NAMES", "Enclose the derivatives of all events too, by parameters and t0, x0, v0, such as mu1,x0.")
+@option(
+    "--wrt NAMES",
+    "Enclose the derivatives of all events too, by parameters and t0, x0, v0, such as mu1,x0.",
+)
 @option("--orbit WORD", "Prove the periodic orbit with this structure, such as P32.", "word")
 @option("--branch NAME=LO:HI", "Prove the orbit for every value of a parameter.", "span")
 @option("--window MAP", "Prove the grazing window of a map, such as P2.", "mapping")
 @flag("--orbits", "Prove the list of orbits that ships, in two processes.")
 @options.set_option
-@option("-o, --output FILE", "Write the certificate, a JSON file. -: to stdout, and only that.", "path")
+@option(
+    "-o, --output FILE", "Write the certificate, a JSON file. -: to stdout, and only that.", "path"
+)
 @options.json_option
-def certify(scene: Text, settings: Settings, t_end: Text, orbits: bool, path: Text, **asked: Any) -> int:
-    """Prove all events of a scene: none is missed, and each has its kind, and time and position within bounds.
+def certify(
+    scene: Text, settings: Settings, t_end: Text, orbits: bool, path: Text, **asked: Any
+) -> int:
+    """Prove all events of a scene.
 
-    Or prove its periodic orbit, a branch of such orbits up to its ends, or a grazing window. With --branch the
-    structure is that of --orbit, or the scene's. The table rounds an enclosure to the digits that both ends share.
-    Proven is only what the checker, `symosc verify`, proves again by other means. If anything stays open, one line says
-    what, and the exit code is 1.
+    None is missed, and each has its kind, and time and position within bounds.
+
+    Or prove its periodic orbit, a branch of such orbits up to its ends, or a grazing window. With
+    --branch the structure is that of --orbit, or the scene's. The table rounds an enclosure to the
+    digits that both ends share. Proven is only what the checker, `symosc verify`, proves again by
+    other means. If anything stays open, one line says what, and the exit code is 1.
 
     \b
     Examples:
@@ -48,8 +60,12 @@ def certify(scene: Text, settings: Settings, t_end: Text, orbits: bool, path: Te
         return _certify_list(again=False)
     if scene is None:
         raise click.UsageError("Missing argument 'SCENE'.")
-    if any(map(asked.get, ("word", "span", "mapping"))) and (t_end or asked["start_error"] or asked["wrt"]):
-        raise click.UsageError("--t-end, --start-error and --wrt are for motions, not for an orbit, branch or window")
+    if any(map(asked.get, ("word", "span", "mapping"))) and (
+        t_end or asked["start_error"] or asked["wrt"]
+    ):
+        raise click.UsageError(
+            "--t-end, --start-error and --wrt are for motions, not for an orbit, branch or window"
+        )
     problem = options.reduced_scene(options.scene_with(scene, settings, t_end=t_end))
     certificate = _proof(problem, **asked)
     if path is not None:
@@ -67,10 +83,15 @@ def _proof(
     if mapping is not None:
         return symosc.certify(symosc.grazing_window(problem.parameters, mapping))
     if word is None and span is None:
-        names = None if wrt is None else [name.strip() for name in wrt.split(",")]
+        if wrt is None:
+            names = None
+        else:
+            names = [name.strip() for name in wrt.split(",")]
         return symosc.certify(problem, start_error=start_error, wrt=names)
     word = word or problem.structure
-    options.refuse((word is None, f"the scene {problem.name} has no structure of its own; give --orbit"))
+    options.refuse(
+        (word is None, f"the scene {problem.name} has no structure of its own; give --orbit")
+    )
     with output.failing(symosc.ConvergenceError, "not proven: "):
         found = symosc.find_orbit(problem.parameters, word)
     if not found.admissible:
@@ -78,19 +99,26 @@ def _proof(
     if span is None:
         return symosc.certify(found)
     name, limits = options.read_span(span, "--branch")
-    return symosc.certify(symosc.continue_orbit(found.parameters, found.word, name, limits, found), progress=True)
+    return symosc.certify(
+        symosc.continue_orbit(found.parameters, found.word, name, limits, found), progress=True
+    )
 
 
 def _print_certificate(certificate: symosc.Certificate) -> None:
     # The events of a branch have no times: these depend on the parameter.
     timed = [event for event in certificate.events if len(event) > 3]
     if timed:
-        rows = [[common_digits(*t), common_digits(*x), kind, f"{old} -> {new}"] for kind, old, new, t, x in timed]
+        rows = [
+            [common_digits(*t), common_digits(*x), kind, f"{old} -> {new}"]
+            for kind, old, new, t, x in timed
+        ]
         output.write_table(rows, ["t", "x", "kind", "from -> to"])
         output.write("")
     if certificate.derivatives:
         rows = [[common_digits(*each) for each in (*dt, *dx)] for dt, dx in certificate.derivatives]
-        output.write_table(rows, [f"d{of}/d{name}" for of in "tx" for name in certificate.statement["wrt"]])
+        output.write_table(
+            rows, [f"d{of}/d{name}" for of in "tx" for name in certificate.statement["wrt"]]
+        )
         output.write("")
     for i, multiplier in enumerate(certificate.multipliers, 1):
         output.write(f"multiplier {i}: {common_complex(*multiplier)}")
@@ -99,19 +127,33 @@ def _print_certificate(certificate: symosc.Certificate) -> None:
 
 
 def _certify_list(again: bool) -> int:
-    """Certify the shipped list of orbits, if `again` also verify each certificate; print how many are proven."""
+    """Certify the shipped list of orbits, if `again` also verify each certificate.
+
+    Print how many are proven.
+    """
     from symosc.certificates.orbit_list import listed_orbits, prove_list
 
-    orbits, verb = listed_orbits(), "proven again" if again else "proven"
+    orbits = listed_orbits()
+    if again:
+        verb = "proven again"
+    else:
+        verb = "proven"
     with bar(verb, len(orbits), "orbits") as report:
         answers = prove_list(progress=report, again=again)
     proven = [orbit for orbit, answer in zip(orbits, answers, strict=True) if not answer]
-    regimes = ", ".join(f"{number} {name}" for name, number in Counter(orbit.regime for orbit in proven).items())
-    more = "" if again else f" ({regimes}), with {len({orbit.cycle for orbit in proven})} words"
+    regimes = ", ".join(
+        f"{number} {name}" for name, number in Counter(orbit.regime for orbit in proven).items()
+    )
+    if again:
+        more = ""
+    else:
+        more = f" ({regimes}), with {len({orbit.cycle for orbit in proven})} words"
     output.write(f"{verb}: {len(proven)} of {len(orbits)} orbits{more}")
     for answer in filter(None, answers):
         output.complain(answer if again else f"not proven: {answer}")
-    return output.FAILED if any(answers) else 0
+    if any(answers):
+        return output.FAILED
+    return 0
 
 
 @click.command()
@@ -123,9 +165,9 @@ def _certify_list(again: bool) -> int:
 def verify(file: Text, orbits: bool, **limits: int | None) -> int:
     """Prove a certificate file once more, by other means than `symosc certify`, and print what is proven.
 
-    The checker is symosc/certificates/verify.py, with verify_orbits.py beside it for orbits, branches and atlases. They
-    need python-flint and nothing of symosc: copy them, read them, and run them alone.
-    Exit codes: 0 proven, 1 false or not proven, 2 no certificate.
+    The checker is symosc/certificates/verify.py, with verify_orbits.py beside it for orbits,
+    branches and atlases. They need python-flint and nothing of symosc: copy them, read them, and
+    run them alone. Exit codes: 0 proven, 1 false or not proven, 2 no certificate.
 
     \b
     Examples:
@@ -133,13 +175,17 @@ def verify(file: Text, orbits: bool, **limits: int | None) -> int:
       symosc verify --orbits
     """
     if (file is None) != orbits:
-        raise click.UsageError("--orbits verifies its own list; give no file" if orbits else "Missing argument 'FILE'.")
+        raise click.UsageError(
+            "--orbits verifies its own list; give no file" if orbits else "Missing argument 'FILE'."
+        )
     try:
         from symosc.certificates import verify_orbits
     except ImportError:
         raise MissingExtraError("verify", "certify") from None
     if file is None:
         return _certify_list(again=True)
-    code, answer = verify_orbits.verify(file, **{name: most for name, most in limits.items() if most is not None})
+    code, answer = verify_orbits.verify(
+        file, **{name: most for name, most in limits.items() if most is not None}
+    )
     (output.complain if code else output.write)(answer)
     return code

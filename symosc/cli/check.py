@@ -1,4 +1,7 @@
-"""`symosc check`, `cases` and `score`: judge solutions of a scene, and solvers on all reference cases."""
+"""`symosc check`, `cases` and `score`.
+
+Judge solutions of a scene, and solvers on all reference cases.
+"""
 
 from __future__ import annotations
 
@@ -32,32 +35,46 @@ def _split_columns(text: Text) -> dict[str, str]:
 @option("--case NAME", "A reference case in place of a scene; `symosc cases` lists them.")
 @options.set_option
 @option("--solver MODULE:FUNCTION", "Run FUNCTION(parameters, t0, x0, v0, t_end) and check that.")
-@option("--t-end T", "Where the solution has to end, if not at the scene's end; 10T: after 10 periods.")
+@option(
+    "--t-end T", "Where the solution has to end, if not at the scene's end; 10T: after 10 periods."
+)
 @flag("--own-start", "Allow a solution that starts elsewhere than the scene.")
 @flag("--partial", "Allow a solution that ends before the scene does.")
-@option("--columns t=…,x=…,v=…", "What the columns are called, or their numbers; v=none: no velocities.")
-@option("--tolerance E", "Allowed defect of a step, relative to the largest |x|, |v|; default 1e-8.")
+@option(
+    "--columns t=…,x=…,v=…", "What the columns are called, or their numbers; v=none: no velocities."
+)
+@option(
+    "--tolerance E", "Allowed defect of a step, relative to the largest |x|, |v|; default 1e-8."
+)
 @option(
     "--global-tolerance E",
     "Allowed error since the start; default 1000 times the tolerance, of rounded samples 5 last places.",
 )
-@option("--workers N", "Processes for several solutions; default 1.", type=options.WholeNumber(min=1))
+@option(
+    "--workers N", "Processes for several solutions; default 1.", type=options.WholeNumber(min=1)
+)
 @options.json_option
-@option("-o, --output FIGURE", "Draw the errors against time as well: .pdf, .svg or .png.", "picture")
+@option(
+    "-o, --output FIGURE", "Draw the errors against time as well: .pdf, .svg or .png.", "picture"
+)
 @option("--report FILE.html", "Write a page with diagnosis, events and pictures as well.")
-def check(files: Sequence[str], scene: Text, case: Text, settings: Settings, picture: Text, **how: Any) -> int:
+def check(
+    files: Sequence[str], scene: Text, case: Text, settings: Settings, picture: Text, **how: Any
+) -> int:
     """Check somebody's solution against the exact motion.
 
-    Give SCENE FILE, FILE --scene SCENE, or FILE --case NAME; FILE is - for standard input. It holds samples t, x, v in
-    columns: .csv, .tsv, .txt (any delimiter, with a header or without), .npz, .json, .mat, .parquet, .feather, .h5,
-    what Octave saves, and .gz of them. Each step is compared with the exact motion over it: the difference is its
-    defect. The whole is compared with the exact motion from the same start, and the switching events of the samples
-    with the exact ones. Says which were missed or invented, and what is probably wrong: a coefficient, a sign, the
-    clock, smoothed friction, late events, the method, ... Velocities that are not there are computed. A column of ids,
-    or more than one FILE, is several solutions. A solution has to start and to end where the scene does, unless
-    --own-start and --partial allow another. A JSON or npz file may list the events that the solver reported, as
-    "events": pairs of t and kind (cross, stick, slip, graze). Pieces joined at an event may repeat its time. Samples
-    with few digits are judged at their precision.
+    Give SCENE FILE, FILE --scene SCENE, or FILE --case NAME; FILE is - for standard input. It holds
+    samples t, x, v in columns: .csv, .tsv, .txt (any delimiter, with a header or without), .npz,
+    .json, .mat, .parquet, .feather, .h5, what Octave saves, and .gz of them. Each step is compared
+    with the exact motion over it: the difference is its defect. The whole is compared with the
+    exact motion from the same start, and the switching events of the samples with the exact ones.
+    Says which were missed or invented, and what is probably wrong: a coefficient, a sign, the
+    clock, smoothed friction, late events, the method, ... Velocities that are not there are
+    computed. A column of ids, or more than one FILE, is several solutions. A solution has to start
+    and to end where the scene does, unless --own-start and --partial allow another. A JSON or npz
+    file may list the events that the solver reported, as "events": pairs of t and kind (cross,
+    stick, slip, graze). Pieces joined at an event may repeat its time. Samples with few digits are
+    judged at their precision.
 
     Exit codes: 0 the solution is right to the tolerance, 1 it is not, 2 bad input.
 
@@ -71,13 +88,18 @@ def check(files: Sequence[str], scene: Text, case: Text, settings: Settings, pic
     """
     solver, t_end, report = (how.pop(name) for name in ("solver", "t_end", "report"))
     if report is not None and not report.lower().endswith((".html", ".htm")):
-        raise click.BadParameter(f"{report!r}: a page's name must end in .html", param_hint="--report")
+        raise click.BadParameter(
+            f"{report!r}: a page's name must end in .html", param_hint="--report"
+        )
     asked: Any = scene
     if case is None and scene is None and len(files) >= (1 if solver else 2):
         asked, *files = files  # the first word is the scene
     options.refuse(
         (case is not None and scene is not None, "give --scene or --case, not both"),
-        (case is None and asked is None, "give SCENE FILE, FILE --scene SCENE, or FILE --case NAME"),
+        (
+            case is None and asked is None,
+            "give SCENE FILE, FILE --scene SCENE, or FILE --case NAME",
+        ),
         (solver is not None and files, "give files or --solver, not both"),
         (solver is None and not files, "give a file of samples, or --solver MODULE:FUNCTION"),
     )
@@ -90,11 +112,18 @@ def check(files: Sequence[str], scene: Text, case: Text, settings: Settings, pic
     problem = options.scene_with(asked, settings, t_end=t_end)
     limits = {name: value for name, value in how.items() if value is not None}
     limits["columns"] = _split_columns(limits.get("columns"))
-    source = files[0] if len(files) == 1 else files if solver is None else run_solver(solver, problem)
+    if len(files) == 1:
+        source: Any = files[0]
+    elif solver is None:
+        source = files
+    else:
+        source = run_solver(solver, problem)
     result = symosc.crosscheck(problem, source, progress=True, **limits)
     for path, hint in ((picture, "--output"), (report, "--report")):
         if path is not None and isinstance(result, list):
-            raise click.BadParameter(f"shows one solution, and there are {len(result)}", param_hint=hint)
+            raise click.BadParameter(
+                f"shows one solution, and there are {len(result)}", param_hint=hint
+            )
     output.draw(picture, lambda: result.plot())
     if report is not None:
         result.to_html(report)
@@ -109,9 +138,10 @@ def check(files: Sequence[str], scene: Text, case: Text, settings: Settings, pic
 def cases(folder: Text, group: Text) -> None:
     """List reference cases: motions whose events are known for certain, mostly with a proof.
 
-    With -o they are written as files that any language reads: exact parameters, events between 40-digit decimals,
-    samples, certificates, checksums, and a README that says what the problem and the formats are. That takes half a
-    minute. Running it again gives the same bytes. `symosc score` judges what a solver makes of them.
+    With -o they are written as files that any language reads: exact parameters, events between
+    40-digit decimals, samples, certificates, checksums, and a README that says what the problem and
+    the formats are. That takes half a minute. Running it again gives the same bytes. `symosc score`
+    judges what a solver makes of them.
 
     \b
     Examples:
@@ -124,9 +154,12 @@ def cases(folder: Text, group: Text) -> None:
 
     wanted = chosen(group)
     if folder is not None:
-        written, folder = count(1), options.folder_name(folder)
+        written = count(1)
+        folder = options.folder_name(folder)
         with bar("cases", len(wanted), "cases") as progress:
-            path = write_cases(folder, wanted, progress=lambda _: progress(next(written), len(wanted)))
+            path = write_cases(
+                folder, wanted, progress=lambda _: progress(next(written), len(wanted))
+            )
         text = f"wrote {len(wanted)} cases into {click.format_filename(path)}"
         data = {"folder": str(path), "cases": [case.name for case in wanted]}
         output.report(lambda: data, lambda: output.write(text))
@@ -151,13 +184,14 @@ def cases(folder: Text, group: Text) -> None:
 def score(folder: str, results: tuple[str, ...], tolerance: Text, page: Text, plot: Text) -> int:
     """Judge the events that solvers have found in the reference cases.
 
-    DIR is what `symosc cases -o DIR` has written. THEIRS is a folder with a file per case, or one file for all, of any
-    kind that `symosc check` reads; DIR/README.md says what is in them. Cases may be missing. Several THEIRS stand side
-    by side.
+    DIR is what `symosc cases -o DIR` has written. THEIRS is a folder with a file per case, or one
+    file for all, of any kind that `symosc check` reads; DIR/README.md says what is in them. Cases
+    may be missing. Several THEIRS stand side by side.
 
-    For each case and group: events missed, invented or of a wrong kind, and the largest error in units of what rounding
-    the case's numbers to doubles does (condition * 1e-16). A case is right if it is followed to its end, all events are
-    there with time and position, no others, and each error is at most the tolerance, or 100 units if that is more.
+    For each case and group: events missed, invented or of a wrong kind, and the largest error in
+    units of what rounding the case's numbers to doubles does (condition * 1e-16). A case is right
+    if it is followed to its end, all events are there with time and position, no others, and each
+    error is at most the tolerance, or 100 units if that is more.
 
     Exit codes: 0 all results that are there are right, 1 they are not, 2 bad input.
 
@@ -170,17 +204,34 @@ def score(folder: str, results: tuple[str, ...], tolerance: Text, page: Text, pl
     from symosc.files import write_text
     from symosc.reference.folder import read_set
     from symosc.reference.results import read_results
-    from symosc.reference.score import SCORE_TOLERANCE, as_html, as_markdown, as_text, read_tolerance
+    from symosc.reference.score import (
+        SCORE_TOLERANCE,
+        as_html,
+        as_markdown,
+        as_text,
+        read_tolerance,
+    )
     from symosc.reference.score import score as judge
 
-    as_page = {".md": as_markdown, ".html": as_html}.get("" if page is None else Path(page).suffix.lower())
+    as_page = {".md": as_markdown, ".html": as_html}.get(
+        "" if page is None else Path(page).suffix.lower()
+    )
     if page is not None and as_page is None:  # before the work
         raise click.BadParameter(f"{page!r} must end in .md or .html", param_hint="--output")
-    limit = SCORE_TOLERANCE if tolerance is None else read_tolerance(tolerance)
+    if tolerance is None:
+        limit = SCORE_TOLERANCE
+    else:
+        limit = read_tolerance(tolerance)
     version, cases = read_set(folder)
-    names, short = {case.name for case in cases}, [Path(each).stem or each for each in results]
-    titles = [name if short.count(name) == 1 else each for name, each in zip(short, results, strict=True)]
-    scores = [judge(name, cases, read_results(each, names), limit) for name, each in zip(titles, results, strict=True)]
+    names = {case.name for case in cases}
+    short = [Path(each).stem or each for each in results]
+    titles = [
+        name if short.count(name) == 1 else each for name, each in zip(short, results, strict=True)
+    ]
+    scores = [
+        judge(name, cases, read_results(each, names), limit)
+        for name, each in zip(titles, results, strict=True)
+    ]
     if page is not None and as_page is not None:
         write_text(page, as_page(scores, "Scores on the reference cases", version))
     if plot is not None:

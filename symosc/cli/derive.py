@@ -1,4 +1,7 @@
-"""`symosc derive` and `symosc codegen`: derivations with every step checked, and code printed from them."""
+"""`symosc derive` and `symosc codegen`.
+
+Derivations with every step checked, and code printed from them.
+"""
 
 from __future__ import annotations
 
@@ -68,8 +71,13 @@ Examples:
 @option("--prefix TEXT", "Fragments: what labels begin with (default: symosc).")
 @flag("--alone", "Fragments: a document of its own.")
 @options.json_option
-def derive(subject: str, scene: Text, path: Text, pdf: bool, format: str, **of_fragments: Any) -> int:
-    """Derive a chapter, all chapters or a fragment, and write or print it; `of_fragments`: options of fragments."""
+def derive(
+    subject: str, scene: Text, path: Text, pdf: bool, format: str, **of_fragments: Any
+) -> int:
+    """Derive a chapter, all chapters or a fragment, and write or print it.
+
+    `of_fragments`: options of fragments.
+    """
     from symosc.derive.fragments import FRAGMENTS
 
     if subject not in subjects():
@@ -77,11 +85,16 @@ def derive(subject: str, scene: Text, path: Text, pdf: bool, format: str, **of_f
         raise ParameterError("subject", subject, known + meant(subject, subjects()))
     if subject in FRAGMENTS:
         if pdf or format == "html":
-            raise click.BadParameter("is for chapters", param_hint="--pdf" if pdf else "--format html")
+            raise click.BadParameter(
+                "is for chapters", param_hint="--pdf" if pdf else "--format html"
+            )
         return _print_fragment(subject, scene, path, **of_fragments)
     for name, value in of_fragments.items():
         if value:
-            hint = "--set" if name == "settings" else f"--{name}"
+            if name == "settings":
+                hint = "--set"
+            else:
+                hint = f"--{name}"
             raise click.BadParameter(f"is for fragments ({', '.join(FRAGMENTS)})", param_hint=hint)
     return _write_chapters(subject, scene, path, format, pdf)
 
@@ -91,18 +104,28 @@ def _print_fragment(name: str, scene: Text, path: Text, **how: Any) -> int:
     from symosc.derive.scope import fragment_scope
     from symosc.derive.steps import StepError
 
-    numbers, problem = options.read_settings(how["settings"]), None if scene is None else load_scene(scene)
+    numbers = options.read_settings(how["settings"])
+    if scene is None:
+        problem = None
+    else:
+        problem = load_scene(scene)
     scope = fragment_scope(numbers, problem, how["form"] or "entire", how["digits"])
     with output.failing(StepError, "check failed: "):
         fragment = fragments.check_fragment(name, scope)
-    label = fragments.PREFIX if how["prefix"] is None else how["prefix"]
+    if how["prefix"] is None:
+        label = fragments.PREFIX
+    else:
+        label = how["prefix"]
     text = fragments.as_latex(fragment, scope, label, how["tags"] == "paper", how["alone"])
     if path == STDOUT:
         output.write(text, end="")
     elif path is not None:
         write_text(Path(path), text)
     data = {"fragment": name, "text": text, "steps": fragment.log()}
-    show = partial(output.write, text, end="") if path is None else partial(output.write, str(Path(path)))
+    if path is None:
+        show = partial(output.write, text, end="")
+    else:
+        show = partial(output.write, str(Path(path)))
     output.report(lambda: data, show)
     return 0
 
@@ -115,19 +138,29 @@ def _write_chapters(subject: str, scene: Text, path: Text, form: str, pdf: bool)
     if pdf and (form != "latex" or path == STDOUT):
         raise click.BadParameter("needs --format latex and a folder", param_hint="--pdf")
     if pdf and not document.has_latex():
-        raise click.BadParameter("there is no pdflatex here (Debian: texlive-latex-base)", param_hint="--pdf")
+        raise click.BadParameter(
+            "there is no pdflatex here (Debian: texlive-latex-base)", param_hint="--pdf"
+        )
     folder = Path(path or ".")
     check_new_folder(folder, "--output names a folder")  # before the work, which may take minutes
     if folder.suffix.lower() in FILES and not exists(folder):
         raise OutputError(str(folder), "is named like a file, and --output names a folder")
-    problem = None if scene is None else load_scene(scene)
+    if scene is None:
+        problem = None
+    else:
+        problem = load_scene(scene)
     with output.failing(StepError, "check failed: "), _bars() as progress:
-        keys, scope = [*CHAPTERS] if subject == "all" else [subject], Scope(problem)
+        if subject == "all":
+            keys = [*CHAPTERS]
+        else:
+            keys = [subject]
+        scope = Scope(problem)
         chapters = [document.check_chapter(key, scope, progress) for key in keys]
     if path == STDOUT:
         output.write(document.printed(chapters, scope, form), end="")
         return 0
-    paths, status = document.write_document(chapters, scope, folder, form), 0
+    paths = document.write_document(chapters, scope, folder, form)
+    status = 0
     if pdf:
         try:
             paths.insert(0, document.make_pdf(folder / document.MAIN))
@@ -135,17 +168,25 @@ def _write_chapters(subject: str, scene: Text, path: Text, form: str, pdf: bool)
             output.complain(f"{error}")
             status = output.FAILED
     kinds = [evidence.kind for chapter in chapters for _, evidence in chapter.steps()]
-    parts = ", ".join(f"{kinds.count(kind)} {kind}" for kind in ("exact", "sign", "numeric") if kind in kinds)
+    parts = ", ".join(
+        f"{kinds.count(kind)} {kind}" for kind in ("exact", "sign", "numeric") if kind in kinds
+    )
     names = list(map(str, paths))
     steps = [{"subject": chapter.key, **row} for chapter in chapters for row in chapter.log()]
     data = {"scene": problem.name if problem else None, "files": names, "steps": steps}
-    output.report(lambda: data, lambda: output.write("\n".join([f"{len(kinds)} steps checked: {parts}", *names])))
+    output.report(
+        lambda: data,
+        lambda: output.write("\n".join([f"{len(kinds)} steps checked: {parts}", *names])),
+    )
     return status
 
 
 @contextmanager
 def _bars() -> Iterator[Callable[[str, int, int], None]]:
-    """Show a progress bar per subject; yield the callback that takes a subject, the steps done and their total."""
+    """Show a progress bar per subject.
+
+    Yield the callback that takes a subject, the steps done and their total.
+    """
     with ExitStack() as stack:
         shown: dict[str, Callable[[float, float], None]] = {}
 
@@ -164,22 +205,36 @@ def _bars() -> Iterator[Callable[[str, int, int], None]]:
 @click.argument("word", required=False)
 @flag("--check", "Without WORD: compare symosc's own kernels; exit code 1 if they differ.")
 @flag("--regenerate", "Without WORD: write symosc's own kernels anew.")
-@option("-l, --language", "What to write.", type=click.Choice(LANGUAGES), default="python", show_default=True)
+@option(
+    "-l, --language",
+    "What to write.",
+    type=click.Choice(LANGUAGES),
+    default="python",
+    show_default=True,
+)
 @option("--fix SCENE", "Fold the parameters of a scene in and drop what that leaves unused.")
-@option("--name", "Base of the file names, and of the names in C and Julia. Default: from the word.")
-@option("-o, --output FOLDER", "Where to write; made if needed. Default: here. '-': print.", "folder", default=".")
+@option(
+    "--name", "Base of the file names, and of the names in C and Julia. Default: from the word."
+)
+@option(
+    "-o, --output FOLDER",
+    "Where to write; made if needed. Default: here. '-': print.",
+    "folder",
+    default=".",
+)
 @flag("--force", "Replace files that have another content.")
 @options.json_option
 @click.pass_context
 def codegen(ctx: click.Context, /, word: Text, check: bool, regenerate: bool, **how: Any) -> int:
     """Write a mapping structure's residual and Jacobian for your own program.
 
-    WORD is read right to left, like P32. The file needs nothing of symosc: Python with math, Python with NumPy, C99
-    with a header, or Julia. It has the maps of the word only. A file that is there with another content stays, unless
-    --force is given.
+    WORD is read right to left, like P32. The file needs nothing of symosc: Python with math, Python
+    with NumPy, C99 with a header, or Julia. It has the maps of the word only. A file that is there
+    with another content stays, unless --force is given.
 
-    Without WORD it is about the kernels that symosc itself runs, symosc/kernels/_generated.py, which are printed from
-    the formulas that sympy derives: --check compares them, --regenerate writes them.
+    Without WORD it is about the kernels that symosc itself runs, symosc/kernels/_generated.py,
+    which are printed from the formulas that sympy derives: --check compares them, --regenerate
+    writes them.
 
     \b
     Examples:
@@ -188,13 +243,25 @@ def codegen(ctx: click.Context, /, word: Text, check: bool, regenerate: bool, **
       symosc codegen --check
     """
     if word is not None:
-        asked = "--check" if check else "--regenerate"
-        options.refuse((check or regenerate, f"{asked} is about symosc's own kernels; leave WORD out"))
+        if check:
+            asked = "--check"
+        else:
+            asked = "--regenerate"
+        options.refuse(
+            (check or regenerate, f"{asked} is about symosc's own kernels; leave WORD out")
+        )
         return _export_code(word, **how)
     names = {str(each.name): max(each.opts, key=len) for each in ctx.command.params}
-    given = [names[name] for name in names if ctx.get_parameter_source(name) is ParameterSource.COMMANDLINE]
+    given = [
+        names[name]
+        for name in names
+        if ctx.get_parameter_source(name) is ParameterSource.COMMANDLINE
+    ]
     given = [name for name in given if name not in ("--check", "--regenerate")]
-    rest = "not both" if check else "or a WORD, such as P32"
+    if check:
+        rest = "not both"
+    else:
+        rest = "or a WORD, such as P32"
     options.refuse(
         (given, f"{', '.join(given)} needs a WORD, such as P32"),
         (check == regenerate, f"give --check or --regenerate, {rest}"),
@@ -206,7 +273,10 @@ def _export_code(word: str, language: str, fix: Text, name: Text, folder: str, f
     from symosc.symbolic.export import export, write_export
 
     options.refuse((folder == STDOUT and force, "--force is about files; leave it out with -o -"))
-    parameters = None if fix is None else load_scene(fix).parameters
+    if fix is None:
+        parameters = None
+    else:
+        parameters = load_scene(fix).parameters
     if folder == STDOUT:
         output.write("\n".join(export(word, language, parameters, name).values()), end="")
         return 0
@@ -225,6 +295,8 @@ def _kernels(regenerate: bool) -> int:
     difference = generator.check()
     if difference:
         output.write(difference)
-        output.fail("the committed kernels differ from the generated ones; accept: symosc codegen --regenerate")
+        output.fail(
+            "the committed kernels differ from the generated ones; accept: symosc codegen --regenerate"
+        )
     output.write(f"{Path(generator.PATH).name} is what the formulas print")
     return 0

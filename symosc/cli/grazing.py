@@ -30,27 +30,45 @@ from symosc.scenes import load_scene
 )
 @flag("--latex", "Print LaTeX, one window a line.", callback=output.claim_stdout)
 @options.json_option
-@option("--check N", "Check the windows at N phases each.", "phases", type=options.WholeNumber(min=1))
+@option(
+    "--check N", "Check the windows at N phases each.", "phases", type=options.WholeNumber(min=1)
+)
 @option("--plot FIGURE", "Draw windows, contact curves and grazing curves: .pdf, .svg or .png.")
-@option("--solve NAME[,NAME]", "For which values of Omega, B0, k, v1 or v2, or of two, see --phase.")
-@option("--phase PHASE[:PHASE]", "With --solve: where it grazes at this phase, or at all in between.")
-@option("--against NAME[=LOW:HIGH]", "With --plot and one --map: the window against Omega, B0, k, v1 or v2.")
+@option(
+    "--solve NAME[,NAME]", "For which values of Omega, B0, k, v1 or v2, or of two, see --phase."
+)
+@option(
+    "--phase PHASE[:PHASE]", "With --solve: where it grazes at this phase, or at all in between."
+)
+@option(
+    "--against NAME[=LOW:HIGH]",
+    "With --plot and one --map: the window against Omega, B0, k, v1 or v2.",
+)
 def grazing(
-    scene: Text, settings: Settings, mappings: tuple[str, ...], order: Order, latex: bool, plot: Text, **asked: Any
+    scene: Text,
+    settings: Settings,
+    mappings: tuple[str, ...],
+    order: Order,
+    latex: bool,
+    plot: Text,
+    **asked: Any,
 ) -> int:
-    """Print the grazing windows of a scene: at which phases Omega t mod 2 pi a touching flow turns back (Theorem 7).
+    """Print the grazing windows of a scene.
 
-    Columns: the map; the case; gamma = k v/m; B0 Omega/m; Theta_cr; the window. Case (55.1) is the first of the paper's
-    (55); cases with a letter a, b or c, or shifted by pi, are missing in the paper. A window is exact: asin(1/12) + pi
-    is not rounded.
+    At which phases Omega t mod 2 pi a touching flow turns back (Theorem 7).
 
-    With --check each window is compared with three independent decisions, at random phases and close to its ends: by
-    the signs of the G-functions, by the exact flow around the contact, and by scipy's DOP853. A mismatch gives exit
-    code 1.
+    Columns: the map; the case; gamma = k v/m; B0 Omega/m; Theta_cr; the window. Case (55.1) is the
+    first of the paper's (55); cases with a letter a, b or c, or shifted by pi, are missing in the
+    paper. A window is exact: asin(1/12) + pi is not rounded.
 
-    --solve asks the other way round: for which values of a parameter a phase, or every phase between two, is in the
-    window, exactly; without --phase, for which values the window is empty and for which it is everything. Two
-    parameters give a region, which --plot draws. Without SCENE and --set the answer is in letters.
+    With --check each window is compared with three independent decisions, at random phases and
+    close to its ends: by the signs of the G-functions, by the exact flow around the contact, and by
+    scipy's DOP853. A mismatch gives exit code 1.
+
+    --solve asks the other way round: for which values of a parameter a phase, or every phase
+    between two, is in the window, exactly; without --phase, for which values the window is empty
+    and for which it is everything. Two parameters give a region, which --plot draws. Without SCENE
+    and --set the answer is in letters.
 
     All eleven parameters by --set stand for a SCENE.
 
@@ -66,22 +84,46 @@ def grazing(
       symosc grazing fig9 --map P2 --solve Omega,k --phase 7*pi/6 --plot region.pdf
       symosc grazing --map P3 --solve Omega --phase pi
     """
-    phases, solve, phase, against = (asked[name] for name in ("phases", "solve", "phase", "against"))
+    phases, solve, phase, against = (
+        asked[name] for name in ("phases", "solve", "phase", "against")
+    )
     options.refuse(
-        (latex and output.prints_json(), "give --latex or --json, not both; the JSON has the LaTeX"),
-        (phase is not None and solve is None, "--phase needs --solve, which says what is asked for"),
-        (solve is not None and (phases, against) != (None, None), "--solve goes without --check and --against"),
-        (against is not None and (plot is None or len(mappings) != 1), "--against needs --plot FIGURE and one --map"),
+        (
+            latex and output.prints_json(),
+            "give --latex or --json, not both; the JSON has the LaTeX",
+        ),
+        (
+            phase is not None and solve is None,
+            "--phase needs --solve, which says what is asked for",
+        ),
+        (
+            solve is not None and (phases, against) != (None, None),
+            "--solve goes without --check and --against",
+        ),
+        (
+            against is not None and (plot is None or len(mappings) != 1),
+            "--against needs --plot FIGURE and one --map",
+        ),
     )
     in_letters = solve is not None and scene is None and not settings
-    name, p = (None, None) if in_letters else _parameters(scene, settings)
+    if in_letters:
+        name, p = (None, None)
+    else:
+        name, p = _parameters(scene, settings)
     chosen = list(dict.fromkeys(mappings))
     for mapping in chosen:
         place(mapping)  # ParameterError for a map that cannot graze
     if solve is not None:
         answers = _solve(p, chosen, solve, phase, order, plot)
-        given = None if p is None else p.as_dict()
-        data: Record = {"parameters": given, "order": order, "answers": list(map(_answer_data, answers))}
+        if p is None:
+            given = None
+        else:
+            given = p.as_dict()
+        data: Record = {
+            "parameters": given,
+            "order": order,
+            "answers": list(map(_answer_data, answers)),
+        }
         texts = [each.latex() if latex else each.text() for each in answers]
         output.report(lambda: data, lambda: output.write("\n".join(texts)))
         return 0
@@ -89,12 +131,20 @@ def grazing(
     windows = [symosc.grazing_window(p, mapping, order) for mapping in chosen or PLACES]
     reports = []
     if phases is not None:
-        reports = [symosc.check_grazing(p, mapping, n=phases, progress=True) for mapping in chosen or PLACES]
+        reports = [
+            symosc.check_grazing(p, mapping, n=phases, progress=True)
+            for mapping in chosen or PLACES
+        ]
     output.draw(plot, _draw_windows, windows, against)
     data = {"scene": name, "parameters": p.as_dict(), "order": order}
-    data |= {"checks": [report.to_dict() for report in reports]} if reports else {}
+    if reports:
+        data |= {"checks": [report.to_dict() for report in reports]}
+    else:
+        data |= {}
     printed = partial(_print_windows, windows, reports, latex)
-    output.report(lambda: data | {"windows": list(map(_window_data, windows))}, printed)  # LaTeX needs sympy
+    output.report(
+        lambda: data | {"windows": list(map(_window_data, windows))}, printed
+    )  # LaTeX needs sympy
     return int(any(not report.ok for report in reports))
 
 
@@ -112,7 +162,9 @@ def _print_windows(windows: list[symosc.GrazingWindow], reports: list[Any], late
     for each in windows:
         if each.parameters.k == 0 and each.kind:
             fixed = ", ".join(map(str, each.contact_phases)) or "at no phase of it"
-            output.write(f"{each.mapping}: k = 0, so x_m is free and F = 0 fixes the phase: {fixed}")
+            output.write(
+                f"{each.mapping}: k = 0, so x_m is free and F = 0 fixes the phase: {fixed}"
+            )
     for report in reports:
         output.write("\n" + report.summary())
 
@@ -123,17 +175,27 @@ def _parameters(scene: Text, settings: Settings) -> tuple[Text, Parameters]:
     problem = options.reduced_scene(load_scene(scene or "fig5").changed(**changes))
     missing = [name for name in PARAMETER_NAMES if name not in changes and scene is None]
     if missing:
-        raise click.UsageError(f"give a SCENE, or every parameter by --set; missing: {', '.join(missing)}")
+        raise click.UsageError(
+            f"give a SCENE, or every parameter by --set; missing: {', '.join(missing)}"
+        )
     return None if scene is None else problem.name, problem.parameters
 
 
 def _window_data(window: symosc.GrazingWindow) -> Record:
     from symosc.grazing.window import critical_text, phases_text
 
-    exact, names = critical_text(window), ("low", "high", "low_closed", "high_closed")
-    data: Record = {"map": window.mapping, "domain": window.place.domain, "boundary": window.place.boundary}
+    exact = critical_text(window)
+    names = ("low", "high", "low_closed", "high_closed")
+    data: Record = {
+        "map": window.mapping,
+        "domain": window.place.domain,
+        "boundary": window.place.boundary,
+    }
     data |= {"case": window.case, "gamma": show(window.gamma), "amplitude": show(window.amplitude)}
-    data["theta_cr"] = None if exact == "none" else {"exact": exact, "value": float(window.critical_phase())}
+    if exact == "none":
+        data["theta_cr"] = None
+    else:
+        data["theta_cr"] = {"exact": exact, "value": float(window.critical_phase())}
     data["phases"] = phases_text(window)
     data["intervals"] = [dict(zip(names, interval, strict=True)) for interval in window.intervals]
     return data | {"latex": window.latex()}
@@ -149,31 +211,49 @@ def _draw_windows(windows: list[symosc.GrazingWindow], against: Text) -> Any:
     window = windows[0]
     if against is None:
         return window_figure(windows, plane if window.parameters.k else None)
-    name, (low, high) = options.read_span(against, "--against") if "=" in against else (against, (None, None))
+    if "=" in against:
+        name, (low, high) = options.read_span(against, "--against")
+    else:
+        name, (low, high) = (against, (None, None))
     return sweep_figure(window.parameters, window.mapping, name, low, high, window.order)
 
 
-def _solve(p: Parameters | None, mappings: list[str], names: str, phases: Text, order: Order, plot: Text) -> list[Any]:
+def _solve(
+    p: Parameters | None, mappings: list[str], names: str, phases: Text, order: Order, plot: Text
+) -> list[Any]:
     """Return for which values of the parameters `names` each mapping's window contains a phase, or all in an interval.
 
-    `names` is NAME or NAME,NAME, and `phases` is PHASE or LOW:HIGH; without `phases` two questions are answered: for
-    which values is the window empty, and for which is it all phases? The answers are formulas if `p` is None. If `plot`
-    names a file, the region of two parameters is drawn. `order` is that of `symosc.grazing_window`.
+    `names` is NAME or NAME,NAME, and `phases` is PHASE or LOW:HIGH; without `phases` two questions
+    are answered: for which values is the window empty, and for which is it all phases? The answers
+    are formulas if `p` is None. If `plot` names a file, the region of two parameters is drawn.
+    `order` is that of `symosc.grazing_window`.
     """
     asked = tuple(name.strip() for name in names.split(","))
     if not all(asked) or len(asked) > 2:
-        raise click.BadParameter(f"{names!r} is not NAME or NAME,NAME, such as Omega", param_hint="--solve")
+        raise click.BadParameter(
+            f"{names!r} is not NAME or NAME,NAME, such as Omega", param_hint="--solve"
+        )
     one_region = len(asked) == 2 and phases is not None and len(mappings) == 1
     needs_numbers = "--solve NAME,NAME needs numbers: give a SCENE, or every parameter by --set"
     draws_one = "--solve --plot draws one region: give numbers, NAME,NAME, one --map and --phase"
-    options.refuse((p is None and len(asked) > 1, needs_numbers), (plot is not None and not one_region, draws_one))
+    options.refuse(
+        (p is None and len(asked) > 1, needs_numbers),
+        (plot is not None and not one_region, draws_one),
+    )
     low, colon, high = (phases or "").partition(":")
     if colon and not (low.strip() and high.strip()):
-        raise click.BadParameter(f"{phases!r} is not PHASE or LOW:HIGH, such as pi:3*pi/2", param_hint="--phase")
+        raise click.BadParameter(
+            f"{phases!r} is not PHASE or LOW:HIGH, such as pi:3*pi/2", param_hint="--phase"
+        )
     if not mappings:  # those that depend on what is asked
         belts = {name for name in asked if name in ("v1", "v2")}
-        mappings = [mapping for mapping in PLACES if belts <= {f"v{place(mapping).boundary}"}] or list(PLACES)
-    question: Any = asked if len(asked) == 2 else asked[0]
+        mappings = [
+            mapping for mapping in PLACES if belts <= {f"v{place(mapping).boundary}"}
+        ] or list(PLACES)
+    if len(asked) == 2:
+        question: Any = asked
+    else:
+        question = asked[0]
     answers: list[Any] = []
     with late_bar(True, "solve", "maps") as advance:
         for count, mapping in enumerate(mappings, start=1):
@@ -181,7 +261,11 @@ def _solve(p: Parameters | None, mappings: list[str], names: str, phases: Text, 
                 answers.append(symosc.values_empty(p, mapping, question))
                 answers.append(symosc.values_everything(p, mapping, question, order))
             else:
-                answers.append(symosc.values_containing(p, mapping, question, (low, high) if colon else phases, order))
+                answers.append(
+                    symosc.values_containing(
+                        p, mapping, question, (low, high) if colon else phases, order
+                    )
+                )
             if advance:
                 advance(count / len(mappings), count)
     output.draw(plot, lambda: answers[0].plot())
@@ -192,12 +276,21 @@ def _answer_data(answer: Any) -> Record:
     from symosc.symbolic.inverse import condition_text, interval_text
 
     question = answer.question
-    data: Record = {"map": question.mapping, "names": list(question.names), "question": question.text()}
+    data: Record = {
+        "map": question.mapping,
+        "names": list(question.names),
+        "question": question.text(),
+    }
     if isinstance(answer, symosc.Answers):
         texts = ((condition_text(each.condition), interval_text(each.values)) for each in answer)
-        data["answers"] = [{"condition": condition, "values": values} for condition, values in texts]
+        data["answers"] = [
+            {"condition": condition, "values": values} for condition, values in texts
+        ]
     elif isinstance(answer, symosc.ParameterRegion):
-        data |= {"condition": condition_text(answer.condition), "allowed": condition_text(answer.allowed)}
+        data |= {
+            "condition": condition_text(answer.condition),
+            "allowed": condition_text(answer.allowed),
+        }
     else:
         data["values"] = interval_text(answer.values)
     return data | {"latex": answer.latex()}

@@ -1,4 +1,7 @@
-"""Arguments and options of the commands, and what is read from them: scenes, parameters, numbers, names of files."""
+"""Arguments and options of the commands, and what is read from them.
+
+Scenes, parameters, numbers, names of files.
+"""
 
 from __future__ import annotations
 
@@ -27,28 +30,48 @@ Completion: TypeAlias = Callable[[click.Context, click.Parameter, str], list[Com
 def complete(names: Callable[[], Iterable[str]], end: str = "") -> Completion:
     """Return a shell completion of the last of comma-separated names by those of `names()`, with `end` appended."""
 
-    def matching(context: click.Context, argument: click.Parameter, text: str) -> list[CompletionItem]:
+    def matching(
+        context: click.Context, argument: click.Parameter, text: str
+    ) -> list[CompletionItem]:
         before, comma, word = text.rpartition(",")
-        return [CompletionItem(f"{before}{comma}{name}{end}") for name in names() if name.startswith(word)]
+        return [
+            CompletionItem(f"{before}{comma}{name}{end}")
+            for name in names()
+            if name.startswith(word)
+        ]
 
     return matching
 
 
-def complete_scene(context: click.Context, argument: click.Parameter, text: str) -> list[CompletionItem]:
-    """Return the shipped scenes whose names begin with `text`; if there are none, the shell completes file names."""
+def complete_scene(
+    context: click.Context, argument: click.Parameter, text: str
+) -> list[CompletionItem]:
+    """Return the shipped scenes whose names begin with `text`.
+
+    If there are none, the shell completes file names.
+    """
     return complete(scene_names)(context, argument, text) or [CompletionItem(text, type="file")]
 
 
 def checked_file(context: click.Context, given: click.Parameter, path: Text) -> Text:
-    """Return the file name `path`; BadParameter if it is empty, or if it is "-" and other output goes there too."""
+    """Return the file name `path`.
+
+    BadParameter if it is empty, or if it is "-" and other output goes there too.
+    """
     if path == "":
-        hint = max(given.opts, key=len) if isinstance(given, click.Option) else given.make_metavar(context)
+        if isinstance(given, click.Option):
+            hint = max(given.opts, key=len)
+        else:
+            hint = given.make_metavar(context)
         raise click.BadParameter("give the name of a file; '-' is standard output", param_hint=hint)
     return claim_stdout(context, given, path)
 
 
 def checked_picture(context: click.Context, given: click.Parameter, path: Text) -> Text:
-    """Return the name of a figure's file, checked as any file name; it must end in .pdf, .svg or .png."""
+    """Return the name of a figure's file, checked as any file name.
+
+    It must end in .pdf, .svg or .png.
+    """
     if checked_file(context, given, path) is not None:
         from symosc.plot.drawing import check_suffix
 
@@ -57,7 +80,10 @@ def checked_picture(context: click.Context, given: click.Parameter, path: Text) 
 
 
 class WholeNumber(click.IntRange):
-    """The option type of whole numbers in ASCII digits; Python itself also accepts 1_000 and full-width digits."""
+    """The option type of whole numbers in ASCII digits.
+
+    Python itself also accepts 1_000 and full-width digits.
+    """
 
     def convert(self, value: Any, param: click.Parameter | None, ctx: click.Context | None) -> Any:
         """Convert a text of ASCII digits to the whole number; fail for any other text."""
@@ -67,10 +93,13 @@ class WholeNumber(click.IntRange):
 
     def _describe_range(self) -> str:
         """Return the range of allowed numbers as --help shows it, or an empty text if there is no limit."""
-        return "" if self.min is None and self.max is None else super()._describe_range()
+        if self.min is None and self.max is None:
+            return ""
+        return super()._describe_range()
 
 
-#: How options are read and completed whose values have these names in --help; a name and = complete a parameter.
+#: How options are read and completed whose values have these names in --help; a name and = complete
+#: a parameter.
 KINDS: dict[str, dict[str, Any]] = {
     "N": {"type": WholeNumber()},
     "SCENE": {"shell_complete": complete_scene},
@@ -85,13 +114,16 @@ KINDS: dict[str, dict[str, Any]] = {
 def option(form: str, about: str, *names: str, **settings: Any) -> Callable[[Any], Any]:
     """Return a click option from its `form`, such as "-o, --output FILE", and its help text `about`.
 
-    The last word of the form (FILE) says how values are read and completed (`KINDS`); the rest is for click.option.
+    The last word of the form (FILE) says how values are read and completed (`KINDS`); the rest is
+    for click.option.
     """
     *short, long = form.split(", ")
     long, _, metavar = long.partition(" ")
     value, equals, _ = metavar.partition("=")
     known = KINDS.get(value + equals, {})
-    return click.option(*short, long, *names, metavar=metavar or None, help=about, **known | settings)
+    return click.option(
+        *short, long, *names, metavar=metavar or None, help=about, **known | settings
+    )
 
 
 def flag(form: str, about: str, *names: str, **settings: Any) -> Callable[[Any], Any]:
@@ -101,15 +133,22 @@ def flag(form: str, about: str, *names: str, **settings: Any) -> Callable[[Any],
 
 scene_argument = click.argument("scene", shell_complete=complete_scene)
 optional_scene = click.argument("scene", required=False, shell_complete=complete_scene)
-json_option = flag("--json", "Print JSON in place of the table.", expose_value=False, callback=claim_stdout)
+json_option = flag(
+    "--json", "Print JSON in place of the table.", expose_value=False, callback=claim_stdout
+)
 set_option = option(
-    "--set NAME=VALUE", "Change a parameter, such as k=3 or Omega=2*pi. Repeatable.", "settings", multiple=True
+    "--set NAME=VALUE",
+    "Change a parameter, such as k=3 or Omega=2*pi. Repeatable.",
+    "settings",
+    multiple=True,
 )
 plot_option = option("--plot FIGURE", "Draw it: .pdf, .svg or .png. -: SVG to stdout.")
 start_error_option = option(
     "--start-error E",
     "How far t0, x0, v0 may be off: a number, or three with commas.",
-    callback=lambda context, given, text: read_start_error(text.split(",") if text and "," in text else text),
+    callback=lambda context, given, text: read_start_error(
+        text.split(",") if text and "," in text else text
+    ),
 )
 
 
@@ -121,14 +160,22 @@ def refuse(*rules: tuple[object, str]) -> None:
 
 
 def folder_name(output: str, hint: str = "--output") -> str:
-    """Return the folder name `output`; BadParameter for the option `hint` if it is empty or standard output."""
+    """Return the folder name `output`.
+
+    BadParameter for the option `hint` if it is empty or standard output.
+    """
     if output in ("", STDOUT):
-        raise click.BadParameter(f"{output!r} is not a folder; './-' is one named -", param_hint=hint)
+        raise click.BadParameter(
+            f"{output!r} is not a folder; './-' is one named -", param_hint=hint
+        )
     return output
 
 
 def split_setting(text: str, hint: str, form: str, known: Iterable[str] = ()) -> tuple[str, str]:
-    """Return name and value of NAME=VALUE; BadParameter for option `hint` if not of that `form`, or name in `known`."""
+    """Return name and value of NAME=VALUE.
+
+    BadParameter for option `hint` if not of that `form`, or name in `known`.
+    """
     name, _, value = (part.strip() for part in text.partition("="))
     if not (name and value):
         raise click.BadParameter(f"{text!r} is not {form}", param_hint=hint)
@@ -138,7 +185,10 @@ def split_setting(text: str, hint: str, form: str, known: Iterable[str] = ()) ->
 
 
 def read_span(text: str, hint: str) -> tuple[str, tuple[str, str]]:
-    """Return the name and the limits of `text`, NAME=LOW:HIGH; BadParameter for the option `hint` otherwise."""
+    """Return the name and the limits of `text`, NAME=LOW:HIGH.
+
+    BadParameter for the option `hint` otherwise.
+    """
     form = "NAME=LOW:HIGH, such as Omega=3:5"
     name, limits = split_setting(text, hint, form)
     low, colon, high = limits.partition(":")
@@ -148,12 +198,17 @@ def read_span(text: str, hint: str) -> tuple[str, tuple[str, str]]:
 
 
 def read_settings(settings: Settings) -> dict[str, str]:
-    """Return names and values of --set options as texts; BadParameter if not NAME=VALUE, or for t0, x0, v0, t_end."""
+    """Return names and values of --set options as texts.
+
+    BadParameter if not NAME=VALUE, or for t0, x0, v0, t_end.
+    """
     changes: dict[str, str] = {}
     for setting in settings:
         name, value = split_setting(setting, "--set", "NAME=VALUE, such as k=3", changes)
         if name in START_NAMES:
-            raise click.BadParameter(f"{name} is not a parameter; use --{name.replace('_', '-')}", param_hint="--set")
+            raise click.BadParameter(
+                f"{name} is not a parameter; use --{name.replace('_', '-')}", param_hint="--set"
+            )
         changes[name] = value
     return changes
 
@@ -164,34 +219,55 @@ def read_parameters(settings: Settings) -> dict[str, Any]:
 
 
 def scene_with(scene: str | Scene, settings: Settings, **start: Text) -> Scene:
-    """Return a scene with parameters changed by --set, and its start by `start`; print its notes on stderr."""
-    scene = load_scene(scene) if isinstance(scene, str) else scene
+    """Return a scene with parameters changed by --set, and its start by `start`.
+
+    Print its notes on stderr.
+    """
+    if isinstance(scene, str):
+        scene = load_scene(scene)
     for line in scene.notes:
         note(f"{scene.name}: {line}")
-    scene, given = scene.changed(**read_parameters(settings)), dict[str, Any]()
+    scene = scene.changed(**read_parameters(settings))
+    given = dict[str, Any]()
     for name, text in start.items():
         if text is not None:
             number = read_duration(name, text)
             # `started` reads an expression itself, as it tells how well the start is known.
-            given[name] = number if name == "t_end" else text
+            if name == "t_end":
+                given[name] = number
+            else:
+                given[name] = text
     return scene.started(given)
 
 
 def reduced_scene(scene: Scene) -> Scene:
-    """Return a scene in the coordinates of symosc's model; for one of another model, print a note."""
+    """Return a scene in the coordinates of symosc's model.
+
+    For one of another model, print a note.
+    """
     if scene.original is not None:
         drive = scene.parameters.as_dict()["B0"]
-        note(f"{scene.name}: of another model; this is about the oscillator that it is, with B0 = {drive}")
+        note(
+            f"{scene.name}: of another model; this is about the oscillator that it is, with B0 = {drive}"
+        )
     return scene.reduced()
 
 
 def read_duration(name: str, text: str) -> Any:
-    """Return a time in periods, such as 10T, as it is, and any other as `read_typed` does; errors call it `name`."""
-    return text.strip() if text.strip().endswith("T") else read_typed(name, text)
+    """Return a time in periods, such as 10T, as it is, and any other as `read_typed` does.
+
+    Errors call it `name`.
+    """
+    if text.strip().endswith("T"):
+        return text.strip()
+    return read_typed(name, text)
 
 
 def read_typed(name: str, text: str) -> Any:
-    """Return the text of a number unchanged, and the value of an expression such as 2*pi; messages call it `name`."""
+    """Return the text of a number unchanged, and the value of an expression such as 2*pi.
+
+    Messages call it `name`.
+    """
     if not re.search(r"pi|π|[*^()]", text):
         return text
     number, exact = read_number(name, text)

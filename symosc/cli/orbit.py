@@ -18,7 +18,10 @@ from symosc.reductions import MODEL_NAMES
 
 @click.command()
 @options.scene_argument
-@option("--structure WORD", "Mapping structure, such as P32. Default: the scene's, or that of the settled motion.")
+@option(
+    "--structure WORD",
+    "Mapping structure, such as P32. Default: the scene's, or that of the settled motion.",
+)
 @options.set_option
 @option("--periods N", "Close after N forcing periods. Default: what simulations do.")
 @option("--digits N", "N correct digits, instead of double precision.")
@@ -28,16 +31,27 @@ from symosc.reductions import MODEL_NAMES
     "Amplitude, energies and so on of the settled motion over a parameter, such as Omega=1:5:80.",
     shell_complete=options.complete(lambda: MODEL_NAMES, "="),
 )
-@option("-o, --output FIGURE", "Draw orbit, branch or response: .pdf, .svg or .png. -: SVG to stdout.", "picture")
+@option(
+    "-o, --output FIGURE",
+    "Draw orbit, branch or response: .pdf, .svg or .png. -: SVG to stdout.",
+    "picture",
+)
 @options.json_option
 def orbit(
-    scene: str, structure: Text, settings: Settings, span: Text, response: Text, picture: Text, **exact: int | None
+    scene: str,
+    structure: Text,
+    settings: Settings,
+    span: Text,
+    response: Text,
+    picture: Text,
+    **exact: int | None,
 ) -> int:
     """Find the periodic orbit of a mapping structure, or the one that a motion settles to, and its stability.
 
-    Prints the switching points, the multipliers, and how far the scene's start is from the orbit. With --continue the
-    orbit is followed both ways until it ends or leaves the range. Each end is located, and printed with its reason and
-    with the structure of the orbit beyond it. A structure without an orbit at these parameters gives exit code 1.
+    Prints the switching points, the multipliers, and how far the scene's start is from the orbit.
+    With --continue the orbit is followed both ways until it ends or leaves the range. Each end is
+    located, and printed with its reason and with the structure of the orbit beyond it. A structure
+    without an orbit at these parameters gives exit code 1.
 
     \b
     Examples:
@@ -70,47 +84,75 @@ def orbit(
     output.report(lambda: _orbit_data(problem, found, branch), lambda: output.write(text()))
     if picture == STDOUT and not found.admissible:
         click.echo(text(), err=True)
-    return 0 if found.admissible else output.FAILED
+    if found.admissible:
+        return 0
+    return output.FAILED
 
 
 def _print_response(problem: symosc.Scene, over: str, picture: Text) -> None:
     """Print and draw the frequency response of a scene over the parameter in `over`, NAME=LOW:HIGH:N."""
-    name, values = options.split_setting(over, "--response", "NAME=LOW:HIGH:N, such as Omega=1:5:80")
+    name, values = options.split_setting(
+        over, "--response", "NAME=LOW:HIGH:N, such as Omega=1:5:80"
+    )
     found = symosc.frequency_response(problem, {name: values}, progress=True)
     output.draw(picture, found.plot)
     columns = {head: column.tolist() for head, column in found.columns().items()}
     rows = zip(*columns.values(), strict=True)
     texts = [[f"{each:.8g}" if isinstance(each, float) else each for each in row] for row in rows]
     heads = [head.replace("_", " ") for head in columns]
-    output.report(lambda: {"scene": problem.name, **columns}, lambda: output.write_table(texts, heads))
+    output.report(
+        lambda: {"scene": problem.name, **columns}, lambda: output.write_table(texts, heads)
+    )
 
 
-def _orbit_data(scene: symosc.Scene, found: symosc.PeriodicOrbit, branch: symosc.Branch | None) -> Record:
+def _orbit_data(
+    scene: symosc.Scene, found: symosc.PeriodicOrbit, branch: symosc.Branch | None
+) -> Record:
     data = {"scene": scene.name, **found.as_dict()}
     if found.admissible:
         data["start"] = found.approach(scene)._asdict()
-    return data if branch is None else data | {"branch": branch.as_dict()}
+    if branch is None:
+        return data
+    return data | {"branch": branch.as_dict()}
 
 
-def _report_text(scene: symosc.Scene, found: symosc.PeriodicOrbit, branch: symosc.Branch | None) -> str:
+def _report_text(
+    scene: symosc.Scene, found: symosc.PeriodicOrbit, branch: symosc.Branch | None
+) -> str:
     def decimal(value: Any) -> str:
-        return output.FLOAT_FORMAT.format(value) if found.digits is None else value.context.nstr(value, found.digits)
+        if found.digits is None:
+            return output.FLOAT_FORMAT.format(value)
+        return value.context.nstr(value, found.digits)
 
     rows = []
     for piece, (t, x) in zip(found.equations().pieces, found.points, strict=True):
         moves = f"moves in Omega{piece.mode} from v{piece.start} to v{piece.end}"
-        does = f"sticks to belt {piece.start}" if piece.sticks else moves
+        if piece.sticks:
+            does = f"sticks to belt {piece.start}"
+        else:
+            does = moves
         rows.append([decimal(t), decimal(x), piece.label, does])
     sizes = ", ".join(_complex(value) for value in found.multipliers)
-    lines = [output.plain_table(["t", "x", "map", "from here it"], rows), "", f"{found.word}: {found.message}"]
-    lines.append(f"period {decimal(found.period)}, multipliers {sizes}, residual {found.residual:.1e}")
+    lines = [
+        output.plain_table(["t", "x", "map", "from here it"], rows),
+        "",
+        f"{found.word}: {found.message}",
+    ]
+    lines.append(
+        f"period {decimal(found.period)}, multipliers {sizes}, residual {found.residual:.1e}"
+    )
     if found.admissible:
         lines.append(_start_text(scene, found))
     if branch is not None:
         lines += ["", f"{len(branch.values)} orbits over {branch.parameter}:"]
         for end in branch.ends:
-            beyond = f"; beyond it {end.beyond}" if end.beyond else ""
-            lines.append(f"  {branch.parameter} = {end.value:.12g}: {end.kind}, {end.message}{beyond}")
+            if end.beyond:
+                beyond = f"; beyond it {end.beyond}"
+            else:
+                beyond = ""
+            lines.append(
+                f"  {branch.parameter} = {end.value:.12g}: {end.kind}, {end.message}{beyond}"
+            )
     return "\n".join(lines)
 
 
@@ -128,4 +170,6 @@ def _start_text(scene: symosc.Scene, found: symosc.PeriodicOrbit) -> str:
 
 def _complex(value: Any) -> str:
     real = f"{float(value.real):.12g}"
-    return f"{real} {'+' if value.imag > 0 else '-'} {float(abs(value.imag)):.12g} i" if value.imag else real
+    if value.imag:
+        return f"{real} {'+' if value.imag > 0 else '-'} {float(abs(value.imag)):.12g} i"
+    return real

@@ -17,13 +17,25 @@ import symosc
 from symosc.display import progress
 from symosc.files import STDOUT, drop_stdout
 
-FAILED, BAD_INPUT, INTERRUPTED = 1, 2, 130
+FAILED = 1
+BAD_INPUT = 2
+INTERRUPTED = 130
 FLOAT_FORMAT = "{:.14g}"  # one digit less than every double has; CSV and JSON have them all
 #: Columns whose numbers are aligned at their points.
 NUMBER_HEADS = ("t", "x", "v", "theta")
 #: Colours of the cells that say what an event is, or how a judgement ended.
-CELL_COLOURS = {"stick": "blue", "slip": "green", "cross": "red", "graze": "magenta", "undecidable": "yellow"}
-CELL_COLOURS |= {"confirmed": "green", "confirmed with a correction": "yellow", "not as printed": "red"}
+CELL_COLOURS = {
+    "stick": "blue",
+    "slip": "green",
+    "cross": "red",
+    "graze": "magenta",
+    "undecidable": "yellow",
+}
+CELL_COLOURS |= {
+    "confirmed": "green",
+    "confirmed with a correction": "yellow",
+    "not as printed": "red",
+}
 #: The key in a click context of the options that print to standard output, by name.
 _PRINTING = f"{__name__}.printing"
 
@@ -49,7 +61,10 @@ def prints_json() -> bool:
 
 
 def report(data: Callable[[], object], show: Callable[[], object]) -> None:
-    """Print an answer: its data with --json, else by `show`; nothing if a file goes to standard output."""
+    """Print an answer: its data with --json, else by `show`.
+
+    Nothing if a file goes to standard output.
+    """
     printing = click.get_current_context().meta.get(_PRINTING, {}).values()
     if prints_json():
         write_json(data())
@@ -94,7 +109,10 @@ def failing(kind: type[Exception], before: str = "") -> Iterator[None]:
 
 
 def note(text: str, least: int = progress.NORMAL) -> None:
-    """Print a note on stderr, unless --quiet is given; a note whose `least` is VERBOSE only with --verbose."""
+    """Print a note on stderr, unless --quiet is given.
+
+    A note whose `least` is VERBOSE only with --verbose.
+    """
     if progress.level >= least:
         complain(text)
 
@@ -107,31 +125,50 @@ def write_json(data: object) -> None:
             return {key: known(each) for key, each in value.items()}
         if isinstance(value, list | tuple):
             return [known(each) for each in value]
-        return None if isinstance(value, float) and not isfinite(value) else value
+        if isinstance(value, float) and not isfinite(value):
+            return None
+        return value
 
     write(json.dumps(known(data), indent=1))
 
 
 def write_table(rows: Sequence[Sequence[str]], heads: Sequence[str]) -> None:
-    """Print a table; numbers are aligned at their points. On a terminal it has colours, unless NO_COLOR is set."""
+    """Print a table; numbers are aligned at their points.
+
+    On a terminal it has colours, unless NO_COLOR is set.
+    """
     text = plain_table(heads, rows, NUMBER_HEADS)
     if sys.stdout is not None and sys.stdout.isatty() and not os.environ.get("NO_COLOR"):
         cell = rf"(?<=  )({'|'.join(CELL_COLOURS)})(?=  |$)"
-        text = re.sub(cell, lambda found: click.style(found[0], fg=CELL_COLOURS[found[0]]), text, flags=re.MULTILINE)
+        text = re.sub(
+            cell,
+            lambda found: click.style(found[0], fg=CELL_COLOURS[found[0]]),
+            text,
+            flags=re.MULTILINE,
+        )
     write(text)
 
 
-def plain_table(heads: Sequence[str], rows: Sequence[Sequence[str]], decimals: Collection[str] = ()) -> str:
-    """Return a table as text; columns with heads in `decimals` are aligned at their points, others at the left."""
+def plain_table(
+    heads: Sequence[str], rows: Sequence[Sequence[str]], decimals: Collection[str] = ()
+) -> str:
+    """Return a table as text.
+
+    Columns with heads in `decimals` are aligned at their points, others at the left.
+    """
     # It looks like one of tabulate, which takes half as long to load as a simulation.
     columns = []
     for i, head in enumerate(heads):
         cells = [row[i].strip() for row in rows]
         if aligned := head in decimals:
             behind = [_behind_point(cell) for cell in cells]
-            cells = [cell + " " * (max(behind) - each) for cell, each in zip(cells, behind, strict=True)]
+            cells = [
+                cell + " " * (max(behind) - each) for cell, each in zip(cells, behind, strict=True)
+            ]
         width = max([len(head) + 2, *map(len, cells)])
-        columns.append([cell.rjust(width) if aligned else cell.ljust(width) for cell in (head, *cells)])
+        columns.append(
+            [cell.rjust(width) if aligned else cell.ljust(width) for cell in (head, *cells)]
+        )
         columns[-1].insert(1, "-" * width)
     return "\n".join("  ".join(line).rstrip() for line in zip(*columns, strict=True))
 
@@ -139,7 +176,9 @@ def plain_table(heads: Sequence[str], rows: Sequence[Sequence[str]], decimals: C
 def _behind_point(cell: str) -> int:
     """Return how many characters follow the decimal point of a number; -1 if it has no point."""
     number = re.fullmatch(r"[^.e]*([.e].*)?", cell, re.IGNORECASE)
-    return -1 if number is None or number[1] is None else len(number[1]) - 1
+    if number is None or number[1] is None:
+        return -1
+    return len(number[1]) - 1
 
 
 def name_files(*paths: Any) -> None:

@@ -18,16 +18,20 @@ if TYPE_CHECKING:
 
 
 @click.command()
-@options.option("-o, --output DIR", "Folder for the report; default: reproduced.", "name", default="reproduced")
-@options.option("--only ID", "Only claims whose id begins so, with their figures, without derivations.")
+@options.option(
+    "-o, --output DIR", "Folder for the report; default: reproduced.", "name", default="reproduced"
+)
+@options.option(
+    "--only ID", "Only claims whose id begins so, with their figures, without derivations."
+)
 @options.json_option
 def reproduce(name: str, only: str | None) -> int:
     """Recompute what the paper states, judge each claim, draw all figures and write a report.
 
-    The folder gets report.html (one file that needs no other), report.md, report.json, a letter to the authors
-    (letter.html, letter.txt), figures/ and derivations/. With --only it gets no letter and no derivations. The
-    exit code is 1 if a verdict is not the committed one, or a figure or a derivation fails. Everything is written at
-    the end; an interrupt leaves the folder as it was.
+    The folder gets report.html (one file that needs no other), report.md, report.json, a letter to
+    the authors (letter.html, letter.txt), figures/ and derivations/. With --only it gets no letter
+    and no derivations. The exit code is 1 if a verdict is not the committed one, or a figure or a
+    derivation fails. Everything is written at the end; an interrupt leaves the folder as it was.
 
     \b
     Examples:
@@ -61,7 +65,9 @@ def carry_out(plan: Plan, folder: Path, as_json: bool = False, workers: int | No
         output.write_json(report.data(results))
     else:
         _print_summary(results, folder)
-    return 0 if results.ok else output.FAILED
+    if results.ok:
+        return 0
+    return output.FAILED
 
 
 def _print_summary(results: Results, folder: Path) -> None:
@@ -70,19 +76,28 @@ def _print_summary(results: Results, folder: Path) -> None:
     heads = ["claim", "source", "verdict", "changed"][: 4 if results.changed else 3]
     rows = []
     for each in results.judged:
-        mark = f"committed: {each.claim.verdict}" if each in results.changed else ""
+        if each in results.changed:
+            mark = f"committed: {each.claim.verdict}"
+        else:
+            mark = ""
         rows.append([each.claim.id, each.claim.source, each.verdict, mark][: len(heads)])
     output.write_table(rows, heads)
     counts = ", ".join(f"{count} {verdict}" for verdict, count in results.counts.items() if count)
     steps = sum(done.value[0] for done in results.chapters.values() if done.value)
     drawn = sum(done.value is not None for done in results.drawn.values())
-    errata = Counter(erratum.severity for erratum in results.plan.errata if results.shown_by(erratum))
-    severities = ", ".join(f"{errata[severity]} {severity}" for severity in SEVERITIES if errata[severity])
+    errata = Counter(
+        erratum.severity for erratum in results.plan.errata if results.shown_by(erratum)
+    )
+    severities = ", ".join(
+        f"{errata[severity]} {severity}" for severity in SEVERITIES if errata[severity]
+    )
     lines = ["", *(f"CHANGED {each.claim.id}: {each.finding}" for each in results.changed)]
     lines += [f"FAILED {name}: {error}" for name, error in results.failures.items()]
     lines.append(f"{len(results.judged)} claim{'s' if len(results.judged) > 1 else ''}: {counts}")
     if errata:
-        lines.append(f"{errata.total()} distinct {'errata' if errata.total() > 1 else 'erratum'}: {severities}")
+        lines.append(
+            f"{errata.total()} distinct {'errata' if errata.total() > 1 else 'erratum'}: {severities}"
+        )
     figures = f"{drawn} figure{'s' if drawn != 1 else ''}"
     lines.append(f"{figures}, {steps} steps of derivations checked; {results.seconds:.0f} s")
     output.write("\n".join([*lines, f"report: {click.format_filename(folder / 'report.html')}"]))

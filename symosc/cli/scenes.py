@@ -42,7 +42,9 @@ def _print_scenes(listed: list[Scene]) -> None:
     rows = []
     for each in listed:
         span = [f"{float(time):.6g}" for time in (each.t0, each.t_end)]
-        rows.append([each.name, *span, each.structure or "", each.source.removeprefix(f"{common}, ")])
+        rows.append(
+            [each.name, *span, each.structure or "", each.source.removeprefix(f"{common}, ")]
+        )
     output.write_table(rows, ["scene", "from t", "to t", "structure", "what it is"])
     output.write(f"\nsource of the figures: {common}")
 
@@ -51,8 +53,16 @@ def _scene_data(scene: Scene) -> Record:
     def start(problem: Scene | Original) -> Record:
         return {name: show(getattr(problem, name)) for name in START_NAMES}
 
-    error = None if scene.start_error is None else [show(each) for each in scene.start_error]
-    data: Record = {"name": scene.name, "source": scene.source, "structure": scene.structure, **start(scene)}
+    if scene.start_error is None:
+        error = None
+    else:
+        error = [show(each) for each in scene.start_error]
+    data: Record = {
+        "name": scene.name,
+        "source": scene.source,
+        "structure": scene.structure,
+        **start(scene),
+    }
     data |= {"start_error": error, "parameters": scene.parameters.as_dict()}
     if scene.original is not None:
         data["original"] = start(scene.original) | {"model": scene.original.model.as_dict()}
@@ -61,10 +71,14 @@ def _scene_data(scene: Scene) -> Record:
 
 @click.command()
 @click.argument("file", callback=options.checked_file)
-@options.option("--like SCENE", "The scene whose numbers it has.", default="fig5", show_default=True)
+@options.option(
+    "--like SCENE", "The scene whose numbers it has.", default="fig5", show_default=True
+)
 @options.flag("--force", "Replace a file that is there.")
 def new(file: str, like: str, force: bool) -> None:
-    """Write a scene file of your own to begin with: each number with what it is, its unit and what is allowed.
+    """Write a scene file of your own to begin with.
+
+    Each number with what it is, its unit and what is allowed.
 
     All commands take such a file in place of a scene's name.
 
@@ -81,6 +95,7 @@ def new(file: str, like: str, force: bool) -> None:
         raise OutputError(file, "the name of a scene file ends in .toml")
     if lexists(file) and not force:
         raise OutputError(file, "there is such a file already; --force replaces it")
-    scene, shown = replace(scene, name=Path(file).stem, source=f"the numbers of {like}"), click.format_filename(file)
+    scene = replace(scene, name=Path(file).stem, source=f"the numbers of {like}")
+    shown = click.format_filename(file)
     write_text(file, as_toml(scene, explained=True, file=shown) + "\n")
     output.write(f"{shown}: a scene like {like}; symosc simulate {shown} follows it")

@@ -1,4 +1,7 @@
-"""`symosc simulate`, `figure` and `explore`: one motion as a table, a figure and an interactive page."""
+"""`symosc simulate`, `figure` and `explore`.
+
+One motion as a table, a figure and an interactive page.
+"""
 
 from __future__ import annotations
 
@@ -32,14 +35,16 @@ from symosc.words import collapsed
 def simulate(scene: str, settings: Settings, csv: Text, **how: Any) -> int:
     """Follow a scene and print its events.
 
-    Columns: time, position, velocity and phase (Omega t mod 2 pi) of each event; its kind (cross a belt's speed, stick:
-    onset, slip: end of a stick, graze); its belt; the modes before and after it; estimated errors of t and x. A motion
-    that this precision cannot decide ends there, with exit code 1.
+    Columns: time, position, velocity and phase (Omega t mod 2 pi) of each event; its kind (cross a
+    belt's speed, stick: onset, slip: end of a stick, graze); its belt; the modes before and after
+    it; estimated errors of t and x. A motion that this precision cannot decide ends there, with
+    exit code 1.
 
-    --start-error says how far a measured start may be off; a contact within its reach is then a graze. Without it the
-    start is exact, or known as well as the scene says.
+    --start-error says how far a measured start may be off; a contact within its reach is then a
+    graze. Without it the start is exact, or known as well as the scene says.
 
-    With --digits the numbers of the motion are strings in JSON: a reader would round numbers to doubles.
+    With --digits the numbers of the motion are strings in JSON: a reader would round numbers to
+    doubles.
 
     \b
     Examples:
@@ -51,7 +56,9 @@ def simulate(scene: str, settings: Settings, csv: Text, **how: Any) -> int:
     trajectory = symosc.simulate(problem, progress=True, **how)
     if csv is not None:
         trajectory.to_csv(csv)
-    output.report(lambda: {"scene": problem.name, **trajectory.as_dict()}, lambda: _print_events(trajectory))
+    output.report(
+        lambda: {"scene": problem.name, **trajectory.as_dict()}, lambda: _print_events(trajectory)
+    )
     return int(output.undecidable(trajectory))
 
 
@@ -68,23 +75,38 @@ def _print_events(trajectory: symosc.Trajectory) -> None:
 
 
 def _cell(name: str, row: Record) -> str:
-    """Return the text of an event in the column `name` of the table; in "source" it is both modes, as A -> B."""
+    """Return the text of an event in the column `name` of the table.
+
+    In "source" it is both modes, as A -> B.
+    """
     value = row[name]
     if name == "source":
         return f"{value} -> {row['target']}"
     if isinstance(value, float):
-        return f"{value:.0e}" if name.endswith("_error") else output.FLOAT_FORMAT.format(value)
+        if name.endswith("_error"):
+            return f"{value:.0e}"
+        return output.FLOAT_FORMAT.format(value)
     return str(value)
 
 
 @click.command()
 @options.scene_argument
-@option("-o, --output FIGURE", "The file: .pdf, .svg or .png. -: SVG to stdout.", "path", required=True)
-@option("--t-end T", "End of the time axis; 10T: 10 periods. Default: what the paper shows, else the scene's.")
+@option(
+    "-o, --output FIGURE", "The file: .pdf, .svg or .png. -: SVG to stdout.", "path", required=True
+)
+@option(
+    "--t-end T",
+    "End of the time axis; 10T: 10 periods. Default: what the paper shows, else the scene's.",
+)
 @options.set_option
-@option("--panels LETTERS", "a x(t), b v(t), c phase plane, forces: d (t), e (x), f (v), g their product (t).")
+@option(
+    "--panels LETTERS",
+    "a x(t), b v(t), c phase plane, forces: d (t), e (x), f (v), g their product (t).",
+)
 @option("--boundary", "Forces at belt 1 or 2. Default: of the first event.", type=WholeNumber(1, 2))
-@option("--columns", "2: as wide as a page. 1: as a column of it.", type=WholeNumber(1, 2), default=2)
+@option(
+    "--columns", "2: as wide as a page. 1: as a column of it.", type=WholeNumber(1, 2), default=2
+)
 def figure(scene: str, path: str, settings: Settings, t_end: Text, panels: Text, **how: Any) -> int:
     """Draw a scene in panels like those of the paper's figures 5 to 10.
 
@@ -97,25 +119,35 @@ def figure(scene: str, path: str, settings: Settings, t_end: Text, panels: Text,
     from symosc.plot import figures
 
     problem = options.scene_with(scene, settings)
-    trajectory = figures.simulated(problem, None if t_end is None else options.read_duration("t_end", t_end))
-    panels = figures.default_panels(problem) if panels is None else panels
+    trajectory = figures.simulated(
+        problem, None if t_end is None else options.read_duration("t_end", t_end)
+    )
+    if panels is None:
+        panels = figures.default_panels(problem)
     symosc.plot.save(figures.figure(trajectory, panels=panels, **how), path)
     span = f"t = {float(trajectory.t_start):.6g} to {float(trajectory.t_end):.6g}"
     if path != STDOUT:
-        output.write(f"{click.format_filename(path)}: {span}, {output.count_events(trajectory.events)}")
+        output.write(
+            f"{click.format_filename(path)}: {span}, {output.count_events(trajectory.events)}"
+        )
     return int(output.undecidable(trajectory))
 
 
 @click.command()
 @click.argument("scene", default="fig5", shell_complete=options.complete_scene)
 @options.set_option
-@option("--port N", "The port of the page; 0: any free one. Default: 8519.", type=WholeNumber(0, 65_535))
+@option(
+    "--port N", "The port of the page; 0: any free one. Default: 8519.", type=WholeNumber(0, 65_535)
+)
 @flag("--no-browser", "Only print the page's address.")
 def explore(scene: str, settings: Settings, port: int | None, no_browser: bool) -> None:
-    """Open a page in the browser with a slider for each number; it shows the motion as you move them.
+    """Open a page in the browser with a slider for each number.
 
-    The page shows the phase plane, position, velocity and forces, the events and the grazing windows. Its link has all
-    its numbers, and it saves and opens scene files. It is on this machine only. Ctrl-C ends it.
+    It shows the motion as you move them.
+
+    The page shows the phase plane, position, velocity and forces, the events and the grazing
+    windows. Its link has all its numbers, and it saves and opens scene files. It is on this machine
+    only. Ctrl-C ends it.
 
     \b
     Examples:

@@ -25,8 +25,15 @@ def _columns() -> list[str]:
     return list(SUMMARY_COLUMNS)
 
 
-AXES: Record = {"multiple": True, "shell_complete": options.complete(lambda: (*PARAMETER_NAMES, *START_NAMES[:3]), "=")}
-COLUMNS: Record = {"default": "word", "show_default": True, "shell_complete": options.complete(_columns)}
+AXES: Record = {
+    "multiple": True,
+    "shell_complete": options.complete(lambda: (*PARAMETER_NAMES, *START_NAMES[:3]), "="),
+}
+COLUMNS: Record = {
+    "default": "word",
+    "show_default": True,
+    "shell_complete": options.complete(_columns),
+}
 
 
 @click.command()
@@ -36,7 +43,11 @@ COLUMNS: Record = {"default": "word", "show_default": True, "shell_complete": op
 @option("--record NAMES", "Columns, such as word,sticks,section:64.", **COLUMNS)
 @option("--t-end T", "End of all motions; 60T: after 60 periods. Default: the scene's.")
 @option("--skip T", "Leave out this time at the start; 40T: 40 periods.", default="0")
-@option("-o, --output FILE", "Write it, and keep finished chunks beside it meanwhile: .nc, .zarr or .csv.", "path")
+@option(
+    "-o, --output FILE",
+    "Write it, and keep finished chunks beside it meanwhile: .nc, .zarr or .csv.",
+    "path",
+)
 @options.plot_option
 @option("--workers N", "Threads; with --executor chunks under way at a time.")
 @option("--executor dask:ADDRESS", "Compute on a dask cluster, such as dask:tcp://host:8786.")
@@ -44,21 +55,32 @@ COLUMNS: Record = {"default": "word", "show_default": True, "shell_complete": op
 @flag("--restart", "Use nothing that an earlier run has left.")
 @options.json_option
 def sweep(
-    scene: str, axes: tuple[str, ...], settings: Settings, record: str, path: Text, plot: Text, status: bool, **how: Any
+    scene: str,
+    axes: tuple[str, ...],
+    settings: Settings,
+    record: str,
+    path: Text,
+    plot: Text,
+    status: bool,
+    **how: Any,
 ) -> None:
     """Follow a motion for each cell of a grid of parameters and starts.
 
-    Prints what was found, and how often. With -o a second run of the same command goes on where the first one was
-    stopped, however it was stopped; the result is the same to the last bit.
+    Prints what was found, and how often. With -o a second run of the same command goes on where the
+    first one was stopped, however it was stopped; the result is the same to the last bit.
 
     \b
     Examples:
-      symosc sweep fig9 --over Omega=1:6:60 --over FN=1:20:40 --t-end 60T --skip 50T -o map.nc --plot map.png
-      symosc sweep fig9 --over Omega=1:6:500 --record section:32 --t-end 100T --plot bifurcation.png
+      symosc sweep fig9 --over Omega=1:6:60 --over FN=1:20:40 --t-end 60T --skip 50T -o map.nc
+      --plot map.png symosc sweep fig9 --over Omega=1:6:500 --record section:32 --t-end 100T --plot
+      bifurcation.png
     """
-    problem, over = options.scene_with(scene, settings), dict[str, str]()
+    problem = options.scene_with(scene, settings)
+    over = dict[str, str]()
     for axis in axes:
-        name, values = options.split_setting(axis, "--over", "NAME=LO:HI:N, such as Omega=1:6:500", over)
+        name, values = options.split_setting(
+            axis, "--over", "NAME=LO:HI:N, such as Omega=1:6:500", over
+        )
         over[name] = values
     times = {name: how.pop(name) for name in ("t_end", "skip")}
     times = {name: options.read_duration(name, text) for name, text in times.items() if text}
@@ -66,7 +88,11 @@ def sweep(
     if status:
         options.refuse((path is None, "--status tells about the file of -o; name it"))
         about = symosc.sweep_status(problem, over, **asked)
-        share, end = about.done / about.total, "written" if about.written else "not yet written"
+        share = about.done / about.total
+        if about.written:
+            end = "written"
+        else:
+            end = "not yet written"
         line = f"{about.path}: {about.done:,} of {about.total:,} motions ({share:.1%}), {end}"
         output.report(about._asdict, lambda: output.write(line))
         return
@@ -79,8 +105,13 @@ def sweep(
     output.report(lambda: data, lambda: _print_dataset(dataset["status"], found, path, plot))
 
 
-def _swept(problem: Any, over: dict[str, str], asked: Record, workers: Any, executor: Any, restart: bool) -> Any:
-    """Return the results of a sweep over the axes `over`; an interrupt prints how many motions are kept."""
+def _swept(
+    problem: Any, over: dict[str, str], asked: Record, workers: Any, executor: Any, restart: bool
+) -> Any:
+    """Return the results of a sweep over the axes `over`.
+
+    An interrupt prints how many motions are kept.
+    """
     if executor is not None:
         from symosc.sweeps.sweep import dask_client
 
@@ -90,7 +121,12 @@ def _swept(problem: Any, over: dict[str, str], asked: Record, workers: Any, exec
             raise click.BadParameter(reason, param_hint="--executor")
         executor = dask_client(address)
     try:
-        how: Record = {"workers": workers, "executor": executor, "resume": not restart, "progress": True}
+        how: Record = {
+            "workers": workers,
+            "executor": executor,
+            "resume": not restart,
+            "progress": True,
+        }
         return symosc.sweep(problem, over, **asked, **how)
     except KeyboardInterrupt:
         if asked["path"] is not None:
@@ -117,7 +153,10 @@ def _print_dataset(status: xarray.DataArray, columns: Record, *files: Text) -> N
         if "least" in found and "largest" in found:
             output.write(f"{name}: from {found['least']:.6g} to {found['largest']:.6g}")
             continue
-        shown = [f"{value or 'no event'} {count / status.size:.1%}" for value, count in list(found.items())[:8]]
+        shown = [
+            f"{value or 'no event'} {count / status.size:.1%}"
+            for value, count in list(found.items())[:8]
+        ]
         more = len(found) - len(shown)
         output.write(f"{name}: {', '.join(shown)}{f', and {more} more' if more else ''}")
     output.name_files(*files)

@@ -1,4 +1,7 @@
-"""The causes of wrong samples: their descriptions, a guess for each wrong step, and the samples to try them on."""
+"""The causes of wrong samples.
+
+Their descriptions, a guess for each wrong step, and the samples to try them on.
+"""
 
 from __future__ import annotations
 
@@ -86,14 +89,19 @@ class Diagnosis:
 
 
 #: Make of the columns t, x, v others; v may then be None.
-ChangeColumns = Callable[[np.ndarray, np.ndarray, np.ndarray], tuple[np.ndarray, np.ndarray, np.ndarray | None]]
+ChangeColumns = Callable[
+    [np.ndarray, np.ndarray, np.ndarray], tuple[np.ndarray, np.ndarray, np.ndarray | None]
+]
 
 
 class Candidate(NamedTuple):
-    """A diagnosis and, if there is one, a change that tests it: with the change all steps should be right.
+    """A diagnosis and, if there is one, a change that tests it.
 
-    Either the exact motion gets the changed `parameters`, or the function `columns` turns the samples t, x, v into
-    others. `words` describe the change, such as "with m = 2"; without a change they are "".
+    With the change all steps should be right.
+
+    Either the exact motion gets the changed `parameters`, or the function `columns` turns the
+    samples t, x, v into others. `words` describe the change, such as "with m = 2"; without a change
+    they are "".
     """
 
     diagnosis: Diagnosis
@@ -117,7 +125,8 @@ REASONS = {
     "undecidable": "a contact that cannot be decided",
     "local error": "local error of the method",
 }
-# Another motion explains a step if its defect is at most this fraction of the exact motion's defect.
+# Another motion explains a step if its defect is at most this fraction of the exact motion's
+# defect.
 EXPLAINS = 0.02
 
 
@@ -133,7 +142,8 @@ class Fault:
     defect_x, defect_v : float
         Exact motion minus the next sample.
     expected, found : str
-        Mode at the end of the step: of the exact motion, and of the samples ("" where they are passing a belt).
+        Mode at the end of the step: of the exact motion, and of the samples ("" where they are
+        passing a belt).
     reason : str
         A guess at the cause, one of REASONS.
     words : str
@@ -176,29 +186,38 @@ def explain(
 ) -> tuple[Fault, ...]:
     """Return a `Fault` with a guess at the cause for each of the wrong steps that have the numbers `chosen`.
 
-    `modes` are the mode codes of the samples, 0 where a sample only passes a belt. `allowed` is the defect in x and v
-    up to which each step is right, and `sizes` the defect of each step divided by it. A sample is on a belt if its v
-    differs from the belt's speed by at most `near`.
+    `modes` are the mode codes of the samples, 0 where a sample only passes a belt. `allowed` is the
+    defect in x and v up to which each step is right, and `sizes` the defect of each step divided by
+    it. A sample is on a belt if its v differs from the belt's speed by at most `near`.
     """
     since = np.array(chosen, dtype=int)
     misses = []  # of flights with the force of each domain, to the next sample and to the one after
     for n in (1, 2):
         until = np.minimum(since + n, len(steps.t) - 1)
-        gaps = np.array([steps.flight(domain, since, until) - steps.states[until] for domain in (1, 2, 3)])
+        gaps = np.array(
+            [steps.flight(domain, since, until) - steps.states[until] for domain in (1, 2, 3)]
+        )
         misses.append(np.max(np.abs(gaps / allowed[since]), axis=2))
 
     def guess(i: int, to_next: np.ndarray, over_next: np.ndarray) -> tuple[str, str]:
         """Return why step `i` is probably wrong: a key of REASONS, and a sentence about this step.
 
-        Three flights from sample i, one with the force of each domain, miss the next sample by `to_next`, and the
-        sample after that by `over_next`; both are arrays of three numbers in units of the allowed defect.
+        Three flights from sample i, one with the force of each domain, miss the next sample by
+        `to_next`, and the sample after that by `over_next`; both are arrays of three numbers in
+        units of the allowed defect.
         """
         if not np.isfinite(sizes[i]):
-            return "undecidable", "the exact motion over the step cannot be decided in double precision"
+            return (
+                "undecidable",
+                "the exact motion over the step cannot be decided in double precision",
+            )
         if steps.t[i + 1] == steps.t[i]:
             return "jump", f"samples {i} and {i + 1} are at one time and differ"
-        first, last, found = int(steps.first[i]), int(steps.last[i]), int(modes[i + 1])
-        rows, limit = steps.events.rows(i, i), max(1.0, EXPLAINS * float(sizes[i]))
+        first = int(steps.first[i])
+        last = int(steps.last[i])
+        found = int(modes[i + 1])
+        rows = steps.events.rows(i, i)
+        limit = max(1.0, EXPLAINS * float(sizes[i]))
         times = steps.events.t[rows]
         fitting = (1 + np.flatnonzero(to_next <= limit)).tolist()
         at_once = len(times) and times[0] - steps.t[i] <= 1e-6 * steps.K.period
@@ -206,27 +225,56 @@ def explain(
         nearest = int(np.argmin(np.abs(gaps[:, 0]))) + 1
         here = f"v - v{nearest} = {gaps[nearest - 1, 0]:.2g} at its start"
         near_start = abs(gaps[nearest - 1, 0]) <= near[i]
-        if last > 3 and found == last and abs(gaps[last - 4, 1]) > 0.0 and abs(steps.defects[i, 0]) <= allowed[i, 0]:
-            return "drift on the belt", f"v should be v{last - 3} in the stick and is off by {gaps[last - 4, 1]:.2g}"
+        if (
+            last > 3
+            and found == last
+            and abs(gaps[last - 4, 1]) > 0.0
+            and abs(steps.defects[i, 0]) <= allowed[i, 0]
+        ):
+            return (
+                "drift on the belt",
+                f"v should be v{last - 3} in the stick and is off by {gaps[last - 4, 1]:.2g}",
+            )
         if fitting and not len(times) and first <= 3:
-            return "wrong force", f"the force of Omega{fitting[0]} explains the step, which lies in Omega{first}"
+            return (
+                "wrong force",
+                f"the force of Omega{fitting[0]} explains the step, which lies in Omega{first}",
+            )
         if first > 3 and found <= 3:
-            return "event at the start", f"the mass sticks to belt {first - 3} here, the samples leave it ({here})"
+            return (
+                "event at the start",
+                f"the mass sticks to belt {first - 3} here, the samples leave it ({here})",
+            )
         if fitting and near_start and (not len(times) or at_once):
-            return "event at the start", f"the force of Omega{fitting[0]} explains the step ({here})"
+            return (
+                "event at the start",
+                f"the force of Omega{fitting[0]} explains the step ({here})",
+            )
         if found <= 3 and first <= 3 and at_once:
             return "sign tolerance", f"{here}: the step begins on the wrong side of the belt"
         if found > 3 and last <= 3 and modes[i] == found:
-            return "sign tolerance", f"the mass leaves belt {found - 3}, the samples stay on it ({here})"
+            return (
+                "sign tolerance",
+                f"the mass leaves belt {found - 3}, the samples stay on it ({here})",
+            )
         if len(times) and last == first and found == first:
             what = f"the motion meets belt {steps.events.boundary[rows][0]} at t = {times[0]:.10g} and is back at t ="
-            return "double root", f"{what} {times[-1]:.10g}; signs at the ends of the step do not show it"
+            return (
+                "double root",
+                f"{what} {times[-1]:.10g}; signs at the ends of the step do not show it",
+            )
         if not len(times) and i + 2 < len(steps.t) and first <= 3 and over_next[first - 1] <= limit:
             left = over_next[first - 1]
-            part = "is right" if left <= 1.0 else f"is off by {left / sizes[i]:.0e} of that"
+            if left <= 1.0:
+                part = "is right"
+            else:
+                part = f"is off by {left / sizes[i]:.0e} of that"
             return "outlier", f"without sample {i + 1} the step from {i} to {i + 2} {part}"
         if len(times):
-            force = f"; the force of Omega{fitting[0]} was kept" if fitting else ""
+            if fitting:
+                force = f"; the force of Omega{fitting[0]} was kept"
+            else:
+                force = ""
             what = f"{MODE_NAMES[first]} -> {MODE_NAMES[int(steps.events.target[rows][0])]} at t = {times[0]:.10g}"
             return "crossing inside the step", what + force
         what = f"no event in the step, motion in {MODE_NAMES[first]}: tolerances of the method, or another model"
@@ -234,8 +282,10 @@ def explain(
 
     found = []
     for k, i in enumerate(chosen):
-        (t, t_next), (dx, dv) = steps.t[i : i + 2].tolist(), steps.defects[i].tolist()
-        expected, mode = MODE_NAMES[int(steps.last[i])], MODE_NAMES.get(int(modes[i + 1]), "")
+        (t, t_next) = steps.t[i : i + 2].tolist()
+        (dx, dv) = steps.defects[i].tolist()
+        expected = MODE_NAMES[int(steps.last[i])]
+        mode = MODE_NAMES.get(int(modes[i + 1]), "")
         reason, words = guess(i, misses[0][:, k], misses[1][:, k])
         found.append(Fault(i, t, t_next, dx, dv, expected, mode, reason, words))
     return tuple(found)
@@ -245,9 +295,12 @@ def explain(
 
 # Number of steps on which causes are tried, from shortly before the first wrong one.
 MOST_TRIED_STEPS = 3_000
-# A fitted model is tried on all steps if it leaves this part of the defects; its numbers are reported at this part.
-LEFT_OVER, FITS = 0.1, 1e-3
-# Causes that explain this little less than the best are its alternatives. A change that makes all steps right is sure.
+# A fitted model is tried on all steps if it leaves this part of the defects; its numbers are
+# reported at this part.
+LEFT_OVER = 0.1
+FITS = 1e-3
+# Causes that explain this little less than the best are its alternatives. A change that makes all
+# steps right is sure.
 AS_GOOD = 0.02
 SURE = 1.0 + AS_GOOD
 
@@ -263,7 +316,10 @@ class Fit(NamedTuple):
 def tried_samples(check: Any) -> slice:
     """Return the slice of a `CrossCheck`'s samples on which causes are tried, with at most MOST_TRIED_STEPS steps."""
     # They begin 300 steps before the first wrong one, or earlier if few follow it.
-    first = int(check.wrong_steps[0]) if len(check.wrong_steps) else 0
+    if len(check.wrong_steps):
+        first = int(check.wrong_steps[0])
+    else:
+        first = 0
     low = max(0, min(first - 300, len(check.t) - MOST_TRIED_STEPS - 1))
     return slice(low, low + MOST_TRIED_STEPS + 1)
 
@@ -271,45 +327,68 @@ def tried_samples(check: Any) -> slice:
 class Case:
     """Samples of a solution whose faults are to be explained, and the exact motion over each of their steps."""
 
-    # `offset` is the number of the first of them among all samples of the `check`; `near` are distances from a belt
-    # that count as on it; `sizes` the defects in units of the allowed ones; `moving_wrong` the wrong steps in which
-    # time passes; `domain` that of each sample, 0 at a belt; `inside` the steps in one domain, for the samples and the
-    # exact motion, and `inside_wrong` and `flights_wrong` those of them that are wrong, and their fraction.
+    # `offset` is the number of the first of them among all samples of the `check`; `near` are
+    # distances from a belt that count as on it; `sizes` the defects in units of the allowed ones;
+    # `moving_wrong` the wrong steps in which time passes; `domain` that of each sample, 0 at a
+    # belt; `inside` the steps in one domain, for the samples and the exact motion, and
+    # `inside_wrong` and `flights_wrong` those of them that are wrong, and their fraction.
 
     def __init__(self, check: Any) -> None:
         """Follow the exact motion over the samples of a `CrossCheck`, or if they are many over its `tried_samples`."""
         part = tried_samples(check)
         self.check, self.offset, self.parameters = check, part.start, check.trajectory.parameters
-        self.allowed, self.scales = check.allowed[part.start : part.stop - 1], np.array(check.scales)
+        self.allowed, self.scales = (
+            check.allowed[part.start : part.stop - 1],
+            np.array(check.scales),
+        )
         self.near = np.append(self.allowed[:1, 1], self.allowed[:, 1])
-        s = follow_steps(self.parameters, check.t[part], check.x[part], check.v[part], self.near, self.scales)
+        s = follow_steps(
+            self.parameters, check.t[part], check.x[part], check.v[part], self.near, self.scales
+        )
         self.steps, self.sizes = s, np.max(np.abs(s.defects) / self.allowed, axis=1)
-        self.wrong, moving = ~(self.sizes <= 1.0), np.diff(s.t) > 0.0
+        moving = np.diff(s.t) > 0.0
+        self.wrong = ~(self.sizes <= 1.0)
         self.moving_wrong = np.flatnonzero(self.wrong & moving)
         at_belt = np.min(np.abs(s.v[:, None] - s.belts), axis=1) <= self.near
         self.domain = np.where(at_belt, 0, 1 + (s.v > s.K.belt1.v) + (s.v > s.K.belt2.v))
-        before, after = self.domain[:-1], self.domain[1:]
+        before = self.domain[:-1]
+        after = self.domain[1:]
         inside = (before > 0) & (before == after) & (s.first == before) & (s.last == before)
         inside[s.events.step] = False
         self.inside = np.flatnonzero(inside & moving & np.isfinite(self.sizes))
         self.inside_wrong = self.inside[self.wrong[self.inside]]
-        self.flights_wrong = float(np.mean(self.wrong[self.inside])) if len(self.inside) else 0.0
+        if len(self.inside):
+            self.flights_wrong = float(np.mean(self.wrong[self.inside]))
+        else:
+            self.flights_wrong = 0.0
 
     @cached_property
     def sticks(self) -> bool:
-        """Whether there is a stick: in the exact motion, or as two successive steps of the samples on one belt."""
-        if any(part.mode.startswith("belt") and part.t_end > part.t_start for part in self.check.trajectory.segments):
+        """Whether there is a stick.
+
+        In the exact motion, or as two successive steps of the samples on one belt.
+        """
+        if any(
+            part.mode.startswith("belt") and part.t_end > part.t_start
+            for part in self.check.trajectory.segments
+        ):
             return True
-        s, on = self.steps, self.domain == 0
+        s = self.steps
+        on = self.domain == 0
         same = np.abs(np.diff(s.v)) <= self.near[1:] + self.near[:-1]
         stays = np.flatnonzero(on[1:] & on[:-1] & same & (np.diff(s.t) > 0.0))
         return bool(np.any(np.diff(stays) == 1))
 
     def limits(self, part: float = EXPLAINS) -> np.ndarray:
-        """Return for each step the defect that a cause may leave: the allowed one or, if larger, `part` of its own."""
+        """Return for each step the defect that a cause may leave.
+
+        The allowed one or, if larger, `part` of its own.
+        """
         return _limits(self.sizes, part)
 
-    def share(self, sizes: np.ndarray, steps: np.ndarray | None = None, part: float = EXPLAINS) -> float:
+    def share(
+        self, sizes: np.ndarray, steps: np.ndarray | None = None, part: float = EXPLAINS
+    ) -> float:
         """Return the `explained_share` of a cause, given the defects `sizes` that it leaves in `steps` (None: all)."""
         return explained_share(self.sizes if steps is None else self.sizes[steps], sizes, part)
 
@@ -324,7 +403,9 @@ class Case:
     def defects_with(self, p: Parameters, ahead: float = 0.0) -> np.ndarray:
         """Return all defects, divided by the allowed, for parameters `p` and with `ahead` added to all times."""
         s = self.steps
-        return np.asarray(follow_steps(p, s.t + ahead, s.x, s.v, self.near, self.scales).defects / self.allowed)
+        return np.asarray(
+            follow_steps(p, s.t + ahead, s.x, s.v, self.near, self.scales).defects / self.allowed
+        )
 
     def share_mended_by(self, t: np.ndarray, x: np.ndarray, v: np.ndarray) -> float:
         """Return the fraction of wrong steps that become right if t, x, v, perhaps fewer, are taken as the samples."""
@@ -344,27 +425,39 @@ class Case:
         begin = np.column_stack([self.steps.t, self.steps.states])[chosen]
         return self.defects_from(begin, chosen + 1, self.near[chosen], p) / self.allowed[chosen]
 
-    def defects_from(self, begin: np.ndarray, until: np.ndarray, near: Any, p: Parameters | None = None) -> np.ndarray:
-        """Follow the exact motion from each state in `begin` to a sample; return the final states minus these samples.
+    def defects_from(
+        self, begin: np.ndarray, until: np.ndarray, near: Any, p: Parameters | None = None
+    ) -> np.ndarray:
+        """Follow the exact motion from each state in `begin` to a sample.
 
-        The rows of `begin` are t, x, v; `until` has the number of the sample for each. `near` is as in `follow_steps`.
-        The motions must be in order of time and must not overlap.
+        Return the final states minus these samples.
+
+        The rows of `begin` are t, x, v; `until` has the number of the sample for each. `near` is as
+        in `follow_steps`. The motions must be in order of time and must not overlap.
         """
         end = np.column_stack([self.steps.t, self.steps.states])[until]
-        found, moving = begin[:, 1:] - end[:, 1:], begin[:, 0] < end[:, 0]
+        found = begin[:, 1:] - end[:, 1:]
+        moving = begin[:, 0] < end[:, 0]
         if np.any(moving):
             t, x, v = np.stack([begin, end], axis=1)[moving].reshape(-1, 3).T
             near = np.repeat(np.broadcast_to(near, len(moving))[moving], 2)
-            found[moving] = follow_steps(p or self.parameters, t, x, v, near, self.scales).defects[::2]
+            found[moving] = follow_steps(p or self.parameters, t, x, v, near, self.scales).defects[
+                ::2
+            ]
         return np.asarray(found)
 
-    def flight_misses(self, K: Constants, turn: float = 0.0, chosen: np.ndarray | None = None) -> np.ndarray:
+    def flight_misses(
+        self, K: Constants, turn: float = 0.0, chosen: np.ndarray | None = None
+    ) -> np.ndarray:
         """Return how far flights over steps miss the next samples in x and v, divided by the allowed defects.
 
-        The steps are those numbered `chosen`, or else all that lie inside a domain. Each flight has the force of the
-        domain of its first sample, the constants `K` of another system, and a drive ahead by the angle `turn`.
+        The steps are those numbered `chosen`, or else all that lie inside a domain. Each flight has
+        the force of the domain of its first sample, the constants `K` of another system, and a
+        drive ahead by the angle `turn`.
         """
-        chosen, s = self.inside if chosen is None else chosen, self.steps
+        if chosen is None:
+            chosen = self.inside
+        s = self.steps
         other = replace(s, K=K, theta=s.theta + (K.Om - s.K.Om) * s.t + turn)
         return self.misses(other.flight(self.domain[chosen], chosen, chosen + 1), chosen)
 
@@ -381,39 +474,63 @@ def _limits(sizes: np.ndarray, part: float) -> np.ndarray:
 def explained_share(before: np.ndarray, after: np.ndarray, part: float = EXPLAINS) -> float:
     """Return (wrong steps that a cause explains - right steps that it makes wrong) / (all wrong steps).
 
-    `before` and `after` are the sizes of the defects without and with the cause. A wrong step is explained if at most
-    the fraction `part` of its defect is left. The result is negative if more steps become wrong than right.
+    `before` and `after` are the sizes of the defects without and with the cause. A wrong step is
+    explained if at most the fraction `part` of its defect is left. The result is negative if more
+    steps become wrong than right.
     """
-    wrong, fits = ~(before <= 1.0), np.asarray(after <= _limits(before, part))
+    wrong = ~(before <= 1.0)
+    fits = np.asarray(after <= _limits(before, part))
     return (int(np.sum(fits & wrong)) - int(np.sum(~fits & ~wrong))) / max(1, int(np.sum(wrong)))
 
 
 def mended_share(before: np.ndarray, after: np.ndarray) -> float:
-    """Return the fraction of wrong steps that new samples mend; the defects are `before` and `after` the change."""
+    """Return the fraction of wrong steps that new samples mend.
+
+    The defects are `before` and `after` the change.
+    """
     wrong = ~(before <= 1.0)
     usual = before[wrong & np.isfinite(before)]
-    limit = max(1.0, EXPLAINS * float(np.median(usual))) if len(usual) else 1.0
+    if len(usual):
+        limit = max(1.0, EXPLAINS * float(np.median(usual)))
+    else:
+        limit = 1.0
     return 1.0 - float(np.mean(~(after <= limit))) / max(float(np.mean(wrong)), 1e-300)
 
 
-def fitted(misses: Callable[[np.ndarray], np.ndarray], start: np.ndarray, ticks: np.ndarray) -> Fit | None:
-    """Return the `Fit` of numbers to steps, from first values `start`; None if the steps do not determine them.
+def fitted(
+    misses: Callable[[np.ndarray], np.ndarray], start: np.ndarray, ticks: np.ndarray
+) -> Fit | None:
+    """Return the `Fit` of numbers to steps, from first values `start`.
 
-    `misses(numbers)` returns by how much each step then misses the next sample in x and v, shape (steps, 2).
-    Derivatives are difference quotients over the small changes `ticks`. Steps that miss by far the most are left out.
+    None if the steps do not determine them.
+
+    `misses(numbers)` returns by how much each step then misses the next sample in x and v, shape
+    (steps, 2). Derivatives are difference quotients over the small changes `ticks`. Steps that miss
+    by far the most are left out.
     """
     value = np.array(start, dtype=float)
-    kept, error = None, np.zeros(len(value))
+    kept = None
+    error = np.zeros(len(value))
     for _ in range(8):
         here = misses(value)
-        slopes = [(misses(value + tick) - misses(value - tick)) / (2.0 * np.max(tick)) for tick in np.diag(ticks)]
+        slopes = [
+            (misses(value + tick) - misses(value - tick)) / (2.0 * np.max(tick))
+            for tick in np.diag(ticks)
+        ]
         J = np.stack(slopes, axis=-1)
         finite = np.all(np.isfinite(here), axis=1) & np.all(np.isfinite(J), axis=(1, 2))
-        first, kept = kept is None, finite if kept is None else kept & finite
-        change = (_median_change if first and len(value) == 1 else _least_squares)(here[kept], J[kept])
+        first = kept is None
+        if kept is None:
+            kept = finite
+        else:
+            kept = kept & finite
+        change = (_median_change if first and len(value) == 1 else _least_squares)(
+            here[kept], J[kept]
+        )
         if change is None:
             return None
-        value, error = value + change[0], change[1]
+        value = value + change[0]
+        error = change[1]
         sizes = larger(misses(value))
         if np.all(np.isnan(sizes)):  # there is no such system
             return None
@@ -421,29 +538,37 @@ def fitted(misses: Callable[[np.ndarray], np.ndarray], start: np.ndarray, ticks:
         kept = sizes <= max(1.0, 5.0 * float(np.nanmedian(sizes)))
         if np.all(np.abs(change[0]) <= 1e-3 * error):
             break
-    rest = np.sqrt(np.mean(misses(value)[kept] ** 2)) if np.any(kept) else np.inf
+    if np.any(kept):
+        rest = np.sqrt(np.mean(misses(value)[kept] ** 2))
+    else:
+        rest = np.inf
     return Fit(value, error * max(1.0, float(rest)), sizes)
 
 
 def _median_change(here: np.ndarray, J: np.ndarray) -> tuple[np.ndarray, np.ndarray] | None:
     """Return by how much to change a single fitted number, and the standard deviation of the number.
 
-    It is the weighted median of the changes that the single steps ask for. `here` are the misses of the steps, `J` the
-    derivatives of these misses with respect to the number.
+    It is the weighted median of the changes that the single steps ask for. `here` are the misses of
+    the steps, `J` the derivatives of these misses with respect to the number.
     """
     squares = np.sum(J[..., 0] ** 2, axis=1)
     used = squares > 0.0
     if not np.any(used):
         return None
     wanted = -np.sum(J[..., 0] * here, axis=1)[used] / squares[used]
-    weights, order = np.sqrt(squares[used]), np.argsort(wanted)
+    weights = np.sqrt(squares[used])
+    order = np.argsort(wanted)
     middle = np.searchsorted(np.cumsum(weights[order]), 0.5 * np.sum(weights))
     return wanted[order][[middle]], np.array([1.0 / np.sqrt(np.sum(weights**2))])
 
 
 def _least_squares(here: np.ndarray, J: np.ndarray) -> tuple[np.ndarray, np.ndarray] | None:
-    """Return the change of numbers by least squares and its deviations; `here` are misses, `J` their derivatives."""
-    matrix, right = J.reshape(-1, J.shape[-1]), -here.ravel()
+    """Return the change of numbers by least squares and its deviations.
+
+    `here` are misses, `J` their derivatives.
+    """
+    matrix = J.reshape(-1, J.shape[-1])
+    right = -here.ravel()
     units = np.sqrt(np.sum(matrix**2, axis=0))
     if not len(right) or not np.all(units > 0.0):
         return None
@@ -455,22 +580,34 @@ def _least_squares(here: np.ndarray, J: np.ndarray) -> tuple[np.ndarray, np.ndar
 
 
 def best_between(
-    misses: Callable[[np.ndarray], np.ndarray], low: np.ndarray, high: np.ndarray, points: int, enough: np.ndarray
+    misses: Callable[[np.ndarray], np.ndarray],
+    low: np.ndarray,
+    high: np.ndarray,
+    points: int,
+    enough: np.ndarray,
 ) -> tuple[np.ndarray, np.ndarray]:
-    """Find for each step the number between its `low` and `high` at which it misses least; return numbers and misses.
+    """Find for each step the number between its `low` and `high` at which it misses least.
 
-    `misses(numbers)` returns the miss of each step at its own number. It is tried at `points` numbers, then at as many
-    around the best of these, and so on: at most 8 times, or until the miss of every step is at most its `enough`.
+    Return numbers and misses.
+
+    `misses(numbers)` returns the miss of each step at its own number. It is tried at `points`
+    numbers, then at as many around the best of these, and so on: at most 8 times, or until the miss
+    of every step is at most its `enough`.
     """
-    best, leaves, begin, end = low, np.full(len(low), np.inf), low, high
+    best = low
+    leaves = np.full(len(low), np.inf)
+    begin = low
+    end = high
     for _ in range(8):
         for part in np.linspace(0.0, 1.0, points):
             tried = begin + part * (end - begin)
             left = misses(tried)
             better = left < leaves
-            best, leaves = np.where(better, tried, best), np.where(better, left, leaves)
+            best = np.where(better, tried, best)
+            leaves = np.where(better, left, leaves)
         width = (end - begin) / (points - 1)
-        begin, end = np.maximum(best - width, low), np.minimum(best + width, high)
+        begin = np.maximum(best - width, low)
+        end = np.minimum(best + width, high)
         if np.all(leaves <= enough):
             break
     return best, leaves

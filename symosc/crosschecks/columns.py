@@ -1,4 +1,7 @@
-"""Wrong columns as causes: signs, units, order, velocities made from x, uneven clocks, few digits, noise, outliers."""
+"""Wrong columns as causes.
+
+Signs, units, order, velocities made from x, uneven clocks, few digits, noise, outliers.
+"""
 
 from __future__ import annotations
 
@@ -42,9 +45,15 @@ def other_columns(case: Case) -> Iterator[Candidate]:
         yield one._replace(diagnosis=replace(one.diagnosis, share=case.share_mended_by(*columns)))
 
 
-def changed_columns(p: Parameters, t: np.ndarray, x: np.ndarray, v: np.ndarray) -> Iterator[Candidate]:
-    """Yield candidates with other signs, order or units of columns; units only if x and v then give one path length."""
-    m, Om = float(p.m), float(p.Omega)
+def changed_columns(
+    p: Parameters, t: np.ndarray, x: np.ndarray, v: np.ndarray
+) -> Iterator[Candidate]:
+    """Yield candidates with other signs, order or units of columns.
+
+    Units only if x and v then give one path length.
+    """
+    m = float(p.m)
+    Om = float(p.Omega)
     table: list[tuple[str, str, str, str, float | None, Callable[..., Columns]]] = [
         ("sign", "x", "x has the wrong sign", "with -x", None, lambda t, x, v: (t, -x, v)),
         ("sign", "v", "v has the wrong sign", "with -v", None, lambda t, x, v: (t, x, -v)),
@@ -72,20 +81,40 @@ def changed_columns(p: Parameters, t: np.ndarray, x: np.ndarray, v: np.ndarray) 
     for name, factor, words in units:
         if factor != 1.0:
             change = f"with {name} divided by {factor:.17g}"
-            table.append(("columns", name, words, change, factor, partial(_divided, name.split(" and "), factor)))
+            table.append(
+                (
+                    "columns",
+                    name,
+                    words,
+                    change,
+                    factor,
+                    partial(_divided, name.split(" and "), factor),
+                )
+            )
     for cause, subject, words, change, value, make in table:
-        error = None if value is None else 0.0
+        if value is None:
+            error = None
+        else:
+            error = 0.0
         if value is not None:  # the path from x must be as long as that from v
             times, places, velocities = make(t, x, v)
-            way = float(np.sum(np.abs(velocities[1:] + velocities[:-1]) * np.abs(np.diff(times))) / 2.0)
-            if not 1.0 / SAME_WAY < (float(np.sum(np.abs(np.diff(places)))) / way if way else np.inf) < SAME_WAY:
+            way = float(
+                np.sum(np.abs(velocities[1:] + velocities[:-1]) * np.abs(np.diff(times))) / 2.0
+            )
+            if (
+                not 1.0 / SAME_WAY
+                < (float(np.sum(np.abs(np.diff(places)))) / way if way else np.inf)
+                < SAME_WAY
+            ):
                 continue
         yield Candidate(Diagnosis(cause, subject, words, "", value, error), change, columns=make)
 
 
 def _divided(names: list[str], factor: float, *columns: np.ndarray) -> Columns:
     """Return the columns t, x, v, those in `names` divided by `factor`."""
-    t, x, v = (each / factor if name in names else each for name, each in zip("txv", columns, strict=True))
+    t, x, v = (
+        each / factor if name in names else each for name, each in zip("txv", columns, strict=True)
+    )
     return t, x, v
 
 
@@ -93,8 +122,12 @@ def _divided(names: list[str], factor: float, *columns: np.ndarray) -> Columns:
 
 
 def velocity_column(case: Case) -> Iterator[Candidate]:
-    """Yield the diagnosis that only v is wrong: made of differences of x, or belonging to times between samples."""
-    s, h = case.steps, np.diff(case.steps.t)
+    """Yield the diagnosis that only v is wrong.
+
+    Made of differences of x, or belonging to times between samples.
+    """
+    s = case.steps
+    h = np.diff(case.steps.t)
     if len(s.t) < FEWEST or np.any(h <= 0.0):
         return
     slopes = np.diff(s.x) / h
@@ -105,17 +138,27 @@ def velocity_column(case: Case) -> Iterator[Candidate]:
     }
     for words, v in made.items():
         off = np.abs(v - s.v)[1:-1] / np.max(np.abs(s.v))
-        if np.mean(off <= 1e-9 + 4.0 * np.finfo(float).eps * np.max(np.abs(s.x)) / np.min(h)) >= 1.0 - EXCEPTIONS:
-            yield Candidate(Diagnosis("columns", "v", words, "repeats v to 9 digits"), *POSITIONS_ALONE)
+        if (
+            np.mean(off <= 1e-9 + 4.0 * np.finfo(float).eps * np.max(np.abs(s.x)) / np.min(h))
+            >= 1.0 - EXCEPTIONS
+        ):
+            yield Candidate(
+                Diagnosis("columns", "v", words, "repeats v to 9 digits"), *POSITIONS_ALONE
+            )
             return
     exact = _velocities_from_positions(case)
     if exact is None:
         return
     first, v = exact
-    size = np.median(np.abs(v - s.v[first:])) if len(v) else 0.0
+    if len(v):
+        size = np.median(np.abs(v - s.v[first:]))
+    else:
+        size = 0.0
     for part, words in ((0.5, "v is half a sample late"), (-0.5, "v is half a sample early")):
         there = _velocities_beside(case, first, v, part)
-        near = np.abs(there - s.v[first:])[np.isfinite(there)] <= max(0.02 * size, case.allowed[0, 1])
+        near = np.abs(there - s.v[first:])[np.isfinite(there)] <= max(
+            0.02 * size, case.allowed[0, 1]
+        )
         if len(near) and np.mean(near) >= 1.0 - EXCEPTIONS:
             found = Diagnosis("columns", "v", words, f"repeats {np.mean(near):.0%} of v", part)
             yield Candidate(found, *POSITIONS_ALONE)
@@ -124,18 +167,26 @@ def velocity_column(case: Case) -> Iterator[Candidate]:
 
 def other_velocities(case: Case) -> Iterator[Candidate]:
     """Yield the diagnosis that the positions are right and that v, for whatever reason, is not their velocity."""
-    exact = _velocities_from_positions(case) if len(case.inside) >= 60 else None
+    if len(case.inside) >= 60:
+        exact = _velocities_from_positions(case)
+    else:
+        exact = None
     if exact is not None:
         share = case.share_mended_by(case.steps.t[exact[0] :], case.steps.x[exact[0] :], exact[1])
-        found = Diagnosis("columns", "v", "v is not the velocity of x; the positions are right", "", share=share)
+        found = Diagnosis(
+            "columns", "v", "v is not the velocity of x; the positions are right", "", share=share
+        )
         yield Candidate(found, *POSITIONS_ALONE)
 
 
 def _velocities_from_positions(case: Case) -> tuple[int, np.ndarray] | None:
     """Return the first sample whose velocity the positions determine, and the velocities from that sample on."""
-    s, tolerance = case.steps, float(case.allowed[0, 0] / case.scales[0])
+    s = case.steps
+    tolerance = float(case.allowed[0, 0] / case.scales[0])
     try:
-        found = with_velocities(Samples(s.t, s.x, np.full(len(s.t), np.nan)), case.parameters, tolerance)
+        found = with_velocities(
+            Samples(s.t, s.x, np.full(len(s.t), np.nan)), case.parameters, tolerance
+        )
     except ParameterError:
         return None
     return len(s.t) - len(found.t), found.v
@@ -144,27 +195,36 @@ def _velocities_from_positions(case: Case) -> tuple[int, np.ndarray] | None:
 def _velocities_beside(case: Case, first: int, v: np.ndarray, part: float) -> np.ndarray:
     """Return the exact velocities at times beside the samples from number `first` on, which have velocities `v`.
 
-    A positive `part` puts each time before its sample, by this fraction of the step to the sample; a negative one puts
-    it after, by the fraction -`part` of the next step. NaN for a sample without this step.
+    A positive `part` puts each time before its sample, by this fraction of the step to the sample;
+    a negative one puts it after, by the fraction -`part` of the next step. NaN for a sample without
+    this step.
     """
     s = case.steps
-    t, x = s.t[first:], s.x[first:]
+    t = s.t[first:]
+    x = s.x[first:]
     time = (t[1:] if part > 0.0 else t[:-1]) - part * np.diff(t)
     ends = np.column_stack([time, x[:-1], 0.0 * time])
-    pair_t, pair_x, pair_v = np.stack([np.column_stack([t, x, v])[:-1], ends], axis=1).reshape(-1, 3).T
+    pair_t, pair_x, pair_v = (
+        np.stack([np.column_stack([t, x, v])[:-1], ends], axis=1).reshape(-1, 3).T
+    )
     near = np.repeat(case.near[first:][:-1], 2)
     found = follow_steps(case.parameters, pair_t, pair_x, pair_v, near, case.scales).defects[::2, 1]
-    return np.append(np.nan, found) if part > 0.0 else np.append(found, np.nan)
+    if part > 0.0:
+        return np.append(np.nan, found)
+    return np.append(found, np.nan)
 
 
 def frozen_positions(case: Case) -> Iterator[Candidate]:
     """Yield the diagnosis that x stands still during sticks although the belt moves."""
-    s, speeds = case.steps, (float(case.parameters.v1), float(case.parameters.v2))
+    s = case.steps
+    speeds = (float(case.parameters.v1), float(case.parameters.v2))
 
     def moved(t: np.ndarray, x: np.ndarray, v: np.ndarray) -> Columns:
         held = (np.diff(x) == 0.0) & (np.diff(v) == 0.0) & np.isin(v[:-1], speeds)
         total = np.cumsum(np.append(0.0, np.where(held, v[:-1] * np.diff(t), 0.0)))
-        runs = np.append(False, held)  # each sample of a run is moved by the way since the run began
+        runs = np.append(
+            False, held
+        )  # each sample of a run is moved by the way since the run began
         begin = np.maximum.accumulate(np.where(runs, 0, np.arange(len(t))))
         return t, x + np.where(runs, total - total[begin], 0.0), v
 
@@ -172,13 +232,21 @@ def frozen_positions(case: Case) -> Iterator[Candidate]:
     still = np.flatnonzero((x != s.x)[1:])
     if len(s.t) < FEWEST or not len(still) or not any(speeds):
         return
-    words = f"x stands still in {len(still)} samples of sticks, where the belt carries the mass along"
+    words = (
+        f"x stands still in {len(still)} samples of sticks, where the belt carries the mass along"
+    )
     share = case.share_mended_by(s.t, x, s.v)
     if share > 0.0:
-        yield Candidate(Diagnosis("columns", "x", words, "", share=share), "with x moved on by the belt", columns=moved)
+        yield Candidate(
+            Diagnosis("columns", "x", words, "", share=share),
+            "with x moved on by the belt",
+            columns=moved,
+        )
     # A solver that goes on from where x stood: only the steps of the sticks are wrong.
     inside = float(np.mean(np.isin(np.flatnonzero(case.wrong), still)))
-    yield Candidate(Diagnosis("columns", "x", words, f"{inside:.0%} of the wrong steps are such", share=inside))
+    yield Candidate(
+        Diagnosis("columns", "x", words, f"{inside:.0%} of the wrong steps are such", share=inside)
+    )
 
 
 def resampled(case: Case) -> Iterator[Candidate]:
@@ -204,9 +272,17 @@ def resampled(case: Case) -> Iterator[Candidate]:
         return
     count = int(np.sum(bent)) + 2
     words = f"the samples lie on straight lines between {count} others: linear interpolation"
-    evidence = f"{straight} of {len(s.t)} samples lie on the line through their neighbours, in x and in v"
-    share = case.share_mended_by(*knots(s.t, s.x, s.v)) if count < len(s.t) - FEWEST // 2 else 0.0
-    change = "with these alone" if share >= 0.9 else ""
+    evidence = (
+        f"{straight} of {len(s.t)} samples lie on the line through their neighbours, in x and in v"
+    )
+    if count < len(s.t) - FEWEST // 2:
+        share = case.share_mended_by(*knots(s.t, s.x, s.v))
+    else:
+        share = 0.0
+    if share >= 0.9:
+        change = "with these alone"
+    else:
+        change = ""
     yield Candidate(Diagnosis("resampling", "", words, evidence), change, columns=knots)
 
 
@@ -216,37 +292,55 @@ def resampled(case: Case) -> Iterator[Candidate]:
 def even_times(case: Case) -> Iterator[Candidate]:
     """Yield the diagnosis that evenly spaced times were rounded, or summed up with few digits."""
     t = case.steps.t
-    h, step = np.diff(t), float((t[-1] - t[0]) / (len(t) - 1))
+    h = np.diff(t)
+    step = float((t[-1] - t[0]) / (len(t) - 1))
     if len(t) < FEWEST or np.ptp(h) == 0.0 or not np.max(np.abs(h - step)) <= 0.2 * step:
         return
     off = float(np.max(np.abs(t - np.linspace(t[0], t[-1], len(t)))))
     if off <= 16.0 * np.spacing(np.max(np.abs(t))):
         return
     single = off <= 1e3 * np.spacing(np.float32(np.max(np.abs(t))))
-    words = f"the times are no even grid, by up to {off:.1e}" + (": single precision" if single else "")
+    words = f"the times are no even grid, by up to {off:.1e}" + (
+        ": single precision" if single else ""
+    )
     for digits in (0, 7, 6, 5, 4, 3, 2, None):
         even = _even(t, digits)
         if np.max(np.abs(even - t)) <= max(0.5 * step, 2e-6 * float(np.max(np.abs(t)))):
             share = case.share_mended_by(even, case.steps.x, case.steps.v)
             change = f"with even times, {even[1] - even[0]:.10g} apart,"
             columns = partial(lambda t, x, v, digits: (_even(t, digits), x, v), digits=digits)
-            yield Candidate(Diagnosis("columns", "t", words, "", share=share), change, columns=columns)
+            yield Candidate(
+                Diagnosis("columns", "t", words, "", share=share), change, columns=columns
+            )
 
 
 def _even(t: np.ndarray, digits: int | None) -> np.ndarray:
-    """Return evenly spaced times near `t`: the step has `digits` digits, or is exact (0), or the ends have 6 (None)."""
-    # 0: the step follows from the first and the last time; None: from these two rounded to 6 digits.
+    """Return evenly spaced times near `t`.
+
+    The step has `digits` digits, or is exact (0), or the ends have 6 (None).
+    """
+    # 0: the step follows from the first and the last time; None: from these two rounded to 6
+    # digits.
     if not digits:
-        ends = (float(t[0]), float(t[-1])) if digits == 0 else (float(f"{t[0]:.6g}"), float(f"{t[-1]:.6g}"))
+        if digits == 0:
+            ends = (float(t[0]), float(t[-1]))
+        else:
+            ends = (float(f"{t[0]:.6g}"), float(f"{t[-1]:.6g}"))
         return np.linspace(*ends, len(t))
     step = float(f"{(t[-1] - t[0]) / (len(t) - 1):.{digits}g}")
     return np.asarray(float(f"{t[0]:.6g}") + step * np.arange(len(t)))
 
 
 def single_times(case: Case) -> Iterator[Candidate]:
-    """Yield the diagnosis that the times are in single precision: tiny shifts of the times make the steps right."""
-    s, chosen = case.steps, case.inside
-    single = np.array_equal(s.t.astype(np.float32).astype(float), s.t) and not np.array_equal(s.t, np.rint(s.t))
+    """Yield the diagnosis that the times are in single precision.
+
+    Tiny shifts of the times make the steps right.
+    """
+    s = case.steps
+    chosen = case.inside
+    single = np.array_equal(s.t.astype(np.float32).astype(float), s.t) and not np.array_equal(
+        s.t, np.rint(s.t)
+    )
     if len(s.t) < FEWEST or not single or not len(chosen):
         return
     force = np.array([s.K.A1, s.K.A2, s.K.A3])[case.domain[chosen] - 1]
@@ -255,14 +349,23 @@ def single_times(case: Case) -> Iterator[Candidate]:
     slopes = np.column_stack([v, a]) / case.allowed[chosen]
     misses = s.defects[chosen] / case.allowed[chosen]
     shift = np.sum(slopes * misses, axis=1) / np.sum(slopes * slopes, axis=1)
-    within = np.abs(shift) <= 2.0 * np.spacing(np.abs(s.t[chosen + 1]).astype(np.float32)).astype(float)
+    within = np.abs(shift) <= 2.0 * np.spacing(np.abs(s.t[chosen + 1]).astype(np.float32)).astype(
+        float
+    )
     left = np.max(np.abs(misses - slopes * shift[:, None]), axis=1)
     part = case.share(np.where(within, left, np.inf), chosen, 0.2)
     largest = float(np.max(np.abs(shift[within]), initial=0.0))
     evidence = f"all are such numbers; shifts of them by up to {largest:.1e} repeat {max(part, 0.0):.0%} of the flights"
     # All times are numbers of single precision, which cannot be chance.
-    share = 1.0 if part >= 0.7 else part
-    yield Candidate(Diagnosis("columns", "t", "the times are in single precision", evidence, largest, share=share))
+    if part >= 0.7:
+        share = 1.0
+    else:
+        share = part
+    yield Candidate(
+        Diagnosis(
+            "columns", "t", "the times are in single precision", evidence, largest, share=share
+        )
+    )
 
 
 # -- the numbers themselves, and the list of events --------------------------------------------------------------------
@@ -270,14 +373,27 @@ def single_times(case: Case) -> Iterator[Candidate]:
 
 def event_list_faults(check: Any) -> Iterator[Diagnosis]:
     """Yield what is wrong with a solver's list of events although its samples are right."""
-    missed, invented = check.missed, check.invented
+    missed = check.missed
+    invented = check.invented
     evidence = "the samples are right"
-    if missed and len(missed) == len(invented) and [e.kind for e in missed] == [e.kind for e in invented]:
-        worst = max((found.t - float(exact.t) for found, exact in zip(invented, missed, strict=True)), key=abs)
-        words = f"the list has {counted(len(missed), 'event')} at a wrong time, by up to {worst:.3g}"
+    if (
+        missed
+        and len(missed) == len(invented)
+        and [e.kind for e in missed] == [e.kind for e in invented]
+    ):
+        worst = max(
+            (found.t - float(exact.t) for found, exact in zip(invented, missed, strict=True)),
+            key=abs,
+        )
+        words = (
+            f"the list has {counted(len(missed), 'event')} at a wrong time, by up to {worst:.3g}"
+        )
         yield Diagnosis("event times", "", words, evidence, worst, None)
         return
-    lists = ("missing events", missed, "lacks"), ("invented events", invented, "has, and the motion has not,")
+    lists = (
+        ("missing events", missed, "lacks"),
+        ("invented events", invented, "has, and the motion has not,"),
+    )
     for cause, events, what in lists:
         if events:
             first = f"{events[0].kind} at t = {float(events[0].t):.10g}"
@@ -287,13 +403,20 @@ def event_list_faults(check: Any) -> Iterator[Diagnosis]:
 
 def outliers(case: Case) -> Iterator[Candidate]:
     """Yield the diagnosis of outliers: single wrong samples, without which the steps are right."""
-    check, off = case.check, [fault for fault in case.check.faults if fault.reason == "outlier"]
+    off = [fault for fault in case.check.faults if fault.reason == "outlier"]
+    check = case.check
     if off:
         rows = [fault.step + 1 for fault in off]
-        share = float(np.mean(np.isin(check.wrong_steps, rows) | np.isin(check.wrong_steps + 1, rows)))
+        share = float(
+            np.mean(np.isin(check.wrong_steps, rows) | np.isin(check.wrong_steps + 1, rows))
+        )
         words = f"{len(off)} sample{'s are' if len(off) > 1 else ' is'} off, the first is number {rows[0]}"
         size = float(np.median([max(abs(fault.defect_x), abs(fault.defect_v)) for fault in off]))
-        found, without = Diagnosis("outlier", "", words, "", size, None, share), "them" if rows[1:] else "it"
+        found = Diagnosis("outlier", "", words, "", size, None, share)
+        if rows[1:]:
+            without = "them"
+        else:
+            without = "it"
         yield Candidate(found, f"without {without}", columns=partial(_without, rows))
 
 
@@ -307,7 +430,8 @@ def noise(case: Case) -> Iterator[Diagnosis]:
     pairs = inside[:-1][np.diff(inside) == 1]
     if len(pairs) < 12:
         return
-    s, defects = case.steps, case.steps.defects
+    s = case.steps
+    defects = case.steps.defects
     # The effect of the error of a sample in between, minus the defect before it, on the next step.
     moved = replace(s, x=s.x.copy(), v=s.v.copy())
     moved.x[pairs + 1] += defects[pairs, 0]
@@ -320,14 +444,19 @@ def noise(case: Case) -> Iterator[Diagnosis]:
     if max(x, v) < 0.0 and min(x, v) < -0.25:  # noise makes it about -0.5
         sizes = np.sqrt(np.median(defects[inside] ** 2, axis=0) / 0.455 / 2.0)
         words = f"the samples have noise of about {sizes[0]:.2g} in x and {sizes[1]:.2g} in v"
-        evidence = f"what one step is off, the next one takes back: correlation {x:.2f} in x, {v:.2f} in v"
+        evidence = (
+            f"what one step is off, the next one takes back: correlation {x:.2f} in x, {v:.2f} in v"
+        )
         error = float(sizes[1] / np.sqrt(2.0 * len(inside)))
-        yield Diagnosis("noise", "", words, evidence, float(sizes[1]), error, 0.99 * case.flights_wrong)
+        yield Diagnosis(
+            "noise", "", words, evidence, float(sizes[1]), error, 0.99 * case.flights_wrong
+        )
 
 
 def few_digits(check: Any) -> Iterator[Diagnosis]:
     """Yield the diagnosis that the columns were written with few digits."""
     if check.rounded:
         columns = ", ".join(f"{name} to {text}" for name, text in check.rounded.items())
-        words, evidence = f"the samples are rounded: {columns}", "all numbers of these columns fit that grid"
+        words = f"the samples are rounded: {columns}"
+        evidence = "all numbers of these columns fit that grid"
         yield Diagnosis("precision", ", ".join(check.rounded), words, evidence, share=0.0)

@@ -37,7 +37,13 @@ from symosc.crosschecks.samples import (
     fastest_rate,
     find_rounding,
 )
-from symosc.crosschecks.steps import ExactSteps, double_rounding, follow_steps, propagated, sample_errors
+from symosc.crosschecks.steps import (
+    ExactSteps,
+    double_rounding,
+    follow_steps,
+    propagated,
+    sample_errors,
+)
 from symosc.crosschecks.velocities import with_velocities
 from symosc.errors import ParameterError
 from symosc.exact import read_exact
@@ -77,33 +83,39 @@ def crosscheck(
     Parameters
     ----------
     scene : Scene, str or Parameters
-        With a scene the solution has to start where the scene does, or on its motion later, and to go on to its
-        `t_end`. With Parameters it starts at the first sample and may end anywhere.
+        With a scene the solution has to start where the scene does, or on its motion later, and to
+        go on to its `t_end`. With Parameters it starts at the first sample and may end anywhere.
     t, x, v : array_like, shape (n,)
-        Times, which may come twice where two pieces are joined, positions and velocities. Without `v` it is computed
-        from `x`, and a note says so. `x` may be a function t -> (x, v). Or give `t` alone: whatever
-        `symosc.crosschecks.files.read_solutions` reads (a file, an OdeResult, a DataFrame, a function, ...), or a list
-        of such: pieces of one solution, each beginning where one ends, or several solutions.
+        Times, which may come twice where two pieces are joined, positions and velocities. Without
+        `v` it is computed from `x`, and a note says so. `x` may be a function t -> (x, v). Or give
+        `t` alone: whatever `symosc.crosschecks.files.read_solutions` reads (a file, an OdeResult, a
+        DataFrame, a function, ...), or a list of such: pieces of one solution, each beginning where
+        one ends, or several solutions.
     events : pairs (t, kind), optional
-        What the solver reported, in order of time; kind "cross", "stick", "slip" or "graze". Each exact event must be
-        there once, as near in time as the tolerance and the errors of the samples let it; a graze, or a start on a
-        belt, may be left out. Default: the events that the samples show, and those inside steps that are right.
+        What the solver reported, in order of time; kind "cross", "stick", "slip" or "graze". Each
+        exact event must be there once, as near in time as the tolerance and the errors of the
+        samples let it; a graze, or a start on a belt, may be left out. Default: the events that the
+        samples show, and those inside steps that are right.
     tolerance : float
-        Allowed defect of a step, relative to the largest |x| and |v| of the exact motion. A sample whose v differs
-        from a belt's speed by less is on the belt. Samples with few digits (3 decimals, single precision) that fail
-        are judged once more at that precision; `rounded` and a note say so. Then half a unit of the last place of
-        each sample is allowed beside the tolerance, and what the exact motion makes of such an error of the sample
-        before. Spans of 4, 16, 64, ... steps are judged in the same way.
+        Allowed defect of a step, relative to the largest |x| and |v| of the exact motion. A sample
+        whose v differs from a belt's speed by less is on the belt. Samples with few digits (3
+        decimals, single precision) that fail are judged once more at that precision; `rounded` and
+        a note say so. Then half a unit of the last place of each sample is allowed beside the
+        tolerance, and what the exact motion makes of such an error of the sample before. Spans of
+        4, 16, 64, ... steps are judged in the same way.
     global_tolerance : float, optional
-        Allowed global error, relative to the same values. Default: 1000 times `tolerance`, at most 0.01; of rounded
-        samples at most 5 last places, or 100 times `tolerance` where that is more. The rounding of the sample is
-        allowed beside it, and what the exact motion makes of the rounding of the first sample.
+        Allowed global error, relative to the same values. Default: 1000 times `tolerance`, at most
+        0.01; of rounded samples at most 5 last places, or 100 times `tolerance` where that is more.
+        The rounding of the sample is allowed beside it, and what the exact motion makes of the
+        rounding of the first sample.
     own_start, partial : bool
-        Allow a solution of a scene that starts elsewhere, and one that ends before the scene's `t_end`.
+        Allow a solution of a scene that starts elsewhere, and one that ends before the scene's
+        `t_end`.
     columns : mapping, optional
         What the columns t, x, v and id of a file or a table are called.
     workers, progress : int, callable or True, optional
-        Processes for several solutions (None: all cores); what is called with the numbers of those done and of all.
+        Processes for several solutions (None: all cores); what is called with the numbers of those
+        done and of all.
 
     Returns
     -------
@@ -120,11 +132,15 @@ def crosscheck(
     >>> crosscheck("fig5", simulate("fig5")).ok
     True
     """
-    scene = scene if isinstance(scene, (Scene, Parameters)) else load_scene(scene)
+    if not isinstance(scene, (Scene, Parameters)):
+        scene = load_scene(scene)
     if isinstance(scene, Scene) and scene.original is not None:
         raise not_reduced_error(scene)
     allowed = _positive("tolerance", tolerance)
-    limit = None if global_tolerance is None else _positive("global_tolerance", global_tolerance)
+    if global_tolerance is None:
+        limit = None
+    else:
+        limit = _positive("global_tolerance", global_tolerance)
     if x is None and v is None:
         found = read_solutions(t, columns, scene)
     elif callable(x) and not hasattr(x, "__array__"):
@@ -133,11 +149,22 @@ def crosscheck(
         found = [checked(t, x, v, events)]
     if events is not None:
         if len(found) > 1:
-            raise ParameterError("events", "given", f"can be listed for one solution; there are {len(found)}")
+            raise ParameterError(
+                "events", "given", f"can be listed for one solution; there are {len(found)}"
+            )
         found = [replace(found[0], events=checked_events(events))]
     count = read_workers(workers)
-    task = partial_of(Task, scene=scene, tolerance=allowed, given_limit=limit, own_start=own_start, partial=partial)
-    return task(found[0]).verdict() if len(found) == 1 else check_all(task, found, count, progress)
+    task = partial_of(
+        Task,
+        scene=scene,
+        tolerance=allowed,
+        given_limit=limit,
+        own_start=own_start,
+        partial=partial,
+    )
+    if len(found) == 1:
+        return task(found[0]).verdict()
+    return check_all(task, found, count, progress)
 
 
 def _positive(name: str, value: object) -> float:
@@ -163,24 +190,42 @@ class Task:
     @property
     def parameters(self) -> Parameters:
         """The parameters of the exact motion."""
-        return self.scene if isinstance(self.scene, Parameters) else self.scene.parameters
+        if isinstance(self.scene, Parameters):
+            return self.scene
+        return self.scene.parameters
 
     @property
     def limit(self) -> float:
         """The allowed global error, relative to the sizes of x and v."""
         usual = max(self.tolerance, min(1000.0 * self.tolerance, 0.01))  # errors of steps add up
-        return usual if self.given_limit is None else self.given_limit
+        if self.given_limit is None:
+            return usual
+        return self.given_limit
 
     def verdict(self) -> CrossCheck:
-        """Judge the samples and return the result; if they fail but are rounded, judge again and allow rounding."""
-        samples, rounding, p = self.samples, self.rounding, self.parameters
+        """Judge the samples and return the result.
+
+        If they fail but are rounded, judge again and allow rounding.
+        """
+        samples = self.samples
+        rounding = self.rounding
+        p = self.parameters
         if rounding is None:
-            samples = with_velocities(samples, self.scene, self.tolerance) if samples.lacks_v else samples
-            t0 = None if isinstance(self.scene, Parameters) else float(self.scene.t0)
+            if samples.lacks_v:
+                samples = with_velocities(samples, self.scene, self.tolerance)
+            if isinstance(self.scene, Parameters):
+                t0 = None
+            else:
+                t0 = float(self.scene.t0)
             rounding = find_rounding(samples, (float(p.v1), float(p.v2)), t0)
             return replace(self, samples=samples, rounding=rounding).verdict()
-        units = np.array([rounding[c].units if c in rounding else 0.0 * samples.t for c in SAMPLE_COLUMNS])
-        listed = rounding["events"].units if "events" in rounding else np.zeros(len(samples.events or ()))
+        units = np.array(
+            [rounding[c].units if c in rounding else 0.0 * samples.t for c in SAMPLE_COLUMNS]
+        )
+        if "events" in rounding:
+            listed = rounding["events"].units
+        else:
+            listed = np.zeros(len(samples.events or ()))
         jump = max(1e-4, self.tolerance)  # pieces joined at an event may differ by so much
         check_joints(samples, jump, sample_errors(p, samples, units))
         result = self.judge(np.zeros_like(units), np.zeros_like(listed))
@@ -188,14 +233,21 @@ class Task:
             half = units * (0.5 + 1e-9)
             result = self.judge(half, listed)
             if not result.ok:
-                result = self._judge_cut_off(half, listed, result) or self._with_coarser(half, listed, result)
+                result = self._judge_cut_off(half, listed, result) or self._with_coarser(
+                    half, listed, result
+                )
         early = self._early_end(result.trajectory)
         if early and self.partial:
             return replace(result, notes=(*result.notes, early))
         return replace(result, ok=result.ok and not early, early_end=early)
 
-    def _judge_cut_off(self, half: np.ndarray, listed: np.ndarray, result: CrossCheck) -> CrossCheck | None:
-        """Judge the samples again with `half` a unit added, as if digits had been cut off; None if they still fail."""
+    def _judge_cut_off(
+        self, half: np.ndarray, listed: np.ndarray, result: CrossCheck
+    ) -> CrossCheck | None:
+        """Judge the samples again with `half` a unit added, as if digits had been cut off.
+
+        None if they still fail.
+        """
         samples = self.samples
         # Digits that are cut off, not rounded, make no larger errors.
         if not np.any(half) or np.nanmax(np.abs(result.errors) / result.limits) > 4.0:
@@ -204,28 +256,40 @@ class Task:
         for way, sign in (("cut off", np.sign(numbers)), ("rounded down", np.ones_like(numbers))):
             # Each sample is put into the middle of the numbers that it may be.
             t, x, v = numbers + half * sign
-            other = replace(self, samples=replace(samples, t=t, x=x, v=v)).judge(half * (2.0 - np.abs(sign)), listed)
+            other = replace(self, samples=replace(samples, t=t, x=x, v=v)).judge(
+                half * (2.0 - np.abs(sign)), listed
+            )
             if other.ok:
                 note = f"the last digits are {way}: half a unit of the last place is added to each sample"
                 return replace(other, notes=(*other.notes, note))
         return None
 
     def _with_coarser(self, half: np.ndarray, listed: np.ndarray, result: CrossCheck) -> CrossCheck:
-        """Return the failed `result`; if many spans of samples are wrong, its `coarser` judges every n-th sample."""
-        # Over one dense step the rounding of the samples is larger than what a wrong model does; over n it is not.
-        spans, samples = result.wrong_spans, self.samples
+        """Return the failed `result`.
+
+        If many spans of samples are wrong, its `coarser` judges every n-th sample.
+        """
+        # Over one dense step the rounding of the samples is larger than what a wrong model does;
+        # over n it is not.
+        spans = result.wrong_spans
+        samples = self.samples
         # A few spans show no cause, and where most steps are wrong these show it themselves.
         if len(spans) < 6 or 2 * len(result.wrong_steps) >= np.sum(spans[:, 1] - spans[:, 0]):
             return result
         kept = _every(int(np.max(spans[:, 1] - spans[:, 0])), len(samples.t))
         columns = {name: getattr(samples, name)[kept] for name in SAMPLE_COLUMNS}
-        off = None if samples.v_off is None else samples.v_off[kept]
+        if samples.v_off is None:
+            off = None
+        else:
+            off = samples.v_off[kept]
         few = replace(self, samples=replace(samples, **columns, v_off=off, dense=None))
         return replace(result, coarser=few.judge(half[:, kept], listed))
 
     def judge(self, rounding: np.ndarray, listed: np.ndarray) -> CrossCheck:
         """Compare the samples with the exact motion, given the rounding of the samples and of the listed events."""
-        samples, p, tolerance = self.samples, self.parameters, self.tolerance
+        samples = self.samples
+        p = self.parameters
+        tolerance = self.tolerance
         loose = sample_errors(p, samples, rounding)
         start, other_start = self._start(loose[0], rounding[:, 0])
         trajectory = self._simulate(float(samples.t[-1]), start)
@@ -233,7 +297,8 @@ class Task:
         # Global errors, NaN after the end of the exact motion, and how large they may be.
         inside = samples.t <= until
         exact = trajectory(np.clip(samples.t[inside], float(trajectory.t_start), until))
-        scales, errors = _scales(p, exact), np.full((len(samples.t), 2), np.nan)
+        scales = _scales(p, exact)
+        errors = np.full((len(samples.t), 2), np.nan)
         errors[inside] = np.column_stack([samples.x, samples.v])[inside] - exact.T
         limits = self.limit * scales
         if self.given_limit is None and np.any(rounding):
@@ -248,40 +313,68 @@ class Task:
         sizes = np.max(np.abs(steps.defects) / allowed, axis=1)
         wrong = ~(sizes <= 1.0)
         spans = self._wrong_spans(loose, near, scales)
-        # While the exact motion sticks, samples that are this near to the belt are taken to be on it.
+        # While the exact motion sticks, samples that are this near to the belt are taken to be on
+        # it.
         label = labels(steps, near, np.maximum(near, 1e-4 * scales[1]))
         found, modes = find_events(steps, label, wrong)
         # The part of the samples' errors that is allowed; 0 after the end of the exact motion.
         within = np.where(np.isnan(errors), 0.0, np.fmin(np.abs(errors), limits))
-        tolerances = TimeTolerances(steps, within + loose, tolerance * float(scales[1]), tolerance, listed)
+        tolerances = TimeTolerances(
+            steps, within + loose, tolerance * float(scales[1]), tolerance, listed
+        )
         matching = self._match(trajectory, start, found, tolerances, label, wrong)
         faults = _faults(steps, modes, sizes, allowed, near, matching)
-        late = next((pair for pair in pairwise(samples.events or ()) if pair[1][0] < pair[0][0]), None)
+        late = next(
+            (pair for pair in pairwise(samples.events or ()) if pair[1][0] < pair[0][0]), None
+        )
         close = not np.any(np.abs(errors) > limits)
         right = not (wrong.any() or len(spans))
         rounded = {name: digits.text for name, digits in (self.rounding or {}).items()}
         notes = list(samples.notes)
         if rounded:
-            at_it = "; they are judged at that precision" if np.any(rounding) or np.any(listed) else ""
+            if np.any(rounding) or np.any(listed):
+                at_it = "; they are judged at that precision"
+            else:
+                at_it = ""
             columns = ", ".join(f"{name} to {text}" for name, text in rounded.items())
             notes.append(f"the samples are rounded: {columns}{at_it}")
         if until < samples.t[-1]:
             ends = f"the exact motion ends at t = {until:.10g} ({trajectory.message})"
             notes.append(f"{ends}; later only steps are compared")
-        notes += [] if samples.dense is None else [dense_note(trajectory, samples.dense, until)]
-        notes += [other_start] if other_start and self.own_start else []
+        if samples.dense is None:
+            notes += []
+        else:
+            notes += [dense_note(trajectory, samples.dense, until)]
+        if other_start and self.own_start:
+            notes += [other_start]
+        else:
+            notes += []
         if late:
             (before, _), (time, kind) = late
             what = f"{kind} at t = {time:.10g} comes after t = {before:.10g}"
             notes.append(f"the list is not in order of time: {what}")
         if not close and right and not other_start:
-            notes.append("every step is right, but their errors add up, or the start is another one")
-        refused, scene = "" if self.own_start else other_start, self.scene
-        own = (float(scene.t0), float(scene.x0), float(scene.v0)) if isinstance(scene, Scene) else None
+            notes.append(
+                "every step is right, but their errors add up, or the start is another one"
+            )
+        if self.own_start:
+            refused = ""
+        else:
+            refused = other_start
+        scene = self.scene
+        if isinstance(scene, Scene):
+            own = (float(scene.t0), float(scene.x0), float(scene.v0))
+        else:
+            own = None
         copied: Record = {name: tuple(getattr(matching, name)) for name in EVENT_LISTS}
         copied |= {name: getattr(samples, name) for name in SAMPLE_COLUMNS}
         return CrossCheck(
-            ok=bool(close and late is None and right and not (matching.missed or matching.invented or refused)),
+            ok=bool(
+                close
+                and late is None
+                and right
+                and not (matching.missed or matching.invented or refused)
+            ),
             max_error_x=float(np.nanmax(np.abs(errors[:, 0]))),
             max_error_v=float(np.nanmax(np.abs(errors[:, 1]))),
             errors=errors,
@@ -293,7 +386,9 @@ class Task:
             decisions=tuple(fault for fault in faults if fault.wrong_decision),
             faults=faults,
             first_wrong=faults[0] if faults else None,
-            first_switching=next((fault for fault in faults if fault.reason not in ("local error", "outlier")), None),
+            first_switching=next(
+                (fault for fault in faults if fault.reason not in ("local error", "outlier")), None
+            ),
             compared_until=min(until, float(samples.t[-1])),
             tolerance=tolerance,
             global_tolerance=self.limit,
@@ -311,10 +406,14 @@ class Task:
     def _start(self, loose: np.ndarray, rounding: np.ndarray) -> tuple[Record, str]:
         """Return the start of the exact motion, and a note if the first sample is not on the motion of the scene.
 
-        `loose` are the allowed errors of this sample's x and v, `rounding` the rounding of its t, x and v.
+        `loose` are the allowed errors of this sample's x and v, `rounding` the rounding of its t, x
+        and v.
         """
         # {} is the scene's own start, which may have more digits than the first sample.
-        scene, samples, limit, rate = self.scene, self.samples, self.limit, fastest_rate(self.parameters)
+        scene = self.scene
+        samples = self.samples
+        limit = self.limit
+        rate = fastest_rate(self.parameters)
         first = np.array([samples.t[0], samples.x[0], samples.v[0]])
         start = dict(zip(STARTS, first.tolist(), strict=True))
         if isinstance(scene, Parameters):
@@ -322,7 +421,10 @@ class Task:
         own = np.array([float(scene.t0), float(scene.x0), float(scene.v0)])
         slack = limit * np.maximum(1.0, np.abs(own))
         slack[0] = max(limit / rate, 4.0 * float(np.spacing(abs(own[0]))))
-        v_off = 0.0 if samples.v_off is None else float(samples.v_off[0])
+        if samples.v_off is None:
+            v_off = 0.0
+        else:
+            v_off = float(samples.v_off[0])
         off = np.maximum(rounding, [0.0, 0.0, v_off])
         if np.all(np.abs(first - own) <= slack + off):
             return {}, ""
@@ -344,12 +446,16 @@ class Task:
 
     def _early_end(self, trajectory: Trajectory) -> str:
         """Return a note if the solution ends before the motion does, else ""."""
-        scene, t = self.scene, self.samples.t
+        scene = self.scene
+        t = self.samples.t
         if isinstance(scene, Parameters) or trajectory.status == "equilibrium":
             return ""
-        last, t_end = float(t[-1]), float(scene.t_end)
+        last = float(t[-1])
+        t_end = float(scene.t_end)
         steps = np.diff(t)
-        step = min(float(np.median(steps[steps > 0.0])), 0.05 * (t_end - float(scene.t0)))  # may be missing
+        step = min(
+            float(np.median(steps[steps > 0.0])), 0.05 * (t_end - float(scene.t0))
+        )  # may be missing
         if last + (1.0 + 1e-9) * step >= t_end:
             return ""
         return f"the solution ends at t = {last:.10g}; the motion of {scene.name} goes on to t = {t_end:.10g}"
@@ -357,23 +463,31 @@ class Task:
     def _wrong_spans(self, loose: np.ndarray, near: np.ndarray, scales: np.ndarray) -> np.ndarray:
         """Return the spans (first and last sample) over which samples are off by more than their rounding explains.
 
-        `loose` are the errors of x and v that the rounding of each sample allows, `near` the distances of v from a
-        belt's speed that count as on the belt, and `scales` the units of x and v.
+        `loose` are the errors of x and v that the rounding of each sample allows, `near` the
+        distances of v from a belt's speed that count as on the belt, and `scales` the units of x
+        and v.
         """
-        # The tolerances of the steps of a span add up. The length is chosen at which many spans, and a great part of
-        # all, are wrong.
-        p, samples, best = self.parameters, self.samples, np.empty((0, 2), int)
-        count, length, most = len(samples.t), SPAN_FACTOR, 0.0
+        # The tolerances of the steps of a span add up. The length is chosen at which many spans,
+        # and a great part of all, are wrong.
+        p = self.parameters
+        samples = self.samples
+        best = np.empty((0, 2), int)
+        count = len(samples.t)
+        length = SPAN_FACTOR
+        most = 0.0
         while length < count and np.any(loose):
             ends = _every(length, count)
             t = samples.t[ends]
             of_steps = np.minimum(np.diff(ends)[:, None] * self.tolerance, self.limit) * scales
             allowed = double_rounding(p, t, scales) + loose[ends[1:]]
             allowed = allowed + propagated(p, loose[ends[:-1]] + of_steps, np.diff(t))
-            defects = follow_steps(p, t, samples.x[ends], samples.v[ends], near[ends], allowed).defects
+            defects = follow_steps(
+                p, t, samples.x[ends], samples.v[ends], near[ends], allowed
+            ).defects
             wrong = np.flatnonzero(np.max(np.abs(defects) / allowed, axis=1) > 1.0)
             if len(wrong) ** 2 > most * len(t):
-                most, best = len(wrong) ** 2 / len(t), np.column_stack([ends[wrong], ends[wrong + 1]])
+                most = len(wrong) ** 2 / len(t)
+                best = np.column_stack([ends[wrong], ends[wrong + 1]])
             length *= SPAN_FACTOR
         return best
 
@@ -383,27 +497,45 @@ class Task:
     ) -> Matcher:  # fmt: skip
         """Match the exact events with the solver's list of events or, if none was given, with those `found`.
 
-        The events `found` were read off the samples. `label` are the mode codes of the samples, `wrong` marks the wrong
-        steps, and `tolerances` tell how far times of events may be off.
+        The events `found` were read off the samples. `label` are the mode codes of the samples,
+        `wrong` marks the wrong steps, and `tolerances` tell how far times of events may be off.
         """
-        events, until, last = self.samples.events, float(trajectory.t_end), float(self.samples.t[-1])
-        there = until if until < last else np.inf  # where the exact motion has ended there is nothing to match
+        events = self.samples.events
+        until = float(trajectory.t_end)
+        last = float(self.samples.t[-1])
+        # where the exact motion has ended there is nothing to match
+        if until < last:
+            there = until
+        else:
+            there = np.inf
         if events is None or (events and not any(kind for _, kind in events)):
             found = [event for event in found if float(self.samples.t[event.step]) <= until]
-            matching = Matcher(trajectory, trajectory.events, found, False, tolerances, label, wrong)
+            matching = Matcher(
+                trajectory, trajectory.events, found, False, tolerances, label, wrong
+            )
             if events:  # a solver's list of times
                 matching.match_times([t for t, _ in events if t <= until])
             return matching
-        order = sorted((i for i, (t, _) in enumerate(events) if t <= there), key=lambda i: events[i][0])
-        pairs, exact, span = [events[i] for i in order], [*trajectory.events], WINDOW * tolerances.steps.K.period
-        if trajectory.status == "t_end" and pairs and pairs[-1][0] >= until - span:  # and those just after the end
+        order = sorted(
+            (i for i, (t, _) in enumerate(events) if t <= there), key=lambda i: events[i][0]
+        )
+        pairs = [events[i] for i in order]
+        exact = [*trajectory.events]
+        span = WINDOW * tolerances.steps.K.period
+        if (
+            trajectory.status == "t_end" and pairs and pairs[-1][0] >= until - span
+        ):  # and those just after the end
             exact += self._simulate(until + span, start).events[len(exact) :]
         tolerances = replace(tolerances, listed=tolerances.listed[order])
-        return Matcher(trajectory, exact, given_events(tolerances.steps, pairs), True, tolerances, label, wrong)
+        return Matcher(
+            trajectory, exact, given_events(tolerances.steps, pairs), True, tolerances, label, wrong
+        )
 
     def _simulate(self, t_end: float, start: Record) -> Trajectory:
         """Return the exact motion from a start to t_end, cut short if it has far more events than there are samples."""
-        return simulate(self.scene, t_end=t_end, max_events=2_000 + 10 * len(self.samples.t), **start)
+        return simulate(
+            self.scene, t_end=t_end, max_events=2_000 + 10 * len(self.samples.t), **start
+        )
 
 
 def _every(n: int, count: int) -> np.ndarray:
@@ -412,20 +544,41 @@ def _every(n: int, count: int) -> np.ndarray:
 
 
 def _faults(
-    steps: ExactSteps, modes: np.ndarray, sizes: np.ndarray, allowed: np.ndarray, near: np.ndarray, matching: Matcher
+    steps: ExactSteps,
+    modes: np.ndarray,
+    sizes: np.ndarray,
+    allowed: np.ndarray,
+    near: np.ndarray,
+    matching: Matcher,
 ) -> tuple[Fault, ...]:
-    """Describe wrong steps by `explain`: the first MOST_FAULTS, and all in which an event is missed or invented."""
+    """Describe wrong steps by `explain`.
+
+    The first MOST_FAULTS, and all in which an event is missed or invented.
+    """
     wrong = ~(sizes <= 1.0)
     odd = {event.step for event in matching.invented}
     odd |= {int(np.searchsorted(steps.t, float(event.t))) - 1 for event in matching.missed}
-    odd |= set(np.flatnonzero(wrong & (modes[1:] > 0) & (steps.last != modes[1:]))[:MOST_FAULTS].tolist())
+    odd |= set(
+        np.flatnonzero(wrong & (modes[1:] > 0) & (steps.last != modes[1:]))[:MOST_FAULTS].tolist()
+    )
     odd |= set(np.flatnonzero(wrong)[:MOST_FAULTS].tolist())
-    return explain(steps, sorted(i for i in odd if 0 <= i < len(wrong) and wrong[i]), modes, sizes, allowed, near)
+    return explain(
+        steps,
+        sorted(i for i in odd if 0 <= i < len(wrong) and wrong[i]),
+        modes,
+        sizes,
+        allowed,
+        near,
+    )
 
 
 def _scales(p: Parameters, exact: np.ndarray) -> np.ndarray:
-    """Return the units of x and v: the largest |x| and |v| of the exact motion, v at least the speed of each belt."""
-    # x is at least that speed divided by the fastest frequency, which is how far a motion at this speed swings.
+    """Return the units of x and v.
+
+    The largest |x| and |v| of the exact motion, v at least the speed of each belt.
+    """
+    # x is at least that speed divided by the fastest frequency, which is how far a motion at this
+    # speed swings.
     reach = np.max(np.abs(exact), axis=1)
     speed = max(float(reach[1]), abs(float(p.v1)), abs(float(p.v2)))
     return np.array([max(float(reach[0]), speed / fastest_rate(p)), speed])

@@ -1,4 +1,7 @@
-"""The probable causes of errors in a solution: each is tried on the wrong steps, and the best are reported."""
+"""The probable causes of errors in a solution.
+
+Each is tried on the wrong steps, and the best are reported.
+"""
 
 from __future__ import annotations
 
@@ -29,13 +32,24 @@ from symosc.errors import ParameterError
 NAMED = 0.3
 #: The alternatives, stage by stage, the cheapest first.
 STAGES: tuple[tuple[Callable[[Case], Iterable[Candidate | Diagnosis]], ...], ...] = (
-    (columns.outliers, columns.noise, columns.other_columns, columns.even_times, columns.single_times),
+    (
+        columns.outliers,
+        columns.noise,
+        columns.other_columns,
+        columns.even_times,
+        columns.single_times,
+    ),
     (models.other_systems, models.phases_of_drive),
     (columns.velocity_column, columns.frozen_positions, columns.resampled),
     (methods.double_roots, models.coefficients),
     (models.far_coefficients,),
     (methods.known_methods, methods.interpolated),
-    (friction.smoothed_flights, friction.at_belts, friction.stick_ends, friction.drift_within_steps),
+    (
+        friction.smoothed_flights,
+        friction.at_belts,
+        friction.stick_ends,
+        friction.drift_within_steps,
+    ),
     (methods.delays, friction.smoothed_passages),
     (columns.other_velocities, methods.truncation, models.forces),
 )
@@ -43,33 +57,47 @@ STAGES: tuple[tuple[Callable[[Case], Iterable[Candidate | Diagnosis]], ...], ...
 
 def diagnose(check: Any) -> tuple[Diagnosis, ...]:
     """Return the probable causes of the errors of a `CrossCheck`, the most probable first."""
-    # Each alternative is followed over all steps, and has to make the wrong ones right. For those that are named the
-    # whole check is repeated with the change, and its result is their evidence. Where several explain the samples as
-    # well, the others are the `alternatives` of the first.
+    # Each alternative is followed over all steps, and has to make the wrong ones right. For those
+    # that are named the whole check is repeated with the change, and its result is their evidence.
+    # Where several explain the samples as well, the others are the `alternatives` of the first.
     few_digits = tuple(columns.few_digits(check))
     if check.ok:
         return few_digits
     if check.coarser is not None:
         return diagnose(check.coarser)
     if not len(check.wrong_steps):
-        found = columns.event_list_faults(check) if check.missed or check.invented else _start(check)
+        if check.missed or check.invented:
+            found: Iterable[Diagnosis] = columns.event_list_faults(check)
+        else:
+            found = _start(check)
         return (*found, *few_digits)
     if not (np.ptp(check.x) or np.ptp(check.v)):
-        words, evidence = "x and v never change: the mass does not move", "x = {:.10g}, v = {:.10g} in all samples"
-        return (Diagnosis("columns", "x and v", words, evidence.format(check.x[0], check.v[0])), *few_digits)
+        words = "x and v never change: the mass does not move"
+        evidence = "x = {:.10g}, v = {:.10g} in all samples"
+        return (
+            Diagnosis("columns", "x and v", words, evidence.format(check.x[0], check.v[0])),
+            *few_digits,
+        )
     t = check.t[tried_samples(check)]
     periods = (t[-1] - t[0]) * float(check.trajectory.parameters.Omega) / TWO_PI
-    if periods > max(200.0, len(t)):  # steps longer than a period hold too many events to show a cause
+    if periods > max(
+        200.0, len(t)
+    ):  # steps longer than a period hold too many events to show a cause
         units = columns.changed_columns(check.trajectory.parameters, check.t, check.x, check.v)
         tried = (with_evidence(one, check) for one in units if one.diagnosis.subject == "t")
-        right = next((found for found in tried if found is not None and found.share >= ENOUGH), None)
+        right = next(
+            (found for found in tried if found is not None and found.share >= ENOUGH), None
+        )
         return (right or _unknown(check), *few_digits)
     with np.errstate(all="ignore"):  # what cannot be computed explains nothing
         return (*_best(Case(check), check), *few_digits)
 
 
 def _best(case: Case, check: Any) -> tuple[Diagnosis, ...]:
-    """Return the diagnosis that explains the wrong steps best; expensive causes are tried only if cheap ones fail."""
+    """Return the diagnosis that explains the wrong steps best.
+
+    Expensive causes are tried only if cheap ones fail.
+    """
     tried: list[Candidate] = []
     named: list[Diagnosis] = []
     for number, stage in enumerate(STAGES):
@@ -91,14 +119,18 @@ def _best(case: Case, check: Any) -> tuple[Diagnosis, ...]:
 
 
 def _tested(tried: list[Candidate], check: Any) -> list[Diagnosis]:
-    """Repeat the check with the changes of the best candidates; return the diagnoses that these checks confirm."""
+    """Repeat the check with the changes of the best candidates.
+
+    Return the diagnoses that these checks confirm.
+    """
     waiting = list(tried)
     while waiting and (best := waiting[0].diagnosis.share) >= NAMED:
         good = [one for one in waiting if one.diagnosis.share >= max(NAMED, best - AS_GOOD)]
         waiting = waiting[len(good) :]
         seen: dict[tuple[str, str], Diagnosis] = {}
         for one in good:
-            cause, subject = one.diagnosis.cause, one.diagnosis.subject
+            cause = one.diagnosis.cause
+            subject = one.diagnosis.subject
             name = cause, subject if cause in ("coefficient", "sign", "columns") else ""
             if len(seen) < 6 and name not in seen:
                 diagnosis = with_evidence(one, check)
@@ -111,11 +143,16 @@ def _tested(tried: list[Candidate], check: Any) -> list[Diagnosis]:
 
 
 def with_evidence(candidate: Candidate, check: Any) -> Diagnosis | None:
-    """Repeat the CrossCheck `check` with a candidate's change; add its result to the diagnosis. None: not possible."""
-    diagnosis, change = candidate.diagnosis, candidate.words
+    """Repeat the CrossCheck `check` with a candidate's change; add its result to the diagnosis.
+
+    None: not possible.
+    """
+    diagnosis = candidate.diagnosis
+    change = candidate.words
     if not change:
         return diagnosis
-    task, samples = check._task, check._task.samples
+    task = check._task
+    samples = check._task.samples
     if candidate.columns is not None:
         t, x, v = candidate.columns(samples.t, samples.x, samples.v)
         samples = replace(samples, t=t, x=x, v=np.full(len(t), np.nan) if v is None else v)
@@ -129,13 +166,17 @@ def with_evidence(candidate: Candidate, check: Any) -> Diagnosis | None:
         return None
     if again._task.samples.v_off is not None and len(again.t) < 0.9 * len(check.t):
         return None
-    wrong, steps = len(again.wrong_steps), len(again.defects)
-    words, share = f"{change} all {steps} steps are right", SURE
+    wrong = len(again.wrong_steps)
+    steps = len(again.defects)
+    words = f"{change} all {steps} steps are right"
+    share = SURE
     if wrong or len(again.wrong_spans):
         before, after = (larger(one.defects / one.allowed) for one in (check, again))
         share = (explained_share if len(before) == len(after) else mended_share)(before, after)
         words = f"{change} {wrong} of {steps} steps are wrong"
-    return replace(diagnosis, evidence="; ".join(filter(None, (diagnosis.evidence, words))), share=share)
+    return replace(
+        diagnosis, evidence="; ".join(filter(None, (diagnosis.evidence, words))), share=share
+    )
 
 
 def _start(check: Any) -> Iterable[Diagnosis]:
@@ -144,11 +185,21 @@ def _start(check: Any) -> Iterable[Diagnosis]:
     if check.wrong_start:
         yield Diagnosis("start", "", check.wrong_start, "every step is right")
     elif np.any(np.abs(check.errors) > check.limits):
-        yield Diagnosis("start", "", words, f"off by {check.max_error_x:.2g} in x and {check.max_error_v:.2g} in v")
+        yield Diagnosis(
+            "start",
+            "",
+            words,
+            f"off by {check.max_error_x:.2g} in x and {check.max_error_v:.2g} in v",
+        )
 
 
 def _unknown(check: Any) -> Diagnosis:
     """Return the diagnosis that the cause is unknown."""
     first = check.first_wrong
-    words = f"the first wrong step: {REASONS[first.reason]} ({first.words})" if first else "no step tells what it is"
-    return Diagnosis("unknown", "", words, "no single cause explains most of the wrong steps", share=0.0)
+    if first:
+        words = f"the first wrong step: {REASONS[first.reason]} ({first.words})"
+    else:
+        words = "no step tells what it is"
+    return Diagnosis(
+        "unknown", "", words, "no single cause explains most of the wrong steps", share=0.0
+    )

@@ -1,4 +1,7 @@
-"""Match the events of samples, or of a list, with the exact events: in order, one to one, within the tolerance."""
+"""Match the events of samples, or of a list, with the exact events.
+
+In order, one to one, within the tolerance.
+"""
 
 from __future__ import annotations
 
@@ -18,12 +21,14 @@ from symosc.model import MODE_NAMES, NEIGHBOURS
 from symosc.simulation.trajectory import Event, Trajectory
 
 CODES, MODES = ({name: code for code, name in names.items()} for names in (KIND_NAMES, MODE_NAMES))
-# An event of the samples belongs to an exact one that is at most this part of the forcing period away.
+# An event of the samples belongs to an exact one that is at most this part of the forcing period
+# away.
 WINDOW = 0.05
 # Times are estimated from the leading derivatives: twice that is surely enough.
 REACH_SAFETY = 2.0
-# Where events at one belt are too close to be distinguished, a list may have these kinds: for a passage to the next
-# domain, or back to where the motion came from, and for a stick that ends and begins again.
+# Where events at one belt are too close to be distinguished, a list may have these kinds: for a
+# passage to the next domain, or back to where the motion came from, and for a stick that ends and
+# begins again.
 PASSES = {("cross",), ("stick", "slip")}
 RETURNS = {(), ("graze",), ("stick", "slip"), ("cross", "cross")}
 STAYS: set[tuple[str, ...]] = {(), ("slip", "stick")}
@@ -36,8 +41,8 @@ class FoundEvent:
     Attributes
     ----------
     t : float
-        Estimated time. If the exact motion over the step has the event, it is the time there; else it is read off
-        the samples.
+        Estimated time. If the exact motion over the step has the event, it is the time there; else
+        it is read off the samples.
     kind : str
         "cross", "stick", "slip" or "graze".
     boundary : int
@@ -109,31 +114,42 @@ class Match:
 
 
 def labels(steps: ExactSteps, near: np.ndarray, drift: np.ndarray) -> np.ndarray:
-    """Return the mode code of each sample: 1 to 3 for the domain that it is in, 4 at belt 1, 5 at belt 2.
+    """Return the mode code of each sample.
 
-    A sample is at a belt, sticking or passing, if its v differs from the belt's speed by at most `near`. Beside a step
-    in which the exact motion sticks to the belt `drift` is enough, since solvers let v drift off in a stick.
+    1 to 3 for the domain that it is in, 4 at belt 1, 5 at belt 2.
+
+    A sample is at a belt, sticking or passing, if its v differs from the belt's speed by at most
+    `near`. Beside a step in which the exact motion sticks to the belt `drift` is enough, since
+    solvers let v drift off in a stick.
     """
-    v, K = steps.v, steps.K
+    v = steps.v
+    K = steps.K
     label = np.int8(1) + (v > K.belt1.v) + (v > K.belt2.v)
     for boundary, speed in ((1, K.belt1.v), (2, K.belt2.v)):
-        gap, sticks = np.abs(v - speed), steps.last == 3 + boundary
+        gap = np.abs(v - speed)
+        sticks = steps.last == 3 + boundary
         held = np.append(sticks, False) | np.append(False, sticks)
         label[(gap <= near) | ((gap <= drift) & held)] = 3 + boundary
     return label
 
 
-def find_events(steps: ExactSteps, label: np.ndarray, wrong: np.ndarray) -> tuple[list[FoundEvent], np.ndarray]:
+def find_events(
+    steps: ExactSteps, label: np.ndarray, wrong: np.ndarray
+) -> tuple[list[FoundEvent], np.ndarray]:
     """Return the events that the mode codes `label` of the samples show, in order of time, and corrected codes.
 
-    The corrected codes are 0 for samples at a belt that only pass or graze it, and those of `label` for all others.
-    `wrong` marks the wrong steps.
+    The corrected codes are 0 for samples at a belt that only pass or graze it, and those of `label`
+    for all others. `wrong` marks the wrong steps.
     """
     modes = label.copy()
-    starts = np.flatnonzero((np.diff(label, prepend=0) != 0) | _reached_by_flight(steps, label, wrong))
+    starts = np.flatnonzero(
+        (np.diff(label, prepend=0) != 0) | _reached_by_flight(steps, label, wrong)
+    )
     ends = np.append(starts[1:], len(label)) - 1
     found: list[FoundEvent] = []
-    now, since = 0, 0  # the last mode of the samples, and the last sample in it
+    # the last mode of the samples, and the last sample in it
+    now = 0
+    since = 0
 
     def move_to(domain: int, sample: int) -> None:
         """Record the slip and the crosses that lead from the last mode to `domain`, where the mass is at `sample`."""
@@ -143,9 +159,18 @@ def find_events(steps: ExactSteps, label: np.ndarray, wrong: np.ndarray) -> tupl
             found.append(_event(steps, "slip", now - 3, now, entered, since, since, since))
             now = entered
         if now:
-            way = 1 if domain > now else -1
-            route = range(now, domain + way, way) if now != domain else ()
-            found.extend(_event(steps, "cross", min(a, b), a, b, since, sample - 1, None) for a, b in pairwise(route))
+            if domain > now:
+                way = 1
+            else:
+                way = -1
+            if now != domain:
+                route: Sequence[int] = range(now, domain + way, way)
+            else:
+                route = ()
+            found.extend(
+                _event(steps, "cross", min(a, b), a, b, since, sample - 1, None)
+                for a, b in pairwise(route)
+            )
         now = domain
 
     for first, last in zip(starts.tolist(), ends.tolist(), strict=True):
@@ -154,7 +179,10 @@ def find_events(steps: ExactSteps, label: np.ndarray, wrong: np.ndarray) -> tupl
             move_to(mode, first)
         elif _is_stick(steps, mode, first, last, wrong):
             if now:
-                before = now - 2.5 if now > 3 else now
+                if now > 3:
+                    before = now - 2.5
+                else:
+                    before = now
                 move_to(min((mode - 3, mode - 2), key=lambda d: abs(d - before)), first)
                 found.append(_event(steps, "stick", mode - 3, now, mode, first - 1, first, first))
             now = mode
@@ -163,12 +191,15 @@ def find_events(steps: ExactSteps, label: np.ndarray, wrong: np.ndarray) -> tupl
             if last == len(wrong) or wrong[last] or (first and wrong[first - 1]):
                 continue
             # Where the steps are right, the exact motion shows what happens at the contact.
-            source, target = int(steps.last[first - 1]), int(steps.first[last])
+            source = int(steps.last[first - 1])
+            target = int(steps.first[last])
             if not now:  # a start on the belt is not an event
                 source = now = target
             if {source, target} == {mode - 3, mode - 2}:
                 move_to(source, first)
-                found.append(_event(steps, "cross", mode - 3, source, target, first - 1, last, first))
+                found.append(
+                    _event(steps, "cross", mode - 3, source, target, first - 1, last, first)
+                )
                 now = target
             elif now > 3 or target != now:
                 continue
@@ -191,33 +222,60 @@ def _is_stick(steps: ExactSteps, mode: int, first: int, last: int, wrong: np.nda
     sticks = (steps.first[inside] == mode) | (steps.last[inside] == mode)
     for i in inside[~sticks].tolist():
         sticks[i - first] = bool(np.any(steps.events.target[steps.events.rows(i, i)] == mode))
-    # Where a step is wrong the samples decide: two at the belt are on it, the last one is about to leave it.
+    # Where a step is wrong the samples decide: two at the belt are on it, the last one is about to
+    # leave it.
     held = np.where(wrong[inside], inside < last, sticks)
     return float(np.sum(np.diff(steps.t)[inside[held]])) >= 1e-9 * steps.K.period
 
 
 def _event(
-    steps: ExactSteps, kind: str, boundary: int, source: int, target: int, step: int, last_step: int, sample: int | None
+    steps: ExactSteps,
+    kind: str,
+    boundary: int,
+    source: int,
+    target: int,
+    step: int,
+    last_step: int,
+    sample: int | None,
 ) -> FoundEvent:
-    """Return a `FoundEvent`; its time is that of the exact motion over the steps, or of `sample`, or estimated by v."""
+    """Return a `FoundEvent`.
+
+    Its time is that of the exact motion over the steps, or of `sample`, or estimated by v.
+    """
     last_step = min(last_step, len(steps.first) - 1)
-    i, j, rows = step, last_step + 1, steps.events.rows(step, last_step)
-    times = steps.events.t[rows][(steps.events.kind[rows] == CODES[kind]) & (steps.events.boundary[rows] == boundary)]
-    spread = 0.0 if len(times) else float(steps.t[j] - steps.t[i])
+    i = step
+    j = last_step + 1
+    rows = steps.events.rows(step, last_step)
+    times = steps.events.t[rows][
+        (steps.events.kind[rows] == CODES[kind]) & (steps.events.boundary[rows] == boundary)
+    ]
+    if len(times):
+        spread = 0.0
+    else:
+        spread = float(steps.t[j] - steps.t[i])
     if len(times) or sample is not None:
         time = float(times[0] if len(times) else steps.t[sample])
     else:
         gaps = steps.v[i : j + 1] - steps.belts[boundary - 1]
         nearest = i + int(np.argmin(np.abs(gaps)))
-        part = gaps[0] / (gaps[0] - gaps[-1]) if gaps[0] * gaps[-1] < 0.0 else 0.5
+        if gaps[0] * gaps[-1] < 0.0:
+            part = gaps[0] / (gaps[0] - gaps[-1])
+        else:
+            part = 0.5
         between = steps.t[i] + part * (steps.t[j] - steps.t[i])
         time = float(steps.t[nearest] if i < nearest < j else between)
-    return FoundEvent(time, kind, boundary, MODE_NAMES[source], MODE_NAMES[target], step, last_step, spread)
+    return FoundEvent(
+        time, kind, boundary, MODE_NAMES[source], MODE_NAMES[target], step, last_step, spread
+    )
 
 
 def given_events(steps: ExactSteps, pairs: Iterable[tuple[float, str]]) -> list[FoundEvent]:
     """Convert the pairs (t, kind) of a solver's list of events to `FoundEvent`."""
-    return [FoundEvent(time, kind, 0, "", "", step, step) for time, kind in pairs for step in [steps.at(time)[0]]]
+    return [
+        FoundEvent(time, kind, 0, "", "", step, step)
+        for time, kind in pairs
+        for step in [steps.at(time)[0]]
+    ]
 
 
 # -- tolerances of event times -----------------------------------------------------------------------------------------
@@ -235,30 +293,49 @@ class TimeTolerances:
 
     def of_event(self, event: Event) -> float:
         """Return by how much a solver's time of an exact event may be off."""
-        t, x, theta = float(event.t), float(event.x), float(event.theta)
+        t = float(event.t)
+        x = float(event.x)
+        theta = float(event.theta)
         return self._tolerance(t, x, theta, event.boundary, MODES[event.source])
 
     def of_row(self, row: int) -> float:
         """Return by how much a solver's time of the exact event in one `row` of `steps.events` may be off."""
         events = self.steps.events
-        step, boundary = int(events.step[row]), int(events.boundary[row])
+        step = int(events.step[row])
+        boundary = int(events.boundary[row])
         starts = row == 0 or events.step[row - 1] != step
         source = int(self.steps.first[step] if starts else events.target[row - 1])
-        source = 3 + boundary if events.kind[row] == CODES["slip"] else min(source, 3)
-        return self._tolerance(float(events.t[row]), float(events.x[row]), float(events.theta[row]), boundary, source)
+        if events.kind[row] == CODES["slip"]:
+            source = 3 + boundary
+        else:
+            source = min(source, 3)
+        return self._tolerance(
+            float(events.t[row]), float(events.x[row]), float(events.theta[row]), boundary, source
+        )
 
     def of_start(self, boundary: int) -> float:
         """Return how long after the first sample a solver may list its start on a belt as an event."""
-        t, x, theta = float(self.steps.t[0]), float(self.steps.x[0]), float(self.steps.theta[0])
-        return max(self._tolerance(t, x, theta, boundary, domain) for domain in NEIGHBOURS[boundary])
+        t = float(self.steps.t[0])
+        x = float(self.steps.x[0])
+        theta = float(self.steps.theta[0])
+        return max(
+            self._tolerance(t, x, theta, boundary, domain) for domain in NEIGHBOURS[boundary]
+        )
 
     def of_near_graze(self, trajectory: Trajectory, time: float) -> float | None:
-        """Return how long before and after a time v is within tolerance of a belt's speed; None if it is not."""
+        """Return how long before and after a time v is within tolerance of a belt's speed.
+
+        None if it is not.
+        """
         inside = float(trajectory.t_start) <= time <= float(trajectory.t_end)
-        mode = MODES[trajectory.mode(time)] if inside else 4
+        if inside:
+            mode = MODES[trajectory.mode(time)]
+        else:
+            mode = 4
         if mode > 3:
             return None
-        K, (x, v) = self.steps.K, (float(value) for value in trajectory(time))
+        K = self.steps.K
+        (x, v) = (float(value) for value in trajectory(time))
         # The phase of the samples' clock does not lose digits at large times.
         step = self.steps.at(time)[0]
         theta = float(self.steps.theta[step] + K.Om * (time - self.steps.t[step]))
@@ -273,25 +350,38 @@ class TimeTolerances:
     def _acceleration(self, x: float, v: float, theta: float, domain: int) -> float:
         """Return the acceleration of the mass at a state x, v and phase theta, with the force of a domain."""
         K = self.steps.K
-        return float(acceleration(x, v, cos(theta), (K.A1, K.A2, K.A3)[domain - 1], K.cm, K.w0sq, K.f0))
+        return float(
+            acceleration(x, v, cos(theta), (K.A1, K.A2, K.A3)[domain - 1], K.cm, K.w0sq, K.f0)
+        )
 
     def _spread(self, time: float) -> tuple[float, float]:
-        """Return bounds of the errors of x and v around a time; the second bounds all later errors of v too."""
-        # For the differences X, V of two motions V^2 + (k/m) X^2 never grows: an error of x may become one of v.
+        """Return bounds of the errors of x and v around a time.
+
+        The second bounds all later errors of v too.
+        """
+        # For the differences X, V of two motions V^2 + (k/m) X^2 never grows: an error of x may
+        # become one of v.
         j = int(np.searchsorted(self.steps.t, time))
         dx, dv = (float(value) for value in np.max(self.errors[max(j - 2, 0) : j + 2], axis=0))
         return dx, sqrt(dv * dv + self.steps.K.w0sq * dx * dx)
 
     def _tolerance(self, time: float, x: float, theta: float, boundary: int, source: int) -> float:
-        """Return how far the time of an event at x, theta and a belt may be off; `source` is the mode that it ends."""
-        K, (dx, dv) = self.steps.K, self._spread(time)
-        v, s, c = (K.belt1, K.belt2)[boundary - 1].v, sin(theta), cos(theta)
+        """Return how far the time of an event at x, theta and a belt may be off.
+
+        `source` is the mode that it ends.
+        """
+        K = self.steps.K
+        (dx, dv) = self._spread(time)
+        v = (K.belt1, K.belt2)[boundary - 1].v
+        s = sin(theta)
+        c = cos(theta)
         rate = max(K.Om, sqrt(K.w0sq))
         if source > 3:  # the force passes 0, with known derivatives
             error = K.w0sq * dx + rate * self.allowed_v
             slopes = -(K.w0sq * v + K.fB * s), -K.fB * K.Om * c, K.fB * K.Om * K.Om * s
         else:  # the velocity passes the belt's
-            error, a = dv + self.allowed_v, self._acceleration(x, v, theta, source)
+            error = dv + self.allowed_v
+            a = self._acceleration(x, v, theta, source)
             slopes = (a, *derivatives(v, a, s, c, K)[:2])
         passing = REACH_SAFETY * float(passing_time(error, *slopes, K))
         return passing + self.tolerance / rate + 4.0 * float(np.spacing(abs(time)))
@@ -303,15 +393,21 @@ class TimeTolerances:
 class Matcher:
     """Exact events paired with those of the samples or (if `given`) of a list, and verdicts on unpaired events."""
 
-    # `exact` may have events shortly after the last sample too; `label` are the codes of `labels`; `wrong` marks steps.
-    # The results `matched`, `missed`, `invented`, `unresolved` and `notes` are those of `CrossCheck`.
+    # `exact` may have events shortly after the last sample too; `label` are the codes of `labels`;
+    # `wrong` marks steps. The results `matched`, `missed`, `invented`, `unresolved` and `notes` are
+    # those of `CrossCheck`.
 
     def __init__(
         self, trajectory: Trajectory, exact: Sequence[Event], found: Sequence[FoundEvent], given: bool,
         tolerances: TimeTolerances, label: np.ndarray, wrong: np.ndarray,
     ) -> None:  # fmt: skip
         self.trajectory, self.exact, self.found, self.given = trajectory, exact, found, given
-        self.tolerances, self.steps, self.label, self.wrong = tolerances, tolerances.steps, label, wrong
+        self.tolerances, self.steps, self.label, self.wrong = (
+            tolerances,
+            tolerances.steps,
+            label,
+            wrong,
+        )
         self.window = WINDOW * self.steps.K.period
         self.times = np.array([float(event.t) for event in exact])
         self.reaches = np.array([tolerances.of_event(event) for event in exact])
@@ -331,30 +427,50 @@ class Matcher:
         self.matched.sort(key=lambda match: float(match.event.t))
 
     def _local(self, event: Event) -> int | None:
-        """Return the row in `steps.events` of an event of the exact motion; None if no right step has this event."""
+        """Return the row in `steps.events` of an event of the exact motion.
+
+        None if no right step has this event.
+        """
         # In `steps.events` the motion begins anew at every sample.
-        events, time = self.steps.events, float(event.t)
+        events = self.steps.events
+        time = float(event.t)
         rows = np.arange(*np.searchsorted(events.t, [time - self.window, time + self.window]))
         same = (events.kind[rows] == CODES[event.kind]) & (events.boundary[rows] == event.boundary)
         rows = rows[same & ~self.wrong[events.step[rows]]]
-        return int(rows[np.argmin(np.abs(events.t[rows] - time))]) if len(rows) else None
+        if len(rows):
+            return int(rows[np.argmin(np.abs(events.t[rows] - time))])
+        return None
 
     def _own_time(self, i: int) -> float | None:
         """Return when exact event number `i` occurs if the motion restarts at every sample, None if it does not."""
-        return None if self.local[i] is None else float(self.steps.events.t[self.local[i]])
+        if self.local[i] is None:
+            return None
+        return float(self.steps.events.t[self.local[i]])
 
     def _pair(self) -> None:
-        """Pair as many events as possible: of the same kind, in order of time, and within their time errors."""
+        """Pair as many events as possible.
+
+        Of the same kind, in order of time, and within their time errors.
+        """
         pairs = []
         most = float(np.max(self.reaches, initial=0.0)) + self.window
         for j, event in enumerate(self.found):
-            slack = event.spread + self.tolerances.listed[j] if self.given else event.spread
-            low, high = np.searchsorted(self.times, [event.t - most - slack, event.t + most + slack])
+            if self.given:
+                slack = event.spread + self.tolerances.listed[j]
+            else:
+                slack = event.spread
+            low, high = np.searchsorted(
+                self.times, [event.t - most - slack, event.t + most + slack]
+            )
             for i in range(int(low), int(high)):
-                if self.exact[i].kind == event.kind and event.boundary in (0, self.exact[i].boundary):
+                if self.exact[i].kind == event.kind and event.boundary in (
+                    0,
+                    self.exact[i].boundary,
+                ):
                     own = self._own_time(i)
                     distance = abs(self.times[i] - event.t)
-                    distance = distance if own is None else min(distance, abs(own - event.t))
+                    if own is not None:
+                        distance = min(distance, abs(own - event.t))
                     if distance <= self.reaches[i] + slack:
                         pairs.append((i, j, float(distance)))
         for i, j in in_order(pairs):
@@ -363,15 +479,23 @@ class Matcher:
             self.matched.append(Match(self.exact[i], self.found[j].t, self.found[j]))
 
     def _allow_start(self) -> None:
-        """Drop a listed event that is the start on a belt: this is no event, but solvers list it."""
+        """Drop a listed event that is the start on a belt.
+
+        This is no event, but solvers list it.
+        """
         boundary = int(self.label[0]) - 3
         if boundary <= 0 or not self.found_free:
             return
         first = min(self.found_free)
         time = self.found[first].t
-        if abs(time - float(self.steps.t[0])) <= self.tolerances.of_start(boundary) + self.tolerances.listed[first]:
+        if (
+            abs(time - float(self.steps.t[0]))
+            <= self.tolerances.of_start(boundary) + self.tolerances.listed[first]
+        ):
             self.found_free.remove(first)
-            self.notes.append(f"the list's event at t = {time:.10g} is the start on belt {boundary}")
+            self.notes.append(
+                f"the list's event at t = {time:.10g} is the start on belt {boundary}"
+            )
 
     def _allow_events_of_the_samples(self) -> None:
         """Set aside listed events that the exact motion has only if it restarts at every sample, in a right step."""
@@ -381,10 +505,17 @@ class Matcher:
             event = self.found[j]
             low, high = np.searchsorted(events.t, [event.t - self.window, event.t + self.window])
             for row in range(int(low), int(high)):
-                if events.kind[row] != CODES[event.kind] or row in used or self.wrong[events.step[row]]:
+                if (
+                    events.kind[row] != CODES[event.kind]
+                    or row in used
+                    or self.wrong[events.step[row]]
+                ):
                     continue
-                distance, reach = abs(float(events.t[row]) - event.t), self.tolerances.of_row(row)
-                near = np.flatnonzero(np.abs(self.times - events.t[row]) <= self.reaches + reach).tolist()
+                distance = abs(float(events.t[row]) - event.t)
+                reach = self.tolerances.of_row(row)
+                near = np.flatnonzero(
+                    np.abs(self.times - events.t[row]) <= self.reaches + reach
+                ).tolist()
                 kind = event.kind, events.boundary[row]
                 is_exact = any((self.exact[i].kind, self.exact[i].boundary) == kind for i in near)
                 if not is_exact and distance <= reach + self.tolerances.listed[j]:
@@ -411,11 +542,20 @@ class Matcher:
                 continue
             own = [partner[id(self.exact[i])] for i in cluster if id(self.exact[i]) in partner]
             there = sorted([*loose, *(index[id(event)] for event in own)])
-            source, target = self.exact[cluster[0]].source, self.exact[cluster[-1]].target
+            source = self.exact[cluster[0]].source
+            target = self.exact[cluster[-1]].target
             if source.startswith("belt"):
-                alike = STAYS if source == target else set()
+                if source == target:
+                    alike = STAYS
+                else:
+                    alike = set()
             else:
-                alike = set() if target.startswith("belt") else RETURNS if source == target else PASSES
+                if target.startswith("belt"):
+                    alike = set()
+                elif source == target:
+                    alike = RETURNS
+                else:
+                    alike = PASSES
             if tuple(self.found[j].kind for j in there) in alike:
                 self._set_aside(loose, self.exact_free & set(cluster))
 
@@ -438,8 +578,12 @@ class Matcher:
                 self._set_aside(run, ())
 
     def _set_aside(self, found: Iterable[int], exact: Iterable[int]) -> None:
-        """Set the events numbered `found` and `exact` aside as unresolved: they do not count in the verdict."""
-        exact, found = sorted(exact), sorted(found)
+        """Set the events numbered `found` and `exact` aside as unresolved.
+
+        They do not count in the verdict.
+        """
+        exact = sorted(exact)
+        found = sorted(found)
         self.exact_free -= set(exact)
         self.found_free -= set(found)
         self.unresolved.extend([self.exact[i] for i in exact] + [self.found[j] for j in found])
@@ -449,13 +593,21 @@ class Matcher:
         return bool(self.wrong[self.steps.at(low)[0] : self.steps.at(high)[1] + 1].any())
 
     def _judge_exact(self) -> None:
-        """Classify exact events without partner: missed, matched as inside a right step, or else unresolved."""
-        t, slack = self.steps.t, 1e-6 * self.steps.K.period
+        """Classify exact events without partner.
+
+        Missed, matched as inside a right step, or else unresolved.
+        """
+        t = self.steps.t
+        slack = 1e-6 * self.steps.K.period
         for i in sorted(self.exact_free):
-            own, time, reach = self.exact[i], float(self.times[i]), self.reaches[i]
+            own = self.exact[i]
+            time = float(self.times[i])
+            reach = self.reaches[i]
             if time > t[-1]:
                 continue
-            if self.given and (time >= t[-1] - reach or time <= t[0] + reach):  # it may be outside the samples
+            if self.given and (
+                time >= t[-1] - reach or time <= t[0] + reach
+            ):  # it may be outside the samples
                 self.unresolved.append(own)
                 continue
             first, last = self.steps.at(time, slack)
@@ -463,7 +615,10 @@ class Matcher:
             if inside is None:  # a contact that is a sample is inside no step
                 nearest = first + int(np.argmin(np.abs(t[first : last + 2] - time)))
                 there = abs(t[nearest] - time) <= slack and self.label[nearest] == 3 + own.boundary
-                inside = float(t[nearest]) if there else None
+                if there:
+                    inside = float(t[nearest])
+                else:
+                    inside = None
             near = inside is not None and abs(inside - time) <= self.window
             if self.wrong[first : last + 1].any() or (self.given and near and own.kind != "graze"):
                 if own.kind != "graze":  # nothing changes at a graze: it cannot be missed
@@ -474,7 +629,10 @@ class Matcher:
                 self.unresolved.append(own)
 
     def _judge_found(self) -> None:
-        """Classify found events without partner: invented if listed or in a wrong step, else unresolved."""
+        """Classify found events without partner.
+
+        Invented if listed or in a wrong step, else unresolved.
+        """
         events = self.steps.events
         for j in sorted(self.found_free):
             event = self.found[j]
@@ -484,30 +642,49 @@ class Matcher:
             if self.given or self.wrong[event.step : event.last_step + 1].any():
                 self.invented.append(event)
             elif same.any() or not len(same):
-                # Otherwise several events in a step, which are matched one by one, look like this from outside.
+                # Otherwise several events in a step, which are matched one by one, look like this
+                # from outside.
                 self.unresolved.append(event)
 
     def match_times(self, times: Sequence[float]) -> None:
         """Match the exact events with the times of a solver's list without kinds."""
-        # Such a list may be incomplete: the samples judge an exact event that it lacks. A time without event is
-        # invented.
-        matched, used = {id(match.event): match for match in self.matched}, set[int]()
+        # Such a list may be incomplete: the samples judge an exact event that it lacks. A time
+        # without event is invented.
+        matched = {id(match.event): match for match in self.matched}
+        used = set[int]()
         for time in times:
             gaps = np.abs(self.times - time)
-            nearest = int(np.argmin(gaps)) if len(gaps) else -1
+            if len(gaps):
+                nearest = int(np.argmin(gaps))
+            else:
+                nearest = -1
             near = nearest >= 0 and gaps[nearest] <= self.window
             close = False
-            if near:  # the event may be as far from its exact time as that of the samples' own path, and its tolerance
-                exact, own = float(self.times[nearest]), self._own_time(nearest)
-                close = bool(gaps[nearest] <= self.reaches[nearest] + abs((exact if own is None else own) - exact))
+            # the event may be as far from its exact time as that of the samples' own path, and its
+            # tolerance
+            if near:
+                exact = float(self.times[nearest])
+                own = self._own_time(nearest)
+                close = bool(
+                    gaps[nearest]
+                    <= self.reaches[nearest] + abs((exact if own is None else own) - exact)
+                )
             if close and nearest not in used:
                 used.add(nearest)
                 event = self.exact[nearest]
-                found = matched[id(event)].found if id(event) in matched else None
+                if id(event) in matched:
+                    found = matched[id(event)].found
+                else:
+                    found = None
                 matched[id(event)] = Match(event, time, found)
-            elif not close and abs(time - float(self.steps.t[0])) > max(map(self.tolerances.of_start, (1, 2))):
+            elif not close and abs(time - float(self.steps.t[0])) > max(
+                map(self.tolerances.of_start, (1, 2))
+            ):
                 step = self.steps.at(time)[0]
-                kind = self.exact[nearest].kind if near else "cross"
+                if near:
+                    kind = self.exact[nearest].kind
+                else:
+                    kind = "cross"
                 self.invented.append(FoundEvent(time, kind, 0, "", "", step, step))
         ids = {id(self.exact[i]) for i in used}
         self.matched = sorted(matched.values(), key=lambda match: float(match.event.t))
@@ -516,25 +693,32 @@ class Matcher:
 
 
 def in_order(pairs: Iterable[tuple[int, int, float]]) -> list[tuple[int, int]]:
-    """Return the longest chain of pairs (i, j, cost) with i and j increasing; among these, the cheapest."""
+    """Return the longest chain of pairs (i, j, cost) with i and j increasing.
+
+    Among these, the cheapest.
+    """
     rows = sorted(pairs, key=lambda pair: (pair[0], -pair[1]))
-    # A Fenwick tree over j: the best chain (length, -cost, its last row) that ends before a given j.
+    # A Fenwick tree over j: the best chain (length, -cost, its last row) that ends before a given
+    # j.
     tree = [(0, 0.0, -1)] * (max((j for _, j, _ in rows), default=-1) + 2)
     links = []
 
     def best_before(j: int) -> tuple[int, float, int]:
         best = tree[0]
         while j > 0:
-            best, j = max(best, tree[j]), j & (j - 1)
+            best = max(best, tree[j])
+            j = j & (j - 1)
         return best
 
     for row, (_, j, cost) in enumerate(rows):
         length, gain, link = best_before(j)
         links.append(link)
-        entry, k = (length + 1, gain - cost, row), j + 1
+        entry = (length + 1, gain - cost, row)
+        k = j + 1
         while k < len(tree):
             tree[k], k = max(tree[k], entry), k + (k & -k)
-    chain, row = [], best_before(len(tree) - 1)[2]
+    chain = []
+    row = best_before(len(tree) - 1)[2]
     while row >= 0:
         chain.append(rows[row][:2])
         row = links[row]

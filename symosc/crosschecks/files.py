@@ -1,6 +1,9 @@
-"""Read solutions and events from files: text tables, JSON, numpy, parquet, feather, HDF5, MATLAB and Octave.
+"""Read solutions and events from files.
 
-`read_solutions` reads samples for `symosc check`, `read_content` whatever a file holds, for `symosc score`.
+Text tables, JSON, numpy, parquet, feather, HDF5, MATLAB and Octave.
+
+`read_solutions` reads samples for `symosc check`, `read_content` whatever a file holds, for `symosc
+score`.
 """
 
 from __future__ import annotations
@@ -65,37 +68,56 @@ def read_solutions(
 ) -> list[Samples]:
     """Read solutions from a file, standard input ("-"), a list of files, or an object such as a table or a function.
 
-    `columns` says how the columns t, x, v and id are called, None for a missing one; from `problem` a function gets its
-    times. ParameterError if the file cannot be read, a column is missing or the samples are wrong.
+    `columns` says how the columns t, x, v and id are called, None for a missing one; from `problem`
+    a function gets its times. ParameterError if the file cannot be read, a column is missing or the
+    samples are wrong.
     """
     # docs/checking.md lists the objects.
     asked = read_column_names(columns)
-    if isinstance(source, (list, tuple)) and source and all(isinstance(each, (str, Path)) for each in source):
+    if (
+        isinstance(source, (list, tuple))
+        and source
+        and all(isinstance(each, (str, Path)) for each in source)
+    ):
         found = [(path, each) for path in source for each in read_solutions(path, columns, problem)]
-        return [replace(each, name=f"{path}:{each.name}" if each.name else str(path)) for path, each in found]
+        return [
+            replace(each, name=f"{path}:{each.name}" if each.name else str(path))
+            for path, each in found
+        ]
     if not isinstance(source, (str, Path)):
         return solutions_in(source, asked, problem)
-    where = "standard input" if source == STDOUT else str(source)
+    if source == STDOUT:
+        where = "standard input"
+    else:
+        where = str(source)
     content = _read(source, where, asked, read_text)
     # Of text the columns asked for have been found.
     return solutions_in(content, {} if isinstance(content, TextColumns) else asked, problem, where)
 
 
 def read_content(path: str | Path, choose: Choose) -> Any:
-    """Return the contents of a file: arrays, JSON values, or the rows of a text table in columns named by `choose`."""
-    # A line is its place in the file, and its cells that are not empty by the names that `choose` gives them.
+    """Return the contents of a file.
+
+    Arrays, JSON values, or the rows of a text table in columns named by `choose`.
+    """
+    # A line is its place in the file, and its cells that are not empty by the names that `choose`
+    # gives them.
 
     def cells_by_name(file: IO[bytes], asked: Any, where: str) -> list[tuple[str, dict[str, str]]]:
         _, columns, rows = _table(file, choose, where)
         return [
-            (f"line {number}", {name: cells[i] for name, i in columns.items() if cells[i]}) for number, cells in rows
+            (f"line {number}", {name: cells[i] for name, i in columns.items() if cells[i]})
+            for number, cells in rows
         ]
 
     return _read(path, str(path), None, cells_by_name)
 
 
 def _read(path: str | Path, where: str, asked: Asked | None, text: Reader) -> Any:
-    """Return the columns `asked` for (None: all) of a file; `text` reads plain text. Any error is a ParameterError."""
+    """Return the columns `asked` for (None: all) of a file; `text` reads plain text.
+
+    Any error is a ParameterError.
+    """
     library = ""
     try:
         with _opened(path, where) as file:
@@ -171,19 +193,33 @@ def _opened(path: str | Path, where: str) -> io.BufferedReader:
         packed = file.suffix.lower()
     if packed in PACKED:
         return io.BufferedReader(_Unpacked(PACKED[packed](file), where))
-    return io.BufferedReader(file) if path == STDOUT else file.open("rb")
+    if path == STDOUT:
+        return io.BufferedReader(file)
+    return file.open("rb")
 
 
 def _suffix_of_content(beginning: bytes) -> str:
     """Return the suffix of the format whose files begin with these bytes, ".txt" if there is none."""
-    return next((suffix for sign, suffix in BEGINNINGS.items() if beginning.startswith(sign)), ".txt")
+    return next(
+        (suffix for sign, suffix in BEGINNINGS.items() if beginning.startswith(sign)), ".txt"
+    )
 
 
-def _format_of(path: str | Path, file: io.BufferedReader, where: str, text: Reader) -> tuple[str, Reader]:
-    """Return the name of a file's format for messages, and the function that reads it; plain text is read by `text`."""
-    suffix = "" if path == STDOUT else suffix_of(path)
+def _format_of(
+    path: str | Path, file: io.BufferedReader, where: str, text: Reader
+) -> tuple[str, Reader]:
+    """Return the name of a file's format for messages, and the function that reads it.
+
+    Plain text is read by `text`.
+    """
+    if path == STDOUT:
+        suffix = ""
+    else:
+        suffix = suffix_of(path)
     if suffix and suffix not in SUFFIXES:
-        raise ParameterError("file", where, f"must end in {', '.join(SUFFIXES)}, and perhaps {', '.join(PACKED)}")
+        raise ParameterError(
+            "file", where, f"must end in {', '.join(SUFFIXES)}, and perhaps {', '.join(PACKED)}"
+        )
     beginning = file.peek(32).lstrip()[:32]
     if beginning.startswith(b"# Created by Octave") and suffix in ("", ".mat", *TEXT_SUFFIXES):
         return "a file of Octave", read_octave
@@ -191,8 +227,13 @@ def _format_of(path: str | Path, file: io.BufferedReader, where: str, text: Read
 
 
 def suffix_of(path: str | Path) -> str:
-    """Return the suffix of a file in lower case, without that of a compression; "" if it has none."""
-    return next((each for each in map(str.lower, Path(path).suffixes[::-1]) if each not in PACKED), "")
+    """Return the suffix of a file in lower case, without that of a compression.
+
+    "" if it has none.
+    """
+    return next(
+        (each for each in map(str.lower, Path(path).suffixes[::-1]) if each not in PACKED), ""
+    )
 
 
 # -- tables as text ----------------------------------------------------------------------------------------------------
@@ -207,36 +248,53 @@ class TextColumns(dict[str, np.ndarray]):
 
 
 def read_text(file: IO[bytes], asked: Asked, where: str) -> TextColumns:
-    """Return the columns t and x of a text table, and v and id if present; `asked` may say how they are called."""
+    """Return the columns t and x of a text table, and v and id if present.
+
+    `asked` may say how they are called.
+    """
 
     def choose(names: list[str]) -> dict[str, str]:
         if names != [str(i + 1) for i in range(len(names))] or set(asked.values()) & set(names):
             return find_columns(names, asked, where)
         if len(names) not in (2, 3):
-            what = f"has no header and {len(names)} columns; say which are meant, such as t=1,x=2,v=3"
+            what = (
+                f"has no header and {len(names)} columns; say which are meant, such as t=1,x=2,v=3"
+            )
             raise ParameterError("file", where, what)
         numbers = dict(zip(SAMPLE_COLUMNS, names, strict=False))
-        return {name: numbers[column] for name, column in find_columns([*numbers], asked, where).items()}
+        return {
+            name: numbers[column] for name, column in find_columns([*numbers], asked, where).items()
+        }
 
     delimiter, columns, rows = _table(file, choose, where)
-    id_column, ids = columns.pop(ID_COLUMN, None), list[str]()
+    id_column = columns.pop(ID_COLUMN, None)
+    ids = list[str]()
     values = {name: array("d") for name in columns}
     for row, (number, cells) in enumerate(rows):
         for name, i in columns.items():
             try:
                 values[name].append(_number(cells[i], delimiter))
             except ValueError:
-                raise ParameterError(f"{name}[{row}]", brief(cells[i]), f"is not a number (line {number})") from None
+                raise ParameterError(
+                    f"{name}[{row}]", brief(cells[i]), f"is not a number (line {number})"
+                ) from None
         if id_column is not None:
             ids.append(sys.intern(cells[id_column]))  # one string for all rows of an id
     found = TextColumns((name, np.array(column)) for name, column in values.items())
-    return found if id_column is None else TextColumns({**found, ID_COLUMN: np.array(ids)})
+    if id_column is None:
+        return found
+    return TextColumns({**found, ID_COLUMN: np.array(ids)})
 
 
 def _number(cell: str, delimiter: str | None) -> float:
-    """Return a cell as a float; read Fortran exponents and, unless the `delimiter` is a comma, decimal commas too."""
+    """Return a cell as a float.
+
+    Read Fortran exponents and, unless the `delimiter` is a comma, decimal commas too.
+    """
     try:
-        return float(cell) if "_" not in cell and cell.isascii() else number_of(cell)
+        if "_" not in cell and cell.isascii():
+            return float(cell)
+        return number_of(cell)
     except ValueError:
         if delimiter == "," and "," in cell:
             raise
@@ -255,9 +313,15 @@ def _table(
     lines = _lines(file, where)
     head = list(islice(lines, 1000))  # lines that may hold the header
     data = [i for i, (_, _, has_data) in enumerate(head) if has_data]
-    comments = head[: data[0]] if data else head  # one may be the header: numpy.savetxt writes such
+    # one may be the header: numpy.savetxt writes such
+    if data:
+        comments = head[: data[0]]
+    else:
+        comments = head
     if not head:
-        raise ParameterError("file", where, "is empty; its first line must name the columns, such as t,x,v")
+        raise ParameterError(
+            "file", where, "is empty; its first line must name the columns, such as t,x,v"
+        )
     # The second line shows the delimiter better than a header.
     samples = [head[i][1] for i in data[1::-1]] or [comments[-1][1]]
     delimiter = next((sign for sign in map(_delimiter, samples) if sign), None)
@@ -266,23 +330,42 @@ def _table(
         found = choose(names)
         for name in found.values():
             if names.count(name) > 1:
-                raise ParameterError("file", where, f"has {brief(name)!r} twice; there are: {names_text(names)}")
+                raise ParameterError(
+                    "file", where, f"has {brief(name)!r} twice; there are: {names_text(names)}"
+                )
         return {name: names.index(column) for name, column in found.items()}
 
-    first = _split_cells(head[data[0]][1], delimiter) if data else []
-    in_comments = [_split_cells(line.lstrip("".join(COMMENT_SIGNS) + " "), delimiter) for _, line, _ in comments[::-1]]
-    tried = [
-        names for names in in_comments if not _are_numbers(names, None) and len(names) == (len(first) or len(names))
+    if data:
+        first = _split_cells(head[data[0]][1], delimiter)
+    else:
+        first = []
+    in_comments = [
+        _split_cells(line.lstrip("".join(COMMENT_SIGNS) + " "), delimiter)
+        for _, line, _ in comments[::-1]
     ]
-    has_header = not _are_numbers(first, delimiter)  # or it is a row with words, below a header that is a comment
-    usual = first if has_header else [str(i) for i in range(1, len(first) + 1)]
+    tried = [
+        names
+        for names in in_comments
+        if not _are_numbers(names, None) and len(names) == (len(first) or len(names))
+    ]
+    has_header = not _are_numbers(
+        first, delimiter
+    )  # or it is a row with words, below a header that is a comment
+    if has_header:
+        usual = first
+    else:
+        usual = [str(i) for i in range(1, len(first) + 1)]
     wrong: list[ParameterError] = []
     for names in [usual, *tried] if has_header else [*tried, usual]:
         try:
-            columns, width = places(names), len(names)
+            columns = places(names)
+            width = len(names)
             break
         except ParameterError as error:  # of a comment it only says that it is no header
-            wrong += [error] if names is usual else []
+            if names is usual:
+                wrong += [error]
+            else:
+                wrong += []
     else:
         raise wrong[0]
     begin = len(comments) + (has_header and names is usual)
@@ -300,7 +383,10 @@ def _table(
 
 
 def _lines(file: IO[bytes], where: str) -> Iterator[tuple[int, str, bool]]:
-    """Yield each line of a text file that is not empty: its number, its text, and whether it holds data."""
+    """Yield each line of a text file that is not empty.
+
+    Its number, its text, and whether it holds data.
+    """
     empty = 0
     with io.TextIOWrapper(file, "utf-8-sig", newline=None) as text:
         for number, line in enumerate(iter(partial(text.readline, LONGEST_LINE), ""), 1):
@@ -319,9 +405,13 @@ def _delimiter(line: str) -> str | None:
     """Return the character that separates the cells of a line; None if blanks do."""
     line = re.sub('"[^"]*"', "", line)
     if ";" in line or "\t" in line:
-        return ";" if ";" in line else "\t"
+        if ";" in line:
+            return ";"
+        return "\t"
     cells = line.split()
-    return "," if "," in line and not (len(cells) > 1 and _are_numbers(cells, None)) else None
+    if "," in line and not (len(cells) > 1 and _are_numbers(cells, None)):
+        return ","
+    return None
 
 
 def _split_cells(line: str, delimiter: str | None) -> list[str]:
@@ -329,8 +419,13 @@ def _split_cells(line: str, delimiter: str | None) -> list[str]:
     if delimiter is None:
         return line.replace('"', " ").split()
     if '"' not in line:
-        return line.split(delimiter) if " " not in line else [cell.strip() for cell in line.split(delimiter)]
-    return [cell.strip() for cell in next(csv.reader([line], delimiter=delimiter, skipinitialspace=True), [])]
+        if " " not in line:
+            return line.split(delimiter)
+        return [cell.strip() for cell in line.split(delimiter)]
+    return [
+        cell.strip()
+        for cell in next(csv.reader([line], delimiter=delimiter, skipinitialspace=True), [])
+    ]
 
 
 def _are_numbers(cells: list[str], delimiter: str | None) -> bool:
@@ -356,12 +451,19 @@ def read_json(file: IO[bytes], asked: Asked | None, where: str) -> Any:
         return dict(pairs)
 
     try:
-        data = json.loads(text, object_pairs_hook=table, parse_float=Decimal if asked is None else None)
+        data = json.loads(
+            text, object_pairs_hook=table, parse_float=Decimal if asked is None else None
+        )
     except (ParameterError, json.JSONDecodeError):
         raise
     except ValueError:  # Python's own limit
-        raise ParameterError("file", where, "cannot be read: a number in it has thousands of digits") from None
-    kinds = {type(each) for each in data} if isinstance(data, list) else {type(data)}
+        raise ParameterError(
+            "file", where, "cannot be read: a number in it has thousands of digits"
+        ) from None
+    if isinstance(data, list):
+        kinds = {type(each) for each in data}
+    else:
+        kinds = {type(data)}
     if asked is not None and kinds != {dict} and not (isinstance(data, list) and kinds == {list}):
         raise ParameterError("file", where, f"must hold columns, such as {EXAMPLE}")
     return data
@@ -376,7 +478,10 @@ def _read_numpy(file: IO[bytes], asked: Asked | None, where: str) -> Any:
     with data:
         for name in data.files:
             try:
-                found[name] = data[name] if is_wanted(name, asked) else None
+                if is_wanted(name, asked):
+                    found[name] = data[name]
+                else:
+                    found[name] = None
             except ValueError:
                 what = f"{name} must be an array of numbers (events, id: of text), not of Python objects"
                 raise ParameterError("file", where, what) from None
@@ -388,36 +493,62 @@ def _read_parquet(file: IO[bytes], asked: Asked | None, where: str) -> Any:
     parquet = optional("pyarrow.parquet", "a parquet file", "tables").ParquetFile(file)
     names = parquet.schema_arrow.names
     table = parquet.read(columns=[name for name in names if is_wanted(name, asked)])
-    return {name: table.column(name).to_numpy() if name in table.column_names else None for name in names}
+    return {
+        name: table.column(name).to_numpy() if name in table.column_names else None
+        for name in names
+    }
 
 
 def _read_feather(file: IO[bytes], asked: Asked | None, where: str) -> Any:
     """Return the wanted columns of a feather file."""
     table = optional("pyarrow.feather", "a feather file", "tables").read_table(file)
-    return {name: table.column(name).to_numpy() if is_wanted(name, asked) else None for name in table.column_names}
+    return {
+        name: table.column(name).to_numpy() if is_wanted(name, asked) else None
+        for name in table.column_names
+    }
 
 
 def _unwrapped(found: Record) -> Any:
-    """Return the variables of a file by name; of a file with a single array or struct return this alone."""
-    only = next(iter(found.values())) if len(found) == 1 else None
-    return found if only is None or (np.ndim(only) == 0 and not isinstance(only, dict)) else only
+    """Return the variables of a file by name.
+
+    Of a file with a single array or struct return this alone.
+    """
+    if len(found) == 1:
+        only = next(iter(found.values()))
+    else:
+        only = None
+    if only is None or (np.ndim(only) == 0 and not isinstance(only, dict)):
+        return found
+    return only
 
 
 # -- HDF5, also of MATLAB and Octave; text of Octave -------------------------------------------------------------------
 
 
 def _read_hdf5(file: IO[bytes], asked: Asked | None, where: str) -> Any:
-    """Return the datasets in one group of an HDF5 or netCDF 4 file: the group nearest to the root that has any."""
+    """Return the datasets in one group of an HDF5 or netCDF 4 file.
+
+    The group nearest to the root that has any.
+    """
     h5py = optional("h5py", "an HDF5 file", "tables")
     groups: dict[str, Record] = {}
 
     def visit(path: str, item: Any) -> None:
-        """Enter the dataset `item` into `groups`; the cells of an Octave cell array go into one dict, by number."""
-        # MATLAB keeps the targets of references in a group "#refs#", Octave x as x/type and x/value.
+        """Enter the dataset `item` into `groups`.
+
+        The cells of an Octave cell array go into one dict, by number.
+        """
+        # MATLAB keeps the targets of references in a group "#refs#", Octave x as x/type and
+        # x/value.
         octave = "OCTAVE_NEW_FORMAT" in item.parent.attrs
-        if not isinstance(item, h5py.Dataset) or path.startswith("#") or (octave and path.endswith("/type")):
+        if (
+            not isinstance(item, h5py.Dataset)
+            or path.startswith("#")
+            or (octave and path.endswith("/type"))
+        ):
             return
-        path = path.removesuffix("/value") if octave else path
+        if octave:
+            path = path.removesuffix("/value")
         cell = re.fullmatch(r"(.*)/value/_(\d+)", path)
         group, _, name = (cell[1] if cell else path).rpartition("/")
         if cell:
@@ -427,16 +558,22 @@ def _read_hdf5(file: IO[bytes], asked: Asked | None, where: str) -> Any:
 
     with h5py.File(file, "r") as root:
         root.visititems(visit)
-        found = groups[min(groups, key=lambda group: len(group.split("/")) if group else 0)] if groups else {}
+        if groups:
+            found = groups[min(groups, key=lambda group: len(group.split("/")) if group else 0)]
+        else:
+            found = {}
         wanted = {name: len(found) == 1 or is_wanted(name, asked) for name in found}
-        return _unwrapped({name: _hdf5_value(item) if wanted[name] else None for name, item in found.items()})
+        return _unwrapped(
+            {name: _hdf5_value(item) if wanted[name] else None for name, item in found.items()}
+        )
 
 
 def _hdf5_value(item: Any) -> Any:
     """Return the value of an HDF5 dataset, or the list of values in a dict of datasets (an Octave cell array)."""
     if isinstance(item, dict):
         return [_hdf5_value(item[i]) for i in sorted(item)]
-    values, octave = item[()], "OCTAVE_NEW_FORMAT" in item.parent.attrs
+    values = item[()]
+    octave = "OCTAVE_NEW_FORMAT" in item.parent.attrs
     if "base" in (item.dtype.names or ()):
         base, limit, increment = values.tolist()
         return _octave_range(base, limit, increment, int(item.attrs["OCTAVE_RANGE_NELEM"]))
@@ -445,26 +582,46 @@ def _hdf5_value(item: Any) -> Any:
     if octave and "OCTAVE_EMPTY_MATRIX" in item.parent.attrs:
         return np.empty(0)
     if octave and item.parent["type"][()].decode().endswith("string"):
-        texts = [bytes(row.astype(np.uint8)).decode("utf-8", "replace").strip() for row in np.atleast_2d(values.T)]
-        return texts[0] if len(texts) == 1 else texts
+        texts = [
+            bytes(row.astype(np.uint8)).decode("utf-8", "replace").strip()
+            for row in np.atleast_2d(values.T)
+        ]
+        if len(texts) == 1:
+            return texts[0]
+        return texts
     if values.dtype.kind == "O":
-        values = np.array([each.decode() if isinstance(each, bytes) else each for each in values.ravel().tolist()])
-    return np.squeeze(values.T if octave else values) if values.ndim > 1 else values
+        values = np.array(
+            [each.decode() if isinstance(each, bytes) else each for each in values.ravel().tolist()]
+        )
+    if values.ndim > 1:
+        return np.squeeze(values.T if octave else values)
+    return values
 
 
 def _octave_range(base: float, limit: float, increment: float, count: int) -> np.ndarray:
     """Return the numbers of a range that Octave has saved by its base, limit, increment and count."""
     values = base + increment * np.arange(count)  # rounding leads none beyond the limit
-    return np.minimum(values, limit) if increment > 0 else np.maximum(values, limit)
+    if increment > 0:
+        return np.minimum(values, limit)
+    return np.maximum(values, limit)
 
 
 def read_octave(file: IO[bytes], asked: Asked | None, where: str) -> Any:
-    """Return the variables in a text of Octave's `save` by name; the fields of a struct count as variables."""
+    """Return the variables in a text of Octave's `save` by name.
+
+    The fields of a struct count as variables.
+    """
     lines = iter(_whole(file, where).decode("utf-8-sig", "replace").splitlines())
-    found, name, cells = dict[str, Any](), "", list[Any]()
+    found = dict[str, Any]()
+    name = ""
+    cells = list[Any]()
     for line in lines:
-        name = line[8:] if line.startswith("# name: ") else name
-        kind = line.removeprefix("# type: ") if line.startswith("# type: ") else ""
+        if line.startswith("# name: "):
+            name = line[8:]
+        if line.startswith("# type: "):
+            kind = line.removeprefix("# type: ")
+        else:
+            kind = ""
         if kind == "cell":
             found[name] = cells = []
         elif kind and not re.search("complex|sparse|diagonal|struct", kind):
@@ -477,7 +634,10 @@ def read_octave(file: IO[bytes], asked: Asked | None, where: str) -> Any:
 
 
 def _octave_value(kind: str, lines: Iterator[str]) -> Any:
-    """Read the next value, of a named kind, from the lines of an Octave file; None if the kind is unknown."""
+    """Read the next value, of a named kind, from the lines of an Octave file.
+
+    None if the kind is unknown.
+    """
 
     def number(name: str, line: str = "") -> int:
         return int((line or next(lines)).removeprefix(f"# {name}: "))
@@ -485,19 +645,28 @@ def _octave_value(kind: str, lines: Iterator[str]) -> Any:
     if kind.endswith("range"):
         next(lines)
         base, limit, increment = map(float, next(lines).split())
-        return _octave_range(base, limit, increment, int((limit - base) / increment * (1 + 1e-15) + 1e-9) + 1)
+        return _octave_range(
+            base, limit, increment, int((limit - base) / increment * (1 + 1e-15) + 1e-9) + 1
+        )
     if kind.endswith("string"):
         texts = [next(lines).strip() if number("length") else "" for _ in range(number("elements"))]
-        return texts[0] if len(texts) == 1 else texts
+        if len(texts) == 1:
+            return texts[0]
+        return texts
     if not kind.endswith("matrix"):
-        return float(next(lines)) if kind.endswith(("scalar", "bool")) else None
+        if kind.endswith(("scalar", "bool")):
+            return float(next(lines))
+        return None
     sizes = next(lines)
     if sizes.startswith("# ndims: "):  # a number in each line
         shape = [int(size) for size in next(lines).split()]
         values = np.array(list(islice(lines, int(np.prod(shape)))), dtype=float)
         return np.squeeze(values.reshape(shape, order="F"))
-    rows, columns = number("rows", sizes), number("columns")
-    return np.squeeze(np.array(" ".join(islice(lines, rows)).split(), dtype=float).reshape(rows, columns))
+    rows = number("rows", sizes)
+    columns = number("columns")
+    return np.squeeze(
+        np.array(" ".join(islice(lines, rows)).split(), dtype=float).reshape(rows, columns)
+    )
 
 
 # -- MATLAB ------------------------------------------------------------------------------------------------------------
@@ -507,7 +676,9 @@ MAT_HEADER = 128
 
 def _read_mat(file: IO[bytes], asked: Asked | None, where: str) -> Any:
     """Return the variables of a MATLAB file by name, also of version 7.3, which is HDF5."""
-    begins, sign = file.read(512 + 8), b"\x89HDF\r\n\x1a\n"  # perhaps behind a block of text
+    # perhaps behind a block of text
+    begins = file.read(512 + 8)
+    sign = b"\x89HDF\r\n\x1a\n"
     file.seek(0)
     if begins.startswith(sign) or begins.endswith(sign):
         return _read_hdf5(file, asked, where)
@@ -519,7 +690,9 @@ def _read_mat(file: IO[bytes], asked: Asked | None, where: str) -> Any:
     variables = loadmat(io.BytesIO(data), squeeze_me=True, struct_as_record=True)
     found = {name: value for name, value in variables.items() if not name.startswith("__")}
     for name, value in found.items():
-        if isinstance(value, np.ndarray) and value.dtype.names:  # a struct with the columns as its fields
+        if (
+            isinstance(value, np.ndarray) and value.dtype.names
+        ):  # a struct with the columns as its fields
             found[name] = {field: value[field][()] for field in value.dtype.names}
     return _unwrapped(found)
 
@@ -530,7 +703,10 @@ def has_wrong_tags(data: bytes) -> bool:
     if order is None:
         return False  # version 4, or no such file: scipy says so
     try:
-        return not all(_is_sound(data, order, *tag, 1) for tag in _tags(data, order, MAT_HEADER, len(data), False))
+        return not all(
+            _is_sound(data, order, *tag, 1)
+            for tag in _tags(data, order, MAT_HEADER, len(data), False)
+        )
     except (struct.error, ValueError):
         return True
 
@@ -542,16 +718,24 @@ def _is_sound(data: bytes, order: str, kind: int, begin: int, end: int, depth: i
     parts = list(_tags(data, order, begin, end, True))
     if parts:  # a matrix of numbers has as many as its flags say: flags, size, name, numbers
         (flags,) = struct.unpack_from(f"{order}I", data, parts[0][1])
-        own, complex_too = flags & 0xFF, flags >> 11 & 1
-        if own in range(5, 16) and len(parts) != 4 + complex_too + 2 * (own == 5):  # sparse: two lists of places
+        own = flags & 0xFF
+        complex_too = flags >> 11 & 1
+        if own in range(5, 16) and len(parts) != 4 + complex_too + 2 * (
+            own == 5
+        ):  # sparse: two lists of places
             return False
     return depth <= 50 and all(_is_sound(data, order, *part, depth + 1) for part in parts)
 
 
-def _tags(data: bytes, order: str, at: int, end: int, inside: bool) -> Iterator[tuple[int, int, int]]:
-    """Yield the tags of the data elements between two positions of a MATLAB file: number of the type, begin and end.
+def _tags(
+    data: bytes, order: str, at: int, end: int, inside: bool
+) -> Iterator[tuple[int, int, int]]:
+    """Yield the tags of the data elements between two positions of a MATLAB file.
 
-    Elements `inside` a matrix are followed by zeros up to a multiple of 8 bytes. `order` is the byte order.
+    Number of the type, begin and end.
+
+    Elements `inside` a matrix are followed by zeros up to a multiple of 8 bytes. `order` is the
+    byte order.
     """
     while at < end:
         kind, size = struct.unpack_from(f"{order}II", data, at)
@@ -559,11 +743,15 @@ def _tags(data: bytes, order: str, at: int, end: int, inside: bool) -> Iterator[
             yield kind & 0xFFFF, at + 4, at + 8
             at += 8
             continue
-        begin, at = at + 8, at + 8 + size
+        begin = at + 8
+        at = at + 8 + size
         if at > end:
             raise ValueError("an element reaches beyond its end")
         yield kind, begin, at
-        at += -size % 8 if inside else 0
+        if inside:
+            at += -size % 8
+        else:
+            at += 0
 
 
 #: The formats other than text, by suffix.

@@ -1,6 +1,9 @@
-"""Read solutions from Python objects: tables of any package, solver results, arrays, functions, lists of these.
+"""Read solutions from Python objects.
 
-None of the packages is imported: the attributes of an object show what it is. `run_solver` calls somebody's function.
+Tables of any package, solver results, arrays, functions, lists of these.
+
+None of the packages is imported: the attributes of an object show what it is. `run_solver` calls
+somebody's function.
 """
 
 from __future__ import annotations
@@ -41,10 +44,35 @@ ID_COLUMN = "id"
 USUAL_NAMES = {
     "t": {"t", "time", "times", "ts"},
     "x": {"x", "position", "positions", "pos", "displacement", "disp", "q", "xs"},
-    "v": {"v", "velocity", "velocities", "vel", "speed", "xdot", "dx", "dxdt", "xprime", "qdot", "vx", "vs"},
-    ID_COLUMN: {"id", "ids", "trajectory", "trajectories", "traj", "run", "case", "motion", "trajectoryid", "runid"},
+    "v": {
+        "v",
+        "velocity",
+        "velocities",
+        "vel",
+        "speed",
+        "xdot",
+        "dx",
+        "dxdt",
+        "xprime",
+        "qdot",
+        "vx",
+        "vs",
+    },
+    ID_COLUMN: {
+        "id",
+        "ids",
+        "trajectory",
+        "trajectories",
+        "traj",
+        "run",
+        "case",
+        "motion",
+        "trajectoryid",
+        "runid",
+    },
 }
-#: The entry of a file or a mapping that is no column of samples; names of arrays that hold x and v together.
+#: The entry of a file or a mapping that is no column of samples; names of arrays that hold x and v
+#: together.
 EVENTS = "events"
 STATE_NAMES = ("y", "ys", "u", "z", "state", "states", "sol", "solution", "data")
 NONE = "none"
@@ -53,7 +81,10 @@ MOST_NAMES = 12  # in a message
 
 
 def read_column_names(columns: Mapping[str, str | None] | None) -> dict[str, str | None]:
-    """Check and return `columns`, column names by t, x, v and id; "none", for a missing column, becomes None."""
+    """Check and return `columns`, column names by t, x, v and id.
+
+    "none", for a missing column, becomes None.
+    """
     if columns is not None and not isinstance(columns, Mapping):
         raise ParameterError("columns", columns, 'must be a mapping, such as {"x": "position"}')
     asked: dict[str, str | None] = {}
@@ -61,8 +92,13 @@ def read_column_names(columns: Mapping[str, str | None] | None) -> dict[str, str
         if name not in USUAL_NAMES:
             raise ParameterError("columns", name, "only t, x and v are read, and id")
         if column is not None and not isinstance(column, str):
-            raise ParameterError("columns", column, f"must be text: the name of the column that holds {name}")
-        asked[name] = None if column is None or column.lower() == NONE else column
+            raise ParameterError(
+                "columns", column, f"must be text: the name of the column that holds {name}"
+            )
+        if column is None or column.lower() == NONE:
+            asked[name] = None
+        else:
+            asked[name] = column
         if asked[name] is None and name in ("t", "x"):
             raise ParameterError("columns", f"{name}={NONE}", "a time and a position are needed")
     named = [column for column in asked.values() if column is not None]
@@ -73,17 +109,31 @@ def read_column_names(columns: Mapping[str, str | None] | None) -> dict[str, str
 
 
 def plain(name: str) -> str:
-    """Return a column name in lower case without units, brackets and signs: "Time (s)" is "time", "dx/dt" is "dxdt"."""
-    text = unicodedata.normalize("NFKD", name[:200]).lower().replace("\u0307", "dot").replace("'", "prime")
+    """Return a column name in lower case without units, brackets and signs.
+
+    "Time (s)" is "time", "dx/dt" is "dxdt".
+    """
+    text = (
+        unicodedata.normalize("NFKD", name[:200])
+        .lower()
+        .replace("\u0307", "dot")
+        .replace("'", "prime")
+    )
     text = re.sub(r"\([^)]*\)|\[[^\]]*\]|\{[^}]*\}", "", text) or text
     return "".join(letter for letter in text if letter.isalnum())
 
 
 def is_wanted(name: str, asked: Asked | None) -> bool:
-    """Return whether to read the column `name`: any if `asked` is None, else one asked for or with a usual name."""
+    """Return whether to read the column `name`.
+
+    Any if `asked` is None, else one asked for or with a usual name.
+    """
     if asked is None or plain(name) in set().union(*USUAL_NAMES.values()):
         return True
-    return name.lower() in {column.lower() for column in asked.values() if column} | {EVENTS, *STATE_NAMES}
+    return name.lower() in {column.lower() for column in asked.values() if column} | {
+        EVENTS,
+        *STATE_NAMES,
+    }
 
 
 def refuse_twice(where: str, names: Iterable[str], asked: Asked | None) -> None:
@@ -96,19 +146,26 @@ def refuse_twice(where: str, names: Iterable[str], asked: Asked | None) -> None:
 
 
 def find_columns(names: Sequence[str], asked: Asked, where: str) -> dict[str, str]:
-    """Find t, x and perhaps v, id among the column `names`, as `asked` or by usual names; ParameterError if unclear."""
+    """Find t, x and perhaps v, id among the column `names`, as `asked` or by usual names.
+
+    ParameterError if unclear.
+    """
     missing = f"is missing in {where}; there are: {names_text(names)}"
     found: dict[str, str] = {}
     free = [each for each in names if each not in asked.values()]
     for name, usual in USUAL_NAMES.items():
         column = asked.get(name)
         if column is not None:
-            same = [each for each in names if each == column] or [e for e in names if e.lower() == column.lower()]
+            same = [each for each in names if each == column] or [
+                e for e in names if e.lower() == column.lower()
+            ]
             if len(set(same)) != 1:
                 raise ParameterError("column", column, missing)
             found[name] = same[0]
         elif name not in asked:
-            fitting = [each for each in free if each == name][:1] or [each for each in free if plain(each) in usual]
+            fitting = [each for each in free if each == name][:1] or [
+                each for each in free if plain(each) in usual
+            ]
             if len(fitting) > 1 and name in SAMPLE_COLUMNS:
                 what = f"may be any of {names_text(fitting)} in {where}; say which, such as {name}={fitting[0]}"
                 raise ParameterError("column", name, what)
@@ -117,16 +174,24 @@ def find_columns(names: Sequence[str], asked: Asked, where: str) -> dict[str, st
     for name in ("t", "x"):
         if name not in found:
             left = [each for each in free if each not in found.values()]
-            say = f"; say which, such as {name}={brief(left[0])}" if left else ""
+            if left:
+                say = f"; say which, such as {name}={brief(left[0])}"
+            else:
+                say = ""
             raise ParameterError("column", name, missing + say)
     if "v" not in found and "v" not in asked and set(names) - {*found.values(), EVENTS}:
-        raise ParameterError("column", "v", f"{missing}; without velocities, which are then computed: v=none")
+        raise ParameterError(
+            "column", "v", f"{missing}; without velocities, which are then computed: v=none"
+        )
     return found
 
 
 def names_text(names: Sequence[str]) -> str:
     """Return the first few names, joined for a message."""
-    more = [f"and {len(names) - MOST_NAMES} more"] if len(names) > MOST_NAMES else []
+    if len(names) > MOST_NAMES:
+        more = [f"and {len(names) - MOST_NAMES} more"]
+    else:
+        more = []
     return ", ".join([*map(brief, names[:MOST_NAMES]), *more]) or "none"
 
 
@@ -138,15 +203,23 @@ Table = dict[str, Any]
 Problem = Scene | Parameters | None
 
 
-def solutions_in(source: Any, asked: Asked, problem: Problem = None, where: str = "") -> list[Samples]:
-    """Return the solutions in an object; `where` names it in messages, `asked` are the names of its columns."""
-    # A list of objects is several solutions, or pieces of one if each begins where the one before ends.
+def solutions_in(
+    source: Any, asked: Asked, problem: Problem = None, where: str = ""
+) -> list[Samples]:
+    """Return the solutions in an object.
+
+    `where` names it in messages, `asked` are the names of its columns.
+    """
+    # A list of objects is several solutions, or pieces of one if each begins where the one before
+    # ends.
     where = where or type(source).__name__
     if isinstance(source, Trajectory):
         events = tuple((float(event.t), event.kind) for event in source.events)
         times = _grid(float(source.t_start), float(source.t_end), source.parameters)
         times = np.unique([*times, *(t for t, _ in events)])
-        return [replace(checked(times, *source(times)), events=events, notes=("an exact trajectory",))]
+        return [
+            replace(checked(times, *source(times)), events=events, notes=("an exact trajectory",))
+        ]
     if isinstance(source, (list, tuple)):
         return _read_list(source, asked, problem, where)
     if not asked and not _has_x(source):
@@ -162,7 +235,9 @@ def solutions_in(source: Any, asked: Asked, problem: Problem = None, where: str 
         return [checked(*source.T)]
     table = as_table(source)
     if table is None:
-        raise ParameterError("solution", source, "is no solution: give a file, a table, an array or a function")
+        raise ParameterError(
+            "solution", source, "is no solution: give a file, a table, an array or a function"
+        )
     return _read_table(table, asked, where)
 
 
@@ -177,19 +252,33 @@ def _has_x(source: Any) -> bool:
 
 def _read_result(source: Any, problem: Problem) -> list[Samples] | None:
     """Return the solutions in a solver result (t and y, or ts and ys), or None for another object."""
-    of = source.get if isinstance(source, Mapping) else partial(getattr, source)
+    if isinstance(source, Mapping):
+        of = source.get
+    else:
+        of = partial(getattr, source)
     for times, states in (("t", "y"), ("ts", "ys")):
-        t, y = of(times, MISSING), of(states, MISSING)
+        t = of(times, MISSING)
+        y = of(states, MISSING)
         if t is MISSING or y is MISSING or callable(t) or callable(y):
             continue
         if isinstance(y, Mapping):
             return solutions_in({"t": t, **y}, {}, None, type(source).__name__)
         found = _read_states(np.asarray(t), y, states)
-        notes = [] if getattr(source, "success", True) else [f"the solver says: {getattr(source, 'message', 'failed')}"]
+        if getattr(source, "success", True):
+            notes = []
+        else:
+            notes = [f"the solver says: {getattr(source, 'message', 'failed')}"]
         events, more = _solver_events(source, problem)
         if len(found) == 1:
             dense = getattr(source, "sol", None)
-            found = [replace(found[0], events=events, notes=(*notes, *more), dense=dense if callable(dense) else None)]
+            found = [
+                replace(
+                    found[0],
+                    events=events,
+                    notes=(*notes, *more),
+                    dense=dense if callable(dense) else None,
+                )
+            ]
         return found
     return None
 
@@ -199,13 +288,25 @@ def _read_states(t: np.ndarray, y: Any, name: str) -> list[Samples]:
     try:
         y = np.asarray(y, dtype=float)
     except (TypeError, ValueError):
-        raise ParameterError(name, "ragged", "must have two rows, x and v, so the shape (2, n)") from None
-    t = t.ravel() if t.size == max(t.shape, default=0) else t  # a column of MATLAB
+        raise ParameterError(
+            name, "ragged", "must have two rows, x and v, so the shape (2, n)"
+        ) from None
+    # a column of MATLAB
+    if t.size == max(t.shape, default=0):
+        t = t.ravel()
     if t.ndim == 2 and y.ndim == 3 and len(t) == len(y):
-        return [replace(_read_states(*pair, name)[0], name=str(i)) for i, pair in enumerate(zip(t, y, strict=True))]
-    rows = y if y.shape == (2, t.size) else y.T
+        return [
+            replace(_read_states(*pair, name)[0], name=str(i))
+            for i, pair in enumerate(zip(t, y, strict=True))
+        ]
+    if y.shape == (2, t.size):
+        rows = y
+    else:
+        rows = y.T
     if y.ndim != 2 or rows.shape != (2, t.size):
-        raise ParameterError(name, y.shape, "must have two rows, x and v, so the shape (2, n); this is its shape")
+        raise ParameterError(
+            name, y.shape, "must have two rows, x and v, so the shape (2, n); this is its shape"
+        )
     # Solvers with arrays of one size fill them up with inf.
     padded = t.ndim == 1 and t.dtype.kind == "f" and len(t) > 2 and np.isinf(t[-1])
     kept = slice(int(np.argmax(np.isinf(t))) if padded else None)
@@ -217,15 +318,24 @@ def _read_list(source: Sequence[Any], asked: Asked, problem: Problem, where: str
     if not source:
         raise ParameterError("solution", source, "is empty")
     if all(
-        isinstance(row, Mapping) and all(np.ndim(row[name]) == 0 for name in row if name != EVENTS) for row in source
+        isinstance(row, Mapping) and all(np.ndim(row[name]) == 0 for name in row if name != EVENTS)
+        for row in source
     ):
         names = dict.fromkeys(name for row in source for name in row)
-        return _read_table({str(name): [row.get(name) for row in source] for name in names}, asked, where)
-    rows, numbers = (list, tuple, np.ndarray), (int, float, str, np.number)
-    if all(isinstance(row, rows) and len(row) and all(isinstance(value, numbers) for value in row) for row in source):
+        return _read_table(
+            {str(name): [row.get(name) for row in source] for name in names}, asked, where
+        )
+    rows = (list, tuple, np.ndarray)
+    numbers = (int, float, str, np.number)
+    if all(
+        isinstance(row, rows) and len(row) and all(isinstance(value, numbers) for value in row)
+        for row in source
+    ):
         lengths = {len(row) for row in source}
         if len(lengths) > 1:
-            raise ParameterError(where, sorted(lengths), "has rows of several lengths; each must be t, x, v")
+            raise ParameterError(
+                where, sorted(lengths), "has rows of several lengths; each must be t, x, v"
+            )
         columns = [list(column) for column in zip(*source, strict=True)]
         if len(columns) not in (2, 3):
             return solutions_in(np.empty((len(source), len(columns))), {}, None, where)
@@ -236,14 +346,22 @@ def _read_list(source: Sequence[Any], asked: Asked, problem: Problem, where: str
             raise ParameterError(f"{where}[{i}]", part, "is no solution")
         found += solutions_in(part, asked, problem)
     # Two pieces meet if their times agree but for rounding.
-    gaps = [abs(after.t[0] - before.t[-1]) / np.spacing(abs(before.t[-1])) for before, after in pairwise(found)]
+    gaps = [
+        abs(after.t[0] - before.t[-1]) / np.spacing(abs(before.t[-1]))
+        for before, after in pairwise(found)
+    ]
     if len(found) == 1 or max(gaps) > 4.0 or len({each.lacks_v for each in found}) > 1:
         return found
-    joined: Record = {name: np.concatenate([getattr(each, name) for each in found]) for name in SAMPLE_COLUMNS}
+    joined: Record = {
+        name: np.concatenate([getattr(each, name) for each in found]) for name in SAMPLE_COLUMNS
+    }
     begin = np.cumsum([len(each.t) for each in found[:-1]])
     joined["t"][begin] = np.maximum(joined["t"][begin], joined["t"][begin - 1])
     lists = [each.events for each in found if each.events is not None]
-    events = tuple(chain.from_iterable(lists)) if lists else None
+    if lists:
+        events = tuple(chain.from_iterable(lists))
+    else:
+        events = None
     notes = dict.fromkeys(note for each in found for note in each.notes)
     return [Samples(**joined, events=events, notes=(*notes, f"joined from {len(found)} pieces"))]
 
@@ -255,7 +373,9 @@ def as_table(source: Any) -> Table | None:
     """Return a mapping, structured array, or table of pandas, polars, xarray or pyarrow as a table, else None."""
     package = type(source).__module__.partition(".")[0]
     if isinstance(source, np.ndarray):
-        return None if source.dtype.names is None else {name: source[name] for name in source.dtype.names}
+        if source.dtype.names is None:
+            return None
+        return {name: source[name] for name in source.dtype.names}
     if package == "pandas" and hasattr(source, "columns"):
         return _pandas_table(source)
     if package == "xarray" and hasattr(source, "data_vars"):
@@ -264,7 +384,9 @@ def as_table(source: Any) -> Table | None:
         return {str(name): column for name, column in source.items()}
     if package == "pyarrow":
         names = getattr(getattr(source, "schema", None), "names", None)
-        return None if names is None else {name: source.column(i) for i, name in enumerate(names)}
+        if names is None:
+            return None
+        return {name: source.column(i) for i, name in enumerate(names)}
     columns = getattr(source, "columns", None)  # polars
     if isinstance(columns, list) and hasattr(source, "__getitem__"):
         return {str(name): source[name] for name in columns}
@@ -273,7 +395,9 @@ def as_table(source: Any) -> Table | None:
 
 def _pandas_table(frame: Any) -> Table:
     """Return a DataFrame as a table; the levels of a named index become columns too."""
-    if any(name is not None and str(name) not in map(str, frame.columns) for name in frame.index.names):
+    if any(
+        name is not None and str(name) not in map(str, frame.columns) for name in frame.index.names
+    ):
         frame = frame.reset_index()
     if len({str(name) for name in frame.columns}) < len(frame.columns):
         raise ParameterError("DataFrame", list(frame.columns), "has two columns of one name")
@@ -281,40 +405,74 @@ def _pandas_table(frame: Any) -> Table:
 
 
 def _xarray_table(data: Any) -> Table:
-    """Return an xarray Dataset as a table; of two dimensions, the one that is not time becomes the id of solutions."""
+    """Return an xarray Dataset as a table.
+
+    Of two dimensions, the one that is not time becomes the id of solutions.
+    """
     if max((len(variable.dims) for variable in data.variables.values()), default=0) <= 1:
         return {str(name): variable for name, variable in data.variables.items()}
     frame = data.to_dataframe().reset_index()
-    along = next((each.dims for name, each in data.variables.items() if plain(str(name)) in USUAL_NAMES["t"]), ())
-    others = [str(name) for name in data.dims if name not in along[-1:] and frame[name].nunique() > 1]
+    along = next(
+        (
+            each.dims
+            for name, each in data.variables.items()
+            if plain(str(name)) in USUAL_NAMES["t"]
+        ),
+        (),
+    )
+    others = [
+        str(name) for name in data.dims if name not in along[-1:] and frame[name].nunique() > 1
+    ]
     if len(others) == 1 and ID_COLUMN not in frame:
         frame = frame.rename(columns={others[0]: ID_COLUMN})
     return _pandas_table(frame.dropna())
 
 
 def _read_table(table: Table, asked: Asked, where: str) -> list[Samples]:
-    """Return the solutions in a table: a single one, or one for each id or for each row of matrices."""
+    """Return the solutions in a table.
+
+    A single one, or one for each id or for each row of matrices.
+    """
     if not ({plain(name) for name in table} & {"x", "position"} or "x" in asked):
         for name in [name for name in table if name.lower() in STATE_NAMES]:  # x and v together
             both = _array(table[name])
             if both.ndim == 2 and 2 in both.shape:
-                x, v = both if len(both) == 2 and both.shape != (2, 2) else both.T
-                table = {each: column for each, column in table.items() if each != name} | {"x": x, "v": v}
+                if len(both) == 2 and both.shape != (2, 2):
+                    x, v = both
+                else:
+                    x, v = both.T
+                table = {each: column for each, column in table.items() if each != name} | {
+                    "x": x,
+                    "v": v,
+                }
                 break
-    values: Record = {name: table[own] for name, own in find_columns([*table], asked, where).items()}
-    ids, events = values.pop(ID_COLUMN, None), table.get(EVENTS)
+    values: Record = {
+        name: table[own] for name, own in find_columns([*table], asked, where).items()
+    }
+    ids = values.pop(ID_COLUMN, None)
+    events = table.get(EVENTS)
     if np.ndim(_array(values["x"])) > 1:
         return _read_matrices(values, where)
-    ids = None if ids is None else np.ravel(np.asarray(ids)).astype(str)
-    if ids is None or len(np.unique(ids)) == len(ids):  # a column that has no value twice numbers the rows
+    if ids is None:
+        ids = None
+    else:
+        ids = np.ravel(np.asarray(ids)).astype(str)
+    if ids is None or len(np.unique(ids)) == len(
+        ids
+    ):  # a column that has no value twice numbers the rows
         return [checked(**values, events=events)]
     if events is not None:
-        raise ParameterError("events", "given", f"can be listed for one solution; {where} has several")
+        raise ParameterError(
+            "events", "given", f"can be listed for one solution; {where} has several"
+        )
     return _split_by_id(values, ids)
 
 
 def _array(values: Any) -> np.ndarray:
-    """Return a column as a numpy array; an empty one if its entries have different lengths, which is refused later."""
+    """Return a column as a numpy array.
+
+    An empty one if its entries have different lengths, which is refused later.
+    """
     try:
         return np.asarray(values)
     except ValueError:  # ragged; the check of the samples says where
@@ -324,18 +482,27 @@ def _array(values: Any) -> np.ndarray:
 def _read_matrices(values: Record, where: str) -> list[Samples]:
     """Return the solutions in columns that are matrices: one solution per row, or per column."""
     arrays = {name: np.asarray(value) for name, value in values.items()}
-    count = arrays["t"].shape[-1] if arrays["t"].ndim else 0
+    if arrays["t"].ndim:
+        count = arrays["t"].shape[-1]
+    else:
+        count = 0
     shapes = {name: array.shape for name, array in arrays.items()}
-    if all(array.size == max(array.shape, default=0) for array in arrays.values()):  # one row or column each
+    if all(
+        array.size == max(array.shape, default=0) for array in arrays.values()
+    ):  # one row or column each
         return [checked(**{name: array.ravel() for name, array in arrays.items()})]
     if arrays["t"].ndim == 1 and arrays["x"].shape[-1] != count and arrays["x"].shape[0] == count:
         arrays = {name: array.T for name, array in arrays.items()}
     sizes = {array.shape for name, array in arrays.items() if name != "t" or array.ndim > 1}
     if len(sizes) != 1 or len(shape := sizes.pop()) != 2 or shape[1] != arrays["t"].shape[-1]:
-        raise ParameterError("shapes", shapes, f"do not fit in {where}: x and v need a row for each solution")
+        raise ParameterError(
+            "shapes", shapes, f"do not fit in {where}: x and v need a row for each solution"
+        )
     rows = {name: np.broadcast_to(array, shape) for name, array in arrays.items()}
     found = [checked(**{name: row[i] for name, row in rows.items()}) for i in range(shape[0])]
-    return [replace(each, name=str(i)) for i, each in enumerate(found)] if len(found) > 1 else found
+    if len(found) > 1:
+        return [replace(each, name=str(i)) for i, each in enumerate(found)]
+    return found
 
 
 def _split_by_id(values: Record, ids: np.ndarray) -> list[Samples]:
@@ -343,14 +510,17 @@ def _split_by_id(values: Record, ids: np.ndarray) -> list[Samples]:
     lengths = {name: len(column) for name, column in values.items()} | {ID_COLUMN: len(ids)}
     if len(set(lengths.values())) > 1:
         raise ParameterError("lengths", lengths, "the columns must have one length")
-    columns, found = {name: np.asarray(column) for name, column in values.items()}, []
+    columns = {name: np.asarray(column) for name, column in values.items()}
+    found = []
     names, first, inverse = np.unique(ids, return_index=True, return_inverse=True)
     rows = np.split(np.argsort(inverse, kind="stable"), np.cumsum(np.bincount(inverse))[:-1])
     for i in np.argsort(first).tolist():
         try:
             one = checked(**{name: column[rows[i]] for name, column in columns.items()})
         except ParameterError as error:
-            raise ParameterError(error.name, error.value, f"{error.allowed} (id {names[i]})") from None
+            raise ParameterError(
+                error.name, error.value, f"{error.allowed} (id {names[i]})"
+            ) from None
         found.append(replace(one, name=str(names[i]) if len(names) > 1 else ""))
     return found
 
@@ -363,7 +533,10 @@ MOST_TIMES = 200_000
 
 def _grid(t0: float, t_end: float, problem: Scene | Parameters) -> np.ndarray:
     """Return evenly spaced times, fine enough for the shorter period of the drive and the free motion."""
-    p = problem if isinstance(problem, Parameters) else problem.parameters
+    if isinstance(problem, Parameters):
+        p = problem
+    else:
+        p = problem.parameters
     period = 2.0 * pi / fastest_rate(p)
     count = ceil(min((t_end - t0) / period * 200, float(MOST_TIMES)))
     return np.linspace(t0, t_end, min(max(count, 1_000), MOST_TIMES) + 1)
@@ -372,8 +545,8 @@ def _grid(t0: float, t_end: float, problem: Scene | Parameters) -> np.ndarray:
 def of_function(function: Callable[..., Any], problem: Problem, times: Any = None) -> Samples:
     """Return samples of a function t -> (x, v) at the given `times`, or if None at many times from start to end.
 
-    Start and end are t_min and t_max if the function has these attributes, as scipy's OdeSolution has, else those of
-    the scene `problem`.
+    Start and end are t_min and t_max if the function has these attributes, as scipy's OdeSolution
+    has, else those of the scene `problem`.
     """
     if times is None:
         ends: list[Any] = [getattr(function, name, None) for name in ("t_min", "t_max")]
@@ -381,13 +554,17 @@ def of_function(function: Callable[..., Any], problem: Problem, times: Any = Non
             ends = [problem.t0, problem.t_end]
         if None in ends or problem is None:
             what = "needs times: give crosscheck(parameters, t, function), or a scene, which says from when to when"
-            raise ParameterError("function", getattr(function, "__name__", type(function).__name__), what)
+            raise ParameterError(
+                "function", getattr(function, "__name__", type(function).__name__), what
+            )
         times = _grid(float(ends[0]), float(ends[1]), problem)
         nodes = getattr(function, "ts", None)
-        times = times if nodes is None else np.unique([*times, *np.asarray(nodes, dtype=float)])
+        if nodes is not None:
+            times = np.unique([*times, *np.asarray(nodes, dtype=float)])
     times = checked(times, np.zeros(np.shape(times)), np.zeros(np.shape(times))).t
     return replace(
-        checked(times, *_evaluated(function, times)), notes=(f"the function was asked at {len(times)} times",)
+        checked(times, *_evaluated(function, times)),
+        notes=(f"the function was asked at {len(times)} times",),
     )
 
 
@@ -396,7 +573,9 @@ def _evaluated(function: Callable[..., Any], times: np.ndarray) -> np.ndarray:
     with suppress(Exception):  # masked, or whatever it raises if it takes single numbers alone
         states = np.asarray(unmasked("function", function(times)), dtype=float)
         if (2, len(times)) in (states.shape, states.shape[::-1]):
-            return states if len(states) == 2 else states.T
+            if len(states) == 2:
+                return states
+            return states.T
     single = []
     for time in times.tolist():
         try:
@@ -409,14 +588,17 @@ def _evaluated(function: Callable[..., Any], times: np.ndarray) -> np.ndarray:
             raise ParameterError("function", name, f"fails at t = {time:g}: {what}") from error
         single.append(np.ravel(unmasked("function", value)))
     if any(len(state) != 2 for state in single):
-        raise ParameterError("function", len(single[0]), "must return two numbers, x and v; it returned so many")
+        raise ParameterError(
+            "function", len(single[0]), "must return two numbers, x and v; it returned so many"
+        )
     return np.array(single).T
 
 
 def dense_note(trajectory: Trajectory, dense: Callable[[np.ndarray], Any], until: float) -> str:
     """Return a note that says how far a solver's dense output is from the exact motion up to the time `until`."""
     ends = (getattr(dense, "t_min", -inf), getattr(dense, "t_max", inf))
-    low, high = max(float(trajectory.t_start), float(ends[0])), min(until, float(ends[1]))
+    low = max(float(trajectory.t_start), float(ends[0]))
+    high = min(until, float(ends[1]))
     if not low < high:
         return "the dense output and the exact motion have no times in common"
     times = _grid(low, high, trajectory.parameters)
@@ -426,14 +608,22 @@ def dense_note(trajectory: Trajectory, dense: Callable[[np.ndarray], Any], until
     return f"the dense output is off by up to {x:.2e} in x, {v:.2e} in v (at t = {worst:.10g}, of {len(times):,} times)"
 
 
-def _solver_events(result: Any, problem: Problem) -> tuple[tuple[tuple[float, str], ...] | None, tuple[str, ...]]:
+def _solver_events(
+    result: Any, problem: Problem
+) -> tuple[tuple[tuple[float, str], ...] | None, tuple[str, ...]]:
     """Return a result's `t_events` at a belt as pairs (t, ""), their kinds being unknown, and notes on the others."""
     # Two functions that vanish together, such as an event that ends a piece, are one event.
-    lists, states = getattr(result, "t_events", None), getattr(result, "y_events", None)
+    lists = getattr(result, "t_events", None)
+    states = getattr(result, "y_events", None)
     if lists is None or problem is None:
         return None, ()
-    p = problem if isinstance(problem, Parameters) else problem.parameters
-    found, beside, belts = list[float](), 0, np.array([float(p.v1), float(p.v2)])
+    if isinstance(problem, Parameters):
+        p = problem
+    else:
+        p = problem.parameters
+    found = list[float]()
+    beside = 0
+    belts = np.array([float(p.v1), float(p.v2)])
     for i, values in enumerate(lists if np.iterable(lists) else [nan]):
         unmasked("t_events", values)
         try:
@@ -448,8 +638,13 @@ def _solver_events(result: Any, problem: Problem) -> tuple[tuple[tuple[float, st
             except (IndexError, KeyError, TypeError, ValueError):
                 what = "must have x and v for each of t_events"
                 raise ParameterError("y_events", type(states).__name__, what) from None
-            near = np.min(np.abs(v - belts)) <= 1e-6 * max(float(np.max(np.abs(belts))), abs(v), 1e-300)
-            found += [time] if near else []
+            near = np.min(np.abs(v - belts)) <= 1e-6 * max(
+                float(np.max(np.abs(belts))), abs(v), 1e-300
+            )
+            if near:
+                found += [time]
+            else:
+                found += []
             beside += not near
     if not found:
         return None, ()
@@ -457,8 +652,13 @@ def _solver_events(result: Any, problem: Problem) -> tuple[tuple[tuple[float, st
     for time in sorted(found):
         if not kept or time - kept[-1] > 1e-9 * 2.0 * pi / fastest_rate(p):
             kept.append(time)
-    notes = ["the times of events are the solver's t_events; what they do not list is read off the samples"]
-    notes += [f"{beside} of the solver's t_events are not at a belt, and left out"] if beside else []
+    notes = [
+        "the times of events are the solver's t_events; what they do not list is read off the samples"
+    ]
+    if beside:
+        notes += [f"{beside} of the solver's t_events are not at a belt, and left out"]
+    else:
+        notes += []
     return tuple((time, "") for time in kept), tuple(notes)
 
 
@@ -475,13 +675,20 @@ def run_solver(name: str, scene: Scene) -> Any:
         try:
             solve = _imported(module)
         except (Exception, SystemExit) as error:
-            raise ParameterError("solver", name, f"cannot be imported: {_error_text(error)}") from None
+            raise ParameterError(
+                "solver", name, f"cannot be imported: {_error_text(error)}"
+            ) from None
         for part in function.split("."):
             solve = getattr(solve, part, None)
         if not callable(solve):
-            raise ParameterError("solver", name, f"{brief(function)} is no function of {brief(module)}")
+            raise ParameterError(
+                "solver", name, f"{brief(function)} is no function of {brief(module)}"
+            )
         try:
-            solution = solve(scene.parameters, *(float(getattr(scene, each)) for each in ("t0", "x0", "v0", "t_end")))
+            solution = solve(
+                scene.parameters,
+                *(float(getattr(scene, each)) for each in ("t0", "x0", "v0", "t_end")),
+            )
         except (Exception, SystemExit) as error:
             raise ParameterError("solver", name, f"failed: {_error_text(error)}") from None
     if iscoroutine(solution):
@@ -510,6 +717,13 @@ def _imported(name: str) -> Any:
 def _error_text(error: BaseException) -> str:
     """Return an error as one line, with the place where it was raised."""
     own = ("importlib", __file__)
-    frames = [frame for frame in extract_tb(error.__traceback__) if not any(name in frame.filename for name in own)]
-    place = f" (line {frames[-1].lineno} of {Path(frames[-1].filename).name})" if frames else ""
+    frames = [
+        frame
+        for frame in extract_tb(error.__traceback__)
+        if not any(name in frame.filename for name in own)
+    ]
+    if frames:
+        place = f" (line {frames[-1].lineno} of {Path(frames[-1].filename).name})"
+    else:
+        place = ""
     return brief(f"{type(error).__name__}: {error}") + place

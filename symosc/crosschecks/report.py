@@ -1,4 +1,7 @@
-"""The result of a cross-check as values, text and plain data; and the results of several solutions."""
+"""The result of a cross-check as values, text and plain data.
+
+And the results of several solutions.
+"""
 
 from __future__ import annotations
 
@@ -39,33 +42,36 @@ class CrossCheck(Comparable, Drawable, Reportable):
     Attributes
     ----------
     ok : bool
-        No step or span is wrong, no event missed or invented, the global error within its limits, the start that of
-        the scene, and the end not before that of the motion.
+        No step or span is wrong, no event missed or invented, the global error within its limits,
+        the start that of the scene, and the end not before that of the motion.
     max_error_x, max_error_v : float
         Largest global error: samples minus the exact motion from the same start.
     errors : (n, 2) array
         Global errors of x and v; NaN after the end of the exact motion (`compared_until`).
     limits : (n, 2) array
-        How large `errors` may be: the global tolerance in units of x and v, plus the rounding of the sample, and
-        what the exact motion makes of the rounding of the first sample.
+        How large `errors` may be: the global tolerance in units of x and v, plus the rounding of
+        the sample, and what the exact motion makes of the rounding of the first sample.
     defects : (n - 1, 2) array
         Local errors: the exact motion from a sample over the step, minus the next sample.
     wrong_steps : int array
         Steps whose defect is larger than `allowed`.
     allowed : (n - 1, 2) array
-        The tolerance in units of x and v, plus the rounding of the times. For samples with few digits also the rounding
-        of the next sample, and what the exact motion makes of the rounding of the sample before.
+        The tolerance in units of x and v, plus the rounding of the times. For samples with few
+        digits also the rounding of the next sample, and what the exact motion makes of the rounding
+        of the sample before.
     wrong_spans : (m, 2) int array
-        Spans of rounded samples, each from one sample to a later one, over which the exact motion leads elsewhere.
+        Spans of rounded samples, each from one sample to a later one, over which the exact motion
+        leads elsewhere.
     matched : tuple of Match
         Exact events that the samples have too.
     missed : tuple of Event
         Exact events that wrong steps passed over, or that a given list does not have at their time.
     invented : tuple of FoundEvent
-        Events of wrong steps, or of a given list, that the exact motion does not have at their time.
+        Events of wrong steps, or of a given list, that the exact motion does not have at their
+        time.
     unresolved : tuple of Event or FoundEvent
-        Events on one side only, though each step is right. The samples are on a neighbouring path, within the global
-        error, or the tolerance does not decide whether there is such an event.
+        Events on one side only, though each step is right. The samples are on a neighbouring path,
+        within the global error, or the tolerance does not decide whether there is such an event.
     decisions : tuple of Fault
         Wrong steps that stick, slip or pass where the exact motion does something else.
     faults : tuple of Fault
@@ -80,20 +86,23 @@ class CrossCheck(Comparable, Drawable, Reportable):
     scales : tuple of two floats
         Units of x and v for the tolerances: the largest of the exact motion.
     rounded : dict
-        How the columns "t", "x", "v" and the times of the list, "events", were rounded, such as "6 decimals".
+        How the columns "t", "x", "v" and the times of the list, "events", were rounded, such as "6
+        decimals".
     notes : tuple of str
     modes : (n,) int array
-        What the samples do, by the codes of `symosc.model.MODE_NAMES`; 0 where they only pass or graze a belt.
+        What the samples do, by the codes of `symosc.model.MODE_NAMES`; 0 where they only pass or
+        graze a belt.
     t, x, v : (n,) arrays
     trajectory : Trajectory
         The exact motion.
     own_start : tuple of three floats or None
         Where the scene starts: t0, x0, v0; None if Parameters were given.
     wrong_start, early_end : str
-        Where the solution starts if that is not where the scene does, and where it ends if that is before the motion
-        does; "" if it is right or allowed.
+        Where the solution starts if that is not where the scene does, and where it ends if that is
+        before the motion does; "" if it is right or allowed.
     coarser : CrossCheck or None
-        Verdict on every n-th sample, where the rounding hides in single steps what is wrong over spans of n.
+        Verdict on every n-th sample, where the rounding hides in single steps what is wrong over
+        spans of n.
 
     Examples
     --------
@@ -156,7 +165,8 @@ class CrossCheck(Comparable, Drawable, Reportable):
 
     def summary(self) -> str:
         """Return the findings as lines of text."""
-        worst, limits = np.max(np.abs(self.defects), axis=0), self.limits_there
+        worst = np.max(np.abs(self.defects), axis=0)
+        limits = self.limits_there
         lines = [
             f"{'ok' if self.ok else 'FAILED'}: {len(self.t)} samples, tolerance {self.tolerance:g} per step",
             f"largest defect of a step: {worst[0]:.2e} in x, {worst[1]:.2e} in v; "
@@ -166,36 +176,59 @@ class CrossCheck(Comparable, Drawable, Reportable):
             f"events: {len(self.matched)} matched, {len(self.missed)} missed, {len(self.invented)} invented, "
             f"{len(self.unresolved)} within the global error",
         ]
-        lines += [f"wrong start: {self.wrong_start} (own_start=True, --own-start: allowed)"] if self.wrong_start else []
-        lines += [f"early end: {self.early_end} (partial=True, --partial: allowed)"] if self.early_end else []
+        if self.wrong_start:
+            lines += [f"wrong start: {self.wrong_start} (own_start=True, --own-start: allowed)"]
+        else:
+            lines += []
+        if self.early_end:
+            lines += [f"early end: {self.early_end} (partial=True, --partial: allowed)"]
+        else:
+            lines += []
         beyond = np.flatnonzero(np.any(np.abs(self.errors) > self.limits, axis=1))
         if len(beyond):
-            (x, v), limits, t = np.abs(self.errors[beyond[0]]), self.limits[beyond[0]], self.t[beyond[0]]
+            (x, v) = np.abs(self.errors[beyond[0]])
+            limits = self.limits[beyond[0]]
+            t = self.t[beyond[0]]
             where = f"first at t = {t:.10g} ({x:.1e} in x, {v:.1e} in v, allowed {limits[0]:.1e} and {limits[1]:.1e})"
-            lines.append(f"global error beyond its limit: {len(beyond)} of {len(self.t)} samples, {where}")
+            lines.append(
+                f"global error beyond its limit: {len(beyond)} of {len(self.t)} samples, {where}"
+            )
         if len(self.wrong_spans):
-            (first, last), times = self.wrong_spans[0].tolist(), self.t[self.wrong_spans[0]]
-            spans = f"{len(self.wrong_spans)} spans, first from t = {times[0]:.10g} to {times[1]:.10g}"
+            (first, last) = self.wrong_spans[0].tolist()
+            times = self.t[self.wrong_spans[0]]
+            spans = (
+                f"{len(self.wrong_spans)} spans, first from t = {times[0]:.10g} to {times[1]:.10g}"
+            )
             lines.append(f"wrong over {last - first} steps, beyond the rounding: {spans}")
         if self.matched:
             late = max(self.matched, key=lambda match: abs(match.error))
-            lines.append(f"largest error of an event's time: {abs(late.error):.2e} at t = {float(late.event.t):.10g}")
+            lines.append(
+                f"largest error of an event's time: {abs(late.error):.2e} at t = {float(late.event.t):.10g}"
+            )
         for name in ("missed", "invented"):
-            belts = [f" on belt {event.boundary}" if event.boundary else "" for event in getattr(self, name)]
+            belts = [
+                f" on belt {event.boundary}" if event.boundary else ""
+                for event in getattr(self, name)
+            ]
             events = zip(getattr(self, name), belts, strict=True)
-            lines += _first_lines(name, [f"{event.kind}{belt} at t = {float(event.t):.10g}" for event, belt in events])
+            lines += _first_lines(
+                name, [f"{event.kind}{belt} at t = {float(event.t):.10g}" for event, belt in events]
+            )
         if self.first_wrong:
             lines.append(f"first wrong step: {_fault_text(self.first_wrong)}")
         if self.first_switching and self.first_switching != self.first_wrong:
             lines.append(f"first wrong step at a belt: {_fault_text(self.first_switching)}")
         decisions = (
-            f"step {f.step}, t = {f.t_next:.10g}: {f.found} where {f.expected} is right" for f in self.decisions
+            f"step {f.step}, t = {f.t_next:.10g}: {f.found} where {f.expected} is right"
+            for f in self.decisions
         )
         lines += _first_lines("wrong decision", [*decisions])
         for one in self.diagnosis:
             if one.cause != "precision":  # a note says already that samples are rounded
                 lines.append(f"diagnosis: {one.words} ({one.evidence})")
-                lines += [f"diagnosis: or: {other.words} ({other.evidence})" for other in one.alternatives]
+                lines += [
+                    f"diagnosis: or: {other.words} ({other.evidence})" for other in one.alternatives
+                ]
         return "\n".join([*lines, *(f"note: {note}" for note in self.notes)])
 
     def as_dict(self) -> Record:
@@ -209,10 +242,18 @@ class CrossCheck(Comparable, Drawable, Reportable):
 
         def fault(item: Fault | None) -> Record | None:
             # JSON has no NaN: a step that cannot be decided has none.
-            values = asdict(item) if item else {}
-            return {name: None if value != value else value for name, value in values.items()} or None
+            if item:
+                values = asdict(item)
+            else:
+                values = {}
+            return {
+                name: None if value != value else value for name, value in values.items()
+            } or None
 
-        worst = [None if np.isnan(value) else float(value) for value in np.max(np.abs(self.defects), axis=0)]
+        worst = [
+            None if np.isnan(value) else float(value)
+            for value in np.max(np.abs(self.defects), axis=0)
+        ]
         return {
             "ok": self.ok,
             "samples": len(self.t),
@@ -229,7 +270,10 @@ class CrossCheck(Comparable, Drawable, Reportable):
             "max_defect_v": worst[1],
             "wrong_steps": self.wrong_steps.tolist(),
             "wrong_spans": self.wrong_spans.tolist(),
-            "matched": [{**plain(match.event), "found_t": match.t, "error": match.error} for match in self.matched],
+            "matched": [
+                {**plain(match.event), "found_t": match.t, "error": match.error}
+                for match in self.matched
+            ],
             **{name: [plain(event) for event in getattr(self, name)] for name in EVENT_LISTS[1:]},
             "decisions": [fault(item) for item in self.decisions],
             "first_wrong": fault(self.first_wrong),
@@ -243,7 +287,10 @@ class CrossCheck(Comparable, Drawable, Reportable):
 
 def _first_lines(name: str, items: Sequence[str]) -> list[str]:
     """Return the first items as lines that begin with `name`, and a line with the number of items left out."""
-    more = [f"{name}: and {len(items) - EVENTS_LISTED} more"] if len(items) > EVENTS_LISTED else []
+    if len(items) > EVENTS_LISTED:
+        more = [f"{name}: and {len(items) - EVENTS_LISTED} more"]
+    else:
+        more = []
     return [*(f"{name}: {item}" for item in items[:EVENTS_LISTED]), *more]
 
 
@@ -287,18 +334,28 @@ class CrossChecks(list[CrossCheck]):
         return f"<CrossChecks of {counted(len(self), 'solution')}: {right:,} ok, {len(self) - right:,} failed>"
 
     def summary(self) -> str:
-        """Return the findings as lines of text: how many are right, and the faults of the first that are not."""
-        failed = [(name, check) for name, check in zip(self.names, self, strict=True) if not check.ok]
+        """Return the findings as lines of text.
+
+        How many are right, and the faults of the first that are not.
+        """
+        failed = [
+            (name, check) for name, check in zip(self.names, self, strict=True) if not check.ok
+        ]
         lines = [
             f"{'FAILED' if failed else 'ok'}: {counted(len(self), 'solution')}, {len(failed):,} failed",
             f"largest global error: {max(check.max_error_x for check in self):.2e} in x, "
             f"{max(check.max_error_v for check in self):.2e} in v",
         ]
-        totals = ", ".join(f"{sum(len(getattr(check, name)) for check in self):,} {name}" for name in EVENT_LISTS)
+        totals = ", ".join(
+            f"{sum(len(getattr(check, name)) for check in self):,} {name}" for name in EVENT_LISTS
+        )
         lines.append(f"events: {totals}")
         for name, check in failed[:MOST_LISTED]:
             fault = check.first_wrong
-            what = f"first wrong step at t = {fault.t:.10g}: {fault.reason}" if fault else "no step is wrong"
+            if fault:
+                what = f"first wrong step at t = {fault.t:.10g}: {fault.reason}"
+            else:
+                what = "no step is wrong"
             what = "; ".join([what, *filter(None, (check.wrong_start, check.early_end))])
             counts = f"{len(check.wrong_steps)} wrong steps, {len(check.missed)} missed, {len(check.invented)} invented"
             lines.append(f"{name}: {counts}; {what}")
@@ -309,7 +366,9 @@ class CrossChecks(list[CrossCheck]):
 
     def as_dict(self) -> Record:
         """Return the findings as plain values, without the samples."""
-        checks = [{"name": name, **check.as_dict()} for name, check in zip(self.names, self, strict=True)]
+        checks = [
+            {"name": name, **check.as_dict()} for name, check in zip(self.names, self, strict=True)
+        ]
         return {"ok": self.ok, "solutions": len(self), "checks": checks}
 
     def columns(self) -> dict[str, np.ndarray]:
@@ -317,18 +376,30 @@ class CrossChecks(list[CrossCheck]):
         first = [check.first_wrong for check in self]
         rows: Record = {"solution": self.names, "ok": [check.ok for check in self]}
         rows["samples"] = [len(check.t) for check in self]
-        rows |= {"t_first": [check.t[0] for check in self], "t_last": [check.t[-1] for check in self]}
-        rows |= {name: [getattr(check, name) for check in self] for name in ("max_error_x", "max_error_v")}
+        rows |= {
+            "t_first": [check.t[0] for check in self],
+            "t_last": [check.t[-1] for check in self],
+        }
+        rows |= {
+            name: [getattr(check, name) for check in self]
+            for name in ("max_error_x", "max_error_v")
+        }
         for i, name in enumerate(("max_defect_x", "max_defect_v")):
             rows[name] = [np.max(np.abs(check.defects[:, i])) for check in self]
-        rows |= {name: [len(getattr(check, name)) for check in self] for name in ("wrong_steps", *EVENT_LISTS)}
+        rows |= {
+            name: [len(getattr(check, name)) for check in self]
+            for name in ("wrong_steps", *EVENT_LISTS)
+        }
         rows["compared_until"] = [check.compared_until for check in self]
         rows["first_wrong_t"] = [fault.t if fault else np.nan for fault in first]
         rows["reason"] = [fault.reason if fault else "" for fault in first]
         return {name: np.array(column) for name, column in rows.items()}
 
     def to_pandas(self) -> Any:
-        """Return a DataFrame, a row for each solution; MissingExtraError if pandas is not installed."""
+        """Return a DataFrame, a row for each solution.
+
+        MissingExtraError if pandas is not installed.
+        """
         return imported("pandas").DataFrame(self.columns())
 
     def to_xarray(self) -> Any:
@@ -340,26 +411,45 @@ class CrossChecks(list[CrossCheck]):
 
 
 def _judged(task: Callable[[Samples], Any], name: str, samples: Samples) -> CrossCheck:
-    """Judge samples by the `Task` that `task` makes of them; add the solution's `name` to a ParameterError."""
+    """Judge samples by the `Task` that `task` makes of them.
+
+    Add the solution's `name` to a ParameterError.
+    """
     try:
         found: CrossCheck = task(samples).verdict()
     except ParameterError as error:
-        raise ParameterError(error.name, error.value, f"{error.allowed} (solution {name})") from None
+        raise ParameterError(
+            error.name, error.value, f"{error.allowed} (solution {name})"
+        ) from None
     return found
 
 
-def check_all(task: Callable[[Samples], Any], solutions: Sequence[Samples], workers: int, progress: Any) -> CrossChecks:
-    """Judge each of `solutions` by the `Task` that `task` makes of it, in `workers` processes; return all in order."""
-    count, total = min(workers, len(solutions)), len(solutions)
-    names, found = [samples.name or str(i) for i, samples in enumerate(solutions)], list[CrossCheck]()
-    with reporting(progress or False, 0, total, "check", "solutions") as report, ExitStack() as stack:
+def check_all(
+    task: Callable[[Samples], Any], solutions: Sequence[Samples], workers: int, progress: Any
+) -> CrossChecks:
+    """Judge each of `solutions` by the `Task` that `task` makes of it, in `workers` processes.
+
+    Return all in order.
+    """
+    count = min(workers, len(solutions))
+    total = len(solutions)
+    names = [samples.name or str(i) for i, samples in enumerate(solutions)]
+    found = list[CrossCheck]()
+    with (
+        reporting(progress or False, 0, total, "check", "solutions") as report,
+        ExitStack() as stack,
+    ):
         each: Any = map
         if count > 1:
             # A process that is forked needs no main module that can be imported.
             forks = sys.platform == "linux" and "fork" in multiprocessing.get_all_start_methods()
             stack.enter_context(warnings.catch_warnings())
-            warnings.simplefilter("ignore", DeprecationWarning)  # of forking beside threads, which are idle
-            pool = ProcessPoolExecutor(count, multiprocessing.get_context("fork" if forks else "spawn"))
+            warnings.simplefilter(
+                "ignore", DeprecationWarning
+            )  # of forking beside threads, which are idle
+            pool = ProcessPoolExecutor(
+                count, multiprocessing.get_context("fork" if forks else "spawn")
+            )
             stack.callback(pool.shutdown, cancel_futures=True)
             each = pool.map
         for check in each(partial(_judged, task), names, solutions):

@@ -1,4 +1,7 @@
-"""Samples t, x, v as arrays, and their rounding: decimals, significant digits, single precision, a converter."""
+"""Samples t, x, v as arrays, and their rounding.
+
+Decimals, significant digits, single precision, a converter.
+"""
 
 from __future__ import annotations
 
@@ -45,8 +48,12 @@ def fastest_rate(p: Parameters) -> float:
 
 def checked(t: object, x: object, v: object = None, events: object = None) -> Samples:
     """Check columns and return them as samples of floats; without `v` these have positions only."""
-    # ParameterError unless all are finite real numbers, one-dimensional, of one length >= 2, and t never decreases.
-    arrays = {name: _column(name, values) for name, values in (("t", t), ("x", x), ("v", t if v is None else v))}
+    # ParameterError unless all are finite real numbers, one-dimensional, of one length >= 2, and t
+    # never decreases.
+    arrays = {
+        name: _column(name, values)
+        for name, values in (("t", t), ("x", x), ("v", t if v is None else v))
+    }
     lengths = {name: len(array) for name, array in arrays.items()}
     if len(set(lengths.values())) > 1:
         raise ParameterError("lengths", lengths, "t, x and v must have one length")
@@ -59,18 +66,23 @@ def checked(t: object, x: object, v: object = None, events: object = None) -> Sa
         what = f"comes after {float(times[i - 1])!r}; the times must increase"
         raise ParameterError(f"t[{i}]", float(times[i]), what)
     if times[0] == times[-1]:
-        raise ParameterError("t", float(times[0]), "is repeated in all samples; the times must increase")
+        raise ParameterError(
+            "t", float(times[0]), "is repeated in all samples; the times must increase"
+        )
     if v is None:
         arrays["v"] = np.full(len(times), np.nan)
-    listed = None if events is None else checked_events(events)
+    if events is None:
+        listed = None
+    else:
+        listed = checked_events(events)
     return Samples(times, arrays["x"], arrays["v"], listed)
 
 
 def check_joints(samples: Samples, part: float, slack: np.ndarray) -> None:
     """Raise ParameterError if two samples at one time, where pieces are joined, differ too much in x or v.
 
-    They may differ by the fraction `part` of the largest |x| or |v|, plus twice the error that `slack`, of shape
-    (n, 2), allows to each sample.
+    They may differ by the fraction `part` of the largest |x| or |v|, plus twice the error that
+    `slack`, of shape (n, 2), allows to each sample.
     """
     twice = np.flatnonzero(np.diff(samples.t) == 0.0)
     for name, values, more in (("x", samples.x, slack[:, 0]), ("v", samples.v, slack[:, 1])):
@@ -80,7 +92,9 @@ def check_joints(samples: Samples, part: float, slack: np.ndarray) -> None:
         if len(wrong):
             i = int(twice[wrong[0]]) + 1
             what = f"is repeated with another state ({name} jumps by {jump[wrong[0]]:.3g}); the times must increase"
-            raise ParameterError(f"t[{i}]", float(samples.t[i]), f"{what}, but where two pieces are joined")
+            raise ParameterError(
+                f"t[{i}]", float(samples.t[i]), f"{what}, but where two pieces are joined"
+            )
 
 
 def _column(name: str, values: Any) -> np.ndarray:
@@ -90,21 +104,29 @@ def _column(name: str, values: Any) -> np.ndarray:
     unmasked(name, values)
     try:
         array = np.asarray(values)
-        mixed = isinstance(values, (list, tuple)) and any(isinstance(value, bool) for value in values)
+        mixed = isinstance(values, (list, tuple)) and any(
+            isinstance(value, bool) for value in values
+        )
         if mixed or array.dtype.kind not in "iuf":  # text and objects may be numbers
             _refuse_wrong(name, values if mixed else array.ravel().tolist())
         array = array.astype(float)
     except (TypeError, ValueError, OverflowError, RecursionError) as error:
         if isinstance(error, ParameterError):
             raise
-        _refuse_wrong(name, values if isinstance(values, Iterable) and not isinstance(values, str) else [values])
+        _refuse_wrong(
+            name,
+            values if isinstance(values, Iterable) and not isinstance(values, str) else [values],
+        )
         raise ParameterError(name, values, "is not a column of real numbers") from None
     if array.ndim != 1:
         raise ParameterError(name, array.shape, "must be one-dimensional; this is its shape")
     bad = np.flatnonzero(~(np.abs(array) <= LARGEST_SAMPLE))
     if len(bad):
         value = float(array[bad[0]])
-        what = f"must be at most {LARGEST_SAMPLE:g} in size" if isfinite(value) else "must be finite"
+        if isfinite(value):
+            what = f"must be at most {LARGEST_SAMPLE:g} in size"
+        else:
+            what = "must be finite"
         raise ParameterError(f"{name}[{bad[0]}]", value, f"{what} ({len(bad)} are not)")
     return array
 
@@ -119,7 +141,10 @@ def _refuse_wrong(name: str, values: Iterable[object]) -> None:
 
 
 def number_of(value: Any) -> float:
-    """Return `value` as a float; raise TypeError or ValueError for text such as 1_000, which float() would read."""
+    """Return `value` as a float.
+
+    Raise TypeError or ValueError for text such as 1_000, which float() would read.
+    """
     if isinstance(value, (bool, np.bool_, complex)) or value is np.ma.masked:
         raise TypeError("no real number")
     if isinstance(value, bytes):
@@ -131,13 +156,18 @@ def number_of(value: Any) -> float:
 
 def checked_events(events: object) -> tuple[tuple[float, str], ...]:
     """Check a list of events and return it as pairs (t, kind)."""
-    if isinstance(events, (str, bytes)) or not isinstance(events, Iterable) or getattr(events, "shape", None) == ():
+    if (
+        isinstance(events, (str, bytes))
+        or not isinstance(events, Iterable)
+        or getattr(events, "shape", None) == ()
+    ):
         raise ParameterError("events", events, "must be pairs (t, kind)")
     pairs: list[tuple[float, str]] = []
     for i, pair in enumerate(events):
         try:
             time, kind = pair
-            time, kind = number_of(time), str(kind)
+            time = number_of(time)
+            kind = str(kind)
         except (TypeError, ValueError, OverflowError):
             raise ParameterError(f"events[{i}]", pair, "must be a pair (t, kind)") from None
         if kind not in KIND_NAMES.values() or not abs(time) <= LARGEST_SAMPLE:
@@ -162,53 +192,77 @@ class Digits(NamedTuple):
     units: np.ndarray
 
 
-def find_rounding(samples: Samples, speeds: Iterable[float], start: float | None = None) -> dict[str, Digits]:
+def find_rounding(
+    samples: Samples, speeds: Iterable[float], start: float | None = None
+) -> dict[str, Digits]:
     """Return the rounding of the columns "t", "x", "v" and of listed "events" that have fewer digits than a double.
 
-    Velocities equal to one of the belts' `speeds` may have few digits anyway and show no rounding. Evenly spaced times,
-    such as multiples of 0.05, count as rounded only if the first one is the scene's time `start`, rounded.
+    Velocities equal to one of the belts' `speeds` may have few digits anyway and show no rounding.
+    Evenly spaced times, such as multiples of 0.05, count as rounded only if the first one is the
+    scene's time `start`, rounded.
     """
     # Times are taken as rounded only if x or v are.
-    x, v = find_digits(samples.x, samples.x[:1]), find_digits(samples.v, [*speeds, samples.v[0]])
+    x = find_digits(samples.x, samples.x[:1])
+    v = find_digits(samples.v, [*speeds, samples.v[0]])
     if not samples.lacks_v:
         x, v = x or _as_neighbour(samples.x, v), v or _as_neighbour(samples.v, x)
     t = None
     if x is not None or v is not None:
         t = find_digits(samples.t, samples.t[:1])
-        if t is not None and np.ptp(np.diff(np.rint(samples.t / np.min(t.units)))) == 0.0:  # an even grid
+        if (
+            t is not None and np.ptp(np.diff(np.rint(samples.t / np.min(t.units)))) == 0.0
+        ):  # an even grid
             near = start is not None and 0.0 < abs(samples.t[0] - start) <= 0.5000001 * t.units[0]
-            t = t if near else None
+            if not near:
+                t = None
     listed = np.array([time for time, _ in samples.events or ()])
     # A list given with rounded samples is likely to be rounded too: one time shows it.
     events = find_digits(listed, samples.t[:1], LEAST_SHOWN if x is None and v is None else 1)
-    return {name: digits for name, digits in zip(("t", "x", "v", "events"), (t, x, v, events), strict=True) if digits}
+    return {
+        name: digits
+        for name, digits in zip(("t", "x", "v", "events"), (t, x, v, events), strict=True)
+        if digits
+    }
 
 
-def find_digits(values: np.ndarray, natural: Iterable[float] = (), least: int = LEAST_SHOWN) -> Digits | None:
-    """Return the rounding of `values`; None if they are full doubles, or if too few of them show a rounding.
+def find_digits(
+    values: np.ndarray, natural: Iterable[float] = (), least: int = LEAST_SHOWN
+) -> Digits | None:
+    """Return the rounding of `values`.
 
-    At least `least` values must show it. 0 and the numbers in `natural`, which have few digits anyway, do not count.
+    None if they are full doubles, or if too few of them show a rounding.
+
+    At least `least` values must show it. 0 and the numbers in `natural`, which have few digits
+    anyway, do not count.
     """
-    # Fixed decimals and significant digits are tried. Rounded numbers fit both, one of them with more digits than were
-    # written: the coarser unit is the right one for every number.
+    # Fixed decimals and significant digits are tried. Rounded numbers fit both, one of them with
+    # more digits than were written: the coarser unit is the right one for every number.
     numbers = values[(values != 0.0) & ~np.isin(values, list(natural))]
     if len(numbers) < least:
         return None
-    found, grid = _decimal(values, numbers) or _single(values, numbers), _grid(values, numbers)
+    found = _decimal(values, numbers) or _single(values, numbers)
+    grid = _grid(values, numbers)
     # Steps of a converter may have a few decimals, or a few bits, themselves.
     coarser = grid is not None and (found is None or np.min(grid.units) > 1.5 * np.max(found.units))
-    return grid if coarser else found
+    if coarser:
+        return grid
+    return found
 
 
 def _as_neighbour(values: np.ndarray, beside: Digits | None) -> Digits | None:
     """Return `beside`, the rounding of the column x (or v), if it fits the `values` of v (or x) too; else None."""
     if beside is None or np.ptp(beside.units) > 0.0:
         return None
-    return beside if _are_multiples(values, beside.units) else None
+    if _are_multiples(values, beside.units):
+        return beside
+    return None
 
 
 def _decimal(values: np.ndarray, numbers: np.ndarray) -> Digits | None:
-    """Return the decimals or digits to which `values` are rounded, or None; `numbers` are those that can show it."""
+    """Return the decimals or digits to which `values` are rounded, or None.
+
+    `numbers` are those that can show it.
+    """
     exponents = _exponents(numbers)
     # Hardly a double has at most 13 significant digits by chance (one of a thousand).
     significant = next((n for n in range(1, 14) if _fits(numbers, n - 1 - exponents)), None)
@@ -216,37 +270,56 @@ def _decimal(values: np.ndarray, numbers: np.ndarray) -> Digits | None:
         return None
     places = significant - 1 - exponents
     tried = range(int(np.min(places)), int(np.max(places)))
-    decimals = next((d for d in tried if _fits(numbers, np.full(len(numbers), float(d)))), int(np.max(places)))
+    decimals = next(
+        (d for d in tried if _fits(numbers, np.full(len(numbers), float(d)))), int(np.max(places))
+    )
     fixed = 10.0 ** -float(decimals)
     floating = 10.0 ** (_exponents(values) + 1 - significant)
     if np.any(floating[values != 0.0] > fixed * 1.5):
         return Digits(f"{significant} significant digits", np.maximum(floating, fixed))
-    text = f"{decimals} decimals" if decimals >= 0 else f"multiples of {fixed:g}"
+    if decimals >= 0:
+        text = f"{decimals} decimals"
+    else:
+        text = f"multiples of {fixed:g}"
     return Digits(text, np.full(len(values), fixed))
 
 
 def _single(values: np.ndarray, numbers: np.ndarray) -> Digits | None:
-    """Return the rounding of `values` to single or half precision, or None; `numbers` are those that can show it."""
+    """Return the rounding of `values` to single or half precision, or None.
+
+    `numbers` are those that can show it.
+    """
     for kind, name in ((np.float16, "half"), (np.float32, "single")):
         with np.errstate(over="ignore"):
             fits = np.array_equal(numbers.astype(kind), numbers)
         if fits:
-            return Digits(f"{name} precision", np.spacing(np.abs(values).astype(kind)).astype(float))
+            return Digits(
+                f"{name} precision", np.spacing(np.abs(values).astype(kind)).astype(float)
+            )
     return None
 
 
 def _grid(values: np.ndarray, numbers: np.ndarray) -> Digits | None:
-    """Return the even grid to which `values` are rounded, as by an A/D converter, or None; `numbers` can show it."""
-    # Two halves of the numbers, or all but one of a few, must give the same step, of a few numbers to a factor of 2: a
-    # single number beside a grid would make a much finer one.
+    """Return the even grid to which `values` are rounded, as by an A/D converter, or None.
+
+    `numbers` can show it.
+    """
+    # Two halves of the numbers, or all but one of a few, must give the same step, of a few numbers
+    # to a factor of 2: a single number beside a grid would make a much finer one.
     levels = np.unique(np.abs(numbers))
     if len(levels) < 6:
         return None
     largest = float(levels[-1])
     few = len(levels) < 16
-    parts = [np.delete(levels, i) for i in range(len(levels))] if few else [levels[::2], levels[1::2]]
-    counts = [round(largest / step) if (step := _common_step(part, largest)) else 0 for part in parts]
-    most, least = max(counts), min(counts)
+    if few:
+        parts = [np.delete(levels, i) for i in range(len(levels))]
+    else:
+        parts = [levels[::2], levels[1::2]]
+    counts = [
+        round(largest / step) if (step := _common_step(part, largest)) else 0 for part in parts
+    ]
+    most = max(counts)
+    least = min(counts)
     if not least or most % least or most > (2 if few else 1) * least:
         return None
     step = largest / most
@@ -256,10 +329,15 @@ def _grid(values: np.ndarray, numbers: np.ndarray) -> Digits | None:
 
 
 def _common_step(levels: np.ndarray, largest: float) -> float | None:
-    """Return the largest common divisor of all levels by Euclid's algorithm; None if it is too small."""
-    step, least = float(levels[0]), largest / 2.0**24
+    """Return the largest common divisor of all levels by Euclid's algorithm.
+
+    None if it is too small.
+    """
+    step = float(levels[0])
+    least = largest / 2.0**24
     for level in levels[1:].tolist():
-        rest, step = step, level
+        rest = step
+        step = level
         while rest > 0.5 * least:
             step, rest = rest, abs(step - round(step / rest) * rest)
         if step < least:
@@ -286,4 +364,6 @@ def _fits(values: np.ndarray, places: np.ndarray) -> bool:
 
 def _are_multiples(values: np.ndarray, units: np.ndarray) -> bool:
     """Return whether all values are multiples of `units`, up to the rounding of doubles."""
-    return bool(np.all(np.abs(np.rint(values / units) * units - values) <= DOUBLE_ROUNDING * np.abs(values)))
+    return bool(
+        np.all(np.abs(np.rint(values / units) * units - values) <= DOUBLE_ROUNDING * np.abs(values))
+    )

@@ -1,17 +1,20 @@
 """The exact motion over each step of samples, restarted from every sample, and the error bounds of right samples.
 
-Two motions of one scene never move apart. Friction falls with the velocity, so for the differences X and V of two
-motions X' = V and V' = -(c/m) V - (k/m) X - (a force with the sign of V), through sticks and crossings as well. Hence
+Two motions of one scene never move apart. Friction falls with the velocity, so for the differences
+X and V of two motions X' = V and V' = -(c/m) V - (k/m) X - (a force with the sign of V), through
+sticks and crossings as well. Hence
 
     V^2 + (k/m) X^2 never grows,   |V(t)| <= max(|V(0)|, (k/c) max |X|),   |V(t)| <= |V(0)| + (k/m) t max |X|.
 
-In most steps surely nothing happens, and these are done all at once. Over a short step of length tau the velocity stays
-near the chord between its two ends: it is off by at most tau^2/8 max |b|, where b is its second derivative. In a flight
+In most steps surely nothing happens, and these are done all at once. Over a short step of length
+tau the velocity stays near the chord between its two ends: it is off by at most tau^2/8 max |b|,
+where b is its second derivative. In a flight
 
     v'' + (c/m) v' + (k/m) v = -(B0 Omega/m) sin(theta),   r^2 = v'^2 + (k/m) v^2,   dr/dtau <= |B0 Omega/m|,
 
-so that r, and b with it, are bounded over the step. If the chord, so widened, stays between the belts, then the flight
-meets none of them. On a belt the same is done with the two forces: their second derivative is at most |B0| Omega^2/m.
+so that r, and b with it, are bounded over the step. If the chord, so widened, stays between the
+belts, then the flight meets none of them. On a belt the same is done with the two forces: their
+second derivative is at most |B0| Omega^2/m.
 """
 
 from __future__ import annotations
@@ -41,7 +44,8 @@ FEW_STEPS = InterpretBudget(50_000)
 MOST_STEP_EVENTS = 10_000  # in one step
 # Steps that are followed together: their data, besides the result, stay in the processor's cache.
 STEPS_TOGETHER = 1 << 16
-# A motion whose distance from a belt, or from a stick's end, is a smaller part of its size needs the event search.
+# A motion whose distance from a belt, or from a stick's end, is a smaller part of its size needs
+# the event search.
 CLEARANCE = 1e-9
 
 
@@ -52,8 +56,10 @@ def propagated(p: Parameters, off: np.ndarray, tau: Any) -> np.ndarray:
     """Bound the difference [x, v] of two exact motions that differed by `off` a time `tau` ago, with any events."""
     if not np.any(off):
         return np.zeros(2)
-    x, v = off[..., 0], off[..., 1]
-    square, damping = float(p.k / p.m), float(p.c / p.m)
+    x = off[..., 0]
+    v = off[..., 1]
+    square = float(p.k / p.m)
+    damping = float(p.c / p.m)
     fastest = np.sqrt(v * v + square * x * x)
     farthest = x + tau * fastest
     if square > 0.0:
@@ -65,9 +71,15 @@ def propagated(p: Parameters, off: np.ndarray, tau: Any) -> np.ndarray:
 
 
 def double_rounding(p: Parameters, t: np.ndarray, scales: np.ndarray) -> np.ndarray:
-    """Bound the errors that rounding of doubles makes in x and v over steps; `scales` are the largest |x| and |v|."""
+    """Bound the errors that rounding of doubles makes in x and v over steps.
+
+    `scales` are the largest |x| and |v|.
+    """
     ticks = 2.0 * np.spacing(np.maximum(np.abs(t[1:]), np.abs(t[:-1])))
-    return np.outer(ticks, [scales[1], float(_push_bound(p, *scales))]) + 8.0 * np.finfo(float).eps * scales
+    return (
+        np.outer(ticks, [scales[1], float(_push_bound(p, *scales))])
+        + 8.0 * np.finfo(float).eps * scales
+    )
 
 
 def _push_bound(p: Parameters, x: float | np.ndarray, v: float | np.ndarray) -> Any:
@@ -81,10 +93,15 @@ def sample_errors(p: Parameters, samples: Samples, rounding: np.ndarray) -> np.n
     if samples.v_off is None and not np.any(rounding):
         return np.broadcast_to(0.0, (len(samples.t), 2))
     t, x, v = rounding
-    v = v if samples.v_off is None else np.maximum(v, samples.v_off)
+    if samples.v_off is not None:
+        v = np.maximum(v, samples.v_off)
     # While the clock is off by t the velocity changes too.
-    fastest = np.abs(samples.v) + v + _push_bound(p, np.abs(samples.x) + x, np.abs(samples.v) + v) * t
-    return np.column_stack([x + fastest * t, v + _push_bound(p, np.abs(samples.x) + x + fastest * t, fastest) * t])
+    fastest = (
+        np.abs(samples.v) + v + _push_bound(p, np.abs(samples.x) + x, np.abs(samples.v) + v) * t
+    )
+    return np.column_stack(
+        [x + fastest * t, v + _push_bound(p, np.abs(samples.x) + x + fastest * t, fastest) * t]
+    )
 
 
 # -- the exact motion over the steps -----------------------------------------------------------------------------------
@@ -93,8 +110,8 @@ def sample_errors(p: Parameters, samples: Samples, rounding: np.ndarray) -> np.n
 class StepEvents(NamedTuple):
     """Events of the exact motion inside steps, as columns in order of step and time.
 
-    `kind` is a code of `engine.events.KIND_NAMES`, `boundary` is 1 or 2, and `target` is the mode after the event, a
-    code of `model.MODE_NAMES`.
+    `kind` is a code of `engine.events.KIND_NAMES`, `boundary` is 1 or 2, and `target` is the mode
+    after the event, a code of `model.MODE_NAMES`.
     """
 
     step: np.ndarray
@@ -143,39 +160,58 @@ class ExactSteps:
 
     def flight(self, domain: Any, since: Any, until: Any) -> np.ndarray:
         """Return x, v of flights from samples `since`, at the times of samples `until`, with the force of `domain`."""
-        return self.fly(domain, self.x[since], self.v[since], self.theta[since], self.t[until] - self.t[since])
+        return self.fly(
+            domain, self.x[since], self.v[since], self.theta[since], self.t[until] - self.t[since]
+        )
 
-    def fly(self, domain: Any, x: np.ndarray, v: np.ndarray, theta: np.ndarray, tau: np.ndarray) -> np.ndarray:
+    def fly(
+        self, domain: Any, x: np.ndarray, v: np.ndarray, theta: np.ndarray, tau: np.ndarray
+    ) -> np.ndarray:
         """Return x, v after flights over times `tau` with the force of `domain`, one number or an array."""
-        K, s, c = self.K, np.sin(theta), np.cos(theta)
+        K = self.K
+        s = np.sin(theta)
+        c = np.cos(theta)
         a = acceleration(x, v, c, np.take([K.A1, K.A2, K.A3], domain - 1), K.cm, K.w0sq, K.f0)
         E0, E1, E2, R2, I2, _, _ = entire_array.basis(tau, K)
         dx, dv, _ = motion(v, a, s, c, K.cm, K.w0sq, K.f0, K.Om, E0, E1, E2, R2, I2)
         return np.stack([x + dx, v + dv], axis=-1)
 
 
-def follow_steps(parameters: Parameters, t: Any, x: Any, v: Any, near: Any, scales: Any) -> ExactSteps:
+def follow_steps(
+    parameters: Parameters, t: Any, x: Any, v: Any, near: Any, scales: Any
+) -> ExactSteps:
     """Restart the exact motion from every sample and follow it to the time of the next one.
 
-    A sample whose v differs from a belt's speed by at most `near`, a number or an array (n,), may be meant to be on the
-    belt or beside it. Both are followed, and the one counts that is nearer to the next sample, in units of x and v
-    `scales`, (2,) or (n - 1, 2).
+    A sample whose v differs from a belt's speed by at most `near`, a number or an array (n,), may
+    be meant to be on the belt or beside it. Both are followed, and the one counts that is nearer to
+    the next sample, in units of x and v `scales`, (2,) or (n - 1, 2).
     """
     # Where a time is repeated nothing moves: the defect is the jump.
     K = Arithmetic(parameters).K._replace(sigmas=0.0)
     count = len(t) - 1
-    near, scales = np.broadcast_to(near, count + 1), np.broadcast_to(scales, (count, 2))
-    theta, defects, modes, found = np.empty(count + 1), np.empty((count, 2)), np.zeros((2, count), np.int8), []
+    near = np.broadcast_to(near, count + 1)
+    scales = np.broadcast_to(scales, (count, 2))
+    theta = np.empty(count + 1)
+    defects = np.empty((count, 2))
+    modes = np.zeros((2, count), np.int8)
+    found = []
     for begin in range(0, count, STEPS_TOGETHER):
         end = min(begin + STEPS_TOGETHER, count)
-        part, inner = slice(begin, end + 1), slice(begin, end)
+        part = slice(begin, end + 1)
+        inner = slice(begin, end)
         theta[part] = phases(parameters, t[part])
         samples = np.array([t[part], x[part], v[part], theta[part]])
-        defects[inner], modes[:, inner], events = _follow_samples(K, samples, near[inner], scales[inner])
+        defects[inner], modes[:, inner], events = _follow_samples(
+            K, samples, near[inner], scales[inner]
+        )
         found.append(events._replace(step=events.step + begin))
-    # A step in which no time passes has the mode in which the motion arrives, or leaves the first sample.
+    # A step in which no time passes has the mode in which the motion arrives, or leaves the first
+    # sample.
     for i in np.flatnonzero(np.diff(t) == 0.0).tolist():
-        modes[:, i] = modes[1, i - 1] if i else modes[0, int(np.argmax(np.diff(t) > 0.0))]
+        if i:
+            modes[:, i] = modes[1, i - 1]
+        else:
+            modes[:, i] = modes[0, int(np.argmax(np.diff(t) > 0.0))]
     events = StepEvents(*map(np.concatenate, zip(*found, strict=True)))
     return ExactSteps(parameters, K, t, x, v, theta, defects, modes[0], modes[1], events)
 
@@ -186,7 +222,8 @@ def _follow_samples(
     """Follow the steps between samples, rows t, x, v, theta; return defects, modes and events."""
     t, x, v, _ = samples
     gaps = np.abs(v[:-1, None] - np.array([K.belt1.v, K.belt2.v]))
-    closest, beside = np.argmin(gaps, axis=1) + 1, gaps.min(axis=1)
+    closest = np.argmin(gaps, axis=1) + 1
+    beside = gaps.min(axis=1)
     moving = np.flatnonzero(np.diff(t) > 0.0)
     defects = np.column_stack([x[:-1] - x[1:], v[:-1] - v[1:]])
     modes = np.zeros((2, len(defects)), np.int8)
@@ -207,15 +244,20 @@ def _follow_samples(
 def follow_from(
     K: Constants, samples: np.ndarray, steps: np.ndarray, on: np.ndarray
 ) -> tuple[np.ndarray, np.ndarray, StepEvents]:
-    """Follow the exact motion over the steps numbered `steps` of samples; return defects, modes and events.
+    """Follow the exact motion over the steps numbered `steps` of samples.
 
-    `samples` has the rows t, x, v and theta. Where `on` is 1 or 2, v is first set to the speed of that belt, and the
-    motion begins on it. The modes are those at the start and at the end of each step.
+    Return defects, modes and events.
+
+    `samples` has the rows t, x, v and theta. Where `on` is 1 or 2, v is first set to the speed of
+    that belt, and the motion begins on it. The modes are those at the start and at the end of each
+    step.
     """
     t, x, v, theta = samples
-    left, start_v = t[steps + 1] - t[steps], np.where(on > 0, np.array([K.belt1.v, K.belt2.v])[on - 1], v[steps])
+    left = t[steps + 1] - t[steps]
+    start_v = np.where(on > 0, np.array([K.belt1.v, K.belt2.v])[on - 1], v[steps])
     rows, _ = start_rows(on, (theta[steps], 0.0), x[steps], start_v, (0.0, 0.0, left, 0.0, 0.0), K)
-    modes, ends = np.array([rows[:, 0], rows[:, 0]]).astype(np.int8), np.empty((len(rows), 2))
+    modes = np.array([rows[:, 0], rows[:, 0]]).astype(np.int8)
+    ends = np.empty((len(rows), 2))
     quiet, states = quiet_ends(rows, left, K)
     ends[quiet] = states
     busy = np.delete(np.arange(len(rows)), quiet)
@@ -249,15 +291,20 @@ def quiet_ends(rows: np.ndarray, left: np.ndarray, K: Constants) -> tuple[np.nda
     tau = left[numbers]
     mode, _, _, theta, x, v, below, above = rows[numbers, :8].T
     held = mode > ON_BELT
-    s, c = np.sin(theta), np.cos(theta)
+    s = np.sin(theta)
+    c = np.cos(theta)
     E0, E1, E2, R2, I2, s_tau, c_tau = entire_array.basis(tau, K)
     dx, dv, _ = motion(v, below, s, c, K.cm, K.w0sq, K.f0, K.Om, E0, E1, E2, R2, I2)
     ends = np.column_stack([x + np.where(held, v * tau, dx), v + np.where(held, 0.0, dv)])
     # A stick lasts if both forces keep their sign over the step.
     off = 0.125 * tau * tau * abs(K.fB) * K.Om
-    off += CLEARANCE * (np.abs(below) + np.abs(above) + K.w0sq * np.abs(x) + K.cm * np.abs(v) + 2.0 * abs(K.f0))
+    off += CLEARANCE * (
+        np.abs(below) + np.abs(above) + K.w0sq * np.abs(x) + K.cm * np.abs(v) + 2.0 * abs(K.f0)
+    )
     turned = (c * c_tau - s * s_tau) - c
-    lower, upper = (stick_acceleration(force, v, tau, turned, K.w0sq, K.f0) for force in (below, above))
+    lower, upper = (
+        stick_acceleration(force, v, tau, turned, K.w0sq, K.f0) for force in (below, above)
+    )
     lasts = (np.minimum(below, lower) > off) & (np.maximum(above, upper) < -off)
     # A flight stays in its domain if the chord, widened by what v may be off it, does.
     most = np.hypot(below, K.w0 * v) + abs(K.fB) * tau
@@ -265,7 +312,9 @@ def quiet_ends(rows: np.ndarray, left: np.ndarray, K: Constants) -> tuple[np.nda
     off += CLEARANCE * (np.abs(v) + np.abs(ends[:, 1]) + abs(K.belt1.v) + abs(K.belt2.v))
     walls = np.array([-np.inf, K.belt1.v, K.belt2.v, np.inf])
     domain = np.minimum(mode.astype(int), 3)  # a row on a belt is no flight
-    stays = (np.minimum(v, ends[:, 1]) - off > walls[domain - 1]) & (np.maximum(v, ends[:, 1]) + off < walls[domain])
+    stays = (np.minimum(v, ends[:, 1]) - off > walls[domain - 1]) & (
+        np.maximum(v, ends[:, 1]) + off < walls[domain]
+    )
     quiet = np.where(held, lasts, stays)
     return numbers[quiet], ends[quiet]
 
@@ -273,8 +322,13 @@ def quiet_ends(rows: np.ndarray, left: np.ndarray, K: Constants) -> tuple[np.nda
 # -- steps that need the event search ----------------------------------------------------------------------------------
 
 
-def _follow(rows: np.ndarray, left: np.ndarray, K: Constants) -> tuple[np.ndarray, np.ndarray, StepEvents]:
-    """Follow each start event by event for its time `left`; return final modes, final states [x, v], and events."""
+def _follow(
+    rows: np.ndarray, left: np.ndarray, K: Constants
+) -> tuple[np.ndarray, np.ndarray, StepEvents]:
+    """Follow each start event by event for its time `left`.
+
+    Return final modes, final states [x, v], and events.
+    """
     batch = batch_of(rows.copy())
     few = len(rows) < 4000 and FEW_STEPS.events > 0 and loaded_loop() is None
     follow = chosen_loops(False if few else None).follow
@@ -295,41 +349,67 @@ def _follow(rows: np.ndarray, left: np.ndarray, K: Constants) -> tuple[np.ndarra
     return modes, ends, found
 
 
-def _ends(rows: np.ndarray, modes: np.ndarray, left: np.ndarray, events: StepEvents, K: Constants) -> np.ndarray:
+def _ends(
+    rows: np.ndarray, modes: np.ndarray, left: np.ndarray, events: StepEvents, K: Constants
+) -> np.ndarray:
     """Return the final state [x, v] of each row in closed form, from its last event or, without one, its start."""
-    theta, x, v, a, left = rows[:, 3].copy(), rows[:, 4].copy(), rows[:, 5].copy(), rows[:, 6].copy(), left.copy()
+    theta = rows[:, 3].copy()
+    x = rows[:, 4].copy()
+    v = rows[:, 5].copy()
+    a = rows[:, 6].copy()
+    left = left.copy()
     lasts = np.flatnonzero(np.diff(events.step, append=-1))
-    i, belt = events.step[lasts], np.array([K.belt1.v, K.belt2.v])[events.boundary[lasts] - 1]
-    theta[i], x[i], v[i], left[i] = events.theta[lasts], events.x[lasts], belt, left[i] - events.t[lasts]
+    i = events.step[lasts]
+    belt = np.array([K.belt1.v, K.belt2.v])[events.boundary[lasts] - 1]
+    theta[i], x[i], v[i], left[i] = (
+        events.theta[lasts],
+        events.x[lasts],
+        belt,
+        left[i] - events.t[lasts],
+    )
     # After a slip and a graze the acceleration begins with 0.
     A = np.array([K.A1, K.A2, K.A3, 0.0, 0.0])[modes[i] - 1]
-    a[i] = (events.kind[lasts] == CROSS) * acceleration(x[i], belt, np.cos(theta[i]), A, K.cm, K.w0sq, K.f0)
+    a[i] = (events.kind[lasts] == CROSS) * acceleration(
+        x[i], belt, np.cos(theta[i]), A, K.cm, K.w0sq, K.f0
+    )
     E0, E1, E2, R2, I2, _, _ = entire_array.basis(left, K)
-    dx, dv, _ = motion(v, a, np.sin(theta), np.cos(theta), K.cm, K.w0sq, K.f0, K.Om, E0, E1, E2, R2, I2)
+    dx, dv, _ = motion(
+        v, a, np.sin(theta), np.cos(theta), K.cm, K.w0sq, K.f0, K.Om, E0, E1, E2, R2, I2
+    )
     held = modes > ON_BELT
     return np.column_stack([x + np.where(held, v * left, dx), v + np.where(held, 0.0, dv)])
 
 
 def _follow_one(batch: Batch, rows: np.ndarray, i: int, K: Constants) -> list[tuple[Any, ...]]:
-    """Follow the start in row `i` event by event and return the events; put its final state into the `batch`.
+    """Follow the start in row `i` event by event and return the events.
 
-    This is for starts where doubles cannot decide whether a belt is met. Either answer is right within rounding, and
-    that of `advance` is taken.
+    Put its final state into the `batch`.
+
+    This is for starts where doubles cannot decide whether a belt is met. Either answer is right
+    within rounding, and that of `advance` is taken.
     """
-    state, (t_end, t_end_low) = state_of(rows, i), rows[i, 13:15].tolist()
-    events, code = list[tuple[Any, ...]](), MOVED
+    state = state_of(rows, i)
+    (t_end, t_end_low) = rows[i, 13:15].tolist()
+    events = list[tuple[Any, ...]]()
+    code = MOVED
     while code not in (END, REST, FAILED) and len(events) < MOST_STEP_EVENTS:
         code, boundary, _, _, state = advance(state, t_end, t_end_low, K)
         if code <= GRAZE:
             events.append((i, state.t, state.x, state.theta, code, boundary, state.mode))
-    batch.codes[i] = code if code in (END, REST) else FAILED
+    if code in (END, REST):
+        batch.codes[i] = code
+    else:
+        batch.codes[i] = FAILED
     keep_state(batch.states, i, state)
     return events
 
 
 def _merged(events: StepEvents, others: StepEvents, steps: np.ndarray) -> StepEvents:
     """Replace the events of `steps` by those in `others`."""
-    kept, taken = ~np.isin(events.step, steps), np.isin(others.step, steps)
-    columns = [np.concatenate([one[kept], other[taken]]) for one, other in zip(events, others, strict=True)]
+    kept = ~np.isin(events.step, steps)
+    taken = np.isin(others.step, steps)
+    columns = [
+        np.concatenate([one[kept], other[taken]]) for one, other in zip(events, others, strict=True)
+    ]
     order = np.lexsort((columns[1], columns[0]))
     return StepEvents(*(column[order] for column in columns))

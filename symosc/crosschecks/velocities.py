@@ -1,9 +1,12 @@
-"""Velocities for positions given without them: those with which the exact motion leads from one position to the next.
+"""Velocities for positions given without them.
 
-In one domain the displacement over a step is linear in the velocity at its start, so each step has one velocity for
-each domain, and on a belt that of the belt. Where two steps agree about the sample between them, that is its velocity.
-The exact motion leads over steps with an event, which agree with none. Where positions are rounded, over short steps,
-it is the velocity of an exact motion within their rounding at all times: the scene's own, or one with a fitted start.
+Those with which the exact motion leads from one position to the next.
+
+In one domain the displacement over a step is linear in the velocity at its start, so each step has
+one velocity for each domain, and on a belt that of the belt. Where two steps agree about the sample
+between them, that is its velocity. The exact motion leads over steps with an event, which agree
+with none. Where positions are rounded, over short steps, it is the velocity of an exact motion
+within their rounding at all times: the scene's own, or one with a fitted start.
 """
 
 from __future__ import annotations
@@ -28,25 +31,38 @@ from symosc.simulation.simulate import simulate
 from symosc.simulation.trajectory import Trajectory
 
 NOTE = "velocities were not given: they are those with which the exact motion leads from one position to the next"
-# Longest step, in units of 1/rate, over which a velocity is found without that of the sample before.
+# Longest step, in units of 1/rate, over which a velocity is found without that of the sample
+# before.
 LONGEST_FLIGHT = 1.0
-# The search for a motion ends when it misses the positions by at most this many times their rounding.
+# The search for a motion ends when it misses the positions by at most this many times their
+# rounding.
 GOOD_FIT = 1.1
 
 
 def with_velocities(samples: Samples, scene: Scene | Parameters, tolerance: float) -> Samples:
-    """Compute the velocities of samples that have positions alone, and bounds of their errors; return new samples."""
+    """Compute the velocities of samples that have positions alone, and bounds of their errors.
+
+    Return new samples.
+    """
     # ParameterError if the positions are too far apart in time to determine them.
-    p = scene if isinstance(scene, Parameters) else scene.parameters
+    if isinstance(scene, Parameters):
+        p = scene
+    else:
+        p = scene.parameters
     K = Arithmetic(p).K._replace(sigmas=0.0)
-    t, x = samples.t, samples.x
+    t = samples.t
+    x = samples.x
     tau = np.diff(t)
     shortest = np.minimum(np.append(tau, np.inf), np.insert(tau, 0, np.inf))
     longest = np.maximum(np.append(tau, 0.0), np.insert(tau, 0, 0.0))
     per_x = 2.0 / np.where(shortest > 0.0, shortest, np.where(longest > 0.0, longest, 1.0))
     theta = phases(p, t)
-    digits, size = find_digits(x, x[:1]), float(np.max(np.abs(x)))
-    rounded = np.zeros(len(x)) if digits is None else digits.units
+    digits = find_digits(x, x[:1])
+    size = float(np.max(np.abs(x)))
+    if digits is None:
+        rounded = np.zeros(len(x))
+    else:
+        rounded = digits.units
     if digits is not None:
         found = _fit_motion(samples, scene, (0.5 + 1e-9) * rounded, tolerance * size)
         if found is not None:
@@ -55,12 +71,16 @@ def with_velocities(samples: Samples, scene: Scene | Parameters, tolerance: floa
     allowed = per_x * (tolerance * size + rounded)
     gaps = _nearest(starts, ends)[0]
     fly = gaps <= 4.0 * allowed[1:-1]
-    noise = 20.0 * float(np.median((gaps / per_x[1:-1])[fly])) if fly.any() else tolerance * size
+    if fly.any():
+        noise = 20.0 * float(np.median((gaps / per_x[1:-1])[fly]))
+    else:
+        noise = tolerance * size
     noise += 8.0 * float(np.spacing(size))
     belts = np.array([[K.belt1.v], [K.belt2.v]])  # the velocities of steps that can be sticks
     keeps = np.abs(np.diff(x) - belts * tau) <= (noise + rounded)[:-1] + (noise + rounded)[1:]
     held = np.where(keeps & (tau > 0.0), belts, np.nan)
-    starts, ends = np.concatenate([starts, held]), np.concatenate([ends, held])
+    starts = np.concatenate([starts, held])
+    ends = np.concatenate([ends, held])
     off = np.minimum(per_x * (noise + rounded), allowed)
     gaps, left, right = _nearest(starts, ends)
     agree = gaps <= 2.0 * off[1:-1]
@@ -68,27 +88,50 @@ def with_velocities(samples: Samples, scene: Scene | Parameters, tolerance: floa
     if np.isnan(v[0]) and _is_start(scene, samples, tolerance * size + rounded[0]):
         v[0] = float(scene.v0)
     pairs = np.flatnonzero(np.isfinite(gaps))
-    if np.isnan(v).all() and len(pairs) >= 20:  # positions of no exact motion: those of the first steps show it
+    if (
+        np.isnan(v).all() and len(pairs) >= 20
+    ):  # positions of no exact motion: those of the first steps show it
         v = _agreed(starts, ends, left, right, pairs[:1])
     if np.isnan(v).all():
-        raise ParameterError("v", None, "is missing, and the positions are too far apart to tell it: give velocities")
-    left_out = "samples at the beginning that are left out, since the positions do not tell their velocity"
-    known = int(np.argmax(~np.isnan(v)))  # before it an event hides the velocity at which the first step began
-    notes = (*samples.notes, NOTE) if known == 0 else (*samples.notes, NOTE, f"{left_out}: {known}")
+        raise ParameterError(
+            "v", None, "is missing, and the positions are too far apart to tell it: give velocities"
+        )
+    left_out = (
+        "samples at the beginning that are left out, since the positions do not tell their velocity"
+    )
+    known = int(
+        np.argmax(~np.isnan(v))
+    )  # before it an event hides the velocity at which the first step began
+    if known == 0:
+        notes = (*samples.notes, NOTE)
+    else:
+        notes = (*samples.notes, NOTE, f"{left_out}: {known}")
     v = _continued(K, t, x, v, theta)
     off = np.where((v == K.belt1.v) | (v == K.belt2.v), 0.0, off)
     return replace(samples, t=t[known:], x=x[known:], v=v[known:], v_off=off[known:], notes=notes)
 
 
-def _fit_motion(samples: Samples, scene: Scene | Parameters, half: np.ndarray, off: float) -> Samples | None:
-    """Return samples with the velocities of one exact motion through all positions; None if none is found.
+def _fit_motion(
+    samples: Samples, scene: Scene | Parameters, half: np.ndarray, off: float
+) -> Samples | None:
+    """Return samples with the velocities of one exact motion through all positions.
 
-    The motion may miss each position by `half`, half a unit of its last place, and by the tolerance `off`.
+    None if none is found.
+
+    The motion may miss each position by `half`, half a unit of its last place, and by the tolerance
+    `off`.
     """
-    t, x = samples.t, samples.x
-    p = scene if isinstance(scene, Parameters) else scene.parameters
+    t = samples.t
+    x = samples.x
+    if isinstance(scene, Parameters):
+        p = scene
+    else:
+        p = scene.parameters
     digits = find_digits(t, t[:1])
-    clock = np.zeros(len(t)) if digits is None else 0.5 * digits.units
+    if digits is None:
+        clock = np.zeros(len(t))
+    else:
+        clock = 0.5 * digits.units
 
     def misfit(motion: Trajectory | None) -> float:
         if motion is None or motion.t_end < t[-1]:
@@ -96,14 +139,18 @@ def _fit_motion(samples: Samples, scene: Scene | Parameters, half: np.ndarray, o
         there, v = motion(np.maximum(t, float(motion.t_start)))
         return float(np.max(np.abs(there - x) / (half + off + np.abs(v) * clock)))
 
-    motion = _motion(scene, t[-1]) if _is_start(scene, samples, off + half[0], clock[0]) else None
+    if _is_start(scene, samples, off + half[0], clock[0]):
+        motion = _motion(scene, t[-1])
+    else:
+        motion = None
     best = misfit(motion)
     if best > GOOD_FIT:
         guesses = _first_guesses(p, t, x)
         as_guessed = (_motion(p, t[-1], t[0], x[0], v0) for v0 in guesses)
         for each in chain(as_guessed, (_fitted(p, t, x, v0) for v0 in guesses)):
             if (found := misfit(each)) < best:
-                motion, best = each, found
+                motion = each
+                best = found
             if best <= GOOD_FIT:
                 break
     if motion is None or best > 4.0:
@@ -114,7 +161,10 @@ def _fit_motion(samples: Samples, scene: Scene | Parameters, half: np.ndarray, o
 
 
 def _motion(scene: Scene | Parameters, t_end: float, *start: float) -> Trajectory | None:
-    """Return the exact motion of a scene, or from a start t0, x0, v0; None if the model does not allow it."""
+    """Return the exact motion of a scene, or from a start t0, x0, v0.
+
+    None if the model does not allow it.
+    """
     given: Record = dict(zip(STARTS, map(float, start), strict=False))
     try:
         return simulate(scene, t_end=float(t_end), max_events=20_000, **given)
@@ -143,8 +193,12 @@ def _first_guesses(p: Parameters, t: np.ndarray, x: np.ndarray) -> list[float]:
 
 
 def _fitted(p: Parameters, t: np.ndarray, x: np.ndarray, v0: float) -> Trajectory | None:
-    """Fit a start to positions, from the velocity `v0` and over longer and longer times; return the motion or None."""
-    start, span = np.array([x[0], v0]), 1.0 / fastest_rate(p)
+    """Fit a start to positions, from the velocity `v0` and over longer and longer times.
+
+    Return the motion or None.
+    """
+    start = np.array([x[0], v0])
+    span = 1.0 / fastest_rate(p)
     tick = 1e-4 * np.array([1.0, fastest_rate(p)]) * max(float(np.ptp(x)), 1e-300)
     while True:
         count = max(6, int(np.searchsorted(t, t[0] + span, "right")))
@@ -159,7 +213,9 @@ def _fitted(p: Parameters, t: np.ndarray, x: np.ndarray, v0: float) -> Trajector
 
         for _ in range(3):
             here = missed(start)
-            slopes = np.column_stack([(missed(start + step) - here) / step.max() for step in np.diag(tick)])
+            slopes = np.column_stack(
+                [(missed(start + step) - here) / step.max() for step in np.diag(tick)]
+            )
             if not (np.isfinite(here).all() and np.isfinite(slopes).all()):
                 return None
             start = start - np.linalg.lstsq(slopes, here, rcond=1e-6)[0]
@@ -168,7 +224,9 @@ def _fitted(p: Parameters, t: np.ndarray, x: np.ndarray, v0: float) -> Trajector
         span *= 2.0
 
 
-def _is_start(scene: Scene | Parameters, samples: Samples, off: float, clock: float = 0.0) -> TypeGuard[Scene]:
+def _is_start(
+    scene: Scene | Parameters, samples: Samples, off: float, clock: float = 0.0
+) -> TypeGuard[Scene]:
     """Return whether the first sample is the scene's start, up to an error `off` of x and `clock` of t."""
     if isinstance(scene, Parameters):
         return False
@@ -176,11 +234,17 @@ def _is_start(scene: Scene | Parameters, samples: Samples, off: float, clock: fl
     return near and bool(np.isclose(samples.t[0], float(scene.t0), rtol=1e-14, atol=1e-14 + clock))
 
 
-def _flight_velocities(t: np.ndarray, x: np.ndarray, theta: np.ndarray, K: Constants) -> tuple[np.ndarray, np.ndarray]:
+def _flight_velocities(
+    t: np.ndarray, x: np.ndarray, theta: np.ndarray, K: Constants
+) -> tuple[np.ndarray, np.ndarray]:
     """Return velocities at the starts and at the ends of flights over all steps, each (3, n - 1), a row per domain."""
-    tau, s, c = np.diff(t), np.sin(theta[:-1]), np.cos(theta[:-1])
+    tau = np.diff(t)
+    s = np.sin(theta[:-1])
+    c = np.cos(theta[:-1])
     usable = (tau > 0.0) & (K.rate * tau < LONGEST_FLIGHT)
-    E0, E1, E2, R2, I2, _, _ = entire_array.basis(np.where(usable, tau, 0.5 * LONGEST_FLIGHT / K.rate), K)
+    E0, E1, E2, R2, I2, _, _ = entire_array.basis(
+        np.where(usable, tau, 0.5 * LONGEST_FLIGHT / K.rate), K
+    )
 
     def flown(v: np.ndarray | float, A: float) -> tuple[np.ndarray, np.ndarray]:
         a = acceleration(x[:-1], v, c, A, K.cm, K.w0sq, K.f0)
@@ -188,9 +252,12 @@ def _flight_velocities(t: np.ndarray, x: np.ndarray, theta: np.ndarray, K: Const
         return dx, dv
 
     starts = np.full((3, len(tau)), np.nan)
-    ends, walls = starts.copy(), (-np.inf, K.belt1.v, K.belt2.v, np.inf)
+    ends = starts.copy()
+    walls = (-np.inf, K.belt1.v, K.belt2.v, np.inf)
     for domain, A in enumerate((K.A1, K.A2, K.A3)):
-        rest, slope = flown(0.0, A)[0], E1  # dx is linear in v: v (E1 + cm E2) - cm v E2
+        # dx is linear in v: v (E1 + cm E2) - cm v E2
+        rest = flown(0.0, A)[0]
+        slope = E1
         v = (np.diff(x) - rest) / slope
         end = v + flown(v, A)[1]
         inside = usable & (v >= walls[domain]) & (v <= walls[domain + 1])
@@ -202,11 +269,13 @@ def _flight_velocities(t: np.ndarray, x: np.ndarray, theta: np.ndarray, K: Const
 def _nearest(starts: np.ndarray, ends: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """Return for each inner sample how nearly a flight to it and a flight from it agree about its velocity.
 
-    `ends` and `starts` have the velocities of these flights, a row for each force or belt. The results are the smallest
-    difference, and the rows of `ends` and of `starts` that have it.
+    `ends` and `starts` have the velocities of these flights, a row for each force or belt. The
+    results are the smallest difference, and the rows of `ends` and of `starts` that have it.
     """
     inner = starts.shape[1] - 1
-    best, left, right = np.full(inner, np.inf), np.zeros(inner, np.int8), np.zeros(inner, np.int8)
+    best = np.full(inner, np.inf)
+    left = np.zeros(inner, np.int8)
+    right = np.zeros(inner, np.int8)
     for i in range(len(ends)):
         for j in range(len(starts)):
             gap = np.abs(ends[i, :-1] - starts[j, 1:])
@@ -215,29 +284,37 @@ def _nearest(starts: np.ndarray, ends: np.ndarray) -> tuple[np.ndarray, np.ndarr
     return best, left, right
 
 
-def _agreed(starts: np.ndarray, ends: np.ndarray, left: np.ndarray, right: np.ndarray, sure: np.ndarray) -> np.ndarray:
+def _agreed(
+    starts: np.ndarray, ends: np.ndarray, left: np.ndarray, right: np.ndarray, sure: np.ndarray
+) -> np.ndarray:
     """Return the velocities of samples at which a flight to and one from them agree, and of their neighbours; else NaN.
 
-    `sure` are the numbers of these samples, counted from the second one; `starts`, `ends` are the velocities of flights
-    over steps, and `left` and `right` the rows that `_nearest` returns.
+    `sure` are the numbers of these samples, counted from the second one; `starts`, `ends` are the
+    velocities of flights over steps, and `left` and `right` the rows that `_nearest` returns.
     """
     v = np.full(starts.shape[1] + 1, np.nan)
-    left, right = left[sure], right[sure]
+    left = left[sure]
+    right = right[sure]
     v[sure], v[sure + 2] = starts[left, sure], ends[right, sure + 1]
-    arrives, leaves = ends[left, sure], starts[right, sure + 1]
+    arrives = ends[left, sure]
+    leaves = starts[right, sure + 1]
     # A belt's velocity is exact.
     v[sure + 1] = np.where(left > 2, arrives, np.where(right > 2, leaves, 0.5 * (arrives + leaves)))
     return v
 
 
-def _continued(K: Constants, t: np.ndarray, x: np.ndarray, v: np.ndarray, theta: np.ndarray) -> np.ndarray:
+def _continued(
+    K: Constants, t: np.ndarray, x: np.ndarray, v: np.ndarray, theta: np.ndarray
+) -> np.ndarray:
     """Fill in unknown velocities by the exact motion from the sample before, or else by interpolation."""
     for _ in range(100):
         steps = np.flatnonzero(np.isnan(v[1:]) & ~np.isnan(v[:-1]))
         if not len(steps):
             break
         on = (v[steps] == K.belt1.v) + 2 * (v[steps] == K.belt2.v)
-        found = follow_from(K, np.array([t, x, np.where(np.isnan(v), 0.0, v), theta]), steps, on)[0][:, 1]
+        found = follow_from(K, np.array([t, x, np.where(np.isnan(v), 0.0, v), theta]), steps, on)[
+            0
+        ][:, 1]
         v[steps + 1] = np.where(np.isnan(found), v[steps], found)
     rest = np.flatnonzero(np.isnan(v))
     if len(rest):

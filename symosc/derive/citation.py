@@ -1,6 +1,7 @@
 """The home of all bibliographic data: how to cite symosc and the paper, and the list of references.
 
-The list is read from BibTeX and printed without running it. CITATION.cff says the same for machines; a test compares.
+The list is read from BibTeX and printed without running it. CITATION.cff says the same for
+machines; a test compares.
 """
 
 from __future__ import annotations
@@ -21,7 +22,12 @@ _ACCENTS = {r"{\'o}": "ó", r"{\'a}": "á", r"{\'e}": "é", r"{\"o}": "ö"}
 
 def references_bib() -> str:
     """Return the BibTeX of all references, those of symosc and of the paper first."""
-    return files("symosc.derive").joinpath("references.bib").read_text(encoding="utf-8").replace("VERSION", __version__)
+    return (
+        files("symosc.derive")
+        .joinpath("references.bib")
+        .read_text(encoding="utf-8")
+        .replace("VERSION", __version__)
+    )
 
 
 def bibtex() -> str:
@@ -30,7 +36,10 @@ def bibtex() -> str:
 
 
 def paper_reference(title: str = "{}", space: str = " ", dash: str = "\N{EN DASH}") -> str:
-    """Return the paper's entry for a bibliography; `title` formats its title, `space` and `dash` replace ~ and --."""
+    """Return the paper's entry for a bibliography.
+
+    `title` formats its title, `space` and `dash` replace ~ and --.
+    """
     line = reference_line("chen2016").removesuffix(".").replace("~", space).replace("--", dash)
     return re.sub(r"\\emph\{(.*)\}", lambda found: title.format(found[1]), line)
 
@@ -51,13 +60,20 @@ def entries() -> dict[str, Reference]:
 
 
 def cited(text: str) -> list[str]:
-    """Return the keys that a LaTeX text cites, sorted by author and year; KeyError for an unknown key."""
+    """Return the keys that a LaTeX text cites, sorted by author and year.
+
+    KeyError for an unknown key.
+    """
 
     def place(key: str) -> tuple[str, str]:
         fields = entries()[key].fields
-        return plain_text(fields["author"]).strip("{}").removeprefix("the ").split(",")[0].lower(), fields["year"]
+        return plain_text(fields["author"]).strip("{}").removeprefix("the ").split(",")[
+            0
+        ].lower(), fields["year"]
 
-    return sorted({key.strip() for _, group in CITATION.findall(text) for key in group.split(",")}, key=place)
+    return sorted(
+        {key.strip() for _, group in CITATION.findall(text) for key in group.split(",")}, key=place
+    )
 
 
 #: What stands behind the title of each kind of entry.
@@ -71,7 +87,10 @@ PLACES = {
 def reference_line(key: str) -> str:
     """Return a reference as a line of LaTeX: authors, title, place, doi."""
     kind, _, fields = entries()[key]
-    doi = f", doi:{fields['doi']}" if "doi" in fields else ""
+    if "doi" in fields:
+        doi = f", doi:{fields['doi']}"
+    else:
+        doi = ""
     place = PLACES[kind].format_map(fields)
     return rf"{_authors_text(fields['author'])}, \emph{{{fields['title']}}}, {place}{doi}."
 
@@ -83,9 +102,14 @@ def _authors_text(text: str) -> str:
     for person in text.split(" and "):
         family, _, given = person.partition(", ")
         names = (part.split("-") for part in given.split(" "))
-        initials = "~".join("-".join(each if each.endswith(".") else f"{each[0]}." for each in part) for part in names)
+        initials = "~".join(
+            "-".join(each if each.endswith(".") else f"{each[0]}." for each in part)
+            for part in names
+        )
         people.append(f"{initials}~{family}")
-    return people[0] if len(people) == 1 else f"{', '.join(people[:-1])} and {people[-1]}"
+    if len(people) == 1:
+        return people[0]
+    return f"{', '.join(people[:-1])} and {people[-1]}"
 
 
 def reference_list(keys: list[str]) -> str:
@@ -95,7 +119,10 @@ def reference_list(keys: list[str]) -> str:
 
 
 def plain_line(key: str) -> str:
-    """Return a reference for HTML and Markdown: its LaTeX line with accented letters instead of accent commands."""
+    """Return a reference for HTML and Markdown.
+
+    Its LaTeX line with accented letters instead of accent commands.
+    """
     return re.sub(r"\{([A-Z])\}", r"\1", plain_text(reference_line(key)))
 
 
@@ -106,4 +133,5 @@ def plain_text(text: str) -> str:
     return text
 
 
-SYMOSC, PAPER = entries()["symosc"].fields, entries()["chen2016"].fields
+SYMOSC = entries()["symosc"].fields
+PAPER = entries()["chen2016"].fields

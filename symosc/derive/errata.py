@@ -1,4 +1,7 @@
-"""The errors and gaps of the paper, each once: the list behind the supplement, the report and the letter."""
+"""The errors and gaps of the paper, each once.
+
+The list behind the supplement, the report and the letter.
+"""
 
 from __future__ import annotations
 
@@ -40,13 +43,19 @@ class Erratum:
 
 
 def read_errata(path: Path = ERRATA_FILE) -> tuple[Erratum, ...]:
-    """Read the errata (texts are LaTeX) in the order of the paper; RecordsError if the file is incomplete."""
-    found, needed = [], {"severity", *TEXTS}
+    """Read the errata (texts are LaTeX) in the order of the paper.
+
+    RecordsError if the file is incomplete.
+    """
+    found = []
+    needed = {"severity", *TEXTS}
     for number, (name, row) in enumerate(read_toml(path).items(), 1):
         where = f"{path.name}, {name}"
         kebab(path.name, name)
         if not isinstance(row, dict) or not needed <= set(row) <= needed | {"shown"}:
-            raise RecordsError(where, f"must have {', '.join(('severity', *TEXTS))}, and may have shown")
+            raise RecordsError(
+                where, f"must have {', '.join(('severity', *TEXTS))}, and may have shown"
+            )
         for key, value in row.items():
             if not isinstance(value, str) or not value.strip():
                 raise RecordsError(where, f"{key} = {value!r}: must be text")
@@ -105,12 +114,18 @@ _TOKEN = re.compile(rf"(\\sqrt|[_^]){_GROUP}|\\([a-zA-Z]+)( (?=[a-zA-Z]))?|\\[, 
 
 
 def latex_to_unicode(text: str) -> str:
-    """Return LaTeX text, with formulas between dollars, as Unicode; ValueError for an unknown command."""
+    """Return LaTeX text, with formulas between dollars, as Unicode.
+
+    ValueError for an unknown command.
+    """
     parts = text.split("$")
     for prose in parts[::2]:
         if "\\" in prose:
             raise ValueError(f"{prose!r}: only formulas may have commands")
-    return "".join(_unicode(p) if odd % 2 else p.replace("~", " ").replace("--", "–") for odd, p in enumerate(parts))
+    return "".join(
+        _unicode(p) if odd % 2 else p.replace("~", " ").replace("--", "–")
+        for odd, p in enumerate(parts)
+    )
 
 
 def _unicode(text: str) -> str:
@@ -120,7 +135,9 @@ def _unicode(text: str) -> str:
         sign, group, single, command, space = found.groups()
         if sign == r"\sqrt":
             root = _unicode(group or single)
-            return f"√{root}" if root.isalnum() else f"√({root})"
+            if root.isalnum():
+                return f"√{root}"
+            return f"√({root})"
         if sign:
             return _script(sign, group or single)
         if command in _FUNCTIONS:
@@ -132,7 +149,9 @@ def _unicode(text: str) -> str:
         if found[0] in ("_", "^"):
             raise ValueError(f"{text!r}: ends with {found[0]}")
         # A space behind a letter ends its command only.
-        return _LETTERS[command] if command else {"-": "−", r"\,": " ", r"\ ": " ", "~": " "}.get(found[0], found[0])
+        if command:
+            return _LETTERS[command]
+        return {"-": "−", r"\,": " ", r"\ ": " ", "~": " "}.get(found[0], found[0])
 
     for latex, letter in _ACCENTS.items():
         text = text.replace(latex, letter)
@@ -141,11 +160,16 @@ def _unicode(text: str) -> str:
 
 def _script(place: str, script: str) -> str:
     """Return an index or power in lowered or raised characters or, if Unicode lacks one, behind "_" or "^"."""
-    table = _RAISED if place == "^" else _LOWERED
+    if place == "^":
+        table = _RAISED
+    else:
+        table = _LOWERED
     if script == r"\mathrm{cr}":
         return "cr"
     letters = script.replace(r"\alpha", "α").replace(" ", "")
     if all(ord(letter) in table for letter in letters):
         return letters.translate(table)
     inside = _unicode(script)
-    return f"{place}{inside}" if len(inside) == 1 else f"{place}({inside})"
+    if len(inside) == 1:
+        return f"{place}{inside}"
+    return f"{place}({inside})"

@@ -1,4 +1,7 @@
-"""The figures of the derivations. Greyscale is enough to read them: shapes, hatching and line styles differ."""
+"""The figures of the derivations.
+
+Greyscale is enough to read them: shapes, hatching and line styles differ.
+"""
 
 from __future__ import annotations
 
@@ -17,7 +20,9 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
-DARK, GREY, LIGHT = "black", "0.45", "0.82"
+DARK = "black"
+GREY = "0.45"
+LIGHT = "0.82"
 POINT: dict[str, Any] = {"marker": "o", "color": "white", "markeredgecolor": DARK, "linestyle": ""}
 #: Points of all letters; no figure is printed smaller than it is drawn.
 LETTERS = 10.0
@@ -25,7 +30,10 @@ LETTERS = 10.0
 
 def friction(axes: Axes) -> None:
     """Draw the friction of both belts against the velocity, set-valued at the belts' speeds."""
-    v1, v2, mu1, mu2 = 1.0, 3.0, 1.0, 0.55
+    v1 = 1.0
+    v2 = 3.0
+    mu1 = 1.0
+    mu2 = 0.55
     levels = mu1 + mu2, mu2 - mu1, -mu1 - mu2
     for ends, level in zip(((-1, v1), (v1, v2), (v2, 5)), levels, strict=True):
         axes.plot(ends, [level] * 2, color=DARK, linewidth=1.6)
@@ -44,7 +52,11 @@ def stick_exits(axes: Axes) -> None:
     """Draw the accelerations on both sides of belt 2 during the stick of the paper's Fig. 6."""
     scene = load_scene("fig6")
     until = next(event.t for event in simulate(scene).events if event.kind == "slip")
-    p = {name: float(value) for name, value in vars(scene.parameters).items() if not name.startswith("_")}
+    p = {
+        name: float(value)
+        for name, value in vars(scene.parameters).items()
+        if not name.startswith("_")
+    }
     t = np.linspace(0, 1.25 * until, 200)
     x = float(scene.x0) + p["v2"] * t
     shared = (p["A0"] + p["B0"] * np.cos(p["Omega"] * t) - p["k"] * x - p["c"] * p["v2"]) / p["m"]
@@ -59,15 +71,32 @@ def stick_exits(axes: Axes) -> None:
 
 
 def windows(axes: Axes) -> None:
-    """Draw where sin theta lies above and below its critical value: Theorem 7's windows for one gamma of each kind."""
+    """Draw where sin theta lies above and below its critical value.
+
+    Theorem 7's windows for one gamma of each kind.
+    """
     theta = np.linspace(0, 2 * np.pi, 721)
-    sine, critical = np.sin(theta), np.arcsin(-0.5)
+    sine = np.sin(theta)
+    critical = np.arcsin(-0.5)
     axes.plot(theta, sine, color=DARK, label=r"$\sin\theta$")
-    axes.axhline(-0.5, color=GREY, linewidth=0.8, linestyle="--", label=r"$-\gamma/a = \sin\Theta^{\mathrm{cr}}$")
+    axes.axhline(
+        -0.5,
+        color=GREY,
+        linewidth=0.8,
+        linestyle="--",
+        label=r"$-\gamma/a = \sin\Theta^{\mathrm{cr}}$",
+    )
     axes.fill_between(theta, -0.5, sine, where=sine > -0.5, color=LIGHT, label="$P_2$, $P_5$ graze")
     hatched: dict[str, Any] = {"facecolor": "white", "edgecolor": GREY, "hatch": "////"}
     axes.fill_between(theta, -0.5, sine, where=sine < -0.5, label="$P_3$, $P_6$ graze", **hatched)
-    names = ["0", r"$\pi/2$", r"$\pi$", r"$\pi-\Theta^{\mathrm{cr}}$", r"$2\pi+\Theta^{\mathrm{cr}}$", r"$2\pi$"]
+    names = [
+        "0",
+        r"$\pi/2$",
+        r"$\pi$",
+        r"$\pi-\Theta^{\mathrm{cr}}$",
+        r"$2\pi+\Theta^{\mathrm{cr}}$",
+        r"$2\pi$",
+    ]
     axes.set_xticks([0, np.pi / 2, np.pi, np.pi - critical, 2 * np.pi + critical, 2 * np.pi], names)
     axes.plot([np.pi - critical, 2 * np.pi + critical], [-0.5] * 2, **POINT)
     axes.set(xlabel=r"$\theta$", xlim=(0, 2 * np.pi), ylim=(-1.15, 1.15), yticks=[-1, 0, 1])
@@ -80,7 +109,9 @@ def quartic(axes: Axes) -> None:
     axes.plot(tau, -(tau**3), color=GREY, linestyle="--", label=r"$n = 2$: the flow passes")
     axes.plot(tau, -(tau**4), color=DARK, linestyle="-.", label=r"$n = 3$: graze of fourth order")
     axes.axhline(0, color=GREY, linewidth=0.6)
-    axes.set(xlabel=r"$\tau$", ylabel=r"$\dot{x} - v_\lambda$", xlim=(-1, 1), xticks=[0], yticks=[0])
+    axes.set(
+        xlabel=r"$\tau$", ylabel=r"$\dot{x} - v_\lambda$", xlim=(-1, 1), xticks=[0], yticks=[0]
+    )
 
 
 #: Key -> what draws it, and its size in inches.

@@ -1,6 +1,9 @@
-"""Fragments for users' papers: one map, theorem or formula each, with all that it needs, as LaTeX that needs amsmath.
+"""Fragments for users' papers.
 
-Each step is checked before it is printed, as in the chapters, whose sections they share; numbers are put in after that.
+One map, theorem or formula each, with all that it needs, as LaTeX that needs amsmath.
+
+Each step is checked before it is printed, as in the chapters, whose sections they share; numbers
+are put in after that.
 """
 
 from __future__ import annotations
@@ -18,18 +21,48 @@ from symosc.derive.chapters import domains, grazing, jacobians, motion, sticks, 
 from symosc.derive.document import Checked, Part, align, cell, check
 from symosc.derive.latex import latex, named
 from symosc.derive.scope import BELTS, F, FragmentScope
-from symosc.derive.steps import Items, Prose, Step, StepError, Table, cases, equation, exact, flat, step
+from symosc.derive.steps import (
+    Items,
+    Prose,
+    Step,
+    StepError,
+    Table,
+    cases,
+    equation,
+    exact,
+    flat,
+    step,
+)
 from symosc.errors import ParameterError
 from symosc.exact import show
 from symosc.mappings.theorem7_cases import PLACES
 from symosc.model import NEIGHBOURS
 from symosc.symbolic import maps, solution, theorem7
-from symosc.symbolic.solution import B0, BASIS, E0, E1, E2, A, Omega, c, k, m, t, tau, theta_i, v, v_i, x, x_i
+from symosc.symbolic.solution import (
+    B0,
+    BASIS,
+    E0,
+    E1,
+    E2,
+    A,
+    Omega,
+    c,
+    k,
+    m,
+    t,
+    tau,
+    theta_i,
+    v,
+    v_i,
+    x,
+    x_i,
+)
 from symosc.words import MAPS
 
 ALONE = "\\documentclass{article}\n\\usepackage{amsmath}\n\\begin{document}\n"
 PREFIX = "symosc"
-POSITION, VELOCITY = named(r"x(\tau)"), named(r"\dot{x}(\tau)")
+POSITION = named(r"x(\tau)")
+VELOCITY = named(r"\dot{x}(\tau)")
 BASIS_TEXT = (
     r"Here $E_1(\tau)$ is the response of $\ddot{y} + (c/m)\dot{y} + (k/m)y$ to an impulse: the solution of the "
     r"unforced equation with $E_1(0) = 0$ and $\dot{E}_1(0) = 1$; further $E_0 = \dot{E}_1$, "
@@ -39,7 +72,10 @@ BASIS_TEXT = (
 
 
 class Fragment(NamedTuple):
-    """A piece of theory for users' papers: title, function that returns its items, and the paper's equation numbers."""
+    """A piece of theory for users' papers.
+
+    Title, function that returns its items, and the paper's equation numbers.
+    """
 
     title: str
     items: Callable[[FragmentScope], Items]
@@ -47,9 +83,15 @@ class Fragment(NamedTuple):
 
 
 def check_fragment(name: str, scope: FragmentScope) -> Checked:
-    """Build the fragment `name` and check its steps; StepError if one fails or divides by 0 in the scope's numbers."""
+    """Build the fragment `name` and check its steps.
+
+    StepError if one fails or divides by 0 in the scope's numbers.
+    """
     numbers = scope.given()
-    given = [f"The {'numbers are' if numbers[1:] else 'number is'} {', '.join(numbers)}."] if numbers else []
+    if numbers:
+        given = [f"The {'numbers are' if numbers[1:] else 'number is'} {', '.join(numbers)}."]
+    else:
+        given = []
     fragment = check(name, FRAGMENTS[name].title, flat([given, FRAGMENTS[name].items(scope)]))
     for each, _ in fragment.steps():
         right = scope.shown(each.right)
@@ -59,45 +101,76 @@ def check_fragment(name: str, scope: FragmentScope) -> Checked:
 
 
 def as_latex(
-    fragment: Checked, scope: FragmentScope, prefix: str = PREFIX, paper_tags: bool = False, alone: bool = False
+    fragment: Checked,
+    scope: FragmentScope,
+    prefix: str = PREFIX,
+    paper_tags: bool = False,
+    alone: bool = False,
 ) -> str:
     """Return a fragment as LaTeX, in which labels begin with `prefix` and a colon, as in symosc:P3-f1.
 
-    `scope` has the numbers and the form of the fragment. If `paper_tags`, equations get their numbers in the paper; if
-    `alone`, a complete document is made.
+    `scope` has the numbers and the form of the fragment. If `paper_tags`, equations get their
+    numbers in the paper; if `alone`, a complete document is made.
     """
     if not re.fullmatch(r"[A-Za-z0-9.:_-]*", prefix):
         raise ParameterError("prefix", prefix, "may have letters, digits and . : _ - only")
-    tags = FRAGMENTS[fragment.key].tags if paper_tags else {}
-    first = f"{prefix}:" if prefix else ""
-    command = [f"symosc derive {fragment.key}", *(f"--set {name}={show(value)}" for name, value in scope.values)]
-    command += [f"--form {scope.form}"] if scope.form != "entire" else []
-    command += [f"--digits {scope.digits}"] if scope.digits is not None else []
+    if paper_tags:
+        tags = FRAGMENTS[fragment.key].tags
+    else:
+        tags = {}
+    if prefix:
+        first = f"{prefix}:"
+    else:
+        first = ""
+    command = [
+        f"symosc derive {fragment.key}",
+        *(f"--set {name}={show(value)}" for name, value in scope.values),
+    ]
+    if scope.form != "entire":
+        command += [f"--form {scope.form}"]
+    else:
+        command += []
+    if scope.digits is not None:
+        command += [f"--digits {scope.digits}"]
+    else:
+        command += []
     out = [
         f"% {fragment.title.replace('$', '')}: {' '.join(command)} (symosc {symosc.__version__}).\n"
         "% Needs \\usepackage{amsmath}. Every formula was checked by machine before it was printed.\n"
     ]
 
     def end(each: Part) -> str:
-        tag = rf"\tag{{{tags[each.item.label]}}} " if each.item.label in tags else ""
+        if each.item.label in tags:
+            tag = rf"\tag{{{tags[each.item.label]}}} "
+        else:
+            tag = ""
         return rf"{tag}\label{{{first}{each.label.removeprefix('eq:')}}}"
 
     for part in fragment.displays():
         if isinstance(part, list):
             out.append(align(part, scope, end))
         else:
-            out.append(part.item.text if isinstance(part.item, Prose) else _table(part.item, scope, tags))
+            out.append(
+                part.item.text if isinstance(part.item, Prose) else _table(part.item, scope, tags)
+            )
     body = "\n".join(out).replace(r"\varnothing", r"\emptyset") + "\n"
-    return f"{ALONE}{body}\\end{{document}}\n" if alone else body
+    if alone:
+        return f"{ALONE}{body}\\end{{document}}\n"
+    return body
 
 
 def _table(table: Table, scope: FragmentScope, tags: dict[str, str]) -> str:
     """Return a table as LaTeX; `tags` has the paper's equation numbers, which column heads show."""
     lines = [" & ".join(cell(value, scope) for value in row) for row in table.rows]
-    heads = [head + (f", {tags[f'column{i}']}" if f"column{i}" in tags else "") for i, head in enumerate(table.heads)]
+    heads = [
+        head + (f", {tags[f'column{i}']}" if f"column{i}" in tags else "")
+        for i, head in enumerate(table.heads)
+    ]
     begin = "\\begin{center}\n" + rf"\begin{{tabular}}{{{'l' * len(heads)}}}"
     body = [line + (r" \\[8pt]" if r"\frac" in line else r" \\") for line in lines]
-    return "\n".join([begin, " & ".join(heads) + r" \\ \hline", *body, "\\end{tabular}\n\\end{center}"])
+    return "\n".join(
+        [begin, " & ".join(heads) + r" \\ \hline", *body, "\\end{tabular}\n\\end{center}"]
+    )
 
 
 # --- the fragments ---
@@ -111,7 +184,9 @@ def _relabelled(items: Items, label: str) -> list[Step]:
 
 def _constant(alpha: int) -> Step:
     """Return the fragment for the constant force A_alpha."""
-    return equation(named(f"A_{alpha}"), solution.force_constant(alpha), motion.coulomb(alpha), f"A{alpha}")
+    return equation(
+        named(f"A_{alpha}"), solution.force_constant(alpha), motion.coulomb(alpha), f"A{alpha}"
+    )
 
 
 def _acceleration() -> list[Step]:
@@ -184,13 +259,16 @@ def _theorem(name: str, scope: FragmentScope) -> Items:
         rf"{AT_BOUNDARY[name]}.",
         r"Here the acceleration in $\Omega_\alpha$ is",
         _acceleration(),
-        (r"With the phase $\theta = \Omega t$", switching.at_belt("G1")) if name == "theorem6" else (),
+        (r"With the phase $\theta = \Omega t$", switching.at_belt("G1"))
+        if name == "theorem6"
+        else (),
     )
 
 
 def _theorem7(scope: FragmentScope) -> Items:
     *letters, place = grazing.contact_steps()
-    table, windows = grazing.windows_table("theorem7"), list(_windows_in_numbers(scope))
+    table = grazing.windows_table("theorem7")
+    windows = list(_windows_in_numbers(scope))
     contact = (
         r"Where $m\ddot{x} + c\dot{x} + k x = A_\alpha + B_0\cos\Omega t$ in $\Omega_\alpha$, the contact is at",
         place,
@@ -212,7 +290,9 @@ def _theorem7(scope: FragmentScope) -> Items:
 
 
 def _saltation(scope: FragmentScope) -> Items:
-    ratios = [each for each in flat(jacobians.saltation()) if isinstance(each, Step) and each.op != "="]
+    ratios = [
+        each for each in flat(jacobians.saltation()) if isinstance(each, Step) and each.op != "="
+    ]
     return (
         r"Where a motion crosses $\dot{x} = v_\lambda$ with the accelerations $F^{-} \ne 0$ before and $F^{+} \ne 0$ "
         r"after, a small change $(\delta x, \delta\dot{x})$ of its state is multiplied by the saltation matrix "
@@ -230,10 +310,19 @@ def _windows_in_numbers(scope: FragmentScope) -> Iterator[Step]:
     given = {name for name, _ in scope.values}
     for mapping, place in PLACES.items():
         if {"m", "k", "B0", "Omega", f"v{place.boundary}"} <= given:
-            gamma, amplitude = (e.xreplace(scope.numbers) for e in (k * BELTS[place.boundary] / m, B0 * Omega / m))
+            gamma, amplitude = (
+                e.xreplace(scope.numbers) for e in (k * BELTS[place.boundary] / m, B0 * Omega / m)
+            )
             phases = theorem7.window_phases(place, gamma, amplitude, False)
             check = grazing.window(place.side, gamma, amplitude)
-            yield step(grazing.THETA_M, "in", phases, check, note=rf"for $P_{mapping[1]}$", label=f"window-{mapping}")
+            yield step(
+                grazing.THETA_M,
+                "in",
+                phases,
+                check,
+                note=rf"for $P_{mapping[1]}$",
+                label=f"window-{mapping}",
+            )
 
 
 # --- the motion in a domain, and the mappings ---
@@ -245,7 +334,9 @@ def _motion(scope: FragmentScope) -> Items:
     name, condition = domains.REGIME_WORDS[regime.name]
     letters = {letter: domains.true_letters()[letter] for letter in regime.letters}
     labels = {letter: f"letter-{letter.name.replace('_', '')}" for letter in letters}
-    steps = [equation(each, regime.letters[each], true, labels[each]) for each, true in letters.items()]
+    steps = [
+        equation(each, regime.letters[each], true, labels[each]) for each, true in letters.items()
+    ]
     if scope.form == "paper":
         form = domains.paper_form(regime)
         return (
@@ -267,25 +358,35 @@ def _motion(scope: FragmentScope) -> Items:
         at_start,
         rf"{BASIS_TEXT}. In the regime {name} ({condition})",
         steps,
-        [domains.basis_function(f, regime, label=f.name) for f in (BASIS if resonance else (E0, E1, E2))],
+        [
+            domains.basis_function(f, regime, label=f.name)
+            for f in (BASIS if resonance else (E0, E1, E2))
+        ],
         () if resonance else ("and with", others),
     )
 
 
 def _flight_map(label: str, scope: FragmentScope) -> Items:
     row = MAPS[label]
-    start, end = BELTS[row.start.boundary], BELTS[row.end.boundary]
+    start = BELTS[row.start.boundary]
+    end = BELTS[row.end.boundary]
     scope.instances.update({v_i: start, maps.v_j: end, A: named(f"A_{row.domain}")})
-    planes = [rf"\Sigma^{{{plane.superscript}}}_{{({plane.boundary})}}" for plane in (row.start, row.end)]
-    f1, f2 = named("f_1"), named("f_2")
-    flow, residual = solution.flow(), maps.flight_residual()
+    planes = [
+        rf"\Sigma^{{{plane.superscript}}}_{{({plane.boundary})}}" for plane in (row.start, row.end)
+    ]
+    f1 = named("f_1")
+    f2 = named("f_2")
+    flow = solution.flow()
+    residual = maps.flight_residual()
     return (
         rf"The mapping $P_{label[1]}\colon {planes[0]} \to {planes[1]}$ leads from $(x_i, \theta_i)$ on "
         rf"$\dot{{x}} = {latex(start)}$ through $\Omega_{row.domain}$ to $(x_{{i+1}}, \theta_{{i+1}})$ on "
         rf"$\dot{{x}} = {latex(end)}$; $\theta = \Omega t$ modulo $2\pi$ is the phase, and "
         r"$\Sigma^{1}_{(\lambda)}$ and $\Sigma^{2}_{(\lambda)}$ are the points of motions below and above "
         r"$\dot{x} = v_\lambda$. With the duration",
-        equation(tau, (maps.theta_j - theta_i) / Omega, {maps.theta_j: theta_i + Omega * tau}, "tau"),
+        equation(
+            tau, (maps.theta_j - theta_i) / Omega, {maps.theta_j: theta_i + Omega * tau}, "tau"
+        ),
         r"it solves $f_1 = f_2 = 0$ with",
         equation(f1, POSITION - maps.x_j, {f1: residual["f1"], POSITION: flow.x}, "f1"),
         equation(f2, VELOCITY - maps.v_j, {f2: residual["f2"], VELOCITY: flow.v}, "f2"),
@@ -299,15 +400,24 @@ def _flight_map(label: str, scope: FragmentScope) -> Items:
 
 def _stick_map(label: str, scope: FragmentScope) -> Items:
     belt = MAPS[label].start.boundary
-    speed, plane, f1 = BELTS[belt], rf"\Sigma^{{0}}_{{({belt})}}", named("f_1")
-    at, ride = {v: speed, x: maps.x_j, Omega * t: maps.theta_j}, maps.stick_residual()["f1"].xreplace({v_i: speed})
+    speed = BELTS[belt]
+    plane = rf"\Sigma^{{0}}_{{({belt})}}"
+    f1 = named("f_1")
+    at = {v: speed, x: maps.x_j, Omega * t: maps.theta_j}
+    ride = maps.stick_residual()["f1"].xreplace({v_i: speed})
     exits = []
     for alpha in NEIGHBOURS[belt]:
-        f2, way = named(f"f_2^{{({alpha})}}"), "falls below" if alpha == belt else "rises above"
+        f2 = named(f"f_2^{{({alpha})}}")
+        if alpha == belt:
+            way = "falls below"
+        else:
+            way = "rises above"
         force = m * motion.acceleration(alpha)
         exits += [
             rf"and with $f_2 = f_2^{{({alpha})}}$ if the mass slips into $\Omega_{alpha}$, where this {way} 0:",
-            equation(f2, sp.expand(force.subs(at)), m * motion.newton(alpha).subs(at), f"f2-{alpha}"),
+            equation(
+                f2, sp.expand(force.subs(at)), m * motion.newton(alpha).subs(at), f"f2-{alpha}"
+            ),
         ]
     return (
         rf"The mapping $P_{label[1]}\colon {plane} \to {plane}$, the points with $\dot{{x}} = v_{belt}$ of motions on "
@@ -325,12 +435,19 @@ FRAGMENTS = {
     "flow": Fragment("The motion in a domain", _flow),
     "stick": Fragment("Sticks and their two ends", _stick, {"belt1-F2": "52", "belt2-F3": "53"}),
     "gfunctions": Fragment("The G-functions", _g_functions, {"G1": "47"}),
-    **{name: Fragment(f"Theorem {name[-1]}", partial(_theorem, name), {"F": "9", "G1": "47"}) for name in AT_BOUNDARY},
-    "theorem7": Fragment("Theorem 7", _theorem7, {"column1": "(55), (57)", "column2": "(56), (58)"}),
+    **{
+        name: Fragment(f"Theorem {name[-1]}", partial(_theorem, name), {"F": "9", "G1": "47"})
+        for name in AT_BOUNDARY
+    },
+    "theorem7": Fragment(
+        "Theorem 7", _theorem7, {"column1": "(55), (57)", "column2": "(56), (58)"}
+    ),
     "saltation": Fragment("Saltation and perturbations", _saltation),
 }
 for _name, _row in MAPS.items():
-    _items, _tags = _flight_map, {"f1": r"54\,a", "f2": r"54\,b"}
+    _items = _flight_map
+    _tags = {"f1": r"54\,a", "f2": r"54\,b"}
     if _row.sticks:
-        _items, _tags = _stick_map, {"f1": "52" if _name == "P1" else "53"}
+        _items = _stick_map
+        _tags = {"f1": "52" if _name == "P1" else "53"}
     FRAGMENTS[_name] = Fragment(f"The mapping $P_{_name[1]}$", partial(_items, _name), _tags)

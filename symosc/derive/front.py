@@ -1,4 +1,7 @@
-"""What stands before the chapters: preamble, title, abstract, how to cite, and the table of notation."""
+"""What stands before the chapters.
+
+Preamble, title, abstract, how to cite, and the table of notation.
+"""
 
 from __future__ import annotations
 
@@ -25,9 +28,9 @@ LEGEND = (
     r"Where the text says \emph{the paper}, it is \cite{chen2016}, and equation numbers with \emph{the paper's} are "
     r"its numbers."
 )
-#: Only packages that LaTeX's smallest installations have. \markit before the end of a row sets the letter that stands
-#: behind its number. Tables and figures stay in their chapter: those that still wait stand above the title of the next
-#: one, and none of that one does.
+#: Only packages that LaTeX's smallest installations have. \markit before the end of a row sets the
+#: letter that stands behind its number. Tables and figures stay in their chapter: those that still
+#: wait stand above the title of the next one, and none of that one does.
 PREAMBLE = r"""\documentclass[11pt,a4paper]{article}
 \IfFileExists{lmodern.sty}{\usepackage[T1]{fontenc}\usepackage{lmodern}}{}
 \usepackage{amsmath,amssymb,amsthm}
@@ -67,7 +70,8 @@ PREAMBLE = r"""\documentclass[11pt,a4paper]{article}
 \theoremstyle{definition}\newtheorem{remark}[definition]{Remark}
 \theoremstyle{definition}\newtheorem{example}[definition]{Example}
 """
-#: The table of notation: heads, and rows of a symbol, its meaning, and where it is defined, in LaTeX.
+#: The table of notation: heads, and rows of a symbol, its meaning, and where it is defined, in
+#: LaTeX.
 HEADS = ("symbol", "meaning", "")
 _ROWS = r"""
 $m$, $c$, $k$ & mass, damping coefficient, stiffness of the spring & \eqref{eq:motion-newton} \\
@@ -127,7 +131,11 @@ $Q$, $G$, $H$, $p_0$, $q_0$, $T$, $D$, $U$, $S$, $B$, $\chi$, $T_h$, $D_h$, $\De
 $f$, $P$, $X$, $B$, $J$, $Y$, $D$, $E$, $R$, $C$, $q$, $a$, $b$, $N$ & in proofs by balls, each defined where it
   stands: maps, boxes and matrices, helpers, points, periods & Chapter~\ref{sec:certificates} \\
 """
-NOTATION = [tuple(part.strip() for part in row.split("&")) for row in " ".join(_ROWS.split()).split(r" \\") if row]
+NOTATION = [
+    tuple(part.strip() for part in row.split("&"))
+    for row in " ".join(_ROWS.split()).split(r" \\")
+    if row
+]
 
 
 def notation_table() -> str:
@@ -152,7 +160,8 @@ def how_to_cite() -> str:
 
 def title_page() -> str:
     """Return the LaTeX of the document's title with author, version and how to cite."""
-    author, title = SYMOSC["author"].strip("{}"), TITLE.replace(": ", r":\\ ")
+    author = SYMOSC["author"].strip("{}")
+    title = TITLE.replace(": ", r":\\ ")
     return rf"""\title{{{title}}}
 \author{{{author}}}
 \date{{Version {symosc.__version__}, {SYMOSC["year"]}}}

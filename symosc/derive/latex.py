@@ -16,7 +16,8 @@ from symosc.derive.steps import Step
 from symosc.exact import show
 from symosc.symbolic import maps, solution
 
-_dot, _x = r"\dot{x}", "x_{i+1}"
+_dot = r"\dot{x}"
+_x = "x_{i+1}"
 LATEX_NAMES = {
     solution.v: _dot,
     solution.v_i: rf"{_dot}_{{i}}",
@@ -31,7 +32,8 @@ LATEX_NAMES = {
     **{symbol: f"{symbol.name[0]}_{symbol.name[1]}" for symbol in solution.BASIS},
 }
 
-#: Terms of a sum stand in the order of the first of these letters that they have (the order of eq. (5)).
+#: Terms of a sum stand in the order of the first of these letters that they have (the order of eq.
+#: (5)).
 ORDER = [
     "g", r"\dot{g}", r"\ddot{g}", "g^{(3)}", "C_4", "C_1", "C_2", "D_1", "D_2", "a_i", "A_m",
     "A", "A_0", "f0", "B_0", "k", "w0sq", "c", "cm", "mu_1", "mu_2", r"\mu_\lambda"
@@ -39,9 +41,26 @@ ORDER = [
 #: A term with x_i or one of these, and none of `ORDER`, stands in front.
 SPEEDS = {"v_i", "v_1", "v_2", "v_lambda"}
 #: What stands in front of a product as a fraction of its own, such as k/m.
-PARAMETERS = {"m", "c", "k", "A", "A_0", "B_0", "Omega", "mu_1", "mu_2", "F_N", "cm", "w0sq", "f0", "h", "v_lambda"}
+PARAMETERS = {
+    "m",
+    "c",
+    "k",
+    "A",
+    "A_0",
+    "B_0",
+    "Omega",
+    "mu_1",
+    "mu_2",
+    "F_N",
+    "cm",
+    "w0sq",
+    "f0",
+    "h",
+    "v_lambda",
+}
 PARAMETERS |= {r"\mu_\lambda", "a", r"\gamma", r"\kappa", "F"}
-#: Sums that the paper writes with mu_1 in front, and so with the other sign: mu_1 - mu_2 and mu_1 + mu_2.
+#: Sums that the paper writes with mu_1 in front, and so with the other sign: mu_1 - mu_2 and mu_1 +
+#: mu_2.
 DRAGS = {solution.mu2 - solution.mu1, -solution.mu1 - solution.mu2}
 
 
@@ -52,16 +71,31 @@ def named(latex: str, **assumptions: Any) -> Expr:
 
 def _term_key(term: Expr) -> tuple[float, bool, Any]:
     """Return the key by which the terms of a sum are sorted: the paper's order of their letters."""
-    outside = [factor for factor in sp.Mul.make_args(term) if not factor.is_Add and not isinstance(factor, sp.exp)]
+    outside = [
+        factor
+        for factor in sp.Mul.make_args(term)
+        if not factor.is_Add and not isinstance(factor, sp.exp)
+    ]
     letters = {symbol.name for factor in outside or [term] for symbol in factor.free_symbols}
     letters = letters or {symbol.name for symbol in term.free_symbols}
     first: float = _place(letters)
     if first == len(ORDER):
         held = any(name.startswith("F_{s") for name in letters)
-        first = -2 if "x_i" in letters or held else -1 if letters & SPEEDS else first
+        if "x_i" in letters or held:
+            first = -2
+        elif letters & SPEEDS:
+            first = -1
         if first == len(ORDER) and not term.could_extract_minus_sign():
-            bare = {symbol for factor in outside if not factor.is_Function for symbol in factor.free_symbols}
-            first = -3 if term.is_number else -1.5 if bare <= set(solution.BASIS) else first
+            bare = {
+                symbol
+                for factor in outside
+                if not factor.is_Function
+                for symbol in factor.free_symbols
+            }
+            if term.is_number:
+                first = -3
+            elif bare <= set(solution.BASIS):
+                first = -1.5
     return first, term.could_extract_minus_sign(), sp.default_sort_key(term)
 
 
@@ -88,18 +122,32 @@ class PaperPrinter(LatexPrinter):
 
     def _print_Rational(self, expr: Expr) -> str:
         text = show(Fraction(int(expr.p), int(expr.q)))
-        return text if self.decimals and "/" not in text else super()._print_Rational(expr)
+        if self.decimals and "/" not in text:
+            return text
+        return super()._print_Rational(expr)
 
     def _print_Add(self, expr: Expr, order: Any = None) -> str:
         first, *rest = map(self._print, terms(expr))
-        signed = (f" - {part[1:].lstrip()}" if part.startswith("-") else f" + {part}" for part in rest)
+        signed = (
+            f" - {part[1:].lstrip()}" if part.startswith("-") else f" + {part}" for part in rest
+        )
         return str(first) + "".join(signed)
 
     def _print_Mul(self, expr: Expr) -> str:
-        sign, expr = ("- ", -expr) if expr.could_extract_minus_sign() and expr.as_coeff_Mul()[0] < 0 else ("", expr)
+        if expr.could_extract_minus_sign() and expr.as_coeff_Mul()[0] < 0:
+            sign, expr = ("- ", -expr)
+        else:
+            sign, expr = ("", expr)
         for drag in DRAGS.intersection(sp.Mul.make_args(expr)):
-            sign = "" if sign else "- "
-            expr = sp.Mul(*(factor for factor in sp.Mul.make_args(expr) if factor != drag), -drag, evaluate=False)
+            if sign:
+                sign = ""
+            else:
+                sign = "- "
+            expr = sp.Mul(
+                *(factor for factor in sp.Mul.make_args(expr) if factor != drag),
+                -drag,
+                evaluate=False,
+            )
         expr = _one_root(expr)
         if not expr.is_Mul:
             return sign + self._print(expr)
@@ -110,16 +158,25 @@ class PaperPrinter(LatexPrinter):
             known = {symbol.name for symbol in base.free_symbols} <= PARAMETERS
             if factor.is_Rational:
                 decimal = self.decimals and "/" not in show(Fraction(int(factor.p), int(factor.q)))
-                top, bottom = (factor, 1) if decimal else (sp.Integer(factor.p), sp.Integer(factor.q))
+                if decimal:
+                    top, bottom = (factor, 1)
+                else:
+                    top, bottom = (sp.Integer(factor.p), sp.Integer(factor.q))
                 above += [top] * (top != 1)
                 below += [bottom] * (bottom != 1)
             elif power.is_Rational and power < 0 and not factor.has(sp.exp):
                 (below if known else rest_below).append(sp.Pow(base, -power))
             else:
-                (above if known and not base.is_Add and not base.is_Function else rest_above).append(factor)
+                (
+                    above if known and not base.is_Add and not base.is_Function else rest_above
+                ).append(factor)
         if rest_below or not rest_above:
             return sign + self._fraction(above + rest_above, below + rest_below)
-        tall = any(factor.is_Add or factor.base.is_Add for factor in below if factor.is_Add or factor.is_Pow)
+        tall = any(
+            factor.is_Add or factor.base.is_Add
+            for factor in below
+            if factor.is_Add or factor.is_Pow
+        )
         if not below or tall or (not above and len(rest_above) == 1):
             return sign + self._fraction(above + rest_above, below)
         return f"{sign}{self._fraction(above, below)} {self._product(rest_above, alone=False)}"
@@ -128,13 +185,19 @@ class PaperPrinter(LatexPrinter):
         """Return the LaTeX of a quotient of two products of factors, without fractions in fractions."""
         if not below:
             return self._product(above)
-        top, bottom = (self._print(part[0]) if len(part) == 1 else self._product(part) for part in (above, below))
+        top, bottom = (
+            self._print(part[0]) if len(part) == 1 else self._product(part)
+            for part in (above, below)
+        )
         if len(above) == 1 and above[0].is_Add and r"\frac" in top:  # no fractions in fractions
             return rf"\frac{{1}}{{{bottom}}} {_parentheses(top)}"
         return rf"\frac{{{top}}}{{{bottom}}}"
 
     def _product(self, factors: list[Expr], alone: bool = True) -> str:
-        """Return the LaTeX of a product in the paper's order; if it is not `alone`, a single sum has parentheses."""
+        """Return the LaTeX of a product in the paper's order.
+
+        If it is not `alone`, a single sum has parentheses.
+        """
         parts: list[str] = []
         for factor in sorted(factors, key=_factor_key):
             text = self._print(factor)
@@ -168,10 +231,14 @@ class PaperPrinter(LatexPrinter):
         argument = expr.args[0]
         above, below = sp.fraction(argument)
         if below != 1 and not above.is_Add and not argument.could_extract_minus_sign():
-            text = self._fraction(*(list(sp.Mul.make_args(part)) for part in (above, below)))  # nothing beside it
+            text = self._fraction(
+                *(list(sp.Mul.make_args(part)) for part in (above, below))
+            )  # nothing beside it
         else:
             text = self._print(argument)
-        return f"{name} {text}" if argument.is_Symbol or argument.is_Mul else f"{name}{_parentheses(text)}"
+        if argument.is_Symbol or argument.is_Mul:
+            return f"{name} {text}"
+        return f"{name}{_parentheses(text)}"
 
     _print_cos = _print_sinh = _print_cosh = _print_sin
 
@@ -180,9 +247,18 @@ class PaperPrinter(LatexPrinter):
 
     def _print_Interval(self, expr: Expr) -> str:
         low, high, left_open, right_open = expr.args
-        opening, closing = ("(" if left_open else "["), (")" if right_open else "]")
+        if left_open:
+            opening = "("
+        else:
+            opening = "["
+        if right_open:
+            closing = ")"
+        else:
+            closing = "]"
         inside = f"{self._print(low)},\\, {self._print(high)}"
-        return rf"\left{opening}{inside}\right{closing}" if r"\frac" in inside else f"{opening}{inside}{closing}"
+        if r"\frac" in inside:
+            return rf"\left{opening}{inside}\right{closing}"
+        return f"{opening}{inside}{closing}"
 
     def _print_Union(self, expr: Expr) -> str:
         parts = sorted(expr.args, key=lambda part: (part.args[0] != 0, sp.default_sort_key(part)))
@@ -193,20 +269,31 @@ class PaperPrinter(LatexPrinter):
 
     def _print_Derivative(self, expr: Expr) -> str:
         (variable, count), *_ = expr.variable_count
-        power = "" if count == 1 else f"^{{{count}}}"
+        if count == 1:
+            power = ""
+        else:
+            power = f"^{{{count}}}"
         what = self._print(expr.expr)
-        what = _parentheses(what) if expr.expr.is_Add else what
+        if expr.expr.is_Add:
+            what = _parentheses(what)
         return rf"\frac{{d{power}}}{{d {self._print(variable)}{power}}} {what}"
 
     def _print_Function(self, expr: Expr, exp: Any = None) -> str:
         if isinstance(expr, AppliedUndef):
-            name, power = expr.func.__name__, f"^{{{exp}}}" if exp else ""
+            name = expr.func.__name__
+            if exp:
+                power = f"^{{{exp}}}"
+            else:
+                power = ""
             return rf"{name}{power}({', '.join(self._print(a) for a in expr.args)})"
         return str(super()._print_Function(expr, exp))
 
 
 def _factor_key(factor: Expr) -> tuple[int, int, Any]:
-    """Return the key by which factors are sorted: numbers, parameters, other symbols, functions, sums."""
+    """Return the key by which factors are sorted.
+
+    Numbers, parameters, other symbols, functions, sums.
+    """
     base = factor.as_base_exp()[0]
     letters = {symbol.name for symbol in base.free_symbols}
     if factor.is_Rational:
@@ -225,23 +312,34 @@ def _factor_key(factor: Expr) -> tuple[int, int, Any]:
 
 
 def _place(letters: set[str]) -> int:
-    """Return the place in `ORDER` of the first letter that is in `letters`; if none is, the length of `ORDER`."""
+    """Return the place in `ORDER` of the first letter that is in `letters`.
+
+    If none is, the length of `ORDER`.
+    """
     return next((place for place, name in enumerate(ORDER) if name in letters), len(ORDER))
 
 
 def _one_root(expr: Expr) -> Expr:
     """Write a quotient of roots, such as sqrt(k)/sqrt(m), as one root sqrt(k/m)."""
-    halves = [f for f in sp.Mul.make_args(expr) if f.is_Pow and abs(f.exp) == sp.S.Half and f.base.is_Symbol]
+    halves = [
+        f
+        for f in sp.Mul.make_args(expr)
+        if f.is_Pow and abs(f.exp) == sp.S.Half and f.base.is_Symbol
+    ]
     if not any(f.exp < 0 for f in halves):
         return expr
     rest = [f for f in sp.Mul.make_args(expr) if f not in halves]
     root = sp.Symbol(rf"\sqrt{{{latex(sp.Mul(*halves) ** 2)}}}", positive=True)
-    return sp.Mul(*rest, root, evaluate=False) if rest else root
+    if rest:
+        return sp.Mul(*rest, root, evaluate=False)
+    return root
 
 
 def _parentheses(text: str) -> str:
     """Return LaTeX in parentheses, large ones if it contains a fraction."""
-    return rf"\left({text}\right)" if r"\frac" in text else f"({text})"
+    if r"\frac" in text:
+        return rf"\left({text}\right)"
+    return f"({text})"
 
 
 def latex(expr: Expr, decimals: bool = False) -> str:
@@ -251,12 +349,23 @@ def latex(expr: Expr, decimals: bool = False) -> str:
 
 # --- lines that fit the page ---
 
-# Width of a line of mathematics, in units of a digit; the text is 16 cm wide, and a number follows the formula.
+# Width of a line of mathematics, in units of a digit; the text is 16 cm wide, and a number follows
+# the formula.
 LINE_WIDTH = 70.0
 #: Widths of tokens; other commands and small letters have 1.1, capital letters and m 1.7.
 _WIDTHS = dict.fromkeys((r"\left", r"\right", r"\bigl", r"\bigr", r"\biggl", r"\biggr"), 0.3)
-_WIDTHS |= {name: 1.0 * len(name) for name in (r"\sin", r"\cos", r"\arcsin", r"\sinh", r"\cosh", r"\lim")}
-_WIDTHS |= {r"\Omega": 1.5, r"\omega": 1.3, r"\theta": 1.0, r"\quad": 2.0, r"\qquad": 4.0, r"\,": 0.4, r"\;": 0.6}
+_WIDTHS |= {
+    name: 1.0 * len(name) for name in (r"\sin", r"\cos", r"\arcsin", r"\sinh", r"\cosh", r"\lim")
+}
+_WIDTHS |= {
+    r"\Omega": 1.5,
+    r"\omega": 1.3,
+    r"\theta": 1.0,
+    r"\quad": 2.0,
+    r"\qquad": 4.0,
+    r"\,": 0.4,
+    r"\;": 0.6,
+}
 _WIDTHS |= {"=": 2.7, "+": 2.5, "-": 2.5, "<": 2.7, ">": 2.7, "(": 0.8, ")": 0.8, "'": 0.5}
 _WIDTHS |= dict.fromkeys(",.|[]", 0.6)
 _TOKEN = re.compile(r"\\[a-zA-Z]+|\\.|[{}^_]|\S")
@@ -271,10 +380,14 @@ def width(text: str) -> float:
         if token == "{":
             return group()
         if token in (r"\frac", r"\tfrac"):
-            return (0.8 if token == r"\tfrac" else 1.0) * max(item(next(tokens, "")), item(next(tokens, ""))) + 0.5
+            return (0.8 if token == r"\tfrac" else 1.0) * max(
+                item(next(tokens, "")), item(next(tokens, ""))
+            ) + 0.5
         if token in ("^", "_", r"\operatorname", r"\mathrm", r"\text", r"\dot", r"\ddot"):
             return (0.75 if token in "^_" else 1.0) * item(next(tokens, ""))
-        return _WIDTHS.get(token, 1.7 if token.isupper() or token == "m" else 1.1) if token else 0.0
+        if token:
+            return _WIDTHS.get(token, 1.7 if token.isupper() or token == "m" else 1.1)
+        return 0.0
 
     def group() -> float:
         total = 0.0
@@ -286,24 +399,36 @@ def width(text: str) -> float:
 
 
 def lines(statement: Step, decimals: bool = False, left_width: float | None = None) -> list[str]:
-    """Return a statement as rows of an align environment: `left &= right`, broken before + and - where needed.
+    """Return a statement as rows of an align environment.
 
-    `decimals` asks for decimals, not fractions; `left_width` is the left column's width if other statements share it.
+    `left &= right`, broken before + and - where needed.
+
+    `decimals` asks for decimals, not fractions; `left_width` is the left column's width if other
+    statements share it.
     """
-    left, right = latex(statement.left, decimals), latex(statement.right, decimals)
-    room = max(LINE_WIDTH - 4.0 - (width(left) if left_width is None else left_width), 0.3 * LINE_WIDTH)
+    left = latex(statement.left, decimals)
+    right = latex(statement.right, decimals)
+    room = max(
+        LINE_WIDTH - 4.0 - (width(left) if left_width is None else left_width), 0.3 * LINE_WIDTH
+    )
     rows = [right]
     if isinstance(statement.right, sp.Expr) and width(right) > room:
         first, *rest = _pieces(statement.right, decimals, room)
         rows = [first]
         for piece in rest:
             joined = f"{rows[-1]} {piece}"
-            rows[-1:] = [joined] if width(joined) <= room else [rows[-1], piece]
+            if width(joined) <= room:
+                rows[-1:] = [joined]
+            else:
+                rows[-1:] = [rows[-1], piece]
     return [f"{left} &{OPERATORS[statement.op]} {rows[0]}", *(rf"&\quad {row}" for row in rows[1:])]
 
 
 def _pieces(expr: Expr, decimals: bool, room: float) -> list[str]:
-    """Return the LaTeX of a sum in pieces, between which a row may be broken; terms wider than `room` are split."""
+    """Return the LaTeX of a sum in pieces, between which a row may be broken.
+
+    Terms wider than `room` are split.
+    """
     found: list[str] = []
     for term in terms(expr):
         text = _signed(latex(term, decimals), not found)
@@ -313,9 +438,15 @@ def _pieces(expr: Expr, decimals: bool, room: float) -> list[str]:
             continue
         longest = max(sums, key=lambda factor: width(latex(factor, decimals)))
         rest = {"1": "", "- 1": "- "}.get(outside := latex(term / longest, decimals), outside)
-        head = _signed(rest, not found) if rest or found else ""
+        if rest or found:
+            head = _signed(rest, not found)
+        else:
+            head = ""
         inner = _pieces(longest, decimals, room)
-        size = "bigg" if any(r"\frac" in part for part in inner) else "big"
+        if any(r"\frac" in part for part in inner):
+            size = "bigg"
+        else:
+            size = "big"
         inner[-1] += rf" \{size}r)"
         if width(f"{head} {inner[0]}") > room:  # the opening parenthesis ends its row
             inner.insert(0, rf"{head} \{size}l(")
@@ -327,4 +458,6 @@ def _pieces(expr: Expr, decimals: bool, room: float) -> list[str]:
 
 def _signed(text: str, first: bool) -> str:
     """Return the LaTeX of a term with its sign in front, but no "+" if it is the first term."""
-    return text if first or text.startswith("-") else f"+ {text}"
+    if first or text.startswith("-"):
+        return text
+    return f"+ {text}"

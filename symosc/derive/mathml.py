@@ -17,13 +17,15 @@ FUNCTION = "<m[io]>(?:sin|cos|sinh|cosh|arcsin|det)</m[io]>"
 SPACE = '<mspace width="0.17em" />'
 WORDS = {"emph": "em", "textbf": "strong", "texttt": "code", "textsc": "small"}
 ITEMS = re.compile(r"\\begin\{(enumerate|itemize)\}(.*?)\\end\{\1\}", re.DOTALL)
-ITEM, ITEM_MARK = re.compile(r"\\item(?:\[([^\]]*)\])?\s*"), r"\\LIST \1 "
+ITEM = re.compile(r"\\item(?:\[([^\]]*)\])?\s*")
+ITEM_MARK = r"\\LIST \1 "
 LINK = re.compile(r"\\hyperlink\{([^{}]*)\}\{([^{}]*)\}")
 # MathML has no sizes of brackets that are set by hand: they grow by themselves.
 SIZES = re.compile(r"\\(?:bigg|Bigg|big|Big)[lr]?(?![a-z])")
 
 
-#: A font for formulas: without one browsers show dots over letters too small to count, and brackets that do not grow.
+#: A font for formulas: without one browsers show dots over letters too small to count, and brackets
+#: that do not grow.
 FONT_NAME = "Symosc Math"
 FONT_FILE = Path(__file__).parent / "fonts" / "symosc-math.woff2"
 
@@ -38,8 +40,12 @@ def font_style() -> str:
 
 def words(text: str) -> str:
     """Return a paragraph of LaTeX, with formulas between dollars, as HTML."""
-    text = ITEMS.sub(lambda found: rf"\OPENLIST {ITEM.sub(ITEM_MARK, found[2].strip())} \CLOSELIST", text)
-    html = "".join(formula(part) if odd % 2 else _plain_text(part) for odd, part in enumerate(text.split("$")))
+    text = ITEMS.sub(
+        lambda found: rf"\OPENLIST {ITEM.sub(ITEM_MARK, found[2].strip())} \CLOSELIST", text
+    )
+    html = "".join(
+        formula(part) if odd % 2 else _plain_text(part) for odd, part in enumerate(text.split("$"))
+    )
     # No line begins with the comma after a formula.
     return re.sub(r"(<math(?:(?!<math).)*</math>[,.;:)]+)", r'<span class="tight">\1</span>', html)
 
@@ -49,7 +55,8 @@ def formula(latex: str, display: bool = False) -> str:
     # A bar that stands for "taken at" has no partner; the converter would look for one.
     latex = SIZES.sub("", latex.strip().replace(r"\,|_", r"\vert_").replace("}|_", r"}\vert_"))
     mathml: str = convert(latex)
-    # Named functions need a space between them and a letter; capital Greek stands upright; accents sit on their letter.
+    # Named functions need a space between them and a letter; capital Greek stands upright; accents
+    # sit on their letter.
     mathml = re.sub(rf"({FUNCTION})(?=<m[ifs])", r"\1" + SPACE, mathml)
     mathml = re.sub(rf"(</mi>|</msup>|</msub>|</mfrac>)(?={FUNCTION})", r"\1" + SPACE, mathml)
     mathml = re.sub(r"<mi>(?=&#x003(?:9[1-9A-F]|A[0-9]);)", '<mi mathvariant="normal">', mathml)
@@ -62,6 +69,14 @@ def _plain_text(text: str) -> str:
     for command, element in WORDS.items():
         text = re.sub(rf"\\{command}\{{([^{{}}]*)\}}", rf"<{element}>\1</{element}>", text)
     text = LINK.sub(r'<a href="#\1">\2</a>', text)
-    text = text.replace(r"\LIST", "<li>").replace(r"\OPENLIST", "<ul>").replace(r"\CLOSELIST", "</ul>")
-    text = text.replace("--", "–").replace("\0", "--").replace("~", "&nbsp;").replace(r"\'o", "ó").replace("\\ ", " ")
+    text = (
+        text.replace(r"\LIST", "<li>").replace(r"\OPENLIST", "<ul>").replace(r"\CLOSELIST", "</ul>")
+    )
+    text = (
+        text.replace("--", "–")
+        .replace("\0", "--")
+        .replace("~", "&nbsp;")
+        .replace(r"\'o", "ó")
+        .replace("\\ ", " ")
+    )
     return text.replace("``", "“").replace("''", "”")

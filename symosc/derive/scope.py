@@ -1,4 +1,7 @@
-"""The scope of a derivation: the general oscillator, one scene, or numbers for some symbols of a fragment."""
+"""The scope of a derivation.
+
+The general oscillator, one scene, or numbers for some symbols of a fragment.
+"""
 
 from __future__ import annotations
 
@@ -21,11 +24,15 @@ from symosc.words import MAPS, read_word
 
 v1, v2, v_lambda = sp.symbols("v_1 v_2 v_lambda", real=True)
 BELTS = {1: v1, 2: v2}
-#: Letters of belt lambda, whichever it is: its friction coefficient, and the domains below and above its speed.
+#: Letters of belt lambda, whichever it is: its friction coefficient, and the domains below and
+#: above its speed.
 mu_lambda = sp.Symbol(r"\mu_\lambda", nonnegative=True)
-LOWER, UPPER = r"\lambda", r"\lambda+1"
+LOWER = r"\lambda"
+UPPER = r"\lambda+1"
 #: The letters of the parameters.
-LETTERS = {name: getattr(solution, name) for name in PARAMETER_NAMES if name not in ("v1", "v2")} | {"v1": v1, "v2": v2}
+LETTERS = {
+    name: getattr(solution, name) for name in PARAMETER_NAMES if name not in ("v1", "v2")
+} | {"v1": v1, "v2": v2}
 
 
 def F(alpha: int | str) -> Expr:
@@ -40,14 +47,19 @@ def G(order: int | str, alpha: int | str = r"\alpha") -> Expr:
 
 @dataclass(frozen=True)
 class Scope:
-    """The subject of a derivation: a scene or, if `scene` is None, the oscillator with symbols for all parameters."""
+    """The subject of a derivation.
+
+    A scene or, if `scene` is None, the oscillator with symbols for all parameters.
+    """
 
     scene: Scene | None = None
 
     @property
     def values(self) -> tuple[tuple[str, Any], ...]:
         """The parameters given as numbers, by name; none without a scene."""
-        return tuple(by_name(self.scene.parameters).items()) if self.scene else ()
+        if self.scene:
+            return tuple(by_name(self.scene.parameters).items())
+        return ()
 
     @cached_property
     def maps(self) -> tuple[str, ...]:
@@ -55,18 +67,25 @@ class Scope:
         if self.scene is None:
             return tuple(MAPS)
         structure = self.scene.structure
-        used = read_word(structure).labels if structure else simulate(self.scene, max_events=200).word
+        if structure:
+            used: Any = read_word(structure).labels
+        else:
+            used = simulate(self.scene, max_events=200).word
         return tuple(label for label in MAPS if label in used)
 
     @cached_property
     def domains(self) -> tuple[int, ...]:
         """The domains that occur: those on both sides of the boundaries that occur."""
-        return tuple(sorted({side for boundary in self.boundaries for side in NEIGHBOURS[boundary]}))
+        return tuple(
+            sorted({side for boundary in self.boundaries for side in NEIGHBOURS[boundary]})
+        )
 
     @cached_property
     def boundaries(self) -> tuple[int, ...]:
         """The boundaries (belts) that occur."""
-        return tuple(sorted({plane.boundary for label in self.maps for plane in MAPS[label][1:3]})) or (1, 2)
+        return tuple(
+            sorted({plane.boundary for label in self.maps for plane in MAPS[label][1:3]})
+        ) or (1, 2)
 
     @cached_property
     def regimes(self) -> tuple[solution.Regime, ...]:
@@ -75,17 +94,28 @@ class Scope:
 
     @cached_property
     def numbers(self) -> dict[Expr, Expr]:
-        """The known numbers by their symbols; for a scene also those of cm = c/m, w0sq = k/m and f0 = B0/m."""
+        """The known numbers by their symbols.
+
+        For a scene also those of cm = c/m, w0sq = k/m and f0 = B0/m.
+        """
         found = {LETTERS[name]: rational(value) for name, value in self.values}
-        derived = list(PAPER_LETTERS)[:3] if self.scene else []
+        if self.scene:
+            derived = list(PAPER_LETTERS)[:3]
+        else:
+            derived = []
         return found | {name: PAPER_LETTERS[name].xreplace(found) for name in derived}
 
     @cached_property
     def display(self) -> dict[Expr, Expr]:
-        """What to substitute before printing: numbers or, without a scene, the paper's symbols, such as c/m for cm."""
+        """What to substitute before printing.
+
+        Numbers or, without a scene, the paper's symbols, such as c/m for cm.
+        """
         if self.scene is None:
             return PAPER_LETTERS
-        return self.numbers | {name: value.subs(self.numbers) for name, value in self.regimes[0].letters.items()}
+        return self.numbers | {
+            name: value.subs(self.numbers) for name, value in self.regimes[0].letters.items()
+        }
 
     def shown(self, expr: Expr) -> Expr:
         """Return an expression in the form to be printed, with `display` substituted."""
@@ -98,39 +128,83 @@ class Scope:
 
 @dataclass(frozen=True)
 class FragmentScope(Scope):
-    """The subject of a fragment: numbers for some of its symbols, and the form in which the motion is written."""
+    """The subject of a fragment.
+
+    Numbers for some of its symbols, and the form in which the motion is written.
+    """
 
     values: tuple[tuple[str, Any], ...] = ()
-    form: str = "entire"  # "entire" (the five basis functions) or "paper" (e^{-ct/2m} cos omega_d t)
+    form: str = (
+        "entire"  # "entire" (the five basis functions) or "paper" (e^{-ct/2m} cos omega_d t)
+    )
     digits: int | None = None  # to which numbers are rounded
-    # what letters stand for in this fragment, such as the belt's speed for the velocity at the start
+    # what letters stand for in this fragment, such as the belt's speed for the velocity at the
+    # start
     instances: dict[Expr, Expr] = field(default_factory=dict, hash=False, compare=False)
 
     def shown(self, expr: Expr) -> Expr:
-        """Return an expression as printed: with the letters in `instances` and numbers put in, rounded to `digits`."""
-        expr = sp.sympify(expr).xreplace(self.instances).xreplace(PAPER_LETTERS).xreplace(self.instances)
+        """Return an expression as printed.
+
+        With the letters in `instances` and numbers put in, rounded to `digits`.
+        """
+        expr = (
+            sp.sympify(expr)
+            .xreplace(self.instances)
+            .xreplace(PAPER_LETTERS)
+            .xreplace(self.instances)
+        )
         expr = expr.xreplace(self.numbers)
-        return expr if self.digits is None or not self.values else _rounded(expr, self.digits)
+        if self.digits is None or not self.values:
+            return expr
+        return _rounded(expr, self.digits)
 
 
 def _rounded(expr: Expr, digits: int) -> Expr:
-    """Round numbers, and constants such as sqrt(3), to `digits` digits; whole numbers up to 100 stay."""
+    """Round numbers, and constants such as sqrt(3), to `digits` digits.
+
+    Whole numbers up to 100 stay.
+    """
     if expr.is_number and not expr.has(sp.pi) and not (expr.is_Integer and abs(expr) <= 100):
         value = sp.N(expr, digits + 5)
-        return sp.Rational(str(sp.Float(value, digits))) if value.is_Float and value != 0 else expr
+        if value.is_Float and value != 0:
+            return sp.Rational(str(sp.Float(value, digits)))
+        return expr
     if expr.args and expr.is_Pow and expr.exp.is_number:
         return sp.Pow(_rounded(expr.base, digits), expr.exp)
-    return expr.func(*(_rounded(part, digits) for part in expr.args)) if expr.args else expr
+    if expr.args:
+        return expr.func(*(_rounded(part, digits) for part in expr.args))
+    return expr
 
 
 def fragment_scope(
-    settings: dict[str, str], scene: Scene | None = None, form: str = "entire", digits: int | None = None
+    settings: dict[str, str],
+    scene: Scene | None = None,
+    form: str = "entire",
+    digits: int | None = None,
 ) -> FragmentScope:
-    """Return a fragment's scope, parameters from `settings` (texts) or `scene`; `form` is "entire" or "paper"."""
-    # To check the given parameters, the others get any allowed values, and so does the speed of the other belt.
-    base = scene.parameters if scene else Parameters(**dict.fromkeys(PARAMETER_NAMES, 1) | {"v1": -1, "v2": 1})
-    given = {name: read_exact(name, settings[name]) for name in ("v1", "v2") if name in settings and not scene}
-    other = {"v2": given["v1"] + 1} if "v1" in given else {"v1": given["v2"] - 1} if given else {}
+    """Return a fragment's scope, parameters from `settings` (texts) or `scene`.
+
+    `form` is "entire" or "paper".
+    """
+    # To check the given parameters, the others get any allowed values, and so does the speed of the
+    # other belt.
+    if scene:
+        base = scene.parameters
+    else:
+        base = Parameters(**dict.fromkeys(PARAMETER_NAMES, 1) | {"v1": -1, "v2": 1})
+    given = {
+        name: read_exact(name, settings[name])
+        for name in ("v1", "v2")
+        if name in settings and not scene
+    }
+    if "v1" in given:
+        other = {"v2": given["v1"] + 1}
+    elif given:
+        other = {"v1": given["v2"] - 1}
+    else:
+        other = {}
     checked = base.replace(**{**other, **settings})
-    values = tuple((name, value) for name, value in by_name(checked).items() if scene or name in settings)
+    values = tuple(
+        (name, value) for name, value in by_name(checked).items() if scene or name in settings
+    )
     return FragmentScope(None, values, form, digits)

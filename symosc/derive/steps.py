@@ -1,8 +1,9 @@
 r"""The parts of a chapter: LaTeX text, and steps, each with the check that it must pass.
 
-A chapter has texts (also ``\subsection{...}``, ``\begin{theorem}[title]\label{...}`` and ``\end{theorem}``), `Step`,
-`facts` (checks of the paragraph before), `Table` and `Illustration`, in tuples or lists nested as needed. Steps that
-follow each other share a display. A check is run on the statement that is printed. It raises `StepError`, or ends as
+A chapter has texts (also ``\subsection{...}``, ``\begin{theorem}[title]\label{...}`` and
+``\end{theorem}``), `Step`, `facts` (checks of the paragraph before), `Table` and `Illustration`, in
+tuples or lists nested as needed. Steps that follow each other share a display. A check is run on
+the statement that is printed. It raises `StepError`, or ends as
 
     exact     sympy reduces a difference to 0, or the solution of an equation is verified exactly
     sign      the sign of an expression follows from the signs of its letters, or from exact numbers
@@ -73,7 +74,9 @@ class Step:
         return self.check(self)
 
 
-def step(left: Expr, op: str, right: Expr, check: Any = None, label: str = "", **options: Any) -> Step:
+def step(
+    left: Expr, op: str, right: Expr, check: Any = None, label: str = "", **options: Any
+) -> Step:
     """Return the step ``left op right``, which has to pass a check."""
     if not isfunction(check):
         check = exact({} if check is None else check if isinstance(check, dict) else {left: check})
@@ -118,7 +121,10 @@ def facts(*steps: Step) -> Prose:
 
 
 class Table(NamedTuple):
-    """A table; a cell is LaTeX text, or a step that shows its right side; `columns` is LaTeX's, such as "lrr"."""
+    """A table; a cell is LaTeX text, or a step that shows its right side.
+
+    `columns` is LaTeX's, such as "lrr".
+    """
 
     label: str
     caption: str
@@ -145,8 +151,12 @@ def flat(parts: Items) -> list[Any]:
             place = 0
             for mark in _MARKUP.finditer(part):
                 found.append(Prose(part[place : mark.start()].strip()))
-                begin, kind, title, label, end, ended, subsection, heading = (group or "" for group in mark.groups())
-                found.append(Markup(begin or end or subsection, kind or ended or heading, title, label))
+                begin, kind, title, label, end, ended, subsection, heading = (
+                    group or "" for group in mark.groups()
+                )
+                found.append(
+                    Markup(begin or end or subsection, kind or ended or heading, title, label)
+                )
                 place = mark.end()
             found.append(Prose(part[place:].strip()))
         elif isinstance(part, Prose):
@@ -163,7 +173,10 @@ def steps_of(item: Any) -> tuple[Step, ...]:
     """Return the steps of an item that have to be checked, in order."""
     if isinstance(item, Step):
         return (item,)
-    cells = [cell for row in item.rows for cell in row if isinstance(cell, Step)] if isinstance(item, Table) else []
+    if isinstance(item, Table):
+        cells = [cell for row in item.rows for cell in row if isinstance(cell, Step)]
+    else:
+        cells = []
     return (*cells, *getattr(item, "facts", ()))
 
 
@@ -173,14 +186,18 @@ Check = Callable[[Step], StepEvidence]
 Meaning = dict[Expr, Any]
 
 
-def exact(meaning: Meaning | None = None, tidy: Callable[[Expr], Expr] = sp.expand, independent: bool = True) -> Check:
+def exact(
+    meaning: Meaning | None = None,
+    tidy: Callable[[Expr], Expr] = sp.expand,
+    independent: bool = True,
+) -> Check:
     """Return the check that both sides are equal once `meaning` has been put in for the symbols that it defines.
 
-    `tidy` rewrites the difference, which has to become 0. If the symbols that are left are `independent`, random values
-    first try to refute the equality.
+    `tidy` rewrites the difference, which has to become 0. If the symbols that are left are
+    `independent`, random values first try to refute the equality.
     """
-    # `meaning` has an independent expression by its name, and is applied until nothing changes. What `tidy` leaves is
-    # simplified.
+    # `meaning` has an independent expression by its name, and is applied until nothing changes.
+    # What `tidy` leaves is simplified.
 
     def check(statement: Step) -> StepEvidence:
         difference = resolve(statement.left, meaning) - resolve(statement.right, meaning)
@@ -204,14 +221,25 @@ def cases(*checks: Check) -> Check:
 
 
 def solves(
-    force: Expr, start: Expr, rate: Expr, cm: Expr = solution.cm, w0sq: Expr = solution.w0sq, meaning: Any = None
+    force: Expr,
+    start: Expr,
+    rate: Expr,
+    cm: Expr = solution.cm,
+    w0sq: Expr = solution.w0sq,
+    meaning: Any = None,
 ) -> Check:
     """Return the check that y = right side solves y'' + cm y' + w0sq y = `force`, y(0) = `start`, y'(0) = `rate`."""
     # Only one function does this, so every sign is checked. `meaning` is as for `exact`.
 
     def check(statement: Step) -> StepEvidence:
-        general = statement.right.has(*solution.BASIS)  # in the functions that are the same in all regimes
-        differentiate = solution.time_derivative if general else lambda expr: expr.diff(solution.tau)
+        # in the functions that are the same in all regimes
+        general = statement.right.has(*solution.BASIS)
+
+        def differentiate(expr: sp.Expr) -> sp.Expr:
+            if general:
+                return solution.time_derivative(expr)
+            return expr.diff(solution.tau)
+
         y = resolve(statement.right, meaning)
         first = differentiate(y)
         at_start = solution.start_values() | {solution.tau: sp.Integer(0)}
@@ -220,11 +248,18 @@ def solves(
             y.subs(at_start) - start,
             first.subs(at_start) - rate,
         )
-        tidy = solution.use_relations if general else modes
+        if general:
+            tidy = solution.use_relations
+        else:
+            tidy = modes
         for residual in residuals:
             if not general:
                 _refute(statement, residual)
-            _vanish(statement, tidy(resolve(residual, meaning)), "does not solve its equation: {} remains")
+            _vanish(
+                statement,
+                tidy(resolve(residual, meaning)),
+                "does not solve its equation: {} remains",
+            )
         return StepEvidence("exact", "0")
 
     return check
@@ -234,9 +269,14 @@ def modes(expr: Expr) -> Expr:
     """Return a function of tau as a sum of modes (products of tau, exp, sin, ...), or 0 if it always vanishes."""
     expr = sp.expand_trig(expr)
     found = sorted(expr.atoms(sp.exp, sp.sin, sp.cos, sp.sinh, sp.cosh), key=sp.default_sort_key)
-    # Modes count as independent symbols here: the expression vanishes for all their values if its numerator does.
-    above, _ = sp.fraction(sp.together(expr.xreplace(dict(zip(found, (sp.Dummy() for _ in found), strict=True)))))
-    return sp.S.Zero if sp.expand(above) == 0 else solution.collect_modes(expr)
+    # Modes count as independent symbols here: the expression vanishes for all their values if its
+    # numerator does.
+    above, _ = sp.fraction(
+        sp.together(expr.xreplace(dict(zip(found, (sp.Dummy() for _ in found), strict=True))))
+    )
+    if sp.expand(above) == 0:
+        return sp.S.Zero
+    return solution.collect_modes(expr)
 
 
 def sign(meaning: Meaning | None = None) -> Check:
@@ -245,11 +285,18 @@ def sign(meaning: Meaning | None = None) -> Check:
     def check(statement: Step) -> StepEvidence:
         difference = resolve(statement.left, meaning) - resolve(statement.right, meaning)
         difference = sp.factor(sp.simplify(difference))
-        wanted = {">": "positive", "<": "negative", ">=": "nonnegative", "<=": "nonpositive"}[statement.op]
+        wanted = {">": "positive", "<": "negative", ">=": "nonnegative", "<=": "nonpositive"}[
+            statement.op
+        ]
         holds = getattr(difference, f"is_{wanted}")
         if not holds:
-            raise StepError(str(statement), f"the sign of {difference} is {'wrong' if holds is False else 'undecided'}")
-        return StepEvidence("sign", str(difference) if difference.is_Rational else "by the signs of its letters")
+            raise StepError(
+                str(statement),
+                f"the sign of {difference} is {'wrong' if holds is False else 'undecided'}",
+            )
+        return StepEvidence(
+            "sign", str(difference) if difference.is_Rational else "by the signs of its letters"
+        )
 
     return check
 
@@ -264,10 +311,14 @@ def close(value: Callable[[], Any], decimals: int) -> Check:
     return check
 
 
-def decimal(name: str, number: Any, decimals: int, check: Check | None = None, **options: Any) -> Step:
+def decimal(
+    name: str, number: Any, decimals: int, check: Check | None = None, **options: Any
+) -> Step:
     """Return the step "name = number", with the number rounded to `decimals` decimals."""
     check = check or close(lambda: number, decimals)
-    return step(sp.Symbol(name, real=True), "=", rounded(number, decimals), check, decimals=True, **options)
+    return step(
+        sp.Symbol(name, real=True), "=", rounded(number, decimals), check, decimals=True, **options
+    )
 
 
 def at_root(meaning: Callable[[], Meaning], tolerance: Any = STEP_AGREEMENT) -> Check:
@@ -279,14 +330,19 @@ def at_root(meaning: Callable[[], Meaning], tolerance: Any = STEP_AGREEMENT) -> 
         if statement.op == "=":
             return _within(statement, abs(left - right), tolerance)
         if not {">": left > right, "<": left < right}[statement.op]:
-            raise StepError(str(statement), f"is wrong: {CONTEXT.nstr(left, 8)} and {CONTEXT.nstr(right, 8)}")
+            raise StepError(
+                str(statement), f"is wrong: {CONTEXT.nstr(left, 8)} and {CONTEXT.nstr(right, 8)}"
+            )
         return StepEvidence("numeric", CONTEXT.nstr(abs(left - right), 5), 1)
 
     return check
 
 
 def _within(statement: Step, off: Any, tolerance: Any) -> StepEvidence:
-    """Return evidence if `off`, the difference of both sides, is within a tolerance; else raise StepError."""
+    """Return evidence if `off`, the difference of both sides, is within a tolerance.
+
+    Else raise StepError.
+    """
     if not off <= tolerance:
         raise StepError(str(statement), f"the sides differ by {CONTEXT.nstr(off, 3)}")
     return StepEvidence("numeric", CONTEXT.nstr(off, 2), 1)
@@ -297,12 +353,14 @@ def _within(statement: Step, off: Any, tolerance: Any) -> StepEvidence:
 
 def resolve(expr: Expr, meaning: Meaning | None) -> Expr:
     """Replace names in an expression by their meanings until no such name is left."""
-    expr, known = sp.sympify(expr), {name: sp.sympify(value) for name, value in (meaning or {}).items()}
+    expr = sp.sympify(expr)
+    known = {name: sp.sympify(value) for name, value in (meaning or {}).items()}
     for _ in range(10):  # a meaning in its own terms would go on for ever
         if expr.free_symbols.isdisjoint(known):
             break
         expr = expr.xreplace(known)
-        expr = expr.doit(deep=False) if expr.has(sp.Derivative) else expr
+        if expr.has(sp.Derivative):
+            expr = expr.doit(deep=False)
     return expr
 
 
@@ -328,7 +386,9 @@ def evaluate(expr: Expr, point: dict[Expr, Any]) -> Any:
 
 def number(value: Any) -> Any:
     """Return a number of any kind as an mpmath number of 60 digits."""
-    return CONTEXT.mpf(value.numerator) / value.denominator if isinstance(value, Fraction) else CONTEXT.mpf(value)
+    if isinstance(value, Fraction):
+        return CONTEXT.mpf(value.numerator) / value.denominator
+    return CONTEXT.mpf(value)
 
 
 def rounded(number: Any, decimals: int) -> Any:
@@ -337,14 +397,24 @@ def rounded(number: Any, decimals: int) -> Any:
 
 
 def _vanish(statement: Step, rest: Expr, complaint: str) -> None:
-    """Raise StepError unless the expression `rest` is 0; the message is `complaint` with `rest` for its {}."""
+    """Raise StepError unless the expression `rest` is 0.
+
+    The message is `complaint` with `rest` for its {}.
+    """
     if rest != 0 and sp.simplify(rest) != 0:
         raise StepError(str(statement), complaint.format(rest))
 
 
 def _refute(statement: Step, difference: Expr) -> None:
-    """Raise StepError if a difference that should vanish is not 0 at one random point; 0 there proves nothing."""
-    if difference == 0 or difference.atoms(sp.Function) - difference.atoms(*KNOWN) or difference.has(sp.Derivative):
+    """Raise StepError if a difference that should vanish is not 0 at one random point.
+
+    0 there proves nothing.
+    """
+    if (
+        difference == 0
+        or difference.atoms(sp.Function) - difference.atoms(*KNOWN)
+        or difference.has(sp.Derivative)
+    ):
         return
     value = sp.N(difference.subs(next(points(difference, 1)), simultaneous=True), 40, maxn=120)
     if value.is_number and value.is_finite and abs(value) > DIFFERENT:

@@ -1,6 +1,7 @@
 """Base classes of results that display themselves: by ``.plot()``, and as a page in notebooks.
 
-Modules that are loaded when a result is first shown register here what shows each kind: no answer imports a figure.
+Modules that are loaded when a result is first shown register here what shows each kind: no answer
+imports a figure.
 """
 
 from __future__ import annotations
@@ -13,24 +14,34 @@ from typing import Any, Literal, TypeVar
 
 Item = TypeVar("Item")
 # Number of entries shown of a listing that has more than the second number of them.
-SHOWN, MOST_SHOWN = 3, 10
-#: The ways to show a result, each with the module that registers functions for it when it is loaded.
+SHOWN = 3
+MOST_SHOWN = 10
+#: The ways to show a result, each with the module that registers functions for it when it is
+#: loaded.
 MODULES = {"draw": "symosc.plot", "write": "symosc.plot", "page": "symosc.plot.notebooks"}
 #: The registered functions by the way to show a result, and the qualified name of its class.
 _registered: dict[tuple[str, str], Callable[..., Any]] = {}
 
 
-def register(kind: type | str, show: Callable[..., Any], what: Literal["draw", "page", "write"] = "draw") -> None:
+def register(
+    kind: type | str, show: Callable[..., Any], what: Literal["draw", "page", "write"] = "draw"
+) -> None:
     """Register what shows the results of a class, which may be given by its qualified name.
 
-    "draw": ``result.plot(**options)`` returns ``show(result, **options)``. "page": notebooks show the HTML that
-    ``show(result)`` returns. "write": ``result.to_html(path)`` returns ``show(result, path)``.
+    "draw": ``result.plot(**options)`` returns ``show(result, **options)``. "page": notebooks show
+    the HTML that ``show(result)`` returns. "write": ``result.to_html(path)`` returns ``show(result,
+    path)``.
     """
-    _registered[what, kind if isinstance(kind, str) else f"{kind.__module__}.{kind.__qualname__}"] = show
+    _registered[
+        what, kind if isinstance(kind, str) else f"{kind.__module__}.{kind.__qualname__}"
+    ] = show
 
 
 def _found(result: object, what: str) -> Callable[..., Any] | None:
-    """Return the function that `register` got for the class of a result and for `what`; None if there is none."""
+    """Return the function that `register` got for the class of a result and for `what`.
+
+    None if there is none.
+    """
     import_module(MODULES[what])
     names = (f"{kind.__module__}.{kind.__qualname__}" for kind in type(result).__mro__)
     return next((_registered[what, name] for name in names if (what, name) in _registered), None)
@@ -39,7 +50,9 @@ def _found(result: object, what: str) -> Callable[..., Any] | None:
 def _notebook_page(result: object) -> Any:
     """Return the notebook page of a result as HTML, or None, in which case its repr is shown."""
     page = _found(result, "page")
-    return None if page is None else page(result)
+    if page is None:
+        return None
+    return page(result)
 
 
 class Drawable:
@@ -53,9 +66,10 @@ class Drawable:
         Parameters
         ----------
         *given, **options
-            As for that function: `plot.figure` for a Trajectory, `plot.orbit_figure` for a PeriodicOrbit,
-            `plot.branch_figure` for a Branch, `plot.window_figure` for a GrazingWindow and so on. Those with panels
-            take ``panels=``, and all take ``ax=`` for axes of your own, which hold one panel.
+            As for that function: `plot.figure` for a Trajectory, `plot.orbit_figure` for a
+            PeriodicOrbit, `plot.branch_figure` for a Branch, `plot.window_figure` for a
+            GrazingWindow and so on. Those with panels take ``panels=``, and all take ``ax=`` for
+            axes of your own, which hold one panel.
 
         Returns
         -------
@@ -81,7 +95,10 @@ class Drawable:
 
 
 class Comparable:
-    """A base class for dataclasses: instances are equal if all their public fields are, and NaN equals NaN."""
+    """A base class for dataclasses.
+
+    Instances are equal if all their public fields are, and NaN equals NaN.
+    """
 
     __slots__ = ()
     __hash__ = None  # type: ignore[assignment]  # arrays have none
@@ -94,7 +111,10 @@ class Comparable:
 
 
 def _same(one: Any, other: Any) -> bool:
-    """Return whether two values are equal: arrays as a whole (NaN equals NaN), others by ==, or else by their repr."""
+    """Return whether two values are equal.
+
+    Arrays as a whole (NaN equals NaN), others by ==, or else by their repr.
+    """
     if hasattr(one, "dtype"):
         from numpy import array_equal
 

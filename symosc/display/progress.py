@@ -1,6 +1,9 @@
-"""Progress of long work on a terminal: a bar with rate and time left, drawn by rich on stderr; nothing elsewhere.
+"""Progress of long work on a terminal: a bar with rate and time left, drawn by rich on stderr.
 
-A bar appears after two seconds, or after the seconds in the environment variable SYMOSC_PROGRESS_DELAY.
+Nothing elsewhere.
+
+A bar appears after two seconds, or after the seconds in the environment variable
+SYMOSC_PROGRESS_DELAY.
 """
 
 from __future__ import annotations
@@ -19,7 +22,9 @@ Report = Callable[[float, float], Any]
 #: Called with the part done, from 0 to 1, and the number of things done.
 Advance = Callable[[float, int], Any] | None
 #: Verbosity: results and errors only; notes and bars too; versions and times too.
-QUIET, NORMAL, VERBOSE = 0, 1, 2
+QUIET = 0
+NORMAL = 1
+VERBOSE = 2
 #: Seconds until a bar appears.
 USUAL_DELAY = 2.0
 #: Seconds between two drawings of a bar.
@@ -35,12 +40,17 @@ def shows_bars() -> bool:
 
 
 def delay() -> float:
-    """Return after how many seconds a progress bar appears: by the environment variable SYMOSC_PROGRESS_DELAY."""
+    """Return after how many seconds a progress bar appears.
+
+    By the environment variable SYMOSC_PROGRESS_DELAY.
+    """
     try:
         seconds = float(os.environ.get("SYMOSC_PROGRESS_DELAY", USUAL_DELAY))
     except ValueError:
         return USUAL_DELAY
-    return seconds if 0 <= seconds <= 86_400 else USUAL_DELAY
+    if 0 <= seconds <= 86_400:
+        return seconds
+    return USUAL_DELAY
 
 
 @contextmanager
@@ -49,8 +59,8 @@ def reporting(
 ) -> Iterator[Report]:
     """Yield a function that reports progress; call it with the amount done and the total amount.
 
-    It is `progress` itself if that is a function, else draws a bar if `progress` is true, or does nothing.
-    `there` is the amount done before this run; without a `unit` the bar shows percents.
+    It is `progress` itself if that is a function, else draws a bar if `progress` is true, or does
+    nothing. `there` is the amount done before this run; without a `unit` the bar shows percents.
     """
     if callable(progress):
         yield progress
@@ -68,7 +78,9 @@ def bar(label: str, total: float, unit: str = "steps") -> AbstractContextManager
 
 @contextmanager
 def late_bar(progress: Any, label: str, unit: str) -> Iterator[Advance]:
-    """Yield a function to call with the fraction done (0 to 1) and the number of steps done; None if no bar is shown.
+    """Yield a function to call with the fraction done (0 to 1) and the number of steps done.
+
+    None if no bar is shown.
 
     It is for work whose number of steps is not known in advance; the bar calls the steps `unit`.
     """
@@ -87,7 +99,8 @@ def _bar_drawer(
 ) -> Iterator[Callable[[float, float, float], None]]:
     """Yield show(done, total, count), which after some seconds draws a bar with the rate of `count` per second."""
     begin = since = monotonic()
-    last, drawn = there, -LEAST_PAUSE
+    last = there
+    drawn = -LEAST_PAUSE
     shown: Any = None
     with ExitStack() as stack:
 
@@ -101,26 +114,59 @@ def _bar_drawer(
                 return
             if shown is None:
                 from rich.console import Console
-                from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn
+                from rich.progress import (
+                    BarColumn,
+                    MofNCompleteColumn,
+                    Progress,
+                    ProgressColumn,
+                    TextColumn,
+                )
 
                 pause_working()
-                amount = MofNCompleteColumn() if counted else TextColumn("{task.percentage:.0f} %")
-                columns = TextColumn("{task.description}"), BarColumn(), amount, TextColumn("{task.fields[pace]}")
-                # Without a thread of its own: processes that are forked meanwhile inherit no lock of it.
-                shown = stack.enter_context(Progress(*columns, console=Console(file=sys.stderr), auto_refresh=False))
+                if counted:
+                    amount: ProgressColumn = MofNCompleteColumn()
+                else:
+                    amount = TextColumn("{task.percentage:.0f} %")
+                columns = (
+                    TextColumn("{task.description}"),
+                    BarColumn(),
+                    amount,
+                    TextColumn("{task.fields[pace]}"),
+                )
+                # Without a thread of its own: processes that are forked meanwhile inherit no lock
+                # of it.
+                shown = stack.enter_context(
+                    Progress(*columns, console=Console(file=sys.stderr), auto_refresh=False)
+                )
                 shown.add_task(label, total=total, pace="")
-            drawn, seconds, gained, pace = now, now - since, done - there, ""
+            drawn = now
+            seconds = now - since
+            gained = done - there
+            pace = ""
             if seconds > 0:  # not where work has just begun anew
-                rate = f"{count / seconds:,.0f}" if count >= 10 * seconds else f"{count / seconds:.2g}"
-                left = timedelta(seconds=round(seconds * (total - done) / gained)) if gained > 0 else "?"
-                pace = f"{rate} {unit}/s, {left} left" if unit else f"{left} left"
+                if count >= 10 * seconds:
+                    rate = f"{count / seconds:,.0f}"
+                else:
+                    rate = f"{count / seconds:.2g}"
+                if gained > 0:
+                    left: timedelta | str = timedelta(
+                        seconds=round(seconds * (total - done) / gained)
+                    )
+                else:
+                    left = "?"
+                if unit:
+                    pace = f"{rate} {unit}/s, {left} left"
+                else:
+                    pace = f"{left} left"
             shown.update(0, completed=done, total=total, pace=pace, refresh=True)
 
         yield show
 
 
 #: The spinner that is shown, and the timer that is to show it.
-_spinner, _waiting, _lock = ExitStack(), None, Lock()
+_spinner = ExitStack()
+_waiting = None
+_lock = Lock()
 
 
 @contextmanager

@@ -1,13 +1,18 @@
-"""The engine for each kind of numbers (doubles, pairs, many digits): its functions, bound to their arithmetic.
+"""The engine for each kind of numbers (doubles, pairs, many digits).
 
-The inner loop (SOURCES) is plain functions on numbers. `bind` copies a function so that it sees other globals (mpmath's
-sin, cos and precision, or compiled functions), `compile_modules` lets numba compile the copies: nothing is written
-twice, and each copy reports the line where it was written. So there are
+Its functions, bound to their arithmetic.
 
-- `Arithmetic`: doubles, as CPython runs the source; `compiled` has the same functions compiled by numba;
+The inner loop (SOURCES) is plain functions on numbers. `bind` copies a function so that it sees
+other globals (mpmath's sin, cos and precision, or compiled functions), `compile_modules` lets numba
+compile the copies: nothing is written twice, and each copy reports the line where it was written.
+So there are
+
+- `Arithmetic`: doubles, as CPython runs the source; `compiled` has the same functions compiled by
+  numba;
 - `MpArithmetic`: any number of digits, by mpmath, and by MPFR where gmpy2 is installed;
-- double-double numbers, 30 digits (`symosc.kernels.pairs`): `compiled_pairs`, at a few microseconds an event, or
-  `interpreted_pairs`, at a few milliseconds. Both give the same bits. These need numba.
+- double-double numbers, 30 digits (`symosc.kernels.pairs`): `compiled_pairs`, at a few microseconds
+  an event, or `interpreted_pairs`, at a few milliseconds. Both give the same bits. These need
+  numba.
 """
 
 from __future__ import annotations
@@ -30,7 +35,17 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from symosc.aliases import Number
-from symosc.engine import batch, events, first_exit, flow, lanes, next_event, state, summary, tangent
+from symosc.engine import (
+    batch,
+    events,
+    first_exit,
+    flow,
+    lanes,
+    next_event,
+    state,
+    summary,
+    tangent,
+)
 from symosc.engine.flow import NESTED, ROW, ConstantRows, Constants, constants, with_march
 from symosc.engine.state import NextEvent, State
 from symosc.errors import MissingExtraError
@@ -41,15 +56,17 @@ SOURCES = (_generated, entire, state, flow, first_exit, next_event, events, batc
 # Summaries are of doubles only.
 IN_DOUBLES_ONLY = (double_double, elementary, summary, lanes)
 
-# What decisions must exceed with many digits, instead of `first_exit.ROUNDING` and `flow.SIGMAS`: digits are cheap
-# there, wrong decisions are not.
+# What decisions must exceed with many digits, instead of `first_exit.ROUNDING` and `flow.SIGMAS`:
+# digits are cheap there, wrong decisions are not.
 MP_ROUNDING = 2**16
 MP_SIGMAS = 2**10
-# In pairs errors are estimated from 64 times the rounding of one operation, as an entire function loses a digit or two.
+# In pairs errors are estimated from 64 times the rounding of one operation, as an entire function
+# loses a digit or two.
 PAIR_EPS = Fraction(1, 2**100)
 # Digits from which constants and starts are rounded to pairs.
 ROUNDED_FROM = 50
-# Seconds after which a folder of compiled code is searched again: that takes as long as thousands of events.
+# Seconds after which a folder of compiled code is searched again: that takes as long as thousands
+# of events.
 SEARCH_AGAIN = 1.0
 # What numba compiles into the code as a number.
 CONSTANTS = (bool, int, float, complex, str)
@@ -68,13 +85,21 @@ OUTLINED = """
 
 
 def functions_of(modules: Iterable[types.ModuleType]) -> dict[str, types.FunctionType]:
-    """Return by name the functions that `modules` define, not import; ValueError if two have the same name."""
+    """Return by name the functions that `modules` define, not import.
+
+    ValueError if two have the same name.
+    """
     found: dict[str, types.FunctionType] = {}
     for module in modules:
         for name, value in vars(module).items():
-            if isinstance(value, types.FunctionType) and (value.__module__, value.__name__) == (module.__name__, name):
+            if isinstance(value, types.FunctionType) and (value.__module__, value.__name__) == (
+                module.__name__,
+                name,
+            ):
                 if name in found:
-                    raise ValueError(f"{name} is written in {found[name].__module__} and in {module.__name__}")
+                    raise ValueError(
+                        f"{name} is written in {found[name].__module__} and in {module.__name__}"
+                    )
                 found[name] = value
     return found
 
@@ -87,35 +112,48 @@ def bind(
 ) -> dict[str, Any]:
     """Copy the functions of `modules` so that they call each other, and use `replaced[name]` for a global `name`.
 
-    `wrap`, such as a compiler, is applied to each copy; `literal` converts each float that is written in the source,
-    such as 0.5.
+    `wrap`, such as a compiler, is applied to each copy; `literal` converts each float that is
+    written in the source, such as 0.5.
     """
-    # `literal` converts limits with a name too. A name in `replaced` must be one that the functions could see.
+    # `literal` converts limits with a name too. A name in `replaced` must be one that the functions
+    # could see.
     modules = tuple(modules)
     shared: dict[str, Any] = {}
     for module in modules:
         seen = {name: value for name, value in vars(module).items() if not name.startswith("__")}
         twice = [name for name in seen.keys() & shared.keys() if isinstance(seen[name], CONSTANTS)]
-        clashes = sorted(name for name in twice if name not in replaced and seen[name] != shared[name])
+        clashes = sorted(
+            name for name in twice if name not in replaced and seen[name] != shared[name]
+        )
         if clashes:
             raise ValueError(f"{clashes} have another value in {module.__name__}")
         shared |= seen
-    unknown = sorted(name for name in replaced if name not in shared and not hasattr(builtins, name))
+    unknown = sorted(
+        name for name in replaced if name not in shared and not hasattr(builtins, name)
+    )
     if unknown:
         raise ValueError(f"{unknown} are no names in {[module.__name__ for module in modules]}")
     if literal is not None:
-        shared = {name: literal(value) if type(value) is float else value for name, value in shared.items()}
+        shared = {
+            name: literal(value) if type(value) is float else value
+            for name, value in shared.items()
+        }
     # numba asks globals for their module, and numpy for the builtins
     shared |= replaced | {"__name__": __name__, "__builtins__": builtins}
     for name, function in functions_of(modules).items():
         if name not in replaced:
             code = function.__code__
             if literal is not None:
-                numbers = (literal(value) if type(value) is float else value for value in code.co_consts)
+                numbers = (
+                    literal(value) if type(value) is float else value for value in code.co_consts
+                )
                 code = code.replace(co_consts=tuple(numbers))
             copy = types.FunctionType(code, shared, name, function.__defaults__)
             copy.__module__ = function.__module__
-            shared[name] = wrap(copy) if wrap else copy
+            if wrap:
+                shared[name] = wrap(copy)
+            else:
+                shared[name] = copy
     return shared
 
 
@@ -129,27 +167,39 @@ def compile_modules(
 ) -> dict[str, Any]:
     """Compile the functions of `modules` by numba, each at its first call; return them by name.
 
-    The code is kept on disk. Functions that are not in `outlined` are inlined into their callers. `callees` are
-    compiled functions to call instead of those of the same name. `replaced` and `literal` are as in `bind`, and the
-    code counts as old when a module in `beside` changes.
+    The code is kept on disk. Functions that are not in `outlined` are inlined into their callers.
+    `callees` are compiled functions to call instead of those of the same name. `replaced` and
+    `literal` are as in `bind`, and the code counts as old when a module in `beside` changes.
     """
-    # If `outlined` is None, nothing is inlined. `callees` that no module sees are left out. The modules `beside` are
-    # compiled too, such as operators of a type. Raise MissingExtraError without numba.
+    # If `outlined` is None, nothing is inlined. `callees` that no module sees are left out. The
+    # modules `beside` are compiled too, such as operators of a type. Raise MissingExtraError
+    # without numba.
     try:
         import numba
 
         from symosc.engine.code_cache import keep_on_disk
     except ImportError:
         raise MissingExtraError("compiling", "fast") from None
-    modules, replaced = tuple(modules), replaced or {}
-    seen, written = bind(modules, {}), functions_of(modules)
-    inlined = set() if outlined is None else set(written) - set(outlined)
+    modules = tuple(modules)
+    replaced = replaced or {}
+    seen = bind(modules, {})
+    written = functions_of(modules)
+    if outlined is None:
+        inlined = set()
+    else:
+        inlined = set(written) - set(outlined)
     called = {name: value for name, value in (callees or {}).items() if hasattr(value, "py_func")}
-    called = {name: value for name, value in called.items() if name in seen or hasattr(builtins, name)}
+    called = {
+        name: value for name, value in called.items() if name in seen or hasattr(builtins, name)
+    }
     # The version changes with anything that the functions are compiled from.
     values = seen | {name: repr(value) for name, value in replaced.items()}
-    numbers = sorted((name, repr(value)) for name, value in values.items() if isinstance(value, CONSTANTS))
-    others = sorted((name, each.py_func.__module__, each.py_func.__qualname__) for name, each in called.items())
+    numbers = sorted(
+        (name, repr(value)) for name, value in values.items() if isinstance(value, CONSTANTS)
+    )
+    others = sorted(
+        (name, each.py_func.__module__, each.py_func.__qualname__) for name, each in called.items()
+    )
     digest = hashlib.sha256(repr((numbers, others, sorted(inlined))).encode())
     beside = *beside, *(sys.modules[name] for name in sorted({module for _, module, _ in others}))
     for module in (sys.modules[__name__], *modules, *beside):
@@ -157,12 +207,18 @@ def compile_modules(
     version = digest.hexdigest()[:12]
 
     def wrap(function: Any) -> Any:
-        # numba's disk cache sees changes in the function's own file only. The name of the entry says the rest.
+        # numba's disk cache sees changes in the function's own file only. The name of the entry
+        # says the rest.
         function.__qualname__ = f"{function.__name__}-{version}"
-        # Inlined functions are called by compiled code only and need no wrappers for Python and C. Each function sets
-        # all three options: without them it would take forceinline from the function that calls it first.
+        # Inlined functions are called by compiled code only and need no wrappers for Python and C.
+        # Each function sets all three options: without them it would take forceinline from the
+        # function that calls it first.
         inline = function.__name__ in inlined
-        options: dict[str, Any] = {"forceinline": inline, "no_cpython_wrapper": inline, "no_cfunc_wrapper": inline}
+        options: dict[str, Any] = {
+            "forceinline": inline,
+            "no_cpython_wrapper": inline,
+            "no_cfunc_wrapper": inline,
+        }
         return keep_on_disk(numba.njit(error_model="numpy", nogil=True, **options)(function))
 
     return bind(modules, called | replaced, wrap, literal)
@@ -172,7 +228,8 @@ def is_compiled(function: Any) -> bool:
     """Return whether the compiled code of a function of `compile_modules` is in memory or on disk."""
     if not hasattr(function, "py_func") or function.overloads:
         return True
-    folder, name = function.stats.cache_path, function.py_func.__qualname__
+    folder = function.stats.cache_path
+    name = function.py_func.__qualname__
     if folder is None:  # nothing is kept on disk
         return False
     there, when = _ON_DISK.get((folder, name), (False, -SEARCH_AGAIN))
@@ -190,14 +247,18 @@ def converted(value: Any, number: Callable[[Any], Any]) -> Any:
     if not isinstance(value, tuple):
         return number(value)
     entries = [converted(entry, number) for entry in value]
-    return type(value)(*entries) if hasattr(value, "_fields") else tuple(entries)
+    if hasattr(value, "_fields"):
+        return type(value)(*entries)
+    return tuple(entries)
 
 
 def interpreted(function: Callable[..., Any]) -> Callable[..., Any]:
     """Wrap an interpreted event loop so that any argument may be a numpy table of constants (dtype `ROW`)."""
 
     def readable(given: Any) -> Any:
-        return ConstantRows(given) if getattr(given, "dtype", None) == ROW else given
+        if getattr(given, "dtype", None) == ROW:
+            return ConstantRows(given)
+        return given
 
     return lambda *arguments: function(*converted(arguments, readable))
 
@@ -210,14 +271,23 @@ def product_and_zero(a, b):
 # --- doubles ---
 
 #: The names of the source as they are: for floats.
-IN_DOUBLES = {name: value for module in SOURCES for name, value in vars(module).items() if not name.startswith("__")}
+IN_DOUBLES = {
+    name: value
+    for module in SOURCES
+    for name, value in vars(module).items()
+    if not name.startswith("__")
+}
 
 
 class Arithmetic:
-    """Double precision: constants `K`, conversion of numbers, and `advance`; base class for pairs and many digits."""
+    """Double precision: constants `K`, conversion of numbers, and `advance`.
+
+    Base class for pairs and many digits.
+    """
 
     K: Constants
-    digits = 40  # that the reduction of phases takes; more than doubles have, for phases next to 0 or 2 pi
+    # that the reduction of phases takes; more than doubles have, for phases next to 0 or 2 pi
+    digits = 40
     number: Callable[[Fraction], Number] = staticmethod(float)  # rounds a Fraction to such a number
     rounded: Callable[[Number], Number] = staticmethod(float)  # rounds an mpf of any precision
     namespace = IN_DOUBLES
@@ -239,20 +309,29 @@ class Arithmetic:
         return high, float(t - Fraction(high))
 
     def advance(self, state: State, t_end: Number, t_end_low: Number) -> NextEvent:
-        """Return the NextEvent after `state`: the next event up to t_end + t_end_low, or why there is none yet."""
+        """Return the NextEvent after `state`.
+
+        The next event up to t_end + t_end_low, or why there is none yet.
+        """
         found: NextEvent = next_event.advance(state, t_end, t_end_low, self.K)
         return found
 
 
 @lru_cache(maxsize=1024)
 def _float_constants(parameters: Parameters) -> Constants:
-    """Return the constants of `parameters` as floats, from a cache: to derive them exactly takes long."""
+    """Return the constants of `parameters` as floats, from a cache.
+
+    To derive them exactly takes long.
+    """
     return with_march(constants(parameters), entire.basis)
 
 
 @lru_cache(maxsize=256)
 def _angle_in_turn(angle: Fraction, digits: int) -> Any:
-    """Return an exact angle modulo 2 pi to `digits` digits, or None if the angle is 0; results are cached."""
+    """Return an exact angle modulo 2 pi to `digits` digits, or None if the angle is 0.
+
+    Results are cached.
+    """
     if angle == 0:
         return None
     context = mp_context(digits + 20 + len(str(abs(int(angle)))))
@@ -262,15 +341,23 @@ def _angle_in_turn(angle: Fraction, digits: int) -> Any:
 
 @cache
 def compiled(width: int = 0) -> dict[str, Any]:
-    """Return the compiled engine for doubles, by name; it follows `width` motions at once (0: the best number)."""
+    """Return the compiled engine for doubles, by name.
+
+    It follows `width` motions at once (0: the best number).
+    """
     try:
         from symosc.kernels import lane_types
     except ImportError:
         raise MissingExtraError("compiling", "fast") from None
     usual = width or lane_types.usual_width()
     callees = {"borrowed": lane_types.borrowed, "power_of_two": lane_types.power_of_two}
-    flags = frozenset(name for name, hint in Constants.__annotations__.items() if "bool" in str(hint))
-    replaced = {name: getattr(lane_types, name) for name in ("any_of", "bits_of", "number_in", "select", "store")}
+    flags = frozenset(
+        name for name, hint in Constants.__annotations__.items() if "bool" in str(hint)
+    )
+    replaced = {
+        name: getattr(lane_types, name)
+        for name in ("any_of", "bits_of", "number_in", "select", "store")
+    }
     replaced |= {"load": lane_types.loader(usual or 8), "LANES": usual or 8}
     replaced["load_constants"] = lane_types.tuple_loader(usual or 8, Constants, NESTED, flags)
     modules = *SOURCES, *IN_DOUBLES_ONLY
@@ -280,15 +367,25 @@ def compiled(width: int = 0) -> dict[str, Any]:
 
 def loaded_loop() -> dict[str, Any] | None:
     """Return the compiled engine if its event loop `follow_all` has already run in this process, else None."""
-    functions = compiled() if compiled.cache_info().currsize else {}
-    return functions if functions and functions["follow_all"].overloads else None
+    if compiled.cache_info().currsize:
+        functions = compiled()
+    else:
+        functions = {}
+    if functions and functions["follow_all"].overloads:
+        return functions
+    return None
 
 
 @lru_cache(maxsize=1)
 def compiled_tangents() -> dict[str, Any]:
-    """Return the compiled functions for derivatives of events; raise MissingExtraError without numba."""
+    """Return the compiled functions for derivatives of events.
+
+    Raise MissingExtraError without numba.
+    """
     outlined = {"tangents", "changes_at", "divided_difference", "difference_by_series", "repeated"}
-    callees = {name: function for name, function in compiled().items() if name != "exp"}  # theirs is of complex numbers
+    callees = {
+        name: function for name, function in compiled().items() if name != "exp"
+    }  # theirs is of complex numbers
     return compile_modules((mapping, tangent), outlined, callees)
 
 
@@ -300,7 +397,9 @@ def column_functions() -> dict[str, Any]:
     """Return sine, cosine, exp, expm1 and the basis (E0 to I2) for numpy arrays, the same bits on every processor."""
     powers = {"select": np.where, "power_of_two": lambda n: np.ldexp(1.0, n.astype(np.int64))}
     own = bind((elementary,), powers)
-    short_sin, short_cos, widest = own["short_sin"], own["short_cos"], elementary.WIDEST
+    short_sin = own["short_sin"]
+    short_cos = own["short_cos"]
+    widest = elementary.WIDEST
     own["sin"] = lambda x: np.where(abs(x) <= widest, short_sin(x), np.sin(x))
     own["cos"] = lambda x: np.where(abs(x) <= widest, short_cos(x), np.cos(x))
     like_numpy = {name: getattr(np, name) for name in ("array", "empty", "shape")}
@@ -312,12 +411,16 @@ def column_functions() -> dict[str, Any]:
 
 
 class MpArithmetic(Arithmetic):
-    """Numbers with `digits` decimal digits; `context` is their mpmath context, and MPFR follows motions if `fast`."""
+    """Numbers with `digits` decimal digits.
 
-    # Motions are followed by MPFR where gmpy2 is installed, at the same precision and six times as fast: `inward` and
-    # `outward` convert, and arithmetic on its numbers belongs into a block ``with arithmetic.precision():``. Both round
-    # the four operations and the square root correctly, so results differ, if at all, in the last bits of a sine. With
-    # `fast` False all is done by mpmath, also the search for events.
+    `context` is their mpmath context, and MPFR follows motions if `fast`.
+    """
+
+    # Motions are followed by MPFR where gmpy2 is installed, at the same precision and six times as
+    # fast: `inward` and `outward` convert, and arithmetic on its numbers belongs into a block
+    # ``with arithmetic.precision():``. Both round the four operations and the square root
+    # correctly, so results differ, if at all, in the last bits of a sine. With `fast` False all is
+    # done by mpmath, also the search for events.
 
     def __init__(self, parameters: Parameters, digits: int, fast: bool = True) -> None:
         from symosc.kernels.multiprecision import BasisMP
@@ -326,10 +429,14 @@ class MpArithmetic(Arithmetic):
         self.parameters, self.context, self.digits, self.fast = parameters, context, digits, fast
         self.rounded = context.mpf
         basis = BasisMP(context, parameters)
-        K = with_march(constants(parameters, self.number, context.sqrt, context.atan2, +context.pi), basis)
+        K = with_march(
+            constants(parameters, self.number, context.sqrt, context.atan2, +context.pi), basis
+        )
         self.K = K._replace(sigmas=context.mpf(MP_SIGMAS))
         eps = context.ldexp(1, -context.prec)
-        self._replaced = {name: getattr(context, name) for name in ("sin", "cos", "exp", "sqrt")} | {
+        self._replaced = {
+            name: getattr(context, name) for name in ("sin", "cos", "exp", "sqrt")
+        } | {
             "EPS": eps,
             "NEAR": eps ** (context.mpf(1) / 5),
             "PI": +context.pi,
@@ -356,12 +463,17 @@ class MpArithmetic(Arithmetic):
 
     @cached_property
     def _inner(self) -> Any:
-        """The context that computes the motion: of MPFR if gmpy2 is installed and `fast` is set, else of mpmath."""
+        """The context that computes the motion.
+
+        Of MPFR if gmpy2 is installed and `fast` is set, else of mpmath.
+        """
         try:
             from symosc.kernels.mpfr import mpfr_context
         except ImportError:
             return self.context
-        return mpfr_context(self.context.prec) if self.fast else self.context
+        if self.fast:
+            return mpfr_context(self.context.prec)
+        return self.context
 
     @cached_property
     def following(self) -> dict[str, Any]:
@@ -373,11 +485,18 @@ class MpArithmetic(Arithmetic):
 
         replaced = {name: self.inward(value) for name, value in self._replaced.items()}
         replaced |= {name: getattr(inner, name) for name in ("sin", "cos", "exp", "sqrt")}
-        return bind(SOURCES, replaced | {"basis": BasisMP(inner, self.parameters, inner.with_bits)}, literal=inner.mpf)
+        return bind(
+            SOURCES,
+            replaced | {"basis": BasisMP(inner, self.parameters, inner.with_bits)},
+            literal=inner.mpf,
+        )
 
     @contextmanager
     def precision(self) -> Iterator[None]:
-        """Return a context manager: within its block MPFR rounds to this precision, as the event loop needs."""
+        """Return a context manager.
+
+        Within its block MPFR rounds to this precision, as the event loop needs.
+        """
         before = self._inner.enter()
         try:
             yield
@@ -385,7 +504,10 @@ class MpArithmetic(Arithmetic):
             self._inner.leave(before)
 
     def advance(self, state: State, t_end: Number, t_end_low: Number) -> NextEvent:
-        """Return the NextEvent after `state`: the next event up to t_end + t_end_low, or why there is none yet."""
+        """Return the NextEvent after `state`.
+
+        The next event up to t_end + t_end_low, or why there is none yet.
+        """
         with self.precision():
             given = self.inward((state, t_end, t_end_low))
             found: NextEvent = self.outward(self.following["advance"](*given, self.inner_K))
@@ -397,7 +519,9 @@ class MpArithmetic(Arithmetic):
         if inner is self.context:
             return value
         with self.precision():
-            return converted(value, lambda entry: inner.from_mpf(entry) if hasattr(entry, "_mpf_") else entry)
+            return converted(
+                value, lambda entry: inner.from_mpf(entry) if hasattr(entry, "_mpf_") else entry
+            )
 
     @cached_property
     def inner_K(self) -> Constants:
@@ -407,23 +531,35 @@ class MpArithmetic(Arithmetic):
 
     def outward(self, value: Any, context: Any = None) -> Any:
         """Convert a number, or all in a tuple, to mpmath numbers of `context` (None: this arithmetic's own)."""
-        context, inner = context or self.context, self._inner
+        context = context or self.context
+        inner = self._inner
         if inner is self.context:
-            return value if context is inner else converted(value, context.mpf)
-        mpfr, to_mpf = inner.mpf, inner.to_mpf
+            if context is inner:
+                return value
+            return converted(value, context.mpf)
+        mpfr = inner.mpf
+        to_mpf = inner.to_mpf
         if type(value) is tuple:  # the numbers of an event
             return tuple([to_mpf(entry, context) for entry in value])
-        return converted(value, lambda entry: to_mpf(entry, context) if type(entry) is mpfr else entry)
+        return converted(
+            value, lambda entry: to_mpf(entry, context) if type(entry) is mpfr else entry
+        )
 
 
 @lru_cache(maxsize=64)
 def many_digits(parameters: Parameters, digits: int) -> MpArithmetic:
-    """Return the arithmetic with `digits` decimal digits, from a cache: its constants take long to derive."""
+    """Return the arithmetic with `digits` decimal digits, from a cache.
+
+    Its constants take long to derive.
+    """
     return MpArithmetic(parameters, digits)
 
 
 def mp_context(digits: int) -> Any:
-    """Return the mpmath context of fixed precision with `digits` digits; mpmath is loaded at the first call."""
+    """Return the mpmath context of fixed precision with `digits` digits.
+
+    Mpmath is loaded at the first call.
+    """
     from symosc.kernels.multiprecision import mp_context
 
     return mp_context(digits)
@@ -431,11 +567,22 @@ def mp_context(digits: int) -> Any:
 
 # --- double-double numbers ---
 
-# What the loops of pairs compute in doubles: the name that they call, and the function for doubles that it stands for.
+# What the loops of pairs compute in doubles: the name that they call, and the function for doubles
+# that it stands for.
 PLAIN_IN_PAIRS = {
     f"{name}_in_doubles": name
-    for name in ("end_by_phase", "next_undecided", "open_free_time", "searched", "write_event", "write_piece")
-} | {name: name for name in ("is_below", "rounding_error", "rounded_covariance", "tally_step", "finish_tally")}
+    for name in (
+        "end_by_phase",
+        "next_undecided",
+        "open_free_time",
+        "searched",
+        "write_event",
+        "write_piece",
+    )
+} | {
+    name: name
+    for name in ("is_below", "rounding_error", "rounded_covariance", "tally_step", "finish_tally")
+}
 
 
 class PairLoops(NamedTuple):
@@ -471,7 +618,11 @@ def compiled_pairs() -> PairLoops:
 
     plain = compiled()
     callees = {name: plain[function] for name, function in PLAIN_IN_PAIRS.items()}
-    own = {"min": lambda a, b: b if b < a else a, "max": lambda a, b: b if b > a else a, "float": pairs.as_pair}
+    own = {
+        "min": lambda a, b: b if b < a else a,
+        "max": lambda a, b: b if b > a else a,
+        "float": pairs.as_pair,
+    }
     own |= {"two_product": product_and_zero, "select": elementary.select}
     callees |= {name: numba.njit(function) for name, function in own.items()}
     outlined = functions_of(SOURCES).keys() - functions_of((_generated,)).keys() - {"derivatives"}
@@ -488,13 +639,17 @@ def interpreted_pairs() -> PairLoops:
     from symosc.kernels import pairs
 
     def number(z: Any) -> Any:
-        return pairs.pair_of(float(z.real), float(z.imag)) if isinstance(z, complex) else z
+        if isinstance(z, complex):
+            return pairs.pair_of(float(z.real), float(z.imag))
+        return z
 
     def whole(value: Any) -> int:
         return int(value.real if isinstance(value, complex) else value)
 
     bound = bind((pairs,), {"pair": pairs.pair_of})
-    replaced = _pair_constants() | {name: bound[each.__name__] for name, each in pairs.FUNCTIONS.items()}
+    replaced = _pair_constants() | {
+        name: bound[each.__name__] for name, each in pairs.FUNCTIONS.items()
+    }
     replaced |= {"float": number, "int": whole, "two_product": product_and_zero}
     replaced |= {name: IN_DOUBLES[function] for name, function in PLAIN_IN_PAIRS.items()}
     replaced["from_complex"] = partial(converted, number=number)
@@ -513,7 +668,10 @@ def pairs_are_loaded() -> bool:
 
 
 def pairs_as_complex(value: Any) -> Any:
-    """Convert the mpf numbers in a tuple of any depth to pairs, as complex numbers hi + i lo; keep other entries."""
+    """Convert the mpf numbers in a tuple of any depth to pairs, as complex numbers hi + i lo.
+
+    Keep other entries.
+    """
 
     def number(entry: Any) -> Any:
         if not hasattr(entry, "_mpf_"):

@@ -1,12 +1,14 @@
 """Many trajectories in one loop, in doubles and in double-double numbers; events go into columns.
 
-These are the loops that `simulate_many` compiles. `follow_pairs` and `first_pairs` are bound to pairs; what they hand
-out are doubles, whose only error is their rounding unless that of the pairs is not negligible beside it.
+These are the loops that `simulate_many` compiles. `follow_pairs` and `first_pairs` are bound to
+pairs; what they hand out are doubles, whose only error is their rounding unless that of the pairs
+is not negligible beside it.
 
-Arguments that many functions share: `states` are rows of numbers, one for each motion (STATE_WIDTH), `table` has the
-constants of all parameter sets and `K` those of one. A motion is followed to `most` events; it ends as INEXACT at the
-first that is known to less than `accuracy`. Events go into `out` (EventRows), parts between steps into `pieces`, and
-counts and extremes into `tally` instead of `out` if summaries are asked for (`symosc.engine.summary`).
+Arguments that many functions share: `states` are rows of numbers, one for each motion
+(STATE_WIDTH), `table` has the constants of all parameter sets and `K` those of one. A motion is
+followed to `most` events; it ends as INEXACT at the first that is known to less than `accuracy`.
+Events go into `out` (EventRows), parts between steps into `pieces`, and counts and extremes into
+`tally` instead of `out` if summaries are asked for (`symosc.engine.summary`).
 """
 
 from __future__ import annotations
@@ -42,7 +44,8 @@ from symosc.kernels._generated import acceleration
 from symosc.kernels.elementary import cos, sin
 from symosc.kernels.entire import EPS
 
-# A row of states: mode, at, n, theta, x, v, Fb, Fa, S11, S12, S22, t, t_low, t_end, t_end_low, t0, s, c, theta_low.
+# A row of states: mode, at, n, theta, x, v, Fb, Fa, S11, S12, S22, t, t_low, t_end, t_end_low, t0,
+# s, c, theta_low.
 STATE_WIDTH = 19
 # Steps that doubles look ahead for an undecided event, at most.
 LOOK_AHEAD = 16
@@ -52,7 +55,10 @@ PAGE = 1 << 21  # bytes of a large page
 
 
 class Batch(NamedTuple):
-    """Many trajectories, a row each: current state, index of the parameter set, count of events, and end code."""
+    """Many trajectories, a row each.
+
+    Current state, index of the parameter set, count of events, and end code.
+    """
 
     states: np.ndarray  # (n, STATE_WIDTH), rows as `row_of` makes them
     sets: np.ndarray  # (n,)
@@ -61,32 +67,45 @@ class Batch(NamedTuple):
 
 
 class EventRows(NamedTuple):
-    """A buffer with a column per event: `floats` has the numbers (t, x ...), `ints` the trajectory and codes."""
+    """A buffer with a column per event.
+
+    `floats` has the numbers (t, x ...), `ints` the trajectory and codes.
+    """
 
     floats: np.ndarray  # (columns, rows)
     ints: np.ndarray
 
 
-#: Columns of the pieces of a motion: the state where it begins, and the time since the double next to t0.
+#: Columns of the pieces of a motion: the state where it begins, and the time since the double next
+#: to t0.
 PIECE_COLUMNS = ("n", "theta", "mode", "x", "v", "a", "elapsed")
 NO_PIECES = np.empty((len(PIECE_COLUMNS), 0))
 
 
 class PairLimits(NamedTuple):
-    """The limits of a run in double-double numbers: events, accuracy, buffer space; and tables of constants."""
+    """The limits of a run in double-double numbers: events, accuracy, buffer space.
+
+    And tables of constants.
+    """
 
     most: int  # events after which a trajectory is FULL
     accuracy: float
     more: int  # for how many events per motion the buffer has room beyond those that are wanted
     noise: float  # errors of an event that pairs may have, as a part of the rounding to doubles
     table: np.ndarray  # as `follow_all` takes it
-    careful: np.ndarray  # the same, for decisions that exceed the errors of a state whatever accuracy is asked for
+    careful: (
+        np.ndarray
+    )  # the same, for decisions that exceed the errors of a state whatever accuracy is asked for
 
 
 def large_array(shape: tuple[int, ...], dtype: Any = np.float64) -> np.ndarray:
-    """Return an uninitialised array, as ``np.empty`` does; a large one begins at a large memory page."""
-    # To touch a page for the first time costs a microsecond or more: with pages of 4 KiB up to a quarter of the time of
-    # an event. numpy asks the system for pages of 2 MiB, but gets them only between multiples of 2 MiB.
+    """Return an uninitialised array, as ``np.empty`` does.
+
+    A large one begins at a large memory page.
+    """
+    # To touch a page for the first time costs a microsecond or more: with pages of 4 KiB up to a
+    # quarter of the time of an event. numpy asks the system for pages of 2 MiB, but gets them only
+    # between multiples of 2 MiB.
     size = math.prod(shape) * np.dtype(dtype).itemsize
     if size < PAGE:
         return np.empty(shape, dtype)
@@ -99,7 +118,9 @@ def joined_arrays(pieces: list[np.ndarray]) -> np.ndarray:
     """Concatenate arrays of one type along their first axis, in contiguous memory."""
     if len(pieces) == 1:
         return np.ascontiguousarray(pieces[0])
-    return np.concatenate(pieces, out=large_array((sum(map(len, pieces)), *pieces[0].shape[1:]), pieces[0].dtype))
+    return np.concatenate(
+        pieces, out=large_array((sum(map(len, pieces)), *pieces[0].shape[1:]), pieces[0].dtype)
+    )
 
 
 def contiguous_copy(columns: np.ndarray) -> np.ndarray:
@@ -110,15 +131,22 @@ def contiguous_copy(columns: np.ndarray) -> np.ndarray:
 
 
 def batch_of(states: np.ndarray, sets: np.ndarray | None = None) -> Batch:
-    """Return a batch of trajectories from rows of start states; `sets` are indices of parameter sets (None: all 0)."""
+    """Return a batch of trajectories from rows of start states.
+
+    `sets` are indices of parameter sets (None: all 0).
+    """
     count = len(states)
-    sets = np.zeros(count, np.int64) if sets is None else sets
+    if sets is None:
+        sets = np.zeros(count, np.int64)
     return Batch(states, sets, np.zeros(count, np.int64), np.zeros(count, np.int64))
 
 
 def event_buffer(events: int) -> EventRows:
     """Return an empty buffer with room for so many `events`."""
-    return EventRows(large_array((len(FLOAT_COLUMNS), events)), large_array((1 + len(CODE_COLUMNS), events), np.int32))
+    return EventRows(
+        large_array((len(FLOAT_COLUMNS), events)),
+        large_array((1 + len(CODE_COLUMNS), events), np.int32),
+    )
 
 
 def rows_between(rows: EventRows, begin: int, end: int) -> EventRows:
@@ -129,7 +157,9 @@ def rows_between(rows: EventRows, begin: int, end: int) -> EventRows:
 def joined(parts: Iterable[EventRows]) -> EventRows:
     """Concatenate the events of several buffers in contiguous memory."""
     rows = list(parts) or [event_buffer(0)]
-    return rows[0] if len(rows) == 1 else EventRows(*(np.concatenate(each, axis=1) for each in zip(*rows, strict=True)))
+    if len(rows) == 1:
+        return rows[0]
+    return EventRows(*(np.concatenate(each, axis=1) for each in zip(*rows, strict=True)))
 
 
 def piece_buffer(pieces: int) -> np.ndarray:
@@ -138,12 +168,18 @@ def piece_buffer(pieces: int) -> np.ndarray:
 
 
 def row_of(state: State, t_end: Number, t_end_low: Number) -> list[Number]:
-    """Return the batch row of a motion that starts in `state`: this state, t_end in two parts, and t0."""
+    """Return the batch row of a motion that starts in `state`.
+
+    This state, t_end in two parts, and t0.
+    """
     return [*state[:8], *state.S, state.t, state.t_low, t_end, t_end_low, state.t, *state[11:]]
 
 
 def borrowed(arrays):
-    """Return a tuple of arrays unchanged; compiled code replaces this by views, to save numba's reference counts."""
+    """Return a tuple of arrays unchanged.
+
+    Compiled code replaces this by views, to save numba's reference counts.
+    """
     return arrays
 
 
@@ -152,9 +188,19 @@ def state_of(states, i):
     # float() and int(): under CPython numpy's own scalars would be slower.
     row = states[i]
     S = Covariance(float(row[8]), float(row[9]), float(row[10]))
-    theta, x, v, Fb, Fa = float(row[3]), float(row[4]), float(row[5]), float(row[6]), float(row[7])
-    t, t_low, s, c, theta_low = float(row[11]), float(row[12]), float(row[16]), float(row[17]), float(row[18])
-    return State(int(row[0]), int(row[1]), int(row[2]), theta, x, v, Fb, Fa, S, t, t_low, s, c, theta_low)
+    theta = float(row[3])
+    x = float(row[4])
+    v = float(row[5])
+    Fb = float(row[6])
+    Fa = float(row[7])
+    t = float(row[11])
+    t_low = float(row[12])
+    s = float(row[16])
+    c = float(row[17])
+    theta_low = float(row[18])
+    return State(
+        int(row[0]), int(row[1]), int(row[2]), theta, x, v, Fb, Fa, S, t, t_low, s, c, theta_low
+    )
 
 
 def keep_state(states, i, state):
@@ -173,7 +219,8 @@ def keep_state(states, i, state):
 def follow_all(begin, batch, most, accuracy, out, pieces, tally, table):
     """Follow the trajectories of `batch` from number `begin` on, until all have ended or a buffer is full.
 
-    Return the number of the first that has not ended, and how many events and pieces are in the buffers.
+    Return the number of the first that has not ended, and how many events and pieces are in the
+    buffers.
     """
     #   begin : first trajectory to follow; it may have been begun before.
     #   batch : Batch, updated.
@@ -183,22 +230,31 @@ def follow_all(begin, batch, most, accuracy, out, pieces, tally, table):
     #   pieces : (PIECE_COLUMNS, m) buffer of the pieces that steps lead to; none are recorded where m is 0.
     #   tally : Tally, updated; events are recorded where it is for no motion, else only counted.
     #   table : constants of the parameter sets, as `symosc.engine.flow` makes them.
-    rows, parts = 0, 0
+    rows = 0
+    parts = 0
     for i in range(begin, batch.states.shape[0]):
-        rows, parts = follow_one(i, False, rows, parts, batch, most, accuracy, out, pieces, tally, table)
+        rows, parts = follow_one(
+            i, False, rows, parts, batch, most, accuracy, out, pieces, tally, table
+        )
         if batch.codes[i] == RUNNING:
             return i, rows, parts
     return batch.states.shape[0], rows, parts
 
 
 def follow_one(i, once, rows, parts, batch, most, accuracy, out, pieces, tally, table):
-    """Follow trajectory `i` to its end or a full buffer, or one step if `once`; return counts of events and pieces."""
+    """Follow trajectory `i` to its end or a full buffer, or one step if `once`.
+
+    Return counts of events and pieces.
+    """
     batch, out, pieces, tally, table = borrowed((batch, out, pieces, tally, table))
     states, sets, counts, codes = batch
-    recorded, tallied = pieces.shape[1] > 0, tally.floats.shape[0] > 0
-    before, K = state_of(states, i), table[sets[i]]
+    recorded = pieces.shape[1] > 0
+    tallied = tally.floats.shape[0] > 0
+    before = state_of(states, i)
+    K = table[sets[i]]
     t_end, t_end_low, t0 = end_by_phase(states[i], K)
-    code, going = RUNNING, True
+    code = RUNNING
+    going = True
     while code == RUNNING and going:
         if counts[i] >= most:
             code = FULL
@@ -210,7 +266,9 @@ def follow_one(i, once, rows, parts, batch, most, accuracy, out, pieces, tally, 
         if not decided or step == FAILED:
             code = UNDECIDED
         elif step <= GRAZE:
-            clock = time_with_errors(state.t, state.t_low, t0, state.x, state.v, t_error, state.S.S11, K)
+            clock = time_with_errors(
+                state.t, state.t_low, t0, state.x, state.v, t_error, state.S.S11, K
+            )
             if is_inexact(clock[0], clock[1], state.x, clock[2], t0, accuracy):
                 code = INEXACT
             if not tallied:
@@ -224,7 +282,8 @@ def follow_one(i, once, rows, parts, batch, most, accuracy, out, pieces, tally, 
         if recorded and code == RUNNING:
             write_piece(pieces, parts, state, clock_time(state.t - t0, state.t_low, 0.0, K))
             parts += 1
-        before, going = state, not once
+        before = state
+        going = not once
     if tallied and (code != RUNNING or not once):
         finish_tally(i, before, code, (t_end - before.t) + (t_end_low - before.t_low), t0, tally, K)
     keep_state(states, i, before)
@@ -239,28 +298,47 @@ def is_inexact(t, t_error, x, x_error, t0, accuracy):
 
 
 def end_by_phase(row, K):
-    """Return t_end, t_end_low and t0 of a batch row; t_end becomes phase/Omega with Omega rounded, as in states."""
-    t_end, t0 = float(row[13]), float(row[15])
+    """Return t_end, t_end_low and t0 of a batch row.
+
+    T_end becomes phase/Omega with Omega rounded, as in states.
+    """
+    t_end = float(row[13])
+    t0 = float(row[15])
     return t_end, float(row[14]) - (t_end - t0) * K.Om_gain, t0
 
 
 def searched(state, row, K):
-    """Find the next event after `state`, up to the end time in the batch row `row`; return a NextEvent."""
+    """Find the next event after `state`, up to the end time in the batch row `row`.
+
+    Return a NextEvent.
+    """
     t_end, t_end_low, _ = end_by_phase(row, K)
     return advance(state, t_end, t_end_low, K)
 
 
 def search_row(states, table):
-    """Move the state in row 0 on to its next event; return the rest of the NextEvent, and its `open_free_time`."""
-    before, K = state_of(states, 0), table[0]
+    """Move the state in row 0 on to its next event.
+
+    Return the rest of the NextEvent, and its `open_free_time`.
+    """
+    before = state_of(states, 0)
+    K = table[0]
     found = searched(before, states[0], K)
     keep_state(states, 0, found.state)
-    return found.code, found.boundary, found.decided, found.t_error, open_free_time(found, before, K)
+    return (
+        found.code,
+        found.boundary,
+        found.decided,
+        found.t_error,
+        open_free_time(found, before, K),
+    )
 
 
 def open_free_time(found, state, K):
     """Return how long the flight from `state` surely meets no wall if its contact `found` is undecided, else 0."""
-    return free_time(state, K) if found.boundary > 0 and not found.decided else 0.0
+    if found.boundary > 0 and not found.decided:
+        return free_time(state, K)
+    return 0.0
 
 
 def doubt_row(states, count, most, accuracy, table):
@@ -269,7 +347,9 @@ def doubt_row(states, count, most, accuracy, table):
 
 
 def next_undecided(state, count, row, most, accuracy, K):
-    """Look up to 16 steps ahead of `state`; return the number of the first event doubles cannot decide, or 0.
+    """Look up to 16 steps ahead of `state`.
+
+    Return the number of the first event doubles cannot decide, or 0.
 
     Events are numbered on from `count`; those after number `most` do not matter.
     """
@@ -282,16 +362,23 @@ def next_undecided(state, count, row, most, accuracy, K):
             return count + 1
         if step <= GRAZE:
             count += 1
-            x, v = state.x, state.v
-            t, t_error, x_error = time_with_errors(state.t, state.t_low, t0, x, v, t_error, state.S.S11, K)
+            x = state.x
+            v = state.v
+            t, t_error, x_error = time_with_errors(
+                state.t, state.t_low, t0, x, v, t_error, state.S.S11, K
+            )
             if is_inexact(t, t_error, x, x_error, t0, accuracy):
                 return count
     return 0
 
 
 def write_event(out, row, i, before, found, clock, K):
-    """Write the event `found` of trajectory `i` into column `row` of `out`; `clock` is (t, t_error, x_error)."""
-    numbers, codes = event_numbers(before, found, clock, K), event_codes(before, found)
+    """Write the event `found` of trajectory `i` into column `row` of `out`.
+
+    `clock` is (t, t_error, x_error).
+    """
+    numbers = event_numbers(before, found, clock, K)
+    codes = event_codes(before, found)
     for n in range(len(numbers)):
         out.floats[n, row] = numbers[n]
     out.ints[0, row] = i
@@ -308,28 +395,49 @@ def write_piece(pieces, row, state, elapsed):
 
 # --- double-double numbers, where doubles cannot decide ---
 
-# In loops that are bound to pairs these names stay functions of doubles (`symosc.engine.arithmetic.PLAIN_IN_PAIRS`).
-end_by_phase_in_doubles, searched_in_doubles, next_undecided_in_doubles = end_by_phase, searched, next_undecided
-open_free_time_in_doubles, write_event_in_doubles, write_piece_in_doubles = open_free_time, write_event, write_piece
+# In loops that are bound to pairs these names stay functions of doubles
+# (`symosc.engine.arithmetic.PLAIN_IN_PAIRS`).
+end_by_phase_in_doubles = end_by_phase
+searched_in_doubles = searched
+next_undecided_in_doubles = next_undecided
+open_free_time_in_doubles = open_free_time
+write_event_in_doubles = write_event
+write_piece_in_doubles = write_piece
 
 
 def from_complex(value):
-    """Return `value` unchanged in doubles; the version for pairs converts complex hi + i lo to pairs."""
+    """Return `value` unchanged in doubles.
+
+    The version for pairs converts complex hi + i lo to pairs.
+    """
     return value
 
 
 def first_pairs(pairs, K):
-    """Fill in forces, sine, cosine and errors of start states in pairs; none may be on a belt with a force near 0."""
+    """Fill in forces, sine, cosine and errors of start states in pairs.
+
+    None may be on a belt with a force near 0.
+    """
     K = from_complex(K)
     for i in range(pairs.shape[0]):
-        mode, at, theta = int(pairs[i, 0]), int(pairs[i, 1]), float(pairs[i, 3])
-        x, v = float(pairs[i, 4]), float(pairs[i, 5])
+        mode = int(pairs[i, 0])
+        at = int(pairs[i, 1])
+        theta = float(pairs[i, 3])
+        x = float(pairs[i, 4])
+        v = float(pairs[i, 5])
         if at > 0:  # to the last bit
-            v = K.belt1.v if at == 1 else K.belt2.v
-        s, c = sin(theta), cos(theta)
+            if at == 1:
+                v = K.belt1.v
+            else:
+                v = K.belt2.v
+        s = sin(theta)
+        c = cos(theta)
         pairs[i, 5], pairs[i, 16], pairs[i, 17] = v, s, c
         F = acceleration(x, v, c, constant_force(mode, K), K.cm, K.w0sq, K.f0)
-        pairs[i, 6], pairs[i, 7] = belt_forces(at, x, c, K) if mode > ON_BELT else (F, F)
+        if mode > ON_BELT:
+            pairs[i, 6], pairs[i, 7] = belt_forces(at, x, c, K)
+        else:
+            pairs[i, 6], pairs[i, 7] = (F, F)
         pairs[i, 8] = (EPS * x) * (EPS * x)
         if at == 0:
             pairs[i, 10] = (EPS * v) * (EPS * v)
@@ -351,29 +459,49 @@ def follow_pairs(chosen, wanted, pairs, batch, out, pieces, K, tally, limits):
     #   tally : as `follow_all` takes it.
     K = from_complex(K)
     states, sets, counts, codes = batch
-    rows, parts, recorded, tallied = 0, 0, pieces.shape[1] > 0, tally.floats.shape[0] > 0
+    rows = 0
+    parts = 0
+    recorded = pieces.shape[1] > 0
+    tallied = tally.floats.shape[0] > 0
     for i in chosen:
-        state, plain, careful = state_of(pairs, i), limits.table[sets[i]], limits.careful[sets[i]]
-        t_end, t_end_low, t0 = from_complex(pairs[i, 13]), from_complex(pairs[i, 14]), from_complex(pairs[i, 15])
-        code, goal, last = RUNNING, wanted[i], min(limits.most, wanted[i] + limits.more)
+        state = state_of(pairs, i)
+        plain = limits.table[sets[i]]
+        careful = limits.careful[sets[i]]
+        t_end = from_complex(pairs[i, 13])
+        t_end_low = from_complex(pairs[i, 14])
+        t0 = from_complex(pairs[i, 15])
+        code = RUNNING
+        goal = wanted[i]
+        last = min(limits.most, wanted[i] + limits.more)
         rounded = in_doubles(state, t0, plain)
         while code == RUNNING and not (recorded and parts >= pieces.shape[1]):
             if counts[i] >= goal:
-                goal = next_undecided_in_doubles(rounded, counts[i], states[i], last, limits.accuracy, plain)
+                goal = next_undecided_in_doubles(
+                    rounded, counts[i], states[i], last, limits.accuracy, plain
+                )
                 if goal == 0:
                     break
             rough = searched_in_doubles(rounded, states[i], careful)
             free = open_free_time_in_doubles(rough, rounded, careful)
             found = advance_near(state, rounded, rough, free, t_end, t_end_low, K)
-            step, then = found.code, in_doubles(found.state, t0, plain)
+            step = found.code
+            then = in_doubles(found.state, t0, plain)
             plainly = NextEvent(step, found.boundary, True, found.t_error.hi, then)
             if step == FAILED or not found.decided:
                 code = UNDECIDED
                 break
             if step <= GRAZE:
-                S11, t, t_low, x = found.state.S.S11, found.state.t, found.state.t_low, found.state.x
-                t, t_error, x_error = time_with_errors(t, t_low, t0, x, found.state.v, found.t_error, S11, K)
-                if not (is_below(limits.noise, t_error.hi, t.hi) and is_below(limits.noise, x_error.hi, x.hi)):
+                S11 = found.state.S.S11
+                t = found.state.t
+                t_low = found.state.t_low
+                x = found.state.x
+                t, t_error, x_error = time_with_errors(
+                    t, t_low, t0, x, found.state.v, found.t_error, S11, K
+                )
+                if not (
+                    is_below(limits.noise, t_error.hi, t.hi)
+                    and is_below(limits.noise, x_error.hi, x.hi)
+                ):
                     code = UNDECIDED
                     break
                 if rows < out.floats.shape[1]:  # there is none where tallies are kept
@@ -385,7 +513,8 @@ def follow_pairs(chosen, wanted, pairs, batch, out, pieces, K, tally, limits):
                 code = step
             if tallied and code != REST:
                 tally_step(i, rounded, plainly, t0.hi, tally, plain)
-            state, rounded = found.state, then
+            state = found.state
+            rounded = then
             if recorded and code == RUNNING:
                 elapsed = ((state.t - t0.hi) + state.t_low).hi
                 write_piece_in_doubles(pieces, parts, rounded, elapsed)
@@ -403,13 +532,37 @@ def follow_pairs(chosen, wanted, pairs, batch, out, pieces, K, tally, limits):
 
 
 def in_doubles(state, t0, K):
-    """Round a state of pairs to doubles, and add the rounding to its covariance; `K` and `t0` belong to the motion."""
-    x, v, t, S = state.x.hi, state.v.hi, state.t.hi, state.S
+    """Round a state of pairs to doubles, and add the rounding to its covariance.
+
+    `K` and `t0` belong to the motion.
+    """
+    x = state.x.hi
+    v = state.v.hi
+    t = state.t.hi
+    S = state.S
     S11, S12, S22 = rounded_covariance(state.at, x, v, S.S11.hi, S.S12.hi, S.S22.hi)
     t_low = ((state.t - t) + state.t_low).hi - (t - t0.hi) * K.Om_gain
-    theta, theta_low = state.theta.hi, ((state.theta - state.theta.hi) + state.theta_low).hi
-    Fb, Fa, S = state.Fb.hi, state.Fa.hi, Covariance(S11, S12, S22)
-    return State(state.mode, state.at, state.n, theta, x, v, Fb, Fa, S, t, t_low, state.s.hi, state.c.hi, theta_low)
+    theta_low = ((state.theta - state.theta.hi) + state.theta_low).hi
+    theta = state.theta.hi
+    Fb = state.Fb.hi
+    Fa = state.Fa.hi
+    S = Covariance(S11, S12, S22)
+    return State(
+        state.mode,
+        state.at,
+        state.n,
+        theta,
+        x,
+        v,
+        Fb,
+        Fa,
+        S,
+        t,
+        t_low,
+        state.s.hi,
+        state.c.hi,
+        theta_low,
+    )
 
 
 # --- rounding to doubles ---
@@ -421,15 +574,28 @@ def is_below(part, error, value):
 
 
 def rounding_error(error, value):
-    """Return the error of `value` rounded to a double: the rounding, plus `error` unless that is negligible."""
+    """Return the error of `value` rounded to a double.
+
+    The rounding, plus `error` unless that is negligible.
+    """
     rounding = EPS * abs(value)
-    return rounding if is_below(NEGLIGIBLE, error, value) else error + rounding
+    if is_below(NEGLIGIBLE, error, value):
+        return rounding
+    return error + rounding
 
 
 def rounded_covariance(at, x, v, S11, S12, S22):
-    """Return the covariance of a state rounded to doubles; on a belt (`at` > 0) the velocity is exact."""
-    position, velocity = (EPS * x) * (EPS * x), (EPS * v) * (EPS * v)
+    """Return the covariance of a state rounded to doubles.
+
+    On a belt (`at` > 0) the velocity is exact.
+    """
+    position = (EPS * x) * (EPS * x)
+    velocity = (EPS * v) * (EPS * v)
     if NEGLIGIBLE * NEGLIGIBLE * velocity >= S22:
-        S12, S22 = 0.0, 0.0
-    S11 = position if NEGLIGIBLE * NEGLIGIBLE * position >= S11 else S11 + position
+        S12 = 0.0
+        S22 = 0.0
+    if NEGLIGIBLE * NEGLIGIBLE * position >= S11:
+        S11 = position
+    else:
+        S11 = S11 + position
     return S11, S12, (S22 if at > 0 else S22 + velocity)

@@ -1,6 +1,9 @@
-"""The disk cache of numba's compiled code, with checksums; a damaged or unwritable cache never raises.
+"""The disk cache of numba's compiled code, with checksums.
 
-numba itself raises if no folder is writable or a file is damaged, and runs code whose bytes have changed.
+A damaged or unwritable cache never raises.
+
+numba itself raises if no folder is writable or a file is damaged, and runs code whose bytes have
+changed.
 """
 
 from __future__ import annotations
@@ -15,12 +18,18 @@ from io import BytesIO
 from pathlib import Path
 from typing import Any
 
-from numba.core.caching import CompileResultCacheImpl, FunctionCache, IndexDataCacheFile, InTreeCacheLocator
+from numba.core.caching import (
+    CompileResultCacheImpl,
+    FunctionCache,
+    IndexDataCacheFile,
+    InTreeCacheLocator,
+)
 
 from symosc.errors import CodeCacheWarning
 
 DIGEST_SIZE = sha256().digest_size
-DAMAGED, NOT_KEPT = "is damaged", "cannot be kept"
+DAMAGED = "is damaged"
+NOT_KEPT = "cannot be kept"
 _warned: set[str] = set()
 
 
@@ -28,12 +37,18 @@ def _warn(problem: str, reason: str) -> None:
     """Warn of a problem of the cache, only once per program although it concerns dozens of functions."""
     if problem not in _warned:
         _warned.add(problem)
-        advice = "; each program compiles it; NUMBA_CACHE_DIR names another folder" if problem == NOT_KEPT else ""
+        if problem == NOT_KEPT:
+            advice = "; each program compiles it; NUMBA_CACHE_DIR names another folder"
+        else:
+            advice = ""
         warnings.warn(f"compiled code {problem}: {reason}{advice}", CodeCacheWarning, stacklevel=2)
 
 
 class _CheckedFiles(IndexDataCacheFile):
-    """Reader and writer of numba's cache files; a checksum at the end of each shows whether it is damaged."""
+    """Reader and writer of numba's cache files.
+
+    A checksum at the end of each shows whether it is damaged.
+    """
 
     @contextmanager
     def _open_for_write(self, filepath: str) -> Iterator[Any]:
@@ -60,15 +75,23 @@ def _check(path: str) -> None:
 
 
 class _BesideSource(InTreeCacheLocator):
-    """Locator of the cache folder next to the source; a read-only one may hold code compiled for all users."""
+    """Locator of the cache folder next to the source.
+
+    A read-only one may hold code compiled for all users.
+    """
 
     @classmethod
     def from_function(cls, py_func: Any, py_file: str) -> Any:
-        return cls(py_func, py_file) if os.path.exists(py_file) else None
+        if os.path.exists(py_file):
+            return cls(py_func, py_file)
+        return None
 
 
 class _Places(CompileResultCacheImpl):
-    """Chooser of a function's cache folder: tries numba's standard folders first, then the one next to the source."""
+    """Chooser of a function's cache folder.
+
+    Tries numba's standard folders first, then the one next to the source.
+    """
 
     _locator_classes = [*CompileResultCacheImpl._locator_classes, _BesideSource]  # noqa: RUF012
 
@@ -106,6 +129,8 @@ def keep_on_disk(dispatcher: Any) -> Any:
     """Enable the disk cache of a compiled function where possible; return the function."""
     try:
         dispatcher._cache = _CheckedCache(dispatcher.py_func)
-    except RuntimeError as error:  # the source is in no folder, or the environment names strange ones
+    except (
+        RuntimeError
+    ) as error:  # the source is in no folder, or the environment names strange ones
         _warn(NOT_KEPT, str(error))
     return dispatcher

@@ -1,6 +1,7 @@
 """The recorded fields of an event: one schema for tables, files and the command line.
 
-`Event` names the fields with their types, `event_numbers` and `event_codes` compute them. Nothing else lists them.
+`Event` names the fields with their types, `event_numbers` and `event_codes` compute them. Nothing
+else lists them.
 """
 
 from __future__ import annotations
@@ -43,7 +44,8 @@ class Event:
     ('0.122303', 'stick', 1, 'Omega1', 'belt1')
     """
 
-    # A Number has the digits that are asked for, a float is a double always; an int and a name are recorded as codes.
+    # A Number has the digits that are asked for, a float is a double always; an int and a name are
+    # recorded as codes.
     t: Number
     x: Number
     v: Number
@@ -57,8 +59,12 @@ class Event:
 
 
 def event_numbers(before, found, clock, K):
-    """Return t, x, v, theta, t_error, x_error of the event `found`, a NextEvent; `clock` is (t, t_error, x_error)."""
-    # From the state before the search, the NextEvent found, and (t, t_error, x_error) of `time_with_errors`.
+    """Return t, x, v, theta, t_error, x_error of the event `found`, a NextEvent.
+
+    `clock` is (t, t_error, x_error).
+    """
+    # From the state before the search, the NextEvent found, and (t, t_error, x_error) of
+    # `time_with_errors`.
     state = found.state
     t, t_error, x_error = clock
     return t, state.x, state.v, state.theta, t_error, x_error
@@ -75,13 +81,23 @@ EXACT_COLUMNS = tuple(each.name for each in fields(Event) if each.type == "Numbe
 FLOAT_COLUMNS = tuple(each.name for each in fields(Event) if each.type in ("Number", "float"))
 CODE_COLUMNS = tuple(each.name for each in fields(Event) if each.type in ("int", "str"))
 #: Names by code of the fields that have some.
-CODE_NAMES: dict[str, dict[int, str]] = {each.name: each.metadata["names"] for each in fields(Event) if each.metadata}
+CODE_NAMES: dict[str, dict[int, str]] = {
+    each.name: each.metadata["names"] for each in fields(Event) if each.metadata
+}
 #: Type of each field in a table of doubles.
-COLUMN_TYPES = {each.name: {"int": int, "str": str}.get(str(each.type), float) for each in fields(Event)}
+COLUMN_TYPES = {
+    each.name: {"int": int, "str": str}.get(str(each.type), float) for each in fields(Event)
+}
 
 
 def events_from(rows: Any) -> list[Event]:
     """Return the events in an `EventRows` buffer as a list of `Event`."""
-    columns = dict(zip((*FLOAT_COLUMNS, *CODE_COLUMNS), (*rows.floats.tolist(), *rows.ints[1:].tolist()), strict=True))
+    columns = dict(
+        zip(
+            (*FLOAT_COLUMNS, *CODE_COLUMNS),
+            (*rows.floats.tolist(), *rows.ints[1:].tolist()),
+            strict=True,
+        )
+    )
     columns |= {name: [names[code] for code in columns[name]] for name, names in CODE_NAMES.items()}
     return list(map(Event, *(columns[name] for name in EVENT_COLUMNS)))

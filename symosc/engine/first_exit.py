@@ -1,45 +1,55 @@
-"""The first exit from a domain or a belt: in real arithmetic no crossing is missed, however near to a graze.
+"""The first exit from a domain or a belt.
 
-Flights. In a domain the gap g = +-(v - v_lambda) between the velocity and a wall is smooth. At a time tau its
-derivatives up to the third are evaluated, and the fourth is bounded for all later times (`fourth_derivative_bound`):
+In real arithmetic no crossing is missed, however near to a graze.
+
+Flights. In a domain the gap g = +-(v - v_lambda) between the velocity and a wall is smooth. At a
+time tau its derivatives up to the third are evaluated, and the fourth is bounded for all later
+times (`fourth_derivative_bound`):
 
     |d^4 v/dt^4| <= M4 = V0 Omega^4 + sqrt(G3^2 + w0^2 G2^2)
 
-with V0 the amplitude of the steady velocity and G2, G3 the third and fourth derivative of the transient, whose energy
-G3^2 + w0^2 G2^2 never grows. Near undamped resonance the two parts cannot be separated; then the same argument for the
-whole derivative gives M4 = sqrt(G3^2 + w0^2 G2^2) + |B0| Omega^3/m over the next 1/Omega of time. Hence
+with V0 the amplitude of the steady velocity and G2, G3 the third and fourth derivative of the
+transient, whose energy G3^2 + w0^2 G2^2 never grows. Near undamped resonance the two parts cannot
+be separated; then the same argument for the whole derivative gives M4 = sqrt(G3^2 + w0^2 G2^2) +
+|B0| Omega^3/m over the next 1/Omega of time. Hence
 
     g(tau + s) >= P(s) = g + g' s + g'' s^2/2 + g''' s^3/6 - M4 s^4/24
 
-and g has no root before the first root of P. A step goes no further than that (`safe_step`), and the steps converge on
-a simple root from the left; once P shows that the first root is the only one nearby, its place is improved with the
-true derivatives (`sharpened`). At a start on the wall the known root is divided out of P. Where the closed form is
-cheap, `march` goes ahead with the same bound in fixed steps, and mostly finds the one step in which a wall is met.
+and g has no root before the first root of P. A step goes no further than that (`safe_step`), and
+the steps converge on a simple root from the left; once P shows that the first root is the only one
+nearby, its place is improved with the true derivatives (`sharpened`). At a start on the wall the
+known root is divided out of P. Where the closed form is cheap, `march` goes ahead with the same
+bound in fixed steps, and mostly finds the one step in which a wall is met.
 
-Near a tangency the minimum of the gap ahead is compared with its error, from rounding and from the start (`tolerance`).
-If it is clearly positive, the bound taken at the minimum, backward, excludes a root on the way to it; if clearly
-negative there is a crossing, which the steps find. If neither, the contact is undecided and returned as a tangency.
+Near a tangency the minimum of the gap ahead is compared with its error, from rounding and from the
+start (`tolerance`). If it is clearly positive, the bound taken at the minimum, backward, excludes a
+root on the way to it; if clearly negative there is a crossing, which the steps find. If neither,
+the contact is undecided and returned as a tangency.
 
 Sticks. On belt lambda both forces change alike, so that after a time tau
 
     F^(below) = F_below + Delta(tau),   F^(above) = F_above + Delta(tau),
     Delta(tau) = -(k/m) v_lambda tau + (B0/m) (cos(theta + Omega tau) - cos(theta)).
 
-The stick ends when F^(below) falls to 0 or F^(above) rises to 0, (52) and (53) of the paper. Delta is monotone between
-the phases with sin(theta) = -k v_lambda/(B0 Omega): each such piece is decided by the value at its end.
+The stick ends when F^(below) falls to 0 or F^(above) rises to 0, (52) and (53) of the paper. Delta
+is monotone between the phases with sin(theta) = -k v_lambda/(B0 Omega): each such piece is decided
+by the value at its end.
 
-The bound and the steps are a proof in real arithmetic, derived in the chapter on events. Evaluated with rounding,
-decisions must exceed ROUNDING errors, and marching steps MARCH_SLACK of the size of the gap; that these margins are
-wide enough in doubles was measured, not proven.
+The bound and the steps are a proof in real arithmetic, derived in the chapter on events. Evaluated
+with rounding, decisions must exceed ROUNDING errors, and marching steps MARCH_SLACK of the size of
+the gap; that these margins are wide enough in doubles was measured, not proven.
 
-Arguments that many functions share: `start` is the Launch of a flight, with velocity `v0`; `now` and `there` are points
-of it (`Flown`), `tau` a time since the launch, and `tau_max` the end of the search. `walls` are the gaps at launch, and
-`side` is -1 for the lower wall and 1 for the upper one. `M4` is the bound above, and `S` the covariance of the errors
-at launch. `slack` is what a gap must exceed in a march, `margin` what the errors can do to it, `thin` the square below
-which it is compared with its error. `over` is the distance of a gap or force from 0. For sticks, `held` is the State at
-the beginning, `s0` and `c0` are sine and cosine of the phase then, `s` and `c` those now. `K` are the Constants.
+Arguments that many functions share: `start` is the Launch of a flight, with velocity `v0`; `now`
+and `there` are points of it (`Flown`), `tau` a time since the launch, and `tau_max` the end of the
+search. `walls` are the gaps at launch, and `side` is -1 for the lower wall and 1 for the upper one.
+`M4` is the bound above, and `S` the covariance of the errors at launch. `slack` is what a gap must
+exceed in a march, `margin` what the errors can do to it, `thin` the square below which it is
+compared with its error. `over` is the distance of a gap or force from 0. For sticks, `held` is the
+State at the beginning, `s0` and `c0` are sine and cosine of the phase then, `s` and `c` those now.
+`K` are the Constants.
 
-All functions are scalar and run on floats (CPython, numba) and, with other globals, on pairs and mpmath numbers.
+All functions are scalar and run on floats (CPython, numba) and, with other globals, on pairs and
+mpmath numbers.
 """
 
 from __future__ import annotations
@@ -49,21 +59,34 @@ from typing import NamedTuple
 
 from symosc.aliases import Number
 from symosc.engine.flow import derivatives, fifth_derivative, state_at, turned, velocity_scale
-from symosc.engine.state import HIT, LOST, NOTHING, STALLED, TANGENCY, FlightEnd, Flown, StickEnd, Walls
+from symosc.engine.state import (
+    HIT,
+    LOST,
+    NOTHING,
+    STALLED,
+    TANGENCY,
+    FlightEnd,
+    Flown,
+    StickEnd,
+    Walls,
+)
 from symosc.kernels._generated import next_derivative, stick_acceleration
 from symosc.kernels.elementary import cos, select, sin
 from symosc.kernels.entire import EPS, SIXTH
 
 PI = acos(-1.0)
-# What a decision must exceed, in units of EPS times the sum of the sizes of the terms (errors measured: at most 6).
+# What a decision must exceed, in units of EPS times the sum of the sizes of the terms (errors
+# measured: at most 6).
 ROUNDING = 64.0
-# A root is taken from the local polynomial when that is sure to place it within ISOLATED / rate, and Newton's method
-# goes on from there. A shift below NEAR / rate is made by Taylor's formula, to full precision.
+# A root is taken from the local polynomial when that is sure to place it within ISOLATED / rate,
+# and Newton's method goes on from there. A shift below NEAR / rate is made by Taylor's formula, to
+# full precision.
 ISOLATED = 6e-2
 NEAR = 2.0 * EPS**0.2
 FAR = 1e300  # larger than any root
 SHRINK = 1e-3  # how far a safe step stays before the root that it aims at, as a part of the step
-# A root of P is taken as found when Halley's last step was shorter than this part of it: the next would be its cube.
+# A root of P is taken as found when Halley's last step was shorter than this part of it: the next
+# would be its cube.
 FIRM = 1e-2
 # A root after which the gap gets deeper than this part of its size is no touch.
 DEEP = 1e-9
@@ -71,16 +94,24 @@ MARCH_SLACK = 1e-10  # what a gap must exceed while marching, as a part of its s
 # A gap of so many times what a stride needs (its fourth power counts) allows a step of 50 strides.
 WIDE_GAP = 6e6
 SHORT_STEP = 4e-3  # steps shorter than this, times 1/rate, are a sign of a tangency ahead
-# A gap smaller than THIN of the velocities in question is compared with its error. An error of the start that is
-# smaller than THIN times the root of FAINT of the velocities is rounding.
-THIN, FAINT = 1e-9, 1e-8
-SOON = 1e-2  # a gap within its error that leaves it within this time, times 1/rate, is on its way through 0
+# A gap smaller than THIN of the velocities in question is compared with its error. An error of the
+# start that is smaller than THIN times the root of FAINT of the velocities is rounding.
+THIN = 1e-9
+FAINT = 1e-8
+# a gap within its error that leaves it within this time, times 1/rate, is on its way through 0
+SOON = 1e-2
 SAME_PHASE = 64.0  # phases closer than this times EPS are one
-MOST_STEPS, MOST_STICK_STEPS, MOST_NEWTON, MOST_DESCENTS, MOST_HALVINGS = 20000, 20000, 200, 400, 400
-MOST_EVEN = 12  # steps towards a minimum that do not get shorter: the gap dies away, without a minimum
+MOST_STEPS = 20000
+MOST_STICK_STEPS = 20000
+MOST_NEWTON = 200
+MOST_DESCENTS = 400
+MOST_HALVINGS = 400
+MOST_EVEN = (
+    12  # steps towards a minimum that do not get shorter: the gap dies away, without a minimum
+)
 MOST_CORRECTIONS = 8  # each evaluation of the flow makes five times as many digits right
-# Short steps on which no minimum of the gap was found ahead, before the search is given up: beside a gap that has 1e-30
-# of its usual size, and hardly bends, it takes a hundred to get away.
+# Short steps on which no minimum of the gap was found ahead, before the search is given up: beside
+# a gap that has 1e-30 of its usual size, and hardly bends, it takes a hundred to get away.
 MOST_STALLS = 150
 
 
@@ -94,16 +125,25 @@ def fourth_derivative_bound(G2, G3, s, c, K):
     Om3 = K.Om * K.Om * K.Om
     G2_transient = G2 - Om3 * (K.Sc * s - K.Ss * c)
     G3_transient = G3 - Om3 * K.Om * (K.Ss * s + K.Sc * c)
-    return K.V0 * Om3 * K.Om + sqrt(G3_transient * G3_transient + K.w0sq * G2_transient * G2_transient)
+    return K.V0 * Om3 * K.Om + sqrt(
+        G3_transient * G3_transient + K.w0sq * G2_transient * G2_transient
+    )
 
 
 def positive_on(s, P):
-    """Return whether P = p0 + p1 r + ... + p4 r^4 is proven positive for all r in [0, s], by Bernstein coefficients."""
+    """Return whether P = p0 + p1 r + ...
+
+    + p4 r^4 is proven positive for all r in [0, s], by Bernstein coefficients.
+    """
     p0, p1, p2, p3, p4 = P
-    t1, t2, t3 = p1 * s, p2 * s * s, p3 * s * s * s
+    t1 = p1 * s
+    t2 = p2 * s * s
+    t3 = p3 * s * s * s
     if p0 <= 0.0 or p0 + 0.25 * t1 <= 0.0 or p0 + 0.5 * t1 + SIXTH * t2 <= 0.0:
         return False
-    return p0 + 0.75 * t1 + 0.5 * t2 + 0.25 * t3 > 0.0 and p0 + t1 + t2 + t3 + p4 * s * s * s * s > 0.0
+    return (
+        p0 + 0.75 * t1 + 0.5 * t2 + 0.25 * t3 > 0.0 and p0 + t1 + t2 + t3 + p4 * s * s * s * s > 0.0
+    )
 
 
 def safe_step(cap, P):
@@ -111,11 +151,13 @@ def safe_step(cap, P):
 
     `P` holds the coefficients p0 to p4; the estimate is at most cap.
     """
-    # First the root of the quadratic, then Halley's method; the result is checked before it is used.
+    # First the root of the quadratic, then Halley's method; the result is checked before it is
+    # used.
     p0, p1, p2, p3, p4 = P
     if p0 <= 0.0:
         return 0.0 * cap, cap
-    root, found = cap, False
+    root = cap
+    found = False
     square = p1 * p1 - 4.0 * p0 * p2
     if square > 0.0 and (p1 < 0.0 or p2 < 0.0):
         denominator = sqrt(square) - p1
@@ -138,7 +180,10 @@ def safe_step(cap, P):
         found = abs(shift) < FIRM * root
         if found:
             break
-    s = root - SHRINK * root if found else root
+    if found:
+        s = root - SHRINK * root
+    else:
+        s = root
     while s > 0.0 and not positive_on(s, P):
         s = 0.5 * s
         found = False
@@ -152,13 +197,20 @@ def gap_to(side, now, walls):
 
 def gap_bound(side, now, M4, margin, walls):
     """Return (P, degree): a polynomial in the time after `now` below the gap on `side`, over time^(4 - degree)."""
-    # The margin for the error of the start is held back from the gap, or half the gap if that is not much larger. At a
-    # start on the wall P is divided by its root there.
-    g, g1, g2, g3 = gap_to(side, now, walls), -side * now.F, -side * now.G1, -side * now.G2
-    top, zero = -0.25 * SIXTH * M4, 0.0 * g
+    # The margin for the error of the start is held back from the gap, or half the gap if that is
+    # not much larger. At a start on the wall P is divided by its root there.
+    g = gap_to(side, now, walls)
+    g1 = -side * now.F
+    g2 = -side * now.G1
+    g3 = -side * now.G2
+    top = -0.25 * SIXTH * M4
+    zero = 0.0 * g
     if not (now.tau == 0.0 and (walls.on_below if side < 0 else walls.on_above)):
         if margin > 0.0:
-            g = g - margin if g > 2.0 * margin else 0.5 * g
+            if g > 2.0 * margin:
+                g = g - margin
+            else:
+                g = 0.5 * g
         return (g, g1, 0.5 * g2, SIXTH * g3, top), 4
     if g1 > 0.0:
         return (g1, 0.5 * g2, SIXTH * g3, top, zero), 3
@@ -168,9 +220,12 @@ def gap_bound(side, now, M4, margin, walls):
 
 
 def is_near(root, P, degree, M4, size, K):
-    """Return three flags of the gap beside the `root` of its bound `P`: just one root; very near; and no touch."""
-    # One root near `root`, and only one: the gap there is known to be within `missing` of 0, and its slope keeps its
-    # sign up to there and over what makes up for `missing` (Kantorovich).
+    """Return three flags of the gap beside the `root` of its bound `P`: just one root; very near.
+
+    And no touch.
+    """
+    # One root near `root`, and only one: the gap there is known to be within `missing` of 0, and
+    # its slope keeps its sign up to there and over what makes up for `missing` (Kantorovich).
     p0, p1, p2, p3, p4 = P
     slope = -(p1 + (2.0 * p2 + (3.0 * p3 + 4.0 * p4 * root) * root) * root)
     bend = abs(2.0 * p2 + (6.0 * p3 + 12.0 * p4 * root) * root)
@@ -202,23 +257,31 @@ def local_root(over, F, G1, G2, G3, resolution):
 
 
 def root_by_series(over, F, G1, G2, G3):
-    """Estimate the root s near 0 of over + F s + G1 s^2/2 + ... + G3 s^4/24 by the inverse series; bound its error."""
+    """Estimate the root s near 0 of over + F s + G1 s^2/2 + ...
+
+    + G3 s^4/24 by the inverse series; bound its error.
+    """
     inverse = 1.0 / F
     linear = over * inverse
-    B, W = 0.5 * G1 * inverse * linear, SIXTH * G2 * inverse * linear * linear
+    B = 0.5 * G1 * inverse * linear
+    W = SIXTH * G2 * inverse * linear * linear
     missing = 8.0 * abs(B) * (B * B + abs(W)) + abs(G3 * inverse * linear * linear * linear)
     return -linear * ((1.0 + B) + (2.0 * B * B - W)), abs(linear) * missing
 
 
 def newton_root(s, over, F, G1, G2, G3, resolution):
-    """Find the root near `s` of over + F s + G1 s^2/2 + ... + G3 s^4/24 by Newton's method (1e300 or more: none)."""
+    """Find the root near `s` of over + F s + G1 s^2/2 + ...
+
+    + G3 s^4/24 by Newton's method (1e300 or more: none).
+    """
     for _ in range(MOST_NEWTON):
         slope = F + (G1 + (0.5 * G2 + SIXTH * G3 * s) * s) * s
         if slope == 0.0:
             return s
         change = (over + (F + (0.5 * G1 + SIXTH * (G2 + 0.25 * G3 * s) * s) * s) * s) / slope
         s = s - change
-        bend, third = G1 + (G2 + 0.5 * G3 * s) * s, G2 + G3 * s
+        bend = G1 + (G2 + 0.5 * G3 * s) * s
+        third = G2 + G3 * s
         # The next step would be shorter than that.
         if change * change * (abs(bend) + abs(third * change)) <= resolution * abs(slope):
             return s
@@ -229,55 +292,83 @@ def newton_root(s, over, F, G1, G2, G3, resolution):
 
 
 class Marched(NamedTuple):
-    """The result of a march in fixed steps: where it ended, and which wall the next step surely meets, if any."""
+    """The result of a march in fixed steps.
+
+    Where it ended, and which wall the next step surely meets, if any.
+    """
 
     now: Flown  # up to there no wall is met; without dx and the entire functions
     M4: Number  # the bound of the fourth derivative from there on
-    side: int  # of the wall that is met in the next step, there once and for sure; 0: the next step is not decided
+    # of the wall that is met in the next step, there once and for sure; 0: the next step is not
+    # decided
+    side: int
     there: Flown  # the end of that step, without its last two derivatives (`with_derivatives`)
 
 
 def march(tau_max, v0, now, walls, margin, K):
-    """Follow a flight from `now` to `tau_max` by fixed steps, while they surely meet no wall; return a `Marched`."""
-    # Over a fixed step the transient is multiplied by a constant matrix and the steady state turns by a constant angle,
-    # so the derivatives cost no exp, sin or cos. Their rounding errors are far below the slack that the gaps are given.
-    # Strides are tried where the gaps look wide enough.
+    """Follow a flight from `now` to `tau_max` by fixed steps, while they surely meet no wall.
+
+    Return a `Marched`.
+    """
+    # Over a fixed step the transient is multiplied by a constant matrix and the steady state turns
+    # by a constant angle, so the derivatives cost no exp, sin or cos. Their rounding errors are far
+    # below the slack that the gaps are given. Strides are tried where the gaps look wide enough.
     #
-    # Both ends of a step are known, and so is Hermite's cubic of a gap g between them. At the part t of a step of
-    # length h its error is
+    # Both ends of a step are known, and so is Hermite's cubic of a gap g between them. At the part
+    # t of a step of length h its error is
     #
     #     |g - cubic| <= 6 t^2 (1 - t)^2 M4 h^4/144,
     #
     # at the most a sixteenth of the rest of Taylor's formula from one end (`is_free`).
     v_free, F_free, slack, beyond_below, beyond_above = free_motion(v0, now, walls, margin, K)
-    has_below, has_above = walls.has_below and not beyond_below, walls.has_above and not beyond_above
+    has_below = walls.has_below and not beyond_below
+    has_above = walls.has_above and not beyond_above
     walls = Walls(walls.below, walls.above, has_below, has_above, walls.on_below, walls.on_above)
-    M4, since, stride = fourth_derivative_bound(now.G2, now.G3, now.s, now.c, K), now.tau, K.stride.step
+    M4 = fourth_derivative_bound(now.G2, now.G3, now.s, now.c, K)
+    since = now.tau
+    stride = K.stride.step
     wide = WIDE_GAP * 0.25 * SIXTH * (stride * stride) * (stride * stride)
     long = gaps_exceed(0.0, now.dv + (now.F + 0.5 * now.G1 * stride) * stride, walls)
     while True:
-        M = K.stride if long else K.march
-        h, there, free_below, free_above = M.step, now, False, False
+        if long:
+            M = K.stride
+        else:
+            M = K.march
+        h = M.step
+        there = now
+        free_below = False
+        free_above = False
         if now.tau + h < tau_max:
             v_next, F_next, there = marched(v_free, F_free, v0, now, M, K)
             lift = lifted(h, M4, slack)
             free_below = not has_below or is_free(-1, now, there, lift, slack, walls)
             free_above = not has_above or is_free(1, now, there, lift, slack, walls)
         if free_below and free_above:
-            now, v_free, F_free = there, v_next, F_next
-            long = gaps_exceed(0.0, now.dv + (now.F + 0.5 * now.G1 * stride) * stride, walls)  # a guess, no proof
+            now = there
+            v_free = v_next
+            F_free = F_next
+            long = gaps_exceed(
+                0.0, now.dv + (now.F + 0.5 * now.G1 * stride) * stride, walls
+            )  # a guess, no proof
             if not K.slow_drive:
                 continue
         elif not long and (since == now.tau or not gaps_exceed(0.0, there.dv, walls)):
             now = with_derivatives(now, v0, K)
             M4 = fourth_derivative_bound(now.G2, now.G3, now.s, now.c, K)
-            side = -1 if free_above and meets_once(-1, now, there, M4, slack, walls) else 0
-            side = 1 if free_below and meets_once(1, now, there, M4, slack, walls) else side
+            if free_above and meets_once(-1, now, there, M4, slack, walls):
+                side = -1
+            else:
+                side = 0
+            if free_below and meets_once(1, now, there, M4, slack, walls):
+                side = 1
             return Marched(now, M4, side, there)
         else:
             long = False
-        if since < now.tau:  # the bound never grows: until here one of an earlier time was good enough
-            now, since = with_derivatives(now, v0, K), now.tau
+        if (
+            since < now.tau
+        ):  # the bound never grows: until here one of an earlier time was good enough
+            since = now.tau
+            now = with_derivatives(now, v0, K)
             M4 = fourth_derivative_bound(now.G2, now.G3, now.s, now.c, K)
         # with the free motion gone, steps of their own length go farther
         if K.slow_drive and gaps_exceed(wide * M4, now.dv, walls):
@@ -286,23 +377,34 @@ def march(tau_max, v0, now, walls, margin, K):
 
 def free_motion(v0, now, walls, margin, K):
     """Return v and v' of the transient at `now`, the `slack` that gaps must exceed, which walls are out of reach."""
-    v_free, F_free = v0 - (K.Ss * now.s + K.Sc * now.c), now.F - K.Om * (K.Ss * now.c - K.Sc * now.s)
+    v_free = v0 - (K.Ss * now.s + K.Sc * now.c)
+    F_free = now.F - K.Om * (K.Ss * now.c - K.Sc * now.s)
     slack = MARCH_SLACK * (abs(v0) + K.V0 + abs(v_free) + abs(F_free) * K.swing) + margin
     # The steady amplitude and the energy of the transient bound v: walls beyond that do not count.
     energy = F_free * F_free + K.w0sq * v_free * v_free
-    far_below, far_above = walls.below - v0 - K.V0 - slack, v0 + walls.above - K.V0 - slack
+    far_below = walls.below - v0 - K.V0 - slack
+    far_above = v0 + walls.above - K.V0 - slack
     beyond_below = (far_below > 0.0) & (energy < K.w0sq * far_below * far_below)
     beyond_above = (far_above > 0.0) & (energy < K.w0sq * far_above * far_above)
     return v_free, F_free, slack, beyond_below, beyond_above
 
 
 def marched(v_free, F_free, v0, now, M, K):
-    """Advance a flight by a fixed step `M` from point `now`; return v and v' of its transient, and the new point."""
-    v_next, F_next = M.C * v_free + M.E1 * F_free, M.D * v_free + M.E0 * F_free
+    """Advance a flight by a fixed step `M` from point `now`.
+
+    Return v and v' of its transient, and the new point.
+    """
+    v_next = M.C * v_free + M.E1 * F_free
+    F_next = M.D * v_free + M.E0 * F_free
     s, c = M.c * now.s + M.s * now.c, M.c * now.c - M.s * now.s
-    dv, F = v_next + (K.Ss * s + K.Sc * c) - v0, F_next + K.Om * (K.Ss * c - K.Sc * s)
+    dv = v_next + (K.Ss * s + K.Sc * c) - v0
+    F = F_next + K.Om * (K.Ss * c - K.Sc * s)
     G1 = next_derivative(F, v0 + dv, K.fB * s, K.cm, K.w0sq)
-    return v_next, F_next, Flown(now.tau + M.step, now.dx, dv, F, G1, now.G2, now.G3, s, c, now.E0, now.E1, now.E2)
+    return (
+        v_next,
+        F_next,
+        Flown(now.tau + M.step, now.dx, dv, F, G1, now.G2, now.G3, s, c, now.E0, now.E1, now.E2),
+    )
 
 
 def lifted(h, M4, slack):
@@ -321,18 +423,31 @@ def with_derivatives(now, v0, K):
 
 def gaps_exceed(least, dv, walls):
     """Return whether the gaps to all `walls` exceed `least` when the velocity has grown by `dv` since the launch."""
-    return (not walls.has_below or walls.below + dv > least) and (not walls.has_above or walls.above - dv > least)
+    return (not walls.has_below or walls.below + dv > least) and (
+        not walls.has_above or walls.above - dv > least
+    )
 
 
 def is_free(side, now, there, lift, slack, walls):
-    """Return whether a step from `now` to `there` surely meets no wall on `side`; `lift`, `slack`: see `stays_open`."""
-    # The cubic less its error is a polynomial of degree four whose Bernstein coefficients are g0, g0 + d0/4, (g0 +
-    # g1)/2 + (d0 - d1)/6 - M4 h^4/144, g1 - d1/4 and g1, with the values g0, g1 and the slopes times h, d0, d1, at both
-    # ends. If they are positive, so is the gap. At a start on the wall, where g0 = 0, the other four show that it has
-    # no other root. Without a slope there (d0 = 0) the bend b0 counts, times h^2: the coefficients of the cubic through
-    # g0, d0, b0 and g1, less t^3 (1 - t) M4 h^4/24, are 0, 0, b0/12, b0/8 + g1/4 - M4 h^4/96 and g1.
-    h, gap = there.tau - now.tau, walls.below if side < 0 else walls.above
-    g0, d0, g1, d1 = gap - side * now.dv, -side * h * now.F, gap - side * there.dv, -side * h * there.F
+    """Return whether a step from `now` to `there` surely meets no wall on `side`.
+
+    `lift`, `slack`: see `stays_open`.
+    """
+    # The cubic less its error is a polynomial of degree four whose Bernstein coefficients are g0,
+    # g0 + d0/4, (g0 + g1)/2 + (d0 - d1)/6 - M4 h^4/144, g1 - d1/4 and g1, with the values g0, g1
+    # and the slopes times h, d0, d1, at both ends. If they are positive, so is the gap. At a start
+    # on the wall, where g0 = 0, the other four show that it has no other root. Without a slope
+    # there (d0 = 0) the bend b0 counts, times h^2: the coefficients of the cubic through g0, d0, b0
+    # and g1, less t^3 (1 - t) M4 h^4/24, are 0, 0, b0/12, b0/8 + g1/4 - M4 h^4/96 and g1.
+    h = there.tau - now.tau
+    if side < 0:
+        gap = walls.below
+    else:
+        gap = walls.above
+    g0 = gap - side * now.dv
+    d0 = -side * h * now.F
+    g1 = gap - side * there.dv
+    d1 = -side * h * there.F
     if now.tau == 0.0 and (walls.on_below if side < 0 else walls.on_above):
         return opens(d0, -side * h * h * now.G1, g1, d1, lift, slack)
     return stays_open(g0, d0, g1, d1, lift, slack)
@@ -356,15 +471,22 @@ def opens(d0, b0, g1, d1, lift, slack):
 
 def meets_once(side, now, there, M4, slack, walls):
     """Return whether the gap on `side` is > `slack` at `now`, < -`slack` at `there`, and surely 0 only once between."""
-    # It is if its slope, d0 and d1 at the ends, is negative all the way, or if its bend, b0 and b1, keeps its sign.
+    # It is if its slope, d0 and d1 at the ends, is negative all the way, or if its bend, b0 and b1,
+    # keeps its sign.
     meets = (gap_to(side, there, walls) < -slack) & (gap_to(side, now, walls) > slack)
     h = there.tau - now.tau
-    d0, b0, d1, b1 = -side * now.F, -side * now.G1, -side * there.F, -side * there.G1
+    d0 = -side * now.F
+    b0 = -side * now.G1
+    d1 = -side * there.F
+    b1 = -side * there.G1
     loose = SIXTH * h * h * M4
     slopes_fall = (d0 + 2.0 * SIXTH * h * b0 < 0.0) & (2.0 * d0 + h * b0 + d1 + loose * h < 0.0)
     falls = (d0 < 0.0) & (d1 < 0.0) & slopes_fall
-    half, bend = 0.5 * (b0 + b1), 1.5 * loose
-    bends = ((b0 < 0.0) & (b1 < 0.0) & (half + bend < 0.0)) | ((b0 > 0.0) & (b1 > 0.0) & (half - bend > 0.0))
+    half = 0.5 * (b0 + b1)
+    bend = 1.5 * loose
+    bends = ((b0 < 0.0) & (b1 < 0.0) & (half + bend < 0.0)) | (
+        (b0 > 0.0) & (b1 > 0.0) & (half - bend > 0.0)
+    )
     return meets & (falls | bends)
 
 
@@ -373,11 +495,16 @@ def meets_once(side, now, there, M4, slack, walls):
 
 def tolerance(side, now, start, walls, S, K):
     """Return how far the gap on `side` may be wrong at point `now`, by rounding and the covariance `S` at launch."""
-    start_gap = walls.below if side < 0 else walls.above
+    if side < 0:
+        start_gap = walls.below
+    else:
+        start_gap = walls.above
     pull = -K.w0sq * now.E1
     variance = pull * pull * S.S11 + 2.0 * pull * now.E0 * S.S12 + now.E0 * now.E0 * S.S22
     size = velocity_scale(now.tau, start.v, start.F, K) + start_gap
-    if start.F != 0.0:  # then it was rounded as its terms, which may be much larger; that of x counts in S
+    if (
+        start.F != 0.0
+    ):  # then it was rounded as its terms, which may be much larger; that of x counts in S
         size = size + (abs(K.f0) + K.cm * abs(start.v)) * abs(now.E1)
     return ROUNDING * EPS * size + K.sigmas * sqrt(abs(variance))
 
@@ -385,30 +512,47 @@ def tolerance(side, now, start, walls, S, K):
 def closest_approach(tau, earliest, side, M4, start, walls, S, K):
     """Find the next minimum of the gap on `side` near `tau`; return a code, and its time.
 
-    NOTHING: it is positive. HIT: negative. TANGENCY, LOST: 0 within its error, for a moment or for good. STALLED: it is
-    not found, or comes before `earliest`. `M4` bounds the fourth derivative of v.
+    NOTHING: it is positive. HIT: negative. TANGENCY, LOST: 0 within its error, for a moment or for
+    good. STALLED: it is not found, or comes before `earliest`. `M4` bounds the fourth derivative of
+    v.
     """
-    # NOTHING says that the gap is positive on the way there too, STALLED also that this is not proven.
-    begin, sign, last, depth_known, even = tau, -side, FAR, False, 0
+    # NOTHING says that the gap is positive on the way there too, STALLED also that this is not
+    # proven.
+    begin = tau
+    sign = -side
+    last = FAR
+    depth_known = False
+    even = 0
     for _ in range(MOST_DESCENTS):
         now = state_at(tau, start, K)
-        gap, slope, bend = gap_to(side, now, walls), sign * now.F, sign * now.G1
+        gap = gap_to(side, now, walls)
+        slope = sign * now.F
+        bend = sign * now.G1
         allowed = tolerance(side, now, start, walls, S, K)
         if bend <= 0.0 and not depth_known:
             return STALLED, tau
-        shift = -slope / bend if bend > 0.0 else 0.0 * slope
+        if bend > 0.0:
+            shift = -slope / bend
+        else:
+            shift = 0.0 * slope
         if abs(slope * shift) <= 0.25 * allowed or gap < -2.0 * allowed:
             depth_known = True
         if depth_known:
             if gap < -allowed:
                 return HIT, tau
             if gap > allowed:
-                back, third = tau - begin, -sign * SIXTH * now.G2
-                free = positive_on(back, (gap - allowed, -slope, 0.5 * bend, third, -0.25 * SIXTH * M4))
+                back = tau - begin
+                third = -sign * SIXTH * now.G2
+                free = positive_on(
+                    back, (gap - allowed, -slope, 0.5 * bend, third, -0.25 * SIXTH * M4)
+                )
                 return (NOTHING if free and back > 0.0 else STALLED), tau
             if abs(shift) >= 0.9 * last or shift == 0.0:  # as near as rounding allows
                 return (TANGENCY if gap_reopens(tau, side, start, walls, S, K) else LOST), tau
-        even = even + 1 if abs(shift) >= 0.9 * last else 0
+        if abs(shift) >= 0.9 * last:
+            even = even + 1
+        else:
+            even = 0
         last = abs(shift)
         tau = tau + shift
         if tau < earliest or even > MOST_EVEN:
@@ -417,7 +561,10 @@ def closest_approach(tau, earliest, side, M4, start, walls, S, K):
 
 
 def gap_reopens(tau, side, start, walls, S, K):
-    """Return whether a gap that is 0 within its error at `tau` is clearly not 0 soon after: the contact is a touch."""
+    """Return whether a gap that is 0 within its error at `tau` is clearly not 0 soon after.
+
+    The contact is a touch.
+    """
     for rate in (K.rate, K.Om):
         now = state_at(tau + 0.5 / rate, start, K)
         if abs(gap_to(side, now, walls)) > 4.0 * tolerance(side, now, start, walls, S, K):
@@ -434,7 +581,9 @@ def gap_stays_zero(tau, side, start, walls, S, K):
 
 def side_of_zero_gap(now, thin, start, walls, S, K):
     """Return the side (-1, 1) on which a gap with a square below `thin` is and stays 0 within its error; else 0."""
-    below, above, away = walls.below + now.dv, walls.above - now.dv, now.tau > 0.0
+    below = walls.below + now.dv
+    above = walls.above - now.dv
+    away = now.tau > 0.0
     thin_below = walls.has_below and below * below < thin and (away or not walls.on_below)
     thin_above = walls.has_above and above * above < thin and (away or not walls.on_above)
     if thin_below and gap_stays_zero(now.tau, -1, start, walls, S, K):
@@ -448,20 +597,27 @@ def side_of_zero_gap(now, thin, start, walls, S, K):
 
 
 def first_exit(tau_max, start, walls, S, K):
-    """Find the first contact of the flight `start` with one of the `walls` within `tau_max`; return a `FlightEnd`."""
-    # Its code is NOTHING (at tau_max), HIT, TANGENCY or STALLED. A contact is returned even if the last correction
-    # moved it past tau_max. S is the Covariance of the errors of the start.
+    """Find the first contact of the flight `start` with one of the `walls` within `tau_max`.
+
+    Return a `FlightEnd`.
+    """
+    # Its code is NOTHING (at tau_max), HIT, TANGENCY or STALLED. A contact is returned even if the
+    # last correction moved it past tau_max. S is the Covariance of the errors of the start.
     now, flat, thin, margin = search_begin(tau_max, start, walls, S, K)
     v0 = start.v
     if K.apart and not flat:
         now, M4, side, there = march(tau_max, v0, now, walls, margin, K)
         if side != 0:
-            # A step of Newton's method from the secant's root on Hermite's cubic, with the secant's slope; `sharpened`.
-            h, part = there.tau - now.tau, part_to_root(now, there, side, walls)
+            # A step of Newton's method from the secant's root on Hermite's cubic, with the secant's
+            # slope; `sharpened`.
+            h = there.tau - now.tau
+            part = part_to_root(now, there, side, walls)
             if part < 0.5:
                 tau = now.tau + sharpened(part * h, side, now, walls, K)
             else:
-                tau = there.tau + sharpened((part - 1.0) * h, side, with_derivatives(there, v0, K), walls, K)
+                tau = there.tau + sharpened(
+                    (part - 1.0) * h, side, with_derivatives(there, v0, K), walls, K
+                )
             return polish(tau, now.tau, there.tau, side, start, walls, K)
     else:
         M4 = fourth_derivative_bound(now.G2, now.G3, now.s, now.c, K)
@@ -469,26 +625,33 @@ def first_exit(tau_max, start, walls, S, K):
 
 
 def search_begin(tau_max, start, walls, S, K):
-    """Return (now, flat, thin, margin): the point up to which there is no contact, and limits for the search after it.
+    """Return (now, flat, thin, margin).
 
-    `flat`: a gap grows only as tau^4 from the launch, and `now` is later. `margin` is what the start's error can do to
-    a gap; a gap is compared with its own error if its square is below `thin`.
+    The point up to which there is no contact, and limits for the search after it.
+
+    `flat`: a gap grows only as tau^4 from the launch, and `now` is later. `margin` is what the
+    start's error can do to a gap; a gap is compared with its own error if its square is below
+    `thin`.
     """
     # Where the margin is less than rounding, it is 0, and `tolerance` includes it.
     v0, F0, s0, c0 = start
     zero = 0.0 * tau_max
     G1, G2, G3 = derivatives(v0, F0, s0, c0, K)
     now = Flown(zero, zero, zero, F0, G1, G2, G3, s0, c0, 1.0 + zero, zero, zero)
-    # A flat start: after a tangency or the end of a stick. A derivative within rounding of 0 is 0 there, its sign is
-    # noise. Near sin(theta) = +-1 that leaves cos(theta), and with it G2, uncertain by about sqrt(EPS).
-    flat, at_rest = False, (walls.on_below or walls.on_above) and F0 == 0.0
+    # A flat start: after a tangency or the end of a stick. A derivative within rounding of 0 is 0
+    # there, its sign is noise. Near sin(theta) = +-1 that leaves cos(theta), and with it G2,
+    # uncertain by about sqrt(EPS).
+    flat = False
+    at_rest = (walls.on_below or walls.on_above) and F0 == 0.0
     if at_rest and abs(G1) <= ROUNDING * EPS * (abs(K.w0sq * v0) + abs(K.fB)):
         now = Flown(zero, zero, zero, F0, zero, G2, G3, s0, c0, 1.0 + zero, zero, zero)
         if abs(G2) <= ROUNDING * sqrt(EPS) * abs(K.fB) * K.Om:
-            now, flat = behind_flat_start(tau_max, G2, G3, start, K), True
+            now = behind_flat_start(tau_max, G2, G3, start, K)
+            flat = True
     speed = THIN * (abs(v0) + (abs(F0) + abs(K.f0)) * K.moment)
     variance = K.sigmas * K.sigmas * (S.S22 + K.w0sq * S.S11)
-    thin, margin = 4.0 * variance + speed * speed, 0.0 * variance
+    thin = 4.0 * variance + speed * speed
+    margin = 0.0 * variance
     if variance > FAINT * speed * speed:
         margin = sqrt(variance)
     return now, flat, thin, margin
@@ -501,35 +664,66 @@ def behind_flat_start(tau_max, G2, G3, start, K):
     if K.steady:
         G3_transient = G3 - Om4 * (K.Ss * start.s + K.Sc * start.c)
         fifth_transient = fifth - Om4 * K.Om * (K.Ss * start.c - K.Sc * start.s)
-        M5 = K.V0 * Om4 * K.Om + sqrt(fifth_transient * fifth_transient + K.w0sq * G3_transient * G3_transient)
-        tau = 4.0 * abs(G3) / M5 if M5 > 0.0 else K.chunk
+        M5 = K.V0 * Om4 * K.Om + sqrt(
+            fifth_transient * fifth_transient + K.w0sq * G3_transient * G3_transient
+        )
+        if M5 > 0.0:
+            tau = 4.0 * abs(G3) / M5
+        else:
+            tau = K.chunk
     else:
-        tau = 4.0 * abs(G3) / (sqrt(fifth * fifth + K.w0sq * G3 * G3) + abs(K.fB) * K.Om * K.Om * K.Om)
-        tau = tau if tau * K.Om < 1.0 else 1.0 / K.Om
+        tau = (
+            4.0
+            * abs(G3)
+            / (sqrt(fifth * fifth + K.w0sq * G3 * G3) + abs(K.fB) * K.Om * K.Om * K.Om)
+        )
+        if not (tau * K.Om < 1.0):
+            tau = 1.0 / K.Om
     return state_at(tau if tau < tau_max else tau_max, start, K)
 
 
 def stepped(tau_max, now, M4, thin, margin, start, walls, S, K):
     """Find the first contact after `now` by steps that surely meet no wall, given what `search_begin` returns."""
-    code, tau, low, high = STALLED, now.tau, now.tau, now.tau  # what was found, where, and in which bracket
-    crossing, tau_deep, stalled = 0, now.tau, 0  # the side on which the gap is known to be negative, and where
+    # what was found, where, and in which bracket
+    high = now.tau
+    low = now.tau
+    tau = now.tau
+    code = STALLED
+    # the side on which the gap is known to be negative, and where
+    crossing = 0
+    tau_deep = now.tau
+    stalled = 0
     for _ in range(MOST_STEPS):
         side = side_of_zero_gap(now, thin, start, walls, S, K)
         if side != 0 or now.tau >= tau_max:
-            code = STALLED if side != 0 else NOTHING
+            if side != 0:
+                code = STALLED
+            else:
+                code = NOTHING
             break
         cap = tau_max - now.tau
         if not K.steady and cap * K.Om > 1.0:
             cap = 1.0 / K.Om
         side, step, root, P, degree = nearest_root(cap, now, M4, margin, walls)
-        start_gap = walls.below if side < 0 else walls.above
-        known, near, close, deep = crossing == side, False, False, True
+        if side < 0:
+            start_gap = walls.below
+        else:
+            start_gap = walls.above
+        known = crossing == side
+        near = False
+        close = False
+        deep = True
         if root < cap:
             size = start_gap + abs(now.dv) + abs(now.F) * root + margin * (4.0 / DEEP)
             near, close, deep = is_near(root, P, degree, M4, size, K)
         if near and (deep or known):
-            low, high = now.tau, tau_deep if known else now.tau + 2.0 * (root + ISOLATED * K.moment)
-            code, tau = HIT, now.tau + (root if close else sharpened(root, side, now, walls, K))
+            low = now.tau
+            if known:
+                high = tau_deep
+            else:
+                high = now.tau + 2.0 * (root + ISOLATED * K.moment)
+            code = HIT
+            tau = now.tau + (root if close else sharpened(root, side, now, walls, K))
             break
         short = step < cap and step * K.rate < SHORT_STEP
         # a gap that shrinks and is hardly larger than what the error of the start can do to it
@@ -537,12 +731,19 @@ def stepped(tau_max, now, M4, thin, margin, start, walls, S, K):
         if (short or not deep or beside) and not known and (now.tau > 0.0 or start_gap > 0.0):
             verdict, tau = graze_ahead(now, side, step, M4, start, walls, S, K)
             if verdict == TANGENCY or (verdict == LOST and tau <= tau_max):
-                code = TANGENCY if verdict == TANGENCY else STALLED
+                if verdict == TANGENCY:
+                    code = TANGENCY
+                else:
+                    code = STALLED
                 break
             if verdict == HIT:
-                crossing, tau_deep = side, tau
+                crossing = side
+                tau_deep = tau
             elif verdict == NOTHING:
-                step = tau - now.tau if tau - now.tau < cap else cap
+                if tau - now.tau < cap:
+                    step = tau - now.tau
+                else:
+                    step = cap
             elif short:
                 stalled = stalled + 1
         if step <= 0.0 or stalled > MOST_STALLS:
@@ -550,27 +751,43 @@ def stepped(tau_max, now, M4, thin, margin, start, walls, S, K):
         low = now.tau
         now = state_at(low + step if step < tau_max - low else tau_max, start, K)
         M4 = fourth_derivative_bound(now.G2, now.G3, now.s, now.c, K)
-        behind = -1 if walls.has_below and walls.below + now.dv <= 0.0 else 0
-        behind = 1 if behind == 0 and walls.has_above and walls.above - now.dv <= 0.0 else behind
+        if walls.has_below and walls.below + now.dv <= 0.0:
+            behind = -1
+        else:
+            behind = 0
+        if behind == 0 and walls.has_above and walls.above - now.dv <= 0.0:
+            behind = 1
         if behind != 0:
             # By rounding, the bound has no root there: a root within rounding, or a touch.
-            side, high = behind, now.tau
-            code, tau = HIT, high
+            side = behind
+            high = now.tau
+            code = HIT
+            tau = high
             if crossing != side:
                 verdict, tau_min = closest_approach(high, low, side, M4, start, walls, S, K)
-                code, tau = (TANGENCY, tau_min) if verdict == TANGENCY else (STALLED if verdict == LOST else HIT, high)
+                if verdict == TANGENCY:
+                    code, tau = (TANGENCY, tau_min)
+                else:
+                    code, tau = (STALLED if verdict == LOST else HIT, high)
             break
     if code == TANGENCY:
         return FlightEnd(TANGENCY, side, state_at(tau, start, K))
-    return polish(tau, low, high, side, start, walls, K) if code == HIT else FlightEnd(code, side, now)
+    if code == HIT:
+        return polish(tau, low, high, side, start, walls, K)
+    return FlightEnd(code, side, now)
 
 
 def nearest_root(cap, now, M4, margin, walls):
     """Return the side of the wall with the shorter safe step, and what `safe_step` and `gap_bound` return for it."""
-    side = -1 if walls.has_below else 1
+    if walls.has_below:
+        side = -1
+    else:
+        side = 1
     P, degree = gap_bound(side, now, M4, margin, walls)
     step, root = safe_step(cap, P)
-    if walls.has_below and walls.has_above:  # the upper wall counts only if the lower one's step is too long for it
+    if (
+        walls.has_below and walls.has_above
+    ):  # the upper wall counts only if the lower one's step is too long for it
         Q, degree_above = gap_bound(1, now, M4, margin, walls)
         if not positive_on(root if root < cap else step, Q):
             other, other_root = safe_step(cap, Q)
@@ -586,17 +803,21 @@ def graze_ahead(now, side, step, M4, start, walls, S, K):
     reach = tau_min - now.tau
     if walls.has_below and walls.has_above and verdict != STALLED and reach > step:
         P, _ = gap_bound(-side, now, M4, 0.0 * step, walls)
-        verdict = verdict if positive_on(reach, P) else STALLED
+        if not positive_on(reach, P):
+            verdict = STALLED
     return verdict, tau_min
 
 
 def part_to_root(now, there, side, walls):
     """Estimate at which fraction of the time from point `now` to `there` the gap on `side` vanishes."""
-    h, gap, beyond = there.tau - now.tau, gap_to(side, now, walls), -gap_to(side, there, walls)
+    h = there.tau - now.tau
+    gap = gap_to(side, now, walls)
+    beyond = -gap_to(side, there, walls)
     inverse = 1.0 / (gap + beyond)
     part = gap * inverse
     rest = 1.0 - part
-    steeper, flatter = gap + beyond - side * h * now.F, gap + beyond - side * h * there.F
+    steeper = gap + beyond - side * h * now.F
+    flatter = gap + beyond - side * h * there.F
     better = part + part * rest * (rest * steeper - part * flatter) * inverse
     return select((better > 0.0) & (better < 1.0), better, part)
 
@@ -604,13 +825,19 @@ def part_to_root(now, there, side, walls):
 def sharpened(root, side, now, walls, K):
     """Improve the estimate `root`, the time from `now` until the gap on `side` is 0, by one step of Halley's method."""
     # So one evaluation of the flow is enough to make it exact. The root is counted from `now`.
-    half, third, fourth = 0.5 * now.G1, SIXTH * now.G2, 0.25 * SIXTH * now.G3
+    half = 0.5 * now.G1
+    third = SIXTH * now.G2
+    fourth = 0.25 * SIXTH * now.G3
     fifth = 0.05 * SIXTH * fifth_derivative(now.G3, now.G2, now.c, K)
     gap = gap_to(side, now, walls)
     over = select(side < 0, gap, -gap)
     square = root * root  # terms in pairs: each waits for fewer others than in Horner's order
-    value = (over + now.F * root) + square * ((half + third * root) + square * (fourth + fifth * root))
-    slope = (now.F + now.G1 * root) + square * ((3.0 * third + 4.0 * fourth * root) + square * (5.0 * fifth))
+    value = (over + now.F * root) + square * (
+        (half + third * root) + square * (fourth + fifth * root)
+    )
+    slope = (now.F + now.G1 * root) + square * (
+        (3.0 * third + 4.0 * fourth * root) + square * (5.0 * fifth)
+    )
     half_bend = (half + 3.0 * third * root) + square * (6.0 * fourth + 10.0 * fifth * root)
     below = slope * slope - value * half_bend
     shift = value * slope / select(below > 0.0, below, FAR)
@@ -619,15 +846,18 @@ def sharpened(root, side, now, walls, K):
 
 def polish(tau, low, high, side, start, walls, K):
     """Refine the time `tau` in [low, high] of a contact with the wall on `side` to full precision, as a `FlightEnd`."""
-    # The gap is positive at `low`. A step that leaves the bracket is replaced by halving it; it narrows. Mostly the
-    # first point is near enough.
-    now, slack = state_at(tau, start, K), 4.0 * EPS * high
+    # The gap is positive at `low`. A step that leaves the bracket is replaced by halving it; it
+    # narrows. Mostly the first point is near enough.
+    now = state_at(tau, start, K)
+    slack = 4.0 * EPS * high
     for _ in range(MOST_HALVINGS):
         gap = gap_to(side, now, walls)
         if gap > 0.0:  # before the contact
-            low = tau if tau > low else low
+            if tau > low:
+                low = tau
         else:
-            high = tau if tau < high else high
+            if tau < high:
+                high = tau
         shift = local_root(gap if side < 0 else -gap, now.F, now.G1, now.G2, now.G3, EPS * tau)
         inside = low - slack <= tau + shift <= high + slack
         if not inside:
@@ -661,10 +891,14 @@ def force_gain(tau, s0, c0, belt, K):
 
 
 def force_gain_at(tau, s, c, s0, c0, belt, K):
-    """Return the gain of both forces in a stick and the new phase, as `force_gain`; `s`, `c`: of half its turn."""
+    """Return the gain of both forces in a stick and the new phase, as `force_gain`.
+
+    `s`, `c`: of half its turn.
+    """
     swing = -2.0 * (s0 * c + c0 * s) * s  # cos(theta + Omega tau) - cos(theta)
     Delta = stick_acceleration(0.0 * tau, belt.v, tau, swing, K.w0sq, K.f0)
-    s_Om, c_Om = 2.0 * s * c, 1.0 - 2.0 * s * s
+    s_Om = 2.0 * s * c
+    c_Om = 1.0 - 2.0 * s * s
     return Delta, s0 * c_Om + c0 * s_Om, c0 * c_Om - s0 * s_Om
 
 
@@ -683,30 +917,51 @@ def wrap_phase(angle):
 def phase_ahead(angle):
     """Return a phase difference moved into [0, 2 pi); one within rounding of a whole turn becomes 0."""
     angle = wrap_phase(angle)
-    return select((angle < SAME_PHASE * EPS) | (2.0 * PI - angle < SAME_PHASE * EPS), 0.0 * angle, angle)
+    return select(
+        (angle < SAME_PHASE * EPS) | (2.0 * PI - angle < SAME_PHASE * EPS), 0.0 * angle, angle
+    )
 
 
 def belt_exit(tau_max, held, belt, K):
-    """Find when the stick that begins in state `held` ends, within `tau_max` <= one period; return a `StickEnd`."""
-    # `held` is the State at its beginning, with F^(below) >= 0 >= F^(above). NOTHING: the stick lasts (Delta at
-    # tau_max). HIT: it ends at tau into the domain below (side -1) or above (+1), where Delta has `slope` and `bend`.
-    # TANGENCY: a force is 0 within its error at tau.
+    """Find when the stick that begins in state `held` ends, within `tau_max` <= one period.
+
+    Return a `StickEnd`.
+    """
+    # `held` is the State at its beginning, with F^(below) >= 0 >= F^(above). NOTHING: the stick
+    # lasts (Delta at tau_max). HIT: it ends at tau into the domain below (side -1) or above (+1),
+    # where Delta has `slope` and `bend`. TANGENCY: a force is 0 within its error at tau.
     zero = 0.0 * tau_max
-    tau, Delta, s, c, c_end = zero, zero, held.s, held.c, held.c
-    first, second, c_first = tau_max, tau_max, belt.c_cr  # the next two times at which Delta turns
+    c_end = held.c
+    c = held.c
+    s = held.s
+    Delta = zero
+    tau = zero
+    # the next two times at which Delta turns
+    first = tau_max
+    second = tau_max
+    c_first = belt.c_cr
     if belt.turns:
-        first, second = phase_ahead(belt.angle - held.theta) / K.Om, phase_ahead(PI - belt.angle - held.theta) / K.Om
+        first = phase_ahead(belt.angle - held.theta) / K.Om
+        second = phase_ahead(PI - belt.angle - held.theta) / K.Om
         if second < first:
             first, second, c_first = second, first, -belt.c_cr
     turns_at_period = belt.turns and (first == 0.0 or second == 0.0)
     for piece in range(3):
-        end = first if piece == 0 else second if piece == 1 else tau_max
+        if piece == 0:
+            end = first
+        elif piece == 1:
+            end = second
+        else:
+            end = tau_max
         if end > tau_max:
             end = tau_max
         if end <= tau:
             continue
         if belt.turns and end < tau_max:
-            c_end = c_first if piece == 0 else -c_first
+            if piece == 0:
+                c_end = c_first
+            else:
+                c_end = -c_first
             Delta_end = stick_acceleration(zero, belt.v, end, c_end - held.c, K.w0sq, K.f0)
         elif end == K.period:
             Delta_end = belt.drift * end
@@ -716,14 +971,23 @@ def belt_exit(tau_max, held, belt, K):
             tau = end
             continue
         rising = Delta_end > Delta
-        force, side = (held.Fa, 1) if rising else (held.Fb, -1)
-        over = force + Delta_end if rising else -force - Delta_end
+        if rising:
+            force, side = (held.Fa, 1)
+        else:
+            force, side = (held.Fb, -1)
+        if rising:
+            over = force + Delta_end
+        else:
+            over = -force - Delta_end
         turning = end < tau_max or (turns_at_period and end == K.period)
         if turning and abs(over) <= force_noise(held.Fb, end, held.S.S11, belt, K):
             return StickEnd(TANGENCY, side, end, Delta_end, zero, zero, zero, zero)
         if over >= 0.0:
             return exit_root(force, side, tau, end, Delta, s, c, held, belt, K)
-        tau, Delta, s, c = end, Delta_end, belt.s_cr, c_end
+        tau = end
+        Delta = Delta_end
+        s = belt.s_cr
+        c = c_end
     return StickEnd(NOTHING, 0, tau_max, Delta, zero, zero, zero, zero)
 
 
@@ -734,25 +998,38 @@ def force_noise(F_below, tau, S11, belt, K):
 
 
 def exit_root(force, side, low, high, Delta, s, c, held, belt, K):
-    """Find the end of a stick: the only time from `low` to `high` at which force + Delta = 0, with Delta monotone."""
-    # Delta, s and c are those at `low`. Steps to the root of the local parabola (Euler's method, which needs no slope),
-    # corrected for the third derivative, and `local_root` from nearby. Halving when a step leaves the bracket or the
-    # steps do not shrink.
-    tau, over = low, force + Delta
-    # The inflection of Delta (cos(theta) = 0), where it is steepest and s and c are known, begins nearer to the root.
-    sine = 1.0 if side * K.fB < 0.0 else -1.0
+    """Find the end of a stick.
+
+    The only time from `low` to `high` at which force + Delta = 0, with Delta monotone.
+    """
+    # Delta, s and c are those at `low`. Steps to the root of the local parabola (Euler's method,
+    # which needs no slope), corrected for the third derivative, and `local_root` from nearby.
+    # Halving when a step leaves the bracket or the steps do not shrink.
+    tau = low
+    over = force + Delta
+    # The inflection of Delta (cos(theta) = 0), where it is steepest and s and c are known, begins
+    # nearer to the root.
+    if side * K.fB < 0.0:
+        sine = 1.0
+    else:
+        sine = -1.0
     inflection = wrap_phase(0.5 * sine * PI - held.theta) / K.Om
     if low < inflection < high:
         there = stick_acceleration(force, belt.v, inflection, -held.c, K.w0sq, K.f0)
         if abs(there) < abs(over):
-            tau, over, s, c = inflection, there, sine + 0.0 * c, 0.0 * c
+            tau = inflection
+            over = there
+            s = sine + 0.0 * c
+            c = 0.0 * c
         if side * there > 0.0:
             high = inflection
         else:
             low = inflection
     slope, bend = force_slopes(s, c, belt, K)
     Om2 = K.Om * K.Om
-    slack, step_before, exact = 4.0 * EPS * high, 2.0 * (high - low), False
+    slack = 4.0 * EPS * high
+    step_before = 2.0 * (high - low)
+    exact = False
     for _ in range(MOST_STICK_STEPS):
         third = Om2 * (belt.drift - slope)
         if exact:  # the first point is a guess, for which digits may have been lost
@@ -763,17 +1040,25 @@ def exit_root(force, side, low, high, Delta, s, c, held, belt, K):
                 if abs(step) * K.Om < NEAR and low - slack <= tau + step <= high + slack:
                     return slips_at(tau, step, side, -force, s, c, belt, K)
         square = slope * slope - 2.0 * over * bend
-        steepness = side * slope + sqrt(square) if square > 0.0 else 0.0 * square
-        step = -2.0 * over * side / steepness if steepness > 0.0 else high - low
+        if square > 0.0:
+            steepness = side * slope + sqrt(square)
+        else:
+            steepness = 0.0 * square
+        if steepness > 0.0:
+            step = -2.0 * over * side / steepness
+        else:
+            step = high - low
         incline = slope + (bend + 0.5 * third * step) * step
         if steepness > 0.0 and side * incline > 0.0:
             step = step - SIXTH * third * step * step * step / incline
         if tau + step >= high or tau + step <= low or 2.0 * abs(step) > step_before:
             step = 0.5 * (low + high) - tau
-        step_before = abs(step) if exact else step_before
+        if exact:
+            step_before = abs(step)
         if tau + step == tau:  # the bracket is as narrow as it gets
             return StickEnd(HIT, side, tau, -force, slope, bend, s, c)
-        tau, exact = tau + step, True
+        tau = tau + step
+        exact = True
         Delta, s, c = force_gain(tau, held.s, held.c, belt, K)
         slope, bend = force_slopes(s, c, belt, K)
         over = force + Delta
@@ -790,7 +1075,10 @@ def is_beside(over, slope, bend, K):
 
 
 def slips_at(tau, step, side, Delta, s, c, belt, K):
-    """Return the `StickEnd` at the time tau + step; `Delta`: the force's gain, s and c: sine and cosine at `tau`."""
+    """Return the `StickEnd` at the time tau + step.
+
+    `Delta`: the force's gain, s and c: sine and cosine at `tau`.
+    """
     slope, bend = force_slopes(s, c, belt, K)
     third = K.Om * K.Om * (belt.drift - slope)
     incline = slope + (bend + 0.5 * third * step) * step
@@ -802,46 +1090,66 @@ def slips_at(tau, step, side, Delta, s, c, belt, K):
 
 
 def contact_at_dip(tau, free, side, start, walls, S, K):
-    """Find the first zero of a gap that dips below 0 near `tau`, or STALLED; up to the time `free` there is none."""
-    # It is if the polynomial bound of the gap to each wall, taken backward from it, is positive as far as the flight is
-    # not known to be `free`.
+    """Find the first zero of a gap that dips below 0 near `tau`, or STALLED.
+
+    Up to the time `free` there is none.
+    """
+    # It is if the polynomial bound of the gap to each wall, taken backward from it, is positive as
+    # far as the flight is not known to be `free`.
     now = state_at(tau, start, K)
     for _ in range(MOST_CORRECTIONS):
-        third, fourth = SIXTH * now.G3, 0.25 * SIXTH * fifth_derivative(now.G3, now.G2, now.c, K)
+        third = SIXTH * now.G3
+        fourth = 0.25 * SIXTH * fifth_derivative(now.G3, now.G2, now.c, K)
         shift = 0.0 * tau
         for _ in range(3):  # Newton's method on the polynomial of the acceleration
-            rise = now.F + (now.G1 + (0.5 * now.G2 + (third + fourth * shift) * shift) * shift) * shift
+            rise = (
+                now.F + (now.G1 + (0.5 * now.G2 + (third + fourth * shift) * shift) * shift) * shift
+            )
             slope = now.G1 + (now.G2 + (3.0 * third + 4.0 * fourth * shift) * shift) * shift
-            shift = shift - rise / slope if slope != 0.0 else shift
+            if slope != 0.0:
+                shift = shift - rise / slope
         if not NEAR <= abs(shift) * K.rate < 1.0:
             break
         tau = tau + shift
         now = state_at(tau, start, K)
-    gap, bend = gap_to(side, now, walls), -side * now.G1
-    fall = (now.F + (0.5 * now.G1 + SIXTH * (now.G2 + 0.25 * now.G3 * shift) * shift) * shift) * shift
+    gap = gap_to(side, now, walls)
+    bend = -side * now.G1
+    fall = (
+        now.F + (0.5 * now.G1 + SIXTH * (now.G2 + 0.25 * now.G3 * shift) * shift) * shift
+    ) * shift
     depth = side * fall - gap
     allowed = tolerance(side, now, start, walls, S, K)
     if not (abs(shift) * K.rate < NEAR and free > 0.0 and bend > 0.0 and depth > 2.0 * allowed):
         return FlightEnd(STALLED, side, now)
     before = shift - sqrt(2.0 * depth / bend)
-    before = newton_root(before, gap if side < 0 else -gap, now.F, now.G1, now.G2, now.G3, EPS * tau)
+    before = newton_root(
+        before, gap if side < 0 else -gap, now.F, now.G1, now.G2, now.G3, EPS * tau
+    )
     if abs(before) * K.rate < NEAR:
         end = FlightEnd(HIT, side, shifted(now, before, start.v, K))
     else:
         end = contact_near(tau + before, 0.5 * abs(before), side, start, walls, K)
-    now, back = end.now, end.now.tau - free
+    back = end.now.tau - free
+    now = end.now
     G1, G2, G3 = derivatives(start.v, start.F, start.s, start.c, K)
     top = -0.25 * SIXTH * fourth_derivative_bound(G2, G3, start.s, start.c, K)
     G1, G2, _ = derivatives(start.v + now.dv, now.F, now.s, now.c, K)
-    rise, half, third = side * now.F, -0.5 * side * G1, side * SIXTH * G2
+    rise = side * now.F
+    half = -0.5 * side * G1
+    third = side * SIXTH * G2
     first = back > 0.0 and positive_on(back, (rise, half, third, top, 0.0 * top))
     if first and walls.has_below and walls.has_above:
         first = positive_on(back, (gap_to(-side, now, walls), -rise, -half, -third, top))
-    return end if first else FlightEnd(STALLED, side, now)
+    if first:
+        return end
+    return FlightEnd(STALLED, side, now)
 
 
 def contact_near(tau, uncertainty, side, start, walls, K):
-    """Find the contact with the wall on `side` within `uncertainty` of the time `tau`; STALLED if there is none."""
+    """Find the contact with the wall on `side` within `uncertainty` of the time `tau`.
+
+    STALLED if there is none.
+    """
     first = tau
     now = state_at(tau, start, K)
     for _ in range(MOST_CORRECTIONS):
@@ -857,13 +1165,22 @@ def contact_near(tau, uncertainty, side, start, walls, K):
 
 
 def slip_near(tau, uncertainty, side, held, belt, K):
-    """Find when the stick that began in state `held` ends, within `uncertainty` of `tau`; STALLED if it does not."""
-    first, force = tau, held.Fa if side > 0 else held.Fb
+    """Find when the stick that began in state `held` ends, within `uncertainty` of `tau`.
+
+    STALLED if it does not.
+    """
+    first = tau
+    if side > 0:
+        force = held.Fa
+    else:
+        force = held.Fb
     Om2 = K.Om * K.Om
     for _ in range(MOST_CORRECTIONS):
         Delta, s, c = force_gain(tau, held.s, held.c, belt, K)
         slope, bend = force_slopes(s, c, belt, K)
-        step = local_root(force + Delta, slope, bend, Om2 * (belt.drift - slope), -Om2 * bend, EPS * tau)
+        step = local_root(
+            force + Delta, slope, bend, Om2 * (belt.drift - slope), -Om2 * bend, EPS * tau
+        )
         if not (abs(tau + step - first) <= uncertainty and side * slope > 0.0):
             break
         if abs(step) * K.Om < NEAR:

@@ -1,11 +1,14 @@
-"""Motion within one domain, and on a belt: the constants of parameter sets and the evaluation of the flow.
+"""Motion within one domain, and on a belt.
 
-Everything is divided by the mass. A flight starts at the phase theta with position x0, velocity v0 and acceleration
-F0; the displacement dx, the gain in velocity dv and the acceleration F after a time tau are the kernel `motion` of the
-entire functions at tau. Gains are returned rather than sums: a flight that starts on a belt leaves it by dv exactly.
+The constants of parameter sets and the evaluation of the flow.
 
-The constants of many sets are made at once, from columns of pairs (`symosc.kernels.pair_columns`), as the rows of a
-table with the fields of `Constants`: compiled functions take either.
+Everything is divided by the mass. A flight starts at the phase theta with position x0, velocity v0
+and acceleration F0; the displacement dx, the gain in velocity dv and the acceleration F after a
+time tau are the kernel `motion` of the entire functions at tau. Gains are returned rather than
+sums: a flight that starts on a belt leaves it by dv exactly.
+
+The constants of many sets are made at once, from columns of pairs (`symosc.kernels.pair_columns`),
+as the rows of a table with the fields of `Constants`: compiled functions take either.
 """
 
 from __future__ import annotations
@@ -22,15 +25,25 @@ from symosc.engine.state import Flown
 from symosc.kernels._generated import acceleration, motion, next_derivative
 from symosc.kernels.elementary import cos, exp, select, sin
 from symosc.kernels.entire import SIXTH, basis
-from symosc.kernels.pair_columns import PairColumn, as_double, atan2_of_columns, either, exactly, larger, sign
+from symosc.kernels.pair_columns import (
+    PairColumn,
+    as_double,
+    atan2_of_columns,
+    either,
+    exactly,
+    larger,
+    sign,
+)
 from symosc.model import OtherNumbers, Parameters
 
-# Steady state and transient are separated (in bounds, and in the closed form) when |i Omega - l1| |i Omega - l2| is
-# at least this part of max(Omega, w0)^2. Nearer to undamped resonance both grow without limit and cancel.
+# Steady state and transient are separated (in bounds, and in the closed form) when |i Omega - l1|
+# |i Omega - l2| is at least this part of max(Omega, w0)^2. Nearer to undamped resonance both grow
+# without limit and cancel.
 APART = Fraction(1, 5)
 LONGEST_PHASE = 50
 LONGEST_SWING = 10**9
-# A free motion is over after LONGEST_PHASE of its decay times, and heavily damped when that are few of its periods.
+# A free motion is over after LONGEST_PHASE of its decay times, and heavily damped when that are few
+# of its periods.
 HEAVY = 50
 SLOW_DRIVE = 100
 # A free oscillation that loses less than a twentieth of its velocity per radian.
@@ -38,17 +51,23 @@ LASTING = 400
 # Roots this many times as large as all other rates make a system stiff.
 STIFF = 16
 SIGMAS = Fraction(8)
-# Step of the march along a flight near a wall, in units of 1/rate, and stride: about what a bound of the fourth
-# derivative allows in mid-flight. With a slow drive nothing moves as fast as that once the transient has died away.
+# Step of the march along a flight near a wall, in units of 1/rate, and stride: about what a bound
+# of the fourth derivative allows in mid-flight. With a slow drive nothing moves as fast as that
+# once the transient has died away.
 MARCH_STEP = 1.0
 STRIDE = 2.0
-SLOW_STRIDE, SLOW = 4.0, 5.0
+SLOW_STRIDE = 4.0
+SLOW = 5.0
 # Numbers of these sizes neither overflow nor underflow in any product on the way.
-SMALLEST_IN_COLUMNS, LARGEST_IN_COLUMNS = 1e-20, 1e20
+SMALLEST_IN_COLUMNS = 1e-20
+LARGEST_IN_COLUMNS = 1e20
 
 
 class BeltConstants(NamedTuple):
-    """Constants of a stick on one belt; along it both forces F obey m dF/dt = -(k v + B0 Omega sin(theta))."""
+    """Constants of a stick on one belt.
+
+    Along it both forces F obey m dF/dt = -(k v + B0 Omega sin(theta)).
+    """
 
     v: Number  # speed of the belt
     J: Number  # F^(below) - F^(above) = 2 mu FN/m
@@ -57,7 +76,8 @@ class BeltConstants(NamedTuple):
     s_cr: Number
     c_cr: Number  # +sqrt(1 - s_cr^2)
     angle: Number  # asin(s_cr) in (-pi/2, pi/2)
-    limit_below: Number  # signs of F^(below) and F^(above) on the belt without spring and drive: of A_alpha - c v
+    # signs of F^(below) and F^(above) on the belt without spring and drive: of A_alpha - c v
+    limit_below: Number
     limit_above: Number
 
 
@@ -74,9 +94,13 @@ class MarchConstants(NamedTuple):
 
 
 class Constants(NamedTuple):
-    """The numbers that the engine computes from a parameter set, correctly rounded: floats or mpmath numbers."""
+    """The numbers that the engine computes from a parameter set, correctly rounded.
 
-    # Units: 1/time for cm, h, omega_d, w0, Om and the roots; acceleration for f0 and A1 to A3; velocity for V0.
+    Floats or mpmath numbers.
+    """
+
+    # Units: 1/time for cm, h, omega_d, w0, Om and the roots; acceleration for f0 and A1 to A3;
+    # velocity for V0.
 
     cm: Number  # c/m
     w0sq: Number  # k/m
@@ -94,7 +118,8 @@ class Constants(NamedTuple):
     rate0: Number  # larger |root|
     rate: Number  # max(rate0, Omega)
     moment: Number  # 1/rate
-    swing: Number  # 1/w0, how long a velocity counts for the position; LONGEST_SWING/rate without a spring
+    # 1/w0, how long a velocity counts for the position; LONGEST_SWING/rate without a spring
+    swing: Number
     under: bool  # underdamped
     apart: bool  # underdamped and far from resonance: the cheap closed form is accurate
     creeps: bool  # no drive and no oscillation: a motion may come to rest without ever arriving
@@ -109,7 +134,8 @@ class Constants(NamedTuple):
     Ss: Number  # steady velocity = Ss sin(theta) + Sc cos(theta), when `steady`
     Sc: Number
     period: Number  # 2 pi/Omega
-    Om_gain: Number  # (Om - Omega)/Omega: by how much a time that is a phase over Om is too small; see `clock_time`
+    # (Om - Omega)/Omega: by how much a time that is a phase over Om is too small; see `clock_time`
+    Om_gain: Number
     period_low: Number  # what the rounding of 2 pi/Om took from `period`
     chunk: Number  # longest time that is evaluated from one starting point
     sigmas: Number  # how many standard errors of the state a decision must exceed
@@ -119,12 +145,19 @@ class Constants(NamedTuple):
     stride: MarchConstants
 
 
-NESTED = {"belt1": BeltConstants, "belt2": BeltConstants, "march": MarchConstants, "stride": MarchConstants}
+NESTED = {
+    "belt1": BeltConstants,
+    "belt2": BeltConstants,
+    "march": MarchConstants,
+    "stride": MarchConstants,
+}
 
 
 def _row_type(kind: Any) -> np.dtype[Any]:
     """Return the numpy row type for a NamedTuple of numbers, flags (0.0 or 1.0) and nested tuples."""
-    return np.dtype([(name, _row_type(NESTED[name]) if name in NESTED else np.float64) for name in kind._fields])
+    return np.dtype(
+        [(name, _row_type(NESTED[name]) if name in NESTED else np.float64) for name in kind._fields]
+    )
 
 
 ROW = _row_type(Constants)
@@ -137,32 +170,48 @@ def constants(
     angle: Callable[[Number, Number], Number] = atan2,
     pi: Number = pi,
 ) -> Constants:
-    """Return the constants of `parameters`, rounded once by `number`; `root`, `angle`: sqrt, atan2 of such numbers."""
-    # `number` is ``float``, or a conversion to mpmath. Parameters may be columns of pairs (`constant_table`): then the
-    # constants are arrays.
-    m, Om = parameters.m, parameters.Omega
-    h, w0sq, f0 = parameters.c / (2 * m), parameters.k / m, parameters.B0 / m
-    omega, zero, doubles = number(Om), number(Fraction(0)), isinstance(pi, float)
+    """Return the constants of `parameters`, rounded once by `number`.
+
+    `root`, `angle`: sqrt, atan2 of such numbers.
+    """
+    # `number` is ``float``, or a conversion to mpmath. Parameters may be columns of pairs
+    # (`constant_table`): then the constants are arrays.
+    m = parameters.m
+    Om = parameters.Omega
+    h = parameters.c / (2 * m)
+    w0sq = parameters.k / m
+    f0 = parameters.B0 / m
+    omega = number(Om)
+    zero = number(Fraction(0))
+    doubles = isinstance(pi, float)
     period = 2 * pi / omega
     # The free motion: its roots, frequencies and rates.
     square = w0sq - h * h
-    under, omega_d, w0 = square > 0, root(number(abs(square))), root(number(w0sq))
-    over, fast = under ^ True, -(number(h) + omega_d)
+    under = square > 0
+    omega_d = root(number(abs(square)))
+    w0 = root(number(w0sq))
+    over = under ^ True
+    fast = -(number(h) + omega_d)
     slow = number(w0sq) / either(fast != 0, fast, 1)  # fast = 0 only where w0sq = 0
     rate0 = either(under, w0, -fast)
     rate = larger(rate0, omega)
     # The steady motion, which is of use if p^2 + q^2 is large enough.
-    drive, p, q = f0 * Om, w0sq - Om * Om, 2 * h * Om
+    drive = f0 * Om
+    p = w0sq - Om * Om
+    q = 2 * h * Om
     size = p * p + q * q
     steady = size >= (APART * larger(w0sq, Om * Om)) ** 2
     response = number(either(steady, size, Fraction(1)))
-    # The longest time to evaluate from one starting point: a forcing period, with two exceptions. The phase of a free
-    # oscillation is known to rate * time ulp: that must not grow without need, unless the oscillation is over long
-    # before. Without a drive its period means nothing.
-    is_over, moves = (w0 < HEAVY * number(h)) & (number(h) * period > LONGEST_PHASE), rate0 > 0
+    # The longest time to evaluate from one starting point: a forcing period, with two exceptions.
+    # The phase of a free oscillation is known to rate * time ulp: that must not grow without need,
+    # unless the oscillation is over long before. Without a drive its period means nothing.
+    is_over = (w0 < HEAVY * number(h)) & (number(h) * period > LONGEST_PHASE)
+    moves = rate0 > 0
     longest = LONGEST_PHASE / either(moves, rate0, 1)
     swinging = either(is_over, period, either(longest < period, longest, period))
-    chunk = either(under, swinging, either((parameters.B0 == 0) & moves, larger(period, longest), period))
+    chunk = either(
+        under, swinging, either((parameters.B0 == 0) & moves, larger(period, longest), period)
+    )
     return Constants(
         cm=number(2 * h),
         w0sq=number(w0sq),
@@ -207,13 +256,21 @@ def constants(
 
 
 def with_march(K: Constants, basis: Callable[[Number, Constants], tuple[Number, ...]]) -> Constants:
-    """Return K with the coefficients that carry a flight over a fixed step: `march`, and the longer `stride`."""
-    march, stride = (MarchConstants(*march_constants(step, basis(step, K), K)) for step in march_steps(K))
+    """Return K with the coefficients that carry a flight over a fixed step.
+
+    `march`, and the longer `stride`.
+    """
+    march, stride = (
+        MarchConstants(*march_constants(step, basis(step, K), K)) for step in march_steps(K)
+    )
     return K._replace(march=march, stride=stride)
 
 
 def march_steps(K):
-    """Return the lengths of both fixed steps along a flight: the usual step, and the longer stride."""
+    """Return the lengths of both fixed steps along a flight.
+
+    The usual step, and the longer stride.
+    """
     return MARCH_STEP / K.rate, (SLOW_STRIDE if K.rate > SLOW * K.Om else STRIDE) / K.rate
 
 
@@ -229,7 +286,10 @@ def march_rows(table, out):
 
 
 def march_constants(step, functions, K):
-    """Return the fields of a MarchConstants; `functions` are E0, E1, E2, R2, I2, sin and cos at the time `step`."""
+    """Return the fields of a MarchConstants.
+
+    `functions` are E0, E1, E2, R2, I2, sin and cos at the time `step`.
+    """
     E0, E1, E2, _, _, s, c = functions
     return step, 1 - K.w0sq * E2, E1, -K.w0sq * E1, E0, s, c
 
@@ -240,15 +300,25 @@ def _period_rest(period: float, Om: float) -> Fraction:
     return (two_pi - exactly(Om) * exactly(period)) / exactly(Om)
 
 
-def _belt_constants(parameters: Parameters, boundary: int, number: Any, root: Any, angle: Any) -> BeltConstants:
-    """Return the constants of a stick on belt 1 or 2; `number`, `root`, `angle` are as in `constants`."""
-    v, J = parameters.belt(boundary), 2 * parameters.friction(boundary) / parameters.m
+def _belt_constants(
+    parameters: Parameters, boundary: int, number: Any, root: Any, angle: Any
+) -> BeltConstants:
+    """Return the constants of a stick on belt 1 or 2.
+
+    `number`, `root`, `angle` are as in `constants`.
+    """
+    v = parameters.belt(boundary)
+    J = 2 * parameters.friction(boundary) / parameters.m
     # Signs, as the forces themselves may be too small for a double.
-    below, above = (number(sign(parameters.A(domain) - parameters.c * v)) for domain in (boundary, boundary + 1))
-    pull, drive = -parameters.k * v, parameters.B0 * parameters.Omega
+    below, above = (
+        number(sign(parameters.A(domain) - parameters.c * v)) for domain in (boundary, boundary + 1)
+    )
+    pull = -parameters.k * v
+    drive = parameters.B0 * parameters.Omega
     turns = abs(pull) < abs(drive)  # with equality the slope touches 0 and keeps its sign
     sine = either(turns, pull / either(turns, drive, Fraction(1)), Fraction(0))
-    s_cr, c_cr = number(sine), root(number(1 - sine * sine))
+    s_cr = number(sine)
+    c_cr = root(number(1 - sine * sine))
     return BeltConstants(
         v=number(v),
         J=number(J),
@@ -263,7 +333,10 @@ def _belt_constants(parameters: Parameters, boundary: int, number: Any, root: An
 
 
 class ConstantRows(Sequence[Constants]):
-    """A table of constants for interpreted code: indexing returns a row as `Constants` with Python's floats."""
+    """A table of constants for interpreted code.
+
+    Indexing returns a row as `Constants` with Python's floats.
+    """
 
     def __init__(self, table: np.ndarray) -> None:
         self.table = table
@@ -287,11 +360,15 @@ def table_of(rows: Iterable[Constants]) -> np.ndarray:
 
 
 def constant_table(
-    columns: dict[str, PairColumn], count: int, alone: Callable[[int], Constants], march_rows: Callable[..., None]
+    columns: dict[str, PairColumn],
+    count: int,
+    alone: Callable[[int], Constants],
+    march_rows: Callable[..., None],
 ) -> np.ndarray:
     """Return a table of the constants of `count` parameter sets, computed from columns of double-double numbers.
 
-    `alone` returns the constants of a set that needs more digits; `march_rows` is that function, compiled or not.
+    `alone` returns the constants of a set that needs more digits; `march_rows` is that function,
+    compiled or not.
     """
     doubts = np.zeros(count, dtype=bool)
     given = {name: PairColumn(column.hi, column.lo, doubts) for name, column in columns.items()}
@@ -325,7 +402,10 @@ def _fill(table: np.ndarray, values: Any) -> None:
 
 
 def clock_time(t, t_low, t0, K):
-    """Return the time of a state with its true Omega: `t` + `t_low` is phase/Omega with Omega rounded to a double."""
+    """Return the time of a state with its true Omega.
+
+    `t` + `t_low` is phase/Omega with Omega rounded to a double.
+    """
     return t + (t_low + (t - t0) * K.Om_gain)
 
 
@@ -336,7 +416,10 @@ def constant_force(domain, K):
 
 def belt_forces(boundary, x, c, K):
     """Return F^(below) and F^(above), the accelerations on both sides of a belt, at `x` and the cosine `c`."""
-    v = K.belt1.v if boundary == 1 else K.belt2.v
+    if boundary == 1:
+        v = K.belt1.v
+    else:
+        v = K.belt2.v
     below = acceleration(x, v, c, constant_force(boundary, K), K.cm, K.w0sq, K.f0)
     return below, acceleration(x, v, c, constant_force(boundary + 1, K), K.cm, K.w0sq, K.f0)
 
@@ -350,7 +433,9 @@ def speeds_around(domain, K):
     """Return the speeds of the belts below and above a domain, -inf and inf where there is none."""
     if domain == 2:
         return K.belt1.v, K.belt2.v
-    return (-inf, K.belt1.v) if domain == 1 else (K.belt2.v, inf)
+    if domain == 1:
+        return (-inf, K.belt1.v)
+    return (K.belt2.v, inf)
 
 
 def state_at(tau, start, K):
@@ -358,7 +443,8 @@ def state_at(tau, start, K):
     v0, F0, s0, c0 = start
     E0, E1, E2, R2, I2, s_Om, c_Om = basis(tau, K)
     dx, dv, F = motion(v0, F0, s0, c0, K.cm, K.w0sq, K.f0, K.Om, E0, E1, E2, R2, I2)
-    s, c = s0 * c_Om + c0 * s_Om, c0 * c_Om - s0 * s_Om
+    s = s0 * c_Om + c0 * s_Om
+    c = c0 * c_Om - s0 * s_Om
     if K.stiff:
         G1, G2, G3 = stiff_derivatives(tau, start, s, c, K)
     else:
@@ -371,7 +457,9 @@ def turned(s, c, angle):
     half = 0.5 * angle
     sixth = SIXTH * angle * angle
     last = 0.25 * angle * sixth
-    return s + (c - (s * half + c * sixth - s * last)) * angle, c - (s + (c * half - s * sixth - c * last)) * angle
+    return s + (c - (s * half + c * sixth - s * last)) * angle, c - (
+        s + (c * half - s * sixth - c * last)
+    ) * angle
 
 
 def sine_and_cosine(theta, theta_low):
@@ -381,7 +469,8 @@ def sine_and_cosine(theta, theta_low):
 
 def corrected(s, c, theta_low):
     """Return sine and cosine of the phase theta + theta_low, given those of theta, which is rounded."""
-    # Left alone this rounding would be the largest error of the force B0 cos(theta): up to 4 EPS |B0|.
+    # Left alone this rounding would be the largest error of the force B0 cos(theta): up to 4 EPS
+    # |B0|.
     return s + c * theta_low, c - s * theta_low
 
 
@@ -395,15 +484,19 @@ def derivatives(v, F, s, c, K):
 
 def stiff_derivatives(tau, start, s, c, K):
     """Return v'', v''' and v'''' at `tau` after launch, for strong damping, as sums over decaying and steady terms."""
-    # `derivatives` multiplies what rounding left of F by the fast root once per order; here it has died away.
+    # `derivatives` multiplies what rounding left of F by the fast root once per order; here it has
+    # died away.
     v0, F0, s0, c0 = start
     Om2 = K.Om * K.Om
-    v_free = v0 - (K.Ss * s0 + K.Sc * c0)  # with k = 0 the mean velocity is a part of it: its root is 0
+    v_free = v0 - (
+        K.Ss * s0 + K.Sc * c0
+    )  # with k = 0 the mean velocity is a part of it: its root is 0
     F_free = F0 - K.Om * (K.Ss * c0 - K.Sc * s0)
     fast = (F_free - K.l1 * v_free) / (K.l2 - K.l1)
     slow = (v_free - fast) * exp(K.l1 * tau) * K.l1 * K.l1
     fast = fast * exp(K.l2 * tau) * K.l2 * K.l2
-    v_steady, u_steady = K.Ss * s + K.Sc * c, K.Om * (K.Ss * c - K.Sc * s)
+    v_steady = K.Ss * s + K.Sc * c
+    u_steady = K.Om * (K.Ss * c - K.Sc * s)
     G1 = slow + fast - Om2 * v_steady
     G2 = slow * K.l1 + fast * K.l2 - Om2 * u_steady
     return G1, G2, slow * K.l1 * K.l1 + fast * K.l2 * K.l2 + Om2 * Om2 * v_steady
@@ -416,10 +509,12 @@ def fifth_derivative(G3, G2, c, K):
 
 def velocity_scale(tau, v0, F0, K):
     """Return the size of the terms of v - v0, at `tau` after a launch with velocity `v0` and acceleration `F0`."""
-    # Not the terms themselves: they come back to 0 after a period of a free oscillation, their errors do not.
+    # Not the terms themselves: they come back to 0 after a period of a free oscillation, their
+    # errors do not.
     rise = 0.5 * tau * tau
     drive = abs(K.fB) * rise
     if K.steady:
         drive = select(drive > 2.0 * K.V0, 2.0 * K.V0, drive)
-    early, late = abs(F0) * tau + K.w0sq * abs(v0) * rise, abs(F0) * K.swing + 2.0 * abs(v0)
+    early = abs(F0) * tau + K.w0sq * abs(v0) * rise
+    late = abs(F0) * K.swing + 2.0 * abs(v0)
     return select(K.w0 * tau < 1.0, early, late) + drive

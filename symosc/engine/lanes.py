@@ -1,13 +1,15 @@
 """Several motions side by side in the registers of a processor, one in each lane; compiled only.
 
-A lane does what `symosc.engine.next_event.advance` does, with the same formulas in the same order, on the common path:
-a flight that marches to the one step in which it meets a wall, or a stick that slips within a forcing period, and what
-Theorems 4 and 5 decide there beyond doubt. Where anything else happens, the lane's result is dropped, and the scalar
-loop makes this step. So results have the same bits, whatever the number of lanes, and whichever motions are neighbours.
+A lane does what `symosc.engine.next_event.advance` does, with the same formulas in the same order,
+on the common path: a flight that marches to the one step in which it meets a wall, or a stick that
+slips within a forcing period, and what Theorems 4 and 5 decide there beyond doubt. Where anything
+else happens, the lane's result is dropped, and the scalar loop makes this step. So results have the
+same bits, whatever the number of lanes, and whichever motions are neighbours.
 
-What the scalar functions do without a branch is called as it is; here are the loops and branches, with flags instead.
-A wall that is not there has an infinite gap. Lanes without a result may hold any numbers; `good` flags those with one.
-Other arguments are those of the scalar functions, one number for each lane.
+What the scalar functions do without a branch is called as it is; here are the loops and branches,
+with flags instead. A wall that is not there has an infinite gap. Lanes without a result may hold
+any numbers; `good` flags those with one. Other arguments are those of the scalar functions, one
+number for each lane.
 """
 
 from __future__ import annotations
@@ -44,7 +46,14 @@ from symosc.engine.first_exit import (
     stays_open,
     wrap_phase,
 )
-from symosc.engine.flow import ROW, BeltConstants, MarchConstants, constant_force, corrected, derivatives
+from symosc.engine.flow import (
+    ROW,
+    BeltConstants,
+    MarchConstants,
+    constant_force,
+    corrected,
+    derivatives,
+)
 from symosc.engine.next_event import (
     NEAR_FORCE,
     PAST_END,
@@ -58,24 +67,41 @@ from symosc.engine.next_event import (
     phase_after,
     time_with_errors,
 )
-from symosc.engine.state import CROSS, ON_BELT, RUNNING, SLIP, STICK, Covariance, Flown, NextEvent, State, Walls
+from symosc.engine.state import (
+    CROSS,
+    ON_BELT,
+    RUNNING,
+    SLIP,
+    STICK,
+    Covariance,
+    Flown,
+    NextEvent,
+    State,
+    Walls,
+)
 from symosc.engine.summary import EVENTS_SO_FAR, SKIPPED, STICKS, tally_step
 from symosc.kernels._generated import acceleration, basis_apart, motion, stick_acceleration
 from symosc.kernels.elementary import WIDEST, exp, select, sine_cosine
 from symosc.kernels.entire import APART_ABOVE, EPS, SERIES_BELOW, SIXTH
 
-# Here these names are placeholders: compiled code has those of `symosc.kernels.lane_types`, at its width.
+# Here these names are placeholders: compiled code has those of `symosc.kernels.lane_types`, at its
+# width.
 placeholder: Any = None
 any_of = bits_of = load = store = load_constants = number_in = placeholder
 LANES = 0
 
-# Rows of the results beside those of a state: code, belt, and the standard error of the event's time.
-KIND, BELT_THERE, T_ERROR = STATE_WIDTH, STATE_WIDTH + 1, STATE_WIDTH + 2
+# Rows of the results beside those of a state: code, belt, and the standard error of the event's
+# time.
+KIND = STATE_WIDTH
+BELT_THERE = STATE_WIDTH + 1
+T_ERROR = STATE_WIDTH + 2
 # A block with fewer motions than this part of the lanes is slower than the scalar loop.
 LEAST_PART = 4
-# Steps after which the scalar loop goes on if not more than this part of them was on the common path.
+# Steps after which the scalar loop goes on if not more than this part of them was on the common
+# path.
 PROBE = 1024
-# With so many motions per lane of one parameter set these go alone, with the constants in registers.
+# With so many motions per lane of one parameter set these go alone, with the constants in
+# registers.
 FEW = 4
 # Numbers of a parameter set.
 NUMBERS = ROW.itemsize // 8
@@ -84,22 +110,41 @@ MOST_EVALUATIONS = 3
 
 
 def belts(boundary, K):
-    """Return the BeltConstants for several motions at once, lane by lane: of belt 1 or 2 as `boundary` says."""
-    first, one, two = boundary == 1, K.belt1, K.belt2
-    v, J, drift = select(first, one.v, two.v), select(first, one.J, two.J), select(first, one.drift, two.drift)
-    turns, s_cr = select(first, one.turns, two.turns) != 0.0, select(first, one.s_cr, two.s_cr)
-    c_cr, angle = select(first, one.c_cr, two.c_cr), select(first, one.angle, two.angle)
-    return BeltConstants(v, J, drift, turns, s_cr, c_cr, angle, v, v)  # the limits are not asked for here
+    """Return the BeltConstants for several motions at once, lane by lane.
+
+    Of belt 1 or 2 as `boundary` says.
+    """
+    first = boundary == 1
+    one = K.belt1
+    two = K.belt2
+    v = select(first, one.v, two.v)
+    J = select(first, one.J, two.J)
+    drift = select(first, one.drift, two.drift)
+    turns = select(first, one.turns, two.turns) != 0.0
+    s_cr = select(first, one.s_cr, two.s_cr)
+    c_cr = select(first, one.c_cr, two.c_cr)
+    angle = select(first, one.angle, two.angle)
+    return BeltConstants(
+        v, J, drift, turns, s_cr, c_cr, angle, v, v
+    )  # the limits are not asked for here
 
 
 def suits_lanes(K):
-    """Return whether motions with constants K suit lanes: underdamped, far from resonance, and no slow drive."""
+    """Return whether motions with constants K suit lanes.
+
+    Underdamped, far from resonance, and no slow drive.
+    """
     return K.apart != 0 and K.slow_drive == 0 and (K.omega_d + K.Om) * K.chunk < 0.5 * WIDEST
 
 
 def end_of_group(begin, sets, table):
-    """Return (end, alike): motions `begin` to `end` - 1 may be followed side by side; `alike`: they share a set."""
-    end, count, K = begin + 1, sets.shape[0], table[sets[begin]]
+    """Return (end, alike): motions `begin` to `end` - 1 may be followed side by side.
+
+    `alike`: they share a set.
+    """
+    end = begin + 1
+    count = sets.shape[0]
+    K = table[sets[begin]]
     if not suits_lanes(K):
         return end, True
     while end < count and sets[end] == sets[begin]:
@@ -115,17 +160,25 @@ def end_of_group(begin, sets, table):
 
 
 def fly(state, remaining, K):
-    """Advance flights, one per lane, to next events (if `good`); return (good, code, boundary, t_error, state)."""
+    """Advance flights, one per lane, to next events (if `good`).
+
+    Return (good, code, boundary, t_error, state).
+    """
     mode, at, n, theta, x, v0, F0, _, S, t, t_low, s0, c0, theta_low = state
     tau_max = select(remaining <= K.chunk, remaining + PAST_END * remaining, K.chunk)
     lower = select(mode == 1, -inf, select(mode == 2, K.belt1.v, K.belt2.v))
     upper = select(mode == 3, inf, select(mode == 2, K.belt2.v, K.belt1.v))
-    on_below, on_above = (at > 0) & (at == mode - 1), at == mode
+    on_below = (at > 0) & (at == mode - 1)
+    on_above = at == mode
     walls = Walls(v0 - lower, upper - v0, True, True, on_below, on_above)
     zero = 0.0 * tau_max
     G1, G2, G3 = derivatives(v0, F0, s0, c0, K)
     begin = Flown(zero, zero, zero, F0, G1, G2, G3, s0, c0, 1.0 + zero, zero, zero)
-    flat = (on_below | on_above) & (F0 == 0.0) & (abs(G1) <= ROUNDING * EPS * (abs(K.w0sq * v0) + abs(K.fB)))
+    flat = (
+        (on_below | on_above)
+        & (F0 == 0.0)
+        & (abs(G1) <= ROUNDING * EPS * (abs(K.w0sq * v0) + abs(K.fB)))
+    )
     speed = THIN * (abs(v0) + (abs(F0) + abs(K.f0)) * K.moment)
     variance = K.sigmas * K.sigmas * (S.S22 + K.w0sq * S.S11)
     margin = select(variance > FAINT * speed * speed, sqrt(variance), 0.0 * variance)
@@ -154,48 +207,71 @@ def fly(state, remaining, K):
     uncertainty = 2.0 * K.sigmas * t_error
     vague = abs(F) <= (abs(G1) + abs(G2) * uncertainty) * uncertainty
     good = good & ~late & passes_at_once(sqrt(S.S22), abs(F), G1, G2) & ~vague
-    Fb, Fa = select(upward, F, F + belt.J), select(upward, F - belt.J, F)
+    Fb = select(upward, F, F + belt.J)
+    Fa = select(upward, F - belt.J, F)
     other = select(upward, Fa, Fb)
     small = good & (abs(other) < NEAR_FORCE * belt.J)
     if any_of(small):
         noise = force_noise(F, tau, S.S11, belt, K) + K.sigmas * K.cm * sqrt(S.S22)
         good = good & ~(small & (abs(other) <= noise))
-    rises, sticks = Fa > 0.0, (Fa < 0.0) & (Fb > 0.0)
+    rises = Fa > 0.0
+    sticks = (Fa < 0.0) & (Fb > 0.0)
     target = select(rises, boundary + 1.0, boundary)
     good = good & (rises | sticks | (Fb < 0.0)) & (sticks | (target != mode))
     out = select(rises, Fa, Fb)
     ratio = select(sticks, 0.0, out / F)
-    S12, S22 = ratio * S.S12, ratio * ratio * S.S22
+    S12 = ratio * S.S12
+    S22 = ratio * ratio * S.S22
     S = Covariance(S.S11, select(sticks, 0.0 * S.S12, S12), select(sticks, 0.0 * S.S22, S22))
-    Fb, Fa = select(sticks, Fb, out), select(sticks, Fa, out)
+    Fb = select(sticks, Fb, out)
+    Fa = select(sticks, Fa, out)
     mode = select(sticks, ON_BELT + boundary, target)
     after = State(mode, boundary, n, theta, x, v, Fb, Fa, S, t, t_low, s, c, theta_low)
     return good, select(sticks, STICK, CROSS), boundary, t_error, after
 
 
 def march_side_by_side(tau_max, v0, now, walls, margin, K):
-    """March one flight per lane; return (hit, now, there, side): if `hit`, the step that meets the wall on `side`."""
+    """March one flight per lane.
+
+    Return (hit, now, there, side): if `hit`, the step that meets the wall on `side`.
+    """
     v_free, F_free, slack, beyond_below, beyond_above = free_motion(v0, now, walls, margin, K)
-    below, above = select(beyond_below, inf, walls.below), select(beyond_above, inf, walls.above)
+    below = select(beyond_below, inf, walls.below)
+    above = select(beyond_above, inf, walls.above)
     walls = Walls(below, above, True, True, walls.on_below, walls.on_above)
-    M4, since, stride = fourth_derivative_bound(now.G2, now.G3, now.s, now.c, K), now.tau, K.stride.step
+    M4 = fourth_derivative_bound(now.G2, now.G3, now.s, now.c, K)
+    since = now.tau
+    stride = K.stride.step
     guess = now.dv + (now.F + 0.5 * now.G1 * stride) * stride
     long = (below + guess > 0.0) & (above - guess > 0.0)
-    active, hit, side, end = now.tau == 0.0, now.tau < 0.0, now.tau, now
+    active = now.tau == 0.0
+    hit = now.tau < 0.0
+    side = now.tau
+    end = now
     while any_of(active):
-        step, C = select(long, K.stride.step, K.march.step), select(long, K.stride.C, K.march.C)
-        E1, D = select(long, K.stride.E1, K.march.E1), select(long, K.stride.D, K.march.D)
-        E0, s = select(long, K.stride.E0, K.march.E0), select(long, K.stride.s, K.march.s)
+        step = select(long, K.stride.step, K.march.step)
+        C = select(long, K.stride.C, K.march.C)
+        E1 = select(long, K.stride.E1, K.march.E1)
+        D = select(long, K.stride.D, K.march.D)
+        E0 = select(long, K.stride.E0, K.march.E0)
+        s = select(long, K.stride.s, K.march.s)
         M = MarchConstants(step, C, E1, D, E0, s, select(long, K.stride.c, K.march.c))
         v_next, F_next, there = marched(v_free, F_free, v0, now, M, K)
-        lift, within = lifted(M.step, M4, slack), there.tau < tau_max
+        lift = lifted(M.step, M4, slack)
+        within = there.tau < tau_max
         h = there.tau - now.tau
-        g0, d0, g1, d1 = below + now.dv, h * now.F, below + there.dv, h * there.F
+        g0 = below + now.dv
+        d0 = h * now.F
+        g1 = below + there.dv
+        d1 = h * there.F
         free_below = stays_open(g0, d0, g1, d1, lift, slack)
         if any_of(active & (now.tau == 0.0) & walls.on_below):
             opening = opens(d0, h * h * now.G1, g1, d1, lift, slack)
             free_below = select((now.tau == 0.0) & walls.on_below, opening, free_below)
-        g0, d0, g1, d1 = above - now.dv, -h * now.F, above - there.dv, -h * there.F
+        g0 = above - now.dv
+        d0 = -h * now.F
+        g1 = above - there.dv
+        d1 = -h * there.F
         free_above = stays_open(g0, d0, g1, d1, lift, slack)
         if any_of(active & (now.tau == 0.0) & walls.on_above):
             opening = opens(d0, -h * h * now.G1, g1, d1, lift, slack)
@@ -209,18 +285,40 @@ def march_side_by_side(tau_max, v0, now, walls, margin, K):
             renewed = stuck & (ends | (since < now.tau))
             if any_of(renewed):
                 _, G2, G3 = derivatives(v0 + now.dv, now.F, now.s, now.c, K)
-                G2, G3 = select(renewed, G2, now.G2), select(renewed, G3, now.G3)
-                now = Flown(now.tau, now.dx, now.dv, now.F, now.G1, G2, G3, now.s, now.c, now.E0, now.E1, now.E2)
+                G2 = select(renewed, G2, now.G2)
+                G3 = select(renewed, G3, now.G3)
+                now = Flown(
+                    now.tau,
+                    now.dx,
+                    now.dv,
+                    now.F,
+                    now.G1,
+                    G2,
+                    G3,
+                    now.s,
+                    now.c,
+                    now.E0,
+                    now.E1,
+                    now.E2,
+                )
                 M4 = select(renewed, fourth_derivative_bound(G2, G3, now.s, now.c, K), M4)
                 since = select(renewed, now.tau, since)
             if any_of(ends):
                 towards = select(free_below, 1.0, -1.0)
-                meets = ends & within & (free_below ^ free_above) & meets_once(towards, now, there, M4, slack, walls)
-                side, hit = select(meets, towards, side), hit | meets
+                meets = (
+                    ends
+                    & within
+                    & (free_below ^ free_above)
+                    & meets_once(towards, now, there, M4, slack, walls)
+                )
+                side = select(meets, towards, side)
+                hit = hit | meets
                 end = chosen(meets, there, end)
-            active, long = active & ~ends, long & ~stuck
+            active = active & ~ends
+            long = long & ~stuck
         now = chosen(go, there, now)
-        v_free, F_free = select(go, v_next, v_free), select(go, F_next, F_free)
+        v_free = select(go, v_next, v_free)
+        F_free = select(go, F_next, F_free)
         guess = now.dv + (now.F + 0.5 * now.G1 * stride) * stride
         long = select(go, (below + guess > 0.0) & (above - guess > 0.0), long)
     return hit, now, end, side
@@ -228,32 +326,43 @@ def march_side_by_side(tau_max, v0, now, walls, margin, K):
 
 def chosen(which, one, other):
     """Return for each lane the point `one` where the flag `which` is set, else the point `other`."""
-    tau, dv, F = select(which, one.tau, other.tau), select(which, one.dv, other.dv), select(which, one.F, other.F)
-    G1, s, c = select(which, one.G1, other.G1), select(which, one.s, other.s), select(which, one.c, other.c)
+    tau = select(which, one.tau, other.tau)
+    dv = select(which, one.dv, other.dv)
+    F = select(which, one.F, other.F)
+    G1 = select(which, one.G1, other.G1)
+    s = select(which, one.s, other.s)
+    c = select(which, one.c, other.c)
     return Flown(tau, other.dx, dv, F, G1, other.G2, other.G3, s, c, other.E0, other.E1, other.E2)
 
 
 def polish_side_by_side(good, now, there, side, v0, F0, s0, c0, walls, K):
     """Return (good, point): in `good` lanes, the contact with the wall on `side` between points `now` and `there`."""
-    low, high = now.tau, there.tau
-    slack, h = 4.0 * EPS * high, high - low
+    low = now.tau
+    high = there.tau
+    slack = 4.0 * EPS * high
+    h = high - low
     part = part_to_root(now, there, side, walls)
     early = part < 0.5
     at = chosen(early, now, there)
     G1, G2, G3 = derivatives(v0 + at.dv, at.F, at.s, at.c, K)
     at = Flown(at.tau, at.dx, at.dv, at.F, G1, G2, G3, at.s, at.c, at.E0, at.E1, at.E2)
     tau = at.tau + sharpened(select(early, part * h, (part - 1.0) * h), side, at, walls, K)
-    pending, done, shift = good, good & ~good, 0.0 * tau
+    pending = good
+    done = good & ~good
+    shift = 0.0 * tau
     for _ in range(MOST_EVALUATIONS):
         now = flown_side_by_side(tau, v0, F0, s0, c0, K)
         gap = gap_to(side, now, walls)
         before = gap > 0.0
-        low, high = select(before & (tau > low), tau, low), select(~before & (tau < high), tau, high)
+        low = select(before & (tau > low), tau, low)
+        high = select(~before & (tau < high), tau, high)
         over = select(side < 0.0, gap, -gap)
         shift, missing = root_by_series(over, now.F, now.G1, now.G2, now.G3)
         sure = (abs(over * now.G1) < 0.1 * now.F * now.F) & (missing <= EPS * tau)
         inside = (low - slack <= tau + shift) & (tau + shift <= high + slack)
-        pending = pending & sure & inside & (K.rate * tau >= SERIES_BELOW) & (K.w0 * tau >= APART_ABOVE)
+        pending = (
+            pending & sure & inside & (K.rate * tau >= SERIES_BELOW) & (K.w0 * tau >= APART_ABOVE)
+        )
         near = abs(shift) * K.rate < NEAR
         done = done | (pending & near)
         pending = pending & ~near
@@ -265,25 +374,35 @@ def polish_side_by_side(good, now, there, side, v0, F0, s0, c0, walls, K):
 
 def flown_side_by_side(tau, v0, F0, s0, c0, K):
     """Return for each lane the point of a flight at `tau` after launch, by the closed form."""
-    decay, (s_w, c_w), (s_Om, c_Om) = exp(-K.h * tau), sine_cosine(K.omega_d * tau), sine_cosine(K.Om * tau)
-    E0, E1, E2, R2, I2 = basis_apart(decay, s_w, c_w, s_Om, c_Om, K.h, K.omega_d, K.w0sq, K.Om, K.p, K.q)
+    decay = exp(-K.h * tau)
+    (s_w, c_w) = sine_cosine(K.omega_d * tau)
+    (s_Om, c_Om) = sine_cosine(K.Om * tau)
+    E0, E1, E2, R2, I2 = basis_apart(
+        decay, s_w, c_w, s_Om, c_Om, K.h, K.omega_d, K.w0sq, K.Om, K.p, K.q
+    )
     dx, dv, F = motion(v0, F0, s0, c0, K.cm, K.w0sq, K.f0, K.Om, E0, E1, E2, R2, I2)
-    s, c = s0 * c_Om + c0 * s_Om, c0 * c_Om - s0 * s_Om
+    s = s0 * c_Om + c0 * s_Om
+    c = c0 * c_Om - s0 * s_Om
     G1, G2, G3 = derivatives(v0 + dv, F, s, c, K)
     return Flown(tau, dx, dv, F, G1, G2, G3, s, c, E0, E1, E2)
 
 
 def advance_phases(n, theta, theta_low, s, c, tau, K):
-    """Advance each lane's phase by `tau`; return (late, n, theta, theta_low, s, c), no result where `late`."""
+    """Advance each lane's phase by `tau`.
+
+    Return (late, n, theta, theta_low, s, c), no result where `late`.
+    """
     theta, theta_low = phase_after(theta, theta_low, tau, K)
     passes = theta >= TWO_PI
-    theta, theta_low = select(passes, theta - TWO_PI, theta), select(passes, theta_low - TWO_PI_REST, theta_low)
+    theta = select(passes, theta - TWO_PI, theta)
+    theta_low = select(passes, theta_low - TWO_PI_REST, theta_low)
     late = (theta >= TWO_PI) | (tau == K.period)
     theta, theta_low = in_two_parts(theta, theta_low)
     if any_of(passes):
         sine, cosine = sine_cosine(theta)
         sine, cosine = corrected(sine, cosine, theta_low)
-        s, c = select(passes, sine, s), select(passes, cosine, c)
+        s = select(passes, sine, s)
+        c = select(passes, cosine, c)
     return late, select(passes, n + 1.0, n), theta, theta_low, s, c
 
 
@@ -291,7 +410,10 @@ def advance_phases(n, theta, theta_low, s, c, tau, K):
 
 
 def slip(state, remaining, K):
-    """Advance sticks, one per lane, to their ends (if `good`); return (good, code, boundary, t_error, state)."""
+    """Advance sticks, one per lane, to their ends (if `good`).
+
+    Return (good, code, boundary, t_error, state).
+    """
     mode, _, n, theta, x, v, Fb, _, S, t, t_low, _, _, theta_low = state
     boundary = mode - ON_BELT
     belt = belts(boundary, K)
@@ -299,10 +421,13 @@ def slip(state, remaining, K):
     good = good & (remaining >= K.period)
     if not any_of(good):
         return good, mode, mode, mode, state
-    good, tau, slope, bend, s, c = slip_side_by_side(good, force, side, low, high, Delta, s, c, state, belt, K)
+    good, tau, slope, bend, s, c = slip_side_by_side(
+        good, force, side, low, high, Delta, s, c, state, belt, K
+    )
     good = good & (tau <= remaining)
     # what `after_stick` does
-    noise, zero = EPS * (abs(x) + 2.0 * abs(v) * tau), 0.0 * Fb
+    noise = EPS * (abs(x) + 2.0 * abs(v) * tau)
+    zero = 0.0 * Fb
     S = Covariance(S.S11 + noise * noise, zero, zero)
     x = x + v * tau
     late, n, theta, theta_low, s, c = advance_phases(n, theta, theta_low, s, c, tau, K)
@@ -317,16 +442,29 @@ def slip(state, remaining, K):
 
 def end_of_stick(held, belt, K):
     """Find for each lane the piece, from `low` to `high`, in which a force on the belt changes monotonically to 0."""
-    zero, period = 0.0 * held.theta, K.period
-    first, second = phase_ahead(belt.angle - held.theta) / K.Om, phase_ahead(PI - belt.angle - held.theta) / K.Om
+    zero = 0.0 * held.theta
+    period = K.period
+    first = phase_ahead(belt.angle - held.theta) / K.Om
+    second = phase_ahead(PI - belt.angle - held.theta) / K.Om
     swap = belt.turns & (second < first)
     first, second = select(swap, second, first), select(swap, first, second)
-    first, second = select(belt.turns, first, period), select(belt.turns, second, period)
+    first = select(belt.turns, first, period)
+    second = select(belt.turns, second, period)
     c_first = select(swap, -belt.c_cr, belt.c_cr)
     at_period = belt.turns & ((first == 0.0) | (second == 0.0))
-    tau, Delta, s, c = zero, zero, held.s, held.c
-    force, side, low, high, from_Delta, from_s, from_c = zero, zero, zero, zero, zero, zero, zero
-    open_yet, good = zero == 0.0, zero != 0.0
+    tau = zero
+    Delta = zero
+    s = held.s
+    c = held.c
+    force = zero
+    side = zero
+    low = zero
+    high = zero
+    from_Delta = zero
+    from_s = zero
+    from_c = zero
+    open_yet = zero == 0.0
+    good = zero != 0.0
     for piece in range(3):
         end = select(piece == 0, first, select(piece == 1, second, period + zero))
         end = select(end > period, period, end)
@@ -342,39 +480,64 @@ def end_of_stick(held, belt, K):
         unclear = turning & (abs(over) <= force_noise(held.Fb, end, held.S.S11, belt, K))
         open_yet = open_yet & ~(here & (unclear | (Delta_end == Delta)))
         found = here & open_yet & (over >= 0.0)
-        good, open_yet = good | found, open_yet & ~found
-        force, side = select(found, force_here, force), select(found, select(rising, 1.0, -1.0), side)
-        low, high, from_Delta = select(found, tau, low), select(found, end, high), select(found, Delta, from_Delta)
-        from_s, from_c = select(found, s, from_s), select(found, c, from_c)
-        tau, Delta = select(here, end, tau), select(here, Delta_end, Delta)
-        s, c = select(here, belt.s_cr, s), select(here, c_end, c)
+        good = good | found
+        open_yet = open_yet & ~found
+        force = select(found, force_here, force)
+        side = select(found, select(rising, 1.0, -1.0), side)
+        low = select(found, tau, low)
+        high = select(found, end, high)
+        from_Delta = select(found, Delta, from_Delta)
+        from_s = select(found, s, from_s)
+        from_c = select(found, c, from_c)
+        tau = select(here, end, tau)
+        Delta = select(here, Delta_end, Delta)
+        s = select(here, belt.s_cr, s)
+        c = select(here, c_end, c)
     return good, force, side, low, high, from_Delta, from_s, from_c
 
 
 def slip_side_by_side(good, force, side, low, high, Delta, s, c, held, belt, K):
-    """Return (good, tau, slope, bend, s, c): in `good` lanes, when a stick ends, the force's derivatives, the phase."""
-    tau, over = low, force + Delta
+    """Return (good, tau, slope, bend, s, c).
+
+    In `good` lanes, when a stick ends, the force's derivatives, the phase.
+    """
+    tau = low
+    over = force + Delta
     sine = select(side * K.fB < 0.0, 1.0, -1.0)
     inflection = wrap_phase(0.5 * sine * PI - held.theta) / K.Om
     between = (low < inflection) & (inflection < high)
     there = stick_acceleration(force, belt.v, inflection, -held.c, K.w0sq, K.f0)
     better = between & (abs(there) < abs(over))
-    s, c = select(better, sine + 0.0 * c, s), select(better, 0.0 * c, c)
-    tau, over = select(better, inflection, tau), select(better, there, over)
+    s = select(better, sine + 0.0 * c, s)
+    c = select(better, 0.0 * c, c)
+    tau = select(better, inflection, tau)
+    over = select(better, there, over)
     beyond = side * there > 0.0
-    low, high = select(between & ~beyond, inflection, low), select(between & beyond, inflection, high)
+    low = select(between & ~beyond, inflection, low)
+    high = select(between & beyond, inflection, high)
     slope, bend = force_slopes(s, c, belt, K)
-    Om2, slack, step_before = K.Om * K.Om, 4.0 * EPS * high, 2.0 * (high - low)
-    pending, done, exact, shift = good, good & ~good, False, 0.0 * tau
+    Om2 = K.Om * K.Om
+    slack = 4.0 * EPS * high
+    step_before = 2.0 * (high - low)
+    pending = good
+    done = good & ~good
+    exact = False
+    shift = 0.0 * tau
     for _ in range(MOST_EVALUATIONS + 1):
         third = Om2 * (belt.drift - slope)
         if exact:
             fast = is_beside(over, slope, bend, K)
             step, missing = root_by_series(over, slope, bend, third, -Om2 * bend)
-            within = (abs(step) * K.Om < NEAR) & (low - slack <= tau + step) & (tau + step <= high + slack)
+            within = (
+                (abs(step) * K.Om < NEAR)
+                & (low - slack <= tau + step)
+                & (tau + step <= high + slack)
+            )
             pending = pending & (over != 0.0) & ~(fast & ~(missing <= EPS * tau))
             ends = pending & fast & within
-            shift, done, pending = select(ends, step, shift), done | ends, pending & ~ends
+            shift = select(ends, step, shift)
+            done = done | ends
+            pending = pending & ~ends
             if not any_of(pending):
                 break
         square = slope * slope - 2.0 * over * bend
@@ -388,13 +551,16 @@ def slip_side_by_side(good, force, side, low, high, Delta, s, c, held, belt, K):
         if exact:
             step_before = select(pending, abs(step), step_before)
         pending = pending & (tau + step != tau)
-        tau, exact = select(pending, tau + step, tau), True
+        tau = select(pending, tau + step, tau)
+        exact = True
         Delta, sine, cosine = force_gain_in_lanes(tau, held.s, held.c, belt, K)
-        s, c = select(pending, sine, s), select(pending, cosine, c)
+        s = select(pending, sine, s)
+        c = select(pending, cosine, c)
         slope, bend = force_slopes(s, c, belt, K)
         over = force + Delta
         beyond = side * over > 0.0
-        low, high = select(pending & ~beyond, tau, low), select(pending & beyond, tau, high)
+        low = select(pending & ~beyond, tau, low)
+        high = select(pending & beyond, tau, high)
     found = slips_at(tau, shift, side, -force, s, c, belt, K)
     return done, found.tau, found.slope, found.bend, found.s, found.c
 
@@ -409,7 +575,10 @@ def force_gain_in_lanes(tau, s0, c0, belt, K):
 
 
 def block(flights, given, found, accuracy, K):
-    """Advance a flight (`flights`) or stick per lane from the array `given` to `found`; return good lanes as bits."""
+    """Advance a flight (`flights`) or stick per lane from the array `given` to `found`.
+
+    Return good lanes as bits.
+    """
     return advance_side_by_side(flights, given, found, accuracy, K)
 
 
@@ -419,12 +588,40 @@ def block_of_sets(flights, given, found, accuracy, constants):
 
 
 def advance_side_by_side(flights, given, found, accuracy, K):
-    """Advance all lanes, for `block` and `block_of_sets`; a constant in K is one number or one for each lane."""
+    """Advance all lanes, for `block` and `block_of_sets`.
+
+    A constant in K is one number or one for each lane.
+    """
     S = Covariance(load(given, 8), load(given, 9), load(given, 10))
-    mode, at, n, theta = load(given, 0), load(given, 1), load(given, 2), load(given, 3)
-    x, v, Fb, Fa = load(given, 4), load(given, 5), load(given, 6), load(given, 7)
-    t, t_low, t_end, t_end_low, t0 = load(given, 11), load(given, 12), load(given, 13), load(given, 14), load(given, 15)
-    state = State(mode, at, n, theta, x, v, Fb, Fa, S, t, t_low, load(given, 16), load(given, 17), load(given, 18))
+    mode = load(given, 0)
+    at = load(given, 1)
+    n = load(given, 2)
+    theta = load(given, 3)
+    x = load(given, 4)
+    v = load(given, 5)
+    Fb = load(given, 6)
+    Fa = load(given, 7)
+    t = load(given, 11)
+    t_low = load(given, 12)
+    t_end = load(given, 13)
+    t_end_low = load(given, 14)
+    t0 = load(given, 15)
+    state = State(
+        mode,
+        at,
+        n,
+        theta,
+        x,
+        v,
+        Fb,
+        Fa,
+        S,
+        t,
+        t_low,
+        load(given, 16),
+        load(given, 17),
+        load(given, 18),
+    )
     t_end_low = t_end_low - (t_end - t0) * K.Om_gain
     remaining = (t_end - t) + (t_end_low - t_low)
     if flights:
@@ -462,21 +659,33 @@ def keep_lanes(found, state):
 
 def follow_lanes(begin, batch, most, accuracy, out, pieces, tally, table):
     """Follow the trajectories of `batch` as `follow_all` does, with motions side by side where that is possible."""
-    # Not in order: where a buffer is full, a trajectory may have ended before one of a smaller number.
-    rows, parts, count = 0, 0, batch.states.shape[0]
+    # Not in order: where a buffer is full, a trajectory may have ended before one of a smaller
+    # number.
+    rows = 0
+    parts = 0
+    count = batch.states.shape[0]
     _, sets, _, codes = batch
     side_by_side = tally.floats.shape[0] > 0 and pieces.shape[1] == 0
-    # Numbers of motions in flight and on a belt; their states, constants and results, one column for each lane.
-    queue, given = np.zeros((2, 2 * LANES), np.int64), np.zeros((STATE_WIDTH, LANES))
+    # Numbers of motions in flight and on a belt; their states, constants and results, one column
+    # for each lane.
+    queue = np.zeros((2, 2 * LANES), np.int64)
+    given = np.zeros((STATE_WIDTH, LANES))
     space = queue, given, np.zeros((NUMBERS, LANES)), np.zeros((STATE_WIDTH + 3, LANES))
     while begin < count:
-        end, alike = end_of_group(begin, sets, table) if side_by_side else (begin + 1, True)
+        if side_by_side:
+            end, alike = end_of_group(begin, sets, table)
+        else:
+            end, alike = (begin + 1, True)
         if end - begin >= LANES // LEAST_PART:
-            rows = follow_group(begin, end, alike, rows, batch, most, accuracy, out, pieces, tally, table, space)
+            rows = follow_group(
+                begin, end, alike, rows, batch, most, accuracy, out, pieces, tally, table, space
+            )
         else:
             end = begin + 1
             if codes[begin] == RUNNING:
-                rows, parts = follow_one(begin, False, rows, parts, batch, most, accuracy, out, pieces, tally, table)
+                rows, parts = follow_one(
+                    begin, False, rows, parts, batch, most, accuracy, out, pieces, tally, table
+                )
         while begin < end and codes[begin] != RUNNING:
             begin += 1
         if begin < end:
@@ -485,21 +694,34 @@ def follow_lanes(begin, batch, most, accuracy, out, pieces, tally, table):
 
 
 def follow_group(begin, end, alike, rows, batch, most, accuracy, out, pieces, tally, table, space):
-    """Follow trajectories `begin` to `end` - 1 side by side in arrays `space`; return `rows`, the events so far."""
+    """Follow trajectories `begin` to `end` - 1 side by side in arrays `space`.
+
+    Return `rows`, the events so far.
+    """
     out, pieces, tally, table, batch, space = borrowed((out, pieces, tally, table, batch, space))
     queue, given, constants, found = space
     states, sets, counts, codes = batch
     asked = tally.asked.extent or tally.asked.stuck or tally.asked.ring > 0
-    K, fullest = table[sets[begin]], out.floats.shape[1]
-    waiting, tried, kept = np.zeros(2, np.int64), 0, 0  # lengths of the queues, steps tried, and those that hold
+    K = table[sets[begin]]
+    fullest = out.floats.shape[1]
+    # lengths of the queues, steps tried, and those that hold
+    waiting = np.zeros(2, np.int64)
+    tried = 0
+    kept = 0
     while rows < fullest and (tried < PROBE or LEAST_PART * kept > tried):
         while begin < end and waiting[0] + waiting[1] < 2 * LANES:
             if codes[begin] == RUNNING:
-                which = 1 if states[begin, 0] > ON_BELT else 0
+                if states[begin, 0] > ON_BELT:
+                    which = 1
+                else:
+                    which = 0
                 queue[which, waiting[which]] = begin
                 waiting[which] += 1
             begin += 1
-        which = 0 if waiting[0] >= waiting[1] else 1
+        if waiting[0] >= waiting[1]:
+            which = 0
+        else:
+            which = 1
         if waiting[which] < LANES // LEAST_PART:
             break
         taken = min(waiting[which], LANES)
@@ -522,7 +744,11 @@ def follow_group(begin, end, alike, rows, batch, most, accuracy, out, pieces, ta
         for lane in range(taken):
             i = queue[which, first + lane]
             if (good >> lane) & 1 and counts[i] < most:
-                if not asked and (found[11, lane] - states[i, 15]) + found[12, lane] >= tally.floats[i, SKIPPED]:
+                if (
+                    not asked
+                    and (found[11, lane] - states[i, 15]) + found[12, lane]
+                    >= tally.floats[i, SKIPPED]
+                ):
                     tally.ints[i, EVENTS_SO_FAR] += 1
                     tally.ints[i, STICKS] += found[KIND, lane] == STICK
                 for n in range(STATE_WIDTH):
@@ -532,17 +758,26 @@ def follow_group(begin, end, alike, rows, batch, most, accuracy, out, pieces, ta
                 kept += 1
                 counts[i] += 1
             else:
-                rows, _ = follow_one(i, True, rows, 0, batch, most, accuracy, out, pieces, tally, table)
+                rows, _ = follow_one(
+                    i, True, rows, 0, batch, most, accuracy, out, pieces, tally, table
+                )
             if codes[i] == RUNNING:
-                now = 1 if states[i, 0] > ON_BELT else 0
+                if states[i, 0] > ON_BELT:
+                    now = 1
+                else:
+                    now = 0
                 queue[now, waiting[now]] = i
                 waiting[now] += 1
     for which in range(2):
         for n in range(waiting[which]):
-            rows, _ = follow_one(queue[which, n], False, rows, 0, batch, most, accuracy, out, pieces, tally, table)
+            rows, _ = follow_one(
+                queue[which, n], False, rows, 0, batch, most, accuracy, out, pieces, tally, table
+            )
     for i in range(begin, end):
         if rows < fullest and codes[i] == RUNNING:
-            rows, _ = follow_one(i, False, rows, 0, batch, most, accuracy, out, pieces, tally, table)
+            rows, _ = follow_one(
+                i, False, rows, 0, batch, most, accuracy, out, pieces, tally, table
+            )
     return rows
 
 
@@ -553,6 +788,7 @@ def tally_lanes(good, taken, members, found, batch, most, tally, table):
     for lane in range(taken):
         i = members[lane]
         if (good >> lane) & 1 and counts[i] < most:
-            step, boundary = int(found[KIND, lane]), int(found[BELT_THERE, lane])
+            step = int(found[KIND, lane])
+            boundary = int(found[BELT_THERE, lane])
             event = NextEvent(step, boundary, True, found[T_ERROR, lane], state_of(found.T, lane))
             tally_step(i, state_of(states, i), event, states[i, 15], tally, table[sets[i]])

@@ -1,31 +1,38 @@
-"""One step of a trajectory: find the next event, move there, and decide what happens (Theorems 4, 5 and 6).
+"""One step of a trajectory.
 
-At a point of the boundary with domain `below` and domain `above` (n = (0, 1), so that G^(0) is the acceleration)
+Find the next event, move there, and decide what happens (Theorems 4, 5 and 6).
+
+At a point of the boundary with domain `below` and domain `above` (n = (0, 1), so that G^(0) is the
+acceleration)
 
 - stick (Theorem 4) iff F^(below) > 0 > F^(above);
 - passing (Theorem 5) iff both forces have one sign: upward if positive, downward if negative;
-- where a force vanishes, the sign of its first G-function that does not vanish takes its place (Luo): it is the
-  sign that the force has immediately afterwards.
+- where a force vanishes, the sign of its first G-function that does not vanish takes its place
+  (Luo): it is the sign that the force has immediately afterwards.
 
-A tangency from below (Theorem 6) has F^(below) = 0 and a negative first G-function of odd order, one from above a
-positive one.
+A tangency from below (Theorem 6) has F^(below) = 0 and a negative first G-function of odd order,
+one from above a positive one.
 
-A flight has no end if it meets no belt any more. Three arguments show that, each for all times to come:
+A flight has no end if it meets no belt any more. Three arguments show that, each for all times to
+come:
 
 - the steady velocity and the energy of the transient bound the velocity (`never_leaves`);
 - without a spring the transient is one exponential, which does the same;
-- without a drive and without oscillation (B0 = 0, critical or overdamped) the gap g = +-(v - v_lambda) obeys
-  L g = r with a constant r = -+(k/m) v_lambda. With the fast root l2 of L the function u = g' - l2 g obeys
-  u' = l1 u + r. So u >= 0 and r >= 0 keep u >= 0, and g' >= l2 g keeps g > 0: the gap may shrink without end, but it
-  never closes (`creeps_for_ever`). For k = 0 u is constant, a rational number whose sign is exact. About an exact start
+- without a drive and without oscillation (B0 = 0, critical or overdamped) the gap g = +-(v -
+  v_lambda) obeys L g = r with a constant r = -+(k/m) v_lambda. With the fast root l2 of L the
+  function u = g' - l2 g obeys u' = l1 u + r. So u >= 0 and r >= 0 keep u >= 0, and g' >= l2 g keeps
+  g > 0: the gap may shrink without end, but it never closes (`creeps_for_ever`). For k = 0 u is
+  constant, a rational number whose sign is exact. About an exact start
   `symosc.engine.start.settles` decides the same in rational numbers, before anything is simulated.
 
-Arguments that many functions share: `state` is the State before the step, `start` the Launch of its flight, `walls` the
-gaps then, `now` a point of the flight and `there` the State at it. `remaining` is the time from `state` to the end of
-the motion, t_end + t_end_low, and `tau_max` that to the end of the search. `v_noise` is the rounding error of the
-velocity, `S` the covariance of the errors of x and v, and `s`, `c` are sine and cosine of the phase.
+Arguments that many functions share: `state` is the State before the step, `start` the Launch of its
+flight, `walls` the gaps then, `now` a point of the flight and `there` the State at it. `remaining`
+is the time from `state` to the end of the motion, t_end + t_end_low, and `tau_max` that to the end
+of the search. `v_noise` is the rounding error of the velocity, `S` the covariance of the errors of
+x and v, and `s`, `c` are sine and cosine of the phase.
 
-All functions are scalar and run on floats (CPython, numba) and, with other globals, on pairs and mpmath numbers.
+All functions are scalar and run on floats (CPython, numba) and, with other globals, on pairs and
+mpmath numbers.
 """
 
 from __future__ import annotations
@@ -85,33 +92,49 @@ from symosc.kernels.entire import EPS, SERIES_BELOW, SIXTH
 TWO_PI = 2.0 * acos(-1.0)
 TWO_PI_REST = 2.4492935982947064e-16  # 2 pi - TWO_PI
 MANY_TURNS = 64.0
-# A search ends a little later than the motion: a contact exactly at its end would else not be found, nor excluded.
+# A search ends a little later than the motion: a contact exactly at its end would else not be
+# found, nor excluded.
 PAST_END = 1e-9
-# A force on a belt is compared with its rounding error when it is smaller than this part of the friction's jump.
+# A force on a belt is compared with its rounding error when it is smaller than this part of the
+# friction's jump.
 NEAR_FORCE = 0.5
 # A gap below this part of the velocities in question is too small to begin a new search with.
 BESIDE = 1e-6
-# G-functions are evaluated up to this order before a force is taken to vanish for ever: their recurrence has four terms
-# of history (position in the plane and two of the drive), so more than five zeros in a row mean all.
+# G-functions are evaluated up to this order before a force is taken to vanish for ever: their
+# recurrence has four terms of history (position in the plane and two of the drive), so more than
+# five zeros in a row mean all.
 HIGHEST_ORDER = 6
-# A G-function below this times EPS and the sum of its terms is taken as 0: its zero is the exact case in question.
+# A G-function below this times EPS and the sum of its terms is taken as 0: its zero is the exact
+# case in question.
 G_ROUNDING = 32.0
-# With many digits a root is that of doubles if it is within twice the error that their decisions exceed
-# (`symosc.engine.flow.SIGMAS`), and within this part of the time, which rounding takes.
-SEARCH_SIGMAS, TIME_ROUNDING = 16.0, 2.0**-50
-# A flight without an event is taken over from doubles if its search was not made longer (`apart_from_walls`).
+# With many digits a root is that of doubles if it is within twice the error that their decisions
+# exceed (`symosc.engine.flow.SIGMAS`), and within this part of the time, which rounding takes.
+SEARCH_SIGMAS = 16.0
+TIME_ROUNDING = 2.0**-50
+# A flight without an event is taken over from doubles if its search was not made longer
+# (`apart_from_walls`).
 USUAL_LENGTH = 1.0625
 
 
 def advance(state, t_end, t_end_low, K):
-    """Advance `state` to its next event or, without one, to the end of a search interval; return a `NextEvent`."""
-    # Its code is CROSS, STICK, SLIP, GRAZE (an event on `boundary`), MOVED (no event, the search goes on from here),
-    # END, REST (no event will come any more; at rest or in a steady motion: the state is the last start, from which the
-    # end is reached in one piece) or FAILED. The simulation ends at the time t_end + t_end_low.
+    """Advance `state` to its next event or, without one, to the end of a search interval.
+
+    Return a `NextEvent`.
+    """
+    # Its code is CROSS, STICK, SLIP, GRAZE (an event on `boundary`), MOVED (no event, the search
+    # goes on from here), END, REST (no event will come any more; at rest or in a steady motion: the
+    # state is the last start, from which the end is reached in one piece) or FAILED. The simulation
+    # ends at the time t_end + t_end_low.
     remaining = (t_end - state.t) + (t_end_low - state.t_low)
-    tau_max = remaining if remaining < K.chunk else K.chunk
+    if remaining < K.chunk:
+        tau_max = remaining
+    else:
+        tau_max = K.chunk
     if state.mode > ON_BELT:
-        belt = K.belt1 if state.mode == ON_BELT + 1 else K.belt2
+        if state.mode == ON_BELT + 1:
+            belt = K.belt1
+        else:
+            belt = K.belt2
         return after_stick(state, belt_exit(tau_max, state, belt, K), remaining, K)
     if K.creeps and creeps_for_ever(state, K):
         return NextEvent(REST, 0, True, 0.0, state)
@@ -128,21 +151,31 @@ def advance(state, t_end, t_end_low, K):
 
 def launched(state, K):
     """Return the Launch of a flight that begins in `state`, and its Walls (the gaps to the belts beside it)."""
-    mode, at, v = state.mode, state.at, state.v
+    mode = state.mode
+    at = state.at
+    v = state.v
     lower, upper = speeds_around(mode, K)
     walls = Walls(v - lower, upper - v, mode > 1, mode < 3, at > 0 and at == mode - 1, at == mode)
     return Launch(v, state.Fb, state.s, state.c), walls
 
 
 def past_end(tau_max, remaining):
-    """Return how far to search: `tau_max` or, if a motion ends before, to just behind its end in `remaining` time."""
+    """Return how far to search.
+
+    `tau_max` or, if a motion ends before, to just behind its end in `remaining` time.
+    """
     if tau_max >= remaining:
-        return remaining + PAST_END * remaining if remaining > 0.0 else remaining
+        if remaining > 0.0:
+            return remaining + PAST_END * remaining
+        return remaining
     return tau_max
 
 
 def apart_from_walls(end, tau_max, remaining, state, start, walls, K):
-    """Prolong a flight's search if its `end`, at `tau_max`, is so near a wall that it may graze; return the end."""
+    """Prolong a flight's search if its `end`, at `tau_max`, is so near a wall that it may graze.
+
+    Return the end.
+    """
     # Two searches must not meet where a belt is: each would leave a touch there to the other.
     while end.code == NOTHING and tau_max < remaining and tau_max <= 1.5 * K.chunk:
         if not ends_beside_wall(state, end.now, K):
@@ -154,7 +187,8 @@ def apart_from_walls(end, tau_max, remaining, state, start, walls, K):
 
 def ends_beside_wall(state, now, K):
     """Return whether point `now` of the flight from `state` is so near a wall that a graze is possible there."""
-    v, (lower, upper) = state.v, speeds_around(state.mode, K)
+    v = state.v
+    (lower, upper) = speeds_around(state.mode, K)
     size = abs(v) + abs(now.dv) + (abs(state.Fb) + abs(K.f0)) * K.moment
     return v + now.dv - lower <= BESIDE * size or upper - (v + now.dv) <= BESIDE * size
 
@@ -168,25 +202,40 @@ def after_flight(state, end, start, remaining, K):
     x_noise, v_noise = flight_noise(state, now, K)
     S = carried_error(S, now, x_noise, v_noise, K)
     turns, theta, theta_low = advance_phase(0, theta, theta_low, now.tau, K)
-    n, s, c = n + turns, now.s, now.c
+    n = n + turns
+    s = now.s
+    c = now.c
     if turns > 0:
         s, c = sine_and_cosine(theta, theta_low)
     t, t_low = advance_time(t, t_low, now.tau, K)
-    x, F = x + now.dx, now.F
+    x = x + now.dx
+    F = now.F
     if code == NOTHING:
         there = State(mode, 0, n, theta, x, v + now.dv, F, F, S, t, t_low, s, c, theta_low)
         return no_contact(state, there, now, remaining, K)
-    boundary = mode - 1 if side < 0 else mode
-    v = K.belt1.v if boundary == 1 else K.belt2.v
+    if side < 0:
+        boundary = mode - 1
+    else:
+        boundary = mode
+    if boundary == 1:
+        v = K.belt1.v
+    else:
+        v = K.belt2.v
     if code == STALLED:
         there = State(mode, at, n, theta, x, v, F, F, S, t, t_low, s, c, theta_low)
         return NextEvent(FAILED, boundary, False, 0.0, there)
     if code == TANGENCY:
         F = 0.0 * F
-    elif now.tau * K.rate > SERIES_BELOW:  # after short flights `F` is the more accurate one: it grew from F0
+    elif (
+        now.tau * K.rate > SERIES_BELOW
+    ):  # after short flights `F` is the more accurate one: it grew from F0
         F = acceleration(x, v, now.c, constant_force(mode, K), K.cm, K.w0sq, K.f0)
     return meet_belt(
-        State(mode, boundary, n, theta, x, v, F, F, S, t, t_low, s, c, theta_low), end, v_noise, remaining, K
+        State(mode, boundary, n, theta, x, v, F, F, S, t, t_low, s, c, theta_low),
+        end,
+        v_noise,
+        remaining,
+        K,
     )
 
 
@@ -205,13 +254,15 @@ def no_contact(state, there, now, remaining, K):
         return NextEvent(REST, 0, True, 0.0, state)
     F = acceleration(x, v, now.c, constant_force(mode, K), K.cm, K.w0sq, K.f0)
     s, c = sine_and_cosine(theta, theta_low)
-    return NextEvent(MOVED, 0, True, 0.0, State(mode, 0, n, theta, x, v, F, F, S, t, t_low, s, c, theta_low))
+    return NextEvent(
+        MOVED, 0, True, 0.0, State(mode, 0, n, theta, x, v, F, F, S, t, t_low, s, c, theta_low)
+    )
 
 
 def never_leaves(start, S, lower, upper, domain, K):
     """Return whether v stays between two speeds forever, by the amplitudes of the steady motion and the transient."""
-    # `lower` and `upper` are the speeds of the belts around the domain, -inf and inf where there is none; S is the
-    # covariance of the errors of `start`.
+    # `lower` and `upper` are the speeds of the belts around the domain, -inf and inf where there is
+    # none; S is the covariance of the errors of `start`.
     if not K.steady or (K.w0 == 0.0 and K.cm == 0.0):
         return False
     v, F, s, c = start
@@ -219,30 +270,53 @@ def never_leaves(start, S, lower, upper, domain, K):
     if K.w0 == 0.0:
         mean = constant_force(domain, K) / K.cm
         free = free - mean
-        highest, lowest = mean + K.V0 + (free if free > 0.0 else 0.0), mean - K.V0 + (free if free < 0.0 else 0.0)
+        highest = mean + K.V0 + (free if free > 0.0 else 0.0)
+        lowest = mean - K.V0 + (free if free < 0.0 else 0.0)
     else:
         F_free = F - K.Om * (K.Ss * c - K.Sc * s)
         highest = K.V0 + sqrt(F_free * F_free + K.w0sq * free * free) / K.w0
         lowest = -highest
     # A swing that just touches a belt is an event.
-    slack = MARCH_SLACK * (highest - lowest + abs(highest) + abs(v)) + K.sigmas * sqrt(S.S22 + K.w0sq * S.S11)
+    slack = MARCH_SLACK * (highest - lowest + abs(highest) + abs(v)) + K.sigmas * sqrt(
+        S.S22 + K.w0sq * S.S11
+    )
     return lowest - slack > lower and highest + slack < upper
 
 
 def creeps_for_ever(state, K):
-    """Return whether a flight from `state` surely never meets a wall; it must have no drive and no oscillation."""
-    mode, v, F, S = state.mode, state.v, state.Fb, state.S
+    """Return whether a flight from `state` surely never meets a wall.
+
+    It must have no drive and no oscillation.
+    """
+    mode = state.mode
+    v = state.v
+    F = state.Fb
+    S = state.S
     terms = abs(constant_force(mode, K)) + abs(K.w0sq * state.x) + (K.cm - K.l2) * abs(v)
     noise = ROUNDING * EPS * terms + K.sigmas * (K.w0sq * sqrt(S.S11) + (K.cm - K.l2) * sqrt(S.S22))
     if mode > 1:
-        lower = K.belt1 if mode == 2 else K.belt2
-        kept = lower.limit_above >= 0.0 if K.w0 == 0.0 else F - K.l2 * (v - lower.v) > noise
-        kept = kept or (v == lower.v and F == 0.0 and lower.drift > 0.0)  # u begins with 0 and grows
+        if mode == 2:
+            lower = K.belt1
+        else:
+            lower = K.belt2
+        if K.w0 == 0.0:
+            kept = lower.limit_above >= 0.0
+        else:
+            kept = F - K.l2 * (v - lower.v) > noise
+        kept = kept or (
+            v == lower.v and F == 0.0 and lower.drift > 0.0
+        )  # u begins with 0 and grows
         if not kept or lower.drift < 0.0:
             return False
     if mode < 3:
-        upper = K.belt1 if mode == 1 else K.belt2
-        kept = upper.limit_below <= 0.0 if K.w0 == 0.0 else -F - K.l2 * (upper.v - v) > noise
+        if mode == 1:
+            upper = K.belt1
+        else:
+            upper = K.belt2
+        if K.w0 == 0.0:
+            kept = upper.limit_below <= 0.0
+        else:
+            kept = -F - K.l2 * (upper.v - v) > noise
         kept = kept or (v == upper.v and F == 0.0 and upper.drift < 0.0)
         if not kept or upper.drift > 0.0:
             return False
@@ -251,7 +325,11 @@ def creeps_for_ever(state, K):
 
 def flight_noise(state, now, K):
     """Return the rounding errors of x and v that accumulate on a flight from `state` to `now`."""
-    tau, v0, F0, S = abs(now.tau), state.v, state.Fb, state.S  # tau < 0: the last event was a rounding past the end
+    # tau < 0: the last event was a rounding past the end
+    tau = abs(now.tau)
+    v0 = state.v
+    F0 = state.Fb
+    S = state.S
     speed = abs(v0) + velocity_scale(tau, v0, F0, K)
     reach = select(tau < K.swing, tau, K.swing)
     # terms of the acceleration; behind a stick friction's jump was one of them
@@ -259,9 +337,12 @@ def flight_noise(state, now, K):
     jump = select(state.at == 1, K.belt1.J, K.belt2.J)
     forces = forces + select((state.at > 0) & (F0 == 0.0), jump, 0.0 * jump)
     x_noise = 1.25 * EPS * (abs(state.x) + (speed + forces * reach) * reach + abs(v0) * tau)
-    turned = 0.5 * K.w0 * tau * (abs(now.E0) + K.w0 * abs(now.E1))  # phase of the free oscillation, as far as it lasts
+    turned = (
+        0.5 * K.w0 * tau * (abs(now.E0) + K.w0 * abs(now.E1))
+    )  # phase of the free oscillation, as far as it lasts
     v_noise = 1.25 * EPS * ((2.0 + turned) * speed + forces * reach)
-    if K.lasting:  # then the errors of the constants, the same in every flight, add up: not as independent ones
+    # then the errors of the constants, the same in every flight, add up: not as independent ones
+    if K.lasting:
         x_noise = sqrt(x_noise * (x_noise + 2.0 * sqrt(S.S11)))
         v_noise = sqrt(v_noise * (v_noise + 2.0 * sqrt(S.S22)))
     return x_noise, v_noise
@@ -269,10 +350,15 @@ def flight_noise(state, now, K):
 
 def carried_error(S, now, x_noise, v_noise, K):
     """Carry the covariance S of (x, v) from launch to point `now`, and add the rounding errors x_noise and v_noise."""
-    # Perturbations obey the unforced equation in every domain, so the entire functions carry them: dx gains E1 dv, dv
-    # gains -(k/m) E1 dx. The rounding errors of the step are added.
-    E0, E1, S11, S12, S22 = now.E0, now.E1, S.S11, S.S12, S.S22
-    C, D = 1.0 - K.w0sq * now.E2, -K.w0sq * E1
+    # Perturbations obey the unforced equation in every domain, so the entire functions carry them:
+    # dx gains E1 dv, dv gains -(k/m) E1 dx. The rounding errors of the step are added.
+    E0 = now.E0
+    E1 = now.E1
+    S11 = S.S11
+    S12 = S.S12
+    S22 = S.S22
+    C = 1.0 - K.w0sq * now.E2
+    D = -K.w0sq * E1
     return Covariance(
         C * C * S11 + 2.0 * C * E1 * S12 + E1 * E1 * S22 + x_noise * x_noise,
         C * D * S11 + (C * E0 + E1 * D) * S12 + E1 * E0 * S22,
@@ -284,30 +370,57 @@ def carried_error(S, now, x_noise, v_noise, K):
 
 
 def meet_belt(there, end, v_noise, remaining, K):
-    """Return the NextEvent of a flight that meets a belt in state `there`: a graze, stick or crossing."""
-    # `there` is the State at the contact, in the domain that the flight comes from, `end` its FlightEnd, v_noise the
-    # rounding error of the velocity, and `remaining` the time to the end from the start of the flight. A vague contact
-    # that is no touch is a triple root: the velocity goes on through that of the belt, as far as friction lets it.
+    """Return the NextEvent of a flight that meets a belt in state `there`.
+
+    A graze, stick or crossing.
+    """
+    # `there` is the State at the contact, in the domain that the flight comes from, `end` its
+    # FlightEnd, v_noise the rounding error of the velocity, and `remaining` the time to the end
+    # from the start of the flight. A vague contact that is no touch is a triple root: the velocity
+    # goes on through that of the belt, as far as friction lets it.
     mode, boundary, n, theta, x, v, F, _, S, t, t_low, s, c, theta_low = there
-    belt, upward, now = (K.belt1 if boundary == 1 else K.belt2), end.side > 0, end.now
+    if boundary == 1:
+        belt = K.belt1
+    else:
+        belt = K.belt2
+    upward = end.side > 0
+    now = end.now
     G1, G2, G3 = derivatives(v, F, now.s, now.c, K)
     t_error = passing_time(sqrt(S.S22), F, G1, G2, K)
-    uncertainty = 2.0 * K.sigmas * t_error  # a gap that is F^2/(2 G1) deep is open if its error is as large as that
+    uncertainty = (
+        2.0 * K.sigmas * t_error
+    )  # a gap that is F^2/(2 G1) deep is open if its error is as large as that
     # As far as this precision tells the acceleration is 0 here.
     vague = end.code == TANGENCY or abs(F) <= (abs(G1) + abs(G2) * uncertainty) * uncertainty
     if vague and not (end.side * G2 > abs(G3) * uncertainty and abs(G1) <= abs(G2) * uncertainty):
         return graze_belt(there, G1, G2, G3, v_noise, now.tau, remaining, K)
     if vague:
         F = 0.0 * F
-    Fb, Fa = (F, F - belt.J) if upward else (F + belt.J, F)
+    if upward:
+        Fb, Fa = (F, F - belt.J)
+    else:
+        Fb, Fa = (F + belt.J, F)
     decided = not vague
-    other = Fa if upward else Fb
+    if upward:
+        other = Fa
+    else:
+        other = Fb
     small = abs(other) < NEAR_FORCE * belt.J
-    if small and abs(other) <= force_noise(F, now.tau, S.S11, belt, K) + K.sigmas * K.cm * sqrt(S.S22):
+    if small and abs(other) <= force_noise(F, now.tau, S.S11, belt, K) + K.sigmas * K.cm * sqrt(
+        S.S22
+    ):
         decided = False
-        Fb, Fa = (Fb, 0.0 * Fa) if upward else (0.0 * Fb, Fa)
+        if upward:
+            Fb, Fa = (Fb, 0.0 * Fa)
+        else:
+            Fb, Fa = (0.0 * Fb, Fa)
     if vague:
-        where = BELT if belt.J > 0.0 else DOMAIN_ABOVE if upward else DOMAIN_BELOW
+        if belt.J > 0.0:
+            where = BELT
+        elif upward:
+            where = DOMAIN_ABOVE
+        else:
+            where = DOMAIN_BELOW
     elif Fa > 0.0:
         where = DOMAIN_ABOVE
     elif Fb > 0.0 and Fa < 0.0:
@@ -317,39 +430,64 @@ def meet_belt(there, end, v_noise, remaining, K):
     else:
         where = resolve(v, Fb, Fa, now.s, now.c, K)
     if where == BELT:
-        S = Covariance(S.S11, 0.0 * S.S12, 0.0 * S.S22)  # the belt takes the error of the velocity away
-        held = State(ON_BELT + boundary, boundary, n, theta, x, v, Fb, Fa, S, t, t_low, s, c, theta_low)
+        S = Covariance(
+            S.S11, 0.0 * S.S12, 0.0 * S.S22
+        )  # the belt takes the error of the velocity away
+        held = State(
+            ON_BELT + boundary, boundary, n, theta, x, v, Fb, Fa, S, t, t_low, s, c, theta_low
+        )
         return NextEvent(STICK, boundary, decided, t_error, held)
-    out = Fa if where == DOMAIN_ABOVE else Fb
-    target = boundary + 1 if where == DOMAIN_ABOVE else boundary
+    if where == DOMAIN_ABOVE:
+        out = Fa
+    else:
+        out = Fb
+    if where == DOMAIN_ABOVE:
+        target = boundary + 1
+    else:
+        target = boundary
     if target == mode:  # a hit whose speed is lost in rounding
         zero = 0.0 * F
         touched = State(mode, boundary, n, theta, x, v, zero, zero, S, t, t_low, s, c, theta_low)
         return NextEvent(GRAZE, boundary, False, t_error, touched)
-    ratio = out / F if F != 0.0 else 1.0
+    if F != 0.0:
+        ratio = out / F
+    else:
+        ratio = 1.0
     S = Covariance(S.S11, ratio * S.S12, ratio * ratio * S.S22)
     crossed = State(target, boundary, n, theta, x, v, out, out, S, t, t_low, s, c, theta_low)
     return NextEvent(CROSS, boundary, decided, t_error, crossed)
 
 
 def graze_belt(there, G1, G2, G3, v_noise, tau, remaining, K):
-    """Return the NextEvent of a graze in state `there`, at `tau` after launch; G1 to G3 are v'' to v'''' there."""
+    """Return the NextEvent of a graze in state `there`, at `tau` after launch.
+
+    G1 to G3 are v'' to v'''' there.
+    """
     mode, boundary, n, theta, x, v, F, _, S, t, t_low, s, c, theta_low = there
-    if F * G1 < 0.0:  # from a crossing that is none as far as this precision tells to the touch behind
+    if (
+        F * G1 < 0.0
+    ):  # from a crossing that is none as far as this precision tells to the touch behind
         shift = min(-F / G1, remaining - tau)
         x = x + (v + (0.5 * F + SIXTH * G1 * shift) * shift) * shift
         n, theta, theta_low = advance_phase(n, theta, theta_low, shift, K)
         t, t_low = advance_time(t, t_low, shift, K)
         s, c = sine_and_cosine(theta, theta_low)
     t_error = passing_time(K.rate * (sqrt(S.S22) + v_noise), G1, G2, G3, K)
-    code = GRAZE if t_error < tau else FAILED  # a touch that may be anywhere in the flight is none
+    # a touch that may be anywhere in the flight is none
+    if t_error < tau:
+        code = GRAZE
+    else:
+        code = FAILED
     F = 0.0 * F
     touched = State(mode, boundary, n, theta, x, v, F, F, S, t, t_low, s, c, theta_low)
     return NextEvent(code, boundary, False, t_error, touched)
 
 
 def resolve(v, F_below, F_above, s, c, K):
-    """Return where a motion goes on from a belt: DOMAIN_BELOW, BELT or DOMAIN_ABOVE (Theorems 4, 5)."""
+    """Return where a motion goes on from a belt.
+
+    DOMAIN_BELOW, BELT or DOMAIN_ABOVE (Theorems 4, 5).
+    """
     # F_below - F_above = 2 mu FN/m >= 0 always, so the flow cannot leave on both sides at once.
     if following_sign(v, F_above, s, c, K) > 0:
         return DOMAIN_ABOVE
@@ -360,19 +498,28 @@ def resolve(v, F_below, F_above, s, c, K):
 
 def following_sign(v, F, s, c, K):
     """Return the sign of the force F on a belt or, if F = 0, of its first time derivative that is not 0; else 0."""
-    # v is the velocity of the belt, F the acceleration, which is exact (F = 0 means that it vanishes), and s, c are
-    # sine and cosine of the phase.
+    # v is the velocity of the belt, F the acceleration, which is exact (F = 0 means that it
+    # vanishes), and s, c are sine and cosine of the phase.
     if F != 0.0:
-        return 1 if F > 0.0 else -1
-    before, now, power = v, F, 1.0
-    drive_s, drive_c = K.fB * s, K.fB * c
+        if F > 0.0:
+            return 1
+        return -1
+    before = v
+    now = F
+    power = 1.0
+    drive_s = K.fB * s
+    drive_c = K.fB * c
     for _ in range(1, HIGHEST_ORDER):
         forcing = drive_s
         after = next_derivative(now, before, forcing, K.cm, K.w0sq)
         size = abs(forcing) + abs(K.cm * now) + abs(K.w0sq * before)
         if abs(after) > G_ROUNDING * EPS * (size + abs(K.fB) * power):
-            return 1 if after > 0.0 else -1
-        before, now, power = now, 0.0 * after, power * K.Om
+            if after > 0.0:
+                return 1
+            return -1
+        before = now
+        now = 0.0 * after
+        power = power * K.Om
         drive_s, drive_c = K.Om * drive_c, -K.Om * drive_s
     return 0
 
@@ -383,13 +530,20 @@ def following_sign(v, F, s, c, K):
 def after_stick(state, end, remaining, K):
     """Return the NextEvent that follows from `end`, the StickEnd found for the stick that begins in `state`."""
     mode, boundary, n, theta, x, v, Fb, Fa, S, t, t_low, _, _, theta_low = state
-    boundary, zero = mode - ON_BELT, 0.0 * Fb
-    belt = K.belt1 if boundary == 1 else K.belt2
+    boundary = mode - ON_BELT
+    zero = 0.0 * Fb
+    if boundary == 1:
+        belt = K.belt1
+    else:
+        belt = K.belt2
     code, side, tau, Delta, slope, bend, s, c = end
     if tau > remaining and code in (HIT, TANGENCY):
-        code, tau = NOTHING, remaining
+        code = NOTHING
+        tau = remaining
     if code == NOTHING and tau < remaining and belt.drift == 0.0 and tau >= K.period:
-        return NextEvent(REST, 0, True, 0.0, state)  # the forces repeat: no exit in one period means none ever
+        return NextEvent(
+            REST, 0, True, 0.0, state
+        )  # the forces repeat: no exit in one period means none ever
     noise = EPS * (abs(x) + 2.0 * abs(v) * tau)
     S = Covariance(S.S11 + noise * noise, zero, zero)
     x = x + v * tau
@@ -399,13 +553,27 @@ def after_stick(state, end, remaining, K):
         s, c = sine_and_cosine(theta, theta_low)
     t, t_low = advance_time(t, t_low, tau, K)
     if code == NOTHING:
-        held = State(mode, boundary, n, theta, x, v, Fb + Delta, Fa + Delta, S, t, t_low, s, c, theta_low)
+        held = State(
+            mode, boundary, n, theta, x, v, Fb + Delta, Fa + Delta, S, t, t_low, s, c, theta_low
+        )
         return NextEvent(END if tau >= remaining else MOVED, 0, True, 0.0, held)
     if code != HIT:
-        Fb, Fa = (zero, -belt.J) if side < 0 else (belt.J, zero)
+        if side < 0:
+            Fb, Fa = (zero, -belt.J)
+        else:
+            Fb, Fa = (belt.J, zero)
         held = State(mode, boundary, n, theta, x, v, Fb, Fa, S, t, t_low, s, c, theta_low)
-        return NextEvent(MOVED if code == TANGENCY else FAILED, 0 if code == TANGENCY else boundary, False, 0.0, held)
-    target = boundary if side < 0 else boundary + 1
+        return NextEvent(
+            MOVED if code == TANGENCY else FAILED,
+            0 if code == TANGENCY else boundary,
+            False,
+            0.0,
+            held,
+        )
+    if side < 0:
+        target = boundary
+    else:
+        target = boundary + 1
     terms = abs(constant_force(target, K)) + belt.J + abs(K.w0sq * x) + abs(K.cm * v) + abs(K.f0)
     force_error = K.w0sq * sqrt(S.S11) + EPS * (abs(belt.drift) * tau + terms)
     t_error = passing_time(force_error, slope, bend, K.fB * K.Om * K.Om, K)
@@ -417,7 +585,10 @@ def after_stick(state, end, remaining, K):
 
 
 def advance_phase(n, theta, theta_low, tau, K):
-    """Advance the phase theta + theta_low by the time `tau`; return (n, theta, theta_low), `n` counts whole periods."""
+    """Advance the phase theta + theta_low by the time `tau`.
+
+    Return (n, theta, theta_low), `n` counts whole periods.
+    """
     if tau == K.period:  # exactly
         return n + 1, theta, theta_low
     theta, theta_low = phase_after(theta, theta_low, tau, K)
@@ -426,7 +597,8 @@ def advance_phase(n, theta, theta_low, tau, K):
         theta = (theta - turns * TWO_PI) - turns * TWO_PI_REST
         n = n + turns
     while theta >= TWO_PI:
-        theta, theta_low = theta - TWO_PI, theta_low - TWO_PI_REST
+        theta = theta - TWO_PI
+        theta_low = theta_low - TWO_PI_REST
         n = n + 1
     return n, *in_two_parts(theta, theta_low)
 
@@ -438,14 +610,21 @@ def phase_after(theta, theta_low, tau, K):
     part = total - theta
     low = (theta - (total - part)) + (turn - part)
     _, rest = two_product(K.Om, tau)
-    return total, theta_low + select(abs(rest) < 1.0, low + rest, low)  # else out of the range of doubles
+    return total, theta_low + select(
+        abs(rest) < 1.0, low + rest, low
+    )  # else out of the range of doubles
 
 
 def in_two_parts(theta, theta_low):
-    """Return a phase theta + theta_low as (rounded, rest), with rounded >= 0; only the rest may be negative."""
+    """Return a phase theta + theta_low as (rounded, rest), with rounded >= 0.
+
+    Only the rest may be negative.
+    """
     total = theta + theta_low
     theta_low = theta_low - (total - theta)
-    return select(total < 0.0, 0.0 * total, total), select(total < 0.0, theta_low + total, theta_low)
+    return select(total < 0.0, 0.0 * total, total), select(
+        total < 0.0, theta_low + total, theta_low
+    )
 
 
 def advance_time(t, t_low, tau, K):
@@ -472,7 +651,10 @@ def passes_at_once(error, speed, second, third):
 
 
 def slow_passing_time(error, first, second, third, K):
-    """Return the least time in which one of three derivatives alone makes up for an `error`; at most 1/Omega."""
+    """Return the least time in which one of three derivatives alone makes up for an `error`.
+
+    At most 1/Omega.
+    """
     best = 1.0 / K.Om
     if error == 0.0:
         return 0.0 * best
@@ -480,14 +662,20 @@ def slow_passing_time(error, first, second, third, K):
         best = min(best, error / abs(first))
     if second != 0.0:
         best = min(best, sqrt(2.0 * error / abs(second)))
-    return min(best, (6.0 * error / abs(third)) ** (2.0 * SIXTH)) if third != 0.0 else best
+    if third != 0.0:
+        return min(best, (6.0 * error / abs(third)) ** (2.0 * SIXTH))
+    return best
 
 
 def time_with_errors(t, t_low, t0, x, v, t_error, S11, K):
     """Return the true time of an event (`clock_time`), and the standard errors of t and x, rounding included."""
-    # What a motion is locked to is the phase: the rounding of Omega is taken back in the time that it stands for.
+    # What a motion is locked to is the phase: the rounding of Omega is taken back in the time that
+    # it stands for.
     out = clock_time(t, t_low, t0, K)
-    t_error, x_error = t_error + EPS * (abs(out) + 0.25 * (t - t0)), abs(v) * t_error + sqrt(S11) + EPS * abs(x)
+    t_error, x_error = (
+        t_error + EPS * (abs(out) + 0.25 * (t - t0)),
+        abs(v) * t_error + sqrt(S11) + EPS * abs(x),
+    )
     return out, t_error, x_error
 
 
@@ -497,14 +685,16 @@ def time_with_errors(t, t_low, t0, x, v, t_error, S11, K):
 def advance_near(state, rough, found, free, t_end, t_end_low, K):
     """Advance `state` to its next event with many digits, beside the event `found` by doubles from `rough`.
 
-    `rough` is `state` in doubles. If `found` is undecided, no wall is met for the time `free` after `rough`.
+    `rough` is `state` in doubles. If `found` is undecided, no wall is met for the time `free` after
+    `rough`.
     """
-    # Doubles decide by more than the rounding of their start and their own. Where they are sure which contact is the
-    # first and how it is met, many digits would find the same one. So these begin at its time, take a step of Newton's
-    # method or two with the exact flow, and go on as after a search of their own. Where doubles see a touch they begin
-    # there too (`contact_at_dip`). They search themselves where the end found so is not the one expected, where doubles
-    # cannot decide otherwise, and where the end of the search is the question. The rounding of `rough` is a part of its
-    # error.
+    # Doubles decide by more than the rounding of their start and their own. Where they are sure
+    # which contact is the first and how it is met, many digits would find the same one. So these
+    # begin at its time, take a step of Newton's method or two with the exact flow, and go on as
+    # after a search of their own. Where doubles see a touch they begin there too
+    # (`contact_at_dip`). They search themselves where the end found so is not the one expected,
+    # where doubles cannot decide otherwise, and where the end of the search is the question. The
+    # rounding of `rough` is a part of its error.
     code, boundary, decided, t_error, there = found
     tau = (there.t - rough.t) + (there.t_low - rough.t_low)
     if K.creeps or not tau > 0.0:
@@ -513,20 +703,28 @@ def advance_near(state, rough, found, free, t_end, t_end_low, K):
     uncertainty = SEARCH_SIGMAS * t_error + TIME_ROUNDING * tau
     tau = 0.0 * remaining + tau  # as a number of the same kind
     if decided and code == SLIP:
-        belt = K.belt1 if boundary == 1 else K.belt2
+        if boundary == 1:
+            belt = K.belt1
+        else:
+            belt = K.belt2
         slip = slip_near(tau, uncertainty, -1 if there.mode == boundary else 1, state, belt, K)
         if slip.code == HIT:
             return after_stick(state, slip, remaining, K)
     elif state.mode <= ON_BELT and boundary > 0:
         start, walls = launched(state, K)
-        side = -1 if boundary < state.mode else 1
+        if boundary < state.mode:
+            side = -1
+        else:
+            side = 1
         if decided:
             end = contact_near(tau, uncertainty, side, start, walls, K)
         else:
             end = contact_at_dip(tau, free + 0.0 * tau, side, start, walls, state.S, K)
         if end.code == HIT:
             return after_flight(state, end, start, remaining, K)
-    elif decided and state.mode <= ON_BELT and code in (MOVED, END) and tau < USUAL_LENGTH * K.chunk:
+    elif (
+        decided and state.mode <= ON_BELT and code in (MOVED, END) and tau < USUAL_LENGTH * K.chunk
+    ):
         start, walls = launched(state, K)
         now = state_at(remaining if remaining < K.chunk else K.chunk, start, K)
         if not ends_beside_wall(state, now, K):
@@ -535,9 +733,14 @@ def advance_near(state, rough, found, free, t_end, t_end_low, K):
 
 
 def free_time(state, K):
-    """Return a time during which the flight from `state` surely meets no wall, by fixed steps; 0 if they fail."""
+    """Return a time during which the flight from `state` surely meets no wall, by fixed steps.
+
+    0 if they fail.
+    """
     if state.mode > ON_BELT or not K.apart:
         return 0.0 * state.v
     start, walls = launched(state, K)
     begin, flat, _, margin = search_begin(K.chunk, start, walls, state.S, K)
-    return 0.0 * state.v if flat else march(K.chunk, start.v, begin, walls, margin, K).now.tau
+    if flat:
+        return 0.0 * state.v
+    return march(K.chunk, start.v, begin, walls, margin, K).now.tau

@@ -1,7 +1,7 @@
 """How a motion starts: an exact initial value problem, and its first state in any arithmetic.
 
-What a motion does from a point of a belt is decided here for all who ask: single motions, batches, maps, orbits and
-crosschecks.
+What a motion does from a point of a belt is decided here for all who ask: single motions, batches,
+maps, orbits and crosschecks.
 """
 
 from __future__ import annotations
@@ -29,7 +29,8 @@ Phase: TypeAlias = tuple[Number, Number]
 
 # Digits beyond those of the numbers of a problem, for a force that is 0 or not.
 SPARE_DIGITS = 40
-# A force on a belt at the start that is smaller than this part of its terms is decided with more digits.
+# A force on a belt at the start that is smaller than this part of its terms is decided with more
+# digits.
 CLEAR_FORCE = 1e-9
 # A motion is searched period by period: more than this many would take hours.
 MOST_PERIODS = 10**8
@@ -38,7 +39,10 @@ MOST_CORRECTIONS = 8  # each of them doubles the digits
 
 @dataclass(frozen=True)
 class Start:
-    """An exact initial value problem; `start_error` holds the half-widths of t0, x0 and v0 (None: exact)."""
+    """An exact initial value problem.
+
+    `start_error` holds the half-widths of t0, x0 and v0 (None: exact).
+    """
 
     parameters: Parameters
     t0: Fraction
@@ -55,12 +59,19 @@ class Start:
     def spare_digits(self) -> int:
         """The number of digits beyond the usual that resolve v0 - v1, v0 - v2 and the errors of the start."""
         p = self.parameters
-        small = [abs(value) for value in (*(self.start_error or ()), self.v0 - p.v1, self.v0 - p.v2) if value != 0]
+        small = [
+            abs(value)
+            for value in (*(self.start_error or ()), self.v0 - p.v1, self.v0 - p.v2)
+            if value != 0
+        ]
         return max(0, *(ceil(-log10(value)) for value in small))
 
 
 class BeltStart(NamedTuple):
-    """How a motion goes on from a point of a belt (Theorems 4 and 5): its mode, and both accelerations."""
+    """How a motion goes on from a point of a belt (Theorems 4 and 5).
+
+    Its mode, and both accelerations.
+    """
 
     boundary: int
     mode: int  # that it goes on in
@@ -69,39 +80,70 @@ class BeltStart(NamedTuple):
 
     @property
     def forces(self) -> tuple[Number, Number]:
-        """Both accelerations in the first state: those on either side in a stick, else one value for both."""
+        """Both accelerations in the first state.
+
+        Those on either side in a stick, else one value for both.
+        """
         if self.mode > ON_BELT:
             return self.below, self.above
-        force = self.above if self.mode > self.boundary else self.below
+        if self.mode > self.boundary:
+            force = self.above
+        else:
+            force = self.below
         return force, force
 
 
-def belt_start(boundary: int, x: Number, phase: Phase, arithmetic: Arithmetic, allowed: Number = 0) -> BeltStart:
-    """Decide how a motion goes on at `x` of a belt (Theorems 4 and 5); forces up to `allowed` in size count as 0."""
-    # A force that is not larger than `allowed` is 0: then its first G-function that does not vanish decides.
+def belt_start(
+    boundary: int, x: Number, phase: Phase, arithmetic: Arithmetic, allowed: Number = 0
+) -> BeltStart:
+    """Decide how a motion goes on at `x` of a belt (Theorems 4 and 5).
+
+    Forces up to `allowed` in size count as 0.
+    """
+    # A force that is not larger than `allowed` is 0: then its first G-function that does not vanish
+    # decides.
     K = arithmetic.K
-    v, (s, c) = (K.belt1 if boundary == 1 else K.belt2).v, phase
-    below, above = (0 * force if abs(force) <= allowed else force for force in belt_forces(boundary, x, c, K))
+    v = (K.belt1 if boundary == 1 else K.belt2).v
+    (s, c) = phase
+    below, above = (
+        0 * force if abs(force) <= allowed else force for force in belt_forces(boundary, x, c, K)
+    )
     where = arithmetic.namespace["resolve"](v, below, above, s, c, K)
-    mode = ON_BELT + boundary if where == BELT else boundary + (where == DOMAIN_ABOVE)
+    if where == BELT:
+        mode = ON_BELT + boundary
+    else:
+        mode = boundary + (where == DOMAIN_ABOVE)
     return BeltStart(boundary, mode, below, above)
 
 
 def belt_state(
-    start: BeltStart, clock: tuple[int, Number], phase: Phase, x: Number, S: Covariance, K: Constants
+    start: BeltStart,
+    clock: tuple[int, Number],
+    phase: Phase,
+    x: Number,
+    S: Covariance,
+    K: Constants,
 ) -> State:
     """Return the State at time 0 of a start on a belt, from `clock` (periods, theta) and `phase` (sine, cosine)."""
-    v, zero = (K.belt1 if start.boundary == 1 else K.belt2).v, 0 * x
-    return State(start.mode, start.boundary, *clock, x, v, *start.forces, S, zero, zero, *phase, zero)
+    v = (K.belt1 if start.boundary == 1 else K.belt2).v
+    zero = 0 * x
+    return State(
+        start.mode, start.boundary, *clock, x, v, *start.forces, S, zero, zero, *phase, zero
+    )
 
 
 def start_rows(
-    at: np.ndarray, phase: tuple[np.ndarray, Any], x: np.ndarray, v: np.ndarray, times: Sequence[Any], K: Any
+    at: np.ndarray,
+    phase: tuple[np.ndarray, Any],
+    x: np.ndarray,
+    v: np.ndarray,
+    times: Sequence[Any],
+    K: Any,
 ) -> tuple[np.ndarray, np.ndarray]:
     """Return batch rows for columns of starts, and flags of starts on a belt where a force may be 0 in doubles.
 
-    `at` is the belt or 0, `phase` holds theta and theta_low, and `times` t, t_low, t_end, t_end_low and t0; `K` has the
-    constants, for all rows or one for each.
+    `at` is the belt or 0, `phase` holds theta and theta_low, and `times` t, t_low, t_end, t_end_low
+    and t0; `K` has the constants, for all rows or one for each.
     """
     mode = np.where(at > 0, at, 1 + (v > K.belt1.v) + (v > K.belt2.v))
     theta, theta_low = phase
@@ -112,54 +154,94 @@ def start_rows(
     below, above = (acceleration(x, v, c, A, K.cm, K.w0sq, K.f0) for A in (A_below, A_above))
     terms = np.maximum(abs(A_below), abs(A_above)) + abs(K.f0) + abs(K.w0sq * x) + abs(K.cm * v)
     unclear = (at > 0) & (np.minimum(abs(below), abs(above)) <= CLEAR_FORCE * terms)
-    up, down = (at > 0) & (above > 0.0), (at > 0) & (below < 0.0)
+    up = (at > 0) & (above > 0.0)
+    down = (at > 0) & (below < 0.0)
     held = (at > 0) & ~up & ~down
     below, above = np.where(up, above, below), np.where(up | held, above, below)
-    zero, S22 = np.zeros(len(at)), np.where(at > 0, 0.0, EPS * v) ** 2
+    zero = np.zeros(len(at))
+    S22 = np.where(at > 0, 0.0, EPS * v) ** 2
     t, t_low, *ends = times
-    columns = [np.where(held, ON_BELT + at, mode + up), at, zero, theta, x, v, below, above, (EPS * x) ** 2, zero, S22]
-    return np.stack(np.broadcast_arrays(*columns, t, t_low, *ends, s, c, theta_low), axis=1), unclear
+    columns = [
+        np.where(held, ON_BELT + at, mode + up),
+        at,
+        zero,
+        theta,
+        x,
+        v,
+        below,
+        above,
+        (EPS * x) ** 2,
+        zero,
+        S22,
+    ]
+    return np.stack(
+        np.broadcast_arrays(*columns, t, t_low, *ends, s, c, theta_low), axis=1
+    ), unclear
 
 
 def force_terms(boundary: int, x: Number, K: Constants) -> Number:
     """Return the size of the terms of the forces on a belt, the scale of their rounding errors."""
-    v, A = (K.belt1 if boundary == 1 else K.belt2).v, (constant_force(n, K) for n in (boundary, boundary + 1))
+    v = (K.belt1 if boundary == 1 else K.belt2).v
+    A = (constant_force(n, K) for n in (boundary, boundary + 1))
     return max(map(abs, A)) + abs(K.f0) + abs(K.w0sq * x) + abs(K.cm * v)
 
 
 def first_state(start: Start, arithmetic: Arithmetic) -> State:
-    """Return the first State of a motion in the given arithmetic; its count of forcing periods is 0 at t0."""
-    # On a belt the forces decide where it goes (`belt_start`). Where one of them may be 0 that is decided with more
-    # digits than the numbers of the problem have together: at t0 = 0 the forces are rational, and so this is exact. A
-    # force that the error of the start can make 0 is 0.
-    p, K, number = start.parameters, arithmetic.K, arithmetic.number
+    """Return the first State of a motion in the given arithmetic.
+
+    Its count of forcing periods is 0 at t0.
+    """
+    # On a belt the forces decide where it goes (`belt_start`). Where one of them may be 0 that is
+    # decided with more digits than the numbers of the problem have together: at t0 = 0 the forces
+    # are rational, and so this is exact. A force that the error of the start can make 0 is 0.
+    p = start.parameters
+    K = arithmetic.K
+    number = arithmetic.number
     eps = arithmetic.namespace["EPS"]
-    x, v, (theta, theta_low) = number(start.x0), number(start.v0), arithmetic.phase(start.t0)
+    x = number(start.x0)
+    v = number(start.v0)
+    (theta, theta_low) = arithmetic.phase(start.t0)
     phase: Phase = arithmetic.namespace["sine_and_cosine"](theta, theta_low)
-    at = 1 if start.v0 == p.v1 else 2 if start.v0 == p.v2 else 0
+    if start.v0 == p.v1:
+        at = 1
+    elif start.v0 == p.v2:
+        at = 2
+    else:
+        at = 0
     if at:
         begun = belt_start(at, x, phase, arithmetic)
         clear = CLEAR_FORCE * force_terms(at, x, K) + reach_of_error(start, arithmetic)
         if min(abs(begun.below), abs(begun.above)) <= clear:
             exact = _decided_start(start, at)
-            below, above = arithmetic.rounded(exact.below), arithmetic.rounded(exact.above)
+            below = arithmetic.rounded(exact.below)
+            above = arithmetic.rounded(exact.above)
             begun = exact._replace(below=below, above=above)
-        mode, (Fb, Fa) = begun.mode, begun.forces
+        mode = begun.mode
+        (Fb, Fa) = begun.forces
     else:
-        mode = 1 if start.v0 < p.v1 else 2 if start.v0 < p.v2 else 3
+        if start.v0 < p.v1:
+            mode = 1
+        elif start.v0 < p.v2:
+            mode = 2
+        else:
+            mode = 3
         Fb = Fa = acceleration(x, v, phase[1], constant_force(mode, K), K.cm, K.w0sq, K.f0)
     S = Covariance((eps * x) * (eps * x), 0 * x, 0 * v if at else (eps * v) * (eps * v))
     if start.start_error:
         dt, dx, dv = (number(error) for error in start.start_error)
-        # Half-widths, no standard errors: with the factor 3 no sum of the three is underestimated (Cauchy-Schwarz).
+        # Half-widths, no standard errors: with the factor 3 no sum of the three is underestimated
+        # (Cauchy-Schwarz).
         S12 = 3 * v * Fb * dt**2
-        S = Covariance(S.S11 + 3 * (dx**2 + (v * dt) ** 2), S12, S.S22 + 3 * (dv**2 + (Fb * dt) ** 2))
+        S = Covariance(
+            S.S11 + 3 * (dx**2 + (v * dt) ** 2), S12, S.S22 + 3 * (dv**2 + (Fb * dt) ** 2)
+        )
     return State(mode, at, 0, theta, x, v, Fb, Fa, S, *arithmetic.time(start.t0), *phase, theta_low)
 
 
 def reach_of_error(start: Start, arithmetic: Arithmetic) -> Number:
     """Return the largest change of the forces on a belt that the error of the start may cause."""
-    K, number = arithmetic.K, arithmetic.number
+    K = arithmetic.K
+    number = arithmetic.number
     dt, dx, dv = (number(error) for error in start.start_error or (Fraction(0),) * 3)
     return K.w0sq * (dx + abs(number(start.v0)) * dt) + K.cm * dv + abs(K.fB) * dt
 
@@ -168,7 +250,9 @@ def _decided_start(start: Start, boundary: int) -> BeltStart:
     """Decide whether a motion sticks or leaves at its start on a belt, with enough digits to tell a force from 0."""
     p = start.parameters
     numbers = [start.t0, start.x0, start.v0, *by_name(p).values()]
-    digits = SPARE_DIGITS + sum(len(str(abs(q.numerator))) + len(str(q.denominator)) for q in numbers)
+    digits = SPARE_DIGITS + sum(
+        len(str(abs(q.numerator))) + len(str(q.denominator)) for q in numbers
+    )
     arithmetic = MpArithmetic(p, digits)
     x = arithmetic.number(start.x0)
     rounding = ROUNDING * arithmetic.namespace["EPS"] * force_terms(boundary, x, arithmetic.K)
@@ -178,7 +262,9 @@ def _decided_start(start: Start, boundary: int) -> BeltStart:
 
 def last_time(start: Start, arithmetic: Arithmetic) -> tuple[Number, Number]:
     """Return the end time in two parts: t_end, but at most MOST_PERIODS of the drive after t0."""
-    periods = Fraction(MOST_PERIODS * 44, 7) / start.parameters.Omega  # 44/7 is a little more than 2 pi
+    periods = (
+        Fraction(MOST_PERIODS * 44, 7) / start.parameters.Omega
+    )  # 44/7 is a little more than 2 pi
     return arithmetic.time(min(start.t_end, start.t0 + periods))
 
 
@@ -188,13 +274,18 @@ def first_row(start: Start, arithmetic: Arithmetic) -> list[Number]:
 
 
 def is_steady(start: Start) -> bool:
-    """Return whether a start at t0 = 0 lies exactly on the periodic motion of its domain; False for any other t0."""
+    """Return whether a start at t0 = 0 lies exactly on the periodic motion of its domain.
+
+    False for any other t0.
+    """
     p = start.parameters
-    pull, drag = p.k - p.m * p.Omega**2, p.c * p.Omega
+    pull = p.k - p.m * p.Omega**2
+    drag = p.c * p.Omega
     size = pull * pull + drag * drag
     if start.t0 != 0 or size == 0 or start.start_error:
         return False
-    x, v = p.B0 * pull / size, p.B0 * drag * p.Omega / size
+    x = p.B0 * pull / size
+    v = p.B0 * drag * p.Omega / size
     if p.k == 0:
         return p.c > 0 and any(start.v0 == v + p.A(domain) / p.c for domain in (1, 2, 3))
     return start.v0 == v and any(start.x0 == x + p.A(domain) / p.k for domain in (1, 2, 3))
@@ -202,8 +293,8 @@ def is_steady(start: Start) -> bool:
 
 def settles(start: Start) -> bool:
     """Return whether a start off the belts comes to rest without a contact, decided in rational numbers."""
-    # The conditions are those of `symosc.engine.next_event`. The sign of u = g' + (h + w) g >= 0 follows from the
-    # squares of its two parts.
+    # The conditions are those of `symosc.engine.next_event`. The sign of u = g' + (h + w) g >= 0
+    # follows from the squares of its two parts.
     p = start.parameters
     if p.B0 != 0 or start.start_error or start.v0 in (p.v1, p.v2):
         return False
@@ -224,45 +315,72 @@ def settles(start: Start) -> bool:
 
 
 def rounded(state: State, t0: float, gain: float) -> State:
-    """Round a state to doubles and add this rounding to its error; `gain` is the relative rounding error of Omega."""
+    """Round a state to doubles and add this rounding to its error.
+
+    `gain` is the relative rounding error of Omega.
+    """
     mode, at, n, theta, x, v, Fb, Fa, S, t, t_low, s, c, theta_low = state
-    high, phase, x, v = float(t), float(theta), float(x), float(v)
+    high = float(t)
+    phase = float(theta)
+    x = float(x)
+    v = float(v)
     low = float(t - high + t_low) - (high - t0) * gain  # see `symosc.engine.flow.clock_time`
     S = Covariance(*rounded_covariance(at, x, v, float(S.S11), float(S.S12), float(S.S22)))
     rest = float(theta - phase + theta_low)
-    return State(mode, at, n, phase, x, v, float(Fb), float(Fa), S, high, low, float(s), float(c), rest)
+    return State(
+        mode, at, n, phase, x, v, float(Fb), float(Fa), S, high, low, float(s), float(c), rest
+    )
 
 
 def continued(state: State, eps: Fraction, arithmetic: MpArithmetic) -> State:
     """Convert a state to the digits of `arithmetic`, and add its earlier relative rounding `eps` to its error."""
-    # Phase and time have the rounding too: it is an error of x and v that such a part of a period makes. Where the
-    # force is 0, at the end of a stick or a touch, the time is made right to all digits: else a force would act for
-    # ever.
-    K, rounded, S = arithmetic.K, arithmetic.rounded, state.S
-    theta, t, x, v = rounded(state.theta) + state.theta_low, rounded(state.t) + state.t_low, rounded(state.x), state.v
-    v = (K.belt1 if state.at == 1 else K.belt2).v if state.at else rounded(v)
+    # Phase and time have the rounding too: it is an error of x and v that such a part of a period
+    # makes. Where the force is 0, at the end of a stick or a touch, the time is made right to all
+    # digits: else a force would act for ever.
+    K = arithmetic.K
+    rounded = arithmetic.rounded
+    S = state.S
+    theta = rounded(state.theta) + state.theta_low
+    t = rounded(state.t) + state.t_low
+    x = rounded(state.x)
+    v = state.v
+    if state.at:
+        v = (K.belt1 if state.at == 1 else K.belt2).v
+    else:
+        v = rounded(v)
 
     def forces() -> tuple[Number, Number]:
         if state.mode > ON_BELT:
             return belt_forces(state.at, x, phase[1], K)
-        return (acceleration(x, v, phase[1], constant_force(state.mode, K), K.cm, K.w0sq, K.f0),) * 2
+        return (
+            acceleration(x, v, phase[1], constant_force(state.mode, K), K.cm, K.w0sq, K.f0),
+        ) * 2
 
     turn = arithmetic.namespace["sine_and_cosine"]
     phase: Phase = turn(theta, 0 * theta)
-    part, missing = K.period * arithmetic.number(eps), 0 * x
+    part = K.period * arithmetic.number(eps)
+    missing = 0 * x
     Fb, Fa = forces()
     if state.mode <= ON_BELT and state.Fb == 0:
         for _ in range(MOST_CORRECTIONS):
             slope = K.fB * phase[0] + K.w0sq * v
-            shift = Fb / slope if abs(Fb) <= abs(slope) * K.period else 0 * x
-            theta, t, x = theta + K.Om * shift, t + shift, x + v * shift
+            if abs(Fb) <= abs(slope) * K.period:
+                shift = Fb / slope
+            else:
+                shift = 0 * x
+            theta = theta + K.Om * shift
+            t = t + shift
+            x = x + v * shift
             phase = turn(theta, 0 * theta)
             Fb, Fa = forces()
             if abs(shift) <= arithmetic.namespace["EPS"] * K.period:
                 break
-        Fb, Fa, missing = 0 * x, 0 * x, abs(Fb) * K.period
+        missing = abs(Fb) * K.period
+        Fa = 0 * x
+        Fb = 0 * x
     Fb, Fa = (0 * x if given == 0 else force for given, force in ((state.Fb, Fb), (state.Fa, Fa)))
-    dx, dv = (abs(x) / K.period + abs(v)) * part, missing
+    dx = (abs(x) / K.period + abs(v)) * part
+    dv = missing
     if state.mode <= ON_BELT:
         dv = dv + (abs(Fb) + (0 if state.at else abs(v) / K.period)) * part
     S = Covariance(S.S11 + dx * dx, rounded(S.S12), S.S22 + dv * dv)

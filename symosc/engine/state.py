@@ -1,7 +1,7 @@
 """The engine's codes for modes and events, and its named tuples for states and search results.
 
-Codes are plain integers and states are NamedTuples of numbers, whole numbers and flags, because numba compiles both
-into registers; so they serve floats, pairs and mpmath numbers alike.
+Codes are plain integers and states are NamedTuples of numbers, whole numbers and flags, because
+numba compiles both into registers; so they serve floats, pairs and mpmath numbers alike.
 """
 
 from __future__ import annotations
@@ -10,16 +10,34 @@ from typing import NamedTuple
 
 from symosc.aliases import Number
 
-# Modes are those of `symosc.model.MODE_NAMES`: 1, 2, 3 a domain, ON_BELT + 1 and ON_BELT + 2 a stick on belt 1 and 2.
+# Modes are those of `symosc.model.MODE_NAMES`: 1, 2, 3 a domain, ON_BELT + 1 and ON_BELT + 2 a
+# stick on belt 1 and 2.
 ON_BELT = 3
 # What a step ends with; the first four are the kinds of events.
-CROSS, STICK, SLIP, GRAZE, MOVED, END, REST, FAILED = 1, 2, 3, 4, 5, 6, 7, 8
-# What a search along a flight or a stick ends with; LOST: the gap is, and stays, 0 within its error.
-NOTHING, HIT, TANGENCY, STALLED, LOST = 0, 1, 2, 3, 4
+CROSS = 1
+STICK = 2
+SLIP = 3
+GRAZE = 4
+MOVED = 5
+END = 6
+REST = 7
+FAILED = 8
+# What a search along a flight or a stick ends with; LOST: the gap is, and stays, 0 within its
+# error.
+NOTHING = 0
+HIT = 1
+TANGENCY = 2
+STALLED = 3
+LOST = 4
 # Where a motion goes from a point of a belt.
-DOMAIN_BELOW, DOMAIN_ABOVE, BELT = -1, 1, 0
+DOMAIN_BELOW = -1
+DOMAIN_ABOVE = 1
+BELT = 0
 # What a trajectory of a batch ended with, beside the codes of a step.
-RUNNING, FULL, UNDECIDED, INEXACT = 0, -1, -2, -3
+RUNNING = 0
+FULL = -1
+UNDECIDED = -2
+INEXACT = -3
 NEEDS_DIGITS = (UNDECIDED, INEXACT)
 
 
@@ -32,14 +50,19 @@ class Covariance(NamedTuple):
 
 
 class State(NamedTuple):
-    """The state of a motion at an event or between events: mode, phase, x, v, accelerations, error and time."""
+    """The state of a motion at an event or between events.
 
-    # Phase and time are both carried, each in two parts: Omega t loses no digits however large t becomes, and t none
-    # however slow the drive is. Sine and cosine of the phase come from the search, and anew from theta in each forcing
-    # period, so that their rounding errors do not add up.
+    Mode, phase, x, v, accelerations, error and time.
+    """
+
+    # Phase and time are both carried, each in two parts: Omega t loses no digits however large t
+    # becomes, and t none however slow the drive is. Sine and cosine of the phase come from the
+    # search, and anew from theta in each forcing period, so that their rounding errors do not add
+    # up.
 
     mode: int
-    at: int  # 1, 2 if the state is on that belt at the beginning of a flight or during a stick, else 0
+    # 1, 2 if the state is on that belt at the beginning of a flight or during a stick, else 0
+    at: int
     n: int  # forcing periods completed
     theta: Number  # Omega t mod 2 pi
     x: Number
@@ -55,7 +78,10 @@ class State(NamedTuple):
 
 
 class NextEvent(NamedTuple):
-    """The result of one step: code (event, END, REST: none to come, MOVED: none yet, FAILED), belt or 0, new state."""
+    """The result of one step.
+
+    Code (event, END, REST: none to come, MOVED: none yet, FAILED), belt or 0, new state.
+    """
 
     code: int
     boundary: int
@@ -74,7 +100,10 @@ class Launch(NamedTuple):
 
 
 class Flown(NamedTuple):
-    """A point of a flight at `tau` after its launch: gains of x and v, derivatives of v, phase, and E0, E1, E2."""
+    """A point of a flight at `tau` after its launch.
+
+    Gains of x and v, derivatives of v, phase, and E0, E1, E2.
+    """
 
     tau: Number
     dx: Number  # what x and v have gained
@@ -102,7 +131,10 @@ class Walls(NamedTuple):
 
 
 class FlightEnd(NamedTuple):
-    """The result of a search along a flight: code (NOTHING, HIT, TANGENCY, STALLED), side of the wall, point."""
+    """The result of a search along a flight.
+
+    Code (NOTHING, HIT, TANGENCY, STALLED), side of the wall, point.
+    """
 
     code: int
     side: int
@@ -110,7 +142,10 @@ class FlightEnd(NamedTuple):
 
 
 class StickEnd(NamedTuple):
-    """The result of a search along a stick: code (NOTHING, HIT, TANGENCY, STALLED), side of the slip, and time."""
+    """The result of a search along a stick.
+
+    Code (NOTHING, HIT, TANGENCY, STALLED), side of the slip, and time.
+    """
 
     code: int
     side: int

@@ -1,22 +1,24 @@
 """The summary of a motion, updated at every step, in memory independent of the number of events.
 
-A step of the event loop (`symosc.engine.next_event.advance`) is a flight or a stick without an event inside. The events
-at their ends are always counted. Where it is asked for, also the share of the time on belts, the extremes, and the
-sections that the motion passes. Sections are where a forcing period ends, Omega t = 2 pi n; the mappings between two of
-them make a word. An event so near a section that its error could move it across belongs to the period that begins
-there. Of a section the state is kept from which it is reached; only those that are asked for, or that words do not
-already distinguish, are computed, once, at the end (`settle`).
+A step of the event loop (`symosc.engine.next_event.advance`) is a flight or a stick without an
+event inside. The events at their ends are always counted. Where it is asked for, also the share of
+the time on belts, the extremes, and the sections that the motion passes. Sections are where a
+forcing period ends, Omega t = 2 pi n; the mappings between two of them make a word. An event so
+near a section that its error could move it across belongs to the period that begins there. Of a
+section the state is kept from which it is reached; only those that are asked for, or that words do
+not already distinguish, are computed, once, at the end (`settle`).
 
-Extremes: the belts bound the velocity of a flight, so mostly one or two of the four are in question. A flight lies
-within the extremes so far if one like it, whose own extremes are known, lies far enough within (`lies_within`). Any
-other is searched. A cell of it lies within the extremes found if the bounds of `symosc.engine.first_exit`, taken at
-both of its ends, say so: v and x minus an extreme are gaps like those to a belt. Any other cell is cut, at a stationary
-point where there is one between its ends, and each new end is evaluated exactly. So no extreme is missed.
+Extremes: the belts bound the velocity of a flight, so mostly one or two of the four are in
+question. A flight lies within the extremes so far if one like it, whose own extremes are known,
+lies far enough within (`lies_within`). Any other is searched. A cell of it lies within the extremes
+found if the bounds of `symosc.engine.first_exit`, taken at both of its ends, say so: v and x minus
+an extreme are gaps like those to a belt. Any other cell is cut, at a stationary point where there
+is one between its ends, and each new end is evaluated exactly. So no extreme is missed.
 
-Arguments that many functions share: `i` is the number of the motion, `tally` holds the tallies of all, `t0` is its
-start and `K` its constants. `seen` and `own` are extremes, of the motion and of one flight, and `open_ends` says which
-of them are in question. `start` is the Launch of a flight at position `x0`; `now` and `then` are points of it, and `M4`
-bounds the fourth derivative of v.
+Arguments that many functions share: `i` is the number of the motion, `tally` holds the tallies of
+all, `t0` is its start and `K` its constants. `seen` and `own` are extremes, of the motion and of
+one flight, and `open_ends` says which of them are in question. `start` is the Launch of a flight at
+position `x0`; `now` and `then` are points of it, and `M4` bounds the fourth derivative of v.
 
 All functions are scalar and run on floats (CPython, numba).
 """
@@ -30,7 +32,14 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from symosc.engine.first_exit import NEAR, fourth_derivative_bound, positive_on, shifted
-from symosc.engine.flow import clock_time, constant_force, derivatives, sine_and_cosine, speeds_around, state_at
+from symosc.engine.flow import (
+    clock_time,
+    constant_force,
+    derivatives,
+    sine_and_cosine,
+    speeds_around,
+    state_at,
+)
 from symosc.engine.next_event import TWO_PI, advance_phase
 from symosc.engine.state import END, GRAZE, ON_BELT, REST, STICK, Flown, Launch, State
 from symosc.kernels._generated import acceleration, motion
@@ -38,42 +47,64 @@ from symosc.kernels.elementary import cos, sin
 from symosc.kernels.entire import EPS, SIXTH, basis_with_drive
 from symosc.words import MAPS
 
-# Columns of `Tally.floats`: time that is left out, stuck time, extremes, the last state, and the extremes of the ends
-# of steps alone.
-SKIPPED, STUCK, X_MIN, X_MAX, V_MIN, V_MAX, T_LAST, X_LAST, V_LAST, X_LOW, X_HIGH, V_LOW, V_HIGH = range(13)
-# Columns of `Tally.ints`: events and sticks; the belt of the last event; sections so far; whether the word began at a
-# section, whether the next section comes just behind the last event; lengths of the word now and of the last one; the
-# code of the word now; flights that were searched for extremes, and the one of them that the last flight was like.
-EVENTS_SO_FAR, STICKS, PLANE, SECTIONS, WHOLE, EARLY, LENGTH, LAST_LENGTH, CODE, SEARCHED, LIKE = range(11)
-# Columns of `Tally.flights`: domain, phase, position and velocity at the launch, duration, and own extremes from there.
+# Columns of `Tally.floats`: time that is left out, stuck time, extremes, the last state, and the
+# extremes of the ends of steps alone.
+SKIPPED, STUCK, X_MIN, X_MAX, V_MIN, V_MAX, T_LAST, X_LAST, V_LAST, X_LOW, X_HIGH, V_LOW, V_HIGH = (
+    range(13)
+)
+# Columns of `Tally.ints`: events and sticks; the belt of the last event; sections so far; whether
+# the word began at a section, whether the next section comes just behind the last event; lengths of
+# the word now and of the last one; the code of the word now; flights that were searched for
+# extremes, and the one of them that the last flight was like.
+EVENTS_SO_FAR, STICKS, PLANE, SECTIONS, WHOLE, EARLY, LENGTH, LAST_LENGTH, CODE, SEARCHED, LIKE = (
+    range(11)
+)
+# Columns of `Tally.flights`: domain, phase, position and velocity at the launch, duration, and own
+# extremes from there.
 MODE, THETA, X, V, DURATION, OWN = range(6)
 KEPT_FLIGHTS = 8
-# Columns of `Tally.sections`: whether a flight reaches it, since when, the state at its launch, and the variances.
+# Columns of `Tally.sections`: whether a flight reaches it, since when, the state at its launch, and
+# the variances.
 FLIES, SINCE, FROM_THETA, FROM_X, FROM_V, FROM_F, S11_THERE, S22_THERE = range(8)
-# An event, or the end of a motion, is at a section if its phase is not farther from it, beside its error.
-AT_SECTION, MOST_AT_SECTION = 1e-9, 1e-3
-# Words of a period are compared by a number; of up to 17 mappings by all of them. Small enough for 64 bits.
+# An event, or the end of a motion, is at a section if its phase is not farther from it, beside its
+# error.
+AT_SECTION = 1e-9
+MOST_AT_SECTION = 1e-3
+# Words of a period are compared by a number; of up to 17 mappings by all of them. Small enough for
+# 64 bits.
 WORD_MODULUS = 2**56 - 5
 TRANSIENT = 45.0  # a transient is over after so many of its decay times
 MOST_REST_STEPS = 2**62
 LEAST_RING = 2  # with a ring of one section a way over two of them would count as one without end
 LONGEST_REPEAT = 32  # periods after which a motion may repeat, at most
-# Two sections are the same if they differ by less than this part of the motion's extent, and this times their errors.
-SAME_PART, SAME_ERRORS = 1e-6, 8.0
-# How far beyond an extreme a bound may be, as a part of the extremes' size: some units in the last place.
+# Two sections are the same if they differ by less than this part of the motion's extent, and this
+# times their errors.
+SAME_PART = 1e-6
+SAME_ERRORS = 8.0
+# How far beyond an extreme a bound may be, as a part of the extremes' size: some units in the last
+# place.
 WIDTH_SLACK = 16.0 * EPS
 # The first cell of a flight, times 1/rate, and the shortest: there nothing can be hidden.
-FIRST_CELL, SHORTEST_CELL = 3.0, 1e-6
-MOST_CELLS, MOST_STATIONARY_STEPS = 100_000, 8
+FIRST_CELL = 3.0
+SHORTEST_CELL = 1e-6
+MOST_CELLS = 100_000
+MOST_STATIONARY_STEPS = 8
 CUT_AWAY = 1e-3  # how far from the ends of a cell a place to cut is at least, as a part of it
 
-_MAP_CODES = {(row.start.boundary, row.mode, row.end.boundary): int(label[1:]) for label, row in MAPS.items()}
+_MAP_CODES = {
+    (row.start.boundary, row.mode, row.end.boundary): int(label[1:]) for label, row in MAPS.items()
+}
 #: Number of the mapping by (belt at its start, mode, belt at its end); 0 for none.
-MAP_OF = np.array([_MAP_CODES.get((at, mode, to), 0) for at in range(3) for mode in range(6) for to in range(3)])
+MAP_OF = np.array(
+    [_MAP_CODES.get((at, mode, to), 0) for at in range(3) for mode in range(6) for to in range(3)]
+)
 
 
 class Kept(NamedTuple):
-    """What a tally (the running summary of a motion) keeps beside events: time on belts, extremes, sections, words."""
+    """What a tally (the running summary of a motion) keeps beside events.
+
+    Time on belts, extremes, sections, words.
+    """
 
     stuck: bool  # the time on belts
     extent: bool  # the extremes at the ends of steps
@@ -104,7 +135,10 @@ class Extremes(NamedTuple):
 
 
 class Open(NamedTuple):
-    """Flags of the extremes that a flight may still exceed: the least v, the largest v, and both of x."""
+    """Flags of the extremes that a flight may still exceed.
+
+    The least v, the largest v, and both of x.
+    """
 
     v_min: bool
     v_max: bool
@@ -113,27 +147,38 @@ class Open(NamedTuple):
 
 @cache
 def no_tally() -> Tally:
-    """Return a tally without a motion; given this, the event loop records single events instead of summaries."""
+    """Return a tally without a motion.
+
+    Given this, the event loop records single events instead of summaries.
+    """
     return new_tally(np.zeros((0, 16)), np.zeros(0), Kept(False, False, False, 0, 0))
 
 
 def new_tally(states: np.ndarray, skipped: np.ndarray, asked: Kept) -> Tally:
-    """Return the tally of motions at their starts (rows of a batch); the time `skipped` is not counted."""
+    """Return the tally of motions at their starts (rows of a batch).
+
+    The time `skipped` is not counted.
+    """
     count = len(states)
-    floats, ints = np.zeros((count, 13)), np.zeros((count, 11), np.int64)
+    floats = np.zeros((count, 13))
+    ints = np.zeros((count, 11), np.int64)
     floats[:, SKIPPED] = skipped
     floats[:, [X_MIN, V_MIN, X_LOW, V_LOW]], floats[:, [X_MAX, V_MAX, X_HIGH, V_HIGH]] = inf, -inf
     floats[:, [T_LAST, X_LAST, V_LAST]] = states[:, [11, 4, 5]]
     ints[:, PLANE], ints[:, WHOLE] = states[:, 1], states[:, 3] == 0.0
     # Places of sections that were not reached are never read.
-    sections, words = np.empty((count, asked.ring, 8)), np.full((count, asked.ring), -1, np.int64)
-    labels, flights = np.zeros((count, 2, asked.longest), np.uint8), np.empty((count, asked.inside * KEPT_FLIGHTS, 9))
+    sections = np.empty((count, asked.ring, 8))
+    words = np.full((count, asked.ring), -1, np.int64)
+    labels = np.zeros((count, 2, asked.longest), np.uint8)
+    flights = np.empty((count, asked.inside * KEPT_FLIGHTS, 9))
     return Tally(asked, floats, ints, sections, words, labels, flights)
 
 
 def select_tallies(tally: Tally, rows: Any) -> Tally:
     """Return a copy of the tally with the given `rows` (motions) only."""
-    return Tally(tally.asked, *(column[rows].copy() for column in tally[1:])) if len(tally.floats) else tally
+    if len(tally.floats):
+        return Tally(tally.asked, *(column[rows].copy() for column in tally[1:]))
+    return tally
 
 
 def store_tallies(tally: Tally, rows: Any, own: Tally) -> None:
@@ -148,7 +193,9 @@ def store_tallies(tally: Tally, rows: Any, own: Tally) -> None:
 
 def tally_step(i, before, found, t0, tally, K):
     """Add a step of motion `i`, from the state `before` to the NextEvent `found`, to its tally."""
-    after, asked, ints = found.state, tally.asked, tally.ints
+    after = found.state
+    asked = tally.asked
+    ints = tally.ints
     if found.code <= GRAZE and (after.t - t0) + after.t_low >= tally.floats[i, SKIPPED]:
         ints[i, EVENTS_SO_FAR] += 1
         ints[i, STICKS] += found.code == STICK
@@ -160,7 +207,8 @@ def tally_step(i, before, found, t0, tally, K):
     if after.n > before.n:
         tally_sections(i, before, after.n, after.S, tally, K)
     if found.code <= GRAZE:
-        to_section, reach = TWO_PI - after.theta, 8.0 * (K.Om * found.t_error)
+        to_section = TWO_PI - after.theta
+        reach = 8.0 * (K.Om * found.t_error)
         near = to_section < AT_SECTION + (reach if reach < MOST_AT_SECTION else MOST_AT_SECTION)
         if near and ints[i, EARLY] == 0:
             close_word(i, tally)
@@ -182,18 +230,22 @@ def launch_of(state):
 
 def tally_stretch(i, before, after, tau, t0, tally, K):
     """Add stick time and extremes between two states, `tau` apart, to motion i's tally, without skipped time."""
-    floats, asked = tally.floats, tally.asked
+    floats = tally.floats
+    asked = tally.asked
     begin = floats[i, SKIPPED] - ((before.t - t0) + before.t_low)
     if tau < begin:
         return
-    begin = begin if begin > 0.0 else 0.0
-    x, v = before.x, before.v
+    if not (begin > 0.0):
+        begin = 0.0
+    x = before.x
+    v = before.v
     if before.mode > ON_BELT:
         floats[i, STUCK] += tau - begin
         x = x + v * begin
     elif begin > 0.0 and asked.extent:
         now = state_at(begin, launch_of(before), K)
-        x, v = x + now.dx, v + now.dv
+        x = x + now.dx
+        v = v + now.dv
     if not asked.extent:
         return
     ends = Extremes(floats[i, X_LOW], floats[i, X_HIGH], floats[i, V_LOW], floats[i, V_HIGH])
@@ -208,7 +260,8 @@ def tally_stretch(i, before, after, tau, t0, tally, K):
         open_ends = Open(seen.v_min > slowest, seen.v_max < fastest, slowest < 0.0 < fastest)
         search = open_ends.v_min or open_ends.v_max or open_ends.x
         if search and not (begin == 0.0 and lies_within(i, before, tau, seen, open_ends, tally, K)):
-            start, last = launch_of(before), end_of_flight(before, after, tau, K)
+            start = launch_of(before)
+            last = end_of_flight(before, after, tau, K)
             ends = widened(Extremes(x, x, v, v), after.x, after.v)
             own = flight_extremes(begin, last, start, before.x, ends, open_ends, K)
             if begin == 0.0:
@@ -219,7 +272,8 @@ def tally_stretch(i, before, after, tau, t0, tally, K):
 
 def keep_flight(i, state, tau, own, tally):
     """Store a flight (start `state`, duration `tau`, extremes `own`) in the tally, to compare later flights with."""
-    flights, n = tally.flights, tally.ints[i, SEARCHED] % KEPT_FLIGHTS
+    flights = tally.flights
+    n = tally.ints[i, SEARCHED] % KEPT_FLIGHTS
     tally.ints[i, SEARCHED] += 1
     flights[i, n, MODE], flights[i, n, THETA], flights[i, n, X] = state.mode, state.theta, state.x
     flights[i, n, V], flights[i, n, DURATION] = state.v, tau
@@ -229,23 +283,35 @@ def keep_flight(i, state, tau, own, tally):
 def lies_within(i, state, tau, seen, open_ends, tally, K):
     """Return whether a flight from `state` surely stays within the extremes `seen`, as a similar earlier flight did.
 
-    `open_ends` says which extremes are in question. Two flights in one domain differ, at equal times since their
-    launch, by a steady motion, driven by the difference of their drives, plus a free motion, whose energy dv^2 + (k/m)
-    dx^2 never grows. Where these two are not separated (near resonance), the root of the energy grows no faster than
-    the difference of the drives, which is B0/m times that of the phases.
+    `open_ends` says which extremes are in question. Two flights in one domain differ, at equal
+    times since their launch, by a steady motion, driven by the difference of their drives, plus a
+    free motion, whose energy dv^2 + (k/m) dx^2 never grows. Where these two are not separated (near
+    resonance), the root of the energy grows no faster than the difference of the drives, which is
+    B0/m times that of the phases.
     """
     if K.w0 == 0.0:  # without a spring the energy says nothing of x
         return False
-    flights, count, n = tally.flights, min(tally.ints[i, SEARCHED], KEPT_FLIGHTS), tally.ints[i, LIKE]
+    flights = tally.flights
+    count = min(tally.ints[i, SEARCHED], KEPT_FLIGHTS)
+    n = tally.ints[i, LIKE]
     v_slack = 0.5 * WIDTH_SLACK * (abs(seen.v_min) + abs(seen.v_max))
     x_slack = 0.5 * WIDTH_SLACK * (abs(seen.x_min) + abs(seen.x_max))
-    turned_by = 2.0 * K.V0 * (1.0 + K.w0 / K.Om) if K.steady else abs(K.f0) * tau
+    if K.steady:
+        turned_by = 2.0 * K.V0 * (1.0 + K.w0 / K.Om)
+    else:
+        turned_by = abs(K.f0) * tau
     for _ in range(count):  # from the one behind the last on: motions repeat
-        n = n + 1 if n + 1 < count else 0
-        if flights[i, n, MODE] == state.mode and tau <= flights[i, n, DURATION] * (1.0 + WIDTH_SLACK):
+        if n + 1 < count:
+            n = n + 1
+        else:
+            n = 0
+        if flights[i, n, MODE] == state.mode and tau <= flights[i, n, DURATION] * (
+            1.0 + WIDTH_SLACK
+        ):
             far = abs(state.v - flights[i, n, V]) + K.w0 * abs(state.x - flights[i, n, X])
             far = far + turned_by * abs(state.theta - flights[i, n, THETA])
-            v_far, x_far = far - v_slack, far * K.swing - x_slack
+            v_far = far - v_slack
+            x_far = far * K.swing - x_slack
             if (
                 (not open_ends.v_min or flights[i, n, OWN + 2] - v_far >= seen.v_min)
                 and (not open_ends.v_max or flights[i, n, OWN + 3] + v_far <= seen.v_max)
@@ -264,21 +330,31 @@ def tally_sections(i, before, last, S, tally, K):
     if last - first >= ring:  # a long way without an event: all but the last words are empty
         close_word(i, tally)
         tally.ints[i, SECTIONS] += (last - ring) - first
-        first, tally.ints[i, EARLY] = last - ring, 1
-    S_x, S_v = max(before.S.S11, S.S11), max(before.S.S22, S.S22)
+        first = last - ring
+        tally.ints[i, EARLY] = 1
+    S_x = max(before.S.S11, S.S11)
+    S_v = max(before.S.S22, S.S22)
     for period in range(first, last + 1):
         tau = ((period - before.n) * TWO_PI - before.theta) / K.Om
         keep_section(i, before, tau, S_x, S_v, tally)
 
 
 def keep_section(i, before, tau, S_x, S_v, tally):
-    """Store the section at `tau` after `before`, with variances S_x, S_v; end the period's word if still open."""
+    """Store the section at `tau` after `before`, with variances S_x, S_v.
+
+    End the period's word if still open.
+    """
     ints = tally.ints
     if ints[i, EARLY] == 0:
         close_word(i, tally)
     kept = tally.sections[i, ints[i, SECTIONS] % tally.words.shape[1]]
     kept[FLIES], kept[SINCE] = 1.0 if before.mode <= ON_BELT and tau > 0.0 else 0.0, tau
-    kept[FROM_THETA], kept[FROM_X], kept[FROM_V], kept[FROM_F] = before.theta, before.x, before.v, before.Fb
+    kept[FROM_THETA], kept[FROM_X], kept[FROM_V], kept[FROM_F] = (
+        before.theta,
+        before.x,
+        before.v,
+        before.Fb,
+    )
     kept[S11_THERE], kept[S22_THERE] = S_x, S_v
     ints[i, SECTIONS] += 1
     ints[i, EARLY] = 0
@@ -286,7 +362,9 @@ def keep_section(i, before, tau, S_x, S_v, tally):
 
 def close_word(i, tally):
     """Store the word of the period that ends now, if its beginning was seen, and begin the word of the next."""
-    ints, labels, ring = tally.ints, tally.labels, tally.words.shape[1]
+    ints = tally.ints
+    labels = tally.labels
+    ring = tally.words.shape[1]
     length = ints[i, LENGTH]
     if ints[i, WHOLE] == 1:
         tally.words[i, ints[i, SECTIONS] % ring] = ints[i, CODE] * 64 % WORD_MODULUS + length % 64
@@ -300,7 +378,11 @@ def close_word(i, tally):
 
 def finish_tally(i, last, code, remaining, t0, tally, K):
     """Store the `last` state of motion `i` in its tally, moved on by `remaining` if no more events come (REST)."""
-    n, theta, t, x, v = last.n, last.theta, clock_time(last.t, last.t_low, t0, K), last.x, last.v
+    n = last.n
+    theta = last.theta
+    t = clock_time(last.t, last.t_low, t0, K)
+    x = last.x
+    v = last.v
     if code == REST:  # without any more events
         rest = rest_of(remaining, K)
         n, theta, _ = advance_phase(last.n, last.theta, last.theta_low, rest, K)
@@ -309,12 +391,15 @@ def finish_tally(i, last, code, remaining, t0, tally, K):
             rest_stretches(i, last, remaining, t0, tally, K)
         if tally.asked.ring > 0:
             tally_sections(i, last, n, last.S, tally, K)
-        t, x = last.t + remaining, last.x + last.v * remaining
+        t = last.t + remaining
+        x = last.x + last.v * remaining
         if last.mode <= ON_BELT:
             turn = theta - last.theta
             x, v = flown(last.x, launch_of(last), remaining, sin(turn), cos(turn), K)
     tally.floats[i, T_LAST], tally.floats[i, X_LAST], tally.floats[i, V_LAST] = t, x, v
-    if code in (END, REST) and tally.asked.ring > 0 and TWO_PI - theta < AT_SECTION:  # a section that is just ahead
+    if (
+        code in (END, REST) and tally.asked.ring > 0 and TWO_PI - theta < AT_SECTION
+    ):  # a section that is just ahead
         clock = t, last.t_low, sin(theta), cos(theta), 0.0
         state = State(last.mode, last.at, n, theta, x, v, last.Fb, last.Fa, last.S, *clock)
         keep_section(i, state, 0.0, state.S.S11, state.S.S22, tally)
@@ -327,35 +412,56 @@ def rest_of(tau, K):
     rest = tau % K.period
     turns = (tau - rest) / K.period
     rest = rest - turns * K.period_low
-    return rest if rest >= 0.0 else 0.0
+    if rest >= 0.0:
+        return rest
+    return 0.0
 
 
 def rest_stretches(i, state, remaining, t0, tally, K):
     """Add stick time and extremes of the motion after its last event, for the `remaining` time, to its tally."""
-    # Its extremes are searched piece by piece, until the transient is over; then one period shows all that is to come.
-    decay = K.h if K.under else -K.l1
+    # Its extremes are searched piece by piece, until the transient is over; then one period shows
+    # all that is to come.
+    if K.under:
+        decay = K.h
+    else:
+        decay = -K.l1
     fades = decay > 0.0 and K.w0 > 0.0 and state.mode <= ON_BELT
-    now, passed = state, 0.0
+    now = state
+    passed = 0.0
     for _ in range(MOST_REST_STEPS):
-        step = remaining - passed if state.mode > ON_BELT or remaining - passed < K.chunk else K.chunk
-        x, v, F = now.x + now.v * step, now.v, now.Fb
+        if state.mode > ON_BELT or remaining - passed < K.chunk:
+            step = remaining - passed
+        else:
+            step = K.chunk
+        x = now.x + now.v * step
+        v = now.v
+        F = now.Fb
         if state.mode <= ON_BELT:
             there = state_at(step, launch_of(now), K)
-            x, v, F = now.x + there.dx, now.v + there.dv, there.F
+            x = now.x + there.dx
+            v = now.v + there.dv
+            F = there.F
         _, phase, theta_low = advance_phase(0, now.theta, now.theta_low, step, K)
         clock = now.t + step, now.t_low, *sine_and_cosine(phase, theta_low), theta_low
         then = State(now.mode, 0, now.n, phase, x, v, F, F, now.S, *clock)
         tally_stretch(i, now, then, step, t0, tally, K)
         passed = passed + step
-        if passed >= remaining or (fades and decay * (passed - K.chunk) > TRANSIENT and passed > 2.0 * K.period):
+        if passed >= remaining or (
+            fades and decay * (passed - K.chunk) > TRANSIENT and passed > 2.0 * K.period
+        ):
             break
         now = then
 
 
 def flown(x, start, tau, s_Om, c_Om, K):
-    """Return x and v of a flight `tau` after its Launch `start` at `x`; s_Om, c_Om: sine and cosine of Omega tau."""
+    """Return x and v of a flight `tau` after its Launch `start` at `x`.
+
+    S_Om, c_Om: sine and cosine of Omega tau.
+    """
     E0, E1, E2, R2, I2, _, _ = basis_with_drive(tau, s_Om, c_Om, K)
-    dx, dv, _ = motion(start.v, start.F, start.s, start.c, K.cm, K.w0sq, K.f0, K.Om, E0, E1, E2, R2, I2)
+    dx, dv, _ = motion(
+        start.v, start.F, start.s, start.c, K.cm, K.w0sq, K.f0, K.Om, E0, E1, E2, R2, I2
+    )
     return x + dx, start.v + dv
 
 
@@ -364,22 +470,28 @@ def flown(x, start, tau, s_Om, c_Om, K):
 
 def settle(tally, sets, table, sections, repeats):
     """Fill `sections`, (n, m, 2), with x and v at the last m sections of motions, `repeats` with their multiplicity."""
-    # `sets` (n,) are the parameter sets of the motions, `table` their constants. `sections` (n, m, 2) is filled with x
-    # and v at the last m sections in order of time, as far as they were reached, and `repeats`, (n,) or (0,), with the
-    # periods, 0 for a motion that does not repeat.
+    # `sets` (n,) are the parameter sets of the motions, `table` their constants. `sections` (n, m,
+    # 2) is filled with x and v at the last m sections in order of time, as far as they were
+    # reached, and `repeats`, (n,) or (0,), with the periods, 0 for a motion that does not repeat.
     wanted = sections.shape[1]
     for i in range(sets.shape[0]):
         K = table[sets[i]]
         there = tally.ints[i, SECTIONS]
         for n in range(wanted if wanted < there else there):
             kept = section(i, there - 1 - n, tally, K)
-            sections[i, wanted - 1 - n, 0], sections[i, wanted - 1 - n, 1] = kept[FROM_X], kept[FROM_V]
+            sections[i, wanted - 1 - n, 0], sections[i, wanted - 1 - n, 1] = (
+                kept[FROM_X],
+                kept[FROM_V],
+            )
         if repeats.shape[0] > 0:
             repeats[i] = periods(i, tally, K)
 
 
 def periods(i, tally, K):
-    """Return the number of periods after which words and sections repeat, twice in a row; 0 if they do not."""
+    """Return the number of periods after which words and sections repeat, twice in a row.
+
+    0 if they do not.
+    """
     there = tally.ints[i, SECTIONS]
     for m in range(1, LONGEST_REPEAT + 1):
         if 2 * m > there:
@@ -391,7 +503,9 @@ def periods(i, tally, K):
 
 def same_words(i, m, tally):
     """Return whether the last m words of motion `i` are complete and equal the m words before."""
-    words, ring, there = tally.words, tally.words.shape[1], tally.ints[i, SECTIONS]
+    there = tally.ints[i, SECTIONS]
+    ring = tally.words.shape[1]
+    words = tally.words
     for n in range(there - m, there):
         before = words[i, (n - m) % ring]
         if before < 0 or words[i, n % ring] != before:
@@ -401,24 +515,37 @@ def same_words(i, m, tally):
 
 def same_sections(i, m, tally, K):
     """Return whether the last m sections equal the m before, up to 1e-6 of the ranges of x and v, plus 8 errors."""
-    floats, there = tally.floats, tally.ints[i, SECTIONS]
-    x_extent, v_extent = floats[i, X_HIGH] - floats[i, X_LOW], floats[i, V_HIGH] - floats[i, V_LOW]
+    floats = tally.floats
+    there = tally.ints[i, SECTIONS]
+    x_extent = floats[i, X_HIGH] - floats[i, X_LOW]
+    v_extent = floats[i, V_HIGH] - floats[i, V_LOW]
     for n in range(there - m, there):
-        now, before = section(i, n, tally, K), section(i, n - m, tally, K)
+        now = section(i, n, tally, K)
+        before = section(i, n - m, tally, K)
         x_error = sqrt(now[S11_THERE]) + sqrt(before[S11_THERE])
         v_error = sqrt(now[S22_THERE]) + sqrt(before[S22_THERE])
         same = abs(now[FROM_X] - before[FROM_X]) <= SAME_PART * x_extent + SAME_ERRORS * x_error
-        if not (same and abs(now[FROM_V] - before[FROM_V]) <= SAME_PART * v_extent + SAME_ERRORS * v_error):
+        if not (
+            same
+            and abs(now[FROM_V] - before[FROM_V]) <= SAME_PART * v_extent + SAME_ERRORS * v_error
+        ):
             return False
     return True
 
 
 def section(i, n, tally, K):
-    """Return Poincaré section number `n` of motion `i` from its tally; compute x and v there at the first call."""
+    """Return Poincaré section number `n` of motion `i` from its tally.
+
+    Compute x and v there at the first call.
+    """
     kept = tally.sections[i, n % tally.words.shape[1]]
-    x, v, tau, theta = kept[FROM_X], kept[FROM_V], kept[SINCE], kept[FROM_THETA]
+    x = kept[FROM_X]
+    v = kept[FROM_V]
+    tau = kept[SINCE]
+    theta = kept[FROM_THETA]
     if kept[FLIES] > 0.0:
-        s, c = sin(theta), cos(theta)
+        s = sin(theta)
+        c = cos(theta)
         x, v = flown(x, Launch(v, kept[FROM_F], s, c), tau, -s, c, K)
     else:
         x = x + v * tau
@@ -442,22 +569,31 @@ def widened(seen, x, v):
 def flight_extremes(begin, last, start, x0, own, open_ends, K):
     """Extend `own`, the extremes of the ends of a flight, to those of the flight from time `begin` to point `last`.
 
-    `start` is its Launch, `x0` the position there, and `open_ends` says which extremes are in question.
+    `start` is its Launch, `x0` the position there, and `open_ends` says which extremes are in
+    question.
     """
-    now = state_at(begin, start, K) if begin > 0.0 else point(0.0, 0.0, 0.0, start, K)
+    if begin > 0.0:
+        now = state_at(begin, start, K)
+    else:
+        now = point(0.0, 0.0, 0.0, start, K)
     cell = FIRST_CELL * K.moment
     for _ in range(MOST_CELLS):
         if now.tau >= last.tau:
             break
         M4 = fourth_derivative_bound(now.G2, now.G3, now.s, now.c, K)
-        cell = 1.0 / K.Om if not K.steady and cell * K.Om > 1.0 else cell
+        if not K.steady and cell * K.Om > 1.0:
+            cell = 1.0 / K.Om
         then = last
         if cell < last.tau - now.tau:
             then = state_at(now.tau + cell, start, K)
             own = widened(own, x0 + then.dx, start.v + then.dv)
         wider = cell_extremes(now, then, M4, start, x0, own, open_ends, K)
-        cell = 2.0 * cell if wider == own else FIRST_CELL * K.moment
-        now, own = then, wider
+        if wider == own:
+            cell = 2.0 * cell
+        else:
+            cell = FIRST_CELL * K.moment
+        now = then
+        own = wider
     return own
 
 
@@ -466,11 +602,16 @@ def end_of_flight(before, after, tau, K):
     if K.stiff:
         return state_at(tau, launch_of(before), K)
     F = acceleration(after.x, after.v, after.c, constant_force(before.mode, K), K.cm, K.w0sq, K.f0)
-    return point(tau, after.x - before.x, after.v - before.v, Launch(after.v, F, after.s, after.c), K)
+    return point(
+        tau, after.x - before.x, after.v - before.v, Launch(after.v, F, after.s, after.c), K
+    )
 
 
 def point(tau, dx, dv, there, K):
-    """Return a point (`Flown`) with gains dx, dv at `tau`; `there` has v, F, sine, cosine; E0, E1, E2 are unset."""
+    """Return a point (`Flown`) with gains dx, dv at `tau`; `there` has v, F, sine, cosine.
+
+    E0, E1, E2 are unset.
+    """
     v, F, s, c = there
     G1, G2, G3 = derivatives(v, F, s, c, K)
     return Flown(tau, dx, dv, F, G1, G2, G3, s, c, 1.0, 0.0, 0.0)
@@ -478,7 +619,9 @@ def point(tau, dx, dv, there, K):
 
 def cell_extremes(now, then, M4, start, x0, own, open_ends, K):
     """Extend the extremes `own` by those of a flight between the points `now` and `then`, which `own` includes."""
-    while (then.tau - now.tau) * K.rate > SHORTEST_CELL and not cell_within(now, then, M4, start.v, x0, own, open_ends):
+    while (then.tau - now.tau) * K.rate > SHORTEST_CELL and not cell_within(
+        now, then, M4, start.v, x0, own, open_ends
+    ):
         middle = cut_at(now, then, start, open_ends, K)
         own = widened(own, x0 + middle.dx, start.v + middle.dv)
         own = cell_extremes(now, middle, M4, start, x0, own, open_ends, K)
@@ -489,38 +632,59 @@ def cell_extremes(now, then, M4, start, x0, own, open_ends, K):
 def cell_within(now, then, M4, v0, x0, seen, open_ends):
     """Return whether bounds from both ends prove that a flight between points `now` and `then` stays within `seen`."""
     half = 0.5 * (then.tau - now.tau)
-    return within(half, 1.0, now, M4, v0, x0, seen, open_ends) and within(half, -1.0, then, M4, v0, x0, seen, open_ends)
+    return within(half, 1.0, now, M4, v0, x0, seen, open_ends) and within(
+        half, -1.0, then, M4, v0, x0, seen, open_ends
+    )
 
 
 def within(reach, way, now, M4, v0, x0, seen, open_ends):
     """Return whether a flight stays in the extremes `seen` for a time `reach` after point `now` (or before: way -1)."""
-    v, x = v0 + now.dv, x0 + now.dx
+    v = v0 + now.dv
+    x = x0 + now.dx
     if open_ends.v_max or open_ends.v_min:
         slack = WIDTH_SLACK * (abs(seen.v_min) + abs(seen.v_max))
-        slope, half, third, fourth = way * now.F, 0.5 * now.G1, way * SIXTH * now.G2, -0.25 * SIXTH * M4
-        if open_ends.v_max and not stays_positive(reach, seen.v_max - v + slack, -slope, -half, -third, fourth):
+        slope = way * now.F
+        half = 0.5 * now.G1
+        third = way * SIXTH * now.G2
+        fourth = -0.25 * SIXTH * M4
+        if open_ends.v_max and not stays_positive(
+            reach, seen.v_max - v + slack, -slope, -half, -third, fourth
+        ):
             return False
-        if open_ends.v_min and not stays_positive(reach, v - seen.v_min + slack, slope, half, third, fourth):
+        if open_ends.v_min and not stays_positive(
+            reach, v - seen.v_min + slack, slope, half, third, fourth
+        ):
             return False
     if not open_ends.x:
         return True
     slack = WIDTH_SLACK * (abs(seen.x_min) + abs(seen.x_max))
     M3 = abs(now.G2) + (abs(now.G3) + 0.5 * M4 * reach) * reach
-    slope, half, third, fourth = way * v, 0.5 * now.F, way * SIXTH * now.G1, -0.25 * SIXTH * M3
-    return stays_positive(reach, seen.x_max - x + slack, -slope, -half, -third, fourth) and stays_positive(
-        reach, x - seen.x_min + slack, slope, half, third, fourth
-    )
+    slope = way * v
+    half = 0.5 * now.F
+    third = way * SIXTH * now.G1
+    fourth = -0.25 * SIXTH * M3
+    return stays_positive(
+        reach, seen.x_max - x + slack, -slope, -half, -third, fourth
+    ) and stays_positive(reach, x - seen.x_min + slack, slope, half, third, fourth)
 
 
 def stays_positive(reach, p0, p1, p2, p3, p4):
-    """Return whether p0 + p1 s + ... + p4 s^4 is proven positive for s in [0, reach], even if it falls at first."""
-    if p1 < 0.0 and p2 > 0.0 and p1 * p1 < 2.0 * p0 * p2:  # p1 s + p2 s^2/2 is not below -p1^2/(2 p2)
+    """Return whether p0 + p1 s + ...
+
+    + p4 s^4 is proven positive for s in [0, reach], even if it falls at first.
+    """
+    if (
+        p1 < 0.0 and p2 > 0.0 and p1 * p1 < 2.0 * p0 * p2
+    ):  # p1 s + p2 s^2/2 is not below -p1^2/(2 p2)
         return positive_on(reach, (p0 - 0.5 * p1 * p1 / p2, 0.0, 0.5 * p2, p3, p4))
     return positive_on(reach, (p0, p1, p2, p3, p4))
 
 
 def cut_at(now, then, start, open_ends, K):
-    """Return the point at which to divide a part of a flight: one where v or x is stationary, else the middle."""
+    """Return the point at which to divide a part of a flight.
+
+    One where v or x is stationary, else the middle.
+    """
     width = then.tau - now.tau
     for of_v in (True, False):
         if not (open_ends.v_min or open_ends.v_max if of_v else open_ends.x):
@@ -528,7 +692,10 @@ def cut_at(now, then, start, open_ends, K):
         first, rise, _ = rates(now, of_v, start)
         last, rise_last, _ = rates(then, of_v, start)
         # A stationary point at an end is known, and no place to cut.
-        at_end = abs(first) <= CUT_AWAY * abs(rise) * width or abs(last) <= CUT_AWAY * abs(rise_last) * width
+        at_end = (
+            abs(first) <= CUT_AWAY * abs(rise) * width
+            or abs(last) <= CUT_AWAY * abs(rise_last) * width
+        )
         if first * last < 0.0 and not at_end:
             here = stationary(now, then, of_v, start, K)
             if now.tau < here.tau < then.tau:
@@ -538,12 +705,16 @@ def cut_at(now, then, start, open_ends, K):
 
 def rates(now, of_v, start):
     """Return the first three time derivatives of v (if `of_v`) or of x at a point of a flight."""
-    return (now.F, now.G1, now.G2) if of_v else (start.v + now.dv, now.F, now.G1)
+    if of_v:
+        return (now.F, now.G1, now.G2)
+    return (start.v + now.dv, now.F, now.G1)
 
 
 def stationary(now, then, of_v, start, K):
     """Return the point between `now` and `then` where v (if `of_v`) or x is stationary, by Halley's method."""
-    low, high, width = now.tau, then.tau, then.tau - now.tau
+    low = now.tau
+    high = then.tau
+    width = then.tau - now.tau
     first, rise, _ = rates(now, of_v, start)
     last, _, _ = rates(then, of_v, start)
     tau = low + parabola_root(first, rise, last, width)
@@ -556,15 +727,27 @@ def stationary(now, then, of_v, start, K):
         else:
             high = tau
         square = slope * slope - 0.5 * value * bend
-        shift = -value * slope / square if square > 0.0 else 2.0 * width
+        if square > 0.0:
+            shift = -value * slope / square
+        else:
+            shift = 2.0 * width
         if abs(shift) * K.rate < NEAR:  # the extreme is off by the square of what is missing
             dv = (
                 here.dv
-                + (here.F + (0.5 * here.G1 + SIXTH * (here.G2 + 0.25 * here.G3 * shift) * shift) * shift) * shift
+                + (
+                    here.F
+                    + (0.5 * here.G1 + SIXTH * (here.G2 + 0.25 * here.G3 * shift) * shift) * shift
+                )
+                * shift
             )
             there = shifted(here, shift, start.v, K)
-            G1, G2 = here.G1 + here.G2 * shift, here.G2 + here.G3 * shift
-            s, c, E0, E1, E2 = there.s, there.c, there.E0, there.E1, there.E2
+            G1 = here.G1 + here.G2 * shift
+            G2 = here.G2 + here.G3 * shift
+            s = there.s
+            c = there.c
+            E0 = there.E0
+            E1 = there.E1
+            E2 = there.E2
             return Flown(there.tau, there.dx, dv, there.F, G1, G2, here.G3, s, c, E0, E1, E2)
         tau = tau + shift
         if not low < tau < high:
@@ -576,7 +759,15 @@ def parabola_root(f0, slope, f1, width):
     """Return the root in (0, width) of a parabola with value f0 and `slope` at 0 and value f1 at `width`; f0 f1 < 0."""
     bend = (f1 - f0 - slope * width) / (width * width)
     square = slope * slope - 4.0 * bend * f0
-    root = sqrt(square) if square > 0.0 else 0.0
+    if square > 0.0:
+        root = sqrt(square)
+    else:
+        root = 0.0
     below = slope + (root if f1 > 0.0 else -root)
-    tau = -2.0 * f0 / below if below != 0.0 else 0.5 * width
-    return tau if 0.0 < tau < width else 0.5 * width
+    if below != 0.0:
+        tau = -2.0 * f0 / below
+    else:
+        tau = 0.5 * width
+    if 0.0 < tau < width:
+        return tau
+    return 0.5 * width

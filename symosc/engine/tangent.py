@@ -1,15 +1,18 @@
-"""The linearised motion: derivatives of events with respect to parameters and the start, for every kind of number.
+"""The linearised motion.
 
-Between two events the end of a flight is a function of its launch, of both phases and of the parameters; the generated
-kernels have its partial derivatives in closed form. What ends it (a belt's speed is reached, or a force on the belt
-vanishes) gives the derivative of the event's time by the implicit function theorem. So the derivatives of all events
-follow from each other, through crossings and sticks; nothing is differenced.
+Derivatives of events with respect to parameters and the start, for every kind of number.
 
-A motion needs no more than its columns of events: `tangents` runs over those of many motions. Each column of
-derivatives has a code: the number of a parameter in `symosc.model.PARAMETER_NAMES`, or T0, X0, V0. `codes` are those
-asked for, and `deep` says whether m, c, k or Omega is among them. `work` is scratch space, with a row for each of DT to
-BY_V. `starts` are rows of mode, t, theta, x, v; `sets` are indices of the motions' constants in `table` and of their
-parameters in `letters`.
+Between two events the end of a flight is a function of its launch, of both phases and of the
+parameters; the generated kernels have its partial derivatives in closed form. What ends it (a
+belt's speed is reached, or a force on the belt vanishes) gives the derivative of the event's time
+by the implicit function theorem. So the derivatives of all events follow from each other, through
+crossings and sticks; nothing is differenced.
+
+A motion needs no more than its columns of events: `tangents` runs over those of many motions. Each
+column of derivatives has a code: the number of a parameter in `symosc.model.PARAMETER_NAMES`, or
+T0, X0, V0. `codes` are those asked for, and `deep` says whether m, c, k or Omega is among them.
+`work` is scratch space, with a row for each of DT to BY_V. `starts` are rows of mode, t, theta, x,
+v; `sets` are indices of the motions' constants in `table` and of their parameters in `letters`.
 """
 
 from __future__ import annotations
@@ -45,17 +48,23 @@ GOLDEN = 0.6180339887498949
 # Codes of columns.
 M, C, K_, A0, B0, OMEGA, V1, V2, MU1, MU2, FN, T0, X0, V0 = range(14)
 PARAMETERS = 11
-# Marks of a derivative beside 1, regular, and 0: at a graze, whether it opens for larger or for smaller values.
-OPENS_ABOVE, OPENS_BELOW = 2, 3
-# Why a derivative does not exist from an event on; ROUGH: it does, but what it is divided by is small.
+# Marks of a derivative beside 1, regular, and 0: at a graze, whether it opens for larger or for
+# smaller values.
+OPENS_ABOVE = 2
+OPENS_BELOW = 3
+# Why a derivative does not exist from an event on; ROUGH: it does, but what it is divided by is
+# small.
 REGULAR, KINK, ROUGH, NO_SLOPE, FLAT_CONTACT, NO_FORCE = range(6)
-# Rows of `work`: derivatives of t, x and v at the launch; of x and v at a fixed time at the end, with the size of the
-# latter's terms; and derivatives of both by the parameters alone.
+# Rows of `work`: derivatives of t, x and v at the launch; of x and v at a fixed time at the end,
+# with the size of the latter's terms; and derivatives of both by the parameters alone.
 DT, DX, DV, END_X, END_V, SIZE, BY_X, BY_V = range(8)
 
 
 class Launch(NamedTuple):
-    """The start of a piece of a motion: mode, time, phase with its sine and cosine, position and velocity."""
+    """The start of a piece of a motion.
+
+    Mode, time, phase with its sine and cosine, position and velocity.
+    """
 
     mode: int
     t: Number
@@ -67,7 +76,10 @@ class Launch(NamedTuple):
 
 
 class Letters(NamedTuple):
-    """The parameters by which forces are differentiated and that `Constants` lacks: m, mu1, mu2 and FN."""
+    """The parameters by which forces are differentiated and that `Constants` lacks.
+
+    M, mu1, mu2 and FN.
+    """
 
     m: Number
     mu1: Number
@@ -103,35 +115,56 @@ def fill_parameters(work, row, domain, letters, by_m, by_c, by_k, by_A, by_B, by
 
 def piece_changes(start, t, turn, codes, deep, letters, K, work):
     """Write derivatives by `codes` of x and v at time `t`, a phase `turn` after `start`, into `work`; return v'."""
-    # The phase has gone on by `turn`. `deep` says whether any column needs the functions of repeated roots: those for
-    # m, c, k and Omega. `codes` are the numbers of the parameters and start values, one for each column.
+    # The phase has gone on by `turn`. `deep` says whether any column needs the functions of
+    # repeated roots: those for m, c, k and Omega. `codes` are the numbers of the parameters and
+    # start values, one for each column.
     if start.mode > ON_BELT:
         belt = V1 + start.mode - ON_BELT - 1
         for j in range(len(codes)):
-            work[END_V, j] = 1.0 + 0.0 * t if codes[j] == belt else 0.0 * t
+            if codes[j] == belt:
+                work[END_V, j] = 1.0 + 0.0 * t
+            else:
+                work[END_V, j] = 0.0 * t
             work[END_X, j] = work[DX, j] + work[END_V, j] * (turn / K.Om) - start.v * work[DT, j]
             work[SIZE, j] = work[END_V, j]
         return 0.0 * t
-    A, tau, zero = constant_force(start.mode, K), turn / K.Om, 0.0 * turn
+    A = constant_force(start.mode, K)
+    tau = turn / K.Om
+    zero = 0.0 * turn
     E0, E1, E2, R2, I2, s, c = basis(tau, K)
     a0 = acceleration(start.x, start.v, start.c, A, K.cm, K.w0sq, K.f0)
     _, dv, a = motion(start.v, a0, start.s, start.c, K.cm, K.w0sq, K.f0, K.Om, E0, E1, E2, R2, I2)
-    x_x0, x_th0, _, v_x0, v_th0, _ = flight_jacobian(start.v, a0, start.v + dv, a, K.w0sq, K.Om, E0, E1, E2)
+    x_x0, x_th0, _, v_x0, v_th0, _ = flight_jacobian(
+        start.v, a0, start.v + dv, a, K.w0sq, K.Om, E0, E1, E2
+    )
     x_ph, v_ph = flight_phase(start.s, start.c, K.f0, K.Om, E1, R2, I2)
-    U0, U1, U2, V, W, P, Q = zero, zero, zero, zero, zero, zero, zero
+    U0 = zero
+    U1 = zero
+    U2 = zero
+    V = zero
+    W = zero
+    P = zero
+    Q = zero
     if deep:
         U0, U1, U2, V, W, P, Q = repeated(tau, E0, E1, E2, R2, I2, s, c, K)
     x_m, v_m, x_c, v_c, x_k, v_k, x_A, v_A, x_B, v_B, x_Om, v_Om, x_v0, _ = flight_parameters(
         start.x, start.v, a0, start.s, start.c, letters.m,
         K.cm, K.w0sq, K.f0, K.Om, E1, E2, R2, I2, U0, U1, U2, V, W, P, Q,
     )  # fmt: skip
-    x_Om, v_Om = x_Om + x_ph * start.t, v_Om + v_ph * start.t
+    x_Om = x_Om + x_ph * start.t
+    v_Om = v_Om + v_ph * start.t
     fill_parameters(work, BY_X, start.mode, letters, x_m, x_c, x_k, x_A, x_B, x_Om)
     fill_parameters(work, BY_V, start.mode, letters, v_m, v_c, v_k, v_A, v_B, v_Om)
-    x_t0, v_t0 = x_th0 * K.Om, v_th0 * K.Om
+    x_t0 = x_th0 * K.Om
+    v_t0 = v_th0 * K.Om
     for j in range(len(codes)):
-        dt, dx, dv0 = work[DT, j], work[DX, j], work[DV, j]
-        of_x, of_t, of_v = v_x0 * dx, v_t0 * dt, E0 * dv0  # 1 + v_v0 = E0, which may be small
+        dt = work[DT, j]
+        dx = work[DX, j]
+        dv0 = work[DV, j]
+        # 1 + v_v0 = E0, which may be small
+        of_x = v_x0 * dx
+        of_t = v_t0 * dt
+        of_v = E0 * dv0
         work[END_X, j] = x_x0 * dx + x_t0 * dt + x_v0 * dv0
         work[END_V, j] = of_x + of_t + of_v
         work[SIZE, j] = abs(of_x) + abs(of_t) + abs(of_v)
@@ -156,10 +189,14 @@ def vanishes(domain, now, K):
 
 
 def force_changes(domain, now, codes, letters, K, work):
-    """Write a force's derivatives by `codes` into `work`; return its rates in time by the motion and by the drive."""
+    """Write a force's derivatives by `codes` into `work`.
+
+    Return its rates in time by the motion and by the drive.
+    """
     # Rows END_X and END_V have the derivatives of x and v at this time.
     F, rounding = force(domain, now, K)
-    F = 0.0 * F if abs(F) <= VANISHES * rounding else F
+    if abs(F) <= VANISHES * rounding:
+        F = 0.0 * F
     of_c, of_k, of_A, of_B, of_v, of_m, _, _ = stick_parameters(
         now.v, 0.0 * now.t, now.x, now.c, F, letters.m, K.cm, K.Om
     )
@@ -173,79 +210,133 @@ def force_changes(domain, now, codes, letters, K, work):
 
 
 def vanishing_times(domain, now, codes, letters, K, work):
-    """Write derivatives by `codes` of the time when a force passes 0 into `work`; return REGULAR, or what is wrong."""
+    """Write derivatives by `codes` of the time when a force passes 0 into `work`.
+
+    Return REGULAR, or what is wrong.
+    """
     # Rows END_X and END_V have the derivatives of x and v at this fixed time.
     of_way, of_drive = force_changes(domain, now, codes, letters, K, work)
-    rate, rounding = of_way + of_drive, EPS * (abs(of_way) + abs(K.f0 * K.Om))
+    rate = of_way + of_drive
+    rounding = EPS * (abs(of_way) + abs(K.f0 * K.Om))
     flat = abs(rate) <= VANISHES * rounding
     for j in range(len(codes)):
         work[DT, j] = -work[SIZE, j] / (1.0 if flat else rate)
-    return NO_SLOPE if flat else ROUGH if abs(rate) <= SMALL * rounding else REGULAR
+    if flat:
+        return NO_SLOPE
+    if abs(rate) <= SMALL * rounding:
+        return ROUGH
+    return REGULAR
 
 
 def contact_times(domain, other, belt, now, a, codes, K, work):
-    """Write derivatives by `codes` of when a flight meets a belt with v' = `a`; return as `vanishing_times` does."""
-    # `a` is the acceleration that the flight arrives with: the balance of forces at a rounded point may know it worse.
+    """Write derivatives by `codes` of when a flight meets a belt with v' = `a`.
+
+    Return as `vanishing_times` does.
+    """
+    # `a` is the acceleration that the flight arrives with: the balance of forces at a rounded point
+    # may know it worse.
     for j in range(len(codes)):
-        own = 1.0 if codes[j] == belt else 0.0
+        if codes[j] == belt:
+            own = 1.0
+        else:
+            own = 0.0
         work[DT, j] = (own - work[END_V, j]) / (1.0 if a == 0.0 else a)
     F, rounding = force(domain, now, K)
     if abs(F) <= VANISHES * rounding:
         return FLAT_CONTACT
-    return NO_FORCE if vanishes(other, now, K) else ROUGH if abs(F) <= SMALL * rounding else REGULAR
+    if vanishes(other, now, K):
+        return NO_FORCE
+    if abs(F) <= SMALL * rounding:
+        return ROUGH
+    return REGULAR
 
 
 def kinks(above, belt, codes, marks, n, regular, before, work):
-    """Mark in row `n` of `marks` which of `codes` turn a graze into a crossing or a miss; return whether any does."""
+    """Mark in row `n` of `marks` which of `codes` turn a graze into a crossing or a miss.
+
+    Return whether any does.
+    """
     found = False
     for j in range(len(regular)):
-        own = 1.0 if codes[j] == belt else 0.0
+        if codes[j] == belt:
+            own = 1.0
+        else:
+            own = 0.0
         moved = work[END_V, j] - own
         if abs(moved) > UNMOVED * (work[SIZE, j] + before[SIZE, j] + own):
-            marks[n, j] = OPENS_ABOVE if (moved > 0.0) == above else OPENS_BELOW
-            regular[j], found = False, True
+            if (moved > 0.0) == above:
+                marks[n, j] = OPENS_ABOVE
+            else:
+                marks[n, j] = OPENS_BELOW
+            regular[j] = False
+            found = True
     return found
 
 
 def tangents(motions, cuts, starts, sets, rows, codes, deep, letters, table, out, work):
     """Write derivatives of t and x at all events of `motions` into `out`, by the parameters and starts in `codes`."""
-    # `cuts` are the first rows of the motions and the end of the last one, `starts` rows of mode, t, theta, x, v.
-    # `rows` are t, theta, x, v of the events and their kind, boundary and target. `out` has dt, dx, marks and reasons
-    # of the events, and for each motion the logarithms of what its last columns and its areas have grown by: columns
-    # beyond those of dt are kept near 1 and counted there.
+    # `cuts` are the first rows of the motions and the end of the last one, `starts` rows of mode,
+    # t, theta, x, v. `rows` are t, theta, x, v of the events and their kind, boundary and target.
+    # `out` has dt, dx, marks and reasons of the events, and for each motion the logarithms of what
+    # its last columns and its areas have grown by: columns beyond those of dt are kept near 1 and
+    # counted there.
     times, thetas, xs, vs, kinds_, boundaries, targets = rows
     dts, dxs, marks, reasons, growth = out
     count = dts.shape[1]
     for i in motions:
-        K, mine = table[sets[i]], letters_of(letters[sets[i]])
+        K = table[sets[i]]
+        mine = letters_of(letters[sets[i]])
         start = launch_at(starts[i, 0], starts[i, 1], starts[i, 2], starts[i, 3], starts[i, 4])
         regular = begin(start, codes, count, mine, K, work)
         for n in range(cuts[i], cuts[i + 1]):
             now = launch_at(targets[n], times[n], thetas[n], xs[n], vs[n])
             turn = phase_between(start, now.t, now.theta, K)
-            boundary, kind = boundaries[n], kinds_[n]
-            belt, kept, touched = V1 + boundary - 1, work, False
+            boundary = boundaries[n]
+            kind = kinds_[n]
+            belt = V1 + boundary - 1
+            kept = work
+            touched = False
             if kind == GRAZE:  # what is usual on the way there is the scale of what vanishes
-                piece_changes(start, start.t + GOLDEN * (now.t - start.t), GOLDEN * turn, codes, deep, mine, K, work)
+                piece_changes(
+                    start,
+                    start.t + GOLDEN * (now.t - start.t),
+                    GOLDEN * turn,
+                    codes,
+                    deep,
+                    mine,
+                    K,
+                    work,
+                )
                 kept = work[: SIZE + 1].copy()
             a = piece_changes(start, now.t, turn, codes, deep, mine, K, work)
             if kind == GRAZE:
                 touched = kinks(start.mode != boundary, belt, codes, marks, n, regular, kept, work)
                 vanishing_times(start.mode, now, codes, mine, K, work)
-                why = KINK if touched else REGULAR
+                if touched:
+                    why = KINK
+                else:
+                    why = REGULAR
             elif start.mode > ON_BELT:
                 why = vanishing_times(now.mode, now, codes, mine, K, work)
             else:
-                why = contact_times(start.mode, boundary + (start.mode == boundary), belt, now, a, codes, K, work)
+                why = contact_times(
+                    start.mode, boundary + (start.mode == boundary), belt, now, a, codes, K, work
+                )
             reasons[n] = why
             for j in range(len(codes)):
                 work[DX, j] = work[END_X, j] + now.v * work[DT, j]
-                work[DV, j] = 1.0 + 0.0 * now.t if codes[j] == belt else 0.0 * now.t
+                if codes[j] == belt:
+                    work[DV, j] = 1.0 + 0.0 * now.t
+                else:
+                    work[DV, j] = 0.0 * now.t
             for j in range(count):
                 regular[j] = regular[j] and why <= ROUGH
                 dts[n, j], dxs[n, j] = work[DT, j], work[DX, j]
                 if not touched or marks[n, j] == 0:
-                    marks[n, j] = 1 if regular[j] else 0
+                    if regular[j]:
+                        marks[n, j] = 1
+                    else:
+                        marks[n, j] = 0
             if kind == GRAZE:
                 work[: SIZE + 1] = kept
                 continue
@@ -256,9 +347,11 @@ def tangents(motions, cuts, starts, sets, rows, codes, deep, letters, table, out
 
 def changes_at(times, pieces, starts, launched, codes, deep, letters, table, out, work):
     """Write derivatives of x and v at fixed `times` by `codes` into `out`, from those where pieces are `launched`."""
-    # `pieces` are the numbers of the pieces in which the times lie. Pieces begin at `starts`, rows as in `tangents`;
-    # `launched` (3, pieces, columns) are the derivatives of t, x and v where they begin.
-    K, mine = table[0], letters_of(letters[0])
+    # `pieces` are the numbers of the pieces in which the times lie. Pieces begin at `starts`, rows
+    # as in `tangents`; `launched` (3, pieces, columns) are the derivatives of t, x and v where they
+    # begin.
+    K = table[0]
+    mine = letters_of(letters[0])
     for n in range(len(times)):
         i = pieces[n]
         start = launch_at(starts[i, 0], starts[i, 1], starts[i, 2], starts[i, 3], starts[i, 4])
@@ -271,12 +364,19 @@ def changes_at(times, pieces, starts, launched, codes, deep, letters, table, out
 
 
 def begin(start, codes, count, letters, K, work):
-    """Write derivatives of t, x, v at a start by `codes` into `work`; return which of the first `count` are valid."""
-    # On a belt it is not for a number that takes the start off the belt, or that may change a force that is 0 there.
+    """Write derivatives of t, x, v at a start by `codes` into `work`.
+
+    Return which of the first `count` are valid.
+    """
+    # On a belt it is not for a number that takes the start off the belt, or that may change a force
+    # that is 0 there.
     regular = [True] * count
     for j in range(len(codes)):
         for row in range(DV + 1):
-            work[row, j] = 1.0 + 0.0 * start.t if codes[j] == T0 + row else 0.0 * start.t
+            if codes[j] == T0 + row:
+                work[row, j] = 1.0 + 0.0 * start.t
+            else:
+                work[row, j] = 0.0 * start.t
     for boundary, belt, speed in ((1, V1, K.belt1.v), (2, V2, K.belt2.v)):
         if start.v != speed:
             continue
@@ -288,7 +388,9 @@ def begin(start, codes, count, letters, K, work):
             for j in range(count):
                 work[END_X, j], work[END_V, j] = work[DX, j], 0.0 * start.t
             of_way, of_drive = force_changes(domain, start, codes[:count], letters, K, work)
-            turns = abs(of_drive) <= UNMOVED * abs(K.f0 * K.Om)  # then another t0 changes it as cos(Omega t) bends
+            turns = abs(of_drive) <= UNMOVED * abs(
+                K.f0 * K.Om
+            )  # then another t0 changes it as cos(Omega t) bends
             for j in range(count):
                 later = codes[j] == T0 and not (turns and of_way * start.c * K.f0 <= 0.0)
                 if work[SIZE, j] != 0.0 or later:
@@ -297,7 +399,10 @@ def begin(start, codes, count, letters, K, work):
 
 
 def grow(i, start, now, kind, turn, growth, count, columns, K, work):
-    """Scale columns of derivatives from `count` on to size 1; add logs of this and of the areas' factor to `growth`."""
+    """Scale columns of derivatives from `count` on to size 1.
+
+    Add logs of this and of the areas' factor to `growth`.
+    """
     size = 0.0
     for row in range(DV + 1):
         for j in range(count, columns):
@@ -310,6 +415,10 @@ def grow(i, start, now, kind, turn, growth, count, columns, K, work):
     if start.mode > ON_BELT or kind == STICK:
         growth[i, 1] = -inf
     else:
-        before, after = force(start.mode, now, K)[0], force(now.mode, now, K)[0]
-        ratio = abs(float(after / before)) if before != 0.0 else 1.0
+        before = force(start.mode, now, K)[0]
+        after = force(now.mode, now, K)[0]
+        if before != 0.0:
+            ratio = abs(float(after / before))
+        else:
+            ratio = 1.0
         growth[i, 1] += (log(ratio) if ratio > 0.0 else 0.0) - float(K.cm * turn / K.Om)

@@ -1,10 +1,13 @@
-"""The origin of a flow into a tangency: integration backward in time to its first contact, missing none.
+"""The origin of a flow into a tangency.
+
+Integration backward in time to its first contact, missing none.
 
 Why nothing can be missed in real arithmetic
 --------------------------------------------
-With s = t_m - t the velocity of a flight obeys v'' - (c/m) v' + (k/m) v = -(B0 Omega/m) sin(theta - Omega s): damping
-has changed its sign, the transient grows. So the bounds of `symosc.engine.first_exit`, which rest on an energy that
-never grows, do not hold backward. For the n-th derivative y of v the energy E = y'^2 + (k/m) y^2 obeys
+With s = t_m - t the velocity of a flight obeys v'' - (c/m) v' + (k/m) v = -(B0 Omega/m) sin(theta -
+Omega s): damping has changed its sign, the transient grows. So the bounds of
+`symosc.engine.first_exit`, which rest on an energy that never grows, do not hold backward. For the
+n-th derivative y of v the energy E = y'^2 + (k/m) y^2 obeys
 
     d/ds sqrt(E) <= (c/m) sqrt(E) + (|B0| Omega/m) Omega^n,
 
@@ -12,18 +15,21 @@ hence over a step H, with y = v^(n) and y' = v^(n+1) taken at its beginning,
 
     |v^(n+1)| <= exp(c H/m) (sqrt(E) + H (|B0| Omega/m) Omega^n),
 
-which bounds the remainder of the Taylor polynomial of degree n. The steps are short (STEP over the largest rate), so
-the remainder is below the rounding error. On each step the gap to a boundary is that polynomial, known within `noise`:
-remainder, rounding, and the errors of all steps before, which grow like the energy. `first_root` finds its first root.
-At the tangency where the search starts, the known root is divided out of the polynomial. The bounds hold in real
-arithmetic; what rounding may add to them (BACKWARD_ROUNDING) was measured.
+which bounds the remainder of the Taylor polynomial of degree n. The steps are short (STEP over the
+largest rate), so the remainder is below the rounding error. On each step the gap to a boundary is
+that polynomial, known within `noise`: remainder, rounding, and the errors of all steps before,
+which grow like the energy. `first_root` finds its first root. At the tangency where the search
+starts, the known root is divided out of the polynomial. The bounds hold in real arithmetic; what
+rounding may add to them (BACKWARD_ROUNDING) was measured.
 
-A contact that the noise leaves undecided counts as a touch. A search in double precision (`Origins.arrival`) hands such
-a step to one with more digits, and goes on from there as if it had just begun. `Flights` has the same flight in closed
-form, in any number of digits, by the kernel `motion` at the time -tau: Newton's method refines a contact with it.
+A contact that the noise leaves undecided counts as a touch. A search in double precision
+(`Origins.arrival`) hands such a step to one with more digits, and goes on from there as if it had
+just begun. `Flights` has the same flight in closed form, in any number of digits, by the kernel
+`motion` at the time -tau: Newton's method refines a contact with it.
 
-A flight may never have met a boundary. That can happen in an over- or critically damped system only, and is recognised
-by a transient that runs away from the only boundary for ever (`Origins._never_came`).
+A flight may never have met a boundary. That can happen in an over- or critically damped system
+only, and is recognised by a transient that runs away from the only boundary for ever
+(`Origins._never_came`).
 """
 
 from __future__ import annotations
@@ -44,15 +50,24 @@ from symosc.kernels.entire import EPS
 from symosc.mappings.theorem7_cases import place
 from symosc.model import Parameters
 
-# What a search ends with: a contact; a touch, as far as the precision can decide; the end of the time; a flight that
-# never met a boundary; velocities beyond HUGE; all steps used up; a contact that no number of digits tried decides.
-CONTACT, TOUCH, REACHED, NEVER, LARGE, LONG = "contact", "touch", "reached", "never", "large", "long"
+# What a search ends with: a contact; a touch, as far as the precision can decide; the end of the
+# time; a flight that never met a boundary; velocities beyond HUGE; all steps used up; a contact
+# that no number of digits tried decides.
+CONTACT = "contact"
+TOUCH = "touch"
+REACHED = "reached"
+NEVER = "never"
+LARGE = "large"
+LONG = "long"
 UNDECIDED = "undecided"
 
-# Length of a step, times the largest rate of the system. An undecided step is repeated with other lengths, so that the
-# decision does not depend on where steps end.
-STEP, REPEATED_STEPS = 1.0, (1.21, 1.37)
-BACKWARD_ROUNDING = 8  # rounding error of a Taylor polynomial in units of eps times the size of its terms
+# Length of a step, times the largest rate of the system. An undecided step is repeated with other
+# lengths, so that the decision does not depend on where steps end.
+STEP = 1.0
+REPEATED_STEPS = (1.21, 1.37)
+BACKWARD_ROUNDING = (
+    8  # rounding error of a Taylor polynomial in units of eps times the size of its terms
+)
 # Larger velocities are not followed: nothing can be simulated from there.
 HUGE = 1e100
 # The work of a search: more than 100 periods at the fastest drive, and less than a second.
@@ -67,21 +82,25 @@ CUT = 0.4831  # where an interval is divided: not a fraction at which roots are 
 
 
 def first_root(p: list[Number], noise: Number, eps: Number) -> tuple[bool, Number]:
-    """Return (touch, sigma): the first root sigma in (0, 1] of a polynomial whose values are known within `noise`.
+    """Return (touch, sigma).
 
-    `touch` is true if the polynomial comes within `noise` of 0 at sigma, so that it is undecided whether there is a
-    root. If there is neither a root nor a touch, sigma is None.
+    The first root sigma in (0, 1] of a polynomial whose values are known within `noise`.
+
+    `touch` is true if the polynomial comes within `noise` of 0 at sigma, so that it is undecided
+    whether there is a root. If there is neither a root nor a touch, sigma is None.
     """
-    # If the Bernstein coefficients on an interval all exceed the noise, there is no root in it. If the polynomial falls
-    # from above the noise to below it with one change of sign, there is exactly one. If its slope changes sign exactly
-    # once, from falling to rising, the value at the bottom decides. Above the noise there is no root, below it there
-    # are two, of which the first one counts. Within the noise it is a touch. Otherwise the interval is divided; what is
-    # still undecided at the smallest width is a touch too.
+    # If the Bernstein coefficients on an interval all exceed the noise, there is no root in it. If
+    # the polynomial falls from above the noise to below it with one change of sign, there is
+    # exactly one. If its slope changes sign exactly once, from falling to rising, the value at the
+    # bottom decides. Above the noise there is no root, below it there are two, of which the first
+    # one counts. Within the noise it is a touch. Otherwise the interval is divided; what is still
+    # undecided at the smallest width is a touch too.
     if p[0] - sum(abs(term) for term in p[1:]) > noise:
         return False, None
     one = 1 + 0 * p[0]
     slope = [k * term for k, term in enumerate(p)][1:]
-    # The smallest interval: where the slope has several roots nearer to each other than this, it is a touch.
+    # The smallest interval: where the slope has several roots nearer to each other than this, it is
+    # a touch.
     narrowest = max(eps**0.5 / 16, 2.0**-60)
     stack = [(0 * one, one, bernstein(p))]
     while stack:
@@ -89,11 +108,15 @@ def first_root(p: list[Number], noise: Number, eps: Number) -> tuple[bool, Numbe
         if min(b) > noise:
             continue
         falls = b[0] > noise and b[-1] < -noise
-        if falls and all(_count_changes([value > level for value in b]) == 1 for level in (noise, -noise)):
+        if falls and all(
+            _count_changes([value > level for value in b]) == 1 for level in (noise, -noise)
+        ):
             return False, _newton(p, slope, low, high, eps)
         rising = [second > first for first, second in pairwise(b)]
         if rising and not rising[0] and rising[-1] and _count_changes(rising) == 1:
-            bottom = _newton([-term for term in slope], [-k * q for k, q in enumerate(slope)][1:], low, high, eps)
+            bottom = _newton(
+                [-term for term in slope], [-k * q for k, q in enumerate(slope)][1:], low, high, eps
+            )
             value = _polynomial(p, bottom)
             if value > noise:
                 continue
@@ -102,7 +125,9 @@ def first_root(p: list[Number], noise: Number, eps: Number) -> tuple[bool, Numbe
             return True, bottom
         if high - low < narrowest:
             return True, 0.5 * (low + high)
-        left, right, row = [b[0]], [b[-1]], b
+        left = [b[0]]
+        right = [b[-1]]
+        row = b
         while len(row) > 1:
             row = [first + CUT * (second - first) for first, second in pairwise(row)]
             left.append(row[0])
@@ -136,21 +161,31 @@ def _polynomial(p: list[Number], sigma: Number) -> Number:
 
 
 def _newton(p: list[Number], slope: list[Number], low: Number, high: Number, eps: Number) -> Number:
-    """Find the root of p between `low`, where p > 0, and `high`, where p < 0; `slope` has p's derivative."""
-    # Only steps of Newton's method can show that it has converged. A step that leaves the bracket is replaced by a
-    # halving, whose length says nothing.
-    sigma, before, settled = 0.5 * (low + high), high - low, eps**0.75
+    """Find the root of p between `low`, where p > 0, and `high`, where p < 0.
+
+    `slope` has p's derivative.
+    """
+    # Only steps of Newton's method can show that it has converged. A step that leaves the bracket
+    # is replaced by a halving, whose length says nothing.
+    sigma = 0.5 * (low + high)
+    before = high - low
+    settled = eps**0.75
     for _ in range(20_000):  # at worst it halves its bracket: enough for thousands of digits
-        value, rise = _polynomial(p, sigma), _polynomial(slope, sigma)
+        value = _polynomial(p, sigma)
+        rise = _polynomial(slope, sigma)
         if value > 0:
             low = sigma
         else:
             high = sigma
-        shift = -value / rise if rise != 0 else high - low
+        if rise != 0:
+            shift = -value / rise
+        else:
+            shift = high - low
         if abs(shift) <= eps * sigma or (before <= abs(shift) <= settled * sigma):
             return sigma
         if low < sigma + shift < high:
-            sigma, before = sigma + shift, abs(shift)
+            sigma = sigma + shift
+            before = abs(shift)
         elif (following := 0.5 * (low + high)) in (low, high):
             return sigma
         else:
@@ -162,7 +197,10 @@ def _newton(p: list[Number], slope: list[Number], low: Number, high: Number, eps
 
 
 class Boundary(NamedTuple):
-    """A boundary of the domain of a flight: number, velocity, and direction into this domain (1 up, -1 down)."""
+    """A boundary of the domain of a flight.
+
+    Number, velocity, and direction into this domain (1 up, -1 down).
+    """
 
     number: int
     v: Number
@@ -170,9 +208,12 @@ class Boundary(NamedTuple):
 
 
 class BackwardState(NamedTuple):
-    """The state of a flight at the time `tau` before its tangency; `dx` is its position minus that of the tangency.
+    """The state of a flight at the time `tau` before its tangency.
 
-    In the last state of a search, `kind` says how the search ended, and `boundary` is the boundary that was reached.
+    `dx` is its position minus that of the tangency.
+
+    In the last state of a search, `kind` says how the search ended, and `boundary` is the boundary
+    that was reached.
     """
 
     tau: Number
@@ -200,21 +241,36 @@ class BackwardStep(NamedTuple):
 
 
 class BackwardSteps:
-    """A maker of backward steps from tangencies at one belt; `functions` is math or a context of mpmath."""
+    """A maker of backward steps from tangencies at one belt.
 
-    # A step is linear in v, a and the sine and cosine of the phase. So in double precision one product with a matrix
-    # gives its Taylor coefficients, its Bernstein coefficients (less v) and the state at its end.
+    `functions` is math or a context of mpmath.
+    """
+
+    # A step is linear in v, a and the sine and cosine of the phase. So in double precision one
+    # product with a matrix gives its Taylor coefficients, its Bernstein coefficients (less v) and
+    # the state at its end.
 
     def __init__(
-        self, K: Constants, boundary: int, domain: int, functions: Context = math, eps: Number = EPS, step: float = STEP
+        self,
+        K: Constants,
+        boundary: int,
+        domain: int,
+        functions: Context = math,
+        eps: Number = EPS,
+        step: float = STEP,
     ) -> None:
         self.K, self.functions, self.eps, self.H = K, functions, eps, step / K.rate
         numbers = {1: ((1, -1),), 2: ((1, 1), (2, -1)), 3: ((2, 1),)}[domain]
-        self.boundaries = [Boundary(n, (K.belt1 if n == 1 else K.belt2).v, inward) for n, inward in numbers]
+        self.boundaries = [
+            Boundary(n, (K.belt1 if n == 1 else K.belt2).v, inward) for n, inward in numbers
+        ]
         self.touched = next(each for each in self.boundaries if each.number == boundary)
         self.growth = functions.exp(K.cm * self.H)
-        # Taylor coefficients T[k] = v^(k) H^k/k! backward: the equation of motion with these in place of its constants.
-        cm, w0sq, power = -K.cm * self.H, K.w0sq * self.H * self.H, K.fB * self.H * self.H
+        # Taylor coefficients T[k] = v^(k) H^k/k! backward: the equation of motion with these in
+        # place of its constants.
+        cm = -K.cm * self.H
+        w0sq = K.w0sq * self.H * self.H
+        power = K.fB * self.H * self.H
         self.recurrence: list[tuple[Number, Number, Number]] = []
         term = 1.0 / eps
         while term > 0.1:  # up to the degree whose term rounding hides
@@ -224,30 +280,52 @@ class BackwardSteps:
             self.recurrence.append((power, cm / (k + 2), w0sq / ((k + 1) * (k + 2))))
             power = power * K.Om * self.H
         self.drive_remainder = abs(power)
-        self._matrix, columns = None, []
-        for unit in np.eye(4).tolist() if functions is math else ():  # from (v, a, sin, cos) to all of a step at once
+        self._matrix = None
+        columns = []
+        for unit in (
+            np.eye(4).tolist() if functions is math else ()
+        ):  # from (v, a, sin, cos) to all of a step at once
             *T, behind = self._taylor(*unit)
             dv, slope, area = _changes_over(T, 1.0)
-            columns.append([*T, behind, *bernstein([0.0, *T[1:]]), dv, -slope / self.H, -self.H * area])
+            columns.append(
+                [*T, behind, *bernstein([0.0, *T[1:]]), dv, -slope / self.H, -self.H * area]
+            )
             self._matrix = np.array(columns).T.copy()
 
     def begin(self, zero: Number) -> BackwardState:
-        """Return the state at the tangency, where the steps begin; `zero` is 0 in the arithmetic that is used."""
+        """Return the state at the tangency, where the steps begin.
+
+        `zero` is 0 in the arithmetic that is used.
+        """
         return BackwardState(zero, zero, self.touched.v + zero, zero, zero, zero, zero)
 
     def take(self, theta: Number, order: int, state: BackwardState) -> BackwardStep:
-        """Take a step backward from `state`; `order` is 1, or 3 if G^(1) = G^(2) = 0 at the tangency."""
-        K, H, eps = self.K, self.H, self.eps
-        n, tau, v, a = len(self.recurrence) + 1, state.tau, state.v, state.a
+        """Take a step backward from `state`.
+
+        `order` is 1, or 3 if G^(1) = G^(2) = 0 at the tangency.
+        """
+        K = self.K
+        H = self.H
+        eps = self.eps
+        n = len(self.recurrence) + 1
+        tau = state.tau
+        v = state.v
+        a = state.a
         s, c = self.wave(theta, tau)
         if self._matrix is None:
             *T, behind = self._taylor(v, a, s, c)
-            end, reach = (), sum(map(abs, T[1:]))
-            low, high = v - reach, v + reach
+            end = ()
+            reach = sum(map(abs, T[1:]))
+            low = v - reach
+            high = v + reach
         else:
             rows = (self._matrix @ np.array((v, a, s, c))).tolist()
-            T, behind, changes, end = rows[:n], rows[n], rows[n + 1 : -3], tuple(rows[-3:])
-            low, high = v + min(changes), v + max(changes)
+            T = rows[:n]
+            behind = rows[n]
+            changes = rows[n + 1 : -3]
+            end = tuple(rows[-3:])
+            low = v + min(changes)
+            high = v + max(changes)
         # The remainder is bounded by the last coefficient and the next one.
         remainder = self.growth * (abs(behind) + K.w0 * H * abs(T[-1]) / n + self.drive_remainder)
         drive = abs(K.fB) * (1 + abs(theta) + K.Om * tau)
@@ -261,16 +339,24 @@ class BackwardSteps:
         for boundary in self.boundaries:
             at_start = tau == 0 and boundary is self.touched
             noise = remainder + (rounding if at_start else v_error)
-            if not at_start and (low - boundary.v if boundary.inward > 0 else boundary.v - high) > noise:
+            if (
+                not at_start
+                and (low - boundary.v if boundary.inward > 0 else boundary.v - high) > noise
+            ):
                 continue
             if at_start:
                 p = [boundary.inward * term for term in T[order + 1 :]]
             else:
-                p = [boundary.inward * (v - boundary.v), *(boundary.inward * term for term in T[1:])]
+                p = [
+                    boundary.inward * (v - boundary.v),
+                    *(boundary.inward * term for term in T[1:]),
+                ]
             touch, sigma = first_root(p, noise, eps)
             if sigma is not None and (found is None or sigma < found[1]):
                 found = touch, sigma, boundary
-        return BackwardStep(state._replace(v_error=v_error, energy_error=energy_error), T, end, found)
+        return BackwardStep(
+            state._replace(v_error=v_error, energy_error=energy_error), T, end, found
+        )
 
     def wave(self, theta: Number, tau: Number) -> tuple[Number, Number]:
         """Return sine and cosine of the drive's phase at the time tau before the tangency at the phase theta."""
@@ -281,22 +367,33 @@ class BackwardSteps:
         """Return the state at the fraction `sigma` of a step (None: 1), with the error bounds at the step's end."""
         state = step.begin
         if sigma is None:
-            tau, (dv, a, dx) = self.H, step.end
+            tau = self.H
+            (dv, a, dx) = step.end
         else:
             dv, slope, area = _changes_over(step.T, sigma)
-            tau, a, dx = sigma * self.H, -slope / self.H, -self.H * area
+            tau = sigma * self.H
+            a = -slope / self.H
+            dx = -self.H * area
         dx = state.dx + dx
         x_error = state.x_error + self.H * state.v_error + self.eps * abs(dx)
-        return BackwardState(state.tau + tau, dx, state.v + dv, a, state.v_error, x_error, state.energy_error)
+        return BackwardState(
+            state.tau + tau, dx, state.v + dv, a, state.v_error, x_error, state.energy_error
+        )
 
     def contact(self, step: BackwardStep, found: BackwardHit) -> BackwardState:
         """Return the state at the contact `found` in a step."""
         touch, sigma, boundary = found
-        kind = TOUCH if touch else CONTACT
+        if touch:
+            kind = TOUCH
+        else:
+            kind = CONTACT
         return self.moved(step, sigma)._replace(v=boundary.v, kind=kind, boundary=boundary.number)
 
     def _taylor(self, v: Number, a: Number, s: Number, c: Number) -> list[Number]:
-        """Return Taylor coefficients of v from v, a and the phase's sine s, cosine c; the last bounds the remainder."""
+        """Return Taylor coefficients of v from v, a and the phase's sine s, cosine c.
+
+        The last bounds the remainder.
+        """
         sines = (s, -c, -s, c)  # (-d/dphase)^k sin
         T = [v, -a * self.H]
         for k, (power, cm, w0sq) in enumerate(self.recurrence):
@@ -353,17 +450,23 @@ class Flights:
         """Return a Fraction, float or sympy constant as a number of this precision."""
         if hasattr(value, "evalf"):
             return self.context.mpf(str(value.evalf(self.digits + 5)))
-        return self.arithmetic.number(value) if hasattr(value, "numerator") else self.context.mpf(value)
+        if hasattr(value, "numerator"):
+            return self.arithmetic.number(value)
+        return self.context.mpf(value)
 
     def contact(self, theta: Number) -> Number:
         """Return the position x_m(theta) of a tangency at the phase theta, at which F = 0 on the belt."""
-        rest = self.number((self.p.A(self.place.domain) - self.p.c * self.p.belt(self.place.boundary)) / self.p.k)
+        rest = self.number(
+            (self.p.A(self.place.domain) - self.p.c * self.p.belt(self.place.boundary)) / self.p.k
+        )
         return rest + self.number(self.p.B0 / self.p.k) * self.context.cos(theta)
 
     def instant(self, theta: Number, tau: Number) -> Instant:
         """Return the state of the flight at the time tau before its tangency at the phase theta."""
-        K, v0 = self.K, self.v
-        s, c = self.context.sin(theta), self.context.cos(theta)
+        K = self.K
+        v0 = self.v
+        s = self.context.sin(theta)
+        c = self.context.cos(theta)
         E0, E1, E2, R2, I2, s_Om, c_Om = self._basis(-tau, K)
         dx, dv, a = motion(v0, 0 * v0, s, c, K.cm, K.w0sq, K.f0, K.Om, E0, E1, E2, R2, I2)
         v = v0 + dv
@@ -380,39 +483,65 @@ class Flights:
     def state(self, theta: Number, tau: Number) -> BackwardState:
         """Return the state from which a search backward can start at the time tau before the tangency."""
         now = self.instant(theta, tau)
-        return BackwardState(tau, now.dx, now.v, now.a, now.v_error, now.x_error, now.v_error * self.K.rate)
+        return BackwardState(
+            tau, now.dx, now.v, now.a, now.v_error, now.x_error, now.v_error * self.K.rate
+        )
 
     def refined(self, theta: Number, found: BackwardState, tau_max: Number) -> BackwardState | None:
-        """Refine the result `found` of a search back to `tau_max` to all digits; None if Newton's method fails."""
+        """Refine the result `found` of a search back to `tau_max` to all digits.
+
+        None if Newton's method fails.
+        """
         if found.kind in (NEVER, LARGE, LONG):
             return found
         tau = self.number(tau_max if found.kind == REACHED else found.tau)
-        speed = self.number(self.p.belt(found.boundary)) if found.boundary else None
+        if found.boundary:
+            speed = self.number(self.p.belt(found.boundary))
+        else:
+            speed = None
         if speed is not None:
-            begin, time_error = tau, abs(float(found.v_error) / (float(found.a) or 1.0))
+            begin = tau
+            time_error = abs(float(found.v_error) / (float(found.a) or 1.0))
             tau = self._contact_time(theta, tau, speed, found.kind == TOUCH)
-            # Newton's method may carry a contact this far from where the search has found it, as a part of a step.
+            # Newton's method may carry a contact this far from where the search has found it, as a
+            # part of a step.
             if tau is None or abs(tau - begin) > 1e-3 * STEP / float(self.K.rate) + time_error:
                 return None
         now = self.instant(theta, tau)
-        v = now.v if speed is None else speed
-        return found._replace(tau=tau, dx=now.dx, v=v, a=now.a, v_error=now.v_error, x_error=now.x_error)
+        if speed is None:
+            v = now.v
+        else:
+            v = speed
+        return found._replace(
+            tau=tau, dx=now.dx, v=v, a=now.a, v_error=now.v_error, x_error=now.x_error
+        )
 
     def _contact_time(self, theta: Number, tau: Number, speed: Number, touch: bool) -> Number:
         """Find the time near `tau` at which v = `speed`, or, with `touch`, at which v is nearest to `speed`."""
         before = None
         for _ in range(200):
             now = self.instant(theta, tau)
-            top, slope = (now.v - speed, now.a) if not touch else (now.a, now.b)
+            if not touch:
+                top, slope = (now.v - speed, now.a)
+            else:
+                top, slope = (now.a, now.b)
             if touch and abs(now.b) * float(self.K.rate) < 1e-6 * abs(now.w):
-                top, slope = now.b, now.w  # a touch of fourth order
+                # a touch of fourth order
+                top = now.b
+                slope = now.w
             if slope == 0:
-                return tau if top == 0 else None
+                if top == 0:
+                    return tau
+                return None
             shift = top / slope
             tau = tau + shift
             if abs(shift) <= self.context.eps * 4 * abs(tau):
                 return tau
-            if before is not None and abs(shift) >= before and abs(shift) < self.context.eps**0.75 * abs(tau):
+            if (
+                before is not None
+                and abs(shift) >= before
+                and abs(shift) < self.context.eps**0.75 * abs(tau)
+            ):
                 return tau
             before = abs(shift)
         return None
@@ -420,12 +549,22 @@ class Flights:
     def repeat_step(
         self, theta: Number, order: int, tau: float, step: float
     ) -> tuple[BackwardState | None, BackwardState]:
-        """Repeat the step at `tau` in more digits, with the length `step`; return contact (or None) and next state."""
+        """Repeat the step at `tau` in more digits, with the length `step`.
+
+        Return contact (or None) and next state.
+        """
         if step not in self._steps:
-            where, context = self.place, self.context
-            self._steps[step] = BackwardSteps(self.K, where.boundary, where.domain, context, context.eps, step)
-        steps, back = self._steps[step], (step - STEP) / 2 / self.K.rate
-        state = self.state(theta, tau - back) if tau > back else steps.begin(0 * theta)
+            where = self.place
+            context = self.context
+            self._steps[step] = BackwardSteps(
+                self.K, where.boundary, where.domain, context, context.eps, step
+            )
+        steps = self._steps[step]
+        back = (step - STEP) / 2 / self.K.rate
+        if tau > back:
+            state = self.state(theta, tau - back)
+        else:
+            state = steps.begin(0 * theta)
         taken = steps.take(theta, order, state)
         if taken.found is None:
             return None, rounded(self.state(theta, state.tau + steps.H))
@@ -436,7 +575,9 @@ def rounded(state: BackwardState) -> BackwardState:
     """Round a state to doubles; add the rounding errors to its error bounds."""
     tau, dx, v, a, v_error, x_error, energy_error = map(float, state[:7])
     eps = 2.0**-53
-    return BackwardState(tau, dx, v, a, v_error + eps * abs(v), x_error + eps * abs(dx), energy_error + eps * abs(a))
+    return BackwardState(
+        tau, dx, v, a, v_error + eps * abs(v), x_error + eps * abs(dx), energy_error + eps * abs(a)
+    )
 
 
 class Origins:
@@ -448,7 +589,11 @@ class Origins:
     def __init__(self, p: Parameters, mapping: str) -> None:
         where = place(mapping)
         if p.k == 0:
-            raise ParameterError("k", "0", "must be > 0 here: without a spring F = 0 fixes the phase, not the contact")
+            raise ParameterError(
+                "k",
+                "0",
+                "must be > 0 here: without a spring F = 0 fixes the phase, not the contact",
+            )
         self.p, self.mapping, self.place, self.K = p, mapping, where, constants(p)
         self.steps = BackwardSteps(self.K, where.boundary, where.domain)
         self._flights: dict[int, Flights] = {}
@@ -473,19 +618,25 @@ class Origins:
     ) -> BackwardState:
         """Follow the flow back from the tangency at a phase, in doubles, to the first contact or to the time `far`.
 
-        `order` is that of the first G-function that does not vanish at the tangency. A step with an undecided contact
-        is repeated up to `repeats` times, with `digits`, then with twice as many. A contact that stays undecided is
-        returned as a touch.
+        `order` is that of the first G-function that does not vanish at the tangency. A step with an
+        undecided contact is repeated up to `repeats` times, with `digits`, then with twice as many.
+        A contact that stays undecided is returned as a touch.
         """
-        steps, theta = self.steps, float(angle)
-        far = SEARCH_PERIODS * self.K.period if far is None else far
-        # At most so many undecided steps are repeated: a flight that stays near a boundary for longer stays undecided.
-        state, repeats_left = steps.begin(0.0), 40
+        steps = self.steps
+        theta = float(angle)
+        if far is None:
+            far = SEARCH_PERIODS * self.K.period
+        # At most so many undecided steps are repeated: a flight that stays near a boundary for
+        # longer stays undecided.
+        state = steps.begin(0.0)
+        repeats_left = 40
         for _ in range(most_steps):
             step = steps.take(theta, order, state)
-            state, found = step.begin, step.found
+            state = step.begin
+            found = step.found
             if repeats and found and found[0] and state.tau <= far:
-                tau, repeats_left = state.tau, repeats_left - 1
+                tau = state.tau
+                repeats_left = repeats_left - 1
                 for times, length in enumerate(REPEATED_STEPS[:repeats], start=1):
                     flights = self.flights(times * digits)
                     arrival, state = flights.repeat_step(flights.number(angle), order, tau, length)
@@ -494,7 +645,9 @@ class Origins:
                 if arrival is None and repeats_left:
                     continue
                 arrival = arrival or state._replace(kind=LONG)
-                return arrival if arrival.tau <= far else self._state_at_limit(theta, order, state, far)
+                if arrival.tau <= far:
+                    return arrival
+                return self._state_at_limit(theta, order, state, far)
             if state.tau + (found[1] if found else 1.0) * steps.H > far:
                 return self._state_at_limit(theta, order, state, far)
             if found:
@@ -506,21 +659,28 @@ class Origins:
                 return state._replace(kind=LARGE)
         return state._replace(kind=LONG)
 
-    def _state_at_limit(self, theta: float, order: int, state: BackwardState, far: float) -> BackwardState:
+    def _state_at_limit(
+        self, theta: float, order: int, state: BackwardState, far: float
+    ) -> BackwardState:
         """Return the state of the flow at the time `far`, which lies in the backward step that begins at `state`."""
         step = self.steps.take(theta, order, state)
         return self.steps.moved(step, (far - state.tau) / self.steps.H)._replace(kind=REACHED)
 
     def _never_came(self, theta: float, state: BackwardState) -> bool:
-        """Return whether the flow back from `state` surely meets no boundary: it runs away from its only one."""
+        """Return whether the flow back from `state` surely meets no boundary.
+
+        It runs away from its only one.
+        """
         K = self.K
         if K.under or self.place.domain == 2:
             return False
         s, c = self.steps.wave(theta, state.tau)
         u = state.v - (K.Ss * s + K.Sc * c)
         u_slope = -(state.a - K.Om * (K.Ss * c - K.Sc * s))
-        # u = alpha exp(p s) + beta exp(q s) with p >= q >= 0: once it falls with alpha <= 0 it falls for ever
-        sign, boundary = self.steps.touched.inward, self.steps.touched.v
+        # u = alpha exp(p s) + beta exp(q s) with p >= q >= 0: once it falls with alpha <= 0 it
+        # falls for ever
+        sign = self.steps.touched.inward
+        boundary = self.steps.touched.v
         away = sign * u_slope >= 0 and sign * (u_slope + K.l1 * u) >= 0
         gap = K.V0 + state.v_error + 1e-9 * (abs(state.v) + K.V0)
         return bool(away and sign * (u - boundary) > gap)
@@ -528,7 +688,10 @@ class Origins:
     def exact(
         self, angle: Angle | float, order: int, far: Callable[[Flights], Number], wanted: int
     ) -> tuple[BackwardState, Flights]:
-        """Return where the flow came from with `wanted` decimals, and the `Flights` used; `far`: time to search."""
+        """Return where the flow came from with `wanted` decimals, and the `Flights` used.
+
+        `far`: time to search.
+        """
         # `far` is the time to search, as a number of the given flights.
         flights = self.flights(wanted + 20)
         found = self.arrival(angle, order, float(far(flights)), digits=min(wanted + 20, 200))
@@ -540,13 +703,17 @@ class Origins:
                 found = found._replace(kind=REACHED, boundary=0)
                 continue
             # The errors of a contact's time and position, or of the state at the end of the search.
-            worst, context = 0 * arrival.a, flights.context
+            worst = 0 * arrival.a
+            context = flights.context
             if arrival.kind == CONTACT:
                 t_error = arrival.v_error / abs(arrival.a)
                 worst = max(t_error, arrival.x_error + abs(arrival.v) * t_error)
             elif arrival.kind == REACHED:
                 worst = max(arrival.x_error, arrival.v_error)
-            missing = int(context.ceil(context.log10(worst))) + wanted + 2 if worst > 0 else 0
+            if worst > 0:
+                missing = int(context.ceil(context.log10(worst))) + wanted + 2
+            else:
+                missing = 0
             if missing <= 0:
                 return arrival, flights
             flights = self.flights(flights.digits + missing + 3)

@@ -1,15 +1,20 @@
-"""Check of Theorem 7 by numerics: three independent decisions whether a contact grazes, against the window.
+"""Check of Theorem 7 by numerics.
 
-A contact is built at each phase (x_m from F = 0). Whether the flow of the domain turns back there is decided in three
-independent ways (`Ways`), each of which answers YES, NO or NOT_DECIDED, never on less than its error:
+Three independent decisions whether a contact grazes, against the window.
 
-- the signs of the G-functions: in double precision with a bound of the rounding error, or in 50-digit intervals, where
-  a value whose interval contains 0 counts as 0 only if that is known exactly;
+A contact is built at each phase (x_m from F = 0). Whether the flow of the domain turns back there
+is decided in three independent ways (`Ways`), each of which answers YES, NO or NOT_DECIDED, never
+on less than its error:
+
+- the signs of the G-functions: in double precision with a bound of the rounding error, or in
+  50-digit intervals, where a value whose interval contains 0 counts as 0 only if that is known
+  exactly;
 - the exact flow a short time before and after the contact: both points must be in the domain;
 - scipy's DOP853, on the same equation in coordinates that start at the contact.
 
-Some phases are random, in double precision. The others are adversarial, and exact: the ends of the window, the points
-of equality and the quarters of the circle, and phases 1e-3 to 1e-14 before and after each of them.
+Some phases are random, in double precision. The others are adversarial, and exact: the ends of the
+window, the points of equality and the quarters of the circle, and phases 1e-3 to 1e-14 before and
+after each of them.
 """
 
 from __future__ import annotations
@@ -40,15 +45,22 @@ from symosc.mappings.numbers import number_of, symbolic
 from symosc.scenes import ParametersLike
 
 CHECK_PHASES = 10_000
-YES, NO, NOT_DECIDED = 1, -1, 0
+YES = 1
+NO = -1
+NOT_DECIDED = 0
 FLOW_ROUNDING = 16.0  # rounding errors, in units of EPS and the size of the terms
 INTERVAL_DIGITS = 50
-# Digits of the exact flow at adversarial phases: a quartic tangency at the smallest time below needs 100 of them.
+# Digits of the exact flow at adversarial phases: a quartic tangency at the smallest time below
+# needs 100 of them.
 FLOW_DIGITS = 130
-# Times before and after a contact, over the largest rate: in double precision, and two for the adversarial phases.
-FLOW_TIME, FINE_FLOW_TIMES = 1e-9, ("1e-21", "1e-24")
+# Times before and after a contact, over the largest rate: in double precision, and two for the
+# adversarial phases.
+FLOW_TIME = 1e-9
+FINE_FLOW_TIMES = ("1e-21", "1e-24")
 #: The three ways, and why they leave a phase undecided.
-G_SIGNS, EXACT_FLOW, DOP853 = "G-functions", "exact flow", "DOP853"
+G_SIGNS = "G-functions"
+EXACT_FLOW = "exact flow"
+DOP853 = "DOP853"
 WHY_UNDECIDED = {
     G_SIGNS: "an interval contains 0",
     EXACT_FLOW: "the gap is 0 to all digits, or its sign depends on the time",
@@ -60,7 +72,8 @@ WHY_UNDECIDED = {
 class GrazingReport:
     """The results of `check_grazing`, which compares the window of Theorem 7 with three numerical ways of deciding.
 
-    The ways are the signs of the G-functions, the exact flow around the contact, and the solver DOP853.
+    The ways are the signs of the G-functions, the exact flow around the contact, and the solver
+    DOP853.
 
     Attributes
     ----------
@@ -74,13 +87,14 @@ class GrazingReport:
     undecided : dict
         For each way and reason, the number of phases that this way could not decide.
     mismatches : tuple of dict
-        Every phase where a way contradicts the window, or where F is not 0 at the window's x_m. Each dict has the
-        phase, the way, what the window says and what the way says.
+        Every phase where a way contradicts the window, or where F is not 0 at the window's x_m.
+        Each dict has the phase, the way, what the window says and what the way says.
     closest : dict
-        For each way, the smallest |G^(1)| at a phase that it decided, over the sum of the sizes of the terms of G^(1).
+        For each way, the smallest |G^(1)| at a phase that it decided, over the sum of the sizes of
+        the terms of G^(1).
     closest_phase : float
-        The smallest distance of a decided phase from a phase with G^(1) = 0; distance 0 is not counted. inf where there
-        is no such phase.
+        The smallest distance of a decided phase from a phase with G^(1) = 0; distance 0 is not
+        counted. inf where there is no such phase.
     orders : dict
         How many phases were decided by the G-function of each order.
     finely : int
@@ -115,7 +129,9 @@ class GrazingReport:
     @property
     def ok(self) -> bool:
         """Whether nothing contradicts the window, and G-functions and exact flow both decided every phase."""
-        return not self.mismatches and not self.undecided[G_SIGNS] and not self.undecided[EXACT_FLOW]
+        return (
+            not self.mismatches and not self.undecided[G_SIGNS] and not self.undecided[EXACT_FLOW]
+        )
 
     def to_dict(self) -> Record:
         """Return the report as a dict of plain values."""
@@ -131,16 +147,28 @@ class GrazingReport:
         ]
         for way in (G_SIGNS, EXACT_FLOW, DOP853):
             line = f"  {way:11s} agrees at {self.agreements[way]}, down to |G1|/size = {self.closest[way]:.1e}"
-            lines.append(line + "".join(f"; cannot decide {n}: {why}" for why, n in self.undecided[way].items()))
-        orders = ", ".join(f"order {order}: {count}" for order, count in sorted(self.orders.items()))
-        lines.append(f"  decided by {orders}; {self.finely} phases needed intervals; {self.seconds:.2f} s")
+            lines.append(
+                line
+                + "".join(f"; cannot decide {n}: {why}" for why, n in self.undecided[way].items())
+            )
+        orders = ", ".join(
+            f"order {order}: {count}" for order, count in sorted(self.orders.items())
+        )
+        lines.append(
+            f"  decided by {orders}; {self.finely} phases needed intervals; {self.seconds:.2f} s"
+        )
         lines += [f"  mismatch: {each}" for each in self.mismatches[:20]]
         return "\n".join(lines)
 
 
 @public
 def check_grazing(
-    p: ParametersLike, mapping: str, n: int = CHECK_PHASES, seed: int = 0, *, progress: Progress = False
+    p: ParametersLike,
+    mapping: str,
+    n: int = CHECK_PHASES,
+    seed: int = 0,
+    *,
+    progress: Progress = False,
 ) -> GrazingReport:
     """Compare the grazing window of a mapping with three independent numerical decisions.
 
@@ -154,14 +182,15 @@ def check_grazing(
     seed : int
         The seed of the random phases.
     progress : bool or callable, optional
-        True: if it takes more than two seconds, a bar with rate and time left on a terminal. Or a function of two
-        numbers: the part that is done, and 1.
+        True: if it takes more than two seconds, a bar with rate and time left on a terminal. Or a
+        function of two numbers: the part that is done, and 1.
 
     Raises
     ------
     ParameterError
-        For a mapping without grazing, an n or a seed out of range, and where there is no isolated contact to check:
-        k = 0 (F = 0 fixes the phase), or B0 = 0 with v_lambda = 0 (the flow stays on the belt for ever).
+        For a mapping without grazing, an n or a seed out of range, and where there is no isolated
+        contact to check: k = 0 (F = 0 fixes the phase), or B0 = 0 with v_lambda = 0 (the flow stays
+        on the belt for ever).
 
     Examples
     --------
@@ -169,15 +198,23 @@ def check_grazing(
     >>> check_grazing(load_scene("fig9").parameters, "P2", n=100).ok
     True
     """
-    n, seed = whole_number("n", n, 1, 1_000_000), whole_number("seed", seed, 0, 2**63 - 1)
+    n = whole_number("n", n, 1, 1_000_000)
+    seed = whole_number("seed", seed, 0, 2**63 - 1)
     begin = time.perf_counter()
     window = grazing_window(p, mapping)
     if p.k == 0:
-        raise ParameterError("k", "0", "must be > 0 here: without a spring F = 0 fixes the phase, there is no x_m")
+        raise ParameterError(
+            "k", "0", "must be > 0 here: without a spring F = 0 fixes the phase, there is no x_m"
+        )
     if p.B0 == 0 and window.speed == 0:
-        raise ParameterError("B0", "0", "must not be 0 where v_lambda is: the flow stays on the belt for ever")
-    ways, theta = Ways(window), np.random.default_rng(seed).uniform(0.0, 2 * pi, n)
-    mismatches, parts, done = list[dict[str, str]](), [], 0
+        raise ParameterError(
+            "B0", "0", "must not be 0 where v_lambda is: the flow stays on the belt for ever"
+        )
+    ways = Ways(window)
+    theta = np.random.default_rng(seed).uniform(0.0, 2 * pi, n)
+    mismatches = list[dict[str, str]]()
+    parts = []
+    done = 0
 
     def disagree(phase: object, way: str, expected: str, found: str) -> None:
         mismatches.append({"theta": str(phase), "way": way, "window": expected, "found": found})
@@ -189,13 +226,21 @@ def check_grazing(
             if advance:
                 advance(done / n, done)
         parts.append(_decide_special(ways))
-    phases, inside, margins, offsets, finely, orders, *verdicts = map(np.concatenate, zip(*parts, strict=True))
-    agreements, undecided, closest, words = {}, {}, {}, ("does not graze", "grazes")
+    phases, inside, margins, offsets, finely, orders, *verdicts = map(
+        np.concatenate, zip(*parts, strict=True)
+    )
+    agreements = {}
+    undecided: dict[Any, Any] = {}
+    closest = {}
+    words = ("does not graze", "grazes")
     for way, verdict in zip(WHY_UNDECIDED, verdicts, strict=True):
         decided = verdict != NOT_DECIDED
         right = decided & ((verdict == YES) == inside)
         agreements[way] = int(right.sum())
-        undecided[way] = {} if decided.all() else {WHY_UNDECIDED[way]: int((~decided).sum())}
+        if decided.all():
+            undecided[way] = {}
+        else:
+            undecided[way] = {WHY_UNDECIDED[way]: int((~decided).sum())}
         closest[way] = float(margins[right & (margins > 0)].min(initial=inf))
         for j in np.nonzero(decided & ~right)[0]:
             disagree(phases[j], way, words[int(inside[j])], words[int(verdict[j] == YES)])
@@ -219,48 +264,84 @@ def check_grazing(
     )
 
 
-# What is known of some phases, in columns: the phase, whether it is in the window, |G^(1)| over its size, its distance
-# from a phase with G^(1) = 0 (inf: not known), whether it took intervals, the order that decides (0: none), and the
-# verdicts of the three ways.
+# What is known of some phases, in columns: the phase, whether it is in the window, |G^(1)| over its
+# size, its distance from a phase with G^(1) = 0 (inf: not known), whether it took intervals, the
+# order that decides (0: none), and the verdicts of the three ways.
 
 
-def _decide_random(ways: Ways, theta: np.ndarray, disagree: Callable[..., None]) -> tuple[np.ndarray, ...]:
-    """Decide by all three ways which random phases graze; return columns. `disagree` is called where F is not 0."""
-    inside, K = ways.window.contains(theta), ways.K
+def _decide_random(
+    ways: Ways, theta: np.ndarray, disagree: Callable[..., None]
+) -> tuple[np.ndarray, ...]:
+    """Decide by all three ways which random phases graze; return columns.
+
+    `disagree` is called where F is not 0.
+    """
+    inside = ways.window.contains(theta)
+    K = ways.K
     if inside.any():  # F must vanish at the window's x_m
-        drive, spring = K.f0 * np.cos(theta[inside]), -K.w0sq * ways.window.contact(theta[inside])
+        drive = K.f0 * np.cos(theta[inside])
+        spring = -K.w0sq * ways.window.contact(theta[inside])
         terms = [constant_force(ways.window.place.domain, K), drive, spring, -K.cm * ways.v]
-        F, size = sum(terms), sum(map(abs, terms))
+        F = sum(terms)
+        size = sum(map(abs, terms))
         for i in np.nonzero(np.abs(F) > FLOW_ROUNDING * EPS * size)[0]:
             disagree(theta[inside][i], "contact", "F = 0", f"F = {F[i]}")
-    signs, flow, orders = ways.verdicts_by_sign(theta), ways.verdicts_by_flow(theta), np.ones(len(theta), dtype=int)
+    signs = ways.verdicts_by_sign(theta)
+    flow = ways.verdicts_by_flow(theta)
+    orders = np.ones(len(theta), dtype=int)
     finely = (signs == NOT_DECIDED) | (flow == NOT_DECIDED)
     for i in np.nonzero(finely)[0]:
         value = ways.fine.context.mpf(float(theta[i]))
-        (signs[i], orders[i]), flow[i] = ways.verdict_by_intervals(value, False), ways.verdict_by_fine_flow(value)
-    columns = theta.astype(object), inside, np.abs(ways.slope(theta)), np.full(len(theta), inf), finely, orders
+        (signs[i], orders[i]), flow[i] = (
+            ways.verdict_by_intervals(value, False),
+            ways.verdict_by_fine_flow(value),
+        )
+    columns = (
+        theta.astype(object),
+        inside,
+        np.abs(ways.slope(theta)),
+        np.full(len(theta), inf),
+        finely,
+        orders,
+    )
     return *columns, signs, flow, ways.verdicts_by_solver(theta)
 
 
 def _decide_special(ways: Ways) -> tuple[np.ndarray, ...]:
-    """Decide as `_decide_random` for phases at and beside zeros of G^(1) and multiples of pi/2; return such columns."""
+    """Decide as `_decide_random` for phases at and beside zeros of G^(1) and multiples of pi/2.
+
+    Return such columns.
+    """
     import sympy
 
     zeros: set[Expr] = set()  # where G^(1) = 0 exactly
     if ways.window.signs[1] and ways.window.signs[2] <= 0:
         angle = sympy.asin(symbolic(-ways.window.gamma / ways.window.amplitude))
-        zeros = {end + 2 * sympy.pi if end.is_negative else end for end in (angle, sympy.pi - angle)}
-    special = sorted(zeros | {sympy.Integer(0), sympy.pi / 2, sympy.pi, 3 * sympy.pi / 2}, key=float)
+        zeros = {
+            end + 2 * sympy.pi if end.is_negative else end for end in (angle, sympy.pi - angle)
+        }
+    special = sorted(
+        zeros | {sympy.Integer(0), sympy.pi / 2, sympy.pi, 3 * sympy.pi / 2}, key=float
+    )
     offsets = [Fraction(0)] + [Fraction(sign, 10**k) for k in range(3, 15) for sign in (1, -1)]
     numbers = {base: ways.fine.context.mpf(str(base.evalf(FLOW_DIGITS + 10))) for base in special}
     rows = []
     for base, offset in product(special, offsets):
-        phase, zero = base + symbolic(offset), offset == 0 and base in zeros
+        phase = base + symbolic(offset)
+        zero = offset == 0 and base in zeros
         value = numbers[base] + ways.fine.number(offset)
         verdicts = *ways.verdict_by_intervals(value, zero)[::-1], ways.verdict_by_fine_flow(value)
-        away = float(abs(offset)) if base in zeros and offset else inf
-        margin = 0.0 if zero else abs(ways.slope(value))
-        rows.append((phase, bool(ways.window.contains(phase)), margin, away, True, *verdicts, float(value)))
+        if base in zeros and offset:
+            away = float(abs(offset))
+        else:
+            away = inf
+        if zero:
+            margin = 0.0
+        else:
+            margin = abs(ways.slope(value))
+        rows.append(
+            (phase, bool(ways.window.contains(phase)), margin, away, True, *verdicts, float(value))
+        )
     phases, *columns, floats = zip(*rows, strict=True)
     every = np.empty(len(phases), dtype=object)
     every[:] = phases
@@ -268,7 +349,10 @@ def _decide_special(ways: Ways) -> tuple[np.ndarray, ...]:
 
 
 class Ways:
-    """The three ways to decide whether a contact at a phase grazes: G-functions, exact flow, and DOP853."""
+    """The three ways to decide whether a contact at a phase grazes.
+
+    G-functions, exact flow, and DOP853.
+    """
 
     # They use the parameters and the place of the window, but not its phases.
 
@@ -278,8 +362,13 @@ class Ways:
         self.fine = MpArithmetic(self.p, FLOW_DIGITS)
         self.v, self.v_fine = float(window.speed), self.fine.number(window.speed)
         self.size = abs(self.K.w0sq * self.v) + abs(self.K.fB)
-        context, basis = self.fine.context, self.fine.namespace["basis"]
-        times = [sign * context.mpf(tau) / self.fine.K.rate for tau in FINE_FLOW_TIMES for sign in (-1, 1)]
+        context = self.fine.context
+        basis = self.fine.namespace["basis"]
+        times = [
+            sign * context.mpf(tau) / self.fine.K.rate
+            for tau in FINE_FLOW_TIMES
+            for sign in (-1, 1)
+        ]
         self._fine_bases = [basis(tau, self.fine.K)[:5] for tau in times]
         self._intervals = MPIntervalContext()
         self._intervals.dps = INTERVAL_DIGITS
@@ -294,23 +383,43 @@ class Ways:
         return self.side * float(slope) / self.size
 
     def verdicts_by_sign(self, theta: np.ndarray) -> np.ndarray:
-        """Decide by the sign of G^(1), in doubles, which phases graze; return YES, NO or NOT_DECIDED for each."""
+        """Decide by the sign of G^(1), in doubles, which phases graze.
+
+        Return YES, NO or NOT_DECIDED for each.
+        """
         slope = self.slope(theta)
-        return np.where(np.abs(slope) > FLOW_ROUNDING * EPS, np.where(slope > 0, YES, NO), NOT_DECIDED)
+        return np.where(
+            np.abs(slope) > FLOW_ROUNDING * EPS, np.where(slope > 0, YES, NO), NOT_DECIDED
+        )
 
     def verdict_by_intervals(self, theta: Number, zero: bool) -> tuple[int, int]:
-        """Decide by the first G-function that is not 0, in 50-digit intervals; return the verdict and its order n.
+        """Decide by the first G-function that is not 0, in 50-digit intervals.
+
+        Return the verdict and its order n.
 
         The order is 0 if the verdict is NOT_DECIDED. `zero` tells that G^(1) is exactly 0 at theta.
         """
-        # F = 0 at the contact, so G^(1) = -(k v + B0 Omega sin)/m. Where that is 0, G^(2) = -(B0 Omega/m) Omega cos
-        # decides. It is 0 too iff |k v| = |B0| Omega; then the next one decides.
-        iv, p, interval = self._intervals, self.p, partial(number_of, context=self._intervals)
-        context = self.fine.context  # decimals just below and above theta are the ends of its interval
+        # F = 0 at the contact, so G^(1) = -(k v + B0 Omega sin)/m. Where that is 0, G^(2) = -(B0
+        # Omega/m) Omega cos decides. It is 0 too iff |k v| = |B0| Omega; then the next one decides.
+        iv = self._intervals
+        p = self.p
+        interval = partial(number_of, context=self._intervals)
+        context = (
+            self.fine.context
+        )  # decimals just below and above theta are the ends of its interval
         shift = context.mpf(10) ** (-INTERVAL_DIGITS - 5) * max(1, abs(theta))
-        angle = iv.mpf([context.nstr(theta + sign * shift, INTERVAL_DIGITS + 15) for sign in (-1, 1)])
-        s, c, Om, drive = iv.sin(angle), iv.cos(angle), interval(p.Omega), interval(p.B0 * p.Omega / p.m)
-        values = [-(interval(p.k * self.window.speed / p.m) + drive * s), -drive * Om * c, drive * Om * Om * s]
+        angle = iv.mpf(
+            [context.nstr(theta + sign * shift, INTERVAL_DIGITS + 15) for sign in (-1, 1)]
+        )
+        s = iv.sin(angle)
+        c = iv.cos(angle)
+        Om = interval(p.Omega)
+        drive = interval(p.B0 * p.Omega / p.m)
+        values = [
+            -(interval(p.k * self.window.speed / p.m) + drive * s),
+            -drive * Om * c,
+            drive * Om * Om * s,
+        ]
         known_zero = [zero, zero and abs(p.k * self.window.speed) == abs(p.B0) * p.Omega, False]
         for order, (G, is_zero) in enumerate(zip(values, known_zero, strict=True), start=1):
             if is_zero == (0 not in G):  # undecided, or the interval contradicts the zero
@@ -322,37 +431,70 @@ class Ways:
     # -- the exact flow ----------------------------------------------------------------------------------------------
 
     def verdicts_by_flow(self, theta: np.ndarray) -> np.ndarray:
-        """Decide which phases graze by the exact flow shortly before and after; NOT_DECIDED if the gap is too small."""
+        """Decide which phases graze by the exact flow shortly before and after.
+
+        NOT_DECIDED if the gap is too small.
+        """
         tau = FLOW_TIME / self.K.rate
-        basis, convert = self.fine.namespace["basis"], self.fine.context.convert
-        bases = [[float(value) for value in basis(convert(at), self.fine.K)[:5]] for at in (-tau, tau)]
-        gaps = [self._velocity_gap(each, np.sin(theta), np.cos(theta), self.v, self.K) for each in bases]
-        return _verdicts(gaps, (FLOW_ROUNDING * EPS * self.size + self._third_order_bound(tau)) * tau**2)
+        basis = self.fine.namespace["basis"]
+        convert = self.fine.context.convert
+        bases = [
+            [float(value) for value in basis(convert(at), self.fine.K)[:5]] for at in (-tau, tau)
+        ]
+        gaps = [
+            self._velocity_gap(each, np.sin(theta), np.cos(theta), self.v, self.K) for each in bases
+        ]
+        return _verdicts(
+            gaps, (FLOW_ROUNDING * EPS * self.size + self._third_order_bound(tau)) * tau**2
+        )
 
     def verdict_by_fine_flow(self, theta: Number) -> int:
-        """Decide whether theta grazes by the flow in many digits; NOT_DECIDED if verdicts at two distances differ."""
+        """Decide whether theta grazes by the flow in many digits.
+
+        NOT_DECIDED if verdicts at two distances differ.
+        """
         context = self.fine.context
-        s, c = context.sin(theta), context.cos(theta)
-        gaps = [self._velocity_gap(basis, s, c, self.v_fine, self.fine.K) for basis in self._fine_bases]
+        s = context.sin(theta)
+        c = context.cos(theta)
+        gaps = [
+            self._velocity_gap(basis, s, c, self.v_fine, self.fine.K) for basis in self._fine_bases
+        ]
         least = self.size * context.mpf(10) ** (20 - FLOW_DIGITS)
-        if any(abs(gap) <= least * abs(basis[2]) for gap, basis in zip(gaps, self._fine_bases, strict=True)):
+        if any(
+            abs(gap) <= least * abs(basis[2])
+            for gap, basis in zip(gaps, self._fine_bases, strict=True)
+        ):
             return NOT_DECIDED
         verdicts = [YES if gaps[i] > 0 and gaps[i + 1] > 0 else NO for i in (0, 2)]
-        return verdicts[0] if verdicts[0] == verdicts[1] else NOT_DECIDED
+        if verdicts[0] == verdicts[1]:
+            return verdicts[0]
+        return NOT_DECIDED
 
-    def _velocity_gap(self, basis: Sequence[Numbers], s: Numbers, c: Numbers, v: Number, K: Constants) -> Any:
+    def _velocity_gap(
+        self, basis: Sequence[Numbers], s: Numbers, c: Numbers, v: Number, K: Constants
+    ) -> Any:
         """Return the distance of v from the belt's speed (> 0: in the domain) at the time tau that `basis` is for."""
         _, dv, _ = motion(v, 0.0 * v, s, c, K.cm, K.w0sq, K.f0, K.Om, *basis)
         return -self.side * dv
 
     def _third_order_bound(self, tau: float) -> float:
-        """Bound the terms of order tau^3 and higher in the velocity gap at the time tau; return the bound/tau^2."""
-        return (abs(self.K.fB) * self.K.Om + self.K.cm * self.size + self.K.w0sq * self.size * tau) * tau / 3.0
+        """Bound the terms of order tau^3 and higher in the velocity gap at the time tau.
+
+        Return the bound/tau^2.
+        """
+        return (
+            (abs(self.K.fB) * self.K.Om + self.K.cm * self.size + self.K.w0sq * self.size * tau)
+            * tau
+            / 3.0
+        )
 
     # -- DOP853 ------------------------------------------------------------------------------------------------------
 
     def verdicts_by_solver(self, theta: np.ndarray) -> np.ndarray:
-        """Decide which phases graze by DOP853, run for all at once; NOT_DECIDED where the gap is within its error."""
+        """Decide which phases graze by DOP853, run for all at once.
+
+        NOT_DECIDED where the gap is within its error.
+        """
         verdicts = np.zeros(len(theta), dtype=int)
         for time_over_rate in (1e-2, 1e-13):
             left = np.nonzero(verdicts == NOT_DECIDED)[0]
@@ -365,23 +507,31 @@ class Ways:
 
     def gap_by_solver(self, theta: np.ndarray, tau: float) -> np.ndarray:
         """Return v's distance from the belt's speed at the time tau by DOP853, over size tau^2 (> 0: in the domain)."""
-        # The unknowns are y = (x - x_m)/tau and u = (v - v_lambda)/(size tau^2), as functions of time/tau. The force is
-        # the difference from its value 0 at the contact, where a difference of cosines is written as a product.
+        # The unknowns are y = (x - x_m)/tau and u = (v - v_lambda)/(size tau^2), as functions of
+        # time/tau. The force is the difference from its value 0 at the contact, where a difference
+        # of cosines is written as a product.
         from scipy.integrate import solve_ivp
 
-        K, n = self.K, len(theta)
+        K = self.K
+        n = len(theta)
 
         def rhs(sigma: float, state: np.ndarray) -> np.ndarray:
-            y, u = state[:n], state[n:] * (self.size * tau * tau)
+            y = state[:n]
+            u = state[n:] * (self.size * tau * tau)
             half = 0.5 * K.Om * tau * sigma
             force = -2.0 * K.f0 * np.sin(theta + half) * np.sin(half) - K.w0sq * tau * y - K.cm * u
             return np.concatenate([self.v + u, force / (self.size * tau)])
 
-        done = solve_ivp(rhs, (0.0, 1.0), np.zeros(2 * n), method="DOP853", rtol=1e-13, atol=1e-13, max_step=0.25)
+        done = solve_ivp(
+            rhs, (0.0, 1.0), np.zeros(2 * n), method="DOP853", rtol=1e-13, atol=1e-13, max_step=0.25
+        )
         return -self.side * done.y[n:, -1]
 
 
 def _verdicts(gaps: list[np.ndarray], least: float) -> np.ndarray:
-    """Return YES where both gaps, before and after contact, are > 0, else NO; NOT_DECIDED if one is within `least`."""
+    """Return YES where both gaps, before and after contact, are > 0, else NO.
+
+    NOT_DECIDED if one is within `least`.
+    """
     decided = (np.abs(gaps[0]) > least) & (np.abs(gaps[1]) > least)
     return np.where(decided, np.where((gaps[0] > 0) & (gaps[1] > 0), YES, NO), NOT_DECIDED)

@@ -1,19 +1,23 @@
-"""The grazing curve on the switching plane: all starts (x_i, Omega t_i) of a mapping from which the flow grazes.
+"""The grazing curve on the switching plane.
 
-Theorem 7's window gives the phases theta_m of the tangencies, and the flow back from each gives the start
-(`symosc.grazing.backward`). That is done in double precision with error bounds, and with more digits where these leave
-a contact undecided. The curve ends where the window ends, or where the flow no longer comes from the mapping's belt: it
-touches the other belt or its own on the way, or it has met no belt. Between neighbours of which one comes from the
-mapping's belt and the other does not the edge is found by halving, and so is a jump of the start. A stretch that is
-steep gets more samples, until its slopes explain it.
+All starts (x_i, Omega t_i) of a mapping from which the flow grazes.
 
-Between a tangency and its start, tau earlier, a shift of theta_m along the contacts moves the start by
+Theorem 7's window gives the phases theta_m of the tangencies, and the flow back from each gives the
+start (`symosc.grazing.backward`). That is done in double precision with error bounds, and with more
+digits where these leave a contact undecided. The curve ends where the window ends, or where the
+flow no longer comes from the mapping's belt: it touches the other belt or its own on the way, or it
+has met no belt. Between neighbours of which one comes from the mapping's belt and the other does
+not the edge is found by halving, and so is a jump of the start. A stretch that is steep gets more
+samples, until its slopes explain it.
+
+Between a tangency and its start, tau earlier, a shift of theta_m along the contacts moves the start
+by
 
     d(Omega t_i)/d(theta_m) = -exp(c tau/m) E1(tau) G1/a_i
     d(x_i)/d(theta_m)       = (v_lambda d(Omega t_i)/d(theta_m) + exp(c tau/m) E0(tau) G1 m/k)/Omega
 
-with G1 = G^(1) at the tangency and a_i the acceleration at the start: at a fixed time neighbouring contacts differ in x
-only.
+with G1 = G^(1) at the tangency and a_i the acceleration at the start: at a fixed time neighbouring
+contacts differ in x only.
 """
 
 from __future__ import annotations
@@ -36,15 +40,21 @@ from symosc.mappings.theorem7_cases import ARC, EMPTY, EVERYTHING
 from symosc.model import Parameters
 from symosc.scenes import ParametersLike
 
-CURVE_POINTS, LEAST_CURVE_POINTS, MOST_CURVE_POINTS = 400, 8, 20_000
+CURVE_POINTS = 400
+LEAST_CURVE_POINTS = 8
+MOST_CURVE_POINTS = 20_000
 PIECE_POINTS = 33
-# Omega t_i changes by more than the slopes explain, and so much is left of it after halving: it is a jump.
+# Omega t_i changes by more than the slopes explain, and so much is left of it after halving: it is
+# a jump.
 CURVE_JUMP = 1e-3
 # Shorter pieces are not searched: there double precision begins to take near contacts for touches.
 FINEST_CURVE = 1e-6
 
 #: Where the flow of a sample came from.
-OWN, OTHER, NOWHERE, UNKNOWN = "own belt", "other belt", "no belt", "not within the search"
+OWN = "own belt"
+OTHER = "other belt"
+NOWHERE = "no belt"
+UNKNOWN = "not within the search"
 
 
 @dataclass(frozen=True)
@@ -86,13 +96,16 @@ class CurvePiece:
     Attributes
     ----------
     theta_m, x_m : (n,) arrays
-        Phase and position of the tangency. Phases are continuous along the piece, so they may leave [0, 2 pi).
+        Phase and position of the tangency. Phases are continuous along the piece, so they may leave
+        [0, 2 pi).
     theta, x : (n,) arrays
-        Phase and position of the start on the switching plane: Omega t_i = theta_m - Omega tau, unwrapped, and x_i.
+        Phase and position of the start on the switching plane: Omega t_i = theta_m - Omega tau,
+        unwrapped, and x_i.
     slope_theta, slope_x : (n,) arrays
         The derivatives of theta and x with respect to theta_m.
     low, high : CurveEnd
-        Both ends in order of theta_m. A closed curve (everything grazes) ends where it began: reason "closed".
+        Both ends in order of theta_m. A closed curve (everything grazes) ends where it began:
+        reason "closed".
 
     Examples
     --------
@@ -114,12 +127,17 @@ class CurvePiece:
     def __eq__(self, other: object) -> bool:
         if not isinstance(other, CurvePiece):
             return NotImplemented
-        return all(np.array_equal(getattr(self, each.name), getattr(other, each.name)) for each in fields(self))
+        return all(
+            np.array_equal(getattr(self, each.name), getattr(other, each.name))
+            for each in fields(self)
+        )
 
 
 @dataclass(frozen=True, repr=False)
 class GrazingCurve(Drawable, LatexAnswer):
-    """The grazing curve of a mapping: the starts whose flights graze, in pieces over the phase theta_m of the graze.
+    """The grazing curve of a mapping.
+
+    The starts whose flights graze, in pieces over the phase theta_m of the graze.
 
     Attributes
     ----------
@@ -128,8 +146,8 @@ class GrazingCurve(Drawable, LatexAnswer):
     pieces : tuple of CurvePiece
         Empty where no flow from the mapping's belt grazes.
     gaps : tuple of (low, high, origin)
-        The intervals (low, high) of theta_m in the window for which no flight from the mapping's belt grazes; `origin`
-        says where the flow comes from instead.
+        The intervals (low, high) of theta_m in the window for which no flight from the mapping's
+        belt grazes; `origin` says where the flow comes from instead.
     windows : tuple of (low, high)
         The window of theta_m, an arc through 0 in one piece.
 
@@ -152,9 +170,15 @@ class GrazingCurve(Drawable, LatexAnswer):
         return f"<GrazingCurve of {self.mapping}: pieces {len(self.pieces)}, gaps {len(self.gaps)}>"
 
     def latex(self) -> str:
-        """Return the ends of the pieces as a LaTeX table: (Omega t_i, x_i), Omega t_m and the reason."""
+        """Return the ends of the pieces as a LaTeX table.
+
+        (Omega t_i, x_i), Omega t_m and the reason.
+        """
         ends = [end for piece in self.pieces for end in (piece.low, piece.high)]
-        rows = [[*map(latex_number, (end.theta, end.x, end.theta_m)), latex_words(end.reason)] for end in ends]
+        rows = [
+            [*map(latex_number, (end.theta, end.x, end.theta_m)), latex_words(end.reason)]
+            for end in ends
+        ]
         return latex_table((r"\Omega t_i", "x_i", r"\Omega t_m", r"\text{end}"), rows)
 
     @public
@@ -175,12 +199,12 @@ def grazing_curve(
     mapping : str
         "P2", "P3", "P5" or "P6".
     n : int
-        The number of phases to sample over each arc of the window. A piece of the curve shorter than their spacing may
-        be overlooked, unless the start of the flow on the other belt jumps there. A piece shorter than 1e-6 is always
-        overlooked.
+        The number of phases to sample over each arc of the window. A piece of the curve shorter
+        than their spacing may be overlooked, unless the start of the flow on the other belt jumps
+        there. A piece shorter than 1e-6 is always overlooked.
     progress : bool or callable, optional
-        True: if it takes more than two seconds, a bar with rate and time left on a terminal. Or a function of two
-        numbers: the part that is done, and 1.
+        True: if it takes more than two seconds, a bar with rate and time left on a terminal. Or a
+        function of two numbers: the part that is done, and 1.
 
     Raises
     ------
@@ -199,9 +223,15 @@ def grazing_curve(
     tracer = Tracer(p, mapping)
     if window.kind == EMPTY:
         return GrazingCurve(p, mapping, (), (), (), tracer)
-    low, high = (0.0, 2 * pi) if window.kind == EVERYTHING else window.ends
-    low -= 2 * pi * (window.kind not in (EVERYTHING, ARC))  # an arc through 0 has a negative low end
-    arc, samples = (low, high, window.kind == EVERYTHING), []
+    if window.kind == EVERYTHING:
+        low, high = (0.0, 2 * pi)
+    else:
+        low, high = window.ends
+    low -= (
+        2 * pi * (window.kind not in (EVERYTHING, ARC))
+    )  # an arc through 0 has a negative low end
+    arc = (low, high, window.kind == EVERYTHING)
+    samples = []
     with late_bar(progress, f"grazing curve of {mapping}", "phases") as advance:
         phases = _phases_of(*arc, n)
         for done, theta in enumerate(phases, start=1):
@@ -217,11 +247,14 @@ def grazing_curve(
 def _piece(tracer: Tracer, run: PhaseRun) -> CurvePiece:
     """Return a run of samples as a piece of the curve, with PIECE_POINTS more samples if it has few inner ones."""
     samples = run.samples
-    first, last = samples[0].theta_m, samples[-1].theta_m
+    first = samples[0].theta_m
+    last = samples[-1].theta_m
     margin = 0.1 * (last - first)
     few = sum(first + margin < each.theta_m < last - margin for each in samples) < PIECE_POINTS
     if few and last - first >= FINEST_CURVE:
-        between = [tracer.sample(float(theta)) for theta in np.linspace(first, last, PIECE_POINTS)[1:-1]]
+        between = [
+            tracer.sample(float(theta)) for theta in np.linspace(first, last, PIECE_POINTS)[1:-1]
+        ]
         inner = [each for each in between if each.origin == OWN]
         samples = sorted([*samples, *inner], key=lambda each: each.theta_m)
     names = ("theta_m", "x_m", "theta", "x", "slope_theta", "slope_x")
@@ -236,7 +269,10 @@ def _piece(tracer: Tracer, run: PhaseRun) -> CurvePiece:
 
 @dataclass(frozen=True)
 class Sample:
-    """A tangency at theta_m and where its flow starts: on which belt (`origin`), x, and theta = theta_m - Omega tau."""
+    """A tangency at theta_m and where its flow starts.
+
+    On which belt (`origin`), x, and theta = theta_m - Omega tau.
+    """
 
     theta_m: float
     x_m: float
@@ -259,28 +295,48 @@ class Tracer(Origins):
         self.steps_left = 40_000  # of all searches; when they are used up, each search has 50 left
 
     def sample(self, theta_m: float, careful: bool = True) -> Sample:
-        """Return the sample at theta_m; without `careful` an undecided contact counts as a graze."""
-        K, level, top = self.K, self.K.w0sq * self.v, abs(self.p.B0 * self.p.Omega)
+        """Return the sample at theta_m.
+
+        Without `careful` an undecided contact counts as a graze.
+        """
+        top = abs(self.p.B0 * self.p.Omega)
+        level = self.K.w0sq * self.v
+        K = self.K
         # At |k v_lambda| = |B0| Omega so small a G^(1) is that of the tangency of fourth order.
         flat = abs(level + K.fB * sin(theta_m)) <= 1e-13 * abs(level)
-        order = 3 if flat and abs(self.p.k * self.p.belt(self.place.boundary)) == top else 1
+        if flat and abs(self.p.k * self.p.belt(self.place.boundary)) == top:
+            order = 3
+        else:
+            order = 1
         steps = max(50, min(MOST_BACKWARD_STEPS, self.steps_left))
         arrival = self.arrival(theta_m, order, digits=30, repeats=int(careful), most_steps=steps)
-        tau, dx, a = float(arrival.tau), float(arrival.dx), float(arrival.a)
+        tau = float(arrival.tau)
+        dx = float(arrival.dx)
+        a = float(arrival.a)
         self.steps_left -= int(tau * K.rate / STEP)
         x_m = self.rest + self.gain * cos(theta_m)
         if arrival.kind not in (CONTACT, TOUCH):
-            return Sample(theta_m, x_m, NOWHERE if arrival.kind == NEVER else UNKNOWN, nan, nan, nan, nan)
+            return Sample(
+                theta_m, x_m, NOWHERE if arrival.kind == NEVER else UNKNOWN, nan, nan, nan, nan
+            )
         G1 = -(K.w0sq * self.v + K.fB * sin(theta_m))
         E0, E1, *_ = basis(tau, K)
         growth = exp(min(K.cm * tau, 700.0))
-        slope_theta = -growth * E1 * G1 / a if a != 0.0 else inf
+        if a != 0.0:
+            slope_theta = -growth * E1 * G1 / a
+        else:
+            slope_theta = inf
         if arrival.kind == TOUCH:  # neighbours that touch as well do it after the same time
             slope_theta = 1.0
         slope_x = (self.v * slope_theta + growth * E0 * G1 / K.w0sq) / K.Om
-        origin = OWN if arrival.boundary == self.place.boundary else OTHER
+        if arrival.boundary == self.place.boundary:
+            origin = OWN
+        else:
+            origin = OTHER
         undecided = not careful and arrival.kind == TOUCH
-        return Sample(theta_m, x_m, origin, x_m + dx, theta_m - K.Om * tau, slope_x, slope_theta, undecided)
+        return Sample(
+            theta_m, x_m, origin, x_m + dx, theta_m - K.Om * tau, slope_x, slope_theta, undecided
+        )
 
 
 # --- pieces ---
@@ -290,9 +346,13 @@ def _phases_of(low: float, high: float, closed: bool, n: int) -> np.ndarray:
     """Return n phases in an arc, densest near open ends, with both ends of a closed one included."""
     if closed:
         return low + (high - low) * (np.arange(n + 1) / n)
-    inner = 0.5 * (low + high) - 0.5 * (high - low) * np.cos(pi * (np.arange(n - 2) + 0.5) / (n - 2))
+    inner = 0.5 * (low + high) - 0.5 * (high - low) * np.cos(
+        pi * (np.arange(n - 2) + 0.5) / (n - 2)
+    )
     gap = 1e-7 * (high - low)  # how near to an open end of the window the curve is sampled
-    return np.concatenate([[low + gap], inner[(inner > low + gap) & (inner < high - gap)], [high - gap]])
+    return np.concatenate(
+        [[low + gap], inner[(inner > low + gap) & (inner < high - gap)], [high - gap]]
+    )
 
 
 @dataclass
@@ -305,21 +365,32 @@ class PhaseRun:
 
     @property
     def origin(self) -> str:
-        """Where the flow backward from these tangencies ends: own belt, other belt, no belt, or not found."""
+        """Where the flow backward from these tangencies ends.
+
+        Own belt, other belt, no belt, or not found.
+        """
         return self.samples[0].origin
 
 
 def _cut(tracer: Tracer, samples: list[Sample], arc: tuple[float, float, bool]) -> list[PhaseRun]:
     """Split the samples of an arc into runs where the origin of the flow changes or the start jumps."""
     low, high, closed = arc
-    limit = "closed" if closed else "end of the window"
+    if closed:
+        limit = "closed"
+    else:
+        limit = "end of the window"
     runs: list[PhaseRun] = []
-    run, begin, reason = [samples[0]], low, limit
+    run = [samples[0]]
+    begin = low
+    reason = limit
     ahead = samples[:0:-1]
     while ahead:
-        left, right = run[-1], ahead[-1]
+        left = run[-1]
+        right = ahead[-1]
         own = left.origin == right.origin == OWN
-        if own and right.theta_m - left.theta_m > FINEST_CURVE and not _continuous(left, right):  # steep
+        if (
+            own and right.theta_m - left.theta_m > FINEST_CURVE and not _continuous(left, right)
+        ):  # steep
             ahead.append(tracer.sample(0.5 * (left.theta_m + right.theta_m)))
             continue
         edges = _edge(tracer, left, right)
@@ -328,38 +399,58 @@ def _cut(tracer: Tracer, samples: list[Sample], arc: tuple[float, float, bool]) 
             continue
         before, behind, border = edges
         run += before
-        runs.append(PhaseRun(run, (begin, border), (reason, _end_reason(tracer, run[-1], behind[-1]))))
-        begin, reason = border, _end_reason(tracer, behind[-1], run[-1])
+        runs.append(
+            PhaseRun(run, (begin, border), (reason, _end_reason(tracer, run[-1], behind[-1])))
+        )
+        begin = border
+        reason = _end_reason(tracer, behind[-1], run[-1])
         ahead[-1:] = behind
         run = [ahead.pop()]
     runs.append(PhaseRun(run, (begin, high), (reason, limit)))
-    first, last = runs[0], runs[-1]
+    first = runs[0]
+    last = runs[-1]
     if not closed or first is last or first.origin != last.origin:
         return runs
     # The last run of a full circle is joined to the first, one turn later.
     turn = 2 * pi
-    later = [replace(each, theta_m=each.theta_m + turn, theta=each.theta + turn) for each in first.samples[1:]]
+    later = [
+        replace(each, theta_m=each.theta_m + turn, theta=each.theta + turn)
+        for each in first.samples[1:]
+    ]
     reasons = last.reasons[0], first.reasons[1]
-    return [*runs[1:-1], PhaseRun(last.samples + later, (last.span[0], first.span[1] + turn), reasons)]
+    return [
+        *runs[1:-1],
+        PhaseRun(last.samples + later, (last.span[0], first.span[1] + turn), reasons),
+    ]
 
 
 def _continuous(left: Sample, right: Sample) -> bool:
-    """Return whether the start's phase does not jump between two samples: it changes by little or as its slope says."""
+    """Return whether the start's phase does not jump between two samples.
+
+    It changes by little or as its slope says.
+    """
     change = right.theta - left.theta
     expected = 0.5 * (left.slope_theta + right.slope_theta) * (right.theta_m - left.theta_m)
     return not abs(change) > 0.2 or abs(change - expected) <= 0.25 * abs(change)
 
 
-def _edge(tracer: Tracer, left: Sample, right: Sample) -> tuple[list[Sample], list[Sample], float] | None:
-    """Locate the change of origin, or the jump of the start, between two samples; None if there is none.
+def _edge(
+    tracer: Tracer, left: Sample, right: Sample
+) -> tuple[list[Sample], list[Sample], float] | None:
+    """Locate the change of origin, or the jump of the start, between two samples.
 
-    Return the new samples on the left, those on the right (`right` first, then to the left), and theta_m of the change.
+    None if there is none.
+
+    Return the new samples on the left, those on the right (`right` first, then to the left), and
+    theta_m of the change.
     """
     # Jumps among flows from the other belt are no edges, but something may hide behind them.
     if left.origin == right.origin and _continuous(left, right):
         return None
-    lefts, rights = list[Sample](), [right]
-    # Down to rounding, but not where the search ends in one of them: that is not an end of the curve.
+    lefts = list[Sample]()
+    rights = [right]
+    # Down to rounding, but not where the search ends in one of them: that is not an end of the
+    # curve.
     for _ in range(8 if UNKNOWN in (left.origin, right.origin) else 50):
         theta = 0.5 * (left.theta_m + right.theta_m)
         if not left.theta_m < theta < right.theta_m:
@@ -378,10 +469,16 @@ def _edge(tracer: Tracer, left: Sample, right: Sample) -> tuple[list[Sample], li
         else:
             right = middle
             rights.append(middle)
-    if left.origin == right.origin and (left.origin != OWN or abs(right.theta - left.theta) < CURVE_JUMP):
+    if left.origin == right.origin and (
+        left.origin != OWN or abs(right.theta - left.theta) < CURVE_JUMP
+    ):
         return None
     border = 0.5 * (left.theta_m + right.theta_m)
-    return [each for each in lefts if not each.undecided], [each for each in rights if not each.undecided], border
+    return (
+        [each for each in lefts if not each.undecided],
+        [each for each in rights if not each.undecided],
+        border,
+    )
 
 
 def _end_reason(tracer: Tracer, here: Sample, beyond: Sample) -> str:

@@ -1,10 +1,11 @@
 """Solve the grazing conditions, equations (54) with F = 0 at the end of the map, for one given unknown.
 
-Three equations and an inequality have four unknowns (x_i, Omega t_i, x_j, Omega t_j), the start of a map and its end,
-which is the tangency. A given theta_j or x_j fixes the tangency in closed form. For x_i or Omega t_i the samples of the
-grazing curve show between which neighbours the value lies, on both sides of an extremum between them too. There
-Newton's method solves v(theta_m, tau) = v_lambda with the value's equation for theta_m and tau, the time of the flight.
-A solution counts if it lies between its neighbours in both; otherwise the stretch is halved. Then the flow back from
+Three equations and an inequality have four unknowns (x_i, Omega t_i, x_j, Omega t_j), the start of
+a map and its end, which is the tangency. A given theta_j or x_j fixes the tangency in closed form.
+For x_i or Omega t_i the samples of the grazing curve show between which neighbours the value lies,
+on both sides of an extremum between them too. There Newton's method solves v(theta_m, tau) =
+v_lambda with the value's equation for theta_m and tau, the time of the flight. A solution counts if
+it lies between its neighbours in both; otherwise the stretch is halved. Then the flow back from
 that tangency is computed anew.
 """
 
@@ -25,17 +26,40 @@ from symosc.errors import ParameterError
 from symosc.exact import read_digits, read_exact, whole_number
 from symosc.grazing import curve as curves
 from symosc.grazing.backward import SEARCH_PERIODS, TOUCH, Flights, Instant
-from symosc.grazing.curve import CURVE_POINTS, OWN, CurveEnd, CurvePiece, GrazingCurve, Sample, grazing_curve
-from symosc.grazing.start import DEFAULT_DIGITS, MOST_START_DIGITS, GrazingStart, grazing_start, start_of
+from symosc.grazing.curve import (
+    CURVE_POINTS,
+    OWN,
+    CurveEnd,
+    CurvePiece,
+    GrazingCurve,
+    Sample,
+    grazing_curve,
+)
+from symosc.grazing.start import (
+    DEFAULT_DIGITS,
+    MOST_START_DIGITS,
+    GrazingStart,
+    grazing_start,
+    start_of,
+)
 from symosc.grazing.window import GrazingWindow, grazing_window
 from symosc.mappings import numbers
-from symosc.mappings.numbers import LatexAnswer, latex_number, latex_table, latex_words, number_of, reduced, times
+from symosc.mappings.numbers import (
+    LatexAnswer,
+    latex_number,
+    latex_table,
+    latex_words,
+    number_of,
+    reduced,
+    times,
+)
 from symosc.model import Parameters
 from symosc.scenes import ParametersLike
 
 UNKNOWNS = ("x_i", "theta_i", "x_j", "theta_j", "theta_m")
 MOST_NOTES = 3
-MOST_CURVE_NEWTON, NEWTON_HALVINGS = 20, 60
+MOST_CURVE_NEWTON = 20
+NEWTON_HALVINGS = 60
 SAME_ROOT = 1e-30  # solutions nearer to each other than this are one
 
 
@@ -45,8 +69,8 @@ class GrazingSolutions(list[GrazingStart], LatexAnswer):
     Attributes
     ----------
     complete : bool
-        Whether the search left nothing out that it met. Even then it may not see solutions that lie nearer to each
-        other than the samples of the curve.
+        Whether the search left nothing out that it met. Even then it may not see solutions that lie
+        nearer to each other than the samples of the curve.
     message : str
         Why there is no solution, or what was left out; "" if there is nothing to say.
 
@@ -58,15 +82,23 @@ class GrazingSolutions(list[GrazingStart], LatexAnswer):
     (0, 'x_i goes over 3.65106 to 11.2811 on the grazing curve')
     """
 
-    def __init__(self, starts: Iterable[GrazingStart] = (), complete: bool = True, message: str = "") -> None:
+    def __init__(
+        self, starts: Iterable[GrazingStart] = (), complete: bool = True, message: str = ""
+    ) -> None:
         super().__init__(starts)
         self.complete, self.message = complete, message
 
     def latex(self) -> str:
-        """Return the solutions as a table in LaTeX (an array, no dollar signs); the message if there is none."""
+        """Return the solutions as a table in LaTeX (an array, no dollar signs).
+
+        The message if there is none.
+        """
         if not self:
             return latex_words(self.message)
-        rows = [[latex_number(each) for each in (start.theta, start.x, start.theta_m, start.x_m)] for start in self]
+        rows = [
+            [latex_number(each) for each in (start.theta, start.x, start.theta_m, start.x_m)]
+            for start in self
+        ]
         return latex_table((r"\Omega t_i", "x_i", r"\Omega t_m", "x_m"), rows)
 
 
@@ -82,7 +114,8 @@ def solve_grazing(
 ) -> GrazingSolutions:
     """Solve the grazing conditions of a mapping with one of the unknowns given.
 
-    The map leads from (x_i, theta_i) to the tangency (x_j, theta_j), theta = Omega t mod 2 pi; theta_j is theta_m.
+    The map leads from (x_i, theta_i) to the tangency (x_j, theta_j), theta = Omega t mod 2 pi;
+    theta_j is theta_m.
 
     Parameters
     ----------
@@ -100,15 +133,16 @@ def solve_grazing(
     Returns
     -------
     GrazingSolutions
-        A list of GrazingStart, in order of theta_m, with `complete` and `message`. Each start has the value asked for
-        in all its digits. Where a curve runs to minus infinity, theta_i has infinitely many solutions, which gather at
-        its end. Listed are those whose theta_m differs from the end in double precision.
+        A list of GrazingStart, in order of theta_m, with `complete` and `message`. Each start has
+        the value asked for in all its digits. Where a curve runs to minus infinity, theta_i has
+        infinitely many solutions, which gather at its end. Listed are those whose theta_m differs
+        from the end in double precision.
 
     Raises
     ------
     ParameterError
-        If not exactly one unknown is given, the mapping has no grazing, k = 0, or the unknown does not fix the
-        tangency: x_i or x_j with B0 = 0.
+        If not exactly one unknown is given, the mapping has no grazing, k = 0, or the unknown does
+        not fix the tangency: x_i or x_j with B0 = 0.
 
     Examples
     --------
@@ -119,16 +153,27 @@ def solve_grazing(
     """
     window = grazing_window(p, mapping)
     if len(given) != 1 or next(iter(given)) not in UNKNOWNS:
-        raise ParameterError("given", ", ".join(given) or None, f"give exactly one of {', '.join(UNKNOWNS)}")
+        raise ParameterError(
+            "given", ", ".join(given) or None, f"give exactly one of {', '.join(UNKNOWNS)}"
+        )
     ((name, value),) = given.items()
     if p.k == 0:
-        raise ParameterError("k", "0", "must be > 0 here: without a spring F = 0 fixes the phase, not the contact")
+        raise ParameterError(
+            "k", "0", "must be > 0 here: without a spring F = 0 fixes the phase, not the contact"
+        )
     if p.B0 == 0 and name in ("x_i", "x_j"):
-        raise ParameterError(name, value, "B0 = 0: all starts have one x, which does not fix the phase")
+        raise ParameterError(
+            name, value, "B0 = 0: all starts have one x, which does not fix the phase"
+        )
     whole_number("n", n, curves.LEAST_CURVE_POINTS, curves.MOST_CURVE_POINTS)
     read_digits(digits, MOST_START_DIGITS)
-    exact = read_exact(name, value) if name in ("x_i", "x_j") else numbers.read_phase(name, value)
-    found, notes, complete = list[GrazingStart](), list[str](), True
+    if name in ("x_i", "x_j"):
+        exact = read_exact(name, value)
+    else:
+        exact = numbers.read_phase(name, value)
+    found = list[GrazingStart]()
+    notes = list[str]()
+    complete = True
     if name in ("x_i", "theta_i"):
         curve = grazing_curve(p, mapping, n, progress=progress)
         candidates = Candidates(curve, name, exact, digits or DEFAULT_DIGITS)
@@ -138,21 +183,38 @@ def solve_grazing(
             if start.found and _has_value(start, p, name, exact, digits or DEFAULT_DIGITS):
                 found.append(start)
             else:
-                notes.append(f"near theta_m = {float(phase):.12g} a solution could not be confirmed")
+                notes.append(
+                    f"near theta_m = {float(phase):.12g} a solution could not be confirmed"
+                )
         complete = not notes
         if not found and complete:
             notes.append(candidates.why_none())
         if len(notes) > MOST_NOTES:
             notes[MOST_NOTES:] = [f"and {len(notes) - MOST_NOTES} more such places"]
     else:
-        phases = _phases_of_contact(window, exact) if name == "x_j" else [reduced(exact)]
-        starts = [grazing_start(p, mapping, phase, digits=digits) for phase in phases if window.contains(phase)]
+        if name == "x_j":
+            phases = _phases_of_contact(window, exact)
+        else:
+            phases = [reduced(exact)]
+        starts = [
+            grazing_start(p, mapping, phase, digits=digits)
+            for phase in phases
+            if window.contains(phase)
+        ]
         found = [start for start in starts if start.found]
         complete = not any(start.undecided for start in starts)
-        notes = [f"theta_m = {float(start.theta_m):.12g}: {start.reason}" for start in starts if not start.found]
-        notes = notes if starts else [f"no tangency in the grazing window has this value: {window!r}"]
+        notes = [
+            f"theta_m = {float(start.theta_m):.12g}: {start.reason}"
+            for start in starts
+            if not start.found
+        ]
+        if not starts:
+            notes = [f"no tangency in the grazing window has this value: {window!r}"]
     found.sort(key=lambda start: float(start.theta_m))
-    message = "the grazing window is empty" if not found and not window.kind else "; ".join(notes)
+    if not found and not window.kind:
+        message = "the grazing window is empty"
+    else:
+        message = "; ".join(notes)
     return GrazingSolutions(found, complete, message)
 
 
@@ -165,18 +227,22 @@ def _phases_of_contact(window: GrazingWindow, value: Fraction) -> list[Angle]:
     if abs(cosine) > 1:
         return []
     theta = sympy.acos(numbers.symbolic(cosine))
-    return [theta] if abs(cosine) == 1 else [theta, 2 * sympy.pi - theta]
+    if abs(cosine) == 1:
+        return [theta]
+    return [theta, 2 * sympy.pi - theta]
 
 
 def _has_value(start: GrazingStart, p: Parameters, name: str, value: Any, digits: int) -> bool:
     """Return whether the unknown `name` (x_i or theta_i) of a start is `value`, to 100 units of the last digit."""
     context = mp_context(digits + 30)
     if name == "x_i":
-        gap, size = number_of(Fraction(start.start["x0"]) - value, context), abs(float(value))
+        gap = number_of(Fraction(start.start["x0"]) - value, context)
+        size = abs(float(value))
     else:
         angle = number_of(Fraction(start.start["t0"]) * p.Omega, context)
         turns = (angle - number_of(value, context)) / (2 * context.pi)
-        gap, size = (turns - context.nint(turns)) * 2 * context.pi, max(float(p.Omega), abs(float(value)))
+        gap = (turns - context.nint(turns)) * 2 * context.pi
+        size = max(float(p.Omega), abs(float(value)))
     return bool(abs(gap) <= 100 * context.mpf(10) ** -digits * max(1.0, size))
 
 
@@ -184,7 +250,10 @@ def _has_value(start: GrazingStart, p: Parameters, name: str, value: Any, digits
 
 
 class Point(NamedTuple):
-    """A point of the grazing curve: phase theta_m, x_i or theta_i, its derivative by theta_m, and flight time tau."""
+    """A point of the grazing curve.
+
+    Phase theta_m, x_i or theta_i, its derivative by theta_m, and flight time tau.
+    """
 
     theta_m: float
     value: float
@@ -193,11 +262,15 @@ class Point(NamedTuple):
 
 
 class Candidates:
-    """A search for solutions on a grazing curve: `phases` collects their theta_m, `notes` says what was omitted."""
+    """A search for solutions on a grazing curve.
+
+    `phases` collects their theta_m, `notes` says what was omitted.
+    """
 
     def __init__(self, curve: GrazingCurve, name: str, value: Number, digits: int) -> None:
         self.curve, self.source, self.name, self.K = curve, curve._source, name, curve._source.K
-        # With so many digits more than wanted slopes up to 1e15 can be distinguished from a jump in doubles.
+        # With so many digits more than wanted slopes up to 1e15 can be distinguished from a jump in
+        # doubles.
         self.flights: Flights = self.source.flights(digits + 40)
         self.target = self.flights.number(value)
         self.notes: list[str] = []
@@ -207,17 +280,27 @@ class Candidates:
             self._on_piece(piece)
         for low, high, origin in curve.gaps:
             if origin == curves.UNKNOWN:
-                self.notes.append(f"for theta_m in ({low:.6g}, {high:.6g}) the flights are longer than the search")
+                self.notes.append(
+                    f"for theta_m in ({low:.6g}, {high:.6g}) the flights are longer than the search"
+                )
         self.phases = [read_exact("theta_m", theta) for theta, _ in self._solutions]
 
     def why_none(self) -> str:
         """Return the reason why there is no solution."""
         if not self.curve.pieces:
-            gaps = (f"({low:.6g}, {high:.6g}) the flow comes from {origin}" for low, high, origin in self.curve.gaps)
-            return "no flow from the mapping's belt grazes: " + "; ".join(f"for theta_m in {gap}" for gap in gaps)
+            gaps = (
+                f"({low:.6g}, {high:.6g}) the flow comes from {origin}"
+                for low, high, origin in self.curve.gaps
+            )
+            return "no flow from the mapping's belt grazes: " + "; ".join(
+                f"for theta_m in {gap}" for gap in gaps
+            )
         spans = [piece.x if self.name == "x_i" else piece.theta for piece in self.curve.pieces]
         reach = ", ".join(f"{values.min():.6g} to {values.max():.6g}" for values in spans)
-        unwrapped = " (not reduced mod 2 pi)" if self.name == "theta_i" else ""
+        if self.name == "theta_i":
+            unwrapped = " (not reduced mod 2 pi)"
+        else:
+            unwrapped = ""
         return f"{self.name} goes over {reach} on the grazing curve{unwrapped}"
 
     # -- stretches between samples -----------------------------------------------------------------------------------
@@ -227,9 +310,11 @@ class Candidates:
         points = self._points(piece)
         values = np.array([point.value for point in points])
         ends = (piece.low, points[0], 0), (piece.high, points[-1], -1)
-        targets, extrema = [self.target], dict[Point, Point | None]()
+        targets = [self.target]
+        extrema = dict[Point, Point | None]()
         if self.name == "theta_i":  # values that differ by whole turns
-            turn, reach = 2 * self.flights.context.pi, (values.min() - 1e-3, values.max() + 1e-3)
+            turn = 2 * self.flights.context.pi
+            reach = (values.min() - 1e-3, values.max() + 1e-3)
             low, high = (int(np.floor((end - float(self.target)) / (2 * pi))) for end in reach)
             targets = [self.target + j * turn for j in range(low, high + 2)]
         for target in targets:
@@ -238,55 +323,103 @@ class Candidates:
                 gap = abs(end.theta_m - point.theta_m)
                 near = 4 * abs(point.slope) * gap + 1e-9 * max(1.0, abs(point.value))
                 if gap > 0 and abs(wanted - point.value) <= near:
-                    self._store_if_between(self._newton(point.theta_m, point.tau, target), point, point, gap)
+                    self._store_if_between(
+                        self._newton(point.theta_m, point.tau, target), point, point, gap
+                    )
             for first, last in pairwise(points):
                 turning = None
                 if first.slope * last.slope < 0:  # an extremum between them may reach the value
-                    steepest = max(abs(first.slope), abs(last.slope)) * (last.theta_m - first.theta_m)
+                    steepest = max(abs(first.slope), abs(last.slope)) * (
+                        last.theta_m - first.theta_m
+                    )
                     if min(abs(first.value - wanted), abs(last.value - wanted)) <= steepest:
                         if first not in extrema:
                             extrema[first] = self._extremum(first, last)
                         turning = extrema[first]
-                passed = [first, last] if turning is None else [first, turning, last]
-                crossed = [pair for pair in pairwise(passed) if (pair[0].value >= wanted) != (pair[1].value >= wanted)]
+                if turning is None:
+                    passed = [first, last]
+                else:
+                    passed = [first, turning, last]
+                crossed = [
+                    pair
+                    for pair in pairwise(passed)
+                    if (pair[0].value >= wanted) != (pair[1].value >= wanted)
+                ]
                 for pair in crossed:
                     self._between(*pair, target)
-                if turning and not crossed and abs(turning.value - wanted) <= 1e-12 * max(1.0, abs(turning.value)):
-                    self._store_if_between(self._newton(turning.theta_m, turning.tau, target), first, last)
+                if (
+                    turning
+                    and not crossed
+                    and abs(turning.value - wanted) <= 1e-12 * max(1.0, abs(turning.value))
+                ):
+                    self._store_if_between(
+                        self._newton(turning.theta_m, turning.tau, target), first, last
+                    )
         for each in ends:
             self._note_endless(*each, piece)
 
     def _points(self, piece: CurvePiece) -> list[Point]:
-        """Return a piece's samples as points; add the end of the piece if the flights become infinitely short there."""
+        """Return a piece's samples as points.
+
+        Add the end of the piece if the flights become infinitely short there.
+        """
         points = [Point(*map(float, row)) for row in zip(*self._columns(piece), strict=True)]
-        for end, first in ((piece.high, len(points)), (piece.low, 0)):  # from the back: an insertion moves what follows
+        for end, first in (
+            (piece.high, len(points)),
+            (piece.low, 0),
+        ):  # from the back: an insertion moves what follows
             near = points[min(first, len(points) - 1)]
-            if end.reason == "end of the window" and near.tau * self.K.Om < 10 * abs(near.theta_m - end.theta_m):
+            if end.reason == "end of the window" and near.tau * self.K.Om < 10 * abs(
+                near.theta_m - end.theta_m
+            ):
                 contact = self.source.rest + self.source.gain * np.cos(end.theta_m)
-                value = contact if self.name == "x_i" else end.theta_m
+                if self.name == "x_i":
+                    value = contact
+                else:
+                    value = end.theta_m
                 points.insert(first, Point(end.theta_m, float(value), near.slope, 0.0))
         return points
 
     def _columns(self, of: CurvePiece | Sample) -> tuple[Any, Any, Any, Any]:
         """Return theta_m, the unknown (x_i or theta_i), its slope by theta_m, and the flight time of `of`."""
-        value, slope = (of.x, of.slope_x) if self.name == "x_i" else (of.theta, of.slope_theta)
+        if self.name == "x_i":
+            value, slope = (of.x, of.slope_x)
+        else:
+            value, slope = (of.theta, of.slope_theta)
         return of.theta_m, value, slope, (of.theta_m - of.theta) / self.K.Om
 
     def _extremum(self, first: Point, last: Point) -> Point | None:
-        """Return the point between two points where the unknown is extreme; None at a break of the curve."""
+        """Return the point between two points where the unknown is extreme.
+
+        None at a break of the curve.
+        """
         for _ in range(NEWTON_HALVINGS):
             middle = self._sampled(0.5 * (first.theta_m + last.theta_m))
-            if middle is None or not first.theta_m < middle.theta_m < last.theta_m or middle.slope == 0.0:
+            if (
+                middle is None
+                or not first.theta_m < middle.theta_m < last.theta_m
+                or middle.slope == 0.0
+            ):
                 return middle
-            first, last = (first, middle) if middle.slope * last.slope > 0 else (middle, last)
-            if abs(first.slope) * (last.theta_m - first.theta_m) < 1e-15 * max(1.0, abs(first.value)):
+            if middle.slope * last.slope > 0:
+                first, last = (first, middle)
+            else:
+                first, last = (middle, last)
+            if abs(first.slope) * (last.theta_m - first.theta_m) < 1e-15 * max(
+                1.0, abs(first.value)
+            ):
                 break
         return first
 
     def _sampled(self, theta_m: float) -> Point | None:
-        """Return the point of the curve at theta_m; None if no flight from the mapping's belt grazes there."""
+        """Return the point of the curve at theta_m.
+
+        None if no flight from the mapping's belt grazes there.
+        """
         sample = self.curve.sample(theta_m)
-        return Point(*self._columns(sample)) if sample.origin == OWN else None
+        if sample.origin == OWN:
+            return Point(*self._columns(sample))
+        return None
 
     # -- Newton's method ---------------------------------------------------------------------------------------------
 
@@ -297,25 +430,41 @@ class Candidates:
             if first in self._broken:
                 return
             gaps = first.value - wanted, last.value - wanted
-            part = gaps[0] / (gaps[0] - gaps[1]) if gaps[0] != gaps[1] else 0.5
+            if gaps[0] != gaps[1]:
+                part = gaps[0] / (gaps[0] - gaps[1])
+            else:
+                part = 0.5
             theta_m = first.theta_m + part * (last.theta_m - first.theta_m)
             solution = self._newton(theta_m, first.tau + part * (last.tau - first.tau), target)
             if self._store_if_between(solution, first, last):
                 return
             theta_m = 0.5 * (first.theta_m + last.theta_m)
-            middle = self._sampled(theta_m) if first.theta_m < theta_m < last.theta_m else None
+            if first.theta_m < theta_m < last.theta_m:
+                middle = self._sampled(theta_m)
+            else:
+                middle = None
             if middle is None:
                 break
-            first, last = (middle, last) if (middle.value >= wanted) == (first.value >= wanted) else (first, middle)
+            if (middle.value >= wanted) == (first.value >= wanted):
+                first, last = (middle, last)
+            else:
+                first, last = (first, middle)
         is_touch = self.curve.sample(theta_m).slope_theta == 1.0
-        if is_touch and self._store_if_between(self._solve_among_grazes(theta_m, target), first, last):
+        if is_touch and self._store_if_between(
+            self._solve_among_grazes(theta_m, target), first, last
+        ):
             return
         self._broken.add(first)
         broken = "a solution could not be distinguished from a break of the curve"
         self.notes.append(f"near theta_m = {first.theta_m:.12g} {broken}")
 
-    def _equation(self, theta: Number, tau: Number, now: Instant, target: Number) -> tuple[Number, Number, Number]:
-        """Return x_i or theta_i at the start `now` of a flight, minus `target`; and the derivatives by theta, tau."""
+    def _equation(
+        self, theta: Number, tau: Number, now: Instant, target: Number
+    ) -> tuple[Number, Number, Number]:
+        """Return x_i or theta_i at the start `now` of a flight, minus `target`.
+
+        And the derivatives by theta, tau.
+        """
         if self.name == "x_i":
             return self.flights.contact(theta) + now.dx - target, now.x_theta, -now.v
         Om = self.flights.K.Om
@@ -323,8 +472,10 @@ class Candidates:
 
     def _newton(self, theta_m: float, tau: float, target: Number) -> tuple[Number, Number] | None:
         """Find (theta_m, tau) of the flight with x_i or theta_i = `target` by Newton's method from a guess; or None."""
-        context, K = self.flights.context, self.flights.K
-        theta, tau = context.mpf(theta_m), context.mpf(tau)
+        context = self.flights.context
+        K = self.flights.K
+        theta = context.mpf(theta_m)
+        tau = context.mpf(tau)
         settled = False
         for _ in range(MOST_CURVE_NEWTON):
             now = self.flights.instant(theta, tau)
@@ -335,9 +486,12 @@ class Candidates:
                 return None
             theta_step = (-gap * by_tau - rest * now.a) / determinant
             tau_step = (gap * by_theta - rest * now.v_theta) / determinant
-            theta, tau = theta + theta_step, tau + tau_step
+            theta = theta + theta_step
+            tau = tau + tau_step
             if settled:
-                return (theta, tau) if tau > 0 else None
+                if tau > 0:
+                    return (theta, tau)
+                return None
             if abs(theta_step) > 7 or abs(tau_step) > 1 / K.rate + 3 / K.Om or tau <= 0:
                 return None
             shrunk = context.eps**0.6
@@ -345,12 +499,19 @@ class Candidates:
         return None
 
     def _solve_among_grazes(self, theta_m: float, target: Number) -> tuple[Number, Number] | None:
-        """Find the solution among flights that start at a graze too, and so all take one time; None if not found."""
-        flights, phase = self.flights, Fraction(theta_m)
-        arrival, _ = self.source.exact(phase, 1, lambda each: each.K.period * SEARCH_PERIODS, flights.digits)
+        """Find the solution among flights that start at a graze too, and so all take one time.
+
+        None if not found.
+        """
+        flights = self.flights
+        phase = Fraction(theta_m)
+        arrival, _ = self.source.exact(
+            phase, 1, lambda each: each.K.period * SEARCH_PERIODS, flights.digits
+        )
         if arrival.kind != TOUCH:
             return None
-        theta, tau = flights.number(phase), flights.number(arrival.tau)
+        theta = flights.number(phase)
+        tau = flights.number(arrival.tau)
         for _ in range(MOST_CURVE_NEWTON):
             rest, by_theta, _ = self._equation(theta, tau, flights.instant(theta, tau), target)
             if by_theta == 0:
@@ -363,13 +524,20 @@ class Candidates:
     def _store_if_between(
         self, solution: tuple[Number, Number] | None, first: Point, last: Point, more: float = 0.0
     ) -> bool:
-        """Store a solution if it lies between two points of the curve, give or take `more`; return whether it does."""
+        """Store a solution if it lies between two points of the curve, give or take `more`.
+
+        Return whether it does.
+        """
         if solution is None:
             return False
         theta, tau = solution
         slack = 1e-14 * max(1.0, abs(float(theta))) + more
         low, high = sorted((first.tau, last.tau))
-        beside = 1e-9 * max(high, 1e-3 / self.K.rate) + 0.1 * (high - low) + (1e-3 / self.K.rate if more else 0.0)
+        beside = (
+            1e-9 * max(high, 1e-3 / self.K.rate)
+            + 0.1 * (high - low)
+            + (1e-3 / self.K.rate if more else 0.0)
+        )
         inside = first.theta_m - slack <= float(theta) <= last.theta_m + slack
         if not (inside and low - beside <= float(tau) <= high + beside):
             return False
@@ -387,11 +555,18 @@ class Candidates:
         if end.reason in ("end of the window", "closed"):
             return
         if end.reason.endswith("(within the search)"):
-            self.notes.append(f"beside theta_m = {end.theta_m:.6g} the flights are longer than the search")
+            self.notes.append(
+                f"beside theta_m = {end.theta_m:.6g} the flights are longer than the search"
+            )
             return
-        # The end of a curve that doubles still resolve, over its slope there: more means that it has no limit.
-        steep = not abs(piece.slope_theta[index]) * abs(end.theta_m - point.theta_m) < 1e-4  # or nan
+        # The end of a curve that doubles still resolve, over its slope there: more means that it
+        # has no limit.
+        steep = (
+            not abs(piece.slope_theta[index]) * abs(end.theta_m - point.theta_m) < 1e-4
+        )  # or nan
         if steep and (self.name != "x_i" or abs(float(self.target)) > abs(point.value)):
             last = f"theta = {piece.theta[index]:.6g}, x = {piece.x[index]:.6g}"
             ends = f"at theta_m = {end.theta_m:.12g} the curve goes on for ever"
-            self.notes.append(f"{ends}; solutions beyond {last} are nearer to its end than doubles resolve")
+            self.notes.append(
+                f"{ends}; solutions beyond {last} are nearer to its end than doubles resolve"
+            )

@@ -1,14 +1,15 @@
 """The start of a grazing orbit: the flow back from a tangency to the switching plane.
 
-The windows of Theorem 7 (`symosc.grazing.window`) are necessary for a mapping to graze, not sufficient. The flow that
-touches the belt at phase theta must also have come from the plane on which the mapping starts. Flowing back from the
-contact
+The windows of Theorem 7 (`symosc.grazing.window`) are necessary for a mapping to graze, not
+sufficient. The flow that touches the belt at phase theta must also have come from the plane on
+which the mapping starts. Flowing back from the contact
 
     x_m(theta) = (A_alpha + B0 cos(theta) - c v_lambda)/k,   v = v_lambda,   acceleration 0
 
-decides it (`symosc.grazing.backward`): the first contact is on the mapping's own belt (a start), on the other one,
-or there is none. Equations (54) with (61) for P2, and their counterparts for P3, P5 and P6, are three equations in the
-four unknowns (x_i, Omega t_i, x_m, Omega t_m): a curve (`symosc.grazing.curve`).
+decides it (`symosc.grazing.backward`): the first contact is on the mapping's own belt (a start), on
+the other one, or there is none. Equations (54) with (61) for P2, and their counterparts for P3, P5
+and P6, are three equations in the four unknowns (x_i, Omega t_i, x_m, Omega t_m): a curve
+(`symosc.grazing.curve`).
 
 `is_grazing` decides Theorem 6 at a given state, to any order: does the flow touch the belt there?
 """
@@ -29,7 +30,14 @@ from symosc.grazing.backward import SEARCH_PERIODS, Flights, Origins
 from symosc.grazing.window import grazing_window
 from symosc.kernels._generated import next_derivative
 from symosc.mappings import numbers
-from symosc.mappings.numbers import LatexAnswer, latex_number, latex_point, latex_words, number_of, reduced
+from symosc.mappings.numbers import (
+    LatexAnswer,
+    latex_number,
+    latex_point,
+    latex_words,
+    number_of,
+    reduced,
+)
 from symosc.mappings.theorem7_cases import place
 from symosc.scenes import ParametersLike
 
@@ -46,24 +54,26 @@ class GrazingStart(LatexAnswer):
     ----------
     mapping : str
     found : bool
-        Whether the flow, traced back from the graze, comes from the belt on which the mapping starts; with t0, whether
-        the flow has been in the mapping's domain since t0.
+        Whether the flow, traced back from the graze, comes from the belt on which the mapping
+        starts; with t0, whether the flow has been in the mapping's domain since t0.
     reason : str or None
         Why there is no start.
     t, x, v, theta : number or None
-        The start: time, position, velocity, phase Omega t mod 2 pi. If there is no start, the contact with the other
-        belt that the reason names. None if there was no contact. Floats, or mpmath numbers with ``digits=``.
+        The start: time, position, velocity, phase Omega t mod 2 pi. If there is no start, the
+        contact with the other belt that the reason names. None if there was no contact. Floats, or
+        mpmath numbers with ``digits=``.
     boundary : int
         The belt of the start, 0 if it is on none.
     touch : bool
         Whether the flow only touches this belt, as far as twice the working precision can decide.
     t_m, x_m, theta_m : number
-        The tangency to the belt. Without t_m= or t0= its time is theta/Omega, so that t may be negative.
+        The tangency to the belt. Without t_m= or t0= its time is theta/Omega, so that t may be
+        negative.
     undecided : bool
         Whether the search ended before it was known where the flow came from; the reason says why.
     start : dict
-        t0, x0 and v0 of the start, and start_error, a unit of their last digits. `simulate` takes them as they are:
-        ``simulate(p, **found.start, t_end=...)``.
+        t0, x0 and v0 of the start, and start_error, a unit of their last digits. `simulate` takes
+        them as they are: ``simulate(p, **found.start, t_end=...)``.
 
     Examples
     --------
@@ -90,14 +100,17 @@ class GrazingStart(LatexAnswer):
 
     def latex(self) -> str:
         """Return start and tangency as LaTeX, or the reason why there is no start (no dollar signs)."""
-        name, tangency = f"P_{{{self.mapping.removeprefix('P')}}}", latex_point("m", self.theta_m, self.x_m)
+        name = f"P_{{{self.mapping.removeprefix('P')}}}"
+        tangency = latex_point("m", self.theta_m, self.x_m)
         if not self.found:
             return rf"{name}:\quad {tangency},\quad {latex_words(self.reason)}"
         return rf"{name}:\quad {latex_point('i', self.theta, self.x)} \mapsto {tangency}"
 
     def to_dict(self) -> Record:
         """Return the attributes as a dict with numbers as text, without `start` and `undecided`."""
-        values = {name: getattr(self, name) for name in ("t", "x", "v", "theta", "t_m", "x_m", "theta_m")}
+        values = {
+            name: getattr(self, name) for name in ("t", "x", "v", "theta", "t_m", "x_m", "theta_m")
+        }
         texts = {name: None if value is None else str(value) for name, value in values.items()}
         first = {"mapping": self.mapping, "found": self.found, "reason": self.reason}
         return first | texts | {"boundary": self.boundary, "touch": self.touch}
@@ -122,9 +135,10 @@ def grazing_start(
     mapping : str
         "P2", "P3", "P5" or "P6".
     theta, t_m : number
-        Phase Omega t_m or time of the tangency (one of them): a number, a string or a sympy constant such as sympy.pi.
-        A phase is taken at the time theta/Omega; with t0, at the first such time after t0. A float phase is used as
-        the exact binary number; a float time is read as the decimal that it prints as.
+        Phase Omega t_m or time of the tangency (one of them): a number, a string or a sympy
+        constant such as sympy.pi. A phase is taken at the time theta/Omega; with t0, at the first
+        such time after t0. A float phase is used as the exact binary number; a float time is read
+        as the decimal that it prints as.
     t0 : number, optional
         Flow back to this time instead of to the switching plane.
     digits : int, optional
@@ -135,7 +149,8 @@ def grazing_start(
     Raises
     ------
     ParameterError
-        For a mapping without grazing, a phase outside the mapping's window, k = 0, or a t0 that is not before t_m.
+        For a mapping without grazing, a phase outside the mapping's window, k = 0, or a t0 that is
+        not before t_m.
 
     Examples
     --------
@@ -145,7 +160,8 @@ def grazing_start(
     >>> simulate(p, **found.start, t_end="0.3").events[0].kind
     'graze'
     """
-    origins, until = Origins(p, mapping), None
+    origins = Origins(p, mapping)
+    until = None
     if (theta is None) == (t_m is None):
         raise ParameterError("theta", theta, "give either theta or t_m")
     if t_m is not None:
@@ -162,7 +178,8 @@ def grazing_start(
             gap = numbers.symbolic(until * p.Omega) - numbers.symbolic(angle)
             turns = sympy.floor(gap / (2 * sympy.pi)) + 1
             time = numbers.times(numbers.symbolic(angle) + 2 * sympy.pi * turns, 1 / p.Omega)
-    digits, number = read_digits(digits, MOST_START_DIGITS), float(read_exact("periods", periods))
+    digits = read_digits(digits, MOST_START_DIGITS)
+    number = float(read_exact("periods", periods))
     if not 0 < number <= MOST_PERIODS_BACK:
         raise ParameterError("periods", periods, f"must be > 0 and at most {MOST_PERIODS_BACK:g}")
     return start_of(origins, time, angle, until, digits, number)
@@ -177,12 +194,18 @@ def start_of(
     periods: float = SEARCH_PERIODS,
 ) -> GrazingStart:
     """Return the result of `grazing_start` for a tangency at the exact `time` and phase `angle`, with t0 = `until`."""
-    p, mapping, decimals = origins.p, origins.mapping, digits or DEFAULT_DIGITS
+    p = origins.p
+    mapping = origins.mapping
+    decimals = digits or DEFAULT_DIGITS
     window = grazing_window(p, mapping)
     if not window.contains(angle):
         raise ParameterError("theta", str(angle), f"is outside the grazing window: {window!r}")
-    # G^(1) = G^(2) = 0 in the full window only, at the quartic tangency of the equality: there G^(3) decides.
-    order = 1 if grazing_window(p, mapping, "paper").contains(angle) else 3
+    # G^(1) = G^(2) = 0 in the full window only, at the quartic tangency of the equality: there
+    # G^(3) decides.
+    if grazing_window(p, mapping, "paper").contains(angle):
+        order = 1
+    else:
+        order = 3
 
     def far(flights: Flights) -> Number:
         if until is None:
@@ -192,21 +215,35 @@ def start_of(
     if far(origins.flights(decimals + 20)) <= 0:
         raise ParameterError("t0", float(until or 0), f"must be earlier than t_m = {float(time)!r}")
     arrival, flights = origins.exact(angle, order, far, decimals)
-    kind, boundary, belt, context = arrival.kind, arrival.boundary, origins.place.boundary, flights.context
-    theta_m, t_m = flights.number(angle), flights.number(time)
+    context = flights.context
+    belt = origins.place.boundary
+    boundary = arrival.boundary
+    kind = arrival.kind
+    theta_m = flights.number(angle)
+    t_m = flights.number(time)
     x_m = flights.contact(theta_m)
-    t, x = t_m - arrival.tau, x_m + arrival.dx
-    theta, two_pi = theta_m - flights.K.Om * arrival.tau, 2 * context.pi
+    t = t_m - arrival.tau
+    x = x_m + arrival.dx
+    theta = theta_m - flights.K.Om * arrival.tau
+    two_pi = 2 * context.pi
     theta -= two_pi * context.floor(theta / two_pi)
     point = f"belt {boundary} at t = {float(t):.12g}, x = {float(x):.12g}"
-    verb = "touches" if kind == backward.TOUCH else "comes from"
-    if until is None:
-        found, reason = boundary == belt, f"the flow {verb} {point}, not belt {belt}"
+    if kind == backward.TOUCH:
+        verb = "touches"
     else:
-        found, reason = kind == backward.REACHED, f"between t0 and t_m the flow {verb} {point}"
-    nowhere = kind not in (backward.CONTACT, backward.TOUCH) and not (kind == backward.REACHED and until is not None)
+        verb = "comes from"
+    if until is None:
+        found = boundary == belt
+        reason = f"the flow {verb} {point}, not belt {belt}"
+    else:
+        found = kind == backward.REACHED
+        reason = f"between t0 and t_m the flow {verb} {point}"
+    nowhere = kind not in (backward.CONTACT, backward.TOUCH) and not (
+        kind == backward.REACHED and until is not None
+    )
     found = found and not nowhere
-    since, ended = f"backward from t = {float(t):.6g}", f"the search ended at t = {float(t):.6g}"
+    since = f"backward from t = {float(t):.6g}"
+    ended = f"the search ended at t = {float(t):.6g}"
     reasons = {
         backward.NEVER: f"the flow never met a belt before: {since} its velocity runs away from belt {belt}",
         backward.REACHED: f"the flow met no belt in the {periods:g} periods before; ask for more with periods=",
@@ -217,14 +254,28 @@ def start_of(
     shown = mp_context(decimals)
 
     def out(value: Number) -> Number:
-        return shown.convert(value) * 1 if digits else float(value)
+        if digits:
+            return shown.convert(value) * 1
+        return float(value)
 
-    velocity = p.belt(boundary) if boundary else arrival.v
+    if boundary:
+        velocity: object = p.belt(boundary)
+    else:
+        velocity = arrival.v
     start: Record = {"t0": _text(t, decimals, shown), "x0": _text(x, decimals, shown)}
-    start["v0"] = show(velocity) if isinstance(velocity, Fraction) else _text(velocity, decimals, shown)
+    if isinstance(velocity, Fraction):
+        start["v0"] = show(velocity)
+    else:
+        start["v0"] = _text(velocity, decimals, shown)
     decimal_places = [len(text.partition(".")[2]) for text in start.values()]
-    units = [Fraction(1, 10**places) if places else Fraction(0) for places in decimal_places]  # of the last decimals
-    start["start_error"] = units[0], units[1], Fraction(0) if boundary else units[2]  # belts have exact speeds
+    units = [
+        Fraction(1, 10**places) if places else Fraction(0) for places in decimal_places
+    ]  # of the last decimals
+    start["start_error"] = (
+        units[0],
+        units[1],
+        Fraction(0) if boundary else units[2],
+    )  # belts have exact speeds
     values = {"t": t, "x": x, "v": flights.number(velocity), "theta": theta}
     return GrazingStart(
         mapping=mapping,
@@ -244,7 +295,9 @@ def start_of(
 def _text(value: Number, digits: int, context: Context) -> str:
     """Return a decimal with at least `digits` digits after the point, readable as an exact number."""
     whole = len(str(int(abs(value))))
-    return str(context.nstr(value, digits + whole, strip_zeros=False, min_fixed=-inf, max_fixed=inf))
+    return str(
+        context.nstr(value, digits + whole, strip_zeros=False, min_fixed=-inf, max_fixed=inf)
+    )
 
 
 # --- Theorem 6 at a state ---
@@ -260,12 +313,14 @@ class GrazingVerdict(LatexAnswer):
     ----------
     grazing : bool
     order : int
-        The order n of the first G-function that does not vanish; G^(0) is F, G^(n) its n-th derivative along the flow.
-        MOST_G_ORDERS if none was found.
+        The order n of the first G-function that does not vanish; G^(0) is F, G^(n) its n-th
+        derivative along the flow. MOST_G_ORDERS if none was found.
     values : tuple of float
-        G^(0), G^(1), ... up to that order; each is computed with those before it that count as 0 set to 0.
+        G^(0), G^(1), ... up to that order; each is computed with those before it that count as 0
+        set to 0.
     margins : tuple of float
-        Each value relative to the sum of the sizes of its terms; at or below `tolerance` it counts as 0.
+        Each value relative to the sum of the sizes of its terms; at or below `tolerance` it counts
+        as 0.
     tolerance : float
     reason : str
 
@@ -288,20 +343,29 @@ class GrazingVerdict(LatexAnswer):
         """Return the G-functions that decide, with the reason, as LaTeX (no dollar signs)."""
         names = ["F", *(f"G^{{({order})}}" for order in range(1, len(self.values)))]
         values = zip(self.values, self.margins, strict=True)
-        texts = ["0" if margin <= self.tolerance else latex_number(value) for value, margin in values]
+        texts = [
+            "0" if margin <= self.tolerance else latex_number(value) for value, margin in values
+        ]
         shown = ", ".join(f"{name} = {text}" for name, text in zip(names, texts, strict=True))
         return rf"{shown}:\quad \text{{{'it grazes' if self.grazing else 'it does not graze'}}}"
 
 
 @public
 def is_grazing(
-    p: ParametersLike, mapping: str, x: NumberLike, theta: NumberLike, *, tolerance: NumberLike = 1e-12
+    p: ParametersLike,
+    mapping: str,
+    x: NumberLike,
+    theta: NumberLike,
+    *,
+    tolerance: NumberLike = 1e-12,
 ) -> GrazingVerdict:
-    """Decide Theorem 6 for a state on the belt of a mapping: does the flow of its domain graze the belt there?
+    """Decide Theorem 6 for a state on the belt of a mapping.
 
-    The flow grazes if F = 0, and the first G-function that does not vanish has odd order and the sign that leads back
-    into the domain. (Order 1 is the theorem as printed.) Values are computed with 50 digits; `tolerance` says what
-    counts as 0.
+    Does the flow of its domain graze the belt there?
+
+    The flow grazes if F = 0, and the first G-function that does not vanish has odd order and the
+    sign that leads back into the domain. (Order 1 is the theorem as printed.) Values are computed
+    with 50 digits; `tolerance` says what counts as 0.
 
     Parameters
     ----------
@@ -336,17 +400,33 @@ def is_grazing(
     position = number_of(numbers.read_angle("x", x), context)
     v, Om = (number_of(q, context) for q in (p.belt(where.boundary), p.Omega))
     cm, w0sq, f0 = (number_of(q / p.m, context) for q in (p.c, p.k, p.B0))
-    terms = [number_of(p.A(where.domain) / p.m, context), f0 * context.cos(angle), -w0sq * position, -cm * v]
-    value, size = sum(terms), sum(abs(term) for term in terms)
-    before, sines = v, (context.sin(angle), context.cos(angle))
-    values, margins, grazing = list[float](), list[float](), False
-    reason, last = "F and all its derivatives vanish: the flow stays on the belt", MOST_G_ORDERS
-    for order in range(MOST_G_ORDERS):  # G^(0) = F, G^(1), ..., each with the size of its terms, if all before are 0
-        margin = abs(value) / size if size > 0 else abs(value)
+    terms = [
+        number_of(p.A(where.domain) / p.m, context),
+        f0 * context.cos(angle),
+        -w0sq * position,
+        -cm * v,
+    ]
+    value = sum(terms)
+    size = sum(abs(term) for term in terms)
+    before = v
+    sines = (context.sin(angle), context.cos(angle))
+    values = list[float]()
+    margins = list[float]()
+    grazing = False
+    reason = "F and all its derivatives vanish: the flow stays on the belt"
+    last = MOST_G_ORDERS
+    for order in range(
+        MOST_G_ORDERS
+    ):  # G^(0) = F, G^(1), ..., each with the size of its terms, if all before are 0
+        if size > 0:
+            margin = abs(value) / size
+        else:
+            margin = abs(value)
         values.append(float(value))
         margins.append(float(margin))
         if margin > tolerance:
-            last, grazing = order, order % 2 == 1 and where.side * value < 0
+            last = order
+            grazing = order % 2 == 1 and where.side * value < 0
             if order == 0:
                 reason = "F does not vanish: the flow is transversal"
             elif order % 2 == 0:

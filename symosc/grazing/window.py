@@ -1,9 +1,10 @@
 """Grazing windows (Theorem 7): the phases at which a flow that meets a belt's speed turns back.
 
-At a contact x'' = 0 and x' = v_lambda. So the parameters give gamma = k v_lambda/m and the contact's place x_m(theta),
-and a window is a closed form. Its case is decided in rational numbers. Only what needs sympy loads it: sympy takes
-longer to load than everything else that `symosc grazing` does, whose exact texts (`phases_text`) do without it.
-`grazing_windows` computes many windows at once, in double precision.
+At a contact x'' = 0 and x' = v_lambda. So the parameters give gamma = k v_lambda/m and the
+contact's place x_m(theta), and a window is a closed form. Its case is decided in rational numbers.
+Only what needs sympy loads it: sympy takes longer to load than everything else that `symosc
+grazing` does, whose exact texts (`phases_text`) do without it. `grazing_windows` computes many
+windows at once, in double precision.
 """
 
 from __future__ import annotations
@@ -43,10 +44,12 @@ def grazing_window(p: ParametersLike, mapping: str, order: Order = "full") -> Gr
     ----------
     p : Parameters, or a Scene, its name or its file
     mapping : {"P2", "P3", "P5", "P6"}
-        P2: domain 1 at belt 1. P3: domain 2 at belt 1. P5: domain 2 at belt 2. P6: domain 3 at belt 2.
+        P2: domain 1 at belt 1. P3: domain 2 at belt 1. P5: domain 2 at belt 2. P6: domain 3 at belt
+        2.
     order : {"full", "paper"}
-        "paper" is the theorem as printed, which stops at G^(1). "full" goes on to the first G-function that does not
-        vanish: it adds the tangency of fourth order at |k v_lambda| = |B0| Omega.
+        "paper" is the theorem as printed, which stops at G^(1). "full" goes on to the first
+        G-function that does not vanish: it adds the tangency of fourth order at |k v_lambda| = |B0|
+        Omega.
 
     Raises
     ------
@@ -118,8 +121,9 @@ class GrazingWindow(Drawable, LatexAnswer):
     def case(self) -> str:
         """The paper's case: "(55.1)" is the first case of (55).
 
-        A letter in place of the number marks a case that the paper lacks. a: |gamma| = |B0| Omega/m and the window is
-        empty. b: B0 = 0 and every phase grazes. c: B0 = 0 and none does. B0 < 0 adds "shifted by pi".
+        A letter in place of the number marks a case that the paper lacks. a: |gamma| = |B0| Omega/m
+        and the window is empty. b: B0 = 0 and every phase grazes. c: B0 = 0 and none does. B0 < 0
+        adds "shifted by pi".
         """
         return cases.case_label(self.place, *self.signs)
 
@@ -128,11 +132,16 @@ class GrazingWindow(Drawable, LatexAnswer):
         """The phases theta = Omega t mod 2 pi in [0, 2 pi) at which a contact grazes: an exact sympy set."""
         from symosc.symbolic.theorem7 import rational, window_phases
 
-        return window_phases(self.place, rational(self.gamma), rational(self.amplitude), self.order == "full")
+        return window_phases(
+            self.place, rational(self.gamma), rational(self.amplitude), self.order == "full"
+        )
 
     @cached_property
     def theta_cr(self) -> Expr:
-        """Theta_cr = asin(-k v_lambda/(B0 Omega)) in [-pi/2, pi/2], exactly; None where it does not exist."""
+        """Theta_cr = asin(-k v_lambda/(B0 Omega)) in [-pi/2, pi/2], exactly.
+
+        None where it does not exist.
+        """
         from symosc.symbolic.theorem7 import critical_phase, rational
 
         return critical_phase(rational(self.gamma), rational(self.amplitude))
@@ -141,11 +150,14 @@ class GrazingWindow(Drawable, LatexAnswer):
     def intervals(self) -> tuple[tuple[float, float, bool, bool], ...]:
         """The window as (low, high, low_closed, high_closed) in double precision, each end the nearest double.
 
-        Points of the circle: an arc through 0 is two intervals, one from 0 (closed) and one up to 2 pi (open).
+        Points of the circle: an arc through 0 is two intervals, one from 0 (closed) and one up to 2
+        pi (open).
         """
         end = double_double.TWO_PI_PAIR[0]
         if self.kind in (EMPTY, EVERYTHING):
-            return ((0.0, end, True, False),) if self.kind == EVERYTHING else ()
+            if self.kind == EVERYTHING:
+                return ((0.0, end, True, False),)
+            return ()
         low, high = self.ends
         if self.kind == cases.ARC:
             return ((low, high, False, False),)
@@ -153,13 +165,23 @@ class GrazingWindow(Drawable, LatexAnswer):
 
     @cached_property
     def ends(self) -> tuple[float, float]:
-        """The first and last phase of a window that is one arc; the first is the larger if the arc goes through 0."""
+        """The first and last phase of a window that is one arc.
+
+        The first is the larger if the arc goes through 0.
+        """
         if self.kind == cases.ALL_BUT_ONE:
-            point = double_double.HALF_PI[0] if self.signs[0] * self.signs[1] < 0 else double_double.THREE_HALVES_PI
+            if self.signs[0] * self.signs[1] < 0:
+                point = double_double.HALF_PI[0]
+            else:
+                point = double_double.THREE_HALVES_PI
             return point, point
-        context, theta_cr = mp_context(WINDOW_DIGITS), self.critical_phase()
+        context = mp_context(WINDOW_DIGITS)
+        theta_cr = self.critical_phase()
         ends = context.pi - theta_cr, (2 * context.pi if theta_cr < 0 else 0) + theta_cr
-        low, high = ends if self.place.side * self.signs[1] < 0 else ends[::-1]
+        if self.place.side * self.signs[1] < 0:
+            low, high = ends
+        else:
+            low, high = ends[::-1]
         return float(low), float(high) if high != 0 else double_double.TWO_PI_PAIR[0]
 
     def critical_phase(self) -> Number:
@@ -168,7 +190,8 @@ class GrazingWindow(Drawable, LatexAnswer):
         if self.amplitude == 0 or self.signs[2] > 0:
             return context.nan
         sine = -self.gamma / self.amplitude
-        # In whole numbers, where the difference cancels: next to 1 the arcsine loses half the digits of its argument.
+        # In whole numbers, where the difference cancels: next to 1 the arcsine loses half the
+        # digits of its argument.
         square = (sine.denominator - sine.numerator) * (sine.denominator + sine.numerator)
         return context.atan2(sine.numerator, context.sqrt(square))
 
@@ -181,9 +204,9 @@ class GrazingWindow(Drawable, LatexAnswer):
         Parameters
         ----------
         theta : number, text, sympy expression or numpy array
-            Any real number; it is taken mod 2 pi. Text such as "3*pi/2" and sympy expressions such as pi/3 or
-            pi + asin(3/5) are exact. A float is used as the exact binary number, because phases are computed and not
-            typed.
+            Any real number; it is taken mod 2 pi. Text such as "3*pi/2" and sympy expressions such
+            as pi/3 or pi + asin(3/5) are exact. A float is used as the exact binary number, because
+            phases are computed and not typed.
 
         Returns
         -------
@@ -197,14 +220,18 @@ class GrazingWindow(Drawable, LatexAnswer):
         if not (isinstance(theta, np.ndarray) and theta.ndim):
             return self._sign_at(theta) > 0
         if theta.dtype.kind not in "fiu":
-            return np.array([self.contains(each) for each in theta.flat], dtype=bool).reshape(theta.shape)
+            return np.array([self.contains(each) for each in theta.flat], dtype=bool).reshape(
+                theta.shape
+            )
         if not np.all(np.isfinite(theta)):
             raise ParameterError("theta", theta[~np.isfinite(theta)][0], "must be finite")
         if self.kind in (EMPTY, EVERYTHING):
             return np.full(theta.shape, self.kind == EVERYTHING)
         distance = np.sin(theta.astype(float)) + float(self.gamma / self.amplitude)
         inside = distance * (self.place.side * self.signs[1]) > 0
-        for index in zip(*np.nonzero(np.abs(distance) <= 1e-12), strict=True):  # sin is right to 1e-15
+        for index in zip(
+            *np.nonzero(np.abs(distance) <= 1e-12), strict=True
+        ):  # sin is right to 1e-15
             inside[index] = self._sign_at(theta[index]) > 0
         return inside
 
@@ -225,17 +252,24 @@ class GrazingWindow(Drawable, LatexAnswer):
         Raises
         ------
         ParameterError
-            If theta is outside the window, or if k = 0: then F = 0 fixes theta (see `contact_phases`), and x_m is free.
+            If theta is outside the window, or if k = 0: then F = 0 fixes theta (see
+            `contact_phases`), and x_m is free.
         """
         inside = self.contains(theta)
         if not np.all(inside):
-            outside = np.asarray(theta)[~inside][0] if isinstance(inside, np.ndarray) else theta
-            raise ParameterError("theta", outside, f"outside the grazing window of {self.mapping}: {self._as_text()}")
+            if isinstance(inside, np.ndarray):
+                outside = np.asarray(theta)[~inside][0]
+            else:
+                outside = theta
+            raise ParameterError(
+                "theta", outside, f"outside the grazing window of {self.mapping}: {self._as_text()}"
+            )
         p = self.parameters
         if p.k == 0:
             free = f"k = 0: x_m is free, F = 0 fixes theta; the phases are {self.contact_phases}"
             raise ParameterError("theta", theta, free)
-        rest, gain = (p.A(self.place.domain) - p.c * self.speed) / p.k, p.B0 / p.k
+        rest = (p.A(self.place.domain) - p.c * self.speed) / p.k
+        gain = p.B0 / p.k
         if isinstance(theta, np.ndarray) and theta.ndim:
             return float(rest) + float(gain) * np.cos(theta)
         if isinstance(theta, float | np.floating):
@@ -248,9 +282,12 @@ class GrazingWindow(Drawable, LatexAnswer):
 
     @cached_property
     def contact_phases(self) -> Expr:
-        """The phases at which a contact exists and grazes: all of `phases`, but for k = 0 only the one with F = 0.
+        """The phases at which a contact exists and grazes.
 
-        Without a spring F does not depend on x: B0 cos theta = c v_lambda - A_alpha leaves at most one phase.
+        All of `phases`, but for k = 0 only the one with F = 0.
+
+        Without a spring F does not depend on x: B0 cos theta = c v_lambda - A_alpha leaves at most
+        one phase.
         """
         if self.parameters.k != 0:
             return self.phases
@@ -266,28 +303,43 @@ class GrazingWindow(Drawable, LatexAnswer):
         return sp.FiniteSet(theta if self.place.side * p.B0 > 0 else 2 * sp.pi - theta)
 
     def _sign_at(self, theta: NumberLike) -> int:
-        """Decide exactly whether a contact at theta grazes: 1 if it does, -1 if not, 0 at an end of the window."""
-        theta = theta[()] if isinstance(theta, np.ndarray) else theta  # an array of dimension 0
+        """Decide exactly whether a contact at theta grazes.
+
+        1 if it does, -1 if not, 0 at an end of the window.
+        """
+        # an array of dimension 0
+        if isinstance(theta, np.ndarray):
+            theta = theta[()]
         exact: Any
         if isinstance(theta, str):
             exact = read_phase_text("theta", theta)
         else:
             angle = numbers.read_phase("theta", theta)
-            exact = ExactPhase(angle) if isinstance(angle, Fraction) else numbers.of_sympy(angle) or angle
+            if isinstance(angle, Fraction):
+                exact = ExactPhase(angle)
+            else:
+                exact = numbers.of_sympy(angle) or angle
         if self.kind in (EMPTY, EVERYTHING):
-            return 1 if self.kind == EVERYTHING else -1
+            if self.kind == EVERYTHING:
+                return 1
+            return -1
         if isinstance(exact, ExactPhase):
             return self.place.side * numbers.sine_sign(self.gamma, self.amplitude, exact)
         from symosc.symbolic.theorem7 import rational, sign_of, sp
 
-        return self.place.side * sign_of(rational(self.gamma) + rational(self.amplitude) * sp.sin(exact))
+        return self.place.side * sign_of(
+            rational(self.gamma) + rational(self.amplitude) * sp.sin(exact)
+        )
 
     def latex(self) -> str:
         """Return the window with its case as LaTeX (no dollar signs)."""
         from symosc.symbolic.theorem7 import latex, rational
 
-        number, belt = self.mapping.removeprefix("P"), self.place.boundary
-        gamma, size, amplitude = (latex(rational(q)) for q in (self.gamma, abs(self.gamma), abs(self.amplitude)))
+        number = self.mapping.removeprefix("P")
+        belt = self.place.boundary
+        gamma, size, amplitude = (
+            latex(rational(q)) for q in (self.gamma, abs(self.gamma), abs(self.amplitude))
+        )
         return (
             rf"P_{{{number}}}:\quad \gamma_{{{number}}} = \frac{{k}}{{m}} v_{{{belt}}} = "
             rf"{gamma},\quad |\gamma_{{{number}}}| = {size} {'=><'[self.signs[2]]} {amplitude} = "
@@ -299,7 +351,10 @@ class GrazingWindow(Drawable, LatexAnswer):
 
     def _as_text(self) -> str:
         """Return the intervals as short text."""
-        parts = [f"{'[' if closed else '('}{low:.6g}, {high:.6g})" for low, high, closed, _ in self.intervals]
+        parts = [
+            f"{'[' if closed else '('}{low:.6g}, {high:.6g})"
+            for low, high, closed, _ in self.intervals
+        ]
         return " or ".join(parts) or "empty"
 
 
@@ -313,12 +368,17 @@ NIVEN |= {-sine: -part for sine, part in NIVEN.items()}
 def angle_text(sign: int, sine: Fraction, halves: Fraction | int) -> str:
     """Return the angle ``sign asin(sine) + halves pi`` as sympy prints it."""
     if sine in NIVEN:
-        sign, halves = 0, halves + sign * NIVEN[sine]
+        halves = halves + sign * NIVEN[sine]
+        sign = 0
     top = {0: "0", 1: "pi", -1: "-pi"}.get(halves.numerator, f"{halves.numerator}*pi")
-    multiple = top if halves.denominator == 1 else f"{top}/{halves.denominator}"
+    if halves.denominator == 1:
+        multiple = top
+    else:
+        multiple = f"{top}/{halves.denominator}"
     if not sign:
         return multiple
-    minus, arcsine = sign * sine < 0, f"asin({abs(sine)})"
+    minus = sign * sine < 0
+    arcsine = f"asin({abs(sine)})"
     if minus and halves == 1:
         return f"pi - {arcsine}"
     return ("-" if minus else "") + arcsine + (f" + {multiple}" if halves else "")
@@ -334,15 +394,27 @@ def critical_text(window: GrazingWindow) -> str:
 def phases_text(window: GrazingWindow) -> str:
     """Return the window in the paper's notation, "empty" if it is."""
     if window.kind in (EMPTY, EVERYTHING):
-        return "[0, 2*pi)" if window.kind == EVERYTHING else "empty"
-    above, sine = window.place.side * window.signs[1] > 0, -window.gamma / window.amplitude
+        if window.kind == EVERYTHING:
+            return "[0, 2*pi)"
+        return "empty"
+    above = window.place.side * window.signs[1] > 0
+    sine = -window.gamma / window.amplitude
     if window.kind == cases.ALL_BUT_ONE:
-        low = high = "3*pi/2" if above else "pi/2"
+        if above:
+            low = high = "3*pi/2"
+        else:
+            low = high = "pi/2"
     else:
         later = (window.kind == cases.WRAPPED_ARC) == above  # a turn after Theta_cr
-        low, high = angle_text(1, sine, 2 * later), angle_text(-1, sine, 1)
-        low, high = (low, high) if above else (high, low)
-    return f"({low}, {high})" if window.kind == cases.ARC else f"[0, {high}) U ({low}, 2*pi)"
+        low = angle_text(1, sine, 2 * later)
+        high = angle_text(-1, sine, 1)
+        if above:
+            low, high = (low, high)
+        else:
+            low, high = (high, low)
+    if window.kind == cases.ARC:
+        return f"({low}, {high})"
+    return f"[0, {high}) U ({low}, 2*pi)"
 
 
 # --- many windows ---
@@ -354,10 +426,11 @@ class WindowColumns(NamedTuple):
     Attributes
     ----------
     kind : int8
-        EMPTY, EVERYTHING, ALL_BUT_ONE, ARC or WRAPPED_ARC, constants of `symosc.mappings.theorem7_cases`; always exact.
+        EMPTY, EVERYTHING, ALL_BUT_ONE, ARC or WRAPPED_ARC, constants of
+        `symosc.mappings.theorem7_cases`; always exact.
     low, high : float
-        An ARC reaches from low up to high, a WRAPPED_ARC from low through 0 to high, ends excluded. ALL_BUT_ONE:
-        low = high is the excluded phase. nan otherwise.
+        An ARC reaches from low up to high, a WRAPPED_ARC from low through 0 to high, ends excluded.
+        ALL_BUT_ONE: low = high is the excluded phase. nan otherwise.
     theta_cr : float
         Theta_cr in [-pi/2, pi/2], nan where it does not exist.
 
@@ -377,18 +450,23 @@ class WindowColumns(NamedTuple):
     def __eq__(self, other: object) -> bool:
         if not isinstance(other, WindowColumns):
             return False
-        return all(np.array_equal(a, b, equal_nan=a.dtype.kind == "f") for a, b in zip(self, other, strict=True))
+        return all(
+            np.array_equal(a, b, equal_nan=a.dtype.kind == "f")
+            for a, b in zip(self, other, strict=True)
+        )
 
     def __ne__(self, other: object) -> bool:
         return not self == other
 
 
 @public
-def grazing_windows(p: ParametersLike, mapping: str, order: Order = "full", **swept: ArrayLike) -> WindowColumns:
+def grazing_windows(
+    p: ParametersLike, mapping: str, order: Order = "full", **swept: ArrayLike
+) -> WindowColumns:
     """Return the windows for arrays of parameters, in double precision; see `grazing_window`.
 
-    Every end is within one unit in the last place, and every case is exact: array entries are used as exact binary
-    numbers, the other parameters stay rational. Compiled where numba is installed.
+    Every end is within one unit in the last place, and every case is exact: array entries are used
+    as exact binary numbers, the other parameters stay rational. Compiled where numba is installed.
 
     Parameters
     ----------
@@ -396,7 +474,8 @@ def grazing_windows(p: ParametersLike, mapping: str, order: Order = "full", **sw
     mapping, order :
         As for `grazing_window`.
     **swept : array_like of float
-        Values of k, B0, Omega and v1 or v2 (the belt of the map); they are broadcast. The window depends on no others.
+        Values of k, B0, Omega and v1 or v2 (the belt of the map); they are broadcast. The window
+        depends on no others.
 
     Raises
     ------
@@ -410,11 +489,14 @@ def grazing_windows(p: ParametersLike, mapping: str, order: Order = "full", **sw
     >>> columns.kind.tolist()
     [1, 4, 4]
     """
-    where, full = place(mapping), order == "full"
+    where = place(mapping)
+    full = order == "full"
     names = ("k", f"v{where.boundary}", "B0", "Omega")
     for name in swept:
         if name not in names:
-            raise ParameterError(name, "swept", f"the window of {mapping} depends on {', '.join(names)} only")
+            raise ParameterError(
+                name, "swept", f"the window of {mapping} depends on {', '.join(names)} only"
+            )
     arrays = {name: real_array(name, values, "must be numbers") for name, values in swept.items()}
     try:
         arrays = dict(zip(arrays, np.broadcast_arrays(*arrays.values()), strict=True))
@@ -425,10 +507,17 @@ def grazing_windows(p: ParametersLike, mapping: str, order: Order = "full", **sw
     for name, array in arrays.items():  # Parameters judges the extreme values
         for value in (array.min(), array.max()) if array.size else ():
             p.replace(**{name: float(value)})
-    shape = next(iter(arrays.values())).shape if arrays else ()
-    size, pairs = math.prod(shape), []
+    if arrays:
+        shape = next(iter(arrays.values())).shape
+    else:
+        shape = ()
+    size = math.prod(shape)
+    pairs = []
     for name in names:
-        constant = Fraction(0) if name in arrays else getattr(p, name)
+        if name in arrays:
+            constant = Fraction(0)
+        else:
+            constant = getattr(p, name)
         high = float(constant)  # a Fraction as a pair of doubles, right to 2^-106
         pairs.append(arrays[name].ravel() if name in arrays else np.full(size, high))
         pairs.append(np.full(size, float(constant - Fraction(high))))
@@ -438,7 +527,10 @@ def grazing_windows(p: ParametersLike, mapping: str, order: Order = "full", **sw
         values = {name: Fraction(float(each.flat[i])) for name, each in arrays.items()}
         exact = grazing_window(p.replace(**values), mapping, order)
         columns.kind[i], columns.theta_cr[i] = exact.kind, float(exact.critical_phase())
-        columns.low[i], columns.high[i] = (math.nan, math.nan) if exact.kind in (EMPTY, EVERYTHING) else exact.ends
+        if exact.kind in (EMPTY, EVERYTHING):
+            columns.low[i], columns.high[i] = (math.nan, math.nan)
+        else:
+            columns.low[i], columns.high[i] = exact.ends
     return WindowColumns(*(column.reshape(shape) for column in columns))
 
 

@@ -83,7 +83,9 @@ def flight_jacobian(v0, a0, ve, ae, w0sq, Om, E0, E1, E2):
     return x_x0, x_th0, x_th1, v_x0, v_th0, v_th1
 
 
-def flight_parameters(x0, v0, a0, s0, c0, m, cm, w0sq, f0, Om, E1, E2, R2, I2, U0, U1, U2, V, W, P, Q):
+def flight_parameters(
+    x0, v0, a0, s0, c0, m, cm, w0sq, f0, Om, E1, E2, R2, I2, U0, U1, U2, V, W, P, Q
+):
     """Derivatives of x (x_) and v - v0 (v_) at the end by m, c, k, A_alpha, B0, Omega and v0."""
     u1 = w0sq * U1
     u2 = v0 / m

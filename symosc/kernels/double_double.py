@@ -46,12 +46,16 @@ def two_product(a, b):
     ah = big - (big - a)
     big = SPLITTER * b
     bh = big - (big - b)
-    al, bl = a - ah, b - bh
+    al = a - ah
+    bl = b - bh
     return p, ((ah * bh - p) + ah * bl + al * bh) + al * bl
 
 
 def pair_sum(ah, al, bh, bl):
-    """Return the sum of the pairs ah + al and bh + bl as a pair; it has all its digits even after cancellation."""
+    """Return the sum of the pairs ah + al and bh + bl as a pair.
+
+    It has all its digits even after cancellation.
+    """
     s, e = two_sum(ah, bh)
     t, f = two_sum(al, bl)
     s, e = fast_sum(s, e + t)
@@ -59,7 +63,10 @@ def pair_sum(ah, al, bh, bl):
 
 
 def pair_product(ah, al, bh, bl):
-    """Return the product of the pairs ah + al and bh + bl as a pair; it is exact for two doubles."""
+    """Return the product of the pairs ah + al and bh + bl as a pair.
+
+    It is exact for two doubles.
+    """
     p, e = two_product(ah, bh)
     return fast_sum(p, e + (ah * bl + al * bh))
 
@@ -110,7 +117,10 @@ def pair_asin(yh, yl, rh, rl):
 
 
 def scaled_product(ah, al, bh, bl):
-    """Return a b for pairs as (hi, lo, exponent): the product is (hi + lo) 2^exponent, 1/4 <= |hi| <= 1 or hi = 0."""
+    """Return a b for pairs as (hi, lo, exponent).
+
+    The product is (hi + lo) 2^exponent, 1/4 <= |hi| <= 1 or hi = 0.
+    """
     ah, ae = frexp(ah)
     bh, be = frexp(bh)
     if al != 0.0:

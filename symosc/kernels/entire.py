@@ -1,22 +1,28 @@
 """The entire functions that the generated kernels take as arguments, in double precision and in every regime.
 
-With the characteristic roots l1, l2 of D^2 + (c/m) D + k/m, and e[...] the divided differences of exp,
+With the characteristic roots l1, l2 of D^2 + (c/m) D + k/m, and e[...] the divided differences of
+exp,
 
     E1 = tau e[l1 tau, l2 tau]               the impulse response S
     E0 = dE1/dtau
     E2 = tau^2 e[0, l1 tau, l2 tau]          its integral
     Z  = tau^2 e[i Omega tau, l1 tau, l2 tau] = R2 + i I2
 
-are entire in tau, the roots and Omega: nothing happens to them at critical damping, at resonance or at k = 0. Only
-formulas fail there, by cancellation. Three are used, each where it loses less than a digit or two:
+are entire in tau, the roots and Omega: nothing happens to them at critical damping, at resonance or
+at k = 0. Only formulas fail there, by cancellation. Three are used, each where it loses less than a
+digit or two:
 
-- short times (rate * tau below SERIES_BELOW): the Taylor series in tau, whose coefficients obey the ODE;
-- the closed form in sin, cos and exp (`basis_apart`, printed by sympy), if the system is underdamped, the roots are far
-  from each other and from i Omega (`apart`), and tau is at least APART_ABOVE / w0;
-- otherwise divided differences over the pair of nodes that are farthest apart. The inner ones are computed by expm1, so
-  that no difference of neighbouring values is formed (McCurdy, Ng and Parlett, Math. Comp. 43 (1984)).
+- short times (rate * tau below SERIES_BELOW): the Taylor series in tau, whose coefficients obey the
+  ODE;
+- the closed form in sin, cos and exp (`basis_apart`, printed by sympy), if the system is
+  underdamped, the roots are far from each other and from i Omega (`apart`), and tau is at least
+  APART_ABOVE / w0;
+- otherwise divided differences over the pair of nodes that are farthest apart. The inner ones are
+  computed by expm1, so that no difference of neighbouring values is formed (McCurdy, Ng and
+  Parlett, Math. Comp. 43 (1984)).
 
-Time arguments are in the parameters' unit of time. The functions are scalar: CPython runs them, numba compiles them.
+Time arguments are in the parameters' unit of time. The functions are scalar: CPython runs them,
+numba compiles them.
 """
 
 from __future__ import annotations
@@ -34,11 +40,14 @@ INVERSES = (0.0, *(1.0 / n for n in range(1, 40)))
 def basis(tau, K):
     """Return E0, E1, E2, R2, I2 (responses to an impulse and to the drive) and sin, cos of Omega tau, at tau >= 0."""
     if K.apart and K.rate * tau >= SERIES_BELOW and K.w0 * tau >= APART_ABOVE:
-        # The drive comes last, since it is needed last: a processor goes on with the rest meanwhile.
+        # The drive comes last, since it is needed last: a processor goes on with the rest
+        # meanwhile.
         w_tau = K.omega_d * tau
         decay, s_w, c_w = exp(-K.h * tau), sin(w_tau), cos(w_tau)
         s, c = sin(K.Om * tau), cos(K.Om * tau)
-        E0, E1, E2, R2, I2 = basis_apart(decay, s_w, c_w, s, c, K.h, K.omega_d, K.w0sq, K.Om, K.p, K.q)
+        E0, E1, E2, R2, I2 = basis_apart(
+            decay, s_w, c_w, s, c, K.h, K.omega_d, K.w0sq, K.Om, K.p, K.q
+        )
         return E0, E1, E2, R2, I2, s, c
     return basis_with_drive(tau, sin(K.Om * tau), cos(K.Om * tau), K)
 
@@ -57,12 +66,18 @@ def basis_with_drive(tau, s, c, K):
 def closed_form(tau, s, c, K):
     """Return the responses E0, E1, E2, R2, I2 of `basis` in closed form, for a system far from resonance."""
     w_tau = K.omega_d * tau
-    return basis_apart(exp(-K.h * tau), sin(w_tau), cos(w_tau), s, c, K.h, K.omega_d, K.w0sq, K.Om, K.p, K.q)
+    return basis_apart(
+        exp(-K.h * tau), sin(w_tau), cos(w_tau), s, c, K.h, K.omega_d, K.w0sq, K.Om, K.p, K.q
+    )
 
 
 def series(tau, cm, w0sq, Om):
-    """Return the responses E0, E1, E2, R2, I2 of `basis` by Taylor series; cm is c/m, w0sq k/m and Om Omega."""
-    # The n-th derivatives at 0 obey s[n+1] = -cm s[n] - w0sq s[n-1] (for S) and z[n+1] = s[n] + i Omega z[n] (for Z).
+    """Return the responses E0, E1, E2, R2, I2 of `basis` by Taylor series.
+
+    Cm is c/m, w0sq k/m and Om Omega.
+    """
+    # The n-th derivatives at 0 obey s[n+1] = -cm s[n] - w0sq s[n-1] (for S) and z[n+1] = s[n] + i
+    # Omega z[n] (for Z).
     before, term = 0.0, tau  # s[n] tau^n / n! for n = 0 and 1: the terms of E1
     E0, E1, E2 = 1.0, tau, 0.5 * tau * tau
     r, i = E2, 0.0  # z[n+1] tau^(n+1) / (n+1)!
@@ -79,7 +94,8 @@ def series(tau, cm, w0sq, Om):
         R2 += r
         I2 += i
         small = abs(slope) <= EPS
-        # Single terms may be 0 by accident; two terms of S in a row and Z's make all later ones small.
+        # Single terms may be 0 by accident; two terms of S in a row and Z's make all later ones
+        # small.
         if small and small_before and abs(r) <= EPS * R2 and abs(i) <= EPS * abs(I2):
             break
         small_before = small
@@ -88,7 +104,9 @@ def series(tau, cm, w0sq, Om):
 
 def careful(tau, s, c, K):
     """Return the responses E0, E1, E2, R2, I2 of `basis` by divided differences, where others lose digits."""
-    if K.rate0 * tau < SERIES_BELOW:  # a fast drive on a slow oscillator: only Z needs divided differences
+    if (
+        K.rate0 * tau < SERIES_BELOW
+    ):  # a fast drive on a slow oscillator: only Z needs divided differences
         E0, E1, E2, _, _ = series(tau, K.cm, K.w0sq, 0.0)
     else:
         E0, E1 = impulse(tau, K)
@@ -113,20 +131,28 @@ def impulse(tau, K):
 
 
 def impulse_integral(tau, E1, K):
-    """Return E2, the integral of the impulse response E1; the system must have damping or a spring."""
+    """Return E2, the integral of the impulse response E1.
+
+    The system must have damping or a spring.
+    """
     real1, imag1, real2, imag2 = roots(K)
     real, imag = expm1_over(real1, imag1, tau)
     return -((real - E1) * real2 + imag * imag2) / (real2 * real2 + imag2 * imag2)
 
 
 def wave_integrals(tau, s, c, E1, K):
-    """Return R2 and I2: the response to the force exp(i Omega t) is R2 + i I2; s, c are sin, cos(Omega tau)."""
+    """Return R2 and I2: the response to the force exp(i Omega t) is R2 + i I2.
+
+    S, c are sin, cos(Omega tau).
+    """
     real1, _, real2, imag2 = roots(K)
     real, imag = expm1_over(real1, K.detuning, tau)  # over l1 - i Om
     top_real, top_imag = c * real - s * imag - E1, c * imag + s * real
     real2, imag2 = -real2, K.Om - imag2
     size = real2 * real2 + imag2 * imag2
-    return (top_real * real2 + top_imag * imag2) / size, (top_imag * real2 - top_real * imag2) / size
+    return (top_real * real2 + top_imag * imag2) / size, (
+        top_imag * real2 - top_real * imag2
+    ) / size
 
 
 def roots(K):
@@ -137,7 +163,10 @@ def roots(K):
 
 
 def expm1_over(real, imag, tau):
-    """Return the real and imaginary part of (exp(z tau) - 1) / z, z = real + i imag; `tau` at z = 0."""
+    """Return the real and imaginary part of (exp(z tau) - 1) / z, z = real + i imag.
+
+    `tau` at z = 0.
+    """
     size = real * real + imag * imag
     if size == 0.0:
         return tau, 0.0

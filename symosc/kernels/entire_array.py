@@ -1,4 +1,7 @@
-"""The entire functions of `symosc.kernels.entire` for numpy arrays of times: each formula where it is good."""
+"""The entire functions of `symosc.kernels.entire` for numpy arrays of times.
+
+Each formula where it is good.
+"""
 
 from __future__ import annotations
 
@@ -18,7 +21,9 @@ def basis(tau: np.ndarray, K: Any) -> tuple[np.ndarray, ...]:
     return basis_with_drive(tau, np.sin(K.Om * tau), np.cos(K.Om * tau), K)
 
 
-def basis_with_drive(tau: np.ndarray, s: np.ndarray, c: np.ndarray, K: Any) -> tuple[np.ndarray, ...]:
+def basis_with_drive(
+    tau: np.ndarray, s: np.ndarray, c: np.ndarray, K: Any
+) -> tuple[np.ndarray, ...]:
     """Return what `basis` does, the responses E0 to I2 and s, c, with s, c = sin, cos(Omega tau) given."""
     short = K.rate * tau < SERIES_BELOW
     if K.apart:  # for all: most times are long, and picking them out would cost more
@@ -36,11 +41,16 @@ def basis_with_drive(tau: np.ndarray, s: np.ndarray, c: np.ndarray, K: Any) -> t
 def apart(tau: np.ndarray, s: np.ndarray, c: np.ndarray, K: Any) -> Any:
     """Return the responses E0 to I2 of `basis` in closed form, if underdamped and far from resonance (K.apart)."""
     decay, w_tau = np.exp(-K.h * tau), K.omega_d * tau
-    return basis_apart(decay, np.sin(w_tau), np.cos(w_tau), s, c, K.h, K.omega_d, K.w0sq, K.Om, K.p, K.q)
+    return basis_apart(
+        decay, np.sin(w_tau), np.cos(w_tau), s, c, K.h, K.omega_d, K.w0sq, K.Om, K.p, K.q
+    )
 
 
 def series(tau: np.ndarray, cm: float, w0sq: float, Om: float) -> tuple[np.ndarray, ...]:
-    """Return the responses E0 to I2 of `basis` for short times by Taylor series; cm is c/m, w0sq k/m, Om Omega."""
+    """Return the responses E0 to I2 of `basis` for short times by Taylor series.
+
+    Cm is c/m, w0sq k/m, Om Omega.
+    """
     before, term = 0.0 * tau, tau
     E0, E1, E2 = 1.0 + before, tau, 0.5 * tau * tau
     r, i = E2, before
@@ -67,11 +77,15 @@ def careful(tau: np.ndarray, s: np.ndarray, c: np.ndarray, K: Any) -> tuple[np.n
         decay = np.exp(K.l1 * tau)
         E1 = decay * spread
         E0 = decay * (K.l1 * spread + np.exp(-gap * tau))
-    slow = K.rate0 * tau < SERIES_BELOW  # a fast drive on a slow oscillator: only Z needs divided differences
+    slow = (
+        K.rate0 * tau < SERIES_BELOW
+    )  # a fast drive on a slow oscillator: only Z needs divided differences
     E2 = ((expm1_over(l1, tau) - E1) / -l2).real if l2 != 0.0 else 0.5 * tau * tau
     if slow.any():
         E0[slow], E1[slow], E2[slow], _, _ = series(tau[slow], K.cm, K.w0sq, 0.0)
-    Z = ((c + 1j * s) * expm1_over(complex(l1.real, K.detuning), tau) - E1) / complex(-l2.real, K.Om - l2.imag)
+    Z = ((c + 1j * s) * expm1_over(complex(l1.real, K.detuning), tau) - E1) / complex(
+        -l2.real, K.Om - l2.imag
+    )
     return E0, E1, E2, Z.real, Z.imag
 
 
@@ -81,4 +95,8 @@ def expm1_over(z: complex, tau: np.ndarray) -> np.ndarray:
         return tau
     half = np.sin(0.5 * z.imag * tau)
     growth = np.expm1(z.real * tau)
-    return (growth * np.cos(z.imag * tau) - 2.0 * half * half + 1j * (growth + 1.0) * np.sin(z.imag * tau)) / z
+    return (
+        growth * np.cos(z.imag * tau)
+        - 2.0 * half * half
+        + 1j * (growth + 1.0) * np.sin(z.imag * tau)
+    ) / z

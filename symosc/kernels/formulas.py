@@ -1,7 +1,10 @@
-"""The entire functions of `symosc.kernels.entire` without a branch: a function for each formula, for SIMD loops.
+"""The entire functions of `symosc.kernels.entire` without a branch.
 
-Each is good where `symosc.kernels.entire.basis` uses it. `symosc.mappings.compiled` sorts the points and compiles the
-loops of `symosc.kernels.mapping` once for each of the four, as their `basis`.
+A function for each formula, for SIMD loops.
+
+Each is good where `symosc.kernels.entire.basis` uses it. `symosc.mappings.compiled` sorts the
+points and compiles the loops of `symosc.kernels.mapping` once for each of the four, as their
+`basis`.
 """
 
 from __future__ import annotations
@@ -14,15 +17,20 @@ all_terms = entire_array.series  # with a fixed number of terms
 
 
 def by_closed_form(tau, K):
-    """Return what `entire.basis` does (E0 to I2, sin, cos) in closed form: far from resonance, tau not short."""
-    s, c = sin(K.Om * tau), cos(K.Om * tau)
+    """Return what `entire.basis` does (E0 to I2, sin, cos) in closed form.
+
+    Far from resonance, tau not short.
+    """
+    s = sin(K.Om * tau)
+    c = cos(K.Om * tau)
     E0, E1, E2, R2, I2 = closed_form(tau, s, c, K)
     return E0, E1, E2, R2, I2, s, c
 
 
 def by_division(tau, K):
     """Return what `entire.basis` does (E0 to I2, sin, cos) by divided differences, for a tau that is not short."""
-    s, c = sin(K.Om * tau), cos(K.Om * tau)
+    s = sin(K.Om * tau)
+    c = cos(K.Om * tau)
     E0, E1 = impulse(tau, K)
     R2, I2 = wave_integrals(tau, s, c, E1, K)
     return E0, E1, impulse_integral(tau, E1, K), R2, I2, s, c
@@ -30,7 +38,8 @@ def by_division(tau, K):
 
 def by_division_and_series(tau, K):
     """Return what `entire.basis` does, for a tau that is short for the free oscillation, not for the drive."""
-    s, c = sin(K.Om * tau), cos(K.Om * tau)
+    s = sin(K.Om * tau)
+    c = cos(K.Om * tau)
     E0, E1, E2, _, _ = all_terms(tau, K.cm, K.w0sq, 0.0)
     R2, I2 = wave_integrals(tau, s, c, E1, K)
     return E0, E1, E2, R2, I2, s, c

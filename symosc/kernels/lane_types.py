@@ -1,8 +1,11 @@
-"""Lanes: numba types of several doubles, or flags, side by side in registers; each computes as a double alone does.
+"""Lanes: numba types of several doubles, or flags, side by side in registers.
 
-A number of lanes goes with floats in all operators; comparisons give flags, which go with `&`, `|`, `^`, `~` and
-`select`. No operation is contracted or reordered: results have the same bits in any lane, at any width, and on any
-processor, whose registers LLVM uses as they come. This module needs numba.
+Each computes as a double alone does.
+
+A number of lanes goes with floats in all operators; comparisons give flags, which go with `&`, `|`,
+`^`, `~` and `select`. No operation is contracted or reordered: results have the same bits in any
+lane, at any width, and on any processor, whose registers LLVM uses as they come. This module needs
+numba.
 """
 
 from __future__ import annotations
@@ -23,11 +26,17 @@ from numba.extending import intrinsic, lower_builtin, lower_cast, models, overlo
 
 from symosc.kernels.elementary import TO_INTEGER
 
-BIT, LONG, DOUBLE, PLACE = ir.IntType(1), ir.IntType(64), ir.DoubleType(), ir.IntType(32)
+BIT = ir.IntType(1)
+LONG = ir.IntType(64)
+DOUBLE = ir.DoubleType()
+PLACE = ir.IntType(32)
 
 
 class LanesType(types.Type):
-    """The numba type of lanes, a SIMD register: `width` doubles or flags that are computed together."""
+    """The numba type of lanes, a SIMD register.
+
+    `width` doubles or flags that are computed together.
+    """
 
     def __init__(self, width: int, flags: bool = False) -> None:
         self.width, self.flags = width, flags
@@ -39,11 +48,15 @@ class LanesType(types.Type):
 
     def can_convert_from(self, typingctx: Any, other: Any) -> Any:
         """Tell numba whether a value of type `other` may be passed where lanes are expected (None: no)."""
-        return Conversion.promote if self.holds(other) else None
+        if self.holds(other):
+            return Conversion.promote
+        return None
 
     def unify(self, typingctx: Any, other: Any) -> Any:
         """Tell numba the type of a variable that is lanes in one branch and of type `other` in another."""
-        return self if self.holds(other) else None
+        if self.holds(other):
+            return self
+        return None
 
 
 @register_model(LanesType)
@@ -51,7 +64,9 @@ class _LanesModel(models.PrimitiveModel):
     """The memory layout of lanes: a vector of LLVM."""
 
     def __init__(self, manager: Any, declared: Any) -> None:
-        super().__init__(manager, declared, ir.VectorType(BIT if declared.flags else DOUBLE, declared.width))
+        super().__init__(
+            manager, declared, ir.VectorType(BIT if declared.flags else DOUBLE, declared.width)
+        )
 
 
 @lower_cast(types.Float, LanesType)
@@ -62,7 +77,9 @@ def _spread(context: Any, builder: Any, given: Any, wanted: Any, value: Any) -> 
     value = context.cast(builder, value, given, types.boolean if wanted.flags else types.float64)
     nothing = ir.Constant(context.get_value_type(wanted), ir.Undefined)
     first = builder.insert_element(nothing, value, ir.Constant(PLACE, 0))
-    return builder.shuffle_vector(first, nothing, ir.Constant(ir.VectorType(PLACE, wanted.width), [0] * wanted.width))
+    return builder.shuffle_vector(
+        first, nothing, ir.Constant(ir.VectorType(PLACE, wanted.width), [0] * wanted.width)
+    )
 
 
 def lanes_among(arguments: Any, flags: bool) -> Any:
@@ -70,17 +87,26 @@ def lanes_among(arguments: Any, flags: bool) -> Any:
     found = [each for each in arguments if isinstance(each, LanesType)]
     if not found or found[0].flags is not flags:
         return None
-    return found[0] if all(each == found[0] or found[0].holds(each) for each in arguments) else None
+    if all(each == found[0] or found[0].holds(each) for each in arguments):
+        return found[0]
+    return None
 
 
-def _operator(name: Callable[..., Any], of_flags: bool, to_flags: bool, code: Callable[..., Any]) -> None:
-    """Register an operator on lanes, from flags (`of_flags`) or to flags (`to_flags`); `code` makes its LLVM code."""
+def _operator(
+    name: Callable[..., Any], of_flags: bool, to_flags: bool, code: Callable[..., Any]
+) -> None:
+    """Register an operator on lanes, from flags (`of_flags`) or to flags (`to_flags`).
+
+    `code` makes its LLVM code.
+    """
 
     @infer_global(name)
     class Typing(AbstractTemplate):
         def generic(self, arguments: Any, keywords: Any) -> Any:
             lanes = lanes_among(arguments, of_flags)
-            return signature(LanesType(lanes.width, to_flags), *(lanes for _ in arguments)) if lanes else None
+            if lanes:
+                return signature(LanesType(lanes.width, to_flags), *(lanes for _ in arguments))
+            return None
 
     @lower_builtin(name, *[LanesType] * (1 if name in (operator.neg, operator.invert) else 2))
     def lowered(context: Any, builder: Any, declared: Any, arguments: Any) -> Any:
@@ -93,8 +119,15 @@ for _name in ("add", "sub", "mul", "truediv"):
     _operator(getattr(operator, f"i{_name}"), False, False, _code)
 _operator(operator.neg, False, False, ir.IRBuilder.fneg)
 for _name, _sign in {"lt": "<", "le": "<=", "gt": ">", "ge": ">=", "eq": "=="}.items():
-    _operator(getattr(operator, _name), False, True, lambda b, x, y, sign=_sign: b.fcmp_ordered(sign, x, y))
-_operator(operator.ne, False, True, lambda b, x, y: b.fcmp_unordered("!=", x, y))  # true for a NaN, as in IEEE 754
+    _operator(
+        getattr(operator, _name),
+        False,
+        True,
+        lambda b, x, y, sign=_sign: b.fcmp_ordered(sign, x, y),
+    )
+_operator(
+    operator.ne, False, True, lambda b, x, y: b.fcmp_unordered("!=", x, y)
+)  # true for a NaN, as in IEEE 754
 for _name in ("and_", "or_", "xor"):
     _operator(getattr(operator, _name), True, True, getattr(ir.IRBuilder, _name))
 _operator(operator.invert, True, True, ir.IRBuilder.not_)
@@ -105,8 +138,11 @@ def _llvm_intrinsic(name: str) -> Any:
 
     def function(typingctx: Any, x: Any) -> Any:
         def code(context: Any, builder: Any, declared: Any, arguments: Any) -> Any:
-            kind, called = arguments[0].type, f"llvm.{name}.v{x.width}f64"
-            made = cgutils.get_or_insert_function(builder.module, ir.FunctionType(kind, [kind]), called)
+            kind = arguments[0].type
+            called = f"llvm.{name}.v{x.width}f64"
+            made = cgutils.get_or_insert_function(
+                builder.module, ir.FunctionType(kind, [kind]), called
+            )
             return builder.call(made, arguments)
 
         return x(x), code
@@ -114,18 +150,23 @@ def _llvm_intrinsic(name: str) -> Any:
     return intrinsic(function)
 
 
-_sqrt, _fabs = _llvm_intrinsic("sqrt"), _llvm_intrinsic("fabs")
+_sqrt = _llvm_intrinsic("sqrt")
+_fabs = _llvm_intrinsic("fabs")
 # numba compares the signatures of these with those of what they return: so no annotations.
 
 
 @overload(math.sqrt)
 def _root(x):
-    return (lambda x: _sqrt(x)) if isinstance(x, LanesType) else None
+    if isinstance(x, LanesType):
+        return lambda x: _sqrt(x)
+    return None
 
 
 @overload(abs)
 def _size(x):
-    return (lambda x: _fabs(x)) if isinstance(x, LanesType) else None
+    if isinstance(x, LanesType):
+        return lambda x: _fabs(x)
+    return None
 
 
 @intrinsic
@@ -135,7 +176,10 @@ def _power_of_two(typingctx: Any, n: Any) -> Any:
     def code(context: Any, builder: Any, declared: Any, arguments: Any) -> Any:
         kind = arguments[0].type
         many = isinstance(kind, ir.VectorType)
-        whole = ir.VectorType(LONG, kind.count) if many else LONG
+        if many:
+            whole = ir.VectorType(LONG, kind.count)
+        else:
+            whole = LONG
 
         def constant(of: Any, value: Any) -> Any:
             return ir.Constant(of, [value] * kind.count if many else value)
@@ -158,7 +202,8 @@ def select(typingctx: Any, condition: Any, one: Any, other: Any) -> Any:
     """Return `one` in lanes where a condition holds, else `other`; also for scalars."""
     if isinstance(condition, LanesType):
         flags = [
-            each.flags if isinstance(each, LanesType) else isinstance(each, types.Boolean) for each in (one, other)
+            each.flags if isinstance(each, LanesType) else isinstance(each, types.Boolean)
+            for each in (one, other)
         ]
         wanted = LanesType(condition.width, all(flags))
     else:
@@ -176,7 +221,9 @@ def any_of(typingctx: Any, flags: Any) -> Any:
 
     def code(context: Any, builder: Any, declared: Any, arguments: Any) -> Any:
         whole = ir.IntType(flags.width)
-        return builder.icmp_unsigned("!=", builder.bitcast(arguments[0], whole), ir.Constant(whole, 0))
+        return builder.icmp_unsigned(
+            "!=", builder.bitcast(arguments[0], whole), ir.Constant(whole, 0)
+        )
 
     return types.boolean(flags), code
 
@@ -238,14 +285,17 @@ def number_in(typingctx: Any, table: Any, row: Any, n: Any) -> Any:
 def tuple_loader(width: int, kind: Any, nested: dict[str, Any], alike: frozenset[str]) -> Any:
     """Return the function that loads a NamedTuple of type `kind` in lanes from an array, a row for each number.
 
-    The fields `nested` are tuples themselves; those in `alike`, the same in all lanes, become single numbers.
+    The fields `nested` are tuples themselves; those in `alike`, the same in all lanes, become
+    single numbers.
     """
 
     def typed(of: Any, outer: bool = True) -> Any:
         def entry(name: str) -> Any:
             if outer and name in nested:
                 return typed(nested[name], False)
-            return types.float64 if outer and name in alike else LanesType(width)
+            if outer and name in alike:
+                return types.float64
+            return LanesType(width)
 
         return types.NamedTuple([entry(name) for name in of._fields], of)
 
@@ -259,7 +309,9 @@ def tuple_loader(width: int, kind: Any, nested: dict[str, Any], alike: frozenset
                 if isinstance(of, types.BaseTuple):
                     return context.make_tuple(builder, of, [made(each) for each in list(iter(of))])  # type: ignore[call-overload]
                 of_llvm = ir.VectorType(DOUBLE, width)
-                place = _row_address(context, builder, array, of_llvm, arguments[0], ir.Constant(LONG, next(rows)))
+                place = _row_address(
+                    context, builder, array, of_llvm, arguments[0], ir.Constant(LONG, next(rows))
+                )
                 if of == types.float64:
                     place = builder.bitcast(place, DOUBLE.as_pointer())
                 return builder.load(place, align=8)
@@ -277,7 +329,9 @@ def _without_owner(typingctx: Any, arrays: Any) -> Any:
         def without(kind: Any, value: Any) -> Any:
             if isinstance(kind, types.BaseTuple):
                 kinds = list(iter(kind))  # type: ignore[call-overload]
-                parts = [without(each, builder.extract_value(value, n)) for n, each in enumerate(kinds)]
+                parts = [
+                    without(each, builder.extract_value(value, n)) for n, each in enumerate(kinds)
+                ]
                 return context.make_tuple(builder, kind, parts)
             if not isinstance(kind, types.Array):
                 return value
@@ -293,15 +347,24 @@ def _without_owner(typingctx: Any, arrays: Any) -> Any:
 
 @numba.njit(forceinline=True)
 def borrowed(arrays):
-    """Return views of `arrays` whose references numba does not count; the caller must keep the arrays alive.
+    """Return views of `arrays` whose references numba does not count.
 
-    Numba counts references wherever a function takes an array, by instructions that wait for memory. They would take a
-    fifth of the time of an event.
+    The caller must keep the arrays alive.
+
+    Numba counts references wherever a function takes an array, by instructions that wait for
+    memory. They would take a fifth of the time of an event.
     """
     return _without_owner(arrays)  # type: ignore[call-arg]
 
 
 def usual_width() -> int:
-    """Return the number of lanes with which this processor is fastest; 0 where lanes are of no use."""
+    """Return the number of lanes with which this processor is fastest.
+
+    0 where lanes are of no use.
+    """
     features = get_host_cpu_features().split(",")
-    return 16 if "+avx512f" in features else 8 if "+avx2" in features else 0
+    if "+avx512f" in features:
+        return 16
+    if "+avx2" in features:
+        return 8
+    return 0

@@ -1,23 +1,25 @@
-"""Residuals and derivatives of one map between two points: scalar source for every kind of number, and loops.
+"""Residuals and derivatives of one map between two points.
 
-`symosc.mappings.equations` binds these functions to numpy's and mpmath's sin, cos and entire functions; numba compiles
-them; `symosc.symbolic.export` prints them in other languages. A flight goes from a belt of speed v_i to one of speed
-v_j through the domain with A = A_alpha/m.
+Scalar source for every kind of number, and loops.
 
-Derivatives by parameters take divided differences over repeated nodes (`repeated`). With the characteristic roots l1,
-l2 and e[...] the divided differences of z -> exp(z tau)
+`symosc.mappings.equations` binds these functions to numpy's and mpmath's sin, cos and entire
+functions; numba compiles them; `symosc.symbolic.export` prints them in other languages. A flight
+goes from a belt of speed v_i to one of speed v_j through the domain with A = A_alpha/m.
+
+Derivatives by parameters take divided differences over repeated nodes (`repeated`). With the
+characteristic roots l1, l2 and e[...] the divided differences of z -> exp(z tau)
 
     U1 = e[l1, l1, l2, l2],   U0 = dU1/dtau,   U2 = e[0, l1, l1, l2, l2]
     V + i W = e[i Omega, l1, l1, l2, l2],      P + i Q = e[i Omega, i Omega, l1, l2]
 
-(`symosc.symbolic.maps` derives their use). One rule is good in every regime, at resonance and for short
-times. If the pair of nodes that are farthest apart are at least FAR_NODES / tau apart, it is the difference over that
-pair, otherwise the Taylor series about the nodes' centre. A difference over a far pair loses at most a few bits, and a
-series over near nodes none.
+(`symosc.symbolic.maps` derives their use). One rule is good in every regime, at resonance and for
+short times. If the pair of nodes that are farthest apart are at least FAR_NODES / tau apart, it is
+the difference over that pair, otherwise the Taylor series about the nodes' centre. A difference
+over a far pair loses at most a few bits, and a series over near nodes none.
 
-The loops are over many pairs of points, and the compiler turns them into SIMD. `points` are four arrays x_i, theta_i,
-x_j, theta_j. A block of them is copied into rows of one array: the compiler then knows that no two rows overlap, which
-it cannot know of arrays that a caller gives.
+The loops are over many pairs of points, and the compiler turns them into SIMD. `points` are four
+arrays x_i, theta_i, x_j, theta_j. A block of them is copied into rows of one array: the compiler
+then knows that no two rows overlap, which it cannot know of arrays that a caller gives.
 """
 
 from __future__ import annotations
@@ -40,15 +42,18 @@ from symosc.kernels._generated import (
 from symosc.kernels.elementary import WIDEST, cos, sin
 from symosc.kernels.entire import APART_ABOVE, EPS, SERIES_BELOW, basis
 
-# From this time on, times the damped frequency, the closed form with its square below loses no more than a digit.
+# From this time on, times the damped frequency, the closed form with its square below loses no more
+# than a digit.
 FAR_APART = 0.5
 # Nodes farther apart than this, times tau, are separated by a difference.
 FAR_NODES = 3.0
-# All nodes nearer to 0 than this, times tau: a series about 0 keeps small imaginary parts to their own size.
+# All nodes nearer to 0 than this, times tau: a series about 0 keeps small imaginary parts to their
+# own size.
 NEAR_ZERO = 0.5
 BLOCK = 256
 
-# What evaluates the entire functions at a point: the formulas of `symosc.kernels.formulas`, in their order.
+# What evaluates the entire functions at a point: the formulas of `symosc.kernels.formulas`, in
+# their order.
 CLOSED_FORM, DIVISION, MIXED, SERIES = range(4)
 WIDE = 4  # `symosc.kernels.entire.basis`, with the C library's functions
 BACKWARD = 5  # nothing: theta_j < theta_i
@@ -56,11 +61,16 @@ KINDS = 6
 
 
 def flight(x_i, theta_i, x_j, theta_j, v_i, v_j, A, K):
-    """Return the residuals of a flight, eq. (54): at its end, f1 = position - x_j and f2 = velocity - v_j."""
+    """Return the residuals of a flight, eq.
+
+    (54): at its end, f1 = position - x_j and f2 = velocity - v_j.
+    """
     s0, c0 = sin(theta_i), cos(theta_i)
     E0, E1, E2, R2, I2, _, _ = basis((theta_j - theta_i) / K.Om, K)
     a0 = acceleration(x_i, v_i, c0, A, K.cm, K.w0sq, K.f0)
-    return flight_residual(x_i, v_i, a0, s0, c0, x_j, v_j, K.cm, K.w0sq, K.f0, K.Om, E0, E1, E2, R2, I2)
+    return flight_residual(
+        x_i, v_i, a0, s0, c0, x_j, v_j, K.cm, K.w0sq, K.f0, K.Om, E0, E1, E2, R2, I2
+    )
 
 
 def flight_slopes(x_i, theta_i, theta_j, v_i, A, K):
@@ -87,8 +97,13 @@ def flight_by_parameters(x_i, theta_i, theta_j, v_i, A, m, K):
 
 
 def stick(x_i, theta_i, x_j, theta_j, v, A, K):
-    """Return the residuals of a stick at belt speed v: f1 = position - x_j at its end, and f2, the force there."""
-    return stick_residual(x_i, v, (theta_j - theta_i) / K.Om, x_j, cos(theta_j), A, K.cm, K.w0sq, K.f0)
+    """Return the residuals of a stick at belt speed v.
+
+    F1 = position - x_j at its end, and f2, the force there.
+    """
+    return stick_residual(
+        x_i, v, (theta_j - theta_i) / K.Om, x_j, cos(theta_j), A, K.cm, K.w0sq, K.f0
+    )
 
 
 def stick_slopes(theta_j, v, K):
@@ -107,7 +122,9 @@ def stick_by_parameters(x_j, theta_i, theta_j, v, F, m, K):
 def repeated(tau, E0, E1, E2, R2, I2, s, c, K):
     """Return the divided differences U0, U1, U2, V, W, P, Q at `tau` that derivatives by parameters are made of."""
     if K.apart and K.omega_d * tau >= FAR_APART:
-        return repeated_apart(tau, K.h, K.omega_d, K.cm, K.w0sq, K.Om, K.p, K.q, E0, E1, E2, R2, I2, s, c)
+        return repeated_apart(
+            tau, K.h, K.omega_d, K.cm, K.w0sq, K.Om, K.p, K.q, E0, E1, E2, R2, I2, s, c
+        )
     zero = 0.0 * K.Om
     if K.under:
         l1, l2 = complex(-K.h, K.omega_d), complex(-K.h, -K.omega_d)
@@ -116,7 +133,9 @@ def repeated(tau, E0, E1, E2, R2, I2, s, c, K):
     nodes, known = (complex(zero, zero), complex(zero, K.Om), l1, l2), [complex(zero, zero)] * 54
     there = [False] * 54
     U1 = divided_difference(0, 0, 2, 2, nodes, tau, known, there)
-    U0 = l1 * U1 + divided_difference(0, 0, 1, 2, nodes, tau, known, there)  # Leibniz' rule for z exp(z tau)
+    U0 = l1 * U1 + divided_difference(
+        0, 0, 1, 2, nodes, tau, known, there
+    )  # Leibniz' rule for z exp(z tau)
     U2 = divided_difference(1, 0, 2, 2, nodes, tau, known, there)
     Z = divided_difference(0, 1, 2, 2, nodes, tau, known, there)
     Y = divided_difference(0, 2, 1, 1, nodes, tau, known, there)
@@ -124,7 +143,10 @@ def repeated(tau, E0, E1, E2, R2, I2, s, c, K):
 
 
 def divided_difference(n0, n1, n2, n3, nodes, tau, known, there):
-    """Return the divided difference of exp(z tau) over four `nodes`, taken n0 to n3 times; `known`, `there`: cache."""
+    """Return the divided difference of exp(z tau) over four `nodes`, taken n0 to n3 times.
+
+    `known`, `there`: cache.
+    """
     # A stack, since numba keeps no recursion on disk.
     stack = [(n0, n1, n2, n3)]
     key = key_of(stack[0])
@@ -150,7 +172,10 @@ def divided_difference(n0, n1, n2, n3, nodes, tau, known, there):
 
 
 def key_of(counts):
-    """Return the index (0 to 53) of a divided difference in the cache; it takes node i `counts[i]` times."""
+    """Return the index (0 to 53) of a divided difference in the cache.
+
+    It takes node i `counts[i]` times.
+    """
     return ((counts[0] * 3 + counts[1]) * 3 + counts[2]) * 3 + counts[3]
 
 
@@ -173,7 +198,8 @@ def farthest(counts, nodes):
 
 def difference_by_series(counts, nodes, tau):
     """Return the divided difference of exp(z tau) over `nodes` near each other, node i taken counts[i] times."""
-    # h_j is the complete homogeneous symmetric polynomial of degree j of the nodes, which are n + 1.
+    # h_j is the complete homogeneous symmetric polynomial of degree j of the nodes, which are n +
+    # 1.
     size, largest, total = 0, 0.0 * tau, 0.0 * nodes[0]
     for i in range(4):
         if counts[i] > 0:
@@ -191,7 +217,8 @@ def difference_by_series(counts, nodes, tau):
             at = at + 1
     for i in range(1, n + 1):
         scale = scale * tau / i
-    # h_j(z_0 .. z_k) = h_j(z_0 .. z_(k-1)) + z_k h_(j-1)(z_0 .. z_k); `partial` holds h_j n! / (n + j)! by k.
+    # h_j(z_0 .. z_k) = h_j(z_0 .. z_(k-1)) + z_k h_(j-1)(z_0 .. z_k); `partial` holds h_j n! / (n +
+    # j)! by k.
     partial = [1.0 + 0.0 * centre] * 5
     total = partial[n]
     bound, j = 1.0 + 0.0 * radius, 0
@@ -231,7 +258,10 @@ def kinds_of(theta_i, theta_j, K, kinds):
 
 
 def load(block, points, begin):
-    """Copy up to 256 pairs of points, from number `begin` on, into four rows of `block`; return how many."""
+    """Copy up to 256 pairs of points, from number `begin` on, into four rows of `block`.
+
+    Return how many.
+    """
     count = min(BLOCK, len(points[0]) - begin)
     for row in range(4):
         column = points[row]
@@ -270,7 +300,8 @@ def flights(points, speeds, A, K, f):
 def flights_and_slopes(points, speeds, A, K, f, J):
     """Fill f (2, n) with the residuals (x, v) of flights, J (2, 4, n) with derivatives by x_i, theta_i, x_j, theta_j.
 
-    `points` are the arrays x_i, theta_i, x_j, theta_j, `speeds` the speeds of both belts, and A is A_alpha/m.
+    `points` are the arrays x_i, theta_i, x_j, theta_j, `speeds` the speeds of both belts, and A is
+    A_alpha/m.
     """
     v_i, v_j = speeds
     block = np.empty(12 * BLOCK)
@@ -292,7 +323,10 @@ def flights_and_slopes(points, speeds, A, K, f, J):
 
 
 def sticks(points, v, sides, K, f):
-    """Fill f (2, n) with the residuals of sticks at belt speed v: x, and the smaller force of `sides` (A_alpha/m)."""
+    """Fill f (2, n) with the residuals of sticks at belt speed v.
+
+    X, and the smaller force of `sides` (A_alpha/m).
+    """
     # `sides` has A_alpha/m of the domains that a stick may slip into; of f2 the smaller counts.
     below, above = sides
     block = np.empty(6 * BLOCK)

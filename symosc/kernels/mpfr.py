@@ -1,8 +1,9 @@
 """Numbers of any fixed precision by MPFR (gmpy2), with the methods of an mpmath context that the kernels need.
 
-gmpy2 rounds to the precision of its current context, which each thread has for itself. Here a precision is current only
-between `enter` and `leave`, and what was current before comes back. A context belongs to one precision and is shared by
-all threads: nothing in it changes but MPFR's flags, which nobody reads.
+gmpy2 rounds to the precision of its current context, which each thread has for itself. Here a
+precision is current only between `enter` and `leave`, and what was current before comes back. A
+context belongs to one precision and is shared by all threads: nothing in it changes but MPFR's
+flags, which nobody reads.
 
 This module needs gmpy2 (extra `fast`).
 """
@@ -18,7 +19,8 @@ with interrupts_held_back():
     import gmpy2
     from mpmath.libmp import MPZ, from_man_exp
 
-mpfr, mpc = gmpy2.mpfr, gmpy2.mpc
+mpfr = gmpy2.mpfr
+mpc = gmpy2.mpc
 
 
 @lru_cache(maxsize=4096)
@@ -33,7 +35,9 @@ def from_mpf(number: Any) -> Any:
     if not mantissa:  # mpmath's way to write 0, the infinities and what is no number
         return mpfr(float(number))
     size = gmpy2.mpz(mantissa) * _power_of_two(exponent)
-    return -size if sign else size
+    if sign:
+        return -size
+    return size
 
 
 def to_mpf(number: Any, context: Any) -> Any:
@@ -55,21 +59,31 @@ class MpfrContext:
 
     # Division by 0 and results that are no numbers raise, as they do with mpmath.
 
-    sin, cos, exp, sqrt = (staticmethod(getattr(gmpy2, name)) for name in ("sin", "cos", "exp", "sqrt"))
-    mpf, mpc = mpfr, mpc
-    from_mpf, to_mpf, with_bits = staticmethod(from_mpf), staticmethod(to_mpf), staticmethod(mpfr_context)
+    sin, cos, exp, sqrt = (
+        staticmethod(getattr(gmpy2, name)) for name in ("sin", "cos", "exp", "sqrt")
+    )
+    mpf = mpfr
+    mpc = mpc
+    from_mpf = staticmethod(from_mpf)
+    to_mpf = staticmethod(to_mpf)
+    with_bits = staticmethod(mpfr_context)
 
     def __init__(self, prec: int) -> None:
         self.prec = prec
         largest = {"emax": gmpy2.get_emax_max(), "emin": gmpy2.get_emin_min()}
-        self._context = gmpy2.context(precision=prec, trap_divzero=True, trap_invalid=True, **largest)
+        self._context = gmpy2.context(
+            precision=prec, trap_divzero=True, trap_invalid=True, **largest
+        )
         before = self.enter()
         self.zero, self.one, self.eps = mpfr(0), mpfr(1), gmpy2.div_2exp(mpfr(1), prec - 1)
         self.pi = gmpy2.const_pi()
         self.leave(before)
 
     def enter(self) -> Any:
-        """Make this precision MPFR's current one in this thread; return the context that was current before."""
+        """Make this precision MPFR's current one in this thread.
+
+        Return the context that was current before.
+        """
         before = gmpy2.get_context()
         gmpy2.set_context(self._context)
         return before
@@ -81,12 +95,18 @@ class MpfrContext:
 
     @staticmethod
     def own(number: Any) -> Any:
-        """Return `number` unchanged: unlike one of mpmath, a number of MPFR belongs to no context."""
+        """Return `number` unchanged.
+
+        Unlike one of mpmath, a number of MPFR belongs to no context.
+        """
         return number
 
     @staticmethod
     def rounded(numbers: Any, context: MpfrContext) -> tuple[Any, ...]:
-        """Return `numbers` rounded to MPFR's current precision; `context` must be the current one."""
+        """Return `numbers` rounded to MPFR's current precision.
+
+        `context` must be the current one.
+        """
         return tuple([+number for number in numbers])
 
     convert = staticmethod(mpfr)

@@ -1,8 +1,11 @@
-"""Numbers with any number of digits by mpmath: contexts of fixed precision, and the entire functions in them.
+"""Numbers with any number of digits by mpmath.
 
-An mpmath context keeps its precision in one place for all threads, and raising it for a while, as ``workdps`` does,
-raises it for everybody. So nothing here changes a precision: code that needs more digits takes the context that has
-them, and rounds the result into its own. Such contexts can be shared by all threads.
+Contexts of fixed precision, and the entire functions in them.
+
+An mpmath context keeps its precision in one place for all threads, and raising it for a while, as
+``workdps`` does, raises it for everybody. So nothing here changes a precision: code that needs more
+digits takes the context that has them, and rounds the result into its own. Such contexts can be
+shared by all threads.
 """
 
 from __future__ import annotations
@@ -24,10 +27,13 @@ from symosc.model import Parameters
 @contextmanager
 def interrupts_held_back() -> Iterator[None]:
     """Return a context manager that delays an interrupt (Ctrl-C) until the end of its block."""
-    # gmpy2, which mpmath loads too, drops every exception of some lines that it runs while it is imported.
+    # gmpy2, which mpmath loads too, drops every exception of some lines that it runs while it is
+    # imported.
     usual = signal.getsignal(signal.SIGINT)
     if usual is None or threading.current_thread() is not threading.main_thread():
-        yield  # handlers can be set by the main thread only, and one that is not Python's cannot be put back
+        # handlers can be set by the main thread only, and one that is not Python's cannot be put
+        # back
+        yield
         return
     came: list[int] = []
     signal.signal(signal.SIGINT, lambda number, _: came.append(number))
@@ -44,15 +50,20 @@ with interrupts_held_back():
     from mpmath.libmp import from_pickable, to_pickable
 
 BITS_PER_DIGIT = math.log2(10)
-# Below this time, times `rate`, the series takes fewer operations than the differences, which lose a factor as small
-# as this for each of three nodes.
+# Below this time, times `rate`, the series takes fewer operations than the differences, which lose
+# a factor as small as this for each of three nodes.
 MP_SERIES_BELOW = 2.0**-8
-SERIES_GUARD_BITS, SHORT_TIME_BITS, ROOT_BITS = 10, 24, 200
+SERIES_GUARD_BITS = 10
+SHORT_TIME_BITS = 24
+ROOT_BITS = 200
 
 
 @lru_cache(maxsize=256)
 def mp_context(digits: int) -> FixedContext:
-    """Return the shared mpmath context with `digits` decimal digits; its precision cannot be changed."""
+    """Return the shared mpmath context with `digits` decimal digits.
+
+    Its precision cannot be changed.
+    """
     return FixedContext(digits)
 
 
@@ -62,17 +73,25 @@ def with_bits(bits: int) -> FixedContext:
 
 
 class FixedContext(MPContext):
-    """An mpmath context of fixed precision; its mpf and mpc keep all digits when pickled and copied."""
+    """An mpmath context of fixed precision.
+
+    Its mpf and mpc keep all digits when pickled and copied.
+    """
 
     def __init__(self, digits: int) -> None:
         super().__init__()
         self._set_dps(digits)
-        self.mpf.__reduce__ = self.constant.__reduce__ = lambda number: (_real, (digits, to_pickable(number._mpf_)))
+        self.mpf.__reduce__ = self.constant.__reduce__ = lambda number: (
+            _real,
+            (digits, to_pickable(number._mpf_)),
+        )
         self.mpc.__reduce__ = lambda number: (_complex, (digits, *map(to_pickable, number._mpc_)))
 
     def _refuse(self, value: int) -> None:
         """Raise an error: the precision of this context is fixed."""
-        raise AttributeError("the precision of this context is fixed, as others share it; change that of its .clone()")
+        raise AttributeError(
+            "the precision of this context is fixed, as others share it; change that of its .clone()"
+        )
 
     prec = property(lambda self: self._prec, _refuse)
     dps = property(lambda self: self._dps, _refuse)
@@ -92,7 +111,10 @@ class FixedContext(MPContext):
         return tuple(+context.make_mpf(number._mpf_) for number in numbers)
 
     def lu_solve(self, A: Any, b: Any) -> Any:
-        """Solve A x = b, A square, in this precision; mpmath's own method changes the precision meanwhile."""
+        """Solve A x = b, A square, in this precision.
+
+        Mpmath's own method changes the precision meanwhile.
+        """
         factors, order = self.LU_decomp(self.matrix(A))
         return self.U_solve(factors, self.L_solve(factors, self.matrix(b), order))
 
@@ -119,12 +141,15 @@ def _complex(digits: int, real: object, imag: object) -> Number:
 class BasisMP:
     """The responses E0, E1, E2 (to an impulse), R2, I2 (to the drive) in many digits, as a function of time tau."""
 
-    # Close roots cost digits in divided differences, and so do short times. How many is known beforehand, so they are
-    # computed with as many more, in contexts of their own; coinciding roots are found in rational arithmetic. Very
-    # short times use the Taylor series. The precision of `context` (of mpmath, or a `symosc.kernels.mpfr.MpfrContext`)
-    # is that of the results; `more` returns such a context with at least that many bits.
+    # Close roots cost digits in divided differences, and so do short times. How many is known
+    # beforehand, so they are computed with as many more, in contexts of their own; coinciding roots
+    # are found in rational arithmetic. Very short times use the Taylor series. The precision of
+    # `context` (of mpmath, or a `symosc.kernels.mpfr.MpfrContext`) is that of the results; `more`
+    # returns such a context with at least that many bits.
 
-    def __init__(self, context: Context, parameters: Parameters, more: Callable[[int], Context] = with_bits) -> None:
+    def __init__(
+        self, context: Context, parameters: Parameters, more: Callable[[int], Context] = with_bits
+    ) -> None:
         self.context = context
         self.h = parameters.c / (2 * parameters.m)
         self.w0sq = parameters.k / parameters.m
@@ -137,7 +162,9 @@ class BasisMP:
         self.for_series = more(context.prec + SERIES_GUARD_BITS)
         self.for_differences = more(context.prec + SHORT_TIME_BITS + guard_bits)
         before = self.for_series.enter()
-        self.constants = tuple(_number(q, self.for_series) for q in (2 * self.h, self.w0sq, self.Om))
+        self.constants = tuple(
+            _number(q, self.for_series) for q in (2 * self.h, self.w0sq, self.Om)
+        )
         self.for_differences.enter()
         l1, l2, i_Om = self.roots = self._roots(self.for_differences)
         # For the differences over pairs of nodes; None where the nodes are the same.
@@ -150,17 +177,30 @@ class BasisMP:
         self.for_differences.leave(before)
 
     def _roots(self, context: Context) -> tuple[Mpf, Mpf, Mpf]:
-        """Return l1, l2, i Omega in a context; roots l1, l2 of the free motion: slow, fast or upper, lower complex."""
+        """Return l1, l2, i Omega in a context.
+
+        Roots l1, l2 of the free motion: slow, fast or upper, lower complex.
+        """
         h, w0sq, Om = (_number(q, context) for q in (self.h, self.w0sq, self.Om))
         square = self.w0sq - self.h * self.h
         w = context.sqrt(_number(abs(square), context))
         if square > 0:
-            l1, l2 = context.mpc(-h, w), context.mpc(-h, -w)
+            l1 = context.mpc(-h, w)
+            l2 = context.mpc(-h, -w)
         else:
-            l1, l2 = -w0sq / (h + w) if h else context.mpf(0), -(h + w)
-        if self.h == 0 and self.w0sq == self.Om * self.Om:  # undamped resonance, decided in rational numbers
+            if h:
+                l1 = -w0sq / (h + w)
+            else:
+                l1 = context.mpf(0)
+            l2 = -(h + w)
+        if (
+            self.h == 0 and self.w0sq == self.Om * self.Om
+        ):  # undamped resonance, decided in rational numbers
             return context.mpc(0, Om), context.mpc(0, -Om), context.mpc(0, Om)
-        if square == 0:  # so is critical damping: roots that differ by rounding would be divided by their difference
+        if (
+            square == 0
+            # so is critical damping: roots that differ by rounding would be divided by their difference
+        ):
             return -h, -h, context.mpc(0, Om)
         return l1, l2, context.mpc(0, Om)
 
@@ -168,12 +208,18 @@ class BasisMP:
         """Return E0, E1, E2, R2, I2 (responses to an impulse and to the drive) and sin, cos of Omega tau."""
         tau = self.context.convert(tau)
         short = K.rate * abs(tau) < MP_SERIES_BELOW
-        inner = self.for_series if short else self.for_differences
+        if short:
+            inner = self.for_series
+        else:
+            inner = self.for_differences
         before = inner.enter()
         try:
-            compute = (
-                self._series if short else self._closed_form if self.has_closed_form else self._divided_differences
-            )
+            if short:
+                compute = self._series
+            elif self.has_closed_form:
+                compute = self._closed_form
+            else:
+                compute = self._divided_differences
             values = compute(inner.own(tau))
         finally:
             inner.leave(before)
@@ -181,20 +227,35 @@ class BasisMP:
 
     def _series(self, tau: Mpf) -> tuple[Mpf, ...]:
         """Return E0, E1, E2, R2, I2 and sine, cosine of Omega tau, by Taylor series in tau."""
-        context, (cm, w0sq, Om) = self.for_series, self.constants
-        one, zero, eps = context.one, context.zero, +context.eps
-        before, term, pull = zero, tau, w0sq * tau
-        E0, E1, E2 = one, tau, tau * tau / 2
-        r, i = E2, zero
-        R2, I2 = r, i
-        n, small_before = 0, False
+        context = self.for_series
+        (cm, w0sq, Om) = self.constants
+        one = context.one
+        zero = context.zero
+        eps = +context.eps
+        before = zero
+        term = tau
+        pull = w0sq * tau
+        E0 = one
+        E1 = tau
+        E2 = tau * tau / 2
+        r = E2
+        i = zero
+        R2 = r
+        I2 = i
+        n = 0
+        small_before = False
         while True:
             n += 1
             slope = -cm * term - pull * before / n
-            before, term = term, slope * tau / (n + 1)
+            before = term
+            term = slope * tau / (n + 1)
             shorter = tau / (n + 2)
             r, i = (term - Om * i) * shorter, Om * r * shorter
-            E0, E1, E2, R2, I2 = E0 + slope, E1 + term, E2 + term * shorter, R2 + r, I2 + i
+            E0 = E0 + slope
+            E1 = E1 + term
+            E2 = E2 + term * shorter
+            R2 = R2 + r
+            I2 = I2 + i
             small = abs(slope) <= eps
             if small and small_before and abs(r) <= eps * R2 and abs(i) <= eps * abs(I2):
                 wave = context.expj(Om * tau)
@@ -203,30 +264,45 @@ class BasisMP:
 
     def _closed_form(self, tau: Mpf) -> tuple[Mpf, ...]:
         """Return E0, E1, E2, R2, I2 and sine, cosine of Omega tau, by the closed form that sympy generated."""
-        context, (h, w, _, Om, _, _) = self.for_differences, self.closed
+        context = self.for_differences
+        (h, w, _, Om, _, _) = self.closed
         c_w, s_w = context.cos_sin(w * tau)
         c, s = context.cos_sin(Om * tau)
         return *basis_apart(context.exp(-h * tau), s_w, c_w, s, c, *self.closed), s, c
 
     def _divided_differences(self, tau: Mpf) -> tuple[Mpf, ...]:
         """Return E0, E1, E2, R2, I2 and sine, cosine of Omega tau, by divided differences of exp."""
-        context, (l1, l2, i_Om) = self.for_differences, self.roots
+        context = self.for_differences
+        (l1, l2, i_Om) = self.roots
         over_roots, over_0_l1, over_Om_l1, over_0_l2, over_Om_l2 = self.inverses
         wave = context.expj(i_Om.imag * tau)
         if l1.imag:  # then the other root is the conjugate, and l1 - l2 = 2 i w
             exp1 = context.exp(l1.real * tau) * context.expj(l1.imag * tau)
             over_w = -2 * over_roots.imag
-            inner, slope = exp1.imag * over_w, (l1 * exp1).imag * over_w
+            inner = exp1.imag * over_w
+            slope = (l1 * exp1).imag * over_w
         elif over_roots is not None:
-            exp1, exp2 = context.exp(l1 * tau), context.exp(l2 * tau)
-            inner, slope = (exp1 - exp2) * over_roots, (l1 * exp1 - l2 * exp2) * over_roots
+            exp1 = context.exp(l1 * tau)
+            exp2 = context.exp(l2 * tau)
+            inner = (exp1 - exp2) * over_roots
+            slope = (l1 * exp1 - l2 * exp2) * over_roots
         else:
             exp1 = context.exp(l1 * tau)
-            inner, slope = tau * exp1, (1 + l1 * tau) * exp1
+            inner = tau * exp1
+            slope = (1 + l1 * tau) * exp1
         # tau e[0, l1 tau] and tau e[i Omega tau, l1 tau]
-        still = (context.one - exp1) * over_0_l1 if over_0_l1 is not None else tau * exp1
-        driven = (wave - exp1) * over_Om_l1 if over_Om_l1 is not None else tau * exp1
-        E2 = (still - inner) * over_0_l2 if over_0_l2 is not None else tau * tau / 2
+        if over_0_l1 is not None:
+            still = (context.one - exp1) * over_0_l1
+        else:
+            still = tau * exp1
+        if over_Om_l1 is not None:
+            driven = (wave - exp1) * over_Om_l1
+        else:
+            driven = tau * exp1
+        if over_0_l2 is not None:
+            E2 = (still - inner) * over_0_l2
+        else:
+            E2 = tau * tau / 2
         Z = (driven - inner) * over_Om_l2
         return slope, inner, E2.real, Z.real, Z.imag, wave.imag, wave.real
 

@@ -1,6 +1,9 @@
-"""Columns of numbers in pairs of doubles, about 30 digits: rational formulas for thousands of numbers at once.
+"""Columns of numbers in pairs of doubles, about 30 digits.
 
-A difference that cancels almost all digits, but not all, may be 0 in truth: such rows are noted for exact arithmetic.
+Rational formulas for thousands of numbers at once.
+
+A difference that cancels almost all digits, but not all, may be 0 in truth: such rows are noted for
+exact arithmetic.
 """
 
 from __future__ import annotations
@@ -26,7 +29,10 @@ def _comparison(name: str) -> Callable[[Any, Any], Any]:
 
 
 class PairColumn:
-    """A column of double-double numbers hi + lo; `doubts` flags rows that lost digits, to be computed exactly."""
+    """A column of double-double numbers hi + lo.
+
+    `doubts` flags rows that lost digits, to be computed exactly.
+    """
 
     __slots__ = ("doubts", "hi", "lo")
 
@@ -75,7 +81,9 @@ class PairColumn:
     __rmul__ = __mul__
 
     def __pow__(self, exponent: int) -> PairColumn:
-        return self * self if exponent == 2 else NotImplemented
+        if exponent == 2:
+            return self * self
+        return NotImplemented
 
     def __truediv__(self, other: Any) -> PairColumn:
         b = self._as_column(other)
@@ -90,28 +98,40 @@ class PairColumn:
 
 def as_double(value: Any) -> Any:
     """Convert a Fraction, or a column of pairs, to doubles."""
-    return value.hi if isinstance(value, PairColumn) else float(value)
+    if isinstance(value, PairColumn):
+        return value.hi
+    return float(value)
 
 
 def exactly(value: Any) -> Any:
     """Convert a double to a Fraction, or an array of doubles to a column of pairs, without rounding."""
-    return PairColumn(value) if isinstance(value, np.ndarray) else Fraction(value)
+    if isinstance(value, np.ndarray):
+        return PairColumn(value)
+    return Fraction(value)
 
 
 def either(condition: Any, one: Any, other: Any) -> Any:
     """Return `one` where a condition holds, else `other`, for single numbers or row by row."""
     if not isinstance(condition, np.ndarray):
-        return one if condition else other
+        if condition:
+            return one
+        return other
     if not isinstance(one, PairColumn) and not isinstance(other, PairColumn):
         return np.where(condition, one, other)
-    some = one if isinstance(one, PairColumn) else other
-    a, b = some._as_column(one), some._as_column(other)
+    if isinstance(one, PairColumn):
+        some = one
+    else:
+        some = other
+    a = some._as_column(one)
+    b = some._as_column(other)
     return some._with_doubts(b, np.where(condition, a.hi, b.hi), np.where(condition, a.lo, b.lo))
 
 
 def sign(value: Any) -> Any:
     """Return the sign -1, 0 or 1 of a number as a Fraction, or of each row of a column as a column."""
-    return PairColumn(np.sign(value.hi)) if isinstance(value, PairColumn) else Fraction(int(value > 0) - int(value < 0))
+    if isinstance(value, PairColumn):
+        return PairColumn(np.sign(value.hi))
+    return Fraction(int(value > 0) - int(value < 0))
 
 
 def larger(a: Any, b: Any) -> Any:

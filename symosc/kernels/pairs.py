@@ -1,17 +1,21 @@
-"""Double-double numbers: a class for CPython and a type for numba, whose operators and functions give the same bits.
+"""Double-double numbers.
 
-A pair is the unevaluated sum hi + lo with |lo| at most half a unit of hi: 106 bits. The operators are the usual ones
-(Joldes, Muller and Popescu, ACM TOMS 44 (2017)): those of `Pair` by `symosc.kernels.double_double`, those of numba's
-type as LLVM code, where fused multiply-add gives the error of a product that CPython computes by splitting. Their
-relative errors, in units of 2^-106 = 1.2e-32: sum and difference 3, product 5, quotient 10, square root 4. Without
-hardware for it LLVM calls the C library's fma: slower, with the same results. The errors of the functions are the
+A class for CPython and a type for numba, whose operators and functions give the same bits.
+
+A pair is the unevaluated sum hi + lo with |lo| at most half a unit of hi: 106 bits. The operators
+are the usual ones (Joldes, Muller and Popescu, ACM TOMS 44 (2017)): those of `Pair` by
+`symosc.kernels.double_double`, those of numba's type as LLVM code, where fused multiply-add gives
+the error of a product that CPython computes by splitting. Their relative errors, in units of 2^-106
+= 1.2e-32: sum and difference 3, product 5, quotient 10, square root 4. Without hardware for it LLVM
+calls the C library's fma: slower, with the same results. The errors of the functions are the
 largest that were measured against mpmath over all arguments that their docstrings name.
 
-There is no conversion to float64 or complex128 on purpose: numba would use it to choose a function for doubles. Sums of
-infinities give no number in the low part, and low parts below 1e-308 vanish: relative errors hold above 1e-290.
+There is no conversion to float64 or complex128 on purpose: numba would use it to choose a function
+for doubles. Sums of infinities give no number in the low part, and low parts below 1e-308 vanish:
+relative errors hold above 1e-290.
 
-Numbers are kept in arrays as complex128, hi and lo as its two parts; `from_complex` and `to_complex` cross that border.
-This module needs numba.
+Numbers are kept in arrays as complex128, hi and lo as its two parts; `from_complex` and
+`to_complex` cross that border. This module needs numba.
 """
 
 from __future__ import annotations
@@ -47,13 +51,19 @@ DOUBLE = ir.DoubleType()
 
 
 def _compared(name: str) -> Callable[[Any, Any], bool]:
-    """Return the method of `Pair` for the comparison `name`, such as "lt": by hi, and by lo where hi is equal."""
+    """Return the method of `Pair` for the comparison `name`, such as "lt".
+
+    By hi, and by lo where hi is equal.
+    """
     compare = getattr(operator, name)
     return lambda number, other: compare((number.hi, number.lo), _parts_of(other))
 
 
 class Pair:
-    """A double-double number hi + lo, made from a Fraction, float or mpf; CPython computes with it."""
+    """A double-double number hi + lo, made from a Fraction, float or mpf.
+
+    CPython computes with it.
+    """
 
     __slots__ = ("hi", "lo")
     __hash__ = None  # type: ignore[assignment]
@@ -72,13 +82,17 @@ class Pair:
         size = abs(self)
         high = math.floor(size.hi)
         below = high + (math.floor(size.lo) if high == size.hi else 0)
-        return -below if self.hi < 0.0 else below
+        if self.hi < 0.0:
+            return -below
+        return below
 
     def __neg__(self) -> Pair:
         return pair_of(-self.hi, -self.lo)
 
     def __abs__(self) -> Pair:
-        return -self if (self.hi, self.lo) < (0.0, 0.0) else self
+        if (self.hi, self.lo) < (0.0, 0.0):
+            return -self
+        return self
 
     def __add__(self, other: Any) -> Pair:
         return pair_of(*pair_sum(self.hi, self.lo, *_parts_of(other)))
@@ -101,7 +115,8 @@ class Pair:
     def __pow__(self, other: Any) -> Pair:
         return pair_of(self.hi ** _parts_of(other)[0], 0.0)
 
-    __radd__, __rmul__ = __add__, __mul__
+    __radd__ = __add__
+    __rmul__ = __mul__
 
     __lt__, __le__, __gt__, __ge__, __eq__ = map(_compared, ("lt", "le", "gt", "ge", "eq"))
 
@@ -115,7 +130,9 @@ def pair_of(hi: float, lo: float) -> Pair:
 
 def _parts_of(value: Any) -> tuple[float, float]:
     """Return hi and lo of a number: a Pair, int or float."""
-    return (value.hi, value.lo) if type(value) is Pair else (float(value), 0.0)
+    if type(value) is Pair:
+        return (value.hi, value.lo)
+    return (float(value), 0.0)
 
 
 # --- numba's type ---
@@ -129,11 +146,15 @@ class PairType(types.Type):
 
     def can_convert_from(self, typingctx: Any, other: Any) -> Any:
         """Tell numba whether a value of type `other` may be passed where a pair is expected (None: no)."""
-        return Conversion.promote if isinstance(other, (types.Float, types.Integer)) else None
+        if isinstance(other, (types.Float, types.Integer)):
+            return Conversion.promote
+        return None
 
     def unify(self, typingctx: Any, other: Any) -> Any:
         """Tell numba the type of a variable that is a pair in one branch and of type `other` in another."""
-        return self if isinstance(other, (types.Float, types.Integer)) else None
+        if isinstance(other, (types.Float, types.Integer)):
+            return self
+        return None
 
 
 pair_type = PairType()
@@ -167,7 +188,11 @@ def _parts(builder: Any, value: Any) -> tuple[Any, Any]:
 @lower_constant(PairType)
 def _constant(context: Any, builder: Any, declared: Any, value: Pair) -> Any:
     """Return LLVM code for a constant pair."""
-    return _packed(context, builder, *(context.get_constant(types.float64, part) for part in (value.hi, value.lo)))
+    return _packed(
+        context,
+        builder,
+        *(context.get_constant(types.float64, part) for part in (value.hi, value.lo)),
+    )
 
 
 @lower_cast(types.Float, PairType)
@@ -183,7 +208,9 @@ def _cast(context: Any, builder: Any, given: Any, wanted: Any, value: Any) -> An
 
 def _fma(b: Any, x: Any, y: Any, z: Any) -> Any:
     """Return LLVM code, made by the builder `b`, for the fused multiply-add x y + z."""
-    declared = b.module.declare_intrinsic("llvm.fma", [DOUBLE], ir.FunctionType(DOUBLE, [DOUBLE] * 3))
+    declared = b.module.declare_intrinsic(
+        "llvm.fma", [DOUBLE], ir.FunctionType(DOUBLE, [DOUBLE] * 3)
+    )
     return b.call(declared, [x, y, z])
 
 
@@ -241,28 +268,43 @@ def _comparison(sign: str) -> Callable[..., Any]:
 
 
 def _operator(name: Callable[..., Any], result: Any, code: Callable[..., Any]) -> None:
-    """Register the operator `name` on pairs with numba; `code` makes its LLVM code, `result` is its type."""
+    """Register the operator `name` on pairs with numba.
+
+    `code` makes its LLVM code, `result` is its type.
+    """
 
     @infer_global(name)
     class Typing(AbstractTemplate):
         def generic(self, arguments: Any, keywords: Any) -> Any:
-            numbers = all(isinstance(each, (PairType, types.Float, types.Integer)) for each in arguments)
-            return signature(result, pair_type, pair_type) if numbers and pair_type in arguments else None
+            numbers = all(
+                isinstance(each, (PairType, types.Float, types.Integer)) for each in arguments
+            )
+            if numbers and pair_type in arguments:
+                return signature(result, pair_type, pair_type)
+            return None
 
     @lower_builtin(name, pair_type, pair_type)
     def lowered(context: Any, builder: Any, declared: Any, arguments: Any) -> Any:
         found = code(builder, *_parts(builder, arguments[0]), *_parts(builder, arguments[1]))
-        return _packed(context, builder, *found) if result is pair_type else found
+        if result is pair_type:
+            return _packed(context, builder, *found)
+        return found
 
 
-for _name, _code in {"add": _sum, "sub": _difference, "mul": _product, "truediv": _quotient}.items():
+for _name, _code in {
+    "add": _sum,
+    "sub": _difference,
+    "mul": _product,
+    "truediv": _quotient,
+}.items():
     _operator(getattr(operator, _name), pair_type, _code)
     _operator(getattr(operator, f"i{_name}"), pair_type, _code)
 for _name, _sign in {"lt": "<", "le": "<=", "gt": ">", "ge": ">=", "eq": "==", "ne": "!="}.items():
     _operator(getattr(operator, _name), types.boolean, _comparison(_sign))
 
 
-# --- between pairs and other kinds of numbers; for mypy intrinsics are functions of what numba passes to them ---
+# --- between pairs and other kinds of numbers; for mypy intrinsics are functions of what numba
+# passes to them ---
 
 
 def _pair(typingctx: Any, hi: Any, lo: Any) -> Any:
@@ -281,12 +323,17 @@ def _with_pairs(declared: Any) -> Any:
     if isinstance(declared, types.NamedTuple):
         return types.NamedTuple([_with_pairs(entry) for entry in declared], declared.instance_class)
     if isinstance(declared, types.NamedUniTuple):
-        return types.NamedUniTuple(_with_pairs(declared.dtype), declared.count, declared.instance_class)
+        return types.NamedUniTuple(
+            _with_pairs(declared.dtype), declared.count, declared.instance_class
+        )
     return declared
 
 
 def _from_complex(typingctx: Any, value: Any) -> Any:
-    """Convert complex numbers, also in a named tuple, to pairs: hi is the real, lo the imaginary part."""
+    """Convert complex numbers, also in a named tuple, to pairs.
+
+    Hi is the real, lo the imaginary part.
+    """
     wanted = _with_pairs(value)
 
     def code(context: Any, builder: Any, declared: Any, arguments: Any) -> Any:
@@ -295,7 +342,9 @@ def _from_complex(typingctx: Any, value: Any) -> Any:
                 return _packed(context, builder, *_parts(builder, given))
             if isinstance(kind, types.BaseTuple):
                 kinds = list(iter(kind))  # type: ignore[call-overload]
-                entries = [made(each, builder.extract_value(given, i)) for i, each in enumerate(kinds)]
+                entries = [
+                    made(each, builder.extract_value(given, i)) for i, each in enumerate(kinds)
+                ]
                 return context.make_tuple(builder, _with_pairs(kind), entries)
             return given
 
@@ -321,7 +370,10 @@ to_complex: Any = intrinsic(_to_complex)
 
 
 def as_pair(z):
-    """Return the pair stored in a complex number; compiled code of pairs calls this for `float(z)`."""
+    """Return the pair stored in a complex number.
+
+    Compiled code of pairs calls this for `float(z)`.
+    """
     return from_complex(z)
 
 
@@ -331,13 +383,17 @@ def as_pair(z):
 @overload(operator.neg)
 def _minus(x):
     """Provide numba's negation of a pair."""
-    return (lambda x: pair(-x.hi, -x.lo)) if x is pair_type else None
+    if x is pair_type:
+        return lambda x: pair(-x.hi, -x.lo)
+    return None
 
 
 @overload(abs)
 def _absolute(x):
     """Provide numba's `abs` for a pair."""
-    return (lambda x: -x if x.hi < 0.0 or (x.hi == 0.0 and x.lo < 0.0) else x) if x is pair_type else None
+    if x is pair_type:
+        return lambda x: -x if x.hi < 0.0 or (x.hi == 0.0 and x.lo < 0.0) else x
+    return None
 
 
 @overload(int)
@@ -348,11 +404,15 @@ def _whole(x):
         size = abs(x)
         high = math.floor(size.hi)
         below = int(high) + (math.floor(size.lo) if high == size.hi else 0)
-        return -below if x.hi < 0.0 else below
+        if x.hi < 0.0:
+            return -below
+        return below
 
     if isinstance(x, types.Complex):  # a whole number among those in an array
         return lambda x: int(x.real)
-    return whole if x is pair_type else None
+    if x is pair_type:
+        return whole
+    return None
 
 
 @overload(operator.setitem)
@@ -370,10 +430,13 @@ def _stored(array, index, value):
 @overload(operator.pow)
 def _power(x, y):
     """Return x^y of pairs to 16 digits, sufficient for error estimates."""
-    return (lambda x, y: pair(x.hi**y.hi, 0.0)) if x is pair_type and y is pair_type else None
+    if x is pair_type and y is pair_type:
+        return lambda x, y: pair(x.hi**y.hi, 0.0)
+    return None
 
 
-# --- square root, exponential, sine and cosine: one source for numba and, with its own `pair`, CPython ---
+# --- square root, exponential, sine and cosine: one source for numba and, with its own `pair`,
+# CPython ---
 
 EXACT = mp_context(70)
 # Angles are reduced by multiples of pi over this, a power of two.
@@ -383,7 +446,8 @@ QUARTER = PER_PI // 2
 HALVINGS = 9
 PART = 0.5**HALVINGS
 # Below the first exp is 0, as low parts would no longer be exact; above the second it is infinite.
-LEAST_POWER, LARGEST_POWER = -670.0, 709.0
+LEAST_POWER = -670.0
+LARGEST_POWER = 709.0
 SMALL = 0.34  # expm1 needs no reduction below this
 
 
@@ -394,12 +458,15 @@ def _three_parts(value: Any) -> tuple[Pair, Pair, Pair]:
     return Pair(first), Pair(second), Pair(float(value - first - second))
 
 
-# sin(j pi/1024) for a quarter of a turn, and the coefficients of Taylor's series, each rounded once.
+# sin(j pi/1024) for a quarter of a turn, and the coefficients of Taylor's series, each rounded
+# once.
 _SINES = [Pair(EXACT.sin(j * EXACT.pi / PER_PI)) for j in range(QUARTER + 1)]
-SINES_HIGH, SINES_LOW = np.array([each.hi for each in _SINES]), np.array([each.lo for each in _SINES])
+SINES_HIGH = np.array([each.hi for each in _SINES])
+SINES_LOW = np.array([each.lo for each in _SINES])
 TURN1, TURN2, TURN3 = _three_parts(EXACT.pi / PER_PI)
 LOG1, LOG2, LOG3 = _three_parts(+EXACT.ln2)
-PER_TURN, PER_LOG = float(PER_PI / EXACT.pi), float(1 / EXACT.ln2)
+PER_TURN = float(PER_PI / EXACT.pi)
+PER_LOG = float(1 / EXACT.ln2)
 F2, F3, F4, F5 = (Pair(Fraction(1, math.factorial(n))) for n in range(2, 6))
 F6, F7, F8, F9 = (1.0 / math.factorial(n) for n in range(6, 10))
 
@@ -417,9 +484,12 @@ def root(x):
 
 @register_jitable
 def turned_sine(x, quarters):
-    """Return the sine of an angle plus quarter turns: absolute error at most 1.8e-32 for angles up to 1e6."""
-    # The angle is a multiple j of pi/1024, which the table has, and a rest of at most pi/2048, for which Taylor's
-    # series takes five terms; only their first coefficients need two doubles.
+    """Return the sine of an angle plus quarter turns.
+
+    Absolute error at most 1.8e-32 for angles up to 1e6.
+    """
+    # The angle is a multiple j of pi/1024, which the table has, and a rest of at most pi/2048, for
+    # which Taylor's series takes five terms; only their first coefficients need two doubles.
     steps = math.floor(x.hi * PER_TURN + 0.5)
     many = pair(float(steps), 0.0)
     rest = ((x - many * TURN1) - many * TURN2) - many * TURN3
@@ -434,7 +504,9 @@ def turned_sine(x, quarters):
     if j & QUARTER:
         at, beside = beside, -at
     value = at + (at * c + beside * s)
-    return -value if j & (2 * QUARTER) else value
+    if j & (2 * QUARTER):
+        return -value
+    return value
 
 
 @register_jitable
@@ -451,7 +523,10 @@ def cosine(x):
 
 @register_jitable
 def small_expm1(x):
-    """Return exp(x) - 1 for |x| up to log(2)/2: Taylor's series at x/2^9, then nine doublings of the argument."""
+    """Return exp(x) - 1 for |x| up to log(2)/2.
+
+    Taylor's series at x/2^9, then nine doublings of the argument.
+    """
     m = pair(x.hi * PART, x.lo * PART)
     q = m.hi
     tail = pair(q * (F6 + q * (F7 + q * (F8 + q * F9))), 0.0)
@@ -478,11 +553,19 @@ def exponential(x):
 @register_jitable
 def exponential_minus_1(x):
     """Return exp(x) - 1: relative error at most 8e-32."""
-    return small_expm1(x) if abs(x.hi) < SMALL else exponential(x) - pair(1.0, 0.0)
+    if abs(x.hi) < SMALL:
+        return small_expm1(x)
+    return exponential(x) - pair(1.0, 0.0)
 
 
 #: The functions of `math` that these are to the engine.
-FUNCTIONS = {"sqrt": root, "sin": sine, "cos": cosine, "exp": exponential, "expm1": exponential_minus_1}
+FUNCTIONS = {
+    "sqrt": root,
+    "sin": sine,
+    "cos": cosine,
+    "exp": exponential,
+    "expm1": exponential_minus_1,
+}
 
 
 def _overload(name: str, function: Any) -> None:

@@ -38,8 +38,8 @@ def compiled_residual(
     jacobian : bool
         Whether it returns the derivatives too.
     exit : str, optional
-        For sticks: the domain that they slip into, "below" or "above"; None: for each point the one in which the force
-        f2 is nearer to 0.
+        For sticks: the domain that they slip into, "below" or "above"; None: for each point the one
+        in which the force f2 is nearer to 0.
 
     Raises
     ------
@@ -59,10 +59,15 @@ def compiled_residual(
     >>> f1.round(6), f2.round(6)
     (array([-0.146366]), array([1.642603]))
     """
-    labels = (label,) if isinstance(label, str) and label in MAPS else read_word(label).labels
+    if isinstance(label, str) and label in MAPS:
+        labels: tuple[str, ...] = (label,)
+    else:
+        labels = read_word(label).labels
     rows = tuple(MAPS[one] for one in labels)
     if exit is not None and not (exit in EXITS and any(row.sticks for row in rows)):
-        raise ParameterError("exit", exit, f'must be None, or "below" or "above" for a stick; the map is {label}')
+        raise ParameterError(
+            "exit", exit, f'must be None, or "below" or "above" for a stick; the map is {label}'
+        )
     _loops(WIDE)  # raises at once if numba is missing
     return CompiledResidual(p, rows, jacobian, exit)
 
@@ -70,20 +75,22 @@ def compiled_residual(
 class CompiledResidual:
     """The compiled residuals of a map or a word, made by `compiled_residual`.
 
-    A map is called with four arrays x_i, theta_i, x_j, theta_j of one length n; phases are unwrapped. It returns f1 and
-    f2, eq. (54), and with ``jacobian=True`` also an array (2, 4, n): the derivatives by the four.
+    A map is called with four arrays x_i, theta_i, x_j, theta_j of one length n; phases are
+    unwrapped. It returns f1 and f2, eq. (54), and with ``jacobian=True`` also an array (2, 4, n):
+    the derivatives by the four.
 
-    A word of N maps is called with two arrays x, theta of shape (N + 1, n): its switching points in order of time. It
-    returns an array (2 N, n), and with ``jacobian=True`` also an array (N, 2, 4, n): the derivatives of the two
-    equations of each map by x_i, theta_i, x_j, theta_j of that map.
+    A word of N maps is called with two arrays x, theta of shape (N + 1, n): its switching points in
+    order of time. It returns an array (2 N, n), and with ``jacobian=True`` also an array (N, 2, 4,
+    n): the derivatives of the two equations of each map by x_i, theta_i, x_j, theta_j of that map.
 
     Attributes
     ----------
     maps : tuple of str
         The labels in order of time.
     scalar : numba function
-        (x_i, theta_i, x_j, theta_j) -> (f1, f2), or (f1, f2, (8 derivatives by rows)): to be called from compiled code
-        of your own. It uses the C library's functions and does not check its arguments. Of a map only.
+        (x_i, theta_i, x_j, theta_j) -> (f1, f2), or (f1, f2, (8 derivatives by rows)): to be called
+        from compiled code of your own. It uses the C library's functions and does not check its
+        arguments. Of a map only.
 
     Examples
     --------
@@ -100,8 +107,15 @@ class CompiledResidual:
     -4.194448 3.927220
     """
 
-    def __init__(self, p: Parameters, rows: tuple[Map, ...], jacobian: bool, exit: str | None) -> None:
-        self.parameters, self.maps, self.jacobian, self.exit = p, tuple(row.label for row in rows), jacobian, exit
+    def __init__(
+        self, p: Parameters, rows: tuple[Map, ...], jacobian: bool, exit: str | None
+    ) -> None:
+        self.parameters, self.maps, self.jacobian, self.exit = (
+            p,
+            tuple(row.label for row in rows),
+            jacobian,
+            exit,
+        )
         self._rows, self._K = rows, constants(p)
 
     def __repr__(self) -> str:
@@ -118,13 +132,22 @@ class CompiledResidual:
         """
         if len(self._rows) == 1:
             f, J = self._fill(self._rows[0], _read(columns, POINT_NAMES, 1))
-            return (f[0], f[1], J) if self.jacobian else (f[0], f[1])
+            if self.jacobian:
+                return (f[0], f[1], J)
+            return (f[0], f[1])
         x, theta = _read(columns, ("x", "theta"), 2)
         if len(x) != len(self._rows) + 1:
-            raise ParameterError("x", x.shape, f"must have {len(self._rows) + 1} rows: a point more than maps")
-        found = [self._fill(row, (x[n], theta[n], x[n + 1], theta[n + 1])) for n, row in enumerate(self._rows)]
+            raise ParameterError(
+                "x", x.shape, f"must have {len(self._rows) + 1} rows: a point more than maps"
+            )
+        found = [
+            self._fill(row, (x[n], theta[n], x[n + 1], theta[n + 1]))
+            for n, row in enumerate(self._rows)
+        ]
         f = np.concatenate([f for f, _ in found])
-        return (f, np.stack([J for _, J in found if J is not None])) if self.jacobian else f
+        if self.jacobian:
+            return (f, np.stack([J for _, J in found if J is not None]))
+        return f
 
     @cached_property
     def scalar(self) -> Any:
@@ -135,9 +158,17 @@ class CompiledResidual:
 
     def _fill(self, row: Map, points: Any) -> tuple[np.ndarray, np.ndarray | None]:
         """Compute the residuals (2, n) of the map `row` at n pairs of points, and its Jacobians (2, 4, n) or None."""
-        n, K = len(points[0]), self._K
-        f, J = np.empty((2, n)), np.empty((2, 4, n)) if self.jacobian else None
-        results = (f,) if J is None else (f, J)
+        n = len(points[0])
+        K = self._K
+        f = np.empty((2, n))
+        if self.jacobian:
+            J = np.empty((2, 4, n))
+        else:
+            J = None
+        if J is None:
+            results: tuple[np.ndarray, ...] = (f,)
+        else:
+            results = (f, J)
         name = ("sticks" if row.sticks else "flights") + ("" if J is None else "_and_slopes")
         if row.sticks:
             wide = n > 0 and max(points[3].max(), -points[3].min()) > elementary.WIDEST
@@ -150,8 +181,11 @@ class CompiledResidual:
             raise ParameterError("theta_j", "array", UNWRAPPED)
         v_i, v_j, A = flight_arguments(row, K)
         arguments = (v_i, v_j), A, K
-        # The most frequent formula runs over all points, without selecting them; the others then overwrite theirs.
-        order = sorted((kind for kind in range(KINDS) if counts[kind]), key=lambda kind: -counts[kind])
+        # The most frequent formula runs over all points, without selecting them; the others then
+        # overwrite theirs.
+        order = sorted(
+            (kind for kind in range(KINDS) if counts[kind]), key=lambda kind: -counts[kind]
+        )
         for kind in order:
             if kind == order[0]:
                 _loops(kind)[name](points, *arguments, *results)
@@ -164,7 +198,9 @@ class CompiledResidual:
         return f, J
 
 
-def _read(columns: tuple[Any, ...], names: tuple[str, ...], dimensions: int) -> tuple[np.ndarray, ...]:
+def _read(
+    columns: tuple[Any, ...], names: tuple[str, ...], dimensions: int
+) -> tuple[np.ndarray, ...]:
     """Return the given columns as arrays of floats, checked for equal shapes but not for finite entries."""
     if len(columns) != len(names):
         raise ParameterError("points", f"{len(columns)} arrays", f"must be {', '.join(names)}")
@@ -178,15 +214,29 @@ def _read(columns: tuple[Any, ...], names: tuple[str, ...], dimensions: int) -> 
         raise ParameterError("points", columns, "must be arrays of real numbers") from None
     shapes = [array.shape for array in arrays]
     if len(set(shapes)) > 1 or len(shapes[0]) != dimensions:
-        how = "one-dimensional arrays of one length" if dimensions == 1 else "two-dimensional arrays of one shape"
+        if dimensions == 1:
+            how = "one-dimensional arrays of one length"
+        else:
+            how = "two-dimensional arrays of one shape"
         raise ParameterError("points", shapes, f"must be {how}")
     return arrays
 
 
 @lru_cache(maxsize=KINDS)
 def _loops(kind: int) -> dict[str, Any]:
-    """Return the compiled functions that evaluate maps for whole arrays; `kind` says by which formula for the basis."""
-    outlined = {"flights", "flights_and_slopes", "sticks", "sticks_and_slopes", "load", "store", "kinds_of"}
+    """Return the compiled functions that evaluate maps for whole arrays.
+
+    `kind` says by which formula for the basis.
+    """
+    outlined = {
+        "flights",
+        "flights_and_slopes",
+        "sticks",
+        "sticks_and_slopes",
+        "load",
+        "store",
+        "kinds_of",
+    }
     if kind == WIDE:
         return compile_modules((mapping,), outlined | {"flight", "flight_slopes"}, compiled())
     series = compile_modules((entire_array,), ())["series"]
@@ -194,7 +244,9 @@ def _loops(kind: int) -> dict[str, Any]:
     short = compile_modules((elementary,), (), power, {"select": compiled()["select"]})
     plain = power | {name: short[name] for name in ("exp", "expm1")}
     plain |= {name: short[f"short_{name}"] for name in ("sin", "cos")}  # without a branch
-    basis = compile_modules((_generated, entire, formulas), (), plain | {"all_terms": series})[FORMULAS[kind]]
+    basis = compile_modules((_generated, entire, formulas), (), plain | {"all_terms": series})[
+        FORMULAS[kind]
+    ]
     return compile_modules((_generated, mapping), outlined, plain | {"basis": basis})
 
 
@@ -227,10 +279,13 @@ def _scalar(row: Map, K: Constants, jacobian: bool, exit: str | None) -> Any:
             return x_x0, x_th0, -1.0, x_th1, v_x0, v_th0, 0.0, v_th1
 
     compile_ = numba.njit(error_model="numpy")
-    residual, slopes = compile_(residual), compile_(slopes)
+    residual = compile_(residual)
+    slopes = compile_(slopes)
 
     def both(x_i, theta_i, x_j, theta_j):
         f1, f2 = residual(x_i, theta_i, x_j, theta_j)
         return f1, f2, slopes(x_i, theta_i, theta_j)
 
-    return compile_(both) if jacobian else residual
+    if jacobian:
+        return compile_(both)
+    return residual

@@ -1,15 +1,19 @@
-"""The mappings P1 to P8: residuals f1, f2 (eq. (54)), their derivatives, and the next switching point.
+"""The mappings P1 to P8.
 
-A map takes a switching point (x_i, theta_i) to the next one (x_j, theta_j), theta = Omega t. Phases are *unwrapped*:
-the motion takes tau = (theta_j - theta_i)/Omega, so a return after a period and a half has theta_j = theta_i + 3 pi.
-(Phases modulo 2 pi could not distinguish that from half a period.) For a flight theta_j < theta_i is an error; the
-equations of a stick hold either way. Adding 2 pi to both phases changes nothing.
+Residuals f1, f2 (eq. (54)), their derivatives, and the next switching point.
+
+A map takes a switching point (x_i, theta_i) to the next one (x_j, theta_j), theta = Omega t. Phases
+are *unwrapped*: the motion takes tau = (theta_j - theta_i)/Omega, so a return after a period and a
+half has theta_j = theta_i + 3 pi. (Phases modulo 2 pi could not distinguish that from half a
+period.) For a flight theta_j < theta_i is an error; the equations of a stick hold either way.
+Adding 2 pi to both phases changes nothing.
 
     flight:  f1 = x(tau) - x_j,                  f2 = v(tau) - v_j
     stick:   f1 = x_i + v_lambda tau - x_j,      f2 = F^(alpha)(x_j, v_lambda, theta_j)
 
-The maps differ by their row in `symosc.words.MAPS` only. A stick ends where the force of the domain below or that of
-the domain above vanishes: `exit` is "below", "above", or None for the one whose |f2| is smaller at the given end.
+The maps differ by their row in `symosc.words.MAPS` only. A stick ends where the force of the domain
+below or that of the domain above vanishes: `exit` is "below", "above", or None for the one whose
+|f2| is smaller at the given end.
 
 Units are those of the parameters; f1 is a length, f2 a velocity (of a stick: an acceleration).
 """
@@ -32,7 +36,17 @@ from symosc.engine.arithmetic import Arithmetic, MpArithmetic, bind, many_digits
 from symosc.engine.first_exit import ROUNDING
 from symosc.engine.flow import Constants, constant_force, constants, friction_signs
 from symosc.engine.start import belt_start, belt_state, force_terms
-from symosc.engine.state import END, FAILED, GRAZE, MOVED, ON_BELT, REST, SLIP, Covariance, NextEvent
+from symosc.engine.state import (
+    END,
+    FAILED,
+    GRAZE,
+    MOVED,
+    ON_BELT,
+    REST,
+    SLIP,
+    Covariance,
+    NextEvent,
+)
 from symosc.errors import ParameterError, SymoscError
 from symosc.kernels import entire_array, mapping
 from symosc.mappings.numbers import POINT_NAMES, is_array, number_of, point_columns, scalar
@@ -49,8 +63,12 @@ Pair: TypeAlias = "Sequence[Numbers | ArrayLike] | np.ndarray"
 
 
 @public
-def residual(p: ParametersLike, label: str, start: Pair, end: Pair, exit: str | None = None) -> tuple[Numbers, Numbers]:
-    """Return (f1, f2) of a mapping between two switching points; both vanish when the map leads from one to the other.
+def residual(
+    p: ParametersLike, label: str, start: Pair, end: Pair, exit: str | None = None
+) -> tuple[Numbers, Numbers]:
+    """Return (f1, f2) of a mapping between two switching points.
+
+    Both vanish when the map leads from one to the other.
 
     Parameters
     ----------
@@ -58,9 +76,11 @@ def residual(p: ParametersLike, label: str, start: Pair, end: Pair, exit: str | 
     label : str
         "P1" to "P8".
     start, end : pair
-        (x_i, theta_i) and (x_j, theta_j), phases unwrapped: floats, arrays that broadcast, or mpmath numbers.
+        (x_i, theta_i) and (x_j, theta_j), phases unwrapped: floats, arrays that broadcast, or
+        mpmath numbers.
     exit : str, optional
-        For a stick: the domain that it slips into, "below" or "above"; None: the one with the smaller |f2|.
+        For a stick: the domain that it slips into, "below" or "above"; None: the one with the
+        smaller |f2|.
 
     Returns
     -------
@@ -70,7 +90,8 @@ def residual(p: ParametersLike, label: str, start: Pair, end: Pair, exit: str | 
     Raises
     ------
     ParameterError
-        For an unknown map or exit, for numbers that are not finite, and for a flight with theta_j < theta_i.
+        For an unknown map or exit, for numbers that are not finite, and for a flight with theta_j <
+        theta_i.
 
     Examples
     --------
@@ -85,7 +106,9 @@ def residual(p: ParametersLike, label: str, start: Pair, end: Pair, exit: str | 
 
 
 @public
-def jacobian(p: ParametersLike, label: str, start: Pair, end: Pair, exit: str | None = None) -> np.ndarray:
+def jacobian(
+    p: ParametersLike, label: str, start: Pair, end: Pair, exit: str | None = None
+) -> np.ndarray:
     """Return the derivatives of f1, f2 with respect to (x_i, theta_i, x_j, theta_j).
 
     Parameters and errors are those of `residual`.
@@ -93,8 +116,8 @@ def jacobian(p: ParametersLike, label: str, start: Pair, end: Pair, exit: str | 
     Returns
     -------
     array of shape (2, 4), or (2, 4) + the shape of arrays that were given
-        Its entries are of the kind that was given (dtype object for mpmath numbers). Both exits of a stick have the
-        same derivatives.
+        Its entries are of the kind that was given (dtype object for mpmath numbers). Both exits of
+        a stick have the same derivatives.
 
     Examples
     --------
@@ -104,15 +127,20 @@ def jacobian(p: ParametersLike, label: str, start: Pair, end: Pair, exit: str | 
     [[-0.0776, -0.5228, -1.0, 0.6607], [2.3223, -0.0394, 0.0, 22.5695]]
     """
     row, numbers, points, shape = read_points(p, label, start, end, exit)
-    return np.asarray(_in_blocks(lambda each: _matrix(_jacobian(row, numbers, each)), points, (2, 4), shape))
+    return np.asarray(
+        _in_blocks(lambda each: _matrix(_jacobian(row, numbers, each)), points, (2, 4), shape)
+    )
 
 
 @public
-def parameter_jacobian(p: ParametersLike, label: str, start: Pair, end: Pair, exit: str | None = None) -> np.ndarray:
+def parameter_jacobian(
+    p: ParametersLike, label: str, start: Pair, end: Pair, exit: str | None = None
+) -> np.ndarray:
     """Return the derivatives of f1, f2 with respect to the parameters, at fixed x_i, theta_i, x_j and theta_j.
 
-    The columns are those of `symosc.model.PARAMETER_NAMES`: m, c, k, A0, B0, Omega, v1, v2, mu1, mu2, FN. Arrays
-    are done point by point (about 0.2 ms each). Parameters, shape and errors are those of `jacobian`.
+    The columns are those of `symosc.model.PARAMETER_NAMES`: m, c, k, A0, B0, Omega, v1, v2, mu1,
+    mu2, FN. Arrays are done point by point (about 0.2 ms each). Parameters, shape and errors are
+    those of `jacobian`.
 
     Examples
     --------
@@ -125,12 +153,18 @@ def parameter_jacobian(p: ParametersLike, label: str, start: Pair, end: Pair, ex
     if shape is None:
         return _matrix(_parameter_jacobian(p, row, numbers, points, exit))
     numbers = map_arithmetic(p)
-    found = [_matrix(_parameter_jacobian(p, row, numbers, point, exit)) for point in zip(*points, strict=True)]
+    found = [
+        _matrix(_parameter_jacobian(p, row, numbers, point, exit))
+        for point in zip(*points, strict=True)
+    ]
     return np.stack(found, axis=-1).reshape((2, 11, *shape))
 
 
 class MapArithmetic(NamedTuple):
-    """What maps need in one kind of numbers: constants `K`, kernel functions by name, and conversion from Fractions."""
+    """What maps need in one kind of numbers.
+
+    Constants `K`, kernel functions by name, and conversion from Fractions.
+    """
 
     K: Constants
     of: dict[str, Any]
@@ -143,7 +177,9 @@ def flight_arguments(row: Map, K: Constants) -> tuple[Number, Number, Number]:
     return v_i, v_j, constant_force(row.domain, K)
 
 
-def stick_arguments(row: Map, K: Constants, exit: str | None) -> tuple[Number, tuple[Number, Number]]:
+def stick_arguments(
+    row: Map, K: Constants, exit: str | None
+) -> tuple[Number, tuple[Number, Number]]:
     """Return a stick's belt speed, and A_alpha/m of the domains below and above (both of `exit` if it is given)."""
     below, above = (constant_force(domain, K) for domain in NEIGHBOURS[row.start.boundary])
     sides = {None: (below, above), "below": (below, below), "above": (above, above)}[exit]
@@ -167,14 +203,18 @@ def _residual(row: Map, numbers: MapArithmetic, points: Sequence[Numbers], exit:
 
 def _jacobian(row: Map, numbers: MapArithmetic, points: Sequence[Numbers]) -> Any:
     """Return the derivatives of f1 and f2 with respect to x_i, theta_i, x_j, theta_j, in two rows."""
-    K, (x_i, theta_i, _, theta_j) = numbers.K, points
-    one, zero = 1 + 0 * x_i, 0 * x_i
+    K = numbers.K
+    (x_i, theta_i, _, theta_j) = points
+    one = 1 + 0 * x_i
+    zero = 0 * x_i
     if row.sticks:
         v, _ = stick_arguments(row, K, None)
         x_th0, x_th1, v_x1, v_th1 = numbers.of["stick_slopes"](theta_j, v, K)
         return (one, x_th0 * one, -one, x_th1 * one), (zero, zero, v_x1 * one, v_th1 * one)
     v_i, _, A = flight_arguments(row, K)
-    x_x0, x_th0, x_th1, v_x0, v_th0, v_th1 = numbers.of["flight_slopes"](x_i, theta_i, theta_j, v_i, A, K)
+    x_x0, x_th0, x_th1, v_x0, v_th0, v_th1 = numbers.of["flight_slopes"](
+        x_i, theta_i, theta_j, v_i, A, K
+    )
     return (x_x0, x_th0, -one, x_th1), (v_x0, v_th0, zero, v_th1)
 
 
@@ -182,28 +222,42 @@ def _parameter_jacobian(
     p: Parameters, row: Map, numbers: MapArithmetic, points: Sequence[Numbers], exit: str | None
 ) -> Any:
     """Return the derivatives of f1 and f2 with respect to the parameters, in two rows."""
-    K, (x_i, theta_i, x_j, theta_j) = numbers.K, points
-    m, zero, domain = numbers.number(p.m), 0 * x_i, row.domain
-    begin, end = f"v{row.start.boundary}", f"v{row.end.boundary}"
+    K = numbers.K
+    (x_i, theta_i, x_j, theta_j) = points
+    m = numbers.number(p.m)
+    zero = 0 * x_i
+    domain = row.domain
+    begin = f"v{row.start.boundary}"
+    end = f"v{row.end.boundary}"
     if row.sticks:
         v_i, _ = stick_arguments(row, K, None)
         forces = [_residual(row, numbers, points, way)[1] for way in EXITS]
-        i = EXITS.index(exit) if exit else int(not abs(forces[0]) <= abs(forces[1]))
+        if exit:
+            i = EXITS.index(exit)
+        else:
+            i = int(not abs(forces[0]) <= abs(forces[1]))
         domain = NEIGHBOURS[row.start.boundary][i]
         found = numbers.of["stick_by_parameters"](x_j, theta_i, theta_j, v_i, forces[i], m, K)
         v_c, v_k, v_A, v_B, v_v0, v_m, x_Om, x_v0 = found
         by_letter = [(zero, v_m), (zero, v_c), (zero, v_k), (zero, v_A), (zero, v_B), (x_Om, zero)]
     else:
         v_i, _, A = flight_arguments(row, K)
-        *letters, x_v0, v_v0 = numbers.of["flight_by_parameters"](x_i, theta_i, theta_j, v_i, A, m, K)
+        *letters, x_v0, v_v0 = numbers.of["flight_by_parameters"](
+            x_i, theta_i, theta_j, v_i, A, m, K
+        )
         by_letter = list(zip(letters[::2], letters[1::2], strict=True))
     columns = dict(zip(("m", "c", "k", "A0", "B0", "Omega"), by_letter, strict=True))
     columns |= {"v1": (zero, zero), "v2": (zero, zero), begin: (x_v0, v_v0)}
     if end != begin:  # f2 = (v - v_i) + (v_i - v_j), whose last part vanishes when it is one belt
         columns |= {begin: (x_v0, 1 + v_v0), end: (zero, zero - 1)}
     x_A, v_A = columns["A0"]
-    (drag1, drag2), (mu1, mu2, FN) = friction_signs(domain), map(numbers.number, (p.mu1, p.mu2, p.FN))
-    for name, weight in (("mu1", drag1 * FN), ("mu2", drag2 * FN), ("FN", drag1 * mu1 + drag2 * mu2)):  # of A_alpha
+    (drag1, drag2) = friction_signs(domain)
+    (mu1, mu2, FN) = map(numbers.number, (p.mu1, p.mu2, p.FN))
+    for name, weight in (
+        ("mu1", drag1 * FN),
+        ("mu2", drag2 * FN),
+        ("FN", drag1 * mu1 + drag2 * mu2),
+    ):  # of A_alpha
         columns[name] = x_A * weight, v_A * weight
     return tuple(tuple(columns[name][equation] for name in PARAMETER_NAMES) for equation in (0, 1))
 
@@ -212,8 +266,13 @@ def _parameter_jacobian(
 
 
 def map_arithmetic(p: Parameters, context: Context | None = None) -> MapArithmetic:
-    """Return constants and kernel functions for maps of single numbers: doubles, or numbers of an mpmath context."""
-    return _doubles(p) if context is None else _mp_numbers(p, context, context.prec)
+    """Return constants and kernel functions for maps of single numbers.
+
+    Doubles, or numbers of an mpmath context.
+    """
+    if context is None:
+        return _doubles(p)
+    return _mp_numbers(p, context, context.prec)
 
 
 @lru_cache(maxsize=128)
@@ -232,8 +291,14 @@ def _mp_numbers(p: Parameters, context: Context, precision: int) -> MapArithmeti
 
     number = partial(number_of, context=context)
     K = constants(p, number, context.sqrt, context.atan2, +context.pi)
-    names = {"complex": context.mpc, "EPS": context.ldexp(1, -precision), "basis": BasisMP(context, p)}
-    names |= {name: getattr(context, name) for name in ("exp", "sin", "cos", "floor")} | {"TWO_PI": 2 * context.pi}
+    names = {
+        "complex": context.mpc,
+        "EPS": context.ldexp(1, -precision),
+        "basis": BasisMP(context, p),
+    }
+    names |= {name: getattr(context, name) for name in ("exp", "sin", "cos", "floor")} | {
+        "TWO_PI": 2 * context.pi
+    }
     return MapArithmetic(K, bind((mapping, tangent), names), number)
 
 
@@ -245,32 +310,55 @@ UNWRAPPED = "must be >= theta_i: give unwrapped phases, the flight takes (theta_
 def read_points(
     p: Parameters, label: str, start: Pair, end: Pair, exit: str | None = None
 ) -> tuple[Map, MapArithmetic, list[Any], tuple[int, ...] | None]:
-    """Check the arguments of a map; return its entry in `MAPS`, the arithmetic, the points, and the shape of arrays.
+    """Check the arguments of a map.
 
-    The points are four numbers or four flat arrays. The shape is the one that the arrays had, None for numbers.
+    Return its entry in `MAPS`, the arithmetic, the points, and the shape of arrays.
+
+    The points are four numbers or four flat arrays. The shape is the one that the arrays had, None
+    for numbers.
     """
     if label not in MAPS:
         raise ParameterError("label", label, f"must be one of {', '.join(MAPS)}")
     row = MAPS[label]
     if exit is not None and not (row.sticks and exit in EXITS):
-        allowed = 'must be "below", "above" or None' if row.sticks else f"must be None: {label} is a flight"
+        if row.sticks:
+            allowed = 'must be "below", "above" or None'
+        else:
+            allowed = f"must be None: {label} is a flight"
         raise ParameterError("exit", exit, allowed)
-    given, shape, points = [*start, *end], None, list[Any]()
-    context = next((value.context for value in given if hasattr(value, "_mpf_") and hasattr(value, "context")), None)
+    given = [*start, *end]
+    shape = None
+    points = list[Any]()
+    context = next(
+        (value.context for value in given if hasattr(value, "_mpf_") and hasattr(value, "context")),
+        None,
+    )
     if context is None and any(is_array(value) for value in given):
         numbers: MapArithmetic = _doubles(p, arrays=True)
         columns = point_columns(given)
-        shape, points = columns[0].shape, [column.ravel() for column in columns]
+        shape = columns[0].shape
+        points = [column.ravel() for column in columns]
     else:
-        numbers, convert = map_arithmetic(p, context), float if context is None else context.convert
-        points = [scalar(name, value, convert) for name, value in zip(POINT_NAMES, given, strict=True)]
+        numbers = map_arithmetic(p, context)
+        if context is None:
+            convert = float
+        else:
+            convert = context.convert
+        points = [
+            scalar(name, value, convert) for name, value in zip(POINT_NAMES, given, strict=True)
+        ]
     if not row.sticks and np.any(points[3] < points[1]):
         raise ParameterError("theta_j", end[1], UNWRAPPED)
     return row, numbers, points, shape
 
 
-def _in_blocks(evaluate: Any, points: list[Any], head: tuple[int, ...], shape: tuple[int, ...] | None) -> Any:
-    """Return evaluate(points); do arrays in small blocks, and return these with the shape `head` + `shape`."""
+def _in_blocks(
+    evaluate: Any, points: list[Any], head: tuple[int, ...], shape: tuple[int, ...] | None
+) -> Any:
+    """Return evaluate(points).
+
+    Do arrays in small blocks, and return these with the shape `head` + `shape`.
+    """
     if shape is None:
         return evaluate(points)
     found = np.empty((*head, len(points[0])))
@@ -282,7 +370,9 @@ def _in_blocks(evaluate: Any, points: list[Any], head: tuple[int, ...], shape: t
 
 def _matrix(rows: Any) -> np.ndarray:
     """Return rows of numbers as an array of floats, or of mpmath numbers."""
-    return np.array(rows, dtype=object if hasattr(rows[0][0], "_mpf_") else float)  # all are of one kind
+    return np.array(
+        rows, dtype=object if hasattr(rows[0][0], "_mpf_") else float
+    )  # all are of one kind
 
 
 # --- the next switching point ---
@@ -311,7 +401,9 @@ class MapError(SymoscError, ValueError):
     P3
     """
 
-    def __init__(self, label: str, x: Number, theta: Number, reason: str, actual: str | None = None) -> None:
+    def __init__(
+        self, label: str, x: Number, theta: Number, reason: str, actual: str | None = None
+    ) -> None:
         self.label, self.x, self.theta, self.reason, self.actual = label, x, theta, reason, actual
         super().__init__(f"{label} from x = {float(x)!r}, theta = {float(theta)!r}: {reason}")
 
@@ -345,7 +437,9 @@ class MapPoint:
     theta: Number
     exit: str | None
     grazing: bool
-    derivative: np.ndarray | None = field(compare=False)  # follows from the rest; arrays have no single ==
+    derivative: np.ndarray | None = field(
+        compare=False
+    )  # follows from the rest; arrays have no single ==
 
 
 @public
@@ -358,13 +452,14 @@ def solve_map(p: ParametersLike, label: str, x_i: Number, theta_i: Number) -> Ma
     label : str
         "P1" to "P8".
     x_i, theta_i : number
-        The start: position and phase Omega t (any multiple of 2 pi may be added). Floats or mpmath numbers.
+        The start: position and phase Omega t (any multiple of 2 pi may be added). Floats or mpmath
+        numbers.
 
     Raises
     ------
     MapError
-        If the motion from there does not follow the map (it says where it goes), comes to no belt within 1000 periods,
-        or cannot be followed in this precision.
+        If the motion from there does not follow the map (it says where it goes), comes to no belt
+        within 1000 periods, or cannot be followed in this precision.
 
     Examples
     --------
@@ -379,20 +474,37 @@ def solve_map(p: ParametersLike, label: str, x_i: Number, theta_i: Number) -> Ma
     x, theta = points[:2]
     context = getattr(x, "context", None)
     arithmetic = _search_arithmetic(p, context.dps + 10 if context else None)
-    convert = context.convert if context else float
-    inner = arithmetic.context.convert if isinstance(arithmetic, MpArithmetic) else float
+    if context:
+        convert = context.convert
+    else:
+        convert = float
+    if isinstance(arithmetic, MpArithmetic):
+        inner = arithmetic.context.convert
+    else:
+        inner = float
     event, gain = _next_event(row, arithmetic, inner(x), inner(theta))
-    boundary, end, grazing = event.boundary, event.state, event.code == GRAZE
-    same_start = (other for other in MAPS.values() if (other.start, other.mode) == (row.start, row.mode))
+    boundary = event.boundary
+    end = event.state
+    grazing = event.code == GRAZE
+    same_start = (
+        other for other in MAPS.values() if (other.start, other.mode) == (row.start, row.mode)
+    )
     actual = next(other.label for other in same_start if other.end.boundary == boundary)
     if actual != label:
-        raise MapError(label, x, theta, f"the motion ends on belt {boundary}: that is {actual}", actual)
-    exit = EXITS[end.mode - boundary] if event.code == SLIP else None
-    x_j, theta_j = convert(end.x), theta + convert(gain)
+        raise MapError(
+            label, x, theta, f"the motion ends on belt {boundary}: that is {actual}", actual
+        )
+    if event.code == SLIP:
+        exit = EXITS[end.mode - boundary]
+    else:
+        exit = None
+    x_j = convert(end.x)
+    theta_j = theta + convert(gain)
     derivative = None
     if not grazing:
         J = jacobian(p, label, (x, theta), (x_j, theta_j))
-        start, ((x_x1, x_th1), (v_x1, v_th1)) = J[:, :2], J[:, 2:]
+        start = J[:, :2]
+        ((x_x1, x_th1), (v_x1, v_th1)) = J[:, 2:]
         determinant = x_x1 * v_th1 - x_th1 * v_x1
         if determinant != 0:
             rows = x_th1 * start[1] - v_th1 * start[0], v_x1 * start[0] - x_x1 * start[1]
@@ -402,14 +514,27 @@ def solve_map(p: ParametersLike, label: str, x_i: Number, theta_i: Number) -> Ma
 
 @lru_cache(maxsize=64)
 def _search_arithmetic(p: Parameters, digits: int | None) -> Arithmetic:
-    """Return the arithmetic in which to search events: with so many decimal `digits` or, for None, in doubles."""
-    return many_digits(p, digits) if digits else Arithmetic(p)
+    """Return the arithmetic in which to search events.
+
+    With so many decimal `digits` or, for None, in doubles.
+    """
+    if digits:
+        return many_digits(p, digits)
+    return Arithmetic(p)
 
 
-def _next_event(row: Map, arithmetic: Arithmetic, x: Number, theta: Number) -> tuple[NextEvent, Number]:
-    """Return the next event and the phase until it; MapError if the motion does not start in the map's mode."""
-    K, names, belt = arithmetic.K, arithmetic.namespace, row.start.boundary
-    two_pi, eps = names["TWO_PI"], names["EPS"]
+def _next_event(
+    row: Map, arithmetic: Arithmetic, x: Number, theta: Number
+) -> tuple[NextEvent, Number]:
+    """Return the next event and the phase until it.
+
+    MapError if the motion does not start in the map's mode.
+    """
+    K = arithmetic.K
+    names = arithmetic.namespace
+    belt = row.start.boundary
+    two_pi = names["TWO_PI"]
+    eps = names["EPS"]
     turns = int(theta / two_pi) - (theta < 0)
     phase = (theta - turns * two_pi) - turns * names["TWO_PI_REST"]
     # After a stick one force is 0, up to the rounding errors of its end.
@@ -417,18 +542,32 @@ def _next_event(row: Map, arithmetic: Arithmetic, x: Number, theta: Number) -> t
     sine_and_cosine = names["sine_and_cosine"](phase, 0 * phase)
     start = belt_start(belt, x, sine_and_cosine, arithmetic, allowed)
     if start.mode != row.mode:
-        goes = "stays on" if start.mode > ON_BELT else "goes into"
+        if start.mode > ON_BELT:
+            goes = "stays on"
+        else:
+            goes = "goes into"
         low, high = NEIGHBOURS[belt]
         forces = f"F^({low}) = {float(start.below):.6g}, F^({high}) = {float(start.above):.6g}"
-        raise MapError(row.label, x, theta, f"the motion {goes} {MODE_NAMES[start.mode]} there, since {forces}")
-    error, horizon = Covariance((eps * x) ** 2, 0 * x, 0 * x), MOST_MAP_PERIODS * K.period
+        raise MapError(
+            row.label, x, theta, f"the motion {goes} {MODE_NAMES[start.mode]} there, since {forces}"
+        )
+    error = Covariance((eps * x) ** 2, 0 * x, 0 * x)
+    horizon = MOST_MAP_PERIODS * K.period
     state = belt_state(start, (0, phase), sine_and_cosine, x, error, K)
     event = arithmetic.advance(state, horizon, 0 * horizon)
     while event.code == MOVED:
         event = arithmetic.advance(event.state, horizon, 0 * horizon)
     if event.code in (END, REST):
-        when = f"within {MOST_MAP_PERIODS} periods" if event.code == END else "ever"
+        if event.code == END:
+            when = f"within {MOST_MAP_PERIODS} periods"
+        else:
+            when = "ever"
         raise MapError(row.label, x, theta, f"the motion comes to no switching {when}")
     if event.code == FAILED:
-        raise MapError(row.label, x, theta, "the next contact cannot be found in this precision; give mpmath numbers")
+        raise MapError(
+            row.label,
+            x,
+            theta,
+            "the next contact cannot be found in this precision; give mpmath numbers",
+        )
     return event, event.state.n * two_pi + (event.state.theta - phase)

@@ -1,9 +1,10 @@
 """Switching points and exact phases of maps and grazing: read, compared and written as LaTeX.
 
-An exact phase is a Fraction, a real constant of sympy, or an `ExactPhase` a + b pi with rational a and b. The sine of
-an `ExactPhase` is rational in two cases only. If a is not 0 it is transcendental (Lindemann: exp(i a) is, and exp(i b
-pi) is algebraic). If a is 0 it is algebraic, and rational only for the multiples of pi/6 where it is 0, 1/2 or 1 in
-size (Niven). So level + amplitude sin is 0 in known cases only; elsewhere enough digits show its sign.
+An exact phase is a Fraction, a real constant of sympy, or an `ExactPhase` a + b pi with rational a
+and b. The sine of an `ExactPhase` is rational in two cases only. If a is not 0 it is transcendental
+(Lindemann: exp(i a) is, and exp(i b pi) is algebraic). If a is 0 it is algebraic, and rational only
+for the multiples of pi/6 where it is 0, 1/2 or 1 in size (Niven). So level + amplitude sin is 0 in
+known cases only; elsewhere enough digits show its sign.
 """
 
 from __future__ import annotations
@@ -48,29 +49,43 @@ def scalar(name: str, value: Any, convert: Callable[[Any], Number]) -> Number:
     except (TypeError, ValueError, OverflowError):
         raise ParameterError(name, value, REAL_NUMBER) from None
     if not finite:
-        raise ParameterError(name, value, REAL_NUMBER if hasattr(number, "_mpc_") else "must be finite")
+        raise ParameterError(
+            name, value, REAL_NUMBER if hasattr(number, "_mpc_") else "must be finite"
+        )
     return number
 
 
 def point_columns(given: list[object]) -> list[np.ndarray]:
     """Return x_i, theta_i, x_j, theta_j as four arrays, broadcast to one shape."""
     allowed = "must be an array of real numbers (arrays and mpmath numbers do not mix)"
-    columns = [real_array(name, value, allowed) for name, value in zip(POINT_NAMES, given, strict=True)]
+    columns = [
+        real_array(name, value, allowed) for name, value in zip(POINT_NAMES, given, strict=True)
+    ]
     try:
         return [np.array(column) for column in np.broadcast_arrays(*columns)]
     except (ValueError, RuntimeError):  # RuntimeError: more dimensions than numpy broadcasts
         shapes = tuple(column.shape for column in columns)
-        raise ParameterError("points", shapes, "must be arrays whose shapes fit together (broadcast)") from None
+        raise ParameterError(
+            "points", shapes, "must be arrays whose shapes fit together (broadcast)"
+        ) from None
 
 
 def real_array(name: str, value: object, allowed: str) -> np.ndarray:
-    """Return finite real numbers as an array of floats; for others raise ParameterError with the text `allowed`."""
+    """Return finite real numbers as an array of floats.
+
+    For others raise ParameterError with the text `allowed`.
+    """
     unmasked(name, value)
     try:
         array = np.asarray(value)
         plain = array is value and array.dtype.kind != "O"
-        entries = [] if plain else np.asarray(value, dtype=object).ravel().tolist()
-        if array.dtype.kind not in "iufO" or any(isinstance(each, bool | np.bool_ | str | bytes) for each in entries):
+        if plain:
+            entries = []
+        else:
+            entries = np.asarray(value, dtype=object).ravel().tolist()
+        if array.dtype.kind not in "iufO" or any(
+            isinstance(each, bool | np.bool_ | str | bytes) for each in entries
+        ):
             raise TypeError  # numpy and float() would read text and booleans as numbers
         array = array.astype(float)
     except (TypeError, ValueError, OverflowError):
@@ -83,12 +98,19 @@ def real_array(name: str, value: object, allowed: str) -> np.ndarray:
 # --- phases a + b pi ---
 
 PHASE_FORMS = (
-    "give a number, or a rational multiple of pi such as 'pi', '3*pi/2' or '-pi/4' (a rational number may be added)"
+    "give a number, or a rational multiple of pi such as 'pi', '3*pi/2' or '-pi/4' "
+    "(a rational number may be added)"
 )
 PHASE_NUMBER = re.compile(r"(?:\d+\.?\d*|\.\d+)", re.ASCII)
 PHASE_TEXT = re.compile(r"(?:pi|[\d.\s()+\-*/])+", re.ASCII)
 #: The sines that are rational, by the phase in units of pi/6.
-RATIONAL_SINES = {0: Fraction(0), 1: Fraction(1, 2), 3: Fraction(1), 5: Fraction(1, 2), 6: Fraction(0)}
+RATIONAL_SINES = {
+    0: Fraction(0),
+    1: Fraction(1, 2),
+    3: Fraction(1),
+    5: Fraction(1, 2),
+    6: Fraction(0),
+}
 RATIONAL_SINES |= {7: Fraction(-1, 2), 9: Fraction(-1), 11: Fraction(-1, 2)}
 
 
@@ -125,14 +147,19 @@ def read_phase_text(name: str, text: str) -> ExactPhase:
             return ExactPhase(read_exact(name, text))
         except ParameterError as error:
             allowed = f"{NUMBER_FORMS}, or a multiple of pi such as '3*pi/2'"
-            raise ParameterError(name, text, allowed if error.allowed == NUMBER_FORMS else error.allowed) from None
+            raise ParameterError(
+                name, text, allowed if error.allowed == NUMBER_FORMS else error.allowed
+            ) from None
     if len(text) > 200:  # no angle that somebody means
         raise ParameterError(name, f"{text[:20]}...", "must have at most 200 characters")
     plain = re.sub(r"(?<=[\d)])\s*pi", "*pi", text.strip().replace("π", "pi"))
     if not PHASE_TEXT.fullmatch(plain) or "**" in plain or "//" in plain:
         raise ParameterError(name, text, PHASE_FORMS)
     # Decimals are kept as text, which is exact, under the names n0, n1, ...
-    known = {f"n{i}": ExactPhase(Fraction(number)) for i, number in enumerate(PHASE_NUMBER.findall(plain))}
+    known = {
+        f"n{i}": ExactPhase(Fraction(number))
+        for i, number in enumerate(PHASE_NUMBER.findall(plain))
+    }
     names = iter(known)
     try:
         tree = ast.parse(PHASE_NUMBER.sub(lambda _: next(names), plain), mode="eval").body
@@ -145,14 +172,18 @@ def read_phase_text(name: str, text: str) -> ExactPhase:
 
 
 def _value(node: ast.expr, known: dict[str, ExactPhase]) -> ExactPhase:
-    """Return the value of an expression linear in the names of `known` (pi); raise ValueError for any other."""
+    """Return the value of an expression linear in the names of `known` (pi).
+
+    Raise ValueError for any other.
+    """
     match node:
         case ast.Name(name):
             return known[name]
         case ast.UnaryOp(ast.USub() | ast.UAdd() as sign, operand):
             return _value(operand, known).scaled(Fraction(-1 if isinstance(sign, ast.USub) else 1))
         case ast.BinOp(first, operator, second):
-            left, right = _value(first, known), _value(second, known)
+            left = _value(first, known)
+            right = _value(second, known)
             if isinstance(operator, ast.Add | ast.Sub):
                 right = right.scaled(Fraction(1 if isinstance(operator, ast.Add) else -1))
                 return ExactPhase(left.rest + right.rest, left.multiple + right.multiple)
@@ -171,13 +202,18 @@ def of_sympy(value: Expr) -> ExactPhase | None:
     rest = value - multiple * sympy.pi
     if not (multiple.is_Rational and rest.is_Rational):
         return None
-    return ExactPhase(Fraction(int(rest.p), int(rest.q)), Fraction(int(multiple.p), int(multiple.q)))
+    return ExactPhase(
+        Fraction(int(rest.p), int(rest.q)), Fraction(int(multiple.p), int(multiple.q))
+    )
 
 
 def sine_sign(level: Fraction, amplitude: Fraction, phase: ExactPhase) -> int:
     """Return the sign of level + amplitude sin(phase), exactly."""
     sixths = phase.multiple * 6 % 12
-    sine = RATIONAL_SINES.get(int(sixths)) if phase.rest == 0 and sixths.denominator == 1 else None
+    if phase.rest == 0 and sixths.denominator == 1:
+        sine = RATIONAL_SINES.get(int(sixths))
+    else:
+        sine = None
     if sine is not None or amplitude == 0:
         total = level + amplitude * (sine or 0)
         return (total > 0) - (total < 0)
@@ -186,7 +222,9 @@ def sine_sign(level: Fraction, amplitude: Fraction, phase: ExactPhase) -> int:
         context = mp_context(digits + len(str(int(max(map(abs, phase))))))
         value = context.sin(phase.number(context)) + number_of(level / amplitude, context)
         if abs(value) > context.mpf(10) ** (5 - digits):
-            return 1 if (value > 0) == (amplitude > 0) else -1
+            if (value > 0) == (amplitude > 0):
+                return 1
+            return -1
         digits *= 2
 
 
@@ -208,7 +246,9 @@ def read_angle(name: str, value: Any) -> Angle:
     forms = f"{NUMBER_FORMS}, or a real constant such as sympy.pi or '3*pi/2'"
     if has_pi(value):
         return read_phase_text(name, value).symbolic()
-    if getattr(value, "is_Float", None) is False and not value.is_Rational:  # of sympy, and no plain number
+    if (
+        getattr(value, "is_Float", None) is False and not value.is_Rational
+    ):  # of sympy, and no plain number
         plain = hasattr(value, "is_real") and not value.free_symbols and value.is_number
         if not (plain and value.is_real is not False and value.evalf().is_Float):
             raise ParameterError(name, value, forms)
@@ -216,7 +256,9 @@ def read_angle(name: str, value: Any) -> Angle:
     try:
         return read_exact(name, value)
     except ParameterError as error:
-        raise ParameterError(name, value, error.allowed if "finite" in error.allowed else forms) from None
+        raise ParameterError(
+            name, value, error.allowed if "finite" in error.allowed else forms
+        ) from None
 
 
 def number_of(value: Angle, context: Context) -> Number:
@@ -240,12 +282,16 @@ def symbolic(value: Angle) -> Expr:
     """Return a Fraction as a sympy number, and other values unchanged."""
     import sympy
 
-    return sympy.Rational(value.numerator, value.denominator) if isinstance(value, Fraction) else value
+    if isinstance(value, Fraction):
+        return sympy.Rational(value.numerator, value.denominator)
+    return value
 
 
 def times(value: Angle, factor: Fraction) -> Angle:
     """Return an exact angle, a Fraction or a sympy constant, times a rational number."""
-    return value * factor if isinstance(value, Fraction) else value * symbolic(factor)
+    if isinstance(value, Fraction):
+        return value * factor
+    return value * symbolic(factor)
 
 
 # --- LaTeX ---
@@ -254,9 +300,14 @@ def times(value: Angle, factor: Fraction) -> Angle:
 def latex_number(value: Any) -> str:
     """Return a number as LaTeX: a decimal, with a power of ten where it is very large or small."""
     # Digits of a float in print; an mpmath number has those that its digits= asked for.
-    text = f"{value:.10g}" if isinstance(value, float) else str(value)
+    if isinstance(value, float):
+        text = f"{value:.10g}"
+    else:
+        text = str(value)
     mantissa, _, exponent = text.partition("e")
-    return rf"{mantissa} \cdot 10^{{{int(exponent)}}}" if exponent else mantissa
+    if exponent:
+        return rf"{mantissa} \cdot 10^{{{int(exponent)}}}"
+    return mantissa
 
 
 def latex_point(letter: str, theta: Any, x: Any) -> str:
@@ -276,7 +327,10 @@ def latex_table(heads: Sequence[str], rows: Iterable[Sequence[str]]) -> str:
 
 
 class LatexAnswer:
-    """Base class of results that notebooks show as a formula; each class writes its own in the method `latex`."""
+    """Base class of results that notebooks show as a formula.
+
+    Each class writes its own in the method `latex`.
+    """
 
     __slots__ = ()
 

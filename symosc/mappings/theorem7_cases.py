@@ -1,10 +1,13 @@
-"""The cases of Theorem 7: the boundary that a map's flow can graze, and the kind and ends of its window.
+"""The cases of Theorem 7.
 
-A flow that touches a boundary at the phase theta grazes it iff side (k v + B0 Omega sin theta) > 0. The side is 1 for
-the boundary above the domain (a contact from below) and -1 for the one below. The ends are theta_cr, the arcsine of
--k v/(B0 Omega), and pi - theta_cr. Near |k v| = |B0 Omega| the arcsine turns a rounding error into its square root. So
-products, comparison, root and arctangent are done with pairs of doubles (`symosc.kernels.double_double`): every end is
-within one unit in the last place.
+The boundary that a map's flow can graze, and the kind and ends of its window.
+
+A flow that touches a boundary at the phase theta grazes it iff side (k v + B0 Omega sin theta) > 0.
+The side is 1 for the boundary above the domain (a contact from below) and -1 for the one below. The
+ends are theta_cr, the arcsine of -k v/(B0 Omega), and pi - theta_cr. Near |k v| = |B0 Omega| the
+arcsine turns a rounding error into its square root. So products, comparison, root and arctangent
+are done with pairs of doubles (`symosc.kernels.double_double`): every end is within one unit in the
+last place.
 
 Scalar arithmetic only: this source runs as CPython floats and compiled by numba.
 """
@@ -35,8 +38,8 @@ class Place(NamedTuple):
     ----------
     domain, boundary : int
     side : int
-        1 if the boundary is the upper end of the domain, so that the flow touches it from below; -1 if it is the lower
-        end.
+        1 if the boundary is the upper end of the domain, so that the flow touches it from below; -1
+        if it is the lower end.
     equation : int
         The number of the map's equation in the paper: 55 to 58.
 
@@ -53,7 +56,12 @@ class Place(NamedTuple):
     equation: int
 
 
-PLACES = {"P2": Place(1, 1, 1, 55), "P3": Place(2, 1, -1, 56), "P5": Place(2, 2, 1, 57), "P6": Place(3, 2, -1, 58)}
+PLACES = {
+    "P2": Place(1, 1, 1, 55),
+    "P3": Place(2, 1, -1, 56),
+    "P5": Place(2, 2, 1, 57),
+    "P6": Place(3, 2, -1, 58),
+}
 _NO_GRAZING = {
     "P1": "sticks on belt 1",
     "P4": "sticks on belt 2",
@@ -63,70 +71,108 @@ _NO_GRAZING = {
 ORDERS: tuple[Order, ...] = ("full", "paper")
 
 # What a window is; a wrapped arc goes through 0. EQUALITY_UNDECIDED: rational numbers must decide.
-EQUALITY_UNDECIDED, EMPTY, EVERYTHING, ALL_BUT_ONE, ARC, WRAPPED_ARC = -1, 0, 1, 2, 3, 4
+EQUALITY_UNDECIDED = -1
+EMPTY = 0
+EVERYTHING = 1
+ALL_BUT_ONE = 2
+ARC = 3
+WRAPPED_ARC = 4
 
 
 def place(mapping: str) -> Place:
-    """Return the boundary at which a map can graze; only P2, P3, P5 and P6 return to their boundary."""
+    """Return the boundary at which a map can graze.
+
+    Only P2, P3, P5 and P6 return to their boundary.
+    """
     if mapping not in PLACES:
-        reason = f"it {_NO_GRAZING[mapping]}; " if mapping in _NO_GRAZING else ""
-        raise ParameterError("mapping", mapping, f"{reason}grazing is defined for {', '.join(PLACES)}")
+        if mapping in _NO_GRAZING:
+            reason = f"it {_NO_GRAZING[mapping]}; "
+        else:
+            reason = ""
+        raise ParameterError(
+            "mapping", mapping, f"{reason}grazing is defined for {', '.join(PLACES)}"
+        )
     return PLACES[mapping]
 
 
-def window_kind(side: int, gamma_sign: int, amplitude_sign: int, excess_sign: int, full: bool) -> int:
+def window_kind(
+    side: int, gamma_sign: int, amplitude_sign: int, excess_sign: int, full: bool
+) -> int:
     """Return the kind of window from the signs of gamma, of the amplitude and of |gamma| - |amplitude| (the excess).
 
-    Here gamma is k v_lambda/m, the amplitude B0 Omega/m, and the kind a code such as ARC. With `full`, the order "full"
-    of `symosc.grazing_window`, a tangency of fourth order counts as a graze.
+    Here gamma is k v_lambda/m, the amplitude B0 Omega/m, and the kind a code such as ARC. With
+    `full`, the order "full" of `symosc.grazing_window`, a tangency of fourth order counts as a
+    graze.
     """
-    # At |gamma| = |amplitude| the order 1 excludes one phase. G^(1) = G^(2) = 0 there. G^(3) = -gamma Omega^2 has the
-    # sign of a graze at `side` iff the rest of the circle is in the window; then `full` includes the phase.
+    # At |gamma| = |amplitude| the order 1 excludes one phase. G^(1) = G^(2) = 0 there. G^(3) =
+    # -gamma Omega^2 has the sign of a graze at `side` iff the rest of the circle is in the window;
+    # then `full` includes the phase.
     level = side * gamma_sign
     if amplitude_sign == 0:
-        return EVERYTHING if level > 0 else EMPTY  # with gamma = 0 too, the flow stays in the boundary for ever
+        # with gamma = 0 too, the flow stays in the boundary for ever
+        if level > 0:
+            return EVERYTHING
+        return EMPTY
     if excess_sign < 0:
-        return WRAPPED_ARC if level > 0 else ARC
+        if level > 0:
+            return WRAPPED_ARC
+        return ARC
     if level < 0:
         return EMPTY
-    return EVERYTHING if excess_sign > 0 or full else ALL_BUT_ONE
+    if excess_sign > 0 or full:
+        return EVERYTHING
+    return ALL_BUT_ONE
 
 
 def case_label(place: Place, gamma_sign: int, amplitude_sign: int, excess_sign: int) -> str:
-    """Return the label of the case with these signs: (55.1) is the first of eq. (55), (55.a) is not in the paper."""
-    # a: gamma has the wrong sign and |gamma| = |amplitude|; b, c: B0 = 0, everything and nothing. B0 < 0 is B0 > 0 half
-    # a period later.
+    """Return the label of the case with these signs: (55.1) is the first of eq.
+
+    (55), (55.a) is not in the paper.
+    """
+    # a: gamma has the wrong sign and |gamma| = |amplitude|; b, c: B0 = 0, everything and nothing.
+    # B0 < 0 is B0 > 0 half a period later.
     if amplitude_sign == 0:
         return f"({place.equation}.{'b' if place.side * gamma_sign > 0 else 'c'})"
     # By the sign of gamma, then of |gamma| - |amplitude| from -1 to 1.
-    below, above = {1: "123", 0: "4", -1: "5a6"}, {1: "122", 0: "3", -1: "456"}
+    below = {1: "123", 0: "4", -1: "5a6"}
+    above = {1: "122", 0: "3", -1: "456"}
     number = (below if place.side > 0 else above)[gamma_sign][excess_sign + 1]
     label = f"({place.equation}.{number})"
-    return label if amplitude_sign > 0 else f"{label} shifted by pi"
+    if amplitude_sign > 0:
+        return label
+    return f"{label} shifted by pi"
 
 
 def window(k, v, B, Omega, side, full):
     """Return a window's kind, its ends low and high, and theta_cr.
 
-    `k`, the belt's speed `v`, `B` (B0) and `Omega` are pairs of doubles, each number being the sum of its pair. `side`
-    is that of `Place`, `full` as in `window_kind`. Ends that a kind does not have are nan.
+    `k`, the belt's speed `v`, `B` (B0) and `Omega` are pairs of doubles, each number being the sum
+    of its pair. `side` is that of `Place`, `full` as in `window_kind`. Ends that a kind does not
+    have are nan.
     """
-    # An ARC reaches from low up to high, both excluded, a WRAPPED_ARC from low through 0 to high. With ALL_BUT_ONE, low
-    # = high is the excluded phase. EQUALITY_UNDECIDED: too near |k v| = |B0 Omega| for numbers that are no doubles.
-    # theta_cr is nan where Theta_cr does not exist.
+    # An ARC reaches from low up to high, both excluded, a WRAPPED_ARC from low through 0 to high.
+    # With ALL_BUT_ONE, low = high is the excluded phase. EQUALITY_UNDECIDED: too near |k v| = |B0
+    # Omega| for numbers that are no doubles. theta_cr is nan where Theta_cr does not exist.
     ph, pl, pe = scaled_product(k[0], k[1], v[0], v[1])
     qh, ql, qe = scaled_product(B[0], B[1], Omega[0], Omega[1])
-    p_sign, q_sign = sign(ph), sign(qh)
+    p_sign = sign(ph)
+    q_sign = sign(qh)
     if q_sign == 0:
         return window_kind(side, p_sign, 0, 0, full), nan, nan, nan
     # 2^3 is more than the mantissas can make up for; further up only |k v| > |B0 Omega| matters.
     shift = min(pe - qe, 3)
-    ph, pl = ldexp(p_sign * ph, shift), ldexp(p_sign * pl, shift)
-    qh, ql = q_sign * qh, q_sign * ql
+    ph = ldexp(p_sign * ph, shift)
+    pl = ldexp(p_sign * pl, shift)
+    qh = q_sign * qh
+    ql = q_sign * ql
     difference, rest = pair_sum(ph, pl, -qh, -ql)
-    excess_sign = sign(difference) if difference != 0.0 else sign(rest)
+    if difference != 0.0:
+        excess_sign = sign(difference)
+    else:
+        excess_sign = sign(rest)
     exact = k[1] == 0.0 and v[1] == 0.0 and B[1] == 0.0 and Omega[1] == 0.0
-    # Products of pairs are right to some units of 2^-104: closer to equality than this, rational numbers must decide.
+    # Products of pairs are right to some units of 2^-104: closer to equality than this, rational
+    # numbers must decide.
     if not exact and abs(difference) <= 2.0**-98:
         return EQUALITY_UNDECIDED, nan, nan, nan
     kind = window_kind(side, p_sign, q_sign, excess_sign, full)
@@ -137,10 +183,15 @@ def window(k, v, B, Omega, side, full):
         theta_cr = slope * HALF_PI[0]
         if kind != ALL_BUT_ONE:
             return kind, nan, nan, theta_cr
-        point = HALF_PI[0] if slope > 0 else THREE_HALVES_PI
+        if slope > 0:
+            point = HALF_PI[0]
+        else:
+            point = THREE_HALVES_PI
         return kind, point, point, theta_cr
     ah, al = pair_asin(ph, pl, qh, ql)
-    ah, al = slope * ah + 0.0, slope * al  # no -0.0
+    # no -0.0
+    ah = slope * ah + 0.0
+    al = slope * al
     turned, _ = pair_sum(PI_PAIR[0], PI_PAIR[1], -ah, -al)  # pi - theta_cr
     wrapped, _ = pair_sum(TWO_PI_PAIR[0], TWO_PI_PAIR[1], ah, al)  # 2 pi + theta_cr
     if side * q_sign > 0:  # sin(theta) > sin(theta_cr)
@@ -149,9 +200,15 @@ def window(k, v, B, Omega, side, full):
 
 
 def windows(pairs, side, full, columns):
-    """Fill `columns` (kind, low, high, theta_cr) by `window`; `pairs` are arrays: two parts each of k, v, B, Omega."""
+    """Fill `columns` (kind, low, high, theta_cr) by `window`.
+
+    `pairs` are arrays: two parts each of k, v, B, Omega.
+    """
     kh, kl, vh, vl, Bh, Bl, Oh, Ol = pairs
     kind, low, high, theta_cr = columns
     for i in range(len(kind)):
-        k, v, B, Omega = (kh[i], kl[i]), (vh[i], vl[i]), (Bh[i], Bl[i]), (Oh[i], Ol[i])
+        k = (kh[i], kl[i])
+        v = (vh[i], vl[i])
+        B = (Bh[i], Bl[i])
+        Omega = (Oh[i], Ol[i])
         kind[i], low[i], high[i], theta_cr[i] = window(k, v, B, Omega, side, full)

@@ -1,18 +1,21 @@
 """Admissibility: which roots of the closing equations are orbits; each inequality with its margin.
 
-The equations say that each piece ends on its belt. That it gets there first, and that the motion goes on as the next
-mapping says, are inequalities. Each one is a `Condition` with a value that is positive where it holds. The smallest
-values show how far an orbit is from ceasing to exist. One that passes 0 along a branch is the reason why the branch
-ends.
+The equations say that each piece ends on its belt. That it gets there first, and that the motion
+goes on as the next mapping says, are inequalities. Each one is a `Condition` with a value that is
+positive where it holds. The smallest values show how far an orbit is from ceasing to exist. One
+that passes 0 along a branch is the reason why the branch ends.
 
-The margins are computed in the arithmetic of the equations, so that more digits decide what doubles cannot. The
-verdict asks three questions, in this order.
+The margins are computed in the arithmetic of the equations, so that more digits decide what doubles
+cannot. The verdict asks three questions, in this order.
 
-1. Do all inequalities hold? Where a margin is too small for doubles the root is refined to FINE_DIGITS digits first. If
+1. Do all inequalities hold? Where a margin is too small for doubles the root is refined to
+   FINE_DIGITS digits first. If
 a margin is 0 there, it is not an orbit: a piece has no length, or a belt is only grazed.
-2. Does the motion from a switching point of the root do what the word says? It is simulated over the whole period by
+2. Does the motion from a switching point of the root do what the word says? It is simulated over
+   the whole period by
 the engine, always: no margin is too small or too large for that.
-3. Does it close? Every event has to be where and when the root says, the last one a period after the start.
+3. Does it close? Every event has to be where and when the root says, the last one a period after
+   the start.
 """
 
 from __future__ import annotations
@@ -33,7 +36,8 @@ from symosc.model import MODE_NAMES, NEIGHBOURS
 from symosc.orbits.closing_equations import ClosingEquations, OrbitPiece, Solution, Span, polish
 from symosc.simulation.simulate import simulate
 
-MARGINAL = 1e-9  # a margin below this part of the terms that it is a difference of is decided in more digits
+# a margin below this part of the terms that it is a difference of is decided in more digits
+MARGINAL = 1e-9
 FINE_DIGITS = 50
 SAMPLE = 0.25  # step of the samples that bracket extrema of the velocity, in units of 1/rate
 
@@ -48,7 +52,8 @@ class Condition(NamedTuple):
     text : str
         The inequality in words.
     value : float
-        Positive where the inequality holds: a time if it is about a duration, else a velocity or an acceleration.
+        Positive where the inequality holds: a time if it is about a duration, else a velocity or an
+        acceleration.
     t : float
         The time at which the inequality is closest to failing.
     event : str
@@ -75,15 +80,23 @@ class Condition(NamedTuple):
     scale: float
 
 
-GRAZING, BIRTH, VANISHING = "grazing", "birth of a stick", "vanishing of a stick"
-SLIP_BIRTH, SLIP_VANISHING, FLIGHT_VANISHING = "birth of a slip", "vanishing of a slip", "vanishing of a flight"
-# A flight that no longer reaches its belt takes the stick after it with it; a slip that vanishes takes its own arrival
-# with it; a crossing that turns into a stick makes the flight after it leave into the wrong domain.
+GRAZING = "grazing"
+BIRTH = "birth of a stick"
+VANISHING = "vanishing of a stick"
+SLIP_BIRTH = "birth of a slip"
+SLIP_VANISHING = "vanishing of a slip"
+FLIGHT_VANISHING = "vanishing of a flight"
+# A flight that no longer reaches its belt takes the stick after it with it; a slip that vanishes
+# takes its own arrival with it; a crossing that turns into a stick makes the flight after it leave
+# into the wrong domain.
 ARRIVAL, STICK_LASTS, STICK_END, PASSING, HOLD, STAYS_INSIDE, FLIGHT_LASTS, ENGINE = range(8)
 
 
 class Extremum(NamedTuple):
-    """An extremum of v in a flight: the time `tau` since the flight's start, the velocity `v`, and `b` = v''."""
+    """An extremum of v in a flight.
+
+    The time `tau` since the flight's start, the velocity `v`, and `b` = v''.
+    """
 
     tau: Number
     v: Number
@@ -110,32 +123,75 @@ def scales(equations: ClosingEquations, points: Points) -> Scales:
 def conditions(equations: ClosingEquations, points: Points) -> list[Condition]:
     """Return each inequality that a root of the closing equations must satisfy, with its margin, piece by piece."""
     points = [(equations.number(x), equations.number(theta)) for x, theta in points]
-    sizes, found = scales(equations, points), list[Condition]()
+    sizes = scales(equations, points)
+    found = list[Condition]()
     for i, span in enumerate(equations.spans(points)):
         following = equations.pieces[(i + 1) % len(points)]
-        rows = _stick(equations, span, sizes) if span.piece.sticks else _flight(equations, span, following, sizes)
+        if span.piece.sticks:
+            rows = _stick(equations, span, sizes)
+        else:
+            rows = _flight(equations, span, following, sizes)
         for text, value, theta, event, rank, size in rows:
-            found.append(Condition(i, text, float(value), float(theta / equations.K.Om), event, rank, size))
+            found.append(
+                Condition(i, text, float(value), float(theta / equations.K.Om), event, rank, size)
+            )
     return found
 
 
-#: What `Condition` holds of a margin: text, value, phase at which it is closest to 0, event, rank, scale.
+#: What `Condition` holds of a margin: text, value, phase at which it is closest to 0, event, rank,
+#: scale.
 MarginRow = tuple[str, Number, Number, str, int, float]
 
 
-def _flight(equations: ClosingEquations, span: Span, following: OrbitPiece, sizes: Scales) -> Iterator[MarginRow]:
-    """Yield the inequalities of the flight `span` before the piece `following`; `sizes` go into `Condition.scale`."""
-    (piece, start, end, tau), K, side = span, equations.K, span.piece.side
-    v_end, short = equations.belt(piece.end).v, float(min(1, abs(tau) * K.rate))
-    sign, opposite = "><" if side > 0 else "<>"
+def _flight(
+    equations: ClosingEquations, span: Span, following: OrbitPiece, sizes: Scales
+) -> Iterator[MarginRow]:
+    """Yield the inequalities of the flight `span` before the piece `following`.
+
+    `sizes` go into `Condition.scale`.
+    """
+    side = span.piece.side
+    K = equations.K
+    (piece, start, end, tau) = span
+    v_end = equations.belt(piece.end).v
+    short = float(min(1, abs(tau) * K.rate))
+    if side > 0:
+        sign, opposite = "><"
+    else:
+        sign, opposite = "<>"
     yield f"{piece.label} lasts", tau, end[1], FLIGHT_VANISHING, FLIGHT_LASTS, sizes.t
-    arrival, rank, size = side * equations.force(piece.mode, end[0], v_end, end[1]), ARRIVAL, sizes.a
-    if piece.zeros == 2:  # at the end of a short slip the force is lost in rounding, its change since the start is not
-        arrival = side * equations.arithmetic.namespace["state_at"](tau, equations.start_of_flight(piece, start), K).F
-        rank, size = STAYS_INSIDE, sizes.a * short
-    yield f"{piece.label} meets v{piece.end} with F^({piece.mode}) {sign} 0", arrival, end[1], GRAZING, rank, size
+    arrival = side * equations.force(piece.mode, end[0], v_end, end[1])
+    rank = ARRIVAL
+    size = sizes.a
+    if (
+        piece.zeros == 2
+        # at the end of a short slip the force is lost in rounding, its change since the start is not
+    ):
+        arrival = (
+            side
+            * equations.arithmetic.namespace["state_at"](
+                tau, equations.start_of_flight(piece, start), K
+            ).F
+        )
+        rank = STAYS_INSIDE
+        size = sizes.a * short
+    yield (
+        f"{piece.label} meets v{piece.end} with F^({piece.mode}) {sign} 0",
+        arrival,
+        end[1],
+        GRAZING,
+        rank,
+        size,
+    )
     gap, nearest, _ = min(clearances(equations, span), default=(inf, end[1], 0))
-    yield f"{piece.label} stays in Omega{piece.mode}", gap, nearest, GRAZING, STAYS_INSIDE, sizes.v * short
+    yield (
+        f"{piece.label} stays in Omega{piece.mode}",
+        gap,
+        nearest,
+        GRAZING,
+        STAYS_INSIDE,
+        sizes.v * short,
+    )
     far = piece.mode + side
     beyond = side * equations.force(far, end[0], v_end, end[1])
     if following.sticks:
@@ -147,14 +203,30 @@ def _flight(equations: ClosingEquations, span: Span, following: OrbitPiece, size
 
 
 def _stick(equations: ClosingEquations, span: Span, sizes: Scales) -> Iterator[MarginRow]:
-    """Yield the inequalities of the stick `span`, with their margins; `sizes` go into `Condition.scale`."""
-    (piece, _, end, tau), K, belt = span, equations.K, equations.belt(span.piece.start)
-    low, high = piece.start, piece.start + 1
+    """Yield the inequalities of the stick `span`, with their margins.
+
+    `sizes` go into `Condition.scale`.
+    """
+    belt = equations.belt(span.piece.start)
+    K = equations.K
+    (piece, _, end, tau) = span
+    low = piece.start
+    high = piece.start + 1
     yield f"{piece.label} lasts", tau, end[1], VANISHING, STICK_LASTS, sizes.t
     hold, nearest, _ = min(holding_forces(equations, span), default=(inf, end[1], 0))
-    yield f"F^({low}) > 0 > F^({high}) during {piece.label} (Theorem 4)", hold, nearest, SLIP_BIRTH, HOLD, sizes.a
+    yield (
+        f"F^({low}) > 0 > F^({high}) during {piece.label} (Theorem 4)",
+        hold,
+        nearest,
+        SLIP_BIRTH,
+        HOLD,
+        sizes.a,
+    )
     slope = piece.side * (belt.drift - K.fB * equations.sin(end[1]))
-    change = f"F^({low}) falls" if piece.side < 0 else f"F^({high}) rises"
+    if piece.side < 0:
+        change = f"F^({low}) falls"
+    else:
+        change = f"F^({high}) rises"
     size = float(abs(belt.drift) + abs(K.fB))
     yield f"{change} where {piece.label} ends", slope, end[1], SLIP_VANISHING, STICK_END, size
 
@@ -164,17 +236,31 @@ def clearances(equations: ClosingEquations, span: Span) -> Iterator[tuple[Number
     piece, start, _, tau = span
     flight = equations.start_of_flight(piece, start)
     for extremum in extrema(0 * tau, tau, flight, piece.after_stick, equations) if tau > 0 else ():
-        belt = piece.mode - 1 if extremum.b > 0 else piece.mode  # a minimum is turned to the belt below
+        # a minimum is turned to the belt below
+        if extremum.b > 0:
+            belt = piece.mode - 1
+        else:
+            belt = piece.mode
         if belt in (1, 2) and extremum.b != 0:
             v = equations.belt(belt).v
-            clearance = extremum.v - v if extremum.b > 0 else v - extremum.v
+            if extremum.b > 0:
+                clearance = extremum.v - v
+            else:
+                clearance = v - extremum.v
             yield clearance, start[1] + equations.K.Om * extremum.tau, belt
 
 
 def holding_forces(equations: ClosingEquations, span: Span) -> Iterator[tuple[Number, Number, int]]:
-    """Yield (margin, phase, domain) where both forces are extremal in a stick: F^(below) or -F^(above), the smaller."""
-    (piece, start, _, tau), K, names = span, equations.K, equations.arithmetic.namespace
-    belt, s0, c0 = equations.belt(piece.start), equations.sin(start[1]), equations.cos(start[1])
+    """Yield (margin, phase, domain) where both forces are extremal in a stick.
+
+    F^(below) or -F^(above), the smaller.
+    """
+    (piece, start, _, tau) = span
+    K = equations.K
+    names = equations.arithmetic.namespace
+    belt = equations.belt(piece.start)
+    s0 = equations.sin(start[1])
+    c0 = equations.cos(start[1])
     below = equations.force(piece.start, start[0], belt.v, start[1])
     for angle in (belt.angle, names["PI"] - belt.angle) if belt.turns else ():
         turn = (angle - start[1]) % names["TWO_PI"] / K.Om
@@ -185,34 +271,59 @@ def holding_forces(equations: ClosingEquations, span: Span) -> Iterator[tuple[Nu
             turn += K.period
 
 
-def extrema(begin: Number, tau: Number, flight: Launch, skip: bool, equations: ClosingEquations) -> list[Extremum]:
-    """Return the extrema of v between the times `begin` and `tau` of a flight; with `skip`, without one at `begin`."""
+def extrema(
+    begin: Number, tau: Number, flight: Launch, skip: bool, equations: ClosingEquations
+) -> list[Extremum]:
+    """Return the extrema of v between the times `begin` and `tau` of a flight.
+
+    With `skip`, without one at `begin`.
+    """
     # They are bracketed in doubles, and then located in the arithmetic of the equations.
     coarse = equations.coarse.K
     v0, a0, s0, c0 = (float(value) for value in flight)
-    span, count = float(tau - begin), int(min(4000, max(8, float(tau - begin) * coarse.rate / SAMPLE)))
+    span = float(tau - begin)
+    count = int(min(4000, max(8, float(tau - begin) * coarse.rate / SAMPLE)))
     times = float(begin) + span * np.arange(skip, count + 1) / count
-    _, _, slopes = motion(v0, a0, s0, c0, coarse.cm, coarse.w0sq, coarse.f0, coarse.Om, *basis(times, coarse)[:5])
+    _, _, slopes = motion(
+        v0, a0, s0, c0, coarse.cm, coarse.w0sq, coarse.f0, coarse.Om, *basis(times, coarse)[:5]
+    )
     rising = slopes > 0
-    for j in np.flatnonzero(slopes[:-1] == 0)[::-1]:  # a sample just at a turn belongs to what follows
+    for j in np.flatnonzero(slopes[:-1] == 0)[
+        ::-1
+    ]:  # a sample just at a turn belongs to what follows
         rising[j] = rising[j + 1]
     turns = np.flatnonzero(rising[:-1] != rising[1:])
     return [_extremum(times[j], times[j + 1], rising[j], flight, equations) for j in turns]
 
 
-def _extremum(low: float, high: float, maximum: bool, flight: Launch, equations: ClosingEquations) -> Extremum:
+def _extremum(
+    low: float, high: float, maximum: bool, flight: Launch, equations: ClosingEquations
+) -> Extremum:
     """Find the minimum or `maximum` of v between the times `low` and `high` of a flight by bracketed Newton steps."""
-    states, K, number = equations.arithmetic.namespace["state_at"], equations.K, equations.number
-    allowed = 64.0 * equations.arithmetic.namespace["EPS"]  # to which an extremum is known, as a part of its time
-    low, high = number(low), number(high)
+    states = equations.arithmetic.namespace["state_at"]
+    K = equations.K
+    number = equations.number
+    allowed = (
+        64.0 * equations.arithmetic.namespace["EPS"]
+    )  # to which an extremum is known, as a part of its time
+    low = number(low)
+    high = number(high)
     tau = (low + high) / 2
     for _ in range(100):
         now = states(tau, flight, K)
-        a, b = now.F, now.G1
+        a = now.F
+        b = now.G1
         if a == 0:
             break
-        low, high = (tau, high) if (a > 0) == maximum else (low, tau)
-        before, tau = tau, tau - a / b if b != 0 else low
+        if (a > 0) == maximum:
+            low, high = (tau, high)
+        else:
+            low, high = (low, tau)
+        before = tau
+        if b != 0:
+            tau = tau - a / b
+        else:
+            tau = low
         if not low < tau < high:
             tau = (low + high) / 2
         if abs(tau - before) <= allowed * high or tau in (low, high):
@@ -223,14 +334,17 @@ def _extremum(low: float, high: float, maximum: bool, flight: Launch, equations:
 
 def grazing_distance(equations: ClosingEquations, points: Points) -> float:
     """Return the least gap in velocity between a belt and an extremum of a flight or its continuation; inf if none."""
-    # At an extremum inside a flight that is the gap to the belt. At a flight's end it is how far the flight would go
-    # past the belt if the motion of its domain went on. Both are 0 where the orbit grazes, seen from below and from
-    # above.
-    K, points = equations.K, [(float(x), float(theta)) for x, theta in points]
+    # At an extremum inside a flight that is the gap to the belt. At a flight's end it is how far
+    # the flight would go past the belt if the motion of its domain went on. Both are 0 where the
+    # orbit grazes, seen from below and from above.
+    K = equations.K
+    points = [(float(x), float(theta)) for x, theta in points]
     found = [c.value for c in conditions(equations, points) if "stays in" in c.text]
     for piece, start, _, tau in equations.spans(points):
         if not piece.sticks:
-            past = extrema(tau, tau + K.period, equations.start_of_flight(piece, start), False, equations)
+            past = extrema(
+                tau, tau + K.period, equations.start_of_flight(piece, start), False, equations
+            )
             found += [abs(each.v - equations.belt(piece.end).v) for each in past[:1]]
     return float(min(found, default=inf))
 
@@ -249,20 +363,30 @@ def failing(found: list[Condition]) -> list[Condition]:
 
 
 def failures(equations: ClosingEquations, points: Points) -> list[Condition]:
-    """Return the conditions that keep a root in doubles from being an orbit, sorted by rank; [] for an orbit."""
+    """Return the conditions that keep a root in doubles from being an orbit, sorted by rank.
+
+    [] for an orbit.
+    """
     found = conditions(equations, points)
     small = any(abs(condition.value) < MARGINAL * condition.scale for condition in found)
     if not small and not ill_conditioned(equations, points):
         failed = failing(found)
         if failed or engine_contradiction(equations, points) is None:
             return failed
-    fine, root = equations.with_digits(FINE_DIGITS), Solution(points, inf, 0, False, "a piece has no length")
+    fine = equations.with_digits(FINE_DIGITS)
+    root = Solution(points, inf, 0, False, "a piece has no length")
     with suppress(ZeroDivisionError, ValueError):  # a flight loses all its length on the way
         root = polish(fine, points)
     if not root.converged:
-        # The pieces whose duration tends to 0 in Newton's method, at a multiple root, and what may fail else.
-        was, now = equations.spans(points), fine.spans(root.points)
-        gone = {i for i in range(len(was)) if abs(fine.K.Om * now[i].tau) < 1e-2 * abs(equations.K.Om * was[i].tau)}
+        # The pieces whose duration tends to 0 in Newton's method, at a multiple root, and what may
+        # fail else.
+        was = equations.spans(points)
+        now = fine.spans(root.points)
+        gone = {
+            i
+            for i in range(len(was))
+            if abs(fine.K.Om * now[i].tau) < 1e-2 * abs(equations.K.Om * was[i].tau)
+        }
         lasts = [c for c in found if c.piece in gone and c.rank in (STICK_LASTS, FLIGHT_LASTS)]
         if lasts:
             return [c._replace(value=0.0) for c in lasts]
@@ -272,10 +396,14 @@ def failures(equations: ClosingEquations, points: Points) -> list[Condition]:
         if small or failing(found):
             return undecided
         wrong = engine_contradiction(equations, points)
-        return [] if wrong is None else undecided or [wrong]
+        if wrong is None:
+            return []
+        return undecided or [wrong]
     decided = conditions(fine, root.points)
     # So small a margin is 0 even there.
-    failed = failing([c._replace(value=0.0) if abs(c.value) < 1e-25 * c.scale else c for c in decided])
+    failed = failing(
+        [c._replace(value=0.0) if abs(c.value) < 1e-25 * c.scale else c for c in decided]
+    )
     if failed:
         return failed
     found = []
@@ -289,11 +417,17 @@ def failures(equations: ClosingEquations, points: Points) -> list[Condition]:
 
 def ill_conditioned(equations: ClosingEquations, points: Points) -> bool:
     """Return whether rounding in the closing equations may move a root's switching phases by more than `MARGINAL`."""
-    sizes, rows = scales(equations, points), []
+    sizes = scales(equations, points)
+    rows = []
     x_size = max(abs(float(x)) for x, _ in points)
-    for piece, duration in zip(equations.pieces, equations.durations(np.asarray(points)), strict=True):
+    for piece, duration in zip(
+        equations.pieces, equations.durations(np.asarray(points)), strict=True
+    ):
         rows += [x_size, sizes.a if piece.sticks else sizes.v]
-        rows[-1] *= (abs(duration) / equations.K.Om) ** -piece.zeros * min(1.0, abs(duration)) if piece.zeros else 1
+        if piece.zeros:
+            rows[-1] *= (abs(duration) / equations.K.Om) ** -piece.zeros * min(1.0, abs(duration))
+        else:
+            rows[-1] *= 1
     try:
         inverse = np.linalg.inv(equations.matrix(points))
     except np.linalg.LinAlgError:
@@ -301,31 +435,66 @@ def ill_conditioned(equations: ClosingEquations, points: Points) -> bool:
     return bool((np.abs(inverse[1::2]) @ np.array(rows)).max() * EPS > MARGINAL)
 
 
-def engine_contradiction(equations: ClosingEquations, points: Points, digits: int | None = None) -> Condition | None:
-    """Simulate a root's motion over its period; return a failed condition on the first piece that differs, or None."""
-    # It starts at the end of a flight where the forces on both sides of the belt are farthest from 0.
-    pieces, number, K, p = equations.pieces, equations.number, equations.K, equations.parameters
+def engine_contradiction(
+    equations: ClosingEquations, points: Points, digits: int | None = None
+) -> Condition | None:
+    """Simulate a root's motion over its period.
+
+    Return a failed condition on the first piece that differs, or None.
+    """
+    # It starts at the end of a flight where the forces on both sides of the belt are farthest from
+    # 0.
+    pieces = equations.pieces
+    number = equations.number
+    K = equations.K
+    p = equations.parameters
 
     def least_force(i: int) -> float:
-        (x, theta), v = points[i], equations.belt(pieces[i].start).v
-        return min(abs(float(equations.force(domain, x, v, theta))) for domain in NEIGHBOURS[pieces[i].start])
+        (x, theta) = points[i]
+        v = equations.belt(pieces[i].start).v
+        return min(
+            abs(float(equations.force(domain, x, v, theta)))
+            for domain in NEIGHBOURS[pieces[i].start]
+        )
 
-    first = max((i for i in range(len(pieces)) if not pieces[i - 1].sticks), key=least_force, default=0)
-    # How far the engine's events may be from the orbit's, as a part of a period and of the size of the positions. A
-    # start that is rounded to doubles moves an arrival with a margin of MARGINAL by 1e-7.
-    allowed, (x, theta) = (1e-6 if digits is None else 1e-12), points[first]
+    first = max(
+        (i for i in range(len(pieces)) if not pieces[i - 1].sticks), key=least_force, default=0
+    )
+    # How far the engine's events may be from the orbit's, as a part of a period and of the size of
+    # the positions. A start that is rounded to doubles moves an arrival with a margin of MARGINAL
+    # by 1e-7.
+    if digits is None:
+        allowed = 1e-6
+    else:
+        allowed = 1e-12
+    (x, theta) = points[first]
     t0 = number(theta) / K.Om
-    t_end, v0 = t0 + equations.turn / K.Om * (1 + allowed), p.belt(pieces[first].start)
+    t_end = t0 + equations.turn / K.Om * (1 + allowed)
+    v0 = p.belt(pieces[first].start)
     most = len(pieces) + 1
-    events = simulate(p, t0=t0, x0=number(x), v0=v0, t_end=t_end, max_events=most, digits=digits).events
-    size = max(abs(float(x)) for x, _ in points) + float(K.period) * max(abs(float(K.belt1.v)), abs(float(K.belt2.v)))
+    events = simulate(
+        p, t0=t0, x0=number(x), v0=v0, t_end=t_end, max_events=most, digits=digits
+    ).events
+    size = max(abs(float(x)) for x, _ in points) + float(K.period) * max(
+        abs(float(K.belt1.v)), abs(float(K.belt2.v))
+    )
     for j in range(1, len(pieces) + 1):
         i = (first + j) % len(pieces)
-        piece, (x, theta) = pieces[i], points[i]
+        piece = pieces[i]
+        (x, theta) = points[i]
         due = (number(theta) + (equations.turn if first + j >= len(pieces) else 0)) / K.Om
-        event = events[j - 1] if j <= len(events) else None
-        late = inf if event is None else abs(event.t - due)
-        same = event is not None and (event.boundary, event.target) == (piece.start, MODE_NAMES[piece.mode])
+        if j <= len(events):
+            event = events[j - 1]
+        else:
+            event = None
+        if event is None:
+            late = inf
+        else:
+            late = abs(event.t - due)
+        same = event is not None and (event.boundary, event.target) == (
+            piece.start,
+            MODE_NAMES[piece.mode],
+        )
         if event is None or not same or event.kind == "graze" or late > allowed * K.period:
             break
         if abs(event.x - number(x)) > allowed * max(size, 1e-300):
@@ -333,6 +502,11 @@ def engine_contradiction(equations: ClosingEquations, points: Points, digits: in
     else:
         return None
     ends = pieces[i - 1]
-    kind, text = (SLIP_BIRTH if ends.sticks else GRAZING), f"{ends.label} ends where it first can"
-    when, value = float(due if event is None else event.t), -min(late, float(equations.turn / K.Om))
+    if ends.sticks:
+        kind = SLIP_BIRTH
+    else:
+        kind = GRAZING
+    text = f"{ends.label} ends where it first can"
+    when = float(due if event is None else event.t)
+    value = -min(late, float(equations.turn / K.Om))
     return Condition((i - 1) % len(pieces), text, value, when, kind, ENGINE, 2 * pi)

@@ -1,25 +1,32 @@
-"""The equations of a border: the closing equations of one word, and the inequalities that are 0 on it.
+"""The equations of a border.
 
-A border is followed with the word of its two that has fewer pieces: on the other side some piece is added, which has no
-length on the border. Its inequality vanishes in one of four ways (`Zero`). The field's names are those of di Bernardo,
-Kowalczyk and Nordmark (Int. J. Bifurcation Chaos 13, 2003) for what the orbit does to the belt's sticking region, the
-part of the switching plane with F^(below) > 0 > F^(above):
+The closing equations of one word, and the inequalities that are 0 on it.
+
+A border is followed with the word of its two that has fewer pieces: on the other side some piece is
+added, which has no length on the border. Its inequality vanishes in one of four ways (`Zero`). The
+field's names are those of di Bernardo, Kowalczyk and Nordmark (Int. J. Bifurcation Chaos 13, 2003)
+for what the orbit does to the belt's sticking region, the part of the switching plane with
+F^(below) > 0 > F^(above):
 
     FAR, at a crossing   it crosses at the region's edge and a stick is born there         crossing-sliding
     FAR, at an onset     it arrives at the edge and a slip to the far side is born         switching-sliding
     HOLD, in a stick     it touches the edge from inside and a slip is born                adding-sliding
     TOUCH, in a flight   it grazes the belt where the mass would stick                     grazing-sliding
 
-The force of the far domain is 0 in the first two; G^(1) of the far domain tells them apart and is 0 where they meet
-(FLAT). The phase of a turn (HOLD) or of a graze (TOUCH) is an unknown, so all equations are algebraic. A graze next to
-the start of its flight would have the start itself as a second root: it is divided out, as in the closing equations.
+The force of the far domain is 0 in the first two; G^(1) of the far domain tells them apart and is 0
+where they meet (FLAT). The phase of a turn (HOLD) or of a graze (TOUCH) is an unknown, so all
+equations are algebraic. A graze next to the start of its flight would have the start itself as a
+second root: it is divided out, as in the closing equations.
 
-At a point of codimension two a second zero is added, of another inequality, or of what makes the first one simple
-(`Zero.bend`). ARRIVAL is only for such points: a flight that meets its belt with v' = v'' = 0.
+At a point of codimension two a second zero is added, of another inequality, or of what makes the
+first one simple (`Zero.bend`). ARRIVAL is only for such points: a flight that meets its belt with
+v' = v'' = 0.
 
-Motions that are symmetric lose two inequalities at once. They belong to one border, and the equations take one of them.
+Motions that are symmetric lose two inequalities at once. They belong to one border, and the
+equations take one of them.
 
-Where the motion loses its word, as it comes to rest or meets no belt, the border has a closed form (`ClosedForm`).
+Where the motion loses its word, as it comes to rest or meets no belt, the border has a closed form
+(`ClosedForm`).
 """
 
 from __future__ import annotations
@@ -43,7 +50,12 @@ from symosc.orbits import admissibility
 from symosc.orbits.admissibility import Condition, clearances, conditions, holding_forces, scales
 from symosc.orbits.closing_equations import ClosingEquations, Orbit, OrbitPiece, pieces_of
 
-AT_FAR, AT_ARRIVAL, AT_FLAT, AT_HOLD, AT_TOUCH, AT_BEND = "far", "arrival", "flat", "hold", "touch", "bend"
+AT_FAR = "far"
+AT_ARRIVAL = "arrival"
+AT_FLAT = "flat"
+AT_HOLD = "hold"
+AT_TOUCH = "touch"
+AT_BEND = "bend"
 TIMED = (AT_HOLD, AT_TOUCH)  # zeros at a phase that is an unknown
 DIFFERENCE = 1e-7  # for derivatives in doubles: Newton's method needs no more
 FINE_DIGITS = 50
@@ -52,7 +64,10 @@ POINTS_WEIGHT = 4.0  # by which switching points count less than the parameters 
 
 
 class Zero(NamedTuple):
-    """A margin that is 0 on a border: its kind, its piece, and `place`, the belt of a gap or the domain of a force."""
+    """A margin that is 0 on a border.
+
+    Its kind, its piece, and `place`, the belt of a gap or the domain of a force.
+    """
 
     kind: str
     piece: int
@@ -65,7 +80,10 @@ class Zero(NamedTuple):
 
 
 class Plane(NamedTuple):
-    """A plane of two parameters: the parameter set that fixes the others, the names of the two, and their ranges."""
+    """A plane of two parameters.
+
+    The parameter set that fixes the others, the names of the two, and their ranges.
+    """
 
     fixed: Parameters
     names: tuple[str, str]
@@ -95,7 +113,10 @@ class Node(NamedTuple):
 
 
 class QuickArithmetic(Arithmetic):
-    """Arithmetic in doubles only to evaluate equations; it lacks the constants that a search for events needs."""
+    """Arithmetic in doubles only to evaluate equations.
+
+    It lacks the constants that a search for events needs.
+    """
 
     def __init__(self, parameters: OtherNumbers) -> None:
         self.K = constants(parameters)  # type: ignore[arg-type]  # from floats, which is faster than from fractions
@@ -104,28 +125,42 @@ class QuickArithmetic(Arithmetic):
 class BorderSystem:
     """The closing equations of a word together with the margins that have to vanish on a border, `zeros`.
 
-    The unknowns u are x and theta of each switching point, the phase of each extremum at which a margin has to vanish,
-    and the two parameters. If one margin vanishes the roots form a curve, the border; if two, a point. Lengths are
-    measured in the scaled unknowns z = u/scale.
+    The unknowns u are x and theta of each switching point, the phase of each extremum at which a
+    margin has to vanish, and the two parameters. If one margin vanishes the roots form a curve, the
+    border; if two, a point. Lengths are measured in the scaled unknowns z = u/scale.
     """
 
     def __init__(self, plane: Plane, orbit: Orbit, zeros: Sequence[Zero]) -> None:
         self.word, self.periods, points = orbit
-        self.plane, self.fixed, self.names, self.zeros = plane, plane.fixed, plane.names, tuple(zeros)
+        self.plane, self.fixed, self.names, self.zeros = (
+            plane,
+            plane.fixed,
+            plane.names,
+            tuple(zeros),
+        )
         self.timed = [zero for zero in self.zeros if zero.kind in TIMED]
         self.given = by_name(plane.fixed, float)
         self.pieces = pieces_of(self.word)
         self.n = len(self.pieces)
         self.sizes = np.zeros(0)
-        self.hidden: tuple[int, ...] = ()  # conditions that are 0 all along, as the border's own or by symmetry
-        self.pieces = self._unaccelerated_after(zero.piece for zero in self.zeros if zero.kind == AT_FAR)
+        self.hidden: tuple[
+            int, ...
+        ] = ()  # conditions that are 0 all along, as the border's own or by symmetry
+        self.pieces = self._unaccelerated_after(
+            zero.piece for zero in self.zeros if zero.kind == AT_FAR
+        )
         self.symmetric_pieces = self.pieces
         size = max(np.ptp(points[:, 0]), 0.1 * np.abs(points[:, 0]).max())
         weight = POINTS_WEIGHT * np.sqrt(2 * self.n)
-        self.scale = np.array([*[size * weight, weight] * self.n, *[weight] * len(self.timed), *plane.widths])
+        self.scale = np.array(
+            [*[size * weight, weight] * self.n, *[weight] * len(self.timed), *plane.widths]
+        )
 
     def _unaccelerated_after(self, crossings: Iterable[int]) -> tuple[OrbitPiece, ...]:
-        """Return the word's pieces; a flight after a piece whose index is in `crossings` starts with acceleration 0."""
+        """Return the word's pieces.
+
+        A flight after a piece whose index is in `crossings` starts with acceleration 0.
+        """
         pieces = list(self.pieces)
         for i in crossings:
             j = (i + 1) % self.n
@@ -137,8 +172,14 @@ class BorderSystem:
     def at(self, u: Any, digits: int | None = None) -> tuple[ClosingEquations, Any, Any]:
         """Return the closing equations, the switching points and the phases of extrema for the unknowns u."""
         changed = dict(zip(self.names, u[-2:], strict=True))
-        values: Any = OtherNumbers(self.given | changed) if digits is None else self.fixed.replace(**changed)
-        arithmetic = None if digits else QuickArithmetic(values)
+        if digits is None:
+            values: Any = OtherNumbers(self.given | changed)
+        else:
+            values = self.fixed.replace(**changed)
+        if digits:
+            arithmetic = None
+        else:
+            arithmetic = QuickArithmetic(values)
         equations = ClosingEquations(values, self.word, self.periods, digits, arithmetic)
         equations.pieces = self.pieces
         return equations, *self._split(u)
@@ -158,37 +199,51 @@ class BorderSystem:
         return Orbit(self.word, self.periods, (z * self.scale)[: 2 * self.n].reshape(-1, 2))
 
     def residuals(self, u: Any, digits: int | None = None) -> list[Number]:
-        """Return what must be 0 at u: closing equations, then margins that vanish; in floats, or with `digits`."""
+        """Return what must be 0 at u: closing equations, then margins that vanish.
+
+        In floats, or with `digits`.
+        """
         equations, points, phases = self.at(u, digits)
         return equations.residuals(points) + self._zeros(equations, points, phases)
 
     def _zeros(self, equations: ClosingEquations, points: Any, phases: Any) -> list[Number]:
         """Return the values that must vanish on the border besides the closing equations."""
-        values, left = [], list(phases)
+        values = []
+        left = list(phases)
         for zero in self.zeros:  # a bend belongs to the extremum of another zero
             bent = (phases[i] for i, other in enumerate(self.timed) if other.piece == zero.piece)
-            theta = left.pop(0) if zero.kind in TIMED else next(bent, None)
+            if zero.kind in TIMED:
+                theta = left.pop(0)
+            else:
+                theta = next(bent, None)
             values += zero_values(equations, points, zero, theta)
         return values
 
     def _linearised(self, u: list[float]) -> tuple[np.ndarray, np.ndarray]:
-        """Return the residuals at u and their Jacobian in doubles; finite differences give the parameters' columns."""
+        """Return the residuals at u and their Jacobian in doubles.
+
+        Finite differences give the parameters' columns.
+        """
         equations, points, phases = self.at(u)
-        n, size = 2 * self.n, len(u)
+        n = 2 * self.n
+        size = len(u)
         values = np.array(equations.residuals(points) + self._zeros(equations, points, phases))
         found = np.zeros((len(values), size))
         found[:n, :n] = equations.matrix(points)
         touched = {(2 * zero.piece + j) % n for zero in self.zeros for j in range(4)}
         for j in (*touched, *range(n, size - 2)):
             step = DIFFERENCE * self.scale[j] / POINTS_WEIGHT
-            found[n:, j] = _slope(lambda each: self._zeros(equations, *self._split(each)), u, values[n:], j, step)
+            found[n:, j] = _slope(
+                lambda each: self._zeros(equations, *self._split(each)), u, values[n:], j, step
+            )
         for j in (-2, -1):
             found[:, j] = _slope(self.residuals, u, values, j, DIFFERENCE * self.scale[j])
         return values, found
 
     def fine_tangent(self, u: Sequence[Any]) -> np.ndarray:
         """Return the border's unit tangent at the mpmath numbers u, in scaled unknowns, to nearly double precision."""
-        step, (equations, _, _) = u[0].context.mpf(10) ** -20, self.at(u, FINE_DIGITS)
+        step = u[0].context.mpf(10) ** -20
+        (equations, _, _) = self.at(u, FINE_DIGITS)
 
         def at_fixed_parameters(each: Sequence[Any]) -> list[Number]:
             points, phases = self._split(each)
@@ -197,29 +252,45 @@ class BorderSystem:
         def at_any(each: Sequence[Any]) -> list[Number]:
             return self.residuals(each, FINE_DIGITS)
 
-        values, functions = np.array(at_any(u)), [at_fixed_parameters] * (len(u) - 2) + [at_any] * 2
-        columns = [_slope(function, u, values, j, step).astype(float) for j, function in enumerate(functions)]
+        values = np.array(at_any(u))
+        functions = [at_fixed_parameters] * (len(u) - 2) + [at_any] * 2
+        columns = [
+            _slope(function, u, values, j, step).astype(float)
+            for j, function in enumerate(functions)
+        ]
         tangent: np.ndarray = np.linalg.svd(np.array(columns).T * self.scale)[2][-1]
         return tangent
 
     # -- Newton's method -----------------------------------------------------------------------------------------------
 
-    def correct(self, z: np.ndarray, row: np.ndarray | None) -> tuple[np.ndarray, np.ndarray, float] | None:
-        """Solve the equations by Newton's method from z; return root, inverse Jacobian and error, or None.
+    def correct(
+        self, z: np.ndarray, row: np.ndarray | None
+    ) -> tuple[np.ndarray, np.ndarray, float] | None:
+        """Solve the equations by Newton's method from z.
 
-        `row` is the normal of a hyperplane through z that contains the root; None if the equations alone fix it. Root
-        and error are in scaled unknowns.
+        Return root, inverse Jacobian and error, or None.
+
+        `row` is the normal of a hyperplane through z that contains the root; None if the equations
+        alone fix it. Root and error are in scaled unknowns.
         """
-        start, inverse, before = z, None, inf
+        start = z
+        inverse = None
+        before = inf
         with suppress(np.linalg.LinAlgError, ZeroDivisionError, OverflowError, ValueError):
             for _ in range(12):
                 u = (z * self.scale).tolist()
                 if inverse is None:
                     values, matrix = self._linearised(u)
                     matrix *= self.scale
-                    matrix = matrix if row is None else np.vstack([matrix, row])
-                    square = len(matrix) == len(z)  # of too many equations, none contradicts the others
-                    inverse = np.linalg.inv(matrix) if square else np.linalg.pinv(matrix)
+                    if row is not None:
+                        matrix = np.vstack([matrix, row])
+                    square = len(matrix) == len(
+                        z
+                    )  # of too many equations, none contradicts the others
+                    if square:
+                        inverse = np.linalg.inv(matrix)
+                    else:
+                        inverse = np.linalg.pinv(matrix)
                 else:
                     values = np.array(self.residuals(u))
                 step = inverse @ (values if row is None else np.append(values, row @ (z - start)))
@@ -227,7 +298,9 @@ class BorderSystem:
                 if not size < 1:  # nan too
                     return None
                 z = z - step
-                if size < 1e-12 or (size < 1e-6 and size > before / 4):  # the next correction is rounding
+                if size < 1e-12 or (
+                    size < 1e-6 and size > before / 4
+                ):  # the next correction is rounding
                     return z, inverse, size * (10.0 * size / before + DIFFERENCE)
                 if size > before / 16:
                     inverse = None
@@ -237,14 +310,22 @@ class BorderSystem:
     def polish(self, z: np.ndarray, fixed: tuple[int, Any] | None = None) -> list[Number] | None:
         """Return the root u in many digits; None if it is not found.
 
-        `fixed` is the index of an unknown and the exact value that it keeps, for a system whose roots form a curve.
+        `fixed` is the index of an unknown and the exact value that it keeps, for a system whose
+        roots form a curve.
         """
         got = self.correct(z, None if fixed is None else np.eye(len(z))[fixed[0]])
         # Entries of the inverse as large as this show a point that is not isolated.
-        if got is None or not np.isfinite(got[1]).all() or (fixed is None and np.abs(got[1]).max() > 1e6):
+        if (
+            got is None
+            or not np.isfinite(got[1]).all()
+            or (fixed is None and np.abs(got[1]).max() > 1e6)
+        ):
             return None
-        number = ClosingEquations(self.fixed, self.word, self.periods, FINE_DIGITS).arithmetic.number
-        u, before = [number(Fraction(value)) for value in (got[0] * self.scale).tolist()], inf
+        number = ClosingEquations(
+            self.fixed, self.word, self.periods, FINE_DIGITS
+        ).arithmetic.number
+        u = [number(Fraction(value)) for value in (got[0] * self.scale).tolist()]
+        before = inf
         with suppress(ZeroDivisionError, ValueError):
             for _ in range(30):
                 if fixed is not None:
@@ -253,17 +334,24 @@ class BorderSystem:
                 if not np.isfinite(values).all():
                     return None
                 step = got[1] @ np.array(values if fixed is None else [*values, 0.0])
-                size, changes = float(np.abs(step).max()), (step * self.scale).tolist()
-                u = [value - number(Fraction(change)) for value, change in zip(u, changes, strict=True)]
+                size = float(np.abs(step).max())
+                changes = (step * self.scale).tolist()
+                u = [
+                    value - number(Fraction(change))
+                    for value, change in zip(u, changes, strict=True)
+                ]
                 if size < 1e-30 or size > before / 2:
-                    return u if size < 1e-30 else None
+                    if size < 1e-30:
+                        return u
+                    return None
                 before = size
         return None
 
     def node(self, z: np.ndarray, along: np.ndarray, row: np.ndarray | None = None) -> Node | None:
         """Find the border's point in the hyperplane through z with the normal `row` or else `along`; None if not found.
 
-        The node's tangent is oriented like `along`. Its errors come from rounding and from the last correction.
+        The node's tangent is oriented like `along`. Its errors come from rounding and from the last
+        correction.
         """
         got = self.correct(z, along if row is None else row)
         if got is None:
@@ -271,91 +359,148 @@ class BorderSystem:
         z, inverse, left = got
         if not self.sizes.size:
             self.sizes = self._sizes((z * self.scale).tolist())
-        rounding = np.abs(inverse[-2:, : len(self.sizes)]) @ (4 * EPS * self.sizes) + 2 * EPS * np.abs(z[-2:])
+        rounding = np.abs(inverse[-2:, : len(self.sizes)]) @ (
+            4 * EPS * self.sizes
+        ) + 2 * EPS * np.abs(z[-2:])
         tangent = inverse[:, -1] * np.sign(inverse[:, -1] @ along)
         return Node(z, tangent / np.linalg.norm(tangent), (rounding + left) * self.scale[-2:])
 
     def _sizes(self, u: Sequence[float]) -> np.ndarray:
         """Return the sizes of the terms of all residuals, by which their rounding errors are measured."""
         equations, points, _ = self.at(u)
-        size, rows = scales(equations, points), []
+        size = scales(equations, points)
+        rows = []
         largest = max(abs(x) for x, _ in points)
         for piece, _, _, tau in equations.spans(points):
-            rows += [largest, size.a if piece.sticks else size.v * min(1.0, abs(tau)) / abs(tau) ** piece.zeros]
+            rows += [
+                largest,
+                size.a if piece.sticks else size.v * min(1.0, abs(tau)) / abs(tau) ** piece.zeros,
+            ]
         for zero in self.zeros:
-            rows += [size.v, size.a / size.t] if zero.kind == AT_TOUCH else [size.a] * (2 if zero.kind in TIMED else 1)
+            if zero.kind == AT_TOUCH:
+                rows += [size.v, size.a / size.t]
+            else:
+                rows += [size.a] * (2 if zero.kind in TIMED else 1)
         return np.array(rows)
 
     # -- the inequalities along the border -----------------------------------------------------------------------------
 
     def hide(self, curve: Sequence[np.ndarray]) -> None:
         """Make `margins` ignore the inequalities that are 0 all along the border, at all its points z in `curve`."""
-        flags, shift = list[list[bool]](), 0
+        flags = list[list[bool]]()
+        shift = 0
         for z in curve:
             equations, points, _ = self.at((z * self.scale).tolist())
             found = conditions(equations, points)
             flags.append([abs(c.value) < NOTHING * c.scale for c in found])
-            shift = self.n // 2 if is_symmetric(np.array(points)) else 0
+            if is_symmetric(np.array(points)):
+                shift = self.n // 2
+            else:
+                shift = 0
         small = [i for i, each in enumerate(zip(*flags, strict=True)) if all(each)]
         # An extremum next to an end of its flight may be missed; by symmetry its margin is 0 too.
-        own = [(zero.kind, (zero.piece + add) % self.n) for zero in self.zeros for add in (0, shift)]
-        self.hidden = tuple({*small, *(i for i, c in enumerate(found) if (kind_of(c), c.piece) in own)})
+        own = [
+            (zero.kind, (zero.piece + add) % self.n) for zero in self.zeros for add in (0, shift)
+        ]
+        self.hidden = tuple(
+            {*small, *(i for i, c in enumerate(found) if (kind_of(c), c.piece) in own)}
+        )
         # Only for the inequalities: the equations would not fix an orbit that is at rest twice.
-        crossings = [c.piece for i, c in enumerate(found) if i in small and c.rank == admissibility.PASSING]
+        crossings = [
+            c.piece for i, c in enumerate(found) if i in small and c.rank == admissibility.PASSING
+        ]
         self.symmetric_pieces = self._unaccelerated_after(crossings)
 
     def margins(self, z: np.ndarray) -> list[Condition]:
         """Return the inequalities that must hold on the border, and those by which the zeros on it are simple ones."""
         equations, points, phases = self.at((z * self.scale).tolist())
         equations.pieces = self.symmetric_pieces
-        found, size = conditions(equations, points), scales(equations, points)
+        found = conditions(equations, points)
+        size = scales(equations, points)
         mine = {(zero.kind, zero.piece) for zero in self.zeros}
         own = [c for i, c in enumerate(found) if i in self.hidden and (kind_of(c), c.piece) in mine]
         found = [c._replace(value=inf) if i in self.hidden else c for i, c in enumerate(found)]
         for zero, theta in zip(self.zeros, [*phases, *[0.0] * len(self.zeros)], strict=False):
             found += self._simple_zero_margins(equations, points, zero, theta, size.a / size.t)
-        equations.pieces = self.pieces  # the margins at other extrema than those that vanish on the border
+        equations.pieces = (
+            self.pieces
+        )  # the margins at other extrema than those that vanish on the border
         for c in own:
-            turns = extrema_of(equations, points, c.piece, kind_of(c)) if kind_of(c) in TIMED else []
-            away = [value for value, theta, _ in turns if all(abs(theta - phase) > 1e-5 for phase in phases)]
-            found.append(c._replace(value=float(min(away, default=inf)), text=f"elsewhere, {c.text}"))
+            if kind_of(c) in TIMED:
+                turns = extrema_of(equations, points, c.piece, kind_of(c))
+            else:
+                turns = []
+            away = [
+                value
+                for value, theta, _ in turns
+                if all(abs(theta - phase) > 1e-5 for phase in phases)
+            ]
+            found.append(
+                c._replace(value=float(min(away, default=inf)), text=f"elsewhere, {c.text}")
+            )
         return found
 
     def _simple_zero_margins(
         self, equations: ClosingEquations, points: Any, zero: Zero, theta: float, size: float
     ) -> Iterator[Condition]:
-        """Yield the inequalities that hold as long as `zero` is a simple one; where one of them fails, the border ends.
+        """Yield the inequalities that hold as long as `zero` is a simple one.
 
-        `theta` is the phase of the extremum at which the margin vanishes; `size` becomes the `Condition.scale`.
+        Where one of them fails, the border ends.
+
+        `theta` is the phase of the extremum at which the margin vanishes; `size` becomes the
+        `Condition.scale`.
         """
-        piece, begin, end = self.pieces[zero.piece], points[zero.piece][1], equations.ends(points)[zero.piece][1]
+        end = equations.ends(points)[zero.piece][1]
+        begin = points[zero.piece][1]
+        piece = self.pieces[zero.piece]
         (value,) = zero_values(equations, points, zero.bend, theta)
         if zero.kind == AT_FAR:
             following = self.pieces[(zero.piece + 1) % self.n]
-            sign, theta, text = piece.side, end, f"G^(1) of the far domain at the end of {piece.label} keeps its sign"
-            sign = -sign if following.sticks else sign
+            sign = piece.side
+            theta = end
+            text = f"G^(1) of the far domain at the end of {piece.label} keeps its sign"
+            if following.sticks:
+                sign = -sign
         else:  # below the domain lies its smaller number: there a minimum is turned to the border
             low = zero.place == (piece.start if zero.kind == AT_HOLD else piece.mode - 1)
-            sign, text = 1 if low else -1, f"the extremum in {piece.label} is a regular one"
+            if low:
+                sign = 1
+            else:
+                sign = -1
+            text = f"the extremum in {piece.label} is a regular one"
             for away, what in ((theta - begin, "begins before"), (end - theta, "ends after")):
                 time = away / equations.K.Om
-                yield Condition(zero.piece, f"{piece.label} {what} its extremum", time, theta, "", -1, size)
+                yield Condition(
+                    zero.piece, f"{piece.label} {what} its extremum", time, theta, "", -1, size
+                )
         yield Condition(zero.piece, text, float(sign * value), theta / equations.K.Om, "", -1, size)
 
 
 class ClosedForm(BorderSystem):
-    """A border beyond which the motion has no word (it rests, or meets no belt): one equation in both parameters.
+    """A border beyond which the motion has no word (it rests, or meets no belt).
 
-    The equation is about the slower belt. If this belt is at rest, the mass may rest on it where mu FN >= |B0|. If the
-    speed of this belt is one of the two parameters, the border is the line of speed 0, with a word on either side. A
-    moving belt is not met if it is at least as fast as the steady motion: |v| sqrt((k - m Omega^2)^2 + (c Omega)^2) >=
+    One equation in both parameters.
+
+    The equation is about the slower belt. If this belt is at rest, the mass may rest on it where mu
+    FN >= |B0|. If the speed of this belt is one of the two parameters, the border is the line of
+    speed 0, with a word on either side. A moving belt is not met if it is at least as fast as the
+    steady motion: |v| sqrt((k - m Omega^2)^2 + (c Omega)^2) >=
     |B0| Omega. The parameters `fixed` lie on the border; `orbit` is an orbit beside the border.
     """
 
     def __init__(self, plane: Plane, fixed: Parameters, orbit: Orbit) -> None:
-        belt = 1 if abs(fixed.v1) <= abs(fixed.v2) else 2
+        if abs(fixed.v1) <= abs(fixed.v2):
+            belt = 1
+        else:
+            belt = 2
         super().__init__(plane._replace(fixed=fixed), orbit, [Zero(AT_TOUCH, 0, belt)])
-        self.plane, self.belt, self.n, self.near, self.scale = plane, belt, 0, orbit.points, plane.widths
+        self.plane, self.belt, self.n, self.near, self.scale = (
+            plane,
+            belt,
+            0,
+            orbit.points,
+            plane.widths,
+        )
         self.rests = fixed.belt(belt) == 0
         self.line = self.rests and f"v{belt}" in plane.names
         self.up, self.push = 1 if fixed.belt(belt) > 0 else -1, 1 if fixed.B0 > 0 else -1
@@ -365,10 +510,15 @@ class ClosedForm(BorderSystem):
         changed = dict(zip(self.names, u, strict=True))
         if digits is None:
             return OtherNumbers(self.given | changed)
-        return OtherNumbers(by_name(self.fixed, lambda q: u[0].context.mpf(q.numerator) / q.denominator) | changed)
+        return OtherNumbers(
+            by_name(self.fixed, lambda q: u[0].context.mpf(q.numerator) / q.denominator) | changed
+        )
 
     def terms(self, u: Any, digits: int | None = None) -> tuple[Number, Number]:
-        """Return the two terms that are equal on the border; where the first is larger the motion has no word."""
+        """Return the two terms that are equal on the border.
+
+        Where the first is larger the motion has no word.
+        """
         p = self._numbers(u, digits)
         if self.rests:
             return p.friction(self.belt), self.push * p.B0
@@ -376,7 +526,10 @@ class ClosedForm(BorderSystem):
         return self.up * p.belt(self.belt) * resisted**0.5, self.push * p.B0 * p.Omega
 
     def residuals(self, u: Any, digits: int | None = None) -> list[Number]:
-        """Return what is 0 on the border, in a list: the difference of `terms`, or the speed of a belt at rest."""
+        """Return what is 0 on the border, in a list.
+
+        The difference of `terms`, or the speed of a belt at rest.
+        """
         holds, drives = self.terms(u, digits)
         return [self._numbers(u, digits).belt(self.belt) if self.line else holds - drives]
 
@@ -396,9 +549,14 @@ class ClosedForm(BorderSystem):
         return np.array([b, -a]) / np.hypot(a, b)
 
     def margins(self, z: np.ndarray) -> list[Condition]:
-        """Return the conditions of the border: a moving belt is met before the other, a belt at rest holds the mass."""
-        p, found = self._numbers(z * self.scale), []
-        own, other = self.up * p.belt(self.belt), -self.up * p.belt(3 - self.belt)
+        """Return the conditions of the border.
+
+        A moving belt is met before the other, a belt at rest holds the mass.
+        """
+        p = self._numbers(z * self.scale)
+        found = []
+        own = self.up * p.belt(self.belt)
+        other = -self.up * p.belt(3 - self.belt)
         if self.line:
             holds, drives = self.terms(z * self.scale)
             found.append((f"mu{self.belt} FN > |B0|", holds - drives))
@@ -409,14 +567,22 @@ class ClosedForm(BorderSystem):
         return [Condition(0, text, float(value), 0.0, "", -1, 1.0) for text, value in found]
 
     def orbit(self, z: np.ndarray) -> Orbit:
-        """Return the limit of orbits at the border: flights of no duration, or a steady motion that grazes belts."""
+        """Return the limit of orbits at the border.
+
+        Flights of no duration, or a steady motion that grazes belts.
+        """
         p = self.fixed.replace(**dict(zip(self.names, (z * self.scale).tolist(), strict=True)))
         points = self.near.copy()
         if self.rests:
             points[:, 0] = float(sum(p.A(domain) for domain in NEIGHBOURS[self.belt]) / (2 * p.k))
             points[:, 1] = pi * np.round(points[:, 1] / pi)
             return Orbit(self.word, self.periods, points)
-        domain = 1 if p.v1 > 0 else 3 if p.v2 < 0 else 2
+        if p.v1 > 0:
+            domain = 1
+        elif p.v2 < 0:
+            domain = 3
+        else:
+            domain = 2
         fastest = np.angle(self.push * complex(p.c * p.Omega, p.m * p.Omega**2 - p.k))
         phases = np.array([fastest + pi * (p.belt(piece.start) < 0) for piece in self.pieces])
         points[:, 0] = float(p.A(domain) / p.k)
@@ -425,25 +591,44 @@ class ClosedForm(BorderSystem):
 
 
 def _slope(function: Any, u: Sequence[Any], values: np.ndarray, j: int, step: Any) -> np.ndarray:
-    """Return the difference quotient of `function` at u by u[j], with this step; `values` is function(u)."""
+    """Return the difference quotient of `function` at u by u[j], with this step.
+
+    `values` is function(u).
+    """
     beside = list(u)
     beside[j] += step
     return np.asarray((np.array(function(beside)) - values) / step)
 
 
-def extrema_of(equations: ClosingEquations, points: Any, i: int, kind: str) -> list[tuple[Number, Number, int]]:
-    """Return the extrema in piece i: from `clearances` if `kind` is that of a graze, else from `holding_forces`."""
-    return list((clearances if kind == AT_TOUCH else holding_forces)(equations, equations.spans(points)[i]))
+def extrema_of(
+    equations: ClosingEquations, points: Any, i: int, kind: str
+) -> list[tuple[Number, Number, int]]:
+    """Return the extrema in piece i.
+
+    From `clearances` if `kind` is that of a graze, else from `holding_forces`.
+    """
+    return list(
+        (clearances if kind == AT_TOUCH else holding_forces)(equations, equations.spans(points)[i])
+    )
 
 
-def zero_values(equations: ClosingEquations, points: Any, zero: Zero, theta: Number) -> list[Number]:
-    """Return what is 0 where `zero` is: its margin and, if this has an extremum, of phase `theta`, its derivative."""
-    K, piece, start = equations.K, equations.pieces[zero.piece], points[zero.piece]
+def zero_values(
+    equations: ClosingEquations, points: Any, zero: Zero, theta: Number
+) -> list[Number]:
+    """Return what is 0 where `zero` is.
+
+    Its margin and, if this has an extremum, of phase `theta`, its derivative.
+    """
+    start = points[zero.piece]
+    piece = equations.pieces[zero.piece]
+    K = equations.K
     if zero.kind in (AT_FAR, AT_ARRIVAL, AT_FLAT):
         x, end = equations.ends(points)[zero.piece]
         v = equations.belt(piece.end).v
         F = equations.force(zero.place, x, v, end)
-        return [F] if zero.kind != AT_FLAT else [next_derivative(F, v, K.fB * equations.sin(end), K.cm, K.w0sq)]
+        if zero.kind != AT_FLAT:
+            return [F]
+        return [next_derivative(F, v, K.fB * equations.sin(end), K.cm, K.w0sq)]
     tau = (theta - start[1]) / K.Om
     if piece.sticks:
         belt = equations.belt(piece.start)
@@ -459,7 +644,8 @@ def zero_values(equations: ClosingEquations, points: Any, zero: Zero, theta: Num
     roots = piece.roots(zero.place)
     if roots == 0:
         return [gap, a]
-    # gap = g tau^roots (1 + ...): what is left of a once the multiple of gap with the same first term is taken away.
+    # gap = g tau^roots (1 + ...): what is left of a once the multiple of gap with the same first
+    # term is taken away.
     return [gap / tau**roots, (a - roots * gap / tau) / tau**roots]
 
 
@@ -468,47 +654,70 @@ def is_symmetric(points: np.ndarray, part: float = NOTHING) -> bool:
     if len(points) % 2:
         return False
     away = symmetrised(points) - points
-    return bool(np.abs(away[:, 0]).max() < part * np.abs(points[:, 0]).max() and np.abs(away[:, 1]).max() < part)
+    return bool(
+        np.abs(away[:, 0]).max() < part * np.abs(points[:, 0]).max()
+        and np.abs(away[:, 1]).max() < part
+    )
 
 
 def symmetrised(points: np.ndarray) -> np.ndarray:
     """Return the switching points of the symmetric orbit nearest to an orbit with an even number of points."""
     half = len(points) // 2
-    x, theta = points[:half, 0] - points[half:, 0], points[:half, 1] + points[half:, 1]
+    x = points[:half, 0] - points[half:, 0]
+    theta = points[:half, 1] + points[half:, 1]
     mean = points[:, 0].mean()
     first = np.column_stack([mean + x / 2, (theta - pi) / 2])
     return np.vstack([first, np.column_stack([mean - x / 2, (theta + pi) / 2])])
 
 
 def kind_of(condition: Condition) -> str:
-    """Return the kind of `Zero` that belongs to a condition whose value is 0; "" if none does, as for a duration."""
+    """Return the kind of `Zero` that belongs to a condition whose value is 0.
+
+    "" if none does, as for a duration.
+    """
     if condition.rank == admissibility.PASSING or " at the onset of " in condition.text:
         return AT_FAR
     if condition.rank == admissibility.HOLD:
         return AT_HOLD
     if " meets v" in condition.text:
         return AT_ARRIVAL
-    return AT_TOUCH if condition.rank == admissibility.STAYS_INSIDE and "stays in" in condition.text else ""
+    if condition.rank == admissibility.STAYS_INSIDE and "stays in" in condition.text:
+        return AT_TOUCH
+    return ""
 
 
-def zeros_of(equations: ClosingEquations, points: Any, condition: Condition) -> list[tuple[Zero, list[float]]]:
+def zeros_of(
+    equations: ClosingEquations, points: Any, condition: Condition
+) -> list[tuple[Zero, list[float]]]:
     """Return each `Zero` that a condition near 0 can mean, with a list that has the phase of its extremum, if any.
 
-    There are two at a crossing after which the flight turns back at once: that of the force, and that of a graze.
+    There are two at a crossing after which the flight turns back at once: that of the force, and
+    that of a graze.
     """
-    kind, i = kind_of(condition), condition.piece
-    piece, end = equations.pieces[i], equations.ends(points)[i]
+    kind = kind_of(condition)
+    i = condition.piece
+    piece = equations.pieces[i]
+    end = equations.ends(points)[i]
     if kind == AT_FAR:
         found: list[tuple[Zero, list[float]]] = [(Zero(AT_FAR, i, piece.mode + piece.side), [])]
-        j, v, K = (i + 1) % len(points), equations.belt(piece.end).v, equations.K
-        G1, G2, _ = derivatives(v, condition.value * piece.side, equations.sin(end[1]), equations.cos(end[1]), K)
+        j = (i + 1) % len(points)
+        v = equations.belt(piece.end).v
+        K = equations.K
+        G1, G2, _ = derivatives(
+            v, condition.value * piece.side, equations.sin(end[1]), equations.cos(end[1]), K
+        )
         if piece.side * G1 < 0 < piece.side * G2 and not equations.pieces[j].sticks:
-            # The flight behind the crossing turns back at once: a graze so near that no sample would show it. There
-            # the velocity a0 + b0 tau/2 + c0 tau^2/6, times tau, has a double root.
-            found.append((Zero(AT_TOUCH, j, piece.end), [float(points[j][1] - 1.5 * G1 / G2 * K.Om)]))
+            # The flight behind the crossing turns back at once: a graze so near that no sample
+            # would show it. There the velocity a0 + b0 tau/2 + c0 tau^2/6, times tau, has a double
+            # root.
+            found.append(
+                (Zero(AT_TOUCH, j, piece.end), [float(points[j][1] - 1.5 * G1 / G2 * K.Om)])
+            )
         return found
     if kind in ("", AT_ARRIVAL):
-        return [(Zero(kind, i, piece.mode), [])] if kind else []
+        if kind:
+            return [(Zero(kind, i, piece.mode), [])]
+        return []
     rows = sorted(extrema_of(equations, points, i, kind))[:1]
     return [(Zero(kind, i, place), [float(theta)]) for _, theta, place in rows]
 
@@ -518,7 +727,9 @@ def names_of(system: BorderSystem, zero: Zero | None = None) -> tuple[str, str]:
     zero = zero or system.zeros[0]
     if isinstance(system, ClosedForm) and system.rests:
         return admissibility.FLIGHT_VANISHING, ""
-    if zero.kind == AT_ARRIVAL:  # a cubic tangency: a graze, and a stick that is left at once, begin there
+    if (
+        zero.kind == AT_ARRIVAL
+    ):  # a cubic tangency: a graze, and a stick that is left at once, begin there
         return admissibility.GRAZING, "adding-sliding and grazing-sliding"
     if zero.kind == AT_HOLD:
         return admissibility.SLIP_BIRTH, "adding-sliding"
@@ -526,4 +737,6 @@ def names_of(system: BorderSystem, zero: Zero | None = None) -> tuple[str, str]:
         # A belt without friction is only passed through.
         return admissibility.GRAZING, "grazing-sliding" if system.fixed.friction(zero.place) else ""
     sticks = system.pieces[(zero.piece + 1) % system.n].sticks
-    return (admissibility.SLIP_BIRTH, "switching-sliding") if sticks else (admissibility.BIRTH, "crossing-sliding")
+    if sticks:
+        return (admissibility.SLIP_BIRTH, "switching-sliding")
+    return (admissibility.BIRTH, "crossing-sliding")

@@ -1,37 +1,42 @@
 """Branches of periodic orbits: pseudo-arclength continuation, and why a branch ends.
 
-The closing equations plus one for the arclength are solved by Newton's method from a point on the tangent. No general
-package is used. These branches end at inequalities (a graze, the birth of a stick), which continuation codes for smooth
-systems do not know. The smooth part is Newton's method on a small block system, which is there already.
+The closing equations plus one for the arclength are solved by Newton's method from a point on the
+tangent. No general package is used. These branches end at inequalities (a graze, the birth of a
+stick), which continuation codes for smooth systems do not know. The smooth part is Newton's method
+on a small block system, which is there already.
 
-The equations stay smooth where an orbit ceases to be one (the root goes on as an inadmissible one). So every reason to
-end is a change of sign of a smooth function along the branch. A step is accepted if the point halfway is where the
-cubic of its two ends says, and if no margin can reach 0 between them. Otherwise it is halved. So a gap in a branch is
-found however narrow it is compared with the steps, and its end is located by the same halving. Multipliers need no
-test: no multiplier of an orbit is larger than 1 (`symosc.orbits.floquet`), so there are no folds, period doublings or
+The equations stay smooth where an orbit ceases to be one (the root goes on as an inadmissible one).
+So every reason to end is a change of sign of a smooth function along the branch. A step is accepted
+if the point halfway is where the cubic of its two ends says, and if no margin can reach 0 between
+them. Otherwise it is halved. So a gap in a branch is found however narrow it is compared with the
+steps, and its end is located by the same halving. Multipliers need no test: no multiplier of an
+orbit is larger than 1 (`symosc.orbits.floquet`), so there are no folds, period doublings or
 Neimark-Sacker bifurcations.
 
-That nothing fails between two points of a branch: every margin is bounded there, not only compared at its ends.
+That nothing fails between two points of a branch: every margin is bounded there, not only compared
+at its ends.
 
-A flight of duration tau stays in its domain exactly if tau > 0 and, for each boundary of the domain,
+A flight of duration tau stays in its domain exactly if tau > 0 and, for each boundary of the
+domain,
 
     q(u) = +-(v - v_lambda)/(time^j (1 - u)^e) > 0 on the whole of [0, 1].
 
-Here time counts from its start, and u = time/tau. The known roots at its start are j (0 off the boundary, 1 on it, 2
-after a stick), those at its end e. A stick has F/((1 - u) tau) for the force that ends it, and for the other force its
-distance from 0. These functions are smooth in u and along the branch, ends included: q(0) and q(1) are accelerations.
-All other conditions are smooth numbers.
+Here time counts from its start, and u = time/tau. The known roots at its start are j (0 off the
+boundary, 1 on it, 2 after a stick), those at its end e. A stick has F/((1 - u) tau) for the force
+that ends it, and for the other force its distance from 0. These functions are smooth in u and along
+the branch, ends included: q(0) and q(1) are accelerations. All other conditions are smooth numbers.
 
-Three points of the branch and two on its cubic between them cut a piece of it into four. Take a cell with the margins
-f0, f1 > 0 at its ends, and C = h^2 max|f''|/2. At the part r of the cell the margin is at least (1 - r) f0 + r f1 - C r
-(1 - r). That is positive for all r in [0, 1] if and only if
+Three points of the branch and two on its cubic between them cut a piece of it into four. Take a
+cell with the margins f0, f1 > 0 at its ends, and C = h^2 max|f''|/2. At the part r of the cell the
+margin is at least (1 - r) f0 + r f1 - C r (1 - r). That is positive for all r in [0, 1] if and only
+if
 
     sqrt(f0) + sqrt(f1) > sqrt(C).
 
-h^2 f'' is taken from the second differences of the five values, times MARGIN_SAFETY. The bound holds as long as a
-margin's second derivative is nowhere larger than MARGIN_SAFETY times its largest value at the inner points (for the
-functions of u, also at the neighbouring u). Where it does not suffice the piece is halved. It is a bound in this sense,
-not in the sense of interval arithmetic.
+h^2 f'' is taken from the second differences of the five values, times MARGIN_SAFETY. The bound
+holds as long as a margin's second derivative is nowhere larger than MARGIN_SAFETY times its largest
+value at the inner points (for the functions of u, also at the neighbouring u). Where it does not
+suffice the piece is halved. It is a bound in this sense, not in the sense of interval arithmetic.
 """
 
 from __future__ import annotations
@@ -57,7 +62,15 @@ from symosc.kernels.entire import EPS
 from symosc.kernels.entire_array import basis
 from symosc.model import PARAMETER_NAMES, Parameters
 from symosc.orbits import admissibility
-from symosc.orbits.admissibility import MARGINAL, SAMPLE, Condition, concerns_whole_piece, conditions, failing, failures
+from symosc.orbits.admissibility import (
+    MARGINAL,
+    SAMPLE,
+    Condition,
+    concerns_whole_piece,
+    conditions,
+    failing,
+    failures,
+)
 from symosc.orbits.closing_equations import CONVERGING, ClosingEquations, solve
 from symosc.orbits.find import find_orbit, largest_displacement, settling, switching_points
 from symosc.orbits.floquet import NEAR_ONE, multipliers_of
@@ -65,11 +78,15 @@ from symosc.orbits.periodic_orbit import PeriodicOrbit, SwitchingPoint
 from symosc.scenes import ParametersLike
 from symosc.words import WordLike, read_word
 
-RANGE, NO_CONVERGENCE, MOST = "end of the range", "no convergence", "max_points"
+RANGE = "end of the range"
+NO_CONVERGENCE = "no convergence"
+MOST = "max_points"
 LONGEST_STEP = 0.04  # in the arclength of (x/size, phase, parameter/range)
-RESOLUTION = 1e-12  # of the arclength, to which ends are located; closer by, rounding would decide what has happened
+# of the arclength, to which ends are located; closer by, rounding would decide what has happened
+RESOLUTION = 1e-12
 NO_GAP = 1e-7  # nearer to a change a gap before it cannot be seen, and nothing is proven on the way
-MARGIN_SAFETY, MOST_PARTS = 4.0, 800
+MARGIN_SAFETY = 4.0
+MOST_PARTS = 800
 
 
 class BranchError(SymoscError, ValueError):
@@ -100,8 +117,8 @@ class BranchEnd(NamedTuple):
     Attributes
     ----------
     kind : str
-        "grazing", "birth of a stick", "vanishing of a stick", "birth of a slip", "vanishing of a slip", "vanishing of a
-        flight", "end of the range", "no convergence" or "max_points".
+        "grazing", "birth of a stick", "vanishing of a stick", "birth of a slip", "vanishing of a
+        slip", "vanishing of a flight", "end of the range", "no convergence" or "max_points".
     value : float
         The last value of the parameter with an orbit, as far as doubles resolve it.
     message : str
@@ -111,8 +128,9 @@ class BranchEnd(NamedTuple):
     conditions : tuple of Condition
         The inequalities whose values pass 0 at the end; the first one explains the others.
     beyond : str or None
-        The word of the orbit just beyond the end: one was found and verified there, as near as 1e-9 of the range. None
-        at the end of the range, where the motion has no word (the message says what it does), or if none was found.
+        The word of the orbit just beyond the end: one was found and verified there, as near as 1e-9
+        of the range. None at the end of the range, where the motion has no word (the message says
+        what it does), or if none was found.
 
     Examples
     --------
@@ -146,7 +164,8 @@ class Branch(Drawable):
         (t, x) of the n switching points.
     multipliers : (m, 2) complex array
     stable : (m,) bool array
-        True where damping proves it, or both multipliers are clearly inside the unit circle (`symosc.orbits.floquet`).
+        True where damping proves it, or both multipliers are clearly inside the unit circle
+        (`symosc.orbits.floquet`).
     periods : int
         Number of forcing periods.
     ends : tuple of two BranchEnd
@@ -161,13 +180,25 @@ class Branch(Drawable):
     """
 
     def __init__(
-        self, orbit: PeriodicOrbit, parameter: str, path: list[BranchPoint], ends: tuple[BranchEnd, BranchEnd]
+        self,
+        orbit: PeriodicOrbit,
+        parameter: str,
+        path: list[BranchPoint],
+        ends: tuple[BranchEnd, BranchEnd],
     ) -> None:
         self._orbit = orbit
-        self.word, self.labels, self.periods, self.parameter = orbit.word, orbit.labels, orbit.periods, parameter
+        self.word, self.labels, self.periods, self.parameter = (
+            orbit.word,
+            orbit.labels,
+            orbit.periods,
+            parameter,
+        )
         self.ends = ends
         self.values = np.array([point.value for point in path])
-        Omega = self.values if parameter == "Omega" else np.full(len(path), float(orbit.parameters.Omega))
+        if parameter == "Omega":
+            Omega = self.values
+        else:
+            Omega = np.full(len(path), float(orbit.parameters.Omega))
         x, theta = np.moveaxis(np.array([point.points for point in path]), -1, 0)
         self.points = np.stack([theta / Omega[:, None], x], axis=-1)
         self.multipliers = np.array([point.multipliers for point in path])
@@ -176,14 +207,19 @@ class Branch(Drawable):
 
     @public
     def parameters(self, i: int) -> Parameters:
-        """Return the parameters of the branch's i-th point; i as for a list, so that -1 is the last one."""
+        """Return the parameters of the branch's i-th point.
+
+        I as for a list, so that -1 is the last one.
+        """
         i = whole_number("i", i, -len(self.values), len(self.values) - 1)
         return self._orbit.parameters.replace(**{self.parameter: float(self.values[i])})
 
     @public
     def orbit(self, i: int, digits: int | None = None) -> PeriodicOrbit:
         """Return the orbit at the branch's i-th point; `digits` as for `symosc.find_orbit`."""
-        return find_orbit(self.parameters(i), self.word, self.points[int(i)], digits, periods=self.periods)
+        return find_orbit(
+            self.parameters(i), self.word, self.points[int(i)], digits, periods=self.periods
+        )
 
     def as_dict(self) -> Record:
         """Return the branch as a dict of plain values: numbers, text and lists."""
@@ -198,13 +234,18 @@ class Branch(Drawable):
             "periods": self.periods,
             "values": self.values.tolist(),
             "points": self.points.tolist(),
-            "multipliers": [[[value.real, value.imag] for value in pair] for pair in self.multipliers.tolist()],
+            "multipliers": [
+                [[value.real, value.imag] for value in pair] for pair in self.multipliers.tolist()
+            ],
             "stable": self.stable.tolist(),
             "ends": ends,
         }
 
     def to_pandas(self) -> Any:
-        """Return a DataFrame, a row per point of the branch; MissingExtraError if pandas is not installed."""
+        """Return a DataFrame, a row per point of the branch.
+
+        MissingExtraError if pandas is not installed.
+        """
         columns = {self.parameter: self.values}
         for i in range(self.points.shape[1]):
             columns |= {f"t{i}": self.points[:, i, 0], f"x{i}": self.points[:, i, 1]}
@@ -212,13 +253,25 @@ class Branch(Drawable):
         return imported("pandas").DataFrame(columns | {"stable": self.stable})
 
     def to_xarray(self) -> Any:
-        """Return a Dataset over `point`, `switching` and `which` (multiplier); MissingExtraError without xarray."""
-        columns: Record = {name: (("point", "switching"), self.points[..., i]) for i, name in enumerate(("t", "x"))}
+        """Return a Dataset over `point`, `switching` and `which` (multiplier).
+
+        MissingExtraError without xarray.
+        """
+        columns: Record = {
+            name: (("point", "switching"), self.points[..., i]) for i, name in enumerate(("t", "x"))
+        }
         for name, part in (("re", self.multipliers.real), ("im", self.multipliers.imag)):
-            columns[f"multiplier_{name}"] = ("point", "which"), part  # no file format has complex numbers
+            columns[f"multiplier_{name}"] = (
+                ("point", "which"),
+                part,
+            )  # no file format has complex numbers
         columns["stable"] = ("point",), self.stable
         places = {self.parameter: ("point", self.values), "map": ("switching", list(self.labels))}
-        about = {"word": self.word, "periods": self.periods, "ends": [end.kind for end in self.ends]}
+        about = {
+            "word": self.word,
+            "periods": self.periods,
+            "ends": [end.kind for end in self.ends],
+        }
         return imported("xarray").Dataset(columns, coords=places, attrs=about)
 
     def __eq__(self, other: object) -> bool:
@@ -263,15 +316,16 @@ def continue_orbit(
     max_points : int
         The most points in each of the two directions, at least 2.
     progress : bool or callable, optional
-        True: if it takes more than two seconds, a bar with rate and time left on a terminal. Or a function of two
-        numbers: the part of the range that is done, and 1.
+        True: if it takes more than two seconds, a bar with rate and time left on a terminal. Or a
+        function of two numbers: the part of the range that is done, and 1.
 
     Raises
     ------
     WordError, ConvergenceError
         As raised by `find_orbit`.
     ParameterError
-        If there is no such parameter, or the range is empty, not allowed or does not contain the parameter's value.
+        If there is no such parameter, or the range is empty, not allowed or does not contain the
+        parameter's value.
     BranchError
         If the first root is not an orbit.
 
@@ -331,12 +385,12 @@ class BranchPoint:
 class Curve:
     """The curve of roots of the closing equations over one parameter, in the scaled unknowns z.
 
-    These are, weighted, x and theta of each switching point and the parameter; x is divided by the size of the motion,
-    the parameter by its range.
+    These are, weighted, x and theta of each switching point and the parameter; x is divided by the
+    size of the motion, the parameter by its range.
     """
 
-    # Arclength measures positions from their mean: a shift of the whole orbit, such as by A0/k, changes nothing else
-    # and needs no steps. So lengths and angles are those of `level(z)`.
+    # Arclength measures positions from their mean: a shift of the whole orbit, such as by A0/k,
+    # changes nothing else and needs no steps. So lengths and angles are those of `level(z)`.
 
     def __init__(self, orbit: PeriodicOrbit, parameter: str, low: float, high: float) -> None:
         self.orbit, self.parameter, self.low, self.high = orbit, parameter, low, high
@@ -376,7 +430,10 @@ class Curve:
 
     @staticmethod
     def level(z: np.ndarray) -> np.ndarray:
-        """Return z with positions counted from their mean: a shift of the whole orbit then has length 0."""
+        """Return z with positions counted from their mean.
+
+        A shift of the whole orbit then has length 0.
+        """
         found = z.copy()
         found[:-1:2] -= found[:-1:2].mean()
         return found
@@ -390,78 +447,125 @@ class Curve:
         points, value = self.split(z)
         change = 1e-6 * (self.high - self.low)  # Newton's method needs no more
         # One-sided at the ends of the range: there may be no such system beyond.
-        above = change if value + change <= self.high else 0.0
-        below = change if value - change >= self.low else 0.0
-        beside = [np.array(self.equations(value + shift).residuals(points)) for shift in (above, -below)]
+        if value + change <= self.high:
+            above = change
+        else:
+            above = 0.0
+        if value - change >= self.low:
+            below = change
+        else:
+            below = 0.0
+        beside = [
+            np.array(self.equations(value + shift).residuals(points)) for shift in (above, -below)
+        ]
         return (beside[0] - beside[1]) / (above + below)
 
     def matrix(self, z: np.ndarray, slope: np.ndarray) -> np.ndarray:
-        """Return the Jacobian (2n, 2n + 1) of the residuals by the scaled unknowns; `slope` comes from `slope(z)`."""
+        """Return the Jacobian (2n, 2n + 1) of the residuals by the scaled unknowns.
+
+        `slope` comes from `slope(z)`.
+        """
         points, value = self.split(z)
         return np.column_stack([self.equations(value).matrix(points), slope]) * self.scale
 
     def correct(self, guess: np.ndarray, normal: np.ndarray) -> np.ndarray | None:
-        """Return the curve's point in the hyperplane through `guess` with that normal; None if it is not found."""
-        z, before, row, slope = guess, np.inf, self.level(normal), None
+        """Return the curve's point in the hyperplane through `guess` with that normal.
+
+        None if it is not found.
+        """
+        z = guess
+        before = np.inf
+        row = self.level(normal)
+        slope = None
         for _ in range(12):
             try:
-                slope = self.slope(z) if slope is None else slope  # good enough for all steps from a near guess
+                # good enough for all steps from a near guess
+                if slope is None:
+                    slope = self.slope(z)
                 points, value = self.split(z)
-                right = np.append(-np.array(self.equations(value).residuals(points)), -row @ (z - guess))
+                right = np.append(
+                    -np.array(self.equations(value).residuals(points)), -row @ (z - guess)
+                )
                 step = np.linalg.solve(np.vstack([self.matrix(z, slope), row]), right)
             except (np.linalg.LinAlgError, ParameterError, ZeroDivisionError):
                 return None
-            size, whole = np.abs(self.level(step)).max(), max(1.0, np.abs(z).max())
-            if not np.isfinite(size) or size > 1.0:  # in arclength; farther off another root is found
+            size = np.abs(self.level(step)).max()
+            whole = max(1.0, np.abs(z).max())
+            if (
+                not np.isfinite(size) or size > 1.0
+            ):  # in arclength; farther off another root is found
                 return None
             z = z + step
             if size <= 4 * EPS * whole or (size < CONVERGING and size > before / 4):
                 return z
             before = size
-        return z if size < CONVERGING else None
+        if size < CONVERGING:
+            return z
+        return None
 
     def point(self, z: np.ndarray, along: np.ndarray) -> BranchPoint:
         """Return the branch point at z; its tangent is oriented like `along`."""
         points, value = self.split(z)
-        equations, z = self.equations(value), self.joined(points, value)
+        equations = self.equations(value)
+        z = self.joined(points, value)
         matrix = np.vstack([self.matrix(z, self.slope(z)), self.level(along)])
         tangent = np.linalg.solve(matrix, np.append(np.zeros(len(z) - 1), 1.0))
         tangent /= np.linalg.norm(self.level(tangent))
         first, second = map(complex, multipliers_of(equations, points))
         margins = conditions(equations, points)
-        return BranchPoint(value, points, z, tangent, (first, second), tuple(margins), tuple(failing(margins)))
+        return BranchPoint(
+            value, points, z, tangent, (first, second), tuple(margins), tuple(failing(margins))
+        )
 
     def accepted(self, z: np.ndarray | None, before: BranchPoint) -> BranchPoint | None:
-        """Return the branch point at z; None if z is None or singular, or if the curve turns sharply after `before`."""
+        """Return the branch point at z.
+
+        None if z is None or singular, or if the curve turns sharply after `before`.
+        """
         if z is None:
             return None
         try:
             point = self.point(z, before.tangent)
         except (np.linalg.LinAlgError, ParameterError, ZeroDivisionError):
             return None
-        return point if point.tangent @ self.level(before.tangent) > 0.9 else None
+        if point.tangent @ self.level(before.tangent) > 0.9:
+            return point
+        return None
 
     def step(self, current: BranchPoint, length: float) -> BranchPoint | None:
-        """Return the curve's point `length` further on, or at the end of the range if nearer; None if not found."""
+        """Return the curve's point `length` further on, or at the end of the range if nearer.
+
+        None if not found.
+        """
         ahead = current.z + length * current.tangent
         value = self.split(ahead)[1]
         if self.low < value < self.high:
             point = self.accepted(self.correct(ahead, current.tangent), current)
             if point is None or self.low <= point.value <= self.high:
                 return point
-            ahead, value = point.z, point.value  # the curve bends over the end of the range
-        value = self.high if value >= self.high else self.low
+            # the curve bends over the end of the range
+            ahead = point.z
+            value = point.value
+        if value >= self.high:
+            value = self.high
+        else:
+            value = self.low
         part = (value - current.value) / (ahead[-1] * self.scale[-1] - current.value)
         guess, _ = self.split(current.z + part * (ahead - current.z))
         solution = solve(self.equations(value), guess)
-        return self.accepted(self.joined(solution.points, value), current) if solution.converged else None
+        if solution.converged:
+            return self.accepted(self.joined(solution.points, value), current)
+        return None
 
     def halfway(self, a: BranchPoint, b: BranchPoint) -> np.ndarray:
         """Return the midpoint of the cubic through a and b with their tangents, which is near the curve."""
         return 0.5 * (a.z + b.z) + 0.125 * self.distance(a, b) * (a.tangent - b.tangent)
 
     def middle(self, a: BranchPoint, b: BranchPoint) -> BranchPoint | None:
-        """Return the point of the curve midway between two of its points; None if it is not found."""
+        """Return the point of the curve midway between two of its points.
+
+        None if it is not found.
+        """
         return self.accepted(self.correct(self.halfway(a, b), b.z - a.z), a)
 
     # -- all points ----------------------------------------------------------------------------------------------------
@@ -469,28 +573,51 @@ class Curve:
     def follow(
         self, direction: float, most: int, advance: Advance, before: int = 0
     ) -> tuple[list[BranchPoint], BranchEnd]:
-        """Follow the curve from the first orbit to its end or for `most` points; return its points and the end.
+        """Follow the curve from the first orbit to its end or for `most` points.
 
-        `advance` reports the progress; `before` is the number of points found in the other direction.
+        Return its points and the end.
+
+        `advance` reports the progress; `before` is the number of points found in the other
+        direction.
         """
-        z, length, reached = self.joined(self.start, self.value), 0.02, 0.0
+        z = self.joined(self.start, self.value)
+        length = 0.02
+        reached = 0.0
         path = [self.point(z, np.append(np.zeros(len(z) - 1), direction))]
-        # At an end margins are rounding noise. Then a point just after it follows; between the two nothing is proven.
-        at_end = not all(condition.value > 1e-6 * condition.scale for condition in path[0].conditions)
+        # At an end margins are rounding noise. Then a point just after it follows; between the two
+        # nothing is proven.
+        at_end = not all(
+            condition.value > 1e-6 * condition.scale for condition in path[0].conditions
+        )
         beside = (self.step(path[0], shift) for shift in ((1e-6, 1e-5, 1e-4) if at_end else ()))
-        orbits = (each for each in beside if each and not each.failures and not self._verified(each).failures)
+        orbits = (
+            each
+            for each in beside
+            if each and not each.failures and not self._verified(each).failures
+        )
         path += [each for each in (next(orbits, None),) if each]
-        done = self.value - self.low if before else 0.0  # the other way is done, wherever it ended
+        # the other way is done, wherever it ended
+        if before:
+            done = self.value - self.low
+        else:
+            done = 0.0
 
-        def end(kind: str, message: str, *conditions: Condition) -> tuple[list[BranchPoint], BranchEnd]:
-            return path, BranchEnd(kind, path[-1].value, message, self._switchings(path[-1]), conditions)
+        def end(
+            kind: str, message: str, *conditions: Condition
+        ) -> tuple[list[BranchPoint], BranchEnd]:
+            return path, BranchEnd(
+                kind, path[-1].value, message, self._switchings(path[-1]), conditions
+            )
 
         while True:
             current = path[-1]
             if current.value == (self.high if direction > 0 else self.low):
                 return end(RANGE, "the orbit goes on")
             following = self.step(current, length)
-            scanned = None if following is None else self._scan(current, following)
+            if following is None:
+                scanned = None
+            else:
+                scanned = self._scan(current, following)
             if scanned is None:
                 length /= 2
                 if length >= 1e-10:
@@ -516,54 +643,87 @@ class Curve:
     def _scan(
         self, a: BranchPoint, b: BranchPoint, around: float = np.inf
     ) -> tuple[list[BranchPoint], BranchPoint | None] | None:
-        """Search the stretch from a to b for a point that is no orbit; return the orbits before it, and this point.
+        """Search the stretch from a to b for a point that is no orbit.
 
-        Instead of the point return None if all are orbits. Return only None if the points do not lie on one smooth
-        curve: a shorter step is needed. `around` is the length of the shortest known stretch around a and b that ends
-        at no orbit.
+        Return the orbits before it, and this point.
+
+        Instead of the point return None if all are orbits. Return only None if the points do not
+        lie on one smooth curve: a shorter step is needed. `around` is the length of the shortest
+        known stretch around a and b that ends at no orbit.
         """
-        length, changed = self.distance(a, b), bool(b.failures)
-        around = min(around, length) if changed else around
+        length = self.distance(a, b)
+        changed = bool(b.failures)
+        if changed:
+            around = min(around, length)
         if changed and length < NO_GAP:  # bisect for the end
-            good, bad = a, b
-            while self.distance(good, bad) > RESOLUTION and (m := self.middle(good, bad)) is not None:
-                good, bad = (good, m) if m.failures else (m, bad)
+            good = a
+            bad = b
+            while (
+                self.distance(good, bad) > RESOLUTION and (m := self.middle(good, bad)) is not None
+            ):
+                if m.failures:
+                    good, bad = (good, m)
+                else:
+                    good, bad = (m, bad)
             return ([] if good is a else [good]), bad
         m = self.middle(a, b)
         if m is None:
             return None
-        away, along = self.level(m.z - self.halfway(a, b)), self.level(m.tangent)
-        if np.linalg.norm(away - (away @ along) * along) > 1e-2 * length + RESOLUTION:  # too far from the cubic
+        away = self.level(m.z - self.halfway(a, b))
+        along = self.level(m.tangent)
+        if (
+            np.linalg.norm(away - (away @ along) * along) > 1e-2 * length + RESOLUTION
+        ):  # too far from the cubic
             return None
         if not changed and not m.failures:
             if self._proven(a, m, b):
                 b = self._verified(b)  # and so is m: between two orbits nothing has changed
                 if not b.failures:
                     return [m, b], None
-            # Length of a piece on which a margin that cannot be bounded away from 0 is taken to touch it
+            # Length of a piece on which a margin that cannot be bounded away from 0 is taken to
+            # touch it
             elif length < 1e-9:
                 if around <= 1e-4:  # all is rounding noise here; next to a change it says nothing
                     return [m], None
                 # A margin is so small that doubles cannot tell whether it passes 0.
-                return [], replace(m, failures=(min(m.conditions, key=lambda c: c.value / c.scale),))
+                return [], replace(
+                    m, failures=(min(m.conditions, key=lambda c: c.value / c.scale),)
+                )
         first = self._scan(a, m, around)
         if first is None or first[1] is not None:
             return first
         second = self._scan(first[0][-1], b, around)
-        return None if second is None else (first[0] + second[0], second[1])
+        if second is None:
+            return None
+        return (first[0] + second[0], second[1])
 
     def _proven(self, a: BranchPoint, m: BranchPoint, b: BranchPoint) -> bool:
-        """Return whether no margin can reach 0 between the points a and b of the branch; m lies halfway."""
+        """Return whether no margin can reach 0 between the points a and b of the branch.
+
+        M lies halfway.
+        """
         first, middle, last = ((each.points, each.value) for each in (a, m, b))
         places = first, self.split(self.halfway(a, m)), middle, self.split(self.halfway(m, b)), last
         nodes = [(self.equations(value), points) for points, value in places]
-        margins = [a.conditions, conditions(*nodes[1]), m.conditions, conditions(*nodes[3]), b.conditions]
-        values = np.array([[c.value for c in row if not concerns_whole_piece(c)] for row in margins])
+        margins = [
+            a.conditions,
+            conditions(*nodes[1]),
+            m.conditions,
+            conditions(*nodes[3]),
+            b.conditions,
+        ]
+        values = np.array(
+            [[c.value for c in row if not concerns_whole_piece(c)] for row in margins]
+        )
         if not _proven_positive(values).all():
             return False
-        spans, rate = nodes[2][0].spans(m.points), nodes[2][0].K.rate
+        spans = nodes[2][0].spans(m.points)
+        rate = nodes[2][0].K.rate
         parts = [1 + int(min(MOST_PARTS, max(12, span.tau * rate / SAMPLE))) for span in spans]
-        return all(_stay_positive(nodes, i, np.linspace(0.0, 1.0, count), 30) for i, count in enumerate(parts))
+        return all(
+            _stay_positive(nodes, i, np.linspace(0.0, 1.0, count), 30)
+            for i, count in enumerate(parts)
+        )
 
     def _verified(self, point: BranchPoint) -> BranchPoint:
         """Return the point with its failing conditions decided anew, with more digits and by following the orbit."""
@@ -572,26 +732,48 @@ class Curve:
     # -- the end -------------------------------------------------------------------------------------------------------
 
     def _end_at(self, path: list[BranchPoint], failed: BranchPoint, direction: float) -> BranchEnd:
-        """Return the end of the branch before the point `failed`; replace the last point of `path` by a sure orbit."""
+        """Return the end of the branch before the point `failed`.
+
+        Replace the last point of `path` by a sure orbit.
+        """
         # Margins are compared with those at a point that is far enough before the end.
-        before = next((point for point in reversed(path) if self.distance(point, failed) > 1e-3), path[0])
-        # What a margin must have fallen to to count as 0, or where doubles cannot decide on which side of 0 it is
-        part = 1e-3 if any(condition.value > 0 for condition in failed.failures) else 1e-5
+        before = next(
+            (point for point in reversed(path) if self.distance(point, failed) > 1e-3), path[0]
+        )
+        # What a margin must have fallen to to count as 0, or where doubles cannot decide on which
+        # side of 0 it is
+        if any(condition.value > 0 for condition in failed.failures):
+            part = 1e-3
+        else:
+            part = 1e-5
         pairs = zip(before.conditions, failed.conditions, strict=True)
-        zero = [c for was, c in pairs if c.value < max(part * min(was.value, 1e300), MARGINAL * c.scale)]
+        zero = [
+            c for was, c in pairs if c.value < max(part * min(was.value, 1e300), MARGINAL * c.scale)
+        ]
         zero = sorted(zero, key=lambda condition: condition.rank) or list(failed.failures)
         reasons = tuple(condition for condition in zero if condition.event == zero[0].event)
         message = "; ".join(f"{c.text} no longer holds at t = {c.t:.10g}" for c in reasons)
         path[-1] = last = self._inside(path[-1])
-        word, instead = self._word_beyond(last, float(np.sign(failed.value - before.value)) or direction)
-        message += f"; beyond it {instead}" if instead else ""
+        word, instead = self._word_beyond(
+            last, float(np.sign(failed.value - before.value)) or direction
+        )
+        if instead:
+            message += f"; beyond it {instead}"
+        else:
+            message += ""
         return BranchEnd(zero[0].event, last.value, message, self._switchings(last), reasons, word)
 
     def _inside(self, last: BranchPoint) -> BranchPoint:
-        """Return the last point of a branch that more digits confirm as an orbit: `last`, or one just before it."""
+        """Return the last point of a branch that more digits confirm as an orbit.
+
+        `last`, or one just before it.
+        """
         for back in (0.0, *(RESOLUTION * 4.0**j for j in range(12))):
             z = last.z - back * last.tangent
-            point = last if back == 0.0 else self.accepted(self.correct(z, last.tangent), last)
+            if back == 0.0:
+                point: BranchPoint | None = last
+            else:
+                point = self.accepted(self.correct(z, last.tangent), last)
             if point is not None:
                 equations = self.equations(point.value)
                 again = solve(equations, point.points)
@@ -600,11 +782,21 @@ class Curve:
         return last
 
     def _word_beyond(self, point: BranchPoint, direction: float) -> tuple[str | None, str]:
-        """Return the word of the orbit just beyond an end and ""; without one, None and a text on the motion there."""
-        # The motion is simulated there from the orbit at the end, and the words that it goes through are solved for.
-        # One with an admissible orbit is the answer: with c > 0 there is no second one (`symosc.orbits.floquet`).
+        """Return the word of the orbit just beyond an end and "".
+
+        Without one, None and a text on the motion there.
+        """
+        # The motion is simulated there from the orbit at the end, and the words that it goes
+        # through are solved for. One with an admissible orbit is the answer: with c > 0 there is no
+        # second one (`symosc.orbits.floquet`).
         instead = ""
-        for distance in (1e-9, 1e-8, 1e-7, 1e-6, 1e-5):  # parts of the range: the nearest that is found counts
+        for distance in (
+            1e-9,
+            1e-8,
+            1e-7,
+            1e-6,
+            1e-5,
+        ):  # parts of the range: the nearest that is found counts
             value = point.value + direction * distance * (self.high - self.low)
             if value == point.value:
                 continue
@@ -612,7 +804,8 @@ class Curve:
                 equations = self.equations(value)
             except ParameterError:  # there is no such system
                 break
-            (x, theta), size = point.points[0].tolist(), float(np.abs(point.points[:, 0]).max())
+            (x, theta) = point.points[0].tolist()
+            size = float(np.abs(point.points[:, 0]).max())
             found, text = settling(equations, x, theta % (2 * pi), equations.pieces[0].start, size)
             if found is not None:
                 return str(found.word), ""
@@ -625,9 +818,15 @@ class Curve:
 
 
 def _begins_to_rest(p: Parameters) -> int | None:
-    """Return the belt with speed 0 and mu FN nearly |B0|, on which the mass can just rest; None if there is none."""
+    """Return the belt with speed 0 and mu FN nearly |B0|, on which the mass can just rest.
+
+    None if there is none.
+    """
     near = 1e-6 * abs(p.B0)  # flights are too short for steps
-    return next((belt for belt in (1, 2) if p.belt(belt) == 0 and abs(p.friction(belt) - abs(p.B0)) < near), None)
+    return next(
+        (belt for belt in (1, 2) if p.belt(belt) == 0 and abs(p.friction(belt) - abs(p.B0)) < near),
+        None,
+    )
 
 
 # -- between two points ------------------------------------------------------------------------------------------------
@@ -639,7 +838,8 @@ Node = tuple[ClosingEquations, np.ndarray]
 def _largest_bends(values: np.ndarray, axis: int) -> np.ndarray:
     """Return, for each column of (5, n) values, the largest second difference along `axis` in it or a neighbour."""
     bend = np.abs(np.diff(values, 2, axis=axis)).max(axis=0)
-    bend = bend if axis == 0 else np.concatenate([bend[:1], bend, bend[-1:]])
+    if axis != 0:
+        bend = np.concatenate([bend[:1], bend, bend[-1:]])
     bend[1:-1] = np.maximum(bend[1:-1], np.maximum(bend[:-2], bend[2:]))
     return bend
 
@@ -647,10 +847,11 @@ def _largest_bends(values: np.ndarray, axis: int) -> np.ndarray:
 def _proven_positive(values: np.ndarray, deficit: float | np.ndarray = 0.0) -> np.ndarray:
     """Return, for each column of margins at five points of a branch, whether they stay > 0 between the points.
 
-    The criterion is sqrt(f0) + sqrt(f1) > sqrt(C), as derived at the top of the module. `deficit` is by how much a
-    margin may be smaller between neighbouring columns than in these.
+    The criterion is sqrt(f0) + sqrt(f1) > sqrt(C), as derived at the top of the module. `deficit`
+    is by how much a margin may be smaller between neighbouring columns than in these.
     """
-    bend, least = _largest_bends(values, axis=0), values - deficit
+    bend = _largest_bends(values, axis=0)
+    least = values - deficit
     roots = np.sqrt(np.maximum(least, 0.0))
     far = roots[:-1] + roots[1:] > np.sqrt(0.5 * MARGIN_SAFETY * bend)
     return np.asarray((least > 0).all(axis=0) & far.all(axis=0))
@@ -659,10 +860,13 @@ def _proven_positive(values: np.ndarray, deficit: float | np.ndarray = 0.0) -> n
 def _stay_positive(nodes: list[Node], i: int, u: np.ndarray, depth: int) -> bool:
     """Return whether the margins of piece i stay positive all through it and between five points of a branch.
 
-    `nodes` has the equations and switching points at the five points, `u` the fractions (0 to 1) of the piece's
-    duration at which margins are computed. Where these are not enough, `u` is refined, at most `depth` times.
+    `nodes` has the equations and switching points at the five points, `u` the fractions (0 to 1) of
+    the piece's duration at which margins are computed. Where these are not enough, `u` is refined,
+    at most `depth` times.
     """
-    for rows in zip(*(piece_margins(equations, points, i, u) for equations, points in nodes), strict=True):
+    for rows in zip(
+        *(piece_margins(equations, points, i, u) for equations, points in nodes), strict=True
+    ):
         values = np.array(rows)
         good = _proven_positive(values, MARGIN_SAFETY / 8 * _largest_bends(values, axis=1))
         if good.all():
@@ -670,22 +874,39 @@ def _stay_positive(nodes: list[Node], i: int, u: np.ndarray, depth: int) -> bool
         if depth == 0 or not _proven_positive(values)[~good].all():
             return False
         edges = np.flatnonzero(np.diff(np.concatenate([[False], ~good, [False]]).astype(int)))
-        for first, last in zip(edges[::2].tolist(), (edges[1::2] - 1).tolist(), strict=True):  # runs that are open
-            low, high = u[max(first - 1, 0)], u[min(last + 1, len(u) - 1)]
+        for first, last in zip(
+            edges[::2].tolist(), (edges[1::2] - 1).tolist(), strict=True
+        ):  # runs that are open
+            low = u[max(first - 1, 0)]
+            high = u[min(last + 1, len(u) - 1)]
             finer = np.linspace(low, high, 1 + 8 * (last - first + 2))
-            if finer[1] <= finer[0] or len(finer) > MOST_PARTS or not _stay_positive(nodes, i, finer, depth - 1):
+            if (
+                finer[1] <= finer[0]
+                or len(finer) > MOST_PARTS
+                or not _stay_positive(nodes, i, finer, depth - 1)
+            ):
                 return False
     return True
 
 
-def piece_margins(equations: ClosingEquations, points: Points, i: int, u: np.ndarray) -> list[np.ndarray]:
-    """Return the margins of piece i at the fractions u of its duration: gaps to belts in flights, forces in sticks."""
+def piece_margins(
+    equations: ClosingEquations, points: Points, i: int, u: np.ndarray
+) -> list[np.ndarray]:
+    """Return the margins of piece i at the fractions u of its duration.
+
+    Gaps to belts in flights, forces in sticks.
+    """
     piece, start, end, tau = equations.spans(points)[i]
-    K, belt = equations.K, equations.belt(piece.start)
+    K = equations.K
+    belt = equations.belt(piece.start)
     if piece.sticks:
-        before = -(1 - u) * tau  # time, counted from the end of the stick, where the force that ends it is 0
+        before = (
+            -(1 - u) * tau
+        )  # time, counted from the end of the stick, where the force that ends it is 0
         half = 0.5 * K.Om * before
-        force = -piece.side * (belt.drift * before - 2 * K.f0 * np.sin(end[1] + half) * np.sin(half))
+        force = -piece.side * (
+            belt.drift * before - 2 * K.f0 * np.sin(end[1] + half) * np.sin(half)
+        )
         slope = piece.side * (belt.drift - K.fB * equations.sin(end[1]))
         ratio = np.where(u == 1, slope, force / np.where(u == 1, 1.0, -before))
         return [ratio, belt.J - force]
@@ -699,7 +920,10 @@ def piece_margins(equations: ClosingEquations, points: Points, i: int, u: np.nda
             continue
         roots = piece.roots(boundary)
         gap = sign * ((v - equations.belt(boundary).v) + dv)
-        inner = u > 0 if roots else np.ones(len(u), dtype=bool)
+        if roots:
+            inner = u > 0
+        else:
+            inner = np.ones(len(u), dtype=bool)
         q = np.empty(len(u))
         q[inner] = gap[inner] / times[inner] ** roots
         q[~inner] = sign * (0.5 * b if roots == 2 else a)

@@ -1,15 +1,17 @@
 """The closing equations of a periodic orbit, with all switching points as unknowns.
 
-An orbit with the word "P32" is n = 2 mappings in order of time, P2 then P3. The unknowns are its switching points
-(x_0, theta_0), ..., (x_(n-1), theta_(n-1)), phases not wrapped; the equations are f1 = f2 = 0 (eq. (54)) of each
-mapping from point i to point i + 1, the last one back to (x_0, theta_0 + 2 pi N) after N periods of the excitation. The
-Jacobian is block-cyclic: mapping i has one 2x2 block for its start and one for its end. As all points are unknown,
-errors do not grow along the orbit as they would with shooting from one point, and every equation belongs to one piece.
+An orbit with the word "P32" is n = 2 mappings in order of time, P2 then P3. The unknowns are its
+switching points (x_0, theta_0), ..., (x_(n-1), theta_(n-1)), phases not wrapped; the equations are
+f1 = f2 = 0 (eq. (54)) of each mapping from point i to point i + 1, the last one back to (x_0,
+theta_0 + 2 pi N) after N periods of the excitation. The Jacobian is block-cyclic: mapping i has one
+2x2 block for its start and one for its end. As all points are unknown, errors do not grow along the
+orbit as they would with shooting from one point, and every equation belongs to one piece.
 
-The residuals are those of `symosc.mappings.equations`, continued to where there are no mappings any more. So a branch
-of orbits is smooth up to its end and beyond. Sticks may have a negative duration. A flight after a stick starts with no
-acceleration, as the stick's equation says already. Where tau = 0 is a root of f2 it is divided out: Newton's method
-does not fall for it, and a slip may vanish without the system becoming singular.
+The residuals are those of `symosc.mappings.equations`, continued to where there are no mappings any
+more. So a branch of orbits is smooth up to its end and beyond. Sticks may have a negative duration.
+A flight after a stick starts with no acceleration, as the stick's equation says already. Where tau
+= 0 is a root of f2 it is divided out: Newton's method does not fall for it, and a slip may vanish
+without the system becoming singular.
 """
 
 from __future__ import annotations
@@ -32,10 +34,13 @@ from symosc.kernels.entire import EPS
 from symosc.model import Parameters
 from symosc.words import Word, cycle
 
-MOST_NEWTON_STEPS, MOST_POLISHING = 60, 80
-# A step takes at most this part of a flight's duration away: it must not shrink to its trivial root tau = 0.
+MOST_NEWTON_STEPS = 60
+MOST_POLISHING = 80
+# A step takes at most this part of a flight's duration away: it must not shrink to its trivial root
+# tau = 0.
 MOST_SHORTENING = 0.8
-# Below this size of a (relative) correction Newton's method is taken to converge; it then goes on to the last digit.
+# Below this size of a (relative) correction Newton's method is taken to converge; it then goes on
+# to the last digit.
 CONVERGING = 1e-8
 SINGULAR = "the Jacobian became singular"
 
@@ -63,15 +68,29 @@ class ConvergenceError(SymoscError, ArithmeticError):
     P654 True
     """
 
-    def __init__(self, word: str, best: tuple[object, ...], periods: int, residual: float, reason: str) -> None:
-        self.word, self.best, self.periods, self.residual, self.reason = word, best, periods, residual, reason
-        about = f" (smallest residual {residual:.1e})" if residual < inf else ""
+    def __init__(
+        self, word: str, best: tuple[object, ...], periods: int, residual: float, reason: str
+    ) -> None:
+        self.word, self.best, self.periods, self.residual, self.reason = (
+            word,
+            best,
+            periods,
+            residual,
+            reason,
+        )
+        if residual < inf:
+            about = f" (smallest residual {residual:.1e})"
+        else:
+            about = ""
         super().__init__(f"no periodic orbit{' ' * bool(word)}{word} was found: {reason}{about}")
 
 
 @dataclass(frozen=True)
 class OrbitPiece:
-    """A piece of an orbit, one mapping of its word: belts of start and end, mode, and the side that it leaves to."""
+    """A piece of an orbit, one mapping of its word.
+
+    Belts of start and end, mode, and the side that it leaves to.
+    """
 
     label: str
     start: int
@@ -86,12 +105,22 @@ class OrbitPiece:
         return self.mode > 3
 
     def roots(self, boundary: int) -> int:
-        """Return the order of v - v_boundary = 0 at a flight's start: 1 on this belt, 2 there after a stick, else 0."""
-        return 0 if self.sticks or boundary != self.start else 2 if self.after_stick else 1
+        """Return the order of v - v_boundary = 0 at a flight's start.
+
+        1 on this belt, 2 there after a stick, else 0.
+        """
+        if self.sticks or boundary != self.start:
+            return 0
+        if self.after_stick:
+            return 2
+        return 1
 
     @property
     def zeros(self) -> int:
-        """The multiplicity of the root tau = 0 of f2 of eq. (54), by which `residuals` divides f2."""
+        """The multiplicity of the root tau = 0 of f2 of eq.
+
+        (54), by which `residuals` divides f2.
+        """
         return self.roots(self.end)
 
 
@@ -99,14 +128,21 @@ def pieces_of(word: Word) -> tuple[OrbitPiece, ...]:
     """Return the pieces of a periodic orbit that has this word."""
     pieces = []
     for i, (row, exit) in enumerate(zip(word.maps, word.exits(), strict=True)):
-        side = 1 if (exit == "above" if row.sticks else row.end.superscript == 1) else -1  # 1: from below
+        # 1: from below
+        if exit == "above" if row.sticks else row.end.superscript == 1:
+            side = 1
+        else:
+            side = -1
         ends = row.start.boundary, row.end.boundary
         pieces.append(OrbitPiece(row.label, *ends, row.mode, side, word.maps[i - 1].sticks))
     return tuple(pieces)
 
 
 class Span(NamedTuple):
-    """A piece between two points: start and end (x, theta), phases not wrapped, and duration `tau`."""
+    """A piece between two points.
+
+    Start and end (x, theta), phases not wrapped, and duration `tau`.
+    """
 
     piece: OrbitPiece
     start: Point
@@ -128,16 +164,34 @@ class Orbit(NamedTuple):
 
 
 class ClosingEquations:
-    """The closing equations of an orbit: of one word, number of periods and parameter set, in one arithmetic."""
+    """The closing equations of an orbit.
+
+    Of one word, number of periods and parameter set, in one arithmetic.
+    """
 
     def __init__(
-        self, parameters: Parameters, word: Word, periods: int, digits: int | None = None, arithmetic: Any = None
+        self,
+        parameters: Parameters,
+        word: Word,
+        periods: int,
+        digits: int | None = None,
+        arithmetic: Any = None,
     ) -> None:
-        self.parameters, self.word, self.periods, self.pieces = parameters, word, periods, pieces_of(word)
-        self.arithmetic = arithmetic or (Arithmetic(parameters) if digits is None else MpArithmetic(parameters, digits))
+        self.parameters, self.word, self.periods, self.pieces = (
+            parameters,
+            word,
+            periods,
+            pieces_of(word),
+        )
+        self.arithmetic = arithmetic or (
+            Arithmetic(parameters) if digits is None else MpArithmetic(parameters, digits)
+        )
         self.K, self.basis = self.arithmetic.K, self.arithmetic.namespace["basis"]
         self.context: Any = getattr(self.arithmetic, "context", None)  # of mpmath; None: doubles
-        self.number: Any = self.context.convert if self.context else float
+        if self.context:
+            self.number: Any = self.context.convert
+        else:
+            self.number = float
         maths: Any = self.context or math
         self.turn = 2 * maths.pi * periods
         self.sin, self.cos, self.exp = maths.sin, maths.cos, maths.exp
@@ -145,24 +199,34 @@ class ClosingEquations:
     @cached_property
     def coarse(self) -> ClosingEquations:
         """The same equations in double precision."""
-        return self if self.context is None else ClosingEquations(self.parameters, self.word, self.periods)
+        if self.context is None:
+            return self
+        return ClosingEquations(self.parameters, self.word, self.periods)
 
     def with_digits(self, digits: int) -> ClosingEquations:
         """Return the same equations with that many digits."""
         return ClosingEquations(self.parameters, self.word, self.periods, digits)
 
     def ends(self, points: Points) -> list[Point]:
-        """Return the end (x, theta) of each piece: the next of `points`; for the last, the first one a period later."""
+        """Return the end (x, theta) of each piece: the next of `points`.
+
+        For the last, the first one a period later.
+        """
         x, theta = points[0]
         return [*points[1:], (x, theta + self.turn)]
 
     def spans(self, points: Points) -> list[Span]:
         """Return every piece with its start, its end and its duration."""
         ends = zip(self.pieces, points, self.ends(points), strict=True)
-        return [Span(piece, start, end, (end[1] - start[1]) / self.K.Om) for piece, start, end in ends]
+        return [
+            Span(piece, start, end, (end[1] - start[1]) / self.K.Om) for piece, start, end in ends
+        ]
 
     def residuals(self, points: Points) -> list[Number]:
-        """Return f1 and f2 of eq. (54) for each piece; f2 is divided by tau^n where tau = 0 is an n-fold root of it."""
+        """Return f1 and f2 of eq.
+
+        (54) for each piece; f2 is divided by tau^n where tau = 0 is an n-fold root of it.
+        """
         values = []
         for span in self.spans(points):
             f1, f2 = self._residual(span)
@@ -176,51 +240,87 @@ class ClosingEquations:
     def force(self, domain: int, x: Number, v: Number, theta: Number) -> Number:
         """Return F^(domain) of eq. (9), which is the acceleration in this domain."""
         K = self.K
-        return kernels.acceleration(x, v, self.cos(theta), (K.A1, K.A2, K.A3)[domain - 1], K.cm, K.w0sq, K.f0)
+        return kernels.acceleration(
+            x, v, self.cos(theta), (K.A1, K.A2, K.A3)[domain - 1], K.cm, K.w0sq, K.f0
+        )
 
     def belt(self, boundary: int) -> BeltConstants:
         """Return the constants of a belt, such as its speed, in this arithmetic."""
-        return self.K.belt1 if boundary == 1 else self.K.belt2
+        if boundary == 1:
+            return self.K.belt1
+        return self.K.belt2
 
     def start_of_flight(self, piece: OrbitPiece, start: Point) -> Launch:
-        """Return what a flight begins with at `start`: velocity, acceleration, sine and cosine of the phase."""
+        """Return what a flight begins with at `start`.
+
+        Velocity, acceleration, sine and cosine of the phase.
+        """
         v = self.belt(piece.start).v
-        a = 0 * start[0] if piece.after_stick else self.force(piece.mode, start[0], v, start[1])
+        if piece.after_stick:
+            a = 0 * start[0]
+        else:
+            a = self.force(piece.mode, start[0], v, start[1])
         return Launch(v, a, self.sin(start[1]), self.cos(start[1]))
 
     def _residual(self, span: Span) -> tuple[Number, Number]:
-        """Return f1 and f2 of eq. (54) for one piece, without the division of f2 by tau^n as in `residuals`."""
-        (piece, start, end, tau), K, v_end = span, self.K, self.belt(span.piece.end).v
+        """Return f1 and f2 of eq.
+
+        (54) for one piece, without the division of f2 by tau^n as in `residuals`.
+        """
+        v_end = self.belt(span.piece.end).v
+        K = self.K
+        (piece, start, end, tau) = span
         if piece.sticks:
-            A = (K.A1, K.A2, K.A3)[piece.start - (piece.side < 0)]  # of the domain that it leaves to
-            return kernels.stick_residual(start[0], v_end, tau, end[0], self.cos(end[1]), A, K.cm, K.w0sq, K.f0)
+            A = (K.A1, K.A2, K.A3)[
+                piece.start - (piece.side < 0)
+            ]  # of the domain that it leaves to
+            return kernels.stick_residual(
+                start[0], v_end, tau, end[0], self.cos(end[1]), A, K.cm, K.w0sq, K.f0
+            )
         v, a, s, c = self.start_of_flight(piece, start)
         basis = self.basis(tau, K)[:5]
-        return kernels.flight_residual(start[0], v, a, s, c, end[0], v_end, K.cm, K.w0sq, K.f0, K.Om, *basis)
+        return kernels.flight_residual(
+            start[0], v, a, s, c, end[0], v_end, K.cm, K.w0sq, K.f0, K.Om, *basis
+        )
 
     def _jacobian(self, span: Span) -> Any:
         """Return the 2x4 Jacobian of f1 and f2, as in `residuals`, by x and theta of the piece's start and end."""
-        (piece, start, end, tau), K = span, self.K
+        (piece, start, end, tau) = span
+        K = self.K
         if piece.sticks:
-            v, s = self.belt(piece.start).v, self.sin(end[1])
+            v = self.belt(piece.start).v
+            s = self.sin(end[1])
             x_th0, x_th1, v_x1, v_th1 = kernels.stick_jacobian(v, s, K.w0sq, K.f0, K.Om)
             return (1, x_th0, -1, x_th1), (0, 0, v_x1, v_th1)
         v, a, s, c = self.start_of_flight(piece, start)
         E0, E1, E2, R2, I2 = self.basis(tau, K)[:5]
         _, dv, a_end = kernels.motion(v, a, s, c, K.cm, K.w0sq, K.f0, K.Om, E0, E1, E2, R2, I2)
-        x_x0, x_th0, x_th1, v_x0, v_th0, v_th1 = kernels.flight_jacobian(v, a, v + dv, a_end, K.w0sq, K.Om, E0, E1, E2)
+        x_x0, x_th0, x_th1, v_x0, v_th0, v_th1 = kernels.flight_jacobian(
+            v, a, v + dv, a_end, K.w0sq, K.Om, E0, E1, E2
+        )
         if piece.after_stick:  # the acceleration at the start is 0 whatever x and theta are
-            x_x0, x_th0 = x_x0 + K.w0sq * E2, x_th0 + K.f0 * s * E2
-            v_x0, v_th0 = v_x0 + K.w0sq * E1, v_th0 + K.f0 * s * E1
+            x_x0 = x_x0 + K.w0sq * E2
+            x_th0 = x_th0 + K.f0 * s * E2
+            v_x0 = v_x0 + K.w0sq * E1
+            v_th0 = v_th0 + K.f0 * s * E1
         if piece.zeros:
-            power, shift = tau**piece.zeros, piece.zeros * dv / (tau * K.Om)
-            v_x0, v_th0, v_th1 = v_x0 / power, (v_th0 + shift) / power, (v_th1 - shift) / power
+            power = tau**piece.zeros
+            shift = piece.zeros * dv / (tau * K.Om)
+            v_x0 = v_x0 / power
+            v_th0 = (v_th0 + shift) / power
+            v_th1 = (v_th1 - shift) / power
         return (x_x0, x_th0, -1, x_th1), (v_x0, v_th0, 0, v_th1)
 
     def matrix(self, points: Points) -> Any:
-        """Return the block-cyclic Jacobian of `residuals` by all x and theta: a (2n, 2n) array or an mpmath matrix."""
+        """Return the block-cyclic Jacobian of `residuals` by all x and theta.
+
+        A (2n, 2n) array or an mpmath matrix.
+        """
         size = 2 * len(self.pieces)
-        matrix = self.context.zeros(size) if self.context else np.zeros((size, size))
+        if self.context:
+            matrix = self.context.zeros(size)
+        else:
+            matrix = np.zeros((size, size))
         for i, span in enumerate(self.spans(points)):
             for row, values in enumerate(self._jacobian(span)):
                 for column, value in enumerate(values):
@@ -238,7 +338,10 @@ class ClosingEquations:
 
 @dataclass
 class Solution:
-    """The result of Newton's method: points (n, 2) of (x, theta), largest |residual|, steps, and stop reason."""
+    """The result of Newton's method.
+
+    Points (n, 2) of (x, theta), largest |residual|, steps, and stop reason.
+    """
 
     points: Any
     residual: Number
@@ -249,13 +352,16 @@ class Solution:
 
 def newton(equations: ClosingEquations, guess: np.ndarray) -> Solution:
     """Solve the closing equations by Newton's method, damped by the natural monotonicity test."""
-    # A step is accepted if the next simplified correction is shorter than the step (Deuflhard, Newton Methods for
-    # Nonlinear Problems, 2004, section 3.3). That does not depend on how the equations are scaled: f1 is a length, f2 a
-    # velocity or, at the end of a stick, an acceleration.
+    # A step is accepted if the next simplified correction is shorter than the step (Deuflhard,
+    # Newton Methods for Nonlinear Problems, 2004, section 3.3). That does not depend on how the
+    # equations are scaled: f1 is a length, f2 a velocity or, at the end of a stick, an
+    # acceleration.
     points = np.array(guess, dtype=float)
     scale = np.array([max(np.ptp(points[:, 0]), np.abs(points[:, 0]).max(), 1e-3), 1.0])
     values = np.array(equations.residuals(points), dtype=float)
-    best, size_before, damping = (np.abs(values).max(), points), np.inf, 1.0
+    best = (np.abs(values).max(), points)
+    size_before = np.inf
+    damping = 1.0
     for steps in range(1, MOST_NEWTON_STEPS + 1):
         matrix = equations.matrix(points)
         try:
@@ -277,14 +383,21 @@ def newton(equations: ClosingEquations, guess: np.ndarray) -> Solution:
                 break
             damping /= 2
             if damping < 2.0**-16:
-                return Solution(best[1], best[0], steps, False, "no step brings it nearer to a solution")
+                return Solution(
+                    best[1], best[0], steps, False, "no step brings it nearer to a solution"
+                )
         points = trial
         best = min(best, (np.abs(values).max(), points), key=lambda pair: pair[0])
-    return Solution(best[1], best[0], MOST_NEWTON_STEPS, False, f"not converged after {MOST_NEWTON_STEPS} steps")
+    return Solution(
+        best[1], best[0], MOST_NEWTON_STEPS, False, f"not converged after {MOST_NEWTON_STEPS} steps"
+    )
 
 
 def _newton_step(equations: ClosingEquations, matrix: np.ndarray, right: np.ndarray) -> np.ndarray:
-    """Solve the linear system `matrix` step = `right` of Newton's method; for c = 0 return the shortest step."""
+    """Solve the linear system `matrix` step = `right` of Newton's method.
+
+    For c = 0 return the shortest step.
+    """
     if equations.K.cm == 0:
         # Without damping, directions that the equations fix by less than this are left alone.
         return np.linalg.lstsq(matrix, right, rcond=1e-9)[0].reshape(-1, 2)
@@ -292,8 +405,12 @@ def _newton_step(equations: ClosingEquations, matrix: np.ndarray, right: np.ndar
 
 
 def solve(equations: ClosingEquations, guess: np.ndarray) -> Solution:
-    """Solve the closing equations by Newton's method in doubles; repeat it with 40 digits if rounding stops it."""
-    # Near the birth of a short piece its duration has few digits in doubles, and steps that small are all noise.
+    """Solve the closing equations by Newton's method in doubles.
+
+    Repeat it with 40 digits if rounding stops it.
+    """
+    # Near the birth of a short piece its duration has few digits in doubles, and steps that small
+    # are all noise.
     with np.errstate(all="ignore"):
         solution = newton(equations, guess)
     if solution.converged or not np.isfinite(solution.residual) or solution.residual > 1e-9:
@@ -305,12 +422,15 @@ def solve(equations: ClosingEquations, guess: np.ndarray) -> Solution:
     if not finer.converged:
         return solution
     points = np.array([[float(value) for value in point] for point in finer.points])
-    return Solution(points, equations.largest_residual(points), solution.steps + finer.steps, True, "")
+    return Solution(
+        points, equations.largest_residual(points), solution.steps + finer.steps, True, ""
+    )
 
 
 def _largest_part(equations: ClosingEquations, points: np.ndarray, step: np.ndarray) -> float:
     """Return the largest fraction of a Newton step that takes no more than the part MOST_SHORTENING off any flight."""
-    # A stick may shrink to nothing and beyond: its equations have roots of negative duration, which are inadmissible.
+    # A stick may shrink to nothing and beyond: its equations have roots of negative duration, which
+    # are inadmissible.
     durations = equations.durations(points)
     changes = np.append(step[1:, 1], step[0, 1]) - step[:, 1]
     shrinking = np.array([not piece.sticks for piece in equations.pieces]) & (changes < 0)
@@ -319,17 +439,20 @@ def _largest_part(equations: ClosingEquations, points: np.ndarray, step: np.ndar
 
 def polish(equations: ClosingEquations, points: Points) -> Solution:
     """Refine a solution in the arithmetic of `equations` (mpmath) by plain Newton steps."""
-    # Converged means that the last correction is as small as the digits allow. Where the Jacobian is singular the
-    # corrections shrink by a constant factor only: they stop at about the root of that, or the matrix cannot be
-    # inverted.
+    # Converged means that the last correction is as small as the digits allow. Where the Jacobian
+    # is singular the corrections shrink by a constant factor only: they stop at about the root of
+    # that, or the matrix cannot be inverted.
     context = equations.context
     points = [tuple(context.convert(value) for value in point) for point in points]
-    last, linear = context.inf, 0
+    last = context.inf
+    linear = 0
     for steps in range(1, MOST_POLISHING + 1):
         values = equations.residuals(points)
         largest = max(map(abs, values))
         try:
-            step = context.lu_solve(equations.matrix(points), context.matrix([-value for value in values]))
+            step = context.lu_solve(
+                equations.matrix(points), context.matrix([-value for value in values])
+            )
         except ZeroDivisionError:
             return Solution(points, largest, steps, False, SINGULAR)
         size = max(abs(value) for value in step)
@@ -337,9 +460,14 @@ def polish(equations: ClosingEquations, points: Points) -> Solution:
         if not context.isfinite(size) or size > settled:
             return Solution(points, largest, steps, False, "the corrections grow in more digits")
         points = [(x + step[2 * i], theta + step[2 * i + 1]) for i, (x, theta) in enumerate(points)]
-        if size <= 16 * context.eps * settled or (size >= last / 4 and size < context.eps**0.8 * settled):
+        if size <= 16 * context.eps * settled or (
+            size >= last / 4 and size < context.eps**0.8 * settled
+        ):
             return Solution(points, equations.largest_residual(points), steps, True, "")
-        linear = linear + 1 if size > last / 16 else 0
+        if size > last / 16:
+            linear = linear + 1
+        else:
+            linear = 0
         if linear > 16:
             return Solution(points, largest, steps, False, "a multiple root")
         last = size

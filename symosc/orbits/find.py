@@ -22,7 +22,14 @@ from symosc.exact import read_digits, unmasked, whole_number
 from symosc.mappings.numbers import real_array
 from symosc.model import MODE_NAMES, Parameters
 from symosc.orbits.admissibility import FLIGHT_LASTS, STICK_LASTS, failures, grazing_distance
-from symosc.orbits.closing_equations import ClosingEquations, ConvergenceError, Orbit, Solution, polish, solve
+from symosc.orbits.closing_equations import (
+    ClosingEquations,
+    ConvergenceError,
+    Orbit,
+    Solution,
+    polish,
+    solve,
+)
 from symosc.orbits.floquet import multipliers_of, rest_positions, stability_margin
 from symosc.orbits.periodic_orbit import PeriodicOrbit, SwitchingPoint
 from symosc.scenes import ParametersLike
@@ -33,9 +40,11 @@ from symosc.words import Word, WordError, WordLike, read_word
 
 # All switchings are solved for at once: much longer words would take minutes.
 MOST_MAPPINGS = 40
-# Roots of a repeated word whose points repeat within this (relative) are one orbit, run through several times.
+# Roots of a repeated word whose points repeat within this (relative) are one orbit, run through
+# several times.
 SAME_ORBIT = 1e-7
-LEAST_RUN_EVENTS, SETTLING_EVENTS = 60, 400
+LEAST_RUN_EVENTS = 60
+SETTLING_EVENTS = 400
 #: Forcing periods by which the motion from rest may have settled.
 SETTLING_PERIODS = (50, 1_000, 20_000)
 
@@ -56,11 +65,12 @@ def find_orbit(
     parameters : Parameters, or a Scene, its name or its file
         With k > 0: without a spring nothing fixes the position of an orbit.
     word : str or sequence of str, optional
-        The mapping structure, read right to left: "P32" is P2 first, then P3. None: the word of the motion that starts
-        with x = v = 0 at t = 0, once it has settled.
+        The mapping structure, read right to left: "P32" is P2 first, then P3. None: the word of the
+        motion that starts with x = v = 0 at t = 0, once it has settled.
     guess : optional
-        None: from simulations. Or n pairs (t, x), one for each switching in order of time. Or one pair (t, x) on the
-        belt on which the word begins; the guess is simulated from there. Or a PeriodicOrbit of the same word.
+        None: from simulations. Or n pairs (t, x), one for each switching in order of time. Or one
+        pair (t, x) on the belt on which the word begins; the guess is simulated from there. Or a
+        PeriodicOrbit of the same word.
     digits : int, optional
         None: double precision. An int: that many correct digits (mpmath).
     periods : int, optional
@@ -69,8 +79,8 @@ def find_orbit(
     Returns
     -------
     PeriodicOrbit
-        Its `admissible` says whether it is an orbit; if the guess led to a root that is not an orbit, `failures` says
-        why.
+        Its `admissible` says whether it is an orbit; if the guess led to a root that is not an
+        orbit, `failures` says why.
 
     Raises
     ------
@@ -79,17 +89,19 @@ def find_orbit(
     ParameterError
         If the guess has a wrong shape, its times do not increase, or k = 0.
     ConvergenceError
-        If no root was found; it carries the best points. Without a word: if the motion does not settle to an orbit that
-        meets a belt.
+        If no root was found; it carries the best points. Without a word: if the motion does not
+        settle to an orbit that meets a belt.
 
     Notes
     -----
-    With c > 0 an admissible orbit is the only periodic motion. It attracts every other motion and has the period of the
-    excitation. Other words, and more periods, only have roots that are not orbits. There is no orbit where the mass may
-    rest for ever on a belt with the speed 0: those motions have no word (`symosc.orbits.floquet` has the proof). With c
+    With c > 0 an admissible orbit is the only periodic motion. It attracts every other motion and
+    has the period of the excitation. Other words, and more periods, only have roots that are not
+    orbits. There is no orbit where the mass may rest for ever on a belt with the speed 0: those
+    motions have no word (`symosc.orbits.floquet` has the proof). With c
     = 0 there may be many orbits, and they may be marginal.
 
-    Every orbit that is called admissible was simulated over its period by the engine (`symosc.orbits.admissibility`).
+    Every orbit that is called admissible was simulated over its period by the engine
+    (`symosc.orbits.admissibility`).
 
     Examples
     --------
@@ -99,20 +111,33 @@ def find_orbit(
     (True, '1.570796', ['0.181670', '0.992371'])
     """
     # The search tries evenly spaced points over all periods; beyond these it takes minutes.
-    periods = None if periods is None else whole_number("periods", periods, 1, 200)
+    if periods is None:
+        periods = None
+    else:
+        periods = whole_number("periods", periods, 1, 200)
     if word is None:
         for name, value in (("guess", guess), ("periods", periods)):
             if value is not None:
-                raise ParameterError(name, value, "goes with a word only: without one it is that of the settled motion")
+                raise ParameterError(
+                    name,
+                    value,
+                    "goes with a word only: without one it is that of the settled motion",
+                )
         if parameters.c == 0:
-            raise ParameterError("word", None, "is needed without a damper: for c = 0 a motion need not settle")
+            raise ParameterError(
+                "word", None, "is needed without a damper: for c = 0 a motion need not settle"
+            )
         return settled_orbit(parameters, digits)
     found = read_word(word)
     if len(found.labels) > MOST_MAPPINGS:
-        reason = f"has {len(found.labels)} mappings; orbits of at most {MOST_MAPPINGS} are looked for"
+        reason = (
+            f"has {len(found.labels)} mappings; orbits of at most {MOST_MAPPINGS} are looked for"
+        )
         raise WordError(f"{str(found)[:20]}...", reason)
     if parameters.k == 0:
-        raise ParameterError("k", 0, "must be > 0: without a spring nothing fixes the position of an orbit")
+        raise ParameterError(
+            "k", 0, "must be > 0: without a spring nothing fixes the position of an orbit"
+        )
     digits = read_digits(digits)
     equations = ClosingEquations(parameters, found, periods or 1)
     if guess is not None:
@@ -121,16 +146,24 @@ def find_orbit(
     return orbit_at(*_best_root(equations, guesses), digits)
 
 
-def settled_orbit(parameters: Parameters, digits: int | None = None, most: int = SETTLING_PERIODS[-1]) -> PeriodicOrbit:
+def settled_orbit(
+    parameters: Parameters, digits: int | None = None, most: int = SETTLING_PERIODS[-1]
+) -> PeriodicOrbit:
     """Return the orbit to which the motion from t = x = v = 0 settles in `most` periods, or raise ConvergenceError."""
-    reason, tried = f"the motion from rest does not settle within {most:,} forcing periods", [""]
+    reason = f"the motion from rest does not settle within {most:,} forcing periods"
+    tried = [""]
     for periods in (each for each in SETTLING_PERIODS if each <= most):
         end = 2 * pi * periods / float(parameters.Omega)
-        summary = simulate_many(parameters, (0, 0, 0), end, record=("status", "t", "word", "multiplicity"))
+        summary = simulate_many(
+            parameters, (0, 0, 0), end, record=("status", "t", "word", "multiplicity")
+        )
         if summary.status[0] == "undecidable":
             reason = f"the motion from rest comes too near to a graze for doubles, at t = {summary.t[0]:.6g}"
             break
-        word = str(summary.word[0]) if summary.multiplicity[0] else ""
+        if summary.multiplicity[0]:
+            word = str(summary.word[0])
+        else:
+            word = ""
         if summary.multiplicity[0] and not word:
             reason = "the motion from rest settles without meeting a belt"
             break
@@ -151,10 +184,16 @@ def settled_orbit(parameters: Parameters, digits: int | None = None, most: int =
     raise ConvergenceError(tried[-1], (), 1, inf, reason)
 
 
-def _best_root(equations: ClosingEquations, guesses: Iterable[Guess]) -> tuple[ClosingEquations, Solution]:
-    """Solve from each guess; return the first admissible root that repeats no shorter orbit, with its equations."""
+def _best_root(
+    equations: ClosingEquations, guesses: Iterable[Guess]
+) -> tuple[ClosingEquations, Solution]:
+    """Solve from each guess.
+
+    Return the first admissible root that repeats no shorter orbit, with its equations.
+    """
     roots: list[tuple[tuple[bool, bool, float], ClosingEquations, Solution]] = []
-    best, tried = None, equations
+    best = None
+    tried = equations
     for guess in guesses:
         tried = ClosingEquations(equations.parameters, equations.word, guess.periods)
         solution = solve(tried, guess.points)
@@ -162,72 +201,113 @@ def _best_root(equations: ClosingEquations, guesses: Iterable[Guess]) -> tuple[C
             if best is None or solution.residual < best.residual:
                 best = solution
             continue
-        if any(_is_same_root(solution, other) for _, others, other in roots if others.periods == tried.periods):
+        if any(
+            _is_same_root(solution, other)
+            for _, others, other in roots
+            if others.periods == tried.periods
+        ):
             continue
         failed = failures(tried, solution.points)
         repeats = repetitions(tried, solution.points) > 1
         if not failed and (not repeats or tried.parameters.c > 0):  # with damping there is no other
             return tried, solution
-        roots.append(((bool(failed), repeats, max((-c.value for c in failed), default=0.0)), tried, solution))
+        roots.append(
+            ((bool(failed), repeats, max((-c.value for c in failed), default=0.0)), tried, solution)
+        )
     if roots:
         return min(roots, key=lambda root: root[0])[1:]
     word = str(equations.word)
     if best is None:
         raise ConvergenceError(word, (), 0, inf, f"no guess was found{_other_motion_text(tried)}")
     reason = best.reason + _other_motion_text(tried)
-    raise ConvergenceError(word, switching_points(tried, best.points), tried.periods, float(best.residual), reason)
+    raise ConvergenceError(
+        word, switching_points(tried, best.points), tried.periods, float(best.residual), reason
+    )
 
 
 def _is_same_root(a: Solution, b: Solution) -> bool:
     """Return whether two roots are equal, except for whole turns of the phase."""
     away = np.asarray(a.points) - np.asarray(b.points)
     away[:, 1] -= 2 * pi * np.round(away[0, 1] / (2 * pi))
-    return bool((np.abs(away) < SAME_ORBIT * np.array([max(1.0, np.abs(a.points[:, 0]).max()), 1.0])).all())
+    return bool(
+        (np.abs(away) < SAME_ORBIT * np.array([max(1.0, np.abs(a.points[:, 0]).max()), 1.0])).all()
+    )
 
 
 def repetitions(equations: ClosingEquations, points: np.ndarray) -> int:
     """Return how many times a root runs through one shorter orbit; 1 if it does not."""
-    n, labels = len(points), equations.word.labels
+    n = len(points)
+    labels = equations.word.labels
     points = np.asarray(points, dtype=float)
     size = np.array([max(1.0, np.abs(points[:, 0]).max()), 1.0])
     for times in range(n, 1, -1):
         if n % times or equations.periods % times or labels != labels[: n // times] * times:
             continue
-        later = np.array(equations.ends(points))  # the points one piece later, with one more turn where that is due
+        later = np.array(
+            equations.ends(points)
+        )  # the points one piece later, with one more turn where that is due
         for _ in range(n // times - 1):
             later = np.vstack([later[1:], later[:1] + np.array([0.0, float(equations.turn)])])
-        if (np.abs(later - points - [0.0, float(equations.turn) / times]) < SAME_ORBIT * size).all():
+        if (
+            np.abs(later - points - [0.0, float(equations.turn) / times]) < SAME_ORBIT * size
+        ).all():
             return times
     return 1
 
 
-def orbit_at(equations: ClosingEquations, solution: Solution, digits: int | None = None) -> PeriodicOrbit:
+def orbit_at(
+    equations: ClosingEquations, solution: Solution, digits: int | None = None
+) -> PeriodicOrbit:
     """Return the orbit that a root in double precision describes, refined to `digits` if given."""
-    double = np.array(solution.points, dtype=float) - [0.0, 2 * pi * floor(solution.points[0][1] / (2 * pi))]
+    double = np.array(solution.points, dtype=float) - [
+        0.0,
+        2 * pi * floor(solution.points[0][1] / (2 * pi)),
+    ]
     solution = replace(solution, points=double)
     failed = tuple(failures(equations, double))
-    near, repeated = grazing_distance(equations, double), repetitions(equations, double)
-    final, steps, word = equations, solution.steps, str(equations.word)
+    near = grazing_distance(equations, double)
+    repeated = repetitions(equations, double)
+    final = equations
+    steps = solution.steps
+    word = str(equations.word)
     if digits is not None:
         final = equations.with_digits(digits + 15)
         solution = polish(final, double)
         if not solution.converged:
             best = switching_points(equations, solution.points)
-            raise ConvergenceError(word, best, equations.periods, float(solution.residual), solution.reason)
+            raise ConvergenceError(
+                word, best, equations.periods, float(solution.residual), solution.reason
+            )
         steps += solution.steps
 
     def rounded(value: Number) -> Number:
-        return value if digits is None else +mp_context(digits).convert(value)
+        if digits is None:
+            return value
+        return +mp_context(digits).convert(value)
 
     first, second = multipliers_of(final, solution.points)
-    values = (complex(first), complex(second)) if digits is None else (rounded(first), rounded(second))
+    if digits is None:
+        values = (complex(first), complex(second))
+    else:
+        values = (rounded(first), rounded(second))
     gap = stability_margin(equations, double, values)
-    stable = True if not failed and equations.parameters.c > 0 else None if gap is None else gap > 0
+    if not failed and equations.parameters.c > 0:
+        stable = True
+    elif gap is None:
+        stable = None
+    else:
+        stable = gap > 0
     if failed:
-        texts, resting = [], False
+        texts = []
+        resting = False
         for c in failed:
             lasts = c.value == 0 and c.rank in (STICK_LASTS, FLIGHT_LASTS)
-            how = "it has no length" if lasts else "just fails" if c.value == 0 else f"fails by {-c.value:.3g}"
+            if lasts:
+                how = "it has no length"
+            elif c.value == 0:
+                how = "just fails"
+            else:
+                how = f"fails by {-c.value:.3g}"
             texts.append(f"{c.text}: {how} at t = {c.t:.6g}")
             resting = resting or lasts
         message = f"a root that is not an orbit ({'; '.join(texts)}){_other_motion_text(equations, resting)}"
@@ -236,16 +316,33 @@ def orbit_at(equations: ClosingEquations, solution: Solution, digits: int | None
         message = f"{kind} orbit of {equations.periods} forcing period{'s' if equations.periods > 1 else ''}"
         # The largest multiplier is 1 - gap, written so that it differs from 1.
         near_one = gap is not None and abs(gap) <= 1e-5
-        size = "1" if gap is None else f"1 {'-' if gap > 0 else '+'} {abs(gap):.3g}" if near_one else f"{1 - gap:.6g}"
+        if gap is None:
+            size = "1"
+        elif near_one:
+            size = f"1 {'-' if gap > 0 else '+'} {abs(gap):.3g}"
+        else:
+            size = f"{1 - gap:.6g}"
         message += f", largest |multiplier| {size}"
-        message += " (no neighbour need come nearer)" if stable is None else ""
-        message += f", {near:.3g} in velocity away from grazing" if near < inf else ""
-        message += f"; it runs {repeated} times through a shorter orbit" if repeated > 1 else ""
+        if stable is None:
+            message += " (no neighbour need come nearer)"
+        else:
+            message += ""
+        if near < inf:
+            message += f", {near:.3g} in velocity away from grazing"
+        else:
+            message += ""
+        if repeated > 1:
+            message += f"; it runs {repeated} times through a shorter orbit"
+        else:
+            message += ""
     return PeriodicOrbit(
         parameters=equations.parameters,
         word=word,
         labels=equations.word.labels,
-        points=tuple(SwitchingPoint(*map(rounded, point)) for point in switching_points(final, solution.points)),
+        points=tuple(
+            SwitchingPoint(*map(rounded, point))
+            for point in switching_points(final, solution.points)
+        ),
         period=rounded(final.turn / final.K.Om),
         periods=equations.periods,
         multipliers=values,
@@ -261,7 +358,10 @@ def orbit_at(equations: ClosingEquations, solution: Solution, digits: int | None
 
 
 def _other_motion_text(equations: ClosingEquations, resting: bool = False) -> str:
-    """Describe the motion that exists instead of the orbit; with `resting`, look for positions of rest first."""
+    """Describe the motion that exists instead of the orbit.
+
+    With `resting`, look for positions of rest first.
+    """
     for boundary in {piece.start for piece in equations.pieces if piece.sticks and resting}:
         if rest_positions(equations.parameters, boundary) is not None:
             return f"; {resting_text(equations.parameters, 3 + boundary, 'the mass stays')}"
@@ -270,42 +370,63 @@ def _other_motion_text(equations: ClosingEquations, resting: bool = False) -> st
     orbit, instead = settling(
         once, centre, 0.0, equations.pieces[0].start, size if equations.parameters.c > 0 else None
     )
-    text = f"the motion settles to {orbit.word}" if orbit else instead
+    if orbit:
+        text = f"the motion settles to {orbit.word}"
+    else:
+        text = instead
     return text and f"; {text}"
 
 
 def switching_points(equations: ClosingEquations, points: Points) -> tuple[SwitchingPoint, ...]:
     """Convert points (x, theta) to switching points (t, x), in the arithmetic of the equations."""
-    return tuple(SwitchingPoint(equations.number(theta / equations.K.Om), equations.number(x)) for x, theta in points)
+    return tuple(
+        SwitchingPoint(equations.number(theta / equations.K.Om), equations.number(x))
+        for x, theta in points
+    )
 
 
 def _read_guess(guess: Any, equations: ClosingEquations, periods: int | None) -> Guess:
     """Read a guess given as all switching points, as one point to simulate from, or as an orbit."""
-    n, Omega = len(equations.pieces), float(equations.parameters.Omega)
+    n = len(equations.pieces)
+    Omega = float(equations.parameters.Omega)
     if isinstance(guess, PeriodicOrbit):
-        periods, guess = periods or guess.periods, guess.points
+        periods = periods or guess.periods
+        guess = guess.points
     guess = named("guess", guess, ("t", "x"))
     if isinstance(guess, Mapping):
-        guess = np.array([np.ravel(unmasked("guess", column)) for column in guess.values()], dtype=object).T
+        guess = np.array(
+            [np.ravel(unmasked("guess", column)) for column in guess.values()], dtype=object
+        ).T
     for row in guess if isinstance(guess, list | tuple) else ():
         unmasked("guess", row)
     allowed = f"must be {n} pairs (t, x), one for each switching, or one to start from"
     values = np.atleast_2d(real_array("guess", guess, allowed))
     if values.shape not in ((n, 2), (1, 2)):
-        raise ParameterError("guess", f"an array of shape {values.shape}" if values.size else guess, allowed)
+        raise ParameterError(
+            "guess", f"an array of shape {values.shape}" if values.size else guess, allowed
+        )
     theta = Omega * values[:, 0]
     if len(values) == 1:
-        run = follow(equations, values[0, 1], theta[0], equations.pieces[0].start, LEAST_RUN_EVENTS + n)
-        found = guesses_of_word(run, equations.word.labels, periods, largest_displacement(equations)[1])
+        run = follow(
+            equations, values[0, 1], theta[0], equations.pieces[0].start, LEAST_RUN_EVENTS + n
+        )
+        found = guesses_of_word(
+            run, equations.word.labels, periods, largest_displacement(equations)[1]
+        )
         if not found:
-            raise ParameterError("guess", guess, "the motion from there never follows the word; give all switchings")
+            raise ParameterError(
+                "guess", guess, "the motion from there never follows the word; give all switchings"
+            )
         return min(found, key=lambda each: each.defect)
     count = periods or max(1, ceil((theta[-1] - theta[0]) / (2 * pi)))
     short = 2 * pi * count * 1e-8
-    if (np.diff(theta) > -short).all():  # a piece that is shorter is about to vanish
-        theta = np.maximum.accumulate(theta + short * np.arange(n)) if (np.diff(theta) <= 0).any() else theta
+    # A piece that is shorter is about to vanish.
+    if (np.diff(theta) > -short).all() and (np.diff(theta) <= 0).any():
+        theta = np.maximum.accumulate(theta + short * np.arange(n))
     if (np.diff(theta) < 0).any() or theta[-1] - theta[0] >= 2 * pi * count:
-        raise ParameterError("guess", guess, f"its times must increase, and end within {count} forcing period(s)")
+        raise ParameterError(
+            "guess", guess, f"its times must increase, and end within {count} forcing period(s)"
+        )
     return Guess(np.column_stack([values[:, 1], theta]), count, inf)
 
 
@@ -313,7 +434,10 @@ def _read_guess(guess: Any, equations: ClosingEquations, periods: int | None) ->
 
 
 class Run(NamedTuple):
-    """A simulated motion: its switching points (x, theta) and the mappings between them; phases are not wrapped."""
+    """A simulated motion: its switching points (x, theta) and the mappings between them.
+
+    Phases are not wrapped.
+    """
 
     points: np.ndarray
     labels: list[str | None]
@@ -331,11 +455,16 @@ class Guess(NamedTuple):
 
 def follow(equations: ClosingEquations, x: float, theta: float, boundary: int, most: int) -> Run:
     """Follow the motion from a belt in doubles through `most` events, or until it comes to rest."""
-    K, turns = equations.K, int(theta // (2 * pi))
+    K = equations.K
+    turns = int(theta // (2 * pi))
     start = belt_start(boundary, x, (sin(theta), cos(theta)), equations.arithmetic)
     angle = theta - 2 * pi * turns
-    state = belt_state(start, (turns, angle), (sin(angle), cos(angle)), x, Covariance(0.0, 0.0, 0.0), K)
-    points, planes, code = [(x, theta)], [(boundary, start.mode)], END
+    state = belt_state(
+        start, (turns, angle), (sin(angle), cos(angle)), x, Covariance(0.0, 0.0, 0.0), K
+    )
+    points = [(x, theta)]
+    planes = [(boundary, start.mode)]
+    code = END
     for _ in range(20 * most):
         code, belt_met, _, _, state = equations.arithmetic.advance(state, 1e6 * K.period, 0.0)
         if code in (CROSS, STICK, SLIP):
@@ -350,10 +479,12 @@ def follow(equations: ClosingEquations, x: float, theta: float, boundary: int, m
 def settling(
     equations: ClosingEquations, x: float, theta: float, boundary: int, size: float | None
 ) -> tuple[Orbit | None, str]:
-    """Follow the motion from a belt; return the admissible orbit that it approaches and "", or None and a text.
+    """Follow the motion from a belt.
 
-    The text says where the motion comes to rest, and is "" if it does not. `size` is the magnitude of the positions on
-    the orbit; if it is None, no orbit is looked for.
+    Return the admissible orbit that it approaches and "", or None and a text.
+
+    The text says where the motion comes to rest, and is "" if it does not. `size` is the magnitude
+    of the positions on the orbit; if it is None, no orbit is looked for.
     """
     run = follow(equations, x, theta, boundary, SETTLING_EVENTS)
     for word in _words_of_a_period(equations, run) if size is not None else ():
@@ -368,24 +499,41 @@ def settling(
 
 def _words_of_a_period(equations: ClosingEquations, run: Run) -> list[Word]:
     """Return the words that a simulated motion runs through in one period of an orbit, the latest first."""
-    labels, phases, found, begin = run.labels, run.points[:, 1], list[Word](), equations.word.labels[0]
+    begin = equations.word.labels[0]
+    found = list[Word]()
+    phases = run.points[:, 1]
+    labels = run.labels
     turn = 2 * pi * equations.periods
     for last in range(len(labels), 0, -1):
         first = int(np.argmin(np.abs(phases - (phases[last] - turn))))
         part = tuple(label for label in labels[first:last] if label)
-        if not 0 < len(part) <= 24 or len(part) < last - first or phases[last] - turn < phases[0] - 1:
+        if (
+            not 0 < len(part) <= 24
+            or len(part) < last - first
+            or phases[last] - turn < phases[0] - 1
+        ):
             continue
-        i = part.index(begin) if begin in part else 0  # they begin as the equations' word does, if possible
+        # they begin as the equations' word does, if possible
+        if begin in part:
+            i = part.index(begin)
+        else:
+            i = 0
         with suppress(WordError):
             word = read_word(Word(part[i:] + part[:i]))
-            found += [word] if word not in found else []
+            if word not in found:
+                found += [word]
+            else:
+                found += []
         if len(found) >= 6:
             break
     return found
 
 
 def resting_text(parameters: Parameters, mode: int, what: str = "the motion comes to rest") -> str:
-    """Describe where a motion ends that stays in `mode` for ever; if it can rest in an interval, begin with `what`."""
+    """Describe where a motion ends that stays in `mode` for ever.
+
+    If it can rest in an interval, begin with `what`.
+    """
     if mode <= 3:
         return f"the motion ends up in Omega{mode} and meets no belt any more"
     positions = rest_positions(parameters, mode - 3)
@@ -395,12 +543,18 @@ def resting_text(parameters: Parameters, mode: int, what: str = "the motion come
     return f"{what} on belt {mode - 3}, where every x from {low} to {high} is a position of rest"
 
 
-def guesses_of_word(run: Run, labels: tuple[str, ...], periods: int | None, size: float) -> list[Guess]:
+def guesses_of_word(
+    run: Run, labels: tuple[str, ...], periods: int | None, size: float
+) -> list[Guess]:
     """Return a guess from each part of the motion `run` that follows the mappings `labels`, with its closing error."""
-    n, found = len(labels), []
+    n = len(labels)
+    found = []
     for k in range(len(run.labels) - n + 1):
         if tuple(run.labels[k : k + n]) == labels:
-            points, (dx, dtheta) = run.points[k : k + n].copy(), (run.points[k + n] - run.points[k]).tolist()
+            points, (dx, dtheta) = (
+                run.points[k : k + n].copy(),
+                (run.points[k + n] - run.points[k]).tolist(),
+            )
             turns = dtheta / (2 * pi)
             count = periods or max(1, round(turns))
             points[:, 1] -= 2 * pi * (points[0, 1] // (2 * pi))
@@ -417,7 +571,10 @@ def largest_displacement(equations: ClosingEquations) -> tuple[float, float]:
 
 
 def from_simulations(equations: ClosingEquations, periods: int | None) -> Iterator[Guess]:
-    """Yield guesses from simulated motions that start on the word's belts: of every eight starts the four best."""
+    """Yield guesses from simulated motions that start on the word's belts.
+
+    Of every eight starts the four best.
+    """
     # They start at 7 positions, in units of the largest displacement expected, at 8 phases.
     centre, size = largest_displacement(equations)
     boundaries = sorted({piece.start for piece in equations.pieces})
@@ -432,8 +589,14 @@ def from_simulations(equations: ClosingEquations, periods: int | None) -> Iterat
 
 
 def evenly_spaced(equations: ClosingEquations, periods: int) -> Iterator[Guess]:
-    """Yield guesses for a word that no simulation follows: equally spaced phases on a harmonic motion."""
-    (centre, size), n = largest_displacement(equations), len(equations.pieces)
+    """Yield guesses for a word that no simulation follows.
+
+    Equally spaced phases on a harmonic motion.
+    """
+    (centre, size) = largest_displacement(equations)
+    n = len(equations.pieces)
     for j, amplitude in product(range(16), (0.2, 0.6)):
         theta = 2 * pi * (j / 16 + periods * np.arange(n) / n)
-        yield Guess(np.column_stack([centre + amplitude * size * np.sin(theta), theta]), periods, inf)
+        yield Guess(
+            np.column_stack([centre + amplitude * size * np.sin(theta), theta]), periods, inf
+        )

@@ -1,36 +1,41 @@
 """Stability of a periodic orbit: its monodromy matrix from the exact derivative of every piece.
 
-Perturbations (dx, dv) at a fixed time obey the unforced equation in every domain, so that a flight of duration tau
-multiplies them by
+Perturbations (dx, dv) at a fixed time obey the unforced equation in every domain, so that a flight
+of duration tau multiplies them by
 
     [[1 - (k/m) E2, E1], [-(k/m) E1, E0]],     of determinant exp(-(c/m) tau).
 
-A crossing leaves dx and multiplies dv by F^(target)/F^(source), the saltation of a velocity whose slope changes. At
-the onset of a stick dv becomes 0: the rank drops and one multiplier is 0. While the mass sticks dx stays; where the
-stick ends the force vanishes on the side that it leaves to, so nothing is added there.
+A crossing leaves dx and multiplies dv by F^(target)/F^(source), the saltation of a velocity whose
+slope changes. At the onset of a stick dv becomes 0: the rank drops and one multiplier is 0. While
+the mass sticks dx stays; where the stick ends the force vanishes on the side that it leaves to, so
+nothing is added there.
 
 What holds about uniqueness
 ---------------------------
-Friction never grows with the velocity (A_1 >= A_2 >= A_3), so the difference y of two motions of one system obeys
+Friction never grows with the velocity (A_1 >= A_2 >= A_3), so the difference y of two motions of
+one system obeys
 
     E = m y'^2/2 + k y^2/2,   dE/dt <= -c y'^2 <= 0.
 
-No difference grows. For c > 0 and k > 0 motions are bounded, so by Brouwer's theorem a periodic one exists, with the
-period of the excitation. If E stays constant along two motions, y' = 0 and y = d for all times. If d is not 0, the
-equations of the two differ by k d. So both have set-valued friction at all times: both stick to the same belt for ever.
-They are bounded, so that belt is at rest. Hence, for c > 0 and k > 0:
+No difference grows. For c > 0 and k > 0 motions are bounded, so by Brouwer's theorem a periodic one
+exists, with the period of the excitation. If E stays constant along two motions, y' = 0 and y = d
+for all times. If d is not 0, the equations of the two differ by k d. So both have set-valued
+friction at all times: both stick to the same belt for ever. They are bounded, so that belt is at
+rest. Hence, for c > 0 and k > 0:
 
-- An orbit with a flight of positive length is the only periodic motion, attracts all others, and both its multipliers
-  lie inside the unit circle. All words have flights. So every admissible orbit with c > 0 is stable, and no other word
-  has one at these parameters. Folds, period doublings, Neimark-Sacker bifurcations and subharmonics do not occur. A
-  branch of orbits ends at a graze, or where a stick, a slip or a flight is born or vanishes.
-- The exception is a belt at rest, v_lambda = 0, with mu_lambda FN >= |B0|. The mass may rest on it for ever, at every x
-  of an interval of length 2 (mu_lambda FN - |B0|)/k (`rest_positions`). These motions are periodic, attract the others
-  only as a set, and have the multiplier 1. They have no flight, so no word.
+- An orbit with a flight of positive length is the only periodic motion, attracts all others, and
+  both its multipliers lie inside the unit circle. All words have flights. So every admissible orbit
+  with c > 0 is stable, and no other word has one at these parameters. Folds, period doublings,
+  Neimark-Sacker bifurcations and subharmonics do not occur. A branch of orbits ends at a graze, or
+  where a stick, a slip or a flight is born or vanishes.
+- The exception is a belt at rest, v_lambda = 0, with mu_lambda FN >= |B0|. The mass may rest on it
+  for ever, at every x of an interval of length 2 (mu_lambda FN - |B0|)/k (`rest_positions`). These
+  motions are periodic, attract the others only as a set, and have the multiplier 1. They have no
+  flight, so no word.
 
-For c = 0 the argument gives |multiplier| <= 1 only. One of exactly 1 in size is possible: the orbit is marginal,
-neither stable nor unstable. F^(target)/F^(source) is in [0, 1] on every orbit, so det M = exp(-(c/m) T) times those
-ratios is at most 1.
+For c = 0 the argument gives |multiplier| <= 1 only. One of exactly 1 in size is possible: the orbit
+is marginal, neither stable nor unstable. F^(target)/F^(source) is in [0, 1] on every orbit, so det
+M = exp(-(c/m) T) times those ratios is at most 1.
 """
 
 from __future__ import annotations
@@ -51,28 +56,49 @@ NEAR_ONE = 1e-9  # a multiplier this near to the unit circle is computed again w
 def multipliers_of(equations: ClosingEquations, points: Points) -> tuple[Number, Number]:
     """Return the multipliers of the orbit through `points` (x, theta), in the arithmetic of `equations`."""
     # The matrix is that of perturbations (dx, dv) just after the first switching point.
-    K, pieces, determinant = equations.K, equations.pieces, 1
-    xx, xv, vx, vv = 1, 0, 0, 1
+    K = equations.K
+    pieces = equations.pieces
+    determinant = 1
+    xx = 1
+    xv = 0
+    vx = 0
+    vv = 1
     for i, (piece, start, end, tau) in enumerate(equations.spans(points)):
         if piece.sticks:
             continue
         basis = E0, E1, E2, _, _ = equations.basis(tau, K)[:5]
         _, _, a = motion(*equations.start_of_flight(piece, start), K.cm, K.w0sq, K.f0, K.Om, *basis)
-        C, D = 1 - K.w0sq * E2, -K.w0sq * E1
+        C = 1 - K.w0sq * E2
+        D = -K.w0sq * E1
         following = pieces[(i + 1) % len(pieces)]
         ratio = 0
         if not following.sticks:
             ratio = equations.force(following.mode, end[0], equations.belt(piece.end).v, end[1]) / a
-        xx, xv, vx, vv = C * xx + E1 * vx, C * xv + E1 * vv, ratio * (D * xx + E0 * vx), ratio * (D * xv + E0 * vv)
+        xx, xv, vx, vv = (
+            C * xx + E1 * vx,
+            C * xv + E1 * vv,
+            ratio * (D * xx + E0 * vx),
+            ratio * (D * xv + E0 * vv),
+        )
         determinant = determinant * ratio
     determinant = determinant * equations.exp(-K.cm * equations.turn / K.Om)
     context = equations.context
-    root = cmath.sqrt if context is None else lambda value: context.mpc(context.sqrt(value))
+
+    def root(value: Number) -> Any:
+        if context is None:
+            return cmath.sqrt(value)
+        return context.mpc(context.sqrt(value))
+
     return multipliers(xx + vv, determinant, root)
 
 
-def multipliers(trace: Number, determinant: Number, root: Callable[[Number], Any]) -> tuple[Number, Number]:
-    """Return the eigenvalues of a 2x2 matrix, the larger one first; `root` is a function for complex square roots."""
+def multipliers(
+    trace: Number, determinant: Number, root: Callable[[Number], Any]
+) -> tuple[Number, Number]:
+    """Return the eigenvalues of a 2x2 matrix, the larger one first.
+
+    `root` is a function for complex square roots.
+    """
     half = trace / 2
     square = half * half - determinant
     if square < 0:
@@ -81,8 +107,13 @@ def multipliers(trace: Number, determinant: Number, root: Callable[[Number], Any
     return large, determinant / large if large != 0 else 0 * large
 
 
-def stability_margin(equations: ClosingEquations, points: Points, values: tuple[Number, Number]) -> float | None:
-    """Return 1 - max |value|, > 0 if the orbit with the multipliers `values` is stable; None if marginal (< 1e-25)."""
+def stability_margin(
+    equations: ClosingEquations, points: Points, values: tuple[Number, Number]
+) -> float | None:
+    """Return 1 - max |value|, > 0 if the orbit with the multipliers `values` is stable.
+
+    None if marginal (< 1e-25).
+    """
     gap = float(1 - max(abs(value) for value in values))
     if abs(gap) > NEAR_ONE:
         return gap
@@ -91,7 +122,9 @@ def stability_margin(equations: ClosingEquations, points: Points, values: tuple[
     if not root.converged:  # orbits that are not isolated have a multiplier of 1
         return None
     gap = float(1 - max(abs(value) for value in multipliers_of(fine, root.points)))
-    return None if abs(gap) < 1e-25 else gap
+    if abs(gap) < 1e-25:
+        return None
+    return gap
 
 
 def rest_positions(parameters: Parameters, boundary: int) -> tuple[Fraction, Fraction] | None:
@@ -100,5 +133,9 @@ def rest_positions(parameters: Parameters, boundary: int) -> tuple[Fraction, Fra
     if parameters.belt(boundary) != 0 or parameters.k == 0:
         return None
     below, above = (parameters.A(domain) for domain in NEIGHBOURS[boundary])
-    low, high = ((A + way * abs(parameters.B0)) / parameters.k for A, way in ((above, 1), (below, -1)))
-    return (low, high) if low <= high else None
+    low, high = (
+        (A + way * abs(parameters.B0)) / parameters.k for A, way in ((above, 1), (below, -1))
+    )
+    if low <= high:
+        return (low, high)
+    return None

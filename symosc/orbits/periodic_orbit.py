@@ -53,12 +53,13 @@ class Approach(NamedTuple):
     Attributes
     ----------
     dt, dx : float
-        Time and position of the start minus those of the nearest switching point of the orbit on the same belt; nan if
-        the start is not on a belt.
+        Time and position of the start minus those of the nearest switching point of the orbit on
+        the same belt; nan if the start is not on a belt.
     offset_x, offset_v : float
         Position and velocity of the start minus those of the orbit at the same phase.
     periods : int or None
-        Periods of the orbit after which |x - x_orbit| and |v - v_orbit| are below `within` for good; None: never seen.
+        Periods of the orbit after which |x - x_orbit| and |v - v_orbit| are below `within` for
+        good; None: never seen.
     within : float
 
     Examples
@@ -87,7 +88,8 @@ class OrbitSensitivities(NamedTuple):
     dt, dx : array, (points, wrt)
         Derivatives of the times and positions of the switchings.
     dmultipliers : complex array, (2, wrt)
-        Derivatives of the multipliers; nan where the two multipliers are equal, since a double one has no derivative.
+        Derivatives of the multipliers; nan where the two multipliers are equal, since a double one
+        has no derivative.
 
     Examples
     --------
@@ -105,7 +107,9 @@ class OrbitSensitivities(NamedTuple):
     def __eq__(self, other: object) -> bool:
         if not isinstance(other, OrbitSensitivities):
             return False
-        return all(np.array_equal(np.asarray(a), np.asarray(b)) for a, b in zip(self, other, strict=True))
+        return all(
+            np.array_equal(np.asarray(a), np.asarray(b)) for a, b in zip(self, other, strict=True)
+        )
 
     def __ne__(self, other: object) -> bool:
         return not self == other
@@ -125,7 +129,8 @@ class PeriodicOrbit(Drawable):
     labels : tuple of str
         The mappings of the word in order of time: labels[0] starts at points[0].
     points : tuple of SwitchingPoint
-        (t, x) at each switching, in order of time, the first in the first forcing period. Floats, or mpmath numbers.
+        (t, x) at each switching, in order of time, the first in the first forcing period. Floats,
+        or mpmath numbers.
     period : number
         2 pi periods/Omega.
     periods : int
@@ -133,18 +138,19 @@ class PeriodicOrbit(Drawable):
     multipliers : tuple of two complex numbers
         Floquet multipliers, the larger one first; 0 is one of them if the orbit sticks.
     stable : bool or None
-        Whether both lie inside the unit circle; None: the orbit is marginal, one lies on it to 50 digits. An admissible
-        orbit with c > 0 is stable by proof (`symosc.orbits.floquet`).
+        Whether both lie inside the unit circle; None: the orbit is marginal, one lies on it to 50
+        digits. An admissible orbit with c > 0 is stable by proof (`symosc.orbits.floquet`).
     residual : float
         Largest |f1|, |f2| of eq. (54).
     admissible : bool
-        Whether each piece stays in its domain, each event is the first, and Theorems 4 and 5 hold at every switching.
-        The engine has followed every such orbit over its period and found it closed (`symosc.orbits.admissibility`).
+        Whether each piece stays in its domain, each event is the first, and Theorems 4 and 5 hold
+        at every switching. The engine has followed every such orbit over its period and found it
+        closed (`symosc.orbits.admissibility`).
     failures : tuple of Condition
         What does not hold, where and by how much; empty for an orbit.
     grazing_distance : float
-        The smallest difference in velocity between a belt and a turn of a flight before it, or, if the flight went on,
-        beyond it.
+        The smallest difference in velocity between a belt and a turn of a flight before it, or, if
+        the flight went on, beyond it.
     message : str
         A summary in words.
     steps : int
@@ -181,11 +187,17 @@ class PeriodicOrbit(Drawable):
         """Return word, switching points and multipliers, for notebooks."""
 
         def shown(value: complex) -> str:
-            real, imag = (latex_number(float(f"{part:.6g}")) for part in (value.real, abs(value.imag)))
-            return real if value.imag == 0 else rf"{real} {'-' if value.imag < 0 else '+'} {imag}\,\mathrm{{i}}"
+            real, imag = (
+                latex_number(float(f"{part:.6g}")) for part in (value.real, abs(value.imag))
+            )
+            if value.imag == 0:
+                return real
+            return rf"{real} {'-' if value.imag < 0 else '+'} {imag}\,\mathrm{{i}}"
 
         points = zip(self.labels, self.points, strict=True)
-        rows = r" \\ ".join(f"P_{label[1:]}: & {float(t):.12g} & {float(x):.12g}" for label, (t, x) in points)
+        rows = r" \\ ".join(
+            f"P_{label[1:]}: & {float(t):.12g} & {float(x):.12g}" for label, (t, x) in points
+        )
         multipliers = r",\; ".join(shown(complex(value)) for value in self.multipliers)
         table = rf"\begin{{array}}{{lll}} \text{{from}} & t & x \\ {rows} \end{{array}}"
         return rf"${Word(self.labels).latex()},\quad {table},\quad \lambda = {multipliers}$"
@@ -207,13 +219,18 @@ class PeriodicOrbit(Drawable):
     def __call__(self, t: ArrayLike) -> np.ndarray:
         """Return [x, v] at times t."""
         times = real_array("t", t, "must be real numbers")
-        equations, points = self.equations(), self.phases()
-        K, turn, states = equations.K, float(equations.turn), np.empty((2, times.size))
+        equations = self.equations()
+        points = self.phases()
+        K = equations.K
+        turn = float(equations.turn)
+        states = np.empty((2, times.size))
         for j, time in enumerate(times.ravel()):
             theta = (time * K.Om - points[0, 1]) % turn + points[0, 1]
             i = int(np.searchsorted(points[:, 1], theta, side="right")) - 1
-            piece, (x, begin) = equations.pieces[i], (float(value) for value in points[i])
-            tau, v = (theta - begin) / K.Om, equations.belt(piece.start).v
+            piece = equations.pieces[i]
+            (x, begin) = (float(value) for value in points[i])
+            tau = (theta - begin) / K.Om
+            v = equations.belt(piece.start).v
             if piece.sticks:
                 states[:, j] = x + v * tau, v
             else:
@@ -225,8 +242,9 @@ class PeriodicOrbit(Drawable):
     def sensitivities(self, wrt: str | Sequence[str]) -> OrbitSensitivities:
         """Return the derivatives of the switching points and multipliers with respect to parameters.
 
-        They are difference quotients of orbits whose parameter is larger and smaller by 1e-15 of its size. These orbits
-        are found with 50 digits, so the quotients are right to about 20 digits; they are rounded to doubles.
+        They are difference quotients of orbits whose parameter is larger and smaller by 1e-15 of
+        its size. These orbits are found with 50 digits, so the quotients are right to about 20
+        digits; they are rounded to doubles.
 
         Raises
         ------
@@ -241,19 +259,28 @@ class PeriodicOrbit(Drawable):
         >>> find_orbit("fig9").sensitivities(("FN", "Omega")).dt.round(6).tolist()
         [[0.006374, 0.053576], [0.0068, -0.154111]]
         """
-        names = (wrt,) if isinstance(wrt, str) else tuple(wrt)
+        if isinstance(wrt, str):
+            names: tuple[str, ...] = (wrt,)
+        else:
+            names = tuple(wrt)
         for name in names or ("",):
             if name not in PARAMETER_NAMES or names.count(name) > 1:
                 allowed = f"must be different names of {', '.join(PARAMETER_NAMES)}"
-                hint = "" if name in PARAMETER_NAMES else meant(str(name), PARAMETER_NAMES)
+                if name in PARAMETER_NAMES:
+                    hint = ""
+                else:
+                    hint = meant(str(name), PARAMETER_NAMES)
                 raise ParameterError("wrt", name, allowed + hint)
         columns = []
         for name in names:
             value: Fraction = getattr(self.parameters, name)
             step = max(abs(value), Fraction(1, 1000)) / 10**15
             up, down = (_neighbour(self, name, value + way * step) for way in (1, -1))
-            columns.append([complex(a - b) / (2 * float(step)) for a, b in zip(up, down, strict=True)])
-        found, n = np.array(columns).T, len(self.points)
+            columns.append(
+                [complex(a - b) / (2 * float(step)) for a, b in zip(up, down, strict=True)]
+            )
+        found = np.array(columns).T
+        n = len(self.points)
         slopes = found[2 * n :]
         if abs(complex(self.multipliers[0]) - complex(self.multipliers[1])) <= 1e-7:  # they are one
             slopes = np.full_like(slopes, np.nan)
@@ -261,7 +288,10 @@ class PeriodicOrbit(Drawable):
 
     @property
     def lyapunov(self) -> np.ndarray:
-        """The two Lyapunov exponents per unit of time; an orbit with a stick has the multiplier 0, exponent -inf."""
+        """The two Lyapunov exponents per unit of time.
+
+        An orbit with a stick has the multiplier 0, exponent -inf.
+        """
         sizes = np.sort([abs(complex(each)) for each in self.multipliers])[::-1]
         with np.errstate(divide="ignore"):
             return np.asarray(np.log(sizes) / float(self.period))
@@ -275,13 +305,16 @@ class PeriodicOrbit(Drawable):
         ParameterError
             If the scene has other parameters than the orbit.
         """
-        scene = scene if isinstance(scene, Scene) else load_scene(scene)
+        if not isinstance(scene, Scene):
+            scene = load_scene(scene)
         near = float(read_exact("within", within))
         if near <= 0:
             raise ParameterError("within", within, "must be > 0")
         if scene.parameters != self.parameters:
             raise ParameterError("scene", scene.name, "must have the orbit's parameters")
-        (t0, x0, v0), length, found = map(float, (scene.t0, scene.x0, scene.v0)), float(self.period), []
+        (t0, x0, v0) = map(float, (scene.t0, scene.x0, scene.v0))
+        length = float(self.period)
+        found = []
         T = length / self.periods
         for piece, (t, x) in zip(self.equations().pieces, self.points, strict=True):
             if scene.v0 == self.parameters.belt(piece.start):
@@ -295,13 +328,25 @@ class PeriodicOrbit(Drawable):
         offset = np.array([x0, v0]) - states[:, 0]
         away = np.abs(path(t0 + elapsed) - states).max(axis=0)
         periods = int(np.flatnonzero(away > near).max(initial=-1)) + 1
-        return Approach(dt, dx, float(offset[0]), float(offset[1]), periods if periods < len(away) else None, near)
+        return Approach(
+            dt,
+            dx,
+            float(offset[0]),
+            float(offset[1]),
+            periods if periods < len(away) else None,
+            near,
+        )
 
     def as_dict(self) -> Record:
-        """Return everything as plain values; numbers with more than double precision become text."""
+        """Return everything as plain values.
+
+        Numbers with more than double precision become text.
+        """
 
         def plain(value: Any) -> float | str:
-            return float(value) if self.digits is None else value.context.nstr(value, self.digits)
+            if self.digits is None:
+                return float(value)
+            return value.context.nstr(value, self.digits)
 
         rows = zip(self.labels, self.points, strict=True)
         return {
@@ -327,9 +372,19 @@ def _neighbour(orbit: PeriodicOrbit, name: str, value: Fraction) -> list[Any]:
     """Return times, positions and multipliers, in one list, of the word's orbit at another value of `name`."""
     parameters = orbit.parameters.replace(**{name: value})
     equations = ClosingEquations(parameters, Word(orbit.labels), orbit.periods, 50)
-    solution = polish(equations, [(float(x), float(t) * float(parameters.Omega)) for t, x in orbit.points])
+    solution = polish(
+        equations, [(float(x), float(t) * float(parameters.Omega)) for t, x in orbit.points]
+    )
     if not solution.converged:
-        raise ConvergenceError(orbit.word, (), orbit.periods, float(solution.residual), solution.reason)
+        raise ConvergenceError(
+            orbit.word, (), orbit.periods, float(solution.residual), solution.reason
+        )
     target = complex(orbit.multipliers[0])
-    pair = sorted(multipliers_of(equations, solution.points), key=lambda value: abs(complex(value) - target))
-    return [*(theta / equations.K.Om for _, theta in solution.points), *(x for x, _ in solution.points), *pair]
+    pair = sorted(
+        multipliers_of(equations, solution.points), key=lambda value: abs(complex(value) - target)
+    )
+    return [
+        *(theta / equations.K.Om for _, theta in solution.points),
+        *(x for x, _ in solution.points),
+        *pair,
+    ]

@@ -21,23 +21,29 @@ CORRECTED = "confirmed with a correction"
 NOT_AS_PRINTED = "not as printed"
 UNDECIDED = "cannot be decided"
 VERDICTS = (CONFIRMED, DEFINITION, CORRECTED, NOT_AS_PRINTED, UNDECIDED)
-#: Verdicts that say that something is wrong: they need a correction, and the erratum that it belongs to.
+#: Verdicts that say that something is wrong: they need a correction, and the erratum that it
+#: belongs to.
 FAULTY = (CORRECTED, NOT_AS_PRINTED)
 
 CLAIMS_FILE = Path(__file__).with_name("claims.toml")
-#: The parts of the report, in order; a claim `[figures.fig5-stick-appears]` is in the part "figures".
+#: The parts of the report, in order; a claim `[figures.fig5-stick-appears]` is in the part
+#: "figures".
 PARTS = {
     "model": "The model and the friction law",
     "theorems": "Theorems 4 to 7",
     "mappings": "The mappings and their equations",
     "figures": "What is said about the figures",
 }
-REQUIRED, OPTIONAL = ("source", "says"), ("check", "see", "verdict", "correction", "remark")
+REQUIRED = ("source", "says")
+OPTIONAL = ("check", "see", "verdict", "correction", "remark")
 
 
 @dataclass(frozen=True)
 class Evidence:
-    """The result of a check: a verdict computed from its numbers, one or two sentences, and the numbers as text."""
+    """The result of a check.
+
+    A verdict computed from its numbers, one or two sentences, and the numbers as text.
+    """
 
     verdict: str
     finding: str
@@ -48,15 +54,23 @@ class Evidence:
             raise ValueError(f"verdict = {self.verdict!r}: must be one of {', '.join(VERDICTS)}")
         if not self.numbers:
             raise ValueError("numbers = {}: evidence needs at least one computed number")
-        object.__setattr__(self, "numbers", {name: str(value) for name, value in self.numbers.items()})
+        object.__setattr__(
+            self, "numbers", {name: str(value) for name, value in self.numbers.items()}
+        )
 
 
 def verdict(as_printed: object, corrected: object = False) -> str:
     """Return CONFIRMED if a statement holds as printed, CORRECTED if it holds when corrected, else NOT_AS_PRINTED."""
-    return CONFIRMED if as_printed else CORRECTED if corrected else NOT_AS_PRINTED
+    if as_printed:
+        return CONFIRMED
+    if corrected:
+        return CORRECTED
+    return NOT_AS_PRINTED
 
 
-def evidence(right: object, finding: str, numbers: dict[str, Any], if_right: str = CONFIRMED) -> Evidence:
+def evidence(
+    right: object, finding: str, numbers: dict[str, Any], if_right: str = CONFIRMED
+) -> Evidence:
     """Return evidence with the verdict `if_right` and this finding if `right` is true, else with NOT_AS_PRINTED."""
     if right:
         return Evidence(if_right, finding, numbers)
@@ -64,7 +78,10 @@ def evidence(right: object, finding: str, numbers: dict[str, Any], if_right: str
 
 
 class Refuted(Exception):
-    """The error that a check raises if the stick or orbit of its statement does not exist; carries the evidence."""
+    """The error that a check raises if the stick or orbit of its statement does not exist.
+
+    Carries the evidence.
+    """
 
     def __init__(self, finding: str, numbers: dict[str, Any]) -> None:
         self.evidence = Evidence(NOT_AS_PRINTED, finding, numbers)
@@ -88,7 +105,10 @@ class Claim(NamedTuple):
 
 
 class Unjudged(NamedTuple):
-    """A part of the paper without a verdict: its place, its content, and why no verdict is possible."""
+    """A part of the paper without a verdict.
+
+    Its place, its content, and why no verdict is possible.
+    """
 
     source: str
     says: str
@@ -100,13 +120,17 @@ def read_claims(
 ) -> tuple[tuple[Claim, ...], tuple[Unjudged, ...]]:
     """Read all claims of claims.toml, part by part, and the parts of the paper without a verdict.
 
-    `pictures` has the keys of the pictures that claims may name; `checks` is the package of the check functions. A
-    faulty file raises RecordsError.
+    `pictures` has the keys of the pictures that claims may name; `checks` is the package of the
+    check functions. A faulty file raises RecordsError.
     """
-    data, claims, unjudged = read_toml(path), dict[str, Claim](), []
+    data = read_toml(path)
+    claims = dict[str, Claim]()
+    unjudged = []
     for says, row in data.pop("unjudged", {}).items():
         if not isinstance(row, list) or [type(text) for text in row] != [str, str]:
-            raise RecordsError(f"{path.name}, [unjudged]", f"{says} = {row!r}: must be a place, and a reason")
+            raise RecordsError(
+                f"{path.name}, [unjudged]", f"{says} = {row!r}: must be a place, and a reason"
+            )
         unjudged.append(Unjudged(row[0], says, row[1]))
     kinds = dict.fromkeys(pictures, "figures") | dict.fromkeys(CHAPTERS, "derivation")
     kinds |= {erratum.id: "errata" for erratum in read_errata()}
@@ -123,18 +147,33 @@ def read_claims(
             for target in see:
                 one_of(where, "see", target, kinds)
             shown = ("figures", "derivation", "errata")
-            figures, chapters, errata = (tuple(target for target in see if kinds[target] == kind) for kind in shown)
+            figures, chapters, errata = (
+                tuple(target for target in see if kinds[target] == kind) for kind in shown
+            )
             if len(chapters) > 1:
                 raise RecordsError(where, f"see: one chapter at most, not {' and '.join(chapters)}")
-            check = _check_call(where, checks, table.pop("check", f"{part}.{name.replace('-', '_')}"))
+            check = _check_call(
+                where, checks, table.pop("check", f"{part}.{name.replace('-', '_')}")
+            )
             derivation = next(iter(chapters), None)
             said = {"verdict": CORRECTED if "correction" in table else CONFIRMED}
             said |= {key: one_line(value) for key, value in table.items()}
             one_of(where, "verdict", said["verdict"], VERDICTS)
             if not ("correction" in table) == bool(errata) == (said["verdict"] in FAULTY):
                 faulty = " or ".join(map(repr, FAULTY))
-                raise RecordsError(where, f"must have a correction and see an erratum if its verdict is {faulty} only")
-            claims[name] = Claim(name, part, check=check, figures=figures, derivation=derivation, errata=errata, **said)
+                raise RecordsError(
+                    where,
+                    f"must have a correction and see an erratum if its verdict is {faulty} only",
+                )
+            claims[name] = Claim(
+                name,
+                part,
+                check=check,
+                figures=figures,
+                derivation=derivation,
+                errata=errata,
+                **said,
+            )
     return tuple(claims.values()), tuple(unjudged)
 
 
@@ -144,9 +183,16 @@ def _check_texts(where: str, table: dict[str, Any]) -> None:
         said = f"must have {', '.join(REQUIRED)}, and may have {', '.join(OPTIONAL)}"
         raise RecordsError(where, f"has {', '.join(table)}; {said}")
     for key, value in table.items():
-        texts = value if key == "see" else [value]
-        if not isinstance(texts, list) or not all(isinstance(text, str) and text.strip() for text in texts):
-            raise RecordsError(where, f"{key} = {value!r}: must be {'a list of texts' if key == 'see' else 'text'}")
+        if key == "see":
+            texts = value
+        else:
+            texts = [value]
+        if not isinstance(texts, list) or not all(
+            isinstance(text, str) and text.strip() for text in texts
+        ):
+            raise RecordsError(
+                where, f"{key} = {value!r}: must be {'a list of texts' if key == 'see' else 'text'}"
+            )
 
 
 def _check_call(where: str, package: str, text: str) -> Callable[[], Evidence]:
@@ -156,16 +202,23 @@ def _check_call(where: str, package: str, text: str) -> Callable[[], Evidence]:
     try:
         names = vars(import_module(f"{package}.{module}"))
         call: Any = ast.parse(f"f({arguments or ')'}", mode="eval").body
-        values = [names[arg.id] if isinstance(arg, ast.Name) else ast.literal_eval(arg) for arg in call.args]
+        values = [
+            names[arg.id] if isinstance(arg, ast.Name) else ast.literal_eval(arg)
+            for arg in call.args
+        ]
         return partial(names[function], *values)
     except (ModuleNotFoundError, KeyError, SyntaxError, ValueError) as error:
-        raise RecordsError(where, f"check = {text!r}: there is no such function, or value, in {package}") from error
+        raise RecordsError(
+            where, f"check = {text!r}: there is no such function, or value, in {package}"
+        ) from error
 
 
-# --- which numbered equations, lemmas, theorems, figures and sections of the paper the claims are on ---
+# --- which numbered equations, lemmas, theorems, figures and sections of the paper the claims are
+# on ---
 
 
-#: The kinds of numbered parts of the paper: pattern of the name in texts, name, plural, first and last number.
+#: The kinds of numbered parts of the paper: pattern of the name in texts, name, plural, first and
+#: last number.
 KINDS = {
     "section": ("Sections?", "Section", "sections (with the abstract)", 0, 7),
     "equation": ("eqs?[.]", "eq.", "numbered equations", 1, 66),
@@ -176,29 +229,51 @@ KINDS = {
 
 
 def _label(kind: str, number: int) -> str:
-    """Return the name of a numbered part of the paper, such as "(26)" or "Lemma 1"; section 0 is the abstract."""
+    """Return the name of a numbered part of the paper, such as "(26)" or "Lemma 1".
+
+    Section 0 is the abstract.
+    """
     if kind == "equation":
         return f"({number})"
-    return "Abstract" if (kind, number) == ("section", 0) else f"{KINDS[kind][1]} {number}"
+    if (kind, number) == ("section", 0):
+        return "Abstract"
+    return f"{KINDS[kind][1]} {number}"
 
 
 #: All numbered parts of the paper, in its order, and their kinds.
-PAPER = {_label(kind, n): kind for kind, (*_, first, last) in KINDS.items() for n in range(first, last + 1)}
+PAPER = {
+    _label(kind, n): kind
+    for kind, (*_, first, last) in KINDS.items()
+    for n in range(first, last + 1)
+}
 # "after eq. (19)" is a place, and no statement on (19).
-_PLACE = re.compile(rf"(?:before|after) (?:{'|'.join(pattern for pattern, *_ in KINDS.values())}) [(]?\d+[)]?")
-# One number of a list, with what joins it to the one before: "(26)", ", (32)", " and 5", " to (48)", ", (55.2)".
+_PLACE = re.compile(
+    rf"(?:before|after) (?:{'|'.join(pattern for pattern, *_ in KINDS.values())}) [(]?\d+[)]?"
+)
+# One number of a list, with what joins it to the one before: "(26)", ", (32)", " and 5", " to
+# (48)", ", (55.2)".
 _NUMBER = r"(,? and |, | to | )[(]?(\d+)(?:[.]\d+)?[)]?"
 
 
 def items_of(source: str) -> list[str]:
-    """Return the sections, equations, lemmas, theorems and figures that a text like "eqs. (26), (32) to (34)" names."""
-    found = ["Abstract"] if "Abstract" in source else []
+    """Return the sections, equations, lemmas, theorems and figures that a text like "eqs.
+
+    (26), (32) to (34)" names.
+    """
+    if "Abstract" in source:
+        found = ["Abstract"]
+    else:
+        found = []
     source = _PLACE.sub("", source)
     for name, (pattern, *_) in KINDS.items():
         for numbers in re.finditer(rf"\b{pattern}((?:{_NUMBER})+)", source):
             last = 0
             for joint, digits in re.findall(_NUMBER, numbers[1]):
-                first, last = last + 1 if joint == " to " else int(digits), int(digits)
+                if joint == " to ":
+                    first = last + 1
+                else:
+                    first = int(digits)
+                last = int(digits)
                 found += [_label(name, number) for number in range(first, last + 1)]
     return list(dict.fromkeys(found))
 

@@ -1,4 +1,7 @@
-"""The paper's Figs. 1 to 4: the model, the friction force, the phase plane and the eight mappings."""
+"""The paper's Figs. 1 to 4.
+
+The model, the friction force, the phase plane and the eight mappings.
+"""
 
 from __future__ import annotations
 
@@ -20,11 +23,19 @@ from symosc.simulation.trajectory import Trajectory
 from symosc.words import MAPS
 
 COLUMN_WIDTH = 3.6  # inches: one column of a page, and legible on a phone
-THIN, LINE, THICK = 0.6, 1.1, 2.4  # weights of lines
+# weights of lines
+THIN = 0.6
+LINE = 1.1
+THICK = 2.4
 GREY = "#666666"
 SHADES = ("#eef3fb", "#fdfdfd", "#fbf1ee")  # of domains 1, 2 and 3
 BOX = {"facecolor": "white", "edgecolor": "none", "pad": 1.0}
-OUTSIDE: dict[str, Any] = {"loc": "outside lower center", "ncols": 2, "frameon": False, "borderpad": 0.1}
+OUTSIDE: dict[str, Any] = {
+    "loc": "outside lower center",
+    "ncols": 2,
+    "frameon": False,
+    "borderpad": 0.1,
+}
 CENTER: dict[str, Any] = {"ha": "center", "va": "center"}
 
 Edges = tuple[float, float]
@@ -41,18 +52,30 @@ def fig1() -> Figure:
     for low in np.linspace(-1.1, 0.8, 7):
         ax.plot([-0.35, 0.0], [low, low + 0.3], color="black", lw=THIN)
     # The spring at height 0.45, in six turns, from the wall to the mass.
-    x, y = np.linspace(0.6, 4.1, 25), 0.45 + 0.24 * np.sin(np.arange(25) * np.pi / 2)
-    x, y = np.concatenate([[0.0], x, [4.7]]), np.concatenate([[0.45], y, [0.45]])
+    x = np.linspace(0.6, 4.1, 25)
+    y = 0.45 + 0.24 * np.sin(np.arange(25) * np.pi / 2)
+    x = np.concatenate([[0.0], x, [4.7]])
+    y = np.concatenate([[0.45], y, [0.45]])
     ax.plot(x, y, color="black", lw=LINE, solid_joinstyle="round")
     ax.text(1.3, 0.85, "$k$", ha="center", va="bottom")
     # The damper at height -0.45: rod, pot, piston, rod.
-    y0, left, right, half = -0.45, 1.35, 2.35, 0.24
+    y0 = -0.45
+    left = 1.35
+    right = 2.35
+    half = 0.24
     ax.plot([0.0, left], [y0, y0], color="black", lw=LINE)
-    ax.plot([right, left, left, right], [y0 + half, y0 + half, y0 - half, y0 - half], color="black", lw=LINE)
+    ax.plot(
+        [right, left, left, right],
+        [y0 + half, y0 + half, y0 - half, y0 - half],
+        color="black",
+        lw=LINE,
+    )
     ax.plot([1.95, 1.95], [y0 - 0.17, y0 + 0.17], color="black", lw=1.6 * LINE)
     ax.plot([1.95, 4.7], [y0, y0], color="black", lw=LINE)
     ax.text(1.3, -0.8, "$c$", ha="center", va="top")
-    mass = Rectangle((4.7, -0.9), 2.0, 1.8, facecolor="#f3d9d6", edgecolor=MASS_COLOR, lw=LINE, zorder=3)
+    mass = Rectangle(
+        (4.7, -0.9), 2.0, 1.8, facecolor="#f3d9d6", edgecolor=MASS_COLOR, lw=LINE, zorder=3
+    )
     ax.add_patch(mass)
     ax.text(5.7, 0.0, "$m$", **CENTER, fontsize=11, zorder=4)
     _draw_belt(ax, 1, 2)
@@ -64,28 +87,53 @@ def fig1() -> Figure:
     return drawing
 
 
-def _draw_arrow(ax: Axes, start: tuple[float, float], end: tuple[float, float], color: str, **style: Any) -> None:
-    arrow: dict[str, Any] = {"arrowstyle": "-|>", "mutation_scale": 8.0, "lw": LINE, "shrinkA": 0.0, "shrinkB": 0.0}
+def _draw_arrow(
+    ax: Axes, start: tuple[float, float], end: tuple[float, float], color: str, **style: Any
+) -> None:
+    arrow: dict[str, Any] = {
+        "arrowstyle": "-|>",
+        "mutation_scale": 8.0,
+        "lw": LINE,
+        "shrinkA": 0.0,
+        "shrinkB": 0.0,
+    }
     ax.add_patch(FancyArrowPatch(start, end, color=color, **(arrow | style)))
 
 
 def _draw_belt(ax: Axes, side: int, number: int) -> None:
-    """Draw a belt above (side 1) or below (-1) the mass: its strand at the mass moves to the right."""
-    contact, radius, centres, mass = 0.9, 0.7, (3.6, 8.9), (4.7, 6.7)
-    middle, outer = side * (contact + radius), side * (contact + 2 * radius)
+    """Draw a belt above (side 1) or below (-1) the mass.
+
+    Its strand at the mass moves to the right.
+    """
+    contact = 0.9
+    radius = 0.7
+    centres = (3.6, 8.9)
+    mass = (4.7, 6.7)
+    middle = side * (contact + radius)
+    outer = side * (contact + 2 * radius)
     for centre in centres:
         ax.add_patch(Circle((centre, middle), radius, facecolor="white", edgecolor=GREY, lw=THIN))
         ax.plot([centre], [middle], "o", color=GREY, ms=1.8)
         bend = 0.5 * radius * np.exp(1j * np.radians([205, 335]))
         start, end = ((centre + z.real, middle + side * z.imag) for z in bend)
-        _draw_arrow(ax, start, end, GREY, lw=THIN, mutation_scale=5.0, connectionstyle=f"arc3,rad={0.6 * side}")
+        _draw_arrow(
+            ax,
+            start,
+            end,
+            GREY,
+            lw=THIN,
+            mutation_scale=5.0,
+            connectionstyle=f"arc3,rad={0.6 * side}",
+        )
     turn = np.linspace(-np.pi / 2, np.pi / 2, 60)
     bows = [(centres[1], np.cos(turn), np.sin(turn)), (centres[0], -np.cos(turn), -np.sin(turn))]
     rim = np.vstack([np.column_stack([x + radius * c, middle + radius * s]) for x, c, s in bows])
     ax.add_patch(Polygon(rim, closed=True, fill=False, edgecolor=BELT_COLOR, lw=1.5, zorder=2))
     # A shoe behind the strand presses the belt against the mass.
     shoe = sorted((side * (contact + 0.07), side * (contact + 0.25)))
-    ax.add_patch(Rectangle((mass[0], shoe[0]), mass[1] - mass[0], shoe[1] - shoe[0], facecolor=GREY, lw=0))
+    ax.add_patch(
+        Rectangle((mass[0], shoe[0]), mass[1] - mass[0], shoe[1] - shoe[0], facecolor=GREY, lw=0)
+    )
     _draw_arrow(ax, (5.7, outer + side * 0.95), (5.7, side * (contact + 0.25)), "black", zorder=5)
     ax.text(5.9, outer + side * 0.6, "$F_N$", ha="left", va="center")
     _draw_arrow(ax, (6.95, side * (contact + 0.3)), (7.95, side * (contact + 0.3)), BELT_COLOR)
@@ -97,18 +145,31 @@ def _draw_belt(ax: Axes, side: int, number: int) -> None:
 def fig2() -> Figure:
     """Return Fig. 2, the friction force F_f against the velocity, an interval at each belt's speed (eq. (1))."""
     p = load_scene("fig5").parameters
-    v1, v2 = float(p.v1), float(p.v2)
+    v1 = float(p.v1)
+    v2 = float(p.v2)
     levels = [float(p.A0 - p.A(alpha)) for alpha in (1, 2, 3)]
     names = (r"$-(\mu_1+\mu_2)F_N$", r"$(\mu_1-\mu_2)F_N$", r"$(\mu_1+\mu_2)F_N$")
-    reach, height = v2 - v1, max(map(abs, levels)) or 1.0
+    reach = v2 - v1
+    height = max(map(abs, levels)) or 1.0
     edges = v1 - reach, v1, v2, v2 + reach
     drawing = Figure(figsize=(COLUMN_WIDTH, 2.7), layout="constrained")
     ax = drawing.add_subplot()
     ax.axhline(0.0, color=GREY, lw=THIN, zorder=1)
     for alpha, (level, name) in enumerate(zip(levels, names, strict=True), 1):
         low, high = edges[alpha - 1 : alpha + 1]
-        ax.plot([low, high], [level, level], color=MASS_COLOR, lw=1.6, solid_capstyle="butt", zorder=3, label=name)
-        side = -1 if alpha == 3 else 1
+        ax.plot(
+            [low, high],
+            [level, level],
+            color=MASS_COLOR,
+            lw=1.6,
+            solid_capstyle="butt",
+            zorder=3,
+            label=name,
+        )
+        if alpha == 3:
+            side = -1
+        else:
+            side = 1
         place = (low + high) / 2, level + 0.07 * side * height
         ax.text(*place, f"{name}\n$= {level:.4g}$", ha="center", va="top" if side < 0 else "bottom")
         ax.text(place[0], -1.3 * height, rf"$\Omega_{alpha}$", **CENTER, color=GREY)
@@ -121,7 +182,15 @@ def fig2() -> Figure:
     ax.set_yticks([0.0], ["0"])
     key = [Line2D([], [], color=MASS_COLOR, lw=1.6), Line2D([], [], color=ONSET_COLOR, lw=THICK)]
     words = ["slips: one value", "sticks: any value"]
-    ax.legend(key, words, loc="upper left", frameon=False, handlelength=0.9, handletextpad=0.5, borderaxespad=0.2)
+    ax.legend(
+        key,
+        words,
+        loc="upper left",
+        frameon=False,
+        handlelength=0.9,
+        handletextpad=0.5,
+        borderaxespad=0.2,
+    )
     return drawing
 
 
@@ -129,9 +198,11 @@ def fig2() -> Figure:
 def fig3() -> Figure:
     """Return Fig. 3, the phase plane with its domains and boundaries, and the direction of motion at t = 0."""
     p = load_scene("fig5").parameters
-    v1, v2 = float(p.v1), float(p.v2)
+    v1 = float(p.v1)
+    v2 = float(p.v2)
     zones = {belt: sticking_interval(p, belt) for belt in (1, 2)}
-    left, right = min(zone[0] for zone in zones.values()), max(zone[1] for zone in zones.values())
+    left = min(zone[0] for zone in zones.values())
+    right = max(zone[1] for zone in zones.values())
     x = left - 0.25 * (right - left), right + 0.25 * (right - left)
     v = v1 - 0.9 * (v2 - v1), v2 + 0.9 * (v2 - v1)
     width = x[1] - x[0]
@@ -141,23 +212,40 @@ def fig3() -> Figure:
         ax.axhspan(low, high, color=SHADES[alpha - 1], lw=0, zorder=0)
         # Arrows of one length in the direction of (x', F^(alpha)), as the axes show it.
         rows = max(1, round(7 * (high - low) / (v[1] - v[0])))
-        X, V = np.meshgrid(np.linspace(*x, 12)[1:-1], low + (np.arange(rows) + 0.5) * (high - low) / rows)
+        X, V = np.meshgrid(
+            np.linspace(*x, 12)[1:-1], low + (np.arange(rows) + 0.5) * (high - low) / rows
+        )
         F = (float(p.A(alpha) + p.B0) - float(p.k) * X - float(p.c) * V) / float(p.m)
-        U, W = V / width, F / (v[1] - v[0])
+        U = V / width
+        W = F / (v[1] - v[0])
         size = np.hypot(U, W)
-        arrows: dict[str, Any] = {"pivot": "mid", "color": GREY, "width": 0.004, "scale": 16, "headwidth": 4.5}
+        arrows: dict[str, Any] = {
+            "pivot": "mid",
+            "color": GREY,
+            "width": 0.004,
+            "scale": 16,
+            "headwidth": 4.5,
+        }
         ax.quiver(X, V, U / size, W / size, zorder=1, **arrows)
-        place, box = (x[1] - 0.02 * width, (low + high) / 2), dict(BOX, facecolor=SHADES[alpha - 1])
-        ax.text(*place, rf"$\Omega_{alpha}$", ha="right", va="center", fontsize=11, bbox=box, zorder=5)
+        place = (x[1] - 0.02 * width, (low + high) / 2)
+        box = dict(BOX, facecolor=SHADES[alpha - 1])
+        ax.text(
+            *place, rf"$\Omega_{alpha}$", ha="right", va="center", fontsize=11, bbox=box, zorder=5
+        )
     stick: dict[str, Any] = {"color": ONSET_COLOR, "lw": THICK + 0.6}
     for belt, speed in ((1, v1), (2, v2)):
         lo, hi = NEIGHBOURS[belt]
         ax.axhline(speed, color=BELT_COLOR, lw=LINE, zorder=2)
         ax.plot(zones[belt], [speed, speed], solid_capstyle="butt", zorder=3, **stick)
         place = x[0] + 0.035 * width, speed
-        ax.text(*place, rf"$\partial\Omega_{{{lo}{hi}}}$", ha="left", va="center", bbox=BOX, zorder=5)
+        ax.text(
+            *place, rf"$\partial\Omega_{{{lo}{hi}}}$", ha="left", va="center", bbox=BOX, zorder=5
+        )
     _prepare_phase_axes(ax, p, x, v)
-    key = [Line2D([], [], **stick), Line2D([], [], color=GREY, marker=r"$\rightarrow$", ls="", ms=8)]
+    key = [
+        Line2D([], [], **stick),
+        Line2D([], [], color=GREY, marker=r"$\rightarrow$", ls="", ms=8),
+    ]
     words = [r"sticks at $\Omega t = 0$", r"direction at $\Omega t = 0$"]
     drawing.legend(key, words, columnspacing=1.2, **OUTSIDE)
     return drawing
@@ -175,8 +263,8 @@ def _prepare_phase_axes(ax: Axes, p: Parameters, x: Edges, v: Edges) -> None:
     ax.tick_params(axis="y", length=0)
 
 
-#: The oscillator of Fig. 4; where and when each mapping starts, x_i and t_i; and where its name stands, from the
-#: middle of its curve: alignment, and distance in points.
+#: The oscillator of Fig. 4; where and when each mapping starts, x_i and t_i; and where its name
+#: stands, from the middle of its curve: alignment, and distance in points.
 MAPPING_PARAMETERS = Parameters(
     m=1, c="0.1", k="0.4", A0=0, B0=20, Omega="2.5", v1=4, v2=8, mu1="0.7", mu2="0.5", FN="9.81"
 )
@@ -195,7 +283,10 @@ ENDS = (("o", ONSET_COLOR), ("s", END_COLOR))
 
 
 def mapping_motion(label: str) -> Trajectory:
-    """Return the motion of Fig. 4 that is one mapping: it starts on the mapping's plane and ends at its first event."""
+    """Return the motion of Fig.
+
+    4 that is one mapping: it starts on the mapping's plane and ends at its first event.
+    """
     x, t, _ = MAPPINGS[label]
     speed = MAPPING_PARAMETERS.belt(MAPS[label].start.boundary)
     return simulate(MAPPING_PARAMETERS, t0=t, x0=x, v0=speed, t_end=float(t) + 3, max_events=1)
@@ -205,28 +296,54 @@ def mapping_motion(label: str) -> Trajectory:
 def fig4() -> Figure:
     """Return Fig. 4, the basic mappings P1 to P8 in the phase plane, each a motion of the same oscillator."""
     p = MAPPING_PARAMETERS
-    v1, v2 = float(p.v1), float(p.v2)
+    v1 = float(p.v1)
+    v2 = float(p.v2)
     drawing = Figure(figsize=(COLUMN_WIDTH, 3.0), layout="constrained")
     ax = drawing.add_subplot()
     for label in MAPPINGS:
-        motion, count = mapping_motion(label), 200
+        motion = mapping_motion(label)
+        count = 200
         x, v = motion(np.linspace(float(motion.t_start), float(motion.events[0].t), count))
         sticks = motion.segments[0].mode.startswith("belt")
-        weight = THICK if sticks else LINE
+        if sticks:
+            weight = THICK
+        else:
+            weight = LINE
         ax.plot(x, v, color=MASS_COLOR, lw=weight, zorder=3, label=label, solid_capstyle="butt")
         for index, (marker, color) in zip((0, -1), ENDS, strict=True):
             ax.plot(x[index], v[index], marker, color=color, ms=3.5, zorder=5)
         returns = v[0] == v[-1] and not sticks
-        head = count // 4 if returns else count // 2
-        arrow = {"arrowstyle": "-|>", "color": MASS_COLOR, "lw": LINE, "shrinkA": 0, "shrinkB": 0, "mutation_scale": 9}
+        if returns:
+            head = count // 4
+        else:
+            head = count // 2
+        arrow = {
+            "arrowstyle": "-|>",
+            "color": MASS_COLOR,
+            "lw": LINE,
+            "shrinkA": 0,
+            "shrinkB": 0,
+            "mutation_scale": 9,
+        }
         ax.annotate("", (x[head + 4], v[head + 4]), (x[head], v[head]), arrowprops=arrow, zorder=4)
         across, up, dx, dy = MAPPINGS[label][2]
-        at = int(np.argmax(np.abs(v - v[0]))) if returns else count // 2
+        if returns:
+            at = int(np.argmax(np.abs(v - v[0])))
+        else:
+            at = count // 2
         ax.annotate(
-            f"$P_{label[1:]}$", (x[at], v[at]), (dx, dy), textcoords="offset points", ha=across, va=up, zorder=6
+            f"$P_{label[1:]}$",
+            (x[at], v[at]),
+            (dx, dy),
+            textcoords="offset points",
+            ha=across,
+            va=up,
+            zorder=6,
         )
-    low, high = v1 - 0.8 * (v2 - v1), v2 + 0.85 * (v2 - v1)
-    left, right = ax.get_xlim()[0] - 1.0, ax.get_xlim()[1] + 1.8
+    low = v1 - 0.8 * (v2 - v1)
+    high = v2 + 0.85 * (v2 - v1)
+    left = ax.get_xlim()[0] - 1.0
+    right = ax.get_xlim()[1] + 1.8
     for alpha, edges in enumerate(((low, v1), (v1, v2), (v2, high)), 1):
         ax.axhspan(*edges, color=SHADES[alpha - 1], lw=0, zorder=0)
         place = right - 0.025 * (right - left), sum(edges) / 2

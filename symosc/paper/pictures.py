@@ -1,8 +1,11 @@
-"""The pictures of the report, with their texts: the paper's figures, as printed and corrected, and its Theorem 7.
+"""The pictures of the report, with their texts.
 
-Figs. 5 to 10 have the paper's panels, order and colours, with dots where its text puts them: belts are black and the
-mass is red; blue circles and green squares are onset and end of a stick (in Fig. 7 of the first period), red triangles
-switching points, red stars contacts. Every number in a caption comes from the scenes and their trajectories.
+The paper's figures, as printed and corrected, and its Theorem 7.
+
+Figs. 5 to 10 have the paper's panels, order and colours, with dots where its text puts them: belts
+are black and the mass is red; blue circles and green squares are onset and end of a stick (in Fig.
+7 of the first period), red triangles switching points, red stars contacts. Every number in a
+caption comes from the scenes and their trajectories.
 """
 
 from __future__ import annotations
@@ -51,11 +54,19 @@ from symosc.simulation.trajectory import Event
 
 # Periods in panel (c) of Fig. 7.
 SEVERAL_PERIODS = 4.0
-# How far the black curves of Figs. 7 and 8 reach beyond the points that the text names, as fractions of both axes.
+# How far the black curves of Figs. 7 and 8 reach beyond the points that the text names, as
+# fractions of both axes.
 LONG_REACH = 0.25, 0.35
 # The picture of an orbit shows this part of a period on either side of it.
 ORBIT_MARGIN = 0.06
-START_STYLE: dict[str, Any] = {"mfc": "white", "mec": "black", "mew": 0.8, "ms": 4.2, "zorder": 7, "clip_on": False}
+START_STYLE: dict[str, Any] = {
+    "mfc": "white",
+    "mec": "black",
+    "mew": 0.8,
+    "ms": 4.2,
+    "zorder": 7,
+    "clip_on": False,
+}
 
 STAR = "Star: the contact, magnified in the inset."
 MARKS = "Blue circles: onset of a stick; green squares: its end."
@@ -79,13 +90,18 @@ class Picture(NamedTuple):
 
 
 def number(value: float, digits: int = 5) -> str:
-    """Return a number as captions show it: rounded to `digits` digits, with a minus sign and a power of ten."""
+    """Return a number as captions show it.
+
+    Rounded to `digits` digits, with a minus sign and a power of ten.
+    """
     mantissa, _, exponent = f"{value:.{digits}g}".partition("e")
     mantissa = mantissa.replace("-", "−")
     if not exponent:
         return mantissa
     power = "10" + str(int(exponent)).translate(POWERS)
-    return power if mantissa == "1" else f"{mantissa}·{power}"
+    if mantissa == "1":
+        return power
+    return f"{mantissa}·{power}"
 
 
 def listed_parameters(p: Parameters) -> str:
@@ -98,18 +114,25 @@ def parameters_and_start(name: str) -> str:
     """Return parameters and start of a scene in one sentence; a start of many digits is cut."""
     scene = load_scene(name)
     start = {"t0": show(scene.t0), "x0": show(scene.x0), "ẋ0": show(scene.v0)}
-    shown = [f"{key} = {text if len(text) <= 14 else f'{text[:13]}…'}" for key, text in start.items()]
+    shown = [
+        f"{key} = {text if len(text) <= 14 else f'{text[:13]}…'}" for key, text in start.items()
+    ]
     return f"{listed_parameters(scene.parameters)}; start {', '.join(shown)}.".replace("-", "−")
 
 
 def with_parameters(caption: str, scene: str | None = None) -> str:
     """Return a caption with the parameters of a scene appended (None: of the oscillator of Fig. 4)."""
-    p = MAPPING_PARAMETERS if scene is None else load_scene(scene).parameters
+    if scene is None:
+        p = MAPPING_PARAMETERS
+    else:
+        p = load_scene(scene).parameters
     return f"{caption} {listed_parameters(p)}."
 
 
 def _forces(view: View) -> str:
-    return "forces per mass {} (blue) and {} (green, dashed)".format(*map(force_names, view.domains))
+    return "forces per mass {} (blue) and {} (green, dashed)".format(
+        *map(force_names, view.domains)
+    )
 
 
 def _span(contact: Contact) -> str:
@@ -150,20 +173,29 @@ def start_and_period(name: str) -> tuple[float, float]:
 
 
 def printed_scene(name: str) -> str:
-    """Return the name of the printed scene for the name of a corrected one: "fig7-exact" -> "fig7"."""
+    """Return the name of the printed scene for the name of a corrected one.
+
+    "fig7-exact" -> "fig7".
+    """
     return name.partition("-")[0]
 
 
 @lru_cache
 def printed_view(name: str) -> View:
     """Return what Figs. 5, 6, 9 and 10 show: the motion of a scene from its printed start."""
-    scene, (t0, T) = load_scene(name), start_and_period(name)
-    return view_of(simulate(name, t_end=t0 + 2.2 * T if scene.structure else default_end(scene)), None)
+    scene = load_scene(name)
+    (t0, T) = start_and_period(name)
+    return view_of(
+        simulate(name, t_end=t0 + 2.2 * T if scene.structure else default_end(scene)), None
+    )
 
 
 @lru_cache
 def several_periods_view(name: str) -> View:
-    """Return what Fig. 7(c), (d) show: several periods, with marks at both ends of period 1 and the first contact."""
+    """Return what Fig. 7(c), (d) show.
+
+    Several periods, with marks at both ends of period 1 and the first contact.
+    """
     t0, T = start_and_period(name)
     view = view_of(simulate(name, t_end=t0 + SEVERAL_PERIODS * T), 1)
     marks = [Mark("start of period", ONSET_COLOR, t0), Mark("end of period", END_COLOR, t0 + T)]
@@ -174,12 +206,18 @@ def several_periods_view(name: str) -> View:
 
 @lru_cache
 def grazing_view(name: str) -> View:
-    """Return what Fig. 8 shows: a motion with a contact with belt 1, marked red, and a later stick on belt 1."""
+    """Return what Fig. 8 shows.
+
+    A motion with a contact with belt 1, marked red, and a later stick on belt 1.
+    """
     view = view_of(simulate(name, t_end=default_end(load_scene(printed_scene(name)))), 1)
     contact, *_, stick = _in_order(view)
-    onset, end = Mark("onset of stick", ONSET_COLOR, stick.since), Mark("end of stick", END_COLOR, stick.until)
+    onset = Mark("onset of stick", ONSET_COLOR, stick.since)
+    end = Mark("end of stick", END_COLOR, stick.until)
     marks = view.marks[0], _contact_mark(contact), onset, end
-    return replace(view, marks=marks, contacts=(contact, stick), magnified=(contact,), belt_reach=LONG_REACH)
+    return replace(
+        view, marks=marks, contacts=(contact, stick), magnified=(contact,), belt_reach=LONG_REACH
+    )
 
 
 @lru_cache
@@ -198,7 +236,9 @@ def crop(view: View, since: float, until: float) -> View:
     """Return the part of a view between two times, sampled anew."""
     t = np.union1d(view.t[(since < view.t) & (view.t < until)], np.linspace(since, until, 200))
     x, v = view.trajectory(t)
-    return replace(view, t=t, x=x, v=v, marks=tuple(mark for mark in view.marks if since <= mark.t <= until))
+    return replace(
+        view, t=t, x=x, v=v, marks=tuple(mark for mark in view.marks if since <= mark.t <= until)
+    )
 
 
 def _in_order(view: View) -> tuple[Contact, ...]:
@@ -206,7 +246,11 @@ def _in_order(view: View) -> tuple[Contact, ...]:
 
 
 def _contact_mark(contact: Contact) -> Mark:
-    return Mark("grazing point" if contact.until == contact.since else "contact", SWITCH_COLOR, contact.since)
+    return Mark(
+        "grazing point" if contact.until == contact.since else "contact",
+        SWITCH_COLOR,
+        contact.since,
+    )
 
 
 def _paper_form(panels: list[tuple[Panel, View]], columns: int, tall: int | None = None) -> Figure:
@@ -218,23 +262,42 @@ def _paper_form(panels: list[tuple[Panel, View]], columns: int, tall: int | None
 
 
 def printed_figure(name: str, columns: int = 2) -> Figure:
-    """Draw displacement, velocity, phase plane and forces; for Figs. 9 and 10 also forces against x and v."""
-    letters = "abcdef" if load_scene(name).structure else "abcd"
+    """Draw displacement, velocity, phase plane and forces; for Figs.
+
+    9 and 10 also forces against x and v.
+    """
+    if load_scene(name).structure:
+        letters = "abcdef"
+    else:
+        letters = "abcd"
     return _paper_form([(PANELS[letter], printed_view(name)) for letter in letters], columns)
 
 
 def product_figure(columns: int = 2) -> Figure:
-    """Draw the products of both forces against time, of which section 6 speaks, for Figs. 5, 6, 9 and 10."""
-    return _paper_form([(PANELS["g"], printed_view(name)) for name in ("fig5", "fig6", "fig9", "fig10")], columns)
+    """Draw the products of both forces against time, of which section 6 speaks, for Figs.
+
+    5, 6, 9 and 10.
+    """
+    return _paper_form(
+        [(PANELS["g"], printed_view(name)) for name in ("fig5", "fig6", "fig9", "fig10")], columns
+    )
 
 
 def stick_caption(name: str) -> str:
     """Return the caption of Fig. 5 or 6."""
     view = printed_view(name)
-    sticks = [stick for stick in view.contacts if stick.belt == view.boundary and stick.until < view.t[-1]]
+    sticks = [
+        stick for stick in view.contacts if stick.belt == view.boundary and stick.until < view.t[-1]
+    ]
     # The force whose zero ends a stick is that of the domain into which the mass slips.
-    into = {float(event.t): int(event.target[-1]) for event in view.trajectory.events if event.kind == "slip"}
-    spans = [f"t = {_span(stick)} (ended by {force_names(into[stick.until])} = 0)" for stick in sticks]
+    into = {
+        float(event.t): int(event.target[-1])
+        for event in view.trajectory.events
+        if event.kind == "slip"
+    }
+    spans = [
+        f"t = {_span(stick)} (ended by {force_names(into[stick.until])} = 0)" for stick in sticks
+    ]
     return (
         f"As printed. (a) Displacement, (b) velocity, (c) phase plane, (d) {_forces(view)}, shaded where the mass "
         f"sticks to belt {view.boundary}. Red: the mass; black: the belts. {MARKS} The mass sticks from "
@@ -245,7 +308,9 @@ def stick_caption(name: str) -> str:
 def stick_signs(view: View, sticks: list[Contact]) -> str:
     """Say whether Theorem 4's conditions hold inside sticks."""
     low, high = view.domains
-    inside = np.concatenate([view.t[(stick.since < view.t) & (view.t < stick.until)] for stick in sticks])
+    inside = np.concatenate(
+        [view.t[(stick.since < view.t) & (view.t < stick.until)] for stick in sticks]
+    )
     force = view.trajectory.force
     everywhere = bool((force(low, inside) > 0).all() and (force(high, inside) < 0).all())
     signs = f"{force_names(low)} > 0 > {force_names(high)}"
@@ -282,7 +347,8 @@ def _distance_text(orbit: str) -> str:
 
 def grazing_figure_P2(name: str, columns: int = 2) -> Figure:
     """Draw Fig. 7: (a) displacement and (b) velocity in the first period, (c) velocity later on, (d) phase plane."""
-    several, (t0, T) = several_periods_view(name), start_and_period(name)
+    several = several_periods_view(name)
+    (t0, T) = start_and_period(name)
     magnified = _in_order(view_of(several.trajectory, 1))[:1]
     first = replace(crop(several, t0, t0 + 1.25 * T), magnified=magnified)
     panels: list[tuple[Panel, View]] = [(PANELS["a"], first), (_velocity_and_gap, first)]
@@ -291,20 +357,34 @@ def grazing_figure_P2(name: str, columns: int = 2) -> Figure:
 
 
 def _velocity_and_gap(ax: Axes, view: View) -> None:
-    """Draw panel (b), velocity over time; if the mass never reaches a belt, a bar marks the gap that is left."""
+    """Draw panel (b), velocity over time.
+
+    If the mass never reaches a belt, a bar marks the gap that is left.
+    """
     PANELS["b"](ax, view)
     if view.trajectory.events:
         return
-    (t, v), speed = largest_velocity(view), float(view.trajectory.parameters.belt(view.boundary))
+    (t, v) = largest_velocity(view)
+    speed = float(view.trajectory.parameters.belt(view.boundary))
     bar = {"arrowstyle": "|-|, widthA=0.2, widthB=0.2", "lw": 0.8, "shrinkA": 0, "shrinkB": 0}
     ax.annotate("", (t, speed), (t, v), arrowprops=bar)
-    ax.annotate(f"gap {speed - v:.2f}", (t, speed), (0, 3), textcoords="offset points", ha="center", fontsize=8)
+    ax.annotate(
+        f"gap {speed - v:.2f}",
+        (t, speed),
+        (0, 3),
+        textcoords="offset points",
+        ha="center",
+        fontsize=8,
+    )
     low, high = ax.get_ylim()
     ax.set_ylim(low, max(high, speed + 0.15 * (speed - low)))
 
 
 def _velocity_of_periods(ax: Axes, view: View, start: float, period: float) -> None:
-    """Draw panel (c) of Fig. 7: the velocity over several periods, each beginning with a dotted line."""
+    """Draw panel (c) of Fig.
+
+    7: the velocity over several periods, each beginning with a dotted line.
+    """
     _velocity_and_gap(ax, view)
     for time in np.arange(start, view.t[-1] + period / 2, period):
         ax.axvline(time, color="0.6", lw=0.6, ls=(0, (1, 2)), zorder=0)
@@ -312,7 +392,8 @@ def _velocity_of_periods(ax: Axes, view: View, start: float, period: float) -> N
 
 def largest_velocity(view: View) -> tuple[float, float]:
     """Return the time and the value of the largest velocity in a view."""
-    guess, step = view.t[np.argmax(view.v)], 2 * pi / float(view.trajectory.parameters.Omega) / 60
+    guess = view.t[np.argmax(view.v)]
+    step = 2 * pi / float(view.trajectory.parameters.Omega) / 60
     bounds = max(guess - step, view.t[0]), min(guess + step, view.t[-1])
     found = minimize_scalar(lambda t: -view.trajectory(t)[1], bounds=bounds, method="bounded")
     return float(found.x), -float(found.fun)
@@ -320,8 +401,10 @@ def largest_velocity(view: View) -> tuple[float, float]:
 
 def grazing_P2_caption(name: str) -> str:
     """Return the caption of Fig. 7 with the printed or another A0."""
-    view, (t0, T) = several_periods_view(name), start_and_period(name)
-    p, printed = view.trajectory.parameters, load_scene(printed_scene(name)).parameters
+    view = several_periods_view(name)
+    (t0, T) = start_and_period(name)
+    p = view.trajectory.parameters
+    printed = load_scene(printed_scene(name)).parameters
     contacts = _in_order(view_of(view.trajectory, view.boundary))
     if contacts:
         shift = number(float((printed.A0 - p.A0) / p.k))
@@ -350,7 +433,12 @@ def grazing_figure_P3(name: str, columns: int = 2) -> Figure:
     _, stick = view.contacts
     reach = 1.2 * (stick.until - stick.since)
     close_up = crop(replace(view, magnified=()), stick.since - reach, stick.until + reach)
-    panels = [(PANELS["a"], view), (PANELS["b"], view), (PANELS["b"], close_up), (PANELS["c"], view)]
+    panels = [
+        (PANELS["a"], view),
+        (PANELS["b"], view),
+        (PANELS["b"], close_up),
+        (PANELS["c"], view),
+    ]
     return _paper_form(panels, columns, tall=1)
 
 
@@ -378,8 +466,12 @@ def _contact_text(view: View, contact: Contact) -> str:
 
 
 def orbit_figure(name: str, columns: int = 2) -> Figure:
-    """Draw one period of the periodic orbit in the form of Figs. 9 and 10, with the printed start."""
-    scene, panels = load_scene(printed_scene(name)), dict(PANELS)
+    """Draw one period of the periodic orbit in the form of Figs.
+
+    9 and 10, with the printed start.
+    """
+    scene = load_scene(printed_scene(name))
+    panels = dict(PANELS)
     t, x, v = (float(value) for value in (scene.t0, scene.x0, scene.v0))
     for letter, start in (("a", (t, x)), ("b", (t, v)), ("c", (x, v))):
         panels[letter] = partial(_draw_with_start, panel=PANELS[letter], start=start)
@@ -387,7 +479,10 @@ def orbit_figure(name: str, columns: int = 2) -> Figure:
 
 
 def _draw_with_start(ax: Axes, view: View, panel: Panel, start: tuple[float, float]) -> None:
-    """Draw a panel with a diamond at the printed start; if an event is close, panel (c) gets a magnified inset."""
+    """Draw a panel with a diamond at the printed start.
+
+    If an event is close, panel (c) gets a magnified inset.
+    """
     panel(ax, view)
     low, high = ax.get_ylim()
     margin = 0.06 * (high - low)
@@ -400,9 +495,16 @@ def _draw_with_start(ax: Axes, view: View, panel: Panel, start: tuple[float, flo
     inset = ax.inset_axes((0.33, 0.39, 0.42, 0.2))
     inset.plot(view.x, view.v, color=MASS_COLOR, lw=1.3)
     inset.axhline(float(crossing.v), color=BELT_COLOR, lw=0.6)
-    inset.plot(float(crossing.x), float(crossing.v), linestyle="none", **mark_style("end of stick", END_COLOR))
+    inset.plot(
+        float(crossing.x),
+        float(crossing.v),
+        linestyle="none",
+        **mark_style("end of stick", END_COLOR),
+    )
     inset.plot(*start, "D", **START_STYLE)
-    inset.set(xlim=start[0] + np.array([-3, 2]) * distance, ylim=start[1] + np.array([-40, 20]) * distance)
+    inset.set(
+        xlim=start[0] + np.array([-3, 2]) * distance, ylim=start[1] + np.array([-40, 20]) * distance
+    )
     inset.tick_params(labelsize=7, labelfontfamily="STIXGeneral", pad=2)
     inset.set_yticks([start[1]])
     ax.indicate_inset_zoom(inset, edgecolor="0.6", lw=0.5)
@@ -410,10 +512,13 @@ def _draw_with_start(ax: Axes, view: View, panel: Panel, start: tuple[float, flo
 
 def orbit_caption(orbit: str) -> str:
     """Return the caption of the true periodic orbit with the printed start."""
-    view, (_, T) = orbit_view(orbit), start_and_period(orbit)
+    view = orbit_view(orbit)
+    (_, T) = start_and_period(orbit)
     events = view.trajectory.events
     once = [event for event in events if event.t < events[0].t + 0.999 * T]
-    points = ", ".join(f"({number(float(event.t), 7)}, {number(float(event.x), 7)})" for event in once)
+    points = ", ".join(
+        f"({number(float(event.t), 7)}, {number(float(event.x), 7)})" for event in once
+    )
     return (
         f"The periodic orbit {load_scene(orbit).structure} with its period T = {number(T, 7)}. {_panels_text(view)} It "
         f"switches at (t, x) = {points}. Diamond: the start printed in the paper; {_distance_text(orbit)} "
@@ -423,8 +528,8 @@ def orbit_caption(orbit: str) -> str:
 
 # --- Theorem 7, eqs. (55) to (58) ---
 
-#: The scenes whose parameters are used: those that graze; for the mappings of belt 2, of which the paper shows no
-#: graze, the scene about that belt.
+#: The scenes whose parameters are used: those that graze; for the mappings of belt 2, of which the
+#: paper shows no graze, the scene about that belt.
 WINDOW_SCENES = {"P2": "fig7-exact", "P3": "fig8-exact", "P5": "fig10", "P6": "fig10"}
 
 
@@ -437,16 +542,25 @@ def window_parameters(mapping: str) -> tuple[Parameters, Fraction, Parameters]:
 
 
 def window_graze(mapping: str) -> Event | None:
-    """Return the first graze in a mapping's scene at the mapping's belt and from its domain; None if there is none."""
-    where, events = place(mapping), simulate(WINDOW_SCENES[mapping]).events
+    """Return the first graze in a mapping's scene at the mapping's belt and from its domain.
+
+    None if there is none.
+    """
+    where = place(mapping)
+    events = simulate(WINDOW_SCENES[mapping]).events
     sought = ("graze", where.boundary, f"Omega{where.domain}")
-    return next((event for event in events if (event.kind, event.boundary, event.source) == sought), None)
+    return next(
+        (event for event in events if (event.kind, event.boundary, event.source) == sought), None
+    )
 
 
 def window_sweep(mapping: str) -> Figure:
     """Draw the grazing phases of a mapping against the belt's speed, and mark those that Theorem 7 leaves out."""
-    where, (p, equality, free) = place(mapping), window_parameters(mapping)
-    drawing = sweep_figure(free, mapping, f"v{where.boundary}", -2 * equality, 2 * equality, order="full")
+    where = place(mapping)
+    (p, equality, free) = window_parameters(mapping)
+    drawing = sweep_figure(
+        free, mapping, f"v{where.boundary}", -2 * equality, 2 * equality, order="full"
+    )
     drawing.set_size_inches(3.6, 3.1)
     (axes,) = drawing.axes
     axes.title.set_text(f"phases at which $P_{mapping[1]}$ grazes, eq. ({where.equation})")
@@ -462,23 +576,39 @@ def window_sweep(mapping: str) -> Figure:
     graze = window_graze(mapping)
     if graze is not None:
         # A phase that is 0 but for the error of its time is 0.
-        theta, error = float(graze.theta), 10 * float(p.Omega) * max(graze.t_error, EPS * abs(float(graze.t)))
-        style: dict[str, Any] = mark_style("grazing point", SWITCH_COLOR) | {"clip_on": False, "ls": ""}
-        axes.plot(float(graze.v), 0.0 if 2 * pi - theta <= error else theta, label="grazing point", **style)
+        theta = float(graze.theta)
+        error = 10 * float(p.Omega) * max(graze.t_error, EPS * abs(float(graze.t)))
+        style: dict[str, Any] = mark_style("grazing point", SWITCH_COLOR) | {
+            "clip_on": False,
+            "ls": "",
+        }
+        axes.plot(
+            float(graze.v),
+            0.0 if 2 * pi - theta <= error else theta,
+            label="grazing point",
+            **style,
+        )
     drawing.legends[0].remove()
     with rc_context(STYLE):
         handles, labels = axes.get_legend_handles_labels()
-        drawing.legend(handles, labels, loc="outside lower center", ncols=2, frameon=False, borderpad=0.1)
+        drawing.legend(
+            handles, labels, loc="outside lower center", ncols=2, frameon=False, borderpad=0.1
+        )
     return drawing
 
 
 def window_caption(mapping: str) -> str:
     """Return the caption of the figure of a mapping's grazing phases against the belt's speed (Theorem 7)."""
-    where, graze = place(mapping), window_graze(mapping)
+    where = place(mapping)
+    graze = window_graze(mapping)
     p, equality, free = window_parameters(mapping)
     case = grazing_window(p, mapping).case.strip("()").partition(".")[2]
-    red = "" if graze is None else f"; star: its graze at t = {number(float(graze.t), 7)}"
-    speed, critical = f"v{where.boundary}", "Θ^{cr}"
+    if graze is None:
+        red = ""
+    else:
+        red = f"; star: its graze at t = {number(float(graze.t), 7)}"
+    speed = f"v{where.boundary}"
+    critical = "Θ^{cr}"
     figure = printed_scene(WINDOW_SCENES[mapping]).removeprefix("fig")
     caption = (
         f"Theorem 7, eq. ({where.equation}): the phases mod(Ωtₘ, 2π) at which {mapping}, a motion in domain "
@@ -488,7 +618,8 @@ def window_caption(mapping: str) -> str:
         f"Dotted: {speed} in Fig. {figure}, case {case} of ({where.equation}){red}. "
     )
     at_equality = free.replace(**{speed: where.side * equality})
-    printed, full = grazing_window(at_equality, mapping, "paper"), grazing_window(at_equality, mapping, "full")
+    printed = grazing_window(at_equality, mapping, "paper")
+    full = grazing_window(at_equality, mapping, "full")
     if printed.intervals != full.intervals:
         quarters = Fraction(printed.ends[0] / pi).limit_denominator(4)
         phase = f"{quarters.numerator if quarters.numerator > 1 else ''}π/{quarters.denominator}"
@@ -499,11 +630,12 @@ def window_caption(mapping: str) -> str:
     return f"{caption}{listed_parameters(p)}."
 
 
-# What a title says of a scene as printed, with a number corrected, with a start of many digits, or on the orbit.
+# What a title says of a scene as printed, with a number corrected, with a start of many digits, or
+# on the orbit.
 FORMS = {"": "", "corrected": ", corrected", "exact": ", exact start", "orbit": ", corrected"}
 
-#: The paper's figures: key, title, what draws and what describes it, and a sentence for readers who do not see it. From
-#: Fig. 5 on the key is the scene that is drawn.
+#: The paper's figures: key, title, what draws and what describes it, and a sentence for readers who
+#: do not see it. From Fig. 5 on the key is the scene that is drawn.
 FIGURES: list[tuple[str, str, Callable[..., Figure], Callable[..., str], str]] = [
     ("fig1", "physical model", fig1, partial(str, MODEL),
      "A block on a spring and a damper is pressed between two belts that move at different speeds."),
@@ -542,14 +674,23 @@ def _pictures() -> Iterator[Picture]:
     """Yield the paper's figures in its order, the products of forces, and Theorem 7."""
     for key, title, build, describe, alt in FIGURES:
         figure, _, variant = key.removeprefix("fig").partition("-")
-        about = key, f"Fig. {figure}{FORMS[variant]}: {title}", alt, None if variant else int(figure)
+        about = (
+            key,
+            f"Fig. {figure}{FORMS[variant]}: {title}",
+            alt,
+            None if variant else int(figure),
+        )
         if int(figure) < 5:
             yield Picture(*about, build, describe)
         else:
-            yield Picture(*about, partial(build, key), partial(describe, key), partial(build, key, columns=1))
+            yield Picture(
+                *about, partial(build, key), partial(describe, key), partial(build, key, columns=1)
+            )
     alt = "Four curves of products, positive where the mass passes a belt and negative while it sticks to one."
     about = "force-product", "Section 6: product of the forces", alt, None
-    yield Picture(*about, product_figure, partial(str, PRODUCTS), partial(product_figure, columns=1))
+    yield Picture(
+        *about, product_figure, partial(str, PRODUCTS), partial(product_figure, columns=1)
+    )
     for mapping in WINDOW_SCENES:
         title = f"Theorem 7, eq. ({place(mapping).equation}): when {mapping} grazes"
         alt = f"The phases at which {mapping} grazes, against the belt's speed, lie between the two branches"

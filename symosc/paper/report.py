@@ -69,7 +69,8 @@ FIGURES = "figures"
 
 def data(results: Results) -> dict[str, Any]:
     """Return all results of a run as plain data, the content of report.json."""
-    plan, covered = results.plan, {}
+    plan = results.plan
+    covered = {}
     if plan.unjudged is not None:  # else only a part of the claims was judged
         covered = coverage([*plan.claims, *plan.unjudged])
     return {
@@ -124,15 +125,19 @@ def data(results: Results) -> dict[str, Any]:
 
 def files(results: Results) -> dict[str, str]:
     """Return the text of every file of the report by its path in the folder."""
-    content, plan = data(results), results.plan
+    content = data(results)
+    plan = results.plan
     drawn = {key: done.value for key, done in results.drawn.items() if done.value}
-    # Pictures that belong to one figure of the paper stand together: fig7, fig7-corrected and fig7-exact.
+    # Pictures that belong to one figure of the paper stand together: fig7, fig7-corrected and
+    # fig7-exact.
     groups: dict[str, list[dict[str, Any]]] = {}
     for figure in content["figures"]:
         groups.setdefault(figure["key"].partition("-")[0].removeprefix("fig"), []).append(figure)
     shown = [erratum for erratum in plan.errata if results.shown_by(erratum)]
     context = content | {
-        "parts": {part: PARTS[part] for part in PARTS if any(claim.part == part for claim in plan.claims)},
+        "parts": {
+            part: PARTS[part] for part in PARTS if any(claim.part == part for claim in plan.claims)
+        },
         "badges": BADGES,
         "groups": groups,
         "words": NUMBER_MEANINGS,
@@ -143,12 +148,19 @@ def files(results: Results) -> dict[str, str]:
         "chapters": results.chapters,
         # for the letter
         "shown": shown,
-        "numbers": {severity: sum(each.severity == severity for each in shown) for severity in SEVERITIES},
+        "numbers": {
+            severity: sum(each.severity == severity for each in shown) for severity in SEVERITIES
+        },
         "held": sum(not claim.errata for claim in plan.claims),
     }
-    letters = () if plan.unjudged is None else ("letter.html", "letter.txt")
+    if plan.unjudged is None:
+        letters: tuple[str, ...] = ()
+    else:
+        letters = ("letter.html", "letter.txt")
     found = {f"{FIGURES}/{key}.svg": each.svg for key, each in drawn.items()}
-    found |= {name: render(f"{name}.j2", context) for name in ("report.md", "report.html", *letters)}
+    found |= {
+        name: render(f"{name}.j2", context) for name in ("report.md", "report.html", *letters)
+    }
     return found | {"report.json": json.dumps(content, indent=1, ensure_ascii=False) + "\n"}
 
 
@@ -182,21 +194,35 @@ def render(template: str, context: Mapping[str, Any]) -> str:
     environment.filters |= {
         "typeset": lambda text: Markup(typeset(text)),
         "md": lambda text: special.sub(r"\\\1", typeset(" ".join(text.split()))),
-        "data_uri": lambda svg: f"data:image/svg+xml;base64,{b64encode(svg.encode()).decode('ascii')}",
+        "data_uri": lambda svg: (
+            f"data:image/svg+xml;base64,{b64encode(svg.encode()).decode('ascii')}"
+        ),
     }
     environment.globals["font_style"] = lambda: Markup(font_style())
     return environment.get_template(template).render(context)
 
 
-# --- short formulas in running text, such as F(1) >= -mu1 FN or 1.2e-30, as HTML, which Markdown takes as well ---
+# --- short formulas in running text, such as F(1) >= -mu1 FN or 1.2e-30, as HTML, which Markdown
+# takes as well ---
 
 _GREEK = {
     "alpha": "α", "beta": "β", "gamma": "γ", "delta": "δ", "theta": "θ", "lambda": "λ", "mu": "μ", "pi": "π",
     "tau": "τ", "omega": "ω", "Theta": "Θ", "Sigma": "Σ", "Omega": "Ω",
 }  # fmt: skip
-_SIGNS = {">=": "≥", "<=": "≤", "!=": "≠", "->": "→", "+-": "±", "x'''": "x‴", "x''": "ẍ", "x'": "ẋ", " - ": " − "}
+_SIGNS = {
+    ">=": "≥",
+    "<=": "≤",
+    "!=": "≠",
+    "->": "→",
+    "+-": "±",
+    "x'''": "x‴",
+    "x''": "ẍ",
+    "x'": "ẋ",
+    " - ": " − ",
+}
 _LETTER = r"(?<![^\W_\d])([A-Za-zα-ωΑ-Ωẋẍ])"  # alone, not the end of a word
-_RAISED, _LOWERED = "[⁰¹²³⁴-⁹⁺⁻⁼⁽⁾ʰⁱˡⁿᵅᵒ]+", "[₀-₉₊₋₌₍₎ₐ-ₜᵢ-ᵥⱼ]+"
+_RAISED = "[⁰¹²³⁴-⁹⁺⁻⁼⁽⁾ʰⁱˡⁿᵅᵒ]+"
+_LOWERED = "[₀-₉₊₋₌₍₎ₐ-ₜᵢ-ᵥⱼ]+"
 _Replacement = str | Callable[[re.Match[str]], str]
 _PLAIN: list[tuple[str, _Replacement]] = [
     # Names that are for the command line.
@@ -232,7 +258,9 @@ _MARKED: list[tuple[str, _Replacement]] = [
 def typeset(text: str) -> str:
     """Return a text as HTML, with symbols, signs, indices and powers set typographically."""
     for sign, replacement in _SIGNS.items():
-        text = re.sub(rf"(?<![\w]){re.escape(sign)}" if sign[0] == "x" else re.escape(sign), replacement, text)
+        text = re.sub(
+            rf"(?<![\w]){re.escape(sign)}" if sign[0] == "x" else re.escape(sign), replacement, text
+        )
     for pattern, plain in _PLAIN:
         text = re.sub(pattern, plain, text)
     text = escape(text, quote=False)

@@ -1,7 +1,7 @@
 """One run of all checks: claims judged, pictures drawn, derivations checked, in worker processes.
 
-The processes are spawned, not forked: it is the one way that works alike on every system, and numerical libraries keep
-threads that do not survive a fork.
+The processes are spawned, not forked: it is the one way that works alike on every system, and
+numerical libraries keep threads that do not survive a fork.
 """
 
 from __future__ import annotations
@@ -34,12 +34,16 @@ Tasks = dict[tuple[str, str], Callable[[], Any]]
 ERROR = "error"
 #: Seconds after which a task counts as hanging; the longest takes one minute on a usual machine.
 TASK_LIMIT = 3600.0
-#: How many pools of processes are tried. One in which a process dies while it takes its task may break down whole.
+#: How many pools of processes are tried. One in which a process dies while it takes its task may
+#: break down whole.
 POOLS = 3
 
 
 class Done(NamedTuple):
-    """The result of a task: its value, or its error as text; and the seconds of processor time that it took."""
+    """The result of a task: its value, or its error as text.
+
+    And the seconds of processor time that it took.
+    """
 
     value: Any = None
     error: str = ""
@@ -47,7 +51,10 @@ class Done(NamedTuple):
 
 
 class Drawn(NamedTuple):
-    """A picture as SVG text, its caption, and SVG text for phones; if that is "", the first one serves for both."""
+    """A picture as SVG text, its caption, and SVG text for phones.
+
+    If that is "", the first one serves for both.
+    """
 
     svg: str
     caption: str
@@ -69,18 +76,30 @@ class Plan:
         return len(self.claims) + len(self.pictures) + len(self.chapters)
 
     def only(self, prefix: str) -> Plan:
-        """Return the plan for the claims whose ids begin with `prefix`, and their pictures; without derivations."""
+        """Return the plan for the claims whose ids begin with `prefix`, and their pictures.
+
+        Without derivations.
+        """
         claims = tuple(claim for claim in self.claims if prefix and claim.id.startswith(prefix))
         if not claims:
             heads = dict.fromkeys(claim.id.partition("-")[0] for claim in self.claims)
-            raise ParameterError("only", prefix, f"no claim's id begins so; ids begin with {', '.join(heads)}")
+            raise ParameterError(
+                "only", prefix, f"no claim's id begins so; ids begin with {', '.join(heads)}"
+            )
         cited = {key for claim in claims for key in (*claim.figures, *claim.errata)}
         pictures = {key: picture for key, picture in self.pictures.items() if key in cited}
-        return Plan(claims, pictures, errata=tuple(erratum for erratum in self.errata if erratum.id in cited))
+        return Plan(
+            claims,
+            pictures,
+            errata=tuple(erratum for erratum in self.errata if erratum.id in cited),
+        )
 
 
 class Judged(NamedTuple):
-    """A claim and the result of its check: a verdict (or ERROR), the finding (or the error), and the numbers."""
+    """A claim and the result of its check.
+
+    A verdict (or ERROR), the finding (or the error), and the numbers.
+    """
 
     claim: Claim
     verdict: str
@@ -101,13 +120,20 @@ class Results:
 
     def shown_by(self, erratum: Erratum) -> list[str]:
         """Return the ids of the claims that show an erratum in this run."""
-        return [each.claim.id for each in self.judged if erratum.id in each.claim.errata and each.verdict in FAULTY]
+        return [
+            each.claim.id
+            for each in self.judged
+            if erratum.id in each.claim.errata and each.verdict in FAULTY
+        ]
 
     @property
     def counts(self) -> dict[str, int]:
         """How many claims got each verdict."""
         verdicts = [each.verdict for each in self.judged]
-        names = (*VERDICTS, ERROR) if ERROR in verdicts else VERDICTS
+        if ERROR in verdicts:
+            names: tuple[str, ...] = (*VERDICTS, ERROR)
+        else:
+            names = VERDICTS
         return {name: verdicts.count(name) for name in names}
 
     @property
@@ -118,7 +144,9 @@ class Results:
     @property
     def failures(self) -> dict[str, str]:
         """Failed pictures and derivations, and why."""
-        return {key: done.error for key, done in {**self.drawn, **self.chapters}.items() if done.error}
+        return {
+            key: done.error for key, done in {**self.drawn, **self.chapters}.items() if done.error
+        }
 
     @property
     def ok(self) -> bool:
@@ -126,12 +154,17 @@ class Results:
         return not self.changed and not self.failures
 
 
-def run(plan: Plan, progress: Callable[[], None] | None = None, workers: int | None = None) -> Results:
-    """Do everything in a plan, in `workers` processes (None: one per processor); call `progress` after each task."""
+def run(
+    plan: Plan, progress: Callable[[], None] | None = None, workers: int | None = None
+) -> Results:
+    """Do everything in a plan, in `workers` processes (None: one per processor).
+
+    Call `progress` after each task.
+    """
     # With 0 workers everything is done in this process, without time limits.
     begin = perf_counter()
-    # The longest first (chapters, and the searches, which are among the last claims), so that no worker is left alone
-    # with one.
+    # The longest first (chapters, and the searches, which are among the last claims), so that no
+    # worker is left alone with one.
     tasks: Tasks = {("chapter", subject): partial(derive, subject) for subject in plan.chapters}
     tasks |= {("claim", claim.id): partial(judge, claim.check) for claim in reversed(plan.claims)}
     tasks |= {("picture", key): partial(draw, picture) for key, picture in plan.pictures.items()}
@@ -145,17 +178,27 @@ def run(plan: Plan, progress: Callable[[], None] | None = None, workers: int | N
     judged = []
     for claim in plan.claims:
         found, error, seconds = done["claim", claim.id]
-        verdict, finding, numbers = (ERROR, error, {}) if error else (found.verdict, found.finding, found.numbers)
+        if error:
+            verdict, finding, numbers = (ERROR, error, {})
+        else:
+            verdict, finding, numbers = (found.verdict, found.finding, found.numbers)
         judged.append(Judged(claim, verdict, finding, numbers, seconds))
     drawn = {key: done["picture", key] for key in plan.pictures}
     chapters = {subject: done["chapter", subject] for subject in plan.chapters}
     return Results(plan, tuple(judged), drawn, chapters, perf_counter() - begin)
 
 
-def _in_processes(tasks: Tasks, workers: int | None) -> Generator[tuple[tuple[str, str], Done], None, None]:
-    """Run tasks in worker processes; yield their keys and results. If a pool breaks down, a new one runs the rest."""
+def _in_processes(
+    tasks: Tasks, workers: int | None
+) -> Generator[tuple[tuple[str, str], Done], None, None]:
+    """Run tasks in worker processes; yield their keys and results.
+
+    If a pool breaks down, a new one runs the rest.
+    """
     for _ in range(POOLS):
-        pool = ProcessPool(max_workers=min(read_workers(workers), len(tasks)), context=get_context("spawn"))
+        pool = ProcessPool(
+            max_workers=min(read_workers(workers), len(tasks)), context=get_context("spawn")
+        )
         futures: dict[Any, tuple[str, str]] = {}
         try:
             with suppress(RuntimeError):  # the pool has already broken down
@@ -177,17 +220,22 @@ def _in_processes(tasks: Tasks, workers: int | None) -> Generator[tuple[tuple[st
             pool.join()
         if not tasks:
             return
-    yield from ((key, Done(error=f"the pool of processes broke down, {POOLS} times")) for key in tasks)
+    yield from (
+        (key, Done(error=f"the pool of processes broke down, {POOLS} times")) for key in tasks
+    )
 
 
 def timed(task: Callable[[], Any]) -> Done:
     """Call a task; return its result or its error, with the processor time."""
-    begin, done = process_time(), Done()
+    begin = process_time()
+    done = Done()
     try:
         done = Done(task())
     except Exception as error:
         last = traceback.extract_tb(error.__traceback__)[-1]
-        done = Done(error=f"{type(error).__name__}: {error} ({Path(last.filename).name}, line {last.lineno})")
+        done = Done(
+            error=f"{type(error).__name__}: {error} ({Path(last.filename).name}, line {last.lineno})"
+        )
     return done._replace(seconds=process_time() - begin)
 
 
@@ -199,7 +247,9 @@ def draw(picture: Picture) -> Drawn:
         with TemporaryDirectory() as scratch:
             return plot.save(build(), Path(scratch) / "picture.svg").read_text(encoding="utf-8")
 
-    return Drawn(svg(picture.build), picture.describe(), svg(picture.narrow) if picture.narrow else "")
+    return Drawn(
+        svg(picture.build), picture.describe(), svg(picture.narrow) if picture.narrow else ""
+    )
 
 
 def derive(subject: str) -> tuple[int, str]:

@@ -2,12 +2,13 @@
 
 May import: everything up to reference. matplotlib is loaded with a figure's module, not earlier.
 
-Each function that draws returns a matplotlib Figure and raises ParameterError for bad arguments. ``ax=`` are axes of
-your own to draw one panel into; their figure is returned. ``panels=`` are letters of the panels to draw.
+Each function that draws returns a matplotlib Figure and raises ParameterError for bad arguments.
+``ax=`` are axes of your own to draw one panel into; their figure is returned. ``panels=`` are
+letters of the panels to draw.
 
-To add a figure, write a module with such a function, and name the function in ``__init__.pyi``, and here if a result's
-``.plot()`` calls it (`symosc.display.drawable`). A figure loads only what it needs: parts of scipy take longer to load
-than a figure takes to draw.
+To add a figure, write a module with such a function, and name the function in ``__init__.pyi``, and
+here if a result's ``.plot()`` calls it (`symosc.display.drawable`). A figure loads only what it
+needs: parts of scipy take longer to load than a figure takes to draw.
 
 Examples
 --------
@@ -26,7 +27,8 @@ from symosc.display.drawable import register
 
 __getattr__, __dir__, __all__ = lazy_loader.attach_stub(__name__, __file__)
 
-#: What ``.plot()`` of an answer calls, by names: neither the answers nor the figures are loaded for it.
+#: What ``.plot()`` of an answer calls, by names: neither the answers nor the figures are loaded for
+#: it.
 DRAWN_BY = {
     "symosc.scenes.Scene": "figure",
     "symosc.simulation.trajectory.Trajectory": "figure",

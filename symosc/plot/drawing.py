@@ -1,4 +1,6 @@
-"""Common parts of all figures: style, a figure class for notebooks, axes given by the user, and files.
+"""Common parts of all figures.
+
+Style, a figure class for notebooks, axes given by the user, and files.
 
 A figure is built without pyplot, so that nothing global changes and nothing stays open.
 """
@@ -75,27 +77,41 @@ class Drawing(Figure):
 @contextmanager
 def own_style() -> Iterator[None]:
     """Apply STYLE to figures made in a `with` block, except for settings that the user has changed in rcParams."""
-    with rc_context({name: value for name, value in STYLE.items() if rcParams[name] == rcParamsDefault[name]}):
+    with rc_context(
+        {name: value for name, value in STYLE.items() if rcParams[name] == rcParamsDefault[name]}
+    ):
         yield
 
 
 @contextmanager
 def axes_for(
-    ax: Any, size: tuple[float, float], count: int = 1, *, columns: int | None = None, letter_at: float | None = None
+    ax: Any,
+    size: tuple[float, float],
+    count: int = 1,
+    *,
+    columns: int | None = None,
+    letter_at: float | None = None,
 ) -> Iterator[tuple[Figure, Any]]:
-    """Yield a figure and a list of its axes: new ones in the style of symosc or, if `ax` is given, its figure and `ax`.
+    """Yield a figure and a list of its axes.
 
-    `size` in inches, `count`, `columns` and `letter_at` are for a new figure. It has `count` axes: in one row, or in
-    `columns` with one common horizontal axis below. If they are several, letters (a), (b) ... stand above them at the
-    horizontal place `letter_at`, unless it is None.
+    New ones in the style of symosc or, if `ax` is given, its figure and `ax`.
+
+    `size` in inches, `count`, `columns` and `letter_at` are for a new figure. It has `count` axes:
+    in one row, or in `columns` with one common horizontal axis below. If they are several, letters
+    (a), (b) ... stand above them at the horizontal place `letter_at`, unless it is None.
     """
     if ax is not None:
         yield figure_of(ax), [ax]
         return
-    across = count if columns is None else columns
+    if columns is None:
+        across = count
+    else:
+        across = columns
     with own_style():
         drawing = Drawing(figsize=size, layout="constrained")
-        every = drawing.subplots(-(-count // across), across, sharex=columns is not None, squeeze=False).ravel()
+        every = drawing.subplots(
+            -(-count // across), across, sharex=columns is not None, squeeze=False
+        ).ravel()
         axes = every[:count]
         for empty in every[count:]:
             empty.remove()
@@ -123,11 +139,15 @@ def panels_for(
 ) -> Iterator[tuple[Figure, Any]]:
     """Make axes for the panels, call ``draw[letter](axes, answer)`` for each, and yield the figure and its axes.
 
-    `answer` is the result to draw. `panels` has the letters; None means all or, if the user gives `ax`, only the panel
-    `alone`. A panel has this `size` in inches; `more` inches are added to the height of the figure.
+    `answer` is the result to draw. `panels` has the letters; None means all or, if the user gives
+    `ax`, only the panel `alone`. A panel has this `size` in inches; `more` inches are added to the
+    height of the figure.
     """
     letters = read_panels(panels, draw, ax, alone)
-    across = len(letters) if columns is None else min(columns, len(letters))
+    if columns is None:
+        across = len(letters)
+    else:
+        across = min(columns, len(letters))
     whole = size[0] * across, more + size[1] * -(-len(letters) // across)
     common: Record = {"columns": None if columns is None else across, "letter_at": letter_at}
     with axes_for(ax, whole, len(letters), **common) as (drawing, axes):
@@ -137,14 +157,22 @@ def panels_for(
 
 
 def typeset(word: str) -> str:
-    """Return a word such as P32 as LaTeX in the paper's notation, "no event" if empty; other text unchanged."""
+    """Return a word such as P32 as LaTeX in the paper's notation, "no event" if empty.
+
+    Other text unchanged.
+    """
     if not word:
         return "no event"
-    return f"$P_{{{word[1:]}}}$" if word[0] == "P" and word[1:].isdigit() else word
+    if word[0] == "P" and word[1:].isdigit():
+        return f"$P_{{{word[1:]}}}$"
+    return word
 
 
 def read_style(style: Any) -> Record:
-    """Return options of a line by their long names, such as linewidth for lw; ParameterError for unknown ones."""
+    """Return options of a line by their long names, such as linewidth for lw.
+
+    ParameterError for unknown ones.
+    """
     try:
         named = normalize_kwargs(style, Line2D)
     except TypeError as error:
@@ -157,20 +185,28 @@ def read_style(style: Any) -> Record:
             allowed = f"is no argument of this figure, and no property of matplotlib's lines{meant(name, known)}"
             raise ParameterError(name, value, allowed) from None
         except (TypeError, ValueError) as error:
-            raise ParameterError(name, value, f"is no style of a line of matplotlib: {error}") from None
+            raise ParameterError(
+                name, value, f"is no style of a line of matplotlib: {error}"
+            ) from None
     return named
 
 
 def figure_of(ax: Any) -> Figure:
     """Return the figure of axes given by the user; raise ParameterError for any other object."""
     if not isinstance(ax, Axes) or ax.figure is None:
-        raise ParameterError("ax", type(ax).__name__, "must be axes of matplotlib, such as plt.subplots() makes")
+        raise ParameterError(
+            "ax", type(ax).__name__, "must be axes of matplotlib, such as plt.subplots() makes"
+        )
     return ax.figure  # type: ignore[return-value]
 
 
 def write_above(ax: Axes, x: float, text: str, up: float = 4.0) -> None:
     """Write a text above axes, `up` points over them, with its middle at x."""
-    style: Record = {"xycoords": ("data", "axes fraction"), "textcoords": "offset points", "fontsize": 8}
+    style: Record = {
+        "xycoords": ("data", "axes fraction"),
+        "textcoords": "offset points",
+        "fontsize": 8,
+    }
     ax.annotate(text, (x, 1), (0, up), ha="center", **style)
 
 
@@ -179,11 +215,21 @@ def draw_belts(ax: Axes, speeds: Iterable[Any], low: float, high: float) -> None
     for belt, speed in enumerate(map(float, speeds), 1):
         if low < speed < high:
             ax.axhline(speed, color="black", lw=0.8, ls=(0, (4, 2)))
-            ax.annotate(f"$v_{belt}$", (1, speed), (3, 0), ("axes fraction", "data"), "offset points", va="center")
+            ax.annotate(
+                f"$v_{belt}$",
+                (1, speed),
+                (3, 0),
+                ("axes fraction", "data"),
+                "offset points",
+                va="center",
+            )
 
 
 def legend_entries(axes: Iterable[Axes]) -> dict[str, Any]:
-    """Return what several axes show in a legend: the drawn objects by their labels, each label once."""
+    """Return what several axes show in a legend.
+
+    The drawn objects by their labels, each label once.
+    """
     entries: dict[str, Any] = {}
     for ax in axes:
         for handle, label in zip(*ax.get_legend_handles_labels(), strict=True):
@@ -191,38 +237,61 @@ def legend_entries(axes: Iterable[Axes]) -> dict[str, Any]:
     return entries
 
 
-def add_legend(drawing: Figure, ax: Axes | None, shown: dict[str, Any] | Iterable[Axes], columns: int) -> None:
+def add_legend(
+    drawing: Figure, ax: Axes | None, shown: dict[str, Any] | Iterable[Axes], columns: int
+) -> None:
     """Add a legend of `shown` (entries, or axes with them) to `ax` or, if None, in `columns` below the figure."""
-    entries = shown if isinstance(shown, dict) else legend_entries(shown)
+    if isinstance(shown, dict):
+        entries = shown
+    else:
+        entries = legend_entries(shown)
     if ax is not None and entries:
         ax.legend(list(entries.values()), list(entries))
     elif entries:
-        style: Record = {"loc": "outside lower center", "frameon": False, "ncols": min(columns, len(entries))}
+        style: Record = {
+            "loc": "outside lower center",
+            "frameon": False,
+            "ncols": min(columns, len(entries)),
+        }
         style |= {"handlelength": 1.6, "columnspacing": 1.4, "borderpad": 0.1}
         drawing.legend(list(entries.values()), list(entries), **style)
 
 
 def read_panels(panels: Any, known: Iterable[str], ax: Any = None, alone: str = "a") -> str:
-    """Return the letters of the panels; None means all, or the panel `alone` for axes given by the user.
+    """Return the letters of the panels.
 
-    ParameterError unless they are different letters out of `known`, and a single one where axes are given.
+    None means all, or the panel `alone` for axes given by the user.
+
+    ParameterError unless they are different letters out of `known`, and a single one where axes are
+    given.
     """
     letters = "".join(known)
     if panels is None:
-        panels = letters if ax is None else alone
+        if ax is None:
+            panels = letters
+        else:
+            panels = alone
     if not panels or set(panels) - set(letters) or len(set(panels)) < len(panels):
         raise ParameterError("panels", panels, f"must be different letters out of {letters}")
     if ax is not None:
         figure_of(ax)
     if ax is not None and len(panels) > 1:
-        raise ParameterError("panels", panels, f"axes hold one panel: give ax= with one letter out of {letters}")
+        raise ParameterError(
+            "panels", panels, f"axes hold one panel: give ax= with one letter out of {letters}"
+        )
     return panels
 
 
 def check_suffix(path: str | Path) -> str:
-    """Return the suffix of a figure's file name (.svg for "-"); raise OutputError unless it is .pdf, .svg or .png."""
+    """Return the suffix of a figure's file name (.svg for "-").
+
+    Raise OutputError unless it is .pdf, .svg or .png.
+    """
     name = read_path(path)
-    suffix = ".svg" if name == STDOUT else Path(name).suffix.lower()
+    if name == STDOUT:
+        suffix = ".svg"
+    else:
+        suffix = Path(name).suffix.lower()
     if suffix not in (".pdf", ".svg", ".png"):
         raise OutputError(name, "a figure's name must end in .pdf, .svg or .png")
     return suffix
@@ -230,7 +299,9 @@ def check_suffix(path: str | Path) -> str:
 
 @public
 def save(drawing: Figure, path: str | Path) -> Path:
-    """Write a figure as PDF, SVG or PNG, by its suffix, atomically; ``"-"``: SVG to standard output.
+    """Write a figure as PDF, SVG or PNG, by its suffix, atomically.
+
+    ``"-"``: SVG to standard output.
 
     Examples
     --------

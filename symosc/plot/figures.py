@@ -1,4 +1,7 @@
-"""Figures of motions and periodic orbits in the form of the paper's Figs. 5 to 10, of branches and of borders."""
+"""Figures of motions and periodic orbits in the form of the paper's Figs.
+
+5 to 10, of branches and of borders.
+"""
 
 from __future__ import annotations
 
@@ -19,8 +22,25 @@ from symosc.arguments import public
 from symosc.errors import ParameterError
 from symosc.exact import whole_number
 from symosc.plot import drawing as common
-from symosc.plot.drawing import PARAMETER_LABELS, axes_for, panels_for, read_panels, typeset, write_above
-from symosc.plot.panels import INSET_ROOM, INSET_TOP, PANELS, SHAPES, Panel, View, draw_insets, mark_style, view_of
+from symosc.plot.drawing import (
+    PARAMETER_LABELS,
+    axes_for,
+    panels_for,
+    read_panels,
+    typeset,
+    write_above,
+)
+from symosc.plot.panels import (
+    INSET_ROOM,
+    INSET_TOP,
+    PANELS,
+    SHAPES,
+    Panel,
+    View,
+    draw_insets,
+    mark_style,
+    view_of,
+)
 from symosc.quantities import read_number
 from symosc.scenes import Scene, end_time, load_scene
 from symosc.simulation.simulate import simulate
@@ -31,14 +51,23 @@ if TYPE_CHECKING:
     from symosc.orbits.branch import Branch
     from symosc.orbits.periodic_orbit import PeriodicOrbit
 
-#: Where figures of the shipped scenes end that run on for longer: what the paper's text speaks of fills the panels.
+#: Where figures of the shipped scenes end that run on for longer: what the paper's text speaks of
+#: fills the panels.
 SPANS = {"fig5": 9.0, "fig6": 5.0, "fig8": 9.0}
 #: A periodic scene is shown for this many periods of the excitation.
 PERIODS_SHOWN = 2.5
 #: More events than these are a black band, and take long to draw.
 MOST_DRAWN_EVENTS = 1000
 
-LEGEND_ORDER = ("mass", "belt", "onset of stick", "end of stick", "crossing", "grazing point", "start")
+LEGEND_ORDER = (
+    "mass",
+    "belt",
+    "onset of stick",
+    "end of stick",
+    "crossing",
+    "grazing point",
+    "start",
+)
 
 
 @public
@@ -60,25 +89,30 @@ def figure(
     subject : Trajectory, Scene or str
         A scene (or its name) is simulated first.
     t_end : number, optional
-        End of the time axis, for scenes only. Default: the scene's own end; for a scene with a periodic structure a few
-        periods, and for a scene of the paper the time that the paper describes.
+        End of the time axis, for scenes only. Default: the scene's own end; for a scene with a
+        periodic structure a few periods, and for a scene of the paper the time that the paper
+        describes.
     panels : str, optional
-        Letters of the panels: a x(t), b x'(t), c phase plane, d forces against t, e forces against x, f forces
-        against x', g the product of the forces against t (> 0 at a passage, < 0 in a stick). Default: "abcd", for
-        scenes with a periodic structure "abcdef" (as the paper's Figs. 9 and 10), with `ax` "a".
+        Letters of the panels: a x(t), b x'(t), c phase plane, d forces against t, e forces against
+        x, f forces against x', g the product of the forces against t (> 0 at a passage, < 0 in a
+        stick). Default: "abcd", for scenes with a periodic structure "abcdef" (as the paper's Figs.
+        9 and 10), with `ax` "a".
     boundary : int, optional
-        1 to draw F^(1) and F^(2), 2 to draw F^(2) and F^(3) (accelerations, eq. (9)). Default: the boundary of the
-        first event.
+        1 to draw F^(1) and F^(2), 2 to draw F^(2) and F^(3) (accelerations, eq. (9)). Default: the
+        boundary of the first event.
     columns : int, optional
-        2: panels side by side, for the width of a page (7 in). 1: above each other, for one column of it (3.4 in).
-        A phase plane alone is square.
+        2: panels side by side, for the width of a page (7 in). 1: above each other, for one column
+        of it (3.4 in). A phase plane alone is square.
     skip : number or str, optional
-        The time from the start that is left out, such as a transient; "10T": ten periods of the drive.
+        The time from the start that is left out, such as a transient; "10T": ten periods of the
+        drive.
     ax : matplotlib.axes.Axes, optional
-        Axes to draw one panel into, without insets. Their figure is returned, a legend is left to the caller.
+        Axes to draw one panel into, without insets. Their figure is returned, a legend is left to
+        the caller.
     **style
-        Properties of matplotlib's lines for the curves, such as ``color="black"`` or ``linewidth=2``. The two forces of
-        a panel keep their colours. What you set in ``matplotlib.rcParams`` holds too.
+        Properties of matplotlib's lines for the curves, such as ``color="black"`` or
+        ``linewidth=2``. The two forces of a panel keep their colours. What you set in
+        ``matplotlib.rcParams`` holds too.
 
     Examples
     --------
@@ -88,48 +122,83 @@ def figure(
     ['time $t$', 'displacement $x$']
     """
     if not isinstance(subject, Trajectory):
-        scene = subject if isinstance(subject, Scene) else load_scene(subject)
-        motion, usual = simulated(scene, t_end), default_panels(scene)
+        if isinstance(subject, Scene):
+            scene = subject
+        else:
+            scene = load_scene(subject)
+        motion = simulated(scene, t_end)
+        usual = default_panels(scene)
     elif t_end is not None:
         raise ParameterError("t_end", t_end, "is only for scenes; a trajectory has its own")
     elif len(subject.events) > MOST_DRAWN_EVENTS:
         allowed = f"a figure shows at most {MOST_DRAWN_EVENTS} events; simulate a shorter time"
         raise ParameterError("subject", subject, allowed)
     else:
-        motion, usual = subject, "abcd"
+        motion = subject
+        usual = "abcd"
     panels = read_panels(usual if panels is None and ax is None else panels, PANELS, ax)
-    boundary = None if boundary is None else whole_number("boundary", boundary, 1, 2)
-    columns, since = whole_number("columns", columns, 1, 2), -inf
+    if boundary is None:
+        boundary = None
+    else:
+        boundary = whole_number("boundary", boundary, 1, 2)
+    columns = whole_number("columns", columns, 1, 2)
+    since = -inf
     if skip is not None:
-        begin, end = float(motion.t_start), float(motion.t_end)
-        after = end_time(skip, motion.parameters, begin)  # of periods such as "10T"; else what is given
-        since = begin + float(read_number("skip", skip)[0]) if after is skip else float(after)
+        begin = float(motion.t_start)
+        end = float(motion.t_end)
+        after = end_time(
+            skip, motion.parameters, begin
+        )  # of periods such as "10T"; else what is given
+        if after is skip:
+            since = begin + float(read_number("skip", skip)[0])
+        else:
+            since = float(after)
         if not begin <= since < end:
             raise ParameterError("skip", skip, f"must be >= 0 and end before t = {end:g}")
     view = view_of(motion, boundary, since=since, style=common.read_style(style))
     if ax is not None:
         PANELS[panels](ax, view)
         return common.figure_of(ax)
-    tall = panels.index("b") if "b" in panels and view.magnified else None
-    width = 7.0 if columns == 2 and panels != "c" else 3.4
-    return assemble([(PANELS[letter], view) for letter in panels], min(columns, len(panels)), width, tall=tall)
+    if "b" in panels and view.magnified:
+        tall = panels.index("b")
+    else:
+        tall = None
+    if columns == 2 and panels != "c":
+        width = 7.0
+    else:
+        width = 3.4
+    return assemble(
+        [(PANELS[letter], view) for letter in panels], min(columns, len(panels)), width, tall=tall
+    )
 
 
 def simulated(scene: Scene, t_end: NumberLike | None = None) -> Trajectory:
     """Return the motion of a scene up to `t_end` or, if that is None, to the default end of its figure."""
-    end = default_end(scene) if t_end is None else t_end
+    if t_end is None:
+        end = default_end(scene)
+    else:
+        end = t_end
     found = simulate(scene, t_end=end, max_events=MOST_DRAWN_EVENTS)
     if found.status == "max_events":
         last = f"t = {float(found.t_end):.6g}, after {MOST_DRAWN_EVENTS} events"
-        raise ParameterError("t_end", end, f"a figure ends at {last}; give an earlier end, or start later")
+        raise ParameterError(
+            "t_end", end, f"a figure ends at {last}; give an earlier end, or start later"
+        )
     return found
 
 
 @public
 def orbit_figure(
-    orbit: PeriodicOrbit, panels: str | None = None, *, columns: int = 2, ax: Axes | None = None, **style: Any
+    orbit: PeriodicOrbit,
+    panels: str | None = None,
+    *,
+    columns: int = 2,
+    ax: Axes | None = None,
+    **style: Any,
 ) -> Figure:
-    """Draw a periodic orbit for a few periods; arguments as for `figure`, by default all panels or c.
+    """Draw a periodic orbit for a few periods.
+
+    Arguments as for `figure`, by default all panels or c.
 
     Examples
     --------
@@ -142,13 +211,24 @@ def orbit_figure(
         raise ParameterError("orbit", orbit.word, f"is no motion: {orbit.message}")
     motion = simulate_orbit(orbit, PERIODS_SHOWN)
     if panels is None:
-        panels = "abcdef" if ax is None else "c"
-    return figure(motion, panels=panels, boundary=orbit.equations().pieces[0].start, columns=columns, ax=ax, **style)
+        if ax is None:
+            panels = "abcdef"
+        else:
+            panels = "c"
+    return figure(
+        motion,
+        panels=panels,
+        boundary=orbit.equations().pieces[0].start,
+        columns=columns,
+        ax=ax,
+        **style,
+    )
 
 
 def simulate_orbit(orbit: PeriodicOrbit, periods: float) -> Trajectory:
     """Return the motion on an orbit, simulated from its first switching point for `periods` of its periods."""
-    (t0, x0), belt = orbit.points[0], orbit.equations().pieces[0].start
+    (t0, x0) = orbit.points[0]
+    belt = orbit.equations().pieces[0].start
     t_end = float(t0) + periods * float(orbit.period)
     return simulate(orbit.parameters, t0=t0, x0=x0, v0=orbit.parameters.belt(belt), t_end=t_end)
 
@@ -158,20 +238,26 @@ def default_end(scene: Scene) -> Any:
     end: Any = SPANS.get(scene.name, scene.t_end)
     if scene.structure:
         end = float(scene.t0) + PERIODS_SHOWN * 2 * pi / float(scene.parameters.Omega)
-    return min(end, scene.t_end) if end > scene.t0 else scene.t_end
+    if end > scene.t0:
+        return min(end, scene.t_end)
+    return scene.t_end
 
 
 def default_panels(scene: Scene) -> str:
     """Return the default panels of a scene's figure."""
-    return "abcdef" if scene.structure else "abcd"
+    if scene.structure:
+        return "abcdef"
+    return "abcd"
 
 
 @common.own_style()
-def assemble(panels: Sequence[tuple[Panel, View]], columns: int, width: float, *, tall: int | None = None) -> Figure:
+def assemble(
+    panels: Sequence[tuple[Panel, View]], columns: int, width: float, *, tall: int | None = None
+) -> Figure:
     """Draw panels into one figure of this width in inches, with a letter for each and one legend below them.
 
-    The panels stand in as many columns as `columns` says. If `tall` is given, the panel with this index is made taller,
-    and the insets of its view stand above it.
+    The panels stand in as many columns as `columns` says. If `tall` is given, the panel with this
+    index is made taller, and the insets of its view stand above it.
     """
     square = len(panels) == 1 and panels[0][0] is PANELS["c"]
     heights = [3.0 if square else 2.0] * -(-len(panels) // columns)
@@ -204,7 +290,9 @@ def assemble(panels: Sequence[tuple[Panel, View]], columns: int, width: float, *
     rows = -(-len(order) // round(width))
     if rows == 2:  # filled by columns: what belongs together stands in one
         order.sort(key=lambda label: label not in LEGEND_ORDER[:4] and not label.startswith("$F"))
-    common.add_legend(drawing, None, {label: entries[label] for label in order}, -(-len(order) // rows))
+    common.add_legend(
+        drawing, None, {label: entries[label] for label in order}, -(-len(order) // rows)
+    )
     return drawing
 
 
@@ -229,15 +317,16 @@ STABILITY_STYLES: Record = {"stable": "-", "marginal": "-.", "not stable": (0, (
 def branch_figure(branch: Branch, panels: str | None = None, *, ax: Axes | None = None) -> Figure:
     """Draw a branch: position at each switching and moduli of the multipliers over the parameter.
 
-    Solid lines are stable orbits. Dash-dotted ones are marginal: a multiplier is on the unit circle, which is dotted.
-    Dashed ones are not stable. Marks tell why the branch ends. The words above the last panel name the orbit on the
-    branch and those behind its ends.
+    Solid lines are stable orbits. Dash-dotted ones are marginal: a multiplier is on the unit
+    circle, which is dotted. Dashed ones are not stable. Marks tell why the branch ends. The words
+    above the last panel name the orbit on the branch and those behind its ends.
 
     Parameters
     ----------
     branch : Branch
     panels, ax : optional
-        As for `symosc.plot.figure`. The panels are a positions, b multipliers. Default: both, with `ax` b.
+        As for `symosc.plot.figure`. The panels are a positions, b multipliers. Default: both, with
+        `ax` b.
 
     Examples
     --------
@@ -257,7 +346,9 @@ def branch_figure(branch: Branch, panels: str | None = None, *, ax: Axes | None 
         entries = common.legend_entries(row)
         unit = {label: entries.pop(label) for label in ("unit circle",) if label in entries}
         for kind in dict.fromkeys(end.kind for end in branch.ends if end.kind in END_MARKERS):
-            entries[kind] = Line2D([], [], linestyle="none", marker=END_MARKERS[kind], ms=5.0, color="black")
+            entries[kind] = Line2D(
+                [], [], linestyle="none", marker=END_MARKERS[kind], ms=5.0, color="black"
+            )
         for name in [name for name in STABILITY_STYLES if name in stability(branch)]:
             entries[name] = Line2D([], [], color="black", ls=STABILITY_STYLES[name], lw=1.2)
         common.add_legend(drawing, ax, entries | unit, 3 * len(row))
@@ -267,16 +358,37 @@ def branch_figure(branch: Branch, panels: str | None = None, *, ax: Axes | None 
 def _positions(ax: Axes, branch: Branch) -> None:
     """Draw the positions of the switching points over the parameter."""
     for i, label in enumerate(branch.labels):
-        color, before = CURVE_COLORS[i % len(CURVE_COLORS)], branch.labels[:i].count(label)
-        name = f"start of {ORDINALS[before]}{label}" if before < len(ORDINALS) else None
+        color = CURVE_COLORS[i % len(CURVE_COLORS)]
+        before = branch.labels[:i].count(label)
+        if before < len(ORDINALS):
+            name = f"start of {ORDINALS[before]}{label}"
+        else:
+            name = None
         for part, look in _stretches(branch):
-            ax.plot(branch.values[part], branch.points[part, i, 1], color=color, ls=look, lw=1.2, label=name)
+            ax.plot(
+                branch.values[part],
+                branch.points[part, i, 1],
+                color=color,
+                ls=look,
+                lw=1.2,
+                label=name,
+            )
         _mark_ends(ax, branch, [[end.points[i].x] for end in branch.ends], color)
-    last, below = int(np.argmax(branch.values)), -inf
+    last = int(np.argmax(branch.values))
+    below = -inf
     for i in np.argsort(branch.points[last, :, 1]):  # from below, none over another
-        below = max(float(branch.points[last, i, 1]), below + 0.05 * float(np.ptp(branch.points[:, :, 1])))
+        below = max(
+            float(branch.points[last, i, 1]), below + 0.05 * float(np.ptp(branch.points[:, :, 1]))
+        )
         place = branch.values[last], below
-        ax.annotate(typeset(branch.labels[i]), place, (4, 0), textcoords="offset points", va="center", fontsize=8)
+        ax.annotate(
+            typeset(branch.labels[i]),
+            place,
+            (4, 0),
+            textcoords="offset points",
+            va="center",
+            fontsize=8,
+        )
     ax.margins(x=0.09)
     ax.set_ylabel("position $x$ at the switching")
 
@@ -299,14 +411,20 @@ BRANCH_PANELS = {"a": _positions, "b": _multipliers}
 
 
 def multiplier_curves(values: np.ndarray, multipliers: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Interpolate part of a branch: return many parameter values, and at each the moduli of both multipliers."""
-    # Trace and determinant of the monodromy matrix are smooth along a branch and are interpolated; the multipliers are
-    # not where a real pair turns complex, and follow from them.
-    trace, determinant = multipliers.sum(axis=1).real, multipliers.prod(axis=1).real
+    """Interpolate part of a branch.
+
+    Return many parameter values, and at each the moduli of both multipliers.
+    """
+    # Trace and determinant of the monodromy matrix are smooth along a branch and are interpolated;
+    # the multipliers are not where a real pair turns complex, and follow from them.
+    trace = multipliers.sum(axis=1).real
+    determinant = multipliers.prod(axis=1).real
     columns = np.column_stack([values, trace, determinant])
     sizes = np.ptp(columns, axis=0)
     steps = np.linalg.norm(np.diff(columns, axis=0) / np.where(sizes == 0, 1, sizes), axis=1)
-    from scipy.interpolate import Akima1DInterpolator  # takes longer to load than most figures to draw
+    from scipy.interpolate import (
+        Akima1DInterpolator,
+    )  # takes longer to load than most figures to draw
 
     keep = np.concatenate([[True], steps > 1e-12])
     along = np.cumsum(np.concatenate([[0.0], steps]))[keep]
@@ -320,7 +438,14 @@ def multiplier_curves(values: np.ndarray, multipliers: np.ndarray) -> tuple[np.n
 
 def _mark_ends(ax: Axes, branch: Branch, heights: Sequence[Any], color: str) -> None:
     """Mark both ends of the branch, at the `heights` given for each end, with symbols for why it ends."""
-    style: Record = {"ms": 5.0, "mfc": color, "mec": "white", "mew": 0.5, "zorder": 5, "clip_on": False}
+    style: Record = {
+        "ms": 5.0,
+        "mfc": color,
+        "mec": "white",
+        "mew": 0.5,
+        "zorder": 5,
+        "clip_on": False,
+    }
     for end, places in zip(branch.ends, heights, strict=True):
         for height in places if end.kind in END_MARKERS else ():
             ax.plot(end.value, height, linestyle="none", marker=END_MARKERS[end.kind], **style)
@@ -331,7 +456,10 @@ def _write_words(ax: Axes, branch: Branch) -> None:
     from symosc.orbits.branch import MOST, NO_CONVERGENCE
 
     words: list[Any] = [(0.5 * (branch.values.min() + branch.values.max()), branch.word)]
-    words += [(end.value, end.kind if end.kind in (NO_CONVERGENCE, MOST) else end.beyond) for end in branch.ends]
+    words += [
+        (end.value, end.kind if end.kind in (NO_CONVERGENCE, MOST) else end.beyond)
+        for end in branch.ends
+    ]
     for place, word in words:
         if word:
             write_above(ax, place, typeset(word))
@@ -339,18 +467,24 @@ def _write_words(ax: Axes, branch: Branch) -> None:
 
 def stability(branch: Branch) -> np.ndarray:
     """Return for each orbit of a branch "stable", "marginal" or "not stable", the keys of `STABILITY_STYLES`."""
-    # What is not stable is marginal if no multiplier is outside the unit circle by more than rounding.
+    # What is not stable is marginal if no multiplier is outside the unit circle by more than
+    # rounding.
     from symosc.orbits.floquet import NEAR_ONE
 
     sizes = np.abs(branch.multipliers).max(axis=1)
-    return np.where(branch.stable, "stable", np.where(sizes <= 1 + NEAR_ONE, "marginal", "not stable"))
+    return np.where(
+        branch.stable, "stable", np.where(sizes <= 1 + NEAR_ONE, "marginal", "not stable")
+    )
 
 
 def _stretches(branch: Branch) -> list[tuple[slice, Any]]:
     """Return for each stretch of equal stability its slice of the branch's points, and its line style."""
     states = stability(branch)
     cuts = [0, *(np.flatnonzero(states[1:] != states[:-1]) + 1), len(states)]
-    return [(slice(a, min(b + 1, len(states))), STABILITY_STYLES[str(states[a])]) for a, b in pairwise(cuts)]
+    return [
+        (slice(a, min(b + 1, len(states))), STABILITY_STYLES[str(states[a])])
+        for a, b in pairwise(cuts)
+    ]
 
 
 # -- borders -----------------------------------------------------------------------------------------------------------
@@ -366,7 +500,9 @@ WORD_OFFSET = 11.0  # of the words beside a border, in points
 
 
 @public
-def border_figure(border: Border | Sequence[Border], *, ax: Axes | None = None, **style: Any) -> Figure:
+def border_figure(
+    border: Border | Sequence[Border], *, ax: Axes | None = None, **style: Any
+) -> Figure:
     """Draw borders in their plane of two parameters, with the special points, and the words on both sides.
 
     The words stand beside a single border, and in the legend where there are several.
@@ -386,28 +522,53 @@ def border_figure(border: Border | Sequence[Border], *, ax: Axes | None = None, 
     >>> drawing.axes[0].get_ylabel()
     '$F_N$'
     """
-    borders = list(border) if isinstance(border, Sequence) else [border]
+    if isinstance(border, Sequence):
+        borders = list(border)
+    else:
+        borders = [border]
     planes = {frozenset(getattr(each, "parameters", ())) for each in borders}
     if len(planes) != 1 or frozenset() in planes:
-        raise ParameterError("border", border, "must be one border or several of the same two parameters")
-    names, given = borders[0].parameters, common.read_style(style)
+        raise ParameterError(
+            "border", border, "must be one border or several of the same two parameters"
+        )
+    names = borders[0].parameters
+    given = common.read_style(style)
     with axes_for(ax, (4.6, 3.4)) as (drawing, (axes,)):
         for each in borders:
             columns = [each.parameters.index(name) for name in names]
             name = each.sliding or each.kind
             words = " | ".join(sorted(typeset(word or "no word") for word in each.words))
-            label = name if len(borders) == 1 else f"{words}, {name}"
-            look = {"linewidth": 1.3, "color": "0.4", "label": label} | BORDER_STYLES.get(name, {}) | given
+            if len(borders) == 1:
+                label = name
+            else:
+                label = f"{words}, {name}"
+            look = (
+                {"linewidth": 1.3, "color": "0.4", "label": label}
+                | BORDER_STYLES.get(name, {})
+                | given
+            )
             axes.plot(*each.points[:, columns].T, **look)
         axes.set(xlabel=PARAMETER_LABELS[names[0]], ylabel=PARAMETER_LABELS[names[1]])
         axes.margins(0.06)
         if len(borders) == 1:
             drawing.draw_without_rendering()  # the limits of the axes decide which way is across
             _write_words_beside(axes, borders[0])
-        for point, of in {point.values: (point, each) for each in borders for point in each.special}.values():
+        for point, of in {
+            point.values: (point, each) for each in borders for point in each.special
+        }.values():
             place = [point.values[of.parameters.index(name)] for name in names]
-            face, label = ("white", "fold") if point.kind == "fold" else ("k", "codimension two")
-            style = {"ms": 4.5, "mfc": face, "mec": "black", "mew": 0.8, "zorder": 5, "linestyle": "none"}
+            if point.kind == "fold":
+                face, label = ("white", "fold")
+            else:
+                face, label = ("k", "codimension two")
+            style = {
+                "ms": 4.5,
+                "mfc": face,
+                "mec": "black",
+                "mew": 0.8,
+                "zorder": 5,
+                "linestyle": "none",
+            }
             axes.plot(*place, marker="o", label=label, **style)
         common.add_legend(drawing, ax, [axes], 3 if len(borders) == 1 else 2)
     return drawing
@@ -425,6 +586,11 @@ def _write_words_beside(ax: Axes, border: Border) -> None:
         there = [float(getattr(beside, name)) for name in border.parameters]
         way = ax.transData.transform(there) - ax.transData.transform(border.points[i])
         x, y = WORD_OFFSET * way / np.linalg.norm(way)
-        side: Any = "center" if abs(x) < WORD_OFFSET / 2 else "left" if x > 0 else "right"
+        if abs(x) < WORD_OFFSET / 2:
+            side: Any = "center"
+        elif x > 0:
+            side = "left"
+        else:
+            side = "right"
         style: Record = {"textcoords": "offset points", "fontsize": 8, "ha": side, "va": "center"}
         ax.annotate(typeset(word or "no word"), border.points[i], (x, y), **style)

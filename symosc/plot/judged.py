@@ -34,24 +34,31 @@ from symosc.simulation.trajectory import Event
 if TYPE_CHECKING:
     from symosc.reference.score import CaseScore, Score
 
-POSITION, VELOCITY, RIGHT, WRONG, INVENTED = "#1f3fd6", "#0f8a2a", "0.72", "#d7191c", "#e08214"
+POSITION = "#1f3fd6"
+VELOCITY = "#0f8a2a"
+RIGHT = "0.72"
+WRONG = "#d7191c"
+INVENTED = "#e08214"
 # Zeros are drawn here, and no axis goes further down.
 FLOOR = 1e-17
 ABOVE_EACH_OTHER: Record = {"more": 0.8, "columns": 1, "letter_at": -0.07}
 
 
 @public
-def crosscheck_figure(check: CrossCheck, panels: str | None = None, *, ax: Axes | None = None) -> Figure:
+def crosscheck_figure(
+    check: CrossCheck, panels: str | None = None, *, ax: Axes | None = None
+) -> Figure:
     """Draw a cross-check against time: global errors, defects of the steps, and the velocity.
 
-    Events are vertical lines: matched ones grey, missed ones red and dashed, invented ones orange and dotted. The
-    tolerances are dotted horizontal lines.
+    Events are vertical lines: matched ones grey, missed ones red and dashed, invented ones orange
+    and dotted. The tolerances are dotted horizontal lines.
 
     Parameters
     ----------
     check : CrossCheck
     panels, ax : optional
-        As for `symosc.plot.figure`. The panels are a global errors, b defects, c velocity. Default: all, with `ax` a.
+        As for `symosc.plot.figure`. The panels are a global errors, b defects, c velocity. Default:
+        all, with `ax` a.
 
     Examples
     --------
@@ -63,11 +70,19 @@ def crosscheck_figure(check: CrossCheck, panels: str | None = None, *, ax: Axes 
     ['global error', 'defect of the step']
     """
     marks: list[tuple[str, Any, Record]] = [
-        ("matched", [match.event for match in check.matched], {"color": RIGHT, "ls": "-", "lw": 0.7}),
+        (
+            "matched",
+            [match.event for match in check.matched],
+            {"color": RIGHT, "ls": "-", "lw": 0.7},
+        ),
         ("missed", check.missed, {"color": WRONG, "ls": "--", "lw": 1.1}),
         ("invented", check.invented, {"color": INVENTED, "ls": ":", "lw": 1.1}),
     ]
-    draw: Record = {"a": partial(_errors, of_steps=False), "b": partial(_errors, of_steps=True), "c": _velocity}
+    draw: Record = {
+        "a": partial(_errors, of_steps=False),
+        "b": partial(_errors, of_steps=True),
+        "c": _velocity,
+    }
     with panels_for(check, draw, panels, ax, (7.0, 1.6), **ABOVE_EACH_OTHER) as (drawing, row):
         for axes in row:
             for name, events, style in marks:
@@ -82,15 +97,21 @@ def crosscheck_figure(check: CrossCheck, panels: str | None = None, *, ax: Axes 
 def _errors(ax: Axes, check: CrossCheck, of_steps: bool) -> None:
     """Draw the errors against time, or the defects if `of_steps` is true, and the limits that they must not exceed."""
     if of_steps:
-        t, errors, limits = check.t[1:], check.defects, check.allowed
+        t = check.t[1:]
+        errors = check.defects
+        limits = check.allowed
     else:
-        t, errors, limits = check.t, check.errors, check.limits
+        t = check.t
+        errors = check.errors
+        limits = check.limits
     values = np.abs(errors) / check.scales
     # Where exact and computed values agree to the last digit there is nothing to draw.
     values = np.where(values > FLOOR, values, np.nan)
     style: Record = {"marker": "." if len(t) < 1000 else None, "ms": 2.5, "lw": 0.8}
     ax.plot(t, values[:, 0], color=POSITION, ls="-", label="$x$, relative", **style)
-    ax.plot(t, values[:, 1], color=VELOCITY, ls=(0, (4, 1.6)), label=r"$\dot{x}$, relative", **style)
+    ax.plot(
+        t, values[:, 1], color=VELOCITY, ls=(0, (4, 1.6)), label=r"$\dot{x}$, relative", **style
+    )
     limit = np.max(limits / check.scales, axis=1)
     ax.plot(t, limit, color="black", lw=0.7, ls=(0, (1, 2)), label="tolerance")
     if np.isnan(values).all():  # nothing to scale by but the tolerance
@@ -105,7 +126,9 @@ def _velocity(ax: Axes, check: CrossCheck) -> None:
     """Draw the velocity of the samples, and the belts that are near."""
     ax.set_ylabel(r"$\dot{x}$")
     ax.plot(check.t, check.v, color=VELOCITY, lw=0.8)
-    low, high, p = float(np.min(check.v)), float(np.max(check.v)), check.trajectory.parameters
+    low = float(np.min(check.v))
+    high = float(np.max(check.v))
+    p = check.trajectory.parameters
     draw_belts(ax, (p.v1, p.v2), 2 * low - high, 2 * high - low)
 
 
@@ -117,7 +140,8 @@ def fit_figure(found: Fit, panels: str | None = None, *, ax: Axes | None = None)
     ----------
     found : Fit
     panels, ax : optional
-        As for `symosc.plot.figure`. The panels are a motion and data, b residuals. Default: both, with `ax` a.
+        As for `symosc.plot.figure`. The panels are a motion and data, b residuals. Default: both,
+        with `ax` a.
 
     Examples
     --------
@@ -126,7 +150,10 @@ def fit_figure(found: Fit, panels: str | None = None, *, ax: Axes | None = None)
     >>> [axes.get_xlabel() for axes in plot.fit_figure(found).axes]
     ['', 'time $t$']
     """
-    with panels_for(found, FIT_PANELS, panels, ax, (7.0, 1.7), **ABOVE_EACH_OTHER) as (drawing, row):
+    with panels_for(found, FIT_PANELS, panels, ax, (7.0, 1.7), **ABOVE_EACH_OTHER) as (
+        drawing,
+        row,
+    ):
         for axes in row:
             axes.set_xlim(float(found.trajectory.t_start), float(found.trajectory.t_end))
         row[-1].set_xlabel("time $t$")
@@ -135,15 +162,22 @@ def fit_figure(found: Fit, panels: str | None = None, *, ax: Axes | None = None)
 
 
 def _motion_and_data(ax: Axes, found: Fit) -> None:
-    """Draw x(t) of the fitted motion and the measured samples; times of measured events are marked on x(t)."""
-    measured, motion = found._measured, found.trajectory
+    """Draw x(t) of the fitted motion and the measured samples.
+
+    Times of measured events are marked on x(t).
+    """
+    measured = found._measured
+    motion = found.trajectory
     times = np.linspace(float(motion.t_start), float(motion.t_end), 2000)
     ax.plot(times, motion(times)[0], color=POSITION, lw=0.9, label="fitted motion")
     style: Record = {"color": "black", "ms": 3.5, "mfc": "none", "mew": 0.8}
     if measured.states is not None:
         ax.plot(measured.t, measured.states[0], ".", label="measured", **style)
     for kind, marker in (("stick", "s"), ("slip", "o"), ("cross", "x"), ("graze", "^")):
-        t = measured.t[measured.kinds == kind] if measured.kinds is not None else ()
+        if measured.kinds is not None:
+            t = measured.t[measured.kinds == kind]
+        else:
+            t = ()
         if len(t):
             x = motion(np.clip(t, times[0], times[-1]))[0]
             ax.plot(t, x, marker, label=f"measured {kind}", **style)
@@ -157,7 +191,15 @@ def _residuals(ax: Axes, found: Fit) -> None:
     columns = ("$x$", POSITION, "."), (r"$\dot{x}$", VELOCITY, "x")
     for n, (name, color, marker) in enumerate(columns):
         part = found.residuals[n * len(measured.t) : (n + 1) * len(measured.t)]
-        ax.plot(measured.t[: len(part)], part, marker, ms=4, mew=0.8, color=color, label=name if named else None)
+        ax.plot(
+            measured.t[: len(part)],
+            part,
+            marker,
+            ms=4,
+            mew=0.8,
+            color=color,
+            label=name if named else None,
+        )
     ax.axhline(0, color="0.4", lw=0.8, zorder=0)
     for level in (-2, 2) if measured.weighted else ():
         ax.axhline(level, color="0.4", lw=0.6, ls=(0, (1, 2)), zorder=0)
@@ -171,15 +213,19 @@ FIT_PANELS = {"a": _motion_and_data, "b": _residuals}
 def step_figure(
     check: CrossCheck, step: int | None = None, panels: str | None = None, *, ax: Axes | None = None
 ) -> Figure:
-    """Draw one step of a cross-check: the exact motion from its first sample on, and the samples about it.
+    """Draw one step of a cross-check.
+
+    The exact motion from its first sample on, and the samples about it.
 
     Parameters
     ----------
     check : CrossCheck
     step : int, optional
-        From sample `step` to the next one. Default: the first wrong step, or the first step if none is wrong.
+        From sample `step` to the next one. Default: the first wrong step, or the first step if none
+        is wrong.
     panels, ax : optional
-        As for `symosc.plot.figure`. The panels are a velocity, b position. Default: both, with `ax` a.
+        As for `symosc.plot.figure`. The panels are a velocity, b position. Default: both, with `ax`
+        a.
 
     Examples
     --------
@@ -193,7 +239,10 @@ def step_figure(
     ['$v$', '$x$']
     """
     if step is None:
-        step = check.first_wrong.step if check.first_wrong else 0
+        if check.first_wrong:
+            step = check.first_wrong.step
+        else:
+            step = 0
     step = whole_number("step", step, 0, len(check.t) - 2)
     draw = {"a": partial(_step_panel, step=step, of_velocity=True)}
     draw["b"] = partial(_step_panel, step=step, of_velocity=False)
@@ -205,28 +254,61 @@ def step_figure(
 
 def _step_panel(ax: Axes, check: CrossCheck, step: int, of_velocity: bool) -> None:
     """Draw the velocity or the position in a step, with the exact motion from its first sample on."""
-    values, name, color = (check.v, "$v$", VELOCITY) if of_velocity else (check.x, "$x$", POSITION)
-    around, p = slice(max(0, step - 3), step + 2 + 3), check.trajectory.parameters
-    shown, events = values[around], tuple[Event, ...]()
-    begin, end = float(check.t[step]), float(check.t[step + 1])
+    if of_velocity:
+        values, name, color = (check.v, "$v$", VELOCITY)
+    else:
+        values, name, color = (check.x, "$x$", POSITION)
+    around = slice(max(0, step - 3), step + 2 + 3)
+    p = check.trajectory.parameters
+    shown = values[around]
+    events = tuple[Event, ...]()
+    begin = float(check.t[step])
+    end = float(check.t[step + 1])
     if end > begin:
         motion = simulate(p, t0=begin, x0=float(check.x[step]), v0=float(check.v[step]), t_end=end)
-        t, events = np.linspace(begin, end, 400), motion.events[:4]
+        t = np.linspace(begin, end, 400)
+        events = motion.events[:4]
         exact = motion(t)[int(of_velocity)]
         shown = np.append(shown, exact)
         ax.plot(t, exact, color=color, lw=1.4, label="exact, from the sample before")
-        ax.plot(t[-1:], exact[-1:], "o", ms=5, mfc="white", mec=color, label="exact, where the next sample should be")
+        ax.plot(
+            t[-1:],
+            exact[-1:],
+            "o",
+            ms=5,
+            mfc="white",
+            mec=color,
+            label="exact, where the next sample should be",
+        )
     ax.plot(check.t[around], values[around], ":", color="0.45", lw=0.9)
     ax.plot(check.t[around], values[around], ".", color="black", ms=6, label="given")
-    ax.plot(check.t[step + 1], values[step + 1], "x", color=WRONG, ms=7, mew=1.6, label="given, end of this step")
+    ax.plot(
+        check.t[step + 1],
+        values[step + 1],
+        "x",
+        color=WRONG,
+        ms=7,
+        mew=1.6,
+        label="given, end of this step",
+    )
     margin = 0.08 * (float(np.ptp(shown)) or 1.0)
-    low, high = float(np.min(shown)) - margin, float(np.max(shown)) + margin
+    low = float(np.min(shown)) - margin
+    high = float(np.max(shown)) + margin
     if of_velocity:
         draw_belts(ax, (p.v1, p.v2), low, high)
     for number, event in enumerate(events):
-        ax.axvline(float(event.t), color="0.6", lw=0.9, zorder=0, label="" if number else "exact event")
+        ax.axvline(
+            float(event.t), color="0.6", lw=0.9, zorder=0, label="" if number else "exact event"
+        )
         if of_velocity:
-            ax.text(float(event.t), 1.0, event.kind, transform=ax.get_xaxis_transform(), ha="center", va="bottom")
+            ax.text(
+                float(event.t),
+                1.0,
+                event.kind,
+                transform=ax.get_xaxis_transform(),
+                ha="center",
+                va="bottom",
+            )
     ax.set(ylim=(low, high), ylabel=name)
 
 
@@ -236,7 +318,10 @@ MOST_ROWS = 200  # of a table
 
 
 def write_page(check: CrossCheck, path: str | Path) -> Path:
-    """Write the page of a cross-check: verdict, facts, pictures, events and faults; OutputError if this fails."""
+    """Write the page of a cross-check: verdict, facts, pictures, events and faults.
+
+    OutputError if this fails.
+    """
     from jinja2 import Environment, PackageLoader, StrictUndefined
 
     from symosc.crosschecks.causes import CAUSES, REASONS
@@ -244,13 +329,25 @@ def write_page(check: CrossCheck, path: str | Path) -> Path:
     check_folder_of(path)
     events = _events(check)
     content: Record = {"check": check, "verdict": _verdict(check), "events": events[:MOST_ROWS]}
-    content |= {"causes": CAUSES, "reasons": REASONS, "pictures": list(_pictures(check)), "event_count": len(events)}
+    content |= {
+        "causes": CAUSES,
+        "reasons": REASONS,
+        "pictures": list(_pictures(check)),
+        "event_count": len(events),
+    }
     faults = []
     for each in check.faults[:MOST_ROWS]:
         guess = f"{REASONS[each.reason].capitalize()}: {each.words}"
-        faults.append((each.step, f"{each.t:.10g}", f"{each.defect_x:.1e}", f"{each.defect_v:.1e}", guess))
+        faults.append(
+            (each.step, f"{each.t:.10g}", f"{each.defect_x:.1e}", f"{each.defect_v:.1e}", guess)
+        )
     content |= {"faults": faults, "shown": 8}  # rows of a table before the reader unfolds the rest
-    options: Record = {"autoescape": True, "undefined": StrictUndefined, "trim_blocks": True, "lstrip_blocks": True}
+    options: Record = {
+        "autoescape": True,
+        "undefined": StrictUndefined,
+        "trim_blocks": True,
+        "lstrip_blocks": True,
+    }
     environment = Environment(loader=PackageLoader("symosc.plot", "templates"), **options)
     return write_text(path, environment.get_template("crosscheck.html.j2").render(content))
 
@@ -261,20 +358,36 @@ def _verdict(check: CrossCheck) -> str:
         return f"Right: every step agrees with the exact motion, to a tolerance of {check.tolerance:g}."
     wrong = f"wrong steps: {len(check.wrong_steps)} of {len(check.defects)}"
     events = f"events missed: {len(check.missed)}, invented: {len(check.invented)}"
-    beside = "".join(f" {said[0].upper()}{said[1:]}." for said in (check.wrong_start, check.early_end) if said)
+    beside = "".join(
+        f" {said[0].upper()}{said[1:]}." for said in (check.wrong_start, check.early_end) if said
+    )
     return f"Not right: {wrong}; {events} (tolerance {check.tolerance:g} per step).{beside}"
 
 
 def _events(check: CrossCheck) -> list[tuple[Any, ...]]:
-    """Return the rows of the page's table of events in order of time: verdicts, and the errors of right events."""
-    rows: list[tuple[str, str, Any]] = [("right", f"{match.error:+.1e}", match.event) for match in check.matched]
-    others: Record = {"missed": check.missed, "invented": check.invented, "not decided": check.unresolved}
+    """Return the rows of the page's table of events in order of time.
+
+    Verdicts, and the errors of right events.
+    """
+    rows: list[tuple[str, str, Any]] = [
+        ("right", f"{match.error:+.1e}", match.event) for match in check.matched
+    ]
+    others: Record = {
+        "missed": check.missed,
+        "invented": check.invented,
+        "not decided": check.unresolved,
+    }
     rows += [(verdict, "", event) for verdict, events in others.items() for event in events]
     rows.sort(key=lambda row: float(row[2].t))
     texts: list[tuple[Any, ...]] = []
     for verdict, error, event in rows:
-        way = f"{event.source} → {event.target}" if event.source else ""
-        texts.append((f"{float(event.t):.10g}", event.kind, str(event.boundary or ""), verdict, error, way))
+        if event.source:
+            way = f"{event.source} → {event.target}"
+        else:
+            way = ""
+        texts.append(
+            (f"{float(event.t):.10g}", event.kind, str(event.boundary or ""), verdict, error, way)
+        )
     return texts
 
 
@@ -292,8 +405,13 @@ CAPTIONS = (
 
 
 def _pictures(check: CrossCheck) -> Iterator[Record]:
-    """Yield the pictures of a cross-check's page, as from `_picture`: the first wrong step, if any, then all panels."""
-    first, many = check.first_wrong, len(check.t) > 4_000  # as lines they would be megabytes
+    """Yield the pictures of a cross-check's page, as from `_picture`.
+
+    The first wrong step, if any, then all panels.
+    """
+    # as lines they would be megabytes
+    first = check.first_wrong
+    many = len(check.t) > 4_000
     if first:
         said = f"The step from sample {first.step} (t = {first.t:.8g}) to the next one. The line is the exact motion "
         said += "from that sample on; it should end at the cross. Grey lines are its events."
@@ -304,7 +422,10 @@ def _pictures(check: CrossCheck) -> Iterator[Record]:
 
 @rc_context(STYLE)
 def _picture(drawing: Figure, pixels: bool, title: str, caption: str) -> Record:
-    """Return a dict of title, caption and image of a figure for the page's template: PNG if `pixels`, else SVG."""
+    """Return a dict of title, caption and image of a figure for the page's template.
+
+    PNG if `pixels`, else SVG.
+    """
     width, height = drawing.get_size_inches()
     for legend in drawing.legends:  # two columns fit the width
         handles = [handle for handle in legend.legend_handles if handle is not None]
@@ -312,10 +433,16 @@ def _picture(drawing: Figure, pixels: bool, title: str, caption: str) -> Record:
         legend.remove()
         drawing.legend(handles, labels, loc="outside lower center", ncols=2, frameon=False)
     drawing.set_size_inches(min(width, 4.0), max(height, 3.3))  # letters that a phone can show
-    options: Record = {"format": "png", "dpi": 160.0} if pixels else {"format": "svg", "metadata": {"Date": None}}
+    if pixels:
+        options: Record = {"format": "png", "dpi": 160.0}
+    else:
+        options = {"format": "svg", "metadata": {"Date": None}}
     data = BytesIO()
     drawing.savefig(data, **options)
-    kind = "png" if pixels else "svg+xml"
+    if pixels:
+        kind = "png"
+    else:
+        kind = "svg+xml"
     source = f"data:image/{kind};base64,{b64encode(data.getvalue()).decode('ascii')}"
     return {"title": title, "caption": caption, "source": source}
 
@@ -346,7 +473,10 @@ def certificate_figure(certificate: Certificate, *, ax: Axes | None = None) -> F
     enclosed = (("time $t$", "#1f3fd6", "o"), ("position $x$", "#d7191c", "s"))
     with axes_for(ax, (4.6, 3.0)) as (drawing, (axes,)):
         for i, (name, color, shape) in enumerate(enclosed):
-            widths = [max(float(Decimal(high) - Decimal(low)), 1e-30) for low, high in (e[3 + i] for e in events)]
+            widths = [
+                max(float(Decimal(high) - Decimal(low)), 1e-30)
+                for low, high in (e[3 + i] for e in events)
+            ]
             axes.semilogy(times, widths, marker=shape, ms=3.5, lw=0.8, color=color, label=name)
         axes.set(xlabel="time $t$", ylabel="width of the enclosure")
         axes.set_title(f"{certificate.kind}, {'proven' if certificate.proven else 'not proven'}")
@@ -356,19 +486,31 @@ def certificate_figure(certificate: Certificate, *, ax: Axes | None = None) -> F
 
 # -- scores ------------------------------------------------------------------------------------------------------------
 
-SOLVER_COLOURS = ("#2166ac", "#b2182b", "#1b7837", "#e08214", "#762a83", "#8c510a", "#4d4d4d", "#01665e")
+SOLVER_COLOURS = (
+    "#2166ac",
+    "#b2182b",
+    "#1b7837",
+    "#e08214",
+    "#762a83",
+    "#8c510a",
+    "#4d4d4d",
+    "#01665e",
+)
 SOLVER_MARKS = "os^DvPX*"
 #: Errors below are drawn at the first, above at the second; where faults and missing results are.
-LEAST_UNITS, MOST_UNITS, FAULTY, ABSENT = 1e-3, 1e10, 1e12, 1e14
+LEAST_UNITS = 1e-3
+MOST_UNITS = 1e10
+FAULTY = 1e12
+ABSENT = 1e14
 
 
 @public
 def score_figure(scores: Sequence[Score]) -> Figure:
     """Draw the scores of solvers on reference cases.
 
-    There is a column per case, in groups. Below is the largest error; its unit is the change of the events when the
-    numbers of the case are rounded to doubles. Above are the cases with wrong events or too large an error, and those
-    without results.
+    There is a column per case, in groups. Below is the largest error; its unit is the change of the
+    events when the numbers of the case are rounded to doubles. Above are the cases with wrong
+    events or too large an error, and those without results.
 
     Parameters
     ----------
@@ -388,44 +530,68 @@ def score_figure(scores: Sequence[Score]) -> Figure:
     looks = []
     for i, _ in enumerate(scores):
         mark = SOLVER_MARKS[(i + i // len(SOLVER_COLOURS)) % len(SOLVER_MARKS)]
-        look: Record = {"color": SOLVER_COLOURS[i % len(SOLVER_COLOURS)], "marker": mark, "linestyle": "none"}
+        look: Record = {
+            "color": SOLVER_COLOURS[i % len(SOLVER_COLOURS)],
+            "marker": mark,
+            "linestyle": "none",
+        }
         looks.append(look | {"markersize": 3.2, "markeredgewidth": 0})
     with axes_for(None, (10.0, 4.2)) as (drawing, (ax,)):
         for i, each in enumerate(scores):
             shift = 0.8 * ((i + 0.5) / len(scores) - 0.5)
-            drawn = [(k + shift, h) for k, h in enumerate(map(_height, each.cases)) if h is not None]
+            drawn = [
+                (k + shift, h) for k, h in enumerate(map(_height, each.cases)) if h is not None
+            ]
             if drawn:
                 ax.plot(*zip(*drawn, strict=True), **looks[i])
         _label_groups(ax, scores[0].cases)
         powers = (-3, 0, 3, 6, 9)
         labels = [*(f"$10^{{{n}}}$" for n in powers), "wrong", "no result"]
-        ax.set(yscale="log", ylim=(LEAST_UNITS / 2, 1e15), ylabel="largest error, in units of condition · 10$^{-16}$")
+        ax.set(
+            yscale="log",
+            ylim=(LEAST_UNITS / 2, 1e15),
+            ylabel="largest error, in units of condition · 10$^{-16}$",
+        )
         ax.set_yticks([*(10.0**n for n in powers), FAULTY, ABSENT], labels)
         ax.minorticks_off()
         ax.axhline(1, color="0.5", linewidth=0.6, linestyle="--", zorder=0)
         ax.axhline(MOST_UNITS * 10, color="0.3", linewidth=0.6)
-        names = [Line2D([], [], label=each.name, **look) for each, look in zip(scores, looks, strict=True)]
-        drawing.legend(handles=names, loc="outside upper right", ncols=min(4, len(names)), frameon=False)
+        names = [
+            Line2D([], [], label=each.name, **look)
+            for each, look in zip(scores, looks, strict=True)
+        ]
+        drawing.legend(
+            handles=names, loc="outside upper right", ncols=min(4, len(names)), frameon=False
+        )
     return drawing
 
 
 def _height(case: CaseScore) -> float | None:
-    """Return the ordinate of a case in a figure of scores; None if it has no event whose error could be measured."""
+    """Return the ordinate of a case in a figure of scores.
+
+    None if it has no event whose error could be measured.
+    """
     if not case.given:
         return ABSENT
     if not case.right:
         return FAULTY
-    return None if case.units is None else min(max(case.units, LEAST_UNITS), MOST_UNITS)
+    if case.units is None:
+        return None
+    return min(max(case.units, LEAST_UNITS), MOST_UNITS)
 
 
 def _label_groups(ax: Axes, cases: Sequence[CaseScore]) -> None:
     """Write the names of the groups of cases below the axis, and shade every second group."""
     from symosc.reference.score import by_group
 
-    begin, ticks, names = 0, [], []
+    begin = 0
+    ticks = []
+    names = []
     for number, (group, members) in enumerate(by_group(cases)):
         if number % 2:
-            ax.axvspan(begin - 0.5, begin + len(members) - 0.5, color="0.94", linewidth=0, zorder=-1)
+            ax.axvspan(
+                begin - 0.5, begin + len(members) - 0.5, color="0.94", linewidth=0, zorder=-1
+            )
         ticks.append(begin + (len(members) - 1) / 2)
         names.append(group)
         begin += len(members)

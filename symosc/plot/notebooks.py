@@ -1,7 +1,10 @@
-"""Notebook pages of the results: a line, a short table, and a small picture if it can be drawn in milliseconds.
+"""Notebook pages of the results.
 
-All content is escaped. Colours are those of the notebook, light or dark; no style affects the rest of the notebook.
-Figures are what ``.plot()`` is for. One more answer: a function that returns a page, registered at the end for a class.
+A line, a short table, and a small picture if it can be drawn in milliseconds.
+
+All content is escaped. Colours are those of the notebook, light or dark; no style affects the rest
+of the notebook. Figures are what ``.plot()`` is for. One more answer: a function that returns a
+page, registered at the end for a class.
 """
 
 from __future__ import annotations
@@ -38,9 +41,12 @@ LONGEST_SHOWN = 60
 #: Events that have a dot in the picture, at most.
 MOST_DOTS = 60
 #: Rows of a table that has more: as many at its beginning and at its end.
-HEAD_ROWS, TAIL_ROWS = 7, 3
+HEAD_ROWS = 7
+TAIL_ROWS = 3
 #: Size of a small picture, and the margin around what it shows.
-PICTURE_WIDTH, PICTURE_HEIGHT, PICTURE_MARGIN = 260, 130, 6
+PICTURE_WIDTH = 260
+PICTURE_HEIGHT = 130
+PICTURE_MARGIN = 6
 #: Of a width and height: the size of its frame, what it shows, the path of a curve, and dots on it.
 PICTURE = Markup(
     '<svg xmlns="http://www.w3.org/2000/svg" role="img" width="{0}" height="{1}" viewBox="0 0 {0} {1}">'
@@ -56,11 +62,18 @@ CELL = "text-align:left;padding:1px 12px 1px 0;white-space:nowrap"
 
 
 def page(kind: str, line: str, *parts: str) -> Markup:
-    """Return the HTML of a notebook page: a bold `kind`, the text `line`, then tables and pictures side by side."""
+    """Return the HTML of a notebook page.
+
+    A bold `kind`, the text `line`, then tables and pictures side by side.
+    """
     shown = Markup("").join(Markup("<div>{}</div>").format(part) for part in parts if part)
     head = Markup('<div style="margin-bottom:4px"><strong>{}</strong> {}</div>').format(kind, line)
-    row = Markup('<div style="display:flex;flex-wrap:wrap;gap:8px 24px;align-items:flex-start">{}</div>').format(shown)
-    return Markup('<div class="symosc" style="max-width:100%;overflow-x:auto">{}{}</div>').format(head, row)
+    row = Markup(
+        '<div style="display:flex;flex-wrap:wrap;gap:8px 24px;align-items:flex-start">{}</div>'
+    ).format(shown)
+    return Markup('<div class="symosc" style="max-width:100%;overflow-x:auto">{}{}</div>').format(
+        head, row
+    )
 
 
 def table(heads: Sequence[str], count: int, row: Callable[[int], Sequence[Any]]) -> Markup:
@@ -71,13 +84,20 @@ def table(heads: Sequence[str], count: int, row: Callable[[int], Sequence[Any]])
         gap = Markup('<tr><td colspan="{}" style="{};opacity:0.6">… {:,} more</td></tr>')
         rows.insert(HEAD_ROWS, gap.format(len(heads), CELL, count - len(some)))
     whole = Markup("<table><thead>{}</thead><tbody>{}</tbody></table>")
-    return whole.format(_table_row("th", heads), Markup("").join(rows)) if rows else Markup("")
+    if rows:
+        return whole.format(_table_row("th", heads), Markup("").join(rows))
+    return Markup("")
 
 
 def rows_to_show(count: int) -> list[int]:
-    """Return the numbers of the rows to show of a table of `count` rows: all, or the first and the last ones."""
+    """Return the numbers of the rows to show of a table of `count` rows.
+
+    All, or the first and the last ones.
+    """
     every = range(count)
-    return list(every) if count <= HEAD_ROWS + TAIL_ROWS else [*every[:HEAD_ROWS], *every[-TAIL_ROWS:]]
+    if count <= HEAD_ROWS + TAIL_ROWS:
+        return list(every)
+    return [*every[:HEAD_ROWS], *every[-TAIL_ROWS:]]
 
 
 def _table_row(tag: str, cells: Iterable[Any]) -> Markup:
@@ -86,37 +106,55 @@ def _table_row(tag: str, cells: Iterable[Any]) -> Markup:
 
 
 def shown(value: Any) -> Any:
-    """Return what to show of a value in a cell: a float with ten digits, None as "", anything else unchanged."""
+    """Return what to show of a value in a cell.
+
+    A float with ten digits, None as "", anything else unchanged.
+    """
     if isinstance(value, (float, np.floating)):
         return f"{float(value):.10g}"
-    return "" if value is None else value
+    if value is None:
+        return ""
+    return value
 
 
 def facts(values: dict[str, Any]) -> Markup:
     """Return an HTML table of names and values, without those that are None."""
     line = Markup('<tr><th style="{}">{}</th><td style="{}">{}</td></tr>')
-    lines = (line.format(CELL, name, CELL, shown(value)) for name, value in values.items() if value is not None)
+    lines = (
+        line.format(CELL, name, CELL, shown(value))
+        for name, value in values.items()
+        if value is not None
+    )
     return Markup("<table><tbody>{}</tbody></table>").format(Markup("").join(lines))
 
 
 def curve(says: str, x: Any, y: Any, marks: Iterable[tuple[float, float]] = ()) -> Markup:
-    """Return a small SVG picture of a curve, interrupted at NaN, with dots at `marks`; "" for fewer than two points.
+    """Return a small SVG picture of a curve, interrupted at NaN, with dots at `marks`.
 
-    `says` describes the picture in words, for screen readers and as a text that appears under the mouse.
+    "" for fewer than two points.
+
+    `says` describes the picture in words, for screen readers and as a text that appears under the
+    mouse.
     """
     x, y = (np.asarray(each, dtype=float) for each in (x, y))
     if len(x) > MOST_POINTS:
         chosen = np.linspace(0, len(x) - 1, MOST_POINTS).astype(int)
-        x, y = x[chosen], y[chosen]
+        x = x[chosen]
+        y = y[chosen]
     known = np.isfinite(x) & np.isfinite(y)
     if known.sum() < 2:
         return Markup("")
-    across, up = _scale(x[known], PICTURE_WIDTH), _scale(y[known], PICTURE_HEIGHT)
-    text, pen = "", "M"
+    across = _scale(x[known], PICTURE_WIDTH)
+    up = _scale(y[known], PICTURE_HEIGHT)
+    text = ""
+    pen = "M"
     for one, other, there in zip(x.tolist(), y.tolist(), known.tolist(), strict=True):
         if there:
             text += f"{pen}{across(one):.1f} {PICTURE_HEIGHT - up(other):.1f}"
-        pen = "L" if there else "M"
+        if there:
+            pen = "L"
+        else:
+            pen = "M"
     dot = '<circle cx="{:.1f}" cy="{:.1f}" r="2.6" fill="#d7191c"/>'
     dots = "".join(dot.format(across(one), PICTURE_HEIGHT - up(other)) for one, other in marks)
     frame = PICTURE_WIDTH - 1, PICTURE_HEIGHT - 1
@@ -125,9 +163,14 @@ def curve(says: str, x: Any, y: Any, marks: Iterable[tuple[float, float]] = ()) 
 
 def _scale(values: np.ndarray, size: int) -> Callable[[float], float]:
     """Return the function that maps values to coordinates in a picture of this size, with room at its edges."""
-    low, high = float(values.min()), float(values.max())
-    middle, extent = low / 2 + high / 2, high - low
-    gain = (size - 2 * PICTURE_MARGIN) / extent if extent > 0 else 0.0
+    low = float(values.min())
+    high = float(values.max())
+    middle = low / 2 + high / 2
+    extent = high - low
+    if extent > 0:
+        gain = (size - 2 * PICTURE_MARGIN) / extent
+    else:
+        gain = 0.0
     return lambda value: size / 2 + (value - middle) * gain
 
 
@@ -136,18 +179,32 @@ def _scale(values: np.ndarray, size: int) -> Callable[[float], float]:
 
 def trajectory_page(path: Trajectory) -> str:
     """Return the page of a motion: its events, its status, and x against t."""
-    begin, end, events = float(path.t_start), float(path.t_end), path.events
+    begin = float(path.t_start)
+    end = float(path.t_end)
+    events = path.events
 
     def row(i: int) -> list[Any]:
         event = events[i]
         numbers: tuple[Any, ...] = (event.t, event.x, event.v)
         texts = [shown(float(n)) if path.digits is None else n.context.nstr(n, 24) for n in numbers]
-        return [*texts, event.kind, event.boundary, event.source, event.target, f"{event.t_error:.0e}"]
+        return [
+            *texts,
+            event.kind,
+            event.boundary,
+            event.source,
+            event.target,
+            f"{event.t_error:.0e}",
+        ]
 
     times = np.clip(np.linspace(begin, end, MOST_POINTS), begin, end)
-    dots = [(float(event.t), float(event.x)) for event in events] if len(events) <= MOST_DOTS else []
+    if len(events) <= MOST_DOTS:
+        dots = [(float(event.t), float(event.x)) for event in events]
+    else:
+        dots = []
     drawn = curve(f"x against t, from {begin:g} to {end:g}", times, path(times)[0], dots)
-    about = facts({"word": collapsed(path.word) or "none", "ended": path.message, "digits": path.digits})
+    about = facts(
+        {"word": collapsed(path.word) or "none", "ended": path.message, "digits": path.digits}
+    )
     line = f"t = {begin:g} … {end:g}, {counted(len(events), 'event')}: {path.status}"
     return page("Trajectory", line, table(HEADS, len(events), row), drawn, about)
 
@@ -175,23 +232,43 @@ def summary_page(summary: Summary) -> str:
         names, counts = np.unique(summary.word, return_counts=True)
         order = np.argsort(-counts, kind="stable")[:5]
         words = ", ".join(f"{cut(str(names[i])) or 'no event'} ({counts[i]:,})" for i in order)
-        words += f", and {len(names) - 5} more" if len(names) > 5 else ""
-    ended = statuses(summary.status) if len(summary.status) else None
-    kept = counted(summary.section.shape[1], "point") if isinstance(summary.section, np.ndarray) else None
+        if len(names) > 5:
+            words += f", and {len(names) - 5} more"
+        else:
+            words += ""
+    if len(summary.status):
+        ended = statuses(summary.status)
+    else:
+        ended = None
+    if isinstance(summary.section, np.ndarray):
+        kept = counted(summary.section.shape[1], "point")
+    else:
+        kept = None
     about = facts({"ended": ended, "words": words, "section": kept})
-    heads, values = ["motion", *columns], list(columns.values())
-    rows = table(heads, len(summary), lambda i: [i, *(cut(str(shown(column[i]))) for column in values)])
+    heads = ["motion", *columns]
+    values = list(columns.values())
+    rows = table(
+        heads, len(summary), lambda i: [i, *(cut(str(shown(column[i]))) for column in values)]
+    )
     return page("Summary", counted(len(summary), "motion"), rows, about)
 
 
 def cut(text: str) -> str:
     """Return text, truncated to `LONGEST_SHOWN` characters."""
-    return text if len(text) <= LONGEST_SHOWN else f"{text[: LONGEST_SHOWN - 1]}…"
+    if len(text) <= LONGEST_SHOWN:
+        return text
+    return f"{text[: LONGEST_SHOWN - 1]}…"
 
 
 def orbit_page(orbit: PeriodicOrbit) -> str:
-    """Return the page of a periodic orbit: its switching points, its multipliers, and its loop in the phase plane."""
-    rows = [[label, shown(float(t)), shown(float(x))] for label, (t, x) in zip(orbit.labels, orbit.points, strict=True)]
+    """Return the page of a periodic orbit.
+
+    Its switching points, its multipliers, and its loop in the phase plane.
+    """
+    rows = [
+        [label, shown(float(t)), shown(float(x))]
+        for label, (t, x) in zip(orbit.labels, orbit.points, strict=True)
+    ]
     begin = float(orbit.points[0].t)
     x, v = orbit(np.linspace(begin, begin + float(orbit.period), MOST_POINTS))
     speeds = [float(orbit.parameters.belt(piece.start)) for piece in orbit.equations().pieces]
@@ -211,32 +288,48 @@ def orbit_page(orbit: PeriodicOrbit) -> str:
 
 def complex_text(value: complex) -> str:
     """Return a complex number as text with six digits, a real one without imaginary part."""
-    imaginary = f" {'-' if value.imag < 0 else '+'} {abs(value.imag):.6g} i" if value.imag else ""
+    if value.imag:
+        imaginary = f" {'-' if value.imag < 0 else '+'} {abs(value.imag):.6g} i"
+    else:
+        imaginary = ""
     return f"{value.real:.6g}{imaginary}"
 
 
 def branch_page(branch: Branch) -> str:
-    """Return the page of a branch: some of its points, why it ends, and the position of its first switching."""
-    sizes, x, name = np.abs(branch.multipliers).max(axis=1), branch.points[:, 0, 1], branch.parameter
+    """Return the page of a branch.
+
+    Some of its points, why it ends, and the position of its first switching.
+    """
+    sizes = np.abs(branch.multipliers).max(axis=1)
+    x = branch.points[:, 0, 1]
+    name = branch.parameter
     stable = np.where(branch.stable, "yes", "no")
     marks = [(float(branch.values[i]), float(x[i])) for i in (0, -1)]
     drawn = curve(f"x of the first switching against {name}", branch.values, x, marks)
     ends = [f"{end.kind} at {name} = {end.value:.10g}: {end.message}" for end in branch.ends]
     heads = (name, "t", "x", "largest |multiplier|", "stable")
-    rows = table(heads, len(x), lambda i: [branch.values[i], *branch.points[i, 0], f"{sizes[i]:.6g}", stable[i]])
+    rows = table(
+        heads,
+        len(x),
+        lambda i: [branch.values[i], *branch.points[i, 0], f"{sizes[i]:.6g}", stable[i]],
+    )
     line = f"{branch.word} in {name}, {len(branch.values)} points"
     return page("Branch", line, rows, drawn, facts(dict(zip(END_NAMES, ends, strict=True))))
 
 
 def border_page(border: Border) -> str:
-    """Return the page of a border: some of its points, its special points, why it ends, and its curve."""
+    """Return the page of a border.
+
+    Some of its points, its special points, why it ends, and its curve.
+    """
     first, second = border.parameters
 
     def where(point: Any) -> str:
         at = f"{first} = {point.values[0]:.10g}, {second} = {point.values[1]:.10g}"
         return f"{point.kind} at {at}: {point.message}"
 
-    heads, errors = (first, second, "error"), border.errors.max(axis=1)
+    heads = (first, second, "error")
+    errors = border.errors.max(axis=1)
     points = table(heads, len(border), lambda i: [*border.points[i], f"{errors[i]:.0e}"])
     marks = [(float(point.values[0]), float(point.values[1])) for point in border.special]
     drawn = curve(f"{second} against {first}", border.points[:, 0], border.points[:, 1], marks)
@@ -248,41 +341,95 @@ def border_page(border: Border) -> str:
 
 def response_page(found: FrequencyResponse) -> str:
     """Return the page of a frequency response: some of its rows, and the amplitude."""
-    names = ("status", "word", "amplitude", "transmissibility", "phase", "dissipated", "stuck", "balance_error")
+    names = (
+        "status",
+        "word",
+        "amplitude",
+        "transmissibility",
+        "phase",
+        "dissipated",
+        "stuck",
+        "balance_error",
+    )
     heads = [found.name, *(name.replace("_", " ") for name in names)]
-    rows = table(heads, len(found), lambda i: [found.values[i], *(shown(getattr(found, name)[i]) for name in names)])
+    rows = table(
+        heads,
+        len(found),
+        lambda i: [found.values[i], *(shown(getattr(found, name)[i]) for name in names)],
+    )
     drawn = curve(f"amplitude against {found.name}", found.values, found.amplitude)
-    return page("FrequencyResponse", f"over {found.name}, {counted(len(found), 'value')}", rows, drawn)
+    return page(
+        "FrequencyResponse", f"over {found.name}, {counted(len(found), 'value')}", rows, drawn
+    )
 
 
 def atlas_page(atlas: Atlas) -> str:
     """Return the page of an atlas: its words and their shares, and its borders."""
-    shares = [[each.word or "none found", f"{each.share:.4%}", f"{each.proven:.4%}"] for each in atlas.regions]
-    lines = [[" | ".join(w or "?" for w in each.words), each.sliding or each.kind, len(each)] for each in atlas.borders]
-    sides = (f"{name} = {show(low)} … {show(high)}" for name, (low, high) in zip(atlas.over, atlas.range, strict=True))
+    shares = [
+        [each.word or "none found", f"{each.share:.4%}", f"{each.proven:.4%}"]
+        for each in atlas.regions
+    ]
+    lines = [
+        [" | ".join(w or "?" for w in each.words), each.sliding or each.kind, len(each)]
+        for each in atlas.borders
+    ]
+    sides = (
+        f"{name} = {show(low)} … {show(high)}"
+        for name, (low, high) in zip(atlas.over, atlas.range, strict=True)
+    )
     regions = table(("word", "share", "proven"), len(shares), shares.__getitem__)
     borders = table(("border", "kind", "points"), len(lines), lines.__getitem__)
-    return page("Atlas", f"{', '.join(sides)}: {atlas.proven:.4%} of the area proven", regions, borders)
+    return page(
+        "Atlas", f"{', '.join(sides)}: {atlas.proven:.4%} of the area proven", regions, borders
+    )
 
 
 def window_page(window: GrazingWindow) -> str:
-    """Return the page of a grazing window: its intervals of phases and its case of the paper's (55) to (58)."""
-    rows = [["(["[low_in], low, high, ")]"[high_in]] for low, high, low_in, high_in in window.intervals]
-    values = {"case": window.case, "γ": str(window.gamma), "B₀Ω/m": str(window.amplitude), "order": window.order}
+    """Return the page of a grazing window.
+
+    Its intervals of phases and its case of the paper's (55) to (58).
+    """
+    rows = [
+        ["(["[low_in], low, high, ")]"[high_in]] for low, high, low_in, high_in in window.intervals
+    ]
+    values = {
+        "case": window.case,
+        "γ": str(window.gamma),
+        "B₀Ω/m": str(window.amplitude),
+        "order": window.order,
+    }
     line = f"{window.mapping}: domain {window.place.domain} at belt {window.place.boundary}, Ω t mod 2π"
-    line += "" if window.intervals else ": empty, no phase grazes"
-    return page("GrazingWindow", line, table(("", "from", "to", ""), len(rows), rows.__getitem__), facts(values))
+    if window.intervals:
+        line += ""
+    else:
+        line += ": empty, no phase grazes"
+    return page(
+        "GrazingWindow",
+        line,
+        table(("", "from", "to", ""), len(rows), rows.__getitem__),
+        facts(values),
+    )
 
 
 def crosscheck_page(check: CrossCheck) -> str:
     """Return the page of a cross-check: its findings, and the samples with the faults marked."""
-    strange = [("missed", event) for event in check.missed] + [("invented", event) for event in check.invented]
+    strange = [("missed", event) for event in check.missed] + [
+        ("invented", event) for event in check.invented
+    ]
     rows = [[what, event.kind, event.boundary or "", float(event.t)] for what, event in strange]
     lines = Markup('<pre style="margin:0;white-space:pre-wrap">{}</pre>').format(check.summary())
-    marks = [(float(check.t[step]), float(check.x[step])) for step in check.wrong_steps[:20].tolist()]
+    marks = [
+        (float(check.t[step]), float(check.x[step])) for step in check.wrong_steps[:20].tolist()
+    ]
     drawn = curve("the samples' x against t; dots are wrong steps", check.t, check.x, marks)
     line = f"{'ok' if check.ok else 'FAILED'}, {len(check.t):,} samples"
-    return page("CrossCheck", line, table(("", "kind", "belt", "t"), len(rows), rows.__getitem__), drawn, lines)
+    return page(
+        "CrossCheck",
+        line,
+        table(("", "kind", "belt", "t"), len(rows), rows.__getitem__),
+        drawn,
+        lines,
+    )
 
 
 def certificate_page(certificate: Certificate) -> str:
@@ -294,21 +441,41 @@ def certificate_page(certificate: Certificate) -> str:
         return [kind, source, target, *(common_digits(*each) for each in enclosures), *widths]
 
     count = len(certificate.events)
-    heads = ("kind", "from", "to", "t", "x", "width of t", "width of x")[: len(row(0)) if count else 0]
-    about: Record = {f"multiplier {i}": common_complex(*each) for i, each in enumerate(certificate.multipliers, 1)}
+    heads = ("kind", "from", "to", "t", "x", "width of t", "width of x")[
+        : len(row(0)) if count else 0
+    ]
+    about: Record = {
+        f"multiplier {i}": common_complex(*each)
+        for i, each in enumerate(certificate.multipliers, 1)
+    }
     about["stable"] = {True: "yes", False: "no", None: None}[certificate.stable]
-    about |= {name: certificate.statement.get(key) for name, key in (("made by", "made_by"), ("map", "map"))}
+    about |= {
+        name: certificate.statement.get(key)
+        for name, key in (("made by", "made_by"), ("map", "map"))
+    }
     line = f"{certificate.kind}, {'proven' if certificate.proven else 'not proven'}: {certificate.message}"
     return page("Certificate", line, table(heads, count, row), facts(about))
 
 
 def scene_page(scene: Scene) -> str:
     """Return the page of a scene: its numbers with their meaning and unit."""
-    numbers = scene.parameters.as_dict() | {name: show(getattr(scene, name)) for name in START_NAMES}
-    rows = [[name, value, QUANTITIES[name].meaning, unit_of(name)] for name, value in numbers.items()]
+    numbers = scene.parameters.as_dict() | {
+        name: show(getattr(scene, name)) for name in START_NAMES
+    }
+    rows = [
+        [name, value, QUANTITIES[name].meaning, unit_of(name)] for name, value in numbers.items()
+    ]
     error = scene.start_error and ", ".join(f"{float(each):.1g}" for each in scene.start_error)
-    model = repr(scene.original.model) if scene.original else None
-    about = {"source": scene.source, "structure": scene.structure, "t0, x0, v0 known to": error, "of the model": model}
+    if scene.original:
+        model = repr(scene.original.model)
+    else:
+        model = None
+    about = {
+        "source": scene.source,
+        "structure": scene.structure,
+        "t0, x0, v0 known to": error,
+        "of the model": model,
+    }
     about = {name: cut(each) if each else None for name, each in about.items()}
     heads = ("", "value", "meaning", "unit in SI")
     tables = (table(heads, len(part), part.__getitem__) for part in (rows[:8], rows[8:]))
@@ -316,16 +483,24 @@ def scene_page(scene: Scene) -> str:
 
 
 def listing_page(listing: Listing[Any]) -> str | None:
-    """Return the page of a long tuple of records, such as events, a row for each; None if it holds other things."""
+    """Return the page of a long tuple of records, such as events, a row for each.
+
+    None if it holds other things.
+    """
     if not (listing and is_dataclass(listing[0])):
         return None
     heads = [each.name for each in fields(listing[0])]
 
     def row(i: int) -> list[str]:
         values = ((name, getattr(listing[i], name)) for name in heads)
-        return [f"{value:.0e}" if name.endswith("_error") else str(shown(value)) for name, value in values]
+        return [
+            f"{value:.0e}" if name.endswith("_error") else str(shown(value))
+            for name, value in values
+        ]
 
-    return page(f"{type(listing[0]).__name__}s", f"{len(listing):,}", table(heads, len(listing), row))
+    return page(
+        f"{type(listing[0]).__name__}s", f"{len(listing):,}", table(heads, len(listing), row)
+    )
 
 
 PAGES: dict[type, Callable[..., str | None]] = {

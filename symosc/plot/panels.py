@@ -1,6 +1,7 @@
 """The contents of a figure's panels: the mass, the belts, the forces, and a mark for each event.
 
-Every kind of event has a shape of its own and the upper force is dashed, so that nothing rests on colour alone.
+Every kind of event has a shape of its own and the upper force is dashed, so that nothing rests on
+colour alone.
 """
 
 from __future__ import annotations
@@ -20,11 +21,16 @@ from symosc.aliases import Record
 from symosc.model import NEIGHBOURS
 from symosc.simulation.trajectory import MovedTrajectory, Trajectory, belt_path
 
-BELT_COLOR, MASS_COLOR = "black", "#d7191c"
-ONSET_COLOR, END_COLOR, SWITCH_COLOR = "#1f3fd6", "#0f8a2a", "#d7191c"
-FORCE_BELOW, FORCE_ABOVE = ONSET_COLOR, END_COLOR
+BELT_COLOR = "black"
+MASS_COLOR = "#d7191c"
+ONSET_COLOR = "#1f3fd6"
+END_COLOR = "#0f8a2a"
+SWITCH_COLOR = "#d7191c"
+FORCE_BELOW = ONSET_COLOR
+FORCE_ABOVE = END_COLOR
 
-#: Shape and size (points) of each mark. Over its onset the end of a stick leaves a rim, because it is smaller.
+#: Shape and size (points) of each mark. Over its onset the end of a stick leaves a rim, because it
+#: is smaller.
 SHAPES = {
     "start": ("o", 4.2),
     "onset of stick": ("o", 5.4),
@@ -58,7 +64,10 @@ class Mark(NamedTuple):
 
 
 class Contact(NamedTuple):
-    """A contact with a belt: a stick from `since` to `until`, or a graze, for which these times are equal."""
+    """A contact with a belt.
+
+    A stick from `since` to `until`, or a graze, for which these times are equal.
+    """
 
     since: float
     until: float
@@ -69,10 +78,10 @@ class Contact(NamedTuple):
 class View:
     """What the panels draw: samples t, x, v of a trajectory, marks for its events, and its contacts with the belts.
 
-    The forces are those on both sides of `boundary`, the belt 1 or 2. Panel (a) shows the path of a point of the belt
-    at each of the `contacts`. The path goes beyond the contact by the fractions `belt_reach` of the width and the
-    height of the axes. Panel (b) shows the `magnified` contacts in insets. `style` has properties of the curves as
-    matplotlib names them.
+    The forces are those on both sides of `boundary`, the belt 1 or 2. Panel (a) shows the path of a
+    point of the belt at each of the `contacts`. The path goes beyond the contact by the fractions
+    `belt_reach` of the width and the height of the axes. Panel (b) shows the `magnified` contacts
+    in insets. `style` has properties of the curves as matplotlib names them.
     """
 
     trajectory: Trajectory
@@ -99,18 +108,30 @@ class View:
     @property
     def belts_move(self) -> bool:
         """Whether the speeds of the belts change, as they may in another model."""
-        return isinstance(self.trajectory, MovedTrajectory) and self.trajectory.model.shift.bound() != 0
+        return (
+            isinstance(self.trajectory, MovedTrajectory)
+            and self.trajectory.model.shift.bound() != 0
+        )
 
     def belts(self) -> list[int]:
-        """Return the belts to draw: `boundary`, and any belt with a speed near the velocities drawn."""
-        low, high = self.v.min(), self.v.max()
-        p, allowed = self.trajectory.parameters, 0.65 * (high - low)  # of the axis may be added for them
+        """Return the belts to draw.
+
+        `boundary`, and any belt with a speed near the velocities drawn.
+        """
+        low = self.v.min()
+        high = self.v.max()
+        # of the axis may be added for them
+        p = self.trajectory.parameters
+        allowed = 0.65 * (high - low)
         near = [belt for belt in (1, 2) if low - allowed <= p.belt(belt) <= high + allowed]
         return sorted({*near, self.boundary})
 
 
 class Sampling(NamedTuple):
-    """The density of a curve's points: how many in a period, at least between two events, and at most in all."""
+    """The density of a curve's points.
+
+    How many in a period, at least between two events, and at most in all.
+    """
 
     per_period: int  # of the drive, or of the free oscillation if that is shorter
     least: int  # between two events
@@ -128,21 +149,46 @@ def view_of(
     style: Record | None = None,
 ) -> View:
     """Sample a trajectory from the time `since` on, and return what the panels draw of it."""
-    p, events, start = trajectory.parameters, trajectory.events, float(trajectory.t_start)
+    p = trajectory.parameters
+    events = trajectory.events
+    start = float(trajectory.t_start)
     t = _sample_times(trajectory, sampling, since)
     x, v = trajectory(t)
     mode = trajectory.segments[0].mode
     if boundary is None:
         nearest = min((1, 2), key=lambda belt: np.abs(v - float(p.belt(belt))).min())
-        boundary = int(mode[-1]) if mode.startswith("belt") else events[0].boundary if events else nearest
+        if mode.startswith("belt"):
+            boundary = int(mode[-1])
+        elif events:
+            boundary = events[0].boundary
+        else:
+            boundary = nearest
     contacts = _sticks(trajectory)
-    contacts += [Contact(float(each.t), float(each.t), each.boundary) for each in events if each.kind == "graze"]
-    contacts = [Contact(max(each.since, t[0]), each.until, each.belt) for each in contacts if each.until >= t[0]]
+    contacts += [
+        Contact(float(each.t), float(each.t), each.boundary)
+        for each in events
+        if each.kind == "graze"
+    ]
+    contacts = [
+        Contact(max(each.since, t[0]), each.until, each.belt)
+        for each in contacts
+        if each.until >= t[0]
+    ]
     first = Mark("onset of stick", ONSET_COLOR, start, int(mode[-1]))
     marks = [first if mode.startswith("belt") else Mark("start", "white", start)]
     marks += [Mark(*EVENT_MARKS[event.kind], float(event.t), event.boundary) for event in events]
     seen = tuple(mark for mark in marks if mark.t >= since)
-    return View(trajectory, boundary, t, x, v, seen, tuple(contacts), _inset_sticks(contacts, t), style=style or {})
+    return View(
+        trajectory,
+        boundary,
+        t,
+        x,
+        v,
+        seen,
+        tuple(contacts),
+        _inset_sticks(contacts, t),
+        style=style or {},
+    )
 
 
 def _sample_times(trajectory: Trajectory, sampling: Sampling, since: float) -> np.ndarray:
@@ -157,7 +203,9 @@ def _sample_times(trajectory: Trajectory, sampling: Sampling, since: float) -> n
     times = []
     for low, high in pairwise(edges):
         even = np.linspace(0, 1, int(min(max((high - low) / step, sampling.least), sampling.most)))
-        times.append(low + (high - low) * np.union1d(even, start)[:-1])  # without the edge itself: it would be rounded
+        times.append(
+            low + (high - low) * np.union1d(even, start)[:-1]
+        )  # without the edge itself: it would be rounded
     return np.clip(np.unique(np.concatenate([*times, edges])), edges[0], edges[-1])
 
 
@@ -168,7 +216,11 @@ AXIS_LABELS = {"t": "time $t$", "x": "displacement $x$", "v": r"velocity $\dot{x
 
 def _motion_panel(ax: Axes, view: View, across: str, up: str) -> None:
     """Draw `up` ("x" or "v") against `across` ("t", "x" or "v"), with marks, and paths or speeds of the belts."""
-    style: Record = {"color": MASS_COLOR, "linewidth": 1.3 * max(view.scale, 0.5), "label": "mass"} | view.style
+    style: Record = {
+        "color": MASS_COLOR,
+        "linewidth": 1.3 * max(view.scale, 0.5),
+        "label": "mass",
+    } | view.style
     ax.plot(getattr(view, across), getattr(view, up), **style)
     ax.set_ylabel(AXIS_LABELS[up])
     if up == "x":
@@ -181,30 +233,58 @@ def _motion_panel(ax: Axes, view: View, across: str, up: str) -> None:
 
 def _force_panel(ax: Axes, view: View, across: str) -> None:
     """Draw the forces on both sides of the boundary over t (with sticks shaded), x, or v (with the belts)."""
-    force, marks, (below, above) = view.trajectory.force, _marks_of_forces(view), view.domains
+    force = view.trajectory.force
+    marks = _marks_of_forces(view)
+    (below, above) = view.domains
     if across == "t":
         _shade_sticks(ax, view)
     ax.axhline(0, color="0.6", lw=0.6, zorder=0)
-    given = {name: value for name, value in view.style.items() if name not in ("color", "linestyle", "label")}
+    given = {
+        name: value
+        for name, value in view.style.items()
+        if name not in ("color", "linestyle", "label")
+    }
     for domain, color, style in ((below, FORCE_BELOW, "-"), (above, FORCE_ABOVE, (0, (4, 1.6)))):
-        line: Record = {"color": color, "linestyle": style, "linewidth": max(view.scale, 0.5)} | given
+        line: Record = {
+            "color": color,
+            "linestyle": style,
+            "linewidth": max(view.scale, 0.5),
+        } | given
         ax.plot(getattr(view, across), force(domain, view.t), label=f"$F^{{({domain})}}$", **line)
     for domain in (below, above):
         _draw_marks(ax, view, marks, across, partial(force, domain))
     ax.set_ylabel(f"forces per mass $F^{{({below})}}$, $F^{{({above})}}$")
     if across == "t":
         crossings = [mark.t for mark in marks if mark.label == "crossing"]
-        ax.vlines(crossings, force(below, crossings), force(above, crossings), color="0.6", lw=0.6, zorder=0)
+        ax.vlines(
+            crossings,
+            force(below, crossings),
+            force(above, crossings),
+            color="0.6",
+            lw=0.6,
+            zorder=0,
+        )
     for belt in view.belts() if across == "v" and not view.belts_move else ():
         speed = float(view.trajectory.parameters.belt(belt))
         ax.axvline(speed, color=BELT_COLOR, lw=0.6, zorder=1, label="belt")
-        ax.annotate(f"$v_{belt}$", (speed, 1), (0, 2), ("data", "axes fraction"), "offset points", ha="center")
+        ax.annotate(
+            f"$v_{belt}$",
+            (speed, 1),
+            (0, 2),
+            ("data", "axes fraction"),
+            "offset points",
+            ha="center",
+        )
     _horizontal_axis(ax, view, across)
 
 
 def _product_panel(ax: Axes, view: View) -> None:
-    """Draw the product of both forces at the boundary: > 0 where the mass would cross it, < 0 where it would stick."""
-    force, (below, above) = view.trajectory.force, view.domains
+    """Draw the product of both forces at the boundary.
+
+    > 0 where the mass would cross it, < 0 where it would stick.
+    """
+    force = view.trajectory.force
+    (below, above) = view.domains
 
     def product(t: Any) -> Any:
         return np.asarray(force(below, t)) * force(above, t)
@@ -246,9 +326,13 @@ def _belt_points(ax: Axes, view: View) -> None:
     low, high = ax.get_ylim()
     reaches = view.belt_reach[0] * (view.t[-1] - view.t[0]), view.belt_reach[1] * (high - low)
     for contact in view.contacts:
-        path, x = partial(belt_path, view.trajectory, contact.belt), view.trajectory(contact.since)[0]
+        path = partial(belt_path, view.trajectory, contact.belt)
+        x = view.trajectory(contact.since)[0]
         (begin,), (speed,) = path(np.array([contact.since]))
-        reach = min(reaches[0], reaches[1] / abs(speed)) if speed else reaches[0]
+        if speed:
+            reach = min(reaches[0], reaches[1] / abs(speed))
+        else:
+            reach = reaches[0]
         t = np.linspace(contact.since - reach, contact.until + reach, 200 if view.belts_move else 2)
         ax.plot(t, x + path(t)[0] - begin, color=BELT_COLOR, lw=0.6, zorder=3, label="belt")
     ax.set_ylim(low, high)
@@ -261,19 +345,32 @@ def _belt_speeds(ax: Axes, view: View) -> None:
     low, high = ax.get_ylim()
     near = float(p.v2 - p.v1) < 0.08 * (high - low)  # their names would lie over each other
     for belt in view.belts():
-        speed, shift = float(p.belt(belt)), (0, -5, 5)[belt] * near
+        speed = float(p.belt(belt))
+        shift = (0, -5, 5)[belt] * near
         if view.belts_move:
             speeds = belt_path(view.trajectory, belt, view.t)[1]
             ax.plot(view.t, speeds, color=BELT_COLOR, lw=0.6, zorder=3, label="belt")
             speed = float(speeds[-1])
         else:
             ax.axhline(speed, color=BELT_COLOR, lw=0.6, zorder=3, label="belt")
-        ax.annotate(f"$v_{belt}$", (1, speed), (4, shift), ("axes fraction", "data"), "offset points", va="center")
+        ax.annotate(
+            f"$v_{belt}$",
+            (1, speed),
+            (4, shift),
+            ("axes fraction", "data"),
+            "offset points",
+            va="center",
+        )
 
 
 def _marks_of_forces(view: View) -> list[Mark]:
-    """Return the marks for the panels of forces: all but the start and events at the belt that is not `boundary`."""
-    return [mark for mark in view.marks if mark.label != "start" and mark.belt in (view.boundary, None)]
+    """Return the marks for the panels of forces.
+
+    All but the start and events at the belt that is not `boundary`.
+    """
+    return [
+        mark for mark in view.marks if mark.label != "start" and mark.belt in (view.boundary, None)
+    ]
 
 
 def _shade_sticks(ax: Axes, view: View) -> None:
@@ -283,11 +380,16 @@ def _shade_sticks(ax: Axes, view: View) -> None:
             ax.axvspan(stick.since, stick.until, color="0.92", lw=0, zorder=-1)
 
 
-def _draw_marks(ax: Axes, view: View, marks: Sequence[Mark], across: str, up: Callable[[Any], Any]) -> None:
+def _draw_marks(
+    ax: Axes, view: View, marks: Sequence[Mark], across: str, up: Callable[[Any], Any]
+) -> None:
     """Draw marks on a curve; `up` returns the height of the curve at given times."""
     for label, color in dict.fromkeys((mark.label, mark.color) for mark in marks):
         t = np.array([mark.t for mark in marks if mark.label == label])
-        place = t if across == "t" else view.trajectory(t)[int(across == "v")]
+        if across == "t":
+            place = t
+        else:
+            place = view.trajectory(t)[int(across == "v")]
         style = mark_style(label, color, view.scale)
         ax.plot(place, up(t), linestyle="none", clip_on=False, label=label, **style)
 
@@ -295,23 +397,43 @@ def _draw_marks(ax: Axes, view: View, marks: Sequence[Mark], across: str, up: Ca
 def mark_style(label: str, color: str, scale: float = 1.0) -> Record:
     """Return shape, colours and size of a mark as matplotlib's options of a line."""
     marker, size = SHAPES[label]
-    edge, width, level = ("black", 0.8, 4) if label == "start" else ("white", 0.4, 5)
+    if label == "start":
+        edge, width, level = ("black", 0.8, 4)
+    else:
+        edge, width, level = ("white", 0.4, 5)
     level += color == END_COLOR
-    return {"marker": marker, "ms": size * scale, "mfc": color, "mec": edge, "mew": width * scale, "zorder": level}
+    return {
+        "marker": marker,
+        "ms": size * scale,
+        "mfc": color,
+        "mec": edge,
+        "mew": width * scale,
+        "zorder": level,
+    }
 
 
 def _sticks(trajectory: Trajectory) -> list[Contact]:
     """Return the sticks of a trajectory as contacts."""
     sticks = [segment for segment in trajectory.segments if segment.mode.startswith("belt")]
-    return [Contact(float(stick.t_start), float(stick.t_end), int(stick.mode[-1])) for stick in sticks]
+    return [
+        Contact(float(stick.t_start), float(stick.t_end), int(stick.mode[-1])) for stick in sticks
+    ]
 
 
 def _inset_sticks(contacts: Sequence[Contact], t: np.ndarray) -> tuple[Contact, ...]:
     """Return the sticks to show in insets, which are too short to be seen over the times `t`."""
-    longest, finest = SHORT_STICK * (t[-1] - t[0]), 1e-10 * np.abs(t).max()  # a shorter one would show rounding errors
-    short = [each for each in contacts if finest < each.until - each.since < longest and each.until < t[-1]]
+    # a shorter one would show rounding errors
+    longest = SHORT_STICK * (t[-1] - t[0])
+    finest = 1e-10 * np.abs(t).max()
+    short = [
+        each
+        for each in contacts
+        if finest < each.until - each.since < longest and each.until < t[-1]
+    ]
     if len(short) > MOST_INSETS:
-        limit = 0.1 * median(each.until - each.since for each in contacts if each.until > each.since)
+        limit = 0.1 * median(
+            each.until - each.since for each in contacts if each.until > each.since
+        )
         short = [each for each in short if each.until - each.since < limit]
     return tuple(short[:MOST_INSETS])
 
@@ -329,19 +451,25 @@ INSET_FONT = 7.5
 
 def draw_insets(ax: Axes, view: View) -> None:
     """Draw the contacts to be magnified as insets above axes."""
-    for contact, (left, width) in zip(view.magnified, INSET_BOXES.get(len(view.magnified), ()), strict=True):
+    for contact, (left, width) in zip(
+        view.magnified, INSET_BOXES.get(len(view.magnified), ()), strict=True
+    ):
         _inset(ax, view, contact, (left, 1.16, width, 0.5))
 
 
 def _inset(ax: Axes, view: View, contact: Contact, box: tuple[float, float, float, float]) -> None:
-    """Draw an inset in the rectangle `box`: the velocity relative to the belt, shortly before and after a contact."""
+    """Draw an inset in the rectangle `box`.
+
+    The velocity relative to the belt, shortly before and after a contact.
+    """
     since, until, belt = contact
     path = partial(belt_path, view.trajectory, belt)
     length = until - since or SHORT_STICK * (view.t[-1] - view.t[0])
     times = np.linspace(max(since - length, view.t[0]), min(until + length, view.t[-1]), 400)
     times = np.union1d(times, [since, until])
     away = view.trajectory(times)[1] - path(times)[1]
-    shift, scale = floor(log10(length)), floor(log10(np.abs(away).max() or 1))
+    shift = floor(log10(length))
+    scale = floor(log10(np.abs(away).max() or 1))
     inset = ax.inset_axes(box)
     inset.plot((times - since) / 10.0**shift, away / 10.0**scale, color=MASS_COLOR, lw=1.3)
     inset.axhline(0, color=BELT_COLOR, lw=0.6, zorder=3)
@@ -349,10 +477,22 @@ def _inset(ax: Axes, view: View, contact: Contact, box: tuple[float, float, floa
     for time, label, color in stick if until > since else ((since, "grazing point", SWITCH_COLOR),):
         inset.plot((time - since) / 10.0**shift, 0, linestyle="none", **mark_style(label, color))
     if until > since:
-        height = 0.7 if away.mean() > 0 else 0.3  # clear of the belt, between the branches of the curve
+        # clear of the belt, between the branches of the curve
+        if away.mean() > 0:
+            height = 0.7
+        else:
+            height = 0.3
         mantissa, _, exponent = f"{length:.1e}".partition("e")
         text = f"length ${mantissa}\\cdot 10^{{{int(exponent)}}}$"
-        inset.text(0.53, height, text, transform=inset.transAxes, fontsize=INSET_FONT, ha="center", va="center")
+        inset.text(
+            0.53,
+            height,
+            text,
+            transform=inset.transAxes,
+            fontsize=INSET_FONT,
+            ha="center",
+            va="center",
+        )
     inset.margins(x=0, y=0.2)
     # Ticks and label on top leave the way free for the leaders to the spot that is magnified.
     inset.xaxis.tick_top()

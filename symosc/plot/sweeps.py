@@ -1,7 +1,9 @@
-"""Figures of many motions: sweeps over one or two axes, frequency responses, events and summaries, and atlases.
+"""Figures of many motions.
 
-In maps every class has its own lightness, a line around it, and its name in its largest place where there is room. So a
-map can be read in greyscale.
+Sweeps over one or two axes, frequency responses, events and summaries, and atlases.
+
+In maps every class has its own lightness, a line around it, and its name in its largest place where
+there is room. So a map can be read in greyscale.
 """
 
 from __future__ import annotations
@@ -26,7 +28,15 @@ from symosc.aliases import Record
 from symosc.arguments import public
 from symosc.engine.events import KIND_NAMES
 from symosc.errors import ParameterError
-from symosc.plot.drawing import PARAMETER_LABELS, add_legend, axes_for, draw_belts, panels_for, typeset, write_above
+from symosc.plot.drawing import (
+    PARAMETER_LABELS,
+    add_legend,
+    axes_for,
+    draw_belts,
+    panels_for,
+    typeset,
+    write_above,
+)
 from symosc.plot.figures import BORDER_STYLES
 from symosc.plot.panels import EVENT_MARKS, SHAPES
 from symosc.simulation.tables import EventTable, Summary
@@ -38,9 +48,21 @@ if TYPE_CHECKING:
     from symosc.response import FrequencyResponse
     from symosc.sweeps.output import SweptDataset
 
-LABELS = PARAMETER_LABELS | {"stuck": "share of time stuck", "x": "last $x$", "v": r"last $\dot{x}$"}
-LABELS |= {"x_min": "least $x$", "x_max": "largest $x$", "v_min": r"least $\dot{x}$", "v_max": r"largest $\dot{x}$"}
-COMPONENT_LABELS = {"x": "displacement $x$ at whole periods", "v": "velocity $\\dot{x}$ at whole periods"}
+LABELS = PARAMETER_LABELS | {
+    "stuck": "share of time stuck",
+    "x": "last $x$",
+    "v": r"last $\dot{x}$",
+}
+LABELS |= {
+    "x_min": "least $x$",
+    "x_max": "largest $x$",
+    "v_min": r"least $\dot{x}$",
+    "v_max": r"largest $\dot{x}$",
+}
+COMPONENT_LABELS = {
+    "x": "displacement $x$ at whole periods",
+    "v": "velocity $\\dot{x}$ at whole periods",
+}
 #: Of numbers: from light to dark with even steps of lightness.
 SHADES = "cividis_r"
 #: Of words: hues far apart, each darker than the one before, so that they differ in greyscale too.
@@ -52,15 +74,25 @@ UNDECIDED_COLOR = "#d7191c"
 
 
 def read_column(dataset: Any, name: Any) -> Any:
-    """Return the column `name` of a sweep, without dimensions of length 1; ParameterError if it was not recorded."""
+    """Return the column `name` of a sweep, without dimensions of length 1.
+
+    ParameterError if it was not recorded.
+    """
     if "status" not in dataset:
-        raise ParameterError("dataset", type(dataset).__name__, "must be what sweep(...) returns, with its status")
+        raise ParameterError(
+            "dataset", type(dataset).__name__, "must be what sweep(...) returns, with its status"
+        )
     names = [str(each) for each in dataset.data_vars]
     if name is None:
-        name = "section" if "section" in names else names[0]
+        if "section" in names:
+            name = "section"
+        else:
+            name = names[0]
     if name not in names:
         raise ParameterError("name", name, f"is not recorded here; there is {', '.join(names)}")
-    return dataset[name].squeeze([each for each in axes_of(dataset[name]) if dataset.sizes[each] == 1])
+    return dataset[name].squeeze(
+        [each for each in axes_of(dataset[name]) if dataset.sizes[each] == 1]
+    )
 
 
 def axes_of(column: Any) -> list[str]:
@@ -69,12 +101,16 @@ def axes_of(column: Any) -> list[str]:
 
 
 def read_axes(column: Any, count: int, what: str) -> list[str]:
-    """Return the names of the swept axes of a column; ParameterError unless there are `count`, each with coordinates.
+    """Return the names of the swept axes of a column.
+
+    ParameterError unless there are `count`, each with coordinates.
 
     `what` names the figure in the error.
     """
     if "component" in column.dims:
-        raise ParameterError("name", column.name, "has x and v at many times; bifurcation_figure draws it")
+        raise ParameterError(
+            "name", column.name, "has x and v at many times; bifurcation_figure draws it"
+        )
     axes = axes_of(column)
     if len(axes) != count or any(each not in column.coords for each in axes):
         sizes = ", ".join(f"{each} ({column.sizes[each]})" for each in axes) or "none"
@@ -92,19 +128,22 @@ def label(name: str) -> str:
 
 
 @public
-def swept_figure(dataset: xarray.Dataset | SweptDataset, name: str | None = None, *, ax: Axes | None = None) -> Figure:
+def swept_figure(
+    dataset: xarray.Dataset | SweptDataset, name: str | None = None, *, ax: Axes | None = None
+) -> Figure:
     """Draw the result of a sweep as a curve or a map, by its number of axes.
 
-    A section over one axis is a bifurcation diagram, anything else over one axis a curve; two axes make a map, and a
-    basin if they are starts x0 and v0.
+    A section over one axis is a bifurcation diagram, anything else over one axis a curve; two axes
+    make a map, and a basin if they are starts x0 and v0.
 
     Parameters
     ----------
     dataset : xarray.Dataset
-        What `symosc.sweep` returns, or a selection of it such as ``dataset.isel(k=0)``; ``dataset.symosc.plot()`` too
-        draws it.
+        What `symosc.sweep` returns, or a selection of it such as ``dataset.isel(k=0)``;
+        ``dataset.symosc.plot()`` too draws it.
     name : str, optional
-        The column, such as "word". Default: the section if there is one, else the first that was recorded.
+        The column, such as "word". Default: the section if there is one, else the first that was
+        recorded.
 
     Examples
     --------
@@ -127,9 +166,12 @@ def swept_figure(dataset: xarray.Dataset | SweptDataset, name: str | None = None
 def bifurcation_figure(
     dataset: xarray.Dataset, component: Literal["x", "v"] = "x", *, ax: Axes | None = None
 ) -> Figure:
-    """Draw the section of a sweep over one axis: a point for each recorded period; several starts lie over each other.
+    """Draw the section of a sweep over one axis: a point for each recorded period.
 
-    If the sweep recorded words too, dashed lines mark where the word changes; the words stand above.
+    Several starts lie over each other.
+
+    If the sweep recorded words too, dashed lines mark where the word changes; the words stand
+    above.
 
     Examples
     --------
@@ -139,13 +181,20 @@ def bifurcation_figure(
     ['displacement $x$ at whole periods']
     """
     section = read_column(dataset, "section").sel(component=component)
-    one = section.isel(start=0) if "start" in section.dims else section
+    if "start" in section.dims:
+        one = section.isel(start=0)
+    else:
+        one = section
     (name,) = read_axes(one, 1, "a bifurcation diagram")
     points = section.transpose(name, ...).values.reshape(section.sizes[name], -1)
     values = section[name].values
     with axes_for(ax, (5.0, 3.4)) as (drawing, (axes,)):
         _scatter(axes, np.repeat(values, points.shape[1]), points.ravel())
-        axes.set(xlabel=label(name), ylabel=COMPONENT_LABELS[component], xlim=(values.min(), values.max()))
+        axes.set(
+            xlabel=label(name),
+            ylabel=COMPONENT_LABELS[component],
+            xlim=(values.min(), values.max()),
+        )
         if "word" in dataset:
             words = read_column(dataset, "word")
             words = (words.isel(start=0) if "start" in words.dims else words).sortby(name)
@@ -154,7 +203,10 @@ def bifurcation_figure(
 
 
 def _mark_changes(axes: Axes, values: np.ndarray, words: np.ndarray, named: bool = True) -> None:
-    """Mark where the word changes between increasing values; if `named` write each above its stretch where it fits."""
+    """Mark where the word changes between increasing values.
+
+    If `named` write each above its stretch where it fits.
+    """
     cuts = [0, *(np.flatnonzero(words[1:] != words[:-1]) + 1), len(words)]
     low, high = axes.get_xlim()
     places = [low, *((values[i - 1] + values[i]) / 2 for i in cuts[1:-1]), high]
@@ -166,8 +218,12 @@ def _mark_changes(axes: Axes, values: np.ndarray, words: np.ndarray, named: bool
 
 
 @public
-def curve_figure(dataset: xarray.Dataset, name: str | None = None, *, ax: Axes | None = None) -> Figure:
-    """Draw a column against one parameter: numbers as a curve, words as levels; arguments as for `swept_figure`.
+def curve_figure(
+    dataset: xarray.Dataset, name: str | None = None, *, ax: Axes | None = None
+) -> Figure:
+    """Draw a column against one parameter: numbers as a curve, words as levels.
+
+    Arguments as for `swept_figure`.
 
     Examples
     --------
@@ -179,14 +235,21 @@ def curve_figure(dataset: xarray.Dataset, name: str | None = None, *, ax: Axes |
     column = read_column(dataset, name)
     (axis,) = read_axes(column, 1, "a curve")
     column = column.sortby(axis)
-    values, shown = column[axis].values, column.values
+    shown = column.values
+    values = column[axis].values
     with axes_for(ax, (5.0, 3.4)) as (drawing, (axes,)):
         if shown.dtype.kind in "UO":
             words, levels = np.unique(shown.astype(str), return_inverse=True)
             axes.plot(values, levels, linestyle="none", marker="o", ms=2.5, color="black")
             axes.set_yticks(range(len(words)), [typeset(word) for word in words])
         else:
-            axes.plot(values, shown, color="black", lw=0.8, drawstyle="steps-mid" if shown.dtype.kind in "iu" else None)
+            axes.plot(
+                values,
+                shown,
+                color="black",
+                lw=0.8,
+                drawstyle="steps-mid" if shown.dtype.kind in "iu" else None,
+            )
         axes.set(xlabel=label(axis), ylabel=label(str(column.name)), xlim=values[[0, -1]])
     return drawing
 
@@ -200,7 +263,8 @@ def _scatter(axes: Axes, x: np.ndarray, y: np.ndarray) -> None:
 # -- frequency responses ----------------------------------------------------------------------------------------------
 
 BALANCE_COLOR = "#d55e00"
-#: Styles of the columns of a frequency response, and their labels; others are black lines without a label.
+#: Styles of the columns of a frequency response, and their labels; others are black lines without a
+#: label.
 RESPONSE_STYLES: dict[str, Record] = {
     "amplitude": {"label": "exact"},
     "balance": {"color": BALANCE_COLOR, "ls": (0, (4, 2)), "label": "harmonic balance"},
@@ -208,7 +272,8 @@ RESPONSE_STYLES: dict[str, Record] = {
     "friction": {"color": "#cc79a7", "ls": (0, (1, 1)), "label": "in friction"},
     "balance_error": {"color": BALANCE_COLOR},
 }
-#: The columns of each panel of a frequency response, the label of its axis, and the height of a thin line across.
+#: The columns of each panel of a frequency response, the label of its axis, and the height of a
+#: thin line across.
 RESPONSE_PANELS: dict[str, tuple[tuple[str, ...], str, float | None]] = {
     "a": (("amplitude", "balance"), "amplitude", None),
     "b": (("transmissibility",), "transmissibility", 1),
@@ -222,15 +287,20 @@ HIGHEST = 4.0
 
 
 @public
-def response_figure(found: FrequencyResponse, panels: str | None = None, *, ax: Axes | None = None) -> Figure:
-    """Draw a frequency response; the words stand above the first panel, and lines mark where they change.
+def response_figure(
+    found: FrequencyResponse, panels: str | None = None, *, ax: Axes | None = None
+) -> Figure:
+    """Draw a frequency response.
+
+    The words stand above the first panel, and lines mark where they change.
 
     Parameters
     ----------
     found : FrequencyResponse
     panels, ax : optional
-        As for `symosc.plot.figure`. The panels are a amplitude, with that of harmonic balance, b transmissibility, c
-        phase, d energies per cycle, e share of the time stuck, f error of harmonic balance. Default: all, with `ax` a.
+        As for `symosc.plot.figure`. The panels are a amplitude, with that of harmonic balance, b
+        transmissibility, c phase, d energies per cycle, e share of the time stuck, f error of
+        harmonic balance. Default: all, with `ax` a.
 
     Examples
     --------
@@ -240,7 +310,9 @@ def response_figure(found: FrequencyResponse, panels: str | None = None, *, ax: 
     ['amplitude', 'phase behind the excitation']
     """
     order = np.argsort(found.values)
-    words = np.where(found.status == "rest", "rest", [_cyclic_word(word) or " " for word in found.word])[order]
+    words = np.where(
+        found.status == "rest", "rest", [_cyclic_word(word) or " " for word in found.word]
+    )[order]
     how: Record = {"more": 0.5, "columns": 2, "letter_at": -0.12}
     draw = {letter: partial(_response_panel, letter=letter) for letter in RESPONSE_PANELS}
     with panels_for(found, draw, panels, ax, (3.5, 2.1), **how) as (drawing, row):
@@ -260,7 +332,9 @@ def _response_panel(axes: Axes, found: FrequencyResponse, letter: str) -> None:
     shift = {"phase": 2 * pi * (found.phase < -pi / 2)}  # phases from -pi/2 to 3 pi/2
     for name in names:
         column = getattr(found, name)[order] + shift.get(name, np.zeros(len(order)))[order]
-        column = np.where(np.isfinite(column), column, np.nan) * (100 if name == "balance_error" else 1)
+        column = np.where(np.isfinite(column), column, np.nan) * (
+            100 if name == "balance_error" else 1
+        )
         style: Record = {"color": "black", "lw": 1.2} | RESPONSE_STYLES.get(name, {})
         axes.plot(found.values[order], column, **style)
     if level is not None:
@@ -271,15 +345,23 @@ def _response_panel(axes: Axes, found: FrequencyResponse, letter: str) -> None:
         axes.set_yticks([0, pi / 2, pi], ["0", r"$\pi/2$", r"$\pi$"])
     elif letter == "e":
         axes.set_ylim(-0.02, 1.02)
-    elif letter in "abd" and len(known):  # from 0, without a resonance that would make all else look flat
-        top = min(float(known.max()), HIGHEST * float(np.quantile(known, 0.8))) or float(known.max()) or 1.0
+    elif letter in "abd" and len(
+        known
+    ):  # from 0, without a resonance that would make all else look flat
+        top = (
+            min(float(known.max()), HIGHEST * float(np.quantile(known, 0.8)))
+            or float(known.max())
+            or 1.0
+        )
         axes.set_ylim(0, 1.08 * top)
 
 
 def _cyclic_word(word: str) -> str:
     """Return the same word for all words of one cycle of mappings, whichever mapping they begin with."""
     letters = word.removeprefix("P")
-    return "P" + max(letters[i:] + letters[:i] for i in range(len(letters))) if letters else ""
+    if letters:
+        return "P" + max(letters[i:] + letters[:i] for i in range(len(letters)))
+    return ""
 
 
 # -- sweeps over two axes ----------------------------------------------------------------------------------------------
@@ -290,11 +372,14 @@ Look = tuple[str, Any, str]
 
 
 @public
-def map_figure(dataset: xarray.Dataset, name: str | None = None, *, ax: Axes | None = None) -> Figure:
+def map_figure(
+    dataset: xarray.Dataset, name: str | None = None, *, ax: Axes | None = None
+) -> Figure:
     """Draw a map over two axes, the first one across; arguments as for `swept_figure`.
 
-    Words and whole numbers are classes with borders and a legend; of many words the rarest are one class. Other numbers
-    are shades with lines of equal value. Cells that could not be decided are a class of their own.
+    Words and whole numbers are classes with borders and a legend; of many words the rarest are one
+    class. Other numbers are shades with lines of equal value. Cells that could not be decided are a
+    class of their own.
 
     Examples
     --------
@@ -307,27 +392,50 @@ def map_figure(dataset: xarray.Dataset, name: str | None = None, *, ax: Axes | N
 
 
 def _map(dataset: xarray.Dataset, column: Any, ax: Axes | None) -> Figure:
-    """Draw a column as a map over its two swept axes, with the belts if the vertical axis is v0; return the figure."""
+    """Draw a column as a map over its two swept axes, with the belts if the vertical axis is v0.
+
+    Return the figure.
+    """
     first, second = over = read_axes(column, 2, "a map")
     column = column.sortby(over).transpose(*over)
     unknown = read_column(dataset, "status").sortby(over).transpose(*over).values == "undecidable"
     values = column.values
     edges = _cell_edges(column[first].values), _cell_edges(column[second].values)
     with axes_for(ax, (5.2, 3.8)) as (drawing, (axes,)):
-        if values.dtype.kind in "UO" or (values.dtype.kind in "iu" and len(np.unique(values)) <= 24):
+        if values.dtype.kind in "UO" or (
+            values.dtype.kind in "iu" and len(np.unique(values)) <= 24
+        ):
             _draw_classes(axes, edges, *classes_of(values, unknown), new=ax is None)
         else:
-            _draw_shades(axes, edges, np.where(unknown, np.nan, values.astype(float)), label(str(column.name)))
-        axes.set(xlabel=label(first), ylabel=label(second), xlim=edges[0][[0, -1]], ylim=edges[1][[0, -1]])
+            _draw_shades(
+                axes,
+                edges,
+                np.where(unknown, np.nan, values.astype(float)),
+                label(str(column.name)),
+            )
+        axes.set(
+            xlabel=label(first),
+            ylabel=label(second),
+            xlim=edges[0][[0, -1]],
+            ylim=edges[1][[0, -1]],
+        )
         scene = loads(dataset.attrs.get("scene", "{}"))
         if second == "v0":
-            draw_belts(axes, [Fraction(scene[name]) for name in ("v1", "v2") if name in scene], *axes.get_ylim())
+            draw_belts(
+                axes,
+                [Fraction(scene[name]) for name in ("v1", "v2") if name in scene],
+                *axes.get_ylim(),
+            )
     return drawing
 
 
 @public
-def basin_figure(dataset: xarray.Dataset, name: str | None = None, *, ax: Axes | None = None) -> Figure:
-    """Draw where starts in the phase plane lead: a map over x0 and v0 with the belts; arguments as for `swept_figure`.
+def basin_figure(
+    dataset: xarray.Dataset, name: str | None = None, *, ax: Axes | None = None
+) -> Figure:
+    """Draw where starts in the phase plane lead: a map over x0 and v0 with the belts.
+
+    Arguments as for `swept_figure`.
 
     Examples
     --------
@@ -338,20 +446,29 @@ def basin_figure(dataset: xarray.Dataset, name: str | None = None, *, ax: Axes |
     """
     column = read_column(dataset, name)
     if set(read_axes(column, 2, "a basin")) != {"x0", "v0"}:
-        raise ParameterError("dataset", "axes " + ", ".join(map(str, column.dims)), "a basin has the axes x0 and v0")
+        raise ParameterError(
+            "dataset", "axes " + ", ".join(map(str, column.dims)), "a basin has the axes x0 and v0"
+        )
     return _map(dataset, column.transpose("x0", "v0"), ax)
 
 
 def classes_of(values: np.ndarray, undecidable: np.ndarray) -> tuple[np.ndarray, list[Look]]:
     """Return for each cell the number of its class, and for each class its name, colour and hatching."""
     words = values.dtype.kind in "UO"
-    texts = np.where(values == "", "no event", values).astype(str) if words else values
+    if words:
+        texts = np.where(values == "", "no event", values).astype(str)
+    else:
+        texts = values
     kinds, codes, counts = np.unique(texts, return_inverse=True, return_counts=True)
     codes = codes.reshape(values.shape)
     if words:
         order = np.argsort(-counts, kind="stable")
-        codes, kinds = np.argsort(order, kind="stable")[codes], kinds[order]
-    shown = MOST_CLASSES - 1 if len(kinds) > MOST_CLASSES else len(kinds)
+        codes = np.argsort(order, kind="stable")[codes]
+        kinds = kinds[order]
+    if len(kinds) > MOST_CLASSES:
+        shown = MOST_CLASSES - 1
+    else:
+        shown = len(kinds)
     shades: Any = colormaps[SHADES](np.linspace(0.02, 0.92, max(shown, 2)))
     if words:
         spread = np.linspace(0, len(WORD_COLORS) - 1, max(shown, 2)).round().astype(int)
@@ -366,8 +483,13 @@ def classes_of(values: np.ndarray, undecidable: np.ndarray) -> tuple[np.ndarray,
     return codes, looks
 
 
-def _draw_classes(axes: Axes, edges: tuple[np.ndarray, np.ndarray], codes: Any, looks: list[Look], new: bool) -> None:
-    """Draw cells between `edges` by the `looks` of their classes `codes`, with a legend: beside all axes if `new`."""
+def _draw_classes(
+    axes: Axes, edges: tuple[np.ndarray, np.ndarray], codes: Any, looks: list[Look], new: bool
+) -> None:
+    """Draw cells between `edges` by the `looks` of their classes `codes`, with a legend.
+
+    Beside all axes if `new`.
+    """
     x, y = edges
     colors = ListedColormap([color for _, color, _ in looks])
     axes.pcolormesh(x, y, codes.T, cmap=colors, vmin=-0.5, vmax=len(looks) - 0.5, rasterized=True)
@@ -376,39 +498,73 @@ def _draw_classes(axes: Axes, edges: tuple[np.ndarray, np.ndarray], codes: Any, 
         inside = codes == number
         if hatch:
             sides = ((0, 0), (1, 0), (1, 1), (0, 1))
-            cells = [[(x[i + right], y[j + up]) for right, up in sides] for i, j in np.argwhere(inside)]
-            style: Record = {"facecolors": "none", "edgecolors": "black", "hatch": hatch, "linewidths": 0}
+            cells = [
+                [(x[i + right], y[j + up]) for right, up in sides] for i, j in np.argwhere(inside)
+            ]
+            style: Record = {
+                "facecolors": "none",
+                "edgecolors": "black",
+                "hatch": hatch,
+                "linewidths": 0,
+            }
             axes.add_collection(PolyCollection(cells, **style))
         else:
             _label_class(axes, edges, inside, name, color)
     frame: Record = {"edgecolor": "black", "linewidth": 0.5}
-    handles = [Patch(facecolor=color, hatch=hatch, label=typeset(name), **frame) for name, color, hatch in looks]
-    place: Record = {"loc": "outside right upper"} if new else {"loc": "upper left", "bbox_to_anchor": (1, 1)}
-    draw = axes.figure.legend if new else axes.legend
+    handles = [
+        Patch(facecolor=color, hatch=hatch, label=typeset(name), **frame)
+        for name, color, hatch in looks
+    ]
+    if new:
+        place: Record = {"loc": "outside right upper"}
+    else:
+        place = {"loc": "upper left", "bbox_to_anchor": (1, 1)}
+    if new:
+        draw = axes.figure.legend
+    else:
+        draw = axes.legend
     draw(handles=handles, frameon=False, handlelength=1.4, handleheight=1.0, **place)
 
 
 def _label_class(axes: Axes, edges: Any, inside: np.ndarray, name: str, color: Any) -> None:
     """Write the name of a class at the point deepest within its cells, where `inside` is true, if there is room."""
-    from scipy.ndimage import distance_transform_edt  # takes longer to load than most figures to draw
+    from scipy.ndimage import (
+        distance_transform_edt,
+    )  # takes longer to load than most figures to draw
 
-    depth = distance_transform_edt(np.pad(inside, 1), sampling=[1 / length for length in inside.shape])[1:-1, 1:-1]
+    depth = distance_transform_edt(
+        np.pad(inside, 1), sampling=[1 / length for length in inside.shape]
+    )[1:-1, 1:-1]
     cell = np.unravel_index(np.argmax(depth), depth.shape)
     if depth[cell] > 0.045:  # so much of the map is free around the place
         x, y = ((edge[k] + edge[k + 1]) / 2 for edge, k in zip(edges, cell, strict=True))
         red, green, blue = color[:3]
-        ink = "white" if 0.299 * red + 0.587 * green + 0.114 * blue < 0.45 else "black"  # by the lightness in grey
+        # by the lightness in grey
+        if 0.299 * red + 0.587 * green + 0.114 * blue < 0.45:
+            ink = "white"
+        else:
+            ink = "black"
         axes.text(x, y, typeset(name), ha="center", va="center", color=ink, fontsize=8)
 
 
 def borders(x: np.ndarray, y: np.ndarray, codes: np.ndarray) -> list[list[tuple[float, float]]]:
-    """Return the lines between cells of different classes: `codes` numbers the classes, `x` and `y` are cell edges."""
-    upright = [[(x[i + 1], y[j]), (x[i + 1], y[j + 1])] for i, j in np.argwhere(codes[1:] != codes[:-1])]
-    level = [[(x[i], y[j + 1]), (x[i + 1], y[j + 1])] for i, j in np.argwhere(codes[:, 1:] != codes[:, :-1])]
+    """Return the lines between cells of different classes.
+
+    `codes` numbers the classes, `x` and `y` are cell edges.
+    """
+    upright = [
+        [(x[i + 1], y[j]), (x[i + 1], y[j + 1])] for i, j in np.argwhere(codes[1:] != codes[:-1])
+    ]
+    level = [
+        [(x[i], y[j + 1]), (x[i + 1], y[j + 1])]
+        for i, j in np.argwhere(codes[:, 1:] != codes[:, :-1])
+    ]
     return upright + level
 
 
-def _draw_shades(axes: Axes, edges: tuple[np.ndarray, np.ndarray], values: np.ndarray, name: str) -> None:
+def _draw_shades(
+    axes: Axes, edges: tuple[np.ndarray, np.ndarray], values: np.ndarray, name: str
+) -> None:
     """Draw a map of numbers as shades, with lines of equal value and a colour bar."""
     shown = np.ma.masked_invalid(values).T
     axes.set_facecolor(UNDECIDED_COLOR)
@@ -421,7 +577,10 @@ def _draw_shades(axes: Axes, edges: tuple[np.ndarray, np.ndarray], values: np.nd
 
 
 def _cell_edges(values: np.ndarray) -> np.ndarray:
-    """Return the edges of cells around increasing values: the middles between them, and one edge at each end."""
+    """Return the edges of cells around increasing values.
+
+    The middles between them, and one edge at each end.
+    """
     middles = (values[1:] + values[:-1]) / 2
     return np.concatenate([[2 * values[0] - middles[0]], middles, [2 * values[-1] - middles[-1]]])
 
@@ -431,7 +590,9 @@ def _cell_edges(values: np.ndarray) -> np.ndarray:
 
 @public
 def events_figure(events: EventTable, *, ax: Axes | None = None) -> Figure:
-    """Draw the events that `symosc.simulate_many` returns: time across, one line of marks for each motion.
+    """Draw the events that `symosc.simulate_many` returns.
+
+    Time across, one line of marks for each motion.
 
     Examples
     --------
@@ -447,7 +608,12 @@ def events_figure(events: EventTable, *, ax: Axes | None = None) -> Figure:
             shape, size = SHAPES[name]
             here = events.kind_code == code
             if here.any():
-                style: Record = {"ls": "", "ms": max(size * scale, 0.6), "color": color, "label": name}
+                style: Record = {
+                    "ls": "",
+                    "ms": max(size * scale, 0.6),
+                    "color": color,
+                    "label": name,
+                }
                 axes.plot(events.t[here], events.trajectory[here], shape, **style)
         axes.set(xlabel="time $t$", ylabel="motion", ylim=(-0.5, max(len(events.status), 1) - 0.5))
         axes.yaxis.set_major_locator(MaxNLocator(integer=True))
@@ -467,9 +633,9 @@ def summary_figure(summary: Summary, name: str | None = None, *, ax: Axes | None
     summary : Summary
         What ``simulate_many(…, record="summary")`` returns.
     name : str, optional
-        The column to draw. "section": the points in the phase plane. A column of text or whole numbers: how often each
-        value occurs. Any other column: a histogram of its values. Default: "word" if it was recorded, else "section",
-        else the first column.
+        The column to draw. "section": the points in the phase plane. A column of text or whole
+        numbers: how often each value occurs. Any other column: a histogram of its values. Default:
+        "word" if it was recorded, else "section", else the first column.
 
     Examples
     --------
@@ -483,14 +649,22 @@ def summary_figure(summary: Summary, name: str | None = None, *, ax: Axes | None
     if name is None:
         name = next((each for each in ("word", "section", *columns) if each in columns), "word")
     if name not in columns:
-        raise ParameterError("name", name, f"is not recorded here; there is {', '.join(columns) or 'nothing'}")
+        raise ParameterError(
+            "name", name, f"is not recorded here; there is {', '.join(columns) or 'nothing'}"
+        )
     values = columns[name]
     with axes_for(ax, (4.6, 3.4)) as (drawing, (axes,)):
         if name == "section":
             _scatter(axes, *values.reshape(-1, 2).T)
             axes.set(xlabel=COMPONENT_LABELS["x"], ylabel=COMPONENT_LABELS["v"])
         elif values.dtype.kind == "f":
-            axes.hist(values[np.isfinite(values)], bins="auto", color="0.6", edgecolor="black", linewidth=0.5)
+            axes.hist(
+                values[np.isfinite(values)],
+                bins="auto",
+                color="0.6",
+                edgecolor="black",
+                linewidth=0.5,
+            )
             axes.set(xlabel=label(name), ylabel="motions")
         else:
             _bars(axes, values, name)
@@ -505,7 +679,8 @@ def _bars(axes: Axes, values: np.ndarray, name: str) -> None:
     sizes = counts[order].tolist()
     if len(names) > 12:
         rest = len(names) - 12 + 1
-        names, sizes = [*names[:-rest], f"{rest} others"], [*sizes[:-rest], sum(sizes[-rest:])]
+        names = [*names[:-rest], f"{rest} others"]
+        sizes = [*sizes[:-rest], sum(sizes[-rest:])]
     bars = axes.barh(range(len(names)), sizes, color="0.8", edgecolor="black", linewidth=0.5)
     axes.bar_label(bars, padding=2)
     axes.set_yticks(range(len(names)), names)
@@ -517,7 +692,8 @@ def _bars(axes: Axes, values: np.ndarray, name: str) -> None:
 
 # -- atlases -----------------------------------------------------------------------------------------------------------
 
-#: Colours that differ in grey too, light enough for black lines on them; the last one is for all further words.
+#: Colours that differ in grey too, light enough for black lines on them; the last one is for all
+#: further words.
 ATLAS_COLORS = (*WORD_COLORS[:6], "#e0e0e0")
 
 
@@ -538,27 +714,49 @@ def atlas_figure(atlas: Atlas, *, ax: Axes | None = None) -> Figure:
     with axes_for(ax, (5.2, 3.8)) as (drawing, (axes,)):
         for word, colour in colours.items():
             boxes = [corners(box.range) for box in atlas.boxes if box.word == word]
-            axes.add_collection(PolyCollection(boxes, facecolors=colour, edgecolors=colour, linewidths=0.2))
-            name = "other words" if colour == ATLAS_COLORS[-1] else typeset(word)
+            axes.add_collection(
+                PolyCollection(boxes, facecolors=colour, edgecolors=colour, linewidths=0.2)
+            )
+            if colour == ATLAS_COLORS[-1]:
+                name = "other words"
+            else:
+                name = typeset(word)
             entries[name] = Patch(facecolor=colour, edgecolor="0.4", linewidth=0.4)
         if atlas.open:
             hatched: Record = {"facecolor": "white", "edgecolor": "0.6", "hatch": "//////"}
-            axes.add_collection(PolyCollection([corners(box) for box in atlas.open], linewidths=0, **hatched))
+            axes.add_collection(
+                PolyCollection([corners(box) for box in atlas.open], linewidths=0, **hatched)
+            )
             entries["not proven"] = Patch(linewidth=0.4, **hatched)
         for word, colour in () if atlas.boxes else colours.items():
             places = np.array([(x, y) for x, y, seen in atlas.grid if seen == word])
             if len(places):
-                axes.plot(*places.T, "s", color=colour, markeredgecolor="0.4", markeredgewidth=0.3, markersize=5)
+                axes.plot(
+                    *places.T,
+                    "s",
+                    color=colour,
+                    markeredgecolor="0.4",
+                    markeredgewidth=0.3,
+                    markersize=5,
+                )
         for border in atlas.borders:
             line = BORDER_STYLES.get(border.sliding, {"linestyle": (0, (1, 3))})["linestyle"]
             (drawn,) = axes.plot(*border.points.T, linestyle=line, color="black", linewidth=0.9)
             entries.setdefault(border.sliding or border.kind, drawn)
         for i, point in enumerate(atlas.special, 1):
             axes.plot(*point.values, "o", color="black", markersize=3)
-            name = "fold" if point.kind == "fold" else f"C{i}"
+            if point.kind == "fold":
+                name = "fold"
+            else:
+                name = f"C{i}"
             axes.annotate(name, point.values, xytext=(3, 3), textcoords="offset points", fontsize=7)
         xlim, ylim = ([float(end) for end in side] for side in atlas.range)
-        axes.set(xlabel=PARAMETER_LABELS[atlas.over[0]], ylabel=PARAMETER_LABELS[atlas.over[1]], xlim=xlim, ylim=ylim)
+        axes.set(
+            xlabel=PARAMETER_LABELS[atlas.over[0]],
+            ylabel=PARAMETER_LABELS[atlas.over[1]],
+            xlim=xlim,
+            ylim=ylim,
+        )
         add_legend(drawing, ax, entries, 3)
     return drawing
 

@@ -26,13 +26,24 @@ from symosc.kernels.double_double import HALF_PI, THREE_HALVES_PI
 from symosc.mappings.theorem7_cases import ALL_BUT_ONE, ARC, EMPTY, EVERYTHING, WRAPPED_ARC, place
 from symosc.model import Parameters
 from symosc.plot import drawing as common
-from symosc.plot.drawing import PARAMETER_LABELS, add_legend, axes_for, legend_entries, panels_for, read_panels, typeset
+from symosc.plot.drawing import (
+    PARAMETER_LABELS,
+    add_legend,
+    axes_for,
+    legend_entries,
+    panels_for,
+    read_panels,
+    typeset,
+)
 from symosc.scenes import ParametersLike
 
 if TYPE_CHECKING:
     from symosc.symbolic.inverse import ParameterRegion
 
-INSIDE_COLOR, SHADE_COLOR, OUTSIDE_COLOR, CRITICAL_COLOR = "#1f3fd6", "#cfd6f6", "0.72", "#d7191c"
+INSIDE_COLOR = "#1f3fd6"
+SHADE_COLOR = "#cfd6f6"
+OUTSIDE_COLOR = "0.72"
+CRITICAL_COLOR = "#d7191c"
 START_COLOR = "#d7191c"
 SOLID: Any = "solid"
 DASHES: Any = (0, (4, 2))
@@ -54,9 +65,9 @@ def window_figure(
 ) -> Figure:
     """Draw windows, one row each.
 
-    Left: the circle of phases with the window, its ends and Theta_cr. The horizontal line is sin theta =
-    -k v_lambda/(B0 Omega); the window is above it (P2, P5 with B0 > 0) or below it. Right: the place x_m(theta) of the
-    contact, over the window and (thin) over the other phases.
+    Left: the circle of phases with the window, its ends and Theta_cr. The horizontal line is sin
+    theta = -k v_lambda/(B0 Omega); the window is above it (P2, P5 with B0 > 0) or below it. Right:
+    the place x_m(theta) of the contact, over the window and (thin) over the other phases.
 
     Parameters
     ----------
@@ -64,7 +75,8 @@ def window_figure(
     plane : callable, optional
         Draws the grazing curve of a window on the switching plane, into axes of a third column.
     panels, ax : optional
-        As for `symosc.plot.figure`. The panels are a circle, b contacts. Default: both, with `ax` a.
+        As for `symosc.plot.figure`. The panels are a circle, b contacts. Default: both, with `ax`
+        a.
 
     Examples
     --------
@@ -74,19 +86,26 @@ def window_figure(
     >>> len(drawing.axes)
     4
     """
-    chosen = [windows] if isinstance(windows, GrazingWindow) else list(windows)
+    if isinstance(windows, GrazingWindow):
+        chosen = [windows]
+    else:
+        chosen = list(windows)
     if not chosen:
         raise ParameterError("windows", windows, "must be at least one")
     draw = {"a": _circle, "b": _contacts}
     panels = read_panels(panels, draw, ax)
     if ax is not None:
         if len(chosen) > 1:
-            raise ParameterError("windows", f"{len(chosen)} windows", "axes hold one window: give ax= with one")
+            raise ParameterError(
+                "windows", f"{len(chosen)} windows", "axes hold one window: give ax= with one"
+            )
         draw[panels](ax, chosen[0])
         return common.figure_of(ax)
     columns = [draw[letter] for letter in panels] + ([] if plane is None else [plane])
     with common.own_style():
-        drawing = common.Drawing(figsize=(1.2 + 2.9 * len(columns), 2.5 * len(chosen) + 0.2), layout="constrained")
+        drawing = common.Drawing(
+            figsize=(1.2 + 2.9 * len(columns), 2.5 * len(chosen) + 0.2), layout="constrained"
+        )
         widths = [1.0 if column is _circle else 1.5 for column in columns]
         grid = drawing.subplots(len(chosen), len(columns), squeeze=False, width_ratios=widths)
         for row, window in zip(grid, chosen, strict=True):
@@ -111,20 +130,38 @@ def _circle(axes: Axes, window: GrazingWindow) -> None:
         draw_dot(axes, cos(theta), sin(theta), belongs)
     if critical:
         level = sin(critical[0][0])
-        axes.plot([-1.15, 1.15], [level, level], color=CRITICAL_COLOR, linewidth=0.7, linestyle=(0, (4, 3)), zorder=1)
+        axes.plot(
+            [-1.15, 1.15],
+            [level, level],
+            color=CRITICAL_COLOR,
+            linewidth=0.7,
+            linestyle=(0, (4, 3)),
+            zorder=1,
+        )
     for (theta, _), name in zip(critical, (r"$\Theta^{cr}$", r"$\pi-\Theta^{cr}$"), strict=False):
-        beyond = 1.28 if abs(cos(theta)) < 0.5 else 1.22
-        side = "left" if cos(theta) > 0.1 else "right" if cos(theta) < -0.1 else "center"
+        if abs(cos(theta)) < 0.5:
+            beyond = 1.28
+        else:
+            beyond = 1.22
+        if cos(theta) > 0.1:
+            side = "left"
+        elif cos(theta) < -0.1:
+            side = "right"
+        else:
+            side = "center"
         style: Record = {"color": CRITICAL_COLOR, "ha": side, "va": "center", "fontsize": 8}
         axes.text(beyond * cos(theta), beyond * sin(theta), name, **style)
     for quarter, side in enumerate(("left", "center", "right", "center")):
-        x, y = cos(quarter * pi / 2), sin(quarter * pi / 2)
+        x = cos(quarter * pi / 2)
+        y = sin(quarter * pi / 2)
         axes.plot([0.94 * x, x], [0.94 * y, y], color="black", linewidth=0.6)
         if all(cos(quarter * pi / 2 - other) < 0.95 for other, _ in critical):
             axes.text(1.12 * x, 1.2 * y, PHASE_TICKS[quarter], ha=side, va="center", fontsize=7)
     axes.set(xlim=(-1.9, 1.9), ylim=(-1.5, 1.5), aspect="equal")
     axes.set_axis_off()
-    axes.set_title(f"{typeset(window.mapping)}: case {window.case}, {window.order} order", fontsize=8)
+    axes.set_title(
+        f"{typeset(window.mapping)}: case {window.case}, {window.order} order", fontsize=8
+    )
 
 
 def critical_phases(window: GrazingWindow) -> list[tuple[float, bool]]:
@@ -133,34 +170,55 @@ def critical_phases(window: GrazingWindow) -> list[tuple[float, bool]]:
     if amplitude_sign == 0 or excess_sign > 0:
         return []
     if excess_sign == 0:
-        return [(HALF_PI[0] if gamma_sign * amplitude_sign < 0 else THREE_HALVES_PI, window.kind == EVERYTHING)]
+        return [
+            (
+                HALF_PI[0] if gamma_sign * amplitude_sign < 0 else THREE_HALVES_PI,
+                window.kind == EVERYTHING,
+            )
+        ]
     theta_cr = float(window.critical_phase())
     return [(theta_cr % TURN, False), (pi - theta_cr, False)]
 
 
 def draw_dot(axes: Axes, x: float, y: float, belongs: bool, label: str | None = None) -> None:
     """Draw a dot at (x, y): a full one if this point belongs to a window, else an open one."""
-    style: Record = {"color": INSIDE_COLOR, "markerfacecolor": INSIDE_COLOR if belongs else "white", "markersize": 4.5}
+    style: Record = {
+        "color": INSIDE_COLOR,
+        "markerfacecolor": INSIDE_COLOR if belongs else "white",
+        "markersize": 4.5,
+    }
     axes.plot([x], [y], "o", zorder=4, clip_on=False, linestyle="none", label=label, **style)
 
 
 def _contacts(axes: Axes, window: GrazingWindow) -> None:
     """Draw the positions of possible grazes, (A_alpha + B0 cos theta - c v_lambda)/k, over the phase theta."""
-    p, where = window.parameters, window.place
+    p = window.parameters
+    where = window.place
     axes.set(xlim=(0, TURN), xlabel=PHASE_LABEL, ylabel="$x_m$")
     axes.set_xticks(np.arange(5) * pi / 2, PHASE_TICKS)
-    axes.set_title(f"domain {where.domain} at $v_{where.boundary} = {show(window.speed)}$", fontsize=8)
+    axes.set_title(
+        f"domain {where.domain} at $v_{where.boundary} = {show(window.speed)}$", fontsize=8
+    )
     if p.k == 0:
         axes.set_yticks([])
-        phase = "$F = 0$ fixes the phase" if window.contact_phases else "no phase of the window has $F = 0$"
-        axes.text(0.5, 0.9, f"$k = 0$: $x_m$ is free, {phase}", transform=axes.transAxes, ha="center")
+        if window.contact_phases:
+            phase = "$F = 0$ fixes the phase"
+        else:
+            phase = "no phase of the window has $F = 0$"
+        axes.text(
+            0.5, 0.9, f"$k = 0$: $x_m$ is free, {phase}", transform=axes.transAxes, ha="center"
+        )
         for low, high, *_ in window.intervals:
             axes.axvspan(low, high, color=SHADE_COLOR, linewidth=0)
         for theta in window.contact_phases:
             axes.axvline(float(theta), color=INSIDE_COLOR, linewidth=1.6)
         return
-    middle, amplitude = float((p.A(where.domain) - p.c * window.speed) / p.k), float(p.B0 / p.k)
-    parts = [(0, TURN, OUTSIDE_COLOR, 0.8), *((low, high, INSIDE_COLOR, 2.0) for low, high, *_ in window.intervals)]
+    middle = float((p.A(where.domain) - p.c * window.speed) / p.k)
+    amplitude = float(p.B0 / p.k)
+    parts = [
+        (0, TURN, OUTSIDE_COLOR, 0.8),
+        *((low, high, INSIDE_COLOR, 2.0) for low, high, *_ in window.intervals),
+    ]
     for low, high, color, width in parts:
         phases = np.linspace(low, high, max(2, int(CIRCLE_POINTS * (high - low) / TURN)))
         axes.plot(phases, middle + amplitude * np.cos(phases), color=color, linewidth=width)
@@ -184,7 +242,9 @@ def sweep_figure(
     *,
     ax: Axes | None = None,
 ) -> Figure:
-    """Draw the grazing window of a mapping against one parameter: the phases between Theta_cr and pi - Theta_cr.
+    """Draw the grazing window of a mapping against one parameter.
+
+    The phases between Theta_cr and pi - Theta_cr.
 
     Parameters
     ----------
@@ -195,7 +255,8 @@ def sweep_figure(
     name : {"Omega", "B0", "k", "v1", "v2"}
         A parameter on which the window depends.
     low, high : number, optional
-        Range. Default: from 0 (both signs for B0 and the belts) to twice the larger one of the value and the equality
+        Range. Default: from 0 (both signs for B0 and the belts) to twice the larger one of the
+        value and the equality
         |k v_lambda| = |B0| Omega, as far as Parameters allows.
 
     Examples
@@ -210,24 +271,49 @@ def sweep_figure(
     # Equality and 0, where the window changes its kind, with their neighbours.
     near = (0.0, 1e-9 * (high - low), -1e-9 * (high - low))
     edges = [float(q) + step for q in [*equalities, Fraction(0)] for step in near]
-    values = np.union1d(np.linspace(low, high, 801), [edge for edge in edges if low <= edge <= high])
+    values = np.union1d(
+        np.linspace(low, high, 801), [edge for edge in edges if low <= edge <= high]
+    )
     found = grazing_windows(p, mapping, order, **{name: values})
     with axes_for(ax, (4.6, 3.4)) as (drawing, (axes,)):
-        _window_areas(axes, values, found, place(mapping).side * (values if name == "B0" else float(p.B0)))
+        _window_areas(
+            axes, values, found, place(mapping).side * (values if name == "B0" else float(p.B0))
+        )
         label: str | None = r"$\Theta^{cr}$ and $\pi-\Theta^{cr}$ (excluded)"
         for curve in (found.theta_cr % TURN, pi - found.theta_cr):
             if not np.isnan(curve).all():
-                broken = np.where(np.abs(np.diff(curve, prepend=curve[0])) > 3, np.nan, curve)  # at jumps by a turn
-                axes.plot(values, broken, color=CRITICAL_COLOR, linewidth=1.0, linestyle=DASHES, label=label)
+                broken = np.where(
+                    np.abs(np.diff(curve, prepend=curve[0])) > 3, np.nan, curve
+                )  # at jumps by a turn
+                axes.plot(
+                    values,
+                    broken,
+                    color=CRITICAL_COLOR,
+                    linewidth=1.0,
+                    linestyle=DASHES,
+                    label=label,
+                )
                 label = None
         for q in equalities:
-            for theta, belongs in critical_phases(grazing_window(p.replace(**{name: q}), mapping, order)):
-                draw_dot(axes, float(q), theta, belongs, "belongs to it" if belongs else "does not belong to it")
-        axes.set(xlabel=PARAMETER_LABELS[name], ylabel=PHASE_LABEL, xlim=(low, high), ylim=(0, TURN))
-        value, width = float(getattr(p, name)), high - low
+            for theta, belongs in critical_phases(
+                grazing_window(p.replace(**{name: q}), mapping, order)
+            ):
+                draw_dot(
+                    axes,
+                    float(q),
+                    theta,
+                    belongs,
+                    "belongs to it" if belongs else "does not belong to it",
+                )
+        axes.set(
+            xlabel=PARAMETER_LABELS[name], ylabel=PHASE_LABEL, xlim=(low, high), ylim=(0, TURN)
+        )
+        value = float(getattr(p, name))
+        width = high - low
         if low <= value <= high:  # a line, off the frame
             axes.axvline(value, color="black", linewidth=0.9, linestyle=":", label="given value")
-            near_low, near_high = value - low < 0.02 * width, high - value < 0.02 * width
+            near_low = value - low < 0.02 * width
+            near_high = high - value < 0.02 * width
             axes.set_xlim(low - 0.04 * width * near_low, high + 0.04 * width * near_high)
         axes.set_yticks(np.arange(5) * pi / 2, PHASE_TICKS)
         axes.set_title(f"grazing window of {typeset(mapping)}, {order} order")
@@ -235,12 +321,22 @@ def sweep_figure(
     return drawing
 
 
-def _sweep_range(p: Parameters, mapping: str, name: str, low: Any, high: Any) -> tuple[float, float]:
+def _sweep_range(
+    p: Parameters, mapping: str, name: str, low: Any, high: Any
+) -> tuple[float, float]:
     """Return the range of a parameter to draw, by default one that shows where the window changes its kind."""
     names = ("Omega", "B0", "k", f"v{place(mapping).boundary}")
     if name not in names:
-        raise ParameterError("name", name, f"the window of {mapping} depends on {', '.join(names)} only")
-    reach = 2 * max([abs(float(getattr(p, name))), *(abs(float(q)) for q in _equalities(p, mapping, name))]) or 1.0
+        raise ParameterError(
+            "name", name, f"the window of {mapping} depends on {', '.join(names)} only"
+        )
+    reach = (
+        2
+        * max(
+            [abs(float(getattr(p, name))), *(abs(float(q)) for q in _equalities(p, mapping, name))]
+        )
+        or 1.0
+    )
     least, most = {
         "Omega": (reach / 400, reach),
         "k": (0.0, reach),
@@ -248,13 +344,21 @@ def _sweep_range(p: Parameters, mapping: str, name: str, low: Any, high: Any) ->
         "v1": (min(-reach, float(p.v2) - reach), min(reach, float(p.v2))),
         "v2": (max(-reach, float(p.v1)), max(reach, float(p.v1) + reach)),
     }[name]
-    first = least if low is None else float(read_exact(name, low))
-    last = most if high is None else float(read_exact(name, high))
+    if low is None:
+        first = least
+    else:
+        first = float(read_exact(name, low))
+    if high is None:
+        last = most
+    else:
+        last = float(read_exact(name, high))
     shift = 1e-9 * (last - first)  # the belts may not have one speed
     last -= shift * (name == "v1" and last == float(p.v2))
     first += shift * (name == "v2" and first == float(p.v1))
     if not first < last:
-        raise ParameterError(name, [first, last], "the range must go from a lower to a higher value")
+        raise ParameterError(
+            name, [first, last], "the range must go from a lower to a higher value"
+        )
     for end in (first, last):
         p.replace(**{name: end})
     return first, last
@@ -263,30 +367,46 @@ def _sweep_range(p: Parameters, mapping: str, name: str, low: Any, high: Any) ->
 def _equalities(p: Parameters, mapping: str, name: str) -> list[Fraction]:
     """Return the values of a parameter at which |k v_lambda| = |B0| Omega."""
     speed = p.belt(place(mapping).boundary)
-    level, size = abs(p.k * speed), abs(p.B0 * p.Omega)
+    level = abs(p.k * speed)
+    size = abs(p.B0 * p.Omega)
     ratios = {"Omega": (level, abs(p.B0)), "B0": (level, p.Omega), "k": (size, abs(speed))}
     product, factor = ratios.get(name, (size, p.k))
-    signs = (1,) if name in ("Omega", "k") else (1, -1)
-    return [sign * product / factor for sign in signs] if product and factor else []
+    if name in ("Omega", "k"):
+        signs: tuple[int, ...] = (1,)
+    else:
+        signs = (1, -1)
+    if product and factor:
+        return [sign * product / factor for sign in signs]
+    return []
 
 
 def _window_areas(axes: Axes, values: np.ndarray, found: WindowColumns, above: Any) -> None:
     """Shade the grazing window `found`, between its lower and upper phases, over the values of a parameter.
 
-    `above` is positive where the window is above the line of its critical phases. A window that is the full circle
-    begins and ends at 3 pi/2 where `above` > 0, and at pi/2 elsewhere.
+    `above` is positive where the window is above the line of its critical phases. A window that is
+    the full circle begins and ends at 3 pi/2 where `above` > 0, and at pi/2 elsewhere.
     """
     if np.all(found.kind == EMPTY):
         axes.text(0.5, 0.5, "the window is empty", transform=axes.transAxes, ha="center")
     everything = np.isin(found.kind, (EVERYTHING, ALL_BUT_ONE))
-    # Everything is a wrapped arc whose ends meet: shaded as one with the wrapped arcs beside it, without a seam.
+    # Everything is a wrapped arc whose ends meet: shaded as one with the wrapped arcs beside it,
+    # without a seam.
     last = np.where(np.asarray(above) > 0, THREE_HALVES_PI, HALF_PI[0])
-    low, high = np.where(everything, last, found.low), np.where(everything, last, found.high)
+    low = np.where(everything, last, found.low)
+    high = np.where(everything, last, found.high)
     wrapped = everything | (found.kind == WRAPPED_ARC)
-    floor, ceiling, label = np.zeros_like(values), np.full_like(values, TURN), "window"
-    for where, lower, upper in ((wrapped, floor, high), (wrapped, low, ceiling), (found.kind == ARC, low, high)):
+    floor = np.zeros_like(values)
+    ceiling = np.full_like(values, TURN)
+    label = "window"
+    for where, lower, upper in (
+        (wrapped, floor, high),
+        (wrapped, low, ceiling),
+        (found.kind == ARC, low, high),
+    ):
         if where.any():
-            axes.fill_between(values, lower, upper, where=where, color=SHADE_COLOR, linewidth=0.4, label=label)
+            axes.fill_between(
+                values, lower, upper, where=where, color=SHADE_COLOR, linewidth=0.4, label=label
+            )
             label = "_"  # no second entry in the legend
 
 
@@ -309,10 +429,11 @@ def region_figure(
     Parameters
     ----------
     region : ParameterRegion
-        The answer of `symosc.values_containing`, `values_empty` or `values_everything` for two parameters.
+        The answer of `symosc.values_containing`, `values_empty` or `values_everything` for two
+        parameters.
     first, second : pair of numbers, optional
-        Ranges of the two parameters. Default: from 0 to twice the value in the region's parameters, with both signs for
-        B0, v1 and v2.
+        Ranges of the two parameters. Default: from 0 to twice the value in the region's parameters,
+        with both signs for B0, v1 and v2.
 
     Examples
     --------
@@ -323,24 +444,39 @@ def region_figure(
     ['inside', 'border, not inside', 'given values, outside']
     """
     names = region.question.names
-    spans = [_axis_range(region, name, given) for name, given in zip(names, (first, second), strict=True)]
+    spans = [
+        _axis_range(region, name, given) for name, given in zip(names, (first, second), strict=True)
+    ]
     x, y = np.meshgrid(*(np.linspace(*span, 401) for span in spans))
     allowed, inside, closed = (
         _margin(condition, region.letters, x, y, more)
-        for condition, more in ((region.allowed, 0.0), (region.condition, 0.0), (region.condition, 1.0))
+        for condition, more in (
+            (region.allowed, 0.0),
+            (region.condition, 0.0),
+            (region.condition, 1.0),
+        )
     )
     with axes_for(ax, (4.6, 3.9)) as (drawing, (axes,)):
         shown = _region_areas(axes, x, y, inside, allowed)
         shown += _region_borders(axes, x, y, np.where(allowed < 0, np.nan, inside), closed > inside)
         shown += _mark_given(axes, region, spans)
-        axes.set(xlabel=PARAMETER_LABELS[names[0]], ylabel=PARAMETER_LABELS[names[1]], xlim=spans[0], ylim=spans[1])
+        axes.set(
+            xlabel=PARAMETER_LABELS[names[0]],
+            ylabel=PARAMETER_LABELS[names[1]],
+            xlim=spans[0],
+            ylim=spans[1],
+        )
         axes.set_title(f"${region.question.latex()}$")
         add_legend(drawing, ax, {each.get_label(): each for each in shown}, 3)
     return drawing
 
 
-def _margin(condition: Any, letters: tuple[Any, Any], x: np.ndarray, y: np.ndarray, more: float = 0.0) -> np.ndarray:
-    """Return by how much a sympy condition on two symbols holds at points: > 0 where it holds, 0 at its border.
+def _margin(
+    condition: Any, letters: tuple[Any, Any], x: np.ndarray, y: np.ndarray, more: float = 0.0
+) -> np.ndarray:
+    """Return by how much a sympy condition on two symbols holds at points.
+
+    > 0 where it holds, 0 at its border.
 
     `more` is added to the margin of every inequality >= or <=, which also holds at its border.
     """
@@ -356,7 +492,10 @@ def _margin(condition: Any, letters: tuple[Any, Any], x: np.ndarray, y: np.ndarr
 
 
 def _axis_range(region: ParameterRegion, name: str, given: Any) -> tuple[float, float]:
-    """Return the range of an axis: `given`, or one with the parameter's value in it, and both belts for v1 or v2."""
+    """Return the range of an axis.
+
+    `given`, or one with the parameter's value in it, and both belts for v1 or v2.
+    """
     p = region.parameters
     if given is not None:
         low, high = (float(read_exact(name, end)) for end in given)
@@ -364,12 +503,19 @@ def _axis_range(region: ParameterRegion, name: str, given: Any) -> tuple[float, 
             raise ParameterError(name, given, "must go from a lower to a higher value")
         return low, high
     value = abs(float(getattr(p, name)))
-    other = abs(float(p.v2 if name == "v1" else p.v1)) if name in ("v1", "v2") else 0.0
+    if name in ("v1", "v2"):
+        other = abs(float(p.v2 if name == "v1" else p.v1))
+    else:
+        other = 0.0
     reach = 2 * max(value, min(other, 2 * value) if value else other) or 1.0
-    return (0.0, reach) if name in ("k", "Omega") else (-reach, reach)
+    if name in ("k", "Omega"):
+        return (0.0, reach)
+    return (-reach, reach)
 
 
-def _region_areas(axes: Axes, x: np.ndarray, y: np.ndarray, inside: np.ndarray, allowed: np.ndarray) -> list[Any]:
+def _region_areas(
+    axes: Axes, x: np.ndarray, y: np.ndarray, inside: np.ndarray, allowed: np.ndarray
+) -> list[Any]:
     """Shade where `inside` > 0, hatch where `allowed` < 0, at the points (x, y), and return the legend entries."""
     shown = []
     both = np.minimum(inside, allowed)
@@ -378,7 +524,8 @@ def _region_areas(axes: Axes, x: np.ndarray, y: np.ndarray, inside: np.ndarray, 
         axes.text(0.5, 0.5, "nowhere here", transform=axes.transAxes, ha="center", bbox=box)
     for label, values, style in (("inside", both, INSIDE), ("not allowed", -allowed, FORBIDDEN)):
         if (values > 0).any():
-            finite, hatch = np.nan_to_num(values, posinf=1.0, neginf=-1.0), style.get("hatch")
+            finite = np.nan_to_num(values, posinf=1.0, neginf=-1.0)
+            hatch = style.get("hatch")
             filled: Record = {"colors": [style["facecolor"]], "hatches": [hatch], "zorder": 0}
             area = axes.contourf(x, y, finite, [0, np.inf], **filled)
             area.set(edgecolor=style["edgecolor"] if hatch else style["facecolor"], linewidth=0)
@@ -386,52 +533,85 @@ def _region_areas(axes: Axes, x: np.ndarray, y: np.ndarray, inside: np.ndarray, 
     return shown
 
 
-def _region_borders(axes: Axes, x: np.ndarray, y: np.ndarray, inside: np.ndarray, closed: np.ndarray) -> list[Any]:
+def _region_borders(
+    axes: Axes, x: np.ndarray, y: np.ndarray, inside: np.ndarray, closed: np.ndarray
+) -> list[Any]:
     """Draw the border where `inside` is 0, full where `closed`, else broken, and return the legend entries."""
     shown: list[Any] = []
-    for style, hidden, label in ((SOLID, ~closed, "border, inside"), (DASHES, closed, "border, not inside")):
+    for style, hidden, label in (
+        (SOLID, ~closed, "border, inside"),
+        (DASHES, closed, "border, not inside"),
+    ):
         part = np.ma.masked_invalid(np.where(hidden, np.nan, inside))
         if part.count() == 0 or not part.min() <= 0 <= part.max():
             continue
-        lines = axes.contour(x, y, part, [0], colors=[INSIDE_COLOR], linewidths=1.2, linestyles=[style], zorder=2)
-        least = 0.01 * np.array([np.ptp(x), np.ptp(y)])  # a shorter piece is only where two kinds of border meet
+        lines = axes.contour(
+            x, y, part, [0], colors=[INSIDE_COLOR], linewidths=1.2, linestyles=[style], zorder=2
+        )
+        least = 0.01 * np.array(
+            [np.ptp(x), np.ptp(y)]
+        )  # a shorter piece is only where two kinds of border meet
         if any((np.ptp(piece, axis=0) > least).any() for piece in lines.allsegs[0] if len(piece)):
-            shown.append(Line2D([], [], color=INSIDE_COLOR, linewidth=1.2, linestyle=style, label=label))
+            shown.append(
+                Line2D([], [], color=INSIDE_COLOR, linewidth=1.2, linestyle=style, label=label)
+            )
     return shown
 
 
 def _mark_given(axes: Axes, region: ParameterRegion, spans: list[tuple[float, float]]) -> list[Any]:
-    """Mark the point of the given parameter values if it is within the ranges `spans`; return it for the legend."""
+    """Mark the point of the given parameter values if it is within the ranges `spans`.
+
+    Return it for the legend.
+    """
     names = region.question.names
     at = [float(getattr(region.parameters, name)) for name in names]
     if not all(low <= value <= high for value, (low, high) in zip(at, spans, strict=True)):
         return []
     inside = region.contains(**{name: getattr(region.parameters, name) for name in names})
     label = f"given values, {'inside' if inside else 'outside'}"
-    style: Record = {"color": "black", "markerfacecolor": "black" if inside else "white", "markersize": 5, "zorder": 4}
-    return axes.plot(*([value] for value in at), "o", linestyle="none", clip_on=False, label=label, **style)
+    style: Record = {
+        "color": "black",
+        "markerfacecolor": "black" if inside else "white",
+        "markersize": 5,
+        "zorder": 4,
+    }
+    return axes.plot(
+        *([value] for value in at), "o", linestyle="none", clip_on=False, label=label, **style
+    )
 
 
 # -- grazing curves ----------------------------------------------------------------------------------------------------
 
 #: Shapes of the ends inside a window, by how the reason begins; others are diamonds.
 END_SHAPES = {"end of the window": "o", "beyond": "o", "the flow touches": "s"}
-ANGLE_TICKS = {-2: r"$-\pi$", -1: r"$-\pi/2$", 0: "0", 1: r"$\pi/2$", 2: r"$\pi$", 3: r"$3\pi/2$", 4: r"$2\pi$"}
+ANGLE_TICKS = {
+    -2: r"$-\pi$",
+    -1: r"$-\pi/2$",
+    0: "0",
+    1: r"$\pi/2$",
+    2: r"$\pi$",
+    3: r"$3\pi/2$",
+    4: r"$2\pi$",
+}
 
 
 @public
-def figure_grazing_curve(curve: GrazingCurve, panels: str | None = None, *, ax: Axes | None = None) -> Figure:
+def figure_grazing_curve(
+    curve: GrazingCurve, panels: str | None = None, *, ax: Axes | None = None
+) -> Figure:
     """Draw a grazing curve.
 
-    Left: the switching plane, phases mod 2 pi, with the starts (x_i, Omega t_i) and the tangencies (x_m, theta_m).
-    Right: how far the phase advances in the flight from start to tangency, over theta_m. Where a curve ends at an end
-    of the window its dot is open, else full; phases in the window that no start reaches are shaded.
+    Left: the switching plane, phases mod 2 pi, with the starts (x_i, Omega t_i) and the tangencies
+    (x_m, theta_m). Right: how far the phase advances in the flight from start to tangency, over
+    theta_m. Where a curve ends at an end of the window its dot is open, else full; phases in the
+    window that no start reaches are shaded.
 
     Parameters
     ----------
     curve : GrazingCurve
     panels, ax : optional
-        As for `symosc.plot.figure`. The panels are a switching plane, b flight. Default: both, with `ax` a.
+        As for `symosc.plot.figure`. The panels are a switching plane, b flight. Default: both, with
+        `ax` a.
 
     Examples
     --------
@@ -451,18 +631,31 @@ def _draw_flight(axes: Axes, curve: GrazingCurve) -> None:
         _draw_ends(axes, piece, lambda end: (end.theta_m, end.theta_m - end.theta))
     for low, high, origin in curve.gaps:
         axes.axvspan(low, high, color="0.85", linewidth=0, label=f"from: {origin}")
-    axes.set(xlabel=r"$\theta_m$", ylabel=r"$\theta_m - \Omega t_i$", title="flight to the grazing point")
+    axes.set(
+        xlabel=r"$\theta_m$", ylabel=r"$\theta_m - \Omega t_i$", title="flight to the grazing point"
+    )
     spans = [(piece.low.theta_m, piece.high.theta_m) for piece in curve.pieces]
     spans += [(low, high) for low, high, _ in curve.gaps]
     # Over a full circle, from the cut of the curve.
-    _finish(axes, curve, (min(low for low, _ in spans), max(high for _, high in spans)) if spans else (0, TURN))
+    _finish(
+        axes,
+        curve,
+        (min(low for low, _ in spans), max(high for _, high in spans)) if spans else (0, TURN),
+    )
 
 
 def draw_plane(axes: Axes, curve: GrazingCurve) -> None:
     """Draw the starts and the tangencies of a grazing curve on the switching plane."""
     for piece in curve.pieces:
         _line(axes, piece.theta, piece.x, color=START_COLOR, label="start")
-        _line(axes, piece.theta_m, piece.x_m, color="#1f3fd6", label="grazing point", linestyle=(0, (4, 1.6)))
+        _line(
+            axes,
+            piece.theta_m,
+            piece.x_m,
+            color="#1f3fd6",
+            label="grazing point",
+            linestyle=(0, (4, 1.6)),
+        )
         _draw_ends(axes, piece, lambda end: (end.theta % TURN, end.x))
     belt = place(curve.mapping).boundary
     title = rf"{typeset(curve.mapping)} on the plane $\dot x = v_{belt}$"
@@ -476,7 +669,10 @@ CURVE_PANELS = {"a": draw_plane, "b": _draw_flight}
 def _finish(axes: Axes, curve: GrazingCurve, span: tuple[float, float]) -> None:
     """Set the range `span` of phases, ticks and legend; write why the curve is empty if it is."""
     if not curve.pieces:
-        why = "no start on this plane grazes" if curve.windows else "the window is empty"
+        if curve.windows:
+            why = "no start on this plane grazes"
+        else:
+            why = "the window is empty"
         axes.text(0.5, 0.5, why, transform=axes.transAxes, ha="center", va="center")
         axes.set_yticks([])
     axes.set_xlim(*span)
@@ -497,11 +693,26 @@ def _line(axes: Axes, theta: np.ndarray, x: np.ndarray, **style: Any) -> None:
 
 
 def _draw_ends(axes: Axes, piece: CurvePiece, at: Callable[[Any], tuple[float, float]]) -> None:
-    """Mark both ends of a piece of a grazing curve, where `at(end)` says; at ends of the window the dots are open."""
+    """Mark both ends of a piece of a grazing curve, where `at(end)` says.
+
+    At ends of the window the dots are open.
+    """
     for end in (piece.low, piece.high):
         if end.reason != "closed":
-            shape = next((shape for start, shape in END_SHAPES.items() if end.reason.startswith(start)), "D")
-            face = "white" if end.reason == "end of the window" else START_COLOR
-            style: Record = {"marker": shape, "markersize": 3.5, "color": START_COLOR, "markerfacecolor": face}
+            shape = next(
+                (shape for start, shape in END_SHAPES.items() if end.reason.startswith(start)), "D"
+            )
+            if end.reason == "end of the window":
+                face = "white"
+            else:
+                face = START_COLOR
+            style: Record = {
+                "marker": shape,
+                "markersize": 3.5,
+                "color": START_COLOR,
+                "markerfacecolor": face,
+            }
             x, y = at(end)
-            axes.plot([x], [y], linestyle="none", zorder=3, clip_on=False, label=end.reason, **style)
+            axes.plot(
+                [x], [y], linestyle="none", zorder=3, clip_on=False, label=end.reason, **style
+            )

@@ -1,13 +1,15 @@
 """A reference case: a scene, its known events (proven where possible), and their condition numbers.
 
-The condition number of an event, with out its time or position and in each parameter and start value, is
+The condition number of an event, with out its time or position and in each parameter and start
+value, is
 
     condition = max over out of  sum over in of |d out/d in| |in| / max(1, |out|),
 
-the amplification of relative errors of the input into errors of the output. A solver that works in doubles rounds every
-input, so no solver can avoid an error of condition * 1e-16. A number that is 0 has no relative error and does not
-count. A start on a belt moves with the belt, because off it there would be other events. The derivatives are
-differences of two runs with more digits; where the difference changes the events themselves it is made smaller.
+the amplification of relative errors of the input into errors of the output. A solver that works in
+doubles rounds every input, so no solver can avoid an error of condition * 1e-16. A number that is 0
+has no relative error and does not count. A start on a belt moves with the belt, because off it
+there would be other events. The derivatives are differences of two runs with more digits; where the
+difference changes the events themselves it is made smaller.
 """
 
 from __future__ import annotations
@@ -34,10 +36,13 @@ from symosc.simulation.tangents import NAMES
 from symosc.simulation.trajectory import MAP_LABELS, Event
 
 #: Digits of the given events, and of the runs where there is no proof.
-GIVEN_DIGITS, COMPUTED_DIGITS = 40, 60
-PROVEN, COMPUTED = "proven", "computed, not proven"
-# Relative differences for conditions, and the digits of their runs. A start times (1 + 1/7^n) has no end as a decimal:
-# one with an end and this many digits would be taken for a number that somebody cut off there.
+GIVEN_DIGITS = 40
+COMPUTED_DIGITS = 60
+PROVEN = "proven"
+COMPUTED = "computed, not proven"
+# Relative differences for conditions, and the digits of their runs. A start times (1 + 1/7^n) has
+# no end as a decimal: one with an end and this many digits would be taken for a number that
+# somebody cut off there.
 INPUT_CHANGES = ((Fraction(1, 7**30), 60), (Fraction(1, 7**60), 120))
 
 
@@ -49,11 +54,13 @@ class KnownEvent(NamedTuple):
     t, x : tuple of str
         The two decimals between which the time, and the position, lies.
     kind, source, target : str
-        What happens (cross, stick, slip or graze), and the modes before and after it, as in `symosc.Event`.
+        What happens (cross, stick, slip or graze), and the modes before and after it, as in
+        `symosc.Event`.
     boundary : int
         The belt, 1 or 2, at which it happens.
     word : str
-        The mapping that ends with the event: "P1" to "P8", "" for the way from a start between the belts.
+        The mapping that ends with the event: "P1" to "P8", "" for the way from a start between the
+        belts.
 
     Examples
     --------
@@ -84,7 +91,8 @@ class KnownChange(NamedTuple):
     Attributes
     ----------
     dt, dx : tuple of str
-        The two decimals between which the total derivative of the event's time, and of its position, lies.
+        The two decimals between which the total derivative of the event's time, and of its
+        position, lies.
     proven : bool
         Whether the certificate of the case proves them; if not, they were computed with 60 digits.
 
@@ -118,11 +126,13 @@ class ReferenceCase:
     source : str
         Where the case or what is known of it comes from.
     closed_form : tuple of str
-        Known values of events, such as "x[2] = 1/10 + 4/3": event numbers from 0, expressions with pi, sqrt and log.
+        Known values of events, such as "x[2] = 1/10 + 4/3": event numbers from 0, expressions with
+        pi, sqrt and log.
     open : str
         Why its events are not proven; "" if they are.
     periods : int
-        0, or the number of forcing periods of a run that is so long that only the last one's events are given.
+        0, or the number of forcing periods of a run that is so long that only the last one's events
+        are given.
     quick : bool
         Whether it is one of the hard cases of `symosc bench --quick`.
 
@@ -173,7 +183,10 @@ class ReferenceCase:
 
     @cached_property
     def certificate(self) -> Certificate:
-        """The certificate of the events and of all provable derivatives; if nothing is proven, it says why."""
+        """The certificate of the events and of all provable derivatives.
+
+        If nothing is proven, it says why.
+        """
         if not self.open and not self.periods and not any(self.scene.start_error or ()):
             wrt = provable(self.parameters, self.v0)
             found = certify(self.scene, digits=GIVEN_DIGITS, wrt=wrt)
@@ -189,20 +202,30 @@ class ReferenceCase:
     @property
     def status(self) -> str:
         """Whether the events are "proven", or "computed, not proven"."""
-        return PROVEN if self.proven else COMPUTED
+        if self.proven:
+            return PROVEN
+        return COMPUTED
 
     @cached_property
     def events(self) -> tuple[KnownEvent, ...]:
-        """All events, in order of time; if `periods` is not 0, those of the last forcing period only."""
-        names, rows = KnownEvent._fields[:-1], list[dict[str, Any]]()
+        """All events, in order of time.
+
+        If `periods` is not 0, those of the last forcing period only.
+        """
+        names = KnownEvent._fields[:-1]
+        rows = list[dict[str, Any]]()
         if self.proven:
             for row in proven_rows(self.certificate.statement):
-                rows.append({name: row[name] for name in names} | {"t": (*row["t"],), "x": (*row["x"],)})
+                rows.append(
+                    {name: row[name] for name in names} | {"t": (*row["t"],), "x": (*row["x"],)}
+                )
         else:
             for event in simulate(self.scene, digits=COMPUTED_DIGITS).events:
                 enclosed = {"t": _enclosed(event.t), "x": _enclosed(event.x)}
                 rows.append({name: getattr(event, name) for name in names} | enclosed)
-        before = next((boundary for boundary in (1, 2) if self.parameters.belt(boundary) == self.v0), 0)
+        before = next(
+            (boundary for boundary in (1, 2) if self.parameters.belt(boundary) == self.v0), 0
+        )
         for row in rows:
             row["word"] = MAP_LABELS.get((before, row["source"], row["boundary"]), "")
             before = row["boundary"]
@@ -210,14 +233,24 @@ class ReferenceCase:
 
     @cached_property
     def derivatives(self) -> tuple[dict[str, KnownChange], ...]:
-        """For each event its existing derivatives, by the name of the parameter or start value; none in a long run."""
+        """For each event its existing derivatives, by the name of the parameter or start value.
+
+        None in a long run.
+        """
         if self.periods:
             return ({},) * len(self.events)
-        names, stated = self.certificate.statement.get("wrt", ()), self.certificate.derivatives
-        s = None if len(names) == len(NAMES) else sensitivities(self.scene, NAMES, digits=COMPUTED_DIGITS)
+        names = self.certificate.statement.get("wrt", ())
+        stated = self.certificate.derivatives
+        if len(names) == len(NAMES):
+            s = None
+        else:
+            s = sensitivities(self.scene, NAMES, digits=COMPUTED_DIGITS)
         found = []
         for n in range(len(self.events)):
-            row = {name: KnownChange(stated[n][0][j], stated[n][1][j], True) for j, name in enumerate(names)}
+            row = {
+                name: KnownChange(stated[n][0][j], stated[n][1][j], True)
+                for j, name in enumerate(names)
+            }
             for j, name in enumerate(NAMES if s is not None else ()):
                 if name not in row and s is not None and s.regular[n, j]:
                     row[name] = KnownChange(_enclosed(s.dt[n, j]), _enclosed(s.dx[n, j]), False)
@@ -232,14 +265,19 @@ class ReferenceCase:
     @cached_property
     def conditions(self) -> tuple[float, ...]:
         """The condition number of each event; infinite for a graze."""
-        # A changed number turns a graze into two contacts or none: in changed and unchanged runs alike, all contacts
-        # next to a graze are left out before events are compared.
+        # A changed number turns a graze into two contacts or none: in changed and unchanged runs
+        # alike, all contacts next to a graze are left out before events are compared.
         near = 1e-9 * 2 * pi / float(self.parameters.Omega)
         grazes = [event.middle[0] for event in self.events if event.kind == "graze"]
 
         def apart(scene: Scene, digits: int) -> Sequence[Event]:
-            found = last_period(scene, digits) if self.periods else simulate(scene, digits=digits).events
-            return [each for each in found if all(abs(float(each.t) - float(t)) > near for t in grazes)]
+            if self.periods:
+                found = last_period(scene, digits)
+            else:
+                found = simulate(scene, digits=digits).events
+            return [
+                each for each in found if all(abs(float(each.t) - float(t)) > near for t in grazes)
+            ]
 
         known = iter(conditions(self.scene, apart))
         return tuple(inf if event.kind == "graze" else next(known) for event in self.events)
@@ -264,23 +302,31 @@ def with_known(case: ReferenceCase, **known: Any) -> ReferenceCase:
 def _enclosed(value: Any) -> tuple[str, str]:
     """Return the two decimals with GIVEN_DIGITS digits that enclose a number."""
     digits = Decimal(str(value.context.nstr(value, COMPUTED_DIGITS)))
-    low, high = (Context(GIVEN_DIGITS, rounding=way).plus(digits) for way in (ROUND_FLOOR, ROUND_CEILING))
+    low, high = (
+        Context(GIVEN_DIGITS, rounding=way).plus(digits) for way in (ROUND_FLOOR, ROUND_CEILING)
+    )
     return f"{low:f}", f"{high:f}"
 
 
 def last_period(scene: Scene, digits: int) -> Sequence[Event]:
     """Return the events of the last forcing period before t_end on the orbit that attracts the scene's motion."""
-    # They are those of a period on the orbit, a whole number of periods later. A long run must end with them even if
-    # its start is not exactly on the orbit: every period multiplies the distance by the orbit's multipliers, 0.56 and
-    # less.
-    p, word, context = scene.parameters, str(scene.structure), mp_context(digits + 10)
+    # They are those of a period on the orbit, a whole number of periods later. A long run must end
+    # with them even if its start is not exactly on the orbit: every period multiplies the distance
+    # by the orbit's multipliers, 0.56 and less.
+    p = scene.parameters
+    word = str(scene.structure)
+    context = mp_context(digits + 10)
     orbit = find_orbit(p, word, guess=find_orbit(p, word), digits=digits + 10)
-    start, count = orbit.points[0], len(orbit.points)
-    once = simulate(p, t0=start.t, x0=start.x, v0=scene.v0, t_end=start.t + 2 * orbit.period, digits=digits)
+    start = orbit.points[0]
+    count = len(orbit.points)
+    once = simulate(
+        p, t0=start.t, x0=start.x, v0=scene.v0, t_end=start.t + 2 * orbit.period, digits=digits
+    )
     last = context.mpf(scene.t_end.numerator) / scene.t_end.denominator
     period = 2 * context.pi * p.Omega.denominator / p.Omega.numerator
     shifted = [
-        replace(event, t=event.t + period * context.floor((last - event.t) / period)) for event in once.events[:count]
+        replace(event, t=event.t + period * context.floor((last - event.t) / period))
+        for event in once.events[:count]
     ]
     return sorted(shifted, key=lambda event: event.t)
 
@@ -291,9 +337,11 @@ def last_period(scene: Scene, digits: int) -> Sequence[Event]:
 def conditions(scene: Scene, events: Callable[[Scene, int], Sequence[Event]]) -> list[float]:
     """Return the condition number of every event of a scene, with respect to all parameters and start values.
 
-    ``events(scene, digits)`` has to return the events of a scene, computed with this number of digits.
+    ``events(scene, digits)`` has to return the events of a scene, computed with this number of
+    digits.
     """
-    # They are infinite from the first event on that the smallest change of the input turns into another one.
+    # They are infinite from the first event on that the smallest change of the input turns into
+    # another one.
     first, least_digits = INPUT_CHANGES[0]
     exact = {least_digits: events(scene, least_digits)}
     certain = len(exact[least_digits])
@@ -317,21 +365,32 @@ def conditions(scene: Scene, events: Callable[[Scene, int], Sequence[Event]]) ->
 
 def relative_error(value: Number, exact: Number, start: Number = 0) -> float:
     """Return |value - exact| relative to max(1, |exact - start|)."""
-    # For a time `start` is t0: a late start is no excuse for a late event. What rounding t0 to a double does is no
-    # error.
-    rounding = ulp(float(start)) if start else 0
+    # For a time `start` is t0: a late start is no excuse for a late event. What rounding t0 to a
+    # double does is no error.
+    if start:
+        rounding = ulp(float(start))
+    else:
+        rounding = 0
     return float(max(0, abs(exact - value) - rounding) / max(1, abs(exact - start)))
 
 
 def shifted(scene: Scene, name: str, step: Fraction) -> Scene:
-    """Return a scene with the parameter or start value `name` times 1 + step; a start on a belt stays on the belt."""
+    """Return a scene with the parameter or start value `name` times 1 + step.
+
+    A start on a belt stays on the belt.
+    """
     p = scene.parameters
     on_belt = next((name for name in ("v1", "v2") if getattr(p, name) == scene.v0), "")
     if name in ("t0", "x0", "v0"):
         value = getattr(scene, name)
-        return scene if name == "v0" and on_belt else replace(scene, **{name: value * (1 + step)})
+        if name == "v0" and on_belt:
+            return scene
+        return replace(scene, **{name: value * (1 + step)})
     value = getattr(p, name) * (1 + step)
-    start = {"v0": value} if name == on_belt else {}
+    if name == on_belt:
+        start = {"v0": value}
+    else:
+        start = {}
     return replace(scene, parameters=p.replace(**{name: value}), **start)
 
 

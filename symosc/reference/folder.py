@@ -1,4 +1,7 @@
-"""Reference cases as files that any language reads, written and read back; `formats.txt` says what is in them."""
+"""Reference cases as files that any language reads, written and read back.
+
+`formats.txt` says what is in them.
+"""
 
 from __future__ import annotations
 
@@ -35,16 +38,29 @@ from symosc.scenes import Scene
 from symosc.simulation.simulate import simulate
 
 SET_FORMAT = "symosc reference cases 1"
-MANIFEST, CASES_TABLE, EVENTS_FILE, CASE_FILE = "manifest.json", "cases.csv", "events.csv", "case.toml"
+MANIFEST = "manifest.json"
+CASES_TABLE = "cases.csv"
+EVENTS_FILE = "events.csv"
+CASE_FILE = "case.toml"
 CHANGES_FILE = "derivatives.csv"
 #: Equal steps of a trajectory, and the forcing periods after which one of a very long run ends.
-SAMPLE_STEPS, SHOWN_PERIODS = 400, 20
+SAMPLE_STEPS = 400
+SHOWN_PERIODS = 20
 #: Decimals that end before so many digits are written with all of them.
 MOST_DIGITS = 400
 #: Up to so many cases are written without worker processes.
 CASES_IN_LINE = 8
 START_AND_END = ("t0", "x0", "v0", "t_end")
-TABLE_COLUMNS = ("name", "group", *PARAMETER_NAMES, *START_AND_END, "events", "periods", "condition", "proven")
+TABLE_COLUMNS = (
+    "name",
+    "group",
+    *PARAMETER_NAMES,
+    *START_AND_END,
+    "events",
+    "periods",
+    "condition",
+    "proven",
+)
 EVENT_COLUMNS = ("t_low", "t_high", "x_low", "x_high", *KnownEvent._fields[2:], "condition")
 CHANGE_COLUMNS = ("event", "wrt", "dt_low", "dt_high", "dx_low", "dx_high", "proven")
 
@@ -59,19 +75,29 @@ def write_cases(
     progress: Callable[[int], None] | None = None,
 ) -> Path:
     """Write cases into a folder, all or nothing; the same cases give the same bytes."""
-    # `path` is a new folder, or one of an earlier run without other files in it, or an OutputError is raised.
-    # `progress` is called with how many cases more are done.
-    wanted = reference_cases() if cases is None else cases
+    # `path` is a new folder, or one of an earlier run without other files in it, or an OutputError
+    # is raised. `progress` is called with how many cases more are done.
+    if cases is None:
+        wanted = reference_cases()
+    else:
+        wanted = cases
     check_folder(path, _files_of_earlier_run)  # before the work
-    texts, rows = {}, []
+    texts = {}
+    rows = []
     in_processes = len(wanted) > CASES_IN_LINE and workers > 1
-    with ProcessPoolExecutor(workers, get_context("spawn")) if in_processes else nullcontext() as pool:
+    with (
+        ProcessPoolExecutor(workers, get_context("spawn"))
+        if in_processes
+        else nullcontext() as pool
+    ):
         for found, row in pool.map(_case_files, wanted) if pool else map(_case_files, wanted):
             texts.update(found)
             rows.append(row)
             if progress:
                 progress(1)
-    texts[CASES_TABLE] = _csv_text(TABLE_COLUMNS, ([row[name] for name in TABLE_COLUMNS] for row in rows))
+    texts[CASES_TABLE] = _csv_text(
+        TABLE_COLUMNS, ([row[name] for name in TABLE_COLUMNS] for row in rows)
+    )
     texts["README.md"] = _readme_text(rows, max(map(len, texts[CASES_TABLE].splitlines())))
     texts[MANIFEST] = _manifest_text(rows, texts)
     return write_folder(path, texts, _files_of_earlier_run)
@@ -97,12 +123,17 @@ def _case_files(case: ReferenceCase) -> tuple[dict[str, str], Record]:
     }
     about = {"name": case.name, "group": case.group, "events": case.count, "periods": case.periods}
     about |= {"condition": f"{case.condition:.3g}", "proven": "yes" if case.proven else "no"}
-    about |= case.parameters.as_dict() | {name: exact_text(getattr(case, name)) for name in START_AND_END}
+    about |= case.parameters.as_dict() | {
+        name: exact_text(getattr(case, name)) for name in START_AND_END
+    }
     return {f"{case.name}/{name}": text for name, text in found.items()}, about
 
 
 def exact_text(value: Fraction) -> str:
-    """Return a number as exact text: all digits of a decimal that ends ("0.125"), else a quotient ("1/3")."""
+    """Return a number as exact text.
+
+    All digits of a decimal that ends ("0.125"), else a quotient ("1/3").
+    """
     if "/" in show(value):
         exact = Context(prec=MOST_DIGITS, traps=[Inexact])
         try:
@@ -124,22 +155,44 @@ def _case_toml(case: ReferenceCase) -> str:
     start: Record = {name: exact_text(getattr(case, name)) for name in START_AND_END[:3]}
     if case.scene.start_error is not None:
         start["start_error"] = [show(error) for error in case.scene.start_error]
-    about: Record = {"set_version": SET_VERSION, "group": case.group, "hard": case.hard, "source": case.source}
-    about |= {"status": case.status, "reason": case.open, "events": case.count, "periods": case.periods}
+    about: Record = {
+        "set_version": SET_VERSION,
+        "group": case.group,
+        "hard": case.hard,
+        "source": case.source,
+    }
+    about |= {
+        "status": case.status,
+        "reason": case.open,
+        "events": case.count,
+        "periods": case.periods,
+    }
     about |= {"condition": float(f"{case.condition:.3g}"), "closed_form": list(case.closed_form)}
     top: Record = {"name": case.name, "t_end": exact_text(case.t_end)}
-    tables = {"": top, "[parameters]\n": case.parameters.as_dict(), "[start]\n": start, "[reference]\n": about}
-    rows = {head: (f"{key} = {json.dumps(value)}\n" for key, value in table.items()) for head, table in tables.items()}
+    tables = {
+        "": top,
+        "[parameters]\n": case.parameters.as_dict(),
+        "[start]\n": start,
+        "[reference]\n": about,
+    }
+    rows = {
+        head: (f"{key} = {json.dumps(value)}\n" for key, value in table.items())
+        for head, table in tables.items()
+    }
     return "\n".join(head + "".join(lines) for head, lines in rows.items())
 
 
 def _samples(case: ReferenceCase) -> list[tuple[str, str, str, str]]:
-    """Return rows (t, x, v, mode) of a case's motion: at equal steps, and before and after each event."""
+    """Return rows (t, x, v, mode) of a case's motion.
+
+    At equal steps, and before and after each event.
+    """
     scene = case.scene
     if case.periods:
         shown = Fraction(SHOWN_PERIODS * 2 * pi) / case.parameters.Omega
         scene = replace(scene, t_end=min(scene.t_end, scene.t0 + shown))
-    motion, span = simulate(scene, digits=GIVEN_DIGITS), scene.t_end - scene.t0
+    motion = simulate(scene, digits=GIVEN_DIGITS)
+    span = scene.t_end - scene.t0
     times = [float(scene.t0 + span * i / SAMPLE_STEPS) for i in range(SAMPLE_STEPS + 1)]
     times = [min(max(t, float(motion.t_start)), float(motion.t_end)) for t in times]
     states = zip(times, *motion(times).tolist(), motion.mode(times).tolist(), strict=True)
@@ -153,7 +206,9 @@ def _samples(case: ReferenceCase) -> list[tuple[str, str, str, str]]:
 
 def _readme_text(rows: Sequence[Record], longest: int) -> str:
     groups = [row["group"] for row in rows]
-    counts = [(group, groups.count(group), hard) for group, hard in CASE_GROUPS.items() if group in groups]
+    counts = [
+        (group, groups.count(group), hard) for group, hard in CASE_GROUPS.items() if group in groups
+    ]
     numbers = {
         "VERSION": SET_VERSION,
         "COUNT": len(rows),
@@ -165,7 +220,9 @@ def _readme_text(rows: Sequence[Record], longest: int) -> str:
         "TOLERANCE": f"{SCORE_TOLERANCE:g}",
         "UNIT": f"{ROUNDING_UNIT:g}",
         "UNITS": f"{UNITS_ALLOWED:g}",
-        "GROUPS": tabulate(counts, ["group", "cases", "what is hard"], tablefmt="github", disable_numparse=True),
+        "GROUPS": tabulate(
+            counts, ["group", "cases", "what is hard"], tablefmt="github", disable_numparse=True
+        ),
     }
     text = (files("symosc.reference") / "formats.txt").read_text(encoding="utf-8")
     for name, value in numbers.items():
@@ -174,7 +231,11 @@ def _readme_text(rows: Sequence[Record], longest: int) -> str:
 
 
 def _manifest_text(rows: Sequence[Record], texts: Mapping[str, str]) -> str:
-    content: Record = {"format": SET_FORMAT, "set_version": SET_VERSION, "made_by": f"symosc {symosc.__version__}"}
+    content: Record = {
+        "format": SET_FORMAT,
+        "set_version": SET_VERSION,
+        "made_by": f"symosc {symosc.__version__}",
+    }
     content["cases"] = [
         {name: row[name] for name in ("name", "group", "events")}
         | {"condition": float(row["condition"]), "proven": row["proven"] == "yes"}
@@ -190,7 +251,10 @@ def checksum(content: bytes) -> str:
 
 
 def _files_of_earlier_run(folder: Path) -> set[str]:
-    """Return the names of a folder's manifest and of all files that it lists; nothing without a valid manifest."""
+    """Return the names of a folder's manifest and of all files that it lists.
+
+    Nothing without a valid manifest.
+    """
     try:
         return {MANIFEST, *_read_manifest(folder)["files"]}
     except (ResultError, KeyError, TypeError):
@@ -206,19 +270,25 @@ def read_set(path: str | Path) -> tuple[int, Sequence[ReferenceCase]]:
     folder = Path(read_path(path))
     manifest = _read_manifest(folder)
     try:
-        cases = [_read_case(folder, entry["name"], manifest["files"]) for entry in manifest["cases"]]
+        cases = [
+            _read_case(folder, entry["name"], manifest["files"]) for entry in manifest["cases"]
+        ]
         return int(manifest["set_version"]), cases
     except ResultError:  # a ValueError too; it says already which file is wrong
         raise
     except (KeyError, TypeError, AttributeError, ValueError) as error:
-        raise ResultError(str(folder), f"is not a set of reference cases: {type(error).__name__}, {error}") from None
+        raise ResultError(
+            str(folder), f"is not a set of reference cases: {type(error).__name__}, {error}"
+        ) from None
 
 
 def _read_manifest(folder: Path) -> Record:
     try:
         content = json.loads((folder / MANIFEST).read_text(encoding="utf-8"))
     except OSError:
-        raise ResultError(str(folder), f"has no {MANIFEST}; `symosc cases -o {folder}` writes the cases") from None
+        raise ResultError(
+            str(folder), f"has no {MANIFEST}; `symosc cases -o {folder}` writes the cases"
+        ) from None
     except (ValueError, RecursionError):
         raise ResultError(str(folder / MANIFEST), "is not JSON") from None
     if not isinstance(content, dict) or content.get("format") != SET_FORMAT:
@@ -237,18 +307,28 @@ def _read_case(folder: Path, name: str, sums: Record) -> ReferenceCase:
             raise ResultError(str(path), "is not the file that was written: its checksum differs")
         return content.decode()
 
-    about, rows = tomllib.loads(read(CASE_FILE)), list(csv.DictReader(io.StringIO(read(EVENTS_FILE))))
+    about = tomllib.loads(read(CASE_FILE))
+    rows = list(csv.DictReader(io.StringIO(read(EVENTS_FILE))))
     events = []
     for row in rows:
         enclosed = (row["t_low"], row["t_high"]), (row["x_low"], row["x_high"])
         events.append(
-            KnownEvent(*enclosed, row["kind"], int(row["boundary"]), *(row[key] for key in EVENT_COLUMNS[6:9]))
+            KnownEvent(
+                *enclosed,
+                row["kind"],
+                int(row["boundary"]),
+                *(row[key] for key in EVENT_COLUMNS[6:9]),
+            )
         )
     changes: list[dict[str, KnownChange]] = [{} for _ in rows]
     if f"{name}/{CHANGES_FILE}" in sums:  # older sets have none
         for event, wrt, *bounds, proven in list(csv.reader(io.StringIO(read(CHANGES_FILE))))[1:]:
-            changes[int(event)][wrt] = KnownChange((bounds[0], bounds[1]), (bounds[2], bounds[3]), proven == "yes")
+            changes[int(event)][wrt] = KnownChange(
+                (bounds[0], bounds[1]), (bounds[2], bounds[3]), proven == "yes"
+            )
     scene = Scene(name, Parameters(**about["parameters"]), **about["start"], t_end=about["t_end"])
-    case = ReferenceCase(name, scene=scene, **{key: about["reference"][key] for key in ("group", "hard", "periods")})
+    case = ReferenceCase(
+        name, scene=scene, **{key: about["reference"][key] for key in ("group", "hard", "periods")}
+    )
     conditions = tuple(float(row["condition"]) for row in rows)
     return with_known(case, events=tuple(events), conditions=conditions, derivatives=tuple(changes))

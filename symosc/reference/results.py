@@ -1,4 +1,6 @@
-"""Read a solver's events, from any kind of file that `symosc check` reads: one file per case, or one for all.
+"""Read a solver's events, from any kind of file that `symosc check` reads.
+
+One file per case, or one for all.
 
 `formats.txt` has the rules.
 """
@@ -26,8 +28,10 @@ from symosc.simulation.tangents import NAMES
 EVENT_WORDS = ("cross", "stick", "slip", "graze")
 #: The kind of a line that says how far a case was followed.
 FOLLOWED_TO = "end"
-#: Names of files in a folder that are no results; and endings of files whose names must be those of cases.
-NO_RESULTS, CERTAIN = ("cases", "manifest"), (".csv", ".json")
+#: Names of files in a folder that are no results; and endings of files whose names must be those of
+#: cases.
+NO_RESULTS = ("cases", "manifest")
+CERTAIN = (".csv", ".json")
 #: Columns of derivatives: dt_mu1, dx_mu1, ...
 CHANGES = tuple(f"d{of}_{name}" for name in NAMES for of in "tx")
 #: What the columns are called, in any case, units and signs left out.
@@ -44,7 +48,10 @@ EVENT_COLUMNS = {
 
 
 class GivenEvent(NamedTuple):
-    """An event from a solver's file: `changes` has its derivatives; x is None and boundary 0 if the file lacks them."""
+    """An event from a solver's file: `changes` has its derivatives.
+
+    X is None and boundary 0 if the file lacks them.
+    """
 
     t: Fraction
     x: Fraction | None
@@ -55,7 +62,10 @@ class GivenEvent(NamedTuple):
 
 @dataclass
 class CaseResult:
-    """A solver's result for a case: its events in order of time, and the end time that it states."""
+    """A solver's result for a case.
+
+    Its events in order of time, and the end time that it states.
+    """
 
     events: list[GivenEvent] = field(default_factory=list)
     seconds: float | None = None
@@ -78,7 +88,9 @@ def read_results(path: str | Path, names: Container[str]) -> Results:
         found |= _read_file(file, name)
     for name in found:
         if name not in names:
-            raise ResultError(str(source), f"has results for {brief(name)!r}, which is no case of this set")
+            raise ResultError(
+                str(source), f"has results for {brief(name)!r}, which is no case of this set"
+            )
     if not found:
         raise ResultError(str(source), "has no results")
     for result in found.values():
@@ -90,21 +102,37 @@ def _files_of_cases(folder: Path, names: Container[str]) -> Iterator[tuple[Path,
     """Yield each file of a folder that has results of a case, with the name of the case."""
     for path in sorted(folder.iterdir()):
         for file in sorted(path.glob("events.*")) if path.is_dir() else [path]:
-            name, suffix = path.name if path.is_dir() else path.name.partition(".")[0], suffix_of(file)
+            if path.is_dir():
+                name = path.name
+            else:
+                name = path.name.partition(".")[0]
+            suffix = suffix_of(file)
             if suffix in SUFFIXES and name in names:
                 yield file, name
             elif suffix in CERTAIN and name not in NO_RESULTS:
-                raise ResultError(str(file), f"is named {brief(name)!r}, which is no case of this set")
+                raise ResultError(
+                    str(file), f"is named {brief(name)!r}, which is no case of this set"
+                )
 
 
 def _read_file(path: Path, name: str | None) -> Results:
-    """Return the results in a file by case; `name` is the case that it is for, None if the file itself names cases."""
-    found: Results = {} if name is None else {name: CaseResult()}
+    """Return the results in a file by case.
+
+    `name` is the case that it is for, None if the file itself names cases.
+    """
+    if name is None:
+        found: Results = {}
+    else:
+        found = {name: CaseResult()}
     try:
-        for case, where, entry in _entries(read_content(path, partial(_columns, needs_case=name is None)), name):
+        for case, where, entry in _entries(
+            read_content(path, partial(_columns, needs_case=name is None)), name
+        ):
             _add_entry(where, found.setdefault(case, CaseResult()), entry)
     except ParameterError as error:
-        raise ResultError(str(path), error.allowed if error.name == "file" else str(error)) from None
+        raise ResultError(
+            str(path), error.allowed if error.name == "file" else str(error)
+        ) from None
     return found
 
 
@@ -140,26 +168,42 @@ def _columns(names: list[str], needs_case: bool) -> dict[str, str]:
 def _entries(content: Any, name: str | None) -> Iterator[tuple[str, str, Record]]:
     """Yield each event, or end of a run, as (its case, its place in the file, its entries by meaning)."""
     # `name` is the case that the file is for, None if the file itself names cases.
-    where = "" if name is None else brief(name)
+    if name is None:
+        where = ""
+    else:
+        where = brief(name)
     if name is not None:  # a case may be without events
         yield name, where, {"kind": FOLLOWED_TO}
-    table = None if isinstance(content, dict) and "kind" not in _names_by_meaning(content) else as_table(content)
+    if isinstance(content, dict) and "kind" not in _names_by_meaning(content):
+        table = None
+    else:
+        table = as_table(content)
     if isinstance(content, list) and content and isinstance(content[0], tuple):  # lines of a text
         for line, entry in content:
             yield name or entry.get("case", ""), line, entry
     elif table is not None:
-        columns = {what: np.ravel(table[own]) for what, own in _columns([*table], name is None).items()}
+        columns = {
+            what: np.ravel(table[own]) for what, own in _columns([*table], name is None).items()
+        }
         if len({len(each) for each in columns.values()}) > 1:
             raise _wrong("has columns of several lengths")
         for number, row in enumerate(zip(*columns.values(), strict=True), 1):
-            entry = {what: cell for what, cell in zip(columns, map(_cell, row), strict=True) if cell is not None}
+            entry = {
+                what: cell
+                for what, cell in zip(columns, map(_cell, row), strict=True)
+                if cell is not None
+            }
             yield name or str(entry.get("case", "")), f"row {number}", entry
     elif isinstance(content, list) and (name is not None or content):
         for number, event in enumerate(content, 1):
             place = f"{where}, event {number}".lstrip(", ")
             if not isinstance(event, dict):
                 raise _wrong(f"{place}: must be an object with t and kind")
-            entry = {what: event[own] for what, own in _names_by_meaning(event).items() if event[own] is not None}
+            entry = {
+                what: event[own]
+                for what, own in _names_by_meaning(event).items()
+                if event[own] is not None
+            }
             if name is None and "case" not in entry:
                 raise _wrong(f"{place}: has no case")
             yield name or str(entry["case"]), place, entry
@@ -171,20 +215,35 @@ def _entries(content: Any, name: str | None) -> Iterator[tuple[str, str, Record]
     else:
         if not isinstance(content, dict) or not isinstance(content.get("events"), list | dict):
             raise _wrong(f"{where}: must be a list of events, or an object with a list 'events'")
-        yield name, where, {"kind": FOLLOWED_TO} | {key: content[key] for key in ("seconds",) if content.get(key)}
+        yield (
+            name,
+            where,
+            {"kind": FOLLOWED_TO} | {key: content[key] for key in ("seconds",) if content.get(key)},
+        )
         yield from _entries(content["events"], name)
 
 
 def _cell(value: Any) -> Any:
-    """Return a table cell, perhaps of numpy or bytes, as a plain Python value; None for an empty one."""
-    value = value.item() if isinstance(value, np.generic | np.ndarray) and np.size(value) == 1 else value
-    value = value.decode("utf-8", "replace") if isinstance(value, bytes) else value
-    value = value.strip() if isinstance(value, str) else value
-    return None if value is None or value == "" or value != value else value
+    """Return a table cell, perhaps of numpy or bytes, as a plain Python value.
+
+    None for an empty one.
+    """
+    if isinstance(value, np.generic | np.ndarray) and np.size(value) == 1:
+        value = value.item()
+    if isinstance(value, bytes):
+        value = value.decode("utf-8", "replace")
+    if isinstance(value, str):
+        value = value.strip()
+    if value is None or value == "" or value != value:
+        return None
+    return value
 
 
 def _add_entry(where: str, result: CaseResult, entry: Record) -> None:
-    """Add an entry of a file to a result: an event, the time where the run ended, or the seconds that it took."""
+    """Add an entry of a file to a result.
+
+    An event, the time where the run ended, or the seconds that it took.
+    """
     if "seconds" in entry:
         seconds = _number(where, entry, "seconds")
         if seconds is None or seconds < 0:
@@ -196,13 +255,19 @@ def _add_entry(where: str, result: CaseResult, entry: Record) -> None:
         raise _wrong(f"{where}: kind is {brief(kind)!r}, and must be one of {words}")
     t, x = (_number(where, entry, each) for each in "tx")
     if kind == FOLLOWED_TO:
-        result.end = t if result.end is None or t is None else max(t, result.end)
+        if result.end is None or t is None:
+            result.end = t
+        else:
+            result.end = max(t, result.end)
         return
     if t is None:
         raise _wrong(f"{where}: has no t")
     belt = str(entry.get("boundary", "0"))
     with suppress(ParameterError):
-        boundary = int(belt) if belt in ("0", "1", "2") else read_exact("boundary", plain_number(belt))
+        if belt in ("0", "1", "2"):
+            boundary: int | Fraction = int(belt)
+        else:
+            boundary = read_exact("boundary", plain_number(belt))
         if boundary in (0, 1, 2):
             changes = {name: _number(where, entry, name) for name in CHANGES if name in entry}
             numbers = {name: float(value) for name, value in changes.items() if value is not None}
@@ -212,7 +277,10 @@ def _add_entry(where: str, result: CaseResult, entry: Record) -> None:
 
 
 def _number(where: str, entry: Record, name: str) -> Fraction | None:
-    """Return the number `name` of an event, or the middle of its name_low and name_high; None if both are missing."""
+    """Return the number `name` of an event, or the middle of its name_low and name_high.
+
+    None if both are missing.
+    """
 
     def exact(value: Any) -> Fraction:
         try:
@@ -222,4 +290,6 @@ def _number(where: str, entry: Record, name: str) -> Fraction | None:
 
     if f"{name}_low" in entry and f"{name}_high" in entry:
         return (exact(entry[f"{name}_low"]) + exact(entry[f"{name}_high"])) / 2
-    return exact(entry[name]) if name in entry else None
+    if name in entry:
+        return exact(entry[name])
+    return None

@@ -1,9 +1,10 @@
 """Score a solver's events: each case judged event by event, with an error unit set by the problem.
 
-`formats.txt`, the README of a set of cases, has the rules. Events of one kind at one belt are paired within a window of
-time, in order and as many as possible: so one missed event does not shift all later ones, and of repeated reports the
-nearest counts. What is left over on both sides at one time is an event of a wrong kind, or at another belt; the rest is
-missed, or invented. A derivative has about the square of the condition of its event.
+`formats.txt`, the README of a set of cases, has the rules. Events of one kind at one belt are
+paired within a window of time, in order and as many as possible: so one missed event does not shift
+all later ones, and of repeated reports the nearest counts. What is left over on both sides at one
+time is an event of a wrong kind, or at another belt; the rest is missed, or invented. A derivative
+has about the square of the condition of its event.
 """
 
 from __future__ import annotations
@@ -27,9 +28,12 @@ from symosc.reference.results import CaseResult, GivenEvent, Results
 
 #: The error that an event may have.
 SCORE_TOLERANCE = 1e-9
-#: The unit of errors, per condition; and how many units an error may have where that is more than the tolerance.
-ROUNDING_UNIT, UNITS_ALLOWED = 1e-16, 100.0
-#: An event of a wrong kind stands for a missed one if it is nearer to it than this, in forcing periods.
+#: The unit of errors, per condition; and how many units an error may have where that is more than
+#: the tolerance.
+ROUNDING_UNIT = 1e-16
+UNITS_ALLOWED = 100.0
+#: An event of a wrong kind stands for a missed one if it is nearer to it than this, in forcing
+#: periods.
 KIND_WINDOW = 0.005
 
 
@@ -45,13 +49,20 @@ class Wrong(NamedTuple):
         """Return the fault in words."""
         if self.fault == "ends early":
             return f"ends at t = {self.t:.10g}, before t_end = {self.wanted}"
-        said = {"missed": self.wanted, "invented": self.found, "wrong kind": f"{self.found}, not {self.wanted}"}
+        said = {
+            "missed": self.wanted,
+            "invented": self.found,
+            "wrong kind": f"{self.found}, not {self.wanted}",
+        }
         return f"{self.fault}: {said.get(self.fault, self.wanted)} at t = {self.t:.10g}"
 
 
 @dataclass
 class CaseScore:
-    """The faults and errors in a solver's results for a case; `given` is false if the solver has no results for it."""
+    """The faults and errors in a solver's results for a case.
+
+    `given` is false if the solver has no results for it.
+    """
 
     name: str
     group: str
@@ -108,7 +119,11 @@ class Score:
 
     def as_dict(self) -> Record:
         """Return plain data for JSON."""
-        count = {"cases": len(self.cases), "given": len(self.given), "right": sum(case.right for case in self.cases)}
+        count = {
+            "cases": len(self.cases),
+            "given": len(self.given),
+            "right": sum(case.right for case in self.cases),
+        }
         about: Record = {"solver": self.name, "ok": self.ok, "tolerance": self.tolerance}
         return about | count | {"results": [case.as_dict() for case in self.cases]}
 
@@ -121,9 +136,16 @@ def read_tolerance(value: object) -> float:
     return float(number)
 
 
-def score(name: str, cases: Sequence[ReferenceCase], results: Results, tolerance: float = SCORE_TOLERANCE) -> Score:
-    """Return the score of solver `name`; errors up to `tolerance`, or 100 * condition * 1e-16 if more, are allowed."""
-    return Score(name, tolerance, [judge_case(case, results.get(case.name), tolerance) for case in cases])
+def score(
+    name: str, cases: Sequence[ReferenceCase], results: Results, tolerance: float = SCORE_TOLERANCE
+) -> Score:
+    """Return the score of solver `name`.
+
+    Errors up to `tolerance`, or 100 * condition * 1e-16 if more, are allowed.
+    """
+    return Score(
+        name, tolerance, [judge_case(case, results.get(case.name), tolerance) for case in cases]
+    )
 
 
 def judge_case(case: ReferenceCase, result: CaseResult | None, tolerance: float) -> CaseScore:
@@ -131,17 +153,27 @@ def judge_case(case: ReferenceCase, result: CaseResult | None, tolerance: float)
     given = result is not None and not result.note
     judged = CaseScore(case.name, case.group, case.count, case.condition, given=given)
     judged.grazes = sum(event.kind == "graze" for event in case.events)
-    regular = (row for row, condition in zip(case.derivatives, case.conditions, strict=True) if condition < inf)
+    regular = (
+        row
+        for row, condition in zip(case.derivatives, case.conditions, strict=True)
+        if condition < inf
+    )
     judged.known_derivatives = sum(2 * len(row) for row in regular)
     if result is None or result.note:
-        judged.note = "" if result is None else result.note
+        if result is None:
+            judged.note = ""
+        else:
+            judged.note = result.note
         return judged
     judged.seconds = result.seconds
     _Judge(case, judged, tolerance).judge(result.events)
-    end, t_end = result.end, case.t_end
+    end = result.end
+    t_end = case.t_end
     if end is not None and end < t_end and relative_error(end, t_end, case.t0) > tolerance:
         judged.stopped = float(end)
-        judged.wrong.append(Wrong("ends early", float(end), f"{float(t_end):.10g}", f"{float(end):.10g}"))
+        judged.wrong.append(
+            Wrong("ends early", float(end), f"{float(t_end):.10g}", f"{float(end):.10g}")
+        )
     judged.wrong.sort(key=lambda wrong: wrong.t)
     return judged
 
@@ -155,8 +187,12 @@ class _Judge:
         self.period = 2 * pi / float(case.parameters.Omega)
 
     def judge(self, events: Sequence[GivenEvent]) -> None:
-        """Pair a solver's events with the case's; note too large errors, and missed, invented and wrong events."""
-        case, found = self.case, self._of_last_period(events)
+        """Pair a solver's events with the case's.
+
+        Note too large errors, and missed, invented and wrong events.
+        """
+        case = self.case
+        found = self._of_last_period(events)
         placed = [event._replace(boundary=self._boundary(event)) for event in found]
         pairs = align(placed, case.events, self.times, WINDOW * self.period)
         for i, j in pairs:
@@ -177,18 +213,26 @@ class _Judge:
             if belts and tuple(found[j].kind for j in close) in RETURNS:
                 extra = [j for j in extra if j not in close]
         # The others that are together are of a wrong kind.
-        times, other = [self.times[i] for i in lost], [found[j]._replace(kind="", boundary=0) for j in extra]
+        times = [self.times[i] for i in lost]
+        other = [found[j]._replace(kind="", boundary=0) for j in extra]
         unknown = [GivenEvent(Fraction(0), None, "", 0)] * len(lost)
-        wrong = [(lost[i], extra[j]) for i, j in align(other, unknown, times, KIND_WINDOW * self.period)]
+        wrong = [
+            (lost[i], extra[j]) for i, j in align(other, unknown, times, KIND_WINDOW * self.period)
+        ]
         for i, j in wrong:
-            self._fault("wrong kind", self.times[i], _event_text(case.events[i]), _event_text(found[j]))
+            self._fault(
+                "wrong kind", self.times[i], _event_text(case.events[i]), _event_text(found[j])
+            )
         for i in sorted(set(lost) - {i for i, _ in wrong}):
             self._fault("missed", self.times[i], _event_text(case.events[i]), "")
         for j in sorted(set(extra) - {j for _, j in wrong}):
             self._fault("invented", float(found[j].t), "", _event_text(found[j]))
 
     def _of_last_period(self, events: Sequence[GivenEvent]) -> Sequence[GivenEvent]:
-        """Return the events to judge one by one: all, or those of the last period if the case knows no others."""
+        """Return the events to judge one by one.
+
+        All, or those of the last period if the case knows no others.
+        """
         uncompared = self.case.count - len(self.case.events)
         if not uncompared:
             return events
@@ -196,9 +240,18 @@ class _Judge:
         last = [event for event in events if event.t > begin]
         before = len(events) - len(last)
         if before and before != uncompared:
-            missed, number = before < uncompared, abs(before - uncompared)
-            what = f"{number} events" if number > 1 else "an event"
-            self._fault("missed" if missed else "invented", begin, *((what, "") if missed else ("", what)), number)
+            missed = before < uncompared
+            number = abs(before - uncompared)
+            if number > 1:
+                what = f"{number} events"
+            else:
+                what = "an event"
+            self._fault(
+                "missed" if missed else "invented",
+                begin,
+                *((what, "") if missed else ("", what)),
+                number,
+            )
         return last
 
     def _boundary(self, event: GivenEvent) -> int:
@@ -206,11 +259,17 @@ class _Judge:
         same = [i for i, known in enumerate(self.case.events) if known.kind == event.kind]
         if event.boundary or not same:
             return event.boundary
-        return self.case.events[min(same, key=lambda i: abs(self.times[i] - float(event.t)))].boundary
+        return self.case.events[
+            min(same, key=lambda i: abs(self.times[i] - float(event.t)))
+        ].boundary
 
     def _measure(self, i: int, event: GivenEvent) -> None:
-        """Measure the errors of a solver's event against the case's event i; note a fault if one is too large."""
-        known, judged = self.case.events[i], self.judged
+        """Measure the errors of a solver's event against the case's event i.
+
+        Note a fault if one is too large.
+        """
+        known = self.case.events[i]
+        judged = self.judged
         t, x = known.middle
         errors = [relative_error(event.t, t, self.case.t0)]
         if known.kind == "graze":
@@ -226,7 +285,9 @@ class _Judge:
             else:
                 errors.append(relative_error(event.x, x))
                 judged.error_x = max(judged.error_x or 0.0, errors[1])
-            judged.units = max(judged.units or 0.0, *(e / u for e, u in zip(errors, units, strict=False)))
+            judged.units = max(
+                judged.units or 0.0, *(e / u for e, u in zip(errors, units, strict=False))
+            )
             allowed = [max(self.tolerance, UNITS_ALLOWED * each) for each in units]
         self._derivatives(i, event)
         late = [pair for pair in zip(errors, allowed, strict=False) if pair[0] > pair[1]]
@@ -237,7 +298,9 @@ class _Judge:
 
     def _derivatives(self, i: int, event: GivenEvent) -> None:
         """Judge the derivatives that a solver gives of the case's event i, where the case has them too."""
-        judged, known, condition = self.judged, self.case.events[i], self.case.conditions[i]
+        judged = self.judged
+        known = self.case.events[i]
+        condition = self.case.conditions[i]
         allowed = max(self.tolerance, UNITS_ALLOWED * ROUNDING_UNIT * max(1.0, condition) ** 2)
         worst = (0.0, "")
         for name, change in self.case.derivatives[i].items() if condition < inf else ():
@@ -246,15 +309,21 @@ class _Judge:
                 found = event.changes.get(f"d{of}_{name}")
                 if found is None:
                     continue
-                scale = max(1.0, abs(value)) if of == "t" else max(1.0, *map(abs, exact), abs(float(known.middle[1])))
+                if of == "t":
+                    scale = max(1.0, abs(value))
+                else:
+                    scale = max(1.0, *map(abs, exact), abs(float(known.middle[1])))
                 error = abs(found - value) / scale
-                error = error if isfinite(error) else inf
+                if not isfinite(error):
+                    error = inf
                 judged.derivatives += 1
                 judged.wrong_derivatives += error > allowed
                 judged.error_d = max(judged.error_d or 0.0, error)
                 worst = max(worst, (error, f"d{of}/d{name}"))
         if worst[0] > allowed:
-            what = f"{worst[1]} of {_event_text(known)}, error {worst[0]:.1e}, allowed {allowed:.1e}"
+            what = (
+                f"{worst[1]} of {_event_text(known)}, error {worst[0]:.1e}, allowed {allowed:.1e}"
+            )
             judged.wrong.append(Wrong("derivative", self.times[i], what, ""))
 
     def _fault(self, fault: str, t: float, wanted: str, found: str, count: int = 1) -> None:
@@ -266,15 +335,20 @@ class _Judge:
 def align(
     found: Sequence[Any], reference: Sequence[Any], times: Sequence[float], window: float
 ) -> list[tuple[int, int]]:
-    """Pair events of the same kind and belt, at most `window` apart in time; return pairs (reference, found).
+    """Pair events of the same kind and belt, at most `window` apart in time.
 
-    There are as many pairs as possible and, among such choices, the times are nearest. `times` are those of the
-    reference.
+    Return pairs (reference, found).
+
+    There are as many pairs as possible and, among such choices, the times are nearest. `times` are
+    those of the reference.
     """
     # Those found are in order of time.
-    found_times, pairs = [float(event.t) for event in found], []
+    found_times = [float(event.t) for event in found]
+    pairs = []
     for i, (event, time) in enumerate(zip(reference, times, strict=True)):
-        for j in range(bisect_left(found_times, time - window), bisect_right(found_times, time + window)):
+        for j in range(
+            bisect_left(found_times, time - window), bisect_right(found_times, time + window)
+        ):
             if (found[j].kind, found[j].boundary) == (event.kind, event.boundary):
                 pairs.append((i, j, abs(found_times[j] - time)))
     return in_order(pairs)
@@ -299,7 +373,10 @@ NO_RESULT = "no result"
 
 
 def case_cell(case: CaseScore) -> str:
-    """Return a solver's result for a case as short text: its faults or, if there are none, its largest error."""
+    """Return a solver's result for a case as short text.
+
+    Its faults or, if there are none, its largest error.
+    """
     if not case.given:
         return case.note or NO_RESULT
     counts = {"missed": case.missed, "invented": case.invented, "wrong kind": case.kinds}
@@ -317,37 +394,61 @@ def case_cell(case: CaseScore) -> str:
 
 
 def group_cell(cases: Sequence[CaseScore]) -> str:
-    """Return a solver's result for a group as text: how many cases are right, and their largest error."""
-    given, right = [case for case in cases if case.given], [case for case in cases if case.right]
+    """Return a solver's result for a group as text.
+
+    How many cases are right, and their largest error.
+    """
+    given = [case for case in cases if case.given]
+    right = [case for case in cases if case.right]
     if not given:
         return next((case.note for case in cases if case.note), NO_RESULT)
     units = [case.units for case in right if case.units is not None]
-    largest = f": {short_number(max(units))}" if units else ""
+    if units:
+        largest = f": {short_number(max(units))}"
+    else:
+        largest = ""
     absent = len(cases) - len(given)
     return f"{len(right)} of {len(cases)}{largest}{f' ({absent} without result)' if absent else ''}"
 
 
 def short_number(value: float) -> str:
     """Return a number as short text: "12", or "3e+05" from 1000 on."""
-    return f"{value:.2g}" if value < 1000 else f"{value:.0e}"
+    if value < 1000:
+        return f"{value:.2g}"
+    return f"{value:.0e}"
 
 
 def group_table(scores: Sequence[Score], form: str = "simple") -> str:
     """Return a table with a row per group, one for all cases, and rows with the numbers of faults."""
     rows = []
     for group, cases in by_group(scores[0].cases):
-        columns = [group_cell([case for case in score.cases if case.group == group]) for score in scores]
+        columns = [
+            group_cell([case for case in score.cases if case.group == group]) for score in scores
+        ]
         rows.append([group, str(len(cases)), *columns])
-    totals = [f"{sum(case.right for case in score.cases)} of {len(score.cases)}" for score in scores]
+    totals = [
+        f"{sum(case.right for case in score.cases)} of {len(score.cases)}" for score in scores
+    ]
     rows.append(["all", str(len(scores[0].cases)), *totals])
 
     def total(score: Score, name: str) -> int:
         return sum(getattr(case, name) for case in score.given)
 
-    counts = {"events missed": "missed", "events invented": "invented", "wrong kinds": "kinds", "large errors": "late"}
-    rows += [[title, "", *(str(total(score, name)) for score in scores)] for title, name in counts.items()]
+    counts = {
+        "events missed": "missed",
+        "events invented": "invented",
+        "wrong kinds": "kinds",
+        "large errors": "late",
+    }
+    rows += [
+        [title, "", *(str(total(score, name)) for score in scores)]
+        for title, name in counts.items()
+    ]
     if any(total(score, "derivatives") for score in scores):
-        wrong = [f"{total(score, 'wrong_derivatives'):,} of {total(score, 'derivatives'):,}" for score in scores]
+        wrong = [
+            f"{total(score, 'wrong_derivatives'):,} of {total(score, 'derivatives'):,}"
+            for score in scores
+        ]
         rows.append(["wrong derivatives", "", *wrong])
     grazes = [f"{total(score, 'grazes_found')} of {total(score, 'grazes')}" for score in scores]
     rows.append(["grazes reported", "", *grazes])
@@ -358,35 +459,54 @@ def group_table(scores: Sequence[Score], form: str = "simple") -> str:
 
 
 def case_table(scores: Sequence[Score], form: str = "simple", with_absent: bool = True) -> str:
-    """Return a table with a row per case; a single solver's table also has its errors and seconds."""
-    heads, rows = ["case", "events", "condition", *(score.name for score in scores)], []
+    """Return a table with a row per case.
+
+    A single solver's table also has its errors and seconds.
+    """
+    heads = ["case", "events", "condition", *(score.name for score in scores)]
+    rows = []
     alone = len(scores) == 1
     for i, case in enumerate(scores[0].cases):
-        if not (with_absent or any(score.cases[i].given or score.cases[i].note for score in scores)):
+        if not (
+            with_absent or any(score.cases[i].given or score.cases[i].note for score in scores)
+        ):
             continue
         row = [case.name, str(case.events), f"{case.condition:.0e}" if case.condition else ""]
         row += [case_cell(score.cases[i]) for score in scores]
-        numbers = ["" if value is None else f"{value:.0e}" for value in (case.error_t, case.error_x, case.seconds)]
+        numbers = [
+            "" if value is None else f"{value:.0e}"
+            for value in (case.error_t, case.error_x, case.seconds)
+        ]
         rows.append(row + numbers if alone else row)
-    return _tabulate_escaped(rows, [*heads, *(["error of t", "error of x", "seconds"] if alone else [])], form)
+    return _tabulate_escaped(
+        rows, [*heads, *(["error of t", "error of x", "seconds"] if alone else [])], form
+    )
 
 
 def faults(score: Score) -> list[str]:
     """Return the faults of a solver as lines: the first 40, and how many more there are."""
     found = [f"{case.name}: {wrong}" for case in score.given for wrong in case.wrong]
-    more = [f"and {len(found) - MOST_LISTED_FAULTS} more; --json has all"] if len(found) > MOST_LISTED_FAULTS else []
+    if len(found) > MOST_LISTED_FAULTS:
+        more = [f"and {len(found) - MOST_LISTED_FAULTS} more; --json has all"]
+    else:
+        more = []
     return [*found[:MOST_LISTED_FAULTS], *more]
 
 
 def verdict(score: Score) -> str:
     """Return the result of all cases in one line."""
     given = score.given
-    right, wrong = sum(case.right for case in given), sum(bool(case.wrong) for case in given)
-    half, absent = len(given) - right - wrong, len(score.cases) - len(given)
+    right = sum(case.right for case in given)
+    wrong = sum(bool(case.wrong) for case in given)
+    half = len(given) - right - wrong
+    absent = len(score.cases) - len(given)
     parts = [f"right in {'all' if right == len(given) > 1 else f'{right} of'} {len(given)} cases"]
     parts += [f"wrong in {wrong}"] * bool(wrong)
     parts += [f"half judged in {half}, where x is not given"] * bool(half)
-    rest = f"; {absent} case{'s' if absent > 1 else ''} without results" if absent else ""
+    if absent:
+        rest = f"; {absent} case{'s' if absent > 1 else ''} without results"
+    else:
+        rest = ""
     return f"{score.name}: {', '.join(parts)}{rest}"
 
 
@@ -405,16 +525,26 @@ def legend(score: Score) -> list[str]:
 def as_text(scores: Sequence[Score]) -> str:
     """Return the whole score as text for the terminal."""
     found = [
-        [f"{score.name}, faults:", *(f"  {line}" for line in lines)] for score in scores if (lines := faults(score))
+        [f"{score.name}, faults:", *(f"  {line}" for line in lines)]
+        for score in scores
+        if (lines := faults(score))
     ]
     parts = [case_table(scores, with_absent=False), group_table(scores), *map("\n".join, found)]
     return "\n\n".join([*parts, "\n".join(legend(scores[0])), "\n".join(map(verdict, scores))])
 
 
 def _page(
-    scores: Sequence[Score], title: str, version: int, form: str, more: Sequence[str], with_faults: bool
+    scores: Sequence[Score],
+    title: str,
+    version: int,
+    form: str,
+    more: Sequence[str],
+    with_faults: bool,
 ) -> Iterator[tuple[str, Any]]:
-    """Yield the parts of the page of scores as (HTML tag, content): text, lists of lines, tables made by tabulate."""
+    """Yield the parts of the page of scores as (HTML tag, content).
+
+    Text, lists of lines, tables made by tabulate.
+    """
     yield "h1", title
     yield from (("p", line) for line in (f"Set of reference cases: version {version}.", *more))
     yield "ul", [verdict(score) for score in scores]
@@ -429,7 +559,11 @@ def _page(
 
 
 def as_markdown(
-    scores: Sequence[Score], title: str, version: int, more: Sequence[str] = (), with_faults: bool = True
+    scores: Sequence[Score],
+    title: str,
+    version: int,
+    more: Sequence[str] = (),
+    with_faults: bool = True,
 ) -> str:
     """Return the page of scores in Markdown, with `more` lines below its title, and faults if `with_faults`."""
     marks = {"h1": "# ", "h2": "## "}
@@ -453,7 +587,9 @@ def as_html(scores: Sequence[Score], title: str, version: int) -> str:
             parts += ["<ul>", *(f"<li>{escape(line)}</li>" for line in content), "</ul>"]
         else:
             parts.append(content if tag == "table" else f"<{tag}>{escape(content)}</{tag}>")
-    head = f'<meta charset="utf-8">\n<title>{escape(title)}</title>\n<style>\n{STYLE_SHEET}\n</style>'
+    head = (
+        f'<meta charset="utf-8">\n<title>{escape(title)}</title>\n<style>\n{STYLE_SHEET}\n</style>'
+    )
     body = "\n".join(parts)
     return f'<!DOCTYPE html>\n<html lang="en">\n<head>\n{head}\n</head>\n<body>\n{body}\n</body>\n</html>\n'
 
@@ -462,4 +598,6 @@ def _tabulate_escaped(rows: Sequence[Sequence[str]], heads: Sequence[str], form:
     def cells(row: Sequence[str]) -> list[str]:  # in Markdown a bar would end the cell
         return [each.replace("|", "\\|") if form == "github" else each for each in row]
 
-    return tabulate([cells(row) for row in rows], cells(heads), tablefmt=form, disable_numparse=True)
+    return tabulate(
+        [cells(row) for row in rows], cells(heads), tablefmt=form, disable_numparse=True
+    )

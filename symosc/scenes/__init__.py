@@ -1,4 +1,7 @@
-"""Named scenes: parameters, a start and a source. The shipped ones are the TOML files in this folder."""
+"""Named scenes: parameters, a start and a source.
+
+The shipped ones are the TOML files in this folder.
+"""
 
 from __future__ import annotations
 
@@ -24,7 +27,8 @@ from symosc.reductions import OtherModel, reduced_start, reduced_time
 from symosc.scenes.files import MOST_CHARACTERS, read_scene_file
 from symosc.words import WordError, read_word
 
-#: Parameters; or a Scene, the name or file of one, or an OtherModel, of which a public function takes the parameters.
+#: Parameters; or a Scene, the name or file of one, or an OtherModel, of which a public function
+#: takes the parameters.
 ParametersLike: TypeAlias = Any
 #: Half-widths of t0, x0 and v0.
 StartErrors: TypeAlias = tuple[Fraction, Fraction, Fraction]
@@ -71,8 +75,9 @@ class Scene(Drawable):
     ----------
     name : str
     parameters : Parameters or OtherModel
-        With an OtherModel, give start and end in its coordinates. The scene converts all to symosc's oscillator, and
-        keeps as `original` what was given; `simulate` gives the motion of the model.
+        With an OtherModel, give start and end in its coordinates. The scene converts all to
+        symosc's oscillator, and keeps as `original` what was given; `simulate` gives the motion of
+        the model.
     t0, x0, v0 : number
         Start time, position and velocity, read exactly like parameters.
     t_end : number
@@ -82,12 +87,14 @@ class Scene(Drawable):
     source : str
         Where the numbers come from.
     start_error : number or three numbers, optional
-        By how much t0, x0 and v0 may be off, up or down; kept as three Fractions. None: the start is exact.
+        By how much t0, x0 and v0 may be off, up or down; kept as three Fractions. None: the start
+        is exact.
     notes : tuple of str
         What is to be said about its numbers, such as that one is known to 40 digits; not compared.
     original : Original or None
-        The model and the start that were given, if they are of another model. A copy with other numbers, such as
-        ``dataclasses.replace`` makes, has none; `started` and `changed` keep to the model.
+        The model and the start that were given, if they are of another model. A copy with other
+        numbers, such as ``dataclasses.replace`` makes, has none; `started` and `changed` keep to
+        the model.
 
     Raises
     ------
@@ -123,24 +130,38 @@ class Scene(Drawable):
             if not is_text and not (name == "structure" and value is None):
                 raise ParameterError(name, value, "must be text")
         if not isinstance(self.parameters, Parameters | OtherModel):
-            raise ParameterError("parameters", self.parameters, "must be Parameters or an OtherModel")
+            raise ParameterError(
+                "parameters", self.parameters, "must be Parameters or an OtherModel"
+            )
         if not isinstance(self.original, Original | None):
             raise ParameterError("original", self.original, "is what a scene of an OtherModel has")
         if self.structure is not None:
             read_word(self.structure)
-        if not (isinstance(self.notes, tuple) and all(isinstance(note, str) for note in self.notes)):
+        if not (
+            isinstance(self.notes, tuple) and all(isinstance(note, str) for note in self.notes)
+        ):
             raise ParameterError("notes", self.notes, "must be a tuple of texts")
         model: Any = self.parameters
-        numbers, rounding = start_numbers({name: getattr(self, name) for name in START_NAMES}, parameters_of(model))
-        error = rounding if self.start_error is None else read_start_error(self.start_error)
+        numbers, rounding = start_numbers(
+            {name: getattr(self, name) for name in START_NAMES}, parameters_of(model)
+        )
+        if self.start_error is None:
+            error = rounding
+        else:
+            error = read_start_error(self.start_error)
         if numbers["t_end"] <= numbers["t0"]:
-            raise ParameterError("t_end", show(numbers["t_end"]), f"must be later than t0 = {show(numbers['t0'])}")
+            raise ParameterError(
+                "t_end", show(numbers["t_end"]), f"must be later than t0 = {show(numbers['t0'])}"
+            )
         if isinstance(model, OtherModel):
             given = Original(model, **numbers, start_error=error)
             object.__setattr__(self, "original", given)
             object.__setattr__(self, "parameters", model.parameters)
             numbers, error = _reduced_problem(given)
-        elif self.original and (model, numbers) != (self.original.model.parameters, _reduced_problem(self.original)[0]):
+        elif self.original and (model, numbers) != (
+            self.original.model.parameters,
+            _reduced_problem(self.original)[0],
+        ):
             object.__setattr__(self, "original", None)
         object.__setattr__(self, "start_error", error)
         for name, number in numbers.items():
@@ -148,32 +169,47 @@ class Scene(Drawable):
 
     @public
     def started(self, given: Mapping[str, NumberLike]) -> Scene:
-        """Return a copy with another t0, x0, v0 or t_end; numbers that are not given keep the scene's `start_error`.
+        """Return a copy with another t0, x0, v0 or t_end.
 
-        The end may be text such as "10T": so many periods of the drive after t0. For a scene of another model, give
-        the numbers in the coordinates of that model.
+        Numbers that are not given keep the scene's `start_error`.
+
+        The end may be text such as "10T": so many periods of the drive after t0. For a scene of
+        another model, give the numbers in the coordinates of that model.
         """
         for name in given:
             if name not in START_NAMES:
-                raise ParameterError(name, given[name], f"is not of a start; give {', '.join(START_NAMES)}")
+                raise ParameterError(
+                    name, given[name], f"is not of a start; give {', '.join(START_NAMES)}"
+                )
         if not given:
             return self
-        own = self if self.original is None else self.original
+        if self.original is None:
+            own: Scene | Original = self
+        else:
+            own = self.original
         if "t_end" in given:
-            given = dict(given) | {"t_end": end_time(given["t_end"], self.parameters, given.get("t0", own.t0))}
+            given = dict(given) | {
+                "t_end": end_time(given["t_end"], self.parameters, given.get("t0", own.t0))
+            }
         numbers, rounding = start_numbers(given, self.parameters)
-        start, errors, exact = dict[str, Any](numbers), own.start_error, (Fraction(0),) * 3
+        start = dict[str, Any](numbers)
+        errors = own.start_error
+        exact = (Fraction(0),) * 3
         if errors is not None or rounding is not None:
             known = zip(START_NAMES, errors or exact, rounding or exact, strict=False)
             errors = tuple(new if name in given else old for name, old, new in known)  # type: ignore[assignment]
         start["start_error"] = errors
-        return replace(self, **start) if self.original is None else moved_scene(self, self.original, **start)
+        if self.original is None:
+            return replace(self, **start)
+        return moved_scene(self, self.original, **start)
 
     @public
     def changed(self, **changes: NumberLike | bool) -> Scene:
         """Return a copy with other parameters: ``scene.changed(Omega=2)``."""
         if self.original is not None:
-            return moved_scene(self, self.original, parameters=self.original.model.replace(**changes))
+            return moved_scene(
+                self, self.original, parameters=self.original.model.replace(**changes)
+            )
         return replace(self, parameters=self.parameters.replace(**changes))
 
     def reduced(self) -> Scene:
@@ -205,10 +241,17 @@ def not_reduced_error(scene: Any) -> ParameterError:
     return ParameterError("scene", scene.name if isinstance(scene, Scene) else str(scene), allowed)
 
 
-def start_numbers(given: Mapping[str, Any], p: Parameters) -> tuple[dict[str, Fraction], StartErrors | None]:
-    """Read the numbers of a start; return them by name, and how far t0, x0, v0 may be off (None if all are exact)."""
-    # An expression with pi is known to 40 digits. On a belt the mass has its speed, however many digits that has.
-    numbers, errors = dict[str, Fraction](), dict.fromkeys(START_NAMES, Fraction(0))
+def start_numbers(
+    given: Mapping[str, Any], p: Parameters
+) -> tuple[dict[str, Fraction], StartErrors | None]:
+    """Read the numbers of a start.
+
+    Return them by name, and how far t0, x0, v0 may be off (None if all are exact).
+    """
+    # An expression with pi is known to 40 digits. On a belt the mass has its speed, however many
+    # digits that has.
+    numbers = dict[str, Fraction]()
+    errors = dict.fromkeys(START_NAMES, Fraction(0))
     for name, value in given.items():
         numbers[name], exact = read_number(name, value)
         if not (exact or (name == "v0" and numbers[name] in (p.v1, p.v2))):
@@ -218,7 +261,10 @@ def start_numbers(given: Mapping[str, Any], p: Parameters) -> tuple[dict[str, Fr
 
 
 def parameters_of(what: Parameters | OtherModel | Scene | SceneName) -> Parameters:
-    """Return the parameters of a model, or of a scene or its name or file; return `Parameters` unchanged."""
+    """Return the parameters of a model, or of a scene or its name or file.
+
+    Return `Parameters` unchanged.
+    """
     if isinstance(what, Parameters):
         return what
     return (what if isinstance(what, Scene | OtherModel) else load_scene(what)).parameters
@@ -236,7 +282,10 @@ def end_time(given: Any, p: Parameters, t0: Any) -> Any:
 
 
 def forcing_periods(name: str, given: Any) -> Fraction | None:
-    """Return the number of drive periods that text such as "10T" gives, else None; errors call the argument `name`."""
+    """Return the number of drive periods that text such as "10T" gives, else None.
+
+    Errors call the argument `name`.
+    """
     if not (isinstance(given, str) and given.strip().endswith("T")):
         return None
     count = given.strip()[:-1].rstrip("* ")
@@ -275,23 +324,32 @@ def _shipped(name: str) -> Scene:
 
 
 def figure_of(name: str) -> int | None:
-    """Return the number of the paper's figure in a scene's name; None if the scene is not from the paper."""
+    """Return the number of the paper's figure in a scene's name.
+
+    None if the scene is not from the paper.
+    """
     found = re.match(r"fig(\d+)(-|$)", name, re.ASCII)
-    return int(found[1]) if found else None
+    if found:
+        return int(found[1])
+    return None
 
 
 @public
 def load_scene(name_or_path: SceneName) -> Scene:
-    """Load a shipped scene by name, or a TOML file of the same form by path; `symosc new` writes one to begin with.
+    """Load a shipped scene by name, or a TOML file of the same form by path.
 
-    In a file a number may be an expression such as "3*pi/2", which is read to 40 digits (`Scene.notes` says so, and a
-    start is then known to these only), and may have a unit, such as "2.5 cm" (extra `units`), which is converted to
-    kg, m, s, N and rad. A table [model] makes the file one of an `OtherModel`.
+    `symosc new` writes one to begin with.
+
+    In a file a number may be an expression such as "3*pi/2", which is read to 40 digits
+    (`Scene.notes` says so, and a start is then known to these only), and may have a unit, such as
+    "2.5 cm" (extra `units`), which is converted to kg, m, s, N and rad. A table [model] makes the
+    file one of an `OtherModel`.
 
     Raises
     ------
     SceneError
-        If there is no such scene, or the file is not TOML, or a key is missing or unknown; with the line.
+        If there is no such scene, or the file is not TOML, or a key is missing or unknown; with the
+        line.
     ParameterError
         If a number is out of range; with the line and the table.
     MissingExtraError
@@ -328,12 +386,18 @@ def _read_file(path: Path, where: str) -> Scene:
 
 
 def read_scene(text: str, where: str) -> Scene:
-    """Return a scene from the text of a TOML file, which messages call `where`; `load_scene` explains its form."""
+    """Return a scene from the text of a TOML file, which messages call `where`.
+
+    `load_scene` explains its form.
+    """
     file = read_scene_file(text, where)
     data = file.data
     try:
         given = data["parameters"]
-        problem = OtherModel(**given, **data["model"]) if "model" in data else Parameters(**given)
+        if "model" in data:
+            problem: OtherModel | Parameters = OtherModel(**given, **data["model"])
+        else:
+            problem = Parameters(**given)
         return Scene(
             name=data.get("name", Path(where).stem),
             parameters=problem,  # type: ignore[arg-type]
@@ -364,11 +428,16 @@ MODEL_COMMENT = """\
 # Another model, which symosc turns into its own. The base moves by Y cos(Omega t + Y_phase); the belts have the speeds
 # v1 and v2 and W cos(Omega t + W_phase), and joined = true moves them with the base; the force is A0 + B0 cos(Omega t +
 # phase); g and angle are gravity on a slope. What is left out is 0, mu1 is 1; without v2 there is one belt or wall."""
-START_COMMENT = "# The mass at the start. start_error = 1e-9 would say that these three may be off by so much."
+START_COMMENT = (
+    "# The mass at the start. start_error = 1e-9 would say that these three may be off by so much."
+)
 
 
 def as_toml(scene: Scene, explained: bool = False, file: str = "mine.toml") -> str:
-    """Return a scene as the text of a TOML file, which reads back as the same scene; `explained` adds comments."""
+    """Return a scene as the text of a TOML file, which reads back as the same scene.
+
+    `explained` adds comments.
+    """
 
     def line(name: str, text: str) -> str:
         written = f"{name} = {_toml_number(text)}"
@@ -378,13 +447,21 @@ def as_toml(scene: Scene, explained: bool = False, file: str = "mine.toml") -> s
         unit = unit_of(name)
         return f"{written:<15} # {meaning}{allowed and f', {allowed}'}{'' if unit == '1' else f' [{unit}]'}"
 
-    lines = [INTRODUCTION.format(file=file)] if explained else []
+    if explained:
+        lines = [INTRODUCTION.format(file=file)]
+    else:
+        lines = []
     # A JSON string is a TOML string too.
     about = {"name": scene.name, "source": scene.source, "structure": scene.structure}
     lines += [f"{key} = {json.dumps(value)}" for key, value in about.items() if value]
     if explained and not scene.structure:
-        lines.append('# structure = "P32"   # the periodic orbit that the scene is about, if there is one')
-    own: Scene | Original = scene if scene.original is None else scene.original
+        lines.append(
+            '# structure = "P32"   # the periodic orbit that the scene is about, if there is one'
+        )
+    if scene.original is None:
+        own: Scene | Original = scene
+    else:
+        own = scene.original
     parameters: dict[str, Any] = scene.parameters.as_dict()
     lines += [line("t_end", show(own.t_end)), ""]
     if scene.original is not None:
@@ -392,15 +469,32 @@ def as_toml(scene: Scene, explained: bool = False, file: str = "mine.toml") -> s
         lines += [*([MODEL_COMMENT] if explained else []), "[model]"]
         if parameters.pop("joined", False):
             lines.append("joined = true")
-        lines += [line(name, parameters.pop(name)) for name in list(parameters) if name not in PARAMETER_NAMES]
+        lines += [
+            line(name, parameters.pop(name))
+            for name in list(parameters)
+            if name not in PARAMETER_NAMES
+        ]
         lines.append("")
-    lines += ["[parameters]", *(line(name, text) for name, text in parameters.items()), "", "[start]"]
-    lines += [START_COMMENT] if explained else []
+    lines += [
+        "[parameters]",
+        *(line(name, text) for name, text in parameters.items()),
+        "",
+        "[start]",
+    ]
+    if explained:
+        lines += [START_COMMENT]
+    else:
+        lines += []
     lines += [line(name, show(getattr(own, name))) for name in STARTS]
     if own.start_error is not None:
-        lines.append(f"start_error = [{', '.join(_toml_number(show(each)) for each in own.start_error)}]")
+        lines.append(
+            f"start_error = [{', '.join(_toml_number(show(each)) for each in own.start_error)}]"
+        )
     return "\n".join(lines)
 
 
 def _toml_number(text: str) -> str:
-    return json.dumps(text) if "/" in text else text  # TOML has no fractions; as text they are read exactly
+    # TOML has no fractions; as text they are read exactly
+    if "/" in text:
+        return json.dumps(text)
+    return text

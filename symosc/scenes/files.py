@@ -28,10 +28,14 @@ MODEL_TABLES = TABLES | {
     "parameters": (NEEDED, tuple(name for name in PARAMETER_NAMES if name not in NEEDED)),
     "model": ((), MODEL_KEYS),
 }
-#: Scene files have some 500 characters, more if numbers have thousands of digits. tomllib takes minutes and gigabytes
-#: for a key of ten thousand parts. The last number is how many characters a note shows of a long number.
-MOST_CHARACTERS, MOST_DOTS, SHOWN_PART = 100_000, 200, 24
-#: Characters that may be read to find a line: a file that takes more is no scene that somebody wrote.
+#: Scene files have some 500 characters, more if numbers have thousands of digits. tomllib takes
+#: minutes and gigabytes for a key of ten thousand parts. The last number is how many characters a
+#: note shows of a long number.
+MOST_CHARACTERS = 100_000
+MOST_DOTS = 200
+SHOWN_PART = 24
+#: Characters that may be read to find a line: a file that takes more is no scene that somebody
+#: wrote.
 MOST_READ = 1_000_000
 
 
@@ -45,29 +49,39 @@ class SceneFile(NamedTuple):
 
     @property
     def tables(self) -> dict[str, tuple[tuple[str, ...], tuple[str, ...]]]:
-        """The tables that such a file may have, by name: their required keys, and their optional ones."""
-        return MODEL_TABLES if "model" in self.data else TABLES
+        """The tables that such a file may have, by name.
+
+        Their required keys, and their optional ones.
+        """
+        if "model" in self.data:
+            return MODEL_TABLES
+        return TABLES
 
     def place(self, *path: str) -> str:
         """Return the line and the table of a key as text for a message."""
         line = line_of(self.text, path)
-        return ", ".join(filter(None, [f"line {line}" if line else "", f"[{path[0]}]" if len(path) > 1 else ""]))
+        return ", ".join(
+            filter(None, [f"line {line}" if line else "", f"[{path[0]}]" if len(path) > 1 else ""])
+        )
 
     def located(self, error: ParameterError) -> SymoscError:
         """Return a copy of an error that also says where in the file the number is."""
         where = self.where
         for name, (required, optional) in self.tables.items():
             if error.name in (*required, *optional):
-                where = ", ".join(filter(None, [where, self.place(*filter(None, [name, error.name]))]))
+                where = ", ".join(
+                    filter(None, [where, self.place(*filter(None, [name, error.name]))])
+                )
                 break
         return ParameterError(error.name, error.value, f"{error.allowed} ({where})")
 
 
 def line_of(text: str, path: Sequence[str]) -> int | None:
     """Return the number of the last line of the value at a path of keys in a TOML text, None if it is not found."""
-    # The lines up to it are the first ones that are TOML and have it: so strings of several lines, inline tables and
-    # dotted keys are all read by the same rules as the file itself.
-    begin, read = "", 0
+    # The lines up to it are the first ones that are TOML and have it: so strings of several lines,
+    # inline tables and dotted keys are all read by the same rules as the file itself.
+    begin = ""
+    read = 0
     for n, line in enumerate(text.splitlines(keepends=True), 1):
         begin += line
         if not line.strip():
@@ -80,19 +94,27 @@ def line_of(text: str, path: Sequence[str]) -> int | None:
         except (ValueError, RecursionError):
             continue
         for key in path:
-            data = data.get(key) if isinstance(data, dict) else None
+            if isinstance(data, dict):
+                data = data.get(key)
+            else:
+                data = None
         if data is not None:
             return n
     return None
 
 
 def read_scene_file(text: str, where: str) -> SceneFile:
-    """Return a scene file with its numbers; SceneError for its form, ParameterError for a value that is no number."""
+    """Return a scene file with its numbers.
+
+    SceneError for its form, ParameterError for a value that is no number.
+    """
     if len(text) > MOST_CHARACTERS:
         raise SceneError(where, f"has more than {MOST_CHARACTERS} characters: it is no scene")
     for n, line in enumerate(text.split("\n"), 1):
         if line.count(".") > MOST_DOTS:
-            raise SceneError(where, f"line {n}: has more than {MOST_DOTS} dots: it is no line of a scene")
+            raise SceneError(
+                where, f"line {n}: has more than {MOST_DOTS} dots: it is no line of a scene"
+            )
     try:
         data = tomllib.loads(text, parse_float=Decimal)
     except RecursionError:
@@ -102,7 +124,9 @@ def read_scene_file(text: str, where: str) -> SceneFile:
     except ValueError as error:  # TOMLDecodeError, and an int of more digits than Python converts
         raise SceneError(where, f"is not valid TOML: {error}") from None
     if not data:
-        raise SceneError(where, "is empty; `symosc scenes fig5` prints an example, `symosc new` writes one")
+        raise SceneError(
+            where, "is empty; `symosc scenes fig5` prints an example, `symosc new` writes one"
+        )
     file = SceneFile(text, where, data, [])
     for table in file.tables:
         _check_keys(file, table)
@@ -119,11 +143,18 @@ def read_scene_file(text: str, where: str) -> SceneFile:
 
 def _check_keys(file: SceneFile, name: str) -> None:
     """Raise SceneError for missing or unknown keys of a table."""
-    table = file.data[name] if name else file.data
+    if name:
+        table = file.data[name]
+    else:
+        table = file.data
     if not isinstance(table, dict):
         raise SceneError(file.where, f"{file.place(name)}: [{name}] must be a table")
     required, optional = file.tables[name]
-    prefix, known = f"{name}." if name else "", (*required, *optional)
+    if name:
+        prefix = f"{name}."
+    else:
+        prefix = ""
+    known = (*required, *optional)
     missing = [key for key in required if key not in table]
     for key in table:  # before what is missing: that may be what was meant
         if key not in known:
@@ -131,16 +162,27 @@ def _check_keys(file: SceneFile, name: str) -> None:
             hint = meant(key, missing or known)
             unknown = f"{prefix}{brief(key)} is unknown{hint}; known are {', '.join(known)}"
             if name == "parameters" and key in MODEL_KEYS:
-                unknown += "; a model other than that of symosc has a table [model], and this stands there"
+                unknown += (
+                    "; a model other than that of symosc has a table [model], and this stands there"
+                )
             raise SceneError(file.where, f"{place}: {unknown}" if place else unknown)
     for key in missing:
-        begins = f"; [{name}] begins in {file.place(name)}" if name and file.place(name) else ""
-        advice = f": give it in a table [{key}]" if key in TABLES else begins
+        if name and file.place(name):
+            begins = f"; [{name}] begins in {file.place(name)}"
+        else:
+            begins = ""
+        if key in TABLES:
+            advice = f": give it in a table [{key}]"
+        else:
+            advice = begins
         raise SceneError(file.where, f"{prefix}{key} is missing{advice}")
 
 
 def _check_number(file: SceneFile, table: Record, name: str) -> None:
-    """Check a number that is given as text; if it is read to 40 digits only, add a note on it to `file.notes`."""
+    """Check a number that is given as text.
+
+    If it is read to 40 digits only, add a note on it to `file.notes`.
+    """
     if isinstance(table[name], str):
         try:
             number, exact = read_number(name, table[name])
@@ -148,5 +190,6 @@ def _check_number(file: SceneFile, table: Record, name: str) -> None:
             raise file.located(error) from None
         if not exact:
             shown = show(number)
-            shown = f"{shown[:SHOWN_PART]}…" if len(shown) > SHOWN_PART else shown
+            if len(shown) > SHOWN_PART:
+                shown = f"{shown[:SHOWN_PART]}…"
             file.notes.append(f"{name} = {table[name]}: read to 40 digits, {shown}")

@@ -1,7 +1,10 @@
-"""Execution of many motions at once: compiled or interpreted loops, threads, and compilation in advance.
+"""Execution of many motions at once.
 
-Interpreted and compiled loops give the same bits: only the time depends on which of them runs. What comes out does not
-depend on the number of threads either: each chunk is computed by itself, and put where it belongs.
+Compiled or interpreted loops, threads, and compilation in advance.
+
+Interpreted and compiled loops give the same bits: only the time depends on which of them runs. What
+comes out does not depend on the number of threads either: each chunk is computed by itself, and put
+where it belongs.
 """
 
 from __future__ import annotations
@@ -19,7 +22,15 @@ import numpy as np
 from symosc.engine import arithmetic, flow, summary
 from symosc.engine import batch as engine_batch
 from symosc.engine.arithmetic import PairLoops, compiled, compiled_pairs, interpreted, is_compiled
-from symosc.engine.batch import NO_PIECES, STATE_WIDTH, Batch, EventRows, batch_of, event_buffer, rows_between
+from symosc.engine.batch import (
+    NO_PIECES,
+    STATE_WIDTH,
+    Batch,
+    EventRows,
+    batch_of,
+    event_buffer,
+    rows_between,
+)
 from symosc.engine.flow import table_of
 from symosc.engine.start import Start, first_row
 from symosc.engine.summary import Tally, no_tally
@@ -29,13 +40,16 @@ from symosc.scenes import load_scene
 
 Result = TypeVar("Result")
 
-# Events after which a loop gives its rows back, and can be interrupted: a tenth of a second.
-# A little more than a power of 2: else all columns would have the same places in the processor's cache.
+# Events after which a loop gives its rows back, and can be interrupted: a tenth of a second. A
+# little more than a power of 2: else all columns would have the same places in the processor's
+# cache.
 CAPACITY = (1 << 18) + 72
 # Events after which the interpreted loop asks whether to go on.
 TURN = 2048
-# A chunk has enough motions to hide what it costs to begin one, and so few that all threads are busy to the end.
-LEAST_IN_CHUNK, MOST_IN_CHUNK = 16, 2048
+# A chunk has enough motions to hide what it costs to begin one, and so few that all threads are
+# busy to the end.
+LEAST_IN_CHUNK = 16
+MOST_IN_CHUNK = 2048
 LEAST_ALONE = 512  # where one thread does all
 CHUNKS_PER_WORKER = 6
 MOST_WORKERS = 256
@@ -48,11 +62,15 @@ class InterpretBudget:
     events: int
 
 
-DOUBLES, PAIRS = InterpretBudget(250_000), InterpretBudget(25_000)
+DOUBLES = InterpretBudget(250_000)
+PAIRS = InterpretBudget(25_000)
 
 
 class Loops(NamedTuple):
-    """The functions that start, follow and finish motions, compiled or not; they take constants as a numpy table."""
+    """The functions that start, follow and finish motions, compiled or not.
+
+    They take constants as a numpy table.
+    """
 
     march_rows: Callable[..., None]
     follow: Callable[..., tuple[int, int, int]]
@@ -74,28 +92,39 @@ def chosen_loops(use_numba: Any) -> Loops:
         if use_numba:
             raise
         return INTERPRETED
-    march_rows, follow, settle = (functions[name] for name in ("march_rows", "follow_all", "settle"))
+    march_rows, follow, settle = (
+        functions[name] for name in ("march_rows", "follow_all", "settle")
+    )
     if not use_numba:
-        march_rows = march_rows if is_compiled(march_rows) else INTERPRETED.march_rows
-        follow = follow if is_compiled(follow) else _interpreted_first(follow)
-        settle = settle if is_compiled(settle) else INTERPRETED.settle
+        if not is_compiled(march_rows):
+            march_rows = INTERPRETED.march_rows
+        if not is_compiled(follow):
+            follow = _interpreted_first(follow)
+        if not is_compiled(settle):
+            settle = INTERPRETED.settle
     return Loops(march_rows, follow, settle, True)
 
 
 def pair_loops(events: int) -> PairLoops:
     """Return the loops for double-double numbers, compiled, or interpreted if that is quicker for so many `events`."""
     pays = events > PAIRS.events or arithmetic.pairs_are_compiled()
-    return compiled_pairs() if pays else arithmetic.interpreted_pairs()
+    if pays:
+        return compiled_pairs()
+    return arithmetic.interpreted_pairs()
 
 
 def _interpreted_first(compiled_one: Callable[..., Any]) -> Callable[..., tuple[int, int, int]]:
     """Return an event loop, interpreted for up to 2048 events per call until `DOUBLES` is used up, then compiled."""
 
-    def follow(begin: int, batch: Batch, most: int, accuracy: float, out: EventRows, *others: Any) -> Any:
+    def follow(
+        begin: int, batch: Batch, most: int, accuracy: float, out: EventRows, *others: Any
+    ) -> Any:
         if DOUBLES.events <= 0 or is_compiled(compiled_one):
             return compiled_one(begin, batch, most, accuracy, out, *others)
         one = Batch(*(column[: begin + 1] for column in batch))
-        begin, filled, parts = FOLLOW(begin, one, most, accuracy, rows_between(out, 0, TURN), *others)
+        begin, filled, parts = FOLLOW(
+            begin, one, most, accuracy, rows_between(out, 0, TURN), *others
+        )
         DOUBLES.events -= max(filled, 1)
         return begin, filled, parts
 
@@ -111,15 +140,21 @@ def follow_batch(
     buffer: EventRows | None = None,
     tally: Tally | None = None,
 ) -> Iterator[EventRows]:
-    """Follow all trajectories of a batch by the loop `follow`; yield copies of event rows each time `buffer` is full.
+    """Follow all trajectories of a batch by the loop `follow`.
 
-    A motion ends after `most` events, or at an event less accurate than `accuracy`. `table` has the constants of the
-    parameter sets. With a `tally`, running summaries are updated there and no events are recorded.
+    Yield copies of event rows each time `buffer` is full.
+
+    A motion ends after `most` events, or at an event less accurate than `accuracy`. `table` has the
+    constants of the parameter sets. With a `tally`, running summaries are updated there and no
+    events are recorded.
     """
-    buffer, tally, begin = buffer or event_buffer(4 * len(batch.states) + 64), tally or no_tally(), 0
+    buffer = buffer or event_buffer(4 * len(batch.states) + 64)
+    tally = tally or no_tally()
+    begin = 0
     while begin < len(batch.states):
         begin, filled, _ = follow(begin, batch, most, accuracy, buffer, NO_PIECES, tally, table)
-        filled = 0 if len(tally.floats) else filled
+        if len(tally.floats):
+            filled = 0
         yield EventRows(*(engine_batch.contiguous_copy(columns[:, :filled]) for columns in buffer))
 
 
@@ -142,9 +177,14 @@ class CancelToken(Event):
 
 
 def read_workers(workers: Any) -> int:
-    """Return the number of threads asked for; if None, the number of cores available to this process."""
+    """Return the number of threads asked for.
+
+    If None, the number of cores available to this process.
+    """
     if workers is None:
-        return len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
+        if hasattr(os, "sched_getaffinity"):
+            return len(os.sched_getaffinity(0))
+        return os.cpu_count() or 1
     return whole_number("workers", workers, 1)
 
 
@@ -154,13 +194,22 @@ def in_chunks(
     workers: int,
     progress: Callable[[int, int], object],
 ) -> list[Result]:
-    """Call `work(rows, buffer, cancel)` for chunks of `count` rows, in threads; return the results in order."""
-    # An interrupt, or an error of any chunk, ends all of them at their next `CancelToken.check`, and is raised.
-    least = LEAST_IN_CHUNK if workers > 1 else LEAST_ALONE
+    """Call `work(rows, buffer, cancel)` for chunks of `count` rows, in threads.
+
+    Return the results in order.
+    """
+    # An interrupt, or an error of any chunk, ends all of them at their next `CancelToken.check`,
+    # and is raised.
+    if workers > 1:
+        least = LEAST_IN_CHUNK
+    else:
+        least = LEAST_ALONE
     size = max(least, min(MOST_IN_CHUNK, -(-count // (CHUNKS_PER_WORKER * workers))))
     # No motions are a chunk too: it has the columns, each without an entry.
     chunks = [slice(begin, min(begin + size, count)) for begin in range(0, max(count, 1), size)]
-    cancel, results, done = CancelToken(), list[Result](), 0
+    cancel = CancelToken()
+    results = list[Result]()
+    done = 0
 
     def one(rows: slice) -> Result:
         cancel.check()
@@ -202,18 +251,36 @@ class Warmed(NamedTuple):
 
 
 def warm() -> list[Warmed]:
-    """Compile what `simulate_many` calls, unless it is on disk; raise MissingExtraError if numba is not installed."""
-    loops, doubles, pairs = chosen_loops(True), compiled(), compiled_pairs()
+    """Compile what `simulate_many` calls, unless it is on disk.
+
+    Raise MissingExtraError if numba is not installed.
+    """
+    loops = chosen_loops(True)
+    doubles = compiled()
+    pairs = compiled_pairs()
     tangents = arithmetic.compiled_tangents()["tangents"]
-    scene, nothing, none = load_scene("fig8"), np.arange(0), np.zeros((0, STATE_WIDTH))
+    scene = load_scene("fig8")
+    nothing = np.arange(0)
+    none = np.zeros((0, STATE_WIDTH))
     start = Start(scene.parameters, scene.t0, scene.x0, scene.v0, scene.t_end)
-    in_doubles, K = arithmetic.Arithmetic(scene.parameters), arithmetic.pair_constants(scene.parameters)
-    table, batch, out = table_of([in_doubles.K]), batch_of(none), event_buffer(0)
+    in_doubles = arithmetic.Arithmetic(scene.parameters)
+    K = arithmetic.pair_constants(scene.parameters)
+    table = table_of([in_doubles.K])
+    batch = batch_of(none)
+    out = event_buffer(0)
     row = np.array([first_row(start, in_doubles)])
     columns = *(np.zeros(0),) * 4, *(nothing,) * 3
-    changes = *(np.zeros((0, 1)),) * 2, np.zeros((0, 1), np.int8), np.zeros(0, np.int8), np.zeros((0, 2))
-    of_motions, letters, work = np.zeros((0, 5)), np.zeros((0, 4)), np.zeros((8, 11))
-    pair_rows, limits = none.astype(complex), engine_batch.PairLimits(1, 1.0, 0, 1.0, table, table)
+    changes = (
+        *(np.zeros((0, 1)),) * 2,
+        np.zeros((0, 1), np.int8),
+        np.zeros(0, np.int8),
+        np.zeros((0, 2)),
+    )
+    of_motions = np.zeros((0, 5))
+    letters = np.zeros((0, 4))
+    work = np.zeros((8, 11))
+    pair_rows = none.astype(complex)
+    limits = engine_batch.PairLimits(1, 1.0, 0, 1.0, table, table)
     calls: dict[str, list[tuple[Any, tuple[Any, ...]]]] = {
         "events in doubles": [
             (loops.march_rows, (table, np.zeros((1, 2, 7)))),
@@ -226,15 +293,34 @@ def warm() -> list[Warmed]:
         ],
         "events in double-double numbers": [
             (pairs.first_pairs, (pair_rows, K)),
-            (pairs.follow_pairs, (nothing, nothing, pair_rows, batch, out, NO_PIECES, K, no_tally(), limits)),
+            (
+                pairs.follow_pairs,
+                (nothing, nothing, pair_rows, batch, out, NO_PIECES, K, no_tally(), limits),
+            ),
         ],
         "derivatives of events": [
-            (tangents, (nothing, nothing, of_motions, nothing, columns, nothing, True, letters, table, changes, work))
+            (
+                tangents,
+                (
+                    nothing,
+                    nothing,
+                    of_motions,
+                    nothing,
+                    columns,
+                    nothing,
+                    True,
+                    letters,
+                    table,
+                    changes,
+                    work,
+                ),
+            )
         ],
     }
     done = []
     for what, functions in calls.items():
-        was_there, begin = all(is_compiled(function) for function, _ in functions), perf_counter()
+        was_there = all(is_compiled(function) for function, _ in functions)
+        begin = perf_counter()
         for function, arguments in functions:
             function(*arguments)
         done.append(Warmed(what, was_there, perf_counter() - begin))

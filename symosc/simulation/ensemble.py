@@ -1,9 +1,10 @@
 """`simulate_many`: many motions on all cores, from columns of problems to columns of events or summaries.
 
-Motions are followed in chunks, each in doubles first. A motion with an event that doubles do not decide, or do not know
-accurately enough, is followed again from its exact start in pairs of doubles, where numba is installed, and doubles go
-on from there. What pairs do not decide either is followed alone, as `symosc.simulation.simulate` does. So which
-arithmetic follows a motion depends on the motion alone.
+Motions are followed in chunks, each in doubles first. A motion with an event that doubles do not
+decide, or do not know accurately enough, is followed again from its exact start in pairs of
+doubles, where numba is installed, and doubles go on from there. What pairs do not decide either is
+followed alone, as `symosc.simulation.simulate` does. So which arithmetic follows a motion depends
+on the motion alone.
 """
 
 from __future__ import annotations
@@ -22,13 +23,46 @@ from symosc.arguments import public
 from symosc.display.progress import reporting
 from symosc.engine import batch as engine_batch
 from symosc.engine import summary as kept
-from symosc.engine.arithmetic import ROUNDED_FROM, compiled_pairs, many_digits, pair_constants, pairs_as_complex
-from symosc.engine.batch import Batch, EventRows, PairLimits, batch_of, event_buffer, joined, rows_between
+from symosc.engine.arithmetic import (
+    ROUNDED_FROM,
+    compiled_pairs,
+    many_digits,
+    pair_constants,
+    pairs_as_complex,
+)
+from symosc.engine.batch import (
+    Batch,
+    EventRows,
+    PairLimits,
+    batch_of,
+    event_buffer,
+    joined,
+    rows_between,
+)
 from symosc.engine.events import CODE_COLUMNS, FLOAT_COLUMNS
 from symosc.engine.flow import SIGMAS, ConstantRows
 from symosc.engine.start import MOST_PERIODS, Start, first_row, settles
-from symosc.engine.state import END, FULL, MOVED, ON_BELT, REST, RUNNING, UNDECIDED, Covariance, NextEvent, State
-from symosc.engine.summary import Kept, Tally, finish_tally, no_tally, select_tallies, store_tallies, tally_step
+from symosc.engine.state import (
+    END,
+    FULL,
+    MOVED,
+    ON_BELT,
+    REST,
+    RUNNING,
+    UNDECIDED,
+    Covariance,
+    NextEvent,
+    State,
+)
+from symosc.engine.summary import (
+    Kept,
+    Tally,
+    finish_tally,
+    no_tally,
+    select_tallies,
+    store_tallies,
+    tally_step,
+)
 from symosc.engine.tangent import Letters
 from symosc.errors import ParameterError
 from symosc.exact import read_start_error, whole_number
@@ -52,14 +86,17 @@ from symosc.simulation.tables import CHANGES, SUMMARY_COLUMNS, Summary, table_fr
 from symosc.simulation.tangents import chosen_tangents, event_changes, read_wrt
 from symosc.simulation.trajectory import Trajectory
 
-# A gap between a start and a belt that pairs have digits to spare for (`symosc.simulation.motion.fits_pairs`).
+# A gap between a start and a belt that pairs have digits to spare for
+# (`symosc.simulation.motion.fits_pairs`).
 FAR_OFF = 2e-8
 # Motions that are followed in interpreted pairs until it is asked again whether to compile.
 TOGETHER = 8
 # A force on a belt that is this small beside others is computed from the exact start.
 SMALL_FORCE = 1e-6
-# Mappings of a period that are kept at first, and sections that are kept of a motion, 64 bytes each.
-USUAL_WORD, MOST_SECTIONS = 48, 100_000
+# Mappings of a period that are kept at first, and sections that are kept of a motion, 64 bytes
+# each.
+USUAL_WORD = 48
+MOST_SECTIONS = 100_000
 EXTREMES = {"x_min": kept.X_MIN, "x_max": kept.X_MAX, "v_min": kept.V_MIN, "v_max": kept.V_MAX}
 #: Columns of a summary that a tally has as they are.
 KEPT_COLUMNS = EXTREMES | {"t": kept.T_LAST, "x": kept.X_LAST, "v": kept.V_LAST}
@@ -85,7 +122,9 @@ def simulate_many(
     workers: int | None = None,
     progress: Progress | None = None,
 ) -> Any:
-    """Follow many motions in double precision, on all cores; compiled when numba is installed (extra `fast`).
+    """Follow many motions in double precision, on all cores.
+
+    Compiled when numba is installed (extra `fast`).
 
     Parameters
     ----------
@@ -98,13 +137,14 @@ def simulate_many(
     use_numba : bool, optional
         None: if it is installed. Without it all is slower; the last digits may be others.
     record : str or sequence of str
-        "events": all of them, an `EventTable`. "summary": a row per motion, a `Summary`; or names of its columns.
+        "events": all of them, an `EventTable`. "summary": a row per motion, a `Summary`; or names
+        of its columns.
     wrt : str or sequence of str, optional
-        Names of parameters, and t0, x0, v0, by which all events are differentiated, as by `symosc.sensitivities`: the
-        table then has dt, dx and regular.
+        Names of parameters, and t0, x0, v0, by which all events are differentiated, as by
+        `symosc.sensitivities`: the table then has dt, dx and regular.
     skip, sections : optional
-        For summaries: the time from t0 on, in the unit of t_end, that is left out as a transient (one for all motions,
-        or one for each), and the number of sections that are kept.
+        For summaries: the time from t0 on, in the unit of t_end, that is left out as a transient
+        (one for all motions, or one for each), and the number of sections that are kept.
     workers : int, optional
         Threads; None: one for each core. The bytes of the result are the same for any number.
     progress : bool or callable, optional
@@ -113,7 +153,8 @@ def simulate_many(
     Returns
     -------
     EventTable or Summary
-        Events and statuses are those of `simulate` for each motion, and their numbers within the estimated errors.
+        Events and statuses are those of `simulate` for each motion, and their numbers within the
+        estimated errors.
 
     Raises
     ------
@@ -134,8 +175,13 @@ def simulate_many(
     if of_events:
         for name, value, usual in (("skip", skip, 0), ("sections", sections, 1)):
             if value is not usual and not (isinstance(value, int) and value == usual):
-                raise ParameterError(name, value, 'is for summaries; give record="summary", or names of its columns')
-        names = () if wrt is None else read_wrt(wrt)
+                raise ParameterError(
+                    name, value, 'is for summaries; give record="summary", or names of its columns'
+                )
+        if wrt is None:
+            names: tuple[str, ...] = ()
+        else:
+            names = read_wrt(wrt)
         work = partial(events_of, task, names, use_numba)
     elif wrt is not None:
         raise ParameterError("wrt", wrt, 'is for events; leave it out, or record="events"')
@@ -146,13 +192,20 @@ def simulate_many(
         parts: list[Any] = in_chunks(len(problems), work, threads, report)
     if of_events:
         rows, status = ([each for part in parts for each in part[n]] for n in range(2))
-        columns = map(engine_batch.joined_arrays, map(list, zip(*(part[2] for part in parts), strict=True)))
-        return table_from(rows, status, names, **dict(zip(CHANGES if names else (), columns, strict=True)))
+        columns = map(
+            engine_batch.joined_arrays, map(list, zip(*(part[2] for part in parts), strict=True))
+        )
+        return table_from(
+            rows, status, names, **dict(zip(CHANGES if names else (), columns, strict=True))
+        )
     return Summary(**{name: np.concatenate([part[name] for part in parts]) for name in parts[0]})
 
 
 class Task(NamedTuple):
-    """What all chunks of a call share: the problems, the loops, the most events of a motion, and the accuracy."""
+    """What all chunks of a call share.
+
+    The problems, the loops, the most events of a motion, and the accuracy.
+    """
 
     problems: Problems
     loops: loops.Loops
@@ -161,31 +214,50 @@ class Task(NamedTuple):
 
 
 class Chunk:
-    """Some of the motions of `simulate_many`, those in `rows`; making the object follows them to their ends."""
+    """Some of the motions of `simulate_many`, those in `rows`.
 
-    # `buffer` is used meanwhile. `keep`, if given, returns the tally of motions from their numbers and their rows at
-    # the start: then no events are recorded. `batch` has the last states and what each motion ended with, `rows` the
-    # events in order of motion and time, `alone` the trajectories of motions that were followed alone.
+    Making the object follows them to their ends.
+    """
 
-    def __init__(self, task: Task, rows: slice, buffer: EventRows, cancel: CancelToken, keep: Any = None) -> None:
+    # `buffer` is used meanwhile. `keep`, if given, returns the tally of motions from their numbers
+    # and their rows at the start: then no events are recorded. `batch` has the last states and what
+    # each motion ended with, `rows` the events in order of motion and time, `alone` the
+    # trajectories of motions that were followed alone.
+
+    def __init__(
+        self, task: Task, rows: slice, buffer: EventRows, cancel: CancelToken, keep: Any = None
+    ) -> None:
         self.task, self._first, self._buffer, self._cancel = task, rows.start, buffer, cancel
         self.batch, self.table = task.problems.begin(rows, task.loops.march_rows)
         if isinf(task.accuracy):
             self.table["sigmas"] = 0.0
         self._keep, self._starts = keep, self.batch.states.copy()
         self._needed = attainable(task.accuracy, task.problems.start_error)
-        self.tally = keep(rows, self._starts) if keep else no_tally()
-        self.rows, self.alone = list(self._in_doubles(self.batch, self.tally)), dict[int, Trajectory]()
-        again = self._in_pairs(self._reset_undecided()) if task.loops.in_threads else {}
+        if keep:
+            self.tally = keep(rows, self._starts)
+        else:
+            self.tally = no_tally()
+        self.rows, self.alone = (
+            list(self._in_doubles(self.batch, self.tally)),
+            dict[int, Trajectory](),
+        )
+        if task.loops.in_threads:
+            again = self._in_pairs(self._reset_undecided())
+        else:
+            again = {}
         for i in self._reset_undecided():
             cancel.check()
-            pairs = pair_loops(int(self.batch.counts[i])) if task.loops.in_threads else None
+            if task.loops.in_threads:
+                pairs = pair_loops(int(self.batch.counts[i]))
+            else:
+                pairs = None
             loops.PAIRS.events -= int(self.batch.counts[i])
             self.alone[i] = in_doubles(self.problem(i), task.most, task.accuracy, loops=pairs)
         for i, trajectory in self.alone.items():
             again[i] = trajectory.rows()
             again[i].ints[0] = i
-        self.rows = with_replaced(self.rows, again) if again else self.rows
+        if again:
+            self.rows = with_replaced(self.rows, again)
         self.status = self._statuses()
 
     def problem(self, i: int) -> Start:
@@ -194,28 +266,45 @@ class Chunk:
 
     def launches(self) -> tuple[np.ndarray, ...]:
         """Return starts, indices of parameter sets, their m, mu1, mu2, FN, and their constants, for `event_changes`."""
-        starts, sets = self._starts[:, [0, 0, 3, 4, 5]], self.task.problems.sets
+        starts = self._starts[:, [0, 0, 3, 4, 5]]
+        sets = self.task.problems.sets
         rows = slice(self._first, self._first + len(starts))
         starts[:, 1] = self.task.problems.t0.pairs(rows).hi
         letters = sets.doubles(Letters._fields, rows if len(sets) > 1 else slice(0, 1))
         return starts, self.batch.sets, letters, self.table
 
     def _reset_undecided(self) -> list[int]:
-        """Return the numbers of the motions that ended undecided; reset their running summaries to the start."""
+        """Return the numbers of the motions that ended undecided.
+
+        Reset their running summaries to the start.
+        """
         members: list[int] = np.flatnonzero(self.batch.codes <= UNDECIDED).tolist()
         if self._keep and members:
-            store_tallies(self.tally, members, self._keep(self._first + np.array(members), self._starts[members]))
+            store_tallies(
+                self.tally,
+                members,
+                self._keep(self._first + np.array(members), self._starts[members]),
+            )
         return members
 
     def _in_doubles(self, batch: Batch, tally: Tally) -> Iterator[EventRows]:
-        """Follow the motions of a batch in doubles and yield their events; update their summaries in `tally`."""
-        follow, most = self.task.loops.follow, self.task.most
-        for rows in loops.follow_batch(follow, batch, most, self._needed, self.table, self._buffer, tally):
+        """Follow the motions of a batch in doubles and yield their events.
+
+        Update their summaries in `tally`.
+        """
+        follow = self.task.loops.follow
+        most = self.task.most
+        for rows in loops.follow_batch(
+            follow, batch, most, self._needed, self.table, self._buffer, tally
+        ):
             self._cancel.check()
             yield rows
 
     def _in_pairs(self, members: list[int]) -> dict[int, EventRows]:
-        """Follow the motions `members` again, if double-double numbers suffice for them; return events by motion."""
+        """Follow the motions `members` again, if double-double numbers suffice for them.
+
+        Return events by motion.
+        """
         found: dict[int, EventRows] = {}
         numbers = self._first + np.array(members, np.int64)
         apart = self.task.problems.surely_fit_pairs(numbers, self._starts[members, 1], FAR_OFF)
@@ -229,30 +318,45 @@ class Chunk:
             events = EventRows(*(columns[:, order] for columns in events))
             cuts = np.searchsorted(events.ints[0], np.arange(len(some) + 1)).tolist()
             events.ints[0] = np.array(some)[events.ints[0]]
-            found |= {i: rows_between(events, *cut) for i, cut in zip(some, pairwise(cuts), strict=True)}
+            found |= {
+                i: rows_between(events, *cut) for i, cut in zip(some, pairwise(cuts), strict=True)
+            }
         return found
 
     def _escalate(self, parameters: Parameters, members: list[int]) -> Iterator[EventRows]:
         """Follow the motions `members`, of one parameter set, to the end, in pairs where doubles are in doubt."""
-        # Pairs go on from their own last state where doubles are in doubt again: a double has 16 digits of it only.
-        most, K = self.task.most, pair_constants(parameters)
-        pairs, tally = self._pair_rows(parameters, members), select_tallies(self.tally, members)
+        # Pairs go on from their own last state where doubles are in doubt again: a double has 16
+        # digits of it only.
+        most = self.task.most
+        K = pair_constants(parameters)
+        pairs = self._pair_rows(parameters, members)
+        tally = select_tallies(self.tally, members)
         states, sets, counts, codes = (column[members] for column in self.batch)
-        batch, wanted = batch_of(states, sets), counts + (codes == UNDECIDED)
-        going = PairLimits(most, self._needed, MOST_MORE, PAIR_NOISE, self.table, careful_table(self.table))
+        batch = batch_of(states, sets)
+        wanted = counts + (codes == UNDECIDED)
+        going = PairLimits(
+            most, self._needed, MOST_MORE, PAIR_NOISE, self.table, careful_table(self.table)
+        )
         waiting = np.arange(len(pairs))
         while len(waiting):
             events = wanted - batch.counts
             functions = pair_loops(int(events[waiting[:TOGETHER]].sum()))
-            together = len(waiting) if functions is compiled_pairs() else TOGETHER
-            active, waiting = waiting[:together], waiting[together:]
-            buffer = event_buffer(0 if len(tally.floats) else int((events + MOST_MORE)[active].sum()))
+            if functions is compiled_pairs():
+                together = len(waiting)
+            else:
+                together = TOGETHER
+            active = waiting[:together]
+            waiting = waiting[together:]
+            buffer = event_buffer(
+                0 if len(tally.floats) else int((events + MOST_MORE)[active].sum())
+            )
             given = active, wanted, pairs, batch, buffer, engine_batch.NO_PIECES, K, tally, going
             filled, _ = functions.follow_pairs(*given)
             loops.PAIRS.events -= filled
             yield rows_between(buffer, 0, min(filled, buffer.floats.shape[1]))
             active = active[batch.codes[active] == RUNNING]
-            further, counted = Batch(*(column[active] for column in batch)), select_tallies(tally, active)
+            further = Batch(*(column[active] for column in batch))
+            counted = select_tallies(tally, active)
             if len(active):
                 found = joined(self._in_doubles(further, counted))
                 doubtful = further.codes <= UNDECIDED
@@ -274,9 +378,12 @@ class Chunk:
         starts = self._starts[members]
         numbers = self._first + np.array(members, np.int64)
         arithmetic = many_digits(parameters, ROUNDED_FROM)
-        pairs = self.task.problems.pair_rows(numbers, starts, lambda t: pairs_as_complex(arithmetic.phase(t)[0]))
+        pairs = self.task.problems.pair_rows(
+            numbers, starts, lambda t: pairs_as_complex(arithmetic.phase(t)[0])
+        )
         pair_loops(len(pairs)).first_pairs(pairs, pair_constants(parameters))
-        least, largest = abs(starts[:, 6:8]).min(axis=1), abs(starts[:, 6:8]).max(axis=1)
+        least = abs(starts[:, 6:8]).min(axis=1)
+        largest = abs(starts[:, 6:8]).max(axis=1)
         unclear = (starts[:, 1] > 0) & (least <= SMALL_FORCE * (largest + float(parameters.FN)))
         for i in np.flatnonzero(unclear).tolist():
             pairs[i] = pairs_as_complex(tuple(first_row(self.problem(members[i]), arithmetic)))
@@ -284,12 +391,19 @@ class Chunk:
 
     def _statuses(self) -> list[str]:
         """Return for each motion why it ended, as text such as "t_end" or "max_events"."""
-        codes, periods = self.batch.codes, self.batch.states[:, 2]
+        codes = self.batch.codes
+        periods = self.batch.states[:, 2]
         status: list[str] = np.where(codes == FULL, "max_events", "t_end").tolist()
         # Motions without a drive may have come to rest.
-        for i in np.flatnonzero((codes == REST) | ((codes == END) & (self.batch.counts == 0))).tolist():
-            problem, (mode, v) = self.problem(i), self.batch.states[i, [0, 5]].tolist()
-            code = REST if codes[i] == END and settles(problem) else int(codes[i])
+        for i in np.flatnonzero(
+            (codes == REST) | ((codes == END) & (self.batch.counts == 0))
+        ).tolist():
+            problem = self.problem(i)
+            (mode, v) = self.batch.states[i, [0, 5]].tolist()
+            if codes[i] == END and settles(problem):
+                code = REST
+            else:
+                code = int(codes[i])
             status[i] = end_status(code, int(mode), v, problem.parameters)
         for i in np.flatnonzero((codes == END) & (periods >= MOST_PERIODS)).tolist():
             check_reached(self.problem(i), int(periods[i]))
@@ -300,12 +414,15 @@ class Chunk:
 
 def with_replaced(parts: Sequence[EventRows], again: dict[int, EventRows]) -> list[EventRows]:
     """Return the event rows of `parts` in order of motion and time, with those of the motions in `again` replaced."""
-    members, pieces = np.array(sorted(again), np.int64), list(again.values())
+    members = np.array(sorted(again), np.int64)
+    pieces = list(again.values())
     for part in parts:
         begins, ends = (np.searchsorted(part.ints[0], members, side) for side in ("left", "right"))
         gaps = zip([0, *ends], [*begins, part.ints.shape[1]], strict=True)
         pieces += [rows_between(part, begin, end) for begin, end in gaps]
-    return sorted((piece for piece in pieces if piece.ints.shape[1]), key=lambda piece: int(piece.ints[0, 0]))
+    return sorted(
+        (piece for piece in pieces if piece.ints.shape[1]), key=lambda piece: int(piece.ints[0, 0])
+    )
 
 
 def careful_table(table: np.ndarray) -> np.ndarray:
@@ -317,10 +434,19 @@ def careful_table(table: np.ndarray) -> np.ndarray:
 
 
 def events_of(
-    task: Task, wrt: tuple[str, ...], use_numba: bool | None, rows: slice, buffer: EventRows, cancel: CancelToken
+    task: Task,
+    wrt: tuple[str, ...],
+    use_numba: bool | None,
+    rows: slice,
+    buffer: EventRows,
+    cancel: CancelToken,
 ) -> tuple[list[EventRows], list[str], tuple[np.ndarray, ...]]:
-    """Follow the motions of `rows`; return their events, their statuses, and the columns dt, dx, regular by `wrt`."""
-    chunk, changes = Chunk(task, rows, buffer, cancel), tuple[np.ndarray, ...]()
+    """Follow the motions of `rows`.
+
+    Return their events, their statuses, and the columns dt, dx, regular by `wrt`.
+    """
+    chunk = Chunk(task, rows, buffer, cancel)
+    changes = tuple[np.ndarray, ...]()
     if wrt:
         chunk.rows = [joined(chunk.rows)]
         loop = chosen_tangents(len(chunk.rows[0].ints[0]), task.loops.in_threads, use_numba)
@@ -331,11 +457,18 @@ def events_of(
 
 
 class SummaryRequest:
-    """What a caller asks of a summary: columns, the time to skip, and the number of Poincaré sections to keep."""
+    """What a caller asks of a summary.
+
+    Columns, the time to skip, and the number of Poincaré sections to keep.
+    """
 
     def __init__(self, record: Any, skip: Any, sections: Any, problems: Problems) -> None:
-        names = [record] if isinstance(record, str) else list(record)
-        names = list(SUMMARY_COLUMNS) if names == ["summary"] else names
+        if isinstance(record, str):
+            names = [record]
+        else:
+            names = list(record)
+        if names == ["summary"]:
+            names = list(SUMMARY_COLUMNS)
         for name in names or ("",):
             if name not in SUMMARY_COLUMNS:
                 allowed = f'must be "events", "summary", or some of {", ".join(SUMMARY_COLUMNS)}'
@@ -344,76 +477,127 @@ class SummaryRequest:
         self.sections = whole_number("sections", sections, 0, MOST_SECTIONS)
         column = NumberColumn("skip", skip)
         if len(column) not in (1, len(problems)):
-            raise ParameterError("skip", len(column), f"must have 1 or {len(problems)} entries, as the motions")
+            raise ParameterError(
+                "skip", len(column), f"must have 1 or {len(problems)} entries, as the motions"
+            )
         self.skip = np.broadcast_to(column.hi, len(problems))
         lasts = problems.t_end.hi - problems.t0.hi
         for row in np.flatnonzero(~((self.skip >= 0.0) & (self.skip < lasts))).tolist():
-            raise ParameterError(column.called(row), column.hi[row % len(column)], "must be >= 0 and end before t_end")
+            raise ParameterError(
+                column.called(row),
+                column.hi[row % len(column)],
+                "must be >= 0 and end before t_end",
+            )
 
     def __contains__(self, name: str) -> bool:
         return name in self.names
 
     def start_tallies(self, longest: int, motions: Any, states: np.ndarray) -> Tally:
         """Return new running summaries of `motions` that begin at `states`, for words of up to `longest` mappings."""
-        repeats, extremes = "multiplicity" in self, not EXTREMES.keys().isdisjoint(self.names)
-        ring = 2 * kept.LONGEST_REPEAT if repeats else kept.LEAST_RING if "word" in self or "section" in self else 0
-        ring = max(ring, self.sections) if "section" in self else ring
-        words = longest if "word" in self else 0
+        repeats = "multiplicity" in self
+        extremes = not EXTREMES.keys().isdisjoint(self.names)
+        if repeats:
+            ring = 2 * kept.LONGEST_REPEAT
+        elif "word" in self or "section" in self:
+            ring = kept.LEAST_RING
+        else:
+            ring = 0
+        if "section" in self:
+            ring = max(ring, self.sections)
+        if "word" in self:
+            words = longest
+        else:
+            words = 0
         asked = Kept("stuck" in self, repeats or extremes, extremes, ring, words)
         return kept.new_tally(states, self.skip[motions], asked)
 
 
 def summary_of(
-    task: Task, asked: SummaryRequest, rows: slice, buffer: EventRows, cancel: CancelToken, longest: int = USUAL_WORD
+    task: Task,
+    asked: SummaryRequest,
+    rows: slice,
+    buffer: EventRows,
+    cancel: CancelToken,
+    longest: int = USUAL_WORD,
 ) -> Record:
-    """Follow the motions of `rows`, again if words exceed `longest` mappings; return the summary columns `asked`."""
+    """Follow the motions of `rows`, again if words exceed `longest` mappings.
+
+    Return the summary columns `asked`.
+    """
     chunk = Chunk(task, rows, buffer, cancel, partial(asked.start_tallies, longest))
-    tally, sets, t0 = chunk.tally, chunk.batch.sets, task.problems.t0.pairs(rows).hi
+    tally = chunk.tally
+    sets = chunk.batch.sets
+    t0 = task.problems.t0.pairs(rows).hi
     modes = chunk.batch.states[:, 0].astype(int)
     for i, trajectory in chunk.alone.items():
         modes[i] = tally_alone(i, trajectory, tally, chunk.table, int(sets[i]))
-    status, floats = np.array(chunk.status, dtype=str), tally.floats
+    status = np.array(chunk.status, dtype=str)
+    floats = tally.floats
     columns: Record = {"status": status, "mode": MODE_TEXTS[modes]}
     columns |= {"events": tally.ints[:, kept.EVENTS_SO_FAR], "sticks": tally.ints[:, kept.STICKS]}
     columns |= {name: floats[:, n] for name, n in KEPT_COLUMNS.items()}
-    columns |= {name: np.where(np.isfinite(columns[name]), columns[name], np.nan) for name in EXTREMES}
+    columns |= {
+        name: np.where(np.isfinite(columns[name]), columns[name], np.nan) for name in EXTREMES
+    }
     whole = np.isin(status, WHOLE)
     columns["t"] = np.where(whole, task.problems.t_end.pairs(rows).hi, columns["t"])
     counted = columns["t"] - t0 - asked.skip[rows]
     with np.errstate(all="ignore"):
-        columns["stuck"] = np.where(counted > 0.0, np.minimum(floats[:, kept.STUCK] / counted, 1.0), np.nan)
+        columns["stuck"] = np.where(
+            counted > 0.0, np.minimum(floats[:, kept.STUCK] / counted, 1.0), np.nan
+        )
     if "multiplicity" in asked or "section" in asked:
-        columns["section"] = np.full((len(floats), asked.sections if "section" in asked else 0, 2), np.nan)
+        columns["section"] = np.full(
+            (len(floats), asked.sections if "section" in asked else 0, 2), np.nan
+        )
         columns["multiplicity"] = np.zeros(len(floats) if "multiplicity" in asked else 0, np.int64)
         task.loops.settle(tally, sets, chunk.table, columns["section"], columns["multiplicity"])
     if "word" in asked:
         columns["word"] = words_of(tally)
         for i in np.flatnonzero(tally.ints[:, kept.LAST_LENGTH] > longest).tolist():
-            row, length = rows.start + i, int(tally.ints[i, kept.LAST_LENGTH])
+            row = rows.start + i
+            length = int(tally.ints[i, kept.LAST_LENGTH])
             again = summary_of(task, asked, slice(row, row + 1), buffer, cancel, length)["word"]
-            columns["word"] = columns["word"].astype(np.promote_types(columns["word"].dtype, again.dtype))
+            columns["word"] = columns["word"].astype(
+                np.promote_types(columns["word"].dtype, again.dtype)
+            )
             columns["word"][i] = again[0]
     return {name: columns[name] for name in asked.names}
 
 
 def words_of(tally: Tally) -> np.ndarray:
-    """Return for each motion the word of its last whole forcing period as text, such as "P32"; "" if there is none."""
+    """Return for each motion the word of its last whole forcing period as text, such as "P32".
+
+    "" if there is none.
+    """
     width = tally.labels.shape[2]
     there = np.arange(width) < tally.ints[:, kept.LAST_LENGTH, None]
     rows = np.where(there, tally.labels[:, 1], np.uint8(0)).view(f"S{width}")[:, 0]
     words, numbers = np.unique(rows, return_inverse=True)
-    # In order of time; the first mapping was under way when the period began, and counts as the last.
-    texts = [bytes(48 + label for label in (*word[1:], *word[:1]))[::-1].decode() for word in words.tolist()]
+    # In order of time; the first mapping was under way when the period began, and counts as the
+    # last.
+    texts = [
+        bytes(48 + label for label in (*word[1:], *word[:1]))[::-1].decode()
+        for word in words.tolist()
+    ]
     return np.array([f"P{text}" if text else "" for text in texts], dtype=str)[numbers]
 
 
 def tally_alone(i: int, trajectory: Trajectory, tally: Tally, table: np.ndarray, set_: int) -> int:
-    """Fill row `i` of `tally` from a trajectory with the constants in row `set_` of `table`; return its last mode."""
-    K, t0 = ConstantRows(table)[set_]._replace(Om_gain=0.0), float(trajectory.t_start)  # pieces have true times
-    states, rows = [_state_of_piece(*piece) for piece in trajectory._pieces.T.tolist()], trajectory.rows()
+    """Fill row `i` of `tally` from a trajectory with the constants in row `set_` of `table`.
+
+    Return its last mode.
+    """
+    # pieces have true times
+    K = ConstantRows(table)[set_]._replace(Om_gain=0.0)
+    t0 = float(trajectory.t_start)
+    states = [_state_of_piece(*piece) for piece in trajectory._pieces.T.tolist()]
+    rows = trajectory.rows()
     floats = (rows.floats[FLOAT_COLUMNS.index(name)].tolist() for name in ("x", "theta", "t_error"))
     codes = (rows.ints[1 + CODE_COLUMNS.index(name)].tolist() for name in ("kind", "boundary"))
-    events, last, whole = list(zip(*floats, *codes, strict=True))[::-1], states[0], trajectory.status in WHOLE
+    events = list(zip(*floats, *codes, strict=True))[::-1]
+    last = states[0]
+    whole = trajectory.status in WHOLE
     for before, after in pairwise(states):
         if not (events or whole):
             break
@@ -429,8 +613,18 @@ def tally_alone(i: int, trajectory: Trajectory, tally: Tally, table: np.ndarray,
     return last.mode
 
 
-def _state_of_piece(n: float, theta: float, mode: float, x: float, v: float, a: float, elapsed: float) -> State:
-    """Return the State at the start of a piece, without errors: period, phase, mode, x, v, acceleration, time."""
-    at = int(mode) - ON_BELT if mode > ON_BELT else 0
+def _state_of_piece(
+    n: float, theta: float, mode: float, x: float, v: float, a: float, elapsed: float
+) -> State:
+    """Return the State at the start of a piece, without errors.
+
+    Period, phase, mode, x, v, acceleration, time.
+    """
+    if mode > ON_BELT:
+        at = int(mode) - ON_BELT
+    else:
+        at = 0
     exact = Covariance(0.0, 0.0, 0.0)
-    return State(int(mode), at, int(n), theta, x, v, a, a, exact, elapsed, 0.0, sin(theta), cos(theta), 0.0)
+    return State(
+        int(mode), at, int(n), theta, x, v, a, a, exact, elapsed, 0.0, sin(theta), cos(theta), 0.0
+    )

@@ -1,7 +1,10 @@
-"""One motion in more precise numbers than doubles: with many digits, or until doubles decide its events again.
+"""One motion in more precise numbers than doubles.
 
-With many digits (`Motion`) doubles search for an event, and only the last step to it takes the digits. `FinerMotion`
-takes over from `symosc.simulation.simulate.in_doubles` where doubles are in doubt, and hands out doubles.
+With many digits, or until doubles decide its events again.
+
+With many digits (`Motion`) doubles search for an event, and only the last step to it takes the
+digits. `FinerMotion` takes over from `symosc.simulation.simulate.in_doubles` where doubles are in
+doubt, and hands out doubles.
 """
 
 from __future__ import annotations
@@ -15,15 +18,50 @@ import numpy as np
 from symosc.aliases import Number
 from symosc.engine import arithmetic, batch
 from symosc.engine.arithmetic import Arithmetic, MpArithmetic, PairLoops, loaded_loop, many_digits
-from symosc.engine.batch import EventRows, event_buffer, joined, keep_state, piece_buffer, rows_between, state_of
-from symosc.engine.events import CODE_COLUMNS, CODE_NAMES, EXACT_COLUMNS, FLOAT_COLUMNS, Event, event_codes
+from symosc.engine.batch import (
+    EventRows,
+    event_buffer,
+    joined,
+    keep_state,
+    piece_buffer,
+    rows_between,
+    state_of,
+)
+from symosc.engine.events import (
+    CODE_COLUMNS,
+    CODE_NAMES,
+    EXACT_COLUMNS,
+    FLOAT_COLUMNS,
+    Event,
+    event_codes,
+)
 from symosc.engine.flow import Constants, table_of
-from symosc.engine.start import Start, continued, first_state, is_steady, last_time, rounded, settles
-from symosc.engine.state import END, FAILED, GRAZE, ON_BELT, REST, RUNNING, UNDECIDED, Covariance, NextEvent, State
+from symosc.engine.start import (
+    Start,
+    continued,
+    first_state,
+    is_steady,
+    last_time,
+    rounded,
+    settles,
+)
+from symosc.engine.state import (
+    END,
+    FAILED,
+    GRAZE,
+    ON_BELT,
+    REST,
+    RUNNING,
+    UNDECIDED,
+    Covariance,
+    NextEvent,
+    State,
+)
 from symosc.engine.summary import no_tally
 from symosc.simulation.batch import InterpretBudget
 
-# The errors of an event that pairs may have in `simulate_many`, beside its rounding to doubles, as a part of that.
+# The errors of an event that pairs may have in `simulate_many`, beside its rounding to doubles, as
+# a part of that.
 PAIR_NOISE = 0.1
 # Digits between a start and a belt, or of its error, that pairs have to spare.
 PAIR_SPARE = 8
@@ -32,25 +70,34 @@ MOST_MORE = 64
 MOST_EVER = 1 << 62  # more than there are
 # Error estimates are standard errors; digits that are promised must hold.
 SAFETY = 100
-# The working precision where doubles do not decide, or are not accurate enough: what these leave open comes before an
-# event whose errors are not negligible beside its rounding to doubles.
+# The working precision where doubles do not decide, or are not accurate enough: what these leave
+# open comes before an event whose errors are not negligible beside its rounding to doubles.
 FINER_DIGITS = 44
-# The searches for single events that are interpreted before they are compiled: where the event loop is loaded too.
+# The searches for single events that are interpreted before they are compiled: where the event loop
+# is loaded too.
 SEARCHES = InterpretBudget(150_000)
 # A contact that is undecided with this many times the digits may be a graze.
-GRAZE_TIMES, GRAZE_SPARE = 3, 20
-# Digits up to which also the fast root of an overdamped system counts, and up to which grazes are confirmed.
-MOST_FAST, MOST_GRAZE = 600, 2500
+GRAZE_TIMES = 3
+GRAZE_SPARE = 20
+# Digits up to which also the fast root of an overdamped system counts, and up to which grazes are
+# confirmed.
+MOST_FAST = 600
+MOST_GRAZE = 2500
 # Digits for gaps that get smaller and smaller.
 MOST_SHRINKING = 600
 
 
 class Limits(NamedTuple):
-    """How far a motion is followed in more precise numbers: how many events, and how exact they must be."""
+    """How far a motion is followed in more precise numbers.
+
+    How many events, and how exact they must be.
+    """
 
     most: int  # events
     accuracy: float  # what doubles are asked for
-    noise: float = batch.NEGLIGIBLE  # the largest error of an event, as a part of the error of rounding it to a double
+    noise: float = (
+        batch.NEGLIGIBLE
+    )  # the largest error of an event, as a part of the error of rounding it to a double
 
 
 def fits_pairs(start: Start) -> bool:
@@ -66,22 +113,34 @@ def row_without_state(start: Start) -> np.ndarray:
 
 
 class SearchInDoubles:
-    """The search in doubles for the next events of one motion, by compiled code if in use; not thread-safe."""
+    """The search in doubles for the next events of one motion, by compiled code if in use.
 
-    # `K` are the constants with which doubles are tested for doubt (`next_doubt`). The decisions of `next_event`, for
-    # more precise numbers, always exceed the errors of a state.
+    Not thread-safe.
+    """
+
+    # `K` are the constants with which doubles are tested for doubt (`next_doubt`). The decisions of
+    # `next_event`, for more precise numbers, always exceed the errors of a state.
 
     def __init__(self, start: Start, K: Constants) -> None:
-        functions, plain = loaded_loop() or {}, (batch.search_row, batch.doubt_row)
+        functions = loaded_loop() or {}
+        plain = (batch.search_row, batch.doubt_row)
         found = tuple(functions.get(each.__name__, each) for each in plain)
-        compiled = bool(functions) and (SEARCHES.events <= 0 or all(map(arithmetic.is_compiled, found)))
-        self._search, self._doubt = found if compiled else plain
+        compiled = bool(functions) and (
+            SEARCHES.events <= 0 or all(map(arithmetic.is_compiled, found))
+        )
+        if compiled:
+            self._search, self._doubt = found
+        else:
+            self._search, self._doubt = plain
         careful = Arithmetic(start.parameters).K
         self._row = row_without_state(start)
         self._careful, self._K = (table_of([each]) if compiled else [each] for each in (careful, K))
 
     def next_event(self, state: State) -> tuple[NextEvent, float] | None:
-        """Return the event after `state` and, if undecided, a time before which no wall is met; None on overflow."""
+        """Return the event after `state` and, if undecided, a time before which no wall is met.
+
+        None on overflow.
+        """
         keep_state(self._row, 0, state)
         SEARCHES.events -= 1
         try:
@@ -103,22 +162,38 @@ class SearchInDoubles:
 class Motion:
     """One initial value problem followed with many digits: its state, and its events so far."""
 
-    # `code` is what the last step ended with, and `decided` whether the numbers at hand decide that; `first_at` is the
-    # belt on which the start is, or 0. `begin` is a state from which the motion goes on, known in all digits, and `K`
-    # are the constants by which doubles are in doubt.
+    # `code` is what the last step ended with, and `decided` whether the numbers at hand decide
+    # that; `first_at` is the belt on which the start is, or 0. `begin` is a state from which the
+    # motion goes on, known in all digits, and `K` are the constants by which doubles are in doubt.
 
     def __init__(
-        self, start: Start, digits: MpArithmetic | int, begin: State | None = None, K: Constants | None = None
+        self,
+        start: Start,
+        digits: MpArithmetic | int,
+        begin: State | None = None,
+        K: Constants | None = None,
     ) -> None:
-        own = many_digits(start.parameters, digits) if isinstance(digits, int) else digits
-        self.start, self.arithmetic, self.digits, in_doubles = start, own, own.digits, Arithmetic(start.parameters).K
-        state, (self.t0, t0_low) = begin or first_state(start, own), own.time(start.t0)
+        if isinstance(digits, int):
+            own = many_digits(start.parameters, digits)
+        else:
+            own = digits
+        self.start, self.arithmetic, self.digits, in_doubles = (
+            start,
+            own,
+            own.digits,
+            Arithmetic(start.parameters).K,
+        )
+        state = begin or first_state(start, own)
+        (self.t0, t0_low) = own.time(start.t0)
         self.first_at, self.K, self._begin = state.at, own.inner_K, own.inward((self.t0, t0_low))
         self._t0_low = own.inward(own.number(start.t0 - Fraction(float(start.t0))))
         if start.start_error:  # rounding is far below it, and it is no standard error
             self.K = self.K._replace(sigmas=own.inward(own.number(Fraction(1))))
         self._state, self._end = own.inward(state), own.inward(last_time(start, own))
-        self._search = SearchInDoubles(start, K or in_doubles) if own.fast and not start.start_error else None
+        if own.fast and not start.start_error:
+            self._search: SearchInDoubles | None = SearchInDoubles(start, K or in_doubles)
+        else:
+            self._search = None
         self._before, self._worst = self._state, 0.0
         self._events, self._columns = list[tuple[Any, tuple[int, ...]]](), list[tuple[Any, ...]]()
         self.code, self.decided, self.grazes_only = 0, True, True
@@ -127,11 +202,21 @@ class Motion:
         self._record_piece(0.0)
 
     def missing_digits(self, digits: int) -> int:
-        """Return how many more digits the least accurate event needs to have `digits`; negative if it has more."""
+        """Return how many more digits the least accurate event needs to have `digits`.
+
+        Negative if it has more.
+        """
         if self._worst == 0:
             return 0
         context = arithmetic.mp_context(15)
-        return int(context.ceil(context.log10(SAFETY * context.convert(self.arithmetic.outward(self._worst))))) + digits
+        return (
+            int(
+                context.ceil(
+                    context.log10(SAFETY * context.convert(self.arithmetic.outward(self._worst)))
+                )
+            )
+            + digits
+        )
 
     @property
     def ended(self) -> bool:
@@ -144,17 +229,29 @@ class Motion:
         return len(self._events)
 
     def events(self, context: Any = None) -> list[Event]:
-        """Return the events in all digits, or rounded to an mpmath context; then their errors include the rounding."""
-        half, found = float(context.eps) / 2 if context else 0.0, list[Event]()
+        """Return the events in all digits, or rounded to an mpmath context.
+
+        Then their errors include the rounding.
+        """
+        if context:
+            half = float(context.eps) / 2
+        else:
+            half = 0.0
+        found = list[Event]()
         for numbers, codes in self._events:
             values: dict[str, Any] = dict(zip(FLOAT_COLUMNS, numbers, strict=True))
-            values |= {name: float(value) for name, value in values.items() if name not in EXACT_COLUMNS}
+            values |= {
+                name: float(value) for name, value in values.items() if name not in EXACT_COLUMNS
+            }
             exact = self.arithmetic.outward(tuple(values[name] for name in EXACT_COLUMNS), context)
             values |= zip(EXACT_COLUMNS, exact, strict=True)
             for name in ("t", "x"):
                 values[f"{name}_error"] += half * abs(float(values[name]))
             for name, code in zip(CODE_COLUMNS, codes, strict=True):
-                values[name] = CODE_NAMES[name][code] if name in CODE_NAMES else code
+                if name in CODE_NAMES:
+                    values[name] = CODE_NAMES[name][code]
+                else:
+                    values[name] = code
             found.append(Event(**values))
         return found
 
@@ -168,12 +265,18 @@ class Motion:
     def _record_piece(self, elapsed: Number) -> None:
         """Store the piece of the motion that begins now, a time `elapsed` after t0 (as a number of this precision)."""
         s = self._state
-        a = s.Fb if s.mode <= ON_BELT else 0.0
+        if s.mode <= ON_BELT:
+            a = s.Fb
+        else:
+            a = 0.0
         elapsed = float(elapsed + self._t0_low)  # rounded once, as in pairs
         self._columns.append((s.n, *map(float, (s.theta, s.mode, s.x, s.v, a)), elapsed))
 
     def columns(self) -> np.ndarray:
-        """Return period number, theta, mode, x, v, acceleration, time at the start of each piece: (7, pieces)."""
+        """Return period number, theta, mode, x, v, acceleration, time at the start of each piece.
+
+        (7, pieces).
+        """
         return np.array(self._columns, dtype=float).T
 
     def step(self) -> None:
@@ -187,23 +290,38 @@ class Motion:
                 return
             self._record_piece(self._elapsed())
             if found.code <= GRAZE:
-                s, time_with_errors = found.state, own.following["time_with_errors"]
-                clock = time_with_errors(s.t, s.t_low, self._begin[0], s.x, s.v, found.t_error, s.S.S11, self.K)
+                s = found.state
+                time_with_errors = own.following["time_with_errors"]
+                clock = time_with_errors(
+                    s.t, s.t_low, self._begin[0], s.x, s.v, found.t_error, s.S.S11, self.K
+                )
                 self._record_event(before, found, clock)
                 self.grazes_only = self.grazes_only and found.code == GRAZE
 
     def _record_event(self, before: State, found: NextEvent, clock: tuple[Number, ...]) -> None:
-        """Store the event `found` after `before`; `clock` has its time, and the errors of its time and position."""
+        """Store the event `found` after `before`.
+
+        `clock` has its time, and the errors of its time and position.
+        """
         t, t_error, x_error = clock
-        self._worst = max(self._worst, t_error / max(1, abs(t)), x_error / max(1, abs(found.state.x)))
+        self._worst = max(
+            self._worst, t_error / max(1, abs(t)), x_error / max(1, abs(found.state.x))
+        )
         numbers = self.arithmetic.following["event_numbers"](before, found, clock, self.K)
         self._events.append((numbers, event_codes(before, found)))
 
     def _next_event(self, state: State) -> NextEvent:
         """Return the event after `state` with many digits; doubles search for it where they can."""
-        rough = self.rounded_state() if self._search else None
-        ahead = self._search.next_event(rough) if self._search and rough else None
-        self._rough, functions = None, self.arithmetic.following
+        if self._search:
+            rough = self.rounded_state()
+        else:
+            rough = None
+        if self._search and rough:
+            ahead = self._search.next_event(rough)
+        else:
+            ahead = None
+        functions = self.arithmetic.following
+        self._rough = None
         if ahead is None:
             self._search = None
             found: NextEvent = functions["advance"](state, *self._end, self.K)
@@ -213,7 +331,8 @@ class Motion:
 
     def _elapsed(self) -> Number:
         """Return the time since t0, as a number of the kind that the motion is computed with."""
-        since, before = self._state.t - self._begin[0], self._begin[1]
+        since = self._state.t - self._begin[0]
+        before = self._begin[1]
         return since + ((self._state.t_low - before) + since * self.K.Om_gain)
 
     def rounded_state(self) -> State:
@@ -238,23 +357,32 @@ class Motion:
 class MotionInPairs:
     """A motion in double-double numbers, followed only until doubles can decide its events again."""
 
-    # It stops before an event that pairs do not decide, or do not know accurately enough. `K` are the constants by
-    # which doubles are in doubt.
+    # It stops before an event that pairs do not decide, or do not know accurately enough. `K` are
+    # the constants by which doubles are in doubt.
 
     def __init__(self, start: Start, K: Constants, limits: Limits, loops: PairLoops) -> None:
         exact = many_digits(start.parameters, arithmetic.ROUNDED_FROM)
-        state, tables = first_state(start, exact), (table_of([each]) for each in (K, Arithmetic(start.parameters).K))
+        state = first_state(start, exact)
+        tables = (table_of([each]) for each in (K, Arithmetic(start.parameters).K))
         self._follow, self._K = loops.follow_pairs, arithmetic.pair_constants(start.parameters)
-        self._limits = batch.PairLimits(limits.most, limits.accuracy, MOST_EVER, limits.noise, *tables)
-        self._pairs = np.array([arithmetic.pairs_as_complex(tuple(batch.row_of(state, *last_time(start, exact))))])
+        self._limits = batch.PairLimits(
+            limits.most, limits.accuracy, MOST_EVER, limits.noise, *tables
+        )
+        self._pairs = np.array(
+            [arithmetic.pairs_as_complex(tuple(batch.row_of(state, *last_time(start, exact))))]
+        )
         self._batch = batch.batch_of(row_without_state(start))
         keep_state(self._batch.states, 0, rounded(state, float(start.t0), K.Om_gain))
         self._events, self._pieces = list[EventRows](), list[np.ndarray]()
         self.goal = 0  # the number of events to come to
 
-    code = property(lambda self: int(self._batch.codes[0]), doc="How the motion ended, as a code, or RUNNING.")
+    code = property(
+        lambda self: int(self._batch.codes[0]), doc="How the motion ended, as a code, or RUNNING."
+    )
     count = property(lambda self: int(self._batch.counts[0]), doc="The number of events so far.")
-    grazes_only = property(lambda self: self.count == 0, doc="Whether all events are grazes, which pairs leave open.")
+    grazes_only = property(
+        lambda self: self.count == 0, doc="Whether all events are grazes, which pairs leave open."
+    )
 
     def rounded_state(self) -> State:
         """Return the current state in doubles."""
@@ -264,15 +392,26 @@ class MotionInPairs:
         """Return the state before the first event that pairs cannot decide, in the more precise arithmetic `finer`."""
         number = finer.context.mpf
         row = [number(z.real) + number(z.imag) for z in self._pairs[0].tolist()]
-        numbers: tuple[Any, ...] = (*map(int, row[:3]), *row[3:8], Covariance(*row[8:11]), *row[11:13], *row[16:])
+        numbers: tuple[Any, ...] = (
+            *map(int, row[:3]),
+            *row[3:8],
+            Covariance(*row[8:11]),
+            *row[11:13],
+            *row[16:],
+        )
         return continued(State(*numbers), arithmetic.PAIR_EPS, finer)
 
     def reach(self, count: int) -> bool:
-        """Follow to `count` events, then until doubles can decide again; return False if pairs leave one undecided."""
-        first, wanted = np.arange(1), np.array([count])
+        """Follow to `count` events, then until doubles can decide again.
+
+        Return False if pairs leave one undecided.
+        """
+        first = np.arange(1)
+        wanted = np.array([count])
         while True:
             size = 2 * (max(count - self.count, 0) + MOST_MORE)
-            out, pieces = event_buffer(size), piece_buffer(size)
+            out = event_buffer(size)
+            pieces = piece_buffer(size)
             given = (self._pairs, self._batch, out, pieces, self._K, no_tally(), self._limits)
             rows, parts = self._follow(first, wanted, *given)
             self._events.append(rows_between(out, 0, rows))
@@ -289,16 +428,31 @@ class MotionInPairs:
 
 
 class MotionInDigits(Motion):
-    """A motion with many digits that stores events as doubles; it starts at t0, or where the motion `other` is."""
+    """A motion with many digits that stores events as doubles.
+
+    It starts at t0, or where the motion `other` is.
+    """
 
     # If it does, an event that it knows less accurately than the limits allow counts as undecided.
 
     def __init__(
-        self, start: Start, K: Constants, limits: Limits, digits: int, other: MotionInPairs | MotionInDigits | None
+        self,
+        start: Start,
+        K: Constants,
+        limits: Limits,
+        digits: int,
+        other: MotionInPairs | MotionInDigits | None,
     ) -> None:
-        begin = other.last_sure(many_digits(start.parameters, digits)) if other else None
+        if other:
+            begin = other.last_sure(many_digits(start.parameters, digits))
+        else:
+            begin = None
         super().__init__(start, digits, begin, K)
-        self.from_start, self.is_known, self._skipped = other is None, True, other.count if other else 0
+        self.from_start, self.is_known, self._skipped = (
+            other is None,
+            True,
+            other.count if other else 0,
+        )
         self.grazes_only = other is None or other.grazes_only
         self._limits, self.goal = limits, 0
 
@@ -308,25 +462,42 @@ class MotionInDigits(Motion):
         return self._skipped + len(self._events)
 
     def reach(self, count: int) -> bool:
-        """Follow the motion to `count` events or to its end; return False after a step that could not be decided."""
+        """Follow the motion to `count` events or to its end.
+
+        Return False after a step that could not be decided.
+        """
         # It goes on to the next event that doubles do not decide or know well enough.
         self.goal = count
         while not self.ended:
             if self.count >= self.goal:
-                state, search = self.rounded_state(), self._search
-                self.goal = search.next_doubt(state, self.count, self._limits) if search else 0
+                state = self.rounded_state()
+                search = self._search
+                if search:
+                    self.goal = search.next_doubt(state, self.count, self._limits)
+                else:
+                    self.goal = 0
                 if self.goal == 0:
                     break
             self.step()
-            if self.code == FAILED or not self.is_known or not (self.decided or self.start.start_error):
+            if (
+                self.code == FAILED
+                or not self.is_known
+                or not (self.decided or self.start.start_error)
+            ):
                 return False
         return True
 
     def _record_event(self, before: State, found: NextEvent, clock: tuple[Number, ...]) -> None:
-        """Store an event rounded to doubles, with its errors; note whether it is known well enough."""
+        """Store an event rounded to doubles, with its errors.
+
+        Note whether it is known well enough.
+        """
         t, t_error, x_error = map(float, clock)
-        x, noise = float(found.state.x), self._limits.noise
-        self.is_known = self.from_start or (batch.is_below(noise, t_error, t) and batch.is_below(noise, x_error, x))
+        x = float(found.state.x)
+        noise = self._limits.noise
+        self.is_known = self.from_start or (
+            batch.is_below(noise, t_error, t) and batch.is_below(noise, x_error, x)
+        )
         told = t, batch.rounding_error(t_error, t), batch.rounding_error(x_error, x)
         numbers = self.arithmetic.following["event_numbers"](before, found, told, self.K)
         self._events.append((tuple(map(float, numbers)), event_codes(before, found)))
@@ -337,7 +508,8 @@ class MotionInDigits(Motion):
 
     def take(self) -> tuple[EventRows, np.ndarray]:
         """Return the events and the pieces (parts between steps) found since the last call, as columns."""
-        rows, pieces = event_buffer(len(self._events)), self.columns()[:, 1:]
+        rows = event_buffer(len(self._events))
+        pieces = self.columns()[:, 1:]
         for n, (numbers, codes) in enumerate(self._events):
             rows.floats[:, n], rows.ints[:, n] = numbers, (0, *codes)
         self._skipped = self.count
@@ -348,18 +520,25 @@ class MotionInDigits(Motion):
 class FinerMotion:
     """A motion in pairs of doubles or in many digits, from its start on, followed until doubles suffice again."""
 
-    # Pairs follow it, if `loops` are given or this process has them compiled, else FINER_DIGITS digits. Past a contact
-    # that these leave undecided it goes on with as many digits as confirm a graze (`digits_to_confirm_graze`): from the
-    # state before it with its error, or from t0 if that error is why. If they do not decide the contact, it is a graze.
-    # If they do, the next such contact takes twice as many digits: where sticks get shorter, so do gaps. Where a gap
-    # has died away below these digits, it begins again with as many as die away until t_end, if that are at most
-    # MOST_FAST. `K` are the constants by which doubles are in doubt, `now` is the motion in the precision at hand.
+    # Pairs follow it, if `loops` are given or this process has them compiled, else FINER_DIGITS
+    # digits. Past a contact that these leave undecided it goes on with as many digits as confirm a
+    # graze (`digits_to_confirm_graze`): from the state before it with its error, or from t0 if that
+    # error is why. If they do not decide the contact, it is a graze. If they do, the next such
+    # contact takes twice as many digits: where sticks get shorter, so do gaps. Where a gap has died
+    # away below these digits, it begins again with as many as die away until t_end, if that are at
+    # most MOST_FAST. `K` are the constants by which doubles are in doubt, `now` is the motion in
+    # the precision at hand.
 
-    def __init__(self, start: Start, K: Constants, limits: Limits, loops: PairLoops | None = None) -> None:
+    def __init__(
+        self, start: Start, K: Constants, limits: Limits, loops: PairLoops | None = None
+    ) -> None:
         self._problem = start, K, limits
         self._least, self._asked_at = FINER_DIGITS + start.spare_digits, inf
         self.events, self.pieces = list[EventRows](), list[np.ndarray]()
-        self.open_at, self.open_in = nan, 0  # the time of a contact that cannot be decided, and with how many digits
+        self.open_at, self.open_in = (
+            nan,
+            0,
+        )  # the time of a contact that cannot be decided, and with how many digits
         self.now: MotionInPairs | MotionInDigits
         if fits_pairs(start) and (loops or arithmetic.pairs_are_loaded()):
             self.now = MotionInPairs(*self._problem, loops or arithmetic.compiled_pairs())
@@ -367,7 +546,10 @@ class FinerMotion:
             self.now = MotionInDigits(*self._problem, self._least, None)
 
     def reach(self, count: int) -> bool:
-        """Follow to `count` events, then on until doubles can decide again; return False at an undecidable contact."""
+        """Follow to `count` events, then on until doubles can decide again.
+
+        Return False at an undecidable contact.
+        """
         reached = self.now.reach(count)
         while not reached and self._settle_contact():
             reached = self.now.reach(self._goal)
@@ -381,33 +563,53 @@ class FinerMotion:
         self.pieces.append(pieces)
 
     def _settle_contact(self) -> bool:
-        """Get past an undecided contact with more digits, or by taking it for a graze; return False if both fail."""
-        now, (start, *_) = self.now, self._problem
+        """Get past an undecided contact with more digits, or by taking it for a graze.
+
+        Return False if both fail.
+        """
+        now = self.now
+        (start, *_) = self._problem
         self._goal = now.goal
         if isinstance(now, MotionInPairs):
             return self._go_on(self._least, now)
         at = now.count - (now.code <= GRAZE)
-        base, least = 2 * self._least // GRAZE_TIMES, 2 * now.digits if at > self._asked_at else 0
+        base = 2 * self._least // GRAZE_TIMES
+        if at > self._asked_at:
+            least = 2 * now.digits
+        else:
+            least = 0
         times = now.elapsed, start.t_end - start.t0
         needed, whole = (digits_to_confirm_graze(now, each, base, least) or inf for each in times)
-        needed = inf if least > MOST_SHRINKING else needed
+        if least > MOST_SHRINKING:
+            needed = inf
         if now.from_start and now.code != FAILED and now.digits >= needed:
             self._asked_at = inf
             return True
         self.open_at, self.open_in = float(now.state.t), now.digits
         now.undo()
-        if now.code == FAILED and now.is_known and now.digits < whole < base + GRAZE_SPARE + MOST_FAST:
+        if (
+            now.code == FAILED
+            and now.is_known
+            and now.digits < whole < base + GRAZE_SPARE + MOST_FAST
+        ):
             return self._go_on(int(whole))
         if now.code == FAILED or now.digits >= needed or needed == inf or not now.is_known:
             return not now.from_start and self._go_on(now.digits)
         self._asked_at = at
-        most = needed if least else min(whole, MOST_GRAZE, GRAZE_TIMES * needed)
+        if least:
+            most = needed
+        else:
+            most = min(whole, MOST_GRAZE, GRAZE_TIMES * needed)
         return self._go_on(int(max(needed, most)), now)
 
     def _go_on(self, digits: int, other: MotionInPairs | MotionInDigits | None = None) -> bool:
-        """Go on with `digits` digits from where `other` is, or from t0; return whether it reaches all events so far."""
+        """Go on with `digits` digits from where `other` is, or from t0.
+
+        Return whether it reaches all events so far.
+        """
         self._take()
-        before, count = self.now, self.now.count
+        before = self.now
+        count = self.now.count
         self.now = now = MotionInDigits(*self._problem, digits, other)
         if isinstance(before, MotionInPairs) or other:
             return True
@@ -421,21 +623,35 @@ class FinerMotion:
         return there
 
 
-def digits_to_confirm_graze(motion: Motion, elapsed: Number, digits: int, least: int = 0) -> int | None:
-    """Return how many digits must leave a contact undecided for it to count as a graze; None: too many to try.
+def digits_to_confirm_graze(
+    motion: Motion, elapsed: Number, digits: int, least: int = 0
+) -> int | None:
+    """Return how many digits must leave a contact undecided for it to count as a graze.
 
-    The contact is a time `elapsed` after t0. The result is at least `least`, and more than `digits`.
+    None: too many to try.
+
+    The contact is a time `elapsed` after t0. The result is at least `least`, and more than
+    `digits`.
     """
-    # A motion that tends to one that grazes has gaps that shrink like exp(-rate t), and each of them is a near miss or
-    # a crossing. The rate is the larger one of the free motion, or, where that takes too many digits, the smaller one:
-    # only starts without any share of the slow decay are fooled by that. A start that is on the steady motion has none
-    # of it, until something else than a graze happens.
+    # A motion that tends to one that grazes has gaps that shrink like exp(-rate t), and each of
+    # them is a near miss or a crossing. The rate is the larger one of the free motion, or, where
+    # that takes too many digits, the smaller one: only starts without any share of the slow decay
+    # are fooled by that. A start that is on the steady motion has none of it, until something else
+    # than a graze happens.
     start = motion.start
     K = Arithmetic(start.parameters).K
-    fast, slow = (K.h, K.h) if K.under else (-K.l2, -K.l1)
+    if K.under:
+        fast, slow = (K.h, K.h)
+    else:
+        fast, slow = (-K.l2, -K.l1)
     fast_digits, slow_digits = (ceil(float(elapsed) * rate / log(10)) for rate in (fast, slow))
     if is_steady(start) and motion.grazes_only:
         fast_digits = 0
-    decay = fast_digits if fast_digits <= MOST_FAST else max(MOST_FAST, slow_digits)
+    if fast_digits <= MOST_FAST:
+        decay = fast_digits
+    else:
+        decay = max(MOST_FAST, slow_digits)
     needed = max(GRAZE_TIMES * digits, digits + GRAZE_SPARE + decay, least)
-    return needed if needed <= max(MOST_GRAZE, GRAZE_TIMES * digits) else None
+    if needed <= max(MOST_GRAZE, GRAZE_TIMES * digits):
+        return needed
+    return None

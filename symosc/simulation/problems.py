@@ -1,7 +1,10 @@
-"""Many initial value problems in columns, read exactly and checked together; objects are made on demand.
+"""Many initial value problems in columns, read exactly and checked together.
 
-A float is the decimal that it prints as (`symosc.exact`). In a column it is its double, and what that lacks. What
-doubles do not decide about a start is left to `symosc.engine.start`, motion by motion.
+Objects are made on demand.
+
+A float is the decimal that it prints as (`symosc.exact`). In a column it is its double, and what
+that lacks. What doubles do not decide about a start is left to `symosc.engine.start`, motion by
+motion.
 """
 
 from __future__ import annotations
@@ -31,17 +34,23 @@ START_COLUMNS = START_NAMES[:3]
 # So few motions are begun one by one: operations on columns cost more.
 BEGUN_ALONE = 8
 TWO_PI_COLUMN = PairColumn(*TWO_PI_PAIR)
-# Phases of pairs are right to the last bit of a double up to so large an angle, and unless they are so near 0.
-LARGEST_ANGLE, SMALLEST_PHASE = 2.0**40, 2.0**-45
+# Phases of pairs are right to the last bit of a double up to so large an angle, and unless they are
+# so near 0.
+LARGEST_ANGLE = 2.0**40
+SMALLEST_PHASE = 2.0**-45
 # Decimal powers that are exact as doubles, and the sizes of numbers whose digits they reach.
 POWERS = np.array([10.0**n for n in range(23)])
-LEAST_IN_REACH, MOST_IN_REACH = 1e-5, 1e15
+LEAST_IN_REACH = 1e-5
+MOST_IN_REACH = 1e15
 # Enough digits for any double and the decimal that it prints as.
 DECIMAL_CONTEXT = Context(prec=800)
 
 
 class NumberColumn:
-    """A column of numbers as given, one per row or one for all: exact, and as doubles `hi` with remainders `lo`."""
+    """A column of numbers as given, one per row or one for all.
+
+    Exact, and as doubles `hi` with remainders `lo`.
+    """
 
     def __init__(self, name: str, given: Any) -> None:
         given = _as_numpy(name, given)
@@ -51,19 +60,34 @@ class NumberColumn:
         elif not isinstance(given, np.ndarray):
             given = np.asarray(list(given), dtype=object)
         if given.ndim != 1:
-            raise ParameterError(name, given, f"must be a number or have shape (n,); it has {given.shape}")
+            raise ParameterError(
+                name, given, f"must be a number or have shape (n,); it has {given.shape}"
+            )
         self.single = len(given) == 1
-        if not self.single and given.dtype == object and all(type(value) is float for value in given):
+        if (
+            not self.single
+            and given.dtype == object
+            and all(type(value) is float for value in given)
+        ):
             given = given.astype(float)
         self.name, self._given, self._exact = name, given, dict[int, Fraction]()
         plain = not self.single and given.dtype == np.float64
-        self.hi, self.lo = self._split_doubles(given) if plain else self._split_numbers(given)
+        if plain:
+            self.hi, self.lo = self._split_doubles(given)
+        else:
+            self.hi, self.lo = self._split_numbers(given)
         self.is_plain = plain or self.single  # then equal doubles are equal numbers
 
     def _split_doubles(self, given: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        """Return the doubles `given`, and what they lack to the numbers meant: the decimals that they print as."""
+        """Return the doubles `given`, and what they lack to the numbers meant.
+
+        The decimals that they print as.
+        """
         largest = f"must be at most {float(LARGEST):g} in size"
-        for bad, reason in ((~np.isfinite(given), "must be finite"), (abs(given) > float(LARGEST), largest)):
+        for bad, reason in (
+            (~np.isfinite(given), "must be finite"),
+            (abs(given) > float(LARGEST), largest),
+        ):
             if bad.any():
                 row = int(bad.argmax())
                 raise ParameterError(self.called(row), float(given[row]), reason)
@@ -74,13 +98,20 @@ class NumberColumn:
         return np.array(given), lo
 
     def _split_numbers(self, given: Any) -> tuple[np.ndarray, np.ndarray]:
-        """Read numbers of any kind exactly; return them rounded to doubles hi, and the remainders lo."""
+        """Read numbers of any kind exactly.
+
+        Return them rounded to doubles hi, and the remainders lo.
+        """
         known: dict[Any, tuple[float, float]] = {}
         parts = np.empty((2, len(given)))
         for row, value in enumerate(given):
-            # Numbers of two types may be equal and mean two fractions: the float 0.1 is 1/10, Fraction(0.1) is not.
-            # A fraction is known by its identity: to hash it takes longer than to convert it.
-            key = id(value) if isinstance(value, Fraction) else (type(value), value)
+            # Numbers of two types may be equal and mean two fractions: the float 0.1 is 1/10,
+            # Fraction(0.1) is not. A fraction is known by its identity: to hash it takes longer
+            # than to convert it.
+            if isinstance(value, Fraction):
+                key: Any = id(value)
+            else:
+                key = (type(value), value)
             try:
                 pair = known.get(key)
             except TypeError:  # a list, or another thing that is no number
@@ -96,36 +127,57 @@ class NumberColumn:
 
     def called(self, row: int) -> str:
         """Return the name of a row's number for messages, such as x0[3]."""
-        return self.name if self.single else f"{self.name}[{row}]"
+        if self.single:
+            return self.name
+        return f"{self.name}[{row}]"
 
     def exact(self, row: int) -> Fraction:
         """Return the exact number in a row."""
-        row = row if len(self) > 1 else 0
-        return self._exact[row] if row in self._exact else read_number(self.called(row), self._given[row])[0]
+        if not (len(self) > 1):
+            row = 0
+        if row in self._exact:
+            return self._exact[row]
+        return read_number(self.called(row), self._given[row])[0]
 
     def pairs(self, rows: Any = slice(None)) -> PairColumn:
         """Return some rows, or the common number, as a column of pairs."""
-        return PairColumn(self.hi[rows], self.lo[rows]) if len(self) > 1 else PairColumn(self.hi, self.lo)
+        if len(self) > 1:
+            return PairColumn(self.hi[rows], self.lo[rows])
+        return PairColumn(self.hi, self.lo)
 
 
 def _as_numpy(name: str, value: Any) -> Any:
-    """Convert an array-like (pandas or xarray column) to a numpy array, a 0-d array to a number; refuse masked ones."""
+    """Convert an array-like (pandas or xarray column) to a numpy array, a 0-d array to a number.
+
+    Refuse masked ones.
+    """
     unmasked(name, value)
     if isinstance(value, np.ndarray) or (hasattr(value, "__array__") and hasattr(value, "shape")):
         array = np.asarray(value)
-        return array[()] if array.ndim == 0 else array
+        if array.ndim == 0:
+            return array[()]
+        return array
     return value
 
 
 def named(name: str, given: Any, wanted: tuple[str, ...]) -> Any:
-    """Return columns given by name (mapping, table, record array) in the order of `wanted`; other data unchanged."""
+    """Return columns given by name (mapping, table, record array) in the order of `wanted`.
+
+    Other data unchanged.
+    """
     names = getattr(getattr(given, "dtype", None), "names", None)
     if isinstance(given, Mapping):
         names = list(given)
     elif names is None and hasattr(given, "__getitem__"):
-        labels = getattr(given, "columns", getattr(given, "index", None))  # a list has a method of this name
-        names = None if labels is None or callable(labels) else list(labels)
-        names = names if names and any(isinstance(each, str) for each in names) else None
+        labels = getattr(
+            given, "columns", getattr(given, "index", None)
+        )  # a list has a method of this name
+        if labels is None or callable(labels):
+            names = None
+        else:
+            names = list(labels)
+        if not (names and any(isinstance(each, str) for each in names)):
+            names = None
     if names is None:
         return given
     if sorted(map(str, names)) != sorted(wanted):
@@ -135,15 +187,20 @@ def named(name: str, given: Any, wanted: tuple[str, ...]) -> Any:
 
 
 def decimal_rest(values: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Return the shortest decimal of each double minus the double, and flags: False where this was not found."""
-    # The shortest decimal has 15, 16 or 17 digits: the first of them that is within half a unit of the double. Scaled
-    # by a power of ten that is exact as a double, its distance from the double is exact.
+    """Return the shortest decimal of each double minus the double, and flags.
+
+    False where this was not found.
+    """
+    # The shortest decimal has 15, 16 or 17 digits: the first of them that is within half a unit of
+    # the double. Scaled by a power of ten that is exact as a double, its distance from the double
+    # is exact.
     size = abs(values)
     inside = (size >= LEAST_IN_REACH) & (size < MOST_IN_REACH) & (np.frexp(size)[0] != 0.5)
     usual = np.where(inside, size, 3.0)
     exponent = np.floor(np.log10(usual)).astype(np.int64)
     unit = 0.5 * np.spacing(usual)
-    rest, sure = np.zeros(len(values)), values == 0.0
+    rest = np.zeros(len(values))
+    sure = values == 0.0
     whole = inside | sure
     for digits in (15, 16, 17):
         power = POWERS[np.clip(digits - 1 - exponent, 0, 22)]
@@ -154,7 +211,9 @@ def decimal_rest(values: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         found = inside & ~sure & (abs(lacking) < unit * power)
         rest = np.where(found, np.sign(values) * lacking / power, rest)
         sure = sure | found
-    whole_power = ~whole & (size < 2.0**53) & (np.rint(size) == size)  # a power of two, as a rule 1, 2 or 4
+    whole_power = (
+        ~whole & (size < 2.0**53) & (np.rint(size) == size)
+    )  # a power of two, as a rule 1, 2 or 4
     return rest, sure | whole_power
 
 
@@ -162,12 +221,19 @@ class ParameterSets:
     """Parameter sets, read from Parameters, a sequence of them, or a mapping of all names to numbers or arrays."""
 
     def __init__(self, given: Any) -> None:
-        self._known, self.columns, self._is_object = dict[int, Parameters](), dict[str, NumberColumn](), False
+        self._known, self.columns, self._is_object = (
+            dict[int, Parameters](),
+            dict[str, NumberColumn](),
+            False,
+        )
         if isinstance(given, Mapping):
             self._read_mapping(given)
             return
         try:
-            sets = [given] if isinstance(given, Parameters) else list(given)
+            if isinstance(given, Parameters):
+                sets: list[Any] = [given]
+            else:
+                sets = list(given)
         except TypeError:
             sets = [None]
         if not sets or not all(isinstance(p, Parameters) for p in sets):
@@ -179,7 +245,11 @@ class ParameterSets:
         """Read a mapping of all parameters' names to numbers or columns."""
         for name in given:
             if name not in PARAMETER_NAMES:
-                raise ParameterError(str(name), given[name], f"is no parameter; they are {', '.join(PARAMETER_NAMES)}")
+                raise ParameterError(
+                    str(name),
+                    given[name],
+                    f"is no parameter; they are {', '.join(PARAMETER_NAMES)}",
+                )
         for name in PARAMETER_NAMES:
             if name not in given:
                 raise ParameterError("parameters", dict(given), f"{name} is missing")
@@ -196,13 +266,16 @@ class ParameterSets:
         try:
             return Parameters(**{name: column.exact(row) for name, column in self.columns.items()})
         except ParameterError as error:
-            raise ParameterError(self.columns[error.name].called(row), error.value, error.allowed) from None
+            raise ParameterError(
+                self.columns[error.name].called(row), error.value, error.allowed
+            ) from None
 
     def __len__(self) -> int:
         return self.count
 
     def __getitem__(self, i: int) -> Parameters:
-        i = i if self.count > 1 else 0
+        if not (self.count > 1):
+            i = 0
         if i not in self._known:
             self._known[i] = self._checked(i)
         return self._known[i]
@@ -210,22 +283,32 @@ class ParameterSets:
     def column(self, name: str) -> NumberColumn:
         """Return the column of the parameter `name`."""
         if name not in self.columns:
-            self.columns[name] = NumberColumn(name, [getattr(p, name) for p in self._known.values()])
+            self.columns[name] = NumberColumn(
+                name, [getattr(p, name) for p in self._known.values()]
+            )
         return self.columns[name]
 
     def doubles(self, names: Sequence[str], rows: slice) -> np.ndarray:
         """Return the parameters with these names as doubles, (sets, names), for the sets in `rows`."""
-        columns = [np.broadcast_to(self.column(name).pairs(rows).hi, rows.stop - rows.start) for name in names]
+        columns = [
+            np.broadcast_to(self.column(name).pairs(rows).hi, rows.stop - rows.start)
+            for name in names
+        ]
         return np.stack(columns, axis=1)
 
     def table(self, rows: slice, march_rows: Callable[..., None]) -> np.ndarray:
-        """Return a table of the constants of the sets in `rows`; `march_rows` computes those for fixed time steps."""
+        """Return a table of the constants of the sets in `rows`.
+
+        `march_rows` computes those for fixed time steps.
+        """
         if self._is_object:
             return table_of([Arithmetic(self[0]).K])
         # However few they are: the bits must not depend on how a sweep is cut into calls.
         columns = {name: self.column(name).pairs(rows) for name in PARAMETER_NAMES}
         size = rows.stop - rows.start
-        return constant_table(columns, size, lambda i: Arithmetic(self[rows.start + i]).K, march_rows)
+        return constant_table(
+            columns, size, lambda i: Arithmetic(self[rows.start + i]).K, march_rows
+        )
 
 
 class Problems:
@@ -233,19 +316,29 @@ class Problems:
 
     def __init__(self, parameters: Any, starts: Any, t_end: Any, start_error: Any = None) -> None:
         self.sets = ParameterSets(parameters)
-        self.start_error = start_error if start_error and max(start_error) > 0 else None
+        if start_error and max(start_error) > 0:
+            self.start_error = start_error
+        else:
+            self.start_error = None
         self.t0, self.x0, self.v0 = _start_columns(starts)
         lengths = {"parameters": len(self.sets)}
-        lengths["starts"] = common_length({column.name: len(column) for column in (self.t0, self.x0, self.v0)})
+        lengths["starts"] = common_length(
+            {column.name: len(column) for column in (self.t0, self.x0, self.v0)}
+        )
         common_length(lengths)
         if (periods := forcing_periods("t_end", t_end)) is not None:
             t_end = self.t0.hi + float(periods) * (2 * pi / self.sets.column("Omega").hi)
         self.t_end = NumberColumn("t_end", t_end)
         self.count = common_length(lengths | {"t_end": len(self.t_end)})
-        for row in np.flatnonzero(np.broadcast_to(self.t_end.hi <= self.t0.hi, self.count)).tolist():
-            t0, end = self.t0.exact(row), self.t_end.exact(row)
+        for row in np.flatnonzero(
+            np.broadcast_to(self.t_end.hi <= self.t0.hi, self.count)
+        ).tolist():
+            t0 = self.t0.exact(row)
+            end = self.t_end.exact(row)
             if end <= t0:
-                raise ParameterError(self.t_end.called(row), show(end), f"must be later than t0 = {show(t0)}")
+                raise ParameterError(
+                    self.t_end.called(row), show(end), f"must be later than t0 = {show(t0)}"
+                )
 
     def __len__(self) -> int:
         return self.count
@@ -258,9 +351,13 @@ class Problems:
         """Return the motions in `rows` as a batch at the start, and their constants (see `ParameterSets.table`)."""
         size = rows.stop - rows.start
         table = self.sets.table(rows if len(self.sets) > 1 else slice(0, 1), march_rows)
-        sets = np.arange(size) if len(self.sets) > 1 else np.zeros(size, np.int64)
+        if len(self.sets) > 1:
+            sets = np.arange(size)
+        else:
+            sets = np.zeros(size, np.int64)
         if len(self) <= BEGUN_ALONE:
-            states, unclear = np.empty((size, STATE_WIDTH)), np.ones(size, dtype=bool)
+            states = np.empty((size, STATE_WIDTH))
+            unclear = np.ones(size, dtype=bool)
         else:
             states, unclear = self._start_rows(rows, table)
         for i in np.flatnonzero(unclear).tolist():
@@ -271,11 +368,15 @@ class Problems:
     def _start_rows(self, rows: slice, table: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """Return the first states of the motions in `rows` in doubles, and flags of those to be begun one by one."""
         size = rows.stop - rows.start
-        unclear, at = np.zeros(size, dtype=bool), np.zeros(size, np.int64)
-        t0, t_end, x0, v0 = (column.pairs(rows) for column in (self.t0, self.t_end, self.x0, self.v0))
+        unclear = np.zeros(size, dtype=bool)
+        at = np.zeros(size, np.int64)
+        t0, t_end, x0, v0 = (
+            column.pairs(rows) for column in (self.t0, self.t_end, self.x0, self.v0)
+        )
         for boundary in (1, 2):
             same, alike = self._at_belt(boundary, rows)
-            at[same], unclear[alike] = boundary, True
+            at[same] = boundary
+            unclear[alike] = True
         Omega = self.sets.column("Omega").pairs(rows)
         angle = Omega * t0
         theta = angle - TWO_PI_COLUMN * PairColumn(np.floor((angle / TWO_PI_COLUMN).hi))
@@ -284,34 +385,53 @@ class Problems:
             & (theta.hi > SMALLEST_PHASE * abs(angle.hi))
             & (theta.hi < TWO_PI_COLUMN.hi)
         )
-        unclear |= (t_end.hi - t0.hi) * Omega.hi > 6.0 * MOST_PERIODS  # near the end of what is followed at all
+        unclear |= (
+            t_end.hi - t0.hi
+        ) * Omega.hi > 6.0 * MOST_PERIODS  # near the end of what is followed at all
         times = np.broadcast_arrays(t0.hi, t0.lo, t_end.hi, t_end.lo, t0.hi)
-        K = ConstantRows(table)[0] if len(table) == 1 else table.view(np.recarray)
+        if len(table) == 1:
+            K = ConstantRows(table)[0]
+        else:
+            K = table.view(np.recarray)
         states, small_force = start_rows(at, (theta.hi, theta.lo), x0.hi, v0.hi, times, K)
         return states, unclear | small_force | bool(self.start_error)
 
     def _at_belt(self, boundary: int, rows: slice) -> tuple[np.ndarray, np.ndarray]:
         """Return the motions in `rows` whose v0 is the speed of belt `boundary`, and those that only round to it."""
         speed = self.sets.column(f"v{boundary}")
-        v, belt = self.v0.pairs(rows), speed.pairs(rows)
+        v = self.v0.pairs(rows)
+        belt = speed.pairs(rows)
         near = np.flatnonzero(np.broadcast_to(v.hi == belt.hi, rows.stop - rows.start))
-        asked = near[:1] if self.v0.is_plain and speed.is_plain else near  # one tells of all
+        # one tells of all
+        if self.v0.is_plain and speed.is_plain:
+            asked = near[:1]
+        else:
+            asked = near
         equal = [self.v0.exact(i) == speed.exact(i) for i in (rows.start + asked).tolist()]
         on_belt = np.broadcast_to(np.array(equal, dtype=bool), len(near))
         return near[on_belt], near[~on_belt]
 
     def surely_fit_pairs(self, rows: np.ndarray, at: np.ndarray, gap: float) -> np.ndarray:
-        """Return which motions pairs surely suit: B0 not 0, start exact, v0 more than `gap` off all belts but `at`."""
-        v, B0 = self.v0.pairs(rows).hi, self.sets.column("B0").pairs(rows).hi
+        """Return which motions pairs surely suit.
+
+        B0 not 0, start exact, v0 more than `gap` off all belts but `at`.
+        """
+        v = self.v0.pairs(rows).hi
+        B0 = self.sets.column("B0").pairs(rows).hi
         apart = np.full(len(rows), self.start_error is None) & (B0 != 0.0)
         for boundary in (1, 2):
-            apart &= (at == boundary) | (abs(v - self.sets.column(f"v{boundary}").pairs(rows).hi) > gap)
+            apart &= (at == boundary) | (
+                abs(v - self.sets.column(f"v{boundary}").pairs(rows).hi) > gap
+            )
         return apart
 
-    def pair_rows(self, rows: np.ndarray, states: np.ndarray, phase: Callable[[Fraction], complex]) -> np.ndarray:
+    def pair_rows(
+        self, rows: np.ndarray, states: np.ndarray, phase: Callable[[Fraction], complex]
+    ) -> np.ndarray:
         """Return the starts of motions with equal parameters in pairs, stored as complex numbers hi + i lo.
 
-        `states` are the same starts in doubles, and `phase` returns the phase at a time as such a complex number.
+        `states` are the same starts in doubles, and `phase` returns the phase at a time as such a
+        complex number.
         """
         # Forces and what follows from them are left to `symosc.engine.batch.first_pairs`.
         made = np.zeros((len(rows), STATE_WIDTH), complex)
@@ -338,17 +458,23 @@ def _start_columns(starts: Any) -> tuple[NumberColumn, NumberColumn, NumberColum
         rows = _as_numpy("starts", starts)
         if not isinstance(rows, np.ndarray):
             rows = np.asarray(starts, dtype=object)
-        rows = rows.reshape(1, -1) if rows.ndim == 1 else rows
+        if rows.ndim == 1:
+            rows = rows.reshape(1, -1)
         if rows.ndim != 2 or rows.shape[1] != 3:
             hint = f"must have shape (n, 3), rows of t0, x0, v0, or be a mapping of these names; it has {rows.shape}"
             raise ParameterError("starts", starts, hint)
         columns = list(rows.T)
-    t0, x0, v0 = (NumberColumn(name, column) for name, column in zip(START_COLUMNS, columns, strict=True))
+    t0, x0, v0 = (
+        NumberColumn(name, column) for name, column in zip(START_COLUMNS, columns, strict=True)
+    )
     return t0, x0, v0
 
 
 def common_length(lengths: dict[str, int]) -> int:
-    """Return the common number of rows of columns, given their lengths by name; a single number fits any length."""
+    """Return the common number of rows of columns, given their lengths by name.
+
+    A single number fits any length.
+    """
     count = max(lengths.values(), key=lambda length: (length != 1, length))
     for name, length in lengths.items():
         if length not in (1, count):

@@ -1,8 +1,9 @@
 """`simulate`: one motion, in doubles with automatic precision escalation or with any number of digits.
 
-Where a contact is undecided in doubles, or an event is known to less than `accuracy`, the same problem is followed with
-more digits from the exact start up to there, and on as long as doubles are in doubt (`FinerMotion`). With `digits` the
-working precision is raised until every event is known to that many digits.
+Where a contact is undecided in doubles, or an event is known to less than `accuracy`, the same
+problem is followed with more digits from the exact start up to there, and on as long as doubles are
+in doubt (`FinerMotion`). With `digits` the working precision is raised until every event is known
+to that many digits.
 """
 
 from __future__ import annotations
@@ -24,25 +25,58 @@ from symosc.engine.arithmetic import Arithmetic, PairLoops, loaded_loop, mp_cont
 from symosc.engine.batch import EventRows, joined, keep_state, piece_buffer, state_of
 from symosc.engine.flow import Constants, clock_time, table_of
 from symosc.engine.start import MOST_PERIODS, Start, first_state, last_time, settles
-from symosc.engine.state import END, FAILED, FULL, NEEDS_DIGITS, ON_BELT, REST, RUNNING, UNDECIDED, State
+from symosc.engine.state import (
+    END,
+    FAILED,
+    FULL,
+    NEEDS_DIGITS,
+    ON_BELT,
+    REST,
+    RUNNING,
+    UNDECIDED,
+    State,
+)
 from symosc.engine.summary import no_tally
 from symosc.errors import ParameterError
-from symosc.exact import LEAST_ASKED_DIGITS, MOST_ASKED_DIGITS, read_exact, read_start_error, show, whole_number
+from symosc.exact import (
+    LEAST_ASKED_DIGITS,
+    MOST_ASKED_DIGITS,
+    read_exact,
+    read_start_error,
+    show,
+    whole_number,
+)
 from symosc.model import Parameters
 from symosc.reductions import OtherModel
-from symosc.scenes import Original, Scene, end_time, load_scene, moved_scene, not_reduced_error, parameters_of
+from symosc.scenes import (
+    Original,
+    Scene,
+    end_time,
+    load_scene,
+    moved_scene,
+    not_reduced_error,
+    parameters_of,
+)
 from symosc.simulation.batch import TURN, chosen_loops
-from symosc.simulation.motion import PAIR_NOISE, FinerMotion, Limits, Motion, digits_to_confirm_graze
+from symosc.simulation.motion import (
+    PAIR_NOISE,
+    FinerMotion,
+    Limits,
+    Motion,
+    digits_to_confirm_graze,
+)
 from symosc.simulation.trajectory import MovedTrajectory, Trajectory
 
 ACCURACY = 1e-13
 MOST_EVENTS = 1_000_000
 # With many digits an event takes milliseconds.
 MOST_EXACT_EVENTS = 20_000
-# With `digits`, more than this many times the digits are tried only to tell a graze from a near miss.
+# With `digits`, more than this many times the digits are tried only to tell a graze from a near
+# miss.
 MOST_WORKING = 12
 # Events of the first block of a motion in doubles, and of the largest one.
-FIRST_BLOCK, LARGEST_BLOCK = 64, 1 << 15
+FIRST_BLOCK = 64
+LARGEST_BLOCK = 1 << 15
 
 
 @public
@@ -64,26 +98,28 @@ def simulate(
     Parameters
     ----------
     scene : Scene, str, Parameters or OtherModel
-        A scene or the name of one (t0, x0, v0 and t_end then replace the scene's own), or parameters. For another
-        model, start, end and answer are in the coordinates of that model.
+        A scene or the name of one (t0, x0, v0 and t_end then replace the scene's own), or
+        parameters. For another model, start, end and answer are in the coordinates of that model.
     t0, x0, v0, t_end : number
-        Start and end, read exactly like parameters; in the parameters' units. With parameters t0, x0 and v0 are 0
-        unless they are given. "10T" as an end is ten periods of the drive after t0.
+        Start and end, read exactly like parameters; in the parameters' units. With parameters t0,
+        x0 and v0 are 0 unless they are given. "10T" as an end is ten periods of the drive after t0.
     max_events : int, optional
         Stop after that many events (default 1,000,000; with `digits` 20,000, some minutes).
     digits : int, optional
-        None: double precision. An int: event times and positions are known to that many digits (mpmath), relative to
-        max(1, |value|), as far as the error estimates tell.
+        None: double precision. An int: event times and positions are known to that many digits
+        (mpmath), relative to max(1, |value|), as far as the error estimates tell.
     accuracy : float, optional
-        For double precision (default 1e-13). An event whose time or position has a larger error than this, relative to
-        max(1, |value|), for times also to |t0|, is computed once more with 44 digits. With ``math.inf`` the path that
-        doubles compute is followed as it is: only contacts that their rounding leaves open get more digits.
+        For double precision (default 1e-13). An event whose time or position has a larger error
+        than this, relative to max(1, |value|), for times also to |t0|, is computed once more with
+        44 digits. With ``math.inf`` the path that doubles compute is followed as it is: only
+        contacts that their rounding leaves open get more digits.
     start_error : number or three numbers, optional
-        Half-widths to which t0, x0 and v0 are known; one number serves for all. None: that of the scene, or exact. A
-        contact that the error of the start can make a touch is a graze, and the errors of events cover it.
+        Half-widths to which t0, x0 and v0 are known; one number serves for all. None: that of the
+        scene, or exact. A contact that the error of the start can make a touch is a graze, and the
+        errors of events cover it.
     progress : bool or callable, optional
-        True: if it takes more than two seconds, a bar with rate and time left on a terminal. Or a function of two
-        numbers: the part that is done, and 1.
+        True: if it takes more than two seconds, a bar with rate and time left on a terminal. Or a
+        function of two numbers: the part that is done, and 1.
 
     Returns
     -------
@@ -92,8 +128,8 @@ def simulate(
     Raises
     ------
     ParameterError
-        If a number is missing, not finite or out of range, if both `digits` and `accuracy` are given, or if t_end is
-        more than 1e8 forcing periods away and the motion goes on until then.
+        If a number is missing, not finite or out of range, if both `digits` and `accuracy` are
+        given, or if t_end is more than 1e8 forcing periods away and the motion goes on until then.
 
     Examples
     --------
@@ -103,51 +139,82 @@ def simulate(
     >>> print(simulate("fig8-exact", digits=30).events[0].t)
     3.14159265358979323846264338328
     """
-    start, original = read_problem(scene, {"t0": t0, "x0": x0, "v0": v0, "t_end": t_end}, start_error)
-    default = MOST_EVENTS if digits is None else MOST_EXACT_EVENTS
+    start, original = read_problem(
+        scene, {"t0": t0, "x0": x0, "v0": v0, "t_end": t_end}, start_error
+    )
+    if digits is None:
+        default = MOST_EVENTS
+    else:
+        default = MOST_EXACT_EVENTS
     most = read_most(max_events, default)
-    label = "simulate" if digits is None else f"simulate, {digits} digits"
+    if digits is None:
+        label = "simulate"
+    else:
+        label = f"simulate, {digits} digits"
     if digits is None:
         follow = partial(in_doubles, start, most, read_accuracy(accuracy))
     else:
         digits = whole_number("digits", digits, LEAST_ASKED_DIGITS, MOST_ASKED_DIGITS)
         if accuracy is not None:
-            raise ParameterError("accuracy", accuracy, f"is for double precision: leave it out with digits = {digits}")
+            raise ParameterError(
+                "accuracy",
+                accuracy,
+                f"is for double precision: leave it out with digits = {digits}",
+            )
         follow = partial(in_digits, start, most, digits)
     with late_bar(progress, label, "events") if progress else nullcontext() as advance:
         motion = follow(advance)
-    return motion if original is None else MovedTrajectory(motion, original)
+    if original is None:
+        return motion
+    return MovedTrajectory(motion, original)
 
 
 def read_most(max_events: Any, default: int) -> int:
     """Return `max_events` as a whole number, at most 2**62; `default` if it is None."""
-    return default if max_events is None else min(whole_number("max_events", max_events, 1), 2**62)
+    if max_events is None:
+        return default
+    return min(whole_number("max_events", max_events, 1), 2**62)
 
 
-def read_start(scene: Scene | Parameters | SceneName, given: dict[str, Any], start_error: Any) -> Start:
-    """Return the initial value problem of a scene or of keyword arguments; refuse a scene of another model."""
+def read_start(
+    scene: Scene | Parameters | SceneName, given: dict[str, Any], start_error: Any
+) -> Start:
+    """Return the initial value problem of a scene or of keyword arguments.
+
+    Refuse a scene of another model.
+    """
     start, original = read_problem(scene, given, start_error)
     if original is not None:
         raise not_reduced_error(scene)
     return start
 
 
-def read_problem(scene: Any, given: dict[str, Any], start_error: Any) -> tuple[Start, Original | None]:
+def read_problem(
+    scene: Any, given: dict[str, Any], start_error: Any
+) -> tuple[Start, Original | None]:
     """Return the initial value problem of a scene or of arguments, and the other model it stands for, if any."""
     if isinstance(scene, Parameters | OtherModel):
         if given["t_end"] is None:
-            what = "parameters" if isinstance(scene, Parameters) else "a model"
+            if isinstance(scene, Parameters):
+                what = "parameters"
+            else:
+                what = "a model"
             raise ParameterError("t_end", None, f"is needed with {what}")
         given = {name: 0 if value is None else value for name, value in given.items()}
         given["t_end"] = end_time(given["t_end"], parameters_of(scene), given["t0"])
-        scene, given = Scene("motion", scene, **given), {}  # type: ignore[arg-type]
+        scene = Scene("motion", scene, **given)  # type: ignore[arg-type]
+        given = {}
     elif not isinstance(scene, Scene):
         scene = load_scene(scene)
     if changes := {name: value for name, value in given.items() if value is not None}:
         scene = scene.started(changes)
     if start_error is not None and scene.original is not None:
-        scene, start_error = moved_scene(scene, scene.original, start_error=start_error), None
-    error = scene.start_error if start_error is None else read_start_error(start_error)
+        scene = moved_scene(scene, scene.original, start_error=start_error)
+        start_error = None
+    if start_error is None:
+        error = scene.start_error
+    else:
+        error = read_start_error(start_error)
     return Start(scene.parameters, scene.t0, scene.x0, scene.v0, scene.t_end, error), scene.original
 
 
@@ -162,58 +229,104 @@ def read_accuracy(value: Any) -> float:
     except ParameterError:
         accuracy = 0.0
     if accuracy <= 0.0:
-        raise ParameterError("accuracy", value, f"must be a number > 0; the default is {ACCURACY:g}")
+        raise ParameterError(
+            "accuracy", value, f"must be a number > 0; the default is {ACCURACY:g}"
+        )
     return accuracy
 
 
 def attainable(accuracy: float, start_error: tuple[Fraction, Fraction, Fraction] | None) -> float:
-    """Return the accuracy to demand of events: `accuracy`, or inf (none) if the error of the start is larger."""
-    return inf if start_error and max(start_error) > accuracy else accuracy
+    """Return the accuracy to demand of events.
+
+    `accuracy`, or inf (none) if the error of the start is larger.
+    """
+    if start_error and max(start_error) > accuracy:
+        return inf
+    return accuracy
 
 
 def in_doubles(
-    start: Start, most: int, accuracy: float, advance: Advance = None, loops: PairLoops | None = None
+    start: Start,
+    most: int,
+    accuracy: float,
+    advance: Advance = None,
+    loops: PairLoops | None = None,
 ) -> Trajectory:
-    """Follow a motion in doubles, and in pairs or many digits where doubles are in doubt; return its Trajectory.
+    """Follow a motion in doubles, and in pairs or many digits where doubles are in doubt.
 
-    It stops after `most` events; an event less accurate than `accuracy` is in doubt. `advance` is told of the progress.
+    Return its Trajectory.
+
+    It stops after `most` events; an event less accurate than `accuracy` is in doubt. `advance` is
+    told of the progress.
     """
-    # It is a batch of one. Given `loops` in pairs, these come before digits whatever is loaded, with the noise that
-    # `simulate_many` allows. With accuracy inf decisions exceed their own rounding only, not the errors of the state.
-    arithmetic, needed, t0 = Arithmetic(start.parameters), attainable(accuracy, start.start_error), float(start.t0)
-    K = arithmetic.K._replace(sigmas=0.0) if isinf(accuracy) else arithmetic.K
-    limits = Limits(most, needed, PAIR_NOISE) if loops else Limits(most, needed)
-    first, finer, decided = first_state(start, arithmetic), None, True
-    row, begun = engine_batch.row_of(first, *last_time(start, arithmetic)), piece_buffer(1)
+    # It is a batch of one. Given `loops` in pairs, these come before digits whatever is loaded,
+    # with the noise that `simulate_many` allows. With accuracy inf decisions exceed their own
+    # rounding only, not the errors of the state.
+    arithmetic = Arithmetic(start.parameters)
+    needed = attainable(accuracy, start.start_error)
+    t0 = float(start.t0)
+    if isinf(accuracy):
+        K = arithmetic.K._replace(sigmas=0.0)
+    else:
+        K = arithmetic.K
+    if loops:
+        limits = Limits(most, needed, PAIR_NOISE)
+    else:
+        limits = Limits(most, needed)
+    first = first_state(start, arithmetic)
+    finer = None
+    decided = True
+    row = engine_batch.row_of(first, *last_time(start, arithmetic))
+    begun = piece_buffer(1)
     batch = engine_batch.batch_of(np.array([row]))
     engine_batch.write_piece(begun, 0, first, float(start.t0 - Fraction(first.t)))
-    events, pieces, count, code = list[EventRows](), [begun], 0, REST if settles(start) else RUNNING
+    events = list[EventRows]()
+    pieces = [begun]
+    count = 0
+    if settles(start):
+        code = REST
+    else:
+        code = RUNNING
     while code == RUNNING:
         loop, table, largest = single_loop(count, K)
         size = min(largest, max(FIRST_BLOCK, 8 * count))
-        out, parts = engine_batch.event_buffer(size), piece_buffer(size)
+        out = engine_batch.event_buffer(size)
+        parts = piece_buffer(size)
         _, filled, begins = loop(0, batch, most, needed, out, parts, no_tally(), table)
         events.append(engine_batch.rows_between(out, 0, filled))
         pieces.append(parts[:, :begins])
-        count, code = int(batch.counts[0]), int(batch.codes[0])
+        count = int(batch.counts[0])
+        code = int(batch.codes[0])
         if code in NEEDS_DIGITS:
             finer = finer or FinerMotion(start, K, limits, loops)
             decided = finer.reach(count + (code == UNDECIDED))
-            events, pieces, now = list(finer.events), [begun, *finer.pieces], finer.now
-            count, code = now.count, now.code if now.code in (END, REST) else RUNNING
+            events = list(finer.events)
+            pieces = [begun, *finer.pieces]
+            now = finer.now
+            count = now.count
+            if now.code in (END, REST):
+                code = now.code
+            else:
+                code = RUNNING
             keep_state(batch.states, 0, now.rounded_state())
             batch.counts[0], batch.codes[0] = count, code
             if not decided:
                 break
         if advance:
             state = state_of(batch.states, 0)
-            advance(_part_done(start, clock_time(state.t - t0, state.t_low, 0.0, K), count, most), count)
-    rows, last = joined(events), float(start.t_end)
+            advance(
+                _part_done(start, clock_time(state.t - t0, state.t_low, 0.0, K), count, most), count
+            )
+    rows = joined(events)
+    last = float(start.t_end)
     if finer and not decided:
-        status, message, last = "undecidable", _open_contact(start, finer.open_at, finer.open_in), finer.open_at
+        status = "undecidable"
+        message = _open_contact(start, finer.open_at, finer.open_in)
+        last = finer.open_at
     elif code == FULL:
         last = float(rows.floats[0, -1])  # the time of the last event, by the clock
-        status, message = "max_events", f"stopped after max_events = {most} events, at t = {last!r}"
+        status = "max_events"
+        message = f"stopped after max_events = {most} events, at t = {last!r}"
     else:
         status, message = _ended(start, code, state_of(batch.states, 0))
     whole = np.concatenate(pieces, axis=1)
@@ -238,39 +351,57 @@ def _part_done(start: Start, elapsed: Number, count: int, most: int) -> float:
 def in_digits(start: Start, most: int, digits: int, advance: Advance = None) -> Trajectory:
     """Follow a motion, with ever more digits, until all contacts are decided and each event has `digits` digits."""
     working = digits + 10 + start.spare_digits
-    asked_at, settled = inf, settles(start)  # the number of the event before a contact that took more digits
+    # the number of the event before a contact that took more digits
+    asked_at = inf
+    settled = settles(start)
     while True:
-        motion, limit, undecided = Motion(start, working), MOST_WORKING * (digits + start.spare_digits), False
+        motion = Motion(start, working)
+        limit = MOST_WORKING * (digits + start.spare_digits)
+        undecided = False
         while not (settled or motion.ended or undecided) and motion.count < most:
             before = motion.count
             motion.step()
             if advance:
                 advance(_part_done(start, motion.elapsed, motion.count, most), motion.count)
             if not motion.decided and motion.code != FAILED and not start.start_error:
-                least = 2 * working if before > asked_at else 0
+                if before > asked_at:
+                    least = 2 * working
+                else:
+                    least = 0
                 needed = digits_to_confirm_graze(motion, motion.elapsed, digits, least)
                 undecided = needed is None or working < needed
-                asked_at = before if undecided else inf if before >= asked_at else asked_at
+                if undecided:
+                    asked_at = before
+                elif before >= asked_at:
+                    asked_at = inf
                 limit = max(limit, needed or 0)
         undecided = undecided or motion.code == FAILED
         # The error of an inexact start stays, whatever the digits.
-        missing = 0 if undecided or start.start_error else motion.missing_digits(digits)
+        if undecided or start.start_error:
+            missing = 0
+        else:
+            missing = motion.missing_digits(digits)
         if working >= limit or (missing <= 0 and not undecided):
             break
         working = min(limit, 3 * working if undecided else working + missing + 2)
     last = motion.state.t
     if undecided or missing > 0:
         motion.undo()
-        status, message = "undecidable", _open_contact(start, float(last), working, digits)
+        status = "undecidable"
+        message = _open_contact(start, float(last), working, digits)
     elif settled or motion.ended:
         status, message = _ended(start, REST if settled else motion.code, motion.state)
         last = motion.arithmetic.number(start.t_end)
     else:
-        status, message = "max_events", f"stopped after max_events = {most} events"
-    context, columns = mp_context(digits), motion.columns()
+        status = "max_events"
+        message = f"stopped after max_events = {most} events"
+    context = mp_context(digits)
+    columns = motion.columns()
     span = context.convert(motion.t0), context.convert(last)
     found = partial(motion.events, context)
-    return Trajectory(start.parameters, found, columns, status, message, span, motion.first_at, digits)
+    return Trajectory(
+        start.parameters, found, columns, status, message, span, motion.first_at, digits
+    )
 
 
 def check_reached(start: Start, periods: int) -> None:
@@ -284,25 +415,42 @@ def end_status(code: int, mode: int, v: Number, p: Parameters) -> str:
     """Return the status, "t_end" or "equilibrium", of a motion that ended with `code` END or REST in `mode` at `v`."""
     if code != REST:
         return "t_end"
-    settles = p.B0 == 0 and p.c > 0 and (p.k > 0 or p.A(mode) == 0) if mode <= ON_BELT else v == 0
-    return "equilibrium" if settles else "t_end"
+    if mode <= ON_BELT:
+        settles = p.B0 == 0 and p.c > 0 and (p.k > 0 or p.A(mode) == 0)
+    else:
+        settles = v == 0
+    if settles:
+        return "equilibrium"
+    return "t_end"
 
 
 def _ended(start: Start, code: int, state: State) -> tuple[str, str]:
-    """Return status and message of a motion that ended in `state`: at its end (END) or with no event left (REST)."""
+    """Return status and message of a motion that ended in `state`.
+
+    At its end (END) or with no event left (REST).
+    """
     if code != REST:
         check_reached(start, state.n)
-    status, message = end_status(code, state.mode, state.v, start.parameters), f"reached t_end = {show(start.t_end)}"
+    status = end_status(code, state.mode, state.v, start.parameters)
+    message = f"reached t_end = {show(start.t_end)}"
     if status == "equilibrium":
         held = state.mode > ON_BELT
-        where = f"at rest on belt {state.mode - ON_BELT}" if held else f"settling to rest in Omega{state.mode}"
+        if held:
+            where = f"at rest on belt {state.mode - ON_BELT}"
+        else:
+            where = f"settling to rest in Omega{state.mode}"
         message = f"from t = {float(state.t)!r} {where}, no event will come any more"
     return status, message
 
 
 def _open_contact(start: Start, t: float, used: int, asked: int | None = None) -> str:
-    """Return the message that `used` digits do not decide the contact near `t`; `asked` were asked for."""
+    """Return the message that `used` digits do not decide the contact near `t`.
+
+    `asked` were asked for.
+    """
     open_at = f"the contact near t = {t!r} cannot be decided"
     if start.start_error:
         return f"{open_at} with this error of the start; give a smaller one, or else ask for more than {used} digits"
-    return f"{open_at} with {used} digits; ask for more digits, such as digits={2 * (asked or used)}"
+    return (
+        f"{open_at} with {used} digits; ask for more digits, such as digits={2 * (asked or used)}"
+    )

@@ -1,4 +1,7 @@
-"""The results of `simulate_many`: events of many motions in columns, or a summary with a row per motion."""
+"""The results of `simulate_many`.
+
+Events of many motions in columns, or a summary with a row per motion.
+"""
 
 from __future__ import annotations
 
@@ -18,14 +21,18 @@ from symosc.engine.events import CODE_COLUMNS, CODE_NAMES, EVENT_COLUMNS, FLOAT_
 from symosc.exact import unmasked
 from symosc.files import write_whole
 
-#: Attributes of an `EventTable` for the code fields of an event: those with names have "_code" behind their own.
+#: Attributes of an `EventTable` for the code fields of an event: those with names have "_code"
+#: behind their own.
 CODE_ATTRIBUTES = tuple(f"{name}_code" if name in CODE_NAMES else name for name in CODE_COLUMNS)
 #: Columns of an `EventTable` with derivatives.
 CHANGES = ("dt", "dx", "regular")
 
 
 class Columns(Drawable):
-    """Base class of results whose columns are attributes; two of the same class are equal if all columns are."""
+    """Base class of results whose columns are attributes.
+
+    Two of the same class are equal if all columns are.
+    """
 
     __hash__ = None  # type: ignore[assignment]  # arrays have none
 
@@ -35,7 +42,8 @@ class Columns(Drawable):
     def __eq__(self, other: object) -> bool:
         if type(other) is not type(self):
             return NotImplemented
-        mine, others = vars(self), vars(other)
+        mine = vars(self)
+        others = vars(other)
         return mine.keys() == others.keys() and all(
             np.array_equal(column, others[name], equal_nan=np.asarray(column).dtype.kind == "f")
             for name, column in mine.items()
@@ -76,9 +84,13 @@ class EventTable(Columns):
 
     def __getattr__(self, name: str) -> Any:
         if name in CODE_NAMES:
-            names, codes = CODE_NAMES[name], vars(self)[f"{name}_code"]
+            names = CODE_NAMES[name]
+            codes = vars(self)[f"{name}_code"]
             return np.array([names.get(code, "") for code in range(max(names) + 1)])[codes]
-        more = f"; with wrt= also {', '.join(CHANGES)}" if name in CHANGES else ""
+        if name in CHANGES:
+            more = f"; with wrt= also {', '.join(CHANGES)}"
+        else:
+            more = ""
         has = ", ".join(("trajectory", *EVENT_COLUMNS))
         raise AttributeError(f"EventTable has no column {name!r}; it has {has}{more}")
 
@@ -99,27 +111,46 @@ class EventTable(Columns):
         return f"<EventTable of {counted(len(self), 'event')} of {motions}>"
 
     def columns(self) -> dict[str, np.ndarray]:
-        """Return the columns by name, text for kind, source, target; derivatives are dt_mu1, dx_mu1 and so on."""
+        """Return the columns by name, text for kind, source, target.
+
+        Derivatives are dt_mu1, dx_mu1 and so on.
+        """
         columns = {name: getattr(self, name) for name in ("trajectory", *EVENT_COLUMNS)}
         for change in CHANGES if self.wrt else ():
-            columns |= {f"{change}_{name}": getattr(self, change)[:, n] for n, name in enumerate(self.wrt)}
+            columns |= {
+                f"{change}_{name}": getattr(self, change)[:, n] for n, name in enumerate(self.wrt)
+            }
         return columns
 
     def to_csv(self, path: str | Path) -> None:
-        """Write the rows as CSV with a header ("-": to standard output); OutputError if it cannot be written."""
+        """Write the rows as CSV with a header ("-": to standard output).
+
+        OutputError if it cannot be written.
+        """
         columns = self.columns()
-        write_csv(path, columns, zip(*(column.tolist() for column in columns.values()), strict=True))
+        write_csv(
+            path, columns, zip(*(column.tolist() for column in columns.values()), strict=True)
+        )
 
     def to_pandas(self) -> Any:
         """Return a DataFrame, a row per event; MissingExtraError if pandas is not installed."""
         return imported("pandas").DataFrame(self.columns())
 
     def to_xarray(self) -> Any:
-        """Return a Dataset over `event`, with the statuses over `motion`; MissingExtraError without xarray."""
-        columns: Record = {name: (("event",), getattr(self, name)) for name in ("trajectory", *EVENT_COLUMNS)}
+        """Return a Dataset over `event`, with the statuses over `motion`.
+
+        MissingExtraError without xarray.
+        """
+        columns: Record = {
+            name: (("event",), getattr(self, name)) for name in ("trajectory", *EVENT_COLUMNS)
+        }
         if self.wrt:
-            columns |= {name: (("event", "wrt"), getattr(self, name)) for name in CHANGES} | {"wrt": list(self.wrt)}
-        return imported("xarray").Dataset(columns | {"status": (("motion",), np.array(self.status, dtype=str))})
+            columns |= {name: (("event", "wrt"), getattr(self, name)) for name in CHANGES} | {
+                "wrt": list(self.wrt)
+            }
+        return imported("xarray").Dataset(
+            columns | {"status": (("motion",), np.array(self.status, dtype=str))}
+        )
 
 
 def write_csv(path: str | Path, header: Iterable[str], rows: Iterable[Iterable[Any]]) -> None:
@@ -136,13 +167,21 @@ def write_csv(path: str | Path, header: Iterable[str], rows: Iterable[Iterable[A
 
 def select_rows(table: EventTable, rows: Any, status: list[str]) -> EventTable:
     """Return some rows of a table, by numbers or a slice, with the statuses of their trajectories."""
-    columns = {name: column[rows] for name, column in vars(table).items() if name not in ("status", "wrt")}
+    columns = {
+        name: column[rows] for name, column in vars(table).items() if name not in ("status", "wrt")
+    }
     return EventTable(status=status, wrt=table.wrt, **columns)
 
 
-def table_from(parts: Sequence[EventRows], status: list[str], wrt: tuple[str, ...] = (), **changes: Any) -> EventTable:
-    """Return blocks of event rows as one table; `changes` are its columns dt, dx and regular by `wrt`."""
-    parts, columns = parts or [event_buffer(0)], dict[str, Any]()
+def table_from(
+    parts: Sequence[EventRows], status: list[str], wrt: tuple[str, ...] = (), **changes: Any
+) -> EventTable:
+    """Return blocks of event rows as one table.
+
+    `changes` are its columns dt, dx and regular by `wrt`.
+    """
+    parts = parts or [event_buffer(0)]
+    columns = dict[str, Any]()
     for names, which in ((FLOAT_COLUMNS, 0), (("trajectory", *CODE_ATTRIBUTES), 1)):
         for n, name in enumerate(names):
             columns[name] = joined_arrays([part[which][n] for part in parts])
@@ -151,12 +190,17 @@ def table_from(parts: Sequence[EventRows], status: list[str], wrt: tuple[str, ..
 
 def rows_of(i: int, events: Sequence[Event]) -> EventRows:
     """Return the events of trajectory number i as rows of doubles and codes."""
-    codes = {name: {each: code for code, each in names.items()} for name, names in CODE_NAMES.items()}
+    codes = {
+        name: {each: code for code, each in names.items()} for name, names in CODE_NAMES.items()
+    }
     rows = event_buffer(len(events))
     for n, event in enumerate(events):
         rows.floats[:, n] = [getattr(event, name) for name in FLOAT_COLUMNS]
         values = [(name, getattr(event, name)) for name in CODE_COLUMNS]
-        rows.ints[:, n] = i, *(codes[name][value] if name in codes else value for name, value in values)
+        rows.ints[:, n] = (
+            i,
+            *(codes[name][value] if name in codes else value for name, value in values),
+        )
     return rows
 
 
@@ -168,10 +212,16 @@ def counted(count: int, what: str) -> str:
 def statuses(status: Any) -> str:
     """Return how many motions ended with each status, as a short text."""
     names, counts = np.unique(np.asarray(status, dtype=str), return_counts=True)
-    return ", ".join(f"{count:,} {name}" for name, count in zip(names.tolist(), counts.tolist(), strict=True)) or "none"
+    return (
+        ", ".join(
+            f"{count:,} {name}" for name, count in zip(names.tolist(), counts.tolist(), strict=True)
+        )
+        or "none"
+    )
 
 
-#: Columns of a summary: long name and dimension of each. `symosc.simulation.ensemble.summary_of` computes them.
+#: Columns of a summary: long name and dimension of each. `symosc.simulation.ensemble.summary_of`
+#: computes them.
 SUMMARY_COLUMNS = {
     "status": ("why the motion ended", "1"),
     "events": ("number of events", "1"),
@@ -205,18 +255,20 @@ class Summary(Columns):
     mode : (n,) array of str
         The mode of the last state, "Omega1" … "belt2".
     word : (n,) array of str
-        Mappings that ended in the last whole forcing period, written like `PeriodicOrbit.word`; "" if none did. The one
-        under way when the period began is put last, since on an orbit of one period it is under way again at the end.
+        Mappings that ended in the last whole forcing period, written like `PeriodicOrbit.word`; ""
+        if none did. The one under way when the period began is put last, since on an orbit of one
+        period it is under way again at the end.
     multiplicity : (n,) int array
-        Smallest number of forcing periods, 32 at most, after which words and sections repeat, twice in a row; 0 if they
-        do not. Sections are the same if they differ by less than 1e-6 of the motion's extent plus 8 estimated errors.
+        Smallest number of forcing periods, 32 at most, after which words and sections repeat, twice
+        in a row; 0 if they do not. Sections are the same if they differ by less than 1e-6 of the
+        motion's extent plus 8 estimated errors.
     stuck : (n,) float array
         Share of time on a belt.
     x_min, x_max, v_min, v_max : (n,) float arrays
         Extremes, those inside flights included.
     section : (n, sections, 2) float array
-        x and v where the last forcing periods ended (Omega t = 2 pi n, the start not included), in order of time; NaN
-        for those that were not.
+        x and v where the last forcing periods ended (Omega t = 2 pi n, the start not included), in
+        order of time; NaN for those that were not.
 
     A column that was not asked for is ().
 
@@ -248,7 +300,10 @@ class Summary(Columns):
         return Summary(**{name: column[motion] for name, column in columns.items()})
 
     def __repr__(self) -> str:
-        what = ", ".join(self.columns()) if not len(self.status) else statuses(self.status)
+        if not len(self.status):
+            what = ", ".join(self.columns())
+        else:
+            what = statuses(self.status)
         return f"<Summary of {counted(len(self), 'motion')}: {what}>"
 
     def columns(self) -> dict[str, np.ndarray]:
@@ -261,12 +316,18 @@ class Summary(Columns):
         section = columns.pop("section", np.zeros((0, 0, 2)))
         for n in range(section.shape[1]):
             place = n - section.shape[1]
-            columns |= {f"section_x[{place}]": section[:, n, 0], f"section_v[{place}]": section[:, n, 1]}
+            columns |= {
+                f"section_x[{place}]": section[:, n, 0],
+                f"section_v[{place}]": section[:, n, 1],
+            }
         pandas = imported("pandas")
         return pandas.DataFrame(columns, index=pandas.RangeIndex(len(self), name="motion"))
 
     def to_xarray(self) -> Any:
-        """Return a Dataset over `motion`, `period` and `component`; MissingExtraError if xarray is not installed."""
+        """Return a Dataset over `motion`, `period` and `component`.
+
+        MissingExtraError if xarray is not installed.
+        """
         columns: Record = {name: (("motion",), column) for name, column in self.columns().items()}
         places: Record = {"motion": np.arange(len(self))}
         if "section" in columns:

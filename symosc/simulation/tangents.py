@@ -1,4 +1,7 @@
-"""Derivatives of the events of many motions: what `symosc.engine.tangent` needs, and which loop runs it."""
+"""Derivatives of the events of many motions.
+
+What `symosc.engine.tangent` needs, and which loop runs it.
+"""
 
 from __future__ import annotations
 
@@ -23,11 +26,21 @@ NAMES = (*PARAMETER_NAMES, "t0", "x0", "v0")
 
 
 def read_wrt(wrt: Any) -> tuple[str, ...]:
-    """Return the names with respect to which to differentiate; ParameterError if one is unknown or given twice."""
-    names = (wrt,) if isinstance(wrt, str) else tuple(wrt) if isinstance(wrt, Sequence) else (wrt,)
+    """Return the names with respect to which to differentiate.
+
+    ParameterError if one is unknown or given twice.
+    """
+    if isinstance(wrt, str):
+        names = (wrt,)
+    elif isinstance(wrt, Sequence):
+        names = tuple(wrt)
+    else:
+        names = (wrt,)
     for name in names:
         if name not in NAMES:
-            raise ParameterError("wrt", name, f"must be of {', '.join(NAMES)}{meant(str(name), NAMES)}")
+            raise ParameterError(
+                "wrt", name, f"must be of {', '.join(NAMES)}{meant(str(name), NAMES)}"
+            )
     if not names or len(set(names)) < len(names):
         raise ParameterError("wrt", names, "must be one or more different names")
     return names
@@ -49,37 +62,73 @@ def work_space(codes: np.ndarray, kind: Any = float) -> np.ndarray:
 
 
 def event_changes(
-    events: EventRows, launches: tuple[np.ndarray, ...], wrt: tuple[str, ...], loop: Callable[..., None]
+    events: EventRows,
+    launches: tuple[np.ndarray, ...],
+    wrt: tuple[str, ...],
+    loop: Callable[..., None],
 ) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """Return dt, dx and regular of `events` by each of `wrt`; `launches` is what `Chunk.launches` returns."""
-    (starts, sets, letters, table), codes, shape = launches, codes_of(wrt), (events.floats.shape[1], len(wrt))
+    """Return dt, dx and regular of `events` by each of `wrt`.
+
+    `launches` is what `Chunk.launches` returns.
+    """
+    (starts, sets, letters, table) = launches
+    codes = codes_of(wrt)
+    shape = (events.floats.shape[1], len(wrt))
     cuts = np.searchsorted(events.ints[0], np.arange(len(starts) + 1))
-    dt, dx, marks, why = large_array(shape), large_array(shape), np.zeros(shape, np.int8), np.zeros(shape[0], np.int8)
-    motions, rows, out = np.flatnonzero(np.diff(cuts)), columns_of(events), (dt, dx, marks, why, np.zeros((0, 2)))
-    loop(motions, cuts, starts, sets, rows, codes, is_deep(codes), letters, table, out, work_space(codes))
+    dt = large_array(shape)
+    dx = large_array(shape)
+    marks = np.zeros(shape, np.int8)
+    why = np.zeros(shape[0], np.int8)
+    motions = np.flatnonzero(np.diff(cuts))
+    rows = columns_of(events)
+    out = (dt, dx, marks, why, np.zeros((0, 2)))
+    loop(
+        motions,
+        cuts,
+        starts,
+        sets,
+        rows,
+        codes,
+        is_deep(codes),
+        letters,
+        table,
+        out,
+        work_space(codes),
+    )
     return dt, dx, marks == 1
 
 
 def columns_of(events: EventRows) -> tuple[np.ndarray, ...]:
     """Return t, theta, x, v, kind, boundary and target of events, each as an array."""
     floats = [events.floats[FLOAT_COLUMNS.index(name)] for name in ("t", "theta", "x", "v")]
-    codes = [events.ints[1 + CODE_COLUMNS.index(name)].astype(np.int64) for name in ("kind", "boundary", "target")]
+    codes = [
+        events.ints[1 + CODE_COLUMNS.index(name)].astype(np.int64)
+        for name in ("kind", "boundary", "target")
+    ]
     return *floats, *codes
 
 
 def tangent_loops(wanted: bool) -> dict[str, Any] | None:
-    """Return the compiled loops of derivatives if on disk, else None; look only if `wanted` or if numba is in use."""
+    """Return the compiled loops of derivatives if on disk, else None.
+
+    Look only if `wanted` or if numba is in use.
+    """
     if not wanted and loaded_loop() is None:
         return None
     try:
         loops = compiled_tangents()
     except MissingExtraError:
         return None
-    return loops if is_compiled(loops["tangents"]) else None
+    if is_compiled(loops["tangents"]):
+        return loops
+    return None
 
 
 def chosen_tangents(events: int, in_threads: bool, use_numba: bool | None) -> Callable[..., None]:
-    """Return the loop for derivatives of so many `events`: compiled if `in_threads`, and if `use_numba` or quicker."""
+    """Return the loop for derivatives of so many `events`.
+
+    Compiled if `in_threads`, and if `use_numba` or quicker.
+    """
     if not in_threads:
         return INTERPRETED
     compiled: Callable[..., None] = compiled_tangents()["tangents"]

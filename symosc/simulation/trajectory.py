@@ -1,4 +1,7 @@
-"""The result of a simulation: events, segments, dense output and files, in other coordinates too."""
+"""The result of a simulation.
+
+Events, segments, dense output and files, in other coordinates too.
+"""
 
 from __future__ import annotations
 
@@ -36,7 +39,9 @@ from symosc.words import MAPS, Labels
 MANY_TIMES = 1 << 6
 TIMES_TOGETHER = 1 << 16
 #: Map label by (start plane, mode, end plane); planes are the belts, a stick stays on one.
-MAP_LABELS = {(row.start.boundary, MODE_NAMES[row.mode], row.end.boundary): row.label for row in MAPS.values()}
+MAP_LABELS = {
+    (row.start.boundary, MODE_NAMES[row.mode], row.end.boundary): row.label for row in MAPS.values()
+}
 
 
 @dataclass(frozen=True, slots=True)
@@ -68,7 +73,8 @@ class Segment:
 class Trajectory(Drawable):
     """An exact event-driven trajectory.
 
-    Calling it gives the state: ``traj(t)`` is ``[x, v]``, of shape (2,) for a scalar and (2, n) for n times.
+    Calling it gives the state: ``traj(t)`` is ``[x, v]``, of shape (2,) for a scalar and (2, n) for
+    n times.
 
     Attributes
     ----------
@@ -77,13 +83,13 @@ class Trajectory(Drawable):
         Made at the first access.
     segments : tuple of Segment
     status : str
-        "t_end" (reached), "max_events", "equilibrium" (at rest, or settling with no event left) or "undecidable" (a
-        contact that this precision cannot decide; the trajectory ends before it).
+        "t_end" (reached), "max_events", "equilibrium" (at rest, or settling with no event left) or
+        "undecidable" (a contact that this precision cannot decide; the trajectory ends before it).
     message : str
         The status in words: what happened, when, and what to do about it.
     word : list of str
-        Labels "P1" to "P8" of the segments between switching planes, in order of time. A graze ends one mapping and
-        begins the next.
+        Labels "P1" to "P8" of the segments between switching planes, in order of time. A graze ends
+        one mapping and begins the next.
     t_start, t_end : number
         First and last time.
     digits : int or None
@@ -111,7 +117,12 @@ class Trajectory(Drawable):
         first_at: int,
         digits: int | None = None,
     ) -> None:
-        self.parameters, self.status, self.message, self.digits = parameters, status, message, digits
+        self.parameters, self.status, self.message, self.digits = (
+            parameters,
+            status,
+            message,
+            digits,
+        )
         self.t_start, self.t_end = span
         self._rows: Any = events
         self._pieces, self._first_at, self._t0 = pieces, first_at, float(self.t_start)
@@ -122,7 +133,9 @@ class Trajectory(Drawable):
         """The events in order of time."""
         if not callable(self._rows):
             return Listing(events_from(self._rows))
-        made, self._rows = Listing(self._rows()), None  # what makes them, the whole motion, is no longer needed
+        # what makes them, the whole motion, is no longer needed
+        made = Listing(self._rows())
+        self._rows = None
         return made
 
     def __getstate__(self) -> dict[str, Any]:
@@ -132,16 +145,24 @@ class Trajectory(Drawable):
 
     def rows(self) -> EventRows:
         """Return the events as columns of doubles."""
-        return self._rows if isinstance(self._rows, EventRows) else rows_of(0, self.events)
+        if isinstance(self._rows, EventRows):
+            return self._rows
+        return rows_of(0, self.events)
 
     @cached_property
     def segments(self) -> Listing[Segment]:
         """The segments in order of time."""
         found = []
-        plane, since, mode = self._first_at, self.t_start, MODE_NAMES[int(self._pieces[2, 0])]
+        plane = self._first_at
+        since = self.t_start
+        mode = MODE_NAMES[int(self._pieces[2, 0])]
         for event in self.events:
-            found.append(Segment(since, event.t, mode, MAP_LABELS.get((plane, mode, event.boundary))))
-            plane, since, mode = event.boundary, event.t, event.target
+            found.append(
+                Segment(since, event.t, mode, MAP_LABELS.get((plane, mode, event.boundary)))
+            )
+            plane = event.boundary
+            since = event.t
+            mode = event.target
         return Listing([*found, Segment(since, self.t_end, mode, None)])
 
     @cached_property
@@ -168,24 +189,39 @@ class Trajectory(Drawable):
 
     @public
     def mode(self, t: ArrayLike) -> Any:
-        """Return the mode ("Omega1" … "belt2") at a time, or an array of them; at an event the one that follows."""
+        """Return the mode ("Omega1" … "belt2") at a time, or an array of them.
+
+        At an event the one that follows.
+        """
         times = read_times(t)
         self._check_times(times)
-        names = [MODE_NAMES[int(mode)] for mode in self._pieces[2, self._pieces_at(times.ravel() - self._t0)]]
-        return names[0] if times.ndim == 0 else np.array(names).reshape(times.shape)
+        names = [
+            MODE_NAMES[int(mode)]
+            for mode in self._pieces[2, self._pieces_at(times.ravel() - self._t0)]
+        ]
+        if times.ndim == 0:
+            return names[0]
+        return np.array(names).reshape(times.shape)
 
     @public
     def force(self, alpha: int, t: ArrayLike) -> Any:
-        """Return F^(alpha) of eq. (9), the acceleration that domain `alpha` = 1, 2 or 3 would give, at times `t`."""
-        times, K = read_times(t), self._K
+        """Return F^(alpha) of eq.
+
+        (9), the acceleration that domain `alpha` = 1, 2 or 3 would give, at times `t`.
+        """
+        times = read_times(t)
+        K = self._K
         A = (K.A1, K.A2, K.A3)[whole_number("alpha", alpha, 1, 3) - 1]
         x, v, c = self._states(times)
         forces = acceleration(x, v, c, A, K.cm, K.w0sq, K.f0)
-        return forces.reshape(times.shape) if times.ndim else forces.item()
+        if times.ndim:
+            return forces.reshape(times.shape)
+        return forces.item()
 
     def _check_times(self, times: np.ndarray) -> None:
         """Raise ParameterError for a time that is out of range."""
-        low, high = float(self.t_start), float(self.t_end)
+        low = float(self.t_start)
+        high = float(self.t_end)
         for outside in times[~((times >= low) & (times <= high))][:1]:
             raise ParameterError("t", float(outside), f"must be within [{low!r}, {high!r}]")
 
@@ -197,11 +233,17 @@ class Trajectory(Drawable):
         """Return x, v and the cosine of the phase at a single time."""
         if not float(self.t_start) <= t <= float(self.t_end):
             self._check_times(np.array([t]))
-        elapsed, K = t - self._t0, self._K
-        _, theta, mode, x, v, a, since = self._pieces[:, max(bisect_right(self._starts, elapsed) - 1, 0)].tolist()
+        elapsed = t - self._t0
+        K = self._K
+        _, theta, mode, x, v, a, since = self._pieces[
+            :, max(bisect_right(self._starts, elapsed) - 1, 0)
+        ].tolist()
         tau = max(elapsed - since, 0.0)
         turn = K.Om * (tau % K.period if tau > K.period else tau)
-        s_Om, c_Om, s0, c0 = sin(turn), cos(turn), sin(theta), cos(theta)
+        s_Om = sin(turn)
+        c_Om = cos(turn)
+        s0 = sin(theta)
+        c0 = cos(theta)
         c = c0 * c_Om - s0 * s_Om
         if mode > ON_BELT:
             return x + v * tau, v, c
@@ -210,12 +252,21 @@ class Trajectory(Drawable):
         return x + dx, v + dv, c
 
     def _states(self, times: np.ndarray) -> np.ndarray:
-        """Return x, v and cosine of the phase at times, (3, n); many times are evaluated together, in numpy."""
+        """Return x, v and cosine of the phase at times, (3, n).
+
+        Many times are evaluated together, in numpy.
+        """
         times = times.ravel()
         if len(times) < MANY_TIMES:
-            return np.array([self._state(time) for time in times.tolist()], dtype=float).reshape(-1, 3).T
+            return (
+                np.array([self._state(time) for time in times.tolist()], dtype=float)
+                .reshape(-1, 3)
+                .T
+            )
         self._check_times(times)
-        K, states, own = self._K, np.empty((3, len(times))), column_functions()
+        K = self._K
+        states = np.empty((3, len(times)))
+        own = column_functions()
         sine_cosine = own["sine_cosine"]
         for begin in range(0, len(times), TIMES_TOGETHER):
             part = slice(begin, begin + TIMES_TOGETHER)
@@ -227,34 +278,57 @@ class Trajectory(Drawable):
             E0, E1, E2, R2, I2, s_Om, c_Om = own["basis_with_drive"](tau, *drive, K)
             dx, dv, _ = motion(v, a, s0, c0, K.cm, K.w0sq, K.f0, K.Om, E0, E1, E2, R2, I2)
             held = mode > ON_BELT
-            states[:, part] = x + np.where(held, v * tau, dx), v + np.where(held, 0.0, dv), c0 * c_Om - s0 * s_Om
+            states[:, part] = (
+                x + np.where(held, v * tau, dx),
+                v + np.where(held, 0.0, dv),
+                c0 * c_Om - s0 * s_Om,
+            )
         return states
 
     def table(self) -> list[dict[str, Any]]:
         """Return the events as rows of plain values.
 
-        With ``digits=`` the numbers t, x, v and theta are text of that many digits, since programs that read numbers
-        round them to doubles (RFC 7493 recommends text in JSON). In double precision they are floats.
+        With ``digits=`` the numbers t, x, v and theta are text of that many digits, since programs
+        that read numbers round them to doubles (RFC 7493 recommends text in JSON). In double
+        precision they are floats.
         """
-        return [{name: self._plain(getattr(event, name)) for name in EVENT_COLUMNS} for event in self.events]
+        return [
+            {name: self._plain(getattr(event, name)) for name in EVENT_COLUMNS}
+            for event in self.events
+        ]
 
     def _plain(self, value: Any) -> Any:
         """Return a number as it is if it is an int, a float or text, else as text with all digits."""
-        return value if isinstance(value, (int, float, str)) else value.context.nstr(value, self.digits)
+        if isinstance(value, (int, float, str)):
+            return value
+        return value.context.nstr(value, self.digits)
 
     def to_csv(self, path: str | Path) -> None:
-        """Write the events as CSV with a header ("-": to standard output); OutputError if it cannot be written."""
+        """Write the events as CSV with a header ("-": to standard output).
+
+        OutputError if it cannot be written.
+        """
         write_csv(path, EVENT_COLUMNS, (row.values() for row in self.table()))
 
     def to_pandas(self) -> Any:
-        """Return the events as a DataFrame, a row each; MissingExtraError if pandas is not installed."""
+        """Return the events as a DataFrame, a row each.
+
+        MissingExtraError if pandas is not installed.
+        """
         return imported("pandas").DataFrame(self.table(), columns=list(EVENT_COLUMNS))
 
     def to_xarray(self) -> Any:
-        """Return the events as a Dataset over `event`; MissingExtraError if xarray is not installed."""
-        rows, columns = self.table(), dict[str, Any]()
+        """Return the events as a Dataset over `event`.
+
+        MissingExtraError if xarray is not installed.
+        """
+        rows = self.table()
+        columns = dict[str, Any]()
         for name in EVENT_COLUMNS:
-            kind = str if self.digits and name in EXACT_COLUMNS else COLUMN_TYPES[name]
+            if self.digits and name in EXACT_COLUMNS:
+                kind: type = str
+            else:
+                kind = COLUMN_TYPES[name]
             columns[name] = ("event",), np.array([row[name] for row in rows], dtype=kind)
         about = {"status": self.status, "message": self.message, "word": " ".join(self.word)}
         return imported("xarray").Dataset(columns, attrs=about | self.parameters.as_dict())
@@ -262,24 +336,39 @@ class Trajectory(Drawable):
     def to_scipy(self) -> Any:
         """Return the motion as the OdeResult of ``scipy.integrate.solve_ivp``, in doubles.
 
-        t and y are times and states at the start, the events and the end; `sol` is this trajectory; t_events and
-        y_events have the events on belt 1, then those on belt 2.
+        t and y are times and states at the start, the events and the end; `sol` is this trajectory;
+        t_events and y_events have the events on belt 1, then those on belt 2.
         """
         from scipy.optimize import OptimizeResult  # what scipy's OdeResult is, loaded in less time
 
-        times = np.array([float(each) for each in (self.t_start, *(event.t for event in self.events), self.t_end)])
-        belts = [np.array([float(event.t) for event in self.events if event.boundary == belt]) for belt in (1, 2)]
+        times = np.array(
+            [
+                float(each)
+                for each in (self.t_start, *(event.t for event in self.events), self.t_end)
+            ]
+        )
+        belts = [
+            np.array([float(event.t) for event in self.events if event.boundary == belt])
+            for belt in (1, 2)
+        ]
         states = [self(each).T.astype(float) if len(each) else np.empty((0, 2)) for each in belts]
         success = self.status in ("t_end", "equilibrium")
-        about = {"status": 0 if success else -1, "message": self.message, "success": success, "nfev": 0}
+        about = {
+            "status": 0 if success else -1,
+            "message": self.message,
+            "success": success,
+            "nfev": 0,
+        }
         y = np.asarray(self(times), dtype=float)
-        return OptimizeResult(t=times, y=y, sol=self, t_events=belts, y_events=states, njev=0, nlu=0, **about)
+        return OptimizeResult(
+            t=times, y=y, sol=self, t_events=belts, y_events=states, njev=0, nlu=0, **about
+        )
 
     def as_dict(self) -> dict[str, Any]:
         """Return parameters, status and events as plain values.
 
-        Parameters are text that reads back exactly. With ``digits=`` the numbers of the motion are text too, see
-        `table`; the entry "digits" says so.
+        Parameters are text that reads back exactly. With ``digits=`` the numbers of the motion are
+        text too, see `table`; the entry "digits" says so.
         """
         return {
             "parameters": self.parameters.as_dict(),
@@ -293,20 +382,31 @@ class Trajectory(Drawable):
         }
 
     def to_json(self, path: str | Path) -> None:
-        """Write what `as_dict` returns as JSON ("-": to standard output); OutputError if it cannot be written."""
+        """Write what `as_dict` returns as JSON ("-": to standard output).
+
+        OutputError if it cannot be written.
+        """
         write_text(path, json.dumps(self.as_dict(), indent=1) + "\n")
 
     def __eq__(self, other: object) -> bool:
-        """Whether both are the same motion: parameters, digits, status, events, segments and dense output."""
+        """Whether both are the same motion.
+
+        Parameters, digits, status, events, segments and dense output.
+        """
         if not isinstance(other, Trajectory):
             return NotImplemented
         return self._content() == other._content()
 
     def __hash__(self) -> int:
-        return hash((self.parameters, self.digits, self.status, float(self.t_end), self._pieces.shape[1]))
+        return hash(
+            (self.parameters, self.digits, self.status, float(self.t_end), self._pieces.shape[1])
+        )
 
     def _content(self) -> tuple[Any, ...]:
-        """Return what must be equal in equal trajectories: parameters, status, events, segments and pieces."""
+        """Return what must be equal in equal trajectories.
+
+        Parameters, status, events, segments and pieces.
+        """
         about = self.parameters, self.digits, self.status, self.message
         return *about, self.events, self.segments, self._pieces.tolist()
 
@@ -329,7 +429,9 @@ def read_times(t: Any) -> np.ndarray:
 
 
 class MovedTrajectory(Trajectory):
-    """The motion of another model: the motion of symosc's oscillator, converted to the coordinates of the model.
+    """The motion of another model.
+
+    The motion of symosc's oscillator, converted to the coordinates of the model.
 
     Attributes
     ----------
@@ -347,13 +449,25 @@ class MovedTrajectory(Trajectory):
 
     def __init__(self, reduced: Trajectory, original: Original) -> None:
         self.model, self.reduced = original.model, reduced
-        number, message = number_like(reduced.t_end), f"reached t_end = {show(original.t_end)}"
-        delay, end = number(self.model.delay), number(original.t_end)
+        number = number_like(reduced.t_end)
+        message = f"reached t_end = {show(original.t_end)}"
+        delay = number(self.model.delay)
+        end = number(original.t_end)
         if reduced.status != "t_end":
             message = f"{reduced.message} (of the oscillator that the model is; its time is {float(delay):.6g} less)"
-            end = end if reduced.status == "equilibrium" else reduced.t_end + delay
-        found = reduced._pieces, reduced.status, message, (number(original.t0), end), reduced._first_at, reduced.digits
-        super().__init__(reduced.parameters, lambda: [self._event(event) for event in reduced.events], *found)
+            if reduced.status != "equilibrium":
+                end = reduced.t_end + delay
+        found = (
+            reduced._pieces,
+            reduced.status,
+            message,
+            (number(original.t0), end),
+            reduced._first_at,
+            reduced.digits,
+        )
+        super().__init__(
+            reduced.parameters, lambda: [self._event(event) for event in reduced.events], *found
+        )
 
     def _event(self, event: Event) -> Event:
         """Return an event of the oscillator in the coordinates of the model."""
@@ -376,12 +490,18 @@ class MovedTrajectory(Trajectory):
 
     @public
     def mode(self, t: ArrayLike) -> Any:
-        """Return the mode ("Omega1" … "belt2") at a time, or an array of them; at an event the one that follows."""
+        """Return the mode ("Omega1" … "belt2") at a time, or an array of them.
+
+        At an event the one that follows.
+        """
         return self.reduced.mode(self._times(t)[1])
 
     @public
     def force(self, alpha: int, t: ArrayLike) -> Any:
-        """Return F^(alpha) of eq. (9) of the oscillator: the acceleration of x relative to the (oscillating) belts."""
+        """Return F^(alpha) of eq.
+
+        (9) of the oscillator: the acceleration of x relative to the (oscillating) belts.
+        """
         return self.reduced.force(alpha, self._times(t)[1])
 
     def as_dict(self) -> dict[str, Any]:
@@ -396,4 +516,6 @@ def belt_path(trajectory: Trajectory, boundary: int, t: np.ndarray) -> np.ndarra
     """Return position and velocity, (2, n), of a point of a belt at times `t`, in the trajectory's coordinates."""
     speed = float(trajectory.parameters.belt(boundary))
     path = np.stack([speed * t, np.full(t.shape, speed)])
-    return path + np.stack(motion_of_belts(trajectory.model, t)) if isinstance(trajectory, MovedTrajectory) else path
+    if isinstance(trajectory, MovedTrajectory):
+        return path + np.stack(motion_of_belts(trajectory.model, t))
+    return path

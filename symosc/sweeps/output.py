@@ -1,7 +1,10 @@
-"""The result of a sweep as an xarray.Dataset, and its files: netCDF, zarr and CSV, written whole with their plan.
+"""The result of a sweep as an xarray.Dataset, and its files.
 
-Each file has a SHA-256 checksum of all its bytes, those of the checksum itself as zeros: after the netCDF file, in the
-attributes of the zarr group, in the first line of the CSV file. The columns in netCDF and zarr have checksums too.
+NetCDF, zarr and CSV, written whole with their plan.
+
+Each file has a SHA-256 checksum of all its bytes, those of the checksum itself as zeros: after the
+netCDF file, in the attributes of the zarr group, in the first line of the CSV file. The columns in
+netCDF and zarr have checksums too.
 """
 
 from __future__ import annotations
@@ -41,7 +44,9 @@ ENGINES: dict[str, Any] = {".nc": "h5netcdf", ".zarr": "zarr"}
 #: The first line of a CSV file: the attributes and the types of the columns, as JSON.
 COMMENT = "# "
 NO_CHECKSUM = "0" * 64
-PLAN_FORM, CHECKSUM_FORM = (re.compile(name + rb'"?: "?([0-9a-f]{64})') for name in (b"plan", b"sha256"))
+PLAN_FORM, CHECKSUM_FORM = (
+    re.compile(name + rb'"?: "?([0-9a-f]{64})') for name in (b"plan", b"sha256")
+)
 #: The lines that symosc appends after the HDF5 part of a netCDF file.
 NETCDF_END = "\nplan: {}\nsha256: {}\n"
 SECTION_NAMES = ("period", "component")
@@ -82,16 +87,25 @@ def dataset_of(plan: SweepPlan, columns: Columns) -> xarray.Dataset:
     """Return the result of a sweep from columns with a row for each cell, in C order of the dimensions."""
 
     def about(name: str, dimension: str) -> dict[str, str]:
-        units = {"units": "1"} if dimension == "1" else {"dimension": dimension} if dimension else {}
+        if dimension == "1":
+            units = {"units": "1"}
+        elif dimension:
+            units = {"dimension": dimension}
+        else:
+            units = {}
         return {"long_name": name} | units
 
     variables = {}
     for name in plan.column_names:
         values = columns[name].reshape(*plan.sizes.values(), *columns[name].shape[1:])
-        dimensions = (*plan.sizes, *SECTION_NAMES) if name == "section" else tuple(plan.sizes)
+        if name == "section":
+            dimensions = (*plan.sizes, *SECTION_NAMES)
+        else:
+            dimensions = tuple(plan.sizes)
         variables[name] = (dimensions, values, about(*SUMMARY_COLUMNS[name]))
     coordinates: dict[str, Any] = {
-        name: (each.dimension, each.values, about(*QUANTITIES[name][:2])) for name, each in plan.coordinates.items()
+        name: (each.dimension, each.values, about(*QUANTITIES[name][:2]))
+        for name, each in plan.coordinates.items()
     }
     if plan.sections:
         coordinates |= {"period": np.arange(-plan.sections, 0), "component": ["x", "v"]}
@@ -108,9 +122,18 @@ def dataset_of(plan: SweepPlan, columns: Columns) -> xarray.Dataset:
 def _call_text(plan: SweepPlan) -> str:
     """Return the call of `sweep` that gives this result again, as Python source."""
     over = {name: each for name, each in plan.coordinates.items() if each.dimension != START_AXIS}
-    scene, axes = plan.scene, list[str]()
-    for name, axis in over.items():  # axes with more values are not written out in the call; the coordinates have them
-        values = f"dataset[{name!r}].values" if len(axis.values) > 2000 else repr(axis.values.tolist())
+    scene = plan.scene
+    axes = list[str]()
+    for (
+        name,
+        axis,
+    ) in (
+        over.items()
+    ):  # axes with more values are not written out in the call; the coordinates have them
+        if len(axis.values) > 2000:
+            values = f"dataset[{name!r}].values"
+        else:
+            values = repr(axis.values.tolist())
         axes.append(f"{name!r}: {repr(axis.text) if axis.text else values}")
     written = "{" + ", ".join(axes) + "}"
     if SET_AXIS in plan.sizes:
@@ -128,7 +151,10 @@ def _call_text(plan: SweepPlan) -> str:
 
 
 def output_path(path: Any) -> Path:
-    """Check the name of a sweep's output file; OutputError if it cannot be written, or a package for it is missing."""
+    """Check the name of a sweep's output file.
+
+    OutputError if it cannot be written, or a package for it is missing.
+    """
     name = read_path(path)
     target = Path(name)
     if name == STDOUT:
@@ -144,14 +170,19 @@ def output_path(path: Any) -> Path:
 
 
 def plan_of(path: Path, to_replace: bool = False) -> str | None:
-    """Return the plan's key (`SweepPlan.key`) that an output file states; None if there is no such file.
+    """Return the plan's key (`SweepPlan.key`) that an output file states.
 
-    SweepError if the file is no output of a sweep or, if `to_replace`, is a folder that has other files too.
+    None if there is no such file.
+
+    SweepError if the file is no output of a sweep or, if `to_replace`, is a folder that has other
+    files too.
     """
     # The file is read as bytes: the libraries do not fail well.
     if not os.path.lexists(path):
         return None
-    found, place, ending = list[bytes](), _text_file(path), path.suffix.lower()
+    found = list[bytes]()
+    place = _text_file(path)
+    ending = path.suffix.lower()
     if place.is_file():
         with suppress(OSError), place.open("rb") as file:
             if ending == ".nc":
@@ -164,28 +195,47 @@ def plan_of(path: Path, to_replace: bool = False) -> str | None:
 
 
 def _text_file(path: Path) -> Path:
-    """Return the file with the plan and the checksum of an output: the output itself or, in a folder, zarr.json."""
-    return path / "zarr.json" if path.is_dir() else path
+    """Return the file with the plan and the checksum of an output.
+
+    The output itself or, in a folder, zarr.json.
+    """
+    if path.is_dir():
+        return path / "zarr.json"
+    return path
 
 
 def _files_in(path: Path) -> dict[str, Path]:
-    """Return the files of a folder under their relative names, in order; nothing if the path is a file."""
+    """Return the files of a folder under their relative names, in order.
+
+    Nothing if the path is a file.
+    """
     found = (each for each in path.rglob("*") if each.is_symlink() or not each.is_dir())
     return dict(sorted((each.relative_to(path).as_posix(), each) for each in found))
 
 
 def read_columns(path: Path) -> Columns:
-    """Return the columns of a finished output, over all cells; SweepError if the file was damaged or changed."""
+    """Return the columns of a finished output, over all cells.
+
+    SweepError if the file was damaged or changed.
+    """
     found, stated, _ = _checksum(path)
     if found != stated:
-        raise SweepError(f"{path} is damaged, or was changed after it was written: start anew, or name another file")
+        raise SweepError(
+            f"{path} is damaged, or was changed after it was written: start anew, or name another file"
+        )
     ending = path.suffix.lower()
-    return _read_csv(path) if ending == ".csv" else _read_dataset(path, ENGINES[ending])
+    if ending == ".csv":
+        return _read_csv(path)
+    return _read_dataset(path, ENGINES[ending])
 
 
 def write_output(dataset: xarray.Dataset, path: Path, folder: Path) -> None:
-    """Write the result of a sweep atomically: as a draft in `folder`, which is then moved to its place `path`."""
-    # OutputError if that fails, SweepError if there is something in its place that is no output of a sweep.
+    """Write the result of a sweep atomically.
+
+    As a draft in `folder`, which is then moved to its place `path`.
+    """
+    # OutputError if that fails, SweepError if there is something in its place that is no output of
+    # a sweep.
     suffix = path.suffix.lower()
     draft = folder / f"{DRAFT}{suffix}"
     try:
@@ -210,7 +260,9 @@ def write_output(dataset: xarray.Dataset, path: Path, folder: Path) -> None:
 
 def _to_disk(path: Path) -> None:
     """Force a file, or the names of the files in a folder, out of the system's memory onto the disk."""
-    with suppress(OSError) if path.is_dir() else nullcontext():  # not every system does it for folders
+    with (
+        suppress(OSError) if path.is_dir() else nullcontext()
+    ):  # not every system does it for folders
         handle = os.open(path, os.O_RDONLY)
         try:
             os.fsync(handle)
@@ -220,7 +272,10 @@ def _to_disk(path: Path) -> None:
 
 def _checksum(path: Path) -> tuple[str, str, int]:
     """Return the checksum of an output, the one that is stated in it ("" if none), and the stated one's position."""
-    place, stated, begin, found = _text_file(path), "", 0, sha256()
+    place = _text_file(path)
+    stated = ""
+    begin = 0
+    found = sha256()
     for name, file in (_files_in(path) or {"": path}).items():
         content = memoryview(file.read_bytes())
         found.update(f"{name} {len(content)}\n".encode())
@@ -243,7 +298,9 @@ def _write_netcdf(dataset: xarray.Dataset, draft: Path) -> None:
 
     content = BytesIO()
     checksum = dataset.attrs.pop("sha256")
-    checked = {name: {"fletcher32": True} for name, each in dataset.items() if each.dtype.kind != "U"}
+    checked = {
+        name: {"fletcher32": True} for name, each in dataset.items() if each.dtype.kind != "U"
+    }
     with h5netcdf.File(content, "w") as file:
         store = need_xarray().backends.H5NetCDFStore(file)
         dataset.dump_to_store(store, encoding=checked)
@@ -259,22 +316,34 @@ def _write_zarr(dataset: xarray.Dataset, draft: Path) -> None:
 
     plain = dataset.copy()
     for name, variable in dataset.variables.items():
-        if variable.dtype.kind == "U":  # texts of fixed width have no place in zarr's specification yet
+        if (
+            variable.dtype.kind == "U"
+        ):  # texts of fixed width have no place in zarr's specification yet
             plain[name] = variable.astype(object)
     checked = {name: {"compressors": (ZstdCodec(), Crc32cCodec())} for name in dataset.variables}
     with warnings.catch_warnings():
         # Readers expect the metadata in one piece, which is not in zarr's specification yet either.
-        warnings.filterwarnings("ignore", message="Consolidated metadata|.*not part in the Zarr format 3")
+        warnings.filterwarnings(
+            "ignore", message="Consolidated metadata|.*not part in the Zarr format 3"
+        )
         plain.to_zarr(draft, mode="w", consolidated=True, encoding=checked)
 
 
 def _write_csv(dataset: xarray.Dataset, draft: Path) -> None:
-    """Write a CSV file with a row for each cell; a point of a Poincaré section takes two columns."""
-    kinds = {str(name): "U" if each.dtype.kind == "U" else str(each.dtype) for name, each in dataset.items()}
+    """Write a CSV file with a row for each cell.
+
+    A point of a Poincaré section takes two columns.
+    """
+    kinds = {
+        str(name): "U" if each.dtype.kind == "U" else str(each.dtype)
+        for name, each in dataset.items()
+    }
     flat = dataset.drop_vars(["section", *SECTION_NAMES], errors="ignore")
     for i in range(dataset.sizes.get("period", 0)):
         for j, component in enumerate("xv"):
-            flat[f"section_{component}_{i}"] = dataset["section"].isel(period=i, component=j, drop=True)
+            flat[f"section_{component}_{i}"] = dataset["section"].isel(
+                period=i, component=j, drop=True
+            )
     frame = flat.to_dataframe().reset_index()
     kept = [name for name in frame.columns if name in dataset.coords or name not in dataset.dims]
     with draft.open("w", encoding="utf-8", newline="") as file:
@@ -286,7 +355,8 @@ def _read_dataset(path: Path, engine: Any) -> Columns:
     """Return the columns of a netCDF file or a zarr group, read by the backend of xarray with the name `engine`."""
     columns: Columns = {}
     with need_xarray().open_dataset(path, engine=engine) as dataset:
-        count, cells = dataset["status"].ndim, dataset["status"].size
+        count = dataset["status"].ndim
+        cells = dataset["status"].size
         for name, variable in dataset.data_vars.items():
             values = variable.values.reshape(cells, *variable.shape[count:])
             columns[str(name)] = np.array(values.tolist()) if values.dtype.kind in "OT" else values
@@ -299,7 +369,9 @@ def _read_csv(path: Path) -> Columns:
         head = json.loads(file.readline().removeprefix(COMMENT))
     from pandas import read_csv
 
-    frame = read_csv(path, skiprows=1, dtype=str, na_filter=False)  # as text: numpy reads every digit
+    frame = read_csv(
+        path, skiprows=1, dtype=str, na_filter=False
+    )  # as text: numpy reads every digit
     text = {str(name): np.array(frame[name].tolist()) for name in frame.columns}
     if points := sum(name.startswith("section_x_") for name in text):
         pairs = [[text[f"section_{component}_{i}"] for component in "xv"] for i in range(points)]
@@ -307,4 +379,8 @@ def _read_csv(path: Path) -> Columns:
     return {name: text[name].astype(kind) for name, kind in head["types"].items()}
 
 
-WRITERS: dict[str, Callable[[Any, Path], None]] = {".nc": _write_netcdf, ".zarr": _write_zarr, ".csv": _write_csv}
+WRITERS: dict[str, Callable[[Any, Path], None]] = {
+    ".nc": _write_netcdf,
+    ".zarr": _write_zarr,
+    ".csv": _write_csv,
+}

@@ -34,7 +34,8 @@ from symosc.words import cycle
 SWEPT_NAMES = (*PARAMETER_NAMES, *STARTS)
 MOST_AXES = 3
 #: The dimension of a table's rows, and of several starts.
-SET_AXIS, START_AXIS = "set", "start"
+SET_AXIS = "set"
+START_AXIS = "start"
 MOST_SWEPT = MOST_FORCING_PERIODS = 10**9
 AXIS_FORM = "give numbers, or LO:HI:N such as '1:6:500'"
 OVER_FORM = "give names with their values, such as {'Omega': '1:6:500'}, or a table: a DataFrame or a list of dicts"
@@ -67,20 +68,22 @@ class Duration:
 
     def times(self, period: Any) -> Any:
         """Return the duration in units of time for each of the given periods of the drive."""
-        return float(self.value) * period if self.periods else self.value
+        if self.periods:
+            return float(self.value) * period
+        return self.value
 
 
 @dataclass(frozen=True, eq=False)
 class SweepPlan:
     """A sweep with all settings that decide its numbers.
 
-    A cell is one motion of the sweep, at one point of the grid or in one row of the table. Cells are numbered in C
-    order of the dimensions.
+    A cell is one motion of the sweep, at one point of the grid or in one row of the table. Cells
+    are numbered in C order of the dimensions.
     """
 
-    # Swept values are doubles, each read as the decimal that it prints as: a coordinate of the result says exactly what
-    # was computed. What is not swept stays exact. Periods of `t_end` count from the start of each motion; `skip` is
-    # left out of it from its start on.
+    # Swept values are doubles, each read as the decimal that it prints as: a coordinate of the
+    # result says exactly what was computed. What is not swept stays exact. Periods of `t_end` count
+    # from the start of each motion; `skip` is left out of it from its start on.
 
     scene: Scene  # what is not swept
     coordinates: Coordinates
@@ -105,14 +108,25 @@ class SweepPlan:
 
     @property
     def column_names(self) -> tuple[str, ...]:
-        """The names of the columns that are computed for each cell: those to record, and always the status."""
+        """The names of the columns that are computed for each cell.
+
+        Those to record, and always the status.
+        """
         return tuple(dict.fromkeys((*self.record, "status")))
 
     @cached_property
     def content(self) -> Record:
-        """Everything that decides the numbers of the sweep, as plain data; swept values are replaced by a hash."""
+        """Everything that decides the numbers of the sweep, as plain data.
+
+        Swept values are replaced by a hash.
+        """
         swept = [  # in order, which is that of the dimensions
-            [name, each.dimension, len(each.values), hashlib.sha256(each.values.tobytes()).hexdigest()]
+            [
+                name,
+                each.dimension,
+                len(each.values),
+                hashlib.sha256(each.values.tobytes()).hexdigest(),
+            ]
             for name, each in self.coordinates.items()
         ]
         errors = self.scene.start_error
@@ -137,7 +151,9 @@ class SweepPlan:
     def arguments(self, begin: int, end: int) -> Record:
         """Return the arguments of `simulate_many` that compute the cells from `begin` up to `end`."""
         swept = self.cells(begin, end)
-        p: Record = {name: swept.get(name, value) for name, value in by_name(self.scene.parameters).items()}
+        p: Record = {
+            name: swept.get(name, value) for name, value in by_name(self.scene.parameters).items()
+        }
         starts = {name: swept.get(name, getattr(self.scene, name)) for name in STARTS}
         period = 2 * math.pi / np.asarray(p["Omega"], dtype=float)
         t_end = self.t_end.times(period)
@@ -152,14 +168,20 @@ class SweepPlan:
         }
 
 
-def compute(arguments: Record, kernels: str, workers: int | None = 1) -> tuple[dict[str, np.ndarray], float]:
-    """Compute a chunk of cells by `simulate_many` with `arguments`; return its columns and the processor seconds.
+def compute(
+    arguments: Record, kernels: str, workers: int | None = 1
+) -> tuple[dict[str, np.ndarray], float]:
+    """Compute a chunk of cells by `simulate_many` with `arguments`.
 
-    `kernels` is the caller's `kernels_hash`; SweepError if it differs here, in a worker with another symosc.
+    Return its columns and the processor seconds.
+
+    `kernels` is the caller's `kernels_hash`; SweepError if it differs here, in a worker with
+    another symosc.
     """
     if kernels != kernels_hash():
         raise SweepError("a worker has another version of symosc than this program")
-    wall, processor = perf_counter(), process_time()
+    wall = perf_counter()
+    processor = process_time()
     columns: dict[str, np.ndarray] = simulate_many(**arguments, workers=workers).columns()
     if "word" in columns:
         columns["word"] = cycles(columns["word"])
@@ -170,8 +192,8 @@ def compute(arguments: Record, kernels: str, workers: int | None = 1) -> tuple[d
 
 def cycles(words: np.ndarray) -> np.ndarray:
     """Replace each word by one of its rotations, always the same: both P32 and P23 become P32."""
-    # Where a cycle is cut into periods depends on the phases of its events, and so on the parameters; a map over them
-    # shows borders only where the cycle itself changes.
+    # Where a cycle is cut into periods depends on the phases of its events, and so on the
+    # parameters; a map over them shows borders only where the cycle itself changes.
     texts, places = np.unique(words, return_inverse=True)
     return np.array([cycle(str(text)) for text in texts])[places]
 
@@ -179,7 +201,8 @@ def cycles(words: np.ndarray) -> np.ndarray:
 @cache
 def kernels_hash() -> str:
     """Return a hash of the source files that decide the numbers of a motion."""
-    root, digest = Path(symosc.__file__).parent, hashlib.sha256()
+    root = Path(symosc.__file__).parent
+    digest = hashlib.sha256()
     for path in map(root.joinpath, DECISIVE):
         for source in sorted(path.rglob("*.py")) if path.is_dir() else [path]:
             digest.update(source.read_bytes())
@@ -189,31 +212,51 @@ def kernels_hash() -> str:
 # -- reading the arguments of a sweep ----------------------------------------------------------------------------------
 
 
-def read_plan(scene: Any, over: Any, record: Any, t_end: Any, skip: Any, starts: Any = None) -> SweepPlan:
+def read_plan(
+    scene: Any, over: Any, record: Any, t_end: Any, skip: Any, starts: Any = None
+) -> SweepPlan:
     """Check the arguments of `sweep` and return them as a plan."""
     if isinstance(scene, Parameters):
         if t_end is None:
             raise ParameterError("t_end", None, "is needed with parameters")
-        problem = from_rest(scene, LARGEST)  # `t_end` may be in forcing periods, and later than other starts
+        problem = from_rest(
+            scene, LARGEST
+        )  # `t_end` may be in forcing periods, and later than other starts
     else:
-        problem = scene if isinstance(scene, Scene) else load_scene(scene)
+        if isinstance(scene, Scene):
+            problem = scene
+        else:
+            problem = load_scene(scene)
         if problem.original is not None:
             raise not_reduced_error(problem)
-    rows = None if starts is None else _start_rows(starts)
+    if starts is None:
+        rows = None
+    else:
+        rows = _start_rows(starts)
     if rows is not None and rows.ndim == 1:
-        problem, rows = problem.started(dict(zip(STARTS, rows, strict=True))), None
+        problem = problem.started(dict(zip(STARTS, rows, strict=True)))
+        rows = None
     coordinates = read_coordinates(problem, over, rows)
     columns, sections = _read_record(record)
-    end = Duration(problem.t_end) if t_end is None else read_duration("t_end", t_end)
+    if t_end is None:
+        end = Duration(problem.t_end)
+    else:
+        end = read_duration("t_end", t_end)
     plan = SweepPlan(problem, coordinates, columns, sections, end, read_duration("skip", skip))
     _check_times(plan)
     return plan
 
 
 def read_coordinates(scene: Scene, over: Any, starts: np.ndarray | None = None) -> Coordinates:
-    """Return the swept values by name, from axes or a table `over`; `starts`, rows t0, x0, v0, add a dimension."""
+    """Return the swept values by name, from axes or a table `over`.
+
+    `starts`, rows t0, x0, v0, add a dimension.
+    """
     table = _table_columns(over)
-    found = _axes(over) if table is None else {name: Coordinate(SET_AXIS, values) for name, values in table.items()}
+    if table is None:
+        found = _axes(over)
+    else:
+        found = {name: Coordinate(SET_AXIS, values) for name, values in table.items()}
     if starts is not None:
         if twice := [name for name in STARTS if name in found]:
             raise ParameterError("starts", twice[0], "is swept too; give it in one place")
@@ -233,7 +276,9 @@ def _axes(over: Any) -> Coordinates:
     if not 1 <= len(over) <= MOST_AXES:
         raise ParameterError("over", list(over), f"must have one to {MOST_AXES} axes")
     return {
-        _known_name(name): Coordinate(name, read_axis(name, values), values if isinstance(values, str) else "")
+        _known_name(name): Coordinate(
+            name, read_axis(name, values), values if isinstance(values, str) else ""
+        )
         for name, values in over.items()
     }
 
@@ -247,8 +292,14 @@ def _known_name(name: Any) -> str:
 
 
 def read_axis(name: str, values: Any) -> np.ndarray:
-    """Return the values of an axis, all different: those that are given, or N evenly spaced ones of "LO:HI:N"."""
-    found = _evenly_spaced(name, values) if isinstance(values, str) else _numbers(name, values)
+    """Return the values of an axis, all different.
+
+    Those that are given, or N evenly spaced ones of "LO:HI:N".
+    """
+    if isinstance(values, str):
+        found = _evenly_spaced(name, values)
+    else:
+        found = _numbers(name, values)
     if not len(found):
         raise ParameterError(name, values, f"has no values; {AXIS_FORM}")
     ordered = np.sort(found)
@@ -259,7 +310,10 @@ def read_axis(name: str, values: Any) -> np.ndarray:
 
 
 def _read_whole(name: str, text: str, least: int) -> int:
-    """Return the whole number that a text states; ParameterError, which calls it `name`, if it is less than `least`."""
+    """Return the whole number that a text states.
+
+    ParameterError, which calls it `name`, if it is less than `least`.
+    """
     text = text.strip()
     return whole_number(name, int(text) if text.isascii() and text.isdigit() else text, least)
 
@@ -284,9 +338,14 @@ def _numbers(name: str, values: Any) -> np.ndarray:
     unmasked(name, values)
     if isinstance(values, (str, bytes, Mapping)) or not isinstance(values, Iterable):
         raise ParameterError(name, values, AXIS_FORM)
-    array = values if isinstance(values, np.ndarray) else np.asarray(list(values), dtype=object)
+    if isinstance(values, np.ndarray):
+        array = values
+    else:
+        array = np.asarray(list(values), dtype=object)
     if array.ndim != 1:
-        raise ParameterError(name, values, f"must be one row of numbers; it has shape {array.shape}")
+        raise ParameterError(
+            name, values, f"must be one row of numbers; it has shape {array.shape}"
+        )
     if array.dtype.kind not in "iuf":
         return np.array([float(read_number(name, value)[0]) for value in array], dtype=float) + 0.0
     for value in (array.min(), array.max()) if len(array) else ():  # nan is both
@@ -314,15 +373,21 @@ def _start_rows(starts: Any) -> np.ndarray:
     """Return starts, given as rows or as columns by name, as an array (n, 3) of rows t0, x0, v0, or (3,) if single."""
     columns = named("starts", starts, STARTS)
     if isinstance(columns, Mapping):
-        each = [np.asarray(unmasked(name, column), dtype=object) for name, column in columns.items()]
+        each = [
+            np.asarray(unmasked(name, column), dtype=object) for name, column in columns.items()
+        ]
         try:
             rows = np.stack(np.broadcast_arrays(*each), axis=-1)
         except ValueError:
             lengths = [np.shape(column) for column in columns.values()]
             raise ParameterError("starts", lengths, "the columns must be of one length") from None
-        return rows.ravel() if rows.size == 3 else rows
+        if rows.size == 3:
+            return rows.ravel()
+        return rows
     try:
-        rows = np.asarray(unmasked("starts", starts), dtype=None if hasattr(starts, "dtype") else object)
+        rows = np.asarray(
+            unmasked("starts", starts), dtype=None if hasattr(starts, "dtype") else object
+        )
     except ValueError:
         rows = np.zeros(0)
     if rows.ndim not in (1, 2) or rows.shape[-1] != 3 or not len(rows):
@@ -331,7 +396,10 @@ def _start_rows(starts: Any) -> np.ndarray:
 
 
 def _check_values(scene: Scene, coordinates: Coordinates) -> None:
-    """Check that `Parameters` accepts the extreme swept values: then it accepts all values between them."""
+    """Check that `Parameters` accepts the extreme swept values.
+
+    Then it accepts all values between them.
+    """
     swept = {name: each.values for name, each in coordinates.items() if name in PARAMETER_NAMES}
     belts = {name: swept.pop(name) for name in ("v1", "v2") if name in swept}
     for name, values in swept.items():
@@ -341,7 +409,10 @@ def _check_values(scene: Scene, coordinates: Coordinates) -> None:
         worst = int(np.argmin(belts["v2"] - belts["v1"]))
         scene.parameters.replace(v1=float(belts["v1"][worst]), v2=float(belts["v2"][worst]))
     elif belts:
-        nearest = {name: float(values.max() if name == "v1" else values.min()) for name, values in belts.items()}
+        nearest = {
+            name: float(values.max() if name == "v1" else values.min())
+            for name, values in belts.items()
+        }
         scene.parameters.replace(**nearest)
 
 
@@ -360,7 +431,8 @@ def _read_record(record: Any) -> tuple[tuple[str, ...], int]:
 
     A column "section:64" asks for a section with 64 points; without a section the number is 0.
     """
-    columns, sections = list[str](), 0
+    columns = list[str]()
+    sections = 0
     for name in [record] if isinstance(record, str) else record:
         column, colon, count = name.partition(":")
         if column not in SUMMARY_COLUMNS or (colon and column != "section"):
@@ -369,7 +441,10 @@ def _read_record(record: Any) -> tuple[tuple[str, ...], int]:
         if column in columns:
             raise ParameterError("record", column, "is there twice")
         if column == "section":
-            sections = _read_whole("section", count, 1) if colon else SECTION_POINTS
+            if colon:
+                sections = _read_whole("section", count, 1)
+            else:
+                sections = SECTION_POINTS
         columns.append(column)
     if not columns:
         raise ParameterError("record", record, f"give names out of {', '.join(SUMMARY_COLUMNS)}")
@@ -379,7 +454,10 @@ def _read_record(record: Any) -> tuple[tuple[str, ...], int]:
 def _check_times(plan: SweepPlan) -> None:
     """Raise ParameterError unless every motion ends after its start and after the skipped time."""
     swept = {name: each.values for name, each in plan.coordinates.items()}
-    t0 = read_exact("t0", float(swept["t0"].max())) if "t0" in swept else plan.scene.t0
+    if "t0" in swept:
+        t0 = read_exact("t0", float(swept["t0"].max()))
+    else:
+        t0 = plan.scene.t0
     if plan.skip.value < 0:
         raise ParameterError("skip", str(plan.skip), "must be >= 0")
     if plan.t_end.periods and plan.t_end.value <= 0:

@@ -1,7 +1,7 @@
 """Finished chunks on disk, each written atomically, so that a sweep may be interrupted at any moment.
 
-A chunk is the result of successive cells of a sweep, from `begin` up to `end`. Its file ends with a checksum over its
-content, its range and its plan: what was changed since is computed anew.
+A chunk is the result of successive cells of a sweep, from `begin` up to `end`. Its file ends with a
+checksum over its content, its range and its plan: what was changed since is computed anew.
 """
 
 from __future__ import annotations
@@ -25,10 +25,13 @@ from symosc.files import DRAFT_PREFIX, write_text, write_whole
 
 #: The folder of the chunks is beside the output, and has its name with this suffix.
 FOLDER_SUFFIX = ".parts"
-PLAN_FILE, LOCK_FILE, CHUNK_NAME = "plan.json", "lock", "{:012d}-{:012d}.npz"
+PLAN_FILE = "plan.json"
+LOCK_FILE = "lock"
+CHUNK_NAME = "{:012d}-{:012d}.npz"
 #: The name, before its suffix, of a finished output until it is moved to its place.
 DRAFT = "whole"
-CHUNK_FORM, DRAFT_FORM = re.compile(r"(\d{12})-(\d{12})\.npz"), re.compile(rf"({re.escape(DRAFT_PREFIX)}|{DRAFT}\.).*")
+CHUNK_FORM = re.compile(r"(\d{12})-(\d{12})\.npz")
+DRAFT_FORM = re.compile(rf"({re.escape(DRAFT_PREFIX)}|{DRAFT}\.).*")
 PLAN_KEY_FORM = re.compile(r"[0-9a-f]{64}")
 
 Columns = dict[str, np.ndarray]
@@ -44,22 +47,33 @@ class Store:
         self._key = ""
 
     def key(self) -> str | None:
-        """Return the key of the plan to which the chunks belong; None if none is saved, "" if it cannot be read."""
+        """Return the key of the plan to which the chunks belong.
+
+        None if none is saved, "" if it cannot be read.
+        """
         try:
             found = json.loads((self.folder / PLAN_FILE).read_text(encoding="utf-8"))["key"]
         except (FileNotFoundError, NotADirectoryError):
             return None
         except (OSError, ValueError, KeyError, TypeError):
             return ""
-        return found if isinstance(found, str) and PLAN_KEY_FORM.fullmatch(found) else ""
+        if isinstance(found, str) and PLAN_KEY_FORM.fullmatch(found):
+            return found
+        return ""
 
     def open(self, key: str, content: Record, resume: bool = True) -> None:
-        """Lock the chunks' folder for the plan with this key and content; without `resume`, remove its old chunks."""
-        # SweepError if it belongs to another plan, is no folder of a sweep, or another program works in it.
+        """Lock the chunks' folder for the plan with this key and content.
+
+        Without `resume`, remove its old chunks.
+        """
+        # SweepError if it belongs to another plan, is no folder of a sweep, or another program
+        # works in it.
         try:
             self.folder.mkdir(exist_ok=True)
             ours = all(
-                name in (PLAN_FILE, LOCK_FILE) or DRAFT_FORM.fullmatch(name) or CHUNK_FORM.fullmatch(name)
+                name in (PLAN_FILE, LOCK_FILE)
+                or DRAFT_FORM.fullmatch(name)
+                or CHUNK_FORM.fullmatch(name)
                 for name in os.listdir(self.folder)
             )
             if self.key() == "" or (self.key() is None and not ours):
@@ -80,10 +94,15 @@ class Store:
 
     def foreign_error(self) -> SweepError:
         """Return the error that the chunks in the folder belong to another sweep."""
-        return SweepError(f"{self.folder} has the chunks of another sweep: name another output, or start anew")
+        return SweepError(
+            f"{self.folder} has the chunks of another sweep: name another output, or start anew"
+        )
 
     def _clear(self, whole: bool) -> None:
-        """Remove half-written files that a killed program has left; if `whole`, also the chunks and their plan."""
+        """Remove half-written files that a killed program has left.
+
+        If `whole`, also the chunks and their plan.
+        """
         for path in self.folder.iterdir():
             if DRAFT_FORM.fullmatch(path.name) or (
                 whole and (path.name == PLAN_FILE or CHUNK_FORM.fullmatch(path.name))
@@ -119,7 +138,9 @@ class Store:
         file = BytesIO()
         np.savez(file, allow_pickle=False, **columns)
         content = file.getvalue() + self._checksum(begin, end, file.getvalue())
-        write_whole(self.folder / CHUNK_NAME.format(begin, end), lambda draft: draft.write_bytes(content))
+        write_whole(
+            self.folder / CHUNK_NAME.format(begin, end), lambda draft: draft.write_bytes(content)
+        )
 
     def _checksum(self, begin: int, end: int, content: bytes) -> bytes:
         """Return the checksum of a chunk's bytes, which depends on its cells and on the plan too."""
@@ -127,19 +148,33 @@ class Store:
 
     def ranges(self) -> list[tuple[int, int]]:
         """Return the ranges (begin, end) of the cells whose chunks are saved."""
-        names = os.listdir(self.folder) if self.folder.is_dir() else []
-        return sorted((int(match[1]), int(match[2])) for name in names if (match := CHUNK_FORM.fullmatch(name)))
+        if self.folder.is_dir():
+            names = os.listdir(self.folder)
+        else:
+            names = []
+        return sorted(
+            (int(match[1]), int(match[2]))
+            for name in names
+            if (match := CHUNK_FORM.fullmatch(name))
+        )
 
     def chunks(self, names: Collection[str]) -> Iterator[tuple[int, int, Columns]]:
-        """Yield begin, end and columns of each intact chunk that has the columns `names`; delete all other chunks."""
+        """Yield begin, end and columns of each intact chunk that has the columns `names`.
+
+        Delete all other chunks.
+        """
         for begin, end in self.ranges():
-            path, size, columns = self.folder / CHUNK_NAME.format(begin, end), sha256().digest_size, Columns()
+            path = self.folder / CHUNK_NAME.format(begin, end)
+            size = sha256().digest_size
+            columns = Columns()
             with suppress(OSError):
                 whole = path.read_bytes()
                 if whole[-size:] == self._checksum(begin, end, whole[:-size]):
                     with np.load(BytesIO(whole[:-size]), allow_pickle=False) as archive:
                         columns = dict(archive)
-            if columns.keys() == set(names) and all(len(column) == end - begin for column in columns.values()):
+            if columns.keys() == set(names) and all(
+                len(column) == end - begin for column in columns.values()
+            ):
                 yield begin, end, columns
             else:
                 with suppress(OSError):
@@ -172,7 +207,8 @@ def remove(path: Path) -> None:
 
 def missing(ranges: list[tuple[int, int]], count: int) -> list[tuple[int, int]]:
     """Return the ranges of the cells from 0 to `count` not covered by `ranges`, which may overlap."""
-    gaps, here = [], 0
+    gaps = []
+    here = 0
     for begin, end in sorted([*ranges, (count, count)]):
         if begin > here:
             gaps.append((here, min(begin, count)))

@@ -28,10 +28,14 @@ from symosc.sweeps.store import Columns, Store, missing
 if TYPE_CHECKING:
     import xarray
 
-#: Processor seconds that a chunk should take; less would be overhead, more would be lost when a program is killed.
+#: Processor seconds that a chunk should take; less would be overhead, more would be lost when a
+#: program is killed.
 CHUNK_SECONDS = 4.0
-#: Motions in the first and in the largest chunk, and the largest ratio of the sizes of two successive chunks.
-FIRST_CHUNK, MOST_CHUNK, MOST_GROWTH = 128, 1 << 18, 16.0
+#: Motions in the first and in the largest chunk, and the largest ratio of the sizes of two
+#: successive chunks.
+FIRST_CHUNK = 128
+MOST_CHUNK = 1 << 18
+MOST_GROWTH = 16.0
 CONNECT_SECONDS = 10
 # Chunks in flight for each processor of an executor whose size is not known.
 AHEAD = 2
@@ -56,33 +60,38 @@ def sweep(
 ) -> xarray.Dataset:
     """Follow one motion for each cell of a grid, or row of a table, of parameters and starts (extra `sweep`).
 
-    The result is the same to the last bit for any workers and executor, however often the program was killed meanwhile.
+    The result is the same to the last bit for any workers and executor, however often the program
+    was killed meanwhile.
 
     Parameters
     ----------
     scene : Scene, or its name or path; or Parameters, from rest unless `over` or `starts` say otherwise
     over : mapping, DataFrame or sequence of mappings
-        One to three axes: parameters, t0, x0 or v0 with their values, numbers or text ``"LO:HI:N"``; or a table, a row
-        for each set. Values are taken as doubles, each read as the decimal that it prints as.
+        One to three axes: parameters, t0, x0 or v0 with their values, numbers or text
+        ``"LO:HI:N"``; or a table, a row for each set. Values are taken as doubles, each read as the
+        decimal that it prints as.
     record : str or sequence of str
-        Columns of a summary (see `simulate_many`); ``"section:64"`` for 64 points. The status is always there.
+        Columns of a summary (see `simulate_many`); ``"section:64"`` for 64 points. The status is
+        always there.
     t_end, skip : number or str, optional
-        End, and how long at its start a motion is not looked at; ``"60T"`` is 60 forcing periods from the start on.
+        End, and how long at its start a motion is not looked at; ``"60T"`` is 60 forcing periods
+        from the start on.
     starts : array_like, shape (3,) or (n, 3), optional
         t0, x0, v0; several rows are one more dimension, "start".
     workers, executor : optional
-        The number of threads. With an executor of concurrent.futures, or a Client of dask, it is the number of chunks
-        that are under way there.
+        The number of threads. With an executor of concurrent.futures, or a Client of dask, it is
+        the number of chunks that are under way there.
     path, resume : optional
-        The output file (.nc, .zarr or .csv), and whether to use what an earlier run of the same sweep has left.
+        The output file (.nc, .zarr or .csv), and whether to use what an earlier run of the same
+        sweep has left.
     progress : bool or callable
         True: a bar, on a terminal. Or what gets the numbers of motions done and of all.
 
     Raises
     ------
     ParameterError, SweepError, OutputError, MissingExtraError
-        If an argument is out of range; the output is another sweep's, or a worker failed; a file cannot be written;
-        a package is missing. Finished chunks are kept: the same call goes on.
+        If an argument is out of range; the output is another sweep's, or a worker failed; a file
+        cannot be written; a package is missing. Finished chunks are kept: the same call goes on.
 
     Examples
     --------
@@ -92,13 +101,18 @@ def sweep(
     """
     need_xarray()
     plan = read_plan(scene, over, record, t_end, skip, starts)
-    target = None if path is None else output.output_path(path)
+    if path is None:
+        target = None
+    else:
+        target = output.output_path(path)
     who, under_way = read_executor(executor, workers)
     if target is not None and _is_finished(plan, target, resume):
         Store(target).remove(plan.key)  # stopped before it could do that itself
         return output.dataset_of(plan, output.read_columns(target))
     with closing(Store(target)) if target is not None else nullcontext() as store:
-        columns, there, total = dict[str, np.ndarray](), list[Range](), len(plan)
+        columns = dict[str, np.ndarray]()
+        there = list[Range]()
+        total = len(plan)
         if store is not None:
             store.open(plan.key, plan.content, resume)
             for begin, end, chunk in store.chunks(plan.column_names):
@@ -140,7 +154,9 @@ def _is_finished(plan: SweepPlan, target: Path, resume: bool) -> bool:
     """Return whether the output file exists and holds the result of this plan."""
     there = output.plan_of(target, to_replace=not resume)
     if resume and there not in (None, plan.key):
-        raise SweepError(f"{target} is the output of another sweep: name another file, or start anew")
+        raise SweepError(
+            f"{target} is the output of another sweep: name another file, or start anew"
+        )
     return resume and there is not None
 
 
@@ -163,18 +179,25 @@ class Here(Executor):
 def read_executor(executor: Any, workers: Any) -> tuple[Executor, int]:
     """Return the executor that computes chunks, and how many chunks may be under way in it at a time.
 
-    Without an `executor` this process computes them, on so many threads as `workers` says (default: all cores). With an
-    executor, `workers` is the number of chunks under way.
+    Without an `executor` this process computes them, on so many threads as `workers` says (default:
+    all cores). With an executor, `workers` is the number of chunks under way.
     """
-    count = None if workers is None else whole_number("workers", workers, 1)
+    if workers is None:
+        count = None
+    else:
+        count = whole_number("workers", workers, 1)
     if executor is None:
         return Here(count), 1
     if hasattr(executor, "get_executor") and hasattr(executor, "ncores"):
-        return executor.get_executor(pure=False), count or AHEAD * max(sum(executor.ncores().values()), 1)
+        return executor.get_executor(pure=False), count or AHEAD * max(
+            sum(executor.ncores().values()), 1
+        )
     if not isinstance(executor, Executor):
         allowed = "give an executor of concurrent.futures, or a Client of dask.distributed"
         raise ParameterError("executor", type(executor).__name__, allowed)
-    return executor, count or AHEAD * (getattr(executor, "_max_workers", None) or os.cpu_count() or 1)
+    return executor, count or AHEAD * (
+        getattr(executor, "_max_workers", None) or os.cpu_count() or 1
+    )
 
 
 def dask_client(address: str) -> Any:
@@ -195,18 +218,27 @@ def _carried_out(
     plan: SweepPlan, gaps: list[Range], executor: Executor, under_way: int
 ) -> Iterator[tuple[int, int, Columns]]:
     """Compute the cells in the ranges `gaps` in chunks, and yield each chunk as soon as it is complete."""
-    # At most `under_way` chunks are submitted and not finished. SweepError if a worker fails; what was yielded stands.
-    todo, size, pending = gaps[::-1], FIRST_CHUNK, dict[Future[tuple[Columns, float]], Range]()
+    # At most `under_way` chunks are submitted and not finished. SweepError if a worker fails; what
+    # was yielded stands.
+    todo = gaps[::-1]
+    size = FIRST_CHUNK
+    pending = dict[Future[tuple[Columns, float]], Range]()
     try:
         while todo or pending:
             while todo and len(pending) < under_way:
                 begin, end = _next_chunk(todo, size, under_way)
                 with _worker_errors():
-                    future = executor.submit(partial(compute, plan.arguments(begin, end), kernels_hash()))
+                    future = executor.submit(
+                        partial(compute, plan.arguments(begin, end), kernels_hash())
+                    )
                 pending[future] = begin, end
             done, _ = wait(pending, return_when=FIRST_COMPLETED)
-            for future in sorted(done, key=lambda each: each.cancelled() or each.exception() is not None):
-                begin, end = pending.pop(future)  # those that are whole are kept before an error is raised
+            for future in sorted(
+                done, key=lambda each: each.cancelled() or each.exception() is not None
+            ):
+                begin, end = pending.pop(
+                    future
+                )  # those that are whole are kept before an error is raised
                 with _worker_errors():
                     columns, seconds = future.result()
                 growth = min(max(CHUNK_SECONDS / max(seconds, 1e-6), 1 / MOST_GROWTH), MOST_GROWTH)
@@ -293,9 +325,15 @@ def sweep_status(
     >>> sweep_status("fig9", {"Omega": "1:6:500"}, path="map.nc").done
     0
     """
-    plan, target = read_plan(scene, over, record, t_end, skip, starts), output.output_path(path)
-    store, total, written = Store(target), len(plan), _is_finished(plan, target, True)
+    plan = read_plan(scene, over, record, t_end, skip, starts)
+    target = output.output_path(path)
+    store = Store(target)
+    total = len(plan)
+    written = _is_finished(plan, target, True)
     if not written and store.key() not in (None, plan.key):
         raise store.foreign_error()
-    left = 0 if written else sum(end - begin for begin, end in missing(store.ranges(), total))
+    if written:
+        left = 0
+    else:
+        left = sum(end - begin for begin, end in missing(store.ranges(), total))
     return SweepStatus(str(path), total - left, total, written)

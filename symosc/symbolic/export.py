@@ -1,13 +1,15 @@
 """Export of a word's residual and Jacobian as standalone source, for programs without symosc.
 
-The library's scalar kernels are read as syntax trees, what the word does not need is left out, and the rest is printed
-in another language: assignments (also of tuples), if, for over a range, break, return, arithmetic, comparisons, calls.
-With fixed parameters their constants become numbers, and the branches that these decide are cut. All values are real
-numbers, except for flags and loop counters.
+The library's scalar kernels are read as syntax trees, what the word does not need is left out, and
+the rest is printed in another language: assignments (also of tuples), if, for over a range, break,
+return, arithmetic, comparisons, calls. With fixed parameters their constants become numbers, and
+the branches that these decide are cut. All values are real numbers, except for flags and loop
+counters.
 
-A word of n mappings has n + 1 switching points z = (x_0, theta_0, ..., x_n, theta_n), phases unwrapped, in order of
-time. `residual` returns f1, f2 of each mapping, 2 n numbers; `jacobian` for each mapping the derivatives of its f1 and
-f2 with respect to its (x_i, theta_i, x_j, theta_j), n x 2 x 4 numbers.
+A word of n mappings has n + 1 switching points z = (x_0, theta_0, ..., x_n, theta_n), phases
+unwrapped, in order of time. `residual` returns f1, f2 of each mapping, 2 n numbers; `jacobian` for
+each mapping the derivatives of its f1 and f2 with respect to its (x_i, theta_i, x_j, theta_j), n x
+2 x 4 numbers.
 """
 
 from __future__ import annotations
@@ -35,7 +37,8 @@ from symosc.words import Map, Word, WordLike, read_word
 LANGUAGES = ("python", "numpy", "c", "julia")
 EXPORT_WIDTH = 112
 MATH = ("cos", "exp", "expm1", "sin", "sqrt")
-#: What is appended to the name of a mapping's function for that of its Jacobian, which returns two rows.
+#: What is appended to the name of a mapping's function for that of its Jacobian, which returns two
+#: rows.
 MATRIX = "_jacobian"
 #: The scene that gives the parameters of the example calls if none are fixed.
 EXAMPLE = "fig9"
@@ -52,37 +55,57 @@ import in isa let local macro module mutable outer primitive public quote return
 Base Core Main
 """
 _PYTHON = {*keyword.kwlist, *keyword.softkwlist, *sys.stdlib_module_names, "numpy"}
-#: Names that a file cannot have: keywords of the language, and names that the source or the compiler uses.
-RESERVED = {"python": _PYTHON, "numpy": _PYTHON, "c": {*_C_WORDS.split()}, "julia": {*_JULIA_WORDS.split()}}
+#: Names that a file cannot have: keywords of the language, and names that the source or the
+#: compiler uses.
+RESERVED = {
+    "python": _PYTHON,
+    "numpy": _PYTHON,
+    "c": {*_C_WORDS.split()},
+    "julia": {*_JULIA_WORDS.split()},
+}
 
 
 def export(
     word: WordLike, language: str = "python", fix: Parameters | None = None, name: str | None = None
 ) -> dict[str, str]:
     """Return source text by file name for a word's residual and Jacobian, with parameters `fix` as numbers if given."""
-    # `language` is "python" (math, floats), "numpy" (arrays), "c" (C99, with a header) or "julia"; `fix` folds
-    # parameters in, else the functions take what `constants` computes; the word need not close. `name` begins file
-    # names and, in C and Julia, names (None: the word in small letters); a Julia module has it with a capital, and
-    # "Map" behind if the source has a function of that name: P2Map. WordError or ParameterError for arguments that make
-    # no program.
+    # `language` is "python" (math, floats), "numpy" (arrays), "c" (C99, with a header) or "julia";
+    # `fix` folds parameters in, else the functions take what `constants` computes; the word need
+    # not close. `name` begins file names and, in C and Julia, names (None: the word in small
+    # letters); a Julia module has it with a capital, and "Map" behind if the source has a function
+    # of that name: P2Map. WordError or ParameterError for arguments that make no program.
     if not isinstance(language, str) or language not in LANGUAGES:
         raise ParameterError("language", language, f"must be one of {', '.join(LANGUAGES)}")
     if fix is not None and not isinstance(fix, Parameters):
-        raise ParameterError("fix", fix, "must be Parameters or None; a scene has them as scene.parameters")
+        raise ParameterError(
+            "fix", fix, "must be Parameters or None; a scene has them as scene.parameters"
+        )
     read = read_word(word, closed=False)
-    name = str(read).lower() if name is None else name
+    if name is None:
+        name = str(read).lower()
     if not isinstance(name, str) or not re.fullmatch(r"[A-Za-z][A-Za-z0-9_]*", name):
-        raise ParameterError("name", name, "must be letters (a to z), digits and underscores, a letter first")
+        raise ParameterError(
+            "name", name, "must be letters (a to z), digits and underscores, a letter first"
+        )
     if name in RESERVED[language]:
-        raise ParameterError("name", name, f"is a word or a library of the language {language}; choose another")
+        raise ParameterError(
+            "name", name, f"is a word or a library of the language {language}; choose another"
+        )
     program = _program(read, language == "numpy", fix)
     if language == "c":
         return _c(program, name)
-    return {f"{name}.jl": _julia(program, name)} if language == "julia" else {f"{name}.py": _python(program)}
+    if language == "julia":
+        return {f"{name}.jl": _julia(program, name)}
+    return {f"{name}.py": _python(program)}
 
 
-def write_export(folder: str | Path, *arguments: Any, force: bool = False, **options: Any) -> list[Path]:
-    """Write the files of `export(*arguments, **options)` to a folder; replace other files there only if `force`."""
+def write_export(
+    folder: str | Path, *arguments: Any, force: bool = False, **options: Any
+) -> list[Path]:
+    """Write the files of `export(*arguments, **options)` to a folder.
+
+    Replace other files there only if `force`.
+    """
     # OutputError if a file cannot be written, or, without `force`, is there with another content.
     folder = Path(read_path(folder))
     texts = {folder / name: text for name, text in export(*arguments, **options).items()}
@@ -94,7 +117,9 @@ def write_export(folder: str | Path, *arguments: Any, force: bool = False, **opt
         except OSError as error:
             raise OutputError(str(path), error.strerror or str(error)) from None
         if replaces:
-            raise OutputError(str(path), "is there with another content; give another name, or force it")
+            raise OutputError(
+                str(path), "is there with another content; give another name, or force it"
+            )
     make_folder(folder)
     return [write_text(path, text) for path, text in texts.items()]
 
@@ -104,7 +129,8 @@ def write_export(folder: str | Path, *arguments: Any, force: bool = False, **opt
 SETTINGS = ("EPS", "SERIES_BELOW", "APART_ABOVE", "TERMS")
 FLAGS = ("under", "apart")
 
-#: `symosc.engine.flow.constants` in double precision, in the syntax that can be printed; APART is that of `flow`.
+#: `symosc.engine.flow.constants` in double precision, in the syntax that can be printed; APART is
+#: that of `flow`.
 SETUP = """
 h = c / (2.0 * m)
 w0sq = k / m
@@ -129,7 +155,8 @@ A2 = (A0 + (mu2 - mu1) * FN) / m
 A3 = (A0 - (mu1 + mu2) * FN) / m
 """
 
-#: What the residuals of a flight and of a stick (true) are, for the comment at the top of the source.
+#: What the residuals of a flight and of a stick (true) are, for the comment at the top of the
+#: source.
 RESIDUALS = {
     False: """\
   flight: f1 = x(tau) - x_j, > 0 if the mass comes out beyond x_j; f2 = v(tau) - v_j of the belt reached.
@@ -163,22 +190,39 @@ class _Program(NamedTuple):
 
     @property
     def passed(self) -> list[str]:
-        """The further parameter of each function: ["K"], the record of constants, or [] if the constants are fixed."""
-        return [] if self.parameters else ["K"]
+        """The further parameter of each function.
+
+        ["K"], the record of constants, or [] if the constants are fixed.
+        """
+        if self.parameters:
+            return []
+        return ["K"]
 
     def calls(self, first: int) -> list[tuple[str, str, str]]:
         """Return each map's function name, its arguments, and those of its Jacobian, z beginning at z[first]."""
         found = []
         for n, label in enumerate(self.maps):
-            z = {name: f"z[{2 * n + i + first}]" for i, name in enumerate(("x_i", "theta_i", "x_j", "theta_j"))}
-            few = [z[each.arg] for each in self.functions[label + MATRIX].args.args if each.arg != "K"]
-            found.append((label, ", ".join([*z.values(), *self.passed]), ", ".join([*few, *self.passed])))
+            z = {
+                name: f"z[{2 * n + i + first}]"
+                for i, name in enumerate(("x_i", "theta_i", "x_j", "theta_j"))
+            }
+            few = [
+                z[each.arg] for each in self.functions[label + MATRIX].args.args if each.arg != "K"
+            ]
+            found.append(
+                (label, ", ".join([*z.values(), *self.passed]), ", ".join([*few, *self.passed]))
+            )
         return found
 
     def about(self, mark: str, run: str) -> str:
-        """Return the comment at the top of the source; `mark` begins its lines, `run` says how to run the example."""
+        """Return the comment at the top of the source.
+
+        `mark` begins its lines, `run` says how to run the example.
+        """
         maps = self.word.maps
-        kinds = [text for sticks, text in RESIDUALS.items() if any(row.sticks == sticks for row in maps)]
+        kinds = [
+            text for sticks, text in RESIDUALS.items() if any(row.sticks == sticks for row in maps)
+        ]
         text = f"""\
 The mapping structure {self.word}: {", then ".join(self.word.labels)}. Generated by symosc; do not edit.
 
@@ -189,31 +233,52 @@ residual gives f1, f2 of each map, both 0 where it leads from (x_i, theta_i) to 
 {"".join(kinds)}jacobian gives the 2 x 4 derivatives of f1, f2 of each map by its x_i, theta_i, x_j, theta_j.
 {run}"""
         if self.parameters is not None:
-            given = ", ".join(f"{name} = {value}" for name, value in self.parameters.as_dict().items())
+            given = ", ".join(
+                f"{name} = {value}" for name, value in self.parameters.as_dict().items()
+            )
             text += f"\n\nParameters:\n{given}"
         return "\n".join(f"{mark}{line}".rstrip() for line in text.split("\n"))
 
     def example(self) -> tuple[list[float], dict[str, float]]:
         """Return switching points (not an orbit) and parameters for the example call at the end of the source."""
         p = self.parameters or load_scene(EXAMPLE).parameters
-        z = [each for n in range(len(self.maps) + 1) for each in (round(0.5 - 0.3 * n, 1), round(0.4 + 0.7 * n, 1))]
+        z = [
+            each
+            for n in range(len(self.maps) + 1)
+            for each in (round(0.5 - 0.3 * n, 1), round(0.4 + 0.7 * n, 1))
+        ]
         return z, by_name(p, float)
 
 
 def _program(word: Word, arrays: bool, fix: Parameters | None) -> _Program:
-    """Collect the functions that a word's residual needs, for numpy arrays or for numbers; `fix` fixes parameters."""
-    from symosc.engine.flow import APART, constants  # late: `symosc codegen --help` needs none of these
+    """Collect the functions that a word's residual needs, for numpy arrays or for numbers.
+
+    `fix` fixes parameters.
+    """
+    from symosc.engine.flow import (
+        APART,
+        constants,
+    )  # late: `symosc codegen --help` needs none of these
     from symosc.kernels import _generated, entire, entire_array, mapping
 
-    K = constants(fix) if fix else None
-    known = {} if K is None else {f"K.{flag}": getattr(K, flag) for flag in FLAGS}
+    if fix:
+        K = constants(fix)
+    else:
+        K = None
+    if K is None:
+        known = {}
+    else:
+        known = {f"K.{flag}": getattr(K, flag) for flag in FLAGS}
     if K is not None and K.rate0 == K.rate:
         known["K.rate0 * tau < SERIES_BELOW"] = False  # where it is asked, rate * tau is not
         known["slow.any()"] = False
     if K is not None and K.apart and K.w0 == K.rate:
         known["K.w0 * tau >= APART_ABOVE"], known["rest.any()"] = True, False
     fold = _Fold(known, K is not None)
-    sources = [inspect.getsource(module) for module in (_generated, entire_array if arrays else entire, mapping)]
+    sources = [
+        inspect.getsource(module)
+        for module in (_generated, entire_array if arrays else entire, mapping)
+    ]
     maps: list[str] = []
     wanted: list[str] = []
     for row, exit in zip(word.maps, word.exits(), strict=True):
@@ -223,11 +288,16 @@ def _program(word: Word, arrays: bool, fix: Parameters | None) -> _Program:
             sources.append(source)
             maps.append(label)
     if word.maps[-1].sticks and word.exits()[-1] is None:
-        maps.pop()  # the word's own functions take the exit below; the other one is there to be called
+        # the word's own functions take the exit below; the other one is there to be called
+        maps.pop()
     nodes = [node for source in sources for node in ast.parse(source).body]
-    library = {node.name: fold.function(node) for node in nodes if isinstance(node, ast.FunctionDef)}
+    library = {
+        node.name: fold.function(node) for node in nodes if isinstance(node, ast.FunctionDef)
+    }
     if arrays:
-        library["flat"] = next(node for node in ast.parse(FLAT).body if isinstance(node, ast.FunctionDef))
+        library["flat"] = next(
+            node for node in ast.parse(FLAT).body if isinstance(node, ast.FunctionDef)
+        )
     functions: dict[str, ast.FunctionDef] = {}
 
     def add(name: str) -> None:
@@ -241,7 +311,11 @@ def _program(word: Word, arrays: bool, fix: Parameters | None) -> _Program:
         add(label)
     names = set().union(*map(_names, functions.values()))
     leaves = [leaf for node in functions.values() for leaf in ast.walk(node)]
-    used = {leaf.attr for leaf in leaves if isinstance(leaf, ast.Attribute) and ast.unparse(leaf.value) == "K"}
+    used = {
+        leaf.attr
+        for leaf in leaves
+        if isinstance(leaf, ast.Attribute) and ast.unparse(leaf.value) == "K"
+    }
     used |= {name.removeprefix("K_") for name in names if name.startswith("K_")}
     thresholds = vars(entire) | vars(entire_array)
     numbers = {name: thresholds[name] for name in SETTINGS if name in names}
@@ -251,7 +325,8 @@ def _program(word: Word, arrays: bool, fix: Parameters | None) -> _Program:
     if K is not None:
         values: Record = K._asdict() | {"v1": K.belt1.v, "v2": K.belt2.v}
         numbers |= {f"K_{name}": values[name] for name in fields}
-    needed, kept = set(fields), list[ast.Assign]()
+    needed = set(fields)
+    kept = list[ast.Assign]()
     for name, step in reversed(setup.items()):
         if name in needed:
             kept.insert(0, step)
@@ -260,21 +335,30 @@ def _program(word: Word, arrays: bool, fix: Parameters | None) -> _Program:
 
 
 def _map_source(row: Map, exit: str | None, arrays: bool) -> tuple[str, str]:
-    """Return a mapping's function name, and source of it and its Jacobian; `exit` of a stick: "below" or "above"."""
-    # For arrays, the arguments are flattened and broadcast to one length, and results get the arguments' shape back.
-    begin, end = f"K.v{row.start.boundary}", f"K.v{row.end.boundary}"
+    """Return a mapping's function name, and source of it and its Jacobian.
+
+    `exit` of a stick: "below" or "above".
+    """
+    # For arrays, the arguments are flattened and broadcast to one length, and results get the
+    # arguments' shape back.
+    begin = f"K.v{row.start.boundary}"
+    end = f"K.v{row.end.boundary}"
     if row.sticks:
         domain = NEIGHBOURS[row.start.boundary][exit == "above"]
-        label, what = f"{row.label}_{exit}", f"stick on belt {row.start.boundary}, slips into domain {domain}"
+        label = f"{row.label}_{exit}"
+        what = f"stick on belt {row.start.boundary}, slips into domain {domain}"
         residual = f"stick(x_i, theta_i, x_j, theta_j, {begin}, K.A{domain}, K)"
         lines = f"x_th0, x_th1, v_x1, v_th1 = stick_slopes(theta_j, {begin}, K)"
-        entries, arguments = "1.0, x_th0, -1.0, x_th1, 0.0, 0.0, v_x1, v_th1", "theta_j"
+        entries = "1.0, x_th0, -1.0, x_th1, 0.0, 0.0, v_x1, v_th1"
+        arguments = "theta_j"
     else:
-        label, what = row.label, f"domain {row.domain}, from v{row.start.boundary} to v{row.end.boundary}"
+        label = row.label
+        what = f"domain {row.domain}, from v{row.start.boundary} to v{row.end.boundary}"
         residual = f"flight(x_i, theta_i, x_j, theta_j, {begin}, {end}, K.A{row.domain}, K)"
         slopes = f"flight_slopes(x_i, theta_i, theta_j, {begin}, K.A{row.domain}, K)"
         lines = f"x_x0, x_th0, x_th1, v_x0, v_th0, v_th1 = {slopes}"
-        entries, arguments = "x_x0, x_th0, -1.0, x_th1, v_x0, v_th0, 0.0, v_th1", "x_i, theta_i, theta_j"
+        entries = "x_x0, x_th0, -1.0, x_th1, v_x0, v_th0, 0.0, v_th1"
+        arguments = "x_i, theta_i, theta_j"
     flattened = ""
     if arrays:
         residual = f"[part.reshape(shape) for part in np.broadcast_arrays(*{residual})]"
@@ -299,7 +383,10 @@ def _names(node: ast.AST) -> set[str]:
 
 
 class _Fold(ast.NodeTransformer):
-    """A visitor that removes branches ruled out by `known` conditions; if `fixed`, it also writes K.cm as K_cm."""
+    """A visitor that removes branches ruled out by `known` conditions.
+
+    If `fixed`, it also writes K.cm as K_cm.
+    """
 
     def __init__(self, known: dict[str, bool], fixed: bool) -> None:
         self.known, self.fixed = known, fixed
@@ -330,13 +417,21 @@ class _Fold(ast.NodeTransformer):
                 node.args = [argument for argument in node.args if ast.unparse(argument) != "K"]
             case ast.BoolOp(op, values):
                 decides = isinstance(op, ast.Or)
-                if any(isinstance(value, ast.Constant) and value.value is decides for value in values):
+                if any(
+                    isinstance(value, ast.Constant) and value.value is decides for value in values
+                ):
                     return ast.Constant(decides)
                 node.values = [value for value in values if not isinstance(value, ast.Constant)]
                 if len(node.values) < 2:
-                    return node.values[0] if node.values else ast.Constant(not decides)
-            case ast.If(ast.Constant(truth), then, other) | ast.IfExp(ast.Constant(truth), then, other):
-                return then if truth else other
+                    if node.values:
+                        return node.values[0]
+                    return ast.Constant(not decides)
+            case ast.If(ast.Constant(truth), then, other) | ast.IfExp(
+                ast.Constant(truth), then, other
+            ):
+                if truth:
+                    return then
+                return other
         return node
 
 
@@ -344,28 +439,46 @@ class _Fold(ast.NodeTransformer):
 
 
 class _Julia(ast.NodeTransformer):
-    """A printer of Python functions as Julia 1.x; `returns` says how many numbers each function returns."""
+    """A printer of Python functions as Julia 1.x.
 
-    member, end, condition, otherwise, close = ".", "", "if {}", "else", "end"
+    `returns` says how many numbers each function returns.
+    """
+
+    member = "."
+    end = ""
+    condition = "if {}"
+    otherwise = "else"
+    close = "end"
     loop = "for {0} in {1}:{3}"
 
     def __init__(self, functions: dict[str, ast.FunctionDef]) -> None:
         self.returns: dict[str, int] = {}
         for name, node in functions.items():
             value = next(leaf.value for leaf in ast.walk(node) if isinstance(leaf, ast.Return))
-            called = ast.unparse(value.func) if isinstance(value, ast.Call) else ""
-            self.returns[name] = len(value.elts) if isinstance(value, ast.Tuple) else self.returns.get(called, 1)
+            if isinstance(value, ast.Call):
+                called = ast.unparse(value.func)
+            else:
+                called = ""
+            if isinstance(value, ast.Tuple):
+                self.returns[name] = len(value.elts)
+            else:
+                self.returns[name] = self.returns.get(called, 1)
 
     def expression(self, node: ast.expr) -> str:
         """Return the source of a Python expression in the target language."""
         text = ast.unparse(self.visit(deepcopy(node)))
-        return text[1:-1] if isinstance(node, ast.IfExp) else text
+        if isinstance(node, ast.IfExp):
+            return text[1:-1]
+        return text
 
     def visit(self, node: ast.AST) -> Any:
         """Replace each part of a node that the target language writes unlike Python by that language's text."""
         match node:
             case ast.BoolOp(op, values):
-                texts = [f"({self.expression(v)})" if isinstance(v, ast.BoolOp) else self.expression(v) for v in values]
+                texts = [
+                    f"({self.expression(v)})" if isinstance(v, ast.BoolOp) else self.expression(v)
+                    for v in values
+                ]
                 return ast.Name((" && " if isinstance(op, ast.And) else " || ").join(texts))
             case ast.IfExp(test, then, other):
                 return ast.Name("({} ? {} : {})".format(*map(self.expression, (test, then, other))))
@@ -394,7 +507,11 @@ class _Julia(ast.NodeTransformer):
                         yield self.otherwise
                         yield from _indented(self.block(other))
                     yield self.close
-                case ast.For(ast.Name(name), ast.Call(_, [ast.Constant(int(first)), ast.Constant(int(stop))]), loop):
+                case ast.For(
+                    ast.Name(name),
+                    ast.Call(_, [ast.Constant(int(first)), ast.Constant(int(stop))]),
+                    loop,
+                ):
                     yield self.loop.format(name, first, stop, stop - 1)
                     yield from _indented(self.block(loop))
                     yield self.close
@@ -407,7 +524,9 @@ class _Julia(ast.NodeTransformer):
 
     def function(self, node: ast.FunctionDef) -> str:
         """Return the source of a function."""
-        note = textwrap.wrap(_first_paragraph(node), EXPORT_WIDTH, initial_indent="# ", subsequent_indent="# ")
+        note = textwrap.wrap(
+            _first_paragraph(node), EXPORT_WIDTH, initial_indent="# ", subsequent_indent="# "
+        )
         head = f"function {node.name}({', '.join(argument.arg for argument in node.args.args)})"
         return "\n".join([*note, head, *_indented(self.block(node.body)), "end"])
 
@@ -420,14 +539,26 @@ class _Julia(ast.NodeTransformer):
         yield f"return {self._listed(value)}"
 
     def _listed(self, value: ast.expr) -> str:
-        """Return the source of an expression; a tuple is written as its elements with commas, without parentheses."""
-        return ", ".join(map(self.expression, value.elts if isinstance(value, ast.Tuple) else [value]))
+        """Return the source of an expression.
+
+        A tuple is written as its elements with commas, without parentheses.
+        """
+        return ", ".join(
+            map(self.expression, value.elts if isinstance(value, ast.Tuple) else [value])
+        )
 
 
 class _C(_Julia):
-    """A printer of Python functions as C99; a function with several results writes them to an array `out`."""
+    """A printer of Python functions as C99.
 
-    member, end, condition, otherwise, close = "->", ";", "if ({}) {{", "} else {", "}"
+    A function with several results writes them to an array `out`.
+    """
+
+    member = "->"
+    end = ";"
+    condition = "if ({}) {{"
+    otherwise = "} else {"
+    close = "}"
     loop = "for (int {0} = {1}; {0} < {2}; {0}++) {{"
 
     def __init__(self, functions: dict[str, ast.FunctionDef], name: str) -> None:
@@ -444,13 +575,22 @@ class _C(_Julia):
         return super().visit(node)
 
     def head(self, node: ast.FunctionDef) -> str:
-        """Return a C function's head, "type name(arguments)"; a mapping's name gets the program's as prefix."""
-        count, names = self.returns[node.name], [argument.arg for argument in node.args.args]
-        arguments = [f"const {self.base}_constants *K" if name == "K" else f"double {name}" for name in names]
+        """Return a C function's head, "type name(arguments)".
+
+        A mapping's name gets the program's as prefix.
+        """
+        count = self.returns[node.name]
+        names = [argument.arg for argument in node.args.args]
+        arguments = [
+            f"const {self.base}_constants *K" if name == "K" else f"double {name}" for name in names
+        ]
         if count > 1:
             two_rows = re.fullmatch(rf"P\d\w*{MATRIX}", node.name)
             arguments.append(f"double out[2][{count // 2}]" if two_rows else f"double out[{count}]")
-        prefix = f"{self.base}_" if _is_map(node.name) else ""
+        if _is_map(node.name):
+            prefix = f"{self.base}_"
+        else:
+            prefix = ""
         return f"{'void' if count > 1 else 'double'} {prefix}{node.name}({', '.join(arguments)})"
 
     def function(self, node: ast.FunctionDef) -> str:
@@ -461,7 +601,10 @@ class _C(_Julia):
             body.pop()
         what = _first_paragraph(node)
         lines = [f" * {line}" for line in textwrap.wrap(what, EXPORT_WIDTH - 3)]
-        lines = [f"/* {what} */"] if len(lines) == 1 else ["/*", *lines, " */"]
+        if len(lines) == 1:
+            lines = [f"/* {what} */"]
+        else:
+            lines = ["/*", *lines, " */"]
         lines += [f"{'' if _is_map(node.name) else 'static '}{self.head(node)}", "{"]
         types: dict[str, str] = {}  # of the local variables: "int" for a flag
         for leaf in (each for each in ast.walk(node) if isinstance(each, ast.Assign)):
@@ -473,11 +616,19 @@ class _C(_Julia):
                     kind = "double"
             for name in target.elts if isinstance(target, ast.Tuple) else [target]:
                 types.setdefault(ast.unparse(name), kind)
-        names = [name for name in types if name not in {argument.arg for argument in node.args.args} | {"_"}]
+        names = [
+            name
+            for name in types
+            if name not in {argument.arg for argument in node.args.args} | {"_"}
+        ]
         for kind in ("double", "int"):
             declared = ", ".join(name for name in names if types[name] == kind)
             lines += [f"    {kind} {declared};"] * bool(declared)
-        lines += [f"    (void){argument.arg};" for argument in node.args.args if argument.arg not in _names(node)]
+        lines += [
+            f"    (void){argument.arg};"
+            for argument in node.args.args
+            if argument.arg not in _names(node)
+        ]
         return "\n".join([*lines, *_indented(body), "}"])
 
     def unpack(self, targets: list[ast.expr], value: ast.expr) -> Iterator[str]:
@@ -491,20 +642,34 @@ class _C(_Julia):
             yield from (f"{name} = {results}[{n}];" for n, name in enumerate(names) if name != "_")
             return
         assert isinstance(value, ast.Tuple)
-        if any(name in _names(later) for n, name in enumerate(names) for later in value.elts[n + 1 :]):
+        if any(
+            name in _names(later) for n, name in enumerate(names) for later in value.elts[n + 1 :]
+        ):
             yield "{"
-            yield from (f"    const double next{n} = {self.expression(each)};" for n, each in enumerate(value.elts))
+            yield from (
+                f"    const double next{n} = {self.expression(each)};"
+                for n, each in enumerate(value.elts)
+            )
             yield from (f"    {name} = next{n};" for n, name in enumerate(names))
             yield "}"
         else:
-            yield from (f"{name} = {self.expression(each)};" for name, each in zip(names, value.elts, strict=True))
+            yield from (
+                f"{name} = {self.expression(each)};"
+                for name, each in zip(names, value.elts, strict=True)
+            )
 
     def give_back(self, value: ast.expr) -> Iterator[str]:
         """Yield the C lines that return one result, or write several results to the array `out`."""
         if isinstance(value, ast.Tuple):
-            columns = len(value.elts) // 2 if self.current.endswith(MATRIX) and _is_map(self.current) else 0
+            if self.current.endswith(MATRIX) and _is_map(self.current):
+                columns = len(value.elts) // 2
+            else:
+                columns = 0
             for n, each in enumerate(value.elts):
-                place = f"[{n // columns}][{n % columns}]" if columns else f"[{n}]"
+                if columns:
+                    place = f"[{n // columns}][{n % columns}]"
+                else:
+                    place = f"[{n}]"
                 yield f"out{place} = {self.expression(each)};"
             yield "return;"
         elif isinstance(value, ast.Call) and self.returns.get(ast.unparse(value.func), 1) > 1:
@@ -538,34 +703,52 @@ def _indented(lines: Iterator[str] | list[str]) -> list[str]:
 
 def _python(program: _Program) -> str:
     """Return the Python source of a program, for numbers or for arrays."""
-    used = set().union(*map(_names, program.functions.values())) | ({"sqrt"} if program.passed else set())
-    imports = "from collections import namedtuple\n\n" * bool(program.passed) + "import numpy as np\n" * program.arrays
+    used = set().union(*map(_names, program.functions.values())) | (
+        {"sqrt"} if program.passed else set()
+    )
+    imports = (
+        "from collections import namedtuple\n\n" * bool(program.passed)
+        + "import numpy as np\n" * program.arrays
+    )
     imports += f"from {'numpy' if program.arrays else 'math'} import {', '.join(name for name in MATH if name in used)}"
     numbers = "\n".join(f"{name} = {value!r}" for name, value in program.numbers.items())
-    head = [f'"""{program.about("", "Run this file for an example.")}\n"""', imports, *[numbers] * bool(numbers)]
+    head = [
+        f'"""{program.about("", "Run this file for an example.")}\n"""',
+        imports,
+        *[numbers] * bool(numbers),
+    ]
     z, p = program.example()
-    parts, K = [], ""
+    parts = []
+    K = ""
     if program.passed:
-        steps = _indented([*map(ast.unparse, program.setup), f"return Constants({', '.join(program.fields)})"])
+        steps = _indented(
+            [*map(ast.unparse, program.setup), f"return Constants({', '.join(program.fields)})"]
+        )
         parts += [
             f"Constants = namedtuple('Constants', {program.fields!r})",
             f"def constants(*, {', '.join(PARAMETER_NAMES)}):\n"
             + "\n".join(['    """Return what the functions below need."""', *steps]),
         ]
         K = f"    K = constants({', '.join(f'{name}={value!r}' for name, value in p.items())})\n"
-    calls, passed, count = program.calls(0), "".join(f", {name}" for name in program.passed), len(program.maps)
+    calls = program.calls(0)
+    passed = "".join(f", {name}" for name in program.passed)
+    count = len(program.maps)
     shapes = f"({2 * count})", f"({count}, 2, 4)"
     rows = "\n".join(f"        *{label}({z})," for label, z, _ in calls)
     blocks = "\n".join(f"        {label}{MATRIX}({z})," for label, _, z in calls)
     if program.arrays:
         whats = [f": shape {shape} and that of the numbers in z" for shape in shapes]
         frame = "    z, shape = flat(*z)\n    rows = [\n{}\n    ]\n    return np.array(rows).reshape(({}, *shape))"
-        bodies = [frame.format(each, shape[1:-1]) for each, shape in zip((rows, blocks), shapes, strict=True)]
+        bodies = [
+            frame.format(each, shape[1:-1])
+            for each, shape in zip((rows, blocks), shapes, strict=True)
+        ]
     else:
         whats = ["", ""]
         last = "    return [[list(block[:4]), list(block[4:])] for block in blocks]"
         bodies = [f"    return [\n{rows}\n    ]", f"    blocks = [\n{blocks}\n    ]\n{last}"]
-    first, second = "f1, f2 of each map", f"the {'' if program.arrays else '2 x 4 '}derivatives of f1, f2 of each map"
+    first = "f1, f2 of each map"
+    second = f"the {'' if program.arrays else '2 x 4 '}derivatives of f1, f2 of each map"
     parts += [
         *map(ast.unparse, program.functions.values()),
         f'def residual(z{passed}):\n    """Return {first}, in order of time{whats[0]}."""\n{bodies[0]}',
@@ -583,13 +766,25 @@ if __name__ == "__main__":
 
 def _c(program: _Program, name: str) -> dict[str, str]:
     """Return the C source and header of a program."""
-    c, count, passed = _C(program.functions, name), len(program.maps), bool(program.passed)
-    constants, K = (f"const {name}_constants *K, ", "&K, ") if passed else ("", "")
-    residual = f"void {name}_residual(const double z[{2 * count + 2}], {constants}double f[{2 * count}])"
-    jacobian = f"void {name}_jacobian(const double z[{2 * count + 2}], {constants}double J[{count}][2][4])"
+    c = _C(program.functions, name)
+    count = len(program.maps)
+    passed = bool(program.passed)
+    if passed:
+        constants, K = (f"const {name}_constants *K, ", "&K, ")
+    else:
+        constants, K = ("", "")
+    residual = (
+        f"void {name}_residual(const double z[{2 * count + 2}], {constants}double f[{2 * count}])"
+    )
+    jacobian = (
+        f"void {name}_jacobian(const double z[{2 * count + 2}], {constants}double J[{count}][2][4])"
+    )
     setup = f"void {name}_setup({name}_constants *K, {', '.join(f'double {each}' for each in PARAMETER_NAMES)})"
-    guard, example = f"{name.upper()}_H", f"{name.upper()}_EXAMPLE"
-    public = "\n".join(f"{c.head(node)};" for label, node in program.functions.items() if _is_map(label))
+    guard = f"{name.upper()}_H"
+    example = f"{name.upper()}_EXAMPLE"
+    public = "\n".join(
+        f"{c.head(node)};" for label, node in program.functions.items() if _is_map(label)
+    )
     z, p = program.example()
     struct = filled = prepared = ""
     if passed:
@@ -597,12 +792,16 @@ def _c(program: _Program, name: str) -> dict[str, str]:
         kind = {**dict.fromkeys((*steps, *program.fields), "double"), **dict.fromkeys(FLAGS, "int")}
         fields = "\n".join(f"    {kind[field]} {field};" for field in program.fields)
         struct = f"typedef struct {{\n{fields}\n}} {name}_constants;\n\n{setup};\n"
-        lines = [f"const {kind[each]} {each} = {c.expression(value)};" for each, value in steps.items()]
+        lines = [
+            f"const {kind[each]} {each} = {c.expression(value)};" for each, value in steps.items()
+        ]
         lines += [f"K->{field} = {field};" for field in program.fields]
         used = set(program.fields).union(*map(_names, steps.values()))
         lines += [f"(void){each};" for each in PARAMETER_NAMES if each not in used]
         filled = "\n".join([setup, "{", *_indented(lines), "}"])
-        prepared = f"    {name}_constants K;\n    {name}_setup(&K, {', '.join(map(repr, p.values()))});\n"
+        prepared = (
+            f"    {name}_constants K;\n    {name}_setup(&K, {', '.join(map(repr, p.values()))});\n"
+        )
     header = f"""\
 /*
 {program.about(" * ", f"Try it: cc -D{example} {name}.c -lm && ./a.out")}
@@ -645,7 +844,10 @@ int main(void)
     blocks = [f"    {name}_{label}{MATRIX}({each}, J[{n}]);" for n, (label, _, each) in calls]
     parts = [
         f'#include "{name}.h"\n\n#include <math.h>',
-        "\n".join(f"static const double {key} = {float(value)!r};" for key, value in program.numbers.items()),
+        "\n".join(
+            f"static const double {key} = {float(value)!r};"
+            for key, value in program.numbers.items()
+        ),
         *map(c.function, program.functions.values()),
         filled,
         "\n".join([residual, "{", *rows, "}"]),
@@ -661,16 +863,23 @@ def _wrapped(text: str) -> str:
     for line in text.splitlines():
         indent = line[: len(line) - len(line.lstrip())]
         long = len(line) > EXPORT_WIDTH + 8 and not line.lstrip().startswith("*")
-        folded = textwrap.wrap(line, EXPORT_WIDTH, subsequent_indent=f"{indent}    ", break_long_words=False)
-        lines += folded if long else [line]
+        folded = textwrap.wrap(
+            line, EXPORT_WIDTH, subsequent_indent=f"{indent}    ", break_long_words=False
+        )
+        if long:
+            lines += folded
+        else:
+            lines += [line]
     return "\n".join(lines) + "\n"
 
 
 def _julia(program: _Program, name: str) -> str:
     """Return the Julia source of a program."""
-    julia, passed = _Julia(program.functions), bool(program.passed)
+    julia = _Julia(program.functions)
+    passed = bool(program.passed)
     exports = ["residual", "jacobian", *["constants"] * passed]
-    module, inside = name[0].upper() + name[1:], {*exports, *program.functions, *program.numbers, "Constants"}
+    module = name[0].upper() + name[1:]
+    inside = {*exports, *program.functions, *program.numbers, "Constants"}
     while module in inside or module in RESERVED["julia"]:
         module += "Map"
     struct = setup = K = ""
@@ -679,9 +888,12 @@ def _julia(program: _Program, name: str) -> str:
         fields = [f"{field}::{'Bool' if field in FLAGS else 'Float64'}" for field in program.fields]
         struct = "\n".join(["struct Constants", *_indented(fields), "end"])
         lines = [*julia.block([*program.setup]), f"return Constants({', '.join(program.fields)})"]
-        setup = "\n".join([f"function constants(; {', '.join(PARAMETER_NAMES)})", *_indented(lines), "end"])
+        setup = "\n".join(
+            [f"function constants(; {', '.join(PARAMETER_NAMES)})", *_indented(lines), "end"]
+        )
         K = f"    K = {module}.constants(; {', '.join(f'{each} = {value!r}' for each, value in p.items())})\n"
-    calls, arguments = program.calls(1), ", ".join(["z", *program.passed])
+    calls = program.calls(1)
+    arguments = ", ".join(["z", *program.passed])
     rows = "\n".join(f"        {label}({each})...," for label, each, _ in calls)
     blocks = "\n".join(f"        {label}{MATRIX}({each})," for label, _, each in calls)
     whole = f"""\

@@ -1,20 +1,22 @@
 """Theorem 7 inverted: the parameter values for which the window of a map has a property.
 
-The sign function side (k v_lambda + B0 Omega sin theta) is linear in each of Omega, B0, k and v_lambda, and its extreme
-over theta in |B0|. So each answer is a half line or an interval whose end is known in closed form:
+The sign function side (k v_lambda + B0 Omega sin theta) is linear in each of Omega, B0, k and
+v_lambda, and its extreme over theta in |B0|. So each answer is a half line or an interval whose end
+is known in closed form:
 
     contains theta   iff side (k v_lambda + B0 Omega sin theta) > 0
     empty            iff side k v_lambda <= -|B0| Omega
     everything       iff side k v_lambda >= |B0| Omega and side k v_lambda > 0    (order 1: > |B0| Omega)
 
-In full order (see `symosc.grazing.window.grazing_window`) equality counts too where theta is at the top or bottom of
-the sine, if side k v_lambda > 0: that is the tangency of fourth order.
+In full order (see `symosc.grazing.window.grazing_window`) equality counts too where theta is at the
+top or bottom of the sine, if side k v_lambda > 0: that is the tangency of fourth order.
 
-An interval of phases is in the window iff the phases with the smallest and the largest sine of it are. One at an open
-end of the interval may be an end of the window, as long as something in between is inside.
+An interval of phases is in the window iff the phases with the smallest and the largest sine of it
+are. One at an open end of the interval may be an end of the window, as long as something in between
+is inside.
 
-For two parameters the same inequalities are written down as a region, k v_lambda on the left and the drive on the
-right. Points of it are decided exactly.
+For two parameters the same inequalities are written down as a region, k v_lambda on the left and
+the drive on the right. Points of it are decided exactly.
 """
 
 from __future__ import annotations
@@ -35,7 +37,8 @@ from symosc.model import Parameters
 from symosc.scenes import ParametersLike
 from symosc.symbolic.theorem7 import latex, rational, real, sign_of
 
-#: The letters of questions without numbers: v_lambda is the map's belt speed; v_1 and v_2 only bound its range.
+#: The letters of questions without numbers: v_lambda is the map's belt speed; v_1 and v_2 only
+#: bound its range.
 QUERY_LETTERS = {
     "k": sp.Symbol("k", nonnegative=True),
     "v": sp.Symbol("v_lambda", real=True),
@@ -48,8 +51,10 @@ THETA = sp.Symbol("theta", real=True)
 
 
 #: Booleans `a > b` and `a >= b` that sympy keeps as they are written.
-OPEN_REGION, CLOSED_REGION = sp.StrictGreaterThan, sp.GreaterThan
-#: A phase at which the sine over an interval is extreme, and whether the interval contains it (no open end).
+OPEN_REGION = sp.StrictGreaterThan
+CLOSED_REGION = sp.GreaterThan
+#: A phase at which the sine over an interval is extreme, and whether the interval contains it (no
+#: open end).
 Extreme = tuple[Expr, bool]
 
 
@@ -57,7 +62,10 @@ Extreme = tuple[Expr, bool]
 
 
 class PhaseInterval(NamedTuple):
-    """An interval of phases from `low` to `high`, at most 2 pi long; either end may be excluded (open)."""
+    """An interval of phases from `low` to `high`, at most 2 pi long.
+
+    Either end may be excluded (open).
+    """
 
     low: Expr
     high: Expr
@@ -67,38 +75,54 @@ class PhaseInterval(NamedTuple):
     def deciding(self, signs: Sequence[int]) -> list[Extreme]:
         """Return phases that decide for all others: the whole interval is in a window if these are.
 
-        They have the least (-1 in `signs`) or largest (1) sine; if an open end has it, a phase inside is added.
+        They have the least (-1 in `signs`) or largest (1) sine; if an open end has it, a phase
+        inside is added.
         """
         extremes = [self._extreme(sign) for sign in signs]
         if not all(attained for _, attained in extremes):
-            inside = (self.low + (self.high - self.low) / parts for parts in (2, 3, 5))  # not all three are extreme
+            inside = (
+                self.low + (self.high - self.low) / parts for parts in (2, 3, 5)
+            )  # not all three are extreme
             sines = [sp.sin(self._extreme(sign)[0]) for sign in (-1, 1)]
-            between = next(theta for theta in inside if all(sign_of(sp.sin(theta) - sine) for sine in sines))
+            between = next(
+                theta for theta in inside if all(sign_of(sp.sin(theta) - sine) for sine in sines)
+            )
             extremes.append((between, True))
         return extremes
 
     def _extreme(self, sign: int) -> Extreme:
         """Return the phase with the largest (sign 1) or smallest sine (-1), and whether the interval contains it."""
-        # sign * sin is largest at sign pi/2 + 2 pi n; the first of these phases after the low end may be inside.
+        # sign * sin is largest at sign pi/2 + 2 pi n; the first of these phases after the low end
+        # may be inside.
         top = sign * sp.pi / 2
         first = top + 2 * sp.pi * sp.ceiling((self.low - top) / (2 * sp.pi))
         if sign_of(first - self.low) > 0 and sign_of(self.high - first) > 0:
             return first, True
-        low, high = (self.low, not self.low_open), (self.high, not self.high_open)
+        low = (self.low, not self.low_open)
+        high = (self.high, not self.high_open)
         difference = sign_of(sign * (sp.sin(self.high) - sp.sin(self.low)))
         # If both ends are equally extreme, prefer one that the interval contains.
-        return high if difference > 0 or (difference == 0 and high[1] > low[1]) else low
+        if difference > 0 or (difference == 0 and high[1] > low[1]):
+            return high
+        return low
 
 
 def read_phases(name: str, value: Any) -> Expr | PhaseInterval:
-    """Read `value` as a phase (a sympy expression) or as an interval of phases; error messages call it `name`."""
+    """Read `value` as a phase (a sympy expression) or as an interval of phases.
+
+    Error messages call it `name`.
+    """
     if isinstance(value, sp.Interval):
-        ends, open_ends = (value.start, value.end), (bool(value.left_open), bool(value.right_open))
+        ends = (value.start, value.end)
+        open_ends = (bool(value.left_open), bool(value.right_open))
     elif isinstance(value, tuple | list):
         if len(value) != 2:
-            allowed = "must be a phase, or an interval of phases: a pair (low, high) with low < high, or"
+            allowed = (
+                "must be a phase, or an interval of phases: a pair (low, high) with low < high, or"
+            )
             raise ParameterError(name, value, f"{allowed} a sympy Interval")
-        ends, open_ends = tuple(value), (False, False)
+        ends = tuple(value)
+        open_ends = (False, False)
     else:
         return real(name, value)
     low, high = (real(name, end) for end in ends)
@@ -143,7 +167,9 @@ class GrazingQuestion(NamedTuple):
         if self.asked != "contains":
             return f"{self.mapping} grazes at {'no' if self.asked == 'empty' else 'every'} phase"
         if isinstance(self.theta, PhaseInterval):
-            return f"{self.mapping} grazes at every theta in {interval_text(sp.Interval(*self.theta))}"
+            return (
+                f"{self.mapping} grazes at every theta in {interval_text(sp.Interval(*self.theta))}"
+            )
         return f"{self.mapping} grazes at theta = {self.theta}"
 
     def latex(self) -> str:
@@ -152,7 +178,10 @@ class GrazingQuestion(NamedTuple):
         if self.asked != "contains":
             return rf"{name} \text{{ grazes at {'no' if self.asked == 'empty' else 'every'} phase}}"
         interval = isinstance(self.theta, PhaseInterval)
-        phases = rf"\in {latex(sp.Interval(*self.theta))}" if interval else f"= {latex(self.theta)}"
+        if interval:
+            phases = rf"\in {latex(sp.Interval(*self.theta))}"
+        else:
+            phases = f"= {latex(self.theta)}"
         return rf"{name} \text{{ grazes at {'every ' if interval else ''}}}\theta {phases}"
 
 
@@ -207,7 +236,9 @@ class Answer(NamedTuple):
 
 
 class Answers(tuple[Answer, ...], LatexAnswer):
-    """The values of one parameter where the others are letters: an Answer for each condition on those letters.
+    """The values of one parameter where the others are letters.
+
+    An Answer for each condition on those letters.
 
     Attributes
     ----------
@@ -228,7 +259,10 @@ class Answers(tuple[Answer, ...], LatexAnswer):
     def text(self) -> str:
         """Return question and answers as text, one line for each condition."""
         name = QUERY_LETTERS[self.question.names[0]]
-        lines = [f"  if {condition_text(each.condition)}: {name} in {interval_text(each.values)}" for each in self]
+        lines = [
+            f"  if {condition_text(each.condition)}: {name} in {interval_text(each.values)}"
+            for each in self
+        ]
         return "\n".join([f"{self.question.text()}:", *lines])
 
     def latex(self) -> str:
@@ -239,7 +273,9 @@ class Answers(tuple[Answer, ...], LatexAnswer):
 
 
 class ParameterValues(LatexAnswer):
-    """The values of one parameter that have a property; works like the sympy Set `values`, and prints itself.
+    """The values of one parameter that have a property.
+
+    Works like the sympy Set `values`, and prints itself.
 
     Attributes
     ----------
@@ -262,7 +298,10 @@ class ParameterValues(LatexAnswer):
     def text(self) -> str:
         """Return question and answer as text."""
         name = self.question.names[0]
-        where = f"no {name}" if self.values.is_empty else f"{name} in {interval_text(self.values)}"
+        if self.values.is_empty:
+            where = f"no {name}"
+        else:
+            where = f"{name} in {interval_text(self.values)}"
         return f"{self.question.text()} for {where}"
 
     def latex(self) -> str:
@@ -275,7 +314,10 @@ class ParameterValues(LatexAnswer):
         name = self.question.names[0]
         if isinstance(value, sp.Basic) and value.free_symbols:
             raise ParameterError(name, value, "must be a number")
-        exact = value if isinstance(value, sp.Basic) else rational(read_exact(name, value))
+        if isinstance(value, sp.Basic):
+            exact = value
+        else:
+            exact = rational(read_exact(name, value))
         return bool(self.values.contains(exact) == sp.true)
 
     def __getattr__(self, name: str) -> Any:
@@ -301,7 +343,9 @@ class ParameterValues(LatexAnswer):
 
 
 class ParameterRegion(Drawable, LatexAnswer):
-    """The region in the plane of two parameters where a window has the property asked for; `plot` draws it.
+    """The region in the plane of two parameters where a window has the property asked for.
+
+    `plot` draws it.
 
     Attributes
     ----------
@@ -333,7 +377,9 @@ class ParameterRegion(Drawable, LatexAnswer):
             "v1": QUERY_LETTERS["v1"] < rational(self.parameters.v2),
             "v2": QUERY_LETTERS["v2"] > rational(self.parameters.v1),
         }
-        return sp.And(*(found[name] for name in self.question.names if found[name] != sp.true), evaluate=False)
+        return sp.And(
+            *(found[name] for name in self.question.names if found[name] != sp.true), evaluate=False
+        )
 
     @property
     def letters(self) -> tuple[Expr, Expr]:
@@ -351,9 +397,13 @@ class ParameterRegion(Drawable, LatexAnswer):
             Unless both parameters are given, as values that Parameters allows.
         """
         if set(values) != set(self.question.names):
-            raise ParameterError("values", ", ".join(values) or None, f"give {' and '.join(self.question.names)}")
+            raise ParameterError(
+                "values", ", ".join(values) or None, f"give {' and '.join(self.question.names)}"
+            )
         allowed = self.parameters.replace(**values)
-        numbers = {QUERY_LETTERS[name]: rational(getattr(allowed, name)) for name in self.question.names}
+        numbers = {
+            QUERY_LETTERS[name]: rational(getattr(allowed, name)) for name in self.question.names
+        }
         return holds(self.condition, numbers)
 
     def text(self) -> str:
@@ -366,7 +416,8 @@ class ParameterRegion(Drawable, LatexAnswer):
         names = ", ".join(latex(letter) for letter in self.letters)
         region = {sp.true: latex(self.allowed), sp.false: r"\text{nowhere}"}
         condition = latex(self.condition)
-        condition = rf"\left({condition}\right)" if isinstance(self.condition, sp.Or) else condition
+        if isinstance(self.condition, sp.Or):
+            condition = rf"\left({condition}\right)"
         inside = region.get(self.condition, rf"{latex(self.allowed)},\ {condition}")
         return rf"{self.question.latex()}:\quad \left\{{({names}) : {inside}\right\}}"
 
@@ -380,9 +431,13 @@ def holds(condition: Expr, numbers: dict[Expr, Expr]) -> bool:
         return bool(condition)
     if isinstance(condition, sp.And | sp.Or):
         each = (holds(part, numbers) for part in condition.args)
-        return all(each) if isinstance(condition, sp.And) else any(each)
+        if isinstance(condition, sp.And):
+            return all(each)
+        return any(each)
     sign = sign_of((condition.lhs - condition.rhs).subs(numbers))
-    return {sp.Gt: sign > 0, sp.Ge: sign >= 0, sp.Lt: sign < 0, sp.Le: sign <= 0, sp.Eq: sign == 0}[condition.func]
+    return {sp.Gt: sign > 0, sp.Ge: sign >= 0, sp.Lt: sign < 0, sp.Le: sign <= 0, sp.Eq: sign == 0}[
+        condition.func
+    ]
 
 
 # --- questions ---
@@ -401,28 +456,31 @@ def values_containing(
     Parameters
     ----------
     p : Parameters, a Scene, its name or its file, or None
-        The other parameters; the value of `name` in it is not used. None: `QUERY_LETTERS` in place of numbers.
+        The other parameters; the value of `name` in it is not used. None: `QUERY_LETTERS` in place
+        of numbers.
     mapping : {"P2", "P3", "P5", "P6"}
     name : {"Omega", "B0", "k", "v1", "v2", "v_lambda"}, or a pair of them
         The parameter that is asked for; v_lambda is the map's belt, v1 or v2.
     theta : number, text, sympy expression, or an interval
-        The phase, exactly: "3*pi/2" as text, the rest as for `symosc.theorem7`. A pair (low, high), or a sympy
-        Interval: every phase of it, ends included unless the Interval is open; it may go through 0, as (-1, 1) does.
-        With p = None it is one phase, and may be left out: the letter theta.
+        The phase, exactly: "3*pi/2" as text, the rest as for `symosc.theorem7`. A pair (low, high),
+        or a sympy Interval: every phase of it, ends included unless the Interval is open; it may go
+        through 0, as (-1, 1) does. With p = None it is one phase, and may be left out: the letter
+        theta.
     order : {"full", "paper"}
         See `symosc.grazing_window`.
 
     Returns
     -------
     ParameterValues, Answers or ParameterRegion
-        The values that Parameters allows and that have the property, as a sympy Set with ``text()`` and ``latex()``.
-        With letters: one Answer for each condition on the others; exactly one condition holds. For two parameters: the
-        region, as a condition.
+        The values that Parameters allows and that have the property, as a sympy Set with ``text()``
+        and ``latex()``. With letters: one Answer for each condition on the others; exactly one
+        condition holds. For two parameters: the region, as a condition.
 
     Raises
     ------
     ParameterError
-        For a map without grazing, a parameter on which its window does not depend, or a phase that is not a number.
+        For a map without grazing, a parameter on which its window does not depend, or a phase that
+        is not a number.
 
     Examples
     --------
@@ -433,8 +491,12 @@ def values_containing(
     >>> values_containing(p, "P2", "Omega", ("pi", "5*pi/4"))
     Interval.open(0, sqrt(2)/3)
     """
-    names, full = _read_names(mapping, name, p), order == "full"
-    phases = THETA if theta is None and p is None else read_phases("theta", theta)
+    names = _read_names(mapping, name, p)
+    full = order == "full"
+    if theta is None and p is None:
+        phases = THETA
+    else:
+        phases = read_phases("theta", theta)
     if p is None and isinstance(phases, PhaseInterval):
         raise ParameterError("theta", theta, "must be one phase where the parameters are letters")
     if p is not None and not isinstance(phases, PhaseInterval) and phases.free_symbols:
@@ -444,9 +506,12 @@ def values_containing(
 
 @public
 def values_empty(p: ParametersLike | None, mapping: str, name: str | Sequence[str]) -> Any:
-    """Return the values of one or two parameters for which a map's window is empty; see `values_containing`.
+    """Return the values of one or two parameters for which a map's window is empty.
 
-    The orders "full" and "paper" agree: at side k v_lambda = -|B0| Omega the tangency of fourth order does not graze.
+    See `values_containing`.
+
+    The orders "full" and "paper" agree: at side k v_lambda = -|B0| Omega the tangency of fourth
+    order does not graze.
 
     Examples
     --------
@@ -458,7 +523,9 @@ def values_empty(p: ParametersLike | None, mapping: str, name: str | Sequence[st
 
 
 @public
-def values_everything(p: ParametersLike | None, mapping: str, name: str | Sequence[str], order: Order = "full") -> Any:
+def values_everything(
+    p: ParametersLike | None, mapping: str, name: str | Sequence[str], order: Order = "full"
+) -> Any:
     """Return the values of one or two parameters for which a map's window has all phases.
 
     Examples
@@ -467,15 +534,25 @@ def values_everything(p: ParametersLike | None, mapping: str, name: str | Sequen
     >>> values_everything(load_scene("fig9").parameters, "P2", "Omega", order="paper")
     Interval.open(0, 1/3)
     """
-    return _answer(p, GrazingQuestion(mapping, _read_names(mapping, name, p), "everything"), order == "full")
+    return _answer(
+        p, GrazingQuestion(mapping, _read_names(mapping, name, p), "everything"), order == "full"
+    )
 
 
 def _read_names(mapping: str, given: Any, p: Any) -> tuple[str, ...]:
     """Check the parameter names `given` and return them, the belt's speed as "v" if p is None, else "v1" or "v2"."""
     belt = f"v{place(mapping).boundary}"
-    asked = tuple(given) if isinstance(given, tuple | list) else (given,)
-    own = "v" if p is None else belt
-    names = tuple(own if isinstance(name, str) and name in (belt, "v_lambda") else name for name in asked)
+    if isinstance(given, tuple | list):
+        asked = tuple(given)
+    else:
+        asked = (given,)
+    if p is None:
+        own = "v"
+    else:
+        own = belt
+    names = tuple(
+        own if isinstance(name, str) and name in (belt, "v_lambda") else name for name in asked
+    )
     for name, asked_name in zip(names, asked, strict=True):
         if not isinstance(name, str) or name not in ("Omega", "B0", "k", own):
             known = f"the window of {mapping} depends on Omega, B0, k and {belt} (or v_lambda) only"
@@ -487,10 +564,12 @@ def _read_names(mapping: str, given: Any, p: Any) -> tuple[str, ...]:
 
 def _answer(p: Parameters | None, question: GrazingQuestion, full: bool) -> Any:
     """Return the region of two parameters, or the allowed values of one, for which the question's property holds."""
-    where, name = place(question.mapping), question.names[0]
+    where = place(question.mapping)
+    name = question.names[0]
     if len(question.names) == 2:
         return _region(p, where, question, full)
-    belt, other = f"v{where.boundary}", f"v{3 - where.boundary}"
+    belt = f"v{where.boundary}"
+    other = f"v{3 - where.boundary}"
     values = QUERY_LETTERS
     if p is not None:
         values = {each: rational(getattr(p, each)) for each in ("k", "B0", "Omega", other)}
@@ -508,8 +587,17 @@ def _answer(p: Parameters | None, question: GrazingQuestion, full: bool) -> Any:
     elif question.asked == "everything":
         solved = _solve_for_all_phases(*asked, where.side, full, False)
     elif isinstance(question.theta, PhaseInterval):
-        decided = [_containing(*asked, where.side, each, full) for each in question.theta.deciding((-1, 1))]
-        solved = iter([Answer(sp.true, sp.Intersection(*(each.values for answers in decided for each in answers)))])
+        decided = [
+            _containing(*asked, where.side, each, full) for each in question.theta.deciding((-1, 1))
+        ]
+        solved = iter(
+            [
+                Answer(
+                    sp.true,
+                    sp.Intersection(*(each.values for answers in decided for each in answers)),
+                )
+            ]
+        )
     else:
         solved = _containing(*asked, where.side, (question.theta, True), full)
     found: dict[Expr, Expr] = {}  # conditions with one answer are joined
@@ -530,28 +618,41 @@ def _answer(p: Parameters | None, question: GrazingQuestion, full: bool) -> Any:
 def _containing(
     name: str, values: dict[str, Expr], possible: Expr, side: int, extreme: Extreme, full: bool
 ) -> Iterator[Answer]:
-    """Solve side (k v + B0 Omega sin theta) > 0 for the parameter `name` at one phase; >= 0 if that is an open end."""
+    """Solve side (k v + B0 Omega sin theta) > 0 for the parameter `name` at one phase.
+
+    >= 0 if that is an open end.
+    """
     theta, attained = extreme
     k, v, B0, Omega, sine = *(values[each] for each in ("k", "v", "B0", "Omega")), sp.sin(theta)
     # The left side is start + slope * parameter; level is side k v at its root.
     if name in ("Omega", "B0"):
-        start, slope = side * k * v, side * (B0 if name == "Omega" else Omega) * sine
+        start = side * k * v
+        slope = side * (B0 if name == "Omega" else Omega) * sine
         level = start
     else:
-        start, slope = side * B0 * Omega * sine, side * (v if name == "k" else k)
+        start = side * B0 * Omega * sine
+        slope = side * (v if name == "k" else k)
         level = -start
     for slope_sign, sloped in _signs(slope):
         if slope_sign == 0:
-            for positive, started in _positive(start) if attained else [(sign_of(start) >= 0, sp.true)]:
+            for positive, started in (
+                _positive(start) if attained else [(sign_of(start) >= 0, sp.true)]
+            ):
                 yield Answer(sloped & started, possible if positive else sp.S.EmptySet)
             continue
-        cases: Any = _tangency_grazes(theta, level) if attained and full else [(not attained, sp.true)]
+        if attained and full:
+            cases: Any = _tangency_grazes(theta, level)
+        else:
+            cases = [(not attained, sp.true)]
         for closed, closing in cases:
             yield Answer(sloped & closing, _half_line(-start / slope, slope_sign, closed))
 
 
 def _tangency_grazes(theta: Expr, level: Expr) -> Iterator[tuple[bool, Expr]]:
-    """Yield (grazes, condition) where G^(1) = 0: a contact grazes iff cos(theta) = 0 and `level`, side k v, is > 0."""
+    """Yield (grazes, condition) where G^(1) = 0.
+
+    A contact grazes iff cos(theta) = 0 and `level`, side k v, is > 0.
+    """
     cosine = sp.cos(theta)
     if not cosine.free_symbols:
         yield from _positive(level) if sign_of(cosine) == 0 else [(False, sp.true)]
@@ -566,7 +667,10 @@ def _tangency_grazes(theta: Expr, level: Expr) -> Iterator[tuple[bool, Expr]]:
 def _solve_for_all_phases(
     name: str, values: dict[str, Expr], possible: Expr, direction: int, closed: bool, at_zero: bool
 ) -> Iterator[Answer]:
-    """Solve direction k v > |B0| Omega for the parameter `name`; `closed`: >=; `at_zero`: also if both sides are 0."""
+    """Solve direction k v > |B0| Omega for the parameter `name`; `closed`: >=.
+
+    `at_zero`: also if both sides are 0.
+    """
     k, v, B0, Omega = (values[each] for each in ("k", "v", "B0", "Omega"))
     if name in ("Omega", "B0"):
         # |B0| Omega <= level
@@ -575,14 +679,20 @@ def _solve_for_all_phases(
             if level_sign < 0 or (level_sign == 0 and not at_zero):
                 yield Answer(levelled, sp.S.EmptySet)
             elif name == "B0":
-                end = level / Omega if level_sign else sp.S.Zero
+                if level_sign:
+                    end = level / Omega
+                else:
+                    end = sp.S.Zero
                 yield Answer(levelled, sp.Interval(-end, end, not closed, not closed))
             else:
                 for B0_sign, signed in _signs(B0):
                     found = possible
                     if B0_sign:  # Omega > 0, and so is the end if the level is
                         end = level / (B0_sign * B0)
-                        found = sp.Interval(0, end, True, not closed) if level_sign else sp.S.EmptySet
+                        if level_sign:
+                            found = sp.Interval(0, end, True, not closed)
+                        else:
+                            found = sp.S.EmptySet
                     yield Answer(levelled & signed, found)
         return
     # factor * parameter >= |B0| Omega
@@ -590,17 +700,28 @@ def _solve_for_all_phases(
     for factor_sign, factored in _signs(factor):
         for B0_sign, signed in _signs(B0):
             if factor_sign == 0 or (name == "k" and factor_sign < 0):  # k >= 0
-                reached = possible if factor_sign == 0 else sp.FiniteSet(0)
-                found = reached if B0_sign == 0 and at_zero else sp.S.EmptySet
+                if factor_sign == 0:
+                    reached = possible
+                else:
+                    reached = sp.FiniteSet(0)
+                if B0_sign == 0 and at_zero:
+                    found = reached
+                else:
+                    found = sp.S.EmptySet
             else:
-                end = B0_sign * B0 * Omega / factor if B0_sign else sp.S.Zero
+                if B0_sign:
+                    end = B0_sign * B0 * Omega / factor
+                else:
+                    end = sp.S.Zero
                 found = _half_line(end, factor_sign, closed if B0_sign else at_zero)
             yield Answer(factored & signed, found)
 
 
 def _half_line(end: Expr, direction: int, closed: bool) -> Expr:
     """Return the half line from `end` upwards (direction 1) or downwards (-1), with `end` if `closed`."""
-    return sp.Interval(end, sp.oo, not closed, True) if direction > 0 else sp.Interval(-sp.oo, end, True, not closed)
+    if direction > 0:
+        return sp.Interval(end, sp.oo, not closed, True)
+    return sp.Interval(-sp.oo, end, True, not closed)
 
 
 def _signs(expr: Expr) -> Iterator[tuple[int, Expr]]:
@@ -621,7 +742,10 @@ def _positive(expr: Expr) -> Iterator[tuple[bool, Expr]]:
     if not expr.free_symbols:
         yield sign_of(expr) > 0, sp.true
         return
-    conditions = (-expr < 0, -expr >= 0) if expr.could_extract_minus_sign() else (expr > 0, expr <= 0)
+    if expr.could_extract_minus_sign():
+        conditions = (-expr < 0, -expr >= 0)
+    else:
+        conditions = (expr > 0, expr <= 0)
     for positive, condition in zip((True, False), conditions, strict=True):
         if condition != sp.false:
             yield positive, condition
@@ -630,40 +754,63 @@ def _positive(expr: Expr) -> Iterator[tuple[bool, Expr]]:
 # --- two parameters ---
 
 
-def _region(p: Parameters | None, where: Place, question: GrazingQuestion, full: bool) -> ParameterRegion:
-    """Return the region of two parameters where the window has the property asked for; `full`: by the order "full"."""
+def _region(
+    p: Parameters | None, where: Place, question: GrazingQuestion, full: bool
+) -> ParameterRegion:
+    """Return the region of two parameters where the window has the property asked for.
+
+    `full`: by the order "full".
+    """
     if p is None:
-        raise ParameterError("p", p, "must be Parameters where a region of two parameters is asked for")
+        raise ParameterError(
+            "p", p, "must be Parameters where a region of two parameters is asked for"
+        )
     belt = f"v{where.boundary}"
     values = {name: rational(getattr(p, name)) for name in ("k", "B0", "Omega", belt)}
     values |= {name: QUERY_LETTERS[name] for name in question.names}
     level = where.side * values["k"] * values[belt]
     scale = abs(level.as_coeff_Mul()[0]) or sp.S.One  # k > 2, not 25 k > 50
-    level, Omega = level / scale, values["Omega"] / scale
-    drive, size = where.side * values["B0"] * Omega, sp.Abs(values["B0"]) * Omega
+    level = level / scale
+    Omega = values["Omega"] / scale
+    drive = where.side * values["B0"] * Omega
+    size = sp.Abs(values["B0"]) * Omega
     if question.asked == "contains":
-        # The smallest value is where the sine is smallest if drive > 0, and where it is largest if drive < 0.
-        signs, theta = [-1] * (not drive.is_negative) + [1] * (not drive.is_positive), question.theta
-        decided = theta.deciding(signs) if isinstance(theta, PhaseInterval) else [(theta, True)]
+        # The smallest value is where the sine is smallest if drive > 0, and where it is largest if
+        # drive < 0.
+        signs = [-1] * (not drive.is_negative) + [1] * (not drive.is_positive)
+        theta = question.theta
+        if isinstance(theta, PhaseInterval):
+            decided = theta.deciding(signs)
+        else:
+            decided = [(theta, True)]
         condition = sp.And(*(_region_at(level, drive, each, full) for each in decided))
     elif question.asked == "empty":
         condition = CLOSED_REGION(-level, size)
     else:
-        condition = CLOSED_REGION(level, size) if full else OPEN_REGION(level, size)
+        if full:
+            condition = CLOSED_REGION(level, size)
+        else:
+            condition = OPEN_REGION(level, size)
         if full and not size.is_positive:
             condition = sp.And(condition, OPEN_REGION(level, 0))
     return ParameterRegion(question, condition, p)
 
 
 def _region_at(level: Expr, drive: Expr, extreme: Extreme, full: bool) -> Expr:
-    """Return the condition for a graze at a phase, `level` > -`drive` sin(theta); >= if the phase is an open end."""
+    """Return the condition for a graze at a phase, `level` > -`drive` sin(theta).
+
+    >= if the phase is an open end.
+    """
     theta, attained = extreme
-    left, right = level, -drive * sp.sin(theta)
+    left = level
+    right = -drive * sp.sin(theta)
     if not attained:
         return CLOSED_REGION(left, right)
     if full and sign_of(sp.cos(theta)) == 0 and not right.is_nonpositive:
         # The tangency of fourth order, where k v_lambda has the right sign.
         if right.is_positive:
             return CLOSED_REGION(left, right)
-        return sp.Or(OPEN_REGION(left, right), sp.And(CLOSED_REGION(left, right), OPEN_REGION(left, 0)))
+        return sp.Or(
+            OPEN_REGION(left, right), sp.And(CLOSED_REGION(left, right), OPEN_REGION(left, 0))
+        )
     return OPEN_REGION(left, right)

@@ -2,14 +2,16 @@
 
     m x'' + c x' + k x = A + B0 cos(Omega t),    x(t_i) = x_i,  x'(t_i) = v_i,    A = A_alpha in domain alpha (eq. (5))
 
-Divided by m, with tau = t - t_i, cm = c/m, w0sq = k/m, f0 = B0/m and the phase theta_i = Omega t_i, the motion is a
-combination of five functions of tau with S the impulse response: S'' + cm S' + w0sq S = 0, S(0) = 0, S'(0) = 1:
+Divided by m, with tau = t - t_i, cm = c/m, w0sq = k/m, f0 = B0/m and the phase theta_i = Omega t_i,
+the motion is a combination of five functions of tau with S the impulse response: S'' + cm S' + w0sq
+S = 0, S(0) = 0, S'(0) = 1:
 
     E0 = S',   E1 = S,   E2 = int_0^tau S(u) du,   R2 + i I2 = int_0^tau S(u) exp(i Omega (tau - u)) du
 
-A damping regime is one row of `REGIMES`: the roots of the characteristic equation. Its closed forms follow from them as
-divided differences of z -> exp(z tau), equal roots included: no regime is a special case of the derivation. The chapter
-`domains` of `symosc.derive` proves that all of this solves eq. (5).
+A damping regime is one row of `REGIMES`: the roots of the characteristic equation. Its closed forms
+follow from them as divided differences of z -> exp(z tau), equal roots included: no regime is a
+special case of the derivation. The chapter `domains` of `symosc.derive` proves that all of this
+solves eq. (5).
 """
 
 from __future__ import annotations
@@ -22,7 +24,8 @@ import sympy as sp
 
 from symosc.aliases import Expr
 
-# The paper's letters. A stands for A_alpha, theta for Omega t mod 2 pi, and (x, v, t) for a point of the flow.
+# The paper's letters. A stands for A_alpha, theta for Omega t mod 2 pi, and (x, v, t) for a point
+# of the flow.
 m, Omega = sp.symbols("m Omega", positive=True)
 c, k, mu1, mu2, FN = sp.symbols("c k mu_1 mu_2 F_N", nonnegative=True)
 A, A0, B0, t, x, v, theta = sp.symbols("A A_0 B_0 t x v theta", real=True)
@@ -32,7 +35,8 @@ t_i, x_i, v_i, tau = sp.symbols("t_i x_i v_i tau", real=True)
 cm, w0sq = sp.symbols("cm w0sq", nonnegative=True)
 A_m, f0, a_i, theta_i = sp.symbols("A_m f0 a_i theta_i", real=True)
 
-# The basis functions, and the letters of the regimes: decay rate h = c/2m and frequencies (eta: of sinh and cosh).
+# The basis functions, and the letters of the regimes: decay rate h = c/2m and frequencies (eta: of
+# sinh and cosh).
 BASIS = E0, E1, E2, R2, I2 = sp.symbols("E0 E1 E2 R2 I2", real=True)
 h, omega_d, eta, omega_0 = sp.symbols("h omega_d eta omega_0", positive=True)
 
@@ -41,7 +45,10 @@ PAPER_LETTERS = {cm: c / m, w0sq: k / m, f0: B0 / m, A_m: A / m}
 
 
 class Flow(NamedTuple):
-    """The motion in a domain: displacement x, velocity v and acceleration a at the time tau after the start."""
+    """The motion in a domain.
+
+    Displacement x, velocity v and acceleration a at the time tau after the start.
+    """
 
     x: Expr
     v: Expr
@@ -58,18 +65,27 @@ def in_paper_letters(expr: Expr) -> Expr:
 
 
 def force_constant(alpha: int) -> Expr:
-    """Return A_alpha in domain alpha (1, 2 or 3): A0 plus the friction of both belts, positive from a faster belt."""
+    """Return A_alpha in domain alpha (1, 2 or 3).
+
+    A0 plus the friction of both belts, positive from a faster belt.
+    """
     return A0 + {1: mu1 + mu2, 2: mu2 - mu1, 3: -mu1 - mu2}[alpha] * FN
 
 
 def acceleration(x: Expr = x, v: Expr = v, theta: Expr = theta) -> Expr:
-    """Return F^(alpha) of eq. (9), the acceleration A_alpha/m + (B0/m) cos theta - (k/m) x - (c/m) v in a domain."""
+    """Return F^(alpha) of eq.
+
+    (9), the acceleration A_alpha/m + (B0/m) cos theta - (k/m) x - (c/m) v in a domain.
+    """
     return A_m + f0 * sp.cos(theta) - w0sq * x - cm * v
 
 
 @cache
 def g_function(order: int) -> Expr:
-    """Return the G-function G^(order) of eqs. (18), (19): the derivative of F^(alpha) along the flow, `order` times."""
+    """Return the G-function G^(order) of eqs.
+
+    (18), (19): the derivative of F^(alpha) along the flow, `order` times.
+    """
     if order == 0:
         return acceleration()
     G = g_function(order - 1)
@@ -77,7 +93,10 @@ def g_function(order: int) -> Expr:
 
 
 def next_derivative(y1: Expr, y0: Expr, forcing_n: Expr) -> Expr:
-    """Return the rate of change of y1 = dy0/dt, for v or a G-function y0: -(c/m) y1 - (k/m) y0 - forcing_n."""
+    """Return the rate of change of y1 = dy0/dt, for v or a G-function y0.
+
+    -(c/m) y1 - (k/m) y0 - forcing_n.
+    """
     return -cm * y1 - w0sq * y0 - forcing_n
 
 
@@ -87,9 +106,14 @@ def forcing(n: int) -> Expr:
 
 
 def stick_acceleration(start: Expr, cosines: Expr) -> Expr:
-    """Return F^(alpha) at tau after a stick began with F^(alpha) = `start`; `cosines` is the change of cos(Omega t)."""
-    # `cosines` stands for cos(theta_i + Omega tau) - cos(theta_i), which a caller can compute without cancellation.
-    here, there = acceleration(x_i, v, theta_i), acceleration(x_i + v * tau, v, theta_i + Omega * tau)
+    """Return F^(alpha) at tau after a stick began with F^(alpha) = `start`.
+
+    `cosines` is the change of cos(Omega t).
+    """
+    # `cosines` stands for cos(theta_i + Omega tau) - cos(theta_i), which a caller can compute
+    # without cancellation.
+    here = acceleration(x_i, v, theta_i)
+    there = acceleration(x_i + v * tau, v, theta_i + Omega * tau)
     wave = sp.cos(theta_i + Omega * tau) - sp.cos(theta_i)
     return start + sp.collect(sp.expand(there - here), f0).subs(wave, cosines)
 
@@ -100,17 +124,28 @@ def stick_acceleration(start: Expr, cosines: Expr) -> Expr:
 @cache
 def rates() -> dict[Expr, Expr]:
     """Return the derivatives of the basis functions E0, E1, E2, R2, I2 by tau, written in these functions."""
-    S, u = sp.Function("S"), sp.Symbol("u", real=True)
+    S = sp.Function("S")
+    u = sp.Symbol("u", real=True)
     integrals = [S(u) * wave for wave in (1, sp.cos(Omega * (tau - u)), sp.sin(Omega * (tau - u)))]
-    meanings = [S(tau).diff(tau), S(tau), *(sp.Integral(integral, (u, 0, tau)) for integral in integrals)]
+    meanings = [
+        S(tau).diff(tau),
+        S(tau),
+        *(sp.Integral(integral, (u, 0, tau)) for integral in integrals),
+    ]
     known = dict(zip(meanings, BASIS, strict=True))
     ode = {S(tau).diff(tau, 2): -cm * S(tau).diff(tau) - w0sq * S(tau)}
     # factor_terms takes Omega out of the integrals
-    return {name: sp.factor_terms(meaning.diff(tau)).xreplace(ode).xreplace(known) for meaning, name in known.items()}
+    return {
+        name: sp.factor_terms(meaning.diff(tau)).xreplace(ode).xreplace(known)
+        for meaning, name in known.items()
+    }
 
 
 def start_values() -> dict[Expr, Expr]:
-    """Return the values of the basis functions at tau = 0: 1 for E0, and 0 for E1, E2, R2 and I2."""
+    """Return the values of the basis functions at tau = 0.
+
+    1 for E0, and 0 for E1, E2, R2 and I2.
+    """
     return {symbol: sp.Integer(symbol == E0) for symbol in BASIS}
 
 
@@ -121,7 +156,10 @@ def time_derivative(expr: Expr) -> Expr:
 
 @cache
 def relations() -> tuple[Expr, Expr, Expr]:
-    """Return three expressions that are 0: E2, R2 and I2 are the responses to 1, cos(Omega tau), sin(Omega tau)."""
+    """Return three expressions that are 0.
+
+    E2, R2 and I2 are the responses to 1, cos(Omega tau), sin(Omega tau).
+    """
 
     def relation(response: Expr, force: Expr) -> Expr:
         first = time_derivative(response)
@@ -134,7 +172,11 @@ def use_relations(expr: Expr) -> Expr:
     """Remove E0, cos(Omega tau) and sin(Omega tau) from an expression by `relations`, and expand it."""
     step, real, imaginary = relations()
     expr = sp.expand(expr, trig=True)
-    for relation, unwanted in ((real, sp.cos(Omega * tau)), (imaginary, sp.sin(Omega * tau)), (step, E0)):
+    for relation, unwanted in (
+        (real, sp.cos(Omega * tau)),
+        (imaginary, sp.sin(Omega * tau)),
+        (step, E0),
+    ):
         expr = sp.expand(expr.xreplace({unwanted: sp.solve(relation, unwanted)[0]}))
     return expr
 
@@ -145,19 +187,26 @@ def use_relations(expr: Expr) -> Expr:
 @cache
 def flow(regime: Regime | None = None) -> Flow:
     """Return the motion at tau after (t_i, x_i, v_i), in the basis functions or, for a regime, in closed form."""
-    # Variation of constants gives x up to two constants, the start fixes them. A is then eliminated in favour of the
-    # acceleration a_i at the start: friction enters only there, and nothing cancels when tau -> 0. Each result is
-    # sorted by cause (x_i, v_i, a_i, f0); x and v are the start value and what has been added to it since.
+    # Variation of constants gives x up to two constants, the start fixes them. A is then eliminated
+    # in favour of the acceleration a_i at the start: friction enters only there, and nothing
+    # cancels when tau -> 0. Each result is sorted by cause (x_i, v_i, a_i, f0); x and v are the
+    # start value and what has been added to it since.
     if regime is not None:
-        return Flow(*(expr.xreplace(regime.basis()).xreplace(regime.parameters()) for expr in flow()))
+        return Flow(
+            *(expr.xreplace(regime.basis()).xreplace(regime.parameters()) for expr in flow())
+        )
     alpha, beta = sp.symbols("alpha beta")
     shape = alpha * E0 + beta * E1 + A_m * E2 + f0 * (sp.cos(theta_i) * R2 - sp.sin(theta_i) * I2)
-    at_start = [expr.xreplace(start_values()) for expr in (shape - x_i, time_derivative(shape) - v_i)]
+    at_start = [
+        expr.xreplace(start_values()) for expr in (shape - x_i, time_derivative(shape) - v_i)
+    ]
     constants = sp.solve(at_start, [alpha, beta], dict=True)[0]
     position = use_relations(shape.xreplace(constants).xreplace({A_m: _force_at_start()}))
     velocity = use_relations(time_derivative(position))
     acceleration_ = time_derivative(velocity)
-    return Flow(x_i + collected(position - x_i), v_i + collected(velocity - v_i), collected(acceleration_))
+    return Flow(
+        x_i + collected(position - x_i), v_i + collected(velocity - v_i), collected(acceleration_)
+    )
 
 
 def _force_at_start() -> Expr:
@@ -167,7 +216,9 @@ def _force_at_start() -> Expr:
 
 def collected(expr: Expr) -> Expr:
     """Return an expression that is linear in x_i, v_i, a_i and f0 = B0/m as a sum with one term for each of them."""
-    expr, waves, causes = sp.expand(expr), [sp.cos(theta_i), sp.sin(theta_i)], (x_i, v_i, a_i, f0)
+    expr = sp.expand(expr)
+    waves = [sp.cos(theta_i), sp.sin(theta_i)]
+    causes = (x_i, v_i, a_i, f0)
     parts = (q * sp.factor_terms(sp.collect(expr.coeff(q), waves)) for q in causes)
     return sp.Add(*parts) + sp.collect(expr.xreplace(dict.fromkeys(causes, sp.S.Zero)), waves)
 
@@ -181,7 +232,9 @@ class Regime:
 
     name: str
     condition: Expr  # a Boolean in m, c, k, Omega
-    centre: Expr  # centre +- offset solve lambda^2 + cm lambda + w0sq = 0, in the regime's own letters
+    centre: (
+        Expr  # centre +- offset solve lambda^2 + cm lambda + w0sq = 0, in the regime's own letters
+    )
     offset: Expr
     letters: dict[Expr, Expr] = field(hash=False)  # what these letters are in m, c, k
 
@@ -219,7 +272,9 @@ def _exponential(z: Expr) -> Expr:
     def factor(part: Expr) -> Expr:
         if part.has(sp.I):
             return sp.cos(part / sp.I * tau) + sp.I * sp.sin(part / sp.I * tau)
-        return sp.cosh(part * tau) + sp.sinh(part * tau) if part.has(eta) else sp.exp(part * tau)
+        if part.has(eta):
+            return sp.cosh(part * tau) + sp.sinh(part * tau)
+        return sp.exp(part * tau)
 
     return sp.Mul(*map(factor, sp.Add.make_args(z)))
 
@@ -230,16 +285,35 @@ def collect_modes(expr: Expr) -> Expr:
     modes = sorted(expr.atoms(sp.exp, sp.sin, sp.cos, sp.sinh, sp.cosh), key=sp.default_sort_key)
     stand_ins = [sp.Dummy() for _ in modes]
     poly = sp.Poly(expr.xreplace(dict(zip(modes, stand_ins, strict=True))), *stand_ins, tau)
-    powers = [sp.Mul(*(f**n for f, n in zip([*modes, tau], exponents, strict=True))) for exponents in poly.monoms()]
+    powers = [
+        sp.Mul(*(f**n for f, n in zip([*modes, tau], exponents, strict=True)))
+        for exponents in poly.monoms()
+    ]
     return sp.Add(*(sp.factor(q) * mode for q, mode in zip(poly.coeffs(), powers, strict=True)))
 
 
-_h, _w, _i = c / (2 * m), sp.sqrt(k / m), sp.I
+_h = c / (2 * m)
+_w = sp.sqrt(k / m)
+_i = sp.I
 _table = (
-    Regime("underdamped", (c > 0) & (c**2 < 4 * k * m), -h, _i * omega_d, {h: _h, omega_d: sp.sqrt(_w**2 - _h**2)}),
+    Regime(
+        "underdamped",
+        (c > 0) & (c**2 < 4 * k * m),
+        -h,
+        _i * omega_d,
+        {h: _h, omega_d: sp.sqrt(_w**2 - _h**2)},
+    ),
     Regime("critical", (c > 0) & (k > 0) & sp.Eq(c**2, 4 * k * m), -h, sp.Integer(0), {h: _h}),
-    Regime("overdamped", (k > 0) & (c**2 > 4 * k * m), -h, eta, {h: _h, eta: sp.sqrt(_h**2 - _w**2)}),
-    Regime("undamped", sp.Eq(c, 0) & (k > 0) & sp.Ne(k, m * Omega**2), sp.Integer(0), _i * omega_0, {omega_0: _w}),
+    Regime(
+        "overdamped", (k > 0) & (c**2 > 4 * k * m), -h, eta, {h: _h, eta: sp.sqrt(_h**2 - _w**2)}
+    ),
+    Regime(
+        "undamped",
+        sp.Eq(c, 0) & (k > 0) & sp.Ne(k, m * Omega**2),
+        sp.Integer(0),
+        _i * omega_0,
+        {omega_0: _w},
+    ),
     Regime("resonance", sp.Eq(c, 0) & sp.Eq(k, m * Omega**2), sp.Integer(0), _i * Omega, {}),
     Regime("no spring", (c > 0) & sp.Eq(k, 0), -h, h, {h: _h}),
     Regime("free", sp.Eq(c, 0) & sp.Eq(k, 0), sp.Integer(0), sp.Integer(0), {}),
@@ -255,7 +329,10 @@ def possible_regimes(numbers: dict[Expr, Expr]) -> tuple[Regime, ...]:
 
 
 class Join(NamedTuple):
-    """A limit of damping regimes: with `path` inserted, `source`'s basis tends to `target`'s basis as `letter` -> 0."""
+    """A limit of damping regimes.
+
+    With `path` inserted, `source`'s basis tends to `target`'s basis as `letter` -> 0.
+    """
 
     source: str
     target: str

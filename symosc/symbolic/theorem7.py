@@ -1,11 +1,13 @@
 """Theorem 7 exactly: the phases at which a flow that touches a boundary grazes it (eqs. (55) to (58)).
 
-A contact at the phase theta has F = 0 and G^(1) = -(gamma + amplitude sin theta), with gamma = (c/m) x'' + (k/m) x' and
-amplitude = B0 Omega/m. From below (P2, P5) it grazes iff G^(1) < 0, from above (P3, P6) iff G^(1) > 0 (Theorem 6).
-So |gamma|, |amplitude| and their signs make the cases. Signs of numbers are decided exactly, and each case's set is
-written down: sympy's inequality solvers open ends wrongly on [0, 2 pi) and cannot do symbols.
+A contact at the phase theta has F = 0 and G^(1) = -(gamma + amplitude sin theta), with gamma =
+(c/m) x'' + (k/m) x' and amplitude = B0 Omega/m. From below (P2, P5) it grazes iff G^(1) < 0, from
+above (P3, P6) iff G^(1) > 0 (Theorem 6). So |gamma|, |amplitude| and their signs make the cases.
+Signs of numbers are decided exactly, and each case's set is written down: sympy's inequality
+solvers open ends wrongly on [0, 2 pi) and cannot do symbols.
 
-Phases are points of the circle [0, 2 pi): where the paper writes [0, a) U (b, 2 pi], the point 2 pi is 0.
+Phases are points of the circle [0, 2 pi): where the paper writes [0, a) U (b, 2 pi], the point 2 pi
+is 0.
 """
 
 from __future__ import annotations
@@ -27,9 +29,12 @@ from symosc.mappings.numbers import LatexAnswer, has_pi, latex_table, read_phase
 
 GAMMA, AMPLITUDE = sp.symbols("gamma a", real=True)
 CIRCLE = sp.Interval.Ropen(0, 2 * sp.pi)
-TOP, BOTTOM = sp.pi / 2, sp.pi + sp.pi / 2  # where the sine is 1 and -1
+# where the sine is 1 and -1
+TOP = sp.pi / 2
+BOTTOM = sp.pi + sp.pi / 2
 
-# Digits for the sign of a number that is known not to be 0; only a number nearer to 0 than this stays undecided.
+# Digits for the sign of a number that is known not to be 0; only a number nearer to 0 than this
+# stays undecided.
 MOST_SIGN_DIGITS = 2000
 
 
@@ -39,7 +44,8 @@ class Case(NamedTuple):
     Attributes
     ----------
     label : str
-        "(55.1)" is the first case of (55). Letters mark cases that the paper lacks, see `theorem7_cases.case_label`.
+        "(55.1)" is the first case of (55). Letters mark cases that the paper lacks, see
+        `theorem7_cases.case_label`.
     condition : sympy Boolean
         The condition for this case on gamma = k v_lambda/m and the amplitude B0 Omega/m.
     phases : sympy Set
@@ -50,7 +56,8 @@ class Case(NamedTuple):
     >>> from sympy import Symbol
     >>> from symosc import theorem7
     >>> theorem7("P3", Symbol("gamma", positive=True), 1)[0]
-    Case(label='(56.1)', condition=gamma < 1, phases=Interval.open(asin(gamma) + pi, -asin(gamma) + 2*pi))
+    Case(label='(56.1)', condition=gamma < 1, phases=Interval.open(asin(gamma) + pi, -asin(gamma) +
+    2*pi))
     """
 
     label: str
@@ -93,28 +100,34 @@ class Theorem7Cases(tuple[Case, ...], LatexAnswer):
 
 @public
 def theorem7(
-    mapping: str, gamma: NumberLike = GAMMA, amplitude: NumberLike = AMPLITUDE, order: Order = "full"
+    mapping: str,
+    gamma: NumberLike = GAMMA,
+    amplitude: NumberLike = AMPLITUDE,
+    order: Order = "full",
 ) -> Expr | Theorem7Cases:
     """Return the phases at which a contact of `mapping` with its boundary grazes (Theorem 7, eqs. (55) to (58)).
 
     Parameters
     ----------
     mapping : {"P2", "P3", "P5", "P6"}
-        P2: domain 1 at belt 1. P3: domain 2 at belt 1. P5: domain 2 at belt 2. P6: domain 3 at belt 2.
+        P2: domain 1 at belt 1. P3: domain 2 at belt 1. P5: domain 2 at belt 2. P6: domain 3 at belt
+        2.
     gamma : number or sympy expression, optional
         (c/m) x'' + (k/m) x' at the contact, which is k v_lambda/m there. Default: the letter gamma.
     amplitude : number or sympy expression, optional
         B0 Omega/m, of any sign. Default: the letter a.
     order : {"full", "paper"}
-        "paper" is the theorem as printed, which stops at G^(1). "full" goes on to the first G-function that does not
-        vanish: it adds the tangency of fourth order at |gamma| = |amplitude|.
+        "paper" is the theorem as printed, which stops at G^(1). "full" goes on to the first
+        G-function that does not vanish: it adds the tangency of fourth order at |gamma| =
+        |amplitude|.
 
     Returns
     -------
     sympy Set, or Theorem7Cases
-        For numbers (as for Parameters, or real numbers of sympy such as sqrt(2)) the exact set in [0, 2 pi). With
-        symbols, which stand for real numbers, every case that is left with its condition; exactly one holds. The cases
-        are a tuple of Case, with ``latex()`` for a table and ``piecewise()`` for a sympy Piecewise.
+        For numbers (as for Parameters, or real numbers of sympy such as sqrt(2)) the exact set in
+        [0, 2 pi). With symbols, which stand for real numbers, every case that is left with its
+        condition; exactly one holds. The cases are a tuple of Case, with ``latex()`` for a table
+        and ``piecewise()`` for a sympy Piecewise.
 
     Raises
     ------
@@ -127,8 +140,10 @@ def theorem7(
     >>> theorem7("P3", 3, 5)
     Interval.open(asin(3/5) + pi, -asin(3/5) + 2*pi)
     """
-    where, full = cases.place(mapping), order == "full"
-    gamma, amplitude = real("gamma", gamma), real("amplitude", amplitude)
+    where = cases.place(mapping)
+    full = order == "full"
+    gamma = real("gamma", gamma)
+    amplitude = real("amplitude", amplitude)
     if not gamma.free_symbols and not amplitude.free_symbols:
         return window_phases(where, gamma, amplitude, full)
 
@@ -140,51 +155,85 @@ def theorem7(
     # The sets are written for the signs that the condition demands.
     given = ((case, substituted(case.condition)) for case in all_cases(where, full))
     left = ((case, condition) for case, condition in given if condition != sp.false)
-    return Theorem7Cases(Case(case.label, condition, substituted(case.phases)) for case, condition in left)
+    return Theorem7Cases(
+        Case(case.label, condition, substituted(case.phases)) for case, condition in left
+    )
 
 
 def signs(gamma: Expr, amplitude: Expr) -> tuple[int, int, int]:
     """Return the signs of gamma, amplitude and |gamma| - |amplitude|."""
-    gamma_sign, amplitude_sign = sign_of(gamma), sign_of(amplitude)
+    gamma_sign = sign_of(gamma)
+    amplitude_sign = sign_of(amplitude)
     return gamma_sign, amplitude_sign, sign_of(gamma_sign * gamma - amplitude_sign * amplitude)
 
 
 def critical_phase(gamma: Expr, amplitude: Expr) -> Expr | None:
     """Return Theta_cr = asin(-gamma/amplitude), or None if it does not exist (eqs. (55) to (58))."""
     _, amplitude_sign, excess_sign = signs(gamma, amplitude)
-    return None if amplitude_sign == 0 or excess_sign > 0 else sp.asin(-gamma / amplitude)
+    if amplitude_sign == 0 or excess_sign > 0:
+        return None
+    return sp.asin(-gamma / amplitude)
 
 
 # --- the sets ---
 
 
 def window_phases(
-    where: cases.Place, gamma: Expr, amplitude: Expr, full: bool, known_signs: tuple[int, int, int] | None = None
+    where: cases.Place,
+    gamma: Expr,
+    amplitude: Expr,
+    full: bool,
+    known_signs: tuple[int, int, int] | None = None,
 ) -> Expr:
-    """Return the set of phases at which a contact grazes (Theorem 7); `known_signs`: result of `signs`, if known."""
+    """Return the set of phases at which a contact grazes (Theorem 7).
+
+    `known_signs`: result of `signs`, if known.
+    """
     of = known_signs or signs(gamma, amplitude)
     kind = cases.window_kind(where.side, *of, full)
     if kind in (cases.EMPTY, cases.EVERYTHING):
-        return CIRCLE if kind == cases.EVERYTHING else sp.S.EmptySet
+        if kind == cases.EVERYTHING:
+            return CIRCLE
+        return sp.S.EmptySet
     above = where.side * of[1] > 0  # where sin(theta) > sin(theta_cr), else where it is less
     if kind == cases.ALL_BUT_ONE:
-        point = BOTTOM if above else TOP
+        if above:
+            point = BOTTOM
+        else:
+            point = TOP
         return _through_zero(point, point)
-    theta_cr = sp.asin(-gamma / amplitude) if of[0] else sp.S.Zero
-    turned, wrapped = sp.pi - theta_cr, 2 * sp.pi + theta_cr
+    if of[0]:
+        theta_cr = sp.asin(-gamma / amplitude)
+    else:
+        theta_cr = sp.S.Zero
+    turned = sp.pi - theta_cr
+    wrapped = 2 * sp.pi + theta_cr
     if kind == cases.WRAPPED_ARC:
-        return _through_zero(turned, wrapped) if above else _through_zero(theta_cr, turned)
-    return _interval(theta_cr, turned) if above else _interval(turned, wrapped)
+        if above:
+            return _through_zero(turned, wrapped)
+        return _through_zero(theta_cr, turned)
+    if above:
+        return _interval(theta_cr, turned)
+    return _interval(turned, wrapped)
 
 
 def _through_zero(first: Expr, last: Expr) -> Expr:
-    """Return the open arc of phases through 0 as a union: from 0 up to `first`, and from `last` up to 2 pi."""
-    # The two are disjoint, which sympy finds out slowly, and with symbols not at all: hence no evaluation.
-    return sp.Union(_interval(sp.S.Zero, first, closed=True), _interval(last, 2 * sp.pi), evaluate=False)
+    """Return the open arc of phases through 0 as a union.
+
+    From 0 up to `first`, and from `last` up to 2 pi.
+    """
+    # The two are disjoint, which sympy finds out slowly, and with symbols not at all: hence no
+    # evaluation.
+    return sp.Union(
+        _interval(sp.S.Zero, first, closed=True), _interval(last, 2 * sp.pi), evaluate=False
+    )
 
 
 def _interval(low: Expr, high: Expr, closed: bool = False) -> Expr:
-    """Return the interval from `low` (excluded unless `closed`) to `high` (excluded); low < high must be known."""
+    """Return the interval from `low` (excluded unless `closed`) to `high` (excluded).
+
+    Low < high must be known.
+    """
     # What sp.Interval returns, without its comparison of the ends by many digits.
     return sp.Basic.__new__(sp.Interval, low, high, sp.false if closed else sp.true, sp.true)
 
@@ -194,21 +243,41 @@ def _interval(low: Expr, high: Expr, closed: bool = False) -> Expr:
 
 @cache
 def all_cases(where: cases.Place, full: bool) -> tuple[Case, ...]:
-    """Return the cases of Theorem 7 for a boundary, those with a = B0 Omega/m > 0 first; `full`: to all orders."""
-    g, a = GAMMA, AMPLITUDE
+    """Return the cases of Theorem 7 for a boundary, those with a = B0 Omega/m > 0 first.
+
+    `full`: to all orders.
+    """
+    g = GAMMA
+    a = AMPLITUDE
     found = []
     for amplitude_sign, sign in ((1, a > 0), (-1, a < 0)):
         size = amplitude_sign * a
-        rows = [((1, -1), (g > 0) & (g < size)), ((1, 0), sp.Eq(g, size)), ((1, 1), g > size), ((0, -1), sp.Eq(g, 0))]
-        rows += [((-1, -1), (g < 0) & (g > -size)), ((-1, 1), g < -size), ((-1, 0), sp.Eq(g, -size))]
+        rows = [
+            ((1, -1), (g > 0) & (g < size)),
+            ((1, 0), sp.Eq(g, size)),
+            ((1, 1), g > size),
+            ((0, -1), sp.Eq(g, 0)),
+        ]
+        rows += [
+            ((-1, -1), (g < 0) & (g > -size)),
+            ((-1, 1), g < -size),
+            ((-1, 0), sp.Eq(g, -size)),
+        ]
         if where.side < 0:
             rows[5:], rows[1:3] = rows[:4:-1], [((1, 0), g >= size)]
-        found += [((of_gamma, amplitude_sign, excess), condition & sign) for (of_gamma, excess), condition in rows]
-    nothing, everything = (g <= 0, g > 0) if where.side > 0 else (g >= 0, g < 0)
+        found += [
+            ((of_gamma, amplitude_sign, excess), condition & sign)
+            for (of_gamma, excess), condition in rows
+        ]
+    if where.side > 0:
+        nothing, everything = (g <= 0, g > 0)
+    else:
+        nothing, everything = (g >= 0, g < 0)
     for gamma_sign, condition in ((where.side, everything), (0, nothing)):
         found.append(((gamma_sign, 0, gamma_sign), condition & sp.Eq(a, 0)))
     return tuple(
-        Case(cases.case_label(where, *of), condition, window_phases(where, g, a, full, of)) for of, condition in found
+        Case(cases.case_label(where, *of), condition, window_phases(where, g, a, full, of))
+        for of, condition in found
     )
 
 
@@ -216,7 +285,10 @@ def all_cases(where: cases.Place, full: bool) -> tuple[Case, ...]:
 
 
 def real(name: str, value: NumberLike) -> Expr:
-    """Return `value` as an exact sympy expression, symbols unchanged; a ParameterError calls it `name`."""
+    """Return `value` as an exact sympy expression, symbols unchanged.
+
+    A ParameterError calls it `name`.
+    """
     if isinstance(value, sp.Expr) and not value.is_Rational and not value.is_Float:
         if value.is_extended_real is False or value.is_infinite or value is sp.nan:
             raise ParameterError(name, value, "must be real and finite")
@@ -233,7 +305,9 @@ def real(name: str, value: NumberLike) -> Expr:
     except ParameterError as error:
         if error.allowed.startswith(("must be", "has ")):  # a number, but too large or not finite
             raise
-        raise ParameterError(name, value, f"{NUMBER_FORMS}, or a multiple of pi such as '3*pi/2'") from None
+        raise ParameterError(
+            name, value, f"{NUMBER_FORMS}, or a multiple of pi such as '3*pi/2'"
+        ) from None
 
 
 def rational(value: Fraction) -> Expr:
@@ -242,18 +316,30 @@ def rational(value: Fraction) -> Expr:
 
 
 def sign_of(number: Expr) -> int:
-    """Return the exact sign of a real constant; ParameterError if it is undecided whether it is 0."""
+    """Return the exact sign of a real constant.
+
+    ParameterError if it is undecided whether it is 0.
+    """
     if number.is_Rational:
         return int(sp.sign(number))
     for digits in (30, 200, MOST_SIGN_DIGITS):
         value = number.evalf(15, maxn=digits)
         if value.is_Float and value._prec > 1:  # precision 1 is sympy's way to say "0 or nearly so"
-            return 1 if value > 0 else -1
+            if value > 0:
+                return 1
+            return -1
         if digits == 30:
-            plain, x = sp.expand_trig(number), sp.Dummy("x")
-            if sp.minimal_polynomial(plain, x) == x if plain.is_algebraic else sp.simplify(plain) == 0:
+            plain = sp.expand_trig(number)
+            x = sp.Dummy("x")
+            if (
+                sp.minimal_polynomial(plain, x) == x
+                if plain.is_algebraic
+                else sp.simplify(plain) == 0
+            ):
                 return 0
-    raise ParameterError("number", number, f"cannot be distinguished from 0 with {MOST_SIGN_DIGITS} digits")
+    raise ParameterError(
+        "number", number, f"cannot be distinguished from 0 with {MOST_SIGN_DIGITS} digits"
+    )
 
 
 # --- LaTeX as papers print it: arcsin, pi before arcsines, chains of inequalities ---
@@ -280,18 +366,27 @@ class AnswerPrinter(LatexPrinter):
 
     def _print_And(self, expr: Expr, char: Any = None) -> str:
         # Equations stand first, and two bounds of one expression as a chain a < b < c.
-        texts, conditions = [], list(expr.args)
+        texts = []
+        conditions = list(expr.args)
         while conditions:
             each = conditions.pop(0)
             other = next((other for other in conditions if _from_both_sides(each, other)), None)
             if other is None:
-                text = rf"\left({self._print(each)}\right)" if isinstance(each, sp.Or) else self._print(each)
+                if isinstance(each, sp.Or):
+                    text = rf"\left({self._print(each)}\right)"
+                else:
+                    text = self._print(each)
                 texts.append((not isinstance(each, sp.Eq), text))
                 continue
             conditions.remove(other)
-            low, high = (each, other) if each.lhs == each.gts else (other, each)
+            if each.lhs == each.gts:
+                low, high = (each, other)
+            else:
+                low, high = (other, each)
             ends = [self._print(part) for part in (low.rhs, low.lhs, high.rhs)]
-            texts.append((False, f"{ends[0]} {LESS[low.rel_op]} {ends[1]} {LESS[high.rel_op]} {ends[2]}"))
+            texts.append(
+                (False, f"{ends[0]} {LESS[low.rel_op]} {ends[1]} {LESS[high.rel_op]} {ends[2]}")
+            )
         return r",\ ".join(text for _, text in sorted(texts))
 
     def _print_Or(self, expr: Expr, char: Any = None) -> str:
@@ -301,7 +396,9 @@ class AnswerPrinter(LatexPrinter):
 
 def _from_both_sides(one: Expr, other: Expr) -> bool:
     """Return whether one condition bounds an expression from below and the other bounds the same one from above."""
-    both = isinstance(one, INEQUALITIES) and isinstance(other, INEQUALITIES) and one.lhs == other.lhs
+    both = (
+        isinstance(one, INEQUALITIES) and isinstance(other, INEQUALITIES) and one.lhs == other.lhs
+    )
     return both and (one.lhs == one.gts) != (other.lhs == other.gts)
 
 

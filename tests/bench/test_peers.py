@@ -42,7 +42,9 @@ def error(found: Sequence[Any], exact: Sequence[Any]) -> float:
     """Return the largest error of a time or position, after the events have been found to be the same."""
     assert words(found) == words(exact)
     pairs = list(zip(found, exact, strict=True))
-    return float(max((abs(a - b) for f, e in pairs for a, b in ((f.t, e.t), (f.x, e.x))), default=0))
+    return float(
+        max((abs(a - b) for f, e in pairs for a, b in ((f.t, e.t), (f.x, e.x))), default=0)
+    )
 
 
 def test_solvers_say_what_they_are() -> None:
@@ -66,15 +68,23 @@ def test_the_phase_at_a_late_origin_has_all_digits() -> None:
 def test_what_follows_at_a_boundary() -> None:
     p = load_scene("fig8").parameters
     q = problem(p)
-    places = {(1, -100.0): 2, (1, 100.0): 1, (2, -100.0): 3, (2, 100.0): 2}  # both forces upward, or downward
-    places[1, float((p.A(1) + p.A(2)) / 2 + p.B0 - p.c * p.v1) / float(p.k)] = 4  # half way between the two forces
+    places = {
+        (1, -100.0): 2,
+        (1, 100.0): 1,
+        (2, -100.0): 3,
+        (2, 100.0): 2,
+    }  # both forces upward, or downward
+    places[1, float((p.A(1) + p.A(2)) / 2 + p.B0 - p.c * p.v1) / float(p.k)] = (
+        4  # half way between the two forces
+    )
     assert {(boundary, x): resolve(q, boundary, 0.0, x) for boundary, x in places} == places
 
 
 @pytest.mark.parametrize("seed", range(20))
 def test_a_force_that_vanishes_up_to_rounding(seed: int) -> None:
     """On the set where F^(2) = 0 on belt 1 the motion leaves upward if F^(2) grows, else the belt takes it."""
-    q, t = problem(load_scene("fig8").parameters.replace(v1="-3.7")), random.Random(seed).uniform(0, 20)
+    q = problem(load_scene("fig8").parameters.replace(v1="-3.7"))
+    t = random.Random(seed).uniform(0, 20)
     x = (q.A2 + q.swing * cos(q.Omega * t) - q.damping * q.v1) / q.stiffness
     growing = -q.stiffness * q.v1 - q.swing * q.Omega * sin(q.Omega * t) > 0
     assert resolve(q, 1, t, x) == (2 if growing else 4)
@@ -108,7 +118,9 @@ def test_integrators_in_their_traps(solver: Solver) -> None:
     for tolerance in (1e-4, 1e-8):
         assert error(found_by(solver, DIP, tolerance), simulate(DIP).events) < 500 * tolerance
     late = replace(load_scene("fig9"), t0=10**10 + Fraction("0.1324"), t_end=Fraction(10**10 + 4))
-    assert error(found_by(solver, late, 1e-8), simulate(late).events) < 1e-5  # the last bit of 1e10 is 2e-6
+    assert (
+        error(found_by(solver, late, 1e-8), simulate(late).events) < 1e-5
+    )  # the last bit of 1e10 is 2e-6
 
 
 # -- compiled solvers --------------------------------------------------------------------------------------------------
@@ -143,7 +155,12 @@ def test_the_events_of_an_easy_scene(solver: Solver, name: str) -> None:
     exact = simulate(scene, digits=30).events
     assert len(exact) >= 2
     # Events that are late are known to the last bit of their time.
-    allowed = 2e-13 if name.startswith("fig") else 1e-12 if "belt at" in name else 1e-11 + 2.0**-53 * scene.t0
+    if name.startswith("fig"):
+        allowed = 2e-13
+    elif "belt at" in name:
+        allowed = 1e-12
+    else:
+        allowed = 1e-11 + 2.0**-53 * scene.t0
     assert error(found_by(solver, scene), exact) <= allowed
     if name == "fig10":
         errors = [error(found_by(solver, scene, tolerance), exact) for tolerance in (1e-4, 1e-10)]
@@ -154,10 +171,18 @@ def test_the_events_of_an_easy_scene(solver: Solver, name: str) -> None:
 @pytest.mark.parametrize("name", ["fig5", "fig9", "fig10"])
 def test_batches_of_others_count_what_we_count(name: str, peer: str) -> None:
     pytest.importorskip(peer)
-    scene, rng = load_scene(name), np.random.default_rng(1)
-    starts = np.column_stack([rng.uniform(0, 6, 21), rng.uniform(-5, 5, 21), rng.uniform(-5, 5, 21)])
-    ours = simulate_many(scene.parameters, starts, starts[:, 0] + 20, record=("events",), use_numba=False).events
-    count_many, points = (peers_heyoka.count_many, []) if peer == "heyoka" else (peers_scan.count_many, [2000])
+    scene = load_scene(name)
+    rng = np.random.default_rng(1)
+    starts = np.column_stack(
+        [rng.uniform(0, 6, 21), rng.uniform(-5, 5, 21), rng.uniform(-5, 5, 21)]
+    )
+    ours = simulate_many(
+        scene.parameters, starts, starts[:, 0] + 20, record=("events",), use_numba=False
+    ).events
+    if peer == "heyoka":
+        count_many, points = (peers_heyoka.count_many, [])
+    else:
+        count_many, points = (peers_scan.count_many, [2000])
     run = count_many(scene.parameters, starts, np.full(21, 20.0), *points, 2e-13)
     for _ in range(2):
         assert run().tolist() == ours.tolist()
@@ -179,9 +204,20 @@ def test_random_motions() -> None:
     available = [solver for solver in FAST if not solver.missing]
     wrong = dict.fromkeys((solver.name for solver in available), 0)
     for index in range(60):
-        c, v1 = rng.choice(["0.05", number(0, 3), number(0, 20)]), Fraction(number(-10, 5))
-        rest = {"m": number(0.1, 3), "k": number(0.5, 10), "A0": number(-15, 15), "B0": number(-20, 20)}
-        rest |= {"Omega": number(0.2, 5), "mu1": number(0, 1), "mu2": number(0, 1), "FN": number(0, 20)}
+        c = rng.choice(["0.05", number(0, 3), number(0, 20)])
+        v1 = Fraction(number(-10, 5))
+        rest = {
+            "m": number(0.1, 3),
+            "k": number(0.5, 10),
+            "A0": number(-15, 15),
+            "B0": number(-20, 20),
+        }
+        rest |= {
+            "Omega": number(0.2, 5),
+            "mu1": number(0, 1),
+            "mu2": number(0, 1),
+            "FN": number(0, 20),
+        }
         p = Parameters(c=c, v1=v1, v2=v1 + Fraction(number(0.5, 12)), **rest)  # type: ignore[arg-type]
         scene = Scene(f"random {index}", p, number(0, 10), number(-8, 8), number(-10, 10), 30)
         events = simulate(scene).events
@@ -195,13 +231,18 @@ def test_random_motions() -> None:
 
 @COMPILED
 def test_a_scan_of_twenty_points_misses_the_micro_stick() -> None:
-    """fig8's first stick lasts 2.6 ms; the flight that ends in it is out and back between two samples."""
+    """fig8's first stick lasts 2.6 ms.
+
+    The flight that ends in it is out and back between two samples.
+    """
     scene = load_scene("fig8")
     exact = simulate(scene, digits=30).events
     coarse = found_by(SOLVERS["closed form, scan 20, numba"], scene)
     assert coarse[0].t > exact[1].t + 1
     fine = found_by(SOLVERS["closed form, scan 200, numba"], scene)
-    assert [event.t for event in fine[:2]] == pytest.approx([float(event.t) for event in exact[:2]], abs=1e-10)
+    assert [event.t for event in fine[:2]] == pytest.approx(
+        [float(event.t) for event in exact[:2]], abs=1e-10
+    )
     for name in ("heyoka", "numba DOP853"):
         if not SOLVERS[name].missing:
             assert error(found_by(SOLVERS[name], scene), exact) < 1e-9
@@ -213,7 +254,9 @@ def test_where_the_closed_form_divides_by_zero(change: dict[str, int]) -> None:
     scene = Scene("singular", EASY.replace(**change), 0, 0, 0, 5)
     with pytest.raises(PeerError, match="divides by zero"):
         found_by(SOLVERS["closed form, scan 20, numba"], scene)
-    assert error(found_by(SOLVERS["numba DOP853"], scene), simulate(scene, digits=30).events) < 1e-11
+    assert (
+        error(found_by(SOLVERS["numba DOP853"], scene), simulate(scene, digits=30).events) < 1e-11
+    )
 
 
 @COMPILED

@@ -56,7 +56,9 @@ def test_calls_are_bounded_and_what_goes_wrong_is_said(capfd: pytest.CaptureFixt
         assert worker.call(PATIENCE, talk).value == first.value  # one process for all
         assert worker.call(0.5, loop_for_ever).failure == HANG
         # It may be gone before the pool knows that it had begun, and with what exit code.
-        assert re.fullmatch("crash: the process ended( with exit code -6)?", worker.call(PATIENCE, os.abort).failure)
+        assert re.fullmatch(
+            "crash: the process ended( with exit code -6)?", worker.call(PATIENCE, os.abort).failure
+        )
         assert worker.call(PATIENCE, divmod, 7, 2).value == (3, 1)
     assert capfd.readouterr() == ("", "")
 
@@ -97,8 +99,11 @@ def test_a_graze_is_not_missed_but_a_stick_in_its_place_is_invented() -> None:
     assert [event.kind for event in exact] == ["graze"]
     silent = work.compare([], scene, exact)
     assert [silent[key] for key in COUNTED] == [0, 0, 1]
-    t, x = float(exact[0].t), float(exact[0].x)
-    sticking = work.compare([FoundEvent(t, x, "stick", 1), FoundEvent(t + 1e-6, x, "slip", 1)], scene, exact)
+    t = float(exact[0].t)
+    x = float(exact[0].x)
+    sticking = work.compare(
+        [FoundEvent(t, x, "stick", 1), FoundEvent(t + 1e-6, x, "slip", 1)], scene, exact
+    )
     assert [sticking[key] for key in COUNTED] == [0, 2, 1]
     assert work.compare([FoundEvent(t, x, "graze", 1)], scene, exact)["missed_grazes"] == 0
 
@@ -118,7 +123,8 @@ def test_rows_have_times_and_errors(measured: dict[str, Any]) -> None:
     assert row["first_wrong"] == pytest.approx(float(simulate("fig5").events[1].t))
     assert row["error_t"] == pytest.approx(1e-6, rel=1e-3)
     assert 1 <= len(row["times_s"]) <= work.MOST_REPEATS
-    # Whatever the pace of the machine was when each was measured: 17 times our microseconds is not 11 times ours.
+    # Whatever the pace of the machine was when each was measured: 17 times our microseconds is not
+    # 11 times ours.
     ours = {row["scene"]: row for row in measured["rows"] if row["solver"] == OURS[0].name}
     timed = [row for row in measured["rows"] if row["over_ours"]]
     assert len(timed) > 6
@@ -133,7 +139,9 @@ def test_rows_have_times_and_errors(measured: dict[str, Any]) -> None:
 @pytest.mark.slow
 @pytest.mark.compiled("doubles")
 def test_solvers_are_judged_and_the_page_says_how_it_was_made(tmp_path: Path) -> None:
-    wanted = [solver for solver in all_solvers() if solver.name in ("symosc, compiled", "scipy DOP853")]
+    wanted = [
+        solver for solver in all_solvers() if solver.name in ("symosc, compiled", "scipy DOP853")
+    ]
     chosen = [*small_set()[:3], *(case for case in cases.hard_ones() if case.name == "easy-fig9")]
     result = cases.run(solvers=wanted, cases=chosen, limit=PATIENCE)
     ours, theirs = result["scores"]
@@ -157,7 +165,9 @@ def test_solvers_are_judged_and_the_page_says_how_it_was_made(tmp_path: Path) ->
 
 def test_random_starts_are_followed_for_so_many_periods() -> None:
     p, starts, ends = speed._starts(9)
-    assert ends - starts[:, 0] == pytest.approx(np.full(9, speed.PERIODS * 2 * np.pi / float(p.Omega)))
+    assert ends - starts[:, 0] == pytest.approx(
+        np.full(9, speed.PERIODS * 2 * np.pi / float(p.Omega))
+    )
     assert (np.abs(starts) <= [2 * np.pi / float(p.Omega), 5, 5]).all()
 
 
@@ -181,8 +191,17 @@ def cells(table: str) -> list[list[str]]:
 
 
 def test_results_need_both_marks_once_and_in_order(tmp_path: Path) -> None:
-    readme, begin, end = tmp_path / "README.md", "<!-- results: begin -->\n", "<!-- results: end -->\n"
-    for text in (begin, end, begin + begin + end, begin + end + end, end + begin, 2 * (begin + end)):
+    readme = tmp_path / "README.md"
+    begin = "<!-- results: begin -->\n"
+    end = "<!-- results: end -->\n"
+    for text in (
+        begin,
+        end,
+        begin + begin + end,
+        begin + end + end,
+        end + begin,
+        2 * (begin + end),
+    ):
         readme.write_text(text)
         with pytest.raises(OutputError, match="once each"):
             results.check(readme)
@@ -191,20 +210,31 @@ def test_results_need_both_marks_once_and_in_order(tmp_path: Path) -> None:
 
 
 def test_readme_and_pages_of_results_say_the_same() -> None:
-    """Those that are committed: the ratios are quotients of the times beside them, and all are of one table."""
+    """Those that are committed.
+
+    The ratios are quotients of the times beside them, and all are of one table.
+    """
     top = Path(__file__).parents[2]
-    readme, folder = (top / "README.md").read_text(encoding="utf-8"), top / results.RESULTS_FOLDER
+    readme = (top / "README.md").read_text(encoding="utf-8")
+    folder = top / results.RESULTS_FOLDER
     page = (folder / "README.md").read_text(encoding="utf-8")
     assert_same_figures(readme, page)
-    best = {row[0]: row[1:] for row in cells(page.partition("## Work and precision")[2].partition("## Hard")[0])}
-    scenes, compared = best.pop(""), 0
+    best = {
+        row[0]: row[1:]
+        for row in cells(page.partition("## Work and precision")[2].partition("## Hard")[0])
+    }
+    scenes = best.pop("")
+    compared = 0
     assert list(best) == [solver.name for solver in all_solvers()]
     for part in (folder / "work_precision.md").read_text(encoding="utf-8").split("\n**")[1:]:
-        scene, (heads, *rows) = part.partition("**")[0], cells(part)
+        scene = part.partition("**")[0]
+        (heads, *rows) = cells(part)
         assert heads[2:5] == ["time / ours", "us per event", "error"]
         timed = [(row[0], *map(float, row[2:5])) for row in rows if row[2] and row[4]]
         ours = [us for solver, _, us, _ in timed if solver == "symosc, compiled"][-1]
-        assert [ratio for _, ratio, _, _ in timed] == pytest.approx([us / ours for _, _, us, _ in timed], rel=0.02)
+        assert [ratio for _, ratio, _, _ in timed] == pytest.approx(
+            [us / ours for _, _, us, _ in timed], rel=0.02
+        )
         for solver, shown in best.items():
             ratio, _, rest = shown[scenes.index(scene)].partition(" ×, ")
             if rest:
@@ -213,7 +243,10 @@ def test_readme_and_pages_of_results_say_the_same() -> None:
                 assert any(abs(row[1] / float(ratio) - 1) < 0.06 for row in same), (solver, scene)
                 compared += 1
         heyoka = [ratio for solver, ratio, _, _ in timed if solver == "heyoka"][-1]
-        assert any(f"{heyoka * part:.2g} ({scene}" in " ".join(readme.split()) for part in (1, 1.001, 0.999))
+        assert any(
+            f"{heyoka * part:.2g} ({scene}" in " ".join(readme.split())
+            for part in (1, 1.001, 0.999)
+        )
     assert compared > 50
     scores = cells((folder / "scores.md").read_text(encoding="utf-8"))
     summed = cells(page.partition("## Hard cases")[2])

@@ -55,11 +55,17 @@ def test_the_parts_of_an_atlas_fit_together(small: Atlas) -> None:
 
 def differences(plane: Atlas, count: int, seed: int) -> tuple[int, list[tuple[float, float]]]:
     """Return how many random points are in proven boxes, and those where the settled motion has another word."""
-    rng, inside, wrong = random.Random(seed), 0, []
+    rng = random.Random(seed)
+    inside = 0
+    wrong = []
     for _ in range(count):
         x, y = (round(rng.uniform(float(low), float(high)), 9) for low, high in plane.range)
         at = Fraction(str(x)), Fraction(str(y))
-        boxes = [b for b in plane.boxes if all(low <= v <= high for v, (low, high) in zip(at, b.range, strict=True))]
+        boxes = [
+            b
+            for b in plane.boxes
+            if all(low <= v <= high for v, (low, high) in zip(at, b.range, strict=True))
+        ]
         if not boxes or boxes[0].word == "rest":
             continue
         inside += 1
@@ -78,7 +84,9 @@ def test_proven_words_are_those_of_the_settled_motions(small: Atlas) -> None:
 @pytest.mark.slow
 def test_borders_that_the_grid_misses_are_found() -> None:
     plane = atlas(AT_REST, {"Omega": ("0.3", "0.6"), "FN": ("0.05", "0.3")}, workers=1)
-    assert sorted(("|".join(sorted(each.words, key=str)), each.sliding) for each in plane.borders) == [
+    assert sorted(
+        ("|".join(sorted(each.words, key=str)), each.sliding) for each in plane.borders
+    ) == [
         ("P3121|P31312121", "adding-sliding"),
         ("P3121|P31312121", "grazing-sliding"),
         ("P3121|P32", "crossing-sliding"),
@@ -95,18 +103,39 @@ def test_borders_explain_the_changes_of_words_in_random_planes(count: int) -> No
     for seed in range(count):
         rng = random.Random(seed)
         v1 = rng.choice([0, round(rng.uniform(-1, 1), 2)])
-        given: dict[str, Any] = {name: round(rng.uniform(0.4, 2), 2) for name in ("B0", "k", "Omega", "FN", "mu2")}
-        p = AT_REST.replace(v1=v1, v2=v1 + rng.choice([0.5, 1, 3]), A0=round(rng.uniform(-1, 1), 2), c="0.3", **given)
-        names = rng.choice([("Omega", "FN"), ("B0", "A0"), ("k", "m"), ("mu1", "Omega"), ("c", "B0")])
+        given: dict[str, Any] = {
+            name: round(rng.uniform(0.4, 2), 2) for name in ("B0", "k", "Omega", "FN", "mu2")
+        }
+        p = AT_REST.replace(
+            v1=v1,
+            v2=v1 + rng.choice([0.5, 1, 3]),
+            A0=round(rng.uniform(-1, 1), 2),
+            c="0.3",
+            **given,
+        )
+        names = rng.choice(
+            [("Omega", "FN"), ("B0", "A0"), ("k", "m"), ("mu1", "Omega"), ("c", "B0")]
+        )
         limits = {name: sorted(float(getattr(p, name)) * by for by in (0.6, 1.4)) for name in names}
-        limits |= {"A0": [-1.0, 1.0]} if "A0" in names else {}
+        if "A0" in names:
+            limits |= {"A0": [-1.0, 1.0]}
+        else:
+            limits |= {}
         plane = atlas(p, {name: (low, high) for name, (low, high) in limits.items()}, workers=1)
         for _ in range(20):
             a = [rng.uniform(*limits[name]) for name in names]
-            b = [0.8 * value + 0.2 * rng.uniform(*limits[name]) for value, name in zip(a, names, strict=True)]
+            b = [
+                0.8 * value + 0.2 * rng.uniform(*limits[name])
+                for value, name in zip(a, names, strict=True)
+            ]
             words = [atlases.Plane(p, names, plane.range).word(point) for point in (a, b)]
             if words[0] != words[1]:
-                assert atlases.border_known(plane.borders, (*a, words[0]), (*b, words[1])), (seed, a, b, words)
+                assert atlases.border_known(plane.borders, (*a, words[0]), (*b, words[1])), (
+                    seed,
+                    a,
+                    b,
+                    words,
+                )
 
 
 @pytest.mark.campaign
@@ -170,7 +199,9 @@ def open_box_at(data: dict[str, Any], corner: list[Fraction]) -> None:
 def left_out_with_its_area_counted(data: dict[str, Any]) -> None:
     sides = [Fraction(high) - Fraction(low) for low, high in data["open"][0]]
     ends = zip(first(data)["range"], data["range"], sides, strict=True)
-    open_box_at(data, [min(Fraction(low), Fraction(high) - side) for (low, _), (_, high), side in ends])
+    open_box_at(
+        data, [min(Fraction(low), Fraction(high) - side) for (low, _), (_, high), side in ends]
+    )
 
 
 def overlapping(data: dict[str, Any]) -> None:
@@ -182,7 +213,9 @@ def overlapping(data: dict[str, Any]) -> None:
 def a_shifted_point(data: dict[str, Any]) -> None:
     """Move a point of the border of rest into a box of P3121."""
     row = first(data)["range"]
-    data["found"]["borders"][0]["points"][7] = [sum(float(Fraction(end)) for end in side) / 2 for side in row]
+    data["found"]["borders"][0]["points"][7] = [
+        sum(float(Fraction(end)) for end in side) / 2 for side in row
+    ]
 
 
 FORGERIES: list[Callable[[dict[str, Any]], object]] = [
@@ -222,8 +255,14 @@ def test_a_second_call_takes_up_the_first(tmp_path: Path) -> None:
     before = atlas(AT_REST, PLANE, prove=0.35, workers=1, path=path)
     after = atlas(AT_REST, PLANE, prove=round(before.proven + 0.02, 6), workers=1, path=path)
     assert after.proven > before.proven >= 0.35
-    assert [each.words for each in after.borders] == [each.words for each in before.borders] == [("P3121", "rest")]
-    assert set(before.boxes[:1]) <= {box._replace(points=before.boxes[0].points) for box in after.boxes}
+    assert (
+        [each.words for each in after.borders]
+        == [each.words for each in before.borders]
+        == [("P3121", "rest")]
+    )
+    assert set(before.boxes[:1]) <= {
+        box._replace(points=before.boxes[0].points) for box in after.boxes
+    }
     with pytest.raises(ParameterError, match="another plane"):
         atlas(AT_REST, PLANE | {"FN": ("0.8", 1)}, path=path)
     path.write_text("{}")
@@ -259,9 +298,21 @@ def test_the_figure_and_the_page(small: Atlas) -> None:
 def one_box(word: str, box: Any, phases: list[str], x: list[str], **changes: Any) -> dict[str, Any]:
     """Return a file with one box in the plane of Omega and FN."""
     row = {"word": word, "range": box, "phases": phases, "x": x}
-    about = {"format": "symosc certificate 1", "kind": "atlas", "proven": True, "over": ["Omega", "FN"], "open": []}
+    about = {
+        "format": "symosc certificate 1",
+        "kind": "atlas",
+        "proven": True,
+        "over": ["Omega", "FN"],
+        "open": [],
+    }
     parameters = AT_REST.replace(**changes).as_dict()
-    return about | {"parameters": parameters, "range": box, "share": "1", "boxes": [row], "found": {}}
+    return about | {
+        "parameters": parameters,
+        "range": box,
+        "share": "1",
+        "boxes": [row],
+        "found": {},
+    }
 
 
 @pytest.mark.slow
@@ -276,7 +327,10 @@ def test_a_box_over_its_border_is_refused() -> None:
     lowest = min(border.at(Omega=end)[0] for end in ("1.65", "1.66"))
     for over, code in ((-1e-6, 0), (1e-6, 1)):
         data = p32()
-        data["boxes"][0]["range"] = data["range"] = [["1.65", "1.66"], ["0.58", repr(lowest + over)]]
+        data["boxes"][0]["range"] = data["range"] = [
+            ["1.65", "1.66"],
+            ["0.58", repr(lowest + over)],
+        ]
         assert judge(data)[0] == code, over
 
 
@@ -287,17 +341,19 @@ def test_rest_is_decided_exactly(changes: dict[str, Any], low: str, code: int) -
     assert judge(one_box("rest", [["1", "2"], [low, "2"]], [], [], **changes))[0] == code
 
 
-GHOST_PHASES, GHOST_X = (
-    [0.51688145, 2.789497, 3.6584741, 5.9310897],
-    ["0.9368645", "-0.9368645", "-0.9368645", "0.9368645"],
-)
+GHOST_PHASES = [0.51688145, 2.789497, 3.6584741, 5.9310897]
+GHOST_X = ["0.9368645", "-0.9368645", "-0.9368645", "0.9368645"]
 P32_BOX = [["1.65", "1.7"], ["0.4", "0.5"]]
 
 
 def p32(**changes: Any) -> dict[str, Any]:
     points = find_orbit(AT_REST.replace(Omega="1.675", FN="0.45"), "P32").points[:2]
     return one_box(
-        "P32", P32_BOX, [str(1.675 * float(t)) for t, _ in points], [str(float(x)) for _, x in points], **changes
+        "P32",
+        P32_BOX,
+        [str(1.675 * float(t)) for t, _ in points],
+        [str(float(x)) for _, x in points],
+        **changes,
     )
 
 
@@ -313,7 +369,8 @@ def test_the_mirror_image_crosses_a_belt_without_friction() -> None:
     for labels, first in ((("P2", "P3"), 0), (("P3", "P2"), 1)):
         flights = atlases._flights(labels, near, names)
         points = [
-            (float(row["phases"][i % 2]) + 6.283185307 * (i > 1), float(row["x"][i % 2])) for i in (first, first + 1)
+            (float(row["phases"][i % 2]) + 6.283185307 * (i > 1), float(row["x"][i % 2]))
+            for i in (first, first + 1)
         ]
         surface = Surface(near, names, box, flights, flights.unknowns(1.675, points))
         with pytest.raises(NotInBox), box_arithmetic():
@@ -331,9 +388,13 @@ def test_a_stick_that_slips_is_found_at_all_phases() -> None:
 def test_a_flight_obeys_the_equation_of_motion(slips: bool) -> None:
     """By differences; with a damper, and a belt that moves."""
     p = dict(zip(PARAMETER_NAMES, (2, 3, 5, 1, 7, 2, 4, 9, 0.25, 0.5, 8), strict=True))
-    e, step = InBalls({name: arb(value) for name, value in p.items()}), 1e-4
+    e = InBalls({name: arb(value) for name, value in p.items()})
+    step = 1e-4
     flight = Flight((1, 2, 1), 0, slips, 0)
-    u = [arb(0.5), arb(1.5)] if slips else [arb(0.5), arb(-1), arb(1.5)]
+    if slips:
+        u = [arb(0.5), arb(1.5)]
+    else:
+        u = [arb(0.5), arb(-1), arb(1.5)]
     for s in (0.3, 1.5):
         (x, v, a), before, after = (flight.after(e, u, arb(s + by * step)) for by in (0, -1, 1))
         assert abs(float(after[0] - before[0]) / (2 * step) - float(v)) < 1e-6
@@ -344,7 +405,9 @@ def test_a_flight_obeys_the_equation_of_motion(slips: bool) -> None:
 def test_a_share_is_rounded_down_and_a_rest_has_no_switchings() -> None:
     data = one_box("rest", [["1", "2"], ["1", "2"]], [], [])
     data.update(
-        range=[["1", "2"], ["1", "2.0000001"]], open=[[["1", "2"], ["2", "2.0000001"]]], share="10000000/10000001"
+        range=[["1", "2"], ["1", "2.0000001"]],
+        open=[[["1", "2"], ["2", "2.0000001"]]],
+        share="10000000/10000001",
     )
     code, answer = judge(data)
     assert code == 0
@@ -360,7 +423,8 @@ def test_a_plane_without_a_damper_is_refused() -> None:
 
 
 def test_long_words_end_at_the_limit_of_work() -> None:
-    phases, x = [str(j * 0.314) for j in range(20)], ["0.1"] * 20
+    phases = [str(j * 0.314) for j in range(20)]
+    x = ["0.1"] * 20
     code, answer = judge(one_box("P" + "32" * 10, P32_BOX, phases, x), steps=2_000)
     assert code == 1
     assert "steps" in answer

@@ -36,19 +36,30 @@ def test_the_file_is_exact_input_and_decimals(tmp_path: Path) -> None:
 def test_proofs_take_nothing_from_the_engine() -> None:
     """No kernel (their series have no remainder), no mpmath (its intervals are unsound), no simulation."""
     for path in (Path(symosc.__file__).parent / "certificates").glob("*.py"):
-        if path.name == "atlas.py":  # its words and borders are no proofs; what it proves is in plane.py
+        if (
+            path.name == "atlas.py"
+        ):  # its words and borders are no proofs; what it proves is in plane.py
             continue
         for node in ast.walk(ast.parse(path.read_text(encoding="utf-8"))):
-            names = [alias.name for alias in node.names] if isinstance(node, ast.Import) else []
-            names += [node.module or ""] if isinstance(node, ast.ImportFrom) else []
+            if isinstance(node, ast.Import):
+                names = [alias.name for alias in node.names]
+            else:
+                names = []
+            if isinstance(node, ast.ImportFrom):
+                names += [node.module or ""]
+            else:
+                names += []
             for name in names:
                 assert name.split(".")[0] not in ("mpmath", "numpy", "scipy", "sympy"), path
-                assert name.split(".")[:2] not in (["symosc", "kernels"], ["symosc", "engine"]), path
+                assert name.split(".")[:2] not in (["symosc", "kernels"], ["symosc", "engine"]), (
+                    path
+                )
 
 
 @pytest.mark.parametrize("digits", [40, 70])
 def test_enclosures_have_as_many_digits_as_are_asked_for(digits: int, tmp_path: Path) -> None:
-    usual, fine = certify("fig6"), certify("fig6", digits=digits)
+    usual = certify("fig6")
+    fine = certify("fig6", digits=digits)
     assert fine.proven
     for event, same in zip(fine.events, usual.events, strict=True):
         for (low, high), (rough_low, rough_high) in zip(event[3:], same[3:], strict=True):
@@ -62,20 +73,29 @@ def test_enclosures_have_as_many_digits_as_are_asked_for(digits: int, tmp_path: 
 @pytest.mark.parametrize("name", ["fig5", "fig8", "fig10"])
 def test_derivatives_are_enclosed(name: str) -> None:
     """They contain the difference quotients of motions with 60 digits, to all digits that these have."""
-    scene, names = load_scene(name), ("m", "c", "k", "A0", "B0", "Omega", "mu1", "FN", "t0", "x0")
-    end, step = scene.t0 + 7, Fraction(1, 10**22)
+    scene = load_scene(name)
+    names = ("m", "c", "k", "A0", "B0", "Omega", "mu1", "FN", "t0", "x0")
+    end = scene.t0 + 7
+    step = Fraction(1, 10**22)
     proof = certify(scene, t_end=end, wrt=names)
     assert proof.proven, proof.message
     for j, each in enumerate(names):
         runs = []
         for by in (step, -step):
-            start = {own: getattr(scene, own) + (by if own == each else 0) for own in ("t0", "x0", "v0")}
+            start = {
+                own: getattr(scene, own) + (by if own == each else 0) for own in ("t0", "x0", "v0")
+            }
             p = scene.parameters
-            p = p if each in start else p.replace(**{each: getattr(p, each) + by})
+            if each not in start:
+                p = p.replace(**{each: getattr(p, each) + by})
             runs.append(simulate(p, **start, t_end=end, digits=60).events)
         for n, (a, b) in enumerate(zip(*runs, strict=True)):
             for axis, enclosures in zip("tx", proof.derivatives[n], strict=True):
                 quotient = Fraction(str((getattr(a, axis) - getattr(b, axis)) / 2)) / step
                 low, high = map(Fraction, enclosures[j])
-                assert low - Fraction(1, 10**22) < quotient < high + Fraction(1, 10**22), (each, n, axis)
+                assert low - Fraction(1, 10**22) < quotient < high + Fraction(1, 10**22), (
+                    each,
+                    n,
+                    axis,
+                )
                 assert high - low < Fraction(1, 10**20) * max(1, abs(low))

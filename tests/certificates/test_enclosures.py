@@ -55,7 +55,16 @@ def test_decimals_are_rounded_outward(digits: int) -> None:
             assert high - low <= above - below + 4 * unit
 
 
-BASE: dict[str, Any] = {"m": 1, "c": "0.4", "k": 2, "A0": "0.5", "B0": 4, "Omega": "1.3", "v1": -1, "v2": "1.5"}
+BASE: dict[str, Any] = {
+    "m": 1,
+    "c": "0.4",
+    "k": 2,
+    "A0": "0.5",
+    "B0": 4,
+    "Omega": "1.3",
+    "v1": -1,
+    "v2": "1.5",
+}
 BASE |= {"mu1": "0.4", "mu2": "0.3", "FN": 3}
 REGIMES: dict[str, dict[str, Any]] = {
     "underdamped": {},
@@ -80,14 +89,19 @@ def contains(value: Ball, number: Any) -> bool:
     low, high = exact_ends(value)
     exact = Fraction(int(number.man)) * Fraction(2) ** int(number.exp) * (1 if number >= 0 else -1)
     slack = Fraction(1, 10**45) * (1 + abs(exact))
-    return low - slack <= exact <= high + slack and high - low < Fraction(1, 10**20) * (1 + abs(exact))
+    return low - slack <= exact <= high + slack and high - low < Fraction(1, 10**20) * (
+        1 + abs(exact)
+    )
 
 
 @pytest.mark.quick(5)
 @pytest.mark.parametrize("regime", REGIMES)
 def test_enclosures_contain_the_motion_and_its_derivatives_by_the_start(regime: str) -> None:
-    p, rng = Parameters(**BASE | REGIMES[regime]), random.Random(regime)
-    scale, small, way = Fraction(1, 100 if regime == "stiff" else 1), Fraction(1, 10**30), (3, -2, 1)
+    p = Parameters(**BASE | REGIMES[regime])
+    rng = random.Random(regime)
+    scale = Fraction(1, 100 if regime == "stiff" else 1)
+    small = Fraction(1, 10**30)
+    way = (3, -2, 1)
     with ctx.workprec(300):
         oscillator = Oscillator(p)
         for domain in (1, 2, 3):
@@ -100,19 +114,29 @@ def test_enclosures_contain_the_motion_and_its_derivatives_by_the_start(regime: 
                 assert contains(value, number), (domain, value, number)
             ends = []
             for side in (-1, 1):
-                start = [ball(each + side * small * by) for each, by in zip((t0, x0, v0), way, strict=True)]
+                start = [
+                    ball(each + side * small * by)
+                    for each, by in zip((t0, x0, v0), way, strict=True)
+                ]
                 beside = Flight(oscillator, domain, *start)
                 then = beside.at(ball(t0 + tau) - start[0])
                 ends.append((beside.x(then), then.v))
             later = flight.at(ball(tau + small))
-            assert abs((later.a - there.a) / ball(small) - flight.jerk(there)) < 1e-15 * (1 + abs(flight.jerk(there)))
-            for found, below, above in zip(flight.moved(there, list(map(arb, way))), *ends, strict=True):
+            assert abs((later.a - there.a) / ball(small) - flight.jerk(there)) < 1e-15 * (
+                1 + abs(flight.jerk(there))
+            )
+            for found, below, above in zip(
+                flight.moved(there, list(map(arb, way))), *ends, strict=True
+            ):
                 assert abs((above - below) / ball(2 * small) - found) < 1e-18 * (1 + abs(found))
 
 
-@pytest.mark.parametrize("regime", ["underdamped", "overdamped", "critical", "undamped", "no drive"])
+@pytest.mark.parametrize(
+    "regime", ["underdamped", "overdamped", "critical", "undamped", "no drive"]
+)
 def test_a_bound_for_all_later_times_is_one(regime: str) -> None:
-    p, rng = Parameters(**BASE | REGIMES[regime]), random.Random(regime)
+    p = Parameters(**BASE | REGIMES[regime])
+    rng = random.Random(regime)
     with ctx.workprec(128):
         flight = Flight(Oscillator(p), 2, arb(0), arb(3), arb(1))
         for tau in (Fraction(0), Fraction(3, 2), Fraction(6)):
@@ -128,11 +152,13 @@ def test_turns_are_zeros_and_the_drift_has_its_sign_between_them(sign: int) -> N
     with ctx.workprec(128):
         for _ in range(30):
             p, start = ordinary(rng, B0=sign * Fraction(rng.randint(1, 90), 10))
-            boundary, t = rng.choice([1, 2]), ball(Fraction(start["t0"]) * 10 ** rng.randint(0, 6))
+            boundary = rng.choice([1, 2])
+            t = ball(Fraction(start["t0"]) * 10 ** rng.randint(0, 6))
             turns = Turns(p, boundary)
 
             def drift(time: object, p: object = p, boundary: int = boundary) -> object:
-                bias, swing = ball(p.k * p.belt(boundary)), ball(p.B0 * p.Omega)  # type: ignore[attr-defined]
+                bias = ball(p.k * p.belt(boundary))
+                swing = ball(p.B0 * p.Omega)
                 return -bias - swing * (ball(p.Omega) * time).sin()  # type: ignore[attr-defined]
 
             before = t
@@ -164,21 +190,32 @@ def test_the_first_zero_is_where_samples_change_their_sign(family: str) -> None:
                 continue
             flight, walls = _flight(p, t0, x0, v0)
             for wall in walls:
-                gap, found = flight.gap(wall), first_zero(flight, wall, arb(4), False)
+                gap = flight.gap(wall)
+                found = first_zero(flight, wall, arb(4), False)
                 values = [gap(arb(float(tau))).g for tau in np.linspace(0, 4, 400)]
-                low = 4.0 if found is None else float(found[0].tau.mid())
+                if found is None:
+                    low = 4.0
+                else:
+                    low = float(found[0].tau.mid())
                 assert all(value > 0 for i, value in enumerate(values) if i * 4 / 399 < low)
                 if found is not None:
                     tau = zero_in(gap, found[0].tau, found[1].tau, "a contact", flight.t0)
                     assert float(tau.rad()) < 1e-25
                     assert gap(tau).g.contains(0)
-                    assert gap((tau.mid() - arb("1e-20")).mid()).g > 0 > gap((tau.mid() + arb("1e-20")).mid()).g
+                    assert (
+                        gap((tau.mid() - arb("1e-20")).mid()).g
+                        > 0
+                        > gap((tau.mid() + arb("1e-20")).mid()).g
+                    )
 
 
 @pytest.mark.parametrize("exponent", [3, 8, 13, 25, 31])
 @pytest.mark.parametrize("sign", [-1, 1])
 def test_a_belt_just_beside_the_peak_is_met_or_missed(exponent: int, sign: int) -> None:
-    """fig7's orbit peaks at 5 exactly: a belt that is slower by 10**-n is met, and one that is faster is not."""
+    """fig7's orbit peaks at 5 exactly.
+
+    A belt that is slower by 10**-n is met, and one that is faster is not.
+    """
     scene = load_scene("fig7-exact")
     p = scene.parameters.replace(v1=5 + Fraction(sign, 10**exponent))
     with ctx.workprec(256):
@@ -187,29 +224,56 @@ def test_a_belt_just_beside_the_peak_is_met_or_missed(exponent: int, sign: int) 
 
 
 def test_a_dip_between_two_equal_slopes_is_found() -> None:
-    """Its secant is no number: the gap falls as fast at both ends of the piece, a whole period apart."""
-    numbers = {"m": "13/2", "c": 2, "k": "51597/2000000", "A0": "-670761/20000000", "B0": "-83349/12500000"}
-    speeds = {"v1": "-166697999997/50000000000000", "v2": "2165849/25000000", "mu1": 0, "mu2": 0, "FN": "179/25"}
+    """Its secant is no number.
+
+    The gap falls as fast at both ends of the piece, a whole period apart.
+    """
+    numbers = {
+        "m": "13/2",
+        "c": 2,
+        "k": "51597/2000000",
+        "A0": "-670761/20000000",
+        "B0": "-83349/12500000",
+    }
+    speeds = {
+        "v1": "-166697999997/50000000000000",
+        "v2": "2165849/25000000",
+        "mu1": 0,
+        "mu2": 0,
+        "FN": "179/25",
+    }
     p = Parameters(**numbers, Omega="63/1000", **speeds)
-    scene = Scene("dip", p, Fraction(0), Fraction("-1.3"), Fraction(-83349, 25000000), Fraction(300))
+    scene = Scene(
+        "dip", p, Fraction(0), Fraction("-1.3"), Fraction(-83349, 25000000), Fraction(300)
+    )
     certificate = certify(scene)
     assert certificate.proven, certificate.message
     assert [event[0] for event in certificate.events] == ["cross"] * 7
 
 
 def test_a_stick_ends_at_the_first_of_both_exits() -> None:
-    rng, sides = random.Random(2), set()
+    rng = random.Random(2)
+    sides = set()
     with ctx.workprec(128):
         for _ in range(60):
             p, start = ordinary(rng, FN=10, mu1=1, mu2=1)
-            o, boundary, t = Oscillator(p), rng.choice([1, 2]), ball(Fraction(start["t0"]))
+            o = Oscillator(p)
+            boundary = rng.choice([1, 2])
+            t = ball(Fraction(start["t0"]))
             middle = (p.A(boundary) + p.A(boundary + 1)) / 2 - p.c * p.belt(boundary)
-            x = (ball(middle) + o.B0 * (o.Omega * t).cos()) / o.k  # the forces are equal and opposite
+            x = (
+                ball(middle) + o.B0 * (o.Omega * t).cos()
+            ) / o.k  # the forces are equal and opposite
             slip = end_of_stick(o, boundary, t, x, arb(6))
             forces = [holding_force(o, boundary, boundary + i, t, x) for i in (0, 1)]
             times = np.linspace(0, 6, 300)
-            last = float(slip[1].mid()) if slip else 6.0
-            assert all(force(arb(float(tau))).g > 0 for force in forces for tau in times if tau < last)
+            if slip:
+                last = float(slip[1].mid())
+            else:
+                last = 6.0
+            assert all(
+                force(arb(float(tau))).g > 0 for force in forces for tau in times if tau < last
+            )
             if slip:
                 domain, tau, slope = slip
                 out = domain - boundary
@@ -221,17 +285,26 @@ def test_a_stick_ends_at_the_first_of_both_exits() -> None:
 
 
 def test_a_stick_on_a_belt_at_rest_may_last_for_ever() -> None:
-    p, _ = ordinary(random.Random(2), m=1, k=1, c=1, A0=0, B0="0.1", v1=0, v2=10, mu1=1, mu2="0.1", FN=1)
+    p, _ = ordinary(
+        random.Random(2), m=1, k=1, c=1, A0=0, B0="0.1", v1=0, v2=10, mu1=1, mu2="0.1", FN=1
+    )
     with ctx.workprec(128):
         for x in ("-0.6", "0", "0.5"):
             assert end_of_stick(Oscillator(p), 1, arb(0), ball(Fraction(x)), arb(10) ** 9) is None
         # F^(2) reaches 0 where B0 cos(t) falls to -0.05
-        assert end_of_stick(Oscillator(p), 1, arb(0), ball(Fraction("1.05")), arb(10) ** 9) is not None
+        assert (
+            end_of_stick(Oscillator(p), 1, arb(0), ball(Fraction("1.05")), arb(10) ** 9) is not None
+        )
 
 
 def test_a_force_that_touches_0_where_it_turns_is_open() -> None:
-    p, _ = ordinary(random.Random(2), m=1, k=1, c=1, A0=0, B0="0.1", v1=0, v2=10, mu1=1, mu2=0, FN=1)
-    with ctx.workprec(128), pytest.raises(Undecided):  # F^(1) = 1 - x - 0.1 cos(t + pi) is 0 once a period
+    p, _ = ordinary(
+        random.Random(2), m=1, k=1, c=1, A0=0, B0="0.1", v1=0, v2=10, mu1=1, mu2=0, FN=1
+    )
+    with (
+        ctx.workprec(128),
+        pytest.raises(Undecided),
+    ):  # F^(1) = 1 - x - 0.1 cos(t + pi) is 0 once a period
         end_of_stick(Oscillator(p), 1, arb(1), ball(Fraction("0.9")), arb(100))
 
 
@@ -267,7 +340,8 @@ def test_an_image_contains_the_images_of_points() -> None:
 
 def test_a_thousand_turns_do_not_grow() -> None:
     """In boxes each turn by a radian would grow by |sin| + |cos|: to 10**120."""
-    s, c = math.sin(1), math.cos(1)
+    s = math.sin(1)
+    c = math.cos(1)
     states = StateSet.of([arb(1, 1e-6), arb(0, 1e-6)])
     for _ in range(1000):
         x, y = states.centre
@@ -336,14 +410,18 @@ def test_it_starts_and_ends_on_the_belt(at_start: int) -> None:
 
 
 def test_they_contain_the_roots_and_decide_stability() -> None:
-    rng, seen = random.Random(5), set()
+    rng = random.Random(5)
+    seen = set()
     with ctx.workprec(128):
         for _ in range(500):
-            T, D = rng.uniform(-3, 3), rng.choice([0.0, rng.uniform(-1.5, 1.5), 1e-30])
+            T = rng.uniform(-3, 3)
+            D = rng.choice([0.0, rng.uniform(-1.5, 1.5), 1e-30])
             roots = np.roots([1, -T, D])
             found = Stability(arb(T), arb(D))
             for re, im in found.multipliers():
-                near = min(roots, key=lambda root: abs(complex(root) - complex(float(re), float(im))))
+                near = min(
+                    roots, key=lambda root: abs(complex(root) - complex(float(re), float(im)))
+                )
                 assert abs(complex(near) - complex(float(re), float(im))) < 1e-6
                 value = arb(complex(near).real)
                 assert (re + arb(0, 1e-7)).overlaps(value)

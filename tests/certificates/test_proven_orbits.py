@@ -1,4 +1,7 @@
-"""Orbits, the list that ships, branches and windows: what their proofs enclose, and what they must not prove."""
+"""Orbits, the list that ships, branches and windows.
+
+What their proofs enclose, and what they must not prove.
+"""
 
 from __future__ import annotations
 
@@ -33,12 +36,15 @@ def orbit_of(name: str, digits: int | None = None) -> PeriodicOrbit:
 
 def within(value: object, ends: tuple[str, str]) -> bool:
     low, high = map(Fraction, ends)
-    return low <= Fraction(mp.nstr(value, DIGITS - 3)) <= high or (low == high == 0 and abs(value) < 1e-30)
+    return low <= Fraction(mp.nstr(value, DIGITS - 3)) <= high or (
+        low == high == 0 and abs(value) < 1e-30
+    )
 
 
 @pytest.mark.parametrize("name", ["fig9", "fig10"])
 def test_orbits_of_the_paper(name: str) -> None:
-    exact, proof = orbit_of(name, DIGITS), certify(orbit_of(name))
+    exact = orbit_of(name, DIGITS)
+    proof = certify(orbit_of(name))
     assert (proof.kind, proof.proven, proof.stable) == ("orbit", True, True)
     for point, ends in zip(exact.points, proof.points, strict=True):
         assert within(point.t, ends[0])
@@ -56,7 +62,10 @@ def test_enclosures_contain_many_digits_in_all_regimes(i: int) -> None:
     proof = listed.prove()
     points = [(float(t[0]), float(x[0])) for t, x in proof.points]
     exact = find_orbit(listed.p, listed.word, points, digits=DIGITS, periods=1)
-    turn = round(float((exact.points[0].t - mp.mpf(proof.points[0][0][0])) / exact.period)) * exact.period
+    turn = (
+        round(float((exact.points[0].t - mp.mpf(proof.points[0][0][0])) / exact.period))
+        * exact.period
+    )
     for point, (t, x) in zip(exact.points, proof.points, strict=True):
         assert within(point.t - turn, t)
         assert within(point.x, x)
@@ -67,7 +76,10 @@ def test_enclosures_contain_many_digits_in_all_regimes(i: int) -> None:
 
 
 def test_a_member_of_a_continuum_is_not_unique() -> None:
-    """Csernak, Stepan and Shaw (2007): without damping, at Omega = 1/(2 n), orbits are not isolated."""
+    """Csernak, Stepan and Shaw (2007).
+
+    Without damping, at Omega = 1/(2 n), orbits are not isolated.
+    """
     orbit = find_orbit(Parameters(**COULOMB, c=0, Omega="0.5", mu1="0.1"), "P32")
     proof = certify(orbit)
     assert (proof.proven, proof.stable) == (False, None)
@@ -148,29 +160,42 @@ def test_processes_prove_their_files_again() -> None:
 def branch(name: str, low: str, high: str) -> Branch:
     scene = load_scene(name)
     middle = str((Fraction(low) + Fraction(high)) / 2)
-    return continue_orbit(scene.parameters.replace(Omega=middle), scene.structure, "Omega", (low, high))
+    return continue_orbit(
+        scene.parameters.replace(Omega=middle), scene.structure, "Omega", (low, high)
+    )
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize(("name", "low", "high"), [("fig9", "3.99", "4.01"), ("fig10", "1.74", "1.76")])
+@pytest.mark.parametrize(
+    ("name", "low", "high"), [("fig9", "3.99", "4.01"), ("fig10", "1.74", "1.76")]
+)
 def test_orbits_lie_in_the_boxes(name: str, low: str, high: str) -> None:
     seen: list[float] = []
     found = certify(branch(name, low, high), progress=seen.append)
     assert seen == sorted(seen)
     assert seen[-1] == 1
     assert (found.kind, found.proven, found.stable) == ("branch", True, True)
-    boxes, scene = found.statement["boxes"], load_scene(name)
+    boxes = found.statement["boxes"]
+    scene = load_scene(name)
     values = [Fraction(each) for box in boxes for each in box["value"]]
     assert values == sorted(values)
     assert (values[0], values[-1]) == (Fraction(low), Fraction(high))
     for part in (Fraction(1, 7), Fraction(1, 2), Fraction(9, 10)):
         value = Fraction(low) + part * (Fraction(high) - Fraction(low))
         orbit = find_orbit(scene.parameters.replace(Omega=value), scene.structure)
-        box = next(each for each in boxes if Fraction(each["value"][0]) <= value <= Fraction(each["value"][1]))
+        box = next(
+            each
+            for each in boxes
+            if Fraction(each["value"][0]) <= value <= Fraction(each["value"][1])
+        )
         for row in zip(box["t"][:-1], box["x"][:-1], strict=True):
             (t0, t1), (x0, x1) = ([float(end) for end in ends] for ends in row)
             T = float(orbit.period)
-            assert any(x0 <= x <= x1 and t0 <= t + turns * T <= t1 for t, x in orbit.points for turns in (-1, 0, 1)), (
+            assert any(
+                x0 <= x <= x1 and t0 <= t + turns * T <= t1
+                for t, x in orbit.points
+                for turns in (-1, 0, 1)
+            ), (
                 row,
                 orbit.points,
             )
@@ -193,15 +218,23 @@ def test_an_end_that_is_put_elsewhere_is_not_proven() -> None:
     ("name", "low", "high", "kind", "value", "inequality"),
     [
         pytest.param(
-            *("fig9", "5.017619", "5.1", "grazing", "5.01761965804", "v < v2 during P3"), marks=pytest.mark.campaign
+            *("fig9", "5.017619", "5.1", "grazing", "5.01761965804", "v < v2 during P3"),
+            marks=pytest.mark.campaign,
         ),
         ("fig9", "3.2", "3.2887", "birth of a stick", "3.28857638277", "F^(1) < 0 where P3 ends"),
     ],
 )
-def test_ends_are_enclosed(name: str, low: str, high: str, kind: str, value: str, inequality: str) -> None:
+def test_ends_are_enclosed(
+    name: str, low: str, high: str, kind: str, value: str, inequality: str
+) -> None:
     scene = load_scene(name)
-    start = low if kind == "grazing" else high
-    found = certify(continue_orbit(scene.parameters.replace(Omega=start), "P32", "Omega", (low, high)))
+    if kind == "grazing":
+        start = low
+    else:
+        start = high
+    found = certify(
+        continue_orbit(scene.parameters.replace(Omega=start), "P32", "Omega", (low, high))
+    )
     assert found.proven, found.message
     (end,) = [each for each in found.statement["ends"] if each["kind"] == kind]
     first, last = sorted((Fraction(end["inside"]), Fraction(end["outside"])))
@@ -213,7 +246,9 @@ def test_ends_are_enclosed(name: str, low: str, high: str, kind: str, value: str
 CHANGES: tuple[dict[str, int], ...] = ({}, {"B0": 0}, {"k": 0}, {"B0": -3})
 
 
-def grazes(parameters: Parameters, mapping: str, order: str, statement: dict[str, object], theta: float) -> bool:
+def grazes(
+    parameters: Parameters, mapping: str, order: str, statement: dict[str, object], theta: float
+) -> bool:
     """Return what a certificate states about a phase."""
     if statement["grazes"] != ON_AN_ARC:
         return statement["grazes"] != NO_PHASE
@@ -223,7 +258,8 @@ def grazes(parameters: Parameters, mapping: str, order: str, statement: dict[str
 
 @pytest.mark.parametrize("order", ["full", "paper"])
 def test_windows_say_what_their_phases_do(order: str) -> None:
-    rng, kinds = random.Random(order), set()
+    rng = random.Random(order)
+    kinds = set()
     for name, mapping, change in itertools.product(
         ("fig5", "fig7", "fig8", "fig9", "fig10"), ("P2", "P3", "P5", "P6"), CHANGES
     ):
@@ -233,8 +269,12 @@ def test_windows_say_what_their_phases_do(order: str) -> None:
         kinds.add(proof.statement["grazes"])
         for _ in range(10):
             theta = rng.uniform(0, 6.28)
-            assert bool(window.contains(theta)) is grazes(window.parameters, mapping, order, proof.statement, theta)
-    assert kinds == {NO_PHASE, ALL_PHASES, ON_AN_ARC} | ({BUT_ONE_PHASE} if order == "paper" else set())
+            assert bool(window.contains(theta)) is grazes(
+                window.parameters, mapping, order, proof.statement, theta
+            )
+    assert kinds == {NO_PHASE, ALL_PHASES, ON_AN_ARC} | (
+        {BUT_ONE_PHASE} if order == "paper" else set()
+    )
 
 
 def test_ends_are_exact() -> None:

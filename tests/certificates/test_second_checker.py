@@ -13,8 +13,18 @@ from symosc import certify, find_orbit, load_scene, reference_cases
 from symosc.certificates.orbit_list import listed_orbits
 
 pytestmark = [pytest.mark.slow, pytest.mark.skipif(program() is None, reason="needs g++ with GMP")]
-SCENES = ("fig5", "fig6", "fig7", "fig7-corrected", "fig7-exact", "fig8-exact", "fig9", "fig9-orbit")
-#: Too stiff, too long or too late for its steps; a graze of exact starts, which it does not prove; no proof.
+SCENES = (
+    "fig5",
+    "fig6",
+    "fig7",
+    "fig7-corrected",
+    "fig7-exact",
+    "fig8-exact",
+    "fig9",
+    "fig9-orbit",
+)
+#: Too stiff, too long or too late for its steps; a graze of exact starts, which it does not prove;
+#: no proof.
 MAY_STAY_UNDECIDED = (
     "light-mass-",
     "fast-and-slow-",
@@ -39,17 +49,24 @@ def test_scenes_are_confirmed(name: str) -> None:
 @pytest.mark.parametrize("case", CASES, ids=lambda case: case.name)
 def test_reference_cases_are_confirmed(case: Any) -> None:
     data = case.certificate.as_dict()
-    answer = second_opinion(data) if data["proven"] else "undecided"
-    assert answer == "proven" or (answer.startswith("undecided") and case.name.startswith(MAY_STAY_UNDECIDED))
+    if data["proven"]:
+        answer = second_opinion(data)
+    else:
+        answer = "undecided"
+    assert answer == "proven" or (
+        answer.startswith("undecided") and case.name.startswith(MAY_STAY_UNDECIDED)
+    )
 
 
 @pytest.mark.full(1)
 @pytest.mark.parametrize("first", range(20))
 def test_most_short_orbits_are_confirmed_and_none_is_refused(first: int) -> None:
     """The others take more steps than it has."""
-    short = [orbit for orbit in listed_orbits() if len(orbit.word) < 5 and orbit.p.c**2 < 4 * orbit.p.k * orbit.p.m][
-        :60
-    ]
+    short = [
+        orbit
+        for orbit in listed_orbits()
+        if len(orbit.word) < 5 and orbit.p.c**2 < 4 * orbit.p.k * orbit.p.m
+    ][:60]
     answers = [second_opinion(orbit.prove().as_dict()) for orbit in short[first::20]]
     assert not [each for each in answers if each.startswith("not proven")]
     assert answers.count("proven") >= 2
@@ -62,7 +79,8 @@ def shifted(ends: list[str]) -> list[str]:
 
 
 def test_changed_numbers_and_kinds_are_refused() -> None:
-    motion, orbit = certify("fig7-exact").as_dict(), certify(find_orbit(load_scene("fig9").parameters, "P32")).as_dict()
+    motion = certify("fig7-exact").as_dict()
+    orbit = certify(find_orbit(load_scene("fig9").parameters, "P32")).as_dict()
     forged = []
     for data in (motion, orbit):
         for i in range(0, len(data["events"]), 9):
@@ -71,7 +89,9 @@ def test_changed_numbers_and_kinds_are_refused() -> None:
         forged.append(deepcopy(data))
         del forged[-1]["events"][0]
         forged.append(deepcopy(data))
-        forged[-1]["parameters"]["mu1"] = str(Fraction(data["parameters"]["mu1"]) + Fraction(1, 1000))
+        forged[-1]["parameters"]["mu1"] = str(
+            Fraction(data["parameters"]["mu1"]) + Fraction(1, 1000)
+        )
     forged.append(orbit | {"stable": False})
     for i in (0, 1):
         for part in ("re", "im"):

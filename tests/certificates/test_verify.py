@@ -33,9 +33,21 @@ from symosc.certificates.orbit_list import listed_orbits
 from symosc.certificates.trajectory import EXACT, ToProve, prove_settled
 from symosc.model import PARAMETER_NAMES
 
-SCENES = ("motion fig5 3", "motion fig6", "motion fig7-corrected 5", "motion fig9 3", "motion fig10 4", "motion fig8 9")
+SCENES = (
+    "motion fig5 3",
+    "motion fig6",
+    "motion fig7-corrected 5",
+    "motion fig9 3",
+    "motion fig10 4",
+    "motion fig8 9",
+)
 WINDOWS = tuple(
-    map(" ".join, itertools.product(["window"], ("fig5", "fig8", "fig9"), ("P2", "P3", "P5", "P6"), ("full", "paper")))
+    map(
+        " ".join,
+        itertools.product(
+            ["window"], ("fig5", "fig8", "fig9"), ("P2", "P3", "P5", "P6"), ("full", "paper")
+        ),
+    )
 )
 SETTLED = ("settled fig9-orbit", "settled fig10-orbit")
 #: One file of each kind and form.
@@ -50,7 +62,9 @@ KINDS = (
     "window fig8 P5 paper",
 )
 FOLDER = Path(checker.__file__).parent
-VALIDATOR = jsonschema.Draft202012Validator(json.loads((FOLDER / "certificate.schema.json").read_text()))
+VALIDATOR = jsonschema.Draft202012Validator(
+    json.loads((FOLDER / "certificate.schema.json").read_text())
+)
 
 
 def verified(content: str, tmp_path: Path, **limits: int) -> tuple[int, str]:
@@ -62,7 +76,8 @@ def verified(content: str, tmp_path: Path, **limits: int) -> tuple[int, str]:
 # -- one thing changed -------------------------------------------------------------------------------------------------
 
 
-#: For each kind: its changes, the files that are changed, and whether a changed one states what is true.
+#: For each kind: its changes, the files that are changed, and whether a changed one states what is
+#: true.
 CHANGED: dict[str, tuple[dict[str, Any], tuple[str, ...], Callable[[Document, Document], bool]]] = {
     "motion": (CHANGES, SCENES, lambda it, _: is_true(it)),
     "orbit": (ORBIT_CHANGES, ("orbit fig9", "orbit fig10"), orbit_is_true),
@@ -77,7 +92,9 @@ CHANGED: dict[str, tuple[dict[str, Any], tuple[str, ...], Callable[[Document, Do
     [(kind, change) for kind in ("motion", "orbit", "window") for change in CHANGED[kind][0]]
     + [
         ("branch", change)
-        for change in random.Random(17).sample(sorted({*BRANCH_CHANGES} - {"at moved", "inequality"}), 6)
+        for change in random.Random(17).sample(
+            sorted({*BRANCH_CHANGES} - {"at moved", "inequality"}), 6
+        )
     ],
 )
 def test_what_is_changed_is_proven_only_if_it_is_still_true(kind: str, change: str) -> None:
@@ -85,7 +102,8 @@ def test_what_is_changed_is_proven_only_if_it_is_still_true(kind: str, change: s
 
 
 def judge_changed(kind: str, change: str, count: int, *names: str) -> None:
-    (changes, files, true), rng = CHANGED[kind], random.Random(f"{change} {count}")
+    (changes, files, true) = CHANGED[kind]
+    rng = random.Random(f"{change} {count}")
     for _ in range(count):
         stick = kind == "branch" and change in ("at moved", "inequality")
         original = document("branch stick" if stick else rng.choice(names or files))
@@ -105,7 +123,11 @@ def judge_changed(kind: str, change: str, count: int, *names: str) -> None:
 def test_many_changes(change: str) -> None:
     branches = ("branch stick", "branch graze", "branch sticks")
     orbits = ("orbit fig9", "orbit fig10", "orbit 3", "orbit 40", "orbit 500")
-    for kind, count, names in (("motion", 40, SCENES), ("orbit", 20, orbits), ("branch", 3, branches)):
+    for kind, count, names in (
+        ("motion", 40, SCENES),
+        ("orbit", 20, orbits),
+        ("branch", 3, branches),
+    ):
         if change in CHANGED[kind][0]:
             judge_changed(kind, change, count, *names)
 
@@ -132,7 +154,10 @@ def test_a_graze_is_refused_where_no_start_touches(name: str) -> None:
         *(good | {"starts": starts} for starts in ("", "none", 1, None, True, [])),
         *(
             put(good, "free", {"name": "x0", "low": str(low + shift), "high": str(high + shift)})
-            for shift in (9 * (low - high), 9 * (high - low))  # all starts miss, or all go beyond the belt
+            for shift in (
+                9 * (low - high),
+                9 * (high - low),
+            )  # all starts miss, or all go beyond the belt
         ),
     ):
         assert judged(bad)[0] >= 1
@@ -146,15 +171,27 @@ def test_a_later_contact_of_the_same_flight_is_not_the_next_event() -> None:
     with ctx.workprec(200):
         o = Oscillator(SWING)
         flight = Flight(o, 1, arb(0), arb(-3), arb(-1))
-        gap, times = flight.gap(1), [Fraction(i, 100) for i in range(901)]
+        gap = flight.gap(1)
+        times = [Fraction(i, 100) for i in range(901)]
         falls = [a for a, b in itertools.pairwise(times) if gap(ball(a)).g > 0 > gap(ball(b)).g]
         assert len(falls) > 1
         for number, tau in enumerate(falls):
             t = zero_in(gap, ball(tau), ball(tau) + arb("0.011"), "a contact", flight.t0)
             there = flight.at(t)
-            target = "Omega2" if there.a > o.jump[1] else "belt1"
-            row = {"kind": "cross" if target == "Omega2" else "stick", "boundary": 1, "source": "Omega1"}
-            row |= {"target": target, "t": list(outward(t, 25)), "x": list(outward(flight.x(there), 25))}
+            if there.a > o.jump[1]:
+                target = "Omega2"
+            else:
+                target = "belt1"
+            row = {
+                "kind": "cross" if target == "Omega2" else "stick",
+                "boundary": 1,
+                "source": "Omega1",
+            }
+            row |= {
+                "target": target,
+                "t": list(outward(t, 25)),
+                "x": list(outward(flight.x(there), 25)),
+            }
             end = str(Fraction(row["t"][1]) + Fraction(1, 10**6))
             code, line = judged(whole | {"events": [row], "t_end": end})
             assert code == (1 if number else 0), line
@@ -162,15 +199,26 @@ def test_a_later_contact_of_the_same_flight_is_not_the_next_event() -> None:
 
 @pytest.mark.slow
 def test_a_touch_within_40_digits_is_proven_with_more_bits() -> None:
-    """Near the touch steps are short for want of bits; 50,000 of them said that its time is too far away."""
+    """Near the touch steps are short for want of bits.
+
+    50,000 of them said that its time is too far away.
+    """
     found = certify("fig8-exact", digits=40)
-    assert (found.proven, found.message) == (True, "1 event until t = 7, for some x0 within the error of the start")
+    assert (found.proven, found.message) == (
+        True,
+        "1 event until t = 7, for some x0 within the error of the start",
+    )
 
 
 @pytest.mark.parametrize("Omega", ["2", "2.0000001"])
 def test_near_resonance_the_checker_confirms(Omega: str) -> None:
-    """At resonance with c = 1e-10 the steady motion is 1e9 times the true one: it may not bound it."""
-    p = Parameters(m=1, c="1e-10", k=4, A0=0, B0="0.7", Omega=Omega, v1=-3, v2=3, mu1="0.1", mu2="0.05", FN=1)
+    """At resonance with c = 1e-10 the steady motion is 1e9 times the true one.
+
+    It may not bound it.
+    """
+    p = Parameters(
+        m=1, c="1e-10", k=4, A0=0, B0="0.7", Omega=Omega, v1=-3, v2=3, mu1="0.1", mu2="0.05", FN=1
+    )
     found = certify(Scene("resonance", p, Fraction(0), Fraction(0), Fraction(0), Fraction("17.79")))
     assert (found.proven, len(found.events)) == (True, 11), found.message
 
@@ -181,7 +229,13 @@ def test_near_resonance_the_checker_confirms(Omega: str) -> None:
 def resized(factor: Fraction) -> Callable[[Document], Document]:
     def change(it: Document) -> Document:
         for place, name in itertools.product((0, -1), "tx"):
-            it = put(it, "cycle", place, name, lambda ends: moved(ends, 0, (factor - 1) * width(ends) / 2))
+            it = put(
+                it,
+                "cycle",
+                place,
+                name,
+                lambda ends: moved(ends, 0, (factor - 1) * width(ends) / 2),
+            )
         return it
 
     return change
@@ -199,10 +253,20 @@ def replaced(*path: Any) -> Callable[[Document], Document]:
 FALSE: dict[str, Callable[[Document], Document]] = {
     **{
         f"{where}[{place}].{name} {sign:+d}": shift(where, place, name, sign)
-        for where, place in (("events", 0), ("cycle", 0), ("cycle", 1), ("cycle", -1), ("last", 0), ("last", -1))
+        for where, place in (
+            ("events", 0),
+            ("cycle", 0),
+            ("cycle", 1),
+            ("cycle", -1),
+            ("last", 0),
+            ("last", -1),
+        )
         for name, sign in itertools.product("tx", (-1, 1))
     },
-    **{f"count {by:+d}": replaced("count", lambda it, by=by: it + by) for by in (-4, -2, -1, 1, 2, 4, 10**6)},
+    **{
+        f"count {by:+d}": replaced("count", lambda it, by=by: it + by)
+        for by in (-4, -2, -1, 1, 2, 4, 10**6)
+    },
     "twice the periods": replaced("periods", lambda it: 2 * it),
     "no cycle": replaced("cycle", lambda it: it[:1]),
     "half a cycle": replaced("cycle", lambda it: it[: len(it) // 2 + 1]),
@@ -210,7 +274,9 @@ FALSE: dict[str, Callable[[Document], Document]] = {
     "a kind": replaced("cycle", 1, "kind", lambda it: "stick" if it != "stick" else "cross"),
     "a mode": replaced("cycle", 1, "target", lambda it: "Omega3" if it != "Omega3" else "Omega2"),
     "a belt": replaced("cycle", 1, "boundary", lambda it: 3 - it),
-    "a kind of the last": replaced("last", -1, "kind", lambda it: "stick" if it != "stick" else "cross"),
+    "a kind of the last": replaced(
+        "last", -1, "kind", lambda it: "stick" if it != "stick" else "cross"
+    ),
     "a last event too many": replaced("last", lambda it: [it[0], *it]),
     "no first event": replaced("events", []),
     "the first event twice": replaced("events", lambda it: it * 2),
@@ -274,7 +340,10 @@ def test_a_box_of_another_shape_is_not_mapped_into_itself(name: str) -> None:
     for narrow in "tx":
         changed = document(name)
         for place, each in itertools.product((0, -1), "tx"):
-            factor = Fraction(1, 100) if each == narrow else 100
+            if each == narrow:
+                factor = Fraction(1, 100)
+            else:
+                factor = 100
             ends = changed["cycle"][place][each]
             changed["cycle"][place][each] = moved(ends, 0, (factor - 1) * width(ends) / 2)
         assert judged(changed)[0] == 1
@@ -284,15 +353,20 @@ def test_a_box_of_another_shape_is_not_mapped_into_itself(name: str) -> None:
 def test_a_short_run_ends_as_near_to_the_orbit_as_it_has_come() -> None:
     """From starts within 1e-9 the events of the 7th period are not yet those of the orbit to 20 digits."""
     scene = load_scene("fig9-orbit").started({"t_end": "11.2"})
-    start, error = (scene.t0, scene.x0, scene.v0), (Fraction(0), Fraction(1, 10**9), Fraction(0))
+    start = (scene.t0, scene.x0, scene.v0)
+    error = (Fraction(0), Fraction(1, 10**9), Fraction(0))
     what = ToProve(scene.parameters, start, error, scene.t_end)
     orbit = find_orbit(scene.parameters, "P32")
-    wide, narrow = (prove_settled(each, orbit).as_dict() for each in (what, what._replace(errors=EXACT)))
+    wide, narrow = (
+        prove_settled(each, orbit).as_dict() for each in (what, what._replace(errors=EXACT))
+    )
     assert judged(wide)[0] == judged(narrow)[0] == 0
     assert judged(wide | {"last": narrow["last"]})[0] == 1
 
 
-@pytest.mark.parametrize("until", ["0.44364498555745564947209096", "0.4436449855574556494720909", "0.4", "1", None])
+@pytest.mark.parametrize(
+    "until", ["0.44364498555745564947209096", "0.4436449855574556494720909", "0.4", "1", None]
+)
 def test_until_when_the_start_may_stick(until: str | None) -> None:
     """By the time stated all have left the belt; until 1 they would still be held to be there."""
     assert judged(document("settled fig10-orbit") | {"may_stick_until": until})[0] == 1
@@ -304,7 +378,10 @@ def test_until_when_the_start_may_stick(until: str | None) -> None:
 @pytest.mark.quick(3)
 @pytest.mark.parametrize("place", [3, 31, 40, 59, 500, 583, 827])
 def test_listed_orbits_are_proven_again(place: int) -> None:
-    """Of the list of 1,030 fifty failed: their fixed point was not known well enough for 16 places of a multiplier."""
+    """Of the list of 1,030 fifty failed.
+
+    Their fixed point was not known well enough for 16 places of a multiplier.
+    """
     assert judged(document(f"orbit {place}"))[0] == 0
 
 
@@ -314,7 +391,12 @@ def test_the_box_in_which_an_orbit_is_alone_has_to_be_proven() -> None:
 
 
 @pytest.mark.parametrize(
-    "name", ["sticks", pytest.param("stick", marks=pytest.mark.slow), pytest.param("graze", marks=pytest.mark.campaign)]
+    "name",
+    [
+        "sticks",
+        pytest.param("stick", marks=pytest.mark.slow),
+        pytest.param("graze", marks=pytest.mark.campaign),
+    ],
 )
 def test_a_branch_is_proven_again(name: str) -> None:
     whole = document(f"branch {name}")
@@ -327,9 +409,14 @@ def test_a_branch_is_proven_again(name: str) -> None:
 @pytest.mark.campaign
 @pytest.mark.parametrize(
     ("scene", "low", "high", "ends"),
-    [("fig9", "3", "6", ("birth of a stick", "grazing")), ("fig10", "1.7", "3", ("end of the range", "grazing"))],
+    [
+        ("fig9", "3", "6", ("birth of a stick", "grazing")),
+        ("fig10", "1.7", "3", ("end of the range", "grazing")),
+    ],
 )
-def test_the_branches_of_the_paper_are_proven_again(scene: str, low: str, high: str, ends: tuple[str, ...]) -> None:
+def test_the_branches_of_the_paper_are_proven_again(
+    scene: str, low: str, high: str, ends: tuple[str, ...]
+) -> None:
     problem = load_scene(scene)
     found = certify(continue_orbit(problem.parameters, problem.structure, "Omega", (low, high)))
     assert tuple(end["kind"] for end in found.statement["ends"]) == ends
@@ -338,23 +425,31 @@ def test_the_branches_of_the_paper_are_proven_again(scene: str, low: str, high: 
 
 @pytest.mark.campaign
 def test_branches_in_all_parameters_are_proven_again() -> None:
-    rng, found = random.Random("17"), 0
+    rng = random.Random("17")
+    found = 0
     while found < 30:
-        orbit, name = rng.choice(listed_orbits()), rng.choice(PARAMETER_NAMES)
+        orbit = rng.choice(listed_orbits())
+        name = rng.choice(PARAMETER_NAMES)
         value = getattr(orbit.p, name)
         reach = abs(value) * Fraction(rng.choice([1, 5, 20]), 1000)
         if len(orbit.word) > 7 or not reach:
             continue
         found += 1
         start = find_orbit(orbit.p, orbit.word, orbit.points())
-        made = certify(continue_orbit(orbit.p, orbit.word, name, (value - reach, value + reach), start))
+        made = certify(
+            continue_orbit(orbit.p, orbit.word, name, (value - reach, value + reach), start)
+        )
         assert not made.proven or judged(made.as_dict())[0] == 0, made.message
 
 
 @pytest.mark.slow
 @pytest.mark.parametrize("name", ["c", "k", "m"])
 def test_a_branch_through_critical_damping_is_proven(name: str) -> None:
-    orbit = next(each for each in listed_orbits() if each.regime == "critically damped" and len(each.word) < 5)
+    orbit = next(
+        each
+        for each in listed_orbits()
+        if each.regime == "critically damped" and len(each.word) < 5
+    )
     value = getattr(orbit.p, name)
     start = find_orbit(orbit.p, orbit.word, orbit.points())
     ends = (value * Fraction(99, 100), value * Fraction(101, 100))
@@ -367,7 +462,9 @@ def test_a_branch_through_critical_damping_is_proven(name: str) -> None:
 
 @pytest.mark.quick(3)
 @pytest.mark.parametrize("kind", KINDS)
-def test_what_is_written_fits_the_schema_and_says_what_the_checker_prints(kind: str, tmp_path: Path) -> None:
+def test_what_is_written_fits_the_schema_and_says_what_the_checker_prints(
+    kind: str, tmp_path: Path
+) -> None:
     whole = json.loads(text_of(kind))
     VALIDATOR.validate(whole)
     code, answer = verified(text_of(kind), tmp_path)
@@ -394,10 +491,22 @@ def test_what_is_not_proven_fits_the_schema_too() -> None:
 
 
 def objects(value: Any, way: tuple[Any, ...] = ()) -> list[tuple[Any, ...]]:
-    """Return where there are objects in a document; of those in a list the last one stands for all."""
-    found = [way] if isinstance(value, dict) else []
-    last = list(enumerate(value))[-1:] if isinstance(value, list) else []
-    parts = value.items() if isinstance(value, dict) else last
+    """Return where there are objects in a document.
+
+    Of those in a list the last one stands for all.
+    """
+    if isinstance(value, dict):
+        found = [way]
+    else:
+        found = []
+    if isinstance(value, list):
+        last = list(enumerate(value))[-1:]
+    else:
+        last = []
+    if isinstance(value, dict):
+        parts = value.items()
+    else:
+        parts = last
     return found + [each for key, part in parts for each in objects(part, (*way, key))]
 
 
@@ -410,9 +519,15 @@ def test_no_key_may_be_added_dropped_or_be_there_twice(kind: str, tmp_path: Path
         for step in way:
             place = place[step]
         keys = place.keys() - {"message", "made_by", "kind"}
-        others = [place | {"note": "1"}, *({k: v for k, v in place.items() if k != key} for key in keys)]
+        others = [
+            place | {"note": "1"},
+            *({k: v for k, v in place.items() if k != key} for key in keys),
+        ]
         for other in others:
-            changed = put(whole, *way, other) if way else other
+            if way:
+                changed = put(whole, *way, other)
+            else:
+                changed = other
             assert not VALIDATOR.is_valid(changed), (way, other)
             assert judged(changed)[0] == 2, (way, other)
     twice = text_of(kind).replace('"kind":', '"kind": "", "kind":', 1)
@@ -484,8 +599,14 @@ def test_work_is_limited_and_each_limit_is_an_option(tmp_path: Path) -> None:
     text = text_of("settled fig10-orbit 4000")
     assert verified(text, tmp_path)[0] == 0
     assert verified(text, tmp_path, steps=50) == (1, "not proven: more than 50 steps (--steps)")
-    assert verified(text, tmp_path, events=3) == (1, "not proven: more than 3 events and boxes (--events)")
-    assert verified(text, tmp_path, bytes=500) == (2, "no certificate: more than 500 bytes (--bytes)")
+    assert verified(text, tmp_path, events=3) == (
+        1,
+        "not proven: more than 3 events and boxes (--events)",
+    )
+    assert verified(text, tmp_path, bytes=500) == (
+        2,
+        "no certificate: more than 500 bytes (--bytes)",
+    )
     for_ever = document("motion fig7") | {"t_end": "1e90"}  # it meets no belt
     assert judged(for_ever, steps=100) == (1, "not proven: more than 100 steps (--steps)")
 
@@ -503,7 +624,9 @@ def test_precision_and_cap_are_given_back_also_by_threads() -> None:
     before = ctx.prec, ctx.cap
     answers: list[int] = []
     documents = [document(kind) for kind in KINDS]  # proving is not for threads
-    work = [threading.Thread(target=lambda it=it: answers.append(judged(it)[0])) for it in documents]
+    work = [
+        threading.Thread(target=lambda it=it: answers.append(judged(it)[0])) for it in documents
+    ]
     for each in work:
         each.start()
     for each in work:
@@ -535,7 +658,13 @@ def test_a_copy_proves_its_kinds_and_refuses_the_others(name: str, tmp_path: Pat
     beside, proves = CHECKERS[name]
     for each in (name, *beside):
         (tmp_path / each).write_bytes((FOLDER / each).read_bytes())
-    for kind in ("motion fig6", "orbit fig9", "window fig9 P2", "branch short", "settled fig10-orbit 4000"):
+    for kind in (
+        "motion fig6",
+        "orbit fig9",
+        "window fig9 P2",
+        "branch short",
+        "settled fig10-orbit 4000",
+    ):
         (tmp_path / "it.json").write_text(text_of(kind), encoding="utf-8")
         code, out, err = run(tmp_path, name, "it.json")
         if kind.split()[0] in proves:
@@ -548,12 +677,21 @@ def test_a_copy_proves_its_kinds_and_refuses_the_others(name: str, tmp_path: Pat
     for each in beside:
         (tmp_path / each).unlink()
         code, out, err = run(tmp_path, name, "it.json")
-        assert (code, out, len(err.splitlines()), "has to be beside" in err) == (2, "", 1, True), err
+        assert (code, out, len(err.splitlines()), "has to be beside" in err) == (2, "", 1, True), (
+            err
+        )
 
 
 @pytest.mark.parametrize("name", CHECKERS)
 def test_a_checker_needs_python_flint_and_nothing_of_symosc(name: str) -> None:
     nodes = list(ast.walk(ast.parse((FOLDER / name).read_text(encoding="utf-8"))))
-    heads = {alias.name.split(".")[0] for node in nodes if isinstance(node, ast.Import) for alias in node.names}
-    heads |= {(node.module or "").split(".")[0] for node in nodes if isinstance(node, ast.ImportFrom)}
+    heads = {
+        alias.name.split(".")[0]
+        for node in nodes
+        if isinstance(node, ast.Import)
+        for alias in node.names
+    }
+    heads |= {
+        (node.module or "").split(".")[0] for node in nodes if isinstance(node, ast.ImportFrom)
+    }
     assert heads <= {"flint", *sys.stdlib_module_names}

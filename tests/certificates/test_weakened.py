@@ -1,7 +1,9 @@
-"""The checker is weakened, one requirement at a time: each time a forged file gets through that it refuses.
+"""The checker is weakened, one requirement at a time.
 
-A row is: what is dropped or loosened in the source, and a forged file. docs/explanation/certificates.md has the same
-table in words.
+Each time a forged file gets through that it refuses.
+
+A row is: what is dropped or loosened in the source, and a forged file.
+docs/explanation/certificates.md has the same table in words.
 """
 
 from __future__ import annotations
@@ -30,7 +32,10 @@ from symosc.certificates.orbit import certify_orbit
 
 def weakened(module: ModuleType, changes: tuple[tuple[str, str], ...]) -> Any:
     """Return `judge` of a checker whose source is changed; its sister is loaded with it."""
-    sources = {each: Path(str(each.__file__)).read_text(encoding="utf-8") for each in (verify, verify_orbits)}
+    sources = {
+        each: Path(str(each.__file__)).read_text(encoding="utf-8")
+        for each in (verify, verify_orbits)
+    }
     for old, new in changes:
         assert sources[module].count(old) >= 1, f"no such line any more: {old}"
         sources[module] = sources[module].replace(old, new)
@@ -59,7 +64,10 @@ def shifted(name: str, *path: Any, by: Any = 1) -> Document:
 def excursions(x0: str, v0: str) -> list[Document]:
     """Say that nothing happens, until several times, while v goes beyond v1 and comes back."""
     start = {"t0": "0", "x0": x0, "v0": v0}
-    return [document("swing") | {"events": [], "t_end": f"{t / 8}", "start": start} for t in range(24, 60)]
+    return [
+        document("swing") | {"events": [], "t_end": f"{t / 8}", "start": start}
+        for t in range(24, 60)
+    ]
 
 
 class Row(NamedTuple):
@@ -78,7 +86,9 @@ def requirements() -> set[str]:
         source = Path(str(module.__file__)).read_text(encoding="utf-8")
         lines = source.splitlines()
         for node in ast.walk(ast.parse(source)):
-            if isinstance(node, ast.Expr) and re.match(r"\s*(require|check|inside)\(", lines[node.lineno - 1]):
+            if isinstance(node, ast.Expr) and re.match(
+                r"\s*(require|check|inside)\(", lines[node.lineno - 1]
+            ):
                 found.add(ast.get_source_segment(source, node) or "")
     return found
 
@@ -103,15 +113,24 @@ def a_miss() -> Document:
     """State a graze of an exact start, which misses the belt by a little."""
     whole = document("circle")
     start = whole["start"] | {"v0": str(-1 + Fraction(1, 10**20))}
-    (t, x), row = (whole["events"][0][name] for name in "tx"), whole["events"][0]
-    row = row | {"t": [moved(t, "-1e-6")[0], moved(t, "1e-6")[1]], "x": [moved(x, "-1e-6")[0], moved(x, "1e-6")[1]]}
+    (t, x) = (whole["events"][0][name] for name in "tx")
+    row = whole["events"][0]
+    row = row | {
+        "t": [moved(t, "-1e-6")[0], moved(t, "1e-6")[1]],
+        "x": [moved(x, "-1e-6")[0], moved(x, "1e-6")[1]],
+    }
     return whole | {"start": start, "events": [row], "t_end": moved(t, "0.1")[0]}
 
 
 def by_v0() -> Document:
-    """State derivatives by v0 of a flight from a belt: for starts below the belt they are others."""
+    """State derivatives by v0 of a flight from a belt.
+
+    For starts below the belt they are others.
+    """
     s = sensitivities("fig9", "v0", t_end=2, digits=40)
-    ends = [[[moved([str(d[n, 0])] * 2, 0, "1e-20")] for d in (s.dt, s.dx)] for n in range(len(s.dt))]
+    ends = [
+        [[moved([str(d[n, 0])] * 2, 0, "1e-20")] for d in (s.dt, s.dx)] for n in range(len(s.dt))
+    ]
     return document("derivatives fig9 2") | {
         "wrt": ["v0"],
         "derivatives": [dict(zip(("dt", "dx"), e, strict=True)) for e in ends],
@@ -119,7 +138,10 @@ def by_v0() -> Document:
 
 
 def at_the_edge_of_a_stick() -> Document:
-    """Begin on a belt where a force is 0 and falls; with a little more of mu2 it would stick at first."""
+    """Begin on a belt where a force is 0 and falls.
+
+    With a little more of mu2 it would stick at first.
+    """
     p = Parameters(m=1, c=1, k=1, A0=0, B0=0, Omega=1, v1="-0.1", v2=1, mu1="1/2", mu2="1/2", FN=1)
     scene = Scene("edge", p, Fraction(0), Fraction(-1), Fraction(1), Fraction(3))
     found: Document = json.loads(json.dumps(certify(scene, wrt="mu2").as_dict()))
@@ -154,14 +176,24 @@ def twice_round() -> Document:
     with workdps(60):
         turn = Fraction(nstr(2 * pi / mpf(whole["parameters"]["Omega"]), 55))
     rows = whole["events"]
-    again = [row | {"t": moved(row["t"], turn), "reach": str(100 * Fraction(row["reach"]))} for row in rows[1:]]
+    again = [
+        row | {"t": moved(row["t"], turn), "reach": str(100 * Fraction(row["reach"]))}
+        for row in rows[1:]
+    ]
     wide = {"re": ["-1", "1"], "im": ["-1", "1"]}
-    return whole | {"events": rows + again, "word": "P3232", "periods": 2, "multipliers": [wide, wide]}
+    return whole | {
+        "events": rows + again,
+        "word": "P3232",
+        "periods": 2,
+        "multipliers": [wide, wide],
+    }
 
 
 def off_the_range() -> Document:
     whole = document("branch short")
-    return put(whole, "ends", 1, {"kind": "end of the range", "inside": "4.005", "outside": "4.005"})
+    return put(
+        whole, "ends", 1, {"kind": "end of the range", "inside": "4.005", "outside": "4.005"}
+    )
 
 
 def another_family() -> Document:
@@ -170,7 +202,9 @@ def another_family() -> Document:
     end = whole["ends"][1]
     with workdps(60):
         turn = Fraction(nstr(2 * pi / mpf(end["inside"]), 55))
-    change = turn * abs(1 - Fraction(end["inside"]) / Fraction(end["outside"]))  # of the turn from value to value
+    change = turn * abs(
+        1 - Fraction(end["inside"]) / Fraction(end["outside"])
+    )  # of the turn from value to value
     moves = {"t": [moved(t, turn, change) for t in end["t"]], "at": str(Fraction(end["at"]) + turn)}
     return put(whole, "ends", 1, end | moves)
 
@@ -181,37 +215,53 @@ def a_gap() -> Document:
     return put(whole, "boxes", 0, "value", 1, str((Fraction(low) + Fraction(high)) / 2))
 
 
-BEFORE, BEHIND = "a number is not above the lower end stated", "a number is not below the upper end stated"
+BEFORE = "a number is not above the lower end stated"
+BEHIND = "a number is not below the upper end stated"
 ROWS: dict[str, Row] = {
     # 2: nothing happens before the next event
     "a step, from its start on": Row(
         (("sure = f > 0 and f + slope * half - bend * half * half / 2 > 0", "sure = f > 0"),),
         lambda: excursions("-3", "-1"),
     ),
-    "the bound of f'' in it": Row((("self.bound(z, n + 2, h)", "arb(0)"),), lambda: excursions("3", "-1")),
-    "a flight that settles": Row((("- most > 0", "- most > -1e9"),), lambda: without_the_last_event("motion fig9 2")),
-    "a stick that rests": Row((("if least > 0:", "if f > 0:"),), lambda: without_the_last_event("motion fig6")),
+    "the bound of f'' in it": Row(
+        (("self.bound(z, n + 2, h)", "arb(0)"),), lambda: excursions("3", "-1")
+    ),
+    "a flight that settles": Row(
+        (("- most > 0", "- most > -1e9"),), lambda: without_the_last_event("motion fig9 2")
+    ),
+    "a stick that rests": Row(
+        (("if least > 0:", "if f > 0:"),), lambda: without_the_last_event("motion fig6")
+    ),
     "the step from a belt": Row(
         (("f > 0 and f + slope * half - bend", "f > 0 and n > 0 or f + slope * half - bend"),),
         lambda: excursions("3", "1"),
     ),
     # 3: events
-    "the lower end of an interval": Row(dropped(BEFORE), lambda: shifted("motion fig6", "events", 0, "x")),
-    "the upper end of an interval": Row(dropped(BEHIND), lambda: shifted("motion fig6", "events", 0, "x", by=-1)),
+    "the lower end of an interval": Row(
+        dropped(BEFORE), lambda: shifted("motion fig6", "events", 0, "x")
+    ),
+    "the upper end of an interval": Row(
+        dropped(BEHIND), lambda: shifted("motion fig6", "events", 0, "x", by=-1)
+    ),
     "the belt of a slip": Row(
-        ((' and row["boundary"] == self.belt', ""),), lambda: altered("motion fig6", "events", 0, "boundary", 1)
+        ((' and row["boundary"] == self.belt', ""),),
+        lambda: altered("motion fig6", "events", 0, "boundary", 1),
     ),
     "the kind of an event": Row(
-        dropped("{kind}: {MODES[self.mode.number]} to"), lambda: altered("motion fig6", "events", 1, "kind", "cross")
+        dropped("{kind}: {MODES[self.mode.number]} to"),
+        lambda: altered("motion fig6", "events", 1, "kind", "cross"),
     ),
     "the mode behind an event": Row(
-        dropped("{kind}: {MODES[self.mode.number]} to"), lambda: altered("motion fig6", "events", 1, "target", "Omega1")
+        dropped("{kind}: {MODES[self.mode.number]} to"),
+        lambda: altered("motion fig6", "events", 1, "target", "Omega1"),
     ),
     "the first mode": Row(
-        (('check(data["mode"] == motion.mode.number', "check(True"),), lambda: altered("motion fig6", "mode", "Omega2")
+        (('check(data["mode"] == motion.mode.number', "check(True"),),
+        lambda: altered("motion fig6", "mode", "Omega2"),
     ),
     "the velocity of a start on a belt": Row(
-        dropped("whose velocity is known exactly"), lambda: altered("motion fig6", "start_error", ["0", "0", "1e-40"])
+        dropped("whose velocity is known exactly"),
+        lambda: altered("motion fig6", "start_error", ["0", "0", "1e-40"]),
     ),
     # 4: grazes
     "that one start goes beyond the belt": Row(
@@ -226,12 +276,17 @@ ROWS: dict[str, Row] = {
     # 6: motions that settle
     "how many events there are": Row(dropped("so many events until t_end"), one_cycle_more),
     "the kinds of the last events": Row(
-        dropped("the kinds of the last events"), lambda: altered("settled fig9-orbit 2000", "last", -1, "kind", "stick")
+        dropped("the kinds of the last events"),
+        lambda: altered("settled fig9-orbit 2000", "last", -1, "kind", "stick"),
     ),
-    "that the cycle begins with the last event": Row(dropped("a cycle from the last event on"), another_cycle),
+    "that the cycle begins with the last event": Row(
+        dropped("a cycle from the last event on"), another_cycle
+    ),
     "when the mass has left the belt": Row(
         dropped("the end of a stick before the time stated"),
-        lambda: altered("settled fig10-orbit 4000", "may_stick_until", "0.44364498555745564947209095001"),
+        lambda: altered(
+            "settled fig10-orbit 4000", "may_stick_until", "0.44364498555745564947209095001"
+        ),
     ),
     # 7: derivatives
     "the lower end of a derivative": Row(
@@ -246,30 +301,48 @@ ROWS: dict[str, Row] = {
     ),
     # 8: windows
     "the sign of s": Row(
-        (('check(not s < 0, "a window', 'check(True, "a window'), ("[] if s > 0 else", "[] if s > 0 or s < 0 else")),
+        (
+            ('check(not s < 0, "a window', 'check(True, "a window'),
+            ("[] if s > 0 else", "[] if s > 0 or s < 0 else"),
+        ),
         lambda: put(everywhere(), "grazes", "nowhere"),
     ),
     "that s is 0 at an end": Row(
         dropped("an end where s is not 0"),
-        lambda: altered("window fig9 P2", "ends", 0, "sine", str(Fraction(-1, 12) + Fraction(1, 10**26))),
+        lambda: altered(
+            "window fig9 P2", "ends", 0, "sine", str(Fraction(-1, 12) + Fraction(1, 10**26))
+        ),
     ),
     "the order at the phase where s is 0": Row(
-        dropped("not so at the phase where s is 0"), lambda: altered("window fig8 P5", "order", "paper")
+        dropped("not so at the phase where s is 0"),
+        lambda: altered("window fig8 P5", "order", "paper"),
     ),
     # orbits
-    "the word": Row(dropped("the word {word[:40]!r}"), lambda: altered("orbit fig9", "word", "P23456"), verify_orbits),
+    "the word": Row(
+        dropped("the word {word[:40]!r}"),
+        lambda: altered("orbit fig9", "word", "P23456"),
+        verify_orbits,
+    ),
     "the least period": Row(dropped("that the least period is"), twice_round, verify_orbits),
     "the stability": Row(
-        dropped("not as stable as it is said to be"), lambda: altered("orbit fig9", "stable", False), verify_orbits
+        dropped("not as stable as it is said to be"),
+        lambda: altered("orbit fig9", "stable", False),
+        verify_orbits,
     ),
     "the sizes of multipliers": Row(
-        dropped('inside(re, ends["re"])'), lambda: shifted("orbit fig9", "multipliers", 0, "re"), verify_orbits
+        dropped('inside(re, ends["re"])'),
+        lambda: shifted("orbit fig9", "multipliers", 0, "re"),
+        verify_orbits,
     ),
     "where the orbit is": Row(
-        dropped('inside(x, row["x"])'), lambda: shifted("orbit fig9", "events", 1, "x"), verify_orbits
+        dropped('inside(x, row["x"])'),
+        lambda: shifted("orbit fig9", "events", 1, "x"),
+        verify_orbits,
     ),
     # branches
-    "that the boxes follow each other": Row(dropped("rows that follow each other"), a_gap, verify_orbits),
+    "that the boxes follow each other": Row(
+        dropped("rows that follow each other"), a_gap, verify_orbits
+    ),
     "that the ends are those of the range": Row(
         dropped("an end of the range, or one outside of it"), off_the_range, verify_orbits
     ),
@@ -277,7 +350,9 @@ ROWS: dict[str, Row] = {
         (('found.within(row, *found.root(end["inside"]))', "pass"),), another_family, verify_orbits
     ),
     "the kind of an end": Row(
-        dropped("an end that is a {kind[:40]!r}"), lambda: forged("end_with_a_wrong_name"), verify_orbits
+        dropped("an end that is a {kind[:40]!r}"),
+        lambda: forged("end_with_a_wrong_name"),
+        verify_orbits,
     ),
     "the range of the model at an end": Row(
         ((', *(end["outside"] for end in data["ends"])', ""),),
@@ -297,7 +372,10 @@ ROWS: dict[str, Row] = {
 def test_without_the_requirement_a_forged_file_gets_through(name: str) -> None:
     row = ROWS[name]
     made = row.forged()
-    files = made if isinstance(made, list) else [made]
+    if isinstance(made, list):
+        files = made
+    else:
+        files = [made]
     for each in files:
         code, answer = verify_orbits.judge(each, steps=20_000)
         assert code > 0, answer
@@ -309,11 +387,15 @@ def test_without_the_requirement_a_forged_file_gets_through(name: str) -> None:
 @pytest.mark.slow
 def test_a_branch_of_too_many_events_is_refused_before_its_matrices_are_made() -> None:
     """They had 10,000 rows and more: FLINT ended the process for want of memory."""
-    whole, n = document("branch short"), 2500
-    rows, box = whole["events"], whole["boxes"][0]
+    whole = document("branch short")
+    n = 2500
+    rows = whole["events"]
+    box = whole["boxes"][0]
     for name in "tx":
         box[name] = box[name][:-1] * n + box[name][:1]
-    ends = [{"kind": "end of the range", "inside": value, "outside": value} for value in box["value"]]
+    ends = [
+        {"kind": "end of the range", "inside": value, "outside": value} for value in box["value"]
+    ]
     whole |= {"events": rows[:-1] * n + rows[:1], "word": "P" + "32" * n, "ends": ends}
     code, answer = verify_orbits.judge(whole | {"boxes": [box], "range": box["value"]})
     assert (code, "--steps" in answer) == (1, True), answer
@@ -322,20 +404,27 @@ def test_a_branch_of_too_many_events_is_refused_before_its_matrices_are_made() -
 def test_behind_an_event_the_velocity_is_that_of_the_belt() -> None:
     """A speed that is no binary fraction was rounded, and the ball about it left out."""
     row = verify.read(document("swing")["events"][0], verify.EVENTS[0], "event")
-    p = verify.read(document("swing")["parameters"], verify.MOTION["parameters"], "p") | {"v1": fmpq(1000001, 1000000)}
+    p = verify.read(document("swing")["parameters"], verify.MOTION["parameters"], "p") | {
+        "v1": fmpq(1000001, 1000000)
+    }
     row |= {"t": (row["t"][0] - fmpq(1, 1000), row["t"][1] + fmpq(1, 1000))}
     start = [fmpq(0), fmpq(-3), fmpq(-1)]
     with ctx.workprec(256):
-        then = verify.begin(verify.Problem(p, {"left": 1000, "steps": 1000}), start, [fmpq(0)] * 3, []).after_event(row)
+        then = verify.begin(
+            verify.Problem(p, {"left": 1000, "steps": 1000}), start, [fmpq(0)] * 3, []
+        ).after_event(row)
         assert then.centre[2].contains(fmpq(1000001, 1000000))
 
 
 def test_the_state_at_the_first_of_uncertain_times_is_enclosed() -> None:
     """For each time that the start may have, the state is followed back by the exponential of the ODE's matrix."""
     p = verify.read(document("swing")["parameters"], verify.MOTION["parameters"], "p")
-    m, c, k, A0, B0, Om, *_, mu1, mu2, FN = (mpf(int(q.p)) / int(q.q) for q in (p[name] for name in verify.NAMES))
+    m, c, k, A0, B0, Om, *_, mu1, mu2, FN = (
+        mpf(int(q.p)) / int(q.q) for q in (p[name] for name in verify.NAMES)
+    )
     rows = [[0, 1, 0, 0, 0], [-k / m, -c / m, (A0 + (mu2 - mu1) * FN) / m, B0 / m, 0]]
-    M, half = matrix([*rows, [0] * 5, [0, 0, 0, 0, -Om], [0, 0, 0, Om, 0]]), Fraction(1, 64)
+    M = matrix([*rows, [0] * 5, [0, 0, 0, 0, -Om], [0, 0, 0, Om, 0]])
+    half = Fraction(1, 64)
     for x, v in ((-5, -1), (-5, 1), (7, -2), (7, 2)):
         centre = [arb(1), arb(x), arb(v)]
         with ctx.workprec(128):
@@ -345,12 +434,19 @@ def test_the_state_at_the_first_of_uncertain_times_is_enclosed() -> None:
             late = half * (4 + part) / 4  # after the first time
             t = 1 - float(half) + float(late)
             z = expm(-M * float(late)) * matrix([x, v, 1, cos(Om * t), sin(Om * t)])
-            assert all(found.z0[i, 0].contains(arb(nstr(z[i], 12))) or i == 2 for i in range(5)), (x, v, part)
+            assert all(found.z0[i, 0].contains(arb(nstr(z[i], 12))) or i == 2 for i in range(5)), (
+                x,
+                v,
+                part,
+            )
 
 
 @pytest.mark.slow
 def test_an_unstable_orbit_is_known_as_one() -> None:
-    """With c < 0, outside the model, there are some: the range check is loosened for them. `stable` may not be true."""
+    """With c < 0, outside the model, there are some: the range check is loosened for them.
+
+    `stable` may not be true.
+    """
     p = load_scene("fig9").parameters.replace(v2=1000)
     orbit = find_orbit(p, "P32")
     near: tuple[tuple[Any, Any], ...] = tuple(orbit.points)
@@ -359,14 +455,19 @@ def test_an_unstable_orbit_is_known_as_one() -> None:
         object.__setattr__(other, "c", Fraction(c, 100))
         found = certify_orbit(other, orbit.labels, 1, near)
         rows = found.statement["events"]
-        near = tuple((float(Fraction(row["t"][0])), float(Fraction(row["x"][0]))) for row in rows[:-1])
+        near = tuple(
+            (float(Fraction(row["t"][0])), float(Fraction(row["x"][0]))) for row in rows[:-1]
+        )
         if rows[0]["target"] != "Omega1":  # it begins with another event than the word
             near = (*near[1:], (near[0][0] + float(orbit.period), near[0][1]))
     assert not found.proven
     assert "parameters out of range" in found.message
     whole = json.loads(json.dumps(found.as_dict() | {"proven": True}))
     del whole["message"]
-    judge = weakened(verify, (('for each in ("c", "k", "mu1", "mu2", "FN")', 'for each in ("k", "mu1", "mu2", "FN")'),))
+    judge = weakened(
+        verify,
+        (('for each in ("c", "k", "mu1", "mu2", "FN")', 'for each in ("k", "mu1", "mu2", "FN")'),),
+    )
     code, answer = judge(whole)
     assert (code, answer.startswith("proven: an unstable orbit P32")) == (0, True), answer
     assert judge(whole | {"stable": True})[0] == 1

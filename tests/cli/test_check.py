@@ -24,7 +24,9 @@ def run_part(*words: Any) -> Result:
 
 
 def write(path: Path, t: Any, x: Any, v: Any, head: str = "t,x,v") -> Path:
-    np.savetxt(path, np.column_stack([t, x, v]), fmt="%.17g", delimiter=",", header=head, comments="")
+    np.savetxt(
+        path, np.column_stack([t, x, v]), fmt="%.17g", delimiter=",", header=head, comments=""
+    )
     return path
 
 
@@ -40,7 +42,10 @@ def test_start_and_end_are_those_of_the_scene(tmp_path: Path, samples: Any) -> N
     short = write(tmp_path / "short.csv", t, x, v)
     result = run("fig9", short)
     assert result.exit_code == 1
-    assert "early end: the solution ends at t = 6; the motion of fig9 goes on to t = 10" in result.output
+    assert (
+        "early end: the solution ends at t = 6; the motion of fig9 goes on to t = 10"
+        in result.output
+    )
     assert run("fig9", short, "--partial").exit_code == 0
     assert run("fig9", short, "--t-end", "6").exit_code == 0
     other = write(tmp_path / "other.csv", t, *simulate("fig9", x0="4.6447", t_end=6)(t))

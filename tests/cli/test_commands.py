@@ -1,4 +1,7 @@
-"""What each command prints, writes and draws, if all is right; `grazing`, `check`, `score` have files of their own."""
+"""What each command prints, writes and draws, if all is right.
+
+`grazing`, `check`, `score` have files of their own.
+"""
 
 from __future__ import annotations
 
@@ -31,7 +34,9 @@ def test_the_table_shows_every_event_of_fig5() -> None:
     trajectory = symosc.simulate("fig5")
     rows = [re.split(r"\s{2,}", line.strip()) for line in lines[2 : 2 + len(trajectory.events)]]
     for row, event in zip(rows, trajectory.events, strict=True):
-        assert [float(value) for value in row[:4]] == pytest.approx([event.t, event.x, event.v, event.theta], rel=1e-13)
+        assert [float(value) for value in row[:4]] == pytest.approx(
+            [event.t, event.x, event.v, event.theta], rel=1e-13
+        )
         assert row[4:7] == [event.kind, str(event.boundary), f"{event.source} -> {event.target}"]
         assert float(row[7]) == pytest.approx(event.t_error, rel=0.5)
     assert lines[-2] == f"word, in order of time: {' '.join(trajectory.word)}"
@@ -57,10 +62,18 @@ def test_a_printed_scene_is_the_scene(name: str, tmp_path: Path) -> None:
 def test_the_error_of_a_start_survives_the_scene_file(tmp_path: Path) -> None:
     text = good("scenes", "fig8-exact")
     assert "start_error = [0, 5e-45, 5e-45]" in text
-    assert json.loads(good("scenes", "fig8-exact", "--json"))["start_error"] == ["0", "5e-45", "5e-45"]
+    assert json.loads(good("scenes", "fig8-exact", "--json"))["start_error"] == [
+        "0",
+        "5e-45",
+        "5e-45",
+    ]
     assert "start_error" not in good("scenes", "fig8")
     path = tmp_path / "one.toml"
-    for given, read in (('"1/3"', Fraction(1, 3)), ("1e-9", Fraction(1, 10**9)), ("0", Fraction(0))):
+    for given, read in (
+        ('"1/3"', Fraction(1, 3)),
+        ("1e-9", Fraction(1, 10**9)),
+        ("0", Fraction(0)),
+    ):
         path.write_text(re.sub(r"start_error = .*", f"start_error = {given}", text))
         assert symosc.load_scene(path).start_error == (read,) * 3
         copy = tmp_path / "copy.toml"
@@ -97,7 +110,9 @@ def test_notes_go_to_stderr(tmp_path: Path) -> None:
 def test_codegen_prints_and_compares(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
     from symosc.symbolic import codegen
 
-    assert good("codegen", "P32", "--language", "julia", "-o", "-") == export("P32", "julia")["p32.jl"]
+    assert (
+        good("codegen", "P32", "--language", "julia", "-o", "-") == export("P32", "julia")["p32.jl"]
+    )
     assert "is what the formulas print" in good("codegen", "--check")
     committed = codegen.PATH.read_text()
     monkeypatch.setattr(codegen, "PATH", tmp_path / "_generated.py")
@@ -118,8 +133,21 @@ def test_it_serves_the_scene_and_ends_quietly() -> None:
     # An interrupt that a shell's background job ignores would be ignored by its children too.
     heard = "import signal; signal.signal(signal.SIGINT, signal.default_int_handler)"
     begin = f"{heard}; from symosc.cli.app import main; main()"
-    command = [sys.executable, "-c", begin, "explore", "fig9", "--set", "k=1/3", "--no-browser", "--port", "0"]
-    with subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True) as process:
+    command = [
+        sys.executable,
+        "-c",
+        begin,
+        "explore",
+        "fig9",
+        "--set",
+        "k=1/3",
+        "--no-browser",
+        "--port",
+        "0",
+    ]
+    with subprocess.Popen(
+        command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True
+    ) as process:
         assert process.stdout is not None
         assert process.stderr is not None
         try:
@@ -152,4 +180,6 @@ def test_an_interrupt_tells_how_far_it_is(tmp_path: Path, monkeypatch: pytest.Mo
     monkeypatch.setattr("symosc.sweep", interrupted)
     result = run("sweep", "fig9", "--over", "k=3:5:6", "-o", "map.nc")
     assert result.exit_code == 130
-    assert result.stderr == "symosc: interrupted: 0 of 6 motions are kept; the same command goes on\n"
+    assert (
+        result.stderr == "symosc: interrupted: 0 of 6 motions are kept; the same command goes on\n"
+    )

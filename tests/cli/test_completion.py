@@ -1,4 +1,7 @@
-"""Completion in real shells: commands, options and scenes, as the page about answers installs it."""
+"""Completion in real shells.
+
+Commands, options and scenes, as the page about answers installs it.
+"""
 
 from __future__ import annotations
 
@@ -28,7 +31,11 @@ TRY = {
 @pytest.mark.slow
 @pytest.mark.parametrize(
     ("line", "offered"),
-    [("symosc sim", "simulate"), ("symosc simulate fig9-", "fig9-orbit"), ("symosc orbit --q", "--quiet")],
+    [
+        ("symosc sim", "simulate"),
+        ("symosc simulate fig9-", "fig9-orbit"),
+        ("symosc orbit --q", "--quiet"),
+    ],
 )
 @pytest.mark.parametrize("shell", TRY)
 def test_a_shell_completes(shell: str, line: str, offered: str, tmp_path: Path) -> None:
@@ -45,8 +52,12 @@ def test_a_shell_completes(shell: str, line: str, offered: str, tmp_path: Path) 
         "PYTHONPATH": str(ROOT),
         "HOME": str(tmp_path),
     }
-    run = subprocess.run([shell, "-c", command], capture_output=True, text=True, env=environment, cwd=tmp_path)
-    assert offered in {word for each in run.stdout.splitlines() for word in each.replace(":", " ").split()}, run
+    run = subprocess.run(
+        [shell, "-c", command], capture_output=True, text=True, env=environment, cwd=tmp_path
+    )
+    assert offered in {
+        word for each in run.stdout.splitlines() for word in each.replace(":", " ").split()
+    }, run
 
 
 @pytest.mark.parametrize(

@@ -32,7 +32,9 @@ def test_help_has_an_example(command: str) -> None:
 def test_results_that_nobody_can_get_are_no_success(command: str) -> None:
     def in_shell(redirection: str) -> tuple[int, str]:
         program = shlex.join([*PROGRAM, *command.split()])
-        result = subprocess.run(f"{program} {redirection}", shell=True, capture_output=True, text=True, check=False)
+        result = subprocess.run(
+            f"{program} {redirection}", shell=True, capture_output=True, text=True, check=False
+        )
         return result.returncode, result.stderr
 
     assert in_shell(">&-") == (2, "symosc: error: standard output is closed\n")
@@ -62,7 +64,8 @@ NEEDS = {
     "bench": "numba",
     "check run.csv --case": "flint",
 }
-#: Command lines, and what their one line of error says. Values of all kinds are tried by test_public_arguments.
+#: Command lines, and what their one line of error says. Values of all kinds are tried by
+#: test_public_arguments.
 BAD = {
     "": "Missing command",
     "bogus": "No such command 'bogus'",
@@ -145,7 +148,9 @@ BAD = {
 
 
 @pytest.mark.parametrize("line", BAD)
-def test_bad_input_is_one_line_and_exit_2(line: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_bad_input_is_one_line_and_exit_2(
+    line: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
     for command, extra in NEEDS.items():
         if line.startswith(command):
             pytest.importorskip(extra)
@@ -196,9 +201,13 @@ runpy.run_module("symosc", run_name="__main__", alter_sys=True)
 def test_an_interrupt_is_quiet(tmp_path: Path) -> None:
     arguments = ["simulate", "fig8", "--digits", "4000", "--t-end", "4000", "--csv", "events.csv"]
     command = [sys.executable, "-c", ANNOUNCED, *arguments]
-    heed = partial(signal.signal, signal.SIGINT, signal.SIG_DFL)  # a shell's background job is told to ignore it
+    heed = partial(
+        signal.signal, signal.SIGINT, signal.SIG_DFL
+    )  # a shell's background job is told to ignore it
     pipe = subprocess.PIPE
-    process = subprocess.Popen(command, cwd=tmp_path, stdout=pipe, stderr=pipe, text=True, preexec_fn=heed)
+    process = subprocess.Popen(
+        command, cwd=tmp_path, stdout=pipe, stderr=pipe, text=True, preexec_fn=heed
+    )
     assert process.stdout is not None
     assert process.stdout.readline() == "begins\n"
     process.send_signal(signal.SIGINT)
@@ -207,8 +216,12 @@ def test_an_interrupt_is_quiet(tmp_path: Path) -> None:
     assert list(tmp_path.iterdir()) == []
 
 
-@pytest.mark.parametrize("cause", [KeyboardInterrupt(), ZeroDivisionError("a fault"), None], ids=repr)
-def test_an_interrupt_while_a_class_is_made(cause: BaseException | None, monkeypatch: pytest.MonkeyPatch) -> None:
+@pytest.mark.parametrize(
+    "cause", [KeyboardInterrupt(), ZeroDivisionError("a fault"), None], ids=repr
+)
+def test_an_interrupt_while_a_class_is_made(
+    cause: BaseException | None, monkeypatch: pytest.MonkeyPatch
+) -> None:
     """Python wraps it into a RuntimeError there; an error of another cause is not hidden."""
 
     @click.command()
@@ -236,7 +249,9 @@ def test_simulate_loads_nothing_heavy() -> None:
         text=True,
         check=True,
     )
-    loaded = {line.rpartition("|")[2].strip().partition(".")[0] for line in result.stderr.splitlines()}
+    loaded = {
+        line.rpartition("|")[2].strip().partition(".")[0] for line in result.stderr.splitlines()
+    }
     assert "numpy" in loaded
     assert not loaded & {"sympy", "matplotlib", "numba", "scipy"}
 
@@ -257,7 +272,11 @@ def test_a_cold_start_costs_little_more_than_numpy() -> None:
     """In calls of functions, which do not depend on the machine."""
     main = "from symosc.cli.app import main\nmain(['simulate', 'fig5'])"
     ours, numpy = (
-        int(subprocess.run([sys.executable, "-c", COUNTED + code], capture_output=True, check=True).stderr)
+        int(
+            subprocess.run(
+                [sys.executable, "-c", COUNTED + code], capture_output=True, check=True
+            ).stderr
+        )
         for code in (main, "import numpy")
     )
     assert ours <= 2.5 * numpy, (ours, numpy)

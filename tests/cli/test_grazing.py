@@ -29,8 +29,14 @@ def test_json_says_what_python_says(name: str) -> None:
     assert data["parameters"] == load_scene(name).parameters.as_dict()
     for shown, mapping in zip(data["windows"], MAPS, strict=True):
         window = grazing_window(load_scene(name).parameters, mapping)
-        assert (shown["map"], shown["case"], shown["latex"]) == (mapping, window.case, window.latex())
-        assert [tuple(interval.values()) for interval in shown["intervals"]] == list(window.intervals)
+        assert (shown["map"], shown["case"], shown["latex"]) == (
+            mapping,
+            window.case,
+            window.latex(),
+        )
+        assert [tuple(interval.values()) for interval in shown["intervals"]] == list(
+            window.intervals
+        )
         if window.theta_cr is None:
             assert shown["theta_cr"] is None
         else:
@@ -45,21 +51,34 @@ def test_json_says_what_python_says(name: str) -> None:
 
 
 def shaded(axes: Any, x: float, y: float) -> bool:
-    return any(path.contains_point((x, y)) for area in axes.collections for path in area.get_paths())
+    return any(
+        path.contains_point((x, y)) for area in axes.collections for path in area.get_paths()
+    )
 
 
 @pytest.mark.full(2)
 @pytest.mark.slow
 @pytest.mark.parametrize(
     ("mapping", "name"),
-    [("P2", "Omega"), ("P2", "B0"), ("P2", "k"), ("P3", "v1"), ("P5", "v2"), ("P6", "B0"), ("P6", "v2"), ("P3", "k")],
+    [
+        ("P2", "Omega"),
+        ("P2", "B0"),
+        ("P2", "k"),
+        ("P3", "v1"),
+        ("P5", "v2"),
+        ("P6", "B0"),
+        ("P6", "v2"),
+        ("P3", "k"),
+    ],
 )
 def test_sweep_figure_shades_the_window(mapping: str, name: str) -> None:
     rng = np.random.default_rng(1)
     axes = sweep_figure(FIG9, mapping, name).axes[0]
     low, high = axes.get_xlim()
     answers = []
-    for value, theta in zip(rng.uniform(low, high, 200), rng.uniform(0, 2 * np.pi, 200), strict=True):
+    for value, theta in zip(
+        rng.uniform(low, high, 200), rng.uniform(0, 2 * np.pi, 200), strict=True
+    ):
         window = grazing_window(FIG9.replace(**{name: value}), mapping)
         near = [abs(theta - end) for low, high, *_ in window.intervals for end in (low, high)]
         if min(near, default=1.0) > 0.02:

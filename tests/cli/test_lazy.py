@@ -9,7 +9,19 @@ from pathlib import Path
 import pytest
 
 #: Packages that take long to load, and what no command needs but those that name it here.
-HEAVY = {"sympy", "matplotlib", "numba", "scipy", "pandas", "xarray", "rich", "pint", "tabulate", "jinja2", "IPython"}
+HEAVY = {
+    "sympy",
+    "matplotlib",
+    "numba",
+    "scipy",
+    "pandas",
+    "xarray",
+    "rich",
+    "pint",
+    "tabulate",
+    "jinja2",
+    "IPython",
+}
 HEAVY |= {"mpmath", "numpy", "flint", "gmpy2", "dask", "h5py", "fontTools"}
 #: Commands with what of the above they may load.
 ALLOWED = {
@@ -32,7 +44,9 @@ def test_a_command_loads_only_what_it_needs(command: str, tmp_path: Path) -> Non
         f"main({command.split()!r}, prog_name='symosc', standalone_mode=False)\n"
         f"print(sorted({HEAVY!r} & set(sys.modules)), file=sys.stderr)"
     )
-    run = subprocess.run([sys.executable, "-c", code], check=True, capture_output=True, text=True, cwd=tmp_path)
+    run = subprocess.run(
+        [sys.executable, "-c", code], check=True, capture_output=True, text=True, cwd=tmp_path
+    )
     assert set(eval(run.stderr.splitlines()[-1])) <= ALLOWED[command], command
 
 

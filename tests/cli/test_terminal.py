@@ -1,4 +1,7 @@
-"""The command line on a real terminal: bars, colours, and Ctrl-C at any moment; nothing of that in a pipe."""
+"""The command line on a real terminal: bars, colours, and Ctrl-C at any moment.
+
+Nothing of that in a pipe.
+"""
 
 from __future__ import annotations
 
@@ -17,8 +20,16 @@ SWEEP = ["sweep", "fig9", "--over", "Omega=3:5:40", "--t-end", "12T", "--skip", 
 LEFT = r"\d left"  # the end of a bar
 #: Commands that take long, what to wait for before Ctrl-C, and what may be left behind.
 LONG = {
-    "sweep": (["sweep", "fig9", "--over", "Omega=1:6:90000", "--t-end", "9T", "-o", "map.csv"], r"\d/90000", True),
-    "digits": (["simulate", "fig8", "--digits", "2000", "--t-end", "400000", "--csv", "events.csv"], LEFT, False),
+    "sweep": (
+        ["sweep", "fig9", "--over", "Omega=1:6:90000", "--t-end", "9T", "-o", "map.csv"],
+        r"\d/90000",
+        True,
+    ),
+    "digits": (
+        ["simulate", "fig8", "--digits", "2000", "--t-end", "400000", "--csv", "events.csv"],
+        LEFT,
+        False,
+    ),
     "check": (["grazing", "fig9", "--check", "1000000", "--plot", "window.svg"], LEFT, False),
     "derive": (["derive", "all", "-o", "pages"], LEFT, False),
     "reproduce": (["reproduce", "-o", "reproduced"], LEFT, False),
@@ -50,7 +61,16 @@ def test_tables_have_colours_on_a_terminal_alone(tmp_path: Path) -> None:
 
 
 def test_work_of_unknown_length_shows_that_it_goes_on(tmp_path: Path) -> None:
-    shown = on_terminal("simulate", "fig8", "--digits", "3000", "--t-end", "4000", folder=tmp_path, interrupt="working")
+    shown = on_terminal(
+        "simulate",
+        "fig8",
+        "--digits",
+        "3000",
+        "--t-end",
+        "4000",
+        folder=tmp_path,
+        interrupt="working",
+    )
     assert shown.code == 130
     assert "0:00:0" in shown.text
 
@@ -74,7 +94,9 @@ def test_work_of_known_length_has_a_bar_with_rate_and_time_left(name: str, tmp_p
 
 @pytest.mark.full(2)
 @pytest.mark.parametrize("name", LONG)
-def test_an_interrupt_ends_quietly_and_leaves_nothing_half_written(name: str, tmp_path: Path) -> None:
+def test_an_interrupt_ends_quietly_and_leaves_nothing_half_written(
+    name: str, tmp_path: Path
+) -> None:
     if name == "sweep":
         pytest.importorskip("xarray")
     command, when, keeps = LONG[name]
@@ -105,7 +127,9 @@ def test_an_interrupt_while_it_loads(module: int, tmp_path: Path) -> None:
     command = [sys.executable, "-c", INTERRUPTED, str(module), "figure", "fig5", "-o", "fig5.pdf"]
     ended = subprocess.run(command, cwd=tmp_path, capture_output=True, text=True)
     assert list(tmp_path.iterdir()) == []
-    if "KeyboardInterrupt" in ended.stderr:  # Python's own words, before it comes to the command line
+    if (
+        "KeyboardInterrupt" in ended.stderr
+    ):  # Python's own words, before it comes to the command line
         assert "symosc/cli" not in ended.stderr
     else:
         assert (ended.returncode, ended.stderr) == (130, "")

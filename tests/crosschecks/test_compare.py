@@ -1,4 +1,7 @@
-"""Whole cross-checks: right solutions pass, each mistake is found for what it is; summaries; several solutions."""
+"""Whole cross-checks: right solutions pass, each mistake is found for what it is; summaries.
+
+Several solutions.
+"""
 
 from __future__ import annotations
 
@@ -28,7 +31,9 @@ def check(name: str, t_end: float, **options: Any) -> tuple[Run, CrossCheck]:
 
 
 @pytest.mark.quick(2)
-@pytest.mark.parametrize(("name", "t_end"), [("fig5", 20.0), ("fig9", 15.0), ("fig10", 15.0), ("fig6", 20.0)])
+@pytest.mark.parametrize(
+    ("name", "t_end"), [("fig5", 20.0), ("fig9", 15.0), ("fig10", 15.0), ("fig6", 20.0)]
+)
 def test_a_tight_run_passes(name: str, t_end: float) -> None:
     run, result = check(name, t_end, **TIGHT)
     assert result.ok, result.summary()
@@ -103,14 +108,22 @@ def test_a_solution_starts_where_the_scene_does() -> None:
     for first in (1, 100, 700):  # on the scene's motion, from later on
         assert compare.crosscheck("fig5", t[first:], x[first:], v[first:]).ok
         assert not compare.crosscheck("fig5", t[first:], x[first:] + 1e-3, v[first:]).ok
-    assert not compare.crosscheck("fig5", t - 0.1, *simulate("fig5", t0=-0.1, t_end=40)(t - 0.1), partial=True).ok
+    assert not compare.crosscheck(
+        "fig5", t - 0.1, *simulate("fig5", t0=-0.1, t_end=40)(t - 0.1), partial=True
+    ).ok
     assert compare.crosscheck(load_scene("fig5").parameters, t[:400], *other[:, :400]).ok
 
 
 def test_a_start_is_the_scenes_within_its_rounding_and_the_tolerance() -> None:
     scene = load_scene("fig9")  # x0 = 4.5447
     t = np.linspace(float(scene.t0), float(scene.t_end), 300)
-    starts = ((0, 3, True), (0.0002, 3, True), (0.002, 3, False), (3e-6, 17, True), (3e-4, 17, False))
+    starts = (
+        (0, 3, True),
+        (0.0002, 3, True),
+        (0.002, 3, False),
+        (3e-6, 17, True),
+        (3e-4, 17, False),
+    )
     for shift, decimals, right in starts:
         x, v = np.round(simulate(scene, x0=float(scene.x0) + shift)(t), decimals)
         check = compare.crosscheck(scene, t, x, v)
@@ -153,7 +166,9 @@ def test_right_samples_of_random_systems_pass(count: int) -> None:
         v0 = float(rng.choice([float(p.v1), float(p.v2), round(rng.uniform(-6, 8), 2)]))
         exact = simulate(p, t0=t0, x0=round(rng.uniform(-5, 5), 2), v0=v0, t_end=t0 + 20)
         own = [event.t for event in exact.events if rng.random() < 0.5]
-        t = np.unique([t0, *rng.uniform(t0, float(exact.t_end), int(rng.choice([15, 100, 400]))), *own])
+        t = np.unique(
+            [t0, *rng.uniform(t0, float(exact.t_end), int(rng.choice([15, 100, 400]))), *own]
+        )
         x, v = exact(t)
         noise = 1e-10 * rng.standard_normal((2, len(t)))
         noise[:, 0] = 0
@@ -209,7 +224,9 @@ def test_processes_find_the_same() -> None:
     assert calls == [(1, 3), (2, 3), (3, 3)]
     sparse = [COLUMNS, {"t": [0.2, 2.9], "x": [1.0, 2.0]}]
     for workers in (1, 2):
-        with pytest.raises(ParameterError, match=r"too far apart to tell it: give velocities \(solution 1\)"):
+        with pytest.raises(
+            ParameterError, match=r"too far apart to tell it: give velocities \(solution 1\)"
+        ):
             crosscheck("fig9", sparse, workers=workers)
 
 
@@ -222,7 +239,8 @@ def samples(name: str) -> tuple[Parameters, np.ndarray, CrossCheck]:
     scene = load_scene(name)
     t = np.linspace(float(scene.t0), float(scene.t0) + 8, 97)
     x, v = simulate(scene, t_end=9)(t)
-    x, v = x + 1e-10 * np.sin(9 * t), v + 1e-10 * np.cos(7 * t)
+    x = x + 1e-10 * np.sin(9 * t)
+    v = v + 1e-10 * np.cos(7 * t)
     x[20] += 0.01
     v[40:] += 1e-3
     v[70] = float(scene.parameters.v1) - 0.3
@@ -233,22 +251,33 @@ def samples(name: str) -> tuple[Parameters, np.ndarray, CrossCheck]:
 @pytest.mark.parametrize("units", UNITS, ids=str)
 @pytest.mark.parametrize("name", ["fig5", "fig9"])
 def test_a_cross_check_is_the_same(units: Units, name: str) -> None:
-    """Errors and what is allowed, step by step; events, reasons and words, for samples with several faults."""
-    T, L, V = float(units.time), float(units.length), units.speed
+    """Errors and what is allowed, step by step.
+
+    Events, reasons and words, for samples with several faults.
+    """
+    T = float(units.time)
+    L = float(units.length)
+    V = units.speed
     p, columns, one = samples(name)
     two = crosscheck(units.of(p), *(columns * np.array([[T], [L], [V]])))
     for kind in ("errors", "defects", "allowed"):
         found = getattr(two, kind) / [L, V]
-        assert found == pytest.approx(getattr(one, kind), rel=1e-6, abs=1e-11 if kind != "allowed" else 0)
+        assert found == pytest.approx(
+            getattr(one, kind), rel=1e-6, abs=1e-11 if kind != "allowed" else 0
+        )
     assert two.scales == pytest.approx((one.scales[0] * L, one.scales[1] * V), rel=1e-9)
     assert two.wrong_steps.tolist() == one.wrong_steps.tolist()
     assert two.modes.tolist() == one.modes.tolist()
     said = [[(f.step, f.reason, f.expected, f.found) for f in each.faults] for each in (one, two)]
     assert said[0] == said[1]
     for name_of in ("missed", "invented", "unresolved"):
-        found, right = ([(e.kind, e.boundary) for e in getattr(each, name_of)] for each in (two, one))
+        found, right = (
+            [(e.kind, e.boundary) for e in getattr(each, name_of)] for each in (two, one)
+        )
         assert found == right
-    assert [float(m.t) for m in two.matched] == pytest.approx([float(m.t) * T for m in one.matched], rel=1e-9)
+    assert [float(m.t) for m in two.matched] == pytest.approx(
+        [float(m.t) * T for m in one.matched], rel=1e-9
+    )
     assert len(one.faults) > 2
 
 
@@ -256,11 +285,19 @@ def test_a_cross_check_is_the_same(units: Units, name: str) -> None:
 
 
 def test_velocities_are_those_of_the_motion() -> None:
-    """Random systems and times: across events, in sticks, at the ends; errors as far as they are said to be."""
-    rng, events, far, left_out = np.random.default_rng(7), 0, 0, 0
+    """Random systems and times: across events, in sticks, at the ends.
+
+    Errors as far as they are said to be.
+    """
+    rng = np.random.default_rng(7)
+    events = 0
+    far = 0
+    left_out = 0
     for _ in range(12):
         p = random_parameters(rng)
-        motion = simulate(p, t0=0, x0=float(rng.uniform(-2, 2)), v0=float(rng.uniform(-4, 4)), t_end=8)
+        motion = simulate(
+            p, t0=0, x0=float(rng.uniform(-2, 2)), v0=float(rng.uniform(-4, 4)), t_end=8
+        )
         if motion.status not in ("t_end", "equilibrium"):
             continue
         t = np.sort(rng.uniform(0, float(motion.t_end), 300))
@@ -278,7 +315,9 @@ def test_velocities_are_those_of_the_motion() -> None:
 
 
 @pytest.mark.quick(1)
-@pytest.mark.parametrize(("name", "count"), [("fig5", 400), ("fig9", 40), ("fig10", 200), ("fig5", 1000)])
+@pytest.mark.parametrize(
+    ("name", "count"), [("fig5", 400), ("fig9", 40), ("fig10", 200), ("fig5", 1000)]
+)
 def test_right_positions_pass_and_wrong_ones_do_not(name: str, count: int) -> None:
     scene = load_scene(name)
     t = np.linspace(float(scene.t0), float(scene.t0) + 8, count)
@@ -290,7 +329,11 @@ def test_right_positions_pass_and_wrong_ones_do_not(name: str, count: int) -> No
     assert [match.event.kind for match in check.matched] == events
     assert not crosscheck(scene, t, x + 1e-3 * (t > 5)).ok
     other = simulate(
-        scene.parameters.replace(mu1=scene.parameters.mu1 * 2), t0=scene.t0, x0=scene.x0, v0=scene.v0, t_end=9
+        scene.parameters.replace(mu1=scene.parameters.mu1 * 2),
+        t0=scene.t0,
+        x0=scene.x0,
+        v0=scene.v0,
+        t_end=9,
     )
     assert not crosscheck(scene, t, other(t)[0]).ok
 

@@ -31,10 +31,20 @@ SEED = 1
 @pytest.mark.parametrize("kind", [kind for kind in KINDS if kind != "smoothed friction"])
 def test_each_kind_of_fault_has_its_name(kind: str) -> None:
     """In the first scene that can have it; what is said of a change is tried."""
-    sampling = "coarse" if kind == "double root" else "dense"
-    first = "fig8" if kind == "double root" else "fig10"
-    order = sorted(cases(), key=lambda case: (case.scene.name != first, case.scene.name.startswith("fig")))
-    judged = next(found for case in order if (found := judge(kind, case, sampling, SEED)) is not None)
+    if kind == "double root":
+        sampling = "coarse"
+    else:
+        sampling = "dense"
+    if kind == "double root":
+        first = "fig8"
+    else:
+        first = "fig10"
+    order = sorted(
+        cases(), key=lambda case: (case.scene.name != first, case.scene.name.startswith("fig"))
+    )
+    judged = next(
+        found for case in order if (found := judge(kind, case, sampling, SEED)) is not None
+    )
     found, named, check, spoilt = judged
     assert found
     assert named, (spoilt.causes, check.diagnosis)
@@ -68,7 +78,8 @@ def judge_counts(counts: Counter[tuple[str, str]], named: float) -> None:
 @pytest.mark.slow
 @pytest.mark.full(2)
 @pytest.mark.parametrize(
-    "kind", ["chatter", "late events", "no events located", "leapfrog", "smoothed friction", "noise"]
+    "kind",
+    ["chatter", "late events", "no events located", "leapfrog", "smoothed friction", "noise"],
 )
 def test_no_stick_is_named_where_there_is_none(kind: str) -> None:
     """The motion of fig9 crosses its belts and never sticks."""
@@ -76,7 +87,11 @@ def test_no_stick_is_named_where_there_is_none(kind: str) -> None:
     assert not any(part.mode.startswith("belt") for part in case.exact.segments)
     judged = judge(kind, case, "dense", SEED)
     assert judged is not None
-    said = " ".join(f"{one.cause} {one.words}" for first in judged[2].diagnosis for one in (first, *first.alternatives))
+    said = " ".join(
+        f"{one.cause} {one.words}"
+        for first in judged[2].diagnosis
+        for one in (first, *first.alternatives)
+    )
     assert "stick" not in said
     assert "chatter" not in said
 
@@ -85,14 +100,18 @@ def test_no_stick_is_named_where_there_is_none(kind: str) -> None:
 def test_a_fitted_number_explains_the_defects_or_is_not_named() -> None:
     """A mass that never moves is not heavy, and the error of a method is no coefficient."""
     scene = load_scene("fig9")
-    p, t = scene.parameters, np.linspace(float(scene.t0), 8, 401)
+    p = scene.parameters
+    t = np.linspace(float(scene.t0), 8, 401)
     for x, v in ((np.full(401, 1.0), np.zeros(401)), leapfrogged(p, t), leapfrogged(p, t, 7)):
         first = crosscheck(p, t, x, v).diagnosis[0]
         assert "coefficient" not in {one.cause for one in (first, *first.alternatives)}
 
 
 def leapfrogged(p: Any, t: np.ndarray, n: int = 1) -> tuple[np.ndarray, ...]:
-    return tuple(column[::n] for column in without_events(p, finer(t, n), 4.5447, 1.0, METHODS["leapfrog"])[1:])
+    return tuple(
+        column[::n]
+        for column in without_events(p, finer(t, n), 4.5447, 1.0, METHODS["leapfrog"])[1:]
+    )
 
 
 @pytest.mark.slow
@@ -121,7 +140,9 @@ def test_a_right_solution_has_no_diagnosis() -> None:
     t = np.linspace(0, 7, 100)
     x, v = simulate("fig5", t_end=7)(t)
     assert crosscheck("fig5", t, x, v).diagnosis == ()
-    assert [one.cause for one in crosscheck("fig5", t, np.round(x, 6), np.round(v, 6)).diagnosis] == ["precision"]
+    assert [
+        one.cause for one in crosscheck("fig5", t, np.round(x, 6), np.round(v, 6)).diagnosis
+    ] == ["precision"]
 
 
 def test_right_steps_from_another_start() -> None:
@@ -156,7 +177,11 @@ def diagnosed(name: str, **changes: float) -> tuple[Diagnosis, ...]:
 @pytest.mark.parametrize("name", PARAMETER_NAMES)
 def test_a_wrong_coefficient_is_estimated(name: str) -> None:
     rng = np.random.default_rng([ord(letter) for letter in name])
-    scene = "fig5" if name == "v1" else "fig10"  # where that belt is met
+    # where that belt is met
+    if name == "v1":
+        scene = "fig5"
+    else:
+        scene = "fig10"
     right = float(getattr(load_scene(scene).parameters, name))
     value = round(right * (1.0 + float(rng.choice([-1, 1])) * rng.uniform(0.01, 0.1)), 6)
     found = [one for one in diagnosed(scene, **{name: value}) if one.subject == name]
@@ -172,13 +197,55 @@ def test_a_wrong_coefficient_is_estimated(name: str) -> None:
 
 
 MEASURED: dict[str, tuple[Any, str, str | None, float | None, float]] = {
-    "static friction": (lambda: solved(Flaw(static=1.3), t_end=9.4588, count=151), "stick left late", None, 1.3, 1e-6),
-    "drift": (lambda: solved(Flaw(drift=-2e-3), t_end=9.4588, count=151), "drift", None, -2e-3, 1e-3),
-    "drift in steps": (lambda: solved(Flaw(drift=-2e-3), "fig5", 9, 11, 60), "drift", None, -2e-3, 1e-6),
-    "drift in 3 steps": (lambda: solved(Flaw(drift=-2e-3), "fig10", 9.4588, 16, 40), "drift", None, -2e-3, 1e-6),
-    "tanh, narrow": (lambda: softened("tanh", 0.01, "fig5", 8, 400), "smoothed friction", "tanh", 0.01, 0.05),
-    "tanh, narrowest": (lambda: softened("tanh", 1e-3, "fig5", 8, 400), "smoothed friction", "tanh", 1e-3, 1e-5),
-    "arctan, wide": (lambda: softened("arctan", 7.2, "fig9", 8.1324, 60), "smoothed friction", "arctan", 7.2, 1e-3),
+    "static friction": (
+        lambda: solved(Flaw(static=1.3), t_end=9.4588, count=151),
+        "stick left late",
+        None,
+        1.3,
+        1e-6,
+    ),
+    "drift": (
+        lambda: solved(Flaw(drift=-2e-3), t_end=9.4588, count=151),
+        "drift",
+        None,
+        -2e-3,
+        1e-3,
+    ),
+    "drift in steps": (
+        lambda: solved(Flaw(drift=-2e-3), "fig5", 9, 11, 60),
+        "drift",
+        None,
+        -2e-3,
+        1e-6,
+    ),
+    "drift in 3 steps": (
+        lambda: solved(Flaw(drift=-2e-3), "fig10", 9.4588, 16, 40),
+        "drift",
+        None,
+        -2e-3,
+        1e-6,
+    ),
+    "tanh, narrow": (
+        lambda: softened("tanh", 0.01, "fig5", 8, 400),
+        "smoothed friction",
+        "tanh",
+        0.01,
+        0.05,
+    ),
+    "tanh, narrowest": (
+        lambda: softened("tanh", 1e-3, "fig5", 8, 400),
+        "smoothed friction",
+        "tanh",
+        1e-3,
+        1e-5,
+    ),
+    "arctan, wide": (
+        lambda: softened("arctan", 7.2, "fig9", 8.1324, 60),
+        "smoothed friction",
+        "arctan",
+        7.2,
+        1e-3,
+    ),
 }
 
 

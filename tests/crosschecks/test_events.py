@@ -26,7 +26,9 @@ def test_events_and_modes_are_those_of_the_motion(name: str) -> None:
     exact = simulate(name, t_end=12)
     check = crosscheck(name, t, *exact(t))
     # The first sample may be on a belt that the motion leaves at once.
-    assert [MODE_NAMES[code] for code in check.modes[1:].tolist()] == [exact.mode(float(time)) for time in t[1:]]
+    assert [MODE_NAMES[code] for code in check.modes[1:].tolist()] == [
+        exact.mode(float(time)) for time in t[1:]
+    ]
     assert MODE_NAMES.get(int(check.modes[0]), exact.mode(float(t[0]))) == exact.mode(float(t[0]))
     for match, event in zip(check.matched, exact.events, strict=True):
         found = match.found
@@ -37,11 +39,18 @@ def test_events_and_modes_are_those_of_the_motion(name: str) -> None:
 
 
 def test_steps_that_are_wrong_show_crossings_between_their_samples() -> None:
-    """From one domain to the last but one: both belts are crossed, in order, at times read off the samples."""
+    """From one domain to the last but one.
+
+    Both belts are crossed, in order, at times read off the samples.
+    """
     scene = load_scene("fig9")
-    p, t = scene.parameters, np.array([0.0, 0.01, 0.02, 0.03])
-    below, above = float(p.v1) - 1, float(p.v2) + 1
-    steps = follow_steps(p, t, np.zeros(4), np.array([below, below, above, below]), 1e-9, np.ones(2))
+    p = scene.parameters
+    t = np.array([0.0, 0.01, 0.02, 0.03])
+    below = float(p.v1) - 1
+    above = float(p.v2) + 1
+    steps = follow_steps(
+        p, t, np.zeros(4), np.array([below, below, above, below]), 1e-9, np.ones(2)
+    )
     near = np.full(4, 1e-9)
     events, modes = find_events(steps, labels(steps, near, near), np.ones(3, bool))
     assert [(e.kind, e.boundary, e.source, e.target) for e in events] == [
@@ -52,11 +61,18 @@ def test_steps_that_are_wrong_show_crossings_between_their_samples() -> None:
     ]
     assert [e.step for e in events] == [1, 1, 2, 2]
     speeds = {1: float(p.v1), 2: float(p.v2)}
-    for event in events:  # what the exact motion over the step does not do is read off: v is a straight line
-        v0, v1 = (below, above) if event.step == 1 else (above, below)
+    for event in (
+        events
+    ):  # what the exact motion over the step does not do is read off: v is a straight line
+        if event.step == 1:
+            v0, v1 = (below, above)
+        else:
+            v0, v1 = (above, below)
         line = t[event.step] + 0.01 * (speeds[event.boundary] - v0) / (v1 - v0)
         assert t[event.step] <= event.t <= t[event.step + 1]
-        assert event.spread == 0 or (event.spread == pytest.approx(0.01) and event.t == pytest.approx(line, abs=1e-12))
+        assert event.spread == 0 or (
+            event.spread == pytest.approx(0.01) and event.t == pytest.approx(line, abs=1e-12)
+        )
     assert sum(event.spread > 0 for event in events) >= 2
     assert modes.tolist() == [1, 1, 3, 1]
 
@@ -86,9 +102,12 @@ def random_motion(rng: np.random.Generator) -> tuple[Parameters, Any, Trajectory
     return p, (t, *exact(t)), exact
 
 
-def spoiled(how: str, events: Pairs, i: int, rng: np.random.Generator, times: np.ndarray) -> Pairs | None:
+def spoiled(
+    how: str, events: Pairs, i: int, rng: np.random.Generator, times: np.ndarray
+) -> Pairs | None:
     """Return a list with one mistake, at event `i` where there is a place, or None if there is no room for it."""
-    events, (t, kind) = list(events), events[i]
+    (t, kind) = events[i]
+    events = list(events)
     shift = float(rng.choice([-1, 1])) * 10.0 ** rng.uniform(-4, -1.3)
     if how == "duplicate":
         events.insert(i, events[i])
@@ -114,10 +133,21 @@ def spoiled(how: str, events: Pairs, i: int, rng: np.random.Generator, times: np
         events[i : i + 2] = events[i + 1], events[i]
     elif how == "kinds swapped":
         events[i : i + 2] = (t, events[i + 1][1]), (events[i + 1][0], kind)
-    return events if how == "wrong order" else sorted(events)
+    if how == "wrong order":
+        return events
+    return sorted(events)
 
 
-MISTAKES = ("duplicate", "five times", "late", "shifted", "missing", "invented", "wrong kind", "wrong order")
+MISTAKES = (
+    "duplicate",
+    "five times",
+    "late",
+    "shifted",
+    "missing",
+    "invented",
+    "wrong kind",
+    "wrong order",
+)
 
 
 @pytest.mark.slow
@@ -131,9 +161,14 @@ def test_every_mistake_in_a_list_is_found_and_none_where_there_is_none(seed: int
         result = crosscheck(p, *samples, events=events)
         assert result.ok, (p, result.summary())
         assert len(result.matched) + len(result.unresolved) == len(events)
-        # A graze changes nothing, and one beside the last sample may be left out: no place for a mistake.
+        # A graze changes nothing, and one beside the last sample may be left out: no place for a
+        # mistake.
         last = float(samples[0][-1]) - 1e-3
-        places = [i for i, (t, kind) in enumerate(events) if kind != "graze" and samples[0][0] + 1e-6 < t < last]
+        places = [
+            i
+            for i, (t, kind) in enumerate(events)
+            if kind != "graze" and samples[0][0] + 1e-6 < t < last
+        ]
         for how in tried if places else ():
             wrong = spoiled(how, events, int(rng.choice(places)), rng, samples[0])
             if wrong is None:
@@ -151,7 +186,8 @@ def test_every_mistake_in_a_list_is_found_and_none_where_there_is_none(seed: int
 def test_an_event_may_be_off_as_far_as_the_tolerance_moves_it() -> None:
     exact = simulate("fig9", t_end=8)
     t = np.linspace(0.1324, 8, 801)
-    samples, event = (t, *exact(t)), exact.events[3]
+    samples = (t, *exact(t))
+    event = exact.events[3]
     # One side of the belt: the velocity changes by 1e-4 of its scale in about that time.
     speed = abs(float(np.diff(exact([event.t - 2e-6, event.t - 1e-6])[1])[0])) / 1e-6
     for tolerance in (1e-8, 1e-6, 1e-4):
@@ -164,11 +200,14 @@ def test_an_event_may_be_off_as_far_as_the_tolerance_moves_it() -> None:
 
 def late_solution(scene: str, delay: float) -> tuple[Any, Pairs]:
     """Return samples of a motion that is everywhere late, with its events."""
-    own, p = load_scene(scene), load_scene(scene).parameters
+    own = load_scene(scene)
+    p = load_scene(scene).parameters
     exact = simulate(p, t0=own.t0, x0=own.x0, v0=own.v0, t_end=8)
     t = np.linspace(float(own.t0), 8, 801)
     x, v = exact(np.maximum(t - delay * np.minimum(1.0, (t - t[0]) / 4.0), t[0]))
-    return (t, x, v), [(time + delay * min(1.0, (time - t[0]) / 4.0), kind) for time, kind in listed(exact)]
+    return (t, x, v), [
+        (time + delay * min(1.0, (time - t[0]) / 4.0), kind) for time, kind in listed(exact)
+    ]
 
 
 def test_a_list_that_fits_its_own_samples_is_not_blamed_for_their_error() -> None:
@@ -199,26 +238,40 @@ def test_an_event_at_the_last_sample_may_be_listed_or_not() -> None:
     for event in exact.events:
         t = np.append(np.linspace(0.1324, float(event.t), 200)[:-1], event.t)
         events = listed(exact, float(event.t))
-        for pairs in (events, events[:-1], [*events[:-1], (np.nextafter(events[-1][0], 9.0), event.kind)]):
+        for pairs in (
+            events,
+            events[:-1],
+            [*events[:-1], (np.nextafter(events[-1][0], 9.0), event.kind)],
+        ):
             result = crosscheck("fig9", t, *exact(t), events=pairs)
             assert result.ok, result.summary()
         assert not crosscheck("fig9", t, *exact(t), events=[*events, events[-1]]).ok
 
 
 @pytest.mark.quick(2)
-@pytest.mark.parametrize(("name", "t_end"), [("fig8", 9.0), ("fig8-exact", 6.0), ("fig7-exact", 8.0), ("fig7", 8.0)])
+@pytest.mark.parametrize(
+    ("name", "t_end"), [("fig8", 9.0), ("fig8-exact", 6.0), ("fig7-exact", 8.0), ("fig7", 8.0)]
+)
 def test_touches_and_the_shortest_sticks(name: str, t_end: float) -> None:
     """A graze may be left out or seen as a contact of either kind, but not five times."""
     exact = simulate(name, t_end=t_end)
     t = np.linspace(2.5, t_end, 300)
-    events, samples = listed(exact), (t, *exact(t))
+    events = listed(exact)
+    samples = (t, *exact(t))
     assert crosscheck(name, *samples, events=events).ok
     assert crosscheck(name, *samples, events=[event for event in events if event[1] != "graze"]).ok
     grazes = [i for i, (_, kind) in enumerate(events) if kind == "graze"]
     for i in grazes:
-        for kinds, right in ((("stick", "slip"), True), (("cross", "cross"), True), (("graze",) * 5, False)):
+        for kinds, right in (
+            (("stick", "slip"), True),
+            (("cross", "cross"), True),
+            (("graze",) * 5, False),
+        ):
             pairs = [(events[i][0], kind) for kind in kinds]
-            assert crosscheck(name, *samples, events=[*events[:i], *pairs, *events[i + 1 :]]).ok == right
+            assert (
+                crosscheck(name, *samples, events=[*events[:i], *pairs, *events[i + 1 :]]).ok
+                == right
+            )
     if name == "fig8":
         # 5e-5 deep, 2.6 ms long: a matter of the tolerance.
         assert not crosscheck(name, *samples, events=events[2:]).ok
@@ -246,7 +299,10 @@ def test_a_near_touch_may_be_listed_as_one() -> None:
 
 @pytest.mark.parametrize("seed", [3, pytest.param(4, marks=pytest.mark.campaign)])
 def test_lists_of_a_careful_solver_pass(seed: int) -> None:
-    """Tight DOP853, started anew at each event; also with the start listed and with both samples at each joint."""
+    """Tight DOP853, started anew at each event.
+
+    Also with the start listed and with both samples at each joint.
+    """
     rng = np.random.default_rng(seed)
     for _ in range(3 if seed == 3 else 15):
         p = random_parameters(rng)
@@ -270,7 +326,10 @@ def test_a_jump_at_a_joint_is_a_wrong_step() -> None:
     assert (result.first_wrong.step, result.first_wrong.reason) == (joint, "jump")
     assert result.defects[joint, 0] == pytest.approx(-1e-5, rel=1e-6)
     run.x[joint + 1 :] = list(np.array(run.x[joint + 1 :]) + 0.1)
-    with pytest.raises(ParameterError, match=rf"t\[{joint + 1}\] .* is repeated with another state \(x jumps by 0.1"):
+    with pytest.raises(
+        ParameterError,
+        match=rf"t\[{joint + 1}\] .* is repeated with another state \(x jumps by 0.1",
+    ):
         crosscheck("fig9", run.t, run.x, run.v)
 
 
@@ -290,4 +349,7 @@ def test_the_longest_chain_is_the_best_of_all() -> None:
         found = in_order(pairs)
         assert set(found) <= set(cells)
         assert all(a[0] < b[0] and a[1] < b[1] for a, b in pairwise(found))
-        assert (len(found), sum(cost[pair] for pair in found)) == (len(best), sum(cost[pair] for pair in best))
+        assert (len(found), sum(cost[pair] for pair in found)) == (
+            len(best),
+            sum(cost[pair] for pair in best),
+        )

@@ -1,4 +1,7 @@
-"""Files of every format: those of their libraries, damaged ones, any layout of text, and the page about them."""
+"""Files of every format.
+
+Those of their libraries, damaged ones, any layout of text, and the page about them.
+"""
 
 from __future__ import annotations
 
@@ -39,13 +42,19 @@ def test_what_a_library_writes_is_read_to_the_last_digit(name: str, tmp_path: Pa
     path = tmp_path / name
     WRITERS[name](path)
     samples = read_samples(path)
-    few = 1e-14 if name == "pandas.json" else 0.0  # it has 15 digits
+    # it has 15 digits
+    if name == "pandas.json":
+        few = 1e-14
+    else:
+        few = 0.0
     for column, right in (("t", T), ("x", X), ("v", V)):
         np.testing.assert_allclose(getattr(samples, column), right, rtol=few, atol=few)
 
 
 @pytest.mark.parametrize("name", list(WRITERS))
-def test_standard_input_is_known_by_its_content(name: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_standard_input_is_known_by_its_content(
+    name: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
     path = tmp_path / name
     WRITERS[name](path)
     monkeypatch.setattr(sys, "stdin", SimpleNamespace(buffer=io.BytesIO(path.read_bytes())))
@@ -61,17 +70,22 @@ def one_line(path: Path, *words: str) -> None:
     assert all(word in text for word in words), text
 
 
-@pytest.mark.parametrize("name", [name for name in WRITERS if name.endswith(BINARY) or ".csv." in name])
+@pytest.mark.parametrize(
+    "name", [name for name in WRITERS if name.endswith(BINARY) or ".csv." in name]
+)
 def test_a_file_that_is_cut_off_or_damaged_is_one_line(name: str, tmp_path: Path) -> None:
     path = tmp_path / name
     WRITERS[name](path)
-    content, rng = path.read_bytes(), np.random.default_rng(1)
+    content = path.read_bytes()
+    rng = np.random.default_rng(1)
     for part in (0, 1, 7, len(content) // 2, len(content) - 1):
         path.write_bytes(content[:part])
         if part == len(content) - 1 and name.endswith(("mat", "nc", "h5", "npz")):
             continue  # the last byte need not be read
         one_line(path)
-    for _ in range(0 if name.endswith("mat") else 20):  # random bytes; scipy itself crashes for some of those
+    for _ in range(
+        0 if name.endswith("mat") else 20
+    ):  # random bytes; scipy itself crashes for some of those
         damaged = bytearray(content)
         for place in rng.integers(0, len(content), 20).tolist():
             damaged[place] = int(rng.integers(0, 256))
@@ -84,7 +98,15 @@ def test_a_file_that_is_cut_off_or_damaged_is_one_line(name: str, tmp_path: Path
 def test_rubbish_is_one_line_under_any_name(suffix: str, tmp_path: Path) -> None:
     path = tmp_path / f"file{suffix}"
     rng = np.random.default_rng(2)
-    for content in (b"", b"\n\n", b"\0" * 5000, rng.bytes(5000), pickle.dumps(COLUMNS), b"[" * 200_000, b"t,x,v\n" * 3):
+    for content in (
+        b"",
+        b"\n\n",
+        b"\0" * 5000,
+        rng.bytes(5000),
+        pickle.dumps(COLUMNS),
+        b"[" * 200_000,
+        b"t,x,v\n" * 3,
+    ):
         path.write_bytes(content)
         one_line(path)
 
@@ -153,7 +175,9 @@ def test_a_small_file_that_unpacks_to_very_much_is_refused_soon(
 
 
 @pytest.mark.parametrize("name", ["run.json", "run.csv", "run.npz", "run.h5"])
-def test_no_more_is_unpacked_than_a_limit(name: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_no_more_is_unpacked_than_a_limit(
+    name: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
     monkeypatch.setattr(files, "MOST_BYTES", 100_000)
     (tmp_path / f"{name}.bz2").write_bytes(bz2.compress(b"0,1,2\n" * 100_000))
     with pytest.raises(ParameterError, match=r"is larger than 1e\+05 bytes"):
@@ -169,7 +193,8 @@ def test_columns_of_a_table_are_found_however_it_is_laid_out(tmp_path: Path) -> 
         columns = {name: [round(rng.uniform(-9, 9), 6) for _ in range(rows)] for name in names}
         columns["t"] = sorted(columns["t"])
         rng.shuffle(names)
-        behind, quoted = rng.choice(["", " ", "   "]), rng.random() < 0.5
+        behind = rng.choice(["", " ", "   "])
+        quoted = rng.random() < 0.5
 
         def cell(value: Any, behind: str = behind, quoted: bool = quoted) -> str:
             return behind + (f'"{value}"' if quoted or "," in str(value) else str(value))
@@ -178,7 +203,9 @@ def test_columns_of_a_table_are_found_however_it_is_laid_out(tmp_path: Path) -> 
         lines = [",".join(map(cell, row)) for row in table]
         for _ in range(rng.randint(0, 3)):
             lines.insert(rng.randint(1, len(lines)), rng.choice(["", "  ", ",,"]))
-        lines[0] = rng.choice(["", "# ", "#"]) * (not quoted and "," not in names[0]) + lines[0].lstrip()
+        lines[0] = (
+            rng.choice(["", "# ", "#"]) * (not quoted and "," not in names[0]) + lines[0].lstrip()
+        )
         text = rng.choice(["\n", "\r\n"]).join(lines) + rng.choice(["", "\n"])
         path = tmp_path / f"{number}.csv"
         path.write_bytes(text.encode(rng.choice(["utf-8", "utf-8-sig"])))
@@ -202,7 +229,8 @@ def test_numbers_are_read_however_they_are_written() -> None:
     """Any delimiter, decimal sign, order and name of columns, header or none, comments, a few lines at a time."""
     rng = random.Random(3)
     for _ in range(150):
-        count, sign = rng.randint(2, 9), rng.choice([",", ";", "\t", " ", "  "])
+        count = rng.randint(2, 9)
+        sign = rng.choice([",", ";", "\t", " ", "  "])
         columns = {name: [rng.choice([rng.uniform(-9, 9), rng.uniform(-9, 9) * 1e-30, float(rng.randint(0, 9))])
                           for _ in range(count)] for name in "txv"}  # fmt: skip
         names = {
@@ -211,14 +239,24 @@ def test_numbers_are_read_however_they_are_written() -> None:
             "v": ["v", "vel", "Velocity", "dx/dt"],
         }
         headless = rng.random() < 0.3
-        order = ["t", "x", "v"] if headless else rng.sample("txv", 3)
+        if headless:
+            order = ["t", "x", "v"]
+        else:
+            order = rng.sample("txv", 3)
         comma = sign != "," and rng.random() < 0.5
-        lines = [] if headless else [sign.join(rng.choice(names[name]) for name in order)]
+        if headless:
+            lines = []
+        else:
+            lines = [sign.join(rng.choice(names[name]) for name in order)]
         for row in zip(*(columns[name] for name in order), strict=True):
             cells = [repr(value) for value in row]
-            lines.append(sign.join(cell.replace(".", ",") for cell in cells) if comma else sign.join(cells))
+            lines.append(
+                sign.join(cell.replace(".", ",") for cell in cells) if comma else sign.join(cells)
+            )
         for _ in range(rng.randint(0, 4)):
-            lines.insert(rng.randint(0, len(lines)), rng.choice(["", "# why", "% 1 2", "// t x", " "]))
+            lines.insert(
+                rng.randint(0, len(lines)), rng.choice(["", "# why", "% 1 2", "// t x", " "])
+            )
         found = read(rng.choice(["\n", "\r\n", "\r"]).join(lines) + rng.choice(["", "\n"]))
         assert {name: column.tolist() for name, column in found.items()} == columns, lines
 
@@ -233,20 +271,30 @@ FILES = ("samples.txt", "samples.h5", "struct.mat", "struct.h5", "matrix.h5", "r
 
 def assert_right(source: str | Path) -> None:
     samples = read_samples(source)
-    np.testing.assert_array_equal([samples.t, samples.x, samples.v], [OCTAVE_T, OCTAVE_T**2, 2 * OCTAVE_T])
+    np.testing.assert_array_equal(
+        [samples.t, samples.x, samples.v], [OCTAVE_T, OCTAVE_T**2, 2 * OCTAVE_T]
+    )
 
 
 @pytest.mark.parametrize("name", FILES)
 def test_what_octave_saves_is_read(name: str, monkeypatch: pytest.MonkeyPatch) -> None:
-    """Columns beside values of every other kind, a struct, a matrix, a range; of standard input too."""
+    """Columns beside values of every other kind, a struct, a matrix, a range.
+
+    Of standard input too.
+    """
     assert_right(SAVED / name)
     if name != "struct.mat":
-        monkeypatch.setattr(sys, "stdin", SimpleNamespace(buffer=io.BytesIO((SAVED / name).read_bytes())))
+        monkeypatch.setattr(
+            sys, "stdin", SimpleNamespace(buffer=io.BytesIO((SAVED / name).read_bytes()))
+        )
         assert_right("-")
 
 
 def test_a_range_ends_where_octave_ends_it(tmp_path: Path) -> None:
-    """3 * 0.1 is beyond 0.3 in doubles, and Octave ends at 0.3. A range may go down, or end before its limit."""
+    """3 * 0.1 is beyond 0.3 in doubles, and Octave ends at 0.3.
+
+    A range may go down, or end before its limit.
+    """
     for text, values in (
         ("0 0.3 0.1", [0, 0.1, 0.2, 0.3]),
         ("0 0.35 0.1", [0, 0.1, 0.2, 0.1 * 3]),
@@ -254,13 +302,17 @@ def test_a_range_ends_where_octave_ends_it(tmp_path: Path) -> None:
     ):
         head = "# Created by Octave 7.3.0\n# name: x\n# type: range\n# base, limit, increment\n"
         times = f"# name: t\n# type: matrix\n# rows: 1\n# columns: {len(values)}\n"
-        (tmp_path / "run.txt").write_text(f"{head}{text}\n\n\n{times} {' '.join(map(str, range(len(values))))}\n")
+        (tmp_path / "run.txt").write_text(
+            f"{head}{text}\n\n\n{times} {' '.join(map(str, range(len(values))))}\n"
+        )
         assert read_samples(tmp_path / "run.txt").x.tolist() == values
 
 
 def test_a_damaged_text_of_octave_is_one_line(tmp_path: Path) -> None:
     """Each line left out, cut off there, or with other numbers: read, or refused in one line."""
-    lines, path, said = (SAVED / "range").read_text().splitlines(keepends=True), tmp_path / "range", list[str]()
+    lines = (SAVED / "range").read_text().splitlines(keepends=True)
+    path = tmp_path / "range"
+    said = list[str]()
     for i in range(1, len(lines)):
         bad = "".join(letter if letter.isalpha() else "9" for letter in lines[i].strip()) + "\n"
         for text in (lines[:i] + lines[i + 1 :], lines[:i], [*lines[:i], bad, *lines[i + 1 :]]):
@@ -282,7 +334,9 @@ def written(variables: dict[str, Any], packed: bool = False) -> bytes:
     return file.getvalue()
 
 
-@pytest.mark.parametrize(("at", "value"), [(176, 0xFF), (176, 0), (145, 0x08), (133, 0xFF), (180, 0xFF), (128, 99)])
+@pytest.mark.parametrize(
+    ("at", "value"), [(176, 0xFF), (176, 0), (145, 0x08), (133, 0xFF), (180, 0xFF), (128, 99)]
+)
 def test_a_damaged_one_is_refused(at: int, value: int, tmp_path: Path) -> None:
     """The kind of the numbers, a second (imaginary) part that is not there, sizes beyond the end."""
     data = bytearray(written(COLUMNS))
@@ -329,15 +383,22 @@ def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
 @pytest.mark.parametrize("command", COMMANDS)
 def test_the_commands_run(command: str, folder: Path) -> None:
     environment = {**os.environ, "PATH": os.pathsep.join([str(folder / "bin"), os.environ["PATH"]])}
-    result = subprocess.run(command, shell=True, cwd=folder, env=environment, capture_output=True, text=True)
-    assert (result.returncode, result.stderr) == (int(any(word in command for word in WRONG)), ""), result.stdout
+    result = subprocess.run(
+        command, shell=True, cwd=folder, env=environment, capture_output=True, text=True
+    )
+    assert (result.returncode, result.stderr) == (
+        int(any(word in command for word in WRONG)),
+        "",
+    ), result.stdout
     assert result.stdout.startswith(("ok", "{", "FAILED"))
 
 
 @pytest.mark.slow
 def test_the_example_prints_what_it_says(tmp_path: Path) -> None:
     (expected,) = re.findall(r"^```text\n(.*?)^```$", PAGE, re.MULTILINE | re.DOTALL)
-    result = subprocess.run([sys.executable, "-c", EXAMPLE], cwd=tmp_path, capture_output=True, text=True, check=False)
+    result = subprocess.run(
+        [sys.executable, "-c", EXAMPLE], cwd=tmp_path, capture_output=True, text=True, check=False
+    )
     assert (result.stderr, result.stdout) == ("", expected)
 
 

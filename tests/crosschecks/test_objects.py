@@ -90,7 +90,12 @@ def test_positions_alone_are_a_solution_without_velocities() -> None:
     import pyarrow
 
     rows = [{"t": row["t"], "x": row["x"]} for row in ROWS]
-    for source in (rows, frame()[["t", "x"]], pyarrow.table({"t": T, "x": X}), np.column_stack([T, X])):
+    for source in (
+        rows,
+        frame()[["t", "x"]],
+        pyarrow.table({"t": T, "x": X}),
+        np.column_stack([T, X]),
+    ):
         (samples,) = solutions_in(source, {})
         assert samples.lacks_v
         np.testing.assert_array_equal(samples.x, X)
@@ -110,11 +115,19 @@ def test_several_solutions_in_one_object() -> None:
     assert names_of(solutions_in(both, {})) == ["b", "a"]
     mixed = both.sort_values("t", kind="stable")
     assert names_of(solutions_in(mixed, {})) == ["b", "a"]
-    assert names_of(solutions_in(both.rename(columns={"run": "which"}), {"id": "which"})) == ["b", "a"]
+    assert names_of(solutions_in(both.rename(columns={"run": "which"}), {"id": "which"})) == [
+        "b",
+        "a",
+    ]
     twice = {"t": T, "x": np.array([X, X]), "v": np.array([V, V])}
     assert names_of(solutions_in(twice, {})) == ["0", "1"]
-    assert names_of(solutions_in({name: column.T for name, column in twice.items()}, {})) == ["0", "1"]
-    data = xarray.Dataset({"x": (("motion", "t"), twice["x"]), "v": (("motion", "t"), twice["v"])}, {"t": T})
+    assert names_of(solutions_in({name: column.T for name, column in twice.items()}, {})) == [
+        "0",
+        "1",
+    ]
+    data = xarray.Dataset(
+        {"x": (("motion", "t"), twice["x"]), "v": (("motion", "t"), twice["v"])}, {"t": T}
+    )
     assert names_of(solutions_in(data, {})) == ["0", "1"]
     batch = SimpleNamespace(ts=np.array([T, T]), ys=np.array([np.column_stack([X, V])] * 2))
     assert names_of(solutions_in(batch, {})) == ["0", "1"]
@@ -128,17 +141,22 @@ def test_rows_may_have_numbers_for_names() -> None:
 
 
 def test_results_of_scipy_with_their_events() -> None:
-    """Times of crossings are the solver's own; a function that looks for something else is left out."""
+    """Times of crossings are the solver's own.
+
+    A function that looks for something else is left out.
+    """
     from scipy.integrate import solve_ivp
 
-    p, motion = load_scene("fig9").parameters, simulate("fig9", t_end=0.9)
+    p = load_scene("fig9").parameters
+    motion = simulate("fig9", t_end=0.9)
     force = float(p.A(1)), float(p.B0), float(p.Omega), float(p.c), float(p.k), float(p.m)
 
     def rhs(t: float, y: Any) -> list[float]:
         A, B, Omega, c, k, m = force
         return [y[1], (A + B * np.cos(Omega * t) - c * y[1] - k * y[0]) / m]
 
-    t0, (x0, v0) = 0.2, motion(0.2)
+    t0 = 0.2
+    (x0, v0) = motion(0.2)
     assert motion.mode(0.2) == "Omega1"
     events = [lambda t, y: y[1] - float(p.v1), lambda t, y: y[0] - 4.5]
     events[0].terminal = True  # type: ignore[attr-defined]
@@ -195,14 +213,20 @@ def test_functions_of_one_time_and_of_many() -> None:
 
 
 def test_what_is_no_solution_of_a_function() -> None:
-    with pytest.raises(ParameterError, match=r"needs times: give crosscheck\(parameters, t, function\)"):
+    with pytest.raises(
+        ParameterError, match=r"needs times: give crosscheck\(parameters, t, function\)"
+    ):
         crosscheck(FIG9.parameters, lambda t: (t, t))
     with pytest.raises(ParameterError, match="must return two numbers"):
         crosscheck("fig9", lambda t: t)
     for function, kind in ((lambda t: (t / 0, 1), ZeroDivisionError), (lambda: (0, 0), TypeError)):
-        with pytest.raises(ParameterError, match=rf"fails at t = 0.1324: {kind.__name__}: ") as caught:
+        with pytest.raises(
+            ParameterError, match=rf"fails at t = 0.1324: {kind.__name__}: "
+        ) as caught:
             crosscheck("fig9", function)
-        assert isinstance(caught.value.__cause__, kind)  # an error of the function itself, with its place
+        assert isinstance(
+            caught.value.__cause__, kind
+        )  # an error of the function itself, with its place
     with pytest.raises(ParameterError, match=r"x\[0\] = nan"):
         crosscheck("fig9", lambda t: (np.nan, 1))
 
@@ -240,14 +264,21 @@ def test_a_function_gets_the_problem(
     monkeypatch.setattr(sys, "path", list(sys.path))
     for module in ("solver_of_a_test", str(tmp_path / "solver_of_a_test.py")):
         found = run_solver(f"{module}:solve", scene)
-        assert found == {"t": [start[0], start[3]], "x": [start[1]] * 2, "v": [start[2], float(scene.parameters.k)]}
+        assert found == {
+            "t": [start[0], start[3]],
+            "x": [start[1]] * 2,
+            "v": [start[2], float(scene.parameters.k)],
+        }
         assert run_solver(f"{module}:Many.solve", scene) == (scene.parameters, *start)
     printed = capsys.readouterr()
     assert "solving" in printed.err
     assert printed.out == ""
     for name, words in (
         ("solver_of_a_test:none", "returned None"),
-        ("solver_of_a_test:broken", r"failed: ZeroDivisionError: division by zero \(line 12 of solver_of_a_test.py\)"),
+        (
+            "solver_of_a_test:broken",
+            r"failed: ZeroDivisionError: division by zero \(line 12 of solver_of_a_test.py\)",
+        ),
         ("solver_of_a_test:leaves", "failed: SystemExit: 3"),
         ("solver_of_a_test:number", "is no function of"),
         ("solver_of_a_test:later", "is async"),
@@ -274,7 +305,11 @@ def test_the_exact_name_comes_first_then_usual_ones_in_any_case() -> None:
     }  # fmt: skip
     assert find_columns(["t", "x", "events"], {}, "here") == {"t": "t", "x": "x"}
     assert find_columns(["t", "x", "w"], {"v": None}, "here") == {"t": "t", "x": "x"}
-    assert find_columns(["t", "A", "w"], {"x": "a", "v": "w"}, "here") == {"t": "t", "x": "A", "v": "w"}
+    assert find_columns(["t", "A", "w"], {"x": "a", "v": "w"}, "here") == {
+        "t": "t",
+        "x": "A",
+        "v": "w",
+    }
 
 
 def test_columns_are_asked_for_one_by_one() -> None:
@@ -289,7 +324,9 @@ def test_columns_are_asked_for_one_by_one() -> None:
 
 
 @pytest.mark.parametrize(("off", "there"), [(5e-5, True), (5e-4, False)])
-def test_events_of_a_solver_are_at_a_belt_relative_to_the_largest_velocity(off: float, there: bool) -> None:
+def test_events_of_a_solver_are_at_a_belt_relative_to_the_largest_velocity(
+    off: float, there: bool
+) -> None:
     p = load_scene("fig9").parameters.replace(v1=-100, v2=100)
     states = [np.array([[0.0, 100 + off]])]
     result = SimpleNamespace(t=T, y=np.array([X, V]), t_events=[np.array([1.0])], y_events=states)
@@ -330,7 +367,10 @@ def one_line(call: Callable[[], Any], *words: str) -> None:
 def test_what_is_no_column(number: int) -> None:
     for name in "txv":
         columns = {"t": SAMPLES_T, "x": SAMPLES_X, "v": SAMPLES_V} | {name: NO_COLUMNS[number]}
-        one_line(lambda columns=columns: crosscheck("fig9", columns["t"], columns["x"], columns["v"]), name)  # type: ignore[misc]
+        one_line(
+            lambda columns=columns: crosscheck("fig9", columns["t"], columns["x"], columns["v"]),
+            name,
+        )  # type: ignore[misc]
     one_line(lambda: crosscheck("fig9", SAMPLES_T, SAMPLES_X[:3], SAMPLES_V), "lengths", "'x'")
 
 
@@ -363,7 +403,10 @@ TEXTS = {
     "rows.json": ('[{"t": 0, "x": 0, "v": 0}, {"t": 1, "x": 1}]', "v[1] = None"),
     "twice.json": ('{"t": [0, 1], "t": [0, 2], "x": [0, 1], "v": [0, 1]}', "has 't' twice"),
     "nan.json": ('{"t": [0, NaN], "x": [0, 1], "v": [0, 1]}', "t[1] = nan"),
-    "digits.json": ('{"t": [0, ' + "1" * 5000 + '], "x": [0, 1], "v": [0, 1]}', "thousands of digits"),
+    "digits.json": (
+        '{"t": [0, ' + "1" * 5000 + '], "x": [0, 1], "v": [0, 1]}',
+        "thousands of digits",
+    ),
     "surrogate.json": ('{"\\ud800": ["0"], "x": [0], "v": [0]}', "there are: \\ud800"),
     "header.csv": ("t,x,v\n", "at least 2"),
     "holes.csv": ("t,x,v\n0,,0\n1,1,1", "x[0] = ''"),

@@ -24,7 +24,9 @@ Round = Callable[[Any], np.ndarray]
 
 
 def decimals(count: int) -> tuple[Round, str]:
-    return lambda values: np.array([float(f"{value:.{count}f}") for value in values]), f"{count} decimals"
+    return lambda values: np.array(
+        [float(f"{value:.{count}f}") for value in values]
+    ), f"{count} decimals"
 
 
 def significant(count: int) -> tuple[Round, str]:
@@ -62,41 +64,65 @@ def test_wrong_solutions_are_found(count: int, samples: int) -> None:
     """More than 20 last places off somewhere, with 0 to 5 decimals, against the scene or its parameters."""
     missed = []
     for number, wrong in enumerate(wrong_solutions(count, count, samples)):
-        scene = wrong.scene if number % 4 else wrong.scene.parameters
+        if number % 4:
+            scene = wrong.scene
+        else:
+            scene = wrong.scene.parameters
         if strict(scene, wrong.t, wrong.x, wrong.v).ok:
-            missed.append(f"{wrong.scene.name}: {wrong.kind}, {wrong.decimals} decimals, off by {wrong.off:.3g} places")
+            missed.append(
+                f"{wrong.scene.name}: {wrong.kind}, {wrong.decimals} decimals, off by {wrong.off:.3g} places"
+            )
     assert missed == []
 
 
 @pytest.mark.parametrize(
-    "count", [pytest.param(3, marks=pytest.mark.slow), pytest.param(100, marks=pytest.mark.campaign)]
+    "count",
+    [pytest.param(3, marks=pytest.mark.slow), pytest.param(100, marks=pytest.mark.campaign)],
 )
 def test_wrong_positions_are_found(count: int) -> None:
     """Without velocities: the positions alone are more than 20 last places off somewhere."""
-    missed, off = [], (wrong for wrong in wrong_solutions(count, 10 * count, 1_500) if wrong.off_x > DEVIATION)
+    missed = []
+    off = (wrong for wrong in wrong_solutions(count, 10 * count, 1_500) if wrong.off_x > DEVIATION)
     for number, wrong in enumerate(islice(off, count)):
-        scene = wrong.scene if number % 4 else wrong.scene.parameters
+        if number % 4:
+            scene = wrong.scene
+        else:
+            scene = wrong.scene.parameters
         if strict(scene, wrong.t, wrong.x).ok:
-            missed.append(f"{wrong.scene.name}: {wrong.kind}, {wrong.decimals} decimals, {wrong.off_x:.3g} places")
+            missed.append(
+                f"{wrong.scene.name}: {wrong.kind}, {wrong.decimals} decimals, {wrong.off_x:.3g} places"
+            )
     assert missed == []
 
 
 @pytest.mark.parametrize(("count", "samples"), RUNS)
 def test_right_solutions_are_not_blamed(count: int, samples: int) -> None:
     """Dense and sparse, with velocities and without, of the scene's start or of a rounded one."""
-    rng, blamed = np.random.default_rng(count), []
+    rng = np.random.default_rng(count)
+    blamed = []
     for number in range(count):
         given = right(rng, samples)
-        scene = given.scene if number % 3 else given.scene.parameters
-        v = given.v if number % 4 or given.kind != "right" else None
+        if number % 3:
+            scene = given.scene
+        else:
+            scene = given.scene.parameters
+        if number % 4 or given.kind != "right":
+            v = given.v
+        else:
+            v = None
         check = strict(scene, given.t, given.x, v)
         if not check.ok:
-            blamed.append(f"{given.scene.name}, {given.kind}, {given.decimals} decimals: {check.summary()}")
+            blamed.append(
+                f"{given.scene.name}, {given.kind}, {given.decimals} decimals: {check.summary()}"
+            )
     assert blamed == []
 
 
 def test_what_rounding_hid() -> None:
-    """Half of c in fig5 with 2 decimals, and velocities 0, 2, 0, 2, ... each a nanosecond after the other."""
+    """Half of c in fig5 with 2 decimals, and velocities 0, 2, 0, 2, ...
+
+    Each a nanosecond after the other.
+    """
     t = np.linspace(0, 40, 8_001)
     p = load_scene("fig5").parameters
     x, v = np.round(simulate(p.replace(c=p.c / 2), t0=0, x0=0, v0=0, t_end=40)(t), 2)
@@ -180,17 +206,26 @@ def test_right_solutions_are_right(every: int) -> None:
     "every", [pytest.param(40, marks=pytest.mark.slow), pytest.param(1, marks=pytest.mark.campaign)]
 )
 def test_scipy_at_fine_tolerances_is_right(every: int) -> None:
-    """... unless it misses a contact, as it does where a stick is shorter than its step: then it is off, or told so."""
+    """... unless it misses a contact, as it does where a stick is shorter than its step.
+
+    Then it is off, or told so.
+    """
     chosen = list(product(cases(), ("DOP853", "RK45"), (1e-9, 1e-10, 1e-11, 1e-12)))[1::every]
     wrong = []
     for case, method, rtol in chosen:
         run = solve(case.scene, case.t_end, method=method, rtol=rtol, atol=0.1 * rtol)
         tolerance = max(1e-8, 1000.0 * rtol)
         t = np.minimum(run.t, case.t_end)
-        off = np.max(np.abs(case.exact(t) - [run.x, run.v]), axis=1) / np.max(np.abs(case.exact(t)), axis=1)
+        off = np.max(np.abs(case.exact(t) - [run.x, run.v]), axis=1) / np.max(
+            np.abs(case.exact(t)), axis=1
+        )
         check = crosscheck(case.scene, run.t, run.x, run.v, events=run.events, tolerance=tolerance)
         there = sum(event.kind != "graze" for event in case.exact.events)
-        told = len(run.events) < there and len(check.missed) == there - len(run.events) and not check.invented
+        told = (
+            len(run.events) < there
+            and len(check.missed) == there - len(run.events)
+            and not check.invented
+        )
         if not check.ok and np.max(off) < 10.0 * tolerance and not told:
             wrong.append(f"{case.scene.name}, {method}, {rtol}: {check.summary()}")
     assert wrong == []

@@ -47,13 +47,28 @@ def test_a_chapter_is_added_as_contributing_says(tmp_path: Path) -> None:
     scratch = Scratch(tmp_path)
     scratch.write("symosc/derive/chapters/energy.py", CHAPTER)
     last = '    "certificates": "why each kind of certificate proves what it says",\n'
-    scratch.replace("symosc/derive/chapters/__init__.py", last, last + '    "energy": "the energy of the mass",\n')
+    scratch.replace(
+        "symosc/derive/chapters/__init__.py",
+        last,
+        last + '    "energy": "the energy of the mass",\n',
+    )
     symbol = r"$\mathcal{E}$, $\mathcal{E}_0$ & energy, at rest & \eqref{eq:energy-total} \\"
     scratch.replace("symosc/derive/front.py", '"""\nNOTATION', f'{symbol}\n"""\nNOTATION')
-    scratch.replace("symosc/derive/references.bib", "@article{luo2008", REFERENCE + "@article{luo2008")
+    scratch.replace(
+        "symosc/derive/references.bib", "@article{luo2008", REFERENCE + "@article{luo2008"
+    )
     # All chapters would take long.
     log = json.loads(scratch.run("symosc", "derive", "energy", "-o", "derivations", "--json"))
-    assert [(step["step"], step["kind"]) for step in log["steps"]] == [("15.1", "exact"), ("15.2", "sign")]
-    assert r"\label{eq:energy-total}" in (tmp_path / "derivations/chapters/energy.tex").read_text(encoding="utf-8")
-    assert r"\bibitem{newton1687}" in (tmp_path / "derivations" / "derivations.tex").read_text(encoding="utf-8")
-    assert "certificates, energy, or all" in " ".join(scratch.run("symosc", "derive", "--help").split())
+    assert [(step["step"], step["kind"]) for step in log["steps"]] == [
+        ("15.1", "exact"),
+        ("15.2", "sign"),
+    ]
+    assert r"\label{eq:energy-total}" in (tmp_path / "derivations/chapters/energy.tex").read_text(
+        encoding="utf-8"
+    )
+    assert r"\bibitem{newton1687}" in (tmp_path / "derivations" / "derivations.tex").read_text(
+        encoding="utf-8"
+    )
+    assert "certificates, energy, or all" in " ".join(
+        scratch.run("symosc", "derive", "--help").split()
+    )

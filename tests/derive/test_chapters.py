@@ -31,7 +31,10 @@ from symosc.errors import OutputError
 from symosc.scenes import load_scene
 
 COMMITTED = Path(__file__).parents[2] / "derivations"
-TEXTS = {key: (COMMITTED / document.CHAPTER_FOLDER / f"{key}.tex").read_text(encoding="utf-8") for key in CHAPTERS}
+TEXTS = {
+    key: (COMMITTED / document.CHAPTER_FOLDER / f"{key}.tex").read_text(encoding="utf-8")
+    for key in CHAPTERS
+}
 MAIN = (COMMITTED / document.MAIN).read_text(encoding="utf-8")
 LABELS = [label for text in TEXTS.values() for label in re.findall(r"\\label\{([^{}]*)\}", text)]
 #: The checks of the other chapters take a second each and more.
@@ -53,7 +56,8 @@ def run(*arguments: str) -> Any:
 def test_committed_latex_is_current_and_every_step_has_evidence(key: str) -> None:
     found = chapter(key)
     assert {evidence.kind for _, evidence in found.steps()} <= {"exact", "sign", "numeric"}
-    old, new = TEXTS[key], document.as_latex(found, Scope(), dict.fromkeys(LABELS, ""))
+    old = TEXTS[key]
+    new = document.as_latex(found, Scope(), dict.fromkeys(LABELS, ""))
     lines = (text.splitlines(keepends=True) for text in (old, new))
     assert old == new, "".join(difflib.unified_diff(*lines, "committed", "printed now")) + ACCEPT
 
@@ -63,7 +67,8 @@ def test_committed_document_is_current() -> None:
     assert document.main_document([unchecked(key) for key in CHAPTERS], Scope()) == MAIN, ACCEPT
 
 
-#: Whether steps of a chapter are tried in the full run; of the others every part of the steps is a campaign.
+#: Whether steps of a chapter are tried in the full run; of the others every part of the steps is a
+#: campaign.
 SIGNS = {key: key in ("motion", "sticks", "switching", "jacobians") for key in CHAPTERS}
 
 
@@ -77,7 +82,10 @@ SIGNS = {key: key in ("motion", "sticks", "switching", "jacobians") for key in C
     ],
 )
 def test_a_changed_sign_fails(key: str, part: int) -> None:
-    """Every sixth step: a change of any sign in it is found; few steps, such as E_0 = 1, have none."""
+    """Every sixth step: a change of any sign in it is found.
+
+    Few steps, such as E_0 = 1, have none.
+    """
     without_sign = 0
     steps = [step for item in unchecked_items(key)[1] for step in steps_of(item)][part::6]
     for step in steps:
@@ -122,16 +130,26 @@ def test_latex_takes_it_and_counts_like_html(tmp_path: Path) -> None:
     work = tmp_path / "derivations"
     shutil.copytree(COMMITTED, work)
     for _ in range(2):
-        command = ["pdflatex", "-interaction=nonstopmode", "-halt-on-error", "-draftmode", document.MAIN]
+        command = [
+            "pdflatex",
+            "-interaction=nonstopmode",
+            "-halt-on-error",
+            "-draftmode",
+            document.MAIN,
+        ]
         subprocess.run(command, cwd=work, capture_output=True, check=True)
     log = (work / document.MAIN).with_suffix(".log").read_text(encoding="latin-1")
     assert [
-        each for each in document.complaints_of(log) if "Rerun" not in each and "may have changed" not in each
+        each
+        for each in document.complaints_of(log)
+        if "Rerun" not in each and "may have changed" not in each
     ] == []
     aux = "".join(path.read_text(encoding="latin-1") for path in work.rglob("*.aux"))
     counted = dict(re.findall(r"\\newlabel\{([^{}]*)\}\{\{([\d.]*)\}", aux))
     numbers = document.numbers_of([unchecked(key) for key in CHAPTERS])
-    assert {label: counted[label] for label in LABELS} == {label: numbers[label] for label in LABELS}
+    assert {label: counted[label] for label in LABELS} == {
+        label: numbers[label] for label in LABELS
+    }
 
 
 # --- notation and errata ---
@@ -147,10 +165,14 @@ def formulas(text: str) -> Iterator[str]:
 
 
 def test_every_symbol_is_in_the_table_of_notation() -> None:
-    used = {symbol for text in TEXTS.values() for math in formulas(text) for symbol in symbols(math)}
+    used = {
+        symbol for text in TEXTS.values() for math in formulas(text) for symbol in symbols(math)
+    }
     assert {symbol for symbol in used if not defined(symbol)} == set()
     assert len(listed() & used) > 0.8 * len(listed())
-    assert {label for *_, where in NOTATION for label in re.findall(r"ref\{([^{}]*)\}", where)} <= set(LABELS)
+    assert {
+        label for *_, where in NOTATION for label in re.findall(r"ref\{([^{}]*)\}", where)
+    } <= set(LABELS)
 
 
 def test_the_supplement_has_each_erratum_once_with_its_number_and_severity() -> None:
@@ -167,13 +189,19 @@ def test_the_supplement_has_each_erratum_once_with_its_number_and_severity() -> 
 
 
 @pytest.mark.slow
-def test_a_pdf_that_fails_leaves_the_rest_and_says_why(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
+def test_a_pdf_that_fails_leaves_the_rest_and_says_why(
+    monkeypatch: pytest.MonkeyPatch, tmp_path: Path
+) -> None:
     found = chapter("switching")
 
     def make_pdf(path: Path) -> Path:
         raise OutputError(str(path), "does not compile")
 
-    for name, instead in {"has_latex": lambda: True, "check_chapter": lambda *_: found, "make_pdf": make_pdf}.items():
+    for name, instead in {
+        "has_latex": lambda: True,
+        "check_chapter": lambda *_: found,
+        "make_pdf": make_pdf,
+    }.items():
         monkeypatch.setattr(document, name, instead)
     result = run("switching", "-o", str(tmp_path / "new"), "--pdf")
     assert result.return_value == 1

@@ -1,4 +1,7 @@
-"""Fragments for a user's paper: checked, complete, LaTeX takes them, and what a reader computes from them is right."""
+"""Fragments for a user's paper.
+
+Checked, complete, LaTeX takes them, and what a reader computes from them is right.
+"""
 
 from __future__ import annotations
 
@@ -88,11 +91,29 @@ def test_a_changed_sign_fails(name: str) -> None:
 @pytest.mark.parametrize("name", FRAGMENTS)
 def test_every_letter_of_a_fragment_is_defined_in_it(name: str) -> None:
     text = printed(name)
-    body = re.sub(r"(?m)^%.*$|\\begin\{(?:tabular|center)\}(?:\{\w*\})?|\\end\{tabular\}|\\hline|\[8pt\]", "", text)
+    body = re.sub(
+        r"(?m)^%.*$|\\begin\{(?:tabular|center)\}(?:\{\w*\})?|\\end\{tabular\}|\\hline|\[8pt\]",
+        "",
+        text,
+    )
     defined = set(re.findall(r"(?m)^(.+?) &", body)) | {"m", "c", "k", "F_N"}
     defined = {s for left in defined for s in symbols(left)}
     prose = {s for math in re.findall(r"\$(.*?)\$", body, re.DOTALL) for s in symbols(math)}
-    model = {"A_0", "B_0", r"\Omega", "v_1", "v_2", r"\mu_1", r"\mu_2", "x", r"\dot{x}", r"\ddot{x}", "t", "e", r"\pi"}
+    model = {
+        "A_0",
+        "B_0",
+        r"\Omega",
+        "v_1",
+        "v_2",
+        r"\mu_1",
+        r"\mu_2",
+        "x",
+        r"\dot{x}",
+        r"\ddot{x}",
+        "t",
+        "e",
+        r"\pi",
+    }
     used = {s for rows in re.findall(r"&(.*)", body) for s in symbols(rows.split(r"\label")[0])}
     known = {s for s in used if KNOWN.fullmatch(s)}
     model |= {"x_i", r"\theta_i", "x_i+1", r"\theta_i+1", r"\dot{x}_i", r"\ddot{x}_i"}
@@ -105,13 +126,19 @@ def test_every_letter_of_a_fragment_is_defined_in_it(name: str) -> None:
 
 def some_parameters(rng: random.Random, regime: str) -> Parameters:
     c, k = REGIMES[regime]
-    others = {name: Fraction(rng.randint(1, 30), rng.randint(2, 9)) for name in ("A0", "B0", "mu1", "mu2", "FN")}
+    others = {
+        name: Fraction(rng.randint(1, 30), rng.randint(2, 9))
+        for name in ("A0", "B0", "mu1", "mu2", "FN")
+    }
     v1 = Fraction(rng.randint(-9, 9), 2)
     return Parameters(m="3/2", Omega="7/5", c=c, k=k, v1=v1, v2=v1 + rng.randint(1, 9), **others)
 
 
 def formulas(text: str) -> dict[str, str]:
-    """Return the right sides of the displayed formulas by their left sides; broken lines are joined."""
+    """Return the right sides of the displayed formulas by their left sides.
+
+    Broken lines are joined.
+    """
     found = {}
     for display in re.findall(r"\\begin\{align\}(.*?)\\end\{align\}", text, re.DOTALL):
         joined = re.sub(r"\\notag\s*\\\\\s*&(?:\\quad)?", " ", display).replace("_{i}", "_i")
@@ -124,7 +151,8 @@ def formulas(text: str) -> dict[str, str]:
 
 def read(text: str, given: dict[str, Any]) -> dict[str, complex]:
     """Return the value of every formula, each computed when all that it needs is known."""
-    values, waiting = {name: complex(value) for name, value in given.items()}, formulas(text)
+    values = {name: complex(value) for name, value in given.items()}
+    waiting = formulas(text)
     while waiting:
         done = {}
         for left, right in waiting.items():
@@ -144,22 +172,28 @@ def letters_of(p: Parameters, names: list[str]) -> dict[str, Any]:
 
 @pytest.mark.quick(1)
 @pytest.mark.full(5)
-@pytest.mark.parametrize(("form", "regime"), [(form, each) for each in REGIMES for form in ("entire", "paper")])
+@pytest.mark.parametrize(
+    ("form", "regime"), [(form, each) for each in REGIMES for form in ("entire", "paper")]
+)
 @pytest.mark.usefixtures("unchecked")
 def test_the_equations_of_a_flight(form: str, regime: str) -> None:
     """A random flight map with all, some or no numbers put in: f1 and f2 at a random point."""
     rng = random.Random(f"{form} {regime}")
-    p, name = some_parameters(rng, regime), ALWAYS.get(regime) or rng.choice(FLIGHTS)
+    p = some_parameters(rng, regime)
+    name = ALWAYS.get(regime) or rng.choice(FLIGHTS)
     deciding = ["m", "c", "k", *(["Omega"] if p.c == 0 else [])]
     numbers = rng.choice([deciding, list(PARAMETER_NAMES), [*deciding, "B0", "v1"]])
     scope = fragment_scope({each: str(getattr(p, each)) for each in numbers}, form=form)
     assert scope.regimes[0].name == regime
     text = as_latex(check_fragment(name, scope), scope)
-    start, end = (rng.uniform(-3, 3), rng.uniform(0, 6)), (rng.uniform(-3, 3), rng.uniform(6, 12))
+    start = (rng.uniform(-3, 3), rng.uniform(0, 6))
+    end = (rng.uniform(-3, 3), rng.uniform(6, 12))
     given = letters_of(p, [each for each in PARAMETER_NAMES if each not in numbers])
     given |= {"x_i": start[0], r"\theta_i": start[1], "x_{i+1}": end[0], r"\theta_{i+1}": end[1]}
     values = read(text, given)
-    assert (values["f_1"], values["f_2"]) == pytest.approx(residual(p, name, start, end), rel=1e-9, abs=1e-9)
+    assert (values["f_1"], values["f_2"]) == pytest.approx(
+        residual(p, name, start, end), rel=1e-9, abs=1e-9
+    )
 
 
 @pytest.mark.parametrize("name", ["P1", "P4"])
@@ -169,14 +203,21 @@ def test_the_equations_of_a_stick(name: str) -> None:
     p = some_parameters(rng, "underdamped")
     scope = fragment_scope({})
     text = as_latex(check_fragment(name, scope), scope, paper_tags=True)
-    start, end = (rng.uniform(-3, 3), 1.0), (rng.uniform(-3, 3), 2.5)
-    given = letters_of(p, list(PARAMETER_NAMES)) | {"x_i": start[0], "x_{i+1}": end[0], r"\theta_{i+1}": end[1]}
+    start = (rng.uniform(-3, 3), 1.0)
+    end = (rng.uniform(-3, 3), 2.5)
+    given = letters_of(p, list(PARAMETER_NAMES)) | {
+        "x_i": start[0],
+        "x_{i+1}": end[0],
+        r"\theta_{i+1}": end[1],
+    }
     given[r"\tau"] = (end[1] - start[1]) / float(p.Omega)
     values = read(text, given)
     below = {"P1": 1, "P4": 2}[name]
     for domain, way in ((below, "below"), (below + 1, "above")):
         f1, f2 = residual(p, name, start, end, exit=way)
-        assert (values["f_1"], values[f"f_2^{{({domain})}}"] / float(p.m)) == pytest.approx((f1, f2), rel=1e-12)
+        assert (values["f_1"], values[f"f_2^{{({domain})}}"] / float(p.m)) == pytest.approx(
+            (f1, f2), rel=1e-12
+        )
 
 
 @pytest.mark.quick(1)
@@ -188,20 +229,31 @@ def test_the_contact_and_the_windows_of_theorem_7(mapping: str) -> None:
     text = as_latex(check_fragment("theorem7", fragment_scope({})), fragment_scope({}))
     table = re.search(r"\\hline\n(.*?)\\end\{tabular\}", text, re.DOTALL)
     assert table
-    column = 1 if mapping in ("P2", "P5") else 2
+    if mapping in ("P2", "P5"):
+        column = 1
+    else:
+        column = 2
     for _ in range(12):
-        p = some_parameters(rng, "underdamped").replace(v1=Fraction(rng.randint(-9, 9), 3), v2=Fraction(10, 3))
+        p = some_parameters(rng, "underdamped").replace(
+            v1=Fraction(rng.randint(-9, 9), 3), v2=Fraction(10, 3)
+        )
         if mapping in ("P5", "P6") and rng.random() < 0.5:
             p = p.replace(v1=-9, v2=Fraction(rng.randint(-9, 9), 3))
         window = grazing_window(p, mapping)
         speed = p.belt(window.place.boundary)
-        given = letters_of(p, ["m", "c", "k", "B0", "Omega"]) | {r"v_\lambda": speed, r"\theta_m": 1.25}
+        given = letters_of(p, ["m", "c", "k", "B0", "Omega"]) | {
+            r"v_\lambda": speed,
+            r"\theta_m": 1.25,
+        }
         given[r"A_\alpha"] = p.A(window.place.domain)
         values = read(text, given)
-        gamma, a = values[r"\gamma"].real, values["a"].real
+        gamma = values[r"\gamma"].real
+        a = values["a"].real
         assert (gamma, a) == pytest.approx((float(window.gamma), float(window.amplitude)))
         force = float(p.A(window.place.domain) - p.c * speed)
-        assert values["x_m"].real == pytest.approx((force + float(p.B0) * math.cos(1.25)) / float(p.k))
+        assert values["x_m"].real == pytest.approx(
+            (force + float(p.B0) * math.cos(1.25)) / float(p.k)
+        )
         if abs(gamma) >= a or gamma == 0:
             continue
         row = {True: "$0 < \\gamma < a$", False: "$-a < \\gamma < 0$"}[gamma > 0]
@@ -209,7 +261,9 @@ def test_the_contact_and_the_windows_of_theorem_7(mapping: str) -> None:
         ends = re.findall(r"[\[(](.*?),\\, (.*?)[\])](?: \\cup|\$| \\\\)", cells[column])
         critical = {r"\Theta^{\mathrm{cr}}": -math.asin(gamma / a)}
         shown = [Reader(end, critical).value().real for pair in ends for end in pair]
-        assert shown == pytest.approx([end for low, high, *_ in window.intervals for end in (low, high)])
+        assert shown == pytest.approx(
+            [end for low, high, *_ in window.intervals for end in (low, high)]
+        )
 
 
 # --- the command ---
@@ -235,14 +289,22 @@ def test_options(tmp_path: Path) -> None:
 @pytest.mark.skipif(not document.has_latex(), reason="no pdflatex")
 def test_latex_takes_all_of_them_in_an_article(tmp_path: Path) -> None:
     article = "\\documentclass{article}\n\\usepackage{amsmath,amsthm}\n\\begin{document}\n"
-    for name, (form, numbers) in zip(FRAGMENTS, cycle((("entire", False), ("paper", True))), strict=False):
+    for name, (form, numbers) in zip(
+        FRAGMENTS, cycle((("entire", False), ("paper", True))), strict=False
+    ):
         scope = fragment_scope(NUMBERS if numbers else {}, form=form)
         text = as_latex(check_fragment(name, scope), scope, paper_tags=numbers)
         labels = re.findall(r"\\label\{([^{}]*)\}", text)
         article += text + " ".join(rf"\eqref{{{label}}}" for label in labels) + "\n\n"
     (tmp_path / "mine.tex").write_text(article + "\\end{document}\n", encoding="utf-8")
     for _ in range(2):
-        command = ["pdflatex", "-interaction=nonstopmode", "-halt-on-error", "-draftmode", "mine.tex"]
+        command = [
+            "pdflatex",
+            "-interaction=nonstopmode",
+            "-halt-on-error",
+            "-draftmode",
+            "mine.tex",
+        ]
         subprocess.run(command, cwd=tmp_path, capture_output=True, check=True)
     complaints = document.complaints_of((tmp_path / "mine.log").read_text(encoding="latin-1"))
     assert not [each for each in complaints if not each.startswith("Overfull")]

@@ -1,4 +1,7 @@
-"""Published results against this package: amplitudes, stability, borders, stops, decay, continua; and their page."""
+"""Published results against this package: amplitudes, stability, borders, stops, decay, continua.
+
+And their page.
+"""
 
 from __future__ import annotations
 
@@ -23,11 +26,15 @@ from symosc.orbits.floquet import rest_positions
 
 
 def random_walls(count: int, seed: int, share: tuple[float, float]) -> list[tuple]:
-    """Return random (c, Omega, F), F a random part of the border's between the shares; four decimals each."""
+    """Return random (c, Omega, F), F a random part of the border's between the shares.
+
+    Four decimals each.
+    """
     dice = random.Random(seed)
     found = []
     while len(found) < count:
-        Omega, c = f"{dice.uniform(0.25, 2.5):.4f}", f"{dice.choice((0, dice.uniform(0, 0.5), dice.uniform(0, 3))):.3f}"
+        Omega = f"{dice.uniform(0.25, 2.5):.4f}"
+        c = f"{dice.choice((0, dice.uniform(0, 0.5), dice.uniform(0, 3))):.3f}"
         border = float(Formulas(wall(1, Omega, c)).largest_force_ratio())
         F = f"{border * dice.uniform(*share):.4f}"
         if float(F) > 0.001:
@@ -52,14 +59,21 @@ def test_amplitudes_known_from_elsewhere(c: str, F: str, Omega: str, x_0: float)
 
 @pytest.mark.slow
 def test_the_amplitude_is_that_of_P32_and_so_are_its_multipliers() -> None:
-    """Random systems of all regimes of damping: in doubles to 1e-12, and some with 30 digits to 1e-27."""
+    """Random systems of all regimes of damping.
+
+    In doubles to 1e-12, and some with 30 digits to 1e-27.
+    """
     for i, (c, Omega, F) in enumerate(random_walls(5, 20, (0.05, 0.9))):
         p = wall(F, Omega, c)
         formulas = Formulas(p)
-        digits, tolerance = (30, 1e-27) if i < 2 else (None, 1e-12)
+        if i < 2:
+            digits, tolerance = (30, 1e-27)
+        else:
+            digits, tolerance = (None, 1e-12)
         orbit = find_orbit(p, "P32", digits=digits)
         assert orbit.admissible, (c, Omega, F)
-        highest, lowest = max(x for _, x in orbit.points), min(x for _, x in orbit.points)
+        highest = max(x for _, x in orbit.points)
+        lowest = min(x for _, x in orbit.points)
         assert abs(MP.mpf(highest) / formulas.amplitude - 1) < tolerance
         assert abs(MP.mpf(lowest) / formulas.amplitude + 1) < tolerance
         one, other = orbit.multipliers
@@ -101,12 +115,15 @@ def test_the_largest_bound_is_the_largest() -> None:
 @pytest.mark.parametrize(("n", "F"), [(1, "0.1"), (2, "0.02")])
 def test_the_continuum(n: int, F: str) -> None:
     """Members inside are marginal orbits; those outside are none."""
-    half, x_f = 1 / (1 - Fraction(1, 4 * n * n)), Fraction(F)
+    half = 1 / (1 - Fraction(1, 4 * n * n))
+    x_f = Fraction(F)
     end = half / (4 * n * n) - x_f
     for part in ("-0.99", "0", "0.5"):
         orbit = published.one_sided_orbit(F, n, Fraction(part) * end)
         middle = float(Fraction(part) * end)
-        assert [x for _, x in orbit.points] == pytest.approx([middle + float(half), middle - float(half)], rel=1e-12)
+        assert [x for _, x in orbit.points] == pytest.approx(
+            [middle + float(half), middle - float(half)], rel=1e-12
+        )
         assert orbit.admissible
         assert orbit.stable is None
         assert orbit.multipliers[0] == pytest.approx(1, abs=1e-12)
@@ -125,7 +142,10 @@ def test_one_stop_per_cycle_beside_the_continuum() -> None:
 
 
 def test_a_mass_rests_anywhere_on_a_belt_at_rest() -> None:
-    """So the map over a period is the identity there: multiplier 1. From outside the mass comes to the interval."""
+    """So the map over a period is the identity there: multiplier 1.
+
+    From outside the mass comes to the interval.
+    """
     low, high = rest_positions(RESTING, 1)
     assert (low, high) == (Fraction(-4, 5), 1)
     for x in (0, Fraction(1, 2), Fraction(-3, 5), low, high):
@@ -135,7 +155,9 @@ def test_a_mass_rests_anywhere_on_a_belt_at_rest() -> None:
     for x in (-3, Fraction(-9, 10), Fraction(11, 10), 4):
         path = simulate(RESTING, t0=0, x0=x, v0=0, t_end=100)
         assert path.events
-        assert float(low) - 0.01 <= path(99.0)[0] <= float(high) + 0.01  # it may creep there for ever
+        assert (
+            float(low) - 0.01 <= path(99.0)[0] <= float(high) + 0.01
+        )  # it may creep there for ever
 
 
 @pytest.mark.parametrize(("change", "name"), [({"Omega": 1}, "Omega"), ({"k": 0}, "k")])
@@ -156,7 +178,10 @@ def test_counts_are_those_of_orbits() -> None:
 
 
 def test_one_stop_at_one_half_only() -> None:
-    """From rest at 0: below F/P = 1/3 one stop per cycle at Omega = 1/2; above two; elsewhere none or two."""
+    """From rest at 0: below F/P = 1/3 one stop per cycle at Omega = 1/2; above two.
+
+    Elsewhere none or two.
+    """
     cycle = 60 * 4 * pi
     for F, count in (("0.1", 1), ("0.3", 1), ("0.4", 2)):
         events = published.from_rest(wall(F, "0.5"), 61).events
@@ -170,7 +195,9 @@ def test_one_stop_at_one_half_only() -> None:
 
 @pytest.mark.slow
 @pytest.mark.parametrize(
-    ("Omega", "places"), [("0.3", [0.77658213]), ("0.15", [0.60303691, 0.26546352])], ids=["two stops", "four stops"]
+    ("Omega", "places"),
+    [("0.3", [0.77658213]), ("0.15", [0.60303691, 0.26546352])],
+    ids=["two stops", "four stops"],
 )
 def test_stops_known_from_elsewhere_also_by_another_solver(Omega: str, places: list[float]) -> None:
     """The cycle is closed by slides that scipy integrates from the equation of motion."""
@@ -179,15 +206,24 @@ def test_stops_known_from_elsewhere_also_by_another_solver(Omega: str, places: l
     found = sorted((abs(float(x)) for x in published.solve_stop_positions(p)), reverse=True)
     assert found == pytest.approx(places, abs=6e-9)
     path = published.from_rest(p, 40)
-    slips = [event for event in path.events if event.kind == "slip" and event.t > 60 * pi / float(p.Omega)]
+    slips = [
+        event
+        for event in path.events
+        if event.kind == "slip" and event.t > 60 * pi / float(p.Omega)
+    ]
     for slip in slips[: 2 * len(places)]:
-        side = 1 if slip.target == "Omega2" else -1
+        if slip.target == "Omega2":
+            side = 1
+        else:
+            side = -1
 
         def right(t: float, y: np.ndarray, side: int = side) -> list[float]:
             return [y[1], np.cos(float(Omega) * t) - y[0] - 0.1 * y[1] - 0.5 * side]
 
         def stopped(t: float, y: np.ndarray, begin: float = slip.t, side: int = side) -> float:
-            return side * y[1] if t > begin + 0.3 else 1.0
+            if t > begin + 0.3:
+                return side * y[1]
+            return 1.0
 
         stopped.terminal, stopped.direction = True, -1
         slide = solve_ivp(
@@ -215,25 +251,39 @@ def test_points_where_borders_meet() -> None:
 @pytest.mark.slow
 def test_ends_of_a_branch_known_from_elsewhere() -> None:
     found = [float(row.formula) for row in table("ends")]
-    assert found == pytest.approx([0.72267919443828, 2.0120729528, 1.23574715232190, 0.6709113787], abs=1e-10)
+    assert found == pytest.approx(
+        [0.72267919443828, 2.0120729528, 1.23574715232190, 0.6709113787], abs=1e-10
+    )
 
 
 @pytest.mark.slow
 def test_friction_amplifies_beyond_the_root_of_two() -> None:
     """Weak friction: the inversion tends to r = sqrt(2), linearly."""
-    distances = [published.inversion(F, published.transmissibility) - 2**0.5 for F in ("0.1", "0.05")]
+    distances = [
+        published.inversion(F, published.transmissibility) - 2**0.5 for F in ("0.1", "0.05")
+    ]
     assert all(0 < after < 0.55 * before for before, after in pairwise(distances))
 
 
 @pytest.mark.quick(1)
 @pytest.mark.parametrize("seed", range(3))
 def test_no_distance_grows(seed: int) -> None:
-    """Two motions of random double-belt oscillators, with and without a damper: their energy distance never grows."""
+    """Two motions of random double-belt oscillators, with and without a damper.
+
+    Their energy distance never grows.
+    """
     dice = random.Random(seed)
     for _ in range(4):
-        numbers = {name: f"{dice.uniform(0.2, 2):.3f}" for name in ("m", "k", "mu1", "mu2", "FN", "Omega")}
+        numbers = {
+            name: f"{dice.uniform(0.2, 2):.3f}" for name in ("m", "k", "mu1", "mu2", "FN", "Omega")
+        }
         p = Parameters(
-            **numbers, c=dice.choice(("0", "0.1", "0.7")), A0=0, B0=f"{dice.uniform(0.5, 5):.3f}", v1=-1, v2=2
+            **numbers,
+            c=dice.choice(("0", "0.1", "0.7")),
+            A0=0,
+            B0=f"{dice.uniform(0.5, 5):.3f}",
+            v1=-1,
+            v2=2,
         )
         t = np.linspace(0, 60, 601)
         starts = ((dice.uniform(-3, 3), dice.uniform(-3, 3)) for _ in range(2))
@@ -256,10 +306,17 @@ def test_the_committed_page_is_current() -> None:
     """The chapter checks that the two numbers of each row agree."""
     folder = Path(__file__).parents[2] / "docs"
     page = runpy.run_path(str(folder / "literature.py"))["page"]
-    page.__globals__.update(table=table, largest_exponent=lambda count: published.largest_exponent(2))
-    assert (folder / "literature.md").read_text(encoding="utf-8") == page(), "accept it with: python docs/literature.py"
+    page.__globals__.update(
+        table=table, largest_exponent=lambda count: published.largest_exponent(2)
+    )
+    assert (folder / "literature.md").read_text(encoding="utf-8") == page(), (
+        "accept it with: python docs/literature.py"
+    )
     notes = " ".join(value.note for key in ("border", "stops") for value in table(key))
-    assert {int(word) for word in notes.replace(",", "").split() if word.isdigit()} == {0, *range(2, 15, 2)}
+    assert {int(word) for word in notes.replace(",", "").split() if word.isdigit()} == {
+        0,
+        *range(2, 15, 2),
+    }
     sources = {source for _, keys, _ in TABLES.values() for source in keys}
     assert sources <= set(citation.entries())
     assert sources == set(runpy.run_path(str(folder / "literature.py"))["SOURCES"])
@@ -269,7 +326,10 @@ def test_the_committed_page_is_current() -> None:
 def test_growth_at_resonance(F: str, P: str) -> None:
     expected = pi * float(P) - 4 * float(F)
     for digits, tolerance in ((30, 1e-26), (None, 1e-13)):
-        exact = MP.pi * MP.mpf(P) - 4 * MP.mpf(F) if digits else expected
+        if digits:
+            exact = MP.pi * MP.mpf(P) - 4 * MP.mpf(F)
+        else:
+            exact = expected
         rises = published.resonance_growth(F, P, digits)
         assert len(rises) >= 5
         assert all(abs(MP.mpf(rise) - exact) < tolerance * 40 for rise in rises)
@@ -279,7 +339,8 @@ def test_free_decay() -> None:
     """Random starts: 2 F/k less each half cycle, and at rest inside |x| <= F/k."""
     dice = random.Random(23)
     for _ in range(6):
-        F, start = Fraction(dice.randint(50, 200), 1000), Fraction(dice.randint(1000, 2000), 1000)
+        F = Fraction(dice.randint(50, 200), 1000)
+        start = Fraction(dice.randint(1000, 2000), 1000)
         path = simulate(wall(F, 1, P=0), t0=0, x0=start, v0=0, t_end=200)
         distances = [float(start), *(abs(event.x) for event in path.events)]
         signs = [x > 0 for x in (float(start), *(event.x for event in path.events))]
@@ -287,11 +348,17 @@ def test_free_decay() -> None:
         assert distances[-1] <= float(F) * (1 + 1e-12)
         assert all(distance > float(F) for distance in distances[:-1])
         falls = -np.diff(
-            [distance if same else -distance for distance, same in zip(distances, _turns(signs), strict=True)]
+            [
+                distance if same else -distance
+                for distance, same in zip(distances, _turns(signs), strict=True)
+            ]
         )
         assert falls == pytest.approx(2 * float(F), rel=1e-12)
 
 
 def _turns(signs: list[bool]) -> list[bool]:
-    """Return whether each turning point is on the side that half cycles lead to: only the last one may not be."""
+    """Return whether each turning point is on the side that half cycles lead to.
+
+    Only the last one may not be.
+    """
     return [sign == (i % 2 == 0) for i, sign in enumerate(signs)]

@@ -16,7 +16,10 @@ from symosc.derive.errata import RecordsError, read_errata
 
 COMMITTED = Path(__file__).parents[2] / "derivations"
 MAIN = (COMMITTED / document.MAIN).read_text(encoding="utf-8")
-TEXTS = [(COMMITTED / document.CHAPTER_FOLDER / f"{key}.tex").read_text(encoding="utf-8") for key in CHAPTERS]
+TEXTS = [
+    (COMMITTED / document.CHAPTER_FOLDER / f"{key}.tex").read_text(encoding="utf-8")
+    for key in CHAPTERS
+]
 ERRATUM = """
 [one]
 severity = "typo"
@@ -31,7 +34,8 @@ proof = "c"
 
 
 def test_citation_file_and_bibtex_agree() -> None:
-    tool, paper = cff(), cff("    ")
+    tool = cff()
+    paper = cff("    ")
     assert {"cff-version", "message", "title", "version", "date-released"} <= set(tool)
     assert tool["version"] == symosc.__version__
     assert tool["title"] == citation.SYMOSC["title"]
@@ -40,7 +44,9 @@ def test_citation_file_and_bibtex_agree() -> None:
     assert f"{{{cff('  - ')['name']}}}" == citation.SYMOSC["author"]
     assert [cff("  - ")["name"]] == [author["name"] for author in PROJECT["authors"]]
     people = re.findall(r"family-names: (\w+)\n +given-names: (\w+)", text("CITATION.cff"))
-    assert " and ".join(f"{family}, {given}" for family, given in people) == citation.PAPER["author"]
+    assert (
+        " and ".join(f"{family}, {given}" for family, given in people) == citation.PAPER["author"]
+    )
     assert f"{paper['start']}--{paper['end']}" == citation.PAPER["pages"]
     for name in ("title", "journal", "volume", "year", "issn"):
         assert paper[name] == citation.PAPER[name], name
@@ -55,8 +61,14 @@ def test_every_citation_has_an_entry_and_every_entry_is_complete() -> None:
     assert re.findall(r"\\bibitem\{(\w+)\}", MAIN) == cited
     assert (COMMITTED / document.BIBTEX).read_text(encoding="utf-8") == citation.references_bib()
     for reference in citation.entries().values():
-        needed = {"article": {"journal", "volume", "pages"}, "book": {"publisher", "address"}, "misc": {"note"}}
-        assert set(reference.fields) >= {"author", "title", "year"} | needed[reference.kind], reference.key
+        needed = {
+            "article": {"journal", "volume", "pages"},
+            "book": {"publisher", "address"},
+            "misc": {"note"},
+        }
+        assert set(reference.fields) >= {"author", "title", "year"} | needed[reference.kind], (
+            reference.key
+        )
         assert re.fullmatch(r"\d{4}", reference.fields["year"])
         doi = reference.fields.get("doi", "10.1/x")
         assert re.fullmatch(r"10\.\d+/\S+", doi), doi
@@ -70,7 +82,10 @@ def test_every_citation_has_an_entry_and_every_entry_is_complete() -> None:
     [
         (('"typo"', '"slip"'), "severity = 'slip': must be one of wrong, gap, typo"),
         (('proof = "c"', ""), "must have severity, where, printed, holds, proof"),
-        (('proof = "c"', 'proof = "c"\nseen = "d"'), "must have severity, where, printed, holds, proof"),
+        (
+            ('proof = "c"', 'proof = "c"\nseen = "d"'),
+            "must have severity, where, printed, holds, proof",
+        ),
         (('proof = "c"', "proof = 3"), "proof = 3: must be text"),
         (("[one]", '["One!"]'), "must be kebab case"),
         (("[one]", "[one"), "cannot be read"),

@@ -1,4 +1,7 @@
-"""Tables of pandas and xarray: the same numbers as the answers have; one clear line where the package is missing."""
+"""Tables of pandas and xarray: the same numbers as the answers have.
+
+One clear line where the package is missing.
+"""
 
 from __future__ import annotations
 
@@ -9,7 +12,14 @@ import numpy as np
 import pytest
 from answers import answer
 
-TABLES = ["trajectory", "trajectory in digits", "trajectory without events", "branch", "events", "summary"]
+TABLES = [
+    "trajectory",
+    "trajectory in digits",
+    "trajectory without events",
+    "branch",
+    "events",
+    "summary",
+]
 
 
 @pytest.mark.parametrize("kind", TABLES[:3])
@@ -17,7 +27,8 @@ def test_events_of_a_trajectory(kind: str) -> None:
     pytest.importorskip("pandas")
     pytest.importorskip("xarray")
     path = answer(kind)
-    frame, dataset = path.to_pandas(), path.to_xarray()
+    frame = path.to_pandas()
+    dataset = path.to_xarray()
     assert frame.to_dict("records") == path.table()
     for name in ("t", "kind", "boundary", "t_error"):
         assert dataset[name].values.tolist() == [row[name] for row in path.table()]
@@ -30,14 +41,17 @@ def test_points_of_a_branch() -> None:
     pytest.importorskip("pandas")
     pytest.importorskip("xarray")
     branch = answer("branch")
-    frame, dataset = branch.to_pandas(), branch.to_xarray()
+    frame = branch.to_pandas()
+    dataset = branch.to_xarray()
     assert np.array_equal(frame["Omega"], branch.values)
     for i in (0, 1):
         assert np.array_equal(frame[f"t{i}"], branch.points[:, i, 0])
         assert np.array_equal(frame[f"x{i}"], branch.points[:, i, 1])
         assert np.array_equal(frame[f"multiplier{i}"], branch.multipliers[:, i])
     assert np.array_equal(np.stack([dataset["t"], dataset["x"]], -1), branch.points)
-    assert np.array_equal(dataset["multiplier_re"] + 1j * dataset["multiplier_im"], branch.multipliers)
+    assert np.array_equal(
+        dataset["multiplier_re"] + 1j * dataset["multiplier_im"], branch.multipliers
+    )
     assert dataset["map"].values.tolist() == list(branch.labels)
 
 

@@ -1,4 +1,7 @@
-"""Functions bound to other globals: they say where they are written, and the compiled ones notice every change."""
+"""Functions bound to other globals.
+
+They say where they are written, and the compiled ones notice every change.
+"""
 
 from __future__ import annotations
 
@@ -15,16 +18,21 @@ import numpy as np
 import pytest
 
 from symosc import load_scene
-from symosc.engine.arithmetic import SOURCES, MpArithmetic, column_functions, compile_modules, functions_of, is_compiled
+from symosc.engine.arithmetic import (
+    SOURCES,
+    MpArithmetic,
+    column_functions,
+    compile_modules,
+    functions_of,
+    is_compiled,
+)
 from symosc.errors import CodeCacheWarning
 from symosc.kernels import elementary
 
 pytest.importorskip("numba")
 
-CALLEE, CALLER = (
-    "def inner(x):\n    return x + 1\n",
-    "from callee import inner\n\n\ndef outer(x):\n    return inner(x)\n",
-)
+CALLEE = "def inner(x):\n    return x + 1\n"
+CALLER = "from callee import inner\n\n\ndef outer(x):\n    return inner(x)\n"
 RUN = """
 import sys
 sys.path.insert(0, sys.argv[1])
@@ -40,12 +48,21 @@ print(is_compiled(together), is_compiled(apart), is_compiled(caller.outer))
 
 @pytest.mark.slow
 def test_the_disk_cache_is_used_and_notices_what_is_called(tmp_path: Path) -> None:
-    """Even if the file that changed looks older than the others; and what is on disk is known before it is called."""
+    """Even if the file that changed looks older than the others.
+
+    And what is on disk is known before it is called.
+    """
 
     def run() -> str:
         command = [sys.executable, "-c", RUN, str(tmp_path)]
-        env = {**os.environ, "PYTHONDONTWRITEBYTECODE": "1", "NUMBA_CACHE_DIR": str(tmp_path / "cache")}
-        first, after = subprocess.run(command, check=True, capture_output=True, text=True, env=env).stdout.splitlines()
+        env = {
+            **os.environ,
+            "PYTHONDONTWRITEBYTECODE": "1",
+            "NUMBA_CACHE_DIR": str(tmp_path / "cache"),
+        }
+        first, after = subprocess.run(
+            command, check=True, capture_output=True, text=True, env=env
+        ).stdout.splitlines()
         assert after == "True True True"  # what is not for numba needs no compiling
         return first
 
@@ -122,13 +139,16 @@ def test_without_a_folder_for_compiled_code_there_is_one_warning(
 
 def is_short(value: float) -> bool:
     """Whether a number is a limit that somebody chose (4e-3, 64) or a power of two, and no constant of mathematics."""
-    return value == float(f"{value:.2g}") or (1024 * value).is_integer() or math.frexp(value)[0] == 0.5
+    return (
+        value == float(f"{value:.2g}") or (1024 * value).is_integer() or math.frexp(value)[0] == 0.5
+    )
 
 
 def test_no_double_constant_gets_into_many_digits() -> None:
     """pi, 1/6 or the rounding unit of doubles would spoil every digit behind the 16th."""
     namespace = MpArithmetic(load_scene("fig5").parameters, 50).namespace
-    used, literals = set(), set()
+    used = set()
+    literals = set()
     # What makes the constants is told which numbers to make, pi among them.
     makers = {"constants", "constant_table", "with_march", "_period_rest", "_belt_constants"}
     for name, original in functions_of(SOURCES).items():
@@ -136,7 +156,9 @@ def test_no_double_constant_gets_into_many_digits() -> None:
         if bound and name not in makers:
             used |= set(bound.co_names)
             literals |= {value for value in original.__code__.co_consts if isinstance(value, float)}
-            assert not [value for value in bound.co_consts if isinstance(value, float)], name  # they are made once
+            assert not [value for value in bound.co_consts if isinstance(value, float)], (
+                name
+            )  # they are made once
     assert {"EPS", "PI", "TWO_PI", "SIXTH", "ROUNDING"} <= used
     for name in used & set(namespace):
         value = namespace[name]
@@ -150,7 +172,8 @@ def test_no_double_constant_gets_into_many_digits() -> None:
 
 def test_functions_of_columns_have_the_bits_of_single_numbers() -> None:
     """Numpy's own have those of the processor."""
-    own, x = column_functions(), np.random.default_rng(1).uniform(-700, 700, 20_000)
+    own = column_functions()
+    x = np.random.default_rng(1).uniform(-700, 700, 20_000)
     for name in ("sin", "cos", "exp", "expm1"):
         assert own[name](x).tolist() == [getattr(elementary, name)(each) for each in x.tolist()]
         assert own["basis"].__globals__["np"].__dict__[name] is own[name]

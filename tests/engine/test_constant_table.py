@@ -1,4 +1,7 @@
-"""Constants of many parameter sets: each row of the table is what the set alone gets from fractions."""
+"""Constants of many parameter sets.
+
+Each row of the table is what the set alone gets from fractions.
+"""
 
 from __future__ import annotations
 
@@ -35,7 +38,10 @@ def test_columns_of_doubles_are_the_decimals_that_they_print_as() -> None:
     base = by_name(load_scene("fig9").parameters, float)
     columns = base | {"Omega": rng.uniform(1, 6, 40), "c": np.round(rng.uniform(0, 1, 40), 2)}
     given = ParameterSets(columns)
-    single = [Parameters(**{name: np.broadcast_to(columns[name], 40)[i] for name in base}) for i in range(40)]
+    single = [
+        Parameters(**{name: np.broadcast_to(columns[name], 40)[i] for name in base})
+        for i in range(40)
+    ]
     assert [given[i] for i in range(40)] == single
     whole = given.table(slice(0, 40), INTERPRETED.march_rows)
     assert_as_alone(whole, single)

@@ -16,14 +16,29 @@ import mpmath
 import pytest
 from samples import sample_of
 
-from symosc import Parameters, find_orbit, grazing_start, grazing_window, jacobian, load_scene, simulate, solve_map
+from symosc import (
+    Parameters,
+    find_orbit,
+    grazing_start,
+    grazing_window,
+    jacobian,
+    load_scene,
+    simulate,
+    solve_map,
+)
 from symosc.engine.arithmetic import MpArithmetic
 from symosc.engine.start import Start
 from symosc.kernels.multiprecision import mp_context
 from symosc.simulation import motion
 
-gmpy2: Any = importlib.import_module("gmpy2") if find_spec("gmpy2") else None
-mpfr: Any = importlib.import_module("symosc.kernels.mpfr") if gmpy2 else None
+if find_spec("gmpy2"):
+    gmpy2: Any = importlib.import_module("gmpy2")
+else:
+    gmpy2 = None
+if gmpy2:
+    mpfr: Any = importlib.import_module("symosc.kernels.mpfr")
+else:
+    mpfr = None
 needs_gmpy2 = pytest.mark.skipif(gmpy2 is None, reason="needs gmpy2")
 
 
@@ -43,10 +58,16 @@ def quick_switches() -> Iterator[None]:
 def problem(seed: int) -> tuple[Parameters, dict[str, Any]]:
     """Return random parameters in all regimes of damping, and a start, some on a belt."""
     dice = random.Random(seed)
-    numbers = {name: Fraction(dice.randint(10, 300), 100) for name in ("m", "k", "A0", "B0", "Omega", "FN")}
+    numbers = {
+        name: Fraction(dice.randint(10, 300), 100) for name in ("m", "k", "A0", "B0", "Omega", "FN")
+    }
     c = dice.choice((Fraction(0), Fraction(dice.randint(1, 500), 100)))
     p = Parameters(v1=-1, v2=1, mu1="0.3", mu2="0.4", c=c, **numbers)
-    start = {"t0": dice.randint(0, 50), "x0": Fraction(dice.randint(-99, 99), 50), "v0": dice.choice(("0.37", 1, -2))}
+    start = {
+        "t0": dice.randint(0, 50),
+        "x0": Fraction(dice.randint(-99, 99), 50),
+        "v0": dice.choice(("0.37", 1, -2)),
+    }
     return p, {**start, "t_end": start["t0"] + 12}
 
 
@@ -67,10 +88,16 @@ def test_the_events_are_those_of_mpmath(count: int) -> None:
         digits = random.Random(seed).choice((20, 36, 60, 111))
         fast, plain = (MpArithmetic(p, digits, fast) for fast in (True, False))
         assert fast.following is not fast.namespace
-        ours, theirs = followed(start, fast), followed(start, plain)
+        ours = followed(start, fast)
+        theirs = followed(start, plain)
         assert (ours.code, ours.decided, ours.count) == (theirs.code, theirs.decided, theirs.count)
         for a, b in zip(ours.events(), theirs.events(), strict=True):
-            assert (a.kind, a.boundary, a.source, a.target) == (b.kind, b.boundary, b.source, b.target), seed
+            assert (a.kind, a.boundary, a.source, a.target) == (
+                b.kind,
+                b.boundary,
+                b.source,
+                b.target,
+            ), seed
             assert a.t.context is b.t.context is mp_context(digits)
             assert abs(a.t - b.t) <= 20 * b.t_error, seed
             assert abs(a.x - b.x) <= 20 * b.x_error, seed
@@ -123,10 +150,14 @@ print(solve_map(load_scene("fig9").parameters, "P2", *start).x)
 @needs_gmpy2
 @pytest.mark.slow
 def test_without_gmpy2_the_results_are_the_same() -> None:
-    without = subprocess.run([sys.executable, "-c", WITHOUT], check=True, capture_output=True, text=True).stdout
+    without = subprocess.run(
+        [sys.executable, "-c", WITHOUT], check=True, capture_output=True, text=True
+    ).stdout
     lines = []
     for name in ("fig8", "fig8-exact"):
-        lines.append([(e.kind, str(e.t), str(e.x)) for e in simulate(name, digits=25, max_events=4).events])
+        lines.append(
+            [(e.kind, str(e.t), str(e.x)) for e in simulate(name, digits=25, max_events=4).events]
+        )
         lines.append([(e.kind, e.t, e.x, e.t_error) for e in simulate(name, max_events=4).events])
     start = mp_context(25).mpf("4.5"), mp_context(25).mpf("0.5")
     lines.append(solve_map(load_scene("fig9").parameters, "P2", *start).x)
@@ -134,9 +165,16 @@ def test_without_gmpy2_the_results_are_the_same() -> None:
 
 
 def in_threads(jobs: list[Job], repeats: int = 3) -> None:
-    """Run every job in several threads at once; each must return what it does alone, before and after."""
+    """Run every job in several threads at once.
+
+    Each must return what it does alone, before and after.
+    """
     alone = [repr(job()) for job in jobs]
-    order = [n for seed in range(repeats) for n in random.Random(seed).sample(range(len(jobs)), len(jobs))]
+    order = [
+        n
+        for seed in range(repeats)
+        for n in random.Random(seed).sample(range(len(jobs)), len(jobs))
+    ]
     prec = mpmath.mp.prec
     with ThreadPoolExecutor(THREADS) as pool:
         together = list(pool.map(lambda n: (n, repr(jobs[n]()), mpmath.mp.prec), order))
@@ -147,11 +185,18 @@ def in_threads(jobs: list[Job], repeats: int = 3) -> None:
 
 @pytest.mark.slow
 def test_orbits_grazing_starts_and_windows() -> None:
-    scene, fig8 = load_scene("fig9-orbit"), load_scene("fig8").parameters
+    scene = load_scene("fig9-orbit")
+    fig8 = load_scene("fig8").parameters
     orbit = find_orbit(scene.parameters, scene.structure)
     window = grazing_window(fig8, "P3")
-    jobs: list[Job] = [lambda d=d: find_orbit(scene.parameters, "P32", orbit, digits=d).points for d in (20, 30, 45)]
-    jobs += [lambda d=d: grazing_start(fig8, "P3", t_m="3.14159", t0="2.5", digits=d) for d in (15, 25, 40)]
+    jobs: list[Job] = [
+        lambda d=d: find_orbit(scene.parameters, "P32", orbit, digits=d).points
+        for d in (20, 30, 45)
+    ]
+    jobs += [
+        lambda d=d: grazing_start(fig8, "P3", t_m="3.14159", t0="2.5", digits=d)
+        for d in (15, 25, 40)
+    ]
     jobs += [lambda n=n: window.contains(Fraction(n, 1000)) for n in (1, 100, 3141, 12345)]
     in_threads(jobs)
 
@@ -160,7 +205,8 @@ def test_orbits_grazing_starts_and_windows() -> None:
 def test_maps_of_mpmath_numbers() -> None:
     """Also those of mpmath's own context, whose precision is the caller's."""
     scene = load_scene("fig9-orbit")
-    p, points = scene.parameters, find_orbit(scene.parameters, "P32").points
+    p = scene.parameters
+    points = find_orbit(scene.parameters, "P32").points
 
     def job(number: Any, i: int) -> Any:
         t, x = points[i]

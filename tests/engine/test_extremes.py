@@ -19,7 +19,9 @@ from symosc.kernels._generated import acceleration
 
 def flight(p: Parameters, dice: random.Random) -> tuple[Constants, Launch, float, Flown]:
     K = Arithmetic(p.replace(v1=-(10**6), v2=10**6)).K
-    theta, x, v = dice.uniform(0, 6.28), dice.uniform(-5, 5), dice.uniform(-5, 5)
+    theta = dice.uniform(0, 6.28)
+    x = dice.uniform(-5, 5)
+    v = dice.uniform(-5, 5)
     F = acceleration(x, v, cos(theta), K.A2, K.cm, K.w0sq, K.f0)
     start = Launch(v, F, sin(theta), cos(theta))
     duration = dice.choice((0.1, 0.5, 1.0)) * min(K.chunk, 60 / K.rate)
@@ -40,9 +42,16 @@ def test_no_sample_is_beyond_the_extremes_and_they_are_reached(seed: int) -> Non
         found = extremes_of(K, start, x, last)
         points = [state_at(tau, start, K) for tau in np.linspace(0, last.tau, 300)[1:-1].tolist()]
         sampled = np.array(
-            [(x, start.v), (x + last.dx, start.v + last.dv), *((x + q.dx, start.v + q.dv) for q in points)]
+            [
+                (x, start.v),
+                (x + last.dx, start.v + last.dv),
+                *((x + q.dx, start.v + q.dv) for q in points),
+            ]
         )
         size = abs(sampled).max()
-        gaps = np.array(found)[[0, 2]] - sampled.min(axis=0), sampled.max(axis=0) - np.array(found)[[1, 3]]
+        gaps = (
+            np.array(found)[[0, 2]] - sampled.min(axis=0),
+            sampled.max(axis=0) - np.array(found)[[1, 3]],
+        )
         assert max(map(np.max, gaps)) <= 1e-14 * size, p
         assert min(map(np.min, gaps)) >= -1e-2 * size, p

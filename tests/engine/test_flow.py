@@ -1,4 +1,7 @@
-"""The flow within a domain, and the constants that it is computed from: against a matrix exponential and the roots."""
+"""The flow within a domain, and the constants that it is computed from.
+
+Against a matrix exponential and the roots.
+"""
 
 from __future__ import annotations
 
@@ -18,11 +21,17 @@ from symosc.engine.state import Launch
 
 
 def random_parameters(rng: random.Random) -> Parameters:
-    """Return random parameters: all dampings, with and without a spring, some near resonance, some stiff."""
-    m, Omega = tenths(rng, 2, 30), tenths(rng, 3, 40)
+    """Return random parameters.
+
+    All dampings, with and without a spring, some near resonance, some stiff.
+    """
+    m = tenths(rng, 2, 30)
+    Omega = tenths(rng, 3, 40)
     k = rng.choice([Fraction(0), tenths(rng, 1, 60), m * Omega**2])
     c = rng.choice([Fraction(0), tenths(rng, 0, 60), tenths(rng, 300, 900), Fraction(1, 1000)])
-    return BASE.replace(m=m, c=c, k=k, Omega=Omega, B0=tenths(rng, -60, 60), A0=tenths(rng, -30, 30))
+    return BASE.replace(
+        m=m, c=c, k=k, Omega=Omega, B0=tenths(rng, -60, 60), A0=tenths(rng, -30, 30)
+    )
 
 
 def number(value: Fraction) -> Any:
@@ -33,7 +42,9 @@ def exact_flight(p: Parameters, start: Launch, tau: Any) -> list[Any]:
     """Return v and its first five derivatives at tau, from the exponential of the linear system (v, F, sin, cos)."""
     m, c, k, f, w = (number(value) for value in (p.m, p.c, p.k, p.B0 * p.Omega / p.m, p.Omega))
     M = mpmath.matrix([[0, 1, 0, 0], [-k / m, -c / m, -f, 0], [0, 0, 0, w], [0, 0, -w, 0]])
-    z = mpmath.expm(M * tau, method="taylor") * mpmath.matrix([mpmath.mpf(value) for value in start])
+    z = mpmath.expm(M * tau, method="taylor") * mpmath.matrix(
+        [mpmath.mpf(value) for value in start]
+    )
     found = [z[0]]
     for _ in range(5):
         z = M * z
@@ -48,17 +59,27 @@ def test_a_flight_is_the_exponential_of_its_equation(digits: int | None) -> None
     with mpmath.workdps(60):
         for _ in range(6 if digits else 40):
             p = random_parameters(rng)
-            arithmetic = MpArithmetic(p, digits) if digits else Arithmetic(p)
-            eps, K = (10.0**-digits if digits else 2.0**-53), arithmetic.K
+            if digits:
+                arithmetic = MpArithmetic(p, digits)
+            else:
+                arithmetic = Arithmetic(p)
+            if digits:
+                eps = 10.0**-digits
+            else:
+                eps = 2.0**-53
+            K = arithmetic.K
             convert = arithmetic.rounded
-            theta, tau = rng.uniform(0, 6.28), convert(mpmath.mpf(rng.uniform(0.01, 3.0)))
+            theta = rng.uniform(0, 6.28)
+            tau = convert(mpmath.mpf(rng.uniform(0.01, 3.0)))
             start = Launch(
                 *map(convert, map(mpmath.mpf, (rng.uniform(-3, 3), rng.uniform(-9, 9)))),
                 *map(convert, (mpmath.sin(theta), mpmath.cos(theta))),
             )
             now = arithmetic.namespace["state_at"](tau, start, K)
             v, F, G1, G2, G3, fifth = exact_flight(p, start, tau)
-            size = 1 + abs(start.v) + abs(start.F) / float(K.rate) + abs(float(K.f0)) / float(K.rate)
+            size = (
+                1 + abs(start.v) + abs(start.F) / float(K.rate) + abs(float(K.f0)) / float(K.rate)
+            )
             errors = [now.dv - (v - start.v), now.F - F, now.G1 - G1, now.G2 - G2, now.G3 - G3]
             for order, error in enumerate(errors):
                 assert abs(error) < 200 * eps * size * float(K.rate) ** order, (p, order)
@@ -68,5 +89,7 @@ def test_a_flight_is_the_exponential_of_its_equation(digits: int | None) -> None
             m, c, k, B0 = map(number, (p.m, p.c, p.k, p.B0))
             if k:
                 angle = mpmath.atan2(start.s, start.c) + number(p.Omega) * tau
-                dx = (B0 * (mpmath.cos(angle) - start.c) - m * (F - start.F) - c * (v - start.v)) / k
+                dx = (
+                    B0 * (mpmath.cos(angle) - start.c) - m * (F - start.F) - c * (v - start.v)
+                ) / k
                 assert abs(now.dx - dx) < 2e3 * eps * (size * (1 + float(tau)) + abs(dx))

@@ -1,4 +1,7 @@
-"""Motions side by side in vector registers: the bits of the scalar source, at any width and beside any neighbours."""
+"""Motions side by side in vector registers.
+
+The bits of the scalar source, at any width and beside any neighbours.
+"""
 
 from __future__ import annotations
 
@@ -29,20 +32,41 @@ SCENES = [load_scene(name).parameters for name in ("fig5", "fig9", "fig10")]
 def starts_of(rng: random.Random, p: Parameters, count: int) -> np.ndarray:
     """Return random starts about the belts."""
     widest = 2.0 * max(abs(float(p.v1)), abs(float(p.v2))) + 1.0
-    return np.array([(rng.uniform(0, 7), rng.uniform(-5, 5), rng.uniform(-widest, widest)) for _ in range(count)])
+    return np.array(
+        [
+            (rng.uniform(0, 7), rng.uniform(-5, 5), rng.uniform(-widest, widest))
+            for _ in range(count)
+        ]
+    )
 
 
 def followed(
-    p: Any, starts: np.ndarray, steps: int, functions: dict[str, Any], span: float = 500.0, accuracy: float = ACCURACY
+    p: Any,
+    starts: np.ndarray,
+    steps: int,
+    functions: dict[str, Any],
+    span: float = 500.0,
+    accuracy: float = ACCURACY,
 ) -> tuple[int, int]:
     """Follow motions in blocks and by the interpreted source, compare them, and return the steps in lanes, and all."""
     width = functions["LANES"]
-    batch, table = Problems(p, starts, starts[:, 0] + span, None).begin(slice(0, len(starts)), functions["march_rows"])
-    given, found, K = np.zeros((STATE_WIDTH, width)), np.zeros((STATE_WIDTH + 3, width)), ConstantRows(table)[0]
-    running, good, tried = set(range(len(starts))) if suits_lanes(K) else set(), 0, 0
+    batch, table = Problems(p, starts, starts[:, 0] + span, None).begin(
+        slice(0, len(starts)), functions["march_rows"]
+    )
+    given = np.zeros((STATE_WIDTH, width))
+    found = np.zeros((STATE_WIDTH + 3, width))
+    K = ConstantRows(table)[0]
+    if suits_lanes(K):
+        running = set(range(len(starts)))
+    else:
+        running = set()
+    good = 0
+    tried = 0
     for _ in range(steps):
         for flights in (True, False):
-            members = [i for i in sorted(running) if (batch.states[i, 0] <= ON_BELT) == flights][:width]
+            members = [i for i in sorted(running) if (batch.states[i, 0] <= ON_BELT) == flights][
+                :width
+            ]
             if not members:
                 continue
             # lanes without a motion have one of any other's states
@@ -57,8 +81,11 @@ def followed(
                     assert event.decided
                     there = found[[KIND, BELT_THERE, T_ERROR], lane].tolist()
                     assert there == [event.code, event.boundary, event.t_error], (p, i)
-                    s, t0 = event.state, batch.states[i, 15]
-                    t, t_error, x_error = time_with_errors(s.t, s.t_low, t0, s.x, s.v, event.t_error, s.S.S11, K)
+                    s = event.state
+                    t0 = batch.states[i, 15]
+                    t, t_error, x_error = time_with_errors(
+                        s.t, s.t_low, t0, s.x, s.v, event.t_error, s.S.S11, K
+                    )
                     assert not is_inexact(t, t_error, s.x, x_error, t0, accuracy)
                 if event.code > GRAZE and event.code != MOVED:
                     running.discard(i)
@@ -71,20 +98,26 @@ def followed(
 @pytest.mark.slow
 @pytest.mark.compiled("doubles")
 def test_a_block_takes_the_steps_of_the_scalar_source() -> None:
-    functions, rng = arithmetic.compiled(), random.Random(1)
+    functions = arithmetic.compiled()
+    rng = random.Random(1)
     for p in SCENES:
         good, tried = followed(p, starts_of(rng, p, functions["LANES"]), 40, functions)
         assert good > 0.8 * tried, p
-    all_good = [followed(p, starts_of(rng, p, functions["LANES"]), 12, functions)[0] for p in random_sets(7, 40)]
+    all_good = [
+        followed(p, starts_of(rng, p, functions["LANES"]), 12, functions)[0]
+        for p in random_sets(7, 40)
+    ]
     assert sum(good > 0 for good in all_good) > 6
 
 
 @pytest.mark.slow
 @pytest.mark.compiled("doubles")
 def test_ends_and_inexact_events_are_left_to_the_scalar_loop() -> None:
-    functions, rng = arithmetic.compiled(), random.Random(2)
+    functions = arithmetic.compiled()
+    rng = random.Random(2)
     for p in SCENES:
-        starts, period = starts_of(rng, p, functions["LANES"]), 6.3 / float(p.Omega)
+        starts = starts_of(rng, p, functions["LANES"])
+        period = 6.3 / float(p.Omega)
         followed(p, starts, 20, functions, span=3 * period)
         good, tried = followed(p, starts, 20, functions, accuracy=1e-15)
         assert 0 < good < 0.9 * tried
@@ -92,7 +125,8 @@ def test_ends_and_inexact_events_are_left_to_the_scalar_loop() -> None:
 
 @pytest.mark.slow
 def test_another_width_has_the_same_bits() -> None:
-    functions, rng = arithmetic.compiled(2), random.Random(2)
+    functions = arithmetic.compiled(2)
+    rng = random.Random(2)
     for p in [*SCENES, *random_sets(3, 20)]:
         followed(p, starts_of(rng, p, 16), 12, functions)
 
@@ -101,17 +135,30 @@ def test_another_width_has_the_same_bits() -> None:
 @pytest.mark.parametrize("number", range(4))
 def test_a_motion_has_no_neighbours(number: int) -> None:
     rng = random.Random(number)
-    p = SCENES[number] if number < len(SCENES) else rng.choice([p for p in random_sets(7, 60) if p.B0 > 0])
-    starts, span = starts_of(rng, p, 150), 30 * 6.3 / float(p.Omega)
+    if number < len(SCENES):
+        p = SCENES[number]
+    else:
+        p = rng.choice([p for p in random_sets(7, 60) if p.B0 > 0])
+    starts = starts_of(rng, p, 150)
+    span = 30 * 6.3 / float(p.Omega)
     columns: dict[str, Any] = by_name(p, float)
     columns["Omega"] = float(p.Omega) * np.linspace(0.9, 1.1, 150)
     for parameters in (p, columns):
         for record in ("summary", ("events", "sticks", "t", "x")):
-            call: dict[str, Any] = {"record": record, "use_numba": True, "workers": 1, "skip": 0.3 * span}
+            call: dict[str, Any] = {
+                "record": record,
+                "use_numba": True,
+                "workers": 1,
+                "skip": 0.3 * span,
+            }
             whole = simulate_many(parameters, starts, starts[:, 0] + span, **call)
             for i in rng.sample(range(150), 25):
-                of_one = parameters if parameters is p else columns | {"Omega": columns["Omega"][i]}
+                if parameters is p:
+                    of_one = parameters
+                else:
+                    of_one = columns | {"Omega": columns["Omega"][i]}
                 alone = simulate_many(of_one, starts[i], starts[i, 0] + span, **call)
                 for name in vars(alone):
-                    one, many = getattr(alone, name), getattr(whole, name)[i : i + 1]
+                    one = getattr(alone, name)
+                    many = getattr(whole, name)[i : i + 1]
                     assert np.array_equal(one, many, equal_nan=one.dtype.kind == "f"), (p, i, name)

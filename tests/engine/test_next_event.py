@@ -37,11 +37,19 @@ def shifted(p: Parameters, x0: Fraction, v0: Fraction, push: Fraction, t_end: in
 
 @pytest.mark.slow
 def test_errors_travel_through_events_as_pushed_starts_do() -> None:
-    """A start error of x alone: each event's estimate is what a push of the start does to it, through all kinds."""
-    rng, push, kinds = random.Random(7), Fraction(1, 10**9), set()
+    """A start error of x alone.
+
+    Each event's estimate is what a push of the start does to it, through all kinds.
+    """
+    rng = random.Random(7)
+    push = Fraction(1, 10**9)
+    kinds = set()
     for _ in range(12):
-        p = BASE.replace(c=tenths(rng, 0, 9), k=tenths(rng, 5, 40), mu1=tenths(rng, 1, 5), mu2=tenths(rng, 0, 5))
-        x0, v0 = tenths(rng, -30, 30), tenths(rng, -9, 14)
+        p = BASE.replace(
+            c=tenths(rng, 0, 9), k=tenths(rng, 5, 40), mu1=tenths(rng, 1, 5), mu2=tenths(rng, 0, 5)
+        )
+        x0 = tenths(rng, -30, 30)
+        v0 = tenths(rng, -9, 14)
         found = simulate(p, t0=0, x0=x0, v0=v0, t_end=6, start_error=(0, push, 0), digits=25).events
         plain, moved = (shifted(p, x0, v0, amount, 6) for amount in (Fraction(0), push / 1000))
         for event, other, further in zip(found, plain, moved, strict=True):
@@ -50,7 +58,10 @@ def test_errors_travel_through_events_as_pushed_starts_do() -> None:
             assert event.t_error == pytest.approx(sqrt(3) * at_event, rel=1e-3, abs=1e-20)
             x_moved = 1000 * float(abs(further.x - other.x))
             assert event.x_error >= 0.999 * sqrt(3) * x_moved - 1e-20
-            assert event.x_error <= 1.001 * sqrt(3) * (x_moved + 2 * abs(float(event.v)) * at_event) + 1e-20
+            assert (
+                event.x_error
+                <= 1.001 * sqrt(3) * (x_moved + 2 * abs(float(event.v)) * at_event) + 1e-20
+            )
     assert kinds == {"cross", "stick", "slip"}
 
 
@@ -59,9 +70,13 @@ FINE = Fraction(1, 10**34)
 
 
 def random_start(seed: int) -> Start:
-    """Return a motion of any regime: with or without damping, spring and drive, stiff, resonant, from anywhere."""
+    """Return a motion of any regime.
+
+    With or without damping, spring and drive, stiff, resonant, from anywhere.
+    """
     dice = random.Random(seed)
-    c, k = dice.choice((0, 0.001, 0.1, 1, 4, 40)), dice.choice((0, 0.5, 4, 20, 80))
+    c = dice.choice((0, 0.001, 0.1, 1, 4, 40))
+    k = dice.choice((0, 0.5, 4, 20, 80))
     p = Parameters(
         m=1,
         c=c,
@@ -80,9 +95,12 @@ def random_start(seed: int) -> Start:
     return Start(p, t0, Fraction(dice.randint(-30, 30), 10), v0, t0 + 9)
 
 
-def pairs_of_steps(start: Start, most: int = 25) -> Iterator[tuple[Motion, Any, Any, State, NextEvent]]:
+def pairs_of_steps(
+    start: Start, most: int = 25
+) -> Iterator[tuple[Motion, Any, Any, State, NextEvent]]:
     """Yield what goes into a step with many digits, and take the step."""
-    arithmetic, doubles = MpArithmetic(start.parameters, DIGITS), Arithmetic(start.parameters)
+    arithmetic = MpArithmetic(start.parameters, DIGITS)
+    doubles = Arithmetic(start.parameters)
     path = Motion(start, arithmetic)
     end = last_time(start, doubles)
     for _ in range(most):
@@ -94,7 +112,10 @@ def pairs_of_steps(start: Start, most: int = 25) -> Iterator[tuple[Motion, Any, 
 
 
 def exact(number: Any) -> Fraction:
-    """Return a number of any arithmetic as a fraction; mpmath's, where gmpy2 is missing, have no method for that."""
+    """Return a number of any arithmetic as a fraction.
+
+    Mpmath's, where gmpy2 is missing, have no method for that.
+    """
     if hasattr(number, "_mpf_"):
         return Fraction(*mpmath.libmp.to_rational(number._mpf_))
     return Fraction(*number.as_integer_ratio())
@@ -132,20 +153,31 @@ def drawn(rng: random.Random) -> tuple[Parameters, Fraction, Fraction, Fraction]
         k=rng.choice([Fraction(0), tenths(rng, 1, 60)]), B0=rng.choice([Fraction(0), tenths(rng, -60, 60)]),
         A0=tenths(rng, -30, 30), FN=tenths(rng, 0, 40),
     )  # fmt: skip
-    return p, tenths(rng, 0, 30), tenths(rng, -40, 40), rng.choice([p.v1, p.v2, tenths(rng, -30, 30)])
+    return (
+        p,
+        tenths(rng, 0, 30),
+        tenths(rng, -40, 40),
+        rng.choice([p.v1, p.v2, tenths(rng, -30, 30)]),
+    )
 
 
 def steps(start: Start, most: int) -> list[tuple[Any, ...]]:
     """Return what each step of the engine ends with, without asking for more digits."""
-    own, found = Arithmetic(start.parameters), list[tuple[Any, ...]]()
-    K, state, t0 = own.K, first_state(start, own), float(start.t0)
+    own = Arithmetic(start.parameters)
+    found = list[tuple[Any, ...]]()
+    K = own.K
+    state = first_state(start, own)
+    t0 = float(start.t0)
     t_end, low = last_time(start, own)
-    low, errors = low - (t_end - t0) * K.Om_gain, (0.0, 0.0)
+    low = low - (t_end - t0) * K.Om_gain
+    errors = (0.0, 0.0)
     while len(found) < most:
         code, _, decided, t_error, s = advance(state, t_end, low, K)
         if code <= GRAZE:
             _, *errors = time_with_errors(s.t, s.t_low, t0, s.x, s.v, t_error, s.S.S11, K)
-        found.append((code, decided, s.mode, s.at, s.n, s.theta, s.x, s.v, s.Fb, s.Fa, *s.S, s.t, *errors))
+        found.append(
+            (code, decided, s.mode, s.at, s.n, s.theta, s.x, s.v, s.Fb, s.Fa, *s.S, s.t, *errors)
+        )
         if code in (END, REST, FAILED):
             break
         state = s
@@ -153,16 +185,26 @@ def steps(start: Start, most: int) -> list[tuple[Any, ...]]:
 
 
 def factors(units: Units) -> list[float]:
-    """Return by what the numbers of a step are multiplied: codes, state, covariance, time, and an event's errors."""
-    T, L, V, F = float(units.time), float(units.length), units.speed, units.force
+    """Return by what the numbers of a step are multiplied.
+
+    Codes, state, covariance, time, and an event's errors.
+    """
+    T = float(units.time)
+    L = float(units.length)
+    V = units.speed
+    F = units.force
     return [1, 1, 1, 1, 1, 1, L, V, F, F, L * L, L * V, V * V, T, T, L]
 
 
 @pytest.mark.quick(3)
 @pytest.mark.parametrize("units", UNITS, ids=str)
 def test_every_step_is_the_same_in_any_units(units: Units) -> None:
-    """Of the paper's motions and of random ones: codes, states and the covariance of their errors."""
-    rng, count = random.Random(21), 0
+    """Of the paper's motions and of random ones.
+
+    Codes, states and the covariance of their errors.
+    """
+    rng = random.Random(21)
+    count = 0
     problems = [(s.parameters, s.t0, s.x0, s.v0) for s in map(load_scene, MOTIONS)]
     problems += [drawn(rng) for _ in range(25)]
     T, L, _ = units
@@ -174,6 +216,8 @@ def test_every_step_is_the_same_in_any_units(units: Units) -> None:
         other = steps(Start(units.of(p), t0 * T, x0 * L, v0 * L / T, end * T, scaled), 25)
         assert len(plain) == len(other)
         for one, two in zip(plain, other, strict=True):
-            assert two == tuple(value * factor for value, factor in zip(one, factors(units), strict=True))
+            assert two == tuple(
+                value * factor for value, factor in zip(one, factors(units), strict=True)
+            )
         count += len(plain)
     assert count > 100

@@ -1,7 +1,8 @@
 """Properties over random scenes of all regimes: symmetries and invariants.
 
-Times and positions must agree to 1e-12, plus what a few units of rounding do to that event: the oracle is run from
-pushed starts to see how much that is (`oracle_and_condition`). Events that a push of 1e-10 changes are left out.
+Times and positions must agree to 1e-12, plus what a few units of rounding do to that event: the
+oracle is run from pushed starts to see how much that is (`oracle_and_condition`). Events that a
+push of 1e-10 changes are left out.
 """
 
 from __future__ import annotations
@@ -22,9 +23,20 @@ from samples import sample_of
 
 from symosc import Parameters, simulate
 
-REGIMES = ["underdamped", "critical", "overdamped", "undamped", "resonance", "near resonance", "no spring", "free"]
+REGIMES = [
+    "underdamped",
+    "critical",
+    "overdamped",
+    "undamped",
+    "resonance",
+    "near resonance",
+    "no spring",
+    "free",
+]
 ROUNDING = 2e-14  # about a hundred roundings
-COMMON = settings(derandomize=True, deadline=None, database=None, suppress_health_check=list(HealthCheck))
+COMMON = settings(
+    derandomize=True, deadline=None, database=None, suppress_health_check=list(HealthCheck)
+)
 
 
 class Start(NamedTuple):
@@ -43,16 +55,20 @@ def tenths(low: int, high: int) -> st.SearchStrategy[Fraction]:
 def starts(draw: Any) -> Start:
     """Return a scene whose numbers have a digit or two, so that exact coincidences happen too."""
     regime = draw(st.sampled_from(REGIMES))
-    m, Omega = draw(tenths(2, 30)), draw(tenths(3, 40))
-    c, k = draw(tenths(1, 10)), draw(tenths(5, 60))
+    m = draw(tenths(2, 30))
+    Omega = draw(tenths(3, 40))
+    c = draw(tenths(1, 10))
+    k = draw(tenths(5, 60))
     if regime == "critical":
         k = c * c / (4 * m)
     elif regime == "overdamped":
-        c, k = c + 6, k / 10
+        c = c + 6
+        k = k / 10
     elif regime == "undamped":
         c = Fraction(0)
     elif regime in ("resonance", "near resonance"):
-        c, k = Fraction(0), m * Omega**2
+        c = Fraction(0)
+        k = m * Omega**2
         if regime == "near resonance":
             c = Fraction(1, 10 ** draw(st.integers(3, 12)))
     if regime in ("no spring", "free"):
@@ -61,9 +77,23 @@ def starts(draw: Any) -> Start:
         c = Fraction(0)
     v1 = draw(tenths(-30, 20))
     v2 = v1 + draw(tenths(1, 40))
-    mu1, mu2 = draw(tenths(0, 10)), draw(tenths(0, 10))
-    A0, B0 = draw(tenths(-30, 30)), draw(tenths(2, 100)) * draw(st.sampled_from([1, -1]))
-    p = Parameters(m=m, c=c, k=k, A0=A0, B0=B0, Omega=Omega, v1=v1, v2=v2, mu1=mu1, mu2=mu2, FN=draw(tenths(1, 150)))
+    mu1 = draw(tenths(0, 10))
+    mu2 = draw(tenths(0, 10))
+    A0 = draw(tenths(-30, 30))
+    B0 = draw(tenths(2, 100)) * draw(st.sampled_from([1, -1]))
+    p = Parameters(
+        m=m,
+        c=c,
+        k=k,
+        A0=A0,
+        B0=B0,
+        Omega=Omega,
+        v1=v1,
+        v2=v2,
+        mu1=mu1,
+        mu2=mu2,
+        FN=draw(tenths(1, 150)),
+    )
     v0 = draw(st.one_of(tenths(-40, 70), st.sampled_from([v1, v2])))
     t0 = draw(tenths(-20, 100))
     return Start(p, t0, draw(tenths(-30, 30)), v0, t0 + draw(st.integers(8, 20)))
@@ -101,8 +131,14 @@ def test_words_name_the_mappings_between_events() -> None:
         events = list(trajectory.events)
         between = [LABELS[a.boundary, a.target, b.boundary] for a, b in pairwise(events)]
         word = list(trajectory.word)
-        if events and start.v0 in (start.p.v1, start.p.v2):  # the first motion, too, leads from a belt to a belt
-            at = 1 if start.v0 == start.p.v1 else 2
+        if events and start.v0 in (
+            start.p.v1,
+            start.p.v2,
+        ):  # the first motion, too, leads from a belt to a belt
+            if start.v0 == start.p.v1:
+                at = 1
+            else:
+                at = 2
             between.insert(0, LABELS[at, events[0].source, events[0].boundary])
         assert word == between
         seen.update(word)
@@ -117,13 +153,16 @@ def test_invariants(count: int) -> None:
 
 
 def invariants(start: Start) -> None:
-    p, trajectory = start.p, run(start)
+    p = start.p
+    trajectory = run(start)
     events = list(trajectory.events)
     times = [event.t for event in events]
     assert all(start.t0 < t <= start.t_end for t in times)
     assert all(a < b for a, b in pairwise(times))
     for event in events:
-        low, high, belt = f"Omega{event.boundary}", f"Omega{event.boundary + 1}", f"belt{event.boundary}"
+        low = f"Omega{event.boundary}"
+        high = f"Omega{event.boundary + 1}"
+        belt = f"belt{event.boundary}"
         assert event.v == float(p.belt(event.boundary))
         allowed = {
             "cross": [(low, high), (high, low)],
@@ -169,10 +208,19 @@ def assert_mode_holds(p: Parameters, mode: str, t: float, x: float, v: float) ->
         boundary = int(mode[-1])
         assert v == float(p.belt(boundary))
         below, above = (
-            float(p.A(alpha)) + float(p.B0) * np.cos(float(p.Omega) * t) - float(p.k) * x - float(p.c) * v
+            float(p.A(alpha))
+            + float(p.B0) * np.cos(float(p.Omega) * t)
+            - float(p.k) * x
+            - float(p.c) * v
             for alpha in (boundary, boundary + 1)
         )
-        size = 1 + abs(float(p.A(boundary))) + abs(float(p.B0)) + abs(float(p.k) * x) + abs(float(p.c) * v)
+        size = (
+            1
+            + abs(float(p.A(boundary)))
+            + abs(float(p.B0))
+            + abs(float(p.k) * x)
+            + abs(float(p.c) * v)
+        )
         assert below >= -slack * size
         assert above <= slack * size
     else:
@@ -190,7 +238,13 @@ def a_restart_on_the_way_changes_nothing(start: Start, part: int) -> None:
     trajectory = run(start)
     t = start.t0 + (start.t_end - start.t0) * Fraction(part, 10)
     x, v = trajectory(float(t))
-    again = Start(start.p, Fraction(str(float(t))), Fraction(str(float(x))), Fraction(str(float(v))), start.t_end)
+    again = Start(
+        start.p,
+        Fraction(str(float(t))),
+        Fraction(str(float(x))),
+        Fraction(str(float(v))),
+        start.t_end,
+    )
     _, conditions, determined = oracle_and_condition(*again)
     later = [event for event in trajectory.events if event.t > t]
     restarted = run(again)
@@ -212,9 +266,16 @@ def test_mirror_symmetry(count: int) -> None:
 def mirror_symmetry(start: Start) -> None:
     p = start.p
     mirrored = p.replace(A0=-p.A0, B0=-p.B0, v1=-p.v2, v2=-p.v1, mu1=p.mu2, mu2=p.mu1)
-    names = {"Omega1": "Omega3", "Omega2": "Omega2", "Omega3": "Omega1", "belt1": "belt2", "belt2": "belt1"}
+    names = {
+        "Omega1": "Omega3",
+        "Omega2": "Omega2",
+        "Omega3": "Omega1",
+        "belt1": "belt2",
+        "belt2": "belt1",
+    }
     _, conditions, determined = oracle_and_condition(*start)
-    here, there = run(start), run(Start(mirrored, start.t0, -start.x0, -start.v0, start.t_end))
+    here = run(start)
+    there = run(Start(mirrored, start.t0, -start.x0, -start.v0, start.t_end))
     assert not determined or len(here.events) == len(there.events)
     for event, image, condition in zip(here.events, there.events, conditions, strict=False):
         assert (image.kind, image.boundary) == (event.kind, 3 - event.boundary)
@@ -226,7 +287,12 @@ def mirror_symmetry(start: Start) -> None:
 @pytest.mark.slow
 @sample_of(6, 200)
 def test_a_shift_by_whole_periods(count: int) -> None:
-    for_all(count, a_shift_by_whole_periods, starts(), st.one_of(st.integers(-5, 5), st.integers(10**5, 10**8)))
+    for_all(
+        count,
+        a_shift_by_whole_periods,
+        starts(),
+        st.one_of(st.integers(-5, 5), st.integers(10**5, 10**8)),
+    )
 
 
 def a_shift_by_whole_periods(start: Start, periods: int) -> None:
@@ -235,14 +301,17 @@ def a_shift_by_whole_periods(start: Start, periods: int) -> None:
         shift = Fraction(mpmath.nstr(exactly, 80))
     _, conditions, determined = oracle_and_condition(*start)
     moved = Start(start.p, start.t0 + shift, start.x0, start.v0, start.t_end + shift)
-    here, there = run(start), run(moved)
+    here = run(start)
+    there = run(moved)
     assert not determined or len(here.events) == len(there.events)
     for event, later, condition in zip(here.events, there.events, conditions, strict=False):
         assert (later.kind, later.source, later.target) == (event.kind, event.source, event.target)
         tolerance = 1e-12 + ROUNDING * condition
-        assert abs(Fraction(later.t) - shift - Fraction(event.t)) <= tolerance * max(1, abs(event.t)) + np.spacing(
-            later.t
-        )
+        assert abs(Fraction(later.t) - shift - Fraction(event.t)) <= tolerance * max(
+            1, abs(event.t)
+        ) + np.spacing(later.t)
         assert abs(later.x - event.x) <= tolerance * max(1, abs(event.x))
         turn = float(later.theta - event.theta) % (2 * np.pi)
-        assert min(turn, 2 * np.pi - turn) <= tolerance * float(1 + start.p.Omega) * max(1, abs(event.t))
+        assert min(turn, 2 * np.pi - turn) <= tolerance * float(1 + start.p.Omega) * max(
+            1, abs(event.t)
+        )

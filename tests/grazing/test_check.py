@@ -17,7 +17,9 @@ from symosc.grazing.check import DOP853, EXACT_FLOW, G_SIGNS, NO, YES, Ways, che
 from symosc.grazing.window import GrazingWindow, grazing_window
 
 MAPS = ("P2", "P3", "P5", "P6")
-BASE = Parameters(m=1, c="0.4", k=2, A0="0.5", B0=4, Omega="1.3", v1=-1, v2="1.5", mu1="0.4", mu2="0.3", FN=3)
+BASE = Parameters(
+    m=1, c="0.4", k=2, A0="0.5", B0=4, Omega="1.3", v1=-1, v2="1.5", mu1="0.4", mu2="0.3", FN=3
+)
 
 
 @pytest.mark.full(1)
@@ -31,7 +33,12 @@ def test_no_mismatch_on_the_shipped_scenes(mapping: str, count: int) -> None:
         assert report.ok, report.summary()
         assert report.mismatches == ()
         total = report.n_random + report.n_adversarial
-        assert report.agreements[G_SIGNS] == report.agreements[EXACT_FLOW] == sum(report.orders.values()) == total
+        assert (
+            report.agreements[G_SIGNS]
+            == report.agreements[EXACT_FLOW]
+            == sum(report.orders.values())
+            == total
+        )
         undecided = sum(report.undecided[DOP853].values())
         assert undecided + report.agreements[DOP853] == total
         assert undecided < 40
@@ -42,14 +49,22 @@ def test_equality_is_met_exactly() -> None:
     # fig7: k v1 = B0 Omega; the quartic tangency at 3 pi/2 is sampled, and 1e-14 beside it
     report = check_grazing(load_scene("fig7").parameters, "P2", n=10)
     assert report.orders[3] == 1
-    assert report.closest_phase == pytest.approx(1e-14, rel=1e-6, abs=0)  # by default, 1e-12 counts as nothing
+    assert report.closest_phase == pytest.approx(
+        1e-14, rel=1e-6, abs=0
+    )  # by default, 1e-12 counts as nothing
     assert report.closest[EXACT_FLOW] < 1e-28
     # fig9: two inflections at the ends of the window
     report = check_grazing(load_scene("fig9").parameters, "P3", n=10)
     assert report.orders[2] == 2
 
 
-ELSEWHERE: list[dict[str, Any]] = [{"B0": -4}, {"B0": 0}, {"v1": 0}, {"c": 0, "k": "1.69"}, {"c": 3}]
+ELSEWHERE: list[dict[str, Any]] = [
+    {"B0": -4},
+    {"B0": 0},
+    {"v1": 0},
+    {"c": 0, "k": "1.69"},
+    {"c": 3},
+]
 ELSEWHERE += [{"k": "5.2", "Omega": "1.3"}, {"m": "1e-6"}, {"Omega": 1000}, {"k": "1e-9"}]
 
 
@@ -72,7 +87,9 @@ class _Shifted(GrazingWindow):
         if isinstance(theta, np.ndarray):
             return super().contains(theta + float(self.shift))
 
-        return super().contains(theta + sympy.Rational(self.shift.numerator, self.shift.denominator))
+        return super().contains(
+            theta + sympy.Rational(self.shift.numerator, self.shift.denominator)
+        )
 
     def contact(self, theta: Any) -> Any:
         return grazing_window(self.parameters, self.mapping).contact(theta)
@@ -107,17 +124,27 @@ def test_ways_agree_with_the_oracles_flow(mapping: str) -> None:
     ways = Ways(grazing_window(BASE, mapping))
     place = ways.window.place
     theta = np.random.default_rng(4).uniform(0, 2 * np.pi, 25)
-    signs, flow, solver = ways.verdicts_by_sign(theta), ways.verdicts_by_flow(theta), ways.verdicts_by_solver(theta)
+    signs = ways.verdicts_by_sign(theta)
+    flow = ways.verdicts_by_flow(theta)
+    solver = ways.verdicts_by_solver(theta)
     for i, phase in enumerate(theta):
         exact = ways.fine.context.mpf(float(phase))
         t_m = Fraction(float(phase)) / BASE.Omega
         rest = (BASE.A(place.domain) - BASE.c * ways.window.speed) / BASE.k
-        x = Fraction(str(ways.fine.number(rest) + ways.fine.number(BASE.B0 / BASE.k) * ways.fine.context.cos(exact)))
+        x = Fraction(
+            str(
+                ways.fine.number(rest)
+                + ways.fine.number(BASE.B0 / BASE.k) * ways.fine.context.cos(exact)
+            )
+        )
         gaps = []
         for tau in ("-1e-6", "1e-6"):
             v = flow_oracle(BASE, place.domain, t_m, x, ways.window.speed, tau, dps=40)[1]
             gaps.append(-place.side * float(ways.fine.context.convert(v) - ways.v_fine))
-        expected = YES if gaps[0] > 0 and gaps[1] > 0 else NO
+        if gaps[0] > 0 and gaps[1] > 0:
+            expected = YES
+        else:
+            expected = NO
         assert signs[i] == flow[i] == solver[i] == expected
         assert ways.verdict_by_intervals(exact, False) == (expected, 1)
         assert ways.verdict_by_fine_flow(exact) == expected

@@ -18,7 +18,9 @@ from symosc.grazing.solve import solve_grazing
 from symosc.grazing.start import grazing_start
 
 
-@pytest.mark.parametrize(("scene", "mapping"), [("fig10", "P5"), ("fig9", "P3"), ("fig6", "P2"), ("fig7-exact", "P2")])
+@pytest.mark.parametrize(
+    ("scene", "mapping"), [("fig10", "P5"), ("fig9", "P3"), ("fig6", "P2"), ("fig7-exact", "P2")]
+)
 def test_curve(scene: str, mapping: str) -> None:
     p = load_scene(scene).parameters
     curve = grazing_curve(p, mapping, 100)
@@ -31,11 +33,15 @@ def test_curve(scene: str, mapping: str) -> None:
             assert abs(start.x - piece.x[i]) < 1e-8 * max(1.0, abs(start.x))
             assert abs(sin(0.5 * (start.theta - piece.theta[i]))) < 1e-8
         # the printed derivatives against differences
-        at, step = float(piece.theta_m[middle]), 1e-5
-        before, after = curve.sample(at - step), curve.sample(at + step)
+        at = float(piece.theta_m[middle])
+        step = 1e-5
+        before = curve.sample(at - step)
+        after = curve.sample(at + step)
         for name in ("x", "theta"):
             slope = (getattr(after, name) - getattr(before, name)) / (2 * step)
-            assert abs(slope - getattr(piece, f"slope_{name}")[middle]) < 1e-5 * max(1.0, abs(slope))
+            assert abs(slope - getattr(piece, f"slope_{name}")[middle]) < 1e-5 * max(
+                1.0, abs(slope)
+            )
         for end, inward in ((piece.low, 1), (piece.high, -1)):
             assert_end_is_located(p, mapping, end, inward, curve)
 
@@ -60,10 +66,18 @@ def assert_end_is_located(p: Parameters, mapping: str, end: Any, inward: int, cu
 def test_solutions_with_one_unknown_given() -> None:
     p = load_scene("fig10").parameters
     known = grazing_start(p, "P6", 4)
-    given = {"theta_m": 4, "theta_j": 4, "x_j": known.x_m, "theta_i": known.theta, "x_i": known.start["x0"]}
+    given = {
+        "theta_m": 4,
+        "theta_j": 4,
+        "x_j": known.x_m,
+        "theta_i": known.theta,
+        "x_i": known.start["x0"],
+    }
     for name, value in given.items():
         found = solve_grazing(p, "P6", n=100, **{name: value})
-        assert any(abs(start.theta_m - 4) < 1e-9 and abs(start.x - known.x) < 1e-9 for start in found), name
+        assert any(
+            abs(start.theta_m - 4) < 1e-9 and abs(start.x - known.x) < 1e-9 for start in found
+        ), name
     # a start of the same x that grazes at another phase: the curve has an extremum of x
     others = solve_grazing(p, "P6", n=100, x_i=known.start["x0"])
     assert len(others) == 2
@@ -77,7 +91,10 @@ def test_solutions_with_one_unknown_given() -> None:
 
 
 class MadeUp:
-    """A tracer whose flows come from where a list of stretches says; on its own belt theta is a formula of theta_m."""
+    """A tracer whose flows come from where a list of stretches says.
+
+    On its own belt theta is a formula of theta_m.
+    """
 
     def __init__(self, stretches: list[tuple[float, str, float]], slope: float = 0.5) -> None:
         self.stretches, self.slope = stretches, slope  # (where it begins, origin, shift of theta)
@@ -89,19 +106,37 @@ class MadeUp:
         _, origin, shift = [each for each in self.stretches if each[0] <= theta_m][-1]
         if origin not in (OWN, OTHER):
             return Sample(theta_m, 0.0, origin, nan, nan, nan, nan)
-        return Sample(theta_m, cos(theta_m), origin, theta_m**2, self.slope * theta_m - shift, 2 * theta_m, self.slope)
+        return Sample(
+            theta_m,
+            cos(theta_m),
+            origin,
+            theta_m**2,
+            self.slope * theta_m - shift,
+            2 * theta_m,
+            self.slope,
+        )
 
 
 def runs_of(tracer: MadeUp, arc: tuple[float, float, bool], n: int) -> list[curve.PhaseRun]:
-    return curve._cut(tracer, [tracer.sample(float(theta)) for theta in curve._phases_of(*arc, n)], arc)  # type: ignore[arg-type]
+    return curve._cut(
+        tracer, [tracer.sample(float(theta)) for theta in curve._phases_of(*arc, n)], arc
+    )  # type: ignore[arg-type]
 
 
 @pytest.mark.parametrize("closed", [False, True])
-def test_a_curve_is_cut_where_the_flow_comes_from_elsewhere_and_where_it_jumps(closed: bool) -> None:
-    """Every stretch is found, its ends to rounding, with its reason; each sample is in the run of its origin."""
+def test_a_curve_is_cut_where_the_flow_comes_from_elsewhere_and_where_it_jumps(
+    closed: bool,
+) -> None:
+    """Every stretch is found, its ends to rounding, with its reason.
+
+    Each sample is in the run of its origin.
+    """
     rng = random.Random(1)
     for _ in range(60):
-        low, high = (0.0, 2 * pi) if closed else (0.3, 5.1)
+        if closed:
+            low, high = (0.0, 2 * pi)
+        else:
+            low, high = (0.3, 5.1)
         cuts = sorted(rng.uniform(low, high) for _ in range(rng.randint(0, 4)))
         if any(b - a < 0.3 for a, b in pairwise([low, *cuts, high])):
             continue
@@ -116,14 +151,19 @@ def test_a_curve_is_cut_where_the_flow_comes_from_elsewhere_and_where_it_jumps(c
                 due.append([cut, origin, shift])
         ends = [*(each[0] for each in due[1:]), high]
         if closed and len(due) > 1 and due[0][1] == due[-1][1]:
-            spans = [*zip((each[0] for each in due[1:-1]), ends[1:-1], strict=True), (due[-1][0], ends[0] + 2 * pi)]
+            spans = [
+                *zip((each[0] for each in due[1:-1]), ends[1:-1], strict=True),
+                (due[-1][0], ends[0] + 2 * pi),
+            ]
             kinds = [*(each[1] for each in due[1:-1]), due[0][1]]
         else:
             spans = list(zip((each[0] for each in due), ends, strict=True))
             kinds = [each[1] for each in due]
         assert [run.origin for run in runs] == kinds
         for run, span in zip(runs, spans, strict=True):
-            assert span[1] <= 2 * pi or "closed" not in run.reasons  # the last one is joined to the first
+            assert (
+                span[1] <= 2 * pi or "closed" not in run.reasons
+            )  # the last one is joined to the first
             assert run.span == pytest.approx(span, abs=1e-12)
             phases = [sample.theta_m for sample in run.samples]
             assert phases == sorted(phases)
@@ -133,13 +173,20 @@ def test_a_curve_is_cut_where_the_flow_comes_from_elsewhere_and_where_it_jumps(c
 
 
 def test_reasons_say_what_is_beyond_each_end() -> None:
-    beyond = {OTHER: "beyond, the flow comes from belt 2", NOWHERE: "beyond, the flow met no belt before"}
+    beyond = {
+        OTHER: "beyond, the flow comes from belt 2",
+        NOWHERE: "beyond, the flow met no belt before",
+    }
     beyond[UNKNOWN] = beyond[NOWHERE] + " (within the search)"
     for other, words in beyond.items():
         first, last = runs_of(MadeUp([(0, OWN, 1.0), (2.5, other, 1.0)]), (0.3, 5.1, False), 20)
         assert first.reasons == ("end of the window", words)
         assert last.reasons == ("beyond, the flow comes from belt 1", "end of the window")
-        assert first.span[1] == last.span[0] == pytest.approx(2.5, abs=1e-2 if other == UNKNOWN else 1e-12)
+        assert (
+            first.span[1]
+            == last.span[0]
+            == pytest.approx(2.5, abs=1e-2 if other == UNKNOWN else 1e-12)
+        )
     first, last = runs_of(MadeUp([(0, OWN, 1.0), (2.5, OWN, 2.0)]), (0.3, 5.1, False), 20)
     assert first.reasons[1] == last.reasons[0] == "the flow touches belt 1 on the way"
     assert first.span[1] == pytest.approx(2.5, abs=1e-12)

@@ -1,4 +1,7 @@
-"""`grazing_start` and `solve_grazing` over all damping regimes: every point against the flow by matrix exponential."""
+"""`grazing_start` and `solve_grazing` over all damping regimes.
+
+Every point against the flow by matrix exponential.
+"""
 
 from __future__ import annotations
 
@@ -28,7 +31,8 @@ SLOW = Parameters(
 
 def parameters(rng: random.Random, regime: str) -> Parameters:
     """Return random parameters with the damping of a regime; B0 of both signs or 0."""
-    m, w = Fraction(rng.randint(50, 5000), 1000), Fraction(rng.randint(10, 300), 100)
+    m = Fraction(rng.randint(50, 5000), 1000)
+    w = Fraction(rng.randint(10, 300), 100)
     critical = 2 * m * w
     c = {
         "undamped": Fraction(0),
@@ -50,19 +54,30 @@ def parameters(rng: random.Random, regime: str) -> Parameters:
 def assert_grazes(p: Parameters, start: GrazingStart) -> None:
     """Forward from the start as printed the flow is on the belt with acceleration 0 at t_m, and inside before."""
     t0, x0, v0 = (Fraction(start.start[name]) for name in ("t0", "x0", "v0"))
-    belt, domain = p.belt(BELT[start.mapping]), DOMAIN[start.mapping]
+    belt = p.belt(BELT[start.mapping])
+    domain = DOMAIN[start.mapping]
     assert v0 == belt
     tau = Fraction(str(start.t_m)) - t0
     wave = mpmath.mpf(float(p.B0 * p.Omega / p.m))
     for _ in range(3):  # t_m is a double: to the instant of acceleration 0
         _, v, a = flow_oracle(p, domain, t0, x0, v0, tau, dps=40)
-        slope = -(float(p.c / p.m) * a + float(p.k / p.m) * v + wave * mpmath.sin(float(p.Omega * (t0 + tau))))
+        slope = -(
+            float(p.c / p.m) * a
+            + float(p.k / p.m) * v
+            + wave * mpmath.sin(float(p.Omega * (t0 + tau)))
+        )
         if abs(slope) > 1e-9 and abs(a / slope) < 1e-5:
             tau -= Fraction(str(a / slope)).limit_denominator(10**45)
     _, v, a = flow_oracle(p, domain, t0, x0, v0, tau, dps=40)
-    assert abs(float(v - mpmath.mpf(belt.numerator) / belt.denominator)) < 1e-11 * max(1.0, abs(float(belt)))
+    assert abs(float(v - mpmath.mpf(belt.numerator) / belt.denominator)) < 1e-11 * max(
+        1.0, abs(float(belt))
+    )
     assert abs(float(a)) < 1e-9 * max(1.0, float(abs(p.B0) / p.m))
-    walls = [(float(p.belt(b)), 1 if b == domain - 1 else -1) for b in (1, 2) if b in (domain - 1, domain)]
+    walls = [
+        (float(p.belt(b)), 1 if b == domain - 1 else -1)
+        for b in (1, 2)
+        if b in (domain - 1, domain)
+    ]
     for j in range(1, 6):
         v = float(flow_oracle(p, domain, t0, x0, v0, tau * j / 6, dps=20)[1])
         assert all(inward * (v - wall) > -1e-9 for wall, inward in walls), (start, j)
@@ -95,7 +110,9 @@ def check_random_queries(rng: random.Random, regime: str, times: int) -> None:
     """Start from a random phase, and find that tangency again from the value of its start."""
     solved = 0
     while solved < times:
-        p, theta, mapping = parameters(rng, regime), rng.uniform(0, 6.28), rng.choice(list(DOMAIN))
+        p = parameters(rng, regime)
+        theta = rng.uniform(0, 6.28)
+        mapping = rng.choice(list(DOMAIN))
         if not grazing_window(p, mapping).contains(theta):
             continue
         known = grazing_start(p, mapping, theta)
@@ -103,7 +120,10 @@ def check_random_queries(rng: random.Random, regime: str, times: int) -> None:
         if not known.found or abs(known.x) > 1e9:
             continue
         assert_grazes(p, known)
-        name = "x_i" if p.B0 and rng.random() < 0.5 else "theta_i"
+        if p.B0 and rng.random() < 0.5:
+            name = "x_i"
+        else:
+            name = "theta_i"
         value = Fraction(str(known.x if name == "x_i" else known.theta))
         found = solve_grazing(p, mapping, n=40, **{name: value})
         for start in found:
@@ -138,7 +158,9 @@ def test_solutions_that_gather_at_the_end_of_a_curve() -> None:
         (load_scene("fig8").parameters, "P5", {"x_i": "0.5"}, 2),
     ],
 )
-def test_hard_queries_are_answered_soon(p: Parameters, mapping: str, given: dict[str, Any], least: int) -> None:
+def test_hard_queries_are_answered_soon(
+    p: Parameters, mapping: str, given: dict[str, Any], least: int
+) -> None:
     with at_most(3_000_000):
         found = solve_grazing(p, mapping, **given)
     assert len(found) >= least
@@ -151,11 +173,17 @@ def test_hard_queries_are_answered_soon(p: Parameters, mapping: str, given: dict
 @pytest.mark.parametrize("mapping", ["P2", "P6"])
 def test_free_flights_near_critical_damping(c: str, mapping: str) -> None:
     """Without excitation the start is one turn of the free oscillation back, which critical damping makes long."""
-    p = FREE.replace(c=c) if mapping == "P2" else FREE.replace(c=c, v1=-2, v2="-0.5")
+    if mapping == "P2":
+        p = FREE.replace(c=c)
+    else:
+        p = FREE.replace(c=c, v1=-2, v2="-0.5")
     with at_most(500_000):
         start = grazing_start(p, mapping, 1)
     square = float(p.k / p.m - (p.c / (2 * p.m)) ** 2)
-    turn = 2 * pi / square**0.5 if square > 0 else float("inf")
+    if square > 0:
+        turn = 2 * pi / square**0.5
+    else:
+        turn = float("inf")
     # the flight is as long as the turn (undamped), and never shorter than half of it
     assert start.found == (turn / 2 < 100 * 2 * pi / 1.3)
     if start.found:
@@ -168,7 +196,10 @@ def test_free_flights_near_critical_damping(c: str, mapping: str) -> None:
 @pytest.mark.quick(1)
 @pytest.mark.parametrize("digits", [70, 90, 200])
 def test_a_crossing_is_told_from_a_touch(digits: int) -> None:
-    """With c = 0 the flow comes back in a touch; the least damping makes it a crossing sqrt(2 pi c) before."""
+    """With c = 0 the flow comes back in a touch.
+
+    The least damping makes it a crossing sqrt(2 pi c) before.
+    """
     p = FREE.replace(k=1, Omega=1)
     touch = grazing_start(p, "P2", 1, digits=digits)
     assert (touch.found, touch.touch) == (True, True)
@@ -182,12 +213,17 @@ def test_a_crossing_is_told_from_a_touch(digits: int) -> None:
 
 
 def test_long_flights_keep_all_digits() -> None:
-    """A backward flight that has grown to 1e27 needs more digits than were asked for; they are added."""
+    """A backward flight that has grown to 1e27 needs more digits than were asked for.
+
+    They are added.
+    """
     p = Parameters(
         m="3.701", c="7.17276006", k="3.4822709", A0="-4.647", B0="5.21", Omega="3.275", v1="-0.962", v2="0.257",
         mu1="0.799", mu2="0.037", FN="9.893",
     )  # fmt: skip
-    start, finer = (grazing_start(p, "P6", "4.7086158295626905", digits=digits) for digits in (None, 120))
+    start, finer = (
+        grazing_start(p, "P6", "4.7086158295626905", digits=digits) for digits in (None, 120)
+    )
     assert abs(start.x) > 1e27
     for name in ("t0", "x0"):
         assert abs(Fraction(start.start[name]) - Fraction(finer.start[name])) <= Fraction(1, 10**40)
@@ -206,7 +242,9 @@ def test_what_was_not_searched_is_said() -> None:
 
 
 def test_the_work_is_bounded() -> None:
-    slow = Parameters(m=1, c=0, k=1, A0=0, B0="0.001", Omega="0.0001", v1=0, v2=2, mu1=0, mu2=0, FN=1)
+    slow = Parameters(
+        m=1, c=0, k=1, A0=0, B0="0.001", Omega="0.0001", v1=0, v2=2, mu1=0, mu2=0, FN=1
+    )
     with at_most(500_000):
         answers = [grazing_start(slow, mapping, theta) for mapping in ("P2", "P3") for theta in (1, 4)
                    if grazing_window(slow, mapping).contains(theta)]  # fmt: skip

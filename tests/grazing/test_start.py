@@ -17,10 +17,14 @@ from samples import sample_of
 from symosc import Parameters, load_scene, simulate
 from symosc.grazing.start import GrazingStart, grazing_start, is_grazing
 
-BASE = Parameters(m=1, c="0.4", k=2, A0="0.5", B0=4, Omega="1.3", v1=-1, v2="1.5", mu1="0.4", mu2="0.3", FN=3)
+BASE = Parameters(
+    m=1, c="0.4", k=2, A0="0.5", B0=4, Omega="1.3", v1=-1, v2="1.5", mu1="0.4", mu2="0.3", FN=3
+)
 
 
-@pytest.mark.parametrize(("scene", "mapping", "theta"), [("fig7-exact", "P2", sympy.pi), ("fig8-exact", "P3", 0)])
+@pytest.mark.parametrize(
+    ("scene", "mapping", "theta"), [("fig7-exact", "P2", sympy.pi), ("fig8-exact", "P3", 0)]
+)
 def test_starts_of_the_papers_grazing_figures(scene: str, mapping: str, theta: Any) -> None:
     expected = load_scene(scene)
     for given in ({"t_m": sympy.pi}, {"t_m": "pi"}, {"theta": theta}):
@@ -35,11 +39,16 @@ def test_starts_of_the_papers_grazing_figures(scene: str, mapping: str, theta: A
 
 
 @pytest.mark.parametrize(("mapping", "theta"), [("P2", "0.42"), ("P5", "5.84"), ("P6", "4.1")])
-@pytest.mark.parametrize("changes", [{"k": "1.69", "c": 0}, {"c": "2.8284271247461903", "v1": "-0.2"}, {}], ids=str)
-def test_default_starts_have_forty_digits(changes: dict[str, Any], mapping: str, theta: str) -> None:
+@pytest.mark.parametrize(
+    "changes", [{"k": "1.69", "c": 0}, {"c": "2.8284271247461903", "v1": "-0.2"}, {}], ids=str
+)
+def test_default_starts_have_forty_digits(
+    changes: dict[str, Any], mapping: str, theta: str
+) -> None:
     # Newton's method once stopped at 34 of them, after a halving of its bracket
     p = BASE.replace(**changes)
-    start, finer = grazing_start(p, mapping, theta), grazing_start(p, mapping, theta, digits=70)
+    start = grazing_start(p, mapping, theta)
+    finer = grazing_start(p, mapping, theta, digits=70)
     for name in ("t0", "x0"):
         assert abs(Fraction(start.start[name]) - Fraction(finer.start[name])) <= Fraction(1, 10**40)
 
@@ -50,7 +59,9 @@ def test_digits_are_correct() -> None:
         finer = grazing_start(BASE, "P2", "2", digits=90)
         with mpmath.workdps(100):
             for name in ("t", "x", "theta"):
-                assert abs(getattr(start, name) - getattr(finer, name)) < mpmath.mpf(10) ** (1 - digits)
+                assert abs(getattr(start, name) - getattr(finer, name)) < mpmath.mpf(10) ** (
+                    1 - digits
+                )
 
 
 @pytest.mark.full(1)
@@ -69,10 +80,13 @@ def test_digits_are_correct() -> None:
     ids=str,
 )
 def test_the_oracle_grazes_from_random_starts(changes: dict[str, Any]) -> None:
-    p, rng = BASE.replace(**changes), random.Random(str(changes))
+    p = BASE.replace(**changes)
+    rng = random.Random(str(changes))
     answers = []
     for mapping in DOMAIN:
-        starts = [start for _ in range(12) if (start := random_start(p, mapping, rng)) is not None][:2]
+        starts = [start for _ in range(12) if (start := random_start(p, mapping, rng)) is not None][
+            :2
+        ]
         for start in starts:
             answers.append(start.found)
             if start.found:
@@ -94,11 +108,20 @@ def random_start(p: Parameters, mapping: str, rng: random.Random) -> GrazingStar
 
 def assert_came_from_elsewhere(p: Parameters, start: GrazingStart) -> None:
     """Between the point that the reason names and the tangency, the exact flow by matrix exponential stays inside."""
-    domain, own = DOMAIN[start.mapping], BELT[start.mapping]
+    domain = DOMAIN[start.mapping]
+    own = BELT[start.mapping]
     assert start.reason
-    back = 5.0 if start.t is None else float(start.t_m) - float(start.t)
-    walls = [(float(p.belt(b)), 1 if b == domain - 1 else -1) for b in (1, 2) if b in (domain - 1, domain)]
-    t_m, x_m = Fraction(str(start.t_m)), Fraction(str(start.x_m))
+    if start.t is None:
+        back = 5.0
+    else:
+        back = float(start.t_m) - float(start.t)
+    walls = [
+        (float(p.belt(b)), 1 if b == domain - 1 else -1)
+        for b in (1, 2)
+        if b in (domain - 1, domain)
+    ]
+    t_m = Fraction(str(start.t_m))
+    x_m = Fraction(str(start.x_m))
     for j in range(1, 16):
         tau = Fraction(-back * j / 16).limit_denominator(10**6)
         v = float(flow_oracle(p, domain, t_m, x_m, p.belt(own), tau, dps=20)[1])
@@ -131,12 +154,20 @@ def test_theorem_6_is_what_the_flow_does(count: int) -> None:
             x = (float(force) + 4 * cos(theta)) / 2
             grazes = is_grazing(BASE, mapping, x, theta, tolerance=1e-10).grazing
             with mpmath.workdps(30):
-                exact = (mpmath.mpf(force.numerator) / force.denominator + 4 * mpmath.cos(float(theta))) / 2
+                exact = (
+                    mpmath.mpf(force.numerator) / force.denominator + 4 * mpmath.cos(float(theta))
+                ) / 2
                 x30 = Fraction(str(exact))
             t_m = theta / BASE.Omega
-            flows = [flow_oracle(BASE, domain, t_m, x30, belt, tau, dps=30)[1] for tau in ("-1e-4", "1e-4")]
+            flows = [
+                flow_oracle(BASE, domain, t_m, x30, belt, tau, dps=30)[1]
+                for tau in ("-1e-4", "1e-4")
+            ]
             gaps = [float(v - mpmath.mpf(belt.numerator) / belt.denominator) for v in flows]
-            inward = 1 if domain > BELT[mapping] else -1
+            if domain > BELT[mapping]:
+                inward = 1
+            else:
+                inward = -1
             assert grazes == all(inward * gap > 0 for gap in gaps), (mapping, theta, gaps)
 
 

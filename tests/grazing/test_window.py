@@ -32,11 +32,18 @@ mp.dps = 50
 
 
 def forces(p: Parameters, mapping: str, theta: Any) -> list[Any]:
-    """Return G^(1) to G^(4) at a contact (F = 0, x' = v) by differentiating the equation of motion; 50 digits."""
+    """Return G^(1) to G^(4) at a contact (F = 0, x' = v) by differentiating the equation of motion.
+
+    50 digits.
+    """
     domain_belt = {"P2": 1, "P3": 1, "P5": 2, "P6": 2}
     v = p.belt(domain_belt[mapping])
-    m, c, k, Omega, B0 = (mp.mpf(x.numerator) / x.denominator for x in (p.m, p.c, p.k, p.Omega, p.B0))
-    before, now, found = mp.mpf(v.numerator) / v.denominator, mp.mpf(0), []
+    m, c, k, Omega, B0 = (
+        mp.mpf(x.numerator) / x.denominator for x in (p.m, p.c, p.k, p.Omega, p.B0)
+    )
+    before = mp.mpf(v.numerator) / v.denominator
+    now = mp.mpf(0)
+    found = []
     for order in range(1, 5):
         # (d/dt)^order of B0 cos(Omega t) is B0 Omega^order cos(theta + order pi/2)
         drive = B0 * Omega**order * mp.cos(theta + order * mp.pi / 2)
@@ -46,9 +53,20 @@ def forces(p: Parameters, mapping: str, theta: Any) -> list[Any]:
 
 
 def grazes(p: Parameters, mapping: str, theta: Any, order: str) -> bool:
-    """Decide by the sign of the first G-function that is not 0 (within 1e-40 of its scale): odd and outward."""
-    scale = 1 + float(abs(p.B0)) + float(p.Omega) ** 4 + float(p.k + abs(p.v1) + abs(p.v2) + p.c + 1 / p.m) ** 2
-    outward = -1 if mapping in ("P2", "P5") else 1
+    """Decide by the sign of the first G-function that is not 0 (within 1e-40 of its scale).
+
+    Odd and outward.
+    """
+    scale = (
+        1
+        + float(abs(p.B0))
+        + float(p.Omega) ** 4
+        + float(p.k + abs(p.v1) + abs(p.v2) + p.c + 1 / p.m) ** 2
+    )
+    if mapping in ("P2", "P5"):
+        outward = -1
+    else:
+        outward = 1
     for number, value in enumerate(forces(p, mapping, theta), start=1):
         if abs(value) > mp.mpf(10) ** -38 * scale:
             return number % 2 == 1 and value * outward > 0
@@ -64,21 +82,34 @@ def test_500_random_parameter_sets_agree_with_the_signs_of_50_digits(count: int)
     seen = set()
     for _ in range(500):
         p = parameters(rng)
-        phases = [0.0, math.pi / 2, 1.5 * math.pi] + [rng.uniform(0, 2 * math.pi) for _ in range(count - 3)]
+        phases = [0.0, math.pi / 2, 1.5 * math.pi] + [
+            rng.uniform(0, 2 * math.pi) for _ in range(count - 3)
+        ]
         sine = functools.cache(lambda theta: mp.sin(mp.mpf(theta)))  # of exactly this double
         for mapping in MAPS:
             window = grazing_window(p, mapping, rng.choice(ORDERS))
             seen.add(window.case)
-            near = [end for low, high, *_ in window.intervals for end in (low, high)] or [math.pi / 2]
-            close = [end + rng.choice([-1, 1]) * 10.0 ** -rng.uniform(1, 16) for end in near for _ in range(6)]
+            near = [end for low, high, *_ in window.intervals for end in (low, high)] or [
+                math.pi / 2
+            ]
+            close = [
+                end + rng.choice([-1, 1]) * 10.0 ** -rng.uniform(1, 16)
+                for end in near
+                for _ in range(6)
+            ]
             tried = (near + close + phases)[:count]
             found = window.contains(np.array(tried))
             v = p.belt(window.place.boundary)
             level, swing = (mp.mpf(x.numerator) / x.denominator for x in (p.k * v, p.B0 * p.Omega))
-            side = 1 if mapping in ("P2", "P5") else -1
+            if mapping in ("P2", "P5"):
+                side = 1
+            else:
+                side = -1
             for theta, inside in zip(tried, found, strict=True):
                 sign = side * (level + swing * sine(theta))
-                assert abs(sign) > mp.mpf(10) ** -45 or p.B0 == 0 or theta == 0, "not decided by 50 digits"
+                assert abs(sign) > mp.mpf(10) ** -45 or p.B0 == 0 or theta == 0, (
+                    "not decided by 50 digits"
+                )
                 assert inside == (sign > 0), (p, mapping, theta)
     wanted = {f"({e}.{n})" for e in (55, 57) for n in "123456abc"} | {
         f"({e}.{n})" for e in (56, 58) for n in "123456bc"
@@ -102,7 +133,9 @@ def test_random_rational_multiples_of_pi_agree_with_the_g_functions(count: int) 
                     expected = grazes(p, mapping, mp.pi * numerator / 12, order)
                     assert window.contains(theta) == expected, (p, mapping, theta)
                     assert (theta % (2 * pi) in window.phases) == expected
-                    graze_at_equality += order == "full" and expected != window_of(p, mapping).contains(theta)
+                    graze_at_equality += order == "full" and expected != window_of(
+                        p, mapping
+                    ).contains(theta)
     assert graze_at_equality > count / 4  # the tangencies of fourth order have been met
 
 
@@ -111,18 +144,28 @@ def window_of(p: Parameters, mapping: str) -> GrazingWindow:
 
 
 def test_fig7_and_fig8_sit_on_the_equality() -> None:
-    fig7, fig8 = load_scene("fig7").parameters, load_scene("fig8").parameters
+    fig7 = load_scene("fig7").parameters
+    fig8 = load_scene("fig8").parameters
     assert (grazing_window(fig7, "P2").gamma, grazing_window(fig7, "P2").amplitude) == (10, 10)
     assert (grazing_window(fig8, "P3").gamma, grazing_window(fig8, "P3").amplitude) == (-16, 16)
-    expected = [(fig7, "P2", "(55.2)", NO_BOTTOM, CIRCLE), (fig8, "P2", "(55.a)", S.EmptySet, S.EmptySet)]
+    expected = [
+        (fig7, "P2", "(55.2)", NO_BOTTOM, CIRCLE),
+        (fig8, "P2", "(55.a)", S.EmptySet, S.EmptySet),
+    ]
     expected += [(fig8, "P3", "(56.5)", NO_TOP, CIRCLE), (fig8, "P5", "(57.2)", NO_BOTTOM, CIRCLE)]
-    expected += [(fig8, "P6", "(58.2)", S.EmptySet, S.EmptySet), (fig7, "P3", "(56.2)", S.EmptySet, S.EmptySet)]
+    expected += [
+        (fig8, "P6", "(58.2)", S.EmptySet, S.EmptySet),
+        (fig7, "P3", "(56.2)", S.EmptySet, S.EmptySet),
+    ]
     for p, mapping, case, printed, full in expected:
         assert grazing_window(p, mapping, "paper").phases == printed
         assert grazing_window(p, mapping).phases == full
         assert grazing_window(p, mapping).case == case
     window = grazing_window(fig7, "P2", "paper")
-    assert window.intervals == ((0.0, 1.5 * math.pi, True, False), (1.5 * math.pi, 2 * math.pi, False, False))
+    assert window.intervals == (
+        (0.0, 1.5 * math.pi, True, False),
+        (1.5 * math.pi, 2 * math.pi, False, False),
+    )
     assert not window.contains(3 * pi / 2)
     assert not window.contains(-pi / 2)
     assert window.contains(1.5 * math.pi)  # a double that is not 3 pi/2
@@ -136,12 +179,17 @@ def test_window_is_the_theorem_at_the_scene(name: str, mapping: str) -> None:
     p = load_scene(name).parameters
     for order in ORDERS:
         window = grazing_window(p, mapping, order)
-        v = p.v1 if mapping in ("P2", "P3") else p.v2
+        if mapping in ("P2", "P3"):
+            v = p.v1
+        else:
+            v = p.v2
         assert window.gamma == p.k * v / p.m
         assert window.phases == theorem7(mapping, p.k * v / p.m, p.B0 * p.Omega / p.m, order)
         ends = [
             (float(part.start), float(part.end), not part.left_open, not part.right_open)
-            for part in (window.phases.args if isinstance(window.phases, sp.Union) else [window.phases])
+            for part in (
+                window.phases.args if isinstance(window.phases, sp.Union) else [window.phases]
+            )
             if part is not S.EmptySet
         ]
         assert list(window.intervals) == ends
@@ -164,12 +212,16 @@ def test_open_and_closed_ends() -> None:
 
 
 def test_float_phases_are_the_binary_numbers_that_they_are() -> None:
-    for digits in range(12, 17):  # windows whose end lies between the double and the decimal that it prints as
+    for digits in range(
+        12, 17
+    ):  # windows whose end lies between the double and the decimal that it prints as
         cut = Fraction(round(10**digits * math.sin(0.25)), 10**digits)
         window = grazing_window(FIG9.replace(k=cut, v1=-1, B0=1, Omega=1), "P2")
         end = window.intervals[0][0]
         for theta in (end, math.nextafter(end, 0), math.nextafter(end, 1)):
-            assert window.contains(theta) == (mp.sin(mp.mpf(theta)) > mp.mpf(cut.numerator) / cut.denominator)
+            assert window.contains(theta) == (
+                mp.sin(mp.mpf(theta)) > mp.mpf(cut.numerator) / cut.denominator
+            )
 
 
 def test_arrays() -> None:
@@ -179,7 +231,9 @@ def test_arrays() -> None:
     assert window.all()
     inside = grazing_window(FIG9, "P3").contains(theta)
     assert inside.dtype == bool
-    assert (inside == [[grazing_window(FIG9, "P3").contains(each) for each in row] for row in theta]).all()
+    assert (
+        inside == [[grazing_window(FIG9, "P3").contains(each) for each in row] for row in theta]
+    ).all()
     assert 0.4 < inside.mean() < 0.55
 
 
@@ -189,7 +243,9 @@ def test_contacts_of_the_figures() -> None:
     # (A0 + (mu1 + mu2) FN - B0 - c v1)/k = (10 + 8.829 - 10 - 10)/2
     assert place == Rational(-5855, 10000)
     fig8 = load_scene("fig8").parameters
-    assert grazing_window(fig8, "P3").contact(2 * pi) == Rational("4.51425")  # theta = Omega pi = 2 pi
+    assert grazing_window(fig8, "P3").contact(2 * pi) == Rational(
+        "4.51425"
+    )  # theta = Omega pi = 2 pi
     with pytest.raises(ParameterError, match="outside the grazing window of P2"):
         grazing_window(fig8, "P2").contact(pi)
 
@@ -210,8 +266,12 @@ def test_acceleration_vanishes_at_a_contact(mapping: str) -> None:
         constant = Rational(p.A(domain) - p.c * p.belt(boundary))
         assert sp.expand(constant + Rational(p.B0) * sp.cos(theta) - Rational(p.k) * x) == 0
         phase = float(theta)
-        assert window.contact(phase) == pytest.approx(float(x), rel=1e-13, abs=1e-13 * float(abs(p.B0 / p.k)))
-        assert window.contact(np.array([phase]))[0] == pytest.approx(window.contact(phase), rel=1e-12, abs=1e-11)
+        assert window.contact(phase) == pytest.approx(
+            float(x), rel=1e-13, abs=1e-13 * float(abs(p.B0 / p.k))
+        )
+        assert window.contact(np.array([phase]))[0] == pytest.approx(
+            window.contact(phase), rel=1e-12, abs=1e-11
+        )
     assert tried > 5
 
 
@@ -236,20 +296,32 @@ def test_without_a_spring_the_force_fixes_the_phase() -> None:
 def test_sweep_ends_are_within_one_unit_in_the_last_place(mapping: str) -> None:
     rng = np.random.default_rng(5)
     n = 800
-    k, v, B0 = rng.uniform(0.1, 5, n), rng.uniform(-3, 3, n), rng.uniform(-9, 9, n)
+    k = rng.uniform(0.1, 5, n)
+    v = rng.uniform(-3, 3, n)
+    B0 = rng.uniform(-9, 9, n)
     ratio = rng.choice([-1, 1], n) * (1 - 10.0 ** rng.uniform(-16, 0, n))
     ratio[:200] = 10.0 ** rng.uniform(-45, 0, 200)
     Omega = np.abs(k * v / B0 / ratio)
-    name = "v1" if mapping == "P2" else "v2"
+    if mapping == "P2":
+        name = "v1"
+    else:
+        name = "v2"
     p = FIG9.replace(v1=-100, v2=100)
     found = grazing_windows(p, mapping, k=k, B0=B0, Omega=Omega, **{name: v})
-    worst, arcs = 0.0, 0
+    worst = 0.0
+    arcs = 0
     for i in range(n):
         if found.kind[i] not in (ARC, WRAPPED_ARC):
             continue
-        level, swing = Fraction(k[i]) * Fraction(v[i]), Fraction(B0[i]) * Fraction(Omega[i])
+        level = Fraction(k[i]) * Fraction(v[i])
+        swing = Fraction(B0[i]) * Fraction(Omega[i])
         ends = exact_ends(level, swing)
-        worst = max([worst, *(ulps(float(x), ends) for x in (found.low[i], found.high[i], found.theta_cr[i]))])
+        worst = max(
+            [
+                worst,
+                *(ulps(float(x), ends) for x in (found.low[i], found.high[i], found.theta_cr[i])),
+            ]
+        )
         arcs += 1
     assert arcs > 700
     assert worst <= 0.501
@@ -274,12 +346,20 @@ def test_sweeps_agree_with_single_windows(mapping: str, order: str) -> None:
 
 
 def test_sweep_decides_equality_exactly_with_fractions() -> None:
-    p = FIG9.replace(k="1/3", v1=1, Omega="1/3")  # equality at B0 = +-1, which no double of 1/3 would show
+    p = FIG9.replace(
+        k="1/3", v1=1, Omega="1/3"
+    )  # equality at B0 = +-1, which no double of 1/3 would show
     values = np.array([-1.0, 1.0, 0.0, math.nextafter(1, 0), math.nextafter(1, 2)])
     kinds = [ALL_BUT_ONE, ALL_BUT_ONE, EVERYTHING, EVERYTHING, WRAPPED_ARC]
     assert list(grazing_windows(p, "P2", "paper", B0=values).kind) == kinds
     assert list(grazing_windows(p, "P2", "full", B0=values).kind[:2]) == [EVERYTHING, EVERYTHING]
-    assert list(grazing_windows(p, "P3", "full", B0=values).kind) == [EMPTY, EMPTY, EMPTY, EMPTY, ARC]
+    assert list(grazing_windows(p, "P3", "full", B0=values).kind) == [
+        EMPTY,
+        EMPTY,
+        EMPTY,
+        EMPTY,
+        ARC,
+    ]
     near = FIG9.replace(k=Fraction(1, 3) * (1 - Fraction(1, 2**99)), v1=1, Omega="1/3")
     doubt = grazing_windows(near, "P2", B0=[1.0])
     ends = exact_ends(near.k, near.Omega)

@@ -27,14 +27,17 @@ def exact(*parts: float) -> Fraction:
 
 def pairs(rng: random.Random, positive: bool = False) -> tuple[float, float]:
     """Return a random pair: a double, and one below half a unit of it."""
-    high = rng.uniform(0.1, 1) * 2.0 ** rng.randint(-60, 60) * (1 if positive else rng.choice([-1, 1]))
+    high = (
+        rng.uniform(0.1, 1) * 2.0 ** rng.randint(-60, 60) * (1 if positive else rng.choice([-1, 1]))
+    )
     return high, rng.uniform(-0.5, 0.5) * math.ulp(high)
 
 
 def test_sums_and_products_of_doubles_are_exact() -> None:
     rng = random.Random(1)
     for _ in range(500):
-        a, b = pairs(rng)[0], pairs(rng)[0]
+        a = pairs(rng)[0]
+        b = pairs(rng)[0]
         assert exact(*dd.two_sum(a, b)) == exact(a, b)
         assert exact(*dd.two_product(a, b)) == Fraction(a) * Fraction(b)
         large, small = sorted((a, b), key=abs, reverse=True)
@@ -44,7 +47,8 @@ def test_sums_and_products_of_doubles_are_exact() -> None:
 def test_pairs_keep_a_hundred_bits() -> None:
     rng = random.Random(2)
     for _ in range(500):
-        a, b = pairs(rng), pairs(rng)
+        a = pairs(rng)
+        b = pairs(rng)
         for function, right in (
             (dd.pair_sum, exact(*a) + exact(*b)),
             (dd.pair_product, exact(*a) * exact(*b)),
@@ -61,7 +65,8 @@ def test_roots_and_angles_of_pairs() -> None:
     rng = random.Random(3)
     with mpmath.workdps(50):
         for _ in range(200):
-            y, r = pairs(rng, positive=True), pairs(rng, positive=True)
+            y = pairs(rng, positive=True)
+            r = pairs(rng, positive=True)
             if y[0] >= r[0]:
                 y, r = r, y
 
@@ -70,7 +75,11 @@ def test_roots_and_angles_of_pairs() -> None:
 
             for found, right, bits in (
                 (dd.pair_root(*y), mpmath.sqrt(number(y)), 99),
-                (dd.pair_atan(*y, *r), mpmath.atan2(number(y), number(r)), 60),  # the series' tail is in doubles
+                (
+                    dd.pair_atan(*y, *r),
+                    mpmath.atan2(number(y), number(r)),
+                    60,
+                ),  # the series' tail is in doubles
                 (dd.pair_asin(*y, *r), mpmath.asin(number(y) / number(r)), 60),
             ):
                 assert abs(number(found) - right) <= 2.0**-bits * abs(right)

@@ -26,7 +26,16 @@ except ImportError:
     mpfr = None  # type: ignore[assignment]
 
 ULP = 2.0**-52
-REGIMES = ("any", "near critical", "critical", "near resonance", "resonance", "no spring", "free", "stiff")
+REGIMES = (
+    "any",
+    "near critical",
+    "critical",
+    "near resonance",
+    "resonance",
+    "no spring",
+    "free",
+    "stiff",
+)
 REGIMES += ("fast drive",)
 
 
@@ -36,13 +45,20 @@ def parameters(regime: str, rng: random.Random) -> Parameters:
     def number(low: float, high: float) -> Fraction:
         return Fraction(f"{10 ** rng.uniform(low, high):.6g}")
 
-    m, c, k, Omega = number(-1, 1), number(-2, 1), number(-1, 1), number(-1, 1)
+    m = number(-1, 1)
+    c = number(-2, 1)
+    k = number(-1, 1)
+    Omega = number(-1, 1)
     tiny = Fraction(1, 10 ** rng.randint(3, 12))
     if "critical" in regime:
         c = number(-1, 1)
         k = c * c / (4 * m) * (1 if regime == "critical" else 1 + rng.choice((-1, 1)) * tiny)
     if "resonance" in regime:
-        k, c = m * Omega * Omega, Fraction(0) if regime == "resonance" else tiny
+        k = m * Omega * Omega
+        if regime == "resonance":
+            c = Fraction(0)
+        else:
+            c = tiny
     if regime in ("no spring", "free"):
         k = Fraction(0)
     if regime == "free":
@@ -55,10 +71,15 @@ def parameters(regime: str, rng: random.Random) -> Parameters:
 
 
 def oracle(p: Parameters, tau: Fraction, digits: int = 50) -> list[Any]:
-    """Return E0, E1, E2, R2, I2 from the ODE of (S, S', int S, R2, I2, cos, sin): exp of its matrix."""
+    """Return E0, E1, E2, R2, I2 from the ODE of (S, S', int S, R2, I2, cos, sin).
+
+    Exp of its matrix.
+    """
     rates = [float(p.Omega), float(p.c / p.m), float(p.k / p.m) ** 0.5]
     with mpmath.workdps(digits + 15 + int(float(tau) * max(rates))):
-        cm, w0sq, Om, t = (mpmath.mpf(q.numerator) / q.denominator for q in (p.c / p.m, p.k / p.m, p.Omega, tau))
+        cm, w0sq, Om, t = (
+            mpmath.mpf(q.numerator) / q.denominator for q in (p.c / p.m, p.k / p.m, p.Omega, tau)
+        )
         M = mpmath.zeros(5)
         M[0, 1], M[1, 0], M[1, 1] = 1, -w0sq, -cm
         M[2, 0], M[3, 0], M[3, 4], M[4, 3] = 1, 1, -Om, Om
@@ -70,7 +91,10 @@ def errors(values: tuple[Any, ...], truth: list[Any], exactness: float = ULP) ->
     """Return errors in ulp; E0 relative to 1, E1 to the oscillation that it is part of, R2 and I2 to the size of Z."""
     Z = abs(truth[3]) + abs(truth[4])
     sizes = [1, abs(truth[1]) + abs(truth[0]) * abs(truth[2]) ** 0.5 / 2, truth[2], Z, Z]
-    return [float(abs(a - b) / size) / exactness for a, b, size in zip(values, truth, sizes, strict=False)]
+    return [
+        float(abs(a - b) / size) / exactness
+        for a, b, size in zip(values, truth, sizes, strict=False)
+    ]
 
 
 @pytest.mark.full(3)
@@ -108,7 +132,9 @@ def test_any_number_of_digits_is_accurate_in_every_regime(regime: str) -> None:
         if mpfr:
             inner = mpfr.mpfr_context(context.prec)
             before = inner.enter()
-            values = BasisMP(inner, p, mpfr.mpfr_context)(mpfr.from_mpf(t), SimpleNamespace(rate=mpfr.from_mpf(K.rate)))
+            values = BasisMP(inner, p, mpfr.mpfr_context)(
+                mpfr.from_mpf(t), SimpleNamespace(rate=mpfr.from_mpf(K.rate))
+            )
             inner.leave(before)
             found["MPFR"] = tuple(mpfr.to_mpf(value, context) for value in values[:5])
         for kind, numbers in found.items():
@@ -154,15 +180,28 @@ def test_no_cancellation_in_the_flow(count: int) -> None:
             K = constants(p)
             longest = {"stiff": -3.0, "fast drive": -1.5}.get(regime, 0.8)
             tau = Fraction(10 ** rng.uniform(-6, longest))
-            v0, a0, theta = rng.uniform(-2, 2), rng.uniform(-9, 9), rng.uniform(0, 6.28)
-            s0, c0 = mpmath.fp.sin(theta), mpmath.fp.cos(theta)
+            v0 = rng.uniform(-2, 2)
+            a0 = rng.uniform(-9, 9)
+            theta = rng.uniform(0, 6.28)
+            s0 = mpmath.fp.sin(theta)
+            c0 = mpmath.fp.cos(theta)
             _, E1, E2, R2, I2 = oracle(p, tau)
-            x_terms = [v0 * E1, v0 * K.cm * E2, a0 * E2, K.f0 * c0 * R2, -K.f0 * c0 * E2, -K.f0 * s0 * I2]
+            x_terms = [
+                v0 * E1,
+                v0 * K.cm * E2,
+                a0 * E2,
+                K.f0 * c0 * R2,
+                -K.f0 * c0 * E2,
+                -K.f0 * s0 * I2,
+            ]
             v_terms = [a0 * E1, -K.w0sq * v0 * E2, -K.fB * s0 * R2, -K.fB * c0 * I2]
             found = state_at(float(tau), Launch(v0, a0, s0, c0), K)
             for value, terms in ((found.dx, x_terms), (found.dv, v_terms)):
                 with mpmath.workdps(50):
-                    assert abs(value - sum(terms)) <= 50 * ULP * sum(map(abs, terms)), (p, float(tau))
+                    assert abs(value - sum(terms)) <= 50 * ULP * sum(map(abs, terms)), (
+                        p,
+                        float(tau),
+                    )
 
 
 def test_a_term_that_vanishes_by_accident_does_not_end_the_series() -> None:

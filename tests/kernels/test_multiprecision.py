@@ -23,12 +23,16 @@ COPIES: dict[str, Callable[[Any], Any]] = {
 
 
 def content(result: Any) -> Any:
-    return (result.events, result.segments, result.status) if isinstance(result, Trajectory) else result
+    if isinstance(result, Trajectory):
+        return (result.events, result.segments, result.status)
+    return result
 
 
 @pytest.mark.parametrize("copied", COPIES.values(), ids=COPIES)
 def test_numbers_go_on_as_numbers(copied: Callable[[Any], Any]) -> None:
-    first, second = (event.t for event in simulate(load_scene("fig5"), digits=40, max_events=2).events)
+    first, second = (
+        event.t for event in simulate(load_scene("fig5"), digits=40, max_events=2).events
+    )
     t = copied(first)
     assert str(t) == str(first)
     assert len(str(t).lstrip("0.")) == 40

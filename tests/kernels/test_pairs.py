@@ -20,7 +20,12 @@ pairs = pytest.importorskip("symosc.kernels.pairs")
 
 UNIT = 2.0**-106
 EXACT = mp_context(100)
-OPERATORS = {"sum": operator.add, "difference": operator.sub, "product": operator.mul, "quotient": operator.truediv}
+OPERATORS = {
+    "sum": operator.add,
+    "difference": operator.sub,
+    "product": operator.mul,
+    "quotient": operator.truediv,
+}
 
 
 def as_complex(number: Any) -> complex:
@@ -40,15 +45,33 @@ def rounded(number: Any) -> tuple[complex, Any]:
 @lru_cache(maxsize=1)
 def compiled() -> Callable[..., Any]:
     """Return all operators and functions of two numbers, compiled once for all tests."""
-    from_complex, out = pairs.from_complex, pairs.to_complex
+    from_complex = pairs.from_complex
+    out = pairs.to_complex
 
     def values(a: Any, b: Any) -> Any:
-        x, y = from_complex(a), from_complex(b)
-        branch = x if a.real > 0 else 1.0
+        x = from_complex(a)
+        y = from_complex(b)
+        if a.real > 0:
+            branch = x
+        else:
+            branch = 1.0
         sizes = out(abs(x)), out(-x), out(2 * x), out(x / 3), out(0.5 + x)
-        functions = out(math.sin(x)), out(math.cos(x)), out(math.exp(x)), out(math.expm1(x)), out(math.sqrt(abs(x)))
+        functions = (
+            out(math.sin(x)),
+            out(math.cos(x)),
+            out(math.exp(x)),
+            out(math.expm1(x)),
+            out(math.sqrt(abs(x))),
+        )
         order = x < y, x <= y, x > y, x >= y, x == y, x != y
-        return (out(x + y), out(x - y), out(x * y), out(x / y)), sizes, functions, order, int(x), out(branch)
+        return (
+            (out(x + y), out(x - y), out(x * y), out(x / y)),
+            sizes,
+            functions,
+            order,
+            int(x),
+            out(branch),
+        )
 
     return numba.njit(values)
 
@@ -69,14 +92,19 @@ def test_operators_are_right_to_a_few_units(count: int) -> None:
     given = zip(numbers(count, 1), numbers(count, 2), strict=True)
     worst = dict.fromkeys(OPERATORS, 0.0)
     for n, (a, b) in enumerate(given):
-        (a, x), (b, y) = rounded(a), rounded(-a * (1 + EXACT.mpf(2) ** -(n % 104)) if n % 5 == 0 else b)
+        (a, x), (b, y) = (
+            rounded(a),
+            rounded(-a * (1 + EXACT.mpf(2) ** -(n % 104)) if n % 5 == 0 else b),
+        )
         if not (x and y):
             continue
         found, sizes, _, order, whole, branch = compiled()(a, b)
         for (name, operation), value in zip(OPERATORS.items(), found, strict=True):
             truth = operation(x, y)
             assert value.real == float(value.real + value.imag)  # no overlap
-            worst[name] = max(worst[name], float(abs(exact(value) / truth - 1)) / UNIT if truth else abs(value))
+            worst[name] = max(
+                worst[name], float(abs(exact(value) / truth - 1)) / UNIT if truth else abs(value)
+            )
         assert [exact(size) for size in sizes[:3]] == [abs(x), -x, 2 * x]
         assert abs(exact(sizes[3]) * 3 / x - 1) < 10 * UNIT
         assert abs(exact(sizes[4]) - (x + 0.5)) <= 3 * UNIT * abs(x + 0.5)
@@ -91,17 +119,26 @@ def test_operators_are_right_to_a_few_units(count: int) -> None:
 @sample_of(400, 300_000)
 def test_cpython_gives_the_bits_of_compiled_code(count: int) -> None:
     bound = bind((pairs,), {"pair": pairs.pair_of})
-    functions = [bound[pairs.FUNCTIONS[name].__name__] for name in ("sin", "cos", "exp", "expm1", "sqrt")]
+    functions = [
+        bound[pairs.FUNCTIONS[name].__name__] for name in ("sin", "cos", "exp", "expm1", "sqrt")
+    ]
     for n, (a, b) in enumerate(zip(numbers(count, 4), numbers(count, 5), strict=True)):
         first = as_complex(a)
-        second = complex(first.real, first.imag * (n % 3)) if n % 5 == 0 else as_complex(b)
+        if n % 5 == 0:
+            second = complex(first.real, first.imag * (n % 3))
+        else:
+            second = as_complex(b)
         if not (first and second) or abs(first) > 600:
             continue
-        x, y = pairs.pair_of(first.real, first.imag), pairs.pair_of(second.real, second.imag)
+        x = pairs.pair_of(first.real, first.imag)
+        y = pairs.pair_of(second.real, second.imag)
         told = (
             tuple(map(complex, (x + y, x - y, x * y, x / y))),
             tuple(map(complex, (abs(x), -x, 2 * x, x / 3, 0.5 + x))),
-            tuple(complex(function(abs(x) if function is functions[-1] else x)) for function in functions),
+            tuple(
+                complex(function(abs(x) if function is functions[-1] else x))
+                for function in functions
+            ),
             (x < y, x <= y, x > y, x >= y, x == y, x != y),
             int(x),
         )
@@ -120,7 +157,9 @@ def test_functions_are_as_exact_as_their_docstrings_say(count: int) -> None:
         if -670 < x < 709:
             worst["exp"] = max(worst["exp"], float(abs(found["exp"] / EXACT.exp(x) - 1)))
         if -670 < x < 709 and x:
-            worst["expm1"] = max(worst["expm1"], float(abs(found["expm1"] / (EXACT.exp(x) - 1) - 1)))
+            worst["expm1"] = max(
+                worst["expm1"], float(abs(found["expm1"] / (EXACT.exp(x) - 1) - 1))
+            )
         if x:
             worst["sqrt"] = max(worst["sqrt"], float(abs(found["sqrt"] / EXACT.sqrt(abs(x)) - 1)))
     assert worst["sin"] < 1.8e-32, worst

@@ -33,18 +33,35 @@ def test_residual_and_derivatives_agree_with_mpmath(regime: str, count: int) -> 
     rng = random.Random(f"maps {regime}")
     step = mpmath.mpf("1e-22")
     for _ in range(count):
-        p, label = draw(rng, regime), f"P{rng.randint(1, 8)}"
+        p = draw(rng, regime)
+        label = f"P{rng.randint(1, 8)}"
         equal_roots = p.c**2 == 4 * p.k * p.m or p.k == 0 or (p.c == 0 and p.k == p.m * p.Omega**2)
-        lift = mpmath.mpf("1e-25") if equal_roots else 0
-        z, exit = draw_points(rng, p), rng.choice(m.EXITS) if label in ("P1", "P4") else None
+        if equal_roots:
+            lift = mpmath.mpf("1e-25")
+        else:
+            lift = 0
+        z = draw_points(rng, p)
+        if label in ("P1", "P4"):
+            exit = rng.choice(m.EXITS)
+        else:
+            exit = None
         ends = (z[:2], z[2:], exit)
-        found = m.residual(p, label, *ends), m.jacobian(p, label, *ends), m.parameter_jacobian(p, label, *ends)
+        found = (
+            m.residual(p, label, *ends),
+            m.jacobian(p, label, *ends),
+            m.parameter_jacobian(p, label, *ends),
+        )
         size = sizes(p, label, z, exit)
         with mp.workdps(110):
-            q = {name: mp.mpf(getattr(p, name).numerator) / getattr(p, name).denominator for name in PARAMETER_NAMES}
+            q = {
+                name: mp.mpf(getattr(p, name).numerator) / getattr(p, name).denominator
+                for name in PARAMETER_NAMES
+            }
             exact = [mp.mpf(value) for value in z]
 
-            def slope(name: str, n: int, case: Any = (label, exit, lift), q: Any = q, exact: Any = exact) -> list[Any]:
+            def slope(
+                name: str, n: int, case: Any = (label, exit, lift), q: Any = q, exact: Any = exact
+            ) -> list[Any]:
                 """Return the central differences of f1 and f2 by a parameter, or by the n-th coordinate."""
                 sides = []
                 for h in (step, -step):
@@ -60,26 +77,36 @@ def test_residual_and_derivatives_agree_with_mpmath(regime: str, count: int) -> 
                 pairs = zip(np.ravel(values), np.ravel(truths), np.ravel(allowed), strict=True)
                 for n, (value, true, scale) in enumerate(pairs):
                     bound = ACCURACY * Size(scale).value
-                    assert abs(float(value) - true) <= bound + 1e-20, f"{what}[{n}] of {label}, {p}, {z}"
+                    assert abs(float(value) - true) <= bound + 1e-20, (
+                        f"{what}[{n}] of {label}, {p}, {z}"
+                    )
 
 
 def test_mpmath_numbers_in_mpmath_numbers_out() -> None:
     rng = random.Random(5)
     for regime in REGIMES:
-        p, label = draw(rng, regime), f"P{rng.randint(2, 3)}"
+        p = draw(rng, regime)
+        label = f"P{rng.randint(2, 3)}"
         with mp.workdps(40):
             z = [mp.mpf(value) for value in draw_points(rng, p)]
-            f, J = m.residual(p, label, z[:2], z[2:]), m.jacobian(p, label, z[:2], z[2:])
+            f = m.residual(p, label, z[:2], z[2:])
+            J = m.jacobian(p, label, z[:2], z[2:])
             D = m.parameter_jacobian(p, label, z[:2], z[2:])
             assert J.shape == (2, 4)
             assert D.shape == (2, 11)
             assert all(isinstance(value, mp.mpf) for value in [*f, *J.ravel(), *D.ravel()])
-            q = {name: mp.mpf(getattr(p, name).numerator) / getattr(p, name).denominator for name in PARAMETER_NAMES}
+            q = {
+                name: mp.mpf(getattr(p, name).numerator) / getattr(p, name).denominator
+                for name in PARAMETER_NAMES
+            }
             with mp.workdps(110):
                 lift = mpmath.mpf("1e-50")
                 exact = truth(q, label, z, None, lift)
                 step = mpmath.mpf("1e-20")
-                sides = [truth(q | {"Omega": q["Omega"] + h}, label, z, None, lift) for h in (step, -step)]
+                sides = [
+                    truth(q | {"Omega": q["Omega"] + h}, label, z, None, lift)
+                    for h in (step, -step)
+                ]
             # p's decimal fractions are rounded to 40 digits in q: the result can be no better
             for value, true in zip(f, exact, strict=True):
                 assert abs(value - true) < mp.mpf("1e-34") * (1 + abs(true))
@@ -94,21 +121,33 @@ def test_arrays_agree_with_floats(regime: str) -> None:
     p = draw(rng, regime)
     for label in ("P1", "P3", "P7"):
         z = np.array([draw_points(rng, p) for _ in range(30)]).T.reshape(4, 5, 6)
-        f, J = m.residual(p, label, z[:2], z[2:]), m.jacobian(p, label, z[:2], z[2:])
+        f = m.residual(p, label, z[:2], z[2:])
+        J = m.jacobian(p, label, z[:2], z[2:])
         D = m.parameter_jacobian(p, label, z[:2], z[2:])
-        assert (f[0].shape, f[1].shape, J.shape, D.shape) == ((5, 6), (5, 6), (2, 4, 5, 6), (2, 11, 5, 6))
+        assert (f[0].shape, f[1].shape, J.shape, D.shape) == (
+            (5, 6),
+            (5, 6),
+            (2, 4, 5, 6),
+            (2, 11, 5, 6),
+        )
         for i in np.ndindex(5, 6):
             point = z[(slice(None), *i)].tolist()
             for found, function in ((f, m.residual), (J, m.jacobian), (D, m.parameter_jacobian)):
                 expected = np.array(function(p, label, point[:2], point[2:]))
-                got = np.array([part[i] for part in found]) if found is f else found[(..., *i)]
-                np.testing.assert_allclose(got, expected, rtol=0, atol=1e-12 * (1 + np.abs(expected).max()))
+                if found is f:
+                    got = np.array([part[i] for part in found])
+                else:
+                    got = found[(..., *i)]
+                np.testing.assert_allclose(
+                    got, expected, rtol=0, atol=1e-12 * (1 + np.abs(expected).max())
+                )
 
 
 @pytest.mark.parametrize("name", scene_names())
 def test_residuals_vanish_on_simulated_pieces(name: str) -> None:
     scene = load_scene(name)
-    p, Omega = scene.parameters, float(scene.parameters.Omega)
+    p = scene.parameters
+    Omega = float(scene.parameters.Omega)
     traj = simulate(scene, max_events=60)
     events = list(traj.events)
     pieces = [piece for piece in traj.segments if piece.label]
@@ -121,18 +160,24 @@ def test_residuals_vanish_on_simulated_pieces(name: str) -> None:
         end = (events[i].x, Omega * float(piece.t_end))
         exit = None
         if events[i].kind == "slip":
-            exit = "below" if int(events[i].target[-1]) == events[i].boundary else "above"
+            if int(events[i].target[-1]) == events[i].boundary:
+                exit = "below"
+            else:
+                exit = "above"
         f1, f2 = m.residual(p, piece.label, start, end, exit)
         rate = 1 + Omega + float(p.k / p.m) ** 0.5 + float(p.c / p.m)
         assert abs(f1) < 2e-13 * scale * rate**2 * (1 + abs(end[1])), piece
         assert abs(f2) < 2e-13 * scale * rate**3 * (1 + abs(end[1])), piece
 
 
-@pytest.mark.parametrize(("label", "x", "theta"), [("P5", "4.0", "0.5"), ("P4", "-2.1", "3.38"), ("P6", "-2.0", "4.5")])
+@pytest.mark.parametrize(
+    ("label", "x", "theta"), [("P5", "4.0", "0.5"), ("P4", "-2.1", "3.38"), ("P6", "-2.0", "4.5")]
+)
 def test_derivative_of_a_map_is_its_difference(label: str, x: str, theta: str) -> None:
     p = load_scene("fig10").parameters
     with mp.workdps(30):
-        z, h = [mp.mpf(x), mp.mpf(theta)], mp.mpf("1e-9")
+        z = [mp.mpf(x), mp.mpf(theta)]
+        h = mp.mpf("1e-9")
         found = solve_map(p, label, *z)
         f = m.residual(p, label, z, (found.x, found.theta), found.exit)
         assert max(map(abs, f)) < mp.mpf("1e-26")
@@ -145,7 +190,8 @@ def test_derivative_of_a_map_is_its_difference(label: str, x: str, theta: str) -
 
 
 def test_a_graze_ends_a_map_and_has_no_derivative() -> None:
-    # Without spring, damper and friction v - v1 = A0 theta + sin(theta), which touches 0 where tan(theta) = theta.
+    # Without spring, damper and friction v - v1 = A0 theta + sin(theta), which touches 0 where
+    # tan(theta) = theta.
     with mp.workdps(50):
         theta = mp.findroot(lambda angle: mp.sin(angle) - angle * mp.cos(angle), 4.4934)
         A0 = mp.nstr(-mp.cos(theta), 45)
@@ -166,10 +212,13 @@ def starts(rng: random.Random) -> Iterator[tuple[Parameters, Fraction, Fraction,
     """Yield random starts on a belt with the map that the equation of motion follows there, and its end."""
     while True:
         p = draw(rng, rng.choice(["underdamped", "overdamped", "undamped", "critical"]))
-        x, theta = Fraction(f"{rng.uniform(-8, 8):.6g}"), Fraction(f"{rng.uniform(-40, 40):.6g}")
+        x = Fraction(f"{rng.uniform(-8, 8):.6g}")
+        theta = Fraction(f"{rng.uniform(-40, 40):.6g}")
         belt = rng.choice([1, 2])
         # A time after which the clock of the oracle starts at a phase of this size.
-        run = simulate_oracle(p, theta / p.Omega, x, p.belt(belt), theta / p.Omega + 30, 25, max_events=1)
+        run = simulate_oracle(
+            p, theta / p.Omega, x, p.belt(belt), theta / p.Omega + 30, 25, max_events=1
+        )
         if run.events and run.events[0].kind != "graze":
             event = run.events[0]
             yield p, x, theta, MAP_LABELS[belt, event.source, event.boundary], event
@@ -178,24 +227,45 @@ def starts(rng: random.Random) -> Iterator[tuple[Parameters, Fraction, Fraction,
 @pytest.mark.quick(1)
 @pytest.mark.parametrize("digits", [None, 25])
 def test_a_map_is_what_the_equation_of_motion_does(digits: int | None) -> None:
-    """From random points of both belts, at phases of many turns and below 0: the end, the exit, and other labels."""
-    rng, context = random.Random(6), mpmath.mp.clone()
+    """From random points of both belts, at phases of many turns and below 0.
+
+    The end, the exit, and other labels.
+    """
+    rng = random.Random(6)
+    context = mpmath.mp.clone()
     context.dps = digits or 15
-    source, said = starts(rng), set()
+    source = starts(rng)
+    said = set()
     for _ in range(25 if digits is None else 4):
         p, x, theta, label, event = next(source)
-        number = float if digits is None else lambda q: context.mpf(q.numerator) / q.denominator
+
+        def number(q):
+            if digits is None:
+                return float(q)
+            return context.mpf(q.numerator) / q.denominator
+
         found = solve_map(p, label, number(x), number(theta))
-        allowed = 1e-9 if digits is None else 1e-18
+        if digits is None:
+            allowed = 1e-9
+        else:
+            allowed = 1e-18
         with mpmath.workdps(40):
             assert abs(found.x - event.x) < allowed * (1 + abs(float(event.x)))
-            assert abs(found.theta - event.t * p.Omega.numerator / p.Omega.denominator) < allowed * 100
+            assert (
+                abs(found.theta - event.t * p.Omega.numerator / p.Omega.denominator) < allowed * 100
+            )
         slips = event.kind == "slip"
-        assert found.exit == (None if not slips else "above" if int(event.target[-1]) > event.boundary else "below")
+        assert found.exit == (
+            None if not slips else "above" if int(event.target[-1]) > event.boundary else "below"
+        )
         assert not found.grazing
         said.add(label)
         right = MAPS[label]
-        for row in (row for row in MAPS.values() if row.start.boundary == right.start.boundary and row != right):
+        for row in (
+            row
+            for row in MAPS.values()
+            if row.start.boundary == right.start.boundary and row != right
+        ):
             with pytest.raises(MapError) as caught:
                 solve_map(p, row.label, number(x), number(theta))
             error = caught.value
@@ -212,43 +282,59 @@ def test_a_map_is_what_the_equation_of_motion_does(digits: int | None) -> None:
 
 def test_derivatives_are_those_of_the_equation_of_motion() -> None:
     """By differences of the oracle's ends, in x and in the phase."""
-    source, h = starts(random.Random(7)), Fraction(1, 10**9)
+    source = starts(random.Random(7))
+    h = Fraction(1, 10**9)
     for _ in range(6):
         p, x, theta, label, _ = next(source)
         found = solve_map(p, label, float(x), float(theta)).derivative
         assert found is not None
-        belt, columns = MAPS[label].start.boundary, []
+        belt = MAPS[label].start.boundary
+        columns = []
         for dx, dtheta in ((h, 0), (0, h)):
             ends = []
             for sign in (1, -1):
                 t = (theta + sign * dtheta) / p.Omega
                 run = simulate_oracle(p, t, x + sign * dx, p.belt(belt), t + 30, 30, max_events=1)
-                ends.append((run.events[0].x, run.events[0].t * p.Omega.numerator / p.Omega.denominator))
-            columns.append([float((a - b) / (2 * mpmath.mpf(10) ** -9)) for a, b in zip(*ends, strict=True)])
+                ends.append(
+                    (run.events[0].x, run.events[0].t * p.Omega.numerator / p.Omega.denominator)
+                )
+            columns.append(
+                [float((a - b) / (2 * mpmath.mpf(10) ** -9)) for a, b in zip(*ends, strict=True)]
+            )
         size = 1 + np.abs(found).max()
         assert found == pytest.approx(np.array(columns).T, abs=1e-5 * size)
 
 
 def test_derivatives_keep_all_digits() -> None:
-    """Also those of sticks, whose matrix has whole numbers in it: they are not rounded to doubles."""
+    """Also those of sticks, whose matrix has whole numbers in it.
+
+    They are not rounded to doubles.
+    """
     context = mpmath.mp.clone()
     context.dps = 40
     p = load_scene("fig10").parameters
     for label in ("P1", "P4", "P2", "P6"):
-        x, theta = context.mpf(1) / 3, context.mpf(2) / 7
+        x = context.mpf(1) / 3
+        theta = context.mpf(2) / 7
         found = jacobian(p, label, (x, theta), (context.mpf(-1) / 7, theta + context.mpf(1) / 3))
         assert found.dtype == object
-        exact = [entry for entry in found.ravel() if hasattr(entry, "_mpf_") and entry != int(entry)]
+        exact = [
+            entry for entry in found.ravel() if hasattr(entry, "_mpf_") and entry != int(entry)
+        ]
         assert len(exact) >= 3
         assert all(entry != float(entry) for entry in exact)
 
 
 def test_the_multipliers_of_the_orbits() -> None:
     p = load_scene("fig9-orbit").parameters
-    x, theta, M = 4.154920661325319221515248, 4 * 0.1816703979243204630141381, np.eye(2)
+    x = 4.154920661325319221515248
+    theta = 4 * 0.1816703979243204630141381
+    M = np.eye(2)
     for label in ("P2", "P3"):
         found = solve_map(p, label, x, theta)
         assert found.derivative is not None
-        x, theta, M = found.x, found.theta, found.derivative @ M
+        x = found.x
+        theta = found.theta
+        M = found.derivative @ M
     expected = [-0.016802303836361 - 0.069594338756153j, -0.016802303836361 + 0.069594338756153j]
     np.testing.assert_allclose(np.sort_complex(np.linalg.eigvals(M)), expected, atol=1e-12)

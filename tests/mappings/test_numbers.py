@@ -37,7 +37,8 @@ def fraction(rng: random.Random, size: int = 9) -> Fraction:
 
 def texts(rng: random.Random) -> tuple[str, Any]:
     """Return a way to write a phase, and what it means."""
-    a, b = fraction(rng), fraction(rng)
+    a = fraction(rng)
+    b = fraction(rng)
     rest, multiple = (sp.Rational(each.numerator, each.denominator) for each in (a, b))
     return rng.choice(
         [
@@ -81,9 +82,16 @@ def test_other_expressions_cost_one_line(text: str) -> None:
 def random_parameters(rng: random.Random) -> Parameters:
     """Return parameters near the cases' borders: sines of the windows' ends are often rational."""
     v1 = fraction(rng, 20)
-    changes = {"v1": v1, "v2": v1 + abs(fraction(rng)) + 1, "k": rng.randint(0, 6), "Omega": rng.randint(1, 6)}
+    changes = {
+        "v1": v1,
+        "v2": v1 + abs(fraction(rng)) + 1,
+        "k": rng.randint(0, 6),
+        "Omega": rng.randint(1, 6),
+    }
     p = FIG9.replace(**changes, B0=rng.randint(-8, 8))
-    if p.B0 and rng.random() < 0.6:  # k v1 = -B0 Omega sine: the window's end is at a multiple of pi/6
+    if (
+        p.B0 and rng.random() < 0.6
+    ):  # k v1 = -B0 Omega sine: the window's end is at a multiple of pi/6
         sine = rng.choice([Fraction(1), Fraction(1, 2), Fraction(-1, 2), Fraction(-1)])
         v1 = -p.B0 * p.Omega * sine / max(p.k, 1)
         p = p.replace(k=max(p.k, 1), v1=v1, v2=v1 + 1)
@@ -94,12 +102,16 @@ def random_parameters(rng: random.Random) -> Parameters:
 @pytest.mark.parametrize("mapping", MAPS)
 def test_windows_contain_what_their_exact_sets_contain(mapping: str) -> None:
     """Against sympy's sets, whose ends are compared by sympy, at their ends and at random multiples of pi."""
-    rng, at_ends = random.Random(mapping), 0
+    rng = random.Random(mapping)
+    at_ends = 0
     for _ in range(10):
         p = random_parameters(rng)
         order = rng.choice(["full", "paper"])
         window = grazing_window(p, mapping, order)
-        ends = [of_sympy(end) for end in window.phases.boundary] if window.phases else []
+        if window.phases:
+            ends = [of_sympy(end) for end in window.phases.boundary]
+        else:
+            ends = []
         tried = [end.multiple for end in ends if end is not None and end.rest == 0]
         at_ends += len(tried)
         for multiple in [*tried, Fraction(rng.randint(0, 23), 12), abs(fraction(rng)) % 2]:
@@ -123,8 +135,11 @@ def test_windows_agree_with_theorem_6_at_the_contact(mapping: str) -> None:
         p = p.replace(k=max(p.k, 1))
         window = grazing_window(p, mapping)
         text = f"{rng.randint(0, 23)}*pi/12"
-        where, phase = window.place, sp.sympify(text)
-        x = (sp.Rational(p.A(where.domain) - p.c * window.speed) + sp.Rational(p.B0) * sp.cos(phase)) / sp.Rational(p.k)
+        where = window.place
+        phase = sp.sympify(text)
+        x = (
+            sp.Rational(p.A(where.domain) - p.c * window.speed) + sp.Rational(p.B0) * sp.cos(phase)
+        ) / sp.Rational(p.k)
         verdict = is_grazing(p, mapping, x if x.is_Rational else sp.nsimplify(x), text)
         assert window.contains(text) == verdict.grazing, (p, text)
 
@@ -133,19 +148,31 @@ def test_signs_next_to_zero() -> None:
     """The sign is right however near a rational level comes to an irrational sine."""
     rng = random.Random(5)
     for _ in range(60):
-        phase = ExactPhase(rng.choice([Fraction(0), fraction(rng), 10**40 * fraction(rng)]), fraction(rng))
+        phase = ExactPhase(
+            rng.choice([Fraction(0), fraction(rng), 10**40 * fraction(rng)]), fraction(rng)
+        )
         digits = rng.choice([10, 40, 120])
         near = Fraction(str(sp.sin(phase.symbolic()).evalf(digits + 20))[: digits + 2])
-        difference = sp.sin(phase.symbolic()).evalf(400) - sp.Rational(near.numerator, near.denominator)
-        expected = 0 if difference == 0 or abs(difference) < sp.Rational(1, 10**300) else int(sp.sign(difference))
+        difference = sp.sin(phase.symbolic()).evalf(400) - sp.Rational(
+            near.numerator, near.denominator
+        )
+        if difference == 0 or abs(difference) < sp.Rational(1, 10**300):
+            expected = 0
+        else:
+            expected = int(sp.sign(difference))
         assert sine_sign(-near, Fraction(1), phase) == expected
         assert sine_sign(near, Fraction(-3, 2) * 2 / 3, phase) == -expected
     for sixths in range(-12, 24):  # pi/6, and sines that are rational
         sine = sp.sin(sixths * sp.pi / 6)
-        level = Fraction(int(sine.p), int(sine.q)) if sine.is_Rational else Fraction(0)
+        if sine.is_Rational:
+            level = Fraction(int(sine.p), int(sine.q))
+        else:
+            level = Fraction(0)
         phase = ExactPhase(Fraction(0), Fraction(sixths, 6))
         assert sine_sign(-level, Fraction(1), phase) == (0 if sine.is_Rational else sp.sign(sine))
-        assert sine_sign(Fraction(1, 10**30) - level, Fraction(1), phase) == (1 if sine.is_Rational else sp.sign(sine))
+        assert sine_sign(Fraction(1, 10**30) - level, Fraction(1), phase) == (
+            1 if sine.is_Rational else sp.sign(sine)
+        )
 
 
 def test_a_phase_that_was_computed_is_the_binary_number_that_it_is() -> None:
@@ -153,9 +180,28 @@ def test_a_phase_that_was_computed_is_the_binary_number_that_it_is() -> None:
     assert read_phase("theta", "0.1") == Fraction(1, 10)
 
 
-NONE = ["pi**2", "pi pi", "2*", "pi/0", "x", "pi + x", "", None, True, 1j, float("nan"), "__import__('os')*pi"]
+NONE = [
+    "pi**2",
+    "pi pi",
+    "2*",
+    "pi/0",
+    "x",
+    "pi + x",
+    "",
+    None,
+    True,
+    1j,
+    float("nan"),
+    "__import__('os')*pi",
+]
 NONE += [sympy.Symbol("x"), sympy.I, sympy.oo, "pi" + "+pi" * 100]
-NONE += [sympy.true, sympy.Interval(0, 1), sympy.EmptySet, sympy.Tuple(1), sympy.Symbol("x", real=True) + sympy.pi]
+NONE += [
+    sympy.true,
+    sympy.Interval(0, 1),
+    sympy.EmptySet,
+    sympy.Tuple(1),
+    sympy.Symbol("x", real=True) + sympy.pi,
+]
 
 
 @pytest.mark.parametrize("value", NONE, ids=str)
@@ -165,7 +211,8 @@ def test_what_is_no_angle(value: Any) -> None:
 
 
 def test_phases_are_the_angles_less_whole_turns() -> None:
-    rng, context = random.Random(5), mp_context(60)
+    rng = random.Random(5)
+    context = mp_context(60)
     for _ in range(30):
         part = Fraction(rng.randint(-9999, 9999), rng.randint(1, 99))
         for angle in (part, symbolic(part) * sympy.pi):

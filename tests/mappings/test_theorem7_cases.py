@@ -41,7 +41,10 @@ def signs(gamma: int, amplitude: int) -> tuple[int, int, int]:
 @pytest.mark.parametrize("side", [1, -1])
 @pytest.mark.parametrize(("gamma", "amplitude"), NUMBERS)
 def test_a_kind_is_what_the_set_of_phases_is(side: int, gamma: int, amplitude: int) -> None:
-    """The phases with side (gamma + amplitude sin theta) > 0: none, all, all but one, an arc, or one through 0."""
+    """The phases with side (gamma + amplitude sin theta) > 0.
+
+    None, all, all but one, an arc, or one through 0.
+    """
     count = 360
     values = [side * (gamma + amplitude * sin(2 * pi * n / count)) for n in range(count)]
     inside = [value > 1e-12 for value in values]
@@ -55,8 +58,14 @@ def test_a_kind_is_what_the_set_of_phases_is(side: int, gamma: int, amplitude: i
     else:
         assert edges == 2
         # B0 < 0 is B0 > 0 half a period later: the kind is that of the window before the shift
-        start = inside[0] if amplitude > 0 else inside[count // 2]
-        expected = {WRAPPED_ARC} if start else {ARC}
+        if amplitude > 0:
+            start = inside[0]
+        else:
+            start = inside[count // 2]
+        if start:
+            expected = {WRAPPED_ARC}
+        else:
+            expected = {ARC}
         if isclose(values[0], 0, abs_tol=1e-12):  # gamma = 0: from 0 to pi, or the other half
             expected = {ARC}
     assert window_kind(side, *signs(gamma, amplitude), full=False) in expected
@@ -80,10 +89,15 @@ def test_single_windows_have_the_nearest_doubles() -> None:
     rng = random.Random(4)
     for _ in range(200):
         ratio = rng.choice([1, -1]) * (1 - Fraction(rng.randint(1, 99), 10 ** rng.randint(2, 40)))
-        window = grazing_window(FIG9.replace(k=abs(ratio), v1=1 if ratio > 0 else -1, B0=1, Omega=1), "P2")
+        window = grazing_window(
+            FIG9.replace(k=abs(ratio), v1=1 if ratio > 0 else -1, B0=1, Omega=1), "P2"
+        )
         ends = exact_ends(ratio, Fraction(1))
         inner = [
-            end for low, high, *_ in window.intervals for end in (low, high) if 0 < end < double_double.TWO_PI_PAIR[0]
+            end
+            for low, high, *_ in window.intervals
+            for end in (low, high)
+            if 0 < end < double_double.TWO_PI_PAIR[0]
         ]
         assert inner
         assert all(ulps(end, ends) <= 0.5001 for end in inner)
@@ -95,25 +109,42 @@ def test_extreme_magnitudes() -> None:
     found = grazing_windows(FIG9, "P2", k=values, v1=3e-201, B0=values * 1e-150, Omega=1e-50)
     assert list(found.kind) == [WRAPPED_ARC] * 4
     assert found.theta_cr == pytest.approx([-math.asin(0.3)] * 4, rel=1e-14)
-    assert list(grazing_windows(FIG9, "P2", k=1e50, v1=1e-300, Omega=1e-50, B0=1e-201).kind[None]) == [EVERYTHING]
+    assert list(
+        grazing_windows(FIG9, "P2", k=1e50, v1=1e-300, Omega=1e-50, B0=1e-201).kind[None]
+    ) == [EVERYTHING]
     assert grazing_windows(FIG9, "P2", k=1e-300, v1=1e-300, Omega=1e50, B0=1e50).kind == WRAPPED_ARC
 
 
 def test_equality_is_decided_for_doubles_and_left_open_for_anything_else() -> None:
-    """|k v| = |B0 Omega|: four doubles say so exactly; if one of them has more digits rational numbers must decide."""
+    """|k v| = |B0 Omega|: four doubles say so exactly.
+
+    If one of them has more digits rational numbers must decide.
+    """
     rng = random.Random(5)
     for _ in range(60):
         k, v, B, Omega = (float(rng.choice([-1, 1]) * rng.randint(1, 99)) for _ in range(4))
-        k, Omega = abs(k), abs(Omega)
+        k = abs(k)
+        Omega = abs(Omega)
         v, B = v * B * Omega, B * abs(v) * k  # both products are k |v| |B| Omega
-        side, full = rng.choice([-1, 1]), rng.random() < 0.5
+        side = rng.choice([-1, 1])
+        full = rng.random() < 0.5
         numbers = [k, v, B, Omega]
-        kind, low, high, theta_cr = theorem7_cases.window(*((each, 0.0) for each in numbers), side, full)
-        p, q = (v > 0) - (v < 0), (B > 0) - (B < 0)
+        kind, low, high, theta_cr = theorem7_cases.window(
+            *((each, 0.0) for each in numbers), side, full
+        )
+        p = (v > 0) - (v < 0)
+        q = (B > 0) - (B < 0)
         assert kind == window_kind(side, p, q, 0, full)
         assert theta_cr == pytest.approx(-p * q * math.pi / 2)
-        point = math.pi / 2 if p * q < 0 else 3 * math.pi / 2
-        assert (low, high) == pytest.approx((point, point)) if kind == ALL_BUT_ONE else np.isnan([low, high]).all()
+        if p * q < 0:
+            point = math.pi / 2
+        else:
+            point = 3 * math.pi / 2
+        assert (
+            (low, high) == pytest.approx((point, point))
+            if kind == ALL_BUT_ONE
+            else np.isnan([low, high]).all()
+        )
         for i, each in enumerate(numbers):
             rest = rng.choice([-1, 1]) * abs(each) * 2.0**-110
             pairs = [(other, rest if j == i else 0.0) for j, other in enumerate(numbers)]
@@ -127,25 +158,44 @@ def test_equality_is_decided_for_doubles_and_left_open_for_anything_else() -> No
 
 
 def test_windows_of_random_magnitudes_are_those_of_many_digits() -> None:
-    """Products of numbers from 1e-200 to 1e200, with all signs: the kind, and every end within an ulp."""
+    """Products of numbers from 1e-200 to 1e200, with all signs.
+
+    The kind, and every end within an ulp.
+    """
     rng = random.Random(6)
     for _ in range(150):
-        k, Omega = 10 ** rng.uniform(-200, 200), 10 ** rng.uniform(-100, 100)
-        v, ratio = rng.choice([-1, 1]) * 10 ** rng.uniform(-60, 60), 10 ** rng.uniform(-6, 2) * rng.choice([-1, 1])
+        k = 10 ** rng.uniform(-200, 200)
+        Omega = 10 ** rng.uniform(-100, 100)
+        v = rng.choice([-1, 1]) * 10 ** rng.uniform(-60, 60)
+        ratio = 10 ** rng.uniform(-6, 2) * rng.choice([-1, 1])
         B = k / Omega * v / ratio
         if not 1e-300 < abs(B) < 1e300:
             continue
-        side, full = rng.choice([-1, 1]), rng.random() < 0.5
-        kind, low, high, theta_cr = theorem7_cases.window((k, 0.0), (v, 0.0), (B, 0.0), (Omega, 0.0), side, full)
-        level, swing = Fraction(k) * Fraction(v), Fraction(B) * Fraction(Omega)
+        side = rng.choice([-1, 1])
+        full = rng.random() < 0.5
+        kind, low, high, theta_cr = theorem7_cases.window(
+            (k, 0.0), (v, 0.0), (B, 0.0), (Omega, 0.0), side, full
+        )
+        level = Fraction(k) * Fraction(v)
+        swing = Fraction(B) * Fraction(Omega)
         signs = [(each > 0) - (each < 0) for each in (level, swing, abs(level) - abs(swing))]
         assert kind == window_kind(side, *signs, full)
         if signs[2] > 0:
             assert np.isnan([low, high, theta_cr]).all()
             continue
-        cut = mp.asin(-mp.mpf(level.numerator) / level.denominator * swing.denominator / mp.mpf(swing.numerator))
+        cut = mp.asin(
+            -mp.mpf(level.numerator)
+            / level.denominator
+            * swing.denominator
+            / mp.mpf(swing.numerator)
+        )
         ends = [mp.pi - cut, cut if cut > 0 else cut + 2 * mp.pi]
-        right = ends if side * signs[1] < 0 else ends[::-1]
+        if side * signs[1] < 0:
+            right = ends
+        else:
+            right = ends[::-1]
         assert abs(theta_cr - cut) <= math.ulp(float(cut))
-        assert all(abs(a - b) <= math.ulp(float(b)) for a, b in zip((low, high), right, strict=True))
+        assert all(
+            abs(a - b) <= math.ulp(float(b)) for a, b in zip((low, high), right, strict=True)
+        )
         assert kind == (ARC if right[0] < right[1] else WRAPPED_ARC)

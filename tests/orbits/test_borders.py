@@ -1,4 +1,7 @@
-"""Borders in a plane of two parameters: against formulas, published numbers, and the ODE in 40 digits on both sides."""
+"""Borders in a plane of two parameters.
+
+Against formulas, published numbers, and the ODE in 40 digits on both sides.
+"""
 
 from __future__ import annotations
 
@@ -44,12 +47,21 @@ def main_border(c: str, step: str = "0.04") -> Border:
 
 
 def den_hartog(r: Any) -> Any:
-    """Return the largest F/P without stops at c = 0, with 30 digits: the formula of Den Hartog, and Hong and Liu."""
+    """Return the largest F/P without stops at c = 0, with 30 digits.
+
+    The formula of Den Hartog, and Hong and Liu.
+    """
     r = mpmath.mpf(r)
-    U, V = mpmath.tan(mpmath.pi / (2 * r)) / r, 1 / (1 - r * r)
+    U = mpmath.tan(mpmath.pi / (2 * r)) / r
+    V = 1 / (1 - r * r)
 
     def shape(u: Any) -> Any:
-        return r * r * (mpmath.sin(u / r) / r + U * (mpmath.cos(u) - mpmath.cos(u / r))) / mpmath.sin(u)
+        return (
+            r
+            * r
+            * (mpmath.sin(u / r) / r + U * (mpmath.cos(u) - mpmath.cos(u / r)))
+            / mpmath.sin(u)
+        )
 
     grid = [mpmath.pi * n / 300 for n in range(1, 300)]
     best = max(grid, key=shape)
@@ -74,9 +86,12 @@ def test_twenty_points_of_den_hartogs_border() -> None:
         for r in RATIOS.split():
             (value,) = (graze if float(r) < 0.5 else stick).at(Omega=r)
             assert abs(value - den_hartog(r)) < 1e-15
-    # Both end where the formula's two forms meet: the first codimension-two point of Guardia, Hogan and Seara.
+    # Both end where the formula's two forms meet: the first codimension-two point of Guardia, Hogan
+    # and Seara.
     for border in (graze, stick):
-        (point,) = [point for point in border.special if point.kind == "degenerate crossing-sliding"]
+        (point,) = [
+            point for point in border.special if point.kind == "degenerate crossing-sliding"
+        ]
         assert sorted(point.values) == pytest.approx([1 / 3, 1 / 2], abs=1e-14)
 
 
@@ -95,7 +110,9 @@ def test_the_numbers_of_the_plane() -> None:
     assert low < fold.values[1] < high
     assert high - low < 1e-4
     assert border.at(FN=fold.values[0] + 1e-10) == ()
-    assert border.at(FN=fold.values[0]) == pytest.approx([fold.values[1]] * len(border.at(FN=fold.values[0])), abs=1e-7)
+    assert border.at(FN=fold.values[0]) == pytest.approx(
+        [fold.values[1]] * len(border.at(FN=fold.values[0])), abs=1e-7
+    )
 
 
 @pytest.mark.slow
@@ -117,7 +134,8 @@ def test_the_points_of_pwsdde_cont() -> None:
 @pytest.mark.campaign
 def test_the_borders_that_leave_points_of_codimension_two() -> None:
     borders = main_border("0.1").network(step="0.04")
-    graze, switch = named(borders, "P32", "P321231"), named(borders, "P3121", "P321231")
+    graze = named(borders, "P32", "P321231")
+    switch = named(borders, "P3121", "P321231")
     assert (graze.sliding, switch.sliding) == ("grazing-sliding", "switching-sliding")
     # A cusp: both borders join the same two points, along one direction at each of them.
     ends = np.array([sorted(end.values for end in border.ends) for border in (graze, switch)])
@@ -138,11 +156,16 @@ def test_a_slip_in_a_stick_and_a_graze_meet_in_a_cubic_tangency() -> None:
         point = border.special[-1]
         assert point.kind == "adding-sliding and grazing-sliding"
         assert point.values == pytest.approx((0.3218001292, 0.0436332545), abs=1e-10)
-        # v = v' = v'' = 0 at v1 = 0: Omega t = pi there, and the force that vanishes is the lower one.
+        # v = v' = v'' = 0 at v1 = 0: Omega t = pi there, and the force that vanishes is the lower
+        # one.
         Omega, FN = point.values
-        at = simulate_oracle(COULOMB.replace(Omega=Omega, FN=FN), *_arrival(border, Omega), dps=40).events[0]
+        at = simulate_oracle(
+            COULOMB.replace(Omega=Omega, FN=FN), *_arrival(border, Omega), dps=40
+        ).events[0]
         assert abs(float(at.x) - (FN - 1)) < 1e-6
-        assert abs(float(at.t) * Omega % (2 * np.pi) - np.pi) < 1e-3  # the cube root of the error of doubles
+        assert (
+            abs(float(at.t) * Omega % (2 * np.pi) - np.pi) < 1e-3
+        )  # the cube root of the error of doubles
 
 
 def _arrival(border: Border, Omega: float) -> Any:
@@ -153,14 +176,24 @@ def _arrival(border: Border, Omega: float) -> Any:
     return theta / Omega + 1e-9, x, -1e-12, theta / Omega + 20
 
 
-FAMILIES = [("Omega", "FN"), ("FN", "A0"), ("B0", "v1"), ("Omega", "c"), ("mu1", "Omega"), ("A0", "B0")]
+FAMILIES = [
+    ("Omega", "FN"),
+    ("FN", "A0"),
+    ("B0", "v1"),
+    ("Omega", "c"),
+    ("mu1", "Omega"),
+    ("A0", "B0"),
+]
 
 
 def random_border(seed: int) -> tuple[Branch, Border] | None:
     """Return a border at an end of a random branch over random parameters of two belts, None if there is none."""
     rng = random.Random(seed)
     v1 = round(rng.uniform(-1, 1), 2)
-    given = {name: round(rng.uniform(*limits), 2) for name, limits in {"A0": (-1, 1), "B0": (0.5, 4)}.items()}
+    given = {
+        name: round(rng.uniform(*limits), 2)
+        for name, limits in {"A0": (-1, 1), "B0": (0.5, 4)}.items()
+    }
     given |= {name: round(rng.uniform(0.1, 1), 2) for name in ("c", "mu1", "mu2")}
     for name, low in (("k", 0.5), ("Omega", 0.4), ("FN", 0.2)):
         given[name] = round(rng.uniform(low, 2), 2)
@@ -168,7 +201,11 @@ def random_border(seed: int) -> tuple[Branch, Border] | None:
     names = rng.choice(FAMILIES)
     ranges = {}
     for name in names:
-        value, least = float(getattr(p, name)), 0.02 if name in ("Omega", "FN", "c", "mu1") else -9.0
+        value = float(getattr(p, name))
+        if name in ("Omega", "FN", "c", "mu1"):
+            least = 0.02
+        else:
+            least = -9.0
         reach = 0.3 * max(abs(value), 0.3)
         ranges[name] = (max(least, value - reach), value + reach)
     try:
@@ -204,8 +241,11 @@ def test_the_ode_changes_its_word_at_random_borders(count: int) -> None:
 
 def word_of_the_ode(p: Parameters, orbit: Any, periods: int = 25) -> str:
     """Return the word of the last period of the motion from an orbit's first point, integrated by the oracle."""
-    piece, (x, theta) = orbit.word.maps[0], orbit.points[0].tolist()
-    v, T, Omega = p.belt(piece.start.boundary), 2 * np.pi / float(p.Omega), float(p.Omega)
+    piece = orbit.word.maps[0]
+    (x, theta) = orbit.points[0].tolist()
+    v = p.belt(piece.start.boundary)
+    T = 2 * np.pi / float(p.Omega)
+    Omega = float(p.Omega)
     run = simulate_oracle(p, theta / Omega, x, v, theta / Omega + periods * T, dps=30)
     events = [event for event in run.events if event.kind != "graze"]
     last = [i for i, event in enumerate(events) if float(events[-1].t - event.t) < T * (1 - 1e-9)]
@@ -238,8 +278,12 @@ def test_an_end_of_the_word_with_more_pieces_is_the_same_border() -> None:
 def largest_speed(p: Parameters) -> Any:
     """Return the largest speed of the steady motion without belts, by 30 digits of the linear equations' solution."""
     with mpmath.workdps(30):
-        m, c, k, B0, w = (mpmath.mpf(q.numerator) / q.denominator for q in (p.m, p.c, p.k, p.B0, p.Omega))
-        x = mpmath.lu_solve(mpmath.matrix([[k - m * w * w, c * w], [-c * w, k - m * w * w]]), mpmath.matrix([B0, 0]))
+        m, c, k, B0, w = (
+            mpmath.mpf(q.numerator) / q.denominator for q in (p.m, p.c, p.k, p.B0, p.Omega)
+        )
+        x = mpmath.lu_solve(
+            mpmath.matrix([[k - m * w * w, c * w], [-c * w, k - m * w * w]]), mpmath.matrix([B0, 0])
+        )
         return w * mpmath.norm(x)
 
 
@@ -250,31 +294,70 @@ def largest_speed(p: Parameters) -> Any:
     [
         ({"FN": "0.95"}, "P3121", ("FN", "0.9", "1.1"), 1, ("Omega", "0.3", 2), "rest"),
         ({"FN": "0.95"}, "P3121", ("FN", "0.9", "1.1"), 1, ("mu1", "0.5", 2), "rest"),
-        ({"FN": "0.95", "B0": -1, "A0": 1}, "P3121", ("B0", "-1.1", "-0.9"), 1, ("k", "0.5", 2), "rest"),
-        ({"v1": -3, "v2": 0, "mu2": 1, "FN": "0.97"}, "P4546", ("FN", "0.95", "1.1"), 1, ("B0", "0.5", 2), "rest"),
-        ({"v1": -9, "v2": "1.9", "mu2": 1}, "P45", ("B0", "0.9", "1.4"), 0, ("Omega", "0.5", 2), None),
+        (
+            {"FN": "0.95", "B0": -1, "A0": 1},
+            "P3121",
+            ("B0", "-1.1", "-0.9"),
+            1,
+            ("k", "0.5", 2),
+            "rest",
+        ),
+        (
+            {"v1": -3, "v2": 0, "mu2": 1, "FN": "0.97"},
+            "P4546",
+            ("FN", "0.95", "1.1"),
+            1,
+            ("B0", "0.5", 2),
+            "rest",
+        ),
+        (
+            {"v1": -9, "v2": "1.9", "mu2": 1},
+            "P45",
+            ("B0", "0.9", "1.4"),
+            0,
+            ("Omega", "0.5", 2),
+            None,
+        ),
         ({"v1": "-1.9", "v2": 3, "A0": 2}, "P31", ("B0", "0.9", "1.4"), 0, ("k", "0.5", 2), None),
-        ({"v1": "-1.9", "v2": "1.9", "mu2": 1}, "P4817", ("B0", "0.9", "1.3"), 0, ("Omega", "0.5", 2), None),
+        (
+            {"v1": "-1.9", "v2": "1.9", "mu2": 1},
+            "P4817",
+            ("B0", "0.9", "1.3"),
+            0,
+            ("Omega", "0.5", 2),
+            None,
+        ),
         ({"v1": "-1.9", "v2": 9, "mu1": 0}, "P32", ("B0", "0.9", "1.4"), 0, ("m", "0.5", 2), None),
     ],
 )
 def test_borders_beyond_which_the_motion_has_no_word(
     changes: dict[str, Any], word: str, over: Any, end: int, second: Any, beyond: str | None
 ) -> None:
-    p = COULOMB.replace(**({"FN": 1, "c": "0.5", "Omega": 1, "B0": "1.2"} if beyond is None else {}) | changes)
+    p = COULOMB.replace(
+        **({"FN": 1, "c": "0.5", "Omega": 1, "B0": "1.2"} if beyond is None else {}) | changes
+    )
     branch = continue_orbit(p, word, over[0], over[1:])
     ranges = {second[0]: second[1:], over[0]: sorted((p.B0 / 5, p.B0 * 5))}
     border = continue_border(branch, end, second[0], ranges, step="0.05")
     assert border.words == (cycle(word), beyond)
     assert border.kind == branch.ends[end].kind
-    assert border.sliding == ("grazing-sliding" if beyond is None and p.mu1 + p.mu2 > 0 and word != "P32" else "")
-    belt = 1 if abs(p.v1) < abs(p.v2) else 2
+    assert border.sliding == (
+        "grazing-sliding" if beyond is None and p.mu1 + p.mu2 > 0 and word != "P32" else ""
+    )
+    if abs(p.v1) < abs(p.v2):
+        belt = 1
+    else:
+        belt = 2
     for i in range(2, len(border) - 2, 5):
         at = p.replace(**dict(zip(border.parameters, border.points[i].tolist(), strict=True)))
         if beyond is None:
-            assert abs(largest_speed(at) - abs(mpmath.mpf(float(at.belt(belt))))) < 1e-13 * abs(at.belt(belt))
+            assert abs(largest_speed(at) - abs(mpmath.mpf(float(at.belt(belt))))) < 1e-13 * abs(
+                at.belt(belt)
+            )
         else:
-            assert float((at.mu1 if belt == 1 else at.mu2) * at.FN) == pytest.approx(float(abs(at.B0)), abs=1e-14)
+            assert float((at.mu1 if belt == 1 else at.mu2) * at.FN) == pytest.approx(
+                float(abs(at.B0)), abs=1e-14
+            )
         inside, outside = border.beside(i, "1e-5")
         assert word_of_the_ode(inside, border.orbit(i)) == border.words[0]
         exact = border.at(**{border.parameters[1]: border.points[i, 1]})
@@ -296,9 +379,13 @@ def test_where_a_belt_stands_still_two_words_meet_above_rest() -> None:
 def test_a_figure_and_a_page_show_the_border() -> None:
     p = load_scene("fig9").parameters.replace(Omega="3.29")
     branch = continue_orbit(p, "P32", "Omega", ("3.28", "3.3"))
-    border = continue_border(branch, 0, "FN", {"Omega": (3.2, 3.4), "FN": ("9.8", "10.2")}, step="0.1")
+    border = continue_border(
+        branch, 0, "FN", {"Omega": (3.2, 3.4), "FN": ("9.8", "10.2")}, step="0.1"
+    )
     (axes,) = border.plot().axes
-    assert {text.get_text() for text in axes.texts} == {f"$P_{{{word[1:]}}}$" for word in border.words}
+    assert {text.get_text() for text in axes.texts} == {
+        f"$P_{{{word[1:]}}}$" for word in border.words
+    }
     assert (axes.get_xlabel(), axes.get_ylabel()) == (r"$\Omega$", "$F_N$")
     assert border.words[1] in border._repr_html_()
     assert border.as_dict()["words"] == list(border.words)

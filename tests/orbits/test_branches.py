@@ -1,4 +1,7 @@
-"""Branches of orbits: where and why they end, seen from both sides and judged by the oracle; nothing fails unseen."""
+"""Branches of orbits: where and why they end, seen from both sides and judged by the oracle.
+
+Nothing fails unseen.
+"""
 
 from __future__ import annotations
 
@@ -21,34 +24,92 @@ from symosc.orbits.closing_equations import ClosingEquations, ConvergenceError
 from symosc.orbits.find import find_orbit
 from symosc.words import read_word
 
-FIG9, FIG10 = load_scene("fig9").parameters, load_scene("fig10").parameters
+FIG9 = load_scene("fig9").parameters
+FIG10 = load_scene("fig10").parameters
 
 
-# One bifurcation, met from its two sides by the branches of two words:
-# parameters, word, parameter, range, which end, kind there, part of the failed inequality, word behind.
+# One bifurcation, met from its two sides by the branches of two words: parameters, word, parameter,
+# range, which end, kind there, part of the failed inequality, word behind.
 NEIGHBOURS = {
     "stick": (
-        (FIG9, "P32", "Omega", (3, 4), 0, "birth of a stick", "F^(1) < 0 where P3 crosses v1", "P132"),
-        (FIG9.replace(Omega="3.25"), "P132", "Omega", (3, 4), 1, "vanishing of a stick", "P1 lasts", "P32"),
+        (
+            FIG9,
+            "P32",
+            "Omega",
+            (3, 4),
+            0,
+            "birth of a stick",
+            "F^(1) < 0 where P3 crosses v1",
+            "P132",
+        ),
+        (
+            FIG9.replace(Omega="3.25"),
+            "P132",
+            "Omega",
+            (3, 4),
+            1,
+            "vanishing of a stick",
+            "P1 lasts",
+            "P32",
+        ),
     ),
     "graze of v2": (
         (FIG9, "P32", "Omega", (4, 6), 1, "grazing", "P3 stays in Omega2", "P7482"),
-        (FIG9.replace(Omega="5.1"), "P7482", "Omega", (5, "5.15"), 0, "grazing", "P8 meets v2 with F^(2) > 0", "P32"),
+        (
+            FIG9.replace(Omega="5.1"),
+            "P7482",
+            "Omega",
+            (5, "5.15"),
+            0,
+            "grazing",
+            "P8 meets v2 with F^(2) > 0",
+            "P32",
+        ),
     ),
     "graze of v1": (
         (FIG10, "P4645", "Omega", ("1.7", 4), 1, "grazing", "P5 stays in Omega2", "P481746"),
-        (FIG10.replace(Omega="2.7"), "P481746", "Omega", (2, 3), 0, "grazing", "P7 meets v1 with F^(2) < 0", "P4546"),
+        (
+            FIG10.replace(Omega="2.7"),
+            "P481746",
+            "Omega",
+            (2, 3),
+            0,
+            "grazing",
+            "P7 meets v1 with F^(2) < 0",
+            "P4546",
+        ),
     ),
     "slip": (
-        (FIG10, "P4645", "B0", (3, 15), 0, "vanishing of a slip", "F^(3) rises where P4 ends", "P45"),
-        (FIG10.replace(B0="4.5"), "P45", "B0", (4, 7), 1, "birth of a slip", "F^(2) > 0 > F^(3) during P4", "P4645"),
+        (
+            FIG10,
+            "P4645",
+            "B0",
+            (3, 15),
+            0,
+            "vanishing of a slip",
+            "F^(3) rises where P4 ends",
+            "P45",
+        ),
+        (
+            FIG10.replace(B0="4.5"),
+            "P45",
+            "B0",
+            (4, 7),
+            1,
+            "birth of a slip",
+            "F^(2) > 0 > F^(3) during P4",
+            "P4645",
+        ),
     ),
 }
 
 
 @pytest.fixture(
     scope="module",
-    params=[name if name == "graze of v2" else pytest.param(name, marks=pytest.mark.campaign) for name in NEIGHBOURS],
+    params=[
+        name if name == "graze of v2" else pytest.param(name, marks=pytest.mark.campaign)
+        for name in NEIGHBOURS
+    ],
 )
 def two_sides(request):
     """Return the two ends at one bifurcation, and how they were asked for."""
@@ -81,7 +142,10 @@ def test_both_sides_agree_on_the_place(two_sides):
 def test_oracle_sees_the_change_within_1e_10(two_sides):
     """Simulated from the ODE, the structure changes between value - 1e-10 and value + 1e-10."""
     (branch, end, row), (other, _, _) = two_sides
-    outward = 1 if row[4] else -1
+    if row[4]:
+        outward = 1
+    else:
+        outward = -1
     for shift, labels in ((-outward, branch.labels), (outward, other.labels)):
         value = Fraction(end.value) + Fraction(shift, 10**10)
         p = row[0].replace(**{row[2]: value})
@@ -92,14 +156,20 @@ MODES = {"P1": "belt1", "P2": "Omega1", "P4": "belt2", "P6": "Omega3"}  # the ot
 
 
 def events_of(labels) -> list[str]:
-    """Return what the mappings move through, sorted: the rotation of a word does not matter here."""
+    """Return what the mappings move through, sorted.
+
+    The rotation of a word does not matter here.
+    """
     return sorted(MODES.get(label, "Omega2") for label in labels)
 
 
 def events_of_a_period(p: Parameters, branch, at: int) -> list[str]:
     """Return the modes of the last of a few periods that the oracle simulates, begun on the orbit next to an end."""
-    period, orbit, cycles = 2 * np.pi / float(p.Omega), branch.orbit(at), 25
-    pieces, times = orbit.equations().pieces, [point.t for point in orbit.points]
+    period = 2 * np.pi / float(p.Omega)
+    orbit = branch.orbit(at)
+    cycles = 25
+    pieces = orbit.equations().pieces
+    times = [point.t for point in orbit.points]
     ends = [*times[1:], times[0] + period]
     i = max(range(len(pieces)), key=lambda i: (not pieces[i].sticks) * (ends[i] - times[i]))
     t0 = (times[i] + ends[i]) / 2  # inside the longest flight
@@ -111,7 +181,10 @@ def events_of_a_period(p: Parameters, branch, at: int) -> list[str]:
 @pytest.mark.slow
 @pytest.mark.parametrize(("low", "high"), [("0.48", "0.52")])
 def test_without_damping_no_multiplier_exceeds_1(low: str, high: str) -> None:
-    """Friction never grows with the velocity. At Omega = 1/2 orbits are not isolated: the branch goes on."""
+    """Friction never grows with the velocity.
+
+    At Omega = 1/2 orbits are not isolated: the branch goes on.
+    """
     p = Parameters(m=1, c=0, k=1, A0=0, B0=1, Omega=low, v1=0, v2=100, mu1="0.1", mu2=0, FN=1)
     branch = continue_orbit(p, "P32", "Omega", (low, high))
     assert [end.kind for end in branch.ends] == ["end of the range"] * 2
@@ -127,7 +200,9 @@ def test_points_of_a_branch_are_orbits():
         found = find_orbit(branch.parameters(i), "P32")  # from scratch
         assert found.admissible
         np.testing.assert_allclose(np.array(found.points), branch.points[i], atol=1e-11)
-        np.testing.assert_allclose(np.abs(found.multipliers), np.abs(branch.multipliers[i]), atol=1e-9)
+        np.testing.assert_allclose(
+            np.abs(found.multipliers), np.abs(branch.multipliers[i]), atol=1e-9
+        )
     assert branch.orbit(3, digits=25).residual < 1e-30
 
 
@@ -158,21 +233,33 @@ def drawn(rng: random.Random) -> tuple[Parameters, float]:
 def peak(p: Parameters, Omega: float) -> float:
     """Return the greatest velocity of P32 at a frequency."""
     orbit = find_orbit(p.replace(Omega=float(Omega)), "P32")
-    times = np.linspace(*[float(t) for t in (orbit.points[1].t, orbit.points[0].t + orbit.period)], 200)
+    times = np.linspace(
+        *[float(t) for t in (orbit.points[1].t, orbit.points[0].t + orbit.period)], 200
+    )
     best = times[np.argmax(orbit(times)[1])]
     h = times[1] - times[0]
-    return -minimize_scalar(lambda t: -orbit(t)[1], bounds=(best - h, best + h), options={"xatol": 1e-12}).fun
+    return -minimize_scalar(
+        lambda t: -orbit(t)[1], bounds=(best - h, best + h), options={"xatol": 1e-12}
+    ).fun
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("seed", [1, *(pytest.param(seed, marks=pytest.mark.campaign) for seed in range(2, 9))])
+@pytest.mark.parametrize(
+    "seed", [1, *(pytest.param(seed, marks=pytest.mark.campaign) for seed in range(2, 9))]
+)
 @pytest.mark.parametrize("depth", [1e-8, pytest.param(1e-2, marks=pytest.mark.campaign)])
 def test_gaps_of_any_width_are_found(depth, seed):
-    """v2 a little below the maximum over Omega of the orbit's peak velocity: the branch must end before it."""
+    """v2 a little below the maximum over Omega of the orbit's peak velocity.
+
+    The branch must end before it.
+    """
     rng = random.Random(seed)
     p, w0 = drawn(rng)
-    low, high = 0.75 * w0, 1.5 * w0
-    top = minimize_scalar(lambda Omega: -peak(p, Omega), bounds=(low, high), options={"xatol": 1e-9})
+    low = 0.75 * w0
+    high = 1.5 * w0
+    top = minimize_scalar(
+        lambda Omega: -peak(p, Omega), bounds=(low, high), options={"xatol": 1e-9}
+    )
     q = p.replace(v2=float(-top.fun) - depth)
     end = continue_orbit(q, "P32", "Omega", (low, high)).ends[1]
     assert end.kind == "grazing"
@@ -183,19 +270,34 @@ def test_gaps_of_any_width_are_found(depth, seed):
 
 
 def word_just_behind(branch: Branch, which: int, distance: float) -> str | None:
-    """Return the word of one period, as a simulation from the orbit at the end says; None if it does not settle."""
-    i, outward = (-1, 1) if which else (0, -1)
+    """Return the word of one period, as a simulation from the orbit at the end says.
+
+    None if it does not settle.
+    """
+    if which:
+        i, outward = (-1, 1)
+    else:
+        i, outward = (0, -1)
     value = float(branch.values[i]) + outward * distance
     p = branch.parameters(i).replace(**{branch.parameter: value})
-    orbit, T = branch.orbit(i), 2 * np.pi / float(p.Omega)
+    orbit = branch.orbit(i)
+    T = 2 * np.pi / float(p.Omega)
     n = max(range(len(orbit.points)), key=lambda j: not orbit.equations().pieces[j - 1].sticks)
     t0, x0 = orbit.points[n]
-    path = simulate(p, t0=t0, x0=x0, v0=p.belt(orbit.equations().pieces[n].start), t_end=t0 + 60.3 * T, max_events=2000)
+    path = simulate(
+        p,
+        t0=t0,
+        x0=x0,
+        v0=p.belt(orbit.equations().pieces[n].start),
+        t_end=t0 + 60.3 * T,
+        max_events=2000,
+    )
     if path.status != "t_end":
         return None
     words = []
     for k in (56, 57, 58):
-        first, last = t0 + (k + 0.15) * T, t0 + (k + 1.15) * T
+        first = t0 + (k + 0.15) * T
+        last = t0 + (k + 1.15) * T
         words.append([s.label for s in path.segments if first < float(s.t_end) <= last])
     if words[0] != words[1] or words[1] != words[2] or None in words[0]:
         return None
@@ -226,7 +328,8 @@ def random_branch(rng: random.Random) -> Branch | None:
 @pytest.mark.campaign
 @pytest.mark.parametrize("seed", range(1, 13))
 def test_what_is_just_behind_an_end(seed):
-    rng, judged = random.Random(100 + seed), 0
+    rng = random.Random(100 + seed)
+    judged = 0
     while judged < 1:
         branch = random_branch(rng)
         for which in (0, 1) if branch else ():
@@ -276,25 +379,34 @@ def test_the_reason_of_an_end_is_0_there():
     assert end.beyond is None
     assert "ends up in Omega2 and meets no belt" in end.message
     p = SHRINKS.replace(m=end.value + 1e-6)
-    assert len(simulate(p, t0=0, x0=0, v0=0, t_end=60).events) == len(simulate(p, t0=0, x0=0, v0=0, t_end=600).events)
+    assert len(simulate(p, t0=0, x0=0, v0=0, t_end=60).events) == len(
+        simulate(p, t0=0, x0=0, v0=0, t_end=600).events
+    )
 
 
 @pytest.mark.parametrize(("scene", "word"), [("fig5", "P12"), ("fig10", "P4645")])
 def test_the_forces_of_a_stick_are_those_of_the_belt(scene: str, word: str) -> None:
-    """What both forces have gained since the stick's end, as a difference: over the time, and from the other force."""
+    """What both forces have gained since the stick's end, as a difference.
+
+    Over the time, and from the other force.
+    """
     p = load_scene(scene).parameters
     orbit = find_orbit(p, word)
     equations = ClosingEquations(p, read_word(word), 1)
     points = [(point.x, float(p.Omega) * point.t) for point in orbit.points]
-    u, sticks = np.linspace(0, 1, 21), 0
+    u = np.linspace(0, 1, 21)
+    sticks = 0
     for i, piece in enumerate(equations.pieces):
         if not piece.sticks:
             continue
         sticks += 1
-        K, belt = equations.K, equations.belt(piece.start)
+        K = equations.K
+        belt = equations.belt(piece.start)
         end = equations.ends(points)[i][1]
         before = -(1 - u) * (end - points[i][1]) / K.Om
-        force = -piece.side * (belt.drift * before + K.f0 * (np.cos(end + K.Om * before) - np.cos(end)))
+        force = -piece.side * (
+            belt.drift * before + K.f0 * (np.cos(end + K.Om * before) - np.cos(end))
+        )
         ratio, other = branches.piece_margins(equations, points, i, u)
         assert other == pytest.approx(belt.J - force, rel=1e-12)
         assert ratio[:-1] * -before[:-1] == pytest.approx(force[:-1], rel=1e-9, abs=1e-12)
@@ -303,10 +415,16 @@ def test_the_forces_of_a_stick_are_those_of_the_belt(scene: str, word: str) -> N
 
 
 @pytest.mark.parametrize(("p", "word"), [(FIG9, "P32"), (FIG10, "P4645"), (BOTH_BELTS, "P1748")])
-def test_functions_of_a_flight_are_its_gaps_without_their_known_roots(p: Parameters, word: str) -> None:
-    """Inside a flight the gap to each boundary over the time and the rest of it; at both ends the limit of that."""
+def test_functions_of_a_flight_are_its_gaps_without_their_known_roots(
+    p: Parameters, word: str
+) -> None:
+    """Inside a flight the gap to each boundary over the time and the rest of it.
+
+    At both ends the limit of that.
+    """
     orbit = find_orbit(p, word)
-    equations, points = orbit.equations(), orbit.phases()
+    equations = orbit.equations()
+    points = orbit.phases()
     u = np.array([0.0, 1e-5, 0.3, 0.77, 1 - 1e-5, 1.0])
     flights = 0
     for i, piece in enumerate(equations.pieces):
@@ -319,7 +437,12 @@ def test_functions_of_a_flight_are_its_gaps_without_their_known_roots(p: Paramet
         belts = [belt for belt in (piece.mode - 1, piece.mode) if belt in (1, 2)]
         assert len(found) == len(belts)
         for belt, values in zip(belts, found, strict=True):
-            roots = 0 if belt != piece.start else 2 if piece.after_stick else 1
+            if belt != piece.start:
+                roots = 0
+            elif piece.after_stick:
+                roots = 2
+            else:
+                roots = 1
             end = belt == piece.end
             for k in (1, 2, 3, 4):
                 v = float(start.v + state_at(u[k] * tau, start, equations.K).dv)

@@ -20,8 +20,33 @@ for _ in range(50):
 
 
 #: Nothing of this is a number of digits.
-NO_DIGITS = [0, 4, -5, 10**9, 10**400, 20.0, "20", "", True, 1j, [20], (), {}, np.array([5, 6]), np.array([20]), DEEP]
-NO_DIGITS += [np.array(["20"]), np.array([None, 1]), np.float64(20), float("nan"), float("inf"), mpmath.mpf(20), int]
+NO_DIGITS = [
+    0,
+    4,
+    -5,
+    10**9,
+    10**400,
+    20.0,
+    "20",
+    "",
+    True,
+    1j,
+    [20],
+    (),
+    {},
+    np.array([5, 6]),
+    np.array([20]),
+    DEEP,
+]
+NO_DIGITS += [
+    np.array(["20"]),
+    np.array([None, 1]),
+    np.float64(20),
+    float("nan"),
+    float("inf"),
+    mpmath.mpf(20),
+    int,
+]
 
 
 def test_digits() -> None:
@@ -29,9 +54,33 @@ def test_digits() -> None:
         refused(lambda value=value: find_orbit(P, "P32", digits=value), "digits")  # type: ignore[misc]
 
 
-NO_GUESSES = [5, "ab", b"ab", (None, None), {}, object(), 10**400, [10**400, 1], [[True, 1], [2, 1]], [1j, 2], DEEP]
-NO_GUESSES += [["1", "2"], [["1_0", "2"], ["20", "3"]], [["１", "2"]], np.array(["1", "2"]), np.array([True, False])]
-NO_GUESSES += [np.array(3.0), np.array([1.0, 2.0, 3.0]), np.zeros((2, 3)), [[0, float("nan")], [1, 1]], [[1], [1, 2]]]
+NO_GUESSES = [
+    5,
+    "ab",
+    b"ab",
+    (None, None),
+    {},
+    object(),
+    10**400,
+    [10**400, 1],
+    [[True, 1], [2, 1]],
+    [1j, 2],
+    DEEP,
+]
+NO_GUESSES += [
+    ["1", "2"],
+    [["1_0", "2"], ["20", "3"]],
+    [["１", "2"]],
+    np.array(["1", "2"]),
+    np.array([True, False]),
+]
+NO_GUESSES += [
+    np.array(3.0),
+    np.array([1.0, 2.0, 3.0]),
+    np.zeros((2, 3)),
+    [[0, float("nan")], [1, 1]],
+    [[1], [1, 2]],
+]
 
 
 @pytest.mark.parametrize("value", NO_GUESSES, ids=lambda value: repr(value)[:20])
@@ -52,5 +101,10 @@ def test_periods_follow_from_the_guess() -> None:
     assert find_orbit(P, "P32", ORBIT.points[0]).periods == 1  # from a motion that begins there
     turn = float(ORBIT.period)
     (t0, x0), (t1, x1) = ORBIT.points
-    twice = [(t0, x0), (t1, x1), (t0 + turn, x0), (t1 + turn, x1)]  # less than a period from the second to the last
+    twice = [
+        (t0, x0),
+        (t1, x1),
+        (t0 + turn, x0),
+        (t1 + turn, x1),
+    ]  # less than a period from the second to the last
     assert find_orbit(P, "P3232", twice).periods == 2

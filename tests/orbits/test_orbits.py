@@ -40,25 +40,36 @@ def exact(value) -> Fraction:
 
 @pytest.mark.quick(1)
 @pytest.mark.parametrize(
-    ("p", "word"), [(FIG9, "P32"), (FIG10, "P4645"), (BOTH_BELTS, "P1748"), (CROSSING_BOTH, "P7482")]
+    ("p", "word"),
+    [(FIG9, "P32"), (FIG10, "P4645"), (BOTH_BELTS, "P1748"), (CROSSING_BOTH, "P7482")],
 )
 def test_oracle_returns_to_the_orbit_and_has_its_multipliers(p, word):
-    """The ODE alone, 50 digits: one period later the same state; the return map's differences have the multipliers."""
+    """The ODE alone, 50 digits: one period later the same state.
+
+    The return map's differences have the multipliers.
+    """
     orbit = find_orbit(p, word, digits=45)
     assert orbit.admissible
     with mpmath.workdps(60):
         # Start inside a flight, so that a push of the state stays a push of the state.
         i = next(i for i, piece in enumerate(orbit.equations().pieces) if not piece.sticks)
-        (t, _), following = orbit.points[i], (*orbit.points[1:], (orbit.points[0][0] + orbit.period, None))[i][0]
+        (t, _) = orbit.points[i]
+        following = (*orbit.points[1:], (orbit.points[0][0] + orbit.period, None))[i][0]
         middle = (float(t) + float(following)) / 2
         t0 = exact(mpmath.mpf(middle))
         before = orbit.equations().pieces[i - 1]
-        start = orbit.points[i - 1] if before.sticks else orbit.points[i]
-        begin, v = exact(start[0]), p.belt((before if before.sticks else orbit.equations().pieces[i]).start)
+        if before.sticks:
+            start = orbit.points[i - 1]
+        else:
+            start = orbit.points[i]
+        begin = exact(start[0])
+        v = p.belt((before if before.sticks else orbit.equations().pieces[i]).start)
         if before.sticks and i == 0:
             t0 += exact(orbit.period)
         here = simulate_oracle(p, begin, exact(start[1]), v, t0, 50)
-        x0, v0, h = exact(here.x), exact(here.v), Fraction(1, 10**18)
+        x0 = exact(here.x)
+        v0 = exact(here.v)
+        h = Fraction(1, 10**18)
         after = t0 + exact(orbit.period)
         back = simulate_oracle(p, t0, x0, v0, after, 50)
         assert abs(back.x - here.x) + abs(back.v - here.v) < 1e-30
@@ -69,7 +80,8 @@ def test_oracle_returns_to_the_orbit_and_has_its_multipliers(p, word):
             minus = simulate_oracle(p, t0, x0 - dx, v0 - dv, after, 50)
             M[0, column] = (plus.x - minus.x) / (2 * mpmath.mpf(h.numerator) / h.denominator)
             M[1, column] = (plus.v - minus.v) / (2 * mpmath.mpf(h.numerator) / h.denominator)
-        trace, determinant = M[0, 0] + M[1, 1], M[0, 0] * M[1, 1] - M[0, 1] * M[1, 0]
+        trace = M[0, 0] + M[1, 1]
+        determinant = M[0, 0] * M[1, 1] - M[0, 1] * M[1, 0]
     ours = [complex(value) for value in orbit.multipliers]
     assert abs(sum(ours) - complex(trace)) < 1e-12
     assert abs(ours[0] * ours[1] - complex(determinant)) < 1e-12
@@ -88,7 +100,8 @@ def test_no_convergence_carries_the_best_points():
 
 
 def test_a_search_that_fails_returns_its_best_points_with_their_residual() -> None:
-    rng, reasons = np.random.default_rng(3), set()
+    rng = np.random.default_rng(3)
+    reasons = set()
     equations = ClosingEquations(CROSSING_BOTH, read_word("P7482"), 1)
     for _ in range(25):
         guess = np.column_stack([rng.uniform(-6, 6, 4), np.sort(rng.uniform(0, 6.2, 4))])
@@ -96,13 +109,18 @@ def test_a_search_that_fails_returns_its_best_points_with_their_residual() -> No
             found = newton(equations, guess)
             if not found.converged:
                 reasons.add(found.reason)
-                assert found.residual == pytest.approx(np.abs(equations.residuals(found.points)).max())
+                assert found.residual == pytest.approx(
+                    np.abs(equations.residuals(found.points)).max()
+                )
     assert "not converged after 60 steps" in reasons
 
 
 @pytest.mark.slow
 def test_determinant_shrinks_by_damping_and_friction():
-    """det M = exp(-(c/m) T) prod F(target)/F(source) < 1: no multipliers leave the unit circle as a pair."""
+    """det M = exp(-(c/m) T) prod F(target)/F(source) < 1.
+
+    No multipliers leave the unit circle as a pair.
+    """
     rng = np.random.default_rng(7)
     for _ in range(2):
         p = FIG9.replace(Omega=round(rng.uniform(3.4, 4.9), 3), c=round(rng.uniform(0.05, 0.4), 3))
@@ -123,12 +141,18 @@ def test_determinant_shrinks_by_damping_and_friction():
 
 
 def test_multipliers_are_the_eigenvalues() -> None:
-    """Of random matrices, also of such with a tiny determinant: both to all digits, the larger one first."""
+    """Of random matrices, also of such with a tiny determinant.
+
+    Both to all digits, the larger one first.
+    """
     rng = np.random.default_rng(5)
     for _ in range(300):
         if rng.random() < 0.3:
-            size, angle = rng.uniform(0, 1.1), rng.uniform(0, np.pi)
-            trace, determinant, large = 2 * size * np.cos(angle), size * size, size
+            size = rng.uniform(0, 1.1)
+            angle = rng.uniform(0, np.pi)
+            trace = 2 * size * np.cos(angle)
+            determinant = size * size
+            large = size
             first, second = multipliers(trace, determinant, cmath.sqrt)
             assert (first * second).real == pytest.approx(determinant)
             assert abs(first) == pytest.approx(large)
@@ -145,7 +169,10 @@ def test_multipliers_are_the_eigenvalues() -> None:
 @pytest.mark.parametrize(("p", "word"), [(FIG9, "P32"), (MANY_SLIPS, "P174648")])
 def test_jacobian_matches_differences_of_its_residuals(p, word):
     orbit = find_orbit(p, word, digits=15)
-    points = [(x, t * orbit.period.context.mpf(p.Omega.numerator) / p.Omega.denominator) for t, x in orbit.points]
+    points = [
+        (x, t * orbit.period.context.mpf(p.Omega.numerator) / p.Omega.denominator)
+        for t, x in orbit.points
+    ]
     exact_ = ClosingEquations(p, read_word(word), 1, 40)
     context = exact_.arithmetic.context
     # Off the orbit, where the residuals do not vanish.
@@ -153,7 +180,9 @@ def test_jacobian_matches_differences_of_its_residuals(p, word):
         (context.mpf(x) + context.mpf("0.01") * i, context.mpf(theta) + context.mpf("0.01"))
         for i, (x, theta) in enumerate(points)
     ]
-    ours = ClosingEquations(p, read_word(word), 1).matrix([(float(x), float(theta)) for x, theta in points])
+    ours = ClosingEquations(p, read_word(word), 1).matrix(
+        [(float(x), float(theta)) for x, theta in points]
+    )
     h = context.mpf("1e-15")
     for column in range(2 * len(points)):
         sides = []
@@ -162,7 +191,9 @@ def test_jacobian_matches_differences_of_its_residuals(p, word):
             moved[column // 2][column % 2] += sign * h
             sides.append(exact_.residuals(moved))
         differences = np.array([float((a - b) / (2 * h)) for a, b in zip(*sides, strict=True)])
-        assert np.abs(ours[:, column] - differences).max() < 1e-11 * max(1, np.abs(differences).max())
+        assert np.abs(ours[:, column] - differences).max() < 1e-11 * max(
+            1, np.abs(differences).max()
+        )
 
 
 @pytest.mark.parametrize(("p", "word", "points"), PAPER)

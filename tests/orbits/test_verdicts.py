@@ -1,4 +1,7 @@
-"""Which roots are orbits: the margins of their inequalities, in any units, and whether the motion closes."""
+"""Which roots are orbits.
+
+The margins of their inequalities, in any units, and whether the motion closes.
+"""
 
 from __future__ import annotations
 
@@ -25,43 +28,60 @@ from symosc.words import WordError, read_word
 
 
 def test_root_that_is_no_orbit_is_reported_with_where_and_by_how_much():
-    """Below Omega = 3.2886 both crossings of P32 are stick conditions; the force says so by itself."""
+    """Below Omega = 3.2886 both crossings of P32 are stick conditions.
+
+    The force says so by itself.
+    """
     p = FIG9.replace(Omega=3)
     root = find_orbit(p, "P32")
     assert root.residual < 1e-11
     assert not root.admissible
     assert "settles to P1312" in root.message
     crossing = next(c for c in root.failures if "P3 crosses v1" in c.text)
-    x, cosine = root.points[0].x, np.cos(float(p.Omega) * root.points[0].t)
+    x = root.points[0].x
+    cosine = np.cos(float(p.Omega) * root.points[0].t)
     F1 = float((p.A(1) - p.c * p.v1) / p.m) + float(p.B0 / p.m) * cosine - float(p.k / p.m) * x
     assert F1 > 0  # Theorem 5 needs F^(1) < 0 for a downward crossing
     assert -crossing.value == pytest.approx(F1, rel=1e-10)
     assert crossing.t == pytest.approx(root.points[0].t + root.period, rel=1e-10)
     gap = next(c for c in root.failures if "P2 stays in Omega1" in c.text)
-    assert root(gap.t)[1] == pytest.approx(float(p.v1) - gap.value, abs=1e-9)  # how far above v1 it gets
+    assert root(gap.t)[1] == pytest.approx(
+        float(p.v1) - gap.value, abs=1e-9
+    )  # how far above v1 it gets
 
 
 #: Words with flights from belt to belt, back to their own belt, after sticks and between crossings.
 WORDS = ["P32", "P12", "P312", "P4645", "P1748", "P7482", "P174648"]
 
 
-def integrated(p: Parameters, v: float, a: float, theta: float, times: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+def integrated(
+    p: Parameters, v: float, a: float, theta: float, times: np.ndarray
+) -> tuple[np.ndarray, np.ndarray]:
     """Return v and v' along a flight, from m v'' + c v' + k v = -B0 Omega sin(theta + Omega t) alone."""
     m, c, k, B0, Om = (float(getattr(p, name)) for name in ("m", "c", "k", "B0", "Omega"))
 
     def rhs(t: float, state: np.ndarray) -> list[float]:
         return [state[1], -(c * state[1] + k * state[0] + B0 * Om * np.sin(theta + Om * t)) / m]
 
-    done = solve_ivp(rhs, (0, times[-1]), [v, a], method="DOP853", rtol=1e-11, atol=1e-11, t_eval=times)
+    done = solve_ivp(
+        rhs, (0, times[-1]), [v, a], method="DOP853", rtol=1e-11, atol=1e-11, t_eval=times
+    )
     return done.y[0], done.y[1]
 
 
 def acceleration(p: Parameters, domain: int, x: float, v: float, theta: float) -> float:
-    return float(p.A(domain) + p.B0 * Fraction(np.cos(theta)) - p.k * Fraction(x) - p.c * Fraction(v)) / float(p.m)
+    return float(
+        p.A(domain) + p.B0 * Fraction(np.cos(theta)) - p.k * Fraction(x) - p.c * Fraction(v)
+    ) / float(p.m)
 
 
-def drawn(rng: random.Random, word: str) -> tuple[Parameters, ClosingEquations, list[tuple[float, float]]]:
-    """Return random parameters and points; the inequalities are asked for any points, not only for roots."""
+def drawn(
+    rng: random.Random, word: str
+) -> tuple[Parameters, ClosingEquations, list[tuple[float, float]]]:
+    """Return random parameters and points.
+
+    The inequalities are asked for any points, not only for roots.
+    """
     p = Parameters(
         m=f"{rng.uniform(0.5, 2):.3f}", c=f"{rng.uniform(0, 1):.3f}", k=f"{rng.uniform(0.5, 4):.3f}",
         A0=f"{rng.uniform(-3, 3):.3f}", B0=f"{rng.choice([-1, 1]) * rng.uniform(1, 6):.3f}",
@@ -69,42 +89,70 @@ def drawn(rng: random.Random, word: str) -> tuple[Parameters, ClosingEquations, 
         mu1="0.5", mu2="0.4", FN=f"{rng.uniform(2, 8):.3f}",
     )  # fmt: skip
     equations = ClosingEquations(p, read_word(word), rng.choice([1, 1, 3]))
-    n, begin = len(equations.pieces), rng.uniform(-3, 9)
+    n = len(equations.pieces)
+    begin = rng.uniform(-3, 9)
     cuts = sorted(float(equations.turn) * rng.random() ** rng.choice([1, 3]) for _ in range(n - 1))
     return p, equations, [(rng.uniform(-3, 3), begin + cut) for cut in (0.0, *cuts)]
 
 
-def flight_margins(p: Parameters, equations: ClosingEquations, i: int, points: Any) -> tuple[list[float], float]:
-    """Return duration, arrival, gap and what lies beyond, of a flight; and when the gap is least."""
-    piece, (x, theta), (x_end, theta_end) = equations.pieces[i], points[i], equations.ends(points)[i]
-    v, v_end, tau = float(p.belt(piece.start)), float(p.belt(piece.end)), (theta_end - theta) / float(p.Omega)
+def flight_margins(
+    p: Parameters, equations: ClosingEquations, i: int, points: Any
+) -> tuple[list[float], float]:
+    """Return duration, arrival, gap and what lies beyond, of a flight.
+
+    And when the gap is least.
+    """
+    piece = equations.pieces[i]
+    (x, theta) = points[i]
+    (x_end, theta_end) = equations.ends(points)[i]
+    v = float(p.belt(piece.start))
+    v_end = float(p.belt(piece.end))
+    tau = (theta_end - theta) / float(p.Omega)
     times = np.linspace(0, tau, 6000)
     speed, slope = integrated(
         p, v, 0.0 if piece.after_stick else acceleration(p, piece.mode, x, v, theta), theta, times
     )
-    gap, nearest = np.inf, theta_end / float(p.Omega)
-    first = 1 if piece.after_stick else 0
+    gap = np.inf
+    nearest = theta_end / float(p.Omega)
+    if piece.after_stick:
+        first = 1
+    else:
+        first = 0
     for j in np.flatnonzero((slope[first:-1] > 0) != (slope[first + 1 :] > 0)) + first:
         part = slope[j] / (slope[j] - slope[j + 1])
         turn = speed[j] + 0.5 * part * (times[j + 1] - times[j]) * slope[j]
-        belt = (piece.mode - 1) if slope[j] < 0 else piece.mode  # a minimum is turned to the belt below
-        away = (
-            abs(turn - float(p.belt(belt))) * np.sign((turn - float(p.belt(belt))) * -np.sign(slope[j]))
-            if (belt in (1, 2))
-            else np.inf
-        )
+        # a minimum is turned to the belt below
+        if slope[j] < 0:
+            belt = piece.mode - 1
+        else:
+            belt = piece.mode
+        if belt in (1, 2):
+            away = abs(turn - float(p.belt(belt))) * np.sign(
+                (turn - float(p.belt(belt))) * -np.sign(slope[j])
+            )
+        else:
+            away = np.inf
         if away < gap:
-            gap, nearest = away, theta / float(p.Omega) + times[j] + part * (times[1] - times[0])
-    arrival = slope[-1] if piece.zeros == 2 else acceleration(p, piece.mode, x_end, v_end, theta_end)
+            gap = away
+            nearest = theta / float(p.Omega) + times[j] + part * (times[1] - times[0])
+    if piece.zeros == 2:
+        arrival = slope[-1]
+    else:
+        arrival = acceleration(p, piece.mode, x_end, v_end, theta_end)
     beyond = piece.side * acceleration(p, piece.mode + piece.side, x_end, v_end, theta_end)
     following = equations.pieces[(i + 1) % len(points)]
     return [tau, piece.side * arrival, gap, -beyond if following.sticks else beyond], nearest
 
 
-def stick_margins(p: Parameters, equations: ClosingEquations, i: int, points: Any) -> tuple[list[float], float]:
+def stick_margins(
+    p: Parameters, equations: ClosingEquations, i: int, points: Any
+) -> tuple[list[float], float]:
     """Return duration, the least force where the forces turn, and the slope of the one that ends a stick."""
-    piece, (x, theta), (_, theta_end) = equations.pieces[i], points[i], equations.ends(points)[i]
-    v, tau = float(p.belt(piece.start)), (theta_end - theta) / float(p.Omega)
+    piece = equations.pieces[i]
+    (x, theta) = points[i]
+    (_, theta_end) = equations.ends(points)[i]
+    v = float(p.belt(piece.start))
+    tau = (theta_end - theta) / float(p.Omega)
     times = np.linspace(0, tau, 20001)
     m, c, k, B0 = (float(getattr(p, name)) for name in ("m", "c", "k", "B0"))
     drive = B0 * np.cos(theta + float(p.Omega) * times) - k * (x + v * times) - c * v
@@ -114,24 +162,40 @@ def stick_margins(p: Parameters, equations: ClosingEquations, i: int, points: An
     slope = -piece.side * (k * v + B0 * float(p.Omega) * np.sin(theta_end)) / m
     if not len(turns):
         return [tau, np.inf, slope], theta_end / float(p.Omega)
-    return [tau, float(least.min()), slope], theta / float(p.Omega) + times[turns[int(least.argmin())]]
+    return [tau, float(least.min()), slope], theta / float(p.Omega) + times[
+        turns[int(least.argmin())]
+    ]
 
 
 def said(equations: ClosingEquations, i: int) -> list[tuple[str, str, int]]:
     """Return what the inequalities of a piece are called, what their failing means, and what explains what."""
-    piece, following = equations.pieces[i], equations.pieces[(i + 1) % len(equations.pieces)]
-    name, low, high = piece.label, piece.start, piece.start + 1
+    piece = equations.pieces[i]
+    following = equations.pieces[(i + 1) % len(equations.pieces)]
+    name = piece.label
+    low = piece.start
+    high = piece.start + 1
     if piece.sticks:
-        ends = f"F^({high}) rises" if piece.side > 0 else f"F^({low}) falls"
+        if piece.side > 0:
+            ends = f"F^({high}) rises"
+        else:
+            ends = f"F^({low}) falls"
         return [
             (f"{name} lasts", "vanishing of a stick", 1),
             (f"F^({low}) > 0 > F^({high}) during {name} (Theorem 4)", "birth of a slip", 4),
             (f"{ends} where {name} ends", "vanishing of a slip", 2),
         ]
     sign, other, far = ("><" if piece.side > 0 else "<>") + str(piece.mode + piece.side)
-    behind = (f"F^({far}) {sign} 0 where {name} crosses v{piece.end} (Theorem 5)", "birth of a stick", 3)
+    behind = (
+        f"F^({far}) {sign} 0 where {name} crosses v{piece.end} (Theorem 5)",
+        "birth of a stick",
+        3,
+    )
     if following.sticks:
-        behind = (f"F^({far}) {other} 0 at the onset of {following.label} (Theorem 4)", "birth of a slip", 4)
+        behind = (
+            f"F^({far}) {other} 0 at the onset of {following.label} (Theorem 4)",
+            "birth of a slip",
+            4,
+        )
     short = piece.after_stick and piece.start == piece.end
     return [
         (f"{name} lasts", "vanishing of a flight", 6),
@@ -142,8 +206,13 @@ def said(equations: ClosingEquations, i: int) -> list[tuple[str, str, int]]:
 
 
 def sizes(equations: ClosingEquations, i: int, points: Any, tau: float) -> list[float]:
-    """Return the sizes that the margins of a piece are measured by: of short flights they are smaller."""
-    piece, K, whole = equations.pieces[i], equations.K, admissibility.scales(equations, points)
+    """Return the sizes that the margins of a piece are measured by.
+
+    Of short flights they are smaller.
+    """
+    piece = equations.pieces[i]
+    K = equations.K
+    whole = admissibility.scales(equations, points)
     if piece.sticks:
         return [whole.t, whole.a, abs(equations.belt(piece.start).drift) + abs(K.fB)]
     part = min(1.0, tau * K.rate)
@@ -153,14 +222,20 @@ def sizes(equations: ClosingEquations, i: int, points: Any, tau: float) -> list[
 @pytest.mark.quick(3)
 @pytest.mark.parametrize("word", WORDS)
 def test_margins_are_those_of_the_equation_of_motion(word: str) -> None:
-    """Of random points of random systems: every inequality of every piece, and when it is closest to failing."""
-    rng, turned = random.Random(f"margins {word}"), 0
+    """Of random points of random systems.
+
+    Every inequality of every piece, and when it is closest to failing.
+    """
+    rng = random.Random(f"margins {word}")
+    turned = 0
     for _ in range(6):
         p, equations, points = drawn(rng, word)
         found = conditions(equations, points)
         for i, piece in enumerate(equations.pieces):
             mine = [c for c in found if c.piece == i]
-            values, nearest = (stick_margins if piece.sticks else flight_margins)(p, equations, i, points)
+            values, nearest = (stick_margins if piece.sticks else flight_margins)(
+                p, equations, i, points
+            )
             assert len(mine) == len(values)
             size = 1 + max(abs(value) for value in values if abs(value) < np.inf)
             for c, value in zip(mine, values, strict=True):
@@ -170,7 +245,9 @@ def test_margins_are_those_of_the_equation_of_motion(word: str) -> None:
             turned += gap.value < np.inf
             tau = values[0]
             assert [(c.text, c.event, c.rank) for c in mine] == said(equations, i)
-            assert [c.scale for c in mine] == pytest.approx(sizes(equations, i, points, tau), rel=1e-12)
+            assert [c.scale for c in mine] == pytest.approx(
+                sizes(equations, i, points, tau), rel=1e-12
+            )
             end = equations.ends(points)[i][1] / float(p.Omega)
             assert all(c.t == pytest.approx(end, rel=1e-12) for c in mine if c is not gap)
     assert turned > 3
@@ -180,9 +257,12 @@ def test_margins_are_those_of_the_equation_of_motion(word: str) -> None:
 def test_the_distance_from_grazing_is_that_of_the_nearest_turn(p: Parameters, word: str) -> None:
     """The turns before the end of each flight, and the first one that the flight would have behind its end."""
     orbit = find_orbit(p, word)
-    equations, points = orbit.equations(), [tuple(point) for point in orbit.phases().tolist()]
+    equations = orbit.equations()
+    points = [tuple(point) for point in orbit.phases().tolist()]
     nearest = min(
-        flight_margins(p, equations, i, points)[0][2] for i in range(len(points)) if not equations.pieces[i].sticks
+        flight_margins(p, equations, i, points)[0][2]
+        for i in range(len(points))
+        if not equations.pieces[i].sticks
     )
     for i, (piece, (x, theta)) in enumerate(zip(equations.pieces, points, strict=True)):
         if piece.sticks:
@@ -190,31 +270,52 @@ def test_the_distance_from_grazing_is_that_of_the_nearest_turn(p: Parameters, wo
         tau = (equations.ends(points)[i][1] - theta) / float(p.Omega)
         times = np.linspace(0, tau + orbit.period, 12000)
         v = float(p.belt(piece.start))
-        a = 0.0 if piece.after_stick else acceleration(p, piece.mode, x, v, theta)
+        if piece.after_stick:
+            a = 0.0
+        else:
+            a = acceleration(p, piece.mode, x, v, theta)
         speed, slope = integrated(p, v, a, theta, times)
         turns = [j for j in np.flatnonzero((slope[:-1] > 0) != (slope[1:] > 0)) if times[j] > tau]
-        nearest = min(nearest, *(abs(speed[j] - float(p.belt(piece.end))) for j in turns[:1]), np.inf)
+        nearest = min(
+            nearest, *(abs(speed[j] - float(p.belt(piece.end))) for j in turns[:1]), np.inf
+        )
     assert orbit.grazing_distance == pytest.approx(nearest, rel=1e-3)
 
 
 RESTING = Parameters(m=1, c=1, k=1, A0=0, B0="1/10", Omega=1, v1=0, v2=5, mu1=1, mu2=1, FN=1)
 CRITICAL = Parameters(
-    m=1, k=1, c=2, Omega=1, A0="36.68", B0=1, FN="18.89", mu1="0.2934", mu2="0.3", v1="-0.002295", v2=0
+    m=1,
+    k=1,
+    c=2,
+    Omega=1,
+    A0="36.68",
+    B0=1,
+    FN="18.89",
+    mu1="0.2934",
+    mu2="0.3",
+    v1="-0.002295",
+    v2=0,
 )
 UNDAMPED = Parameters(m=1, c=0, k=1, A0=0, B0=1, Omega="1/2", v1=0, v2=10, mu1="0.1", mu2=0, FN=1)
 
 
 def closes(orbit: PeriodicOrbit) -> bool:
     """Return whether a simulation from a switching that ends a flight follows the word and returns, by itself."""
-    pieces, p = orbit.equations().pieces, orbit.parameters
+    pieces = orbit.equations().pieces
+    p = orbit.parameters
     i = next(j for j in range(len(pieces)) if not pieces[j - 1].sticks)
     t0, x0 = orbit.points[i]
-    digits = None if orbit.digits is None else orbit.digits - 5
+    if orbit.digits is None:
+        digits = None
+    else:
+        digits = orbit.digits - 5
     end = t0 + orbit.period * (1 + 1e-6)
     path = simulate(p, t0=t0, x0=x0, v0=p.belt(pieces[i].start), t_end=end, digits=digits)
     labels = [segment.label for segment in path.segments if segment.label]
     last = path.events[-1]
-    near = abs(last.t - t0 - orbit.period) < 1e-6 * orbit.period and abs(last.x - x0) < 1e-6 * max(1, abs(x0))
+    near = abs(last.t - t0 - orbit.period) < 1e-6 * orbit.period and abs(last.x - x0) < 1e-6 * max(
+        1, abs(x0)
+    )
     return bool(near) and labels == [*orbit.labels[i:], *orbit.labels[:i]]
 
 
@@ -225,7 +326,10 @@ def test_a_mass_that_rests_for_ever_is_no_orbit_of_a_word(p, word, belt):
     assert not root.admissible
     assert "it has no length" in root.message
     low, high = rest_positions(p, belt)
-    assert f"stays on belt {belt}, where every x from {float(low):.6g} to {float(high):.6g}" in root.message
+    assert (
+        f"stays on belt {belt}, where every x from {float(low):.6g} to {float(high):.6g}"
+        in root.message
+    )
     assert root.stable is None  # a multiplier is 1
 
 
@@ -241,7 +345,12 @@ def test_rest_positions():
         low, high = rest_positions(p, belt)
         assert high - low == 2 * ((p.mu1 if belt == 1 else p.mu2) * p.FN - abs(p.B0)) / p.k
         part = (high - low) / 1000
-        for x, stays in ((low + part, True), (high - part, True), (low - part, False), (high + part, False)):
+        for x, stays in (
+            (low + part, True),
+            (high - part, True),
+            (low - part, False),
+            (high + part, False),
+        ):
             path = simulate(p, t0=0, x0=x, v0=0, t_end=50)
             assert (path.status == "equilibrium" and not path.events) == stays
     assert rest_positions(FIG9, 1) is None
@@ -251,7 +360,10 @@ def test_rest_positions():
 @pytest.mark.campaign
 @pytest.mark.parametrize("seed", range(1, 7))
 def test_other_systems_with_a_belt_at_rest(seed):
-    """The family of the examples: friction that holds the mass, and short words with a stick on that belt."""
+    """The family of the examples.
+
+    Friction that holds the mass, and short words with a stick on that belt.
+    """
     rng = random.Random(seed)
     for _ in range(1):
         belt = rng.choice([1, 2])
@@ -268,10 +380,13 @@ def test_other_systems_with_a_belt_at_rest(seed):
             assert not root.admissible, (p, word)
 
 
-@pytest.mark.parametrize("seed", [1, *(pytest.param(seed, marks=pytest.mark.campaign) for seed in range(2, 7))])
+@pytest.mark.parametrize(
+    "seed", [1, *(pytest.param(seed, marks=pytest.mark.campaign) for seed in range(2, 7))]
+)
 def test_admissible_orbits_close(seed):
     """What random systems do, solved for: each is an orbit, stable, and closes."""
-    rng, found = random.Random(f"closing {seed}"), 0
+    rng = random.Random(f"closing {seed}")
+    found = 0
     while found < 4:
         p = FIG10.replace(
             Omega=f"{rng.uniform(0.7, 4):.4g}", c=rng.choice(["0.2", "1.5", "4"]), v1=f"{rng.uniform(-5, 0.5):.3g}",
@@ -293,13 +408,17 @@ def test_admissible_orbits_close(seed):
 
 @pytest.mark.slow
 def test_margins_are_decided_in_more_digits_where_doubles_cannot():
-    """P32 of fig9 grazes v2 at one value of v2: a little above it is an orbit, a little below it is not."""
+    """P32 of fig9 grazes v2 at one value of v2.
+
+    A little above it is an orbit, a little below it is not.
+    """
     orbit = find_orbit(FIG9, "P32", digits=40)
     fine = orbit.equations().with_digits(40)
     points = polish(fine, orbit.phases()).points
     gap = next(c for c in conditions(fine, points) if "P3 stays in" in c.text)
     i = gap.piece
-    piece, start = fine.pieces[i], points[i]
+    piece = fine.pieces[i]
+    start = points[i]
     tau = (fine.ends(points)[i][1] - start[1]) / fine.K.Om
     top = max(e.v for e in extrema(0 * tau, tau, fine.start_of_flight(piece, start), False, fine))
     for shift, holds in (("1e-14", True), ("1e-17", True), ("-1e-17", False), ("-1e-14", False)):
@@ -309,7 +428,10 @@ def test_margins_are_decided_in_more_digits_where_doubles_cannot():
 
 @pytest.mark.slow
 def test_a_multiplier_of_1_is_marginal():
-    """Omega = w0/2 without damping: turning points x + 4/3 and x - 4/3 for every x of an interval."""
+    """Omega = w0/2 without damping.
+
+    Turning points x + 4/3 and x - 4/3 for every x of an interval.
+    """
     orbit = find_orbit(UNDAMPED.replace(mu1="0.2"), "P32")
     assert (orbit.admissible, orbit.stable) == (True, None)
     assert "a marginal orbit" in orbit.message
@@ -331,7 +453,10 @@ def test_damping_however_weak_makes_an_orbit_stable():
 
 @pytest.mark.slow
 def test_rounding_noise_is_overcome_with_more_digits():
-    """Near the birth of a slip doubles cannot improve on its duration; the root is found all the same."""
+    """Near the birth of a slip doubles cannot improve on its duration.
+
+    The root is found all the same.
+    """
     branch = branch_of(FIG10.replace(B0="5.12"), "P4645", "B0", ("5", "5.17"))
     assert branch.ends[0].kind == "vanishing of a slip"
     for i in range(4):
@@ -351,7 +476,10 @@ def test_a_guess_may_have_pieces_that_are_about_to_vanish():
         find_orbit(FIG10, "P4645", guess[::-1])
 
 
-ORBITS = [(p, word, find_orbit(p, word)) for p, word in ((FIG9, "P32"), (FIG10, "P4645"), (BOTH_BELTS, "P1748"))]
+ORBITS = [
+    (p, word, find_orbit(p, word))
+    for p, word in ((FIG9, "P32"), (FIG10, "P4645"), (BOTH_BELTS, "P1748"))
+]
 
 
 @pytest.mark.quick(2)
@@ -362,6 +490,10 @@ def test_an_orbit_is_found_in_any_units(units: Units) -> None:
         found = find_orbit(units.of(p), word)
         assert (found.admissible, found.stable) == (True, True)
         assert found.multipliers == pytest.approx(orbit.multipliers, rel=1e-9, abs=1e-12)
-        assert found.grazing_distance == pytest.approx(orbit.grazing_distance * units.speed, rel=1e-9)
+        assert found.grazing_distance == pytest.approx(
+            orbit.grazing_distance * units.speed, rel=1e-9
+        )
         for (t, x), (t_found, x_found) in zip(orbit.points, found.points, strict=True):
-            assert (t_found, x_found) == pytest.approx((t * float(units.time), x * float(units.length)), rel=1e-10)
+            assert (t_found, x_found) == pytest.approx(
+                (t * float(units.time), x * float(units.length)), rel=1e-10
+            )

@@ -63,12 +63,16 @@ def interpreted(module: Any) -> dict[str, Any]:
     return bind((event_logic, module), {})
 
 
-def followed(scene: Scene, functions: dict[str, Any], settings: Callable[[], Any], offset: float = 0.0) -> str:
+def followed(
+    scene: Scene, functions: dict[str, Any], settings: Callable[[], Any], offset: float = 0.0
+) -> str:
     """Return the events that a solver finds, or why it gives up."""
 
     def found() -> str:
         events = runner(scene, functions, settings(), offset)()
-        return "\n".join(f"{event.t:.8f} {event.x:.7f} {event.kind} {event.boundary}" for event in events)
+        return "\n".join(
+            f"{event.t:.8f} {event.x:.7f} {event.kind} {event.boundary}" for event in events
+        )
 
     return str(outcome(found, PeerError))
 
@@ -86,7 +90,8 @@ def by_dop853(name: str, tolerance: float = 1e-10) -> str:
 
 def by_scipy(name: str, method: str, tolerance: float) -> str:
     return "\n".join(
-        f"{e.t:.6f} {e.x:.6f} {e.kind} {e.boundary}" for e in peers_scipy.prepare(method, SCENES[name], tolerance)()
+        f"{e.t:.6f} {e.x:.6f} {e.kind} {e.boundary}"
+        for e in peers_scipy.prepare(method, SCENES[name], tolerance)()
     )
 
 
@@ -95,17 +100,24 @@ def forces() -> str:
     lines = []
     for p, origin in ((EASY, Fraction(0)), (load_scene("fig10").parameters, Fraction(10**9))):
         q = problem(p, origin)
-        lines += [" ".join(f"{each:.9g}" for each in q), " ".join(f"{each:.9g}" for each in from_now(q, 7.5))]
+        lines += [
+            " ".join(f"{each:.9g}" for each in q),
+            " ".join(f"{each:.9g}" for each in from_now(q, 7.5)),
+        ]
         for t, x, mode in product((0.3, 4.0), (-3.0, 0.5, 2.0), (1, 2, 3, 4, 5)):
             v = (q.v1 - 1, 0.3 * q.v1 + 0.7 * q.v2, q.v2 + 1, q.v1, q.v2)[mode - 1]
             numbers = *event_logic.margins(q, mode, t, x, v), event_logic.turn(q, mode, t, x, v)
             signs = [event_logic.sign_of_force(q, alpha, t, x, v) for alpha in (1, 2, 3)]
             after = [event_logic.resolve(q, boundary, t, x) for boundary in (1, 2)]
             start = event_logic.start_mode(q, x, v)
-            lines.append(f"{mode}: {' '.join(f'{each:.9g}' for each in numbers)} {signs} {after} {start}")
+            lines.append(
+                f"{mode}: {' '.join(f'{each:.9g}' for each in numbers)} {signs} {after} {start}"
+            )
     q = problem(EASY.replace(B0=0, v1=0, c=0))
     at_rest = q.A2 / q.stiffness
-    lines.append(f"{[event_logic.sign_of_force(q, 2, t, at_rest, v) for t in (0, 1) for v in (0.0, 0.5, -0.5)]}")
+    lines.append(
+        f"{[event_logic.sign_of_force(q, 2, t, at_rest, v) for t in (0, 1) for v in (0.0, 0.5, -0.5)]}"
+    )
     q = problem(EASY.replace(A0=-9 - Fraction(1, 2), v1=0, c=0, k=4, mu1="1/2", mu2="0", FN=1))
     for t in (0.0, np.pi / 1.5, np.pi / 3.0):
         x = (q.A2 + q.swing * np.cos(q.Omega * t)) / q.stiffness
@@ -116,8 +128,12 @@ def forces() -> str:
 def gives_up(outcome: str) -> str:
     """Return what is said of a solver that finds events for ever, or none."""
 
-    def leave(q: Any, s: Any, mode: int, t: float, x: float, v: float, t_end: float) -> tuple[int, float, float]:
-        return (event_logic.UNSOLVED, t, x) if outcome == "unsolved" else ((1, -1, -1, 1, 1)[mode - 1], t + 1e-3, x)
+    def leave(
+        q: Any, s: Any, mode: int, t: float, x: float, v: float, t_end: float
+    ) -> tuple[int, float, float]:
+        if outcome == "unsolved":
+            return (event_logic.UNSOLVED, t, x)
+        return ((1, -1, -1, 1, 1)[mode - 1], t + 1e-3, x)
 
     return followed(SCENES["from a belt"], bind((event_logic,), {"leave": leave}), lambda: None)
 
@@ -137,7 +153,9 @@ def derivatives(name: str) -> str:
         scene, [*events[:2], middle, *events[2:]] if name == "fig5" else events, jacobian
     ):
         if each.kind != "graze":
-            lines.append(f"{each.kind} {each.t:.7f} {' '.join(f'{value:.7g}' for value in each.changes.values())}")
+            lines.append(
+                f"{each.kind} {each.t:.7f} {' '.join(f'{value:.7g}' for value in each.changes.values())}"
+            )
     lines += [str(row[1:3] + row[5:]) for row in gradients.pieces(scene, events)]
     return "\n".join(lines)
 
@@ -148,7 +166,10 @@ def derivatives(name: str) -> str:
 @cache
 def mapped() -> dict[str, Any]:
     """Return a small map of errors."""
-    with patch.object(error_map, "QUICK_MAP_POINTS", 5), patch.object(error_map, "BORDER_POINTS", 41):
+    with (
+        patch.object(error_map, "QUICK_MAP_POINTS", 5),
+        patch.object(error_map, "BORDER_POINTS", 41),
+    ):
         return error_map.run(quick=True, taus=(1e-2, 6.0))
 
 
@@ -156,12 +177,22 @@ def map_text() -> str:
     """Return which formula symosc takes where, and the errors of the cheap one that are no rounding."""
     found = mapped()
     lines = [" ".join(f"{place:.9g}" for place in found[name]) for name in ("zeta", "ratio")]
-    lines += ["".join(f"{name or '-':.1}" for name in row) for rows in found["formulas"] for row in rows[::4]]
+    lines += [
+        "".join(f"{name or '-':.1}" for name in row)
+        for rows in found["formulas"]
+        for row in rows[::4]
+    ]
     for name in ("cheap", "symosc"):  # the errors themselves are rounding
-        lines += ["".join("x" if error == error else "-" for error in row) for rows in found[name] for row in rows]
+        lines += [
+            "".join("x" if error == error else "-" for error in row)
+            for rows in found[name]
+            for row in rows
+        ]
     lines.append(f"{found['largest'] < 1e-14}")
     K = error_map.constants(EASY)
-    lines += [" ".join(f"{each:.10g}" for each in error_map.closed_form(tau, K)) for tau in (0.3, 2.0)]
+    lines += [
+        " ".join(f"{each:.10g}" for each in error_map.closed_form(tau, K)) for tau in (0.3, 2.0)
+    ]
     lines += [
         f"{error_map.value_at(place)} {error_map.place_of(float(error_map.value_at(place))):.6g}"
         for place in (-3.0, -0.5, 0.0, 0.5, 2.0, 9.5, 10.0, 10.5, 12.0, 20.0, 21.5)
@@ -178,9 +209,12 @@ def map_text() -> str:
 
 def map_figure() -> Any:
     """Return the picture of a map with made-up errors."""
-    found, errors = mapped(), np.geomspace(1e-18, 2.0, 25).reshape(5, 5)
+    found = mapped()
+    errors = np.geomspace(1e-18, 2.0, 25).reshape(5, 5)
     made = [np.where(np.isnan(each), nan, errors).tolist() for each in found["symosc"]]
-    return error_map.figure(found | {"cheap": made, "symosc": [(1e-3 * np.array(each)).tolist() for each in made]})
+    return error_map.figure(
+        found | {"cheap": made, "symosc": [(1e-3 * np.array(each)).tolist() for each in made]}
+    )
 
 
 # -- work and precision ------------------------------------------------------------------------------------------------
@@ -194,7 +228,9 @@ def late(scene: Scene, tolerance: float) -> Callable[[], Iterator[FoundEvent]]:
 
 
 def exactly(scene: Scene, tolerance: float) -> Callable[[], list[FoundEvent]]:
-    return lambda: [FoundEvent(float(e.t), float(e.x), e.kind, e.boundary) for e in simulate(scene).events]
+    return lambda: [
+        FoundEvent(float(e.t), float(e.x), e.kind, e.boundary) for e in simulate(scene).events
+    ]
 
 
 def nearly(scene: Scene, tolerance: float) -> Callable[[], list[FoundEvent]]:
@@ -283,7 +319,9 @@ def compared() -> list[Any]:
         [e._replace(t=e.t + 1e-4, x=e.x - 1e-3) for e in right],
     ]
     lists.append([e._replace(t=e.t + 0.1) for e in right])
-    lists.append([*right[:3], right[3]._replace(kind="cross"), *right[4:], right[0]._replace(t=6.99)])
+    lists.append(
+        [*right[:3], right[3]._replace(kind="cross"), *right[4:], right[0]._replace(t=6.99)]
+    )
     return [work.compare(given, scene, exact) for given in lists]
 
 
@@ -295,13 +333,25 @@ def timed() -> dict[str, Any]:
     """Return measurements of made-up calls by a clock of their own."""
     clock = count(0.0, 0.001).__next__
     slow = count(0.0, 3.0).__next__
-    rows = [speed.Call("fig5", "event", lambda: simulate("fig5", t_end=7)), speed.Call("fig9", "event", lambda: [3, 4])]
+    rows = [
+        speed.Call("fig5", "event", lambda: simulate("fig5", t_end=7)),
+        speed.Call("fig9", "event", lambda: [3, 4]),
+    ]
     rows.append(speed.Call("fig5, 1,000 events", "call", lambda: None, 4.0, once=True))
-    groups = [speed.Group("One long motion, events counted", rows, clock), speed.Group("simulate", rows[1:], slow)]
+    groups = [
+        speed.Group("One long motion, events counted", rows, clock),
+        speed.Group("simulate", rows[1:], slow),
+    ]
     groups.append(speed.Group("slower", rows[:1], count(0.0, 6.0).__next__))
     groups.append(speed.Group("faster", rows[:1], (1e-4 * each**1.5 for each in count()).__next__))
-    patches = {"groups": lambda quick: iter(groups), "floor_s": lambda: 2e-8, "machine": lambda: ABOUT}
-    patches["measure_errors"] = lambda: [{"scene": "fig5", "events": 16, "error": 3e-15, "estimate": 2.4e-13}]
+    patches = {
+        "groups": lambda quick: iter(groups),
+        "floor_s": lambda: 2e-8,
+        "machine": lambda: ABOUT,
+    }
+    patches["measure_errors"] = lambda: [
+        {"scene": "fig5", "events": 16, "error": 3e-15, "estimate": 2.4e-13}
+    ]
     with patch.multiple(speed, **patches):
         return speed.run(quick=True)
 
@@ -314,8 +364,13 @@ def named_calls() -> str:
         "orbits": speed._orbits_and_windows(3), "quick": speed._processes(True, "cache"),
         "all": speed._processes(False, "cache"),
     }  # fmt: skip
-    rows = [(name, c, getattr(c.action, "args", ())) for name, calls in groups.items() for c in calls]
-    sizes = [[np.size(each) for each in arguments if isinstance(each, list | np.ndarray)] for _, _, arguments in rows]
+    rows = [
+        (name, c, getattr(c.action, "args", ())) for name, calls in groups.items() for c in calls
+    ]
+    sizes = [
+        [np.size(each) for each in arguments if isinstance(each, list | np.ndarray)]
+        for _, _, arguments in rows
+    ]
     texts = [f"{name}: {c.what} | {c.per} | {c.units} | {c.once}" for name, c, _ in rows]
     return "\n".join(f"{text} {size}" for text, size in zip(texts, sizes, strict=True))
 
@@ -345,7 +400,12 @@ def chosen_cases() -> list[Any]:
 def scored(wrong: bool = False) -> dict[str, Any]:
     """Return the scores of solvers on a few cases."""
     ours = replace(OURS[1], prepare=late if wrong else nearly)
-    solvers = [ours, Solver("late", late, (1e-3, 1e-7)), Solver("fails", fails, (1e-5,)), SOLVERS[-1]]
+    solvers = [
+        ours,
+        Solver("late", late, (1e-3, 1e-7)),
+        Solver("fails", fails, (1e-5,)),
+        SOLVERS[-1],
+    ]
     with (
         patch.object(cases, "in_parallel", at_once), patch.object(cases, "machine", lambda: ABOUT),
         patch.object(cases, "OURS", (ours,)),
@@ -359,7 +419,13 @@ def bench_files() -> str:
         readme = folder / "README.md"
         text = "above\n<!-- results: begin, by the command -->\nold\n<!-- results: end -->\nbelow\n"
         readme.write_text(text, encoding="utf-8")
-        whole = {"speed": timed(), "work_precision": worked(), "error_map": mapped(), "scores": scored(), "quick": True}
+        whole = {
+            "speed": timed(),
+            "work_precision": worked(),
+            "error_map": mapped(),
+            "scores": scored(),
+            "quick": True,
+        }
         with patch.object(results.plot, "save", lambda figure, path: Path(path)):
             paths = results.write(readme, whole)
         texts = [path.read_text(encoding="utf-8") for path in paths if path.suffix == ".md"]
@@ -370,7 +436,8 @@ def compared_in_words() -> str:
     """Return the paragraph that compares the solvers, if a looser accuracy pays, if heyoka did not run."""
     found = {"work_precision": worked(), "scores": scored()}
     rows = [
-        row | {"us_per_event": (row["us_per_event"] or 0) * (0.1 if row["tolerance"] == 1e-9 else 1)}
+        row
+        | {"us_per_event": (row["us_per_event"] or 0) * (0.1 if row["tolerance"] == 1e-9 else 1)}
         for row in worked()["rows"]
     ]
     without = [row for row in rows if row["solver"] != "heyoka"]
@@ -380,8 +447,14 @@ def compared_in_words() -> str:
 
 def planned(quick: bool) -> str:
     """Return the groups of calls, with the sizes of their tasks."""
-    made = [name for name, each in vars(speed).items() if isgeneratorfunction(each) and each is not speed.groups]
-    noted = dict.fromkeys(made, lambda *given: [each for each in given if not isinstance(each, str)])
+    made = [
+        name
+        for name, each in vars(speed).items()
+        if isgeneratorfunction(each) and each is not speed.groups
+    ]
+    noted = dict.fromkeys(
+        made, lambda *given: [each for each in given if not isinstance(each, str)]
+    )
     with patch.multiple(speed, warm=lambda: None, find_spec=lambda name: True, **noted):
         groups = [(group.title, group.calls, group.clock.__name__) for group in speed.groups(quick)]
     return "\n".join(map(str, groups))
@@ -401,7 +474,9 @@ def lambdified() -> str:
 
 def first_calls() -> list[Any]:
     """Return the calls that a worker makes, which imports and compiles before the first call of each solver."""
-    worker, calls = Worker(), list[Any]()  # its process starts with a call
+    # its process starts with a call
+    worker = Worker()
+    calls = list[Any]()
     with patch.object(worker, "call", lambda *arguments: calls.append(arguments)):
         for name in ("one", "one", "two"):
             worker.warm(name, len, "abc")
@@ -423,27 +498,47 @@ def without_packages() -> list[str]:
 
 def command(*arguments: str, wrong: bool = False) -> str:
     """Return the exit code of `symosc bench`, what it prints, and titles and lists of its pages, without measuring."""
-    runs = {cases: scored(wrong), speed: timed(), work: worked(), error_map: mapped(), gradients: scored(wrong)}
+    runs = {
+        cases: scored(wrong),
+        speed: timed(),
+        work: worked(),
+        error_map: mapped(),
+        gradients: scored(wrong),
+    }
     with empty_folder() as folder, ExitStack() as stack:
         for module, found in runs.items():
-            stack.enter_context(patch.object(module, "run", lambda *_, found=found, **options: found))
+            stack.enter_context(
+                patch.object(module, "run", lambda *_, found=found, **options: found)
+            )
         stack.enter_context(patch("symosc.plot.save", lambda figure, path: Path(path)))
         stack.enter_context(patch("symosc.cli.bench.find_spec", lambda name: name))
         done = run("bench", *arguments)
-        pages = [line for path in sorted(folder.iterdir()) for line in path.read_text(encoding="utf-8").splitlines()]
+        pages = [
+            line
+            for path in sorted(folder.iterdir())
+            for line in path.read_text(encoding="utf-8").splitlines()
+        ]
         pages = [line for line in pages if line.startswith(("# ", "- "))]
     return "\n".join([str(done.exit_code), done.output, *pages])
 
 
 def differentiated() -> str:
-    """Return the page about derivatives of two solvers: symosc's own, one of them wrong by a part."""
+    """Return the page about derivatives of two solvers.
+
+    Symosc's own, one of them wrong by a part.
+    """
 
     def prepare(factor: float, scene: Scene, tolerance: float) -> Callable[[], list[FoundEvent]]:
         found = enumerate(nearly(scene, tolerance)())
-        events = [e._replace(changes={"dt_mu1": i + 0.5 * factor, "dx_mu1": -0.25}) for i, e in found]
+        events = [
+            e._replace(changes={"dt_mu1": i + 0.5 * factor, "dx_mu1": -0.25}) for i, e in found
+        ]
         return lambda: events
 
-    solvers = tuple(Solver(name, partial(prepare, factor), (0.0,)) for name, factor in (("right", 1.0), ("off", 1.5)))
+    solvers = tuple(
+        Solver(name, partial(prepare, factor), (0.0,))
+        for name, factor in (("right", 1.0), ("off", 1.5))
+    )
     with (
         patch.object(cases, "in_parallel", at_once),
         patch.object(cases, "machine", lambda: ABOUT), patch.object(gradients, "solvers", lambda: solvers),
@@ -462,17 +557,30 @@ def settings() -> str:
     ]
     event = FoundEvent(1.0, 2.0, "slip", 1)
     return "\n".join(
-        [*lines, str(gradients.found_changes(event, np.arange(14.0), np.where(np.arange(14) % 3, 1.0, nan)))]
+        [
+            *lines,
+            str(
+                gradients.found_changes(
+                    event, np.arange(14.0), np.where(np.arange(14) % 3, 1.0, nan)
+                )
+            ),
+        ]
     )
 
 
 CASES: dict[str, Callable[[], object]] = {
     "forces": forces,
-    **{f"scan: {name}": partial(by_scan, name) for name in ("critical", "overdamped", "from a belt")},
+    **{
+        f"scan: {name}": partial(by_scan, name)
+        for name in ("critical", "overdamped", "from a belt")
+    },
     "scan: no spring": lambda: by_scan("fig5", k=0),
     "fine scan": lambda: by_scan("fig8", 2000),
     **{f"DOP853: {name}": partial(by_dop853, name) for name in ("fig5", "fig10", "peak", "dip")},
-    **{f"coarse DOP853: {name}": partial(by_dop853, name, 1e-4) for name in ("peak", "fig10", "fig8")},
+    **{
+        f"coarse DOP853: {name}": partial(by_dop853, name, 1e-4)
+        for name in ("peak", "fig10", "fig8")
+    },
     "LSODA of scipy": lambda: by_scipy("fig5", "LSODA", 1e-8),
     "Radau of scipy": lambda: by_scipy("from a belt", "Radau", 1e-6),
     "chatters": lambda: gives_up("chatters"),
@@ -489,10 +597,14 @@ CASES: dict[str, Callable[[], object]] = {
     "work as a picture": lambda: work.figure(worked()),
     "speed": lambda: timed()["groups"],
     "calls to measure": named_calls,
-    "durations": lambda: [speed.duration(value) for value in (12.3456, 1.0, 0.0123456, 1e-3, 4.5e-5, 1e-6, 3.21e-8)],
+    "durations": lambda: [
+        speed.duration(value) for value in (12.3456, 1.0, 0.0123456, 1e-3, 4.5e-5, 1e-6, 3.21e-8)
+    ],
     "scores": lambda: cases.table(scored()),
     "wrong scores": lambda: cases.our_verdict(scored(True)),
-    "scores as data": lambda: {key: cases.as_json(scored())[key] for key in ("ok", "limit_s", "skipped", "violations")},
+    "scores as data": lambda: {
+        key: cases.as_json(scored())[key] for key in ("ok", "limit_s", "skipped", "violations")
+    },
     "calls in groups": lambda: planned(False),
     "calls in quick groups": lambda: planned(True),
     "residuals by sympy": lambdified,

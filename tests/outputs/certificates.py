@@ -18,12 +18,13 @@ from symosc.certificates.certificate import common_complex, common_digits, prova
 from symosc.files import write_text
 
 #: A plane across which a stick is born, and one with a region of rest.
-PLANE, RESTING = (
-    {"Omega": ("3.25", "3.33"), "FN": ("9.9", "10.1")},
-    {"Omega": ("0.99", "1.01"), "FN": ("0.95", "1.02")},
+PLANE = {"Omega": ("3.25", "3.33"), "FN": ("9.9", "10.1")}
+RESTING = {"Omega": ("0.99", "1.01"), "FN": ("0.95", "1.02")}
+#: Planes that are proven at once: with sticks on belt 2, with crossings of both belts, and of belts
+#: that mirror.
+CROSSING = Parameters(
+    m=1, c="0.2", k=1, A0=0, B0=1, Omega=1, v1=-3, v2="2.9", mu1=1, mu2=1, FN="0.25"
 )
-#: Planes that are proven at once: with sticks on belt 2, with crossings of both belts, and of belts that mirror.
-CROSSING = Parameters(m=1, c="0.2", k=1, A0=0, B0=1, Omega=1, v1=-3, v2="2.9", mu1=1, mu2=1, FN="0.25")
 PROVEN: tuple[tuple[Any, dict[str, Any]], ...] = (
     ("fig10", {"v2": ("0.999", "1.001"), "Omega": ("1.749", "1.751")}),
     (CROSSING, {"Omega": ("0.999", "1.001"), "FN": ("0.249", "0.251")}),
@@ -64,7 +65,10 @@ def motions() -> Iterator[Any]:
     for name in MADE:
         found = json.loads(text_of(name))
         intervals = name.startswith("branch")  # how many it takes depends on how balls are rounded
-        kept = ("parameters", "word", "parameter", "ends") if intervals else found.keys() - {"made_by"}
+        if intervals:
+            kept = ("parameters", "word", "parameter", "ends")
+        else:
+            kept = found.keys() - {"made_by"}
         yield {key: value for key, value in found.items() if key in kept}
         code, line = judged(found)
         yield f"{name}: {code} {line.partition(', by')[0]}"
@@ -91,7 +95,11 @@ def objects() -> Iterator[Any]:
     yield symosc.certify(Scene("start", AT_REST, 0, "0.5", 0, 5)).message
     for p in (FIG9, FIG9.replace(k=0), FIG9.replace(k=0, c=0), AT_REST.replace(c=0)):
         yield " ".join(provable(p, p.v1)) + "; " + " ".join(provable(p, Fraction(3)))
-    yield [common_digits("1.2345", "1.2349"), common_digits("-1", "1"), common_complex(("1", "1.1"), ("-2", "-2"))]
+    yield [
+        common_digits("1.2345", "1.2349"),
+        common_digits("-1", "1"),
+        common_complex(("1", "1.1"), ("-2", "-2")),
+    ]
     yield common_complex(("0.5", "0.5"), ("0", "0"))
 
 
@@ -106,10 +114,25 @@ def changed() -> Iterator[str]:
     for i in (0, 2, -1):
         wrong += [put(motion, "events", i, "t", lambda ends: moved(ends, "1e-9"))]
         wrong += [put(motion, "events", i, "x", lambda ends: moved(ends, "-1e-9"))]
-        wrong += [put(motion, "events", i, "kind", "cross"), put(motion, "events", i, "target", "Omega2")]
-    wrong += [motion | {"events": motion["events"][:-1]}, motion | {"t_end": "3"}, motion | {"events": []}]
-    wrong += [motion | {"mode": "Omega3"}, motion | {"starts": "some"}, motion | {"start_error": ["0", "1", "0"]}]
-    wrong += [put(motion, "parameters", "FN", "9"), put(motion, "start", "x0", "0.1"), motion | {"format": "x"}]
+        wrong += [
+            put(motion, "events", i, "kind", "cross"),
+            put(motion, "events", i, "target", "Omega2"),
+        ]
+    wrong += [
+        motion | {"events": motion["events"][:-1]},
+        motion | {"t_end": "3"},
+        motion | {"events": []},
+    ]
+    wrong += [
+        motion | {"mode": "Omega3"},
+        motion | {"starts": "some"},
+        motion | {"start_error": ["0", "1", "0"]},
+    ]
+    wrong += [
+        put(motion, "parameters", "FN", "9"),
+        put(motion, "start", "x0", "0.1"),
+        motion | {"format": "x"},
+    ]
     wrong += [
         put(orbit, "parameters", "Omega", "4.01"),
         orbit | {"stable": False},
@@ -117,8 +140,15 @@ def changed() -> Iterator[str]:
         orbit | {"periods": 2},
     ]
     wrong += [put(orbit, "multipliers", 0, "re", lambda ends: moved(ends, "1e-3"))]
-    wrong += [window | {"grazes": "nowhere"}, window | {"map": "P3"}, window | {"ends": window["ends"][::-1]}]
-    wrong += [put(window, "ends", 0, "phase", lambda ends: moved(ends, "1e-6")), window | {"order": "paper"}]
+    wrong += [
+        window | {"grazes": "nowhere"},
+        window | {"map": "P3"},
+        window | {"ends": window["ends"][::-1]},
+    ]
+    wrong += [
+        put(window, "ends", 0, "phase", lambda ends: moved(ends, "1e-6")),
+        window | {"order": "paper"},
+    ]
     wrong += [
         settled | {"count": settled["count"] + 1},
         settled | {"periods": 2},
@@ -127,7 +157,10 @@ def changed() -> Iterator[str]:
     wrong += [put(settled, "cycle", 1, "t", lambda ends: moved(ends, "1e-9"))]
     wrong += [{"kind": kind} for kind in ("trajectory", "x")] + [3, [], {}]
     for each in wrong:
-        content = each if isinstance(each, dict) else {"kind": each}
+        if isinstance(each, dict):
+            content = each
+        else:
+            content = {"kind": each}
         code, line = judged(content)
         yield f"{code} {line.splitlines()[0]}"
     yield " ".join(sorted(key for key in orbit)) + "; " + " ".join(sorted(key for key in window))
@@ -153,9 +186,15 @@ def of_atlas(plane: symosc.Atlas) -> Iterator[Any]:
     yield [list(region) for region in plane.regions]
     statement = plane.statement()
     yield {key: value for key, value in statement.items() if key not in ("found", "boxes")}
-    yield [(box["word"], *map(str, box["range"]), *box["phases"], *box["x"]) for box in statement["boxes"]]
+    yield [
+        (box["word"], *map(str, box["range"]), *box["phases"], *box["x"])
+        for box in statement["boxes"]
+    ]
     yield statement["found"]["grid"]
-    yield [(*map(str, border["words"]), border["kind"], border["sliding"]) for border in statement["found"]["borders"]]
+    yield [
+        (*map(str, border["words"]), border["kind"], border["sliding"])
+        for border in statement["found"]["borders"]
+    ]
     (a, b), (c, d) = plane.range
     for x, y in ((a, c), ((a + b) / 2, (c + 2 * d) / 3), (b, d)):
         yield plane.word_at(**dict(zip(plane.over, (x, y), strict=True)))

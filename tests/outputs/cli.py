@@ -1,4 +1,7 @@
-"""What the commands print, write and draw; their options, as --help has them; bars of work that takes long."""
+"""What the commands print, write and draw; their options, as --help has them.
+
+Bars of work that takes long.
+"""
 
 from __future__ import annotations
 
@@ -33,8 +36,14 @@ from symosc.scenes import as_toml
 
 Case = Callable[[], object]
 #: What is not the same on every machine and in every version.
-VOLATILE = {r"\d+\.\d\d s; symosc \S+, Python \S+": "TIME", r"symosc[- ]\d+\.\d+\.\d+\S*": "symosc VERSION"}
-VOLATILE |= {r'"seconds": [\d.e-]+': '"seconds": TIME', r'"(version|made_by|symosc)": ".*?"': r'"\1": VERSION'}
+VOLATILE = {
+    r"\d+\.\d\d s; symosc \S+, Python \S+": "TIME",
+    r"symosc[- ]\d+\.\d+\.\d+\S*": "symosc VERSION",
+}
+VOLATILE |= {
+    r'"seconds": [\d.e-]+': '"seconds": TIME',
+    r'"(version|made_by|symosc)": ".*?"': r'"\1": VERSION',
+}
 VOLATILE |= {PLACE: r"\1", r"/\S*/(?=\w+\.\w+)": ""}
 VOLATILE |= {
     r"kernels \w{16}": "KERNELS",
@@ -43,20 +52,29 @@ VOLATILE |= {
     r"Version [\d.]+": "VERSION",
     r"year += .*": "YEAR",
 }
-VOLATILE |= {r"; \d+\.\d\d s$": "", r"DOP853 .*": "DOP853", r"-{4,}": "---", r"-?\d+\.\d+ +inf$": "ANY  inf"}
+VOLATILE |= {
+    r"; \d+\.\d\d s$": "",
+    r"DOP853 .*": "DOP853",
+    r"-{4,}": "---",
+    r"-?\d+\.\d+ +inf$": "ANY  inf",
+}
 
 
 def told(line: str, lines: int = 60, **files: str) -> str:
     """Return what a command line prints and draws, its exit code, and the files that it leaves in an empty folder.
 
-    `files` are there before, by names with _ for a point. Figures are not written, but noted. Of several commands, with
-    && between them, it is about the last one.
+    `files` are there before, by names with _ for a point. Figures are not written, but noted. Of
+    several commands, with && between them, it is about the last one.
     """
     drawn: list[str] = []
 
     def save(drawing: Figure, path: Any) -> Path:
         drawn.append(f"draws {path}: {drawing.get_figwidth():g} by {drawing.get_figheight():.6g}")
-        drawn.extend(text for text in lines_of_figure(drawing) if re.match(" +(axes|limits|legend|text)", text))
+        drawn.extend(
+            text
+            for text in lines_of_figure(drawing)
+            if re.match(" +(axes|limits|legend|text)", text)
+        )
         return Path(path)
 
     with (
@@ -91,10 +109,14 @@ def noted_bars(notes: list[str]) -> Iterator[None]:
     def noted(*about: Any, **more: Any) -> Iterator[Callable[..., None]]:
         calls: list[tuple[Any, ...]] = []
         yield lambda *call: calls.append(call)
-        engine = about[0].startswith(("simulate", "sweep"))  # how often it reports is its own affair
+        engine = about[0].startswith(
+            ("simulate", "sweep")
+        )  # how often it reports is its own affair
         notes.append(f"bar {about} {more}: {'' if engine else calls[:1] + calls[-1:]}")
 
-    with patch.multiple(progress, _bar_drawer=noted, shows_bars=lambda: True, working=contextlib.nullcontext):
+    with patch.multiple(
+        progress, _bar_drawer=noted, shows_bars=lambda: True, working=contextlib.nullcontext
+    ):
         yield
 
 
@@ -133,13 +155,17 @@ def samples(scene: str = "fig9", t_end: float = 3, bump: float = 0.0) -> str:
 def measured() -> str:
     events = simulate("fig5", t_end=9).events
     return "\n".join(
-        ["t,kind", *(f"{event.t + 0.001 * (-1) ** i:.6f}, {event.kind}" for i, event in enumerate(events))]
+        [
+            "t,kind",
+            *(f"{event.t + 0.001 * (-1) ** i:.6f}, {event.kind}" for i, event in enumerate(events)),
+        ]
     )
 
 
 def both() -> str:
     """Return two solutions in one file, told apart by a column."""
-    good, bad = samples().splitlines()[1:], samples(bump=0.5).splitlines()[1:]
+    good = samples().splitlines()[1:]
+    bad = samples(bump=0.5).splitlines()[1:]
     return "\n".join(["which,t,x,v", *(f"a,{row}" for row in good), *(f"b,{row}" for row in bad)])
 
 
@@ -153,7 +179,17 @@ WALL = symosc.OtherModel(m=1, k=1, Omega=1, FN=1, Y="5/3", joined=True)
 MODEL = as_toml(symosc.Scene("wall", WALL, t0=0, x0=1, v0=0, t_end=9))
 LIMIT = " ".join(
     f"--set {text}"
-    for text in (f"A0=-0.{700 * '9'}", "c=1", "k=0", "B0=0", "v1=1", "v2=5", "mu1=0.5", "mu2=0.5", "FN=2")
+    for text in (
+        f"A0=-0.{700 * '9'}",
+        "c=1",
+        "k=0",
+        "B0=0",
+        "v1=1",
+        "v2=5",
+        "mu1=0.5",
+        "mu2=0.5",
+        "FN=2",
+    )
 )
 
 MOTIONS = {
@@ -201,7 +237,11 @@ FITS = {
     "fit from a first value": "fit fig5 it.csv --free mu1,c --start mu1=0.7 --start c=1.1",
     "fit of too much": "fit fig5 it.csv --free A0,x0 --sigma 1e-3",
 }
-BAD_FITS = {"a short row": "t,kind\n1,stick\n2\n", "a kind": "t,kind\n1,stuck\n", "no number": "t,kind\nx,stick\n"}
+BAD_FITS = {
+    "a short row": "t,kind\n1,stick\n2\n",
+    "a kind": "t,kind\n1,stuck\n",
+    "no number": "t,kind\nx,stick\n",
+}
 BAD_FITS |= {"a quote": 't,kind\n"1"2,stick\n'}
 GRAZING = {
     "grazing": "grazing fig9",
@@ -293,11 +333,18 @@ def named() -> str:
     return samples().replace("t,x,v", "time,pos,vel", 1)
 
 
-CHECKED = {"run_csv": samples, "bump_csv": partial(samples, bump=0.5), "named_csv": named, "both_csv": both}
+CHECKED = {
+    "run_csv": samples,
+    "bump_csv": partial(samples, bump=0.5),
+    "named_csv": named,
+    "both_csv": both,
+}
 
 
 def checked(line: str) -> str:
-    return told(line, **{name: make() for name, make in CHECKED.items() if name.replace("_", ".") in line})
+    return told(
+        line, **{name: make() for name, make in CHECKED.items() if name.replace("_", ".") in line}
+    )
 
 
 # -- commands whose work is not theirs ---------------------------------------------------------------------------------
@@ -314,7 +361,11 @@ def benched(line: str, ok: bool = True, **files: str) -> str:
     def measured(name: str) -> Callable[..., Any]:
         def run(progress: Any = None, **how: Any) -> Any:
             asked.append(f"{name} {sorted(how)} {how.get('quick')} {len(how.get('cases', ()))}")
-            return {"ok": ok, "steps": list(progress([1, 2])) if progress else [], "empty": float("nan")}
+            return {
+                "ok": ok,
+                "steps": list(progress([1, 2])) if progress else [],
+                "empty": float("nan"),
+            }
 
         return run
 
@@ -328,7 +379,11 @@ def benched(line: str, ok: bool = True, **files: str) -> str:
     names = {"speed": speed, "work": work, "cases": cases, "map": error_map}
     with contextlib.ExitStack() as stack:
         for name, module in names.items():
-            new = {"run": measured(name), "table": lambda _, name=name: f"table of {name}", "figure": drawn}
+            new = {
+                "run": measured(name),
+                "table": lambda _, name=name: f"table of {name}",
+                "figure": drawn,
+            }
             stack.enter_context(patch.multiple(module, create=True, **new))
         stack.enter_context(patch.object(cases, "as_json", lambda found: found))
         for module in (cases, results):
@@ -355,7 +410,10 @@ def mapped(line: str) -> str:
         asked.append(f"{scene.name} {over} {how}")
         return plane(True)
 
-    with patch.object(symosc, "atlas", atlas), patch("symosc.certificates.atlas.Atlas.statement", lambda _: {"a": 1}):
+    with (
+        patch.object(symosc, "atlas", atlas),
+        patch("symosc.certificates.atlas.Atlas.statement", lambda _: {"a": 1}),
+    ):
         return "\n".join([told(line), *asked])
 
 
@@ -384,14 +442,20 @@ def explored(line: str) -> str:
         def start(self) -> None:
             said.append(f"opens {self.args} {self.daemon}")
 
-    with patch.object(server, "ExplorerServer", Server), patch("symosc.cli.simulate.Thread", Thread):
+    with (
+        patch.object(server, "ExplorerServer", Server),
+        patch("symosc.cli.simulate.Thread", Thread),
+    ):
         return "\n".join([told(line), *said])
 
 
 def listed(line: str, answers: tuple[str, ...]) -> str:
     """Return what is said of the list of orbits where proofs are replaced."""
     pytest.importorskip("flint")
-    orbits = [SimpleNamespace(regime="weak", cycle="P32"), SimpleNamespace(regime="weak", cycle="P32")]
+    orbits = [
+        SimpleNamespace(regime="weak", cycle="P32"),
+        SimpleNamespace(regime="weak", cycle="P32"),
+    ]
     orbits.append(SimpleNamespace(regime="strong", cycle="P3"))
 
     def prove(progress: Any, again: bool) -> list[str]:
@@ -426,7 +490,10 @@ def scored(line: str, *short: int) -> str:
     def judge(name: str, cases: Any, given: Any, limit: float) -> Any:
         found = scores()[len(asked)]
         asked.append(f"{name} {len(cases)} {given} {limit}")
-        cases_of = [case for case in found.cases if case.right] if short else found.cases
+        if short:
+            cases_of = [case for case in found.cases if case.right]
+        else:
+            cases_of = found.cases
         return replace(found, name=name, cases=cases_of)
 
     with (
@@ -463,7 +530,9 @@ def derived(line: str, latex: bool = True) -> str:
         return SimpleNamespace(key=key, steps=lambda: steps, log=lambda: [{"step": "1"}])
 
     def write(chapters: Any, scope: Any, folder: Path, form: str) -> list[Path]:
-        asked.append(f"{[each.key for each in chapters]} {scope.scene and scope.scene.name} {folder} {form}")
+        asked.append(
+            f"{[each.key for each in chapters]} {scope.scene and scope.scene.name} {folder} {form}"
+        )
         return [folder / "main.tex"]
 
     def compiled(path: Path) -> Path:
@@ -474,7 +543,12 @@ def derived(line: str, latex: bool = True) -> str:
     def printed(chapters: Any, scope: Any, form: str) -> str:
         return f"printed {len(chapters)} {form}\n"
 
-    new: dict[str, Any] = {"check_chapter": check, "write_document": write, "make_pdf": compiled, "printed": printed}
+    new: dict[str, Any] = {
+        "check_chapter": check,
+        "write_document": write,
+        "make_pdf": compiled,
+        "printed": printed,
+    }
     with patch.multiple(document, has_latex=lambda: "none" not in line, **new):
         return "\n".join([told(line), *asked])
 
@@ -487,15 +561,24 @@ def reproduced(line: str, changed: int = 0, failed: int = 0) -> str:
     def everything(plan: Plan, progress: Any, workers: Any) -> Results:
         claims = plan.claims[:4]
         verdicts = ["not as printed"] * changed + [claim.verdict for claim in claims[changed:]]
-        judged = (Judged(claim, verdict, "found", {}, 0.1) for claim, verdict in zip(claims, verdicts, strict=True))
+        judged = (
+            Judged(claim, verdict, "found", {}, 0.1)
+            for claim, verdict in zip(claims, verdicts, strict=True)
+        )
         keys = list(plan.pictures)[:3]
-        drawn = {key: Done(None, "it hangs") if i < failed else Done("svg") for i, key in enumerate(keys)}
+        drawn = {
+            key: Done(None, "it hangs") if i < failed else Done("svg") for i, key in enumerate(keys)
+        }
         chapters = {key: Done((12, "html")) for key in plan.chapters[:2]}
         for _ in range(len(plan)):
             progress()
         return Results(plan, tuple(judged), drawn, chapters, 65.4)
 
-    new: dict[str, Any] = {"write": lambda *_: None, "files": lambda _: {}, "data": lambda _: {"ok": 1}}
+    new: dict[str, Any] = {
+        "write": lambda *_: None,
+        "files": lambda _: {},
+        "data": lambda _: {"ok": 1},
+    }
     with patch("symosc.paper.run.run", everything), patch.multiple(report, **new):
         return told(line)
 
@@ -520,7 +603,8 @@ OTHERS: dict[str, Case] = {
     "bench hard": lambda: benched("bench --hard -o map.svg --quick"),
     "bench hard, wrong": lambda: benched("bench --hard --json", ok=False),
     "bench results": lambda: benched(
-        "bench --results README.md --quick", README_md="<!-- results: begin -->\n<!-- results: end -->\n"
+        "bench --results README.md --quick",
+        README_md="<!-- results: begin -->\n<!-- results: end -->\n",
     ),
     "bench scores": lambda: benched("bench --scores page.md"),
     "bench scores of another kind": lambda: benched("bench --scores page.txt"),
@@ -528,8 +612,12 @@ OTHERS: dict[str, Case] = {
     "bench gradients": lambda: benched("bench --gradients page.md --quick"),
     "warm": lambda: warmed("warm"),
     "warm json": lambda: warmed("warm --json"),
-    "atlas": lambda: mapped("atlas fig9 --over Omega=3:5 --over FN=5:12 -o a.json --plot a.svg --prove 0.5 --set k=2"),
-    "atlas json": lambda: mapped("atlas fig9 --over Omega=3:5 --over FN=5:12 --json --seconds 3 --workers 2"),
+    "atlas": lambda: mapped(
+        "atlas fig9 --over Omega=3:5 --over FN=5:12 -o a.json --plot a.svg --prove 0.5 --set k=2"
+    ),
+    "atlas json": lambda: mapped(
+        "atlas fig9 --over Omega=3:5 --over FN=5:12 --json --seconds 3 --workers 2"
+    ),
     "atlas of one parameter": lambda: mapped("atlas fig9 --over Omega=3:5"),
     "explore": lambda: explored("explore fig9 --set k=1/3"),
     "explore on a port": lambda: explored("explore --port 0 --no-browser"),
@@ -555,8 +643,13 @@ def options() -> Iterator[str]:
         for each in command.params:
             about = each.to_info_dict()
             kind = {key: value for key, value in sorted(about["type"].items()) if key != "name"}
-            flags = [key for key in ("required", "multiple", "is_flag", "is_eager") if about.get(key)]
-            default = "" if each.default in (None, False) or "UNSET" in repr(each.default) else each.default
+            flags = [
+                key for key in ("required", "multiple", "is_flag", "is_eager") if about.get(key)
+            ]
+            if each.default in (None, False) or "UNSET" in repr(each.default):
+                default = ""
+            else:
+                default = each.default
             yield f"{name}: {' '.join(each.opts)} {each.nargs} {kind} {flags} {default} {getattr(each, 'metavar', '')}"
 
 
@@ -569,7 +662,11 @@ class Terminal(io.StringIO):
 
 def on_a_terminal(**environment: str) -> str:
     """Return a table with words that have colours, as a terminal gets it."""
-    rows = [["1.5", "stick", "Omega1"], ["-10", "confirmed", "slip"], ["2e-3", "not as printed", "cross"]]
+    rows = [
+        ["1.5", "stick", "Omega1"],
+        ["-10", "confirmed", "slip"],
+        ["2e-3", "not as printed", "cross"],
+    ]
     rows += [["3", "confirmed with a correction", "undecidable"]]
     shown = Terminal()
     with patch.object(sys, "stdout", shown), patch.dict("os.environ", environment):
@@ -578,8 +675,12 @@ def on_a_terminal(**environment: str) -> str:
 
 
 def bars() -> str:
-    """Return what bars show at given times: of counted steps, of percents, of work that begins anew, late ones."""
-    clock, shown = count(0.0, 0.5), Terminal()
+    """Return what bars show at given times.
+
+    Of counted steps, of percents, of work that begins anew, late ones.
+    """
+    clock = count(0.0, 0.5)
+    shown = Terminal()
     environment = {"SYMOSC_PROGRESS_DELAY": "1", "COLUMNS": "100", "TERM": "xterm", "NO_COLOR": "1"}
     with (
         patch.object(progress, "monotonic", lambda: next(clock)),
@@ -616,7 +717,10 @@ def delays() -> list[float]:
 
 
 def spinner() -> list[str]:
-    """Return what is begun and ended for work of unknown length: when it is quiet, late, at once."""
+    """Return what is begun and ended for work of unknown length.
+
+    When it is quiet, late, at once.
+    """
     said: list[str] = []
 
     class Timer:
@@ -638,11 +742,15 @@ def spinner() -> list[str]:
                 patch.object(progress, "Timer", Timer),
                 patch.object(sys, "stderr", shown),
                 patch.object(progress, "level", progress.QUIET if quiet else progress.NORMAL),
-                patch.dict("os.environ", {"SYMOSC_PROGRESS_DELAY": delay, "TERM": "xterm", "COLUMNS": "80"}),
+                patch.dict(
+                    "os.environ", {"SYMOSC_PROGRESS_DELAY": delay, "TERM": "xterm", "COLUMNS": "80"}
+                ),
             ):
                 with progress.working("some work"):
                     said.append("working")
-                said.append(f"shown: {'some work' in shown.getvalue()}, waiting: {progress._waiting}")
+                said.append(
+                    f"shown: {'some work' in shown.getvalue()}, waiting: {progress._waiting}"
+                )
     progress._show_spinner("nobody waits")
     return said
 
@@ -684,16 +792,22 @@ PROGRAM: dict[str, Case] = {
 }
 
 
-LINES: dict[str, Case] = {name: partial(told, line) for name, line in (MOTIONS | ORBITS | GRAZING | CODE).items()}
+LINES: dict[str, Case] = {
+    name: partial(told, line) for name, line in (MOTIONS | ORBITS | GRAZING | CODE).items()
+}
 LINES["new where one is"] = partial(told, "new mine.toml", mine_toml="mine")
 LINES["new where one is, forced"] = partial(told, "new mine.toml --force", mine_toml="mine")
 LINES["codegen over another"] = partial(told, "codegen P32 -o .", p32_py="mine")
 LINES["codegen over another, forced"] = partial(told, "codegen P32 -o . --force", p32_py="mine")
 LINES |= {name: lambda line=line: told(line, it_csv=measured()) for name, line in FITS.items()}  # type: ignore[misc]
-LINES |= {f"fit of {name}": partial(told, FITS["fit"], it_csv=text) for name, text in BAD_FITS.items()}
+LINES |= {
+    f"fit of {name}": partial(told, FITS["fit"], it_csv=text) for name, text in BAD_FITS.items()
+}
 LINES |= models()
 LINES |= {name: partial(checked, line) for name, line in CHECKS.items()}
-LINES["check a solver"] = partial(told, "check fig9 --t-end 3 --solver mine.py:solve", mine_py=SOLVER)
+LINES["check a solver"] = partial(
+    told, "check fig9 --t-end 3 --solver mine.py:solve", mine_py=SOLVER
+)
 LINES |= {name: needing("xarray", partial(told, line)) for name, line in SWEEPS.items()}
 LINES |= {name: needing("flint", partial(told, line)) for name, line in CERTIFIED.items()}
 CASES: dict[str, Case] = LINES | OTHERS | PROGRAM

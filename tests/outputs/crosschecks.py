@@ -1,4 +1,7 @@
-"""Checks of solutions: right, wrong and rounded ones, lists of events, texts and objects; what is said of faults."""
+"""Checks of solutions: right, wrong and rounded ones, lists of events, texts and objects.
+
+What is said of faults.
+"""
 
 from __future__ import annotations
 
@@ -41,22 +44,33 @@ def check_of(*given: Any, anywhere: bool = True, **options: Any) -> Any:
 
 @interpreted
 def judged(name: Any, t: Any, x: Any = None, v: Any = None, **options: Any) -> str:
-    """Return all that a check says, the causes only if `why`; of a solution that may begin and end anywhere."""
-    anywhere, why = not options.pop("whole", False), options.pop("why", False)
+    """Return all that a check says, the causes only if `why`.
+
+    Of a solution that may begin and end anywhere.
+    """
+    anywhere = not options.pop("whole", False)
+    why = options.pop("why", False)
     check = check_of(name, t, x, v, anywhere=anywhere, **options)
     if not why:
         vars(check)["diagnosis"] = ()
     said = re.sub(PLACE, r"\1", check.summary())
-    lines, plain = said.splitlines(), check.as_dict()
+    lines = said.splitlines()
+    plain = check.as_dict()
     for part in ("matched", "missed", "invented", "unresolved", "decisions"):
         rows = [" ".join(map(brief, row.values())) for row in plain[part]]
         lines.append(f"{part}: {'; '.join(rows[:9])} {len(rows)}")
     lines += [f"fault: {' '.join(map(brief, vars(fault).values()))}" for fault in check.faults[:4]]
-    lines += [f"first: {fault.step} {fault.reason}" for fault in (check.first_wrong, check.first_switching) if fault]
+    lines += [
+        f"first: {fault.step} {fault.reason}"
+        for fault in (check.first_wrong, check.first_switching)
+        if fault
+    ]
     for part in ("errors", "limits", "defects", "allowed", "wrong_steps", "wrong_spans"):
         lines.append(f"{part}: {sampled(getattr(check, part))}")
     lines.append(f"modes: {''.join(map(str, check.modes[:160]))}")
-    lines.append(f"{check.scales} {check.compared_until} {check.tolerance} {check.global_tolerance} {check.own_start}")
+    lines.append(
+        f"{check.scales} {check.compared_until} {check.tolerance} {check.global_tolerance} {check.own_start}"
+    )
     if check.coarser is not None:
         vars(check.coarser)["diagnosis"] = ()
         lines += check.coarser.summary().splitlines()
@@ -64,7 +78,9 @@ def judged(name: Any, t: Any, x: Any = None, v: Any = None, **options: Any) -> s
 
 
 def brief(value: object) -> str:
-    return f"{value:.9g}" if isinstance(value, float) else str(value)
+    if isinstance(value, float):
+        return f"{value:.9g}"
+    return str(value)
 
 
 @interpreted
@@ -86,7 +102,9 @@ def exact(name: str = "fig10", t_end: float = 10.0, count: int = 161) -> Columns
     return t, *simulate(name, t_end=t_end)(t)
 
 
-def spoilt(change: Callable[..., Any], name: str = "fig10", t_end: float = 6.0, count: int = 81) -> Any:
+def spoilt(
+    change: Callable[..., Any], name: str = "fig10", t_end: float = 6.0, count: int = 81
+) -> Any:
     """Return a scene's name and its samples after a change of copies of t, x, v."""
     columns = [column.copy() for column in exact(name, t_end, count)]
     return name, *(change(*columns) or columns)
@@ -104,13 +122,19 @@ def moved(row: int, by: float, first: int = 50, last: int | None = None) -> Call
 def other(name: str = "fig10", t_end: float = 6.0, count: int = 81, **changes: Any) -> Any:
     """Return samples of the motion with other parameters."""
     scene = load_scene(name)
-    p, t = scene.parameters, np.linspace(float(scene.t0), t_end, count)
-    changes = {each: value(getattr(p, each)) if callable(value) else value for each, value in changes.items()}
+    p = scene.parameters
+    t = np.linspace(float(scene.t0), t_end, count)
+    changes = {
+        each: value(getattr(p, each)) if callable(value) else value
+        for each, value in changes.items()
+    }
     motion = simulate(p.replace(**changes), t0=scene.t0, x0=scene.x0, v0=scene.v0, t_end=t_end)
     return name, t, *motion(t)
 
 
-def unlocated(method: str, held: bool = False, name: str = "fig10", t_end: float = 10.0, every: int = 3) -> Any:
+def unlocated(
+    method: str, held: bool = False, name: str = "fig10", t_end: float = 10.0, every: int = 3
+) -> Any:
     scene = load_scene(name)
     grid = np.linspace(float(scene.t0), t_end, 160 * every + 1)
     start = float(scene.x0), float(scene.v0)
@@ -131,14 +155,18 @@ WRONG: dict[str, Callable[[], Any]] = {
     "other v1": lambda: other("fig5", 12, v1=1.1),
     "other v2": lambda: other(v2=lambda v: v * 1.03),
     "no friction": lambda: other(FN=0),
-    "swapped belts": lambda: other(mu1=load_scene("fig10").parameters.mu2, mu2=load_scene("fig10").parameters.mu1),
+    "swapped belts": lambda: other(
+        mu1=load_scene("fig10").parameters.mu2, mu2=load_scene("fig10").parameters.mu1
+    ),
     "m not divided": lambda: other("fig9", 8, A0=0, B0=9),
     "-x, -v": lambda: spoilt(lambda t, x, v: (t, -x, -v)),
     "x and v in km": lambda: spoilt(lambda t, x, v: (t, x / 1000, v / 1000)),
     "v late": lambda: spoilt(lambda t, x, v: (t[1:], x[1:], v[:-1])),
     "v half early": lambda: spoilt(half_early, "fig9", 6),
     "v by gradient": lambda: spoilt(lambda t, x, v: (t, x, np.gradient(x, t)), "fig9", 6),
-    "v by differences": lambda: spoilt(lambda t, x, v: (t[1:], x[1:], np.diff(x) / np.diff(t)), "fig9", 6),
+    "v by differences": lambda: spoilt(
+        lambda t, x, v: (t[1:], x[1:], np.diff(x) / np.diff(t)), "fig9", 6
+    ),
     "no motion": lambda: spoilt(lambda t, x, v: (t, 0 * x + 1, 0 * v)),
     "x stands in sticks": lambda: spoilt(stands),
     "x stands and goes on": lambda: spoilt(stands_and_goes_on),
@@ -148,7 +176,9 @@ WRONG: dict[str, Callable[[], Any]] = {
     "x first": lambda: stepped(lambda x, v, a, h: (x + h * v, v + h * a(x + h * v, v))),
     "lines between others": lambda: spoilt(on_lines),
     "times rounded": lambda: spoilt(lambda t, x, v: (np.round(t, 4), x, v), "fig9", 6, 118),
-    "times in single precision": lambda: spoilt(lambda t, x, v: (np.float64(np.float32(t**1.01)), *again(t**1.01))),
+    "times in single precision": lambda: spoilt(
+        lambda t, x, v: (np.float64(np.float32(t**1.01)), *again(t**1.01))
+    ),
     "clock fast": lambda: spoilt(lambda t, x, v: (t + 0.03, x, v), "fig9", 6),
     "sine for cosine": lambda: sine("fig9", 6),
     "outlier": lambda: spoilt(moved(1, 0.01, 40, 41)),
@@ -158,7 +188,9 @@ WRONG: dict[str, Callable[[], Any]] = {
     "late events": lambda: solved(Flaw(late=True), every=2),
     "early sticks": lambda: solved(Flaw(early=0.25)),
     "static friction": lambda: solved(Flaw(static=1.3)),
-    "static friction, ends shown": lambda: solved(Flaw(static=1.1), every=1, count=301, joints=True),
+    "static friction, ends shown": lambda: solved(
+        Flaw(static=1.1), every=1, count=301, joints=True
+    ),
     "drift": lambda: solved(Flaw(drift=-2e-3)),
     "drift in steps": lambda: solved(Flaw(drift=-2e-3), "fig5", 12, 21, 40),
     "Euler": lambda: solved(Flaw(method="euler"), "fig9", 6),
@@ -193,14 +225,20 @@ def stands_and_goes_on(t: np.ndarray, x: np.ndarray, v: np.ndarray) -> Columns:
     """Return samples of a solver that goes on from where x stood in a stick."""
     return (
         t,
-        x - np.cumsum(np.append(0.0, np.where(np.isin(v[1:], list(map(float, exact_belts()))), np.diff(x), 0.0))),
+        x
+        - np.cumsum(
+            np.append(
+                0.0, np.where(np.isin(v[1:], list(map(float, exact_belts()))), np.diff(x), 0.0)
+            )
+        ),
         v,
     )
 
 
 def stepped(step: Callable[..., tuple[float, float]]) -> Any:
     """Return samples of fig9 by a method with a fixed step, with the force of the domain below belt 1."""
-    K, rows = Arithmetic(load_scene("fig9").parameters).K, [(4.0, -30.0)]
+    K = Arithmetic(load_scene("fig9").parameters).K
+    rows = [(4.0, -30.0)]
     t = np.linspace(0.1324, 0.5, 41)
     for time, after in pairwise(t.tolist()):
 
@@ -221,14 +259,19 @@ def on_lines(t: np.ndarray, x: np.ndarray, v: np.ndarray) -> Columns:
 
 
 def sine(name: str, t_end: float) -> Any:
-    scene, t = load_scene(name), exact(name, t_end)[0]
+    scene = load_scene(name)
+    t = exact(name, t_end)[0]
     back = np.pi / 2 / float(scene.parameters.Omega)
-    motion = simulate(scene.parameters, t0=float(t[0]) - back, x0=scene.x0, v0=scene.v0, t_end=t_end)
+    motion = simulate(
+        scene.parameters, t0=float(t[0]) - back, x0=scene.x0, v0=scene.v0, t_end=t_end
+    )
     return name, t, *motion(t - back)
 
 
 def loose() -> Any:
-    run = careful_solver.solve(load_scene("fig9"), 6, joined=True, method="RK45", rtol=1e-4, atol=1e-5, max_step=0.2)
+    run = careful_solver.solve(
+        load_scene("fig9"), 6, joined=True, method="RK45", rtol=1e-4, atol=1e-5, max_step=0.2
+    )
     return "fig9", run.t, run.x, run.v
 
 
@@ -301,8 +344,13 @@ def explained(name: str) -> str:
     with np.errstate(all="ignore"):
         asked = (*ASKED[name], *(() if name in ("other v1", "other v2") else CHEAP))
         found = [each for alternatives in asked for each in alternatives(case)]
-    pairs = [(each.diagnosis, each.words) if isinstance(each, Candidate) else (each, "") for each in found]
-    pairs = [(one, words) for one, words in pairs if one.cause != "coefficient" or one.share > 0.1]  # a fit to nothing
+    pairs = [
+        (each.diagnosis, each.words) if isinstance(each, Candidate) else (each, "")
+        for each in found
+    ]
+    pairs = [
+        (one, words) for one, words in pairs if one.cause != "coefficient" or one.share > 0.1
+    ]  # a fit to nothing
     return "\n".join(
         f"{o.cause} {o.subject}: {o.words}; {o.evidence}; {words} {brief(o.value)} {brief(o.error)} {o.share:.6f}"
         for o, words in pairs
@@ -323,7 +371,9 @@ def changed_columns() -> str:
 def mistaken_systems() -> str:
     """Return all mistakes in parameters that are tried."""
     rows = models._systems(load_scene("fig9").parameters)
-    return "\n".join(f"{cause} {words} {change} {numbers}" for cause, _, words, change, numbers in rows)
+    return "\n".join(
+        f"{cause} {words} {change} {numbers}" for cause, _, words, change, numbers in rows
+    )
 
 
 def method_steps() -> str:
@@ -332,18 +382,25 @@ def method_steps() -> str:
     def a(t: float, x: float, v: float) -> float:
         return float(np.cos(2 * t) - x**3 - 0.3 * v * v)
 
-    known = {name: method(a, 0.4, 0.7, -0.2, 0.25) for name, method in methods.FIXED_STEP_METHODS.items() if method}
+    known = {
+        name: method(a, 0.4, 0.7, -0.2, 0.25)
+        for name, method in methods.FIXED_STEP_METHODS.items()
+        if method
+    }
     return "\n".join(f"{name}: {x:.12g} {v:.12g}" for name, (x, v) in known.items())
 
 
 def smoothing_curves() -> str:
     """Return the curves in place of a sign, their inverses and integrals."""
-    z, u = np.array([-3.0, -0.5, 0.0, 0.1, 2.0]), np.array([-0.9, -0.1, 0.0, 0.5, 0.99])
+    z = np.array([-3.0, -0.5, 0.0, 0.1, 2.0])
+    u = np.array([-0.9, -0.1, 0.0, 0.5, 0.99])
     parts = {
-        name: (curve.of(z), curve.inverse(u), np.diff(curve.integral(z))) for name, curve in friction.CURVES.items()
+        name: (curve.of(z), curve.inverse(u), np.diff(curve.integral(z)))
+        for name, curve in friction.CURVES.items()
     }
     return "\n".join(
-        f"{name}: {' '.join(f'{each:.10g}' for row in rows for each in row)}" for name, rows in parts.items()
+        f"{name}: {' '.join(f'{each:.10g}' for row in rows for each in row)}"
+        for name, rows in parts.items()
     )
 
 
@@ -351,18 +408,26 @@ def smoothing_curves() -> str:
 
 
 def listed(
-    change: Callable[[list[tuple[float, str]]], Any], name: str = "fig5", t_end: float = 12.0, **more: Any
+    change: Callable[[list[tuple[float, str]]], Any],
+    name: str = "fig5",
+    t_end: float = 12.0,
+    **more: Any,
 ) -> str:
     """Return what is said of right samples with a list of events after a change of this list."""
     events = [(float(event.t), event.kind) for event in simulate(name, t_end=t_end).events]
     return judged(name, *exact(name, t_end, 121), events=change(events) or events, why=True, **more)
 
 
-def rounded(way: Callable[[np.ndarray], np.ndarray], name: str = "fig5", count: int = 121, **options: Any) -> Any:
+def rounded(
+    way: Callable[[np.ndarray], np.ndarray], name: str = "fig5", count: int = 121, **options: Any
+) -> Any:
     """Return what is said of samples, right ones or of other parameters, whose x and v are rounded in some way."""
     scene = load_scene(name)
     changes = options.pop("changes", {})
-    t, x, v = other(name, 8.0, count, **changes)[1:] if changes else exact(name, 8.0, count)
+    if changes:
+        t, x, v = other(name, 8.0, count, **changes)[1:]
+    else:
+        t, x, v = exact(name, 8.0, count)
     cut = options.pop("cut", lambda t: t)
     return judged(scene, cut(t), way(x), way(v), **options)
 
@@ -390,7 +455,10 @@ def result(**more: Any) -> SimpleNamespace:
 
 
 def solver_events(*times: float, off: float = 0.0) -> Any:
-    """Return a solver's result with lists of times: of the events, and of others, some of them away from the belts."""
+    """Return a solver's result with lists of times.
+
+    Of the events, and of others, some of them away from the belts.
+    """
     exactly = np.array([float(event.t) for event in simulate("fig5", t_end=8.0).events])
     states = [[[0.0, 1.0]] * len(exactly), [[0.0, 1.0 + (time > 7)] for time in times]]
     return result(t_events=[exactly + off, np.array(times)], y_events=states)
@@ -420,9 +488,14 @@ def several() -> Any:
     for check in checks:
         vars(check)["diagnosis"] = ()
     tiny = crosscheck(
-        "fig5", [{"t": t[:4], "x": x[:4], "v": v[:4] + i * (t[:4] > 0.1)} for i in range(23)], partial=True
+        "fig5",
+        [{"t": t[:4], "x": x[:4], "v": v[:4] + i * (t[:4] > 0.1)} for i in range(23)],
+        partial=True,
     )
-    found = {"text": checks.summary().splitlines(), "repr": [repr(checks), repr(checks[0]), repr(tiny)]}
+    found = {
+        "text": checks.summary().splitlines(),
+        "repr": [repr(checks), repr(checks[0]), repr(tiny)],
+    }
     return found | {
         "columns": checks.columns(),
         "more": tiny.summary().splitlines()[-4:],
@@ -433,7 +506,8 @@ def several() -> Any:
 def texts(*sources: str, columns: Any = None, suffix: str = "csv") -> str:
     """Return what is read from texts, or said of those that hold no solution."""
     with empty_folder() as folder:
-        path, lines = folder / f"run.{suffix}", []
+        path = folder / f"run.{suffix}"
+        lines = []
         for source in sources:
             path.write_text(source.replace("|", "\n"), encoding="utf-8")
             lines.append(read(path, columns).replace(str(path), "FILE"))
@@ -445,13 +519,19 @@ def read(source: Any, columns: Any = None) -> str:
     found = outcome(lambda: read_solutions(source, columns, load_scene("fig5")), ParameterError)
     if isinstance(found, str):
         return found
-    shown = [(each.t[:4], each.x[:4], each.v[:4], len(each.t), each.events, each.notes) for each in found]
-    return "; ".join(f"{each.name}: {' '.join(map(str, row))}" for each, row in zip(found, shown, strict=True))
+    shown = [
+        (each.t[:4], each.x[:4], each.v[:4], len(each.t), each.events, each.notes) for each in found
+    ]
+    return "; ".join(
+        f"{each.name}: {' '.join(map(str, row))}" for each, row in zip(found, shown, strict=True)
+    )
 
 
 def objects() -> Iterator[Any]:
     """Yield objects that are solutions, and others that are not."""
-    t, x, v = [0.0, 1.0, 2.0], [1.0, 2.0, 4.0], [3.0, 5.0, 7.0]
+    t = [0.0, 1.0, 2.0]
+    x = [1.0, 2.0, 4.0]
+    v = [3.0, 5.0, 7.0]
     rows = list(zip(t, x, v, strict=True))
     yield from (
         {"t": t, "x": x, "v": v},
@@ -460,7 +540,10 @@ def objects() -> Iterator[Any]:
         np.array(rows),
         np.array(rows)[:, :2],
     )
-    yield from ([{"t": a, "x": b, "v": c} for a, b, c in rows], {"t": t, "x": x, "v": v, "events": [(1, "cross")]})
+    yield from (
+        [{"t": a, "x": b, "v": c} for a, b, c in rows],
+        {"t": t, "x": x, "v": v, "events": [(1, "cross")]},
+    )
     yield {"t": t * 2, "x": x + v, "v": v + x, "id": [1, 1, 1, 2, 2, 2]}
     yield {"t": t * 2, "x": x + v, "v": v + x, "id": [1, 1, 1, 2, 2, 2], "events": [(1, "cross")]}
     yield {"t": [*t, 0.5], "x": [*x, 1], "v": [*v, 1], "run": ["b", "a", "a", "b"]}
@@ -470,11 +553,24 @@ def objects() -> Iterator[Any]:
     yield {"t": np.array([t]), "x": np.array([x]), "v": np.array([v])}
     yield {"t": t, "x": np.array([x, v]), "v": v}
     yield {"t": np.array([t, t, t]), "x": np.array([x, v]), "v": np.array([v, x])}
-    yield from ({"t": t, "y": np.array([x, v])}, {"t": t, "y": np.array([x, v]).T}, {"ts": t, "ys": {"x": x, "v": v}})
+    yield from (
+        {"t": t, "y": np.array([x, v])},
+        {"t": t, "y": np.array([x, v]).T},
+        {"ts": t, "ys": {"x": x, "v": v}},
+    )
     yield {"t": np.array(t)[:, None], "y": np.array([x, v]).T}
-    yield from ({"t": t, "y": np.array([x, v, x])}, {"t": [*t, np.inf], "y": np.array([[*x, 0], [*v, 0]])})
-    yield from ({"t": np.array([t, t]), "y": np.array([[x, v], [v, x]])}, {"time": t, "state": np.array([x, v])})
-    yield from ([{"t": t, "x": x, "v": v}, {"t": [2.0, 3.0], "x": [4.0, 5.0], "v": [7.0, 8.0]}], [rows, rows])
+    yield from (
+        {"t": t, "y": np.array([x, v, x])},
+        {"t": [*t, np.inf], "y": np.array([[*x, 0], [*v, 0]])},
+    )
+    yield from (
+        {"t": np.array([t, t]), "y": np.array([[x, v], [v, x]])},
+        {"time": t, "state": np.array([x, v])},
+    )
+    yield from (
+        [{"t": t, "x": x, "v": v}, {"t": [2.0, 3.0], "x": [4.0, 5.0], "v": [7.0, 8.0]}],
+        [rows, rows],
+    )
     yield [{"t": t, "x": x, "v": v}, {"t": [2.0, 3.0], "x": [4.0, 5.0]}]
     yield np.rec.fromarrays([t, x, v], names="time,pos,speed")
     yield from (dense, lambda t: (t, 2 * t), lambda t: t[0], lambda t: 1 / 0, lambda t: (1, 2, 3))
@@ -506,7 +602,11 @@ def objects() -> Iterator[Any]:
         {"t": t, "x": np.ma.masked_greater(x, 3)},
         {"t": t, "x": np.ones((3, 3, 3))},
     )
-    yield from (result(t_events=[[1.0], None]), result(t_events=[[1.0]], y_events=[[]]), result(t_events=[["a"]]))
+    yield from (
+        result(t_events=[[1.0], None]),
+        result(t_events=[[1.0]], y_events=[[]]),
+        result(t_events=[["a"]]),
+    )
     yield from (
         result(t_events=[[0.5, 0.5 + 1e-12, 0.7]]),
         SimpleNamespace(t=t, y=np.ones((3, 3))),
@@ -576,22 +676,30 @@ OCTAVE = (
 CHECKS: dict[str, Callable[[], object]] = {
     "right, one belt": lambda: judged("fig5", *exact("fig5", 40.0, 201), whole=True),
     "right, both belts, few samples": lambda: judged("fig10", *exact("fig10", 10.0, 41)),
-    "right, a long way off": lambda: judged("fig9", *exact("fig9", 8.0, 12), tolerance=1e-6, global_tolerance=1e-3),
+    "right, a long way off": lambda: judged(
+        "fig9", *exact("fig9", 8.0, 12), tolerance=1e-6, global_tolerance=1e-3
+    ),
     "of parameters": lambda: judged(load_scene("fig9").parameters, *exact("fig9", 8.0, 101)),
     "a jump": lambda: judged(*spoilt(moved(2, 0.05))),
     "an outlier on a belt": lambda: judged(*spoilt(moved(2, -0.3, 30, 31), "fig5", 12)),
-    "an outlier across a belt": lambda: judged(*spoilt(lambda t, x, v: v.__setitem__(12, 0.9), "fig9", 8)),
+    "an outlier across a belt": lambda: judged(
+        *spoilt(lambda t, x, v: v.__setitem__(12, 0.9), "fig9", 8)
+    ),
     "a sample far off": lambda: judged(*spoilt(moved(1, 0.01, 30, 31), "fig9", 8, 201)),
     "a step too far": lambda: judged(*too_far()),
     "a drift off a belt": lambda: judged(*spoilt(drifting, "fig5", 12)),
     "on a belt too long": lambda: judged(*too_long()),
     "a force of another domain": lambda: judged(*other_force()),
-    "a missed stick": lambda: judged("fig8", *exact("fig8", 5.0, 41)[:2], exact("fig8", 5.0, 41)[2] * (1 + 1e-7)),
+    "a missed stick": lambda: judged(
+        "fig8", *exact("fig8", 5.0, 41)[:2], exact("fig8", 5.0, 41)[2] * (1 + 1e-7)
+    ),
     "wrong friction": lambda: judged(*other("fig5", 12, 121, mu1=0.85)),
     "late events": lambda: judged(*WRONG["late events"]()),
     "early sticks": lambda: judged(*WRONG["early sticks"]()),
     "drift": lambda: judged(*WRONG["drift"](), tolerance=1e-4),
-    "chatter": lambda: judged(*(each if isinstance(each, str) else each[:90] for each in WRONG["chatter"]())),
+    "chatter": lambda: judged(
+        *(each if isinstance(each, str) else each[:90] for each in WRONG["chatter"]())
+    ),
     "an outlier and why": lambda: judged(*spoilt(moved(1, 0.01, 40, 41)), why=True),
     "few digits and why": lambda: rounded(decimals(5), why=True),
     "two samples": lambda: judged("fig5", [0, 1], [0, 0.5], [0, 1]),
@@ -604,19 +712,35 @@ CHECKS: dict[str, Callable[[], object]] = {
         lambda events: [(t + 0.02 * (i == 1), kind) for i, (t, kind) in enumerate(events)]
     ),
     "list: out of order": lambda: listed(lambda events: events[::-1]),
-    "list: another kind": lambda: listed(lambda events: [(t, "graze") for t, _ in events[:1]] + events[1:]),
-    "list: empty": lambda: listed(lambda events: [(50.0, "cross")], "fig9", 6),
-    "list: with a start on a belt": lambda: listed(lambda events: [(0.0, "stick"), *events], "fig6", 12),
-    "list: with contacts at a graze": lambda: listed(
-        lambda events: [(t + h, k) for t, _ in events for h, k in ((-1e-6, "stick"), (1e-6, "slip"))], "fig8-exact", 4
+    "list: another kind": lambda: listed(
+        lambda events: [(t, "graze") for t, _ in events[:1]] + events[1:]
     ),
-    "list: without a short stick": lambda: listed(lambda events: events[2:] or [(3.2, "graze")], "fig8", 5),
-    "list: a short stick by the tolerance": lambda: listed(lambda events: events[2:], "fig8", 9, tolerance=1e-3),
+    "list: empty": lambda: listed(lambda events: [(50.0, "cross")], "fig9", 6),
+    "list: with a start on a belt": lambda: listed(
+        lambda events: [(0.0, "stick"), *events], "fig6", 12
+    ),
+    "list: with contacts at a graze": lambda: listed(
+        lambda events: [
+            (t + h, k) for t, _ in events for h, k in ((-1e-6, "stick"), (1e-6, "slip"))
+        ],
+        "fig8-exact",
+        4,
+    ),
+    "list: without a short stick": lambda: listed(
+        lambda events: events[2:] or [(3.2, "graze")], "fig8", 5
+    ),
+    "list: a short stick by the tolerance": lambda: listed(
+        lambda events: events[2:], "fig8", 9, tolerance=1e-3
+    ),
     "list: a short stick as crossings": lambda: listed(
         lambda events: [(t, "cross") for t, _ in events[:2]] + events[2:], "fig8", 9, tolerance=1e-4
     ),
-    "list: half of a short stick": lambda: listed(lambda events: events[1:], "fig8", 9, tolerance=1e-3),
-    "list: rounded": lambda: listed(lambda events: [(round(t, 3), kind) for t, kind in events], "fig10", 10),
+    "list: half of a short stick": lambda: listed(
+        lambda events: events[1:], "fig8", 9, tolerance=1e-3
+    ),
+    "list: rounded": lambda: listed(
+        lambda events: [(round(t, 3), kind) for t, kind in events], "fig10", 10
+    ),
     "3 decimals": lambda: rounded(decimals(3)),
     "6 decimals, both belts": lambda: rounded(decimals(6), "fig10"),
     "tens of thousandths": lambda: rounded(decimals(4), "fig9", 301, changes={"A0": -2.001}),
@@ -628,8 +752,12 @@ CHECKS: dict[str, Callable[[], object]] = {
     "cut off": lambda: rounded(lambda values: np.trunc(values * 1000) / 1000, "fig9"),
     "rounded down": lambda: rounded(lambda values: np.floor(values * 1000) / 1000, "fig9"),
     "times too": lambda: rounded(decimals(4), "fig9", cut=decimals(3)),
-    "multiples of 10": lambda: judged("fig9", [0.1324, 1, 2, 3, 4], [0, 20, 30, -40, 10], [10, 70, 30, 20, 50]),
-    "another start": lambda: judged("fig9", *other("fig9", 6, 61)[1:2], *exact_from("fig9", 1.5), whole=True),
+    "multiples of 10": lambda: judged(
+        "fig9", [0.1324, 1, 2, 3, 4], [0, 20, 30, -40, 10], [10, 70, 30, 20, 50]
+    ),
+    "another start": lambda: judged(
+        "fig9", *other("fig9", 6, 61)[1:2], *exact_from("fig9", 1.5), whole=True
+    ),
     "a start on the motion, an early end": lambda: judged(
         "fig5", *(a[20:] for a in exact("fig5", 12, 121)), whole=True
     ),
@@ -637,14 +765,22 @@ CHECKS: dict[str, Callable[[], object]] = {
     "a motion that rests": lambda: ended(),
     "positions": lambda: positions("fig10", 161),
     "positions, 5 decimals": lambda: positions("fig9", 161, 5),
-    "positions at rounded times": lambda: judged("fig9", *(np.round(a, 4) for a in exact("fig9", 6.0, 161)[:2])),
+    "positions at rounded times": lambda: judged(
+        "fig9", *(np.round(a, 4) for a in exact("fig9", 6.0, 161)[:2])
+    ),
     "positions, few": lambda: positions("fig5", 31),
-    "positions without a scene": lambda: judged(load_scene("fig5").parameters, *exact("fig5", 6, 121)[:2]),
-    "a function": lambda: judged("fig9", np.linspace(0.1324, 3, 50), lambda t: simulate("fig9", t_end=3)(t)),
+    "positions without a scene": lambda: judged(
+        load_scene("fig5").parameters, *exact("fig5", 6, 121)[:2]
+    ),
+    "a function": lambda: judged(
+        "fig9", np.linspace(0.1324, 3, 50), lambda t: simulate("fig9", t_end=3)(t)
+    ),
     "a trajectory": lambda: judged("fig9", simulate("fig9", t_end=2)),
     "a solver's events": lambda: judged("fig5", solver_events()),
     "a solver's late events": lambda: judged("fig5", solver_events(2.5, 7.5, 7.6, off=1e-3)),
-    "a solver that failed": lambda: judged("fig5", result(success=False, message="no\nmore", sol=dense)),
+    "a solver that failed": lambda: judged(
+        "fig5", result(success=False, message="no\nmore", sol=dense)
+    ),
     "pieces": lambda: judged("fig5", [{"t": t, "x": x, "v": v} for t, x, v in pieces()]),
     "several": several,
     "texts": lambda: texts(*TEXTS),
@@ -652,8 +788,12 @@ CHECKS: dict[str, Callable[[], object]] = {
     "texts of Octave": lambda: texts(*OCTAVE, suffix="txt"),
     "objects": lambda: "\n".join(re.sub(r" at 0x\w+", "", read(each)) for each in objects()),
     "texts without v": lambda: texts(*TEXTS[:4], columns={"v": None}),
-    "texts by number": lambda: texts(TEXTS[-8], TEXTS[-4], TEXTS[2], columns={"t": "2", "x": "1", "v": "3"}),
-    "texts with other names": lambda: texts(*TEXTS[:2], *TEXTS[6:8], columns={"t": "time", "x": "a", "v": "b"}),
+    "texts by number": lambda: texts(
+        TEXTS[-8], TEXTS[-4], TEXTS[2], columns={"t": "2", "x": "1", "v": "3"}
+    ),
+    "texts with other names": lambda: texts(
+        *TEXTS[:2], *TEXTS[6:8], columns={"t": "time", "x": "a", "v": "b"}
+    ),
 }
 
 
@@ -664,7 +804,9 @@ def drifting(t: np.ndarray, x: np.ndarray, v: np.ndarray) -> Columns:
 def too_far() -> Any:
     """Return samples that go on by the exact motion after one step that leads elsewhere."""
     t, x, v = (column.copy() for column in exact("fig9", 8.0, 101))
-    after = simulate(load_scene("fig9").parameters, t0=float(t[30]), x0=x[30] + 1e-4, v0=v[30], t_end=8)
+    after = simulate(
+        load_scene("fig9").parameters, t0=float(t[30]), x0=x[30] + 1e-4, v0=v[30], t_end=8
+    )
     x[30:], v[30:] = after(t[30:])
     return "fig9", t, x, v
 

@@ -22,7 +22,24 @@ from symosc.derive.fragments import FRAGMENTS, as_latex, check_fragment
 from symosc.derive.latex import latex, lines, named, width
 from symosc.derive.scope import Scope, fragment_scope
 from symosc.derive.steps import Step, StepError, StepEvidence, equation, step
-from symosc.symbolic.solution import B0, FN, Omega, c, h, k, m, mu1, mu2, omega_d, t, tau, theta_i, v, x, x_i
+from symosc.symbolic.solution import (
+    B0,
+    FN,
+    Omega,
+    c,
+    h,
+    k,
+    m,
+    mu1,
+    mu2,
+    omega_d,
+    t,
+    tau,
+    theta_i,
+    v,
+    x,
+    x_i,
+)
 
 #: A damper and no spring, equal roots, resonance, neither, and too strong a damper.
 REGIMES = (
@@ -39,16 +56,23 @@ def unproven() -> Any:
     return patch.object(Step, "verify", lambda step: StepEvidence("exact", "0"))
 
 
-def fragment(name: str, settings: dict[str, str] | None = None, scene: Scene | None = None, **how: Any) -> str:
+def fragment(
+    name: str, settings: dict[str, str] | None = None, scene: Scene | None = None, **how: Any
+) -> str:
     """Return a fragment as LaTeX, without the version."""
-    scope = fragment_scope(settings or {}, scene, how.pop("form", "entire"), how.pop("digits", None))
+    scope = fragment_scope(
+        settings or {}, scene, how.pop("form", "entire"), how.pop("digits", None)
+    )
     with unproven():
         text = as_latex(check_fragment(name, scope), scope, **how)
     return re.sub(r"\(symosc .*?\)", "", text)
 
 
 def of_scene(key: str, name: str, html: bool = False) -> str:
-    """Return a chapter with the numbers of a scene: of LaTeX the lines that the general chapter does not have."""
+    """Return a chapter with the numbers of a scene.
+
+    Of LaTeX the lines that the general chapter does not have.
+    """
     scope = Scope(load_scene(name))
     with unproven():
         chapter = document.check_chapter(key, scope)
@@ -71,7 +95,11 @@ def shown(html: str) -> str:
 def bare(formula: str) -> str:
     """Return the tags and characters of a formula, with the attributes that are our own."""
     ours = r' (?:displaystyle="true"|accent="true"|mathvariant="normal"|width="[^"]*")'
-    found = re.sub(r"<([^ >]+)( [^>]*)>", lambda tag: f"<{tag[1]}{''.join(sorted(re.findall(ours, tag[2])))}>", formula)
+    found = re.sub(
+        r"<([^ >]+)( [^>]*)>",
+        lambda tag: f"<{tag[1]}{''.join(sorted(re.findall(ours, tag[2])))}>",
+        formula,
+    )
     return unescape(found)
 
 
@@ -155,42 +183,75 @@ def references() -> str:
     """Return all references as lists print them, and how they are cited."""
     keys = citation.cited(r"\cite{shaw1986, denhartog1930}\cite[p.~2]{chen2016}")
     found = [f"{key}: {citation.plain_line(key)}" for key in citation.entries() if key != "symosc"]
-    return "\n".join([*found, *keys, citation.paper_reference(), citation.paper_reference("<i>{}</i>", "_", "-")])
+    return "\n".join(
+        [*found, *keys, citation.paper_reference(), citation.paper_reference("<i>{}</i>", "_", "-")]
+    )
 
 
 def errata() -> str:
     """Return the errata as mails and tables take them."""
     fields = ("severity", "where", "printed", "holds", "proof")
-    return "\n".join(f"{e.number} {e.id}: {[getattr(e.in_unicode(), name) for name in fields]}" for e in read_errata())
+    return "\n".join(
+        f"{e.number} {e.id}: {[getattr(e.in_unicode(), name) for name in fields]}"
+        for e in read_errata()
+    )
 
 
-CASES: dict[str, Callable[[], object]] = {f"fragment {name}": partial(fragment, name) for name in FRAGMENTS}
+CASES: dict[str, Callable[[], object]] = {
+    f"fragment {name}": partial(fragment, name) for name in FRAGMENTS
+}
 CASES |= {
-    f"fragment {name} with numbers": partial(fragment, name, NUMBERS, form="paper", digits=digits, paper_tags=True)
-    for name, digits in (("P1", None), ("P5", 4), ("P8", None), ("theorem7", 3), ("friction", None), ("stick", 5))
+    f"fragment {name} with numbers": partial(
+        fragment, name, NUMBERS, form="paper", digits=digits, paper_tags=True
+    )
+    for name, digits in (
+        ("P1", None),
+        ("P5", 4),
+        ("P8", None),
+        ("theorem7", 3),
+        ("friction", None),
+        ("stick", 5),
+    )
 }
 CASES |= {
     f"motion with {given}, {form}": partial(fragment, "flow", given, form=form)
     for given in REGIMES for form in ("entire", "paper")
 }  # fmt: skip
 CASES |= {
-    "fragment of a scene, alone": lambda: fragment("theorem6", scene=load_scene("fig9"), prefix="", alone=True),
+    "fragment of a scene, alone": lambda: fragment(
+        "theorem6", scene=load_scene("fig9"), prefix="", alone=True
+    ),
     "fragment without a spring": lambda: fragment("theorem7", {"k": "0"}, prefix="a.b"),
 }
-SCENES = {"maps": "fig10", "domains": "fig7", "grazing": "fig8", "motion": "fig5", "sticks": "fig6", "orbits": "fig9"}
+SCENES = {
+    "maps": "fig10",
+    "domains": "fig7",
+    "grazing": "fig8",
+    "motion": "fig5",
+    "sticks": "fig6",
+    "orbits": "fig9",
+}
 CASES |= {f"{key} of {scene}": partial(of_scene, key, scene) for key, scene in SCENES.items()}
-CASES |= {f"errata of {scene}": partial(of_scene, "errata", scene) for scene in ("fig7", "fig8-exact")}
+CASES |= {
+    f"errata of {scene}": partial(of_scene, "errata", scene) for scene in ("fig7", "fig8-exact")
+}
 CASES |= {"page of two chapters": partial(page, "sticks", "switching")}
 CASES |= {
     "maps of a scene in HTML": partial(of_scene, "maps", "fig9", True),
     "front of a scene": lambda: front.scene_numbers(Scope(load_scene("fig9"))),
     "checks of steps": lambda: "\n".join(map(verified, STEPS)),
-    "formulas in LaTeX": lambda: "\n".join(f"{latex(e)} | {latex(e, True)} | {width(latex(e)):.2f}" for e in PRINTED),
+    "formulas in LaTeX": lambda: "\n".join(
+        f"{latex(e)} | {latex(e, True)} | {width(latex(e)):.2f}" for e in PRINTED
+    ),
     "long lines": lambda: [
-        lines(equation(y, sp.expand((x + v + t) ** n)), False, left) for n in (3, 8) for left in (None, 40)
+        lines(equation(y, sp.expand((x + v + t) ** n)), False, left)
+        for n in (3, 8)
+        for left in (None, 40)
     ],
     "words in HTML": lambda: attempted(lambda text: shown(mathml.words(text)), WORDS),
-    "formulas in HTML": lambda: attempted(lambda text: bare(mathml.formula(text, "x" in text)), FORMULAS),
+    "formulas in HTML": lambda: attempted(
+        lambda text: bare(mathml.formula(text, "x" in text)), FORMULAS
+    ),
     "LaTeX in Unicode": lambda: attempted(latex_to_unicode, UNICODE),
     "references": references,
     "errata": errata,

@@ -1,4 +1,7 @@
-"""Grazing windows, starts, curves, solutions and checks; the mappings and their derivatives; exact phases."""
+"""Grazing windows, starts, curves, solutions and checks; the mappings and their derivatives.
+
+Exact phases.
+"""
 
 from __future__ import annotations
 
@@ -42,7 +45,9 @@ FIG6, FIG7, FIG8 = (load_scene(name).parameters for name in ("fig6", "fig7-exact
 
 def plain(value: Any) -> Any:
     """Return numbers with more than double precision as text."""
-    return str(value) if hasattr(value, "_mpf_") else value
+    if hasattr(value, "_mpf_"):
+        return str(value)
+    return value
 
 
 def windows() -> Iterator[str]:
@@ -52,7 +57,8 @@ def windows() -> Iterator[str]:
     for k in ("1/2", "1", "0"):
         yield phases_text(grazing_window(flat.replace(k=k), "P2", "paper"))
     for i in range(28):
-        p, mapping = parameters(rng), MAPS[i % 4]
+        p = parameters(rng)
+        mapping = MAPS[i % 4]
         for order in ("full", "paper"):
             window = grazing_window(p, mapping, order)
             yield f"{window!r} {window.case} {phases_text(window)} {critical_text(window)} {window.intervals}"
@@ -60,13 +66,25 @@ def windows() -> Iterator[str]:
 
 def exact_windows() -> Iterator[str]:
     """Yield what sympy and LaTeX say of a window, and phases in it."""
-    for p, mapping in ((FIG9, "P2"), (FIG10, "P6"), (FIG10.replace(B0=-5), "P3"), (FIG9.replace(k=0), "P3")):
+    for p, mapping in (
+        (FIG9, "P2"),
+        (FIG10, "P6"),
+        (FIG10.replace(B0=-5), "P3"),
+        (FIG9.replace(k=0), "P3"),
+    ):
         window = grazing_window(p, mapping)
         yield f"{window.phases}; {window.theta_cr}; {window.contact_phases}"
         yield window.latex()
-        yield " ".join(str(window.contains(theta)) for theta in ("pi/2", "3*pi/2", 1, 4.5, "-1/3", "pi - 2"))
+        yield " ".join(
+            str(window.contains(theta)) for theta in ("pi/2", "3*pi/2", 1, 4.5, "-1/3", "pi - 2")
+        )
     yield str(grazing_window(FIG9, "P2").contact("pi/3"))
-    yield str([grazing_window(FIG9, "P2").contact(1.0), *grazing_window(FIG9, "P2").contact(np.array([0.5, 2.0]))])
+    yield str(
+        [
+            grazing_window(FIG9, "P2").contact(1.0),
+            *grazing_window(FIG9, "P2").contact(np.array([0.5, 2.0])),
+        ]
+    )
 
 
 def many_windows() -> Iterator[Any]:
@@ -107,7 +125,9 @@ def starts() -> Iterator[Any]:
 
 def verdicts() -> Iterator[Any]:
     """Yield whether states graze, by G-functions of each order."""
-    flat = Parameters(m=1, c="0.5", k=2, A0=0, B0=6, Omega=1, v1=3, v2=9, mu1="0.5", mu2="0.2", FN=1)
+    flat = Parameters(
+        m=1, c="0.5", k=2, A0=0, B0=6, Omega=1, v1=3, v2=9, mu1="0.5", mu2="0.2", FN=1
+    )
     quartic = grazing_window(flat, "P2").contact("3*pi/2")
     for p, mapping, x, theta in (
         (FIG9, "P2", 0, 1),
@@ -150,7 +170,14 @@ def curves() -> Iterator[Any]:
             yield vars(each.sample(float(piece.theta_m[middle])))
 
 
-CURVES = (("fig10", "P5"), ("fig9", "P3"), ("fig6", "P2"), ("fig7-exact", "P2"), ("fig10", "P6"), ("fig9", "P2"))
+CURVES = (
+    ("fig10", "P5"),
+    ("fig9", "P3"),
+    ("fig6", "P2"),
+    ("fig7-exact", "P2"),
+    ("fig10", "P6"),
+    ("fig9", "P2"),
+)
 
 
 def solutions() -> Iterator[Any]:
@@ -176,7 +203,11 @@ def solutions() -> Iterator[Any]:
     for p, mapping, given in asked:
         found: GrazingSolutions = solve_grazing(p, mapping, n=60, **given)
         yield [mapping, *map(str, given), found.complete, found.message]
-        yield [plain(number) for each in found for number in (each.x, each.theta, each.x_m, each.theta_m)]
+        yield [
+            plain(number)
+            for each in found
+            for number in (each.x, each.theta, each.x_m, each.theta_m)
+        ]
         yield found.latex()
 
 
@@ -184,12 +215,18 @@ def checks() -> Iterator[Any]:
     """Yield what the checks of windows say, but for what depends on the errors of DOP853."""
     for p, mapping in ((FIG9, "P2"), (FIG10.replace(B0=-5), "P6")):
         report = check_grazing(p, mapping, n=40, seed=3)
-        yield [line for line in report.summary().splitlines() if "DOP853" not in line and " s" not in line[-3:]]
+        yield [
+            line
+            for line in report.summary().splitlines()
+            if "DOP853" not in line and " s" not in line[-3:]
+        ]
         about = report.to_dict() | {"seconds": 0}
         for name in ("agreements", "undecided", "closest"):
             about[name] = {way: value for way, value in about[name].items() if way != "DOP853"}
         yield about
-        wrong = replace(report, mismatches=({"theta": "1", "why": "of a test"},) * 21, finely=0, seconds=0)
+        wrong = replace(
+            report, mismatches=({"theta": "1", "why": "of a test"},) * 21, finely=0, seconds=0
+        )
         yield [line for line in wrong.summary().splitlines() if "mismatch" in line]
 
 
@@ -216,10 +253,21 @@ def next_points() -> Iterator[Any]:
 
     def end(p: Parameters, label: str, x: Any, theta: Any) -> Any:
         point = solve_map(p, label, x, theta)
-        return [label, point.x, point.theta, str(point.exit), point.grazing, *np.ravel(point.derivative)]
+        return [
+            label,
+            point.x,
+            point.theta,
+            str(point.exit),
+            point.grazing,
+            *np.ravel(point.derivative),
+        ]
 
     tries = [
-        (p, f"P{n}", x, theta) for p in (FIG9, FIG10) for n in range(1, 9) for x in (-3, 4) for theta in (1, 14.5, -4)
+        (p, f"P{n}", x, theta)
+        for p in (FIG9, FIG10)
+        for n in range(1, 9)
+        for x in (-3, 4)
+        for theta in (1, 14.5, -4)
     ]
     for given in tries:
         yield outcome(lambda given=given: end(*given), ArithmeticError, ValueError)  # type: ignore[misc]
@@ -230,7 +278,16 @@ def next_points() -> Iterator[Any]:
 
 def phases() -> Iterator[str]:
     """Yield phases read from text, and signs of level + amplitude sin."""
-    for text in ("3*pi/2", "pi - 1/3", "0.7", "-(pi + 1)/3", "2 pi", "π/4 + 0.25*2", "+pi", "(1 + 2)*pi/(3 - 1)"):
+    for text in (
+        "3*pi/2",
+        "pi - 1/3",
+        "0.7",
+        "-(pi + 1)/3",
+        "2 pi",
+        "π/4 + 0.25*2",
+        "+pi",
+        "(1 + 2)*pi/(3 - 1)",
+    ):
         yield f"{text}: {read_phase_text('theta', text)} {read_phase_text('theta', text).symbolic()}"
     for sixths in range(-13, 14):
         phase = ExactPhase(FIG9.FN * 0, FIG9.m * 10 * sixths / 6)

@@ -12,7 +12,16 @@ from paper_orbits import BOTH_BELTS, FIG9, FIG10
 from parameter_sets import COULOMB, MANY_SLIPS, PLANE, SHRINKS
 from said import errors_of
 
-from symosc import Border, Branch, Parameters, PeriodicOrbit, Scene, continue_border, continue_orbit, find_orbit
+from symosc import (
+    Border,
+    Branch,
+    Parameters,
+    PeriodicOrbit,
+    Scene,
+    continue_border,
+    continue_orbit,
+    find_orbit,
+)
 from symosc.orbits.admissibility import conditions, grazing_distance
 from symosc.orbits.border import borders_between, passes
 from symosc.orbits.branch import piece_margins
@@ -100,15 +109,23 @@ def between(p: Parameters, changed: str, low: Any, high: Any, **ranges: Any) -> 
 @cache
 def stick_border() -> Border:
     """Return the border on which P32 loses to sticks, with a fold and a point of codimension two."""
-    return continue_border(branch(COULOMB.replace(FN="0.72"), "P32", "FN", 0.7, 0.8), 1, "Omega", PLANE, step="0.05")
+    return continue_border(
+        branch(COULOMB.replace(FN="0.72"), "P32", "FN", 0.7, 0.8), 1, "Omega", PLANE, step="0.05"
+    )
 
 
 def where_it_passes() -> list[bool]:
     """Return whether points of a border are on the same border in long steps, and whether points beside it are."""
     border = stick_border()
-    coarse = continue_border(branch(COULOMB.replace(FN="0.72"), "P32", "FN", 0.7, 0.8), 1, "Omega", PLANE, step="0.1")
+    coarse = continue_border(
+        branch(COULOMB.replace(FN="0.72"), "P32", "FN", 0.7, 0.8), 1, "Omega", PLANE, step="0.1"
+    )
     places = [border.points[i] + shift for shift in (0, 1e-3) for i in range(2, len(border), 5)]
-    return [passes(coarse, place, words) for words in (border.words, ("P32", "rest")) for place in places]
+    return [
+        passes(coarse, place, words)
+        for words in (border.words, ("P32", "rest"))
+        for place in places
+    ]
 
 
 def of_border(border: Border) -> Iterator[Any]:
@@ -133,7 +150,8 @@ def margins() -> Iterator[Any]:
             v2=f"{v1 + 1.5:.3f}", mu1="0.5", mu2="0.4", FN=5,
         )  # fmt: skip
         equations = ClosingEquations(p, read_word(word), rng.choice([1, 3]))
-        count, begin = len(equations.pieces), rng.uniform(0, 6)
+        count = len(equations.pieces)
+        begin = rng.uniform(0, 6)
         cuts = sorted(float(equations.turn) * rng.random() for _ in range(count - 1))
         points = np.array([(rng.uniform(-3, 3), begin + cut) for cut in (0.0, *cuts)])
         yield [word, *equations.residuals(points), grazing_distance(equations, points)]
@@ -141,12 +159,19 @@ def margins() -> Iterator[Any]:
         for c in conditions(equations, points):
             yield [c.text, c.event, c.rank, c.piece, c.value, c.t, c.scale]
         for i in range(count):
-            yield [values.sum() for values in piece_margins(equations, points, i, np.linspace(0, 1, 7))]
+            yield [
+                values.sum() for values in piece_margins(equations, points, i, np.linspace(0, 1, 7))
+            ]
 
 
 def undriven() -> Iterator[Any]:
     """Yield the positions of rest of belts at rest, with and without drive."""
-    for p in (COULOMB, COULOMB.replace(FN=2), COULOMB.replace(FN=2, A0="0.3", mu2="0.25"), COULOMB.replace(k=0)):
+    for p in (
+        COULOMB,
+        COULOMB.replace(FN=2),
+        COULOMB.replace(FN=2, A0="0.3", mu2="0.25"),
+        COULOMB.replace(k=0),
+    ):
         yield [str(rest_positions(p, belt)) for belt in (1, 2)]
         yield str(rest_positions(p.replace(v1=-2, v2=0, mu1="0.1", mu2="0.6"), 2))
 
@@ -157,12 +182,16 @@ CASES: dict[str, Callable[[], object]] = {
     "P1748 of two belts": lambda: whole(found(BOTH_BELTS, "P1748")),
     "P174648 with slips": lambda: whole(found(MANY_SLIPS, "P174648")),
     "P32 with digits": lambda: found(FIG9, "P32", digits=20).as_dict(),
-    "formulas": lambda: "\n".join(found(p, w)._repr_latex_() for p, w in ((FIG9, "P32"), (FIG10, "P4645"))),
+    "formulas": lambda: "\n".join(
+        found(p, w)._repr_latex_() for p, w in ((FIG9, "P32"), (FIG10, "P4645"))
+    ),
     "exponents": lambda: [found(FIG9, "P32").lyapunov, found(FIG10, "P4645").lyapunov],
     "margins of P32": lambda: [c._asdict() for c in found(FIG9, "P32").conditions()],
     "margins of P4645": lambda: [c._asdict() for c in found(FIG10, "P4645").conditions()],
     "derivatives of an orbit": lambda: found(FIG10, "P4645").sensitivities(("FN", "v2", "A0")),
-    "settled": lambda: [repr(find_orbit(p)) for p in (FIG9, FIG10, COULOMB, COULOMB.replace(FN="0.9"), SHRINKS)],
+    "settled": lambda: [
+        repr(find_orbit(p)) for p in (FIG9, FIG10, COULOMB, COULOMB.replace(FN="0.9"), SHRINKS)
+    ],
     "words for where motions end": lambda: [resting_text(SHRINKS, mode) for mode in range(1, 6)],
     "approaches": lambda: [
         found(FIG9, "P32").approach("fig9"),
@@ -172,7 +201,9 @@ CASES: dict[str, Callable[[], object]] = {
         found(MARGINAL, "P32").approach(Scene("never near", MARGINAL, 0, 2, 1, 4)),
         found(FIG9, "P3232", periods=2).approach(Scene("off a belt", FIG9, 1, 2, -3, 4)),
     ],
-    "rotations": lambda: [found(p, w).points for p, w in ((FIG9, "P23"), (FIG10, "P6454"), (FIG10, "P5464"))],
+    "rotations": lambda: [
+        found(p, w).points for p, w in ((FIG9, "P23"), (FIG10, "P6454"), (FIG10, "P5464"))
+    ],
     "guesses": ways_to_guess,
     "roots that are no orbits": lambda: [
         find_orbit(FIG9.replace(Omega=3), "P32").as_dict(),
@@ -182,7 +213,9 @@ CASES: dict[str, Callable[[], object]] = {
         find_orbit(FIG10.replace(B0=4), "P4645").as_dict(),
     ],
     "more periods": lambda: found(FIG9, "P3232", periods=2).as_dict(),
-    "no damper": lambda: [find_orbit(UNDAMPED.replace(Omega=Omega), "P32").message for Omega in ("1.5", "0.5")],
+    "no damper": lambda: [
+        find_orbit(UNDAMPED.replace(Omega=Omega), "P32").message for Omega in ("1.5", "0.5")
+    ],
     "no orbit": lambda: errors_of(
         [
             lambda: find_orbit("fig7"),
@@ -208,12 +241,18 @@ CASES: dict[str, Callable[[], object]] = {
     "margins anywhere": margins,
     "positions of rest": undriven,
     "branch: range": lambda: columns(branch(FIG9, "P32", "Omega", 3.9, 4.1)),
-    "branch: stick is born": lambda: ends(branch(FIG9.replace(Omega="3.29"), "P32", "Omega", "3.28", "3.3")),
+    "branch: stick is born": lambda: ends(
+        branch(FIG9.replace(Omega="3.29"), "P32", "Omega", "3.28", "3.3")
+    ),
     "branch: graze": lambda: ends(graze_branch()),
     "branch: slip is born": lambda: ends(branch(FIG10.replace(B0=5), "P45", "B0", "4.99", "5.1")),
     "branch: no belt": lambda: ends(free_branch()),
-    "branch: most points": lambda: [end.kind for end in branch(FIG9, "P32", "Omega", 3.5, 4.5, max_points=5).ends],
-    "branch: undamped": lambda: columns(branch(UNDAMPED.replace(Omega="1.45"), "P32", "Omega", 1.45, 1.55)),
+    "branch: most points": lambda: [
+        end.kind for end in branch(FIG9, "P32", "Omega", 3.5, 4.5, max_points=5).ends
+    ],
+    "branch: undamped": lambda: columns(
+        branch(UNDAMPED.replace(Omega="1.45"), "P32", "Omega", 1.45, 1.55)
+    ),
     "branch: errors": lambda: errors_of(
         [
             lambda: branch(FIG9.replace(Omega=3), "P32", "Omega", 2, 4),
@@ -237,14 +276,24 @@ CASES: dict[str, Callable[[], object]] = {
     ),
     "border: stick": lambda: of_border(stick_border()),
     "border: where it passes": where_it_passes,
-    "border: at": lambda: [stick_border().at(Omega="1.5"), stick_border().at(FN="0.7"), stick_border().at(FN=1)],
+    "border: at": lambda: [
+        stick_border().at(Omega="1.5"),
+        stick_border().at(FN="0.7"),
+        stick_border().at(FN=1),
+    ],
     "border: graze": lambda: of_border(
         continue_border(graze_branch(), 1, "FN", {"Omega": (4.9, 5.2), "FN": (9, 11)}, step="0.1")
     ),
     "border: no belt": lambda: of_border(
-        continue_border(free_branch(), 0, "Omega", {"Omega": ("0.5", 2), "B0": (0.24, 6)}, step="0.05")
+        continue_border(
+            free_branch(), 0, "Omega", {"Omega": ("0.5", 2), "B0": (0.24, 6)}, step="0.05"
+        )
     ),
-    "border: no belt above": lambda: between(ABOVE, "B0", "0.95", "1.2", c=("0.4", "0.6"), B0=(0.24, 6)),
+    "border: no belt above": lambda: between(
+        ABOVE, "B0", "0.95", "1.2", c=("0.4", "0.6"), B0=(0.24, 6)
+    ),
     "border: rest": lambda: between(COULOMB, "FN", "0.9", "1.1", **PLANE),
-    "border: between": lambda: between(COULOMB, "FN", "0.71", "0.89", FN=(0.7, 0.9), Omega=(0.85, 0.95)),
+    "border: between": lambda: between(
+        COULOMB, "FN", "0.71", "0.89", FN=(0.7, 0.9), Omega=(0.85, 0.95)
+    ),
 }

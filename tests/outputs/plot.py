@@ -1,4 +1,7 @@
-"""Figures, notebook pages and the explorer: of motions, orbits, branches, grazing windows, sweeps, judged solutions."""
+"""Figures, notebook pages and the explorer.
+
+Of motions, orbits, branches, grazing windows, sweeps, judged solutions.
+"""
 
 from __future__ import annotations
 
@@ -54,7 +57,19 @@ def motion(seed: int, **changes: Any) -> symosc.Trajectory:
 @cache
 def on_moving_belts() -> symosc.Trajectory:
     """Return a motion on belts whose speeds oscillate."""
-    model = OtherModel(m=1, k=2, Omega="1.3", FN=1, W="0.6", W_phase="0.4", v1="-0.4", v2="0.9", mu1=1, mu2="0.7", B0=2)
+    model = OtherModel(
+        m=1,
+        k=2,
+        Omega="1.3",
+        FN=1,
+        W="0.6",
+        W_phase="0.4",
+        v1="-0.4",
+        v2="0.9",
+        mu1=1,
+        mu2="0.7",
+        B0=2,
+    )
     return simulate(model, t0=0, x0=1, v0=0, t_end=14)
 
 
@@ -73,7 +88,9 @@ def own(draw: Callable[..., Figure]) -> str:
 MOTIONS: dict[str, Case] = {
     "fig5": lambda: plot.figure("fig5", t_end=9),
     "fig8 with magnified sticks": lambda: plot.figure("fig8", t_end=9, panels="abg"),
-    "fig8 with more sticks, one column": lambda: full(plot.figure("fig8", t_end=40, panels="bc", columns=1)),
+    "fig8 with more sticks, one column": lambda: full(
+        plot.figure("fig8", t_end=40, panels="bc", columns=1)
+    ),
     "fig8, the panel with insets alone": lambda: axes_in(plot.figure("fig8", panels="b")),
     "fig9, a periodic scene": lambda: plot.figure("fig9"),
     "fig9 in one column": lambda: axes_in(plot.figure("fig9", columns=1, panels="cf")),
@@ -86,8 +103,12 @@ MOTIONS: dict[str, Case] = {
     "both belts, first": lambda: plot.figure(motion(8), panels="bg"),
     "moving belts": lambda: plot.figure(on_moving_belts(), panels="abf"),
     "many marks": lambda: plot.figure(simulate("fig9", t_end="60T"), panels="cd"),
-    "without a transient": lambda: plot.figure(simulate("fig9", t_end="12T"), panels="bg", skip="8T"),
-    "with a style": lambda: full(plot.figure("fig5", panels="bd", t_end=5, skip=1, lw=3, color="teal", alpha=0.5)),
+    "without a transient": lambda: plot.figure(
+        simulate("fig9", t_end="12T"), panels="bg", skip="8T"
+    ),
+    "with a style": lambda: full(
+        plot.figure("fig5", panels="bd", t_end=5, skip=1, lw=3, color="teal", alpha=0.5)
+    ),
     "into axes": lambda: own(partial(plot.figure, "fig5", t_end=3)),
     "an orbit": lambda: axes_in(answer("orbit").plot()),
     "an orbit, forces": lambda: answer("orbit").plot("f", columns=1),
@@ -129,11 +150,15 @@ def unstable() -> symosc.Branch:
     """Return one that becomes marginal and then unstable, and whose multipliers meet and part."""
     found = answer("branch")
     n = len(found.values)
-    sizes, turn = np.linspace(0.9, 1.2, n), np.exp(1j * np.linspace(-0.5, 0.5, n) * (np.arange(n) > n // 2))
+    sizes = np.linspace(0.9, 1.2, n)
+    turn = np.exp(1j * np.linspace(-0.5, 0.5, n) * (np.arange(n) > n // 2))
     sizes[n // 3 : n // 2] = 1 + 1e-12
     multipliers = np.stack([sizes * turn, sizes * turn.conj()], axis=1)
     return branch(
-        multipliers=multipliers, stable=sizes < 1, labels=("P2", "P2"), ends=ended("grazing", "vanishing of a slip")
+        multipliers=multipliers,
+        stable=sizes < 1,
+        labels=("P2", "P2"),
+        ends=ended("grazing", "vanishing of a slip"),
     )
 
 
@@ -156,7 +181,9 @@ SPECIAL = (
 
 @cache
 def borders() -> list[Border]:
-    across = border("adding-sliding", (8, 3.1), (11, 3.5), parameters=("FN", "Omega"), words=("P132", "P32"))
+    across = border(
+        "adding-sliding", (8, 3.1), (11, 3.5), parameters=("FN", "Omega"), words=("P132", "P32")
+    )
     return [
         border("grazing-sliding", (3.1, 9), (3.3, 10), (3.6, 10.5), special=SPECIAL),
         border("", (3.2, 9), (3.0, 11), special=SPECIAL[:1]),
@@ -166,7 +193,8 @@ def borders() -> list[Border]:
 
 def long_branch() -> symosc.Branch:
     """Return one of four mappings, which come twice and more often, and of many points."""
-    found, many = answer("branch"), 21
+    found = answer("branch")
+    many = 21
     points = np.array([[(0.1 * k, 1 + 0.01 * k * i) for i in range(4)] for k in range(many)])
     switchings = tuple(SwitchingPoint(0.1, x) for x in (1.0, 1.1, 1.2, 1.3))
     return branch(
@@ -183,11 +211,15 @@ BRANCHES: dict[str, Case] = {
     "a branch": lambda: full(answer("branch").plot()),
     "a branch into axes": lambda: own(answer("branch").plot),
     "a branch that becomes unstable": lambda: full(unstable().plot()),
-    "a branch without an orbit beyond": lambda: branch(ends=ended("no convergence", "birth of a stick")).plot("b"),
+    "a branch without an orbit beyond": lambda: branch(
+        ends=ended("no convergence", "birth of a stick")
+    ).plot("b"),
     "a long branch": lambda: long_branch().plot("a"),
     "a border": lambda: full(answer("border").plot()),
     "a border with a fold": lambda: full(borders()[0].plot(lw=2)),
-    "a flat border": lambda: border("crossing-sliding", *((3 + k / 9, 9 + k / 99) for k in range(9))).plot(),
+    "a flat border": lambda: border(
+        "crossing-sliding", *((3 + k / 9, 9 + k / 99) for k in range(9))
+    ).plot(),
     "borders": lambda: full(plot.border_figure(borders())),
     "borders into axes": lambda: own(partial(plot.border_figure, borders()[:2], color="red")),
 }
@@ -198,14 +230,32 @@ BRANCHES: dict[str, Case] = {
 
 @cache
 def wrong() -> CrossCheck:
-    """Return the check of a solution that misses and invents events; its errors are no rounding noise."""
+    """Return the check of a solution that misses and invents events.
+
+    Its errors are no rounding noise.
+    """
     t = np.linspace(0, 7, 150)
     x, v = simulate("fig5", t_end=7)(t)
     noise = 1e-4 * np.sin(3 * t)
-    v = v + noise + 0.6 * (abs(t - 2.1) < 0.1) + 0.5 * (abs(t - 4.9) < 0.25) - 0.8 * (abs(t - 6.6) < 0.1)
+    v = (
+        v
+        + noise
+        + 0.6 * (abs(t - 2.1) < 0.1)
+        + 0.5 * (abs(t - 4.9) < 0.25)
+        - 0.8 * (abs(t - 6.6) < 0.1)
+    )
     found = crosscheck("fig5", t, x + noise, v, tolerance=2e-3)
     other = Diagnosis("smoothed friction", "", "friction is smoothed", "all sticks are flights")
-    why = Diagnosis("coefficient", "mu1", "mu1 is 0.7", "with it all steps are right", 0.7123, 0.01, 0.97, (other,))
+    why = Diagnosis(
+        "coefficient",
+        "mu1",
+        "mu1 is 0.7",
+        "with it all steps are right",
+        0.7123,
+        0.01,
+        0.97,
+        (other,),
+    )
     found.__dict__["diagnosis"] = (why, other)  # finding it takes a second
     return found
 
@@ -237,7 +287,9 @@ def fitted(weighted: bool) -> symosc.Fit:
 def fitted_samples(with_v: bool) -> symosc.Fit:
     t = np.linspace(0, 3, 20)
     x, v = simulate("fig5", t_end=3)(t)
-    data = {"t": t, "x": x + 1e-2 * np.cos(9 * t)} | ({"v": v - 1e-2 * np.sin(7 * t)} if with_v else {})
+    data = {"t": t, "x": x + 1e-2 * np.cos(9 * t)} | (
+        {"v": v - 1e-2 * np.sin(7 * t)} if with_v else {}
+    )
     return symosc.fit("fig5", data, "x0", sigma=(1e-2, 2e-2) if with_v else None)
 
 
@@ -291,7 +343,8 @@ JUDGED: dict[str, Case] = {
 
 # -- sweeps -----------------------------------------------------------------------------------------------------------
 
-ONE, TWO = {"Omega": "1:6:12"}, {"Omega": "1:6:12", "FN": "1:20:8"}
+ONE = {"Omega": "1:6:12"}
+TWO = {"Omega": "1:6:12", "FN": "1:20:8"}
 WORDS = np.array(["P32", "P3212", "P2", ""])
 
 
@@ -317,7 +370,9 @@ def sections(cells: Any) -> Any:
 
 
 def many_words(cells: Any) -> Any:
-    return np.array([f"P{int(a)}{int(b)}" for a, b in zip(cells["Omega"], cells["FN"], strict=True)])
+    return np.array(
+        [f"P{int(a)}{int(b)}" for a, b in zip(cells["Omega"], cells["FN"], strict=True)]
+    )
 
 
 def response(n: int = 24, status: str = "orbit") -> FrequencyResponse:
@@ -327,7 +382,9 @@ def response(n: int = 24, status: str = "orbit") -> FrequencyResponse:
     columns["amplitude"] = 1 / (abs(values - 3) + 0.02)
     columns["balance"] = np.where(values > 5, np.inf, columns["amplitude"] * 1.1)
     columns["phase"] = np.arctan2(np.sin(values * 1.5), np.cos(values * 1.5))
-    columns["word"] = np.where(values < 3, "P32", np.where(values < 4, "P23", np.where(values < 5, "P132", "")))
+    columns["word"] = np.where(
+        values < 3, "P32", np.where(values < 4, "P23", np.where(values < 5, "P132", ""))
+    )
     columns["status"] = np.where(values < 1.5, "rest", status)
     columns |= {"dissipated": np.zeros(n), "stuck": abs(columns["stuck"])}
     found = FrequencyResponse.__new__(FrequencyResponse)
@@ -340,7 +397,10 @@ def plane(proven: bool) -> Atlas:
     """Return an atlas of seven words, some of whose boxes are proven."""
     sides = [((Fraction(i), Fraction(i + 1)), (Fraction(5), Fraction(5 + i))) for i in range(8)]
     words = ["P32", "P132", "rest", "P2", "P3", "P3212", "P56", "P8", ""]
-    boxes = [ProvenBox(word, side, ()) for word, side in zip(words, sides, strict=False)] if proven else []
+    if proven:
+        boxes = [ProvenBox(word, side, ()) for word, side in zip(words, sides, strict=False)]
+    else:
+        boxes = []
     regions = [Region(word, 0.2 - i / 50, 0.1 * proven) for i, word in enumerate(words)]
     found = Atlas.__new__(Atlas)
     for name, value in {
@@ -358,21 +418,35 @@ def plane(proven: bool) -> Atlas:
 
 
 SWEEPS: dict[str, Case] = {
-    "a bifurcation diagram": lambda: full(swept(ONE, section=sections, word=lambda c: WORDS[bands(c)])),
+    "a bifurcation diagram": lambda: full(
+        swept(ONE, section=sections, word=lambda c: WORDS[bands(c)])
+    ),
     "its velocities": lambda: plot.bifurcation_figure(made(ONE, section=sections), "v"),
     "a section of starts": lambda: swept(ONE, starts=[(0, 0, 0), (0, 1, 0)], section=sections),
     "a curve": lambda: full(swept(ONE, stuck=lambda c: c["Omega"] ** 2 / 40)),
-    "a curve of counts": lambda: full(swept({"mu1": "0:1:9"}, sticks=lambda c: (9 * c["mu1"]).astype(int))),
+    "a curve of counts": lambda: full(
+        swept({"mu1": "0:1:9"}, sticks=lambda c: (9 * c["mu1"]).astype(int))
+    ),
     "words over one axis": lambda: full(swept(ONE, word=lambda c: WORDS[bands(c)])),
     "a map of words": lambda: full(swept(TWO, word=lambda c: WORDS[bands(c)], status=undecided)),
     "a map of many words": lambda: full(swept(TWO, word=many_words)),
     "a map of counts": lambda: full(swept(TWO, sticks=bands)),
-    "a map of 24 counts": lambda: full(swept({"k": "1:5:5", "Omega": "1:5:5"}, sticks=lambda c: np.arange(25) % 24)),
-    "a map of 25 counts": lambda: full(swept({"k": "1:5:5", "Omega": "1:5:5"}, sticks=lambda c: np.arange(25))),
-    "a map of numbers": lambda: full(swept(TWO, "x", x=lambda c: c["Omega"] * c["FN"], status=undecided)),
+    "a map of 24 counts": lambda: full(
+        swept({"k": "1:5:5", "Omega": "1:5:5"}, sticks=lambda c: np.arange(25) % 24)
+    ),
+    "a map of 25 counts": lambda: full(
+        swept({"k": "1:5:5", "Omega": "1:5:5"}, sticks=lambda c: np.arange(25))
+    ),
+    "a map of numbers": lambda: full(
+        swept(TWO, "x", x=lambda c: c["Omega"] * c["FN"], status=undecided)
+    ),
     "a map of one number": lambda: swept({"k": "1:2:2", "Omega": "1:2:2"}, x=lambda c: np.ones(4)),
-    "a basin": lambda: full(swept({"v0": "-3:30:9", "x0": "-1:1:5"}, word=lambda c: WORDS[(c["v0"] > 0).astype(int)])),
-    "a map over v0": lambda: own(partial(plot.map_figure, made({"k": "1:3:3", "v0": "-3:3:4"}, x=lambda c: c["v0"]))),
+    "a basin": lambda: full(
+        swept({"v0": "-3:30:9", "x0": "-1:1:5"}, word=lambda c: WORDS[(c["v0"] > 0).astype(int)])
+    ),
+    "a map over v0": lambda: own(
+        partial(plot.map_figure, made({"k": "1:3:3", "v0": "-3:3:4"}, x=lambda c: c["v0"]))
+    ),
     "a response": lambda: full(response().plot()),
     "a response in three panels": lambda: response(status="none").plot("cae"),
     "a response without orbits": lambda: own(response(2).plot),
@@ -393,14 +467,24 @@ SWEEPS: dict[str, Case] = {
 # -- grazing ----------------------------------------------------------------------------------------------------------
 
 MAPS = ("P2", "P3", "P5", "P6")
-#: Parameters at which windows are arcs, everything, all but one phase, empty; k v = B0 Omega; no spring; no drive.
+#: Parameters at which windows are arcs, everything, all but one phase, empty; k v = B0 Omega; no
+#: spring; no drive.
 WINDOWS: dict[str, dict[str, Any]] = {
     "of fig9": {},
     "at equality": {"v1": "-3", "v2": "3", "Omega": "1", "k": "4", "B0": "-12"},
     "beyond the belts": {"v1": "-25", "v2": "-20", "B0": "7"},
     "with belts at rest": {"v1": "0", "v2": "1"},
     "without a drive": {"B0": "0", "v1": "-1"},
-    "without a spring": {"k": "0", "A0": "0", "mu1": "0", "mu2": "0", "v1": "3", "v2": "4", "B0": "6", "c": "1"},
+    "without a spring": {
+        "k": "0",
+        "A0": "0",
+        "mu1": "0",
+        "mu2": "0",
+        "v1": "3",
+        "v2": "4",
+        "B0": "6",
+        "c": "1",
+    },
     "without a spring, damped": {"k": "0", "c": "90"},
 }
 
@@ -410,7 +494,9 @@ EQUAL = WINDOWS["at equality"]
 
 def windows(changes: Any, *maps: str, order: Any = "full", **how: Any) -> Figure:
     p = P.replace(**changes)
-    return plot.window_figure([grazing_window(p, mapping, order) for mapping in maps or MAPS], **how)
+    return plot.window_figure(
+        [grazing_window(p, mapping, order) for mapping in maps or MAPS], **how
+    )
 
 
 def plane_of(axes: Any, window: symosc.GrazingWindow) -> None:
@@ -423,10 +509,14 @@ def curves(changes: Any, mapping: str) -> Figure:
 
 def against(mapping: str, name: str, *limits: Any, **changes: Any) -> str:
     drawn = plot.sweep_figure(P.replace(**changes), mapping, name, *limits)
-    return full(drawn) if name == "Omega" else drawn_in(drawn)
+    if name == "Omega":
+        return full(drawn)
+    return drawn_in(drawn)
 
 
-def region(mapping: str, names: Any, phase: Any, *ranges: Any, order: Any = "full", **changes: Any) -> str:
+def region(
+    mapping: str, names: Any, phase: Any, *ranges: Any, order: Any = "full", **changes: Any
+) -> str:
     """Return the picture of a region, of its filled areas how much they cover and where."""
     p = P.replace(**changes)
     if phase == "empty":
@@ -459,7 +549,9 @@ GRAZING: dict[str, Case] = {
     "against Omega, far away": lambda: against("P2", "Omega", "0.1", "0.2"),
     "against k, without a drive": lambda: against("P5", "k", B0=0),
     "against v1, at rest": lambda: against("P2", "v1", v1=0, v2=1, B0=0),
-    "against Omega into axes": lambda: own(partial(plot.sweep_figure, P, "P5", "Omega", 1, 4, "paper")),
+    "against Omega into axes": lambda: own(
+        partial(plot.sweep_figure, P, "P5", "Omega", 1, 4, "paper")
+    ),
     "a grazing curve": lambda: curves({}, "P2"),
     "a grazing curve through 0": lambda: curves({}, "P3"),
     "a grazing curve of all phases": lambda: curves({}, "P5"),
@@ -468,7 +560,9 @@ GRAZING: dict[str, Case] = {
     "a grazing curve into axes": lambda: own(grazing_curve(P, "P2", 30).plot),
     "a region": lambda: region("P2", ("Omega", "k"), "7*pi/6"),
     "a region of belts": lambda: region("P3", ("v1", "Omega"), ("pi", "3*pi/2")),
-    "a region where its border counts": lambda: region("P2", ("Omega", "v1"), "3*pi/2", (0, 3), (-10, 10)),
+    "a region where its border counts": lambda: region(
+        "P2", ("Omega", "v1"), "3*pi/2", (0, 3), (-10, 10)
+    ),
     "a region with what is not allowed": lambda: region("P5", ("v2", "B0"), "pi", v1=-2, v2=3),
     "an empty region": lambda: region("P2", ("Omega", "k"), "3*pi/2", (1, 2), (0, 1), v1=-1),
     "where it is empty": lambda: region("P3", ("B0", "k"), "empty"),
@@ -480,7 +574,10 @@ GRAZING: dict[str, Case] = {
 
 
 def page(shown: Any) -> str:
-    """Return a page with each row of its tables in a line, without styles; of its curves the sums of coordinates."""
+    """Return a page with each row of its tables in a line, without styles.
+
+    Of its curves the sums of coordinates.
+    """
     text = str(shown._repr_html_())
     text = re.sub(r' style="[^"]*"', "", text)
     text = re.sub(r'd="(M[^"]*)"', lambda found: f"d={coordinates(found[1])}", text)
@@ -503,27 +600,59 @@ def equalities() -> list[bool]:
         _hidden: int = 0
 
     nan, array = float("nan"), np.array([1.0, np.nan])
-    pairs = [(1, 1), (1, 2), ((nan,), (nan,)), ((nan,), (1.0,)), (array, array.copy()), (array, array + 1)]
-    pairs += [(np.array(["a"]), np.array(["a"])), (np.array(["a"]), np.array(["b"])), (array, array[:1])]
+    pairs = [
+        (1, 1),
+        (1, 2),
+        ((nan,), (nan,)),
+        ((nan,), (1.0,)),
+        (array, array.copy()),
+        (array, array + 1),
+    ]
+    pairs += [
+        (np.array(["a"]), np.array(["a"])),
+        (np.array(["a"]), np.array(["b"])),
+        (array, array[:1]),
+    ]
     found = [Answer(one, 0, i) == Answer(other) for i, (one, other) in enumerate(pairs)]
     return [*found, Answer(1) == 1, Answer(1) != Answer(2), Answer(1, 2) == Answer(1, 3)]
 
 
 def scene_of_a_model() -> Scene:
     model = OtherModel(m=1, k=1, Omega=1, FN=1, Y="5/3", joined=True)
-    return Scene("mine", model, t0=0, x0=1, v0=0, t_end=9, source="a note " * 12, start_error=(0, "1e-9", "2e-9"))
+    return Scene(
+        "mine",
+        model,
+        t0=0,
+        x0=1,
+        v0=0,
+        t_end=9,
+        source="a note " * 12,
+        start_error=(0, "1e-9", "2e-9"),
+    )
 
 
-LONG = Certificate("trajectory", True, "12 events", tuple((*ENCLOSED.events[i % 2],) for i in range(12)), stable=False)
+LONG = Certificate(
+    "trajectory",
+    True,
+    "12 events",
+    tuple((*ENCLOSED.events[i % 2],) for i in range(12)),
+    stable=False,
+)
 PAGES: dict[str, Case] = {
-    **{f"page of {kind}": lambda kind=kind: page(answer(kind)) for kind in MAKERS if kind != "failed check"},  # type: ignore[misc]
+    **{
+        f"page of {kind}": lambda kind=kind: page(answer(kind))
+        for kind in MAKERS
+        if kind != "failed check"
+    },  # type: ignore[misc]
     "page of a wrong check": lambda: some_lines(page(wrong()), 0, 8),
     "page of a long motion": lambda: some_lines(page(simulate("fig9", t_end="40T")), 11),
     "page of a scene of another model": lambda: page(scene_of_a_model()),
     "page of events": lambda: page(simulate("fig9", t_end="12T").events),
     "equal answers": equalities,
     "listings": lambda: [repr(Listing(range(count))) for count in (0, 1, 10, 11, 1234)],
-    "page of many words": lambda: page(symosc.Summary(word=np.array([f"P{n * n % 15}" * 22 for n in range(30)]))),
+    "page of many words": lambda: page(
+        symosc.Summary(word=np.array([f"P{n * n % 15}" * 22 for n in range(30)]))
+    ),
     "page of a response": lambda: page(response()),
     "page of an atlas": lambda: page(plane(True)),
     "page of another window": lambda: page(grazing_window(P, "P3")),
@@ -541,14 +670,19 @@ PAGES: dict[str, Case] = {
 
 def explored(state: dict[str, str] | str, **changes: str) -> Any:
     """Return the answer of the page for a link, with arrays in place of long lists."""
-    link = state if isinstance(state, str) else explorer.link_of(state | changes)
+    if isinstance(state, str):
+        link = state
+    else:
+        link = explorer.link_of(state | changes)
     return arrays(explorer.answer(link, FIG5))
 
 
 def arrays(part: Any) -> Any:
     if isinstance(part, dict):
         return {name: arrays(each) for name, each in part.items()}
-    return np.array(part, float) if isinstance(part, list) and len(part) > 40 and isinstance(part[0], float) else part
+    if isinstance(part, list) and len(part) > 40 and isinstance(part[0], float):
+        return np.array(part, float)
+    return part
 
 
 def of_scene(name: str, **changes: str) -> Any:
@@ -556,9 +690,15 @@ def of_scene(name: str, **changes: str) -> Any:
 
 
 def settled(link: str) -> Any:
-    """Return the text, and what the curve reaches: it ends at an event, so that its last points are rounding."""
+    """Return the text, and what the curve reaches.
+
+    It ends at an event, so that its last points are rounding.
+    """
     found = explorer.settled(link, FIG5)
-    return [found["text"], *([name, min(each), max(each), each[0]] for name, each in found["curve"].items())]
+    return [
+        found["text"],
+        *([name, min(each), max(each), each[0]] for name, each in found["curve"].items()),
+    ]
 
 
 def belts_of(**changes: str) -> Any:
@@ -575,25 +715,41 @@ EXPLORED: dict[str, Case] = {
     "explored belts far above": lambda: belts_of(v1="40", v2="41", periods="0.3"),
     "explored belts far below": lambda: belts_of(v1="-41", v2="-40", periods="0.3"),
     "explored belts on both sides": lambda: belts_of(v1="-41", v2="40", periods="0.3"),
-    "explored at rest": lambda: of_scene("fig5", B0="0", A0="0", x0="0", v0="0", v1="-1", v2="1", mu1="0", mu2="0"),
+    "explored at rest": lambda: of_scene(
+        "fig5", B0="0", A0="0", x0="0", v0="0", v1="-1", v2="1", mu1="0", mu2="0"
+    ),
     "explored, too many events": lambda: {
         name: part
         for name, part in of_scene("fig9", periods="100").items()
         if name in ("notes", "count", "message", "status", "ranges")
     },
-    **{f"explored at random {i}": lambda i=i: explored(random_state(random.Random(i)), periods="2") for i in (4,)},  # type: ignore[misc]
+    **{
+        f"explored at random {i}": lambda i=i: explored(random_state(random.Random(i)), periods="2")
+        for i in (4,)
+    },  # type: ignore[misc]
     "explored, wrong texts": lambda: explored("k=abc&v1=9&v2=8&m=0&FN=1/0&periods=101&bogus=1"),
     "explored, another unit": lambda: pytest.importorskip("pint") and explored("k=3s"),
     "explored, no periods": lambda: of_scene("fig5", periods="0"),
-    "explored, a part": lambda: list(explorer.read_link("k=4%2F5&velocity=3&t0=1", load_scene("fig9-orbit"))),
+    "explored, a part": lambda: list(
+        explorer.read_link("k=4%2F5&velocity=3&t0=1", load_scene("fig9-orbit"))
+    ),
     "scenes of texts": lambda: [
         [scene and (scene.name, scene.source, str(scene.t_end)), errors]
         for scene, errors in (
             explorer.scene_of(explorer.state_of(FIG5) | changes)
-            for changes in ({}, {"k": "5"}, {"scene": " mine "}, {"scene": ""}, {"periods": "1/3"}, {"periods": "1e-9"})
+            for changes in (
+                {},
+                {"k": "5"},
+                {"scene": " mine "},
+                {"scene": ""},
+                {"periods": "1/3"},
+                {"periods": "1e-9"},
+            )
         )
     ],
-    "fields": lambda: {name: [tuple(field) for field in group] for name, group in explorer.GROUPS.items()},
+    "fields": lambda: {
+        name: [tuple(field) for field in group] for name, group in explorer.GROUPS.items()
+    },
     "settled": lambda: settled("scene=fig9"),
     "settled, no orbit": lambda: explorer.settled("scene=fig7&FN=0&B0=0", FIG5),
     "plots of the page": lambda: plots_of_the_page(),
@@ -610,20 +766,30 @@ def requests() -> str:
     from exploring import ask, served
 
     lines = []
-    with patch.object(BaseHTTPRequestHandler, "error_message_format", "%(explain)s"), served("fig9") as address:
+    with (
+        patch.object(BaseHTTPRequestHandler, "error_message_format", "%(explain)s"),
+        served("fig9") as address,
+    ):
         for line in REQUESTS.splitlines():
             method, target, *given = line.split()
-            body, headers = (given[0] if method == "POST" else None), dict(each.split("=") for each in given[1:])
+            if method == "POST":
+                body = given[0]
+            else:
+                body = None
+            headers = dict(each.split("=") for each in given[1:])
             answered, text = ask(address, target, body, **headers)
-            text = "" if text == HTTPStatus(answered.status).description else text  # Python's words
-            kept = {name: each for name, each in answered.headers.items() if name.startswith(("C", "X"))}
-            text = (
-                ""
-                if "bokeh" in target
-                else text[-8:]
-                if target == "/"
-                else text[:300].partition("body")[2] or text[:90]
-            )
+            # Python's words
+            if text == HTTPStatus(answered.status).description:
+                text = ""
+            kept = {
+                name: each for name, each in answered.headers.items() if name.startswith(("C", "X"))
+            }
+            if "bokeh" in target:
+                text = ""
+            elif target == "/":
+                text = text[-8:]
+            else:
+                text = text[:300].partition("body")[2] or text[:90]
             for name in ("Content-Length", "Content-Security-Policy")[: 1 + bool(lines)]:
                 kept.pop(name, None)
             lines.append(f"{line}: {answered.status} {kept} {' '.join(text.split())}")
@@ -655,23 +821,29 @@ def plots_of_the_page() -> str:
     pytest.importorskip("bokeh")
     from symosc.plot.explorer.server import pictures
 
-    found, seen = Counter[str](), set[str]()
+    found = Counter[str]()
+    seen = set[str]()
 
     def follow(value: Any) -> str:
         if isinstance(value, (list, tuple)):
             return f"[{' '.join(map(follow, value))}]"
         if not hasattr(value, "properties_with_values"):
             return str(value)
-        kind, name = type(value).__name__, value.name or ""
+        kind = type(value).__name__
+        name = value.name or ""
         if value.id not in seen:
             seen.add(value.id)
             parts = value.properties_with_values(include_defaults=False)
             parts = {
                 part: parts[part]
                 for part in sorted(parts)
-                if not re.search("^id$|sort_by|select|hover_|muted|view|formatter|policy|_source$", part)
+                if not re.search(
+                    "^id$|sort_by|select|hover_|muted|view|formatter|policy|_source$", part
+                )
             }
-            texts = " ".join(f"{part}={follow(each)}" for part, each in parts.items() if part != "renderers")
+            texts = " ".join(
+                f"{part}={follow(each)}" for part, each in parts.items() if part != "renderers"
+            )
             follow(parts.get("renderers", ()))
             found[f"{kind} {texts}"] += bool(texts)
         return name or kind
@@ -679,15 +851,21 @@ def plots_of_the_page() -> str:
     for drawn in pictures().values():
         follow(drawn)
     lines = "\n".join(f"{count} {text}" for text, count in found.items() if count)
-    return re.sub(r"(?:Field|Value)\(\w+=(.*?), transform=Unspecified, units=Unspecified\)", r"\1", lines)
+    return re.sub(
+        r"(?:Field|Value)\(\w+=(.*?), transform=Unspecified, units=Unspecified\)", r"\1", lines
+    )
 
 
 def shortened(make: Case) -> str:
     """Return the lines of a case, long numbers with seven digits, zeros without their noise."""
     lines = re.sub(r"np\.float64\((.*?)\)", r"\1", "\n".join(lines_of(make())))
-    lines = re.sub(r"(?m)^( *line .*) \S+( \S+) \S+$", r"\1\2", lines)  # without the second place and the last one
+    lines = re.sub(
+        r"(?m)^( *line .*) \S+( \S+) \S+$", r"\1\2", lines
+    )  # without the second place and the last one
     return re.sub(
-        r"-?\d+\.\d{5,}(e[+-]\d+)?|-?\d(\.\d+)?e-1\d", lambda found: f"{round(float(found[0]), 12):.7g}", lines
+        r"-?\d+\.\d{5,}(e[+-]\d+)?|-?\d(\.\d+)?e-1\d",
+        lambda found: f"{round(float(found[0]), 12):.7g}",
+        lines,
     )
 
 

@@ -25,10 +25,21 @@ def defined() -> str:
     """Return the definition of each case, a line for each."""
     lines = []
     for case in reference_cases():
-        numbers = [*case.parameters.as_dict().values(), *map(str, (case.t0, case.x0, case.v0, case.t_end))]
+        numbers = [
+            *case.parameters.as_dict().values(),
+            *map(str, (case.t0, case.x0, case.v0, case.t_end)),
+        ]
         numbers += [str(case.scene.start_error)]
-        about = case.group, case.hard[-60:], case.source[:12], *case.closed_form[-2:], case.open[:20]
-        lines.append(f"{case.name} {' '.join(n[:30] for n in numbers)} {case.periods} {case.quick} {' | '.join(about)}")
+        about = (
+            case.group,
+            case.hard[-60:],
+            case.source[:12],
+            *case.closed_form[-2:],
+            case.open[:20],
+        )
+        lines.append(
+            f"{case.name} {' '.join(n[:30] for n in numbers)} {case.periods} {case.quick} {' | '.join(about)}"
+        )
     return "\n".join(lines)
 
 
@@ -37,7 +48,9 @@ def computed(name: str) -> ReferenceCase:
     """Return a case whose events are computed and taken for unproven, with some derivatives."""
     case = replace(cases.reference_case(name), open="for a test")
     changes = [
-        {"mu1": KnownChange((f"{i}.5", f"{i}.5"), ("-0.25", "-0.25"), False)} if event.kind != "graze" else {}
+        {"mu1": KnownChange((f"{i}.5", f"{i}.5"), ("-0.25", "-0.25"), False)}
+        if event.kind != "graze"
+        else {}
         for i, event in enumerate(case.events)
     ]
     return with_known(case, derivatives=tuple(changes))
@@ -49,7 +62,9 @@ def known(name: str) -> str:
     lines = [f"{case!r} {case.count} {case.status} {case.condition:.6g}"]
     for event, condition in zip(case.events, case.conditions, strict=True):
         t, x = (float(value) for value in event.middle)
-        lines.append(f"{t:.12g} {x:.12g} {event[2:]} {condition:.6g} {[len(each) for each in (*event.t, *event.x)]}")
+        lines.append(
+            f"{t:.12g} {x:.12g} {event[2:]} {condition:.6g} {[len(each) for each in (*event.t, *event.x)]}"
+        )
     return "\n".join(lines)
 
 
@@ -58,14 +73,22 @@ def known(name: str) -> str:
 
 def right(name: str) -> list[GivenEvent]:
     """Return what a perfect solver finds, with a derivative of each regular event."""
-    found = [GivenEvent(*event.middle, event.kind, event.boundary) for event in computed(name).events]
+    found = [
+        GivenEvent(*event.middle, event.kind, event.boundary) for event in computed(name).events
+    ]
     rows = computed(name).derivatives
-    return [e._replace(changes={"dt_mu1": i + 0.5, "dx_mu1": -0.25}) if rows[i] else e for i, e in enumerate(found)]
+    return [
+        e._replace(changes={"dt_mu1": i + 0.5, "dx_mu1": -0.25}) if rows[i] else e
+        for i, e in enumerate(found)
+    ]
 
 
 def off(event: GivenEvent, t: float = 0.0, x: float = 0.0, **changes: Any) -> GivenEvent:
     """Return an event at another time and place, or of another kind."""
-    moved = None if event.x is None else event.x + Fraction(x)
+    if event.x is None:
+        moved = None
+    else:
+        moved = event.x + Fraction(x)
     return event._replace(**{"t": event.t + Fraction(t), "x": moved, **changes})
 
 
@@ -73,7 +96,8 @@ def faulty() -> dict[str, CaseResult]:
     """Return results with every kind of fault."""
     slip, stick, last = right("paper-fig6")
     touch, *others = right("graze-overdamped-P3")
-    decay, orbit = right("free-decay-2"), right("continuum-1-2")
+    decay = right("free-decay-2")
+    orbit = right("continuum-1-2")
     start = GivenEvent(Fraction(0), None, "stick", 2)
     contacts = [off(touch, -1e-6, kind="stick"), off(touch, 1e-6, kind="slip")]
     late = off(decay[2], 3e-7, 1e-8, changes={"dt_mu1": 2.6})
@@ -84,7 +108,9 @@ def faulty() -> dict[str, CaseResult]:
         "rest-1": CaseResult([GivenEvent(Fraction(3), Fraction(1), "cross", 1)], end=Fraction(50)),
         "graze-overdamped-P3": CaseResult([*contacts, *others], seconds=1.5, end=Fraction(20)),
         "free-decay-2": CaseResult([*decay[:2], late, *decay[4:], off(decay[-1], 1)]),
-        "continuum-1-2": CaseResult([off(event, 2e-10, boundary=0) for event in orbit], end=Fraction(54)),
+        "continuum-1-2": CaseResult(
+            [off(event, 2e-10, boundary=0) for event in orbit], end=Fraction(54)
+        ),
         PEAK: CaseResult(note="chatters"),
     }
 
@@ -101,20 +127,35 @@ def judged(tolerance: float) -> str:
     """Return the faults of the faulty solver by another tolerance, and the numbers of each case."""
     found = score.score("wrong", [computed(name) for name in SMALL], faulty(), tolerance)
     rows = [
-        ", ".join(f"{key} {value}" for key, value in each.as_dict().items() if key != "wrong") for each in found.cases
+        ", ".join(f"{key} {value}" for key, value in each.as_dict().items() if key != "wrong")
+        for each in found.cases
     ]
-    return "\n".join([*rows, *score.faults(found), score.verdict(found), str(list(found.as_dict().values())[:6])])
+    return "\n".join(
+        [*rows, *score.faults(found), score.verdict(found), str(list(found.as_dict().values())[:6])]
+    )
 
 
 def long_run() -> str:
     """Return the faults of results of a case of which only the last period is compared."""
     case = computed("continuum-1-2")
     part = {name: getattr(case, name)[-2:] for name in ("events", "conditions", "derivatives")}
-    long, events, lines = with_known(replace(case, periods=4), **part), right("continuum-1-2"), [""]
+    long = with_known(replace(case, periods=4), **part)
+    events = right("continuum-1-2")
+    lines = [""]
     extra = off(events[0], 1.0)
-    for given in (events, events[-2:], events[1:], [extra, *events], [extra, extra, *events], events[:-1], events[2:7]):
+    for given in (
+        events,
+        events[-2:],
+        events[1:],
+        [extra, *events],
+        [extra, extra, *events],
+        events[:-1],
+        events[2:7],
+    ):
         found = score.judge_case(long, CaseResult(given), 1e-9)
-        lines.append(f"{found.missed} {found.invented} {found.right} {[str(wrong) for wrong in found.wrong]}")
+        lines.append(
+            f"{found.missed} {found.invented} {found.right} {[str(wrong) for wrong in found.wrong]}"
+        )
     return "\n".join(lines)
 
 
@@ -153,7 +194,9 @@ def read(*names: str) -> str:
     with empty_folder() as top:
         for each in names:
             (top / each).write_text(RESULTS[each], encoding="utf-8")
-        found = outcome(lambda: read_results(top if len(names) > 1 else top / names[0], NAMES), SymoscError)
+        found = outcome(
+            lambda: read_results(top if len(names) > 1 else top / names[0], NAMES), SymoscError
+        )
     if isinstance(found, str):
         return found
     return "\n".join(f"{key}: {r.events} {r.seconds} {r.note} {r.end}" for key, r in found.items())
@@ -171,7 +214,10 @@ def written() -> str:
         paths = [path for path in sorted(top.rglob("*")) if path.is_file()]
         texts = {str(path.relative_to(top)): path.read_text(encoding="utf-8") for path in paths}
         version, found = folder.read_set(top)
-        shown = [f"{c.name} {c.group} {c.scene.parameters.m} {c.t_end} {c.condition} {c.count}" for c in found]
+        shown = [
+            f"{c.name} {c.group} {c.scene.parameters.m} {c.t_end} {c.condition} {c.count}"
+            for c in found
+        ]
         shown += [str(list(each.items())[:1]) for c in found for each in c.derivatives]
         shown += [str(event)[:60] for c in found for event in c.events]
         (top / SMALL[0] / "events.csv").write_text("t,x\n", encoding="utf-8")
@@ -184,7 +230,12 @@ def written() -> str:
         shown.append(said(lambda: folder.read_set(top / "nowhere")))
     for each, text in texts.items():
         rows = text.splitlines()
-        lines = rows[::60] if each.endswith("trajectory.csv") else [] if each == "manifest.json" else rows
+        if each.endswith("trajectory.csv"):
+            lines = rows[::60]
+        elif each == "manifest.json":
+            lines = []
+        else:
+            lines = rows
         shown += [each, *(line[:200] for line in lines)]
     return "\n".join([str(version), *shown])
 
@@ -215,12 +266,16 @@ CASES: dict[str, Callable[[], object]] = {
     "changed scenes": conditioned,
     "score as text": lambda: score.as_text(scores()),
     "score of one": lambda: score.as_text(scores()[1:]),
-    "score as Markdown": lambda: score.as_markdown(scores(), "Scores", 7, ["more"], with_faults=False),
+    "score as Markdown": lambda: score.as_markdown(
+        scores(), "Scores", 7, ["more"], with_faults=False
+    ),
     "score as HTML": lambda: score.as_html(scores(), "Scores & faults", 7),
     "score by 1e-6": lambda: judged(1e-6),
     "score by 1e-12": lambda: judged(1e-12),
     "score of a long run": long_run,
     "results in one file": lambda: "\n".join(read(name) for name in RESULTS),
-    "results in folders": lambda: "\n".join([read("paper-fig6.csv", "other.csv"), read("paper-fig6.csv", "d.json")]),
+    "results in folders": lambda: "\n".join(
+        [read("paper-fig6.csv", "other.csv"), read("paper-fig6.csv", "d.json")]
+    ),
     "files": written,
 }

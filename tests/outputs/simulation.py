@@ -1,4 +1,7 @@
-"""Motions of all regimes one by one and together: events, states between them, summaries, files and statuses."""
+"""Motions of all regimes one by one and together.
+
+Events, states between them, summaries, files and statuses.
+"""
 
 from __future__ import annotations
 
@@ -59,29 +62,53 @@ def families() -> Iterator[Any]:
             motion = simulate(scene.p, **given, max_events=12)
             yield f"{name} {number} {motion.status} {' '.join(motion.word)}"
             for event in motion.events[::4]:
-                yield [event.kind, event.boundary, event.source, event.target, event.t, event.x, event.v]
-            yield motion(motion.t_start + (motion.t_end - motion.t_start) * np.array([0.1, 0.5, 1.0]))
+                yield [
+                    event.kind,
+                    event.boundary,
+                    event.source,
+                    event.target,
+                    event.t,
+                    event.x,
+                    event.v,
+                ]
+            yield motion(
+                motion.t_start + (motion.t_end - motion.t_start) * np.array([0.1, 0.5, 1.0])
+            )
 
 
 def touching() -> Iterator[Any]:
     """Yield motions that touch a belt exactly, alone and together, which take more digits."""
-    rng, found = random.Random("touches"), []
+    rng = random.Random("touches")
+    found = []
     while len(found) < 3:
         scene = steady(
             rng, rng.choice(["P2", "P3", "P5", "P6"]), m=FIG9.m * rng.randint(2, 9), c=FIG9.c * rng.randint(1, 5),
             Omega=FIG9.Omega / rng.randint(1, 5), radius=FIG9.FN / 7, direction=(FIG9.k / 5, FIG9.k * 4 / 15),
         )  # fmt: skip
-        found += [scene] if scene else []
+        if scene:
+            found += [scene]
+        else:
+            found += []
     for scene in found:
         start = {"t0": 0, "x0": scene.x0, "v0": scene.v0, "t_end": scene.t_end}
         yield [(e.kind, e.boundary, e.source, e.t, e.x) for e in simulate(scene.p, **start).events]
-        many = simulate_many(scene.p, [(0, scene.x0 + k * FIG9.m, scene.v0) for k in range(2)], scene.t_end)
+        many = simulate_many(
+            scene.p, [(0, scene.x0 + k * FIG9.m, scene.v0) for k in range(2)], scene.t_end
+        )
         yield many.columns()
-        for use_numba in (None, False):  # what doubles do not decide goes to pairs, or is followed alone
+        for use_numba in (
+            None,
+            False,
+        ):  # what doubles do not decide goes to pairs, or is followed alone
             how: dict[str, Any] = {"record": "summary", "sections": 2, "use_numba": use_numba}
             yield simulate_many(scene.p, (0, scene.x0, scene.v0), scene.t_end, **how).columns()
     scene = found[0]
-    yield [e.kind for e in simulate(scene.p, t0=0, x0=scene.x0, v0=scene.v0, t_end=scene.t_end, accuracy=inf).events]
+    yield [
+        e.kind
+        for e in simulate(
+            scene.p, t0=0, x0=scene.x0, v0=scene.v0, t_end=scene.t_end, accuracy=inf
+        ).events
+    ]
     yield told(simulate(scene.p, t0=0, x0=scene.x0, v0=scene.v0, t_end=scene.t_end, digits=12))
 
 
@@ -101,7 +128,8 @@ def exact() -> Iterator[Any]:
     yield told(simulate("fig10", t_end=4, start_error=["1e-9", 0, "1e-7"], max_events=3))
     yield simulate("fig10", t_end=4, digits=15, max_events=3).message
     yield simulate("fig8", t_end=9, digits=20).message
-    # Without a spring v tends to a speed that is so little above that of belt 1; it is there at t = 92 or 923.
+    # Without a spring v tends to a speed that is so little above that of belt 1; it is there at t =
+    # 92 or 923.
     for nines, t_end, digits in ((40, 100, 10), (40, 100, 50), (401, 1000, 10)):
         limit = Parameters(
             m=1, c=1, k=0, A0=f"-0.{'9' * nines}", B0=0, Omega=1, v1=1, v2=5, mu1="0.5", mu2="0.5", FN=2
@@ -127,7 +155,10 @@ def files() -> Iterator[Any]:
     yield from written(motion.to_json).splitlines()
     yield [repr(motion), repr(simulate("fig9", t_end=1, max_events=2)), *map(repr, motion.segments)]
     found = motion.to_scipy()
-    yield {name: found[name] for name in ("t", "y", "t_events", "y_events", "status", "message", "success")}
+    yield {
+        name: found[name]
+        for name in ("t", "y", "t_events", "y_events", "status", "message", "success")
+    }
     table = simulate_many("fig9", [(0, 0, 0), (0, 1, 2)], 2, wrt=("mu1", "x0"), use_numba=False)
     yield from written(table.to_csv).splitlines()
     words = simulate_many("fig9", (0, 0, 0), 3, record="word", use_numba=False)
@@ -137,13 +168,16 @@ def files() -> Iterator[Any]:
 @cache
 def summary() -> Any:
     """Return a summary of motions of each family, with all of its columns."""
-    rng, problems = random.Random("summary"), []
+    rng = random.Random("summary")
+    problems = []
     for family in FAMILIES.values():
         problems += [family(rng) for _ in range(3)]
     starts = [[each[name] for name in ("t0", "x0", "v0")] for _, each in problems]
     ends = [min(each["t_end"], each["t0"] + 40 / float(p.Omega)) for p, each in problems]
     sets = [p for p, _ in problems]
-    return simulate_many(sets, starts, ends, record="summary", skip=0.5, sections=3, max_events=300, use_numba=False)
+    return simulate_many(
+        sets, starts, ends, record="summary", skip=0.5, sections=3, max_events=300, use_numba=False
+    )
 
 
 def summaries() -> Iterator[Any]:
@@ -156,13 +190,21 @@ def summaries() -> Iterator[Any]:
     yield [repr(summary()), repr(summary()[:3]), len(summary()[[0, 2]])]
     names = ("word", "multiplicity", "stuck", "mode", "status", "section")
     sets = [FIG9.replace(Omega=Omega) for Omega in ("0.5", 1, "1.5", 3, 4)]
-    yield simulate_many(sets, (0, 0, 0), "20T", record=names, skip=4, sections=2, use_numba=False).columns()
-    rest = Parameters(m=1, c="0.1", k=1, A0=0, B0=0, Omega=1, v1=0, v2=5, mu1="0.3", mu2="0.2", FN=1)
-    yield simulate_many(rest, [(0, 3, 1), (0, 0, 0), (0, "0.2", 0)], 60, record="summary", use_numba=False).columns()
+    yield simulate_many(
+        sets, (0, 0, 0), "20T", record=names, skip=4, sections=2, use_numba=False
+    ).columns()
+    rest = Parameters(
+        m=1, c="0.1", k=1, A0=0, B0=0, Omega=1, v1=0, v2=5, mu1="0.3", mu2="0.2", FN=1
+    )
+    yield simulate_many(
+        rest, [(0, 3, 1), (0, 0, 0), (0, "0.2", 0)], 60, record="summary", use_numba=False
+    ).columns()
 
     still = rest.replace(v1=-2, c=3)
     names = ("status", "t", "mode", "stuck")
-    yield simulate_many(still, [(0, still.A(2), 0), (0, 1, 0)], 60, record=names, use_numba=False).columns()
+    yield simulate_many(
+        still, [(0, still.A(2), 0), (0, 1, 0)], 60, record=names, use_numba=False
+    ).columns()
 
 
 def many() -> Iterator[Any]:
@@ -172,27 +214,43 @@ def many() -> Iterator[Any]:
     starts = {"t0": np.linspace(-1, 1, 30), "x0": np.linspace(-3, 3, 30), "v0": 1}
     found = simulate_many(columns, starts, 4, use_numba=False)
     yield vars(found)
-    table = simulate_many(columns, starts, "1T", wrt=("Omega", "k", "FN", "v0", "t0"), use_numba=False)
+    table = simulate_many(
+        columns, starts, "1T", wrt=("Omega", "k", "FN", "v0", "t0"), use_numba=False
+    )
     yield vars(table)
     yield vars(simulate_many(columns, starts, 2, start_error="0.01", use_numba=False))
     yield vars(simulate_many(columns, starts, 2, accuracy=inf, max_events=4, use_numba=False))
     yield vars(simulate_many(FIG9, (0, 0, 0), 1, max_events=2**64, use_numba=False))
     yield vars(simulate_many(FIG9, [(0, 0.3, 25), (5, "1/3", 1)], [2, 7], use_numba=False))
     for p in random_sets(5, 6):
-        yield vars(simulate_many(p, (0, 1, p.v1), 5, max_events=20, wrt=("m", "v1", "x0"), use_numba=False))
+        yield vars(
+            simulate_many(p, (0, 1, p.v1), 5, max_events=20, wrt=("m", "v1", "x0"), use_numba=False)
+        )
 
 
 def frames() -> Iterator[Any]:
     """Yield results as tables of pandas and xarray."""
     table = simulate_many("fig9", [(0, 0, 0), (0, 1, 2)], 2, wrt=("mu1", "x0"), use_numba=False)
-    whole = simulate_many("fig9", [(0, 0, 0), (0, 1, 2)], 9, record="summary", sections=3, use_numba=False)
+    whole = simulate_many(
+        "fig9", [(0, 0, 0), (0, 1, 2)], 9, record="summary", sections=3, use_numba=False
+    )
     short = simulate_many("fig9", (0, 0, 0), 9, record=("word", "x"), use_numba=False)
-    for each in (table, whole, short, simulate("fig5", t_end=4), simulate("fig5", t_end=2, digits=20)):
+    for each in (
+        table,
+        whole,
+        short,
+        simulate("fig5", t_end=4),
+        simulate("fig5", t_end=2, digits=20),
+    ):
         yield from each.to_pandas().to_csv().splitlines()
         dataset = each.to_xarray()
         yield [str(dict(dataset.sizes)), *map(str, dataset.attrs.items())]
         for name in (*dataset.data_vars, *dataset.coords):
-            yield [str(name), str(dataset[name].dims), *map(str, dataset[name].values.ravel().tolist())]
+            yield [
+                str(name),
+                str(dataset[name].dims),
+                *map(str, dataset[name].values.ravel().tolist()),
+            ]
 
 
 WRONG_NUMBERS: tuple[Any, ...] = (
@@ -238,11 +296,17 @@ CASES: dict[str, Callable[[], object]] = {
             lambda: simulate_many(FIG9, [(0, 0, 0), (5, 0, 0)], [1, 2]),
             lambda: simulate_many(FIG9, [(0, 0, 0)] * 3, [1, 2]),
             lambda: simulate_many([FIG9, FIG9], [(0, 0, 0)] * 3, 1),
-            *(lambda given=given: simulate_many(FIG9, [(0, 0, 0)] * 2, 3, **given) for given in WRONG_QUESTIONS),
+            *(
+                lambda given=given: simulate_many(FIG9, [(0, 0, 0)] * 2, 3, **given)
+                for given in WRONG_QUESTIONS
+            ),
             lambda: simulate_many([FIG9, FIG9], [(0, 0, 0)] * 3, "1T"),
             *(lambda given=given: NumberColumn("x", given) for given in WRONG_NUMBERS),
             *(lambda given=given: Problems(COLUMNS | given, (0, 0, 0), 1) for given in WRONG_SETS),
-            *(lambda given=given: Problems(given, (0, 0, 0), 1) for given in ({"m": 1}, [FIG9, "fig9"], 3)),
+            *(
+                lambda given=given: Problems(given, (0, 0, 0), 1)
+                for given in ({"m": 1}, [FIG9, "fig9"], 3)
+            ),
             *(lambda given=given: Problems(FIG9, *given) for given in WRONG_STARTS),
             lambda: simulate_many(FIG9, (0, 0, 0), 1, record="summary", wrt="m"),
         ]

@@ -25,7 +25,12 @@ OVER = {"Omega": "3:5:3", "FN": [5, "12.5"]}
 EVERY = ("word", "events", "x", "t", "stuck", "mode", "multiplicity", "section:2", "v_max")
 PLANS: dict[str, dict[str, Any]] = {
     "grid": {"over": OVER, "record": EVERY, "t_end": "6T", "skip": "4T"},
-    "table": {"over": [{"Omega": 3, "k": "1/3"}, {"Omega": "3.5", "k": 2}], "record": "word", "t_end": 9, "skip": 1},
+    "table": {
+        "over": [{"Omega": 3, "k": "1/3"}, {"Omega": "3.5", "k": 2}],
+        "record": "word",
+        "t_end": 9,
+        "skip": 1,
+    },
     "starts": {"over": {"x0": [1, 2, 3]}, "record": ("x", "section"), "t_end": "3T", "skip": 0},
     "rows": {
         "over": {"FN": [1, 2]},
@@ -34,14 +39,22 @@ PLANS: dict[str, dict[str, Any]] = {
         "skip": 0,
         "starts": [(0, 1, 2), ("1/2", 3, 25)],
     },
-    "one": {"over": {"B0": "-1:1:3"}, "record": "word", "t_end": 5, "skip": 2, "starts": {"t0": 0, "x0": 1, "v0": 2}},
+    "one": {
+        "over": {"B0": "-1:1:3"},
+        "record": "word",
+        "t_end": 5,
+        "skip": 2,
+        "starts": {"t0": 0, "x0": 1, "v0": 2},
+    },
 }
 
 
 @cache
 def planned(name: str) -> SweepPlan:
     given = {"starts": None} | PLANS[name]
-    return read_plan("fig9", *(given[each] for each in ("over", "record", "t_end", "skip", "starts")))
+    return read_plan(
+        "fig9", *(given[each] for each in ("over", "record", "t_end", "skip", "starts"))
+    )
 
 
 def plans() -> Iterator[Any]:
@@ -55,7 +68,9 @@ def plans() -> Iterator[Any]:
         yield {name: column.tolist() for name, column in plan.cells(1, len(plan)).items()}
         arguments = plan.arguments(0, len(plan))
         yield {each: arguments[each] for each in ("t_end", "skip", "sections", "start_error")}
-        yield [*map(str, (name for name, value in arguments["parameters"].items() if np.ndim(value)))]
+        yield [
+            *map(str, (name for name, value in arguments["parameters"].items() if np.ndim(value)))
+        ]
     rest = read_plan(FIG9, {"c": [0, 1]}, "word", "5T", 0)
     yield [str(read_duration("t_end", each)) for each in (9, "9T", " 1.5 T ", "1/3*T", "1e1")]
     yield [str(rest.t_end), rest.scene.name, str(rest.t_end.times(2.0)), len(rest.key)]
@@ -85,13 +100,18 @@ def datasets() -> Iterator[Any]:
         for each in (*dataset.data_vars, *dataset.coords):
             variable = dataset[each]
             yield [each, *map(str, (variable.dims, variable.shape, sorted(variable.attrs.items())))]
-            yield variable.values.ravel().tolist() if variable.dtype.kind == "U" else variable.values
+            yield (
+                variable.values.ravel().tolist() if variable.dtype.kind == "U" else variable.values
+            )
         yield [without_versions(f"{key}: {value}") for key, value in dataset.attrs.items()]
         with empty_folder() as folder:
             path = folder / "map.csv"
             write_output(dataset, path, folder)
             yield from without_versions(path.read_text(encoding="utf-8")).splitlines()[:4]
-            same = {each: same_numbers(column, columns(name)[each]) for each, column in read_columns(path).items()}
+            same = {
+                each: same_numbers(column, columns(name)[each])
+                for each, column in read_columns(path).items()
+            }
             yield [plan_of(path) == planned(name).key, *map(str, same.items())]
 
 
@@ -104,10 +124,17 @@ def swept() -> Iterator[Any]:
             yield list(sweep_status("fig9", OVER, **options, path=path)[1:])
             whole = sweep("fig9", OVER, **options, path=path)
             plan = read_plan("fig9", OVER, *options.values())
-            with closing(Store(path)) as left:  # as if it was stopped before it could remove its chunks
+            with closing(
+                Store(path)
+            ) as left:  # as if it was stopped before it could remove its chunks
                 left.open(plan.key, plan.content)
             again = sweep("fig9", OVER, **options, path=path)
-            yield [suffix, *whole.word.values.ravel().tolist(), whole.identical(again), whole.section.values.sum()]
+            yield [
+                suffix,
+                *whole.word.values.ravel().tolist(),
+                whole.identical(again),
+                whole.section.values.sum(),
+            ]
             yield list(sweep_status("fig9", OVER, **options, path=path)[1:])
         store = Store(folder / "part.nc")
         yield sorted(each.name for each in folder.iterdir())
@@ -119,7 +146,9 @@ def swept() -> Iterator[Any]:
             str(store.key() == plan.key),
             *sorted(each.name for each in store.folder.iterdir()),
         ]
-        yield [(begin, end, *chunk["word"]) for begin, end, chunk in store.chunks(plan.column_names)]
+        yield [
+            (begin, end, *chunk["word"]) for begin, end, chunk in store.chunks(plan.column_names)
+        ]
         errors = [
             lambda: Store(store.output).open(plan.key, {}),
             lambda: sweep_status("fig9", {"k": [3]}, path=store.output),
@@ -133,8 +162,18 @@ def swept() -> Iterator[Any]:
         yield errors_of(errors)
         store.close()
         calls = list[str]()
-        whole = sweep("fig9", OVER, **options, path=store.output, progress=lambda *done: calls.append(str(done)))
-        yield [*whole.word.values.ravel().tolist(), *calls, *sorted(each.name for each in folder.iterdir())]
+        whole = sweep(
+            "fig9",
+            OVER,
+            **options,
+            path=store.output,
+            progress=lambda *done: calls.append(str(done)),
+        )
+        yield [
+            *whole.word.values.ravel().tolist(),
+            *calls,
+            *sorted(each.name for each in folder.iterdir()),
+        ]
     yield missing([(2, 4), (3, 6), (8, 9)], 12)
     filled: dict[str, np.ndarray] = {}
     for begin, words in ((0, ["P32", ""]), (3, ["P3121"]), (2, ["P1"])):
@@ -148,7 +187,9 @@ def columns_of(plan: SweepPlan) -> dict[str, np.ndarray]:
     return compute(plan.arguments(0, len(plan)), kernels_hash())[0]
 
 
-SHIFTED = OtherModel(m=2, k="8.5", c="0.4", Omega="3/2", FN="1.5", Y="0.7", joined=True, B0=1, phase="pi/2")
+SHIFTED = OtherModel(
+    m=2, k="8.5", c="0.4", Omega="3/2", FN="1.5", Y="0.7", joined=True, B0=1, phase="pi/2"
+)
 
 
 def scenes() -> Iterator[str]:
@@ -157,7 +198,15 @@ def scenes() -> Iterator[str]:
         yield as_toml(load_scene(name))
     yield as_toml(load_scene("fig9"), explained=True, file="first.toml")
     mine = Scene(
-        "mine", SHIFTED, t0="1/3", x0="pi/4", v0=1, t_end=9, structure="P32", source="a book", start_error=1e-9
+        "mine",
+        SHIFTED,
+        t0="1/3",
+        x0="pi/4",
+        v0=1,
+        t_end=9,
+        structure="P32",
+        source="a book",
+        start_error=1e-9,
     )
     yield as_toml(mine, explained=True)
     yield as_toml(mine.reduced())
@@ -185,7 +234,16 @@ def wrong_scenes() -> Iterator[str]:
     """Yield what is said of files with a fault in each place."""
     text = as_toml(load_scene("fig9"), explained=True)
     faults = {
-        "m = 0.1": ["m = -1", "m = true", 'm = "x"', "m = 1e99", "mm = 1", "# m = 1", "m = [1]", "m = nan"],
+        "m = 0.1": [
+            "m = -1",
+            "m = true",
+            'm = "x"',
+            "m = 1e99",
+            "mm = 1",
+            "# m = 1",
+            "m = [1]",
+            "m = nan",
+        ],
         "v1 = 1": ["v1 = 30", 'v1 = "1/0"'],
         "t_end = 1": [
             "t_end = -1",
@@ -194,8 +252,21 @@ def wrong_scenes() -> Iterator[str]:
             "t_end = 1e9999999999999999999999",
             "reference = 3\nt_end = 1",
         ],
-        'name = "fig9"': ["name = 5", 'name = " "', 'nam = "x"', 'structure = "P99"', "structure = 7", "source = []"],
-        "[start]": ["[starts]", "", "[start]\nx0 = 1", "[model]\nY = 1\n[start]", "[start]\nstart_error = [1, 2]"],
+        'name = "fig9"': [
+            "name = 5",
+            'name = " "',
+            'nam = "x"',
+            'structure = "P99"',
+            "structure = 7",
+            "source = []",
+        ],
+        "[start]": [
+            "[starts]",
+            "",
+            "[start]\nx0 = 1",
+            "[model]\nY = 1\n[start]",
+            "[start]\nstart_error = [1, 2]",
+        ],
         "[parameters]": [
             "[parameters]\nY = 1",
             "[[parameters]]",
@@ -211,10 +282,19 @@ def wrong_scenes() -> Iterator[str]:
         "m = 2": ["m = -1", ""],
         "FN = 1.5": ["", "FN = 0.5\nmu2 = 1"],
         "[model]": ["[modell]"],
-        "[model]\njoined = true\nphase = 1.570796326794896619231321691639751442099\nY = 0.7\n": [""],
+        "[model]\njoined = true\nphase = 1.570796326794896619231321691639751442099\nY = 0.7\n": [
+            ""
+        ],
     }
     yield from of_faults(text, faults)
-    for whole in ("", "x", "a." * 300, "# " * 60_000, "[model]\nY = 1\n[parameters]\nm = 1", "t_end = 1"):
+    for whole in (
+        "",
+        "x",
+        "a." * 300,
+        "# " * 60_000,
+        "[model]\nY = 1\n[parameters]\nm = 1",
+        "t_end = 1",
+    ):
         yield errors_of([lambda whole=whole: read_scene(whole, "mine.toml")])
 
 
@@ -254,8 +334,14 @@ CASES: dict[str, Callable[[], object]] = {
         [
             lambda: read_plan(FIG9, OVER, "word", None, 0),
             *(lambda over=over: read_plan("fig9", over, "word", 5, 0) for over in WRONG_OVER),
-            *(lambda record=record: read_plan("fig9", {"k": [1]}, record, 5, 0) for record in WRONG_RECORDS),
-            *(lambda end=end, skip=skip: read_plan("fig9", OVER, "word", end, skip) for end, skip in WRONG_TIMES),
+            *(
+                lambda record=record: read_plan("fig9", {"k": [1]}, record, 5, 0)
+                for record in WRONG_RECORDS
+            ),
+            *(
+                lambda end=end, skip=skip: read_plan("fig9", OVER, "word", end, skip)
+                for end, skip in WRONG_TIMES
+            ),
             lambda: read_plan("fig9", {"t0": [1, 7]}, "word", 5, 0),
             lambda: read_plan("fig9", {"x0": [1]}, "word", 5, 0, [(0, 1, 2)] * 2),
             lambda: read_plan("fig9", {"k": [1]}, "word", 5, 0, [(0, 1)]),

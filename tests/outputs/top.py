@@ -1,4 +1,7 @@
-"""What the modules beside the packages give: responses, fits, derivatives, other models, words, numbers, files."""
+"""What the modules beside the packages give.
+
+Responses, fits, derivatives, other models, words, numbers, files.
+"""
 
 from __future__ import annotations
 
@@ -67,7 +70,9 @@ def responses() -> Iterator[Any]:
     yield [head, *(row.rpartition(",")[0].rpartition(",")[0] for row in rows)]
     base = OtherModel(m=1, k=1, c="0.2", Omega=1, FN="1/4", Y=1, joined=True)
     yield whole(frequency_response(base, {"Y": [1, 2]}))
-    yield whole(frequency_response(base.replace(joined=False, v1=-3, v2=3, mu2=1), {"Y_phase": [0, 1]}))
+    yield whole(
+        frequency_response(base.replace(joined=False, v1=-3, v2=3, mu2=1), {"Y_phase": [0, 1]})
+    )
     yield whole(frequency_response(ONE_BELT.replace(B0=0, W=1, v1="0.2"), {"W": [1, 2]}))
     yield whole(frequency_response(ONE_BELT.replace(v1=-9, v2=9), {"c": ["0.3", 0]}))
     seeds = random.Random("responses")
@@ -125,7 +130,8 @@ def fits() -> Iterator[Any]:
         numbers = [*found.values.values(), *found.errors.values()]
         return [found.success, message, *numbers, *np.ravel(found.covariance), len(found.residuals)]
 
-    dice, motion = np.random.RandomState(5), simulate("fig5", t_end=20)
+    dice = np.random.RandomState(5)
+    motion = simulate("fig5", t_end=20)
     events = [(event.t + dice.normal() * 1e-3, event.kind) for event in motion.events]
     yield said(fit("fig5", events, ("mu1", "c"), sigma=1e-3, start={"mu1": "0.82"}))
     yield said(fit("fig5", events[:6], "FN"))
@@ -193,7 +199,9 @@ def numbers() -> Iterator[str]:
         "1e2000", "nan", "1/0", "2*pi", "0,5", None, 1e51, float("inf"), "1_0", "1" * 30, "1e-30", "-12.5e25", 2.0**-60,
     ]  # fmt: skip
     for value in values:
-        yield outcome(lambda value=value: f"{value!r:.40}: {show(read_exact('x', value))}", ParameterError)
+        yield outcome(
+            lambda value=value: f"{value!r:.40}: {show(read_exact('x', value))}", ParameterError
+        )
     for text in (
         "3*pi/2", "2*3 - 1/4", "-(1 + 2)^2/3", "sqrt(2)", "sin(pi/6)*2", "exp(-1)", "cos(1)", "pi - pi", "sqrt(-1)",
         "2^0.5", "1/(1-1)", "2 pi", "--1", "import", "exp(1000)", "+pi", "2**3", "π/4", "sqrt(2)^2", "1e3*pi",
@@ -205,7 +213,9 @@ def numbers() -> Iterator[str]:
     for given in (None, 1, "0.5", [1, 2, "1/3"], (1, 2), -1):
         yield f"{given}: {error_of(lambda given=given: read_start_error(given))} "
     yield brief("a	b" * 300)
-    yield "".join(meant(each, [*FIG9.as_dict()]) for each in ("Omga", "zzz", "mu", "v3", "FN", "b0"))
+    yield "".join(
+        meant(each, [*FIG9.as_dict()]) for each in ("Omga", "zzz", "mu", "v3", "FN", "b0")
+    )
     yield f"{FIG9!r} {FIG9._repr_latex_()} {FIG9.replace(k='1/3', c='1e-30')!r} {[str(FIG9.A(n)) for n in (1, 2, 3)]}"
 
 

@@ -24,9 +24,13 @@ def test_forces_are_looked_at_where_they_turn() -> None:
     stick = next(each for each in motions.sticks(scene) if each.end is not None)
     along = motions.forces_along(scene.parameters, stick)
     assert len(along) > 6
-    path, start = motions.motion(scene), float(stick.onset.t)
+    path = motions.motion(scene)
+    start = float(stick.onset.t)
     for i, (before, after) in enumerate(pairwise(along)):
-        times = [start + float(before.elapsed + (after.elapsed - before.elapsed) * j / 20) for j in range(21)]
+        times = [
+            start + float(before.elapsed + (after.elapsed - before.elapsed) * j / 20)
+            for j in range(21)
+        ]
         values = [float(path.force(1, t)) for t in times[:-1]] + [float(after.below)]
         rises = [b > a for a, b in pairwise(values)]
         assert all(rises) or not any(rises), i
@@ -38,14 +42,22 @@ def test_forces_are_looked_at_where_they_turn() -> None:
 def test_contacts_are_of_every_kind_and_turns_are_exact() -> None:
     angles = np.linspace(0, 2 * pi, 400, endpoint=False)
     turns = [theorem_7.quarter_turns(np.sin(angle), np.cos(angle)) for angle in angles]
-    assert [theorem_7.quarter_turns(Fraction(s), Fraction(c)) for s, c in exact.QUARTER_POINTS] == [0, 1, 2, 3]
+    assert [theorem_7.quarter_turns(Fraction(s), Fraction(c)) for s, c in exact.QUARTER_POINTS] == [
+        0,
+        1,
+        2,
+        3,
+    ]
     assert [theorem_7.angle(turn) for turn in turns] == pytest.approx(angles, abs=1e-14)
     assert all(s * s + c * c == 1 for s, c in exact.RATIONAL_PHASES)
     contacts = exact.contacts(2, 300, 5)
     assert {contact.next_mode for contact in contacts} == {"Omega2", "Omega3", "belt2"}
     for alpha in (2, 3):
         assert sum(contact.force(alpha) == 0 for contact in contacts) > 50
-    assert sum(any(contact.derivatives(a)[:3] == (0, 0, 0) for a in (2, 3)) for contact in contacts) > 5
+    assert (
+        sum(any(contact.derivatives(a)[:3] == (0, 0, 0) for a in (2, 3)) for contact in contacts)
+        > 5
+    )
 
 
 # --- the second opinion on motions ---
@@ -82,17 +94,24 @@ def test_a_second_opinion_finds_wrong_motions() -> None:
 @pytest.mark.full(4)
 @pytest.mark.parametrize("seed", range(12))
 def test_a_start_that_grazes_is_found_from_its_printed_digits(seed: int) -> None:
-    """Whatever the phase of the contact is, the rounded start is recognised; a start off the curve is not."""
+    """Whatever the phase of the contact is, the rounded start is recognised.
+
+    A start off the curve is not.
+    """
     from symosc import grazing_start, grazing_window
 
     rng = np.random.default_rng(seed)
-    values = {name: str(value / 10) for name, value in zip("mck", rng.integers(5, 41, 3), strict=True)}
+    values = {
+        name: str(value / 10) for name, value in zip("mck", rng.integers(5, 41, 3), strict=True)
+    }
     p = FIG9.parameters.replace(**values, A0=int(rng.integers(-9, 10)), v1=-1, v2=5)
     for mapping in PLACES:
         window = grazing_window(p, mapping)
         for phase in [phase for phase in rng.uniform(0, 2 * pi, 40) if window.contains(phase)][:2]:
             t_m = phase / float(p.Omega)
-            found = grazing_start(p, mapping, t_m=t_m, t0=Fraction(t_m).limit_denominator(100) - Fraction(1, 2))
+            found = grazing_start(
+                p, mapping, t_m=t_m, t0=Fraction(t_m).limit_denominator(100) - Fraction(1, 2)
+            )
             if not found.found:
                 continue
             x0, v0 = (round(Fraction(found.start[name]), 4) for name in ("x0", "v0"))
@@ -102,20 +121,33 @@ def test_a_start_that_grazes_is_found_from_its_printed_digits(seed: int) -> None
             assert near.round_to_it[0] - 1e-6 <= t_m <= near.round_to_it[1] + 1e-6
             assert max(abs(near.dx), abs(near.dv)) <= 5e-5
             # Some step of a hundredth leads off the curve.
-            steps = [{key: value + Fraction(s, 100)} for key, value in (("x0", x0), ("v0", v0)) for s in (1, -1)]
-            assert not all(grazes.nearest_graze(replace(scene, **step), mapping).round_to_it for step in steps)
+            steps = [
+                {key: value + Fraction(s, 100)}
+                for key, value in (("x0", x0), ("v0", v0))
+                for s in (1, -1)
+            ]
+            assert not all(
+                grazes.nearest_graze(replace(scene, **step), mapping).round_to_it for step in steps
+            )
 
 
 @pytest.mark.slow
 @pytest.mark.parametrize(("name", "printed", "true"), [("A0", "7", 10.0), ("k", "3", 2.0)])
-def test_a_misprint_that_was_put_into_a_graze_is_found(name: str, printed: str, true: float) -> None:
-    values = grazes.values_that_graze(changed(load_scene("fig7-corrected"), **{name: printed}), "P2", name)
+def test_a_misprint_that_was_put_into_a_graze_is_found(
+    name: str, printed: str, true: float
+) -> None:
+    values = grazes.values_that_graze(
+        changed(load_scene("fig7-corrected"), **{name: printed}), "P2", name
+    )
     assert any(abs(each.value - true) <= 2 * each.uncertainty for each in values)
     assert any(float(each.shortest) == true and each.as_short_as_printed for each in values)
 
 
 def printed_orbit(scene: Scene) -> Scene:
-    """Return the scene with the start that a paper would print: the orbit's first switching to four decimals."""
+    """Return the scene with the start that a paper would print.
+
+    The orbit's first switching to four decimals.
+    """
     t, x = find_orbit(scene.parameters, scene.structure).points[0]
     return replace(scene, t0=f"{t:.4f}", x0=f"{x:.4f}")
 
@@ -128,7 +160,9 @@ def printed_orbit(scene: Scene) -> Scene:
 )
 def test_a_misprinted_parameter_of_an_orbit_is_found(scene: Scene, name: str, true: str) -> None:
     right = printed_orbit(changed(scene, **{name: true}))
-    found, other = orbits.search_parameters(replace(right, parameters=scene.parameters), (name, "m"))
+    found, other = orbits.search_parameters(
+        replace(right, parameters=scene.parameters), (name, "m")
+    )
     assert found.name == name
     assert found.explains
     assert found.value == pytest.approx(float(true), abs=2e-3)
@@ -151,7 +185,8 @@ def test_a_misprinted_start_of_an_orbit_is_found(name: str) -> None:
 def test_the_print_of_fig8_is_right() -> None:
     near = grazes.nearest_graze(load_scene("fig8"), "P3")
     assert near.round_to_it
-    # Known to 50 digits: exactly the contacts between these times have starts that round to (5.8980, 2.2580).
+    # Known to 50 digits: exactly the contacts between these times have starts that round to
+    # (5.8980, 2.2580).
     assert near.round_to_it == pytest.approx([3.1415787, 3.1415839], abs=1e-7)
     found = grazes.starts_that_graze(load_scene("fig8"), "P3", np.array([3.14158]))
     assert found[:, 0] == pytest.approx((5.89795221480835613987, 2.257969994383412060), abs=1e-12)

@@ -43,7 +43,10 @@ def test_every_check_is_named_in_the_claims() -> None:
     for path in Path(checks.__file__).parent.glob("*.py"):
         source = path.read_text(encoding="utf-8")
         for node in ast.parse(source).body:
-            if isinstance(node, ast.FunctionDef) and ast.unparse(node.returns or ast.Constant(0)) == "Evidence":
+            if (
+                isinstance(node, ast.FunctionDef)
+                and ast.unparse(node.returns or ast.Constant(0)) == "Evidence"
+            ):
                 used = len(re.findall(rf"\b{node.name}\(", source)) > 1 or node.name == "judge"
                 assert used or (f"{checks.__name__}.{path.stem}", node.name) in called, node.name
 
@@ -54,14 +57,30 @@ def test_every_check_is_named_in_the_claims() -> None:
 @pytest.mark.parametrize(
     ("old", "new", "complaint"),
     [
-        ("source = ", "sauce = ", "has sauce, says, check; must have source, says, and may have check, see"),
+        (
+            "source = ",
+            "sauce = ",
+            "has sauce, says, check; must have source, says, and may have check, see",
+        ),
         ("says", 'verdict = "true"\nsays', "verdict = 'true': must be one of confirmed, "),
-        ("says", 'verdict = "not as printed"\nsays', "must have a correction and see an erratum if its verdict is"),
-        ("says", 'verdict = "confirmed"\ncorrection = "no"\nsays', "must have a correction and see an erratum"),
+        (
+            "says",
+            'verdict = "not as printed"\nsays',
+            "must have a correction and see an erratum if its verdict is",
+        ),
+        (
+            "says",
+            'verdict = "confirmed"\ncorrection = "no"\nsays',
+            "must have a correction and see an erratum",
+        ),
         ("says", 'see = ["fig11"]\nsays', "see = 'fig11': must be one of fig1, motion, "),
         ("says", 'see = ["motion", "maps"]\nsays', "one chapter at most, not motion and maps"),
         ('"1 < 2"', "3", "says = 3: must be text"),
-        ("stand_ins.right", "stand_ins.left", "check = 'stand_ins.left': there is no such function"),
+        (
+            "stand_ins.right",
+            "stand_ins.left",
+            "check = 'stand_ins.left': there is no such function",
+        ),
         ("stand_ins.right", "stand_ins.given(NUMBER", "there is no such function, or value"),
         ("one]", "One]", "must be kebab case"),
         ("model.", "preface.", "part = 'preface': must be one of model"),
@@ -94,8 +113,17 @@ def test_each_erratum_is_shown_by_claims_and_no_other_claim_has_one() -> None:
         assert bool(claim.errata) == (claim.verdict in FAULTY), claim.id
         assert claim.remark is None or claim.verdict in (CONFIRMED, DEFINITION), claim.id
     assert {erratum.severity for erratum in FOUND} == set(SEVERITIES)
-    assert len({erratum.printed for erratum in FOUND}) == len(FOUND) < sum(claim.verdict in FAULTY for claim in CLAIMS)
-    first = [item for erratum in FOUND for item in items_of(erratum.where)[:1] if PAPER[item] == "equation"]
+    assert (
+        len({erratum.printed for erratum in FOUND})
+        == len(FOUND)
+        < sum(claim.verdict in FAULTY for claim in CLAIMS)
+    )
+    first = [
+        item
+        for erratum in FOUND
+        for item in items_of(erratum.where)[:1]
+        if PAPER[item] == "equation"
+    ]
     assert first == sorted(first, key=list(PAPER).index)
     for erratum in FOUND:
         assert max(len(erratum.proof), len(erratum.printed) + len(erratum.holds)) <= 340, erratum.id
@@ -106,8 +134,11 @@ def test_each_erratum_is_shown_by_claims_and_no_other_claim_has_one() -> None:
 
 @pytest.mark.slow
 def test_a_claim_and_a_figure_are_added_as_contributing_says(tmp_path: Path) -> None:
-    paper, out = tmp_path / "symosc" / "paper", tmp_path / "out"
-    shutil.copytree(ROOT / "symosc", tmp_path / "symosc", ignore=shutil.ignore_patterns("__pycache__"))
+    paper = tmp_path / "symosc" / "paper"
+    out = tmp_path / "out"
+    shutil.copytree(
+        ROOT / "symosc", tmp_path / "symosc", ignore=shutil.ignore_patterns("__pycache__")
+    )
     with (paper / "claims.toml").open("a", encoding="utf-8") as file:
         file.write(
             '\n[figures.my-claim]\nsource = "Section 6, Fig. 9"\nsays = "The spring of Fig. 9 is weak."\n'
@@ -118,12 +149,17 @@ def test_a_claim_and_a_figure_are_added_as_contributing_says(tmp_path: Path) -> 
             '\n\ndef weak(scene: Scene, most: int) -> Evidence:\n    """Check that the spring is weak."""\n'
             '    return Evidence("by definition", f"k is less than {most}.", {"k": scene.parameters.k})\n'
         )
-    scenes, pictures = paper.parent / "scenes", paper / "pictures.py"
-    scene = (scenes / "fig9-orbit.toml").read_text(encoding="utf-8").replace("fig9-orbit", "fig9-mine")
+    scenes = paper.parent / "scenes"
+    pictures = paper / "pictures.py"
+    scene = (
+        (scenes / "fig9-orbit.toml").read_text(encoding="utf-8").replace("fig9-orbit", "fig9-mine")
+    )
     (scenes / "fig9-mine.toml").write_text(scene, encoding="utf-8")
     row = '    ("fig9-mine", "my orbit", orbit_figure, orbit_caption, "The orbit of Fig. 9 is shown once more."),\n'
     source = pictures.read_text(encoding="utf-8").replace('    ("fig10",', f'{row}    ("fig10",', 1)
-    pictures.write_text(source.replace('"orbit": ', '"mine": ", mine", "orbit": '), encoding="utf-8")
+    pictures.write_text(
+        source.replace('"orbit": ', '"mine": ", mine", "orbit": '), encoding="utf-8"
+    )
 
     command = [sys.executable, "-m", "symosc", "reproduce", "--only", "my-claim", "-o", str(out)]
     done = subprocess.run(command, cwd=tmp_path, capture_output=True, text=True, check=False)

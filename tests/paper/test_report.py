@@ -24,22 +24,30 @@ from symosc.paper.run import ERROR, Plan, run
 
 
 def pictures(build: Callable[[], Figure]) -> dict[str, Picture]:
-    return {"fig1": Picture("fig1", "Fig. 1: a line", "A line.", 1, build, partial(str, "From 0 to v1."), build)}
+    return {
+        "fig1": Picture(
+            "fig1", "Fig. 1: a line", "A line.", 1, build, partial(str, "From 0 to v1."), build
+        )
+    }
 
 
 @pytest.mark.slow
 def test_what_goes_wrong_is_a_result(read: Any) -> None:
-    checks = {name.replace("_", "-"): name for name in ("right", "wrong", "raises", "dies", "no_evidence")}
+    checks = {
+        name.replace("_", "-"): name for name in ("right", "wrong", "raises", "dies", "no_evidence")
+    }
     checks |= {"one": "shared", "two": "shared"}  # these wait for each other
     claims = read("\n".join(CLAIM.format(id=name, check=check) for name, check in checks.items()))
     results = run(Plan(claims, pictures(bad_picture)), workers=2)
     verdicts = {each.claim.id: each.verdict for each in results.judged}
-    assert verdicts == dict.fromkeys(verdicts, "confirmed") | {"wrong": "not as printed"} | dict.fromkeys(
-        ("raises", "dies", "no-evidence"), ERROR
-    )
+    assert verdicts == dict.fromkeys(verdicts, "confirmed") | {
+        "wrong": "not as printed"
+    } | dict.fromkeys(("raises", "dies", "no-evidence"), ERROR)
     assert len({os.getpid(), *(int(each.numbers["process"]) for each in results.judged[-2:])}) == 3
     findings = {each.claim.id: each.finding for each in results.judged}
-    assert re.fullmatch(r"ZeroDivisionError: by nothing \(stand_ins.py, line \d+\)", findings["raises"])
+    assert re.fullmatch(
+        r"ZeroDivisionError: by nothing \(stand_ins.py, line \d+\)", findings["raises"]
+    )
     assert findings["dies"] == "the process ended with exit code 7"
     assert "no_evidence returned bool, not Evidence" in findings["no-evidence"]
     assert not results.ok
@@ -58,7 +66,13 @@ def test_what_goes_wrong_is_a_result(read: Any) -> None:
     ],
 )
 def test_exit_codes(
-    read: Any, tmp_path: Path, capsys: pytest.CaptureFixture[str], check: str, build: Any, code: int, said: str
+    read: Any,
+    tmp_path: Path,
+    capsys: pytest.CaptureFixture[str],
+    check: str,
+    build: Any,
+    code: int,
+    said: str,
 ) -> None:
     plan = Plan(read(CLAIM.format(id="one", check=check)), pictures(build))
     folder = tmp_path / "deep" / "report"
@@ -77,7 +91,8 @@ def test_json_for_machines(read: Any, tmp_path: Path, capsys: pytest.CaptureFixt
     assert reproduce.carry_out(plan, tmp_path, as_json=True, workers=0) == 0
     content = json.loads(capsys.readouterr().out)
     assert content == json.loads((tmp_path / "report.json").read_text(encoding="utf-8"))
-    (figure,), (derivation,) = content["figures"], content["derivations"]
+    (figure,) = content["figures"]
+    (derivation,) = content["derivations"]
     assert (tmp_path / figure["file"]).read_text(encoding="utf-8").count("<svg") == 1
     assert {"date", "processor", "python", "symosc", "seconds"} <= set(content["made"])
     markdown = (tmp_path / "report.md").read_text(encoding="utf-8")
@@ -95,9 +110,13 @@ def test_an_interrupt_leaves_the_folder_as_it_was(read: Any, tmp_path: Path, the
         folder.mkdir(parents=True)
         (folder / "report.html").write_text("old")
     with pytest.raises(KeyboardInterrupt):
-        reproduce.carry_out(Plan(read(CLAIM.format(id="one", check="interrupts")), {}), folder, workers=0)
+        reproduce.carry_out(
+            Plan(read(CLAIM.format(id="one", check="interrupts")), {}), folder, workers=0
+        )
     if there:
-        assert [(path.name, path.read_text()) for path in folder.iterdir()] == [("report.html", "old")]
+        assert [(path.name, path.read_text()) for path in folder.iterdir()] == [
+            ("report.html", "old")
+        ]
     else:
         assert not (tmp_path / "deep").exists()
 
@@ -114,7 +133,12 @@ def test_nothing_is_written_unless_all_of_it_can_be(tmp_path: Path) -> None:
 def test_bad_input_is_one_line(tmp_path: Path) -> None:
     (tmp_path / "file").touch()
     out = str(tmp_path / "out")
-    for words in (["-o", str(tmp_path / "file" / "sub")], ["-o", "-"], ["-o", ""], ["--only", "fig11", "-o", out]):
+    for words in (
+        ["-o", str(tmp_path / "file" / "sub")],
+        ["-o", "-"],
+        ["-o", ""],
+        ["--only", "fig11", "-o", out],
+    ):
         result = CliRunner().invoke(main, ["reproduce", *words])
         assert result.exit_code == 2
         assert result.stdout == ""

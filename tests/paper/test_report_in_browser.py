@@ -1,4 +1,7 @@
-"""The whole of `symosc reproduce`, and its report in a real browser: nothing missing, clipped or illegible."""
+"""The whole of `symosc reproduce`, and its report in a real browser.
+
+Nothing missing, clipped or illegible.
+"""
 
 from __future__ import annotations
 
@@ -17,7 +20,8 @@ from symosc.paper.claims import CONFIRMED, CORRECTED, NOT_AS_PRINTED, PAPER, rea
 from symosc.paper.pictures import PICTURES
 from symosc.paper.report import BADGES
 
-#: What a page must not have; returns complaints. Boxes that scroll must show that they do, by their shadows.
+#: What a page must not have; returns complaints. Boxes that scroll must show that they do, by their
+#: shadows.
 LOOK = """BESIDE => {
   const complaints = [], tell = (what, element) => complaints.push(
     `${what}: <${element.tagName} class="${element.className}"> ${element.textContent.trim().slice(0, 60)}`);
@@ -80,10 +84,16 @@ def browser() -> Iterator[Any]:
 def look_at(browser: Any, path: Path, width: int, scheme: str) -> list[str]:
     page = browser.new_page(viewport={"width": width, "height": 800}, color_scheme=scheme)
     complaints: list[str] = []
-    page.on("console", lambda message: complaints.append(message.text) if message.type == "error" else None)
+    page.on(
+        "console",
+        lambda message: complaints.append(message.text) if message.type == "error" else None,
+    )
     page.on("pageerror", lambda error: complaints.append(str(error)))
     page.on("requestfailed", lambda request: complaints.append(f"not loaded: {request.url[:80]}"))
-    page.on("request", lambda request: complaints.append(request.url) if request.url.startswith("http") else None)
+    page.on(
+        "request",
+        lambda request: complaints.append(request.url) if request.url.startswith("http") else None,
+    )
     page.goto(path.as_uri(), wait_until="load")
     complaints += page.evaluate(LOOK, sorted(file.name for file in path.parent.iterdir()))
     page.close()
@@ -98,8 +108,13 @@ def test_the_whole_run_agrees_with_the_committed_verdicts(report: Path) -> None:
     assert [each["verdict"] for each in content["claims"]] == [claim.verdict for claim in claims]
     for claim, each in zip(claims, content["claims"], strict=True):
         # No claim about a motion is judged by the simulator alone.
-        assert not claim.id.startswith("fig") or "flown again in another closed form" in each["numbers"]
-        assert any(character.isdigit() for value in each["numbers"].values() for character in value), claim.id
+        assert (
+            not claim.id.startswith("fig")
+            or "flown again in another closed form" in each["numbers"]
+        )
+        assert any(
+            character.isdigit() for value in each["numbers"].values() for character in value
+        ), claim.id
         assert bool(claim.correction) == (each["verdict"] in (CORRECTED, NOT_AS_PRINTED)), claim.id
     assert [each["key"] for each in content["figures"]] == list(PICTURES)
     assert [row["item"] for row in content["coverage"]] == list(PAPER)
@@ -114,7 +129,8 @@ def test_the_whole_run_agrees_with_the_committed_verdicts(report: Path) -> None:
     assert re.findall(r'id="erratum-[^"]*"></a>\*\*(\d+)\.', markdown) == numbers
 
 
-@pytest.mark.parametrize(  # a fault of a colour scheme is there at every width, a fault of a width in both schemes
+# a fault of a colour scheme is there at every width, a fault of a width in both schemes
+@pytest.mark.parametrize(
     ("width", "scheme"),
     [
         (360, "dark"),
@@ -154,7 +170,9 @@ def test_the_filter_shows_one_verdict_and_what_a_link_leads_to(browser: Any, rep
             assert page.evaluate(seen) == expected
             assert not page.is_visible("#figures")
             parts = "[...document.querySelectorAll('section.part')].filter(each => each.checkVisibility()).length"
-            assert page.evaluate(parts) == len({e["part"] for e in claims if e["verdict"] == verdict})
+            assert page.evaluate(parts) == len(
+                {e["part"] for e in claims if e["verdict"] == verdict}
+            )
     hidden = next(each["id"] for each in claims if each["verdict"] == CONFIRMED)
     page.evaluate(f"location.hash = 'claim-{hidden}'")
     assert page.is_visible(f"#claim-{hidden}")
@@ -172,7 +190,9 @@ def test_numbers_in_errata_were_found_by_the_checks(report: Path) -> None:
     by_id = {each["id"]: each for each in content["claims"]}
     for erratum in content["errata"]:
         evidence = [by_id[name] for name in erratum["claims"]]
-        words = " ".join(f"{e['finding']} {e['numbers']} {e['says']}" for e in evidence).replace("−", "-")
+        words = " ".join(f"{e['finding']} {e['numbers']} {e['says']}" for e in evidence).replace(
+            "−", "-"
+        )
         known = [Decimal(number) for number in re.findall(r"-?\d+\.\d+", words)]
         for number in NUMBER.findall(f"{erratum['printed']} {erratum['holds']} {erratum['proof']}"):
             value = Decimal(number.replace("−", "-"))
@@ -200,13 +220,20 @@ def test_a_bad_page_is_noticed(browser: Any, tmp_path: Path) -> None:
 
 
 @pytest.mark.parametrize(("width", "height"), [(1280, 17_000), (360, 43_000)])
-def test_what_a_reader_does_not_need_first_is_folded(browser: Any, report: Path, width: int, height: int) -> None:
-    """Statements and verdicts are there at once; how they were found, captions and derivations are a click away."""
+def test_what_a_reader_does_not_need_first_is_folded(
+    browser: Any, report: Path, width: int, height: int
+) -> None:
+    """Statements and verdicts are there at once.
+
+    How they were found, captions and derivations are a click away.
+    """
     page = browser.new_page(viewport={"width": width, "height": 800})
     page.goto((report / "report.html").as_uri(), wait_until="load")
     assert page.evaluate("document.scrollingElement.scrollHeight") < height
     claims = page.locator(".claim")
-    columns = page.evaluate("new Set([...document.querySelectorAll('.claim')].map(e => e.offsetLeft)).size")
+    columns = page.evaluate(
+        "new Set([...document.querySelectorAll('.claim')].map(e => e.offsetLeft)).size"
+    )
     assert columns == (2 if width > 1000 else 1)
     assert page.locator(".claim summary").count() == claims.count()
     first = claims.first

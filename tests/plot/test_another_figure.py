@@ -71,7 +71,9 @@ def test_a_figure_is_added_as_contributing_says(tmp_path: Path) -> None:
         names.write("from .drive import drive_figure as drive_figure\n")
     registered = (package / "plot" / "__init__.py").read_text(encoding="utf-8")
     line = 'DRAWN_BY = {\n    "symosc.simulation.drive.Drive": "drive_figure",'
-    (package / "plot" / "__init__.py").write_text(registered.replace("DRAWN_BY = {", line), encoding="utf-8")
+    (package / "plot" / "__init__.py").write_text(
+        registered.replace("DRAWN_BY = {", line), encoding="utf-8"
+    )
     with open(package / "plot" / "notebooks.py", "a") as pages:
         pages.write(PAGE)
     (tmp_path / "use.py").write_text(USE)

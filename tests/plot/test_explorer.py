@@ -1,4 +1,7 @@
-"""The page of `symosc explore`: what it shows is what `simulate` says, and nothing that it is sent makes it fail."""
+"""The page of `symosc explore`.
+
+What it shows is what `simulate` says, and nothing that it is sent makes it fail.
+"""
 
 from __future__ import annotations
 
@@ -30,9 +33,26 @@ from symosc.scenes import as_toml, read_scene
 # -- answers ----------------------------------------------------------------------------------------------------------
 
 
-STATES = [state_of(load_scene(name)) for name in ("fig5", "fig6", "fig8", "fig9", "fig10", "fig7-exact")]
+STATES = [
+    state_of(load_scene(name)) for name in ("fig5", "fig6", "fig8", "fig9", "fig10", "fig7-exact")
+]
 STATES += [random_state(random.Random(seed)) for seed in range(6)]
-BAD_TEXTS = ["", "0", "-1", "1e50", "1e-50", "1e51", "nan", "1/0", "½", "1_000", "<b>", "0x10", "é" * 90, "9" * 5000]
+BAD_TEXTS = [
+    "",
+    "0",
+    "-1",
+    "1e50",
+    "1e-50",
+    "1e51",
+    "nan",
+    "1/0",
+    "½",
+    "1_000",
+    "<b>",
+    "0x10",
+    "é" * 90,
+    "9" * 5000,
+]
 
 
 def shown(state: dict[str, str]) -> dict:
@@ -43,12 +63,15 @@ def shown(state: dict[str, str]) -> dict:
 
 @pytest.mark.parametrize("state", STATES[::3])
 def test_word_and_events_are_those_of_simulate(state: dict[str, str]) -> None:
-    content, trajectory = shown(state), simulate(scene_of(state)[0], max_events=MOST_SHOWN_EVENTS)
+    content = shown(state)
+    trajectory = simulate(scene_of(state)[0], max_events=MOST_SHOWN_EVENTS)
     assert (content["word"], content["status"]) == (trajectory.word, trajectory.status)
     assert content["count"] == len(trajectory.events)
     for row, event in zip(content["table"], trajectory.events[:TABLE_ROWS], strict=True):
         assert (row[0], row[5]) == (event.kind, str(event.boundary))
-        assert [float(text) for text in row[1:4]] == pytest.approx([event.t, event.x, event.v], rel=1e-7, abs=1e-8)
+        assert [float(text) for text in row[1:4]] == pytest.approx(
+            [event.t, event.x, event.v], rel=1e-7, abs=1e-8
+        )
     marks = content["sources"]["marks"]
     assert marks["t"][1:] == pytest.approx([event.t for event in trajectory.events], rel=1e-8)
     shapes = {"stick": "circle", "slip": "square", "cross": "triangle", "graze": "star"}
@@ -57,13 +80,17 @@ def test_word_and_events_are_those_of_simulate(state: dict[str, str]) -> None:
 
 @pytest.mark.parametrize("state", STATES[1::3])
 def test_curves_are_the_motion_and_its_forces(state: dict[str, str]) -> None:
-    content, trajectory = shown(state), simulate(scene_of(state)[0], max_events=MOST_SHOWN_EVENTS)
-    curves, ranges = content["sources"]["curves"], content["ranges"]
+    content = shown(state)
+    trajectory = simulate(scene_of(state)[0], max_events=MOST_SHOWN_EVENTS)
+    curves = content["sources"]["curves"]
+    ranges = content["ranges"]
     t = np.clip(curves["t"], trajectory.t_start, trajectory.t_end)
     expected = {"x": trajectory(t)[0], "v": trajectory(t)[1]}
     expected |= {f"F{domain}": trajectory.force(domain, t) for domain in (1, 2, 3)}
     for name, values in expected.items():
-        assert curves[name] == pytest.approx(values, abs=1e-5 * max(np.ptp(values), 1e-3 * np.abs(values).max()))
+        assert curves[name] == pytest.approx(
+            values, abs=1e-5 * max(np.ptp(values), 1e-3 * np.abs(values).max())
+        )
         low, high = ranges["F" if name[0] == "F" else name]
         assert low <= min(curves[name]) <= max(curves[name]) <= high
     sticks = content["sources"]["sticks"]
@@ -75,7 +102,8 @@ def test_curves_are_the_motion_and_its_forces(state: dict[str, str]) -> None:
 
 @pytest.mark.parametrize("state", STATES[2::3])
 def test_the_dial_has_the_windows(state: dict[str, str]) -> None:
-    content, scene = shown(state), scene_of(state)[0]
+    content = shown(state)
+    scene = scene_of(state)[0]
     assert scene is not None
     arcs = content["sources"]["arcs"]
     for mapping, _, _, said, _ in content["windows"]:
@@ -92,14 +120,19 @@ def test_the_dial_has_the_windows(state: dict[str, str]) -> None:
     contacts = content["sources"]["contacts"]
     phases = np.arctan2(contacts["y"], contacts["x"]) % (2 * pi)
     assert phases == pytest.approx(np.array(contacts["phase"]) % (2 * pi), abs=1e-9)
-    assert {round(hypot(x, y), 2) for x, y in zip(contacts["x"], contacts["y"], strict=True)} <= {0.47, 0.85}
+    assert {round(hypot(x, y), 2) for x, y in zip(contacts["x"], contacts["y"], strict=True)} <= {
+        0.47,
+        0.85,
+    }
 
 
 def test_no_input_makes_it_fail() -> None:
     rng = random.Random(3)
     queries = ["", "&&&", "k=", "scene=<script>", "%ff=%ff", "start_error=1", "k=1&k=2"]
     for _ in range(60):
-        changes = {name: rng.choice(BAD_TEXTS) for name in rng.sample(list(FIELDS), rng.randint(1, 3))}
+        changes = {
+            name: rng.choice(BAD_TEXTS) for name in rng.sample(list(FIELDS), rng.randint(1, 3))
+        }
         queries.append(link_of(state_of(FIG5) | changes))
     for query in queries:
         content = answer(query, FIG5)
@@ -114,14 +147,19 @@ def test_no_input_makes_it_fail() -> None:
 
 def test_a_link_and_a_file_have_the_whole_state() -> None:
     rng = random.Random(1)
-    for state in [*(state_of(load_scene(name)) for name in scene_names()), *(random_state(rng) for _ in range(20))]:
+    for state in [
+        *(state_of(load_scene(name)) for name in scene_names()),
+        *(random_state(rng) for _ in range(20)),
+    ]:
         scene, errors = scene_of(state)
         assert scene is not None, (state, errors)
         assert read_link(link_of(state), FIG5) == (state, [])
         again, _ = scene_of(state_of(read_scene(as_toml(scene), "file")))
         assert again == scene
         for field in FIELDS:
-            assert field == "periods" or Fraction(state_of(scene)[field]) == Fraction(state[field].strip())
+            assert field == "periods" or Fraction(state_of(scene)[field]) == Fraction(
+                state[field].strip()
+            )
     for name in scene_names():
         assert scene_of(state_of(load_scene(name))) == (load_scene(name), {})
 
@@ -155,12 +193,20 @@ def test_only_this_machine_is_answered(address: str) -> None:
 def test_only_its_own_page_may_send_it_files(address: str) -> None:
     own = address.rstrip("/")
     assert ask(address, "/scene", GOOD.encode(), Origin=own)[0].status == 200
-    for origin in ("http://example.org", "null", "https" + own[4:], "http://127.0.0.1:1", f"{own}.example.org"):
+    for origin in (
+        "http://example.org",
+        "null",
+        "https" + own[4:],
+        "http://127.0.0.1:1",
+        f"{own}.example.org",
+    ):
         assert ask(address, "/scene", GOOD.encode(), Origin=origin)[0].status == 403
         assert ask(address, "/answer", Origin=origin)[0].status == 403
     picture = {"Sec-Fetch-Site": "cross-site", "Sec-Fetch-Mode": "no-cors"}
     assert ask(address, "/answer", **picture)[0].status == 403
-    assert ask(address, "/", **picture | {"Sec-Fetch-Mode": "navigate"})[0].status == 200  # a link to it
+    assert (
+        ask(address, "/", **picture | {"Sec-Fetch-Mode": "navigate"})[0].status == 200
+    )  # a link to it
 
 
 def test_a_scene_file_goes_out_and_comes_in(address: str) -> None:
@@ -174,7 +220,13 @@ def test_a_scene_file_goes_out_and_comes_in(address: str) -> None:
 
 
 def test_a_bad_scene_file_is_one_clear_line(address: str) -> None:
-    for content in (b"", b"\xff\xfe", b"x" * 200_000, b"[[[", GOOD.replace("m = 1\n", "m = -1\n").encode()):
+    for content in (
+        b"",
+        b"\xff\xfe",
+        b"x" * 200_000,
+        b"[[[",
+        GOOD.replace("m = 1\n", "m = -1\n").encode(),
+    ):
         response, text = ask(address, "/scene", content)
         said = json.loads(text)["error"]
         assert response.status == 200

@@ -57,7 +57,10 @@ def opened(browser: Any, link: str) -> Iterator[Any]:
     """Open a page; nothing may be wrong in it at its end."""
     page = browser.new_page(viewport={"width": 1400, "height": 900}, accept_downloads=True)
     complaints: list[str] = []
-    page.on("console", lambda said: complaints.append(said.text) if said.type in ("error", "warning") else None)
+    page.on(
+        "console",
+        lambda said: complaints.append(said.text) if said.type in ("error", "warning") else None,
+    )
     page.on("pageerror", lambda error: complaints.append(str(error)))
     page.goto(link)
     page.locator("#status:not(:empty)").wait_for()
@@ -82,7 +85,9 @@ def agrees(page: Any, scene: Scene) -> bool:
     """Whether the page shows the motion of this scene: its word, its events, its marks."""
     trajectory = simulate(scene)
     drawn = page.evaluate(DRAWN)
-    times = [float(text) for text in page.locator("#events tbody td:nth-child(3)").all_text_contents()]
+    times = [
+        float(text) for text in page.locator("#events tbody td:nth-child(3)").all_text_contents()
+    ]
     expected = [event.t for event in trajectory.events]
     return (
         word_in(page) == trajectory.word
@@ -104,9 +109,13 @@ def test_a_move_of_a_slider_shows_the_motion_of_simulate(browser: Any, address: 
         page.locator("#name", has_text="changed").wait_for()
         value = page.locator("#FN").input_value()
         assert value == "9.3"
-        eventually(page, lambda: agrees(page, replace(scene, parameters=scene.parameters.replace(FN=value))))
+        eventually(
+            page,
+            lambda: agrees(page, replace(scene, parameters=scene.parameters.replace(FN=value))),
+        )
         eventually(page, lambda: "FN=9.3" in page.url)
-        shown, word = page.evaluate(DRAWN), word_in(page)
+        shown = page.evaluate(DRAWN)
+        word = word_in(page)
         page.reload()  # the link is the state
         page.locator("#status:not(:empty)").wait_for()
         assert page.locator("#FN").input_value() == value
@@ -114,13 +123,20 @@ def test_a_move_of_a_slider_shows_the_motion_of_simulate(browser: Any, address: 
         assert word_in(page) == word
 
 
-def test_what_is_typed_is_exact_and_what_is_wrong_is_said_beside_it(browser: Any, address: str) -> None:
+def test_what_is_typed_is_exact_and_what_is_wrong_is_said_beside_it(
+    browser: Any, address: str
+) -> None:
     scene = load_scene("fig5")
     with opened(browser, address) as page:
         page.locator("#k").fill("4/3")
         page.locator("#v2").fill("50")
         page.locator("#name", has_text="changed").wait_for()
-        eventually(page, lambda: agrees(page, replace(scene, parameters=scene.parameters.replace(k="4/3", v2=50))))
+        eventually(
+            page,
+            lambda: agrees(
+                page, replace(scene, parameters=scene.parameters.replace(k="4/3", v2=50))
+            ),
+        )
         slider = page.locator("[data-name=v2] [type=range]")
         assert (slider.input_value(), slider.get_attribute("max")) == ("50", "50")
         before = page.evaluate(DRAWN)
@@ -134,7 +150,10 @@ def test_what_is_typed_is_exact_and_what_is_wrong_is_said_beside_it(browser: Any
             "v1": "must be less than v2 = 50",
             "k": "",
         }
-        eventually(page, lambda: {name: page.locator(f"#{name}-error").inner_text() for name in said} == said)
+        eventually(
+            page,
+            lambda: {name: page.locator(f"#{name}-error").inner_text() for name in said} == said,
+        )
         assert page.locator("#m").get_attribute("aria-invalid") == "true"
         assert "See the numbers marked" in page.locator("#status").inner_text()
         assert page.evaluate(DRAWN) == before
@@ -159,7 +178,11 @@ def test_a_scene_file_is_saved_and_opened(browser: Any, address: str, tmp_path: 
         file = tmp_path / "mine.toml"
         download.value.save_as(file)
         saved = load_scene(file)
-        assert (saved.parameters, saved.x0, saved.t_end) == (changed.parameters, changed.x0, changed.t_end)
+        assert (saved.parameters, saved.x0, saved.t_end) == (
+            changed.parameters,
+            changed.x0,
+            changed.t_end,
+        )
         assert saved.start_error == orbit.start_error
         word = word_in(page)
         page.locator("#scene").select_option(label="fig5")
@@ -168,7 +191,9 @@ def test_a_scene_file_is_saved_and_opened(browser: Any, address: str, tmp_path: 
         page.locator("#name", has_text="fig9-orbit, changed").wait_for()
         eventually(page, lambda: word_in(page) == word)
         page.locator("#x0").fill("4")  # what is typed is exact
-        eventually(page, lambda: page.locator("#start_error").input_value().split(",")[1:] == ["0", "0"])
+        eventually(
+            page, lambda: page.locator("#start_error").input_value().split(",")[1:] == ["0", "0"]
+        )
         bad = tmp_path / "bad.toml"
         bad.write_text(file.read_text().replace("m = 0.1", 'm = "heavy"'))
         page.locator("#upload").set_input_files(bad)
@@ -184,11 +209,16 @@ def test_the_start_is_dragged_undone_and_reset(browser: Any, address: str) -> No
         page.locator("#settled", has_text=f"{orbit.word}, period 1.5708 s").wait_for()
         assert page.locator("#settled").inner_text().endswith(orbit.message)
         assert page.locator("#scene option:checked").inner_text() == "fig9"
-        sections = page.evaluate("() => Bokeh.documents[0].get_model_by_name('section').data.x.length")
+        sections = page.evaluate(
+            "() => Bokeh.documents[0].get_model_by_name('section').data.x.length"
+        )
         assert sections == 6  # t = 10 is in the seventh period
         page.evaluate(DRAG, [3.5, 8.25])
         page.locator("#name", has_text="changed").wait_for()
-        assert (page.locator("#x0").input_value(), page.locator("#v0").input_value()) == ("3.5", "8.25")
+        assert (page.locator("#x0").input_value(), page.locator("#v0").input_value()) == (
+            "3.5",
+            "8.25",
+        )
         assert page.locator("#scene option:checked").inner_text() == "fig9, changed"
         page.wait_for_timeout(700)
         page.locator("#undo").click()
@@ -198,6 +228,12 @@ def test_the_start_is_dragged_undone_and_reset(browser: Any, address: str) -> No
         page.locator("#reset").click()
         eventually(page, lambda: page.locator("#name").inner_text() == "fig9")
         page.locator("#play").click()
-        eventually(page, lambda: page.evaluate("() => Bokeh.documents[0].get_model_by_name('now').data.t.length") == 1)
+        eventually(
+            page,
+            lambda: (
+                page.evaluate("() => Bokeh.documents[0].get_model_by_name('now').data.t.length")
+                == 1
+            ),
+        )
         page.locator("#play").click()
         page.locator("#play", has_text="Play").wait_for()

@@ -63,7 +63,8 @@ KINDS = ["trajectory", "orbit", "branch", "window", "curve", "check"]
 @pytest.mark.quick(2)
 @pytest.mark.parametrize("kind", KINDS)
 def test_an_answer_draws_all_panels_or_one_into_given_axes(kind: str) -> None:
-    before, answer = dict(rcParams), answers()[kind]
+    before = dict(rcParams)
+    answer = answers()[kind]
     assert len(answer.plot().axes) > 1
     drawing = Figure()
     left, right = drawing.subplots(1, 2)
@@ -113,7 +114,10 @@ MAGIC = {".pdf": b"%PDF-", ".svg": b"<?xml", ".png": b"\x89PNG"}
 def test_files_by_suffix_the_same_each_time(tmp_path: Path) -> None:
     drawings = [plot.figure("fig5", t_end=2, panels="c") for _ in "ab"]
     for suffix, start in MAGIC.items():
-        paths = [plot.save(drawing, tmp_path / f"{n}{suffix}") for n, drawing in zip("ab", drawings, strict=True)]
+        paths = [
+            plot.save(drawing, tmp_path / f"{n}{suffix}")
+            for n, drawing in zip("ab", drawings, strict=True)
+        ]
         first, second = (path.read_bytes() for path in paths)
         assert first.startswith(start)
         assert first == second
@@ -153,15 +157,26 @@ def marks(ax: Axes) -> dict[str, np.ndarray]:
 
 @pytest.mark.parametrize("number", range(3))
 def test_forces_have_marks_of_their_own_belt_only(number: int) -> None:
-    motion, boundary = random_motions(3)[number], 1 + number % 2
-    kinds = {"stick": "onset of stick", "slip": "end of stick", "cross": "crossing", "graze": "grazing point"}
+    motion = random_motions(3)[number]
+    boundary = 1 + number % 2
+    kinds = {
+        "stick": "onset of stick",
+        "slip": "end of stick",
+        "cross": "crossing",
+        "graze": "grazing point",
+    }
     (ax,) = plot.figure(motion, panels="d", boundary=boundary).axes
     for kind, label in kinds.items():
-        times = {float(event.t) for event in motion.events if (event.kind, event.boundary) == (kind, boundary)}
+        times = {
+            float(event.t)
+            for event in motion.events
+            if (event.kind, event.boundary) == (kind, boundary)
+        }
         if label == "onset of stick" and motion.segments[0].mode == f"belt{boundary}":
             times.add(float(motion.t_start))
         assert set(marks(ax).get(label, np.empty((0, 2)))[:, 0]) == times
-    # Theorem 4: while the mass sticks, the force below pushes up and the one above down. So at an onset.
+    # Theorem 4: while the mass sticks, the force below pushes up and the one above down. So at an
+    # onset.
     heights = [line.get_ydata() for line in ax.lines if line.get_label() == "onset of stick"]
     for height, sign in zip(heights, (1, -1), strict=False):
         assert (sign * np.asarray(height) > -1e-9).all()
@@ -186,20 +201,31 @@ def test_the_product_of_the_forces_decides() -> None:
 
 
 #: Panel: what is drawn across and up; F stands for the two forces.
-AXES = {"a": ("t", "x"), "b": ("t", "v"), "c": ("x", "v"), "d": ("t", "F"), "e": ("x", "F"), "f": ("v", "F")}
+AXES = {
+    "a": ("t", "x"),
+    "b": ("t", "v"),
+    "c": ("x", "v"),
+    "d": ("t", "F"),
+    "e": ("x", "F"),
+    "f": ("v", "F"),
+}
 
 
 def force(motion: Trajectory, domain: int, t: np.ndarray) -> np.ndarray:
     """Return F^(alpha), equation (13), from the parameters alone."""
-    p, (x, v) = motion.parameters, motion(t)
-    first, second = float(p.mu1 * p.FN), float(p.mu2 * p.FN)
+    p = motion.parameters
+    (x, v) = motion(t)
+    first = float(p.mu1 * p.FN)
+    second = float(p.mu2 * p.FN)
     friction = {1: first + second, 2: second - first, 3: -first - second}[domain]
     drive = float(p.A0) + float(p.B0) * np.cos(float(p.Omega) * t)
     return np.asarray((drive - float(p.c) * v - float(p.k) * x + friction) / float(p.m))
 
 
 @pytest.mark.quick(2)
-@pytest.mark.parametrize(("letter", "boundary"), [("a", 1), ("b", 2), ("c", 1), ("d", 1), ("d", 2), ("e", 2), ("f", 1)])
+@pytest.mark.parametrize(
+    ("letter", "boundary"), [("a", 1), ("b", 2), ("c", 1), ("d", 1), ("d", 2), ("e", 2), ("f", 1)]
+)
 def test_curves_are_what_the_axes_say(letter: str, boundary: int) -> None:
     motion = random_motions(3)[boundary]
     t = view_of(motion, boundary).t
@@ -239,11 +265,18 @@ def test_sticks_are_shaded_and_jumps_of_force_joined() -> None:
         shaded = sorted((patch.get_x(), patch.get_width()) for patch in ax.patches)  # type: ignore[attr-defined]
         spans = [(float(each.t_start), float(each.t_end - each.t_start)) for each in sticks]
         assert np.array(shaded) == pytest.approx(np.array(spans), abs=1e-12)
-        crossings = [float(e.t) for e in motion.events if (e.kind, e.boundary) == ("cross", boundary)]
+        crossings = [
+            float(e.t) for e in motion.events if (e.kind, e.boundary) == ("cross", boundary)
+        ]
         (bars,) = ax.collections
         ends = np.array([path.vertices for path in bars.get_paths()]).reshape(-1, 4)
-        heights = [[force(motion, i, np.array([t]))[0] for i in (boundary, boundary + 1)] for t in crossings]
-        expected = np.array([(t, low, t, high) for t, (low, high) in zip(crossings, heights, strict=True)])
+        heights = [
+            [force(motion, i, np.array([t]))[0] for i in (boundary, boundary + 1)]
+            for t in crossings
+        ]
+        expected = np.array(
+            [(t, low, t, high) for t, (low, high) in zip(crossings, heights, strict=True)]
+        )
         assert ends == pytest.approx(expected.reshape(-1, 4), abs=1e-9)
         joined += len(crossings)
     assert joined
@@ -254,7 +287,12 @@ def test_sticks_are_shaded_and_jumps_of_force_joined() -> None:
 
 @pytest.mark.parametrize(
     ("name", "values"),
-    [("panels", ["", "z", "aa", 5]), ("boundary", [0, 3, True]), ("columns", [0, 3, None]), ("t_end", ["x", -1])],
+    [
+        ("panels", ["", "z", "aa", 5]),
+        ("boundary", [0, 3, True]),
+        ("columns", [0, 3, None]),
+        ("t_end", ["x", -1]),
+    ],
 )
 def test_options_of_a_figure(name: str, values: list[Any]) -> None:
     for value in values:

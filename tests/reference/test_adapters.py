@@ -16,7 +16,14 @@ from symosc.reference.results import read_results
 from symosc.reference.score import Score, score
 
 ADAPTERS = Path(__file__).parents[2] / "docs" / "adapters"
-GOOD = {"paper-fig5", "paper-fig6", "graze-overdamped-P3", "rest-1", "free-decay-2", "continuum-1-2"}
+GOOD = {
+    "paper-fig5",
+    "paper-fig6",
+    "graze-overdamped-P3",
+    "rest-1",
+    "free-decay-2",
+    "continuum-1-2",
+}
 
 
 def judged(written: Path, command: list[str], tmp_path: Path) -> Score:
@@ -37,11 +44,14 @@ def assert_good(found: Score) -> None:
 @pytest.mark.slow
 @pytest.mark.skipif(shutil.which("g++") is None, reason="no C++ compiler")
 def test_the_program_in_cpp(written: Path, tmp_path: Path) -> None:
-    program, source = tmp_path / "dopri", ADAPTERS / "dopri.cpp"
+    program = tmp_path / "dopri"
+    source = ADAPTERS / "dopri.cpp"
     flags = ["-O2", "-std=c++17", "-Wall", "-Wextra", "-Werror"]
     subprocess.run(["g++", *flags, "-o", str(program), str(source)], check=True, timeout=PATIENCE)
     assert_good(judged(written, [str(program)], tmp_path))
-    wrong = subprocess.run([str(program), "nothing", str(tmp_path / "out")], capture_output=True, text=True)
+    wrong = subprocess.run(
+        [str(program), "nothing", str(tmp_path / "out")], capture_output=True, text=True
+    )
     assert wrong.returncode == 2
     assert len(wrong.stderr.splitlines()) == 1
 
@@ -64,7 +74,9 @@ def test_the_one_with_octave(written: Path, tmp_path: Path) -> None:
     short = tmp_path / "set"
     shutil.copytree(written, short)
     lines = (short / "cases.csv").read_text().splitlines()
-    (short / "cases.csv").write_text("\n".join([lines[0], *(line for line in lines if "paper-fig6" in line)]) + "\n")
+    (short / "cases.csv").write_text(
+        "\n".join([lines[0], *(line for line in lines if "paper-fig6" in line)]) + "\n"
+    )
     found = judged(short, ["octave-cli", "--no-gui", str(ADAPTERS / "with_ode45.m")], tmp_path)
     assert [case.name for case in found.cases if case.right] == ["paper-fig6"]
 

@@ -53,7 +53,9 @@ def test_a_changed_set_has_a_new_version() -> None:
     for case in CASES.values():
         start = (exact_text(getattr(case, name)) for name in ("t0", "x0", "v0", "t_end"))
         numbers = [*case.parameters.as_dict().values(), *start]
-        lines.append(" ".join([case.name, *numbers, str(case.scene.start_error), str(case.periods)]))
+        lines.append(
+            " ".join([case.name, *numbers, str(case.scene.start_error), str(case.periods)])
+        )
     found = hashlib.sha256("\n".join(lines).encode()).hexdigest()
     assert found == SUMS.get(SET_VERSION), f"the sum of version {SET_VERSION} is {found}"
 
@@ -81,7 +83,10 @@ def test_long_runs_are_long_and_proven(case: ReferenceCase) -> None:
 
 def value(text: str) -> mpmath.mpf:
     """Return the value of a closed form's expression."""
-    names = {name: getattr(mpmath, name) for name in ("pi", "sqrt", "log", "sin", "cos", "tan", "sinh", "cosh")}
+    names = {
+        name: getattr(mpmath, name)
+        for name in ("pi", "sqrt", "log", "sin", "cos", "tan", "sinh", "cosh")
+    }
     exact = re.sub(r"(?<![\w.])(\d+\.?\d*(?:e-?\d+)?)", r"mpf('\1')", text)
     return eval(exact, {"__builtins__": {}}, names | {"mpf": mpmath.mpf})
 
@@ -91,7 +96,10 @@ CLOSED = [name for name, case in CASES.items() if case.closed_form and case.grou
 
 def test_a_meeting_in_closed_form_has_its_form() -> None:
     """A velocity v = A/c (1 - exp(-c t/m)) meets belt 1 if A/c is beyond its speed, at log(1 + c v1/(A - c v1)) m/c."""
-    times = [re.findall(r"t\[0\] = (.+)", " ".join(CASES[f"limit-speed-{i}"].closed_form)) for i in (1, 2, 3, 4)]
+    times = [
+        re.findall(r"t\[0\] = (.+)", " ".join(CASES[f"limit-speed-{i}"].closed_form))
+        for i in (1, 2, 3, 4)
+    ]
     assert [len(found) for found in times] == [1, 1, 0, 0]
     for (text,), beyond in zip(times[:2], ("1e-3", "1e-12"), strict=True):
         assert value(text) == pytest.approx(mpmath.log(1 + 1 / mpmath.mpf(beyond)) / 2, rel=1e-14)
@@ -105,7 +113,9 @@ def test_closed_forms_are_what_happens(name: str) -> None:
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("case", [case for case in LONG_ONES if case.closed_form], ids=lambda case: case.name)
+@pytest.mark.parametrize(
+    "case", [case for case in LONG_ONES if case.closed_form], ids=lambda case: case.name
+)
 def test_closed_forms_hold_after_hundreds_of_events(case: ReferenceCase) -> None:
     assert_closed(case)
 
@@ -117,13 +127,18 @@ def assert_closed(case: ReferenceCase) -> None:
             assert read is not None
             number = case.events[int(read[2])].middle["tx".index(read[1])]
             exact = value(read[3])
-            error = abs(mpmath.mpf(number.numerator) / number.denominator - exact) / max(1, abs(exact))
+            error = abs(mpmath.mpf(number.numerator) / number.denominator - exact) / max(
+                1, abs(exact)
+            )
             assert error < mpmath.mpf("1e-38") * (1 if case.group != GRAZES else 10), form
 
 
 def test_den_hartogs_amplitudes_are_the_published_ones() -> None:
     """The values that are in print."""
-    printed = {("0", "0.4", "1.5"): "0.6531972647421811", ("0.1", "0.25", "0.6"): "1.487067086810845"}
+    printed = {
+        ("0", "0.4", "1.5"): "0.6531972647421811",
+        ("0.1", "0.25", "0.6"): "1.487067086810845",
+    }
     printed["0.2", "0.4", "1.5"] = "0.5488324917917096"
     with mpmath.workdps(30):
         for numbers, expected in printed.items():
@@ -136,7 +151,8 @@ def test_den_hartogs_amplitudes_are_the_published_ones() -> None:
 def test_the_border_of_motions_without_stops_is_where_den_hartog_has_it(Omega: str) -> None:
     """The border is F = 0.64657909 at r = 1.5, 0.81740639 at r = 0.8."""
     border = {"1-5": Fraction("0.64657909"), "0-8": Fraction("0.81740639")}[Omega]
-    below, above = CASES[f"border-{Omega}-below"], CASES[f"border-{Omega}-above"]
+    below = CASES[f"border-{Omega}-below"]
+    above = CASES[f"border-{Omega}-above"]
     assert below.parameters.mu1 < border < above.parameters.mu1
     assert {event.kind for event in below.events[-6:]} == {"cross"}
     assert {event.kind for event in above.events[-6:]} == {"stick", "slip"}
@@ -145,7 +161,8 @@ def test_the_border_of_motions_without_stops_is_where_den_hartog_has_it(Omega: s
 def test_the_continuum_ends_where_csernak_has_it() -> None:
     for case in CASES.values():
         if case.name.startswith("continuum"):
-            F, Omega = case.parameters.mu1, case.parameters.Omega
+            F = case.parameters.mu1
+            Omega = case.parameters.Omega
             stays = {event.kind for event in case.events} == {"cross"}
             middle = case.x0 - 1 / (1 - Omega**2)
             assert stays == (abs(middle) < Omega**2 / (1 - Omega**2) - F), case.name
@@ -158,8 +175,10 @@ def test_the_continuum_ends_where_csernak_has_it() -> None:
 @pytest.mark.parametrize("regime", DAMPED)
 def test_grazes_are_what_their_names_say(regime: str, mapping: str, tmp_path: object) -> None:
     case = CASES[f"graze-{regime.replace(' ', '-')}-{mapping}"]
-    p, touch = case.parameters, case.events[0]
-    discriminant, detuned = p.c**2 - 4 * p.m * p.k, p.k - p.m * p.Omega**2
+    p = case.parameters
+    touch = case.events[0]
+    discriminant = p.c**2 - 4 * p.m * p.k
+    detuned = p.k - p.m * p.Omega**2
     regimes = {
         "underdamped": p.c > 0 > discriminant,
         "critically damped": discriminant == 0,
@@ -171,7 +190,11 @@ def test_grazes_are_what_their_names_say(regime: str, mapping: str, tmp_path: ob
     }
     assert regimes[regime]
     where = place(mapping)
-    assert (touch.kind, touch.boundary, touch.source) == ("graze", where.boundary, f"Omega{where.domain}")
+    assert (touch.kind, touch.boundary, touch.source) == (
+        "graze",
+        where.boundary,
+        f"Omega{where.domain}",
+    )
     case.certificate.to_json(f"{tmp_path}/it.json")
     assert verify(f"{tmp_path}/it.json")[0] == 0
 
@@ -184,7 +207,9 @@ def test_the_page_about_the_set_counts_right() -> None:
         in text
     )
     assert f"The other {unproven} are computed" in text
-    counts = {row[0]: int(row[1]) for row in re.findall(r"^\| ([^|]+) \| (\d+) \|", text, re.MULTILINE)}
+    counts = {
+        row[0]: int(row[1]) for row in re.findall(r"^\| ([^|]+) \| (\d+) \|", text, re.MULTILINE)
+    }
     assert sum(counts.values()) == len(CASES)
     hard = {case.group for case in hard_cases()}
     for group in set(CASE_GROUPS) - hard:
@@ -196,18 +221,23 @@ def test_the_page_about_the_set_counts_right() -> None:
 
 
 @pytest.mark.quick(5)
-@pytest.mark.parametrize(("base", "mapping", "t_m", "t0", "exponent"), [(*row[:4], e) for row in PEAKS for e in row[5]])
+@pytest.mark.parametrize(
+    ("base", "mapping", "t_m", "t0", "exponent"), [(*row[:4], e) for row in PEAKS for e in row[5]]
+)
 @pytest.mark.parametrize("side", [1, -1])
 def test_peaks_are_as_far_from_the_belt_as_said(
     base: str, mapping: str, t_m: str, t0: str, exponent: int, side: int
 ) -> None:
     """By the exponential of the ODE's matrix: v there, and where the acceleration is 0."""
-    p, where = load_scene(base).parameters, place(mapping)
+    p = load_scene(base).parameters
+    where = place(mapping)
     height = Fraction(side, 10**exponent)
     start = start_before_a_peak(p, mapping, height, t_m, t0)
     with mpmath.workdps(50):
         _, v, a = flow_oracle(p, where.domain, *start, Fraction(t_m) - Fraction(t0))
-        beyond = (v - mpmath.mpf(p.belt(where.boundary).numerator)) * (1 if where.domain == where.boundary else -1)
+        beyond = (v - mpmath.mpf(p.belt(where.boundary).numerator)) * (
+            1 if where.domain == where.boundary else -1
+        )
         assert abs(beyond - mpmath.mpf(height.numerator) / height.denominator) < 4e-16
         assert abs(a) < 1e-14
 
@@ -217,13 +247,16 @@ def test_dips_are_as_deep_as_said(height: str) -> None:
     p = load_scene("fig5").parameters  # m = c = k = v1 = 1, B0 = 10, Omega = 1
     t0, x0, _ = start_before_a_dip(p, height, "2.5")
     with mpmath.workdps(40):
-        least = mpmath.pi + mpmath.asin(mpmath.mpf(1) / 10)  # where d/dt (10 cos(t) - t) = 0 and rises
+        least = mpmath.pi + mpmath.asin(
+            mpmath.mpf(1) / 10
+        )  # where d/dt (10 cos(t) - t) = 0 and rises
         x = mpmath.mpf(x0) + least - mpmath.mpf(t0)
         force = mpmath.mpf(p.A(1).numerator) / p.A(1).denominator + 10 * mpmath.cos(least) - x - 1
         assert abs(force - mpmath.mpf(height)) < 1e-15
 
 
-# The oracle's power series takes seconds to minutes for these rates; the next stiffest cases are with it.
+# The oracle's power series takes seconds to minutes for these rates; the next stiffest cases are
+# with it.
 TOO_STIFF = {"light-mass-m-1e-5", "light-mass-m-1e-8"}
 
 FOR_THE_ORACLE = [case for case in hard_cases() if not case.periods and case.name not in TOO_STIFF]
@@ -233,9 +266,13 @@ FOR_THE_ORACLE = [case for case in hard_cases() if not case.periods and case.nam
 @pytest.mark.full(30)
 @pytest.mark.parametrize("case", FOR_THE_ORACLE, ids=lambda case: case.name)
 def test_references_agree_with_the_oracle(case: ReferenceCase) -> None:
-    scene, most = case.scene, 6
+    scene = case.scene
+    most = 6
     reference = simulate(scene, digits=40).events[:most]
-    end = min(scene.t_end, Fraction(str(reference[-1].t)) + 1) if reference else scene.t_end
+    if reference:
+        end = min(scene.t_end, Fraction(str(reference[-1].t)) + 1)
+    else:
+        end = scene.t_end
     run = simulate_oracle(scene.parameters, scene.t0, scene.x0, scene.v0, end, 45, max_events=most)
     assert len(run.events) >= len(reference)
     for event, expected in zip(reference, run.events, strict=False):
@@ -244,7 +281,10 @@ def test_references_agree_with_the_oracle(case: ReferenceCase) -> None:
 
 
 def test_long_runs_end_with_the_orbit() -> None:
-    """After few periods the motion is the orbit to many digits: the same events as in any later period."""
+    """After few periods the motion is the orbit to many digits.
+
+    The same events as in any later period.
+    """
     case = CASES["1e5-periods-fig10-orbit"]
     period = 2 * mpmath.pi / mpmath.mpf("1.75")
     end = case.scene.t0 + Fraction(str(20.05 * period))
@@ -286,7 +326,11 @@ def test_a_graze_has_no_condition_and_what_follows_it_has(name: str) -> None:
     assert first == inf
     assert 0 < max(others) == case.condition < 100
     start = {each: float(getattr(case, each)) for each in ("t0", "x0", "v0")}
-    found = [event for event in simulate(case.parameters, **start, t_end=case.t_end).events if event.kind != "graze"]
+    found = [
+        event
+        for event in simulate(case.parameters, **start, t_end=case.t_end).events
+        if event.kind != "graze"
+    ]
     near = [event for event in found if abs(event.t - float(case.events[0].middle[0])) > 1e-4]
     for event, known, condition in zip(near, case.events[1:], others, strict=True):
         assert (event.kind, event.boundary) == (known.kind, known.boundary)
@@ -302,7 +346,9 @@ def test_a_very_long_run_has_the_events_of_its_last_period() -> None:
     assert case.proven
     assert case.certificate.kind == "settled"
     period = 2 * pi / float(case.parameters.Omega)
-    assert all(case.t_end - Fraction(period) < event.middle[0] < case.t_end for event in case.events)
+    assert all(
+        case.t_end - Fraction(period) < event.middle[0] < case.t_end for event in case.events
+    )
     for known, event in zip(case.events, last_period(case.scene, 50), strict=True):
         for (low, high), value in zip((known.t, known.x), (event.t, event.x), strict=True):
             assert Fraction(low) <= Fraction(value.context.nstr(value, 48)) <= Fraction(high)
@@ -319,8 +365,14 @@ def test_the_condition_of_a_constant_acceleration() -> None:
     """With A = A0 + (mu1 + mu2) FN, v = v0 + A t/m meets v1 after m (v1 - v0)/A, at x0 + m (v1^2 - v0^2)/(2 A)."""
     p = Parameters(m=3, c=0, k=0, A0=1, B0=0, Omega=1, v1=5, v2=9, mu1="0.3", mu2="0.2", FN=2)
     scene = Scene("constant", p, Fraction(7), Fraction(11), Fraction(-1), Fraction(30))
-    m, A, v1, v0, x0, t0 = 3, 2, 5, -1, 11, 7
-    passed, way = m * (v1 - v0) / A, m * (v1**2 - v0**2) / (2 * A)
+    m = 3
+    A = 2
+    v1 = 5
+    v0 = -1
+    x0 = 11
+    t0 = 7
+    passed = m * (v1 - v0) / A
+    way = m * (v1**2 - v0**2) / (2 * A)
     shares = (1, 0.6, 0.4, 1)  # A0, mu1 FN, mu2 FN, FN itself, as parts of A
     by_force = sum(shares) / A
     t = (t0 + passed * (1 + by_force) + m * (v1 + abs(v0)) / A) / (t0 + passed)
@@ -336,7 +388,8 @@ def test_near_a_graze_the_condition_grows_with_the_root_of_the_distance() -> Non
 
 
 def test_a_start_on_a_belt_moves_with_it() -> None:
-    scene, step = load_scene("fig9"), Fraction(1, 8)
+    scene = load_scene("fig9")
+    step = Fraction(1, 8)
     assert shifted(scene, "v0", step) == scene
     moved = shifted(scene, "v1", step)
     assert moved.v0 == moved.parameters.v1 == Fraction(9, 8)

@@ -1,4 +1,7 @@
-"""The files of the cases, and somebody's files: each form is read the same, and a broken one is one line."""
+"""The files of the cases, and somebody's files.
+
+Each form is read the same, and a broken one is one line.
+"""
 
 from __future__ import annotations
 
@@ -37,7 +40,12 @@ def test_what_is_read_back_is_what_the_cases_say(written: Path) -> None:
     version, cases = read_set(written)
     assert version == folder.SET_VERSION
     for found, known in zip(cases, small_set(), strict=True):
-        assert (found.name, found.events, found.count, found.t0) == (known.name, known.events, known.count, known.t0)
+        assert (found.name, found.events, found.count, found.t0) == (
+            known.name,
+            known.events,
+            known.count,
+            known.t0,
+        )
         for a, b in zip(found.conditions, known.conditions, strict=True):
             assert a == pytest.approx(b, rel=5e-3) or a == b == inf
         assert found.derivatives == known.derivatives
@@ -61,8 +69,14 @@ def test_every_table_says_the_same(written: Path) -> None:
         assert {name: Fraction(row[name]) for name in about["parameters"]} == {
             name: getattr(each.parameters, name) for name in about["parameters"]
         }
-        assert all(Fraction(row[name]) == getattr(each, name) for name in ("t0", "x0", "v0", "t_end"))
-        assert about["reference"]["events"] == int(row["events"]) == len(rows(written / each.name / "events.csv"))
+        assert all(
+            Fraction(row[name]) == getattr(each, name) for name in ("t0", "x0", "v0", "t_end")
+        )
+        assert (
+            about["reference"]["events"]
+            == int(row["events"])
+            == len(rows(written / each.name / "events.csv"))
+        )
         assert row["proven"] == ("yes" if each.proven else "no")
         for condition in (row["condition"], about["reference"]["condition"]):
             assert float(condition) == pytest.approx(each.condition, rel=5e-3)
@@ -76,7 +90,8 @@ def test_enclosures_have_40_digits_and_hold_what_simulate_says(written: Path) ->
         listed = rows(written / each.name / "events.csv")
         for row, event in zip(listed, exact, strict=True):
             for name in "tx":
-                low, high = Fraction(row[f"{name}_low"]), Fraction(row[f"{name}_high"])
+                low = Fraction(row[f"{name}_low"])
+                high = Fraction(row[f"{name}_high"])
                 value = Fraction(str(getattr(event, name)))
                 scale = max(1, abs(value))
                 assert 0 <= high - low < Fraction(1, 10**38) * scale
@@ -111,7 +126,9 @@ def test_trajectories_are_the_motion_with_events_twice(written: Path) -> None:
 def test_samples_of_a_long_run_show_twenty_periods() -> None:
     case = reference_case("1e5-periods-fig10-orbit")
     first, *_, last = folder._samples(case)
-    assert float(last[0]) - float(first[0]) == pytest.approx(20 * 2 * pi / float(case.parameters.Omega))
+    assert float(last[0]) - float(first[0]) == pytest.approx(
+        20 * 2 * pi / float(case.parameters.Omega)
+    )
 
 
 def test_certificates_are_proven_by_the_checker(written: Path) -> None:
@@ -135,12 +152,19 @@ def test_checksums_and_readme(written: Path) -> None:
     lines = (written / "cases.csv").read_text().splitlines()
     assert all(f"`{name}`" in text for name in lines[0].split(","))
     assert f"longest has {max(map(len, lines))} characters" in " ".join(text.split())
-    assert all(len(line.split(",")) == len(lines[0].split(",")) and ",," not in f"{line}," for line in lines)
+    assert all(
+        len(line.split(",")) == len(lines[0].split(",")) and ",," not in f"{line},"
+        for line in lines
+    )
     assert f"may be {SCORE_TOLERANCE:g}" in text
 
 
 def content(path: Path) -> dict[str, bytes]:
-    return {each.relative_to(path).as_posix(): each.read_bytes() for each in path.rglob("*") if each.is_file()}
+    return {
+        each.relative_to(path).as_posix(): each.read_bytes()
+        for each in path.rglob("*")
+        if each.is_file()
+    }
 
 
 def test_a_second_run_writes_the_same_bytes(tmp_path: Path) -> None:
@@ -193,7 +217,8 @@ def test_nothing_is_left_where_it_fails(tmp_path: Path, monkeypatch: pytest.Monk
 
 
 @pytest.mark.parametrize(
-    "value", [Fraction(1, 3), Fraction(-5, 4), Fraction(7), 1 + Fraction(1, 10**95), Fraction(10**40)]
+    "value",
+    [Fraction(1, 3), Fraction(-5, 4), Fraction(7), 1 + Fraction(1, 10**95), Fraction(10**40)],
 )
 def test_numbers_read_back_exactly(value: Fraction) -> None:
     assert Fraction(exact_text(value)) == value
@@ -203,8 +228,13 @@ def test_numbers_read_back_exactly(value: Fraction) -> None:
 
 
 NAMES = {"one", "two"}
-EVENTS = [GivenEvent(Fraction("1.5"), Fraction(-2), "stick", 1), GivenEvent(Fraction("2.25"), None, "slip", 0)]
-FOR_ALL = "case,t,x,kind,boundary,seconds\none,1.5,-2,stick,1,\none,2.25,,slip,,0.5\ntwo,9,,end,,0.25\n"
+EVENTS = [
+    GivenEvent(Fraction("1.5"), Fraction(-2), "stick", 1),
+    GivenEvent(Fraction("2.25"), None, "slip", 0),
+]
+FOR_ALL = (
+    "case,t,x,kind,boundary,seconds\none,1.5,-2,stick,1,\none,2.25,,slip,,0.5\ntwo,9,,end,,0.25\n"
+)
 
 
 def test_one_csv_for_all_cases(tmp_path: Path) -> None:
@@ -237,7 +267,12 @@ def test_a_folder_of_csv_files(text: str, tmp_path: Path) -> None:
 
 
 OCTAVE = Path(__file__).parents[1] / "crosschecks" / "octave"
-COLUMNS = {"t": [1.5, 2.25, 9], "x": [-2, None, None], "kind": ["stick", "slip", "end"], "boundary": [1, None, None]}
+COLUMNS = {
+    "t": [1.5, 2.25, 9],
+    "x": [-2, None, None],
+    "kind": ["stick", "slip", "end"],
+    "boundary": [1, None, None],
+}
 #: The same as text in other ways.
 TEXTS = {
     "one.csv": "t;x;kind;boundary\n1,5;-2,0;stick;1\n2,25;;slip;\n9;;end;\n",
@@ -249,8 +284,14 @@ TEXTS = {
 
 @pytest.mark.parametrize("name", TEXTS)
 def test_score_reads_what_check_reads(name: str, tmp_path: Path) -> None:
-    """Semicolons, decimal commas, comments, exponents of Fortran, 1.0 for a belt, columns; and packed."""
-    wanted = EVENTS if name != "one.txt" else [event._replace(x=None, boundary=0) for event in EVENTS]
+    """Semicolons, decimal commas, comments, exponents of Fortran, 1.0 for a belt, columns.
+
+    And packed.
+    """
+    if name != "one.txt":
+        wanted = EVENTS
+    else:
+        wanted = [event._replace(x=None, boundary=0) for event in EVENTS]
     (tmp_path / name).write_text(TEXTS[name])
     found = read_results(tmp_path, NAMES)["one"]
     assert (found.events, found.end) == (wanted, 9)
@@ -264,9 +305,12 @@ def test_score_reads_arrays(suffix: str, tmp_path: Path) -> None:
     import pandas
     from scipy.io import savemat
 
-    path, frame = tmp_path / f"all.{suffix}", pandas.DataFrame({"case": ["one", "one", "two"], **COLUMNS})
+    path = tmp_path / f"all.{suffix}"
+    frame = pandas.DataFrame({"case": ["one", "one", "two"], **COLUMNS})
     words = ("case", "kind")
-    arrays = {name: frame[name].to_numpy(dtype=object if name in words else float) for name in frame}
+    arrays = {
+        name: frame[name].to_numpy(dtype=object if name in words else float) for name in frame
+    }
     if suffix == "npz":
         np.savez(path, **(arrays | {name: arrays[name].astype(str) for name in words}))
     elif suffix == "mat":
@@ -285,10 +329,15 @@ def test_score_reads_what_octave_saves(name: str, tmp_path: Path) -> None:
     assert found.end == 9
 
 
-LIST = [{"t": 1.5, "x": -2, "kind": "stick", "boundary": 1}, {"t": "9/4", "kind": "slip", "x": None}]
+LIST = [
+    {"t": 1.5, "x": -2, "kind": "stick", "boundary": 1},
+    {"t": "9/4", "kind": "slip", "x": None},
+]
 
 
-@pytest.mark.parametrize("content", [LIST, {"events": LIST, "seconds": 1}, {"events": LIST[::-1], "solver": "mine"}])
+@pytest.mark.parametrize(
+    "content", [LIST, {"events": LIST, "seconds": 1}, {"events": LIST[::-1], "solver": "mine"}]
+)
 def test_json_for_one_case_and_for_all(content: object, tmp_path: Path) -> None:
     (tmp_path / "one.json").write_text(json.dumps(content))
     assert read_results(tmp_path, NAMES)["one"].events == EVENTS

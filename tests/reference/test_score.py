@@ -63,28 +63,50 @@ def with_changes(case: ReferenceCase, factor: float = 1.0) -> list[GivenEvent]:
     """Return right results with right derivatives, but the last one times a factor."""
     found = []
     for event, row in zip(right(case).events, case.derivatives, strict=True):
-        changes = {f"d{of}_{name}": float(both[i][0]) for name, both in row.items() for i, of in enumerate("tx")}
+        changes = {
+            f"d{of}_{name}": float(both[i][0])
+            for name, both in row.items()
+            for i, of in enumerate("tx")
+        }
         found.append(event._replace(changes=changes))
-    last = list(found[-1].changes)[-1] if found else ""
-    return [*found[:-1], found[-1]._replace(changes=found[-1].changes | {last: found[-1].changes[last] * factor})]
+    if found:
+        last = list(found[-1].changes)[-1]
+    else:
+        last = ""
+    return [
+        *found[:-1],
+        found[-1]._replace(changes=found[-1].changes | {last: found[-1].changes[last] * factor}),
+    ]
 
 
 def test_derivatives_are_judged_where_they_exist() -> None:
     for name in ("paper-fig6", "free-decay-2"):
         case = case_of(name)
-        found, plain = judged(case, with_changes(case)), list(right(case).events)
+        found = judged(case, with_changes(case))
+        plain = list(right(case).events)
         assert found.right
-        assert found.derivatives == found.known_derivatives == sum(2 * len(row) for row in case.derivatives) > 70
-        assert all(change.proven for row in case.derivatives for change in row.values())  # the start is exact
+        assert (
+            found.derivatives
+            == found.known_derivatives
+            == sum(2 * len(row) for row in case.derivatives)
+            > 70
+        )
+        assert all(
+            change.proven for row in case.derivatives for change in row.values()
+        )  # the start is exact
         last = list(case.derivatives[-1].values())[-1]
-        dt, dx = float(last.dt[0]), float(last.dx[0])
+        dt = float(last.dt[0])
+        dx = float(last.dx[0])
         scale = max(1.0, abs(dt), abs(dx), abs(float(case.events[-1].middle[1])))
         for factor, error in ((1 + 1e-4, 1e-4 * abs(dx) / scale), (nan, inf)):
             wrong = judged(case, with_changes(case, factor))
             assert (wrong.right, wrong.wrong_derivatives) == (False, 1)
             assert wrong.error_d == pytest.approx(error, rel=1e-3)
             assert str(wrong.wrong[0]).startswith("derivative: dx/dx0 of ")
-            scores = [Score("mine", SCORE_TOLERANCE, [wrong]), Score("none", SCORE_TOLERANCE, [judged(case, plain)])]
+            scores = [
+                Score("mine", SCORE_TOLERANCE, [wrong]),
+                Score("none", SCORE_TOLERANCE, [judged(case, plain)]),
+            ]
             rows = f"wrong derivatives  .*1 of {found.derivatives}"
             assert all(re.search(rows, as_text(scores[:count])) for count in (1, 2))
     graze = case_of("graze-overdamped-P3")
@@ -95,45 +117,76 @@ def test_derivatives_are_judged_where_they_exist() -> None:
 def test_a_table_of_derivatives_is_read_from_what_symosc_writes(tmp_path: Path) -> None:
     case = next(each for each in small_set() if each.name == "paper-fig6")
     start = case.t0, case.x0, case.v0
-    simulate_many(case.parameters, start, case.t_end, wrt=("mu2", "Omega", "x0")).to_csv(tmp_path / "paper-fig6.csv")
+    simulate_many(case.parameters, start, case.t_end, wrt=("mu2", "Omega", "x0")).to_csv(
+        tmp_path / "paper-fig6.csv"
+    )
     results = read_results(tmp_path, NAMES)
     found = judge_case(case_of("paper-fig6"), results["paper-fig6"], SCORE_TOLERANCE)
     assert (found.right, found.derivatives) == (True, 3 * 3 * 2)
 
 
-def changed(case: ReferenceCase, change: str, rng: random.Random) -> tuple[list[GivenEvent], dict[str, int], float]:
+def changed(
+    case: ReferenceCase, change: str, rng: random.Random
+) -> tuple[list[GivenEvent], dict[str, int], float]:
     """Return results with a fault, what a score must say, and the time of the fault."""
     events = right(case).events
     i = rng.choice([i for i, event in enumerate(events) if event.kind != "graze"])
-    event, period = events[i], 2 * pi / float(case.parameters.Omega)
+    event = events[i]
+    period = 2 * pi / float(case.parameters.Omega)
     others = [float(each.t) for each in events[:i] + events[i + 1 :]]
     if change == "dropped":
         return events[:i] + events[i + 1 :], {"missed": 1}, float(event.t)
     if change == "added":
-        free = [t for t in (rng.uniform(float(case.t0), others[-1]) for _ in range(300)) if _far(t, events, period)]
+        free = [
+            t
+            for t in (rng.uniform(float(case.t0), others[-1]) for _ in range(300))
+            if _far(t, events, period)
+        ]
         new = GivenEvent(Fraction(free[0]), event.x, "cross", 2)
         return [*events, new], {"invented": 1}, free[0]
     if change == "shifted":
         by = Fraction(rng.choice([-1, 1]) * rng.uniform(1e-8, 1e-6) * max(1.0, float(event.t)))
-        return [*events[:i], event._replace(t=event.t + by), *events[i + 1 :]], {"late": 1}, float(event.t)
+        return (
+            [*events[:i], event._replace(t=event.t + by), *events[i + 1 :]],
+            {"late": 1},
+            float(event.t),
+        )
     if change == "moved":
-        x = None if event.x is None else event.x + Fraction(rng.uniform(1e-8, 1e-6)) * max(1, abs(event.x))
+        if event.x is None:
+            x = None
+        else:
+            x = event.x + Fraction(rng.uniform(1e-8, 1e-6)) * max(1, abs(event.x))
         return [*events[:i], event._replace(x=x), *events[i + 1 :]], {"late": 1}, float(event.t)
     if change == "another kind":
-        kind = rng.choice([kind for kind in ("cross", "stick", "slip", "graze") if kind != event.kind])
-        return [*events[:i], event._replace(kind=kind), *events[i + 1 :]], {"kinds": 1}, float(event.t)
+        kind = rng.choice(
+            [kind for kind in ("cross", "stick", "slip", "graze") if kind != event.kind]
+        )
+        return (
+            [*events[:i], event._replace(kind=kind), *events[i + 1 :]],
+            {"kinds": 1},
+            float(event.t),
+        )
     assert change == "another belt"
-    return [*events[:i], event._replace(boundary=3 - event.boundary), *events[i + 1 :]], {"kinds": 1}, float(event.t)
+    return (
+        [*events[:i], event._replace(boundary=3 - event.boundary), *events[i + 1 :]],
+        {"kinds": 1},
+        float(event.t),
+    )
 
 
 def _far(t: float, events: list[GivenEvent], period: float) -> bool:
     return all(abs(t - float(event.t)) > KIND_WINDOW * period for event in events)
 
 
-@pytest.mark.parametrize("change", ["dropped", "added", "shifted", "moved", "another kind", "another belt"])
-@pytest.mark.parametrize("name", ["paper-fig5", "graze-overdamped-P3", "free-decay-2", "continuum-1-2"])
+@pytest.mark.parametrize(
+    "change", ["dropped", "added", "shifted", "moved", "another kind", "another belt"]
+)
+@pytest.mark.parametrize(
+    "name", ["paper-fig5", "graze-overdamped-P3", "free-decay-2", "continuum-1-2"]
+)
 def test_one_fault_is_named_and_only_that(name: str, change: str) -> None:
-    rng, case = random.Random(f"{name} {change}"), case_of(name)
+    rng = random.Random(f"{name} {change}")
+    case = case_of(name)
     for _ in range(10):
         events, expected, t = changed(case, change, rng)
         rng.shuffle(events)
@@ -145,7 +198,8 @@ def test_one_fault_is_named_and_only_that(name: str, change: str) -> None:
 
 def test_errors_are_measured_in_units_of_the_condition() -> None:
     case = case_of("paper-fig5")
-    events, i = right(case).events, 4
+    events = right(case).events
+    i = 4
     events[i] = events[i]._replace(t=events[i].t * (1 + Fraction(1, 10**12)))
     found = judged(case, events)
     assert found.right
@@ -177,7 +231,10 @@ def test_a_graze_may_be_nothing_or_a_short_contact(
     touch, *others = right(case).events
     half = Fraction(apart * sqrt(SCORE_TOLERANCE) / float(case.parameters.Omega))
     sides = (-half, half)
-    contacts = [touch._replace(kind=kind, t=touch.t + side) for kind, side in zip(kinds, sides, strict=False)]
+    contacts = [
+        touch._replace(kind=kind, t=touch.t + side)
+        for kind, side in zip(kinds, sides, strict=False)
+    ]
     found = judged(case, [*contacts, *others])
     assert counts(found) == {name: count for name, count in expected.items() if count}
     assert (found.grazes, found.grazes_found) == (1, 0)
@@ -188,7 +245,9 @@ def test_an_event_at_a_start_on_a_belt_is_none() -> None:
     start = GivenEvent(case.t0, None, "stick", 2)
     assert judged(case, [start, *right(case).events]).right
     assert counts(judged(case, [start, start, *right(case).events])) == {"invented": 1}
-    assert counts(judged(case_of("paper-fig5"), [start, *right(case_of("paper-fig5")).events])) == {"invented": 1}
+    assert counts(judged(case_of("paper-fig5"), [start, *right(case_of("paper-fig5")).events])) == {
+        "invented": 1
+    }
 
 
 def test_belts_may_be_left_out_and_without_positions_half_is_judged() -> None:
@@ -198,19 +257,27 @@ def test_belts_may_be_left_out_and_without_positions_half_is_judged() -> None:
     found = judged(case, [event._replace(x=None) for event in events])
     assert (found.right, found.wrong, found.without_x) == (False, [], len(events))
     assert (found.error_t, found.error_x, case_cell(found)) == (0.0, None, "no x, 0")
-    whole = score("mine", [case], {case.name: CaseResult([events[0]._replace(x=None), *events[1:]])})
+    whole = score(
+        "mine", [case], {case.name: CaseResult([events[0]._replace(x=None), *events[1:]])}
+    )
     assert not whole.ok
     assert verdict(whole) == "mine: right in 0 of 1 cases, half judged in 1, where x is not given"
 
 
 @pytest.mark.parametrize("t0", [0, 10**4, 10**8, 10**10])
 def test_a_late_start_is_no_excuse_for_late_events(t0: int) -> None:
-    """Each time as a double is right, and right events that are 1e-3 late are not; of t0 = 1e8 that is 1e-11."""
+    """Each time as a double is right, and right events that are 1e-3 late are not.
+
+    Of t0 = 1e8 that is 1e-11.
+    """
     case = case_of("paper-fig5")
     events = tuple(event._replace(t=(str(Fraction(event.t[0]) + t0),) * 2) for event in case.events)
     scene = replace(case.scene, t0=case.t0 + t0, t_end=case.t_end + t0)
     late = with_known(
-        replace(case, scene=scene), events=events, conditions=case.conditions, derivatives=case.derivatives
+        replace(case, scene=scene),
+        events=events,
+        conditions=case.conditions,
+        derivatives=case.derivatives,
     )
     rounded = [event._replace(t=Fraction(float(event.t))) for event in right(late).events]
     found = judged(late, rounded)
@@ -233,13 +300,20 @@ def test_results_that_end_early_are_not_right() -> None:
     """Also where nothing more happens after their end."""
     case = case_of("paper-fig6")
     last = float(case.events[-1].middle[0])
-    for end, ok in ((float(case.t_end), True), (100.0, True), ((last + float(case.t_end)) / 2, False), (3.0, False)):
+    for end, ok in (
+        (float(case.t_end), True),
+        (100.0, True),
+        ((last + float(case.t_end)) / 2, False),
+        (3.0, False),
+    ):
         given = [event for event in right(case).events if event.t < end]
         found = judge_case(case, CaseResult(given, end=Fraction(end)), SCORE_TOLERANCE)
         assert found.right == ok
         assert (found.stopped is None) == ok
         if not ok:
-            assert f"ends at t = {end:.10g}, before t_end = 20" in [str(wrong) for wrong in found.wrong]
+            assert f"ends at t = {end:.10g}, before t_end = 20" in [
+                str(wrong) for wrong in found.wrong
+            ]
             assert case_cell(found).endswith(f"ends at t = {end:g}")
 
 
@@ -275,11 +349,16 @@ def test_the_alignment_is_the_best_one() -> None:
     rng = random.Random(6)
 
     def some() -> list[FoundEvent]:
-        events = [FoundEvent(rng.uniform(0, 3), 0.0, rng.choice(["stick", "slip"]), 1) for _ in range(rng.randrange(9))]
+        events = [
+            FoundEvent(rng.uniform(0, 3), 0.0, rng.choice(["stick", "slip"]), 1)
+            for _ in range(rng.randrange(9))
+        ]
         return sorted(events)
 
     for _ in range(500):
-        found, reference, window = some(), some(), rng.choice([0.1, 0.5, 2.0])
+        found = some()
+        reference = some()
+        window = rng.choice([0.1, 0.5, 2.0])
         pairs = align(found, reference, [event.t for event in reference], window)  # type: ignore[arg-type]
         assert all(i < k and j < m for (i, j), (k, m) in pairwise(pairs))
         values = [worth(reference[i], found[j], window) for i, j in pairs]

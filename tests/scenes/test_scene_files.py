@@ -1,4 +1,7 @@
-"""Scene files: what is wrong is said with its line and table; expressions and units are read; what is written reads."""
+"""Scene files: what is wrong is said with its line and table; expressions and units are read.
+
+What is written reads.
+"""
 
 from __future__ import annotations
 
@@ -32,7 +35,9 @@ def scene(tmp_path: Path, **numbers: str) -> Scene:
 
 
 def line(name: str) -> int:
-    return 1 + TEXT.splitlines().index(next(each for each in TEXT.splitlines() if each.startswith(f"{name} = ")))
+    return 1 + TEXT.splitlines().index(
+        next(each for each in TEXT.splitlines() if each.startswith(f"{name} = "))
+    )
 
 
 @pytest.mark.parametrize("name", scene_names())
@@ -55,7 +60,9 @@ def test_a_commented_scene_is_the_scene(name: str, tmp_path: Path) -> None:
     ],
     ids=lambda text: text[:12],
 )
-def test_hostile_files_are_refused_in_a_line_before_they_cost_much(text: str, message: str, tmp_path: Path) -> None:
+def test_hostile_files_are_refused_in_a_line_before_they_cost_much(
+    text: str, message: str, tmp_path: Path
+) -> None:
     """The first one took twelve seconds and 1.5 GB."""
     file = tmp_path / "mine.toml"
     file.write_text(text)
@@ -71,7 +78,9 @@ def test_expressions_are_noted_and_their_starts_have_an_error(tmp_path: Path) ->
     assert abs(found.x0 - PI / 6) < Fraction(1, 10**39)
     assert abs(found.parameters.Omega - 2 * PI) < Fraction(1, 10**38)
     assert found.start_error == (0, half_unit(found.x0), 0)
-    assert [note.partition(":")[0] for note in found.notes] == ["x0 = pi/6", "Omega = 2*pi"] or len(found.notes) == 2
+    assert [note.partition(":")[0] for note in found.notes] == ["x0 = pi/6", "Omega = 2*pi"] or len(
+        found.notes
+    ) == 2
     assert "40 digits, 0.5235987755982988730771" in " ".join(found.notes)
     assert scene(tmp_path, x0='"pi/6"').notes != load_scene("fig9").notes == ()
     assert scene(tmp_path, x0="0.5").start_error is None
@@ -91,7 +100,9 @@ def test_a_start_on_a_belt_stays_on_it(tmp_path: Path) -> None:
 
 @pytest.mark.parametrize("seed", range(10))
 def test_lines_of_random_files(seed: int) -> None:
-    rng, lines, places = random.Random(seed), [], {}
+    rng = random.Random(seed)
+    lines = []
+    places = {}
     for table in rng.sample(["a", "b", "c"], 3):
         lines += [*rng.choices(["", "# a = 1", "   "], k=rng.randint(0, 3)), f"[{table}]"]
         for key in rng.sample("mckxyz", 4):
@@ -109,8 +120,17 @@ def test_lines_of_random_files(seed: int) -> None:
 def written(rng: random.Random, depth: int) -> str:
     """Return a random expression that is defined."""
     if depth == 0:
-        return rng.choice(["pi", "π", str(rng.randint(1, 99)), f"{rng.randint(0, 9)}.{rng.randint(1, 999)}", "2e-3"])
-    kind, one = rng.randrange(7), written(rng, depth - 1)
+        return rng.choice(
+            [
+                "pi",
+                "π",
+                str(rng.randint(1, 99)),
+                f"{rng.randint(0, 9)}.{rng.randint(1, 999)}",
+                "2e-3",
+            ]
+        )
+    kind = rng.randrange(7)
+    one = written(rng, depth - 1)
     if kind < 4:
         return f"({one} {'+-*/'[kind]} ({written(rng, depth - 1)} + 7/3))"
     return [f"sqrt(({one})^2)", f"cos({one})", f"-({one})**{rng.randint(1, 3)}"][kind - 4]
@@ -124,7 +144,9 @@ def test_digits_are_those_of_mpmath(seed: int) -> None:
     names = {"pi": mpmath.pi, "π": mpmath.pi, "sqrt": mpmath.sqrt, "cos": mpmath.cos}
     with mpmath.workdps(120):
         # Numbers become mpmath's, so that none is rounded to a double.
-        source = "".join(f"mpf('{part}')" if part[0] in "0123456789" else part for part in pieces(text))
+        source = "".join(
+            f"mpf('{part}')" if part[0] in "0123456789" else part for part in pieces(text)
+        )
         right = eval(source.replace("^", "**"), names | {"mpf": mpmath.mpf})
         error = abs(mpmath.mpf(value.numerator) / value.denominator - right)
         assert error <= abs(right) * mpmath.mpf(10) ** (1 - KNOWN_DIGITS) / 2, text
@@ -134,7 +156,10 @@ def test_digits_are_those_of_mpmath(seed: int) -> None:
 
 
 def pieces(text: str) -> list[str]:
-    """Return an expression cut at its numbers; the exponents of powers stay whole numbers of Python."""
+    """Return an expression cut at its numbers.
+
+    The exponents of powers stay whole numbers of Python.
+    """
     found = re.findall(r"(?:\*\*|\^)\d+|\d+\.?\d*(?:e-?\d+)?|[^\d]+?(?=\d|$)|\D", text)
     return [part for part in found if part]
 
@@ -190,7 +215,9 @@ def test_units_are_converted_exactly(name: str, text: str, value: str) -> None:
     assert read_quantity(name, text) == (Fraction(value), True)
 
 
-@pytest.mark.parametrize(("text", "turns"), [("60 rpm", 1), ("2 turn/s", 2), ("90 deg/s", Fraction(1, 4))])
+@pytest.mark.parametrize(
+    ("text", "turns"), [("60 rpm", 1), ("2 turn/s", 2), ("90 deg/s", Fraction(1, 4))]
+)
 def test_turns_are_known_as_well_as_pi(text: str, turns: Fraction) -> None:
     pytest.importorskip("pint")
     value, exact = read_quantity("Omega", text)
@@ -200,7 +227,18 @@ def test_turns_are_known_as_well_as_pi(text: str, turns: Fraction) -> None:
 
 @pytest.mark.parametrize(
     "text",
-    ["2 Hz", "2 kHz", "3 foo", "3 kg**9", "3 degC", "3 rad/s/", "1 __import__", "3 pi", "1 " + "m" * 60, "3 m^999999"],
+    [
+        "2 Hz",
+        "2 kHz",
+        "3 foo",
+        "3 kg**9",
+        "3 degC",
+        "3 rad/s/",
+        "1 __import__",
+        "3 pi",
+        "1 " + "m" * 60,
+        "3 m^999999",
+    ],
 )
 def test_units_that_are_refused(text: str) -> None:
     pytest.importorskip("pint")

@@ -16,7 +16,9 @@ pytestmark = pytest.mark.slow
 
 @pytest.fixture
 def copy(tmp_path: Path) -> Path:
-    shutil.copytree(ROOT / "symosc", tmp_path / "symosc", ignore=shutil.ignore_patterns("__pycache__"))
+    shutil.copytree(
+        ROOT / "symosc", tmp_path / "symosc", ignore=shutil.ignore_patterns("__pycache__")
+    )
     return tmp_path
 
 
@@ -29,7 +31,9 @@ def change(path: Path, *changes: tuple[str, str]) -> None:
 
 
 def run(folder: Path, *command: str) -> str:
-    done = subprocess.run([sys.executable, *command], cwd=folder, capture_output=True, text=True, check=False)
+    done = subprocess.run(
+        [sys.executable, *command], cwd=folder, capture_output=True, text=True, check=False
+    )
     assert done.returncode == 0, done.stderr[-3000:]
     return done.stdout
 
@@ -76,7 +80,9 @@ def test_a_field_of_an_event_is_added_as_contributing_says(copy: Path) -> None:
     run(copy, "-c", EVENTS)
     events = json.loads(run(copy, "-m", "symosc", "simulate", "fig9", "--json"))["events"]
     assert all({"a", "period"} <= event.keys() for event in events)
-    assert {"a", "period"} <= {*run(copy, "-m", "symosc", "simulate", "fig9").splitlines()[0].split()}
+    assert {"a", "period"} <= {
+        *run(copy, "-m", "symosc", "simulate", "fig9").splitlines()[0].split()
+    }
 
 
 SWEPT = """
@@ -95,14 +101,31 @@ def test_a_column_of_sweeps_is_added_as_contributing_says(copy: Path) -> None:
     simulation = copy / "symosc" / "simulation"
     change(
         simulation / "tables.py",
-        ('    "mode": (', '    "speed": ("size of the last velocity", "length/time"),\n    "mode": ('),
+        (
+            '    "mode": (',
+            '    "speed": ("size of the last velocity", "length/time"),\n    "mode": (',
+        ),
     )
     change(
         simulation / "ensemble.py",
-        ("    counted = columns", '    columns["speed"] = abs(columns["v"])\n    counted = columns'),
+        (
+            "    counted = columns",
+            '    columns["speed"] = abs(columns["v"])\n    counted = columns',
+        ),
     )
     run(copy, "-c", SWEPT)
     printed = json.loads(
-        run(copy, "-m", "symosc", "sweep", "fig9", "--over", "FN=1:2:2", "--record", "speed", "--json")
+        run(
+            copy,
+            "-m",
+            "symosc",
+            "sweep",
+            "fig9",
+            "--over",
+            "FN=1:2:2",
+            "--record",
+            "speed",
+            "--json",
+        )
     )
     assert {"least", "largest"} <= printed["columns"]["speed"].keys()

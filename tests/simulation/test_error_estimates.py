@@ -1,4 +1,7 @@
-"""t_error and x_error are errors of the numbers that are handed out: against 40 digits, over thousands of events."""
+"""t_error and x_error are errors of the numbers that are handed out.
+
+Against 40 digits, over thousands of events.
+"""
 
 from __future__ import annotations
 
@@ -45,7 +48,10 @@ def sample(family: str, seeds: range, least: int) -> list[float]:
 
 
 def assert_good_estimates(found: list[float]) -> None:
-    """At most one in a thousand beyond 5 estimates, none beyond 10; half of them not far below the estimate."""
+    """At most one in a thousand beyond 5 estimates, none beyond 10.
+
+    Half of them not far below the estimate.
+    """
     values = np.array(found)
     assert values.max() < 10
     assert np.count_nonzero(values > 5) <= len(values) / 1000
@@ -68,7 +74,10 @@ def test_errors_are_as_estimated_in_many_scenes(family: str) -> None:
 @pytest.mark.quick(1)
 @pytest.mark.parametrize("digits", [6, 12, 17, 30])
 def test_errors_of_numbers_that_are_cut_to_their_digits(digits: int) -> None:
-    """The working precision is higher; what is handed out has that many digits, and the error of that."""
+    """The working precision is higher.
+
+    What is handed out has that many digits, and the error of that.
+    """
     found = []
     for seed in range(3):
         for make in (ordinary, late):
@@ -99,14 +108,22 @@ def test_a_late_clock_says_how_coarse_it_is() -> None:
         assert all(event.x_error < 1e-13 for event in found.events)
 
 
-def assert_on_the_orbit(Omega: str, t0: Any, t_end: Any, use_numba: bool | None, most: int | None = None) -> None:
-    """On the stable orbit P32 errors of the start die out: later events are its points plus whole periods, exactly."""
+def assert_on_the_orbit(
+    Omega: str, t0: Any, t_end: Any, use_numba: bool | None, most: int | None = None
+) -> None:
+    """On the stable orbit P32 errors of the start die out.
+
+    Later events are its points plus whole periods, exactly.
+    """
     p = load_scene("fig9-orbit").parameters.replace(Omega=Omega)
     orbit = find_orbit(p, "P32", digits=30)
     period = orbit.period
     table = simulate_many(p, [t0, "4.15", 1], t_end, max_events=most, use_numba=use_numba)
     assert len(table) > 100
-    for i in [*range(100, len(table), max(1, len(table) // 500)), *range(len(table) - 4, len(table))]:
+    for i in [
+        *range(100, len(table), max(1, len(table) // 500)),
+        *range(len(table) - 4, len(table)),
+    ]:
         t, x = next(point for point in orbit.points if (point[1] > 0) == (table.x[i] > 0))
         exact = t + round(float((table.t[i] - t) / period)) * period
         assert abs(float(exact - table.t[i])) <= 5 * table.t_error[i]
@@ -131,33 +148,64 @@ def test_a_run_that_began_long_before_zero_keeps_the_time(Omega: str) -> None:
 @pytest.mark.parametrize("kind", ["undamped", "free", "weakly damped"])
 def test_errors_that_add_up_are_estimated(kind: str) -> None:
     """Nothing forgets the errors of earlier flights here."""
-    numbers = {"undamped": {"c": 0}, "free": {"c": 0, "k": 0, "A0": 0, "mu1": "0.4"}, "weakly damped": {"c": "1e-5"}}
+    numbers = {
+        "undamped": {"c": 0},
+        "free": {"c": 0, "k": 0, "A0": 0, "mu1": "0.4"},
+        "weakly damped": {"c": "1e-5"},
+    }
     p = Parameters(
         **({"m": "1.3", "c": 0, "k": "2.7", "A0": "0.3", "B0": 6, "Omega": "1.7", "mu1": "0.6", "mu2": "0.4"}
            | {"v1": "-1.1", "v2": "0.9", "FN": "1.5"} | numbers[kind])
     )  # fmt: skip
     start = {"t0": 0, "x0": 1, "v0": "-1.1", "t_end": 2000, "max_events": 200}
-    exact, found = simulate(p, digits=40, **start), simulate(p, accuracy=math.inf, **start)
+    exact = simulate(p, digits=40, **start)
+    found = simulate(p, accuracy=math.inf, **start)
     values = ratios(found, exact)
     assert len(values) == 400
     assert max(values) < 5
     assert np.median(values) > 0.04
 
 
-#: What errors come from -> a motion in which they were once thought to be less than a fifth of what they are.
+#: What errors come from -> a motion in which they were once thought to be less than a fifth of what
+#: they are.
 UNDERRATED: dict[str, tuple[dict[str, Any], dict[str, Any]]] = {
     "friction's jump behind a stick": (
-        {"m": "1.9", "c": "1.47", "k": 12, "A0": 0, "B0": "0.158", "Omega": "0.102", "v1": "-0.00239", "v2": "-0.00019"}
+        {
+            "m": "1.9",
+            "c": "1.47",
+            "k": 12,
+            "A0": 0,
+            "B0": "0.158",
+            "Omega": "0.102",
+            "v1": "-0.00239",
+            "v2": "-0.00019",
+        }
         | {"mu1": "0.932", "mu2": "0.901", "FN": "3.78"},
         {"x0": 0, "v0": "0.00201", "t_end": 60},
     ),
     "resonance with weak damping": (
-        {"m": "0.267", "c": "0.0287", "k": "0.501132204784863", "A0": 0, "B0": "26.1", "Omega": "1.37", "v1": -118}
+        {
+            "m": "0.267",
+            "c": "0.0287",
+            "k": "0.501132204784863",
+            "A0": 0,
+            "B0": "26.1",
+            "Omega": "1.37",
+            "v1": -118,
+        }
         | {"v2": "-24.6", "mu1": "0.104", "mu2": "1.02", "FN": "1.63"},
         {"x0": "-0.06698", "v0": "-24.6", "t_end": 420},
     ),
     "no drive and weak damping": (
-        {"m": "4.46", "c": "0.932", "k": "197.82594038329", "A0": "0.601", "B0": 0, "Omega": "6.66", "v1": "-1.532"}
+        {
+            "m": "4.46",
+            "c": "0.932",
+            "k": "197.82594038329",
+            "A0": "0.601",
+            "B0": 0,
+            "Omega": "6.66",
+            "v1": "-1.532",
+        }
         | {"v2": 0, "mu1": "0.224", "mu2": "0.56", "FN": "0.181"},
         {"x0": "-1.5", "v0": "-3.7", "t_end": 50},
     ),
@@ -169,20 +217,32 @@ UNDERRATED: dict[str, tuple[dict[str, Any], dict[str, Any]]] = {
 def test_errors_that_were_once_underrated(source: str) -> None:
     numbers, start = UNDERRATED[source]
     p = Parameters(**numbers)
-    exact, found = simulate(p, t0=0, digits=30, **start), simulate(p, t0=0, accuracy=math.inf, **start)
+    exact = simulate(p, t0=0, digits=30, **start)
+    found = simulate(p, t0=0, accuracy=math.inf, **start)
     assert len(ratios(found, exact)) == 2 * len(exact.events) >= 6
     assert max(ratios(found, exact)) < 3
 
 
 RESONANT = Parameters(
-    m=3, c=0, k="7.68", A0="1.8", B0="6.4", Omega="1.6", v1="-2.7", v2="-1.2", mu1="0.7", mu2="0.7", FN="3.6"
+    m=3,
+    c=0,
+    k="7.68",
+    A0="1.8",
+    B0="6.4",
+    Omega="1.6",
+    v1="-2.7",
+    v2="-1.2",
+    mu1="0.7",
+    mu2="0.7",
+    FN="3.6",
 )
 
 
 @pytest.mark.slow
 def test_errors_at_undamped_resonance_are_estimated() -> None:
     start = {"t0": 0, "x0": "-8/5", "v0": "-27/10", "t_end": 2000, "max_events": 600}
-    exact, found = simulate(RESONANT, digits=40, **start), simulate(RESONANT, accuracy=math.inf, **start)
+    exact = simulate(RESONANT, digits=40, **start)
+    found = simulate(RESONANT, accuracy=math.inf, **start)
     assert max(ratios(found, exact)) < 5
 
 
@@ -190,24 +250,30 @@ def test_errors_at_undamped_resonance_are_estimated() -> None:
 @sample_of(12, 300)
 def test_a_long_locked_motion_ends_where_it_should(count: int) -> None:
     """Against 60 digits: phase and time do not drift apart, so that the last state is as exact as the events."""
-    dice, seen = random.Random(1), 0
+    dice = random.Random(1)
+    seen = 0
     while seen < count:
         scene = load_scene(dice.choice(("fig5", "fig9")))
         Omega = repr(dice.uniform(0.9, 1.1) * float(scene.parameters.Omega))
         p = scene.parameters.replace(Omega=Omega, FN=Fraction(dice.randint(10, 80), 10))
-        start, t_end = (scene.t0, scene.x0, scene.v0), dice.randint(150, 300)
+        start = (scene.t0, scene.x0, scene.v0)
+        t_end = dice.randint(150, 300)
         exact = Motion(Start(p, *start, Fraction(t_end)), 60)
         while not exact.ended:
             exact.step()
         if exact.code != END or exact.count < 50:
             continue
-        table, last = simulate_many(p, start, t_end), simulate_many(p, start, t_end, record=("x", "v"))
+        table = simulate_many(p, start, t_end)
+        last = simulate_many(p, start, t_end, record=("x", "v"))
         for name in ("t", "x"):
             errors = [
-                abs(getattr(e, name) - found) for e, found in zip(exact.events(), getattr(table, name), strict=True)
+                abs(getattr(e, name) - found)
+                for e, found in zip(exact.events(), getattr(table, name), strict=True)
             ]
             assert max(np.array(errors, float) / getattr(table, f"{name}_error")) < 3
         size = max(table.x_error[-4:])
         assert abs(exact.state.x - last.x[0]) < 5 * size
-        assert abs(exact.state.v - last.v[0]) < 5 * size * max(1.0, float(p.k / p.m) ** 0.5, float(Omega))
+        assert abs(exact.state.v - last.v[0]) < 5 * size * max(
+            1.0, float(p.k / p.m) ** 0.5, float(Omega)
+        )
         seen += 1

@@ -49,7 +49,10 @@ def test_touches_that_a_rounded_phase_hides(task: tuple[str, int, int]) -> None:
 
 @pytest.mark.parametrize("task", [("digits", 20281, 7), ("long", 112642, 1)])
 def test_errors_are_as_large_as_said(task: tuple[str, int, int]) -> None:
-    """A flight of 5e-4 near x = 0, whose last step is as long; 1,747 time units, in which phases are rounded anew."""
+    """A flight of 5e-4 near x = 0, whose last step is as long.
+
+    1,747 time units, in which phases are rounded anew.
+    """
     family, seed, number = task
     assert_no_faults(family, range(number, number + 1), seed=seed)
 
@@ -60,12 +63,19 @@ def test_many_random_scenes_of_every_family(family: str) -> None:
     assert_no_faults(family, range(QUICK, SLOW))
 
 
-def assert_no_faults(family: str, numbers: range, part: Fraction = Fraction(1), seed: int = 1000) -> None:
+def assert_no_faults(
+    family: str, numbers: range, part: Fraction = Fraction(1), seed: int = 1000
+) -> None:
     failed = []
     for number in numbers:
         verdict = fuzz.verdict_of((family, seed, number), part)
-        verdict.faults = [fault for fault in verdict.faults if fault[0] != "slow"]  # a matter of the machine
-        failed += [verdict] if verdict.faults else []
+        verdict.faults = [
+            fault for fault in verdict.faults if fault[0] != "slow"
+        ]  # a matter of the machine
+        if verdict.faults:
+            failed += [verdict]
+        else:
+            failed += []
     assert not failed, "\n".join(fuzz.report(verdict, seed) for verdict in failed)
 
 
@@ -94,7 +104,11 @@ def test_approaches_stay_between_the_belts(family: str, numbers: range) -> None:
     for number in numbers:
         scene = fuzz.scene_of(family, 77, number)
         truth = scene.truth()
-        walls = {"Omega1": (-1e99, scene.p.v1), "Omega2": (scene.p.v1, scene.p.v2), "Omega3": (scene.p.v2, 1e99)}
+        walls = {
+            "Omega1": (-1e99, scene.p.v1),
+            "Omega2": (scene.p.v1, scene.p.v2),
+            "Omega3": (scene.p.v2, 1e99),
+        }
         low, high = map(Fraction, walls[truth.mode])
         for part in (Fraction(1, 50), Fraction(1, 3)):
             v = flow(scene, truth, scene.t_end * part, 200)[1]
@@ -103,7 +117,9 @@ def test_approaches_stay_between_the_belts(family: str, numbers: range) -> None:
 
 
 def flow(scene: plain.FuzzScene, truth: OracleRun, t: Fraction, dps: int) -> tuple:
-    return flow_oracle(scene.p, int(truth.mode[-1]), scene.t0, scene.x0, scene.v0, t - scene.t0, dps)
+    return flow_oracle(
+        scene.p, int(truth.mode[-1]), scene.t0, scene.x0, scene.v0, t - scene.t0, dps
+    )
 
 
 def to_fraction(value: mpmath.mpf) -> Fraction:
@@ -113,20 +129,29 @@ def to_fraction(value: mpmath.mpf) -> Fraction:
 def test_exact_grazes_are_what_the_oracle_finds() -> None:
     for number in range(6):
         scene = fuzz.scene_of("graze", 78, number)
-        scene = plain.with_digits(scene, t_end=min(scene.t_end, scene.t0 + touching.periods(scene.p, 5.5)))
-        events = [event for event in scene.truth().events if event.t <= touching.number(scene.t_end)]
+        scene = plain.with_digits(
+            scene, t_end=min(scene.t_end, scene.t0 + touching.periods(scene.p, 5.5))
+        )
+        events = [
+            event for event in scene.truth().events if event.t <= touching.number(scene.t_end)
+        ]
         run = simulate_oracle(scene.p, scene.t0, scene.x0, scene.v0, scene.t_end, 40)
         assert [label(event) for event in run.events] == [label(event) for event in events]
-        assert all(abs(one.t - other.t) < 1e-25 for one, other in zip(run.events, events, strict=True))
+        assert all(
+            abs(one.t - other.t) < 1e-25 for one, other in zip(run.events, events, strict=True)
+        )
 
 
 @pytest.mark.quick(1)
 @pytest.mark.skipif(program() is None, reason="needs g++ with quadruple precision")
-@pytest.mark.parametrize("family", few(["wide", "coincide", "late", "rest", "near"], "coincide", "late"))
+@pytest.mark.parametrize(
+    "family", few(["wide", "coincide", "late", "rest", "near"], "coincide", "late")
+)
 def test_both_oracles_agree(family: str) -> None:
     for number in range(4):
         scene = plain.with_digits(fuzz.scene_of(family, 79, number), dps=33)
-        exact, fast = truth_of(scene, simulate_oracle), truth_of(scene, simulate_fast)
+        exact = truth_of(scene, simulate_oracle)
+        fast = truth_of(scene, simulate_fast)
         assert [label(event) for event in exact.events] == [label(event) for event in fast.events]
         for one, other in zip(exact.events, fast.events, strict=True):
             assert abs(one.t - other.t) < 1e-20 * max(1, abs(one.t))

@@ -1,4 +1,7 @@
-"""simulate and simulate_many, compiled or not, are one engine: the same events and statuses, numbers within errors."""
+"""simulate and simulate_many, compiled or not, are one engine.
+
+The same events and statuses, numbers within errors.
+"""
 
 from __future__ import annotations
 
@@ -39,15 +42,24 @@ Problem = tuple[Parameters, tuple[Any, Any, Any], Any]  # parameters, start, end
 
 
 def assert_same(table: EventTable, number: int, alone: Trajectory, about: Any = None) -> None:
-    """Compare the events of one trajectory in a table with those of `simulate`: the same, numbers within errors."""
+    """Compare the events of one trajectory in a table with those of `simulate`.
+
+    The same, numbers within errors.
+    """
     mine = table[number]
     assert mine.status == [alone.status], about
     for name in ("kind", "boundary", "source", "target"):
-        assert getattr(mine, name).tolist() == [getattr(event, name) for event in alone.events], about
+        assert getattr(mine, name).tolist() == [getattr(event, name) for event in alone.events], (
+            about
+        )
     for name in ("t", "x"):
-        value, error = (np.array([getattr(event, n) for event in alone.events]) for n in (name, f"{name}_error"))
+        value, error = (
+            np.array([getattr(event, n) for event in alone.events]) for n in (name, f"{name}_error")
+        )
         assert (abs(getattr(mine, name) - value) <= 8 * error).all(), about
-        np.testing.assert_allclose(getattr(mine, f"{name}_error"), error, rtol=0.1, err_msg=str(about))
+        np.testing.assert_allclose(
+            getattr(mine, f"{name}_error"), error, rtol=0.1, err_msg=str(about)
+        )
 
 
 def assert_one_engine(problem: Problem, use_numba: bool, **options: Any) -> Any:
@@ -82,19 +94,32 @@ def test_shipped_scenes(name: str, use_numba: bool) -> None:
 @pytest.mark.slow
 @ENGINES
 def test_a_batch_is_its_trajectories_one_by_one(use_numba: bool) -> None:
-    """Mixed parameters, some of them twice, some undecided, in any order: every row is where it belongs."""
+    """Mixed parameters, some of them twice, some undecided, in any order.
+
+    Every row is where it belongs.
+    """
     available(use_numba)
-    scenes = [shortened(scene_of(family, 1001, n), Fraction(1, 8)) for family in FAMILIES for n in (0, 1)]
-    work: list[Problem] = [(scene.p, (scene.t0, scene.x0, scene.v0), scene.t_end) for scene in scenes] * 2
-    work += [(p, start, start[0] + 25) for p, starts in map(fig8_like, range(2)) for start in starts[:3]]
+    scenes = [
+        shortened(scene_of(family, 1001, n), Fraction(1, 8)) for family in FAMILIES for n in (0, 1)
+    ]
+    work: list[Problem] = [
+        (scene.p, (scene.t0, scene.x0, scene.v0), scene.t_end) for scene in scenes
+    ] * 2
+    work += [
+        (p, start, start[0] + 25) for p, starts in map(fig8_like, range(2)) for start in starts[:3]
+    ]
     sets, starts, ends = (list(column) for column in zip(*work, strict=True))
     table = simulate_many(sets, starts, ends, use_numba=use_numba, max_events=40)
     assert table.trajectory.tolist() == sorted(table.trajectory.tolist())
     for number, (p, (t0, x0, v0), t_end) in enumerate(work):
-        assert_same(table, number, simulate(p, t0=t0, x0=x0, v0=v0, t_end=t_end, max_events=40), number)
+        assert_same(
+            table, number, simulate(p, t0=t0, x0=x0, v0=v0, t_end=t_end, max_events=40), number
+        )
     assert {"t_end", "equilibrium", "max_events"} <= set(table.status)
     order = random.Random(1).sample(range(len(work)), len(work))
-    mixed = simulate_many(*([column[i] for i in order] for column in (sets, starts, ends)), use_numba=use_numba)
+    mixed = simulate_many(
+        *([column[i] for i in order] for column in (sets, starts, ends)), use_numba=use_numba
+    )
     whole = simulate_many(sets, starts, ends, use_numba=use_numba)
     assert all(mixed[place] == whole[i] for place, i in enumerate(order))
 
@@ -119,11 +144,25 @@ def test_max_events(use_numba: bool) -> None:
 @ENGINES
 def test_a_motion_that_comes_to_rest(use_numba: bool) -> None:
     available(use_numba)
-    base = {"m": 1, "c": 3, "k": 1, "A0": 0, "B0": 0, "Omega": 1, "mu1": "0.3", "mu2": "0.3", "FN": 1}
+    base = {
+        "m": 1,
+        "c": 3,
+        "k": 1,
+        "A0": 0,
+        "B0": 0,
+        "Omega": 1,
+        "mu1": "0.3",
+        "mu2": "0.3",
+        "FN": 1,
+    }
     cases = {
         "on a belt": (Parameters(**base, v1=0, v2=1), (0, "0.1", 0), "equilibrium"),
         "between belts": (Parameters(**base, v1=-1, v2=1), (0, 5, "0.2"), "equilibrium"),
-        "carried on for ever": (Parameters(**(base | {"k": 0, "c": 0}), v1=1, v2=2), (0, 0, 1), "t_end"),
+        "carried on for ever": (
+            Parameters(**(base | {"k": 0, "c": 0}), v1=1, v2=2),
+            (0, 0, 1),
+            "t_end",
+        ),
         "beside a belt": (Parameters(**base, v1=-1, v2=0), (0, 5, "-1/5"), "equilibrium"),
     }
     for name, (p, start, status) in cases.items():
@@ -156,13 +195,18 @@ def test_more_periods_than_are_followed(use_numba: bool) -> None:
 def test_a_motion_that_doubles_cannot_follow(use_numba: bool) -> None:
     available(use_numba)
     scene = load_scene("fig8")
-    trajectory = assert_one_engine((scene.parameters, (scene.t0, scene.x0, scene.v0), 160), use_numba)
+    trajectory = assert_one_engine(
+        (scene.parameters, (scene.t0, scene.x0, scene.v0), 160), use_numba
+    )
     assert (trajectory.status, len(trajectory.events)) == ("t_end", 196)
 
 
 @ENGINES
 def test_two_events_that_round_to_one_time(use_numba: bool) -> None:
-    """Belts 1e-11 apart at t = 1e5: both crossings are reported, in order, and no contact was in doubt."""
+    """Belts 1e-11 apart at t = 1e5.
+
+    Both crossings are reported, in order, and no contact was in doubt.
+    """
     available(use_numba)
     p = Parameters(
         m="579/1000", c="593/10000", k="387/100", A0=0, B0="507/100", Omega="209/100", v1=-3,
@@ -185,9 +229,17 @@ def fig8_like(seed: int) -> tuple[Parameters, list[tuple[Fraction, ...]]]:
     """Return parameters near those of fig8, whose errors grow, and starts on and beside belts."""
     dice = random.Random(seed)
     p = load_scene("fig8").parameters
-    p = p.replace(A0=p.A0 + Fraction(dice.randint(-99, 99), 100), Omega=2 + Fraction(dice.randint(-50, 50), 100))
-    starts = [(Fraction(dice.randint(0, 50), 10), Fraction(dice.randint(-600, 600), 100)) for _ in range(6)]
-    return p, [(t, x, dice.choice((p.v1, p.v2, Fraction(dice.randint(-300, 300), 100)))) for t, x in starts]
+    p = p.replace(
+        A0=p.A0 + Fraction(dice.randint(-99, 99), 100),
+        Omega=2 + Fraction(dice.randint(-50, 50), 100),
+    )
+    starts = [
+        (Fraction(dice.randint(0, 50), 10), Fraction(dice.randint(-600, 600), 100))
+        for _ in range(6)
+    ]
+    return p, [
+        (t, x, dice.choice((p.v1, p.v2, Fraction(dice.randint(-300, 300), 100)))) for t, x in starts
+    ]
 
 
 def assert_climbs(seed: int, most_starts: int, **given: Any) -> None:
@@ -203,7 +255,9 @@ def assert_climbs(seed: int, most_starts: int, **given: Any) -> None:
 @pytest.mark.compiled("pairs")
 @pytest.mark.slow
 @sample_of(4, 200)
-def test_events_of_pairs_are_those_of_many_digits(count: int, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_events_of_pairs_are_those_of_many_digits(
+    count: int, monkeypatch: pytest.MonkeyPatch
+) -> None:
     pytest.importorskip("numba")
     monkeypatch.setattr(PAIRS, "events", 0)
     monkeypatch.setattr(DOUBLES, "events", 0)
@@ -222,7 +276,8 @@ def test_what_pairs_leave_open_is_left_to_more_digits() -> None:
     assert_same(table, 0, simulate(swing, t0=0, x0=1, v0=0, t_end=7))
     assert table.kind.tolist() == ["graze"]
     scene = load_scene("fig8-exact")
-    start, error = (scene.t0, scene.x0, scene.v0), scene.start_error
+    start = (scene.t0, scene.x0, scene.v0)
+    error = scene.start_error
     table = simulate_many(scene.parameters, [start] * 2, scene.t_end, start_error=error)
     for number in (0, 1):
         assert_same(table, number, simulate(scene))
@@ -237,10 +292,16 @@ def test_more_digits_from_the_start_need_not_step_as_pairs_did() -> None:
         mu2="0.054", FN="2.86",
     )  # fmt: skip
     start: dict[str, Any] = {"t0": 0, "x0": "-8915/2862", "v0": "0.8"}
-    found = in_doubles(read_start(p, {**start, "t_end": 50}, None), 10, 1e-13, loops=interpreted_pairs())
+    found = in_doubles(
+        read_start(p, {**start, "t_end": 50}, None), 10, 1e-13, loops=interpreted_pairs()
+    )
     known = simulate(p, **start, t_end=50, digits=25)
     assert found.status == "t_end"
-    assert [event.kind for event in found.events] == [event.kind for event in known.events] == ["stick", "slip"]
+    assert (
+        [event.kind for event in found.events]
+        == [event.kind for event in known.events]
+        == ["stick", "slip"]
+    )
     for event, there in zip(found.events, known.events, strict=True):
         assert event.t == pytest.approx(float(there.t), rel=1e-14)
 
@@ -251,10 +312,17 @@ def test_accuracy_asks_for_more_digits_or_none() -> None:
     scene = load_scene("fig8")
     start = [scene.t0, scene.x0, scene.v0]
     exact = simulate(scene, digits=25).events
-    finer, plain = simulate(scene), simulate(scene, accuracy=math.inf)
+    finer = simulate(scene)
+    plain = simulate(scene, accuracy=math.inf)
     rough = simulate_many(scene.parameters, start, scene.t_end, accuracy=1e-9)
-    assert max(event.x_error for event in finer.events) < 1e-13 < max(event.x_error for event in plain.events)
-    assert rough.x_error.tolist() == pytest.approx([event.x_error for event in plain.events], rel=1e-6)
+    assert (
+        max(event.x_error for event in finer.events)
+        < 1e-13
+        < max(event.x_error for event in plain.events)
+    )
+    assert rough.x_error.tolist() == pytest.approx(
+        [event.x_error for event in plain.events], rel=1e-6
+    )
     for event, error, x in zip(exact, rough.x_error, rough.x, strict=True):
         assert abs(float(event.x - x)) < 8 * error + 1e-15
     in_t, in_x = ((error / np.maximum(1, np.abs(value))).max() for error, value in
@@ -268,18 +336,33 @@ def test_accuracy_asks_for_more_digits_or_none() -> None:
 
 
 def test_columns_are_rows_of_parameters() -> None:
-    """Also where a decision of the constants is exact: critical damping, resonance, forces that cancel."""
+    """Also where a decision of the constants is exact.
+
+    Critical damping, resonance, forces that cancel.
+    """
     p = load_scene("fig9").parameters
-    for changes in ({}, {"c": "0.2", "k": "0.01", "m": 1}, {"k": 1, "m": 1, "c": 0}, {"k": 0, "A0": "0.3", "B0": 0}):
-        q, FN = p.replace(**changes), np.linspace(3, 5, 20)
-        columns = {name: getattr(q, name) for name in q.as_dict()} | {"FN": FN, "mu1": "0.1", "mu2": 0}
+    for changes in (
+        {},
+        {"c": "0.2", "k": "0.01", "m": 1},
+        {"k": 1, "m": 1, "c": 0},
+        {"k": 0, "A0": "0.3", "B0": 0},
+    ):
+        q = p.replace(**changes)
+        FN = np.linspace(3, 5, 20)
+        columns = {name: getattr(q, name) for name in q.as_dict()} | {
+            "FN": FN,
+            "mu1": "0.1",
+            "mu2": 0,
+        }
         table = simulate_many(columns, (0, 0, 0), 5, use_numba=False)
         for i, force in enumerate(FN.tolist()):
             alone = simulate(q.replace(FN=force, mu1="0.1", mu2=0), t0=0, x0=0, v0=0, t_end=5)
             assert_same(table, i, alone, (changes, i))
 
 
-def test_a_table_has_its_trajectories_by_number(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_a_table_has_its_trajectories_by_number(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
     p = load_scene("fig9").parameters
     table = simulate_many(p, [(0, 0, 0), (0, 1, 2), (0, 2, 0)], 5, use_numba=False)
     for number in (0, 2, -1):
@@ -304,7 +387,8 @@ def test_a_table_has_its_trajectories_by_number(tmp_path: Path, monkeypatch: pyt
             table.to_pandas()
     pytest.importorskip("pandas")
     pytest.importorskip("xarray")
-    frame, dataset = table.to_pandas(), table.to_xarray()
+    frame = table.to_pandas()
+    dataset = table.to_xarray()
     assert frame["kind"].tolist() == dataset["kind"].values.tolist() == table.kind.tolist()
     assert dataset["status"].values.tolist() == table.status
 
@@ -312,7 +396,9 @@ def test_a_table_has_its_trajectories_by_number(tmp_path: Path, monkeypatch: pyt
 @pytest.mark.parametrize("workers", [1, 3])
 def test_progress_ends_with_all_rows(workers: int) -> None:
     told = list[tuple[int, int]]()
-    chunks = in_chunks(1040, lambda rows, room, cancel: rows, workers, lambda done, of: told.append((done, of)))
+    chunks = in_chunks(
+        1040, lambda rows, room, cancel: rows, workers, lambda done, of: told.append((done, of))
+    )
     assert [i for rows in chunks for i in range(1040)[rows]] == list(range(1040))
     assert told == sorted(told)
     assert told[-1] == (1040, 1040)
@@ -321,7 +407,8 @@ def test_progress_ends_with_all_rows(workers: int) -> None:
 
 @pytest.mark.parametrize("where", ["chunk", "caller"])
 def test_an_interrupt_ends_all_threads(where: str) -> None:
-    running, begun = threading.Event(), []
+    running = threading.Event()
+    begun = []
 
     def work(rows: slice, room: EventRows, cancel: CancelToken) -> None:
         begun.append(rows.start)
@@ -339,5 +426,7 @@ def test_an_interrupt_ends_all_threads(where: str) -> None:
 
     with pytest.raises(KeyboardInterrupt):
         in_chunks(40, work, 3, interrupted)
-    assert len(begun) <= 4 < 14  # chunks: the thread that failed may take another one before the others are stopped
+    assert (
+        len(begun) <= 4 < 14
+    )  # chunks: the thread that failed may take another one before the others are stopped
     assert not [thread for thread in threading.enumerate() if thread.name.startswith("symosc")]

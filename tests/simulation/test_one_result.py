@@ -27,22 +27,28 @@ def program(cache: Path, *arguments: str) -> Any:
     cache.mkdir(exist_ok=True)
     command = [sys.executable, one_result.__file__, *arguments]
     environment = os.environ | {"NUMBA_CACHE_DIR": str(cache)}
-    return json.loads(subprocess.run(command, env=environment, capture_output=True, text=True, check=True).stdout)
+    return json.loads(
+        subprocess.run(command, env=environment, capture_output=True, text=True, check=True).stdout
+    )
 
 
 def lend(cache: Path, *functions: Any) -> None:
     """Copy what this program has compiled of functions of the engine into a cache that was used before."""
     (there,) = cache.glob("engine_*")
     for function in functions:
-        for path in Path(function.stats.cache_path).glob(f"*.{function.py_func.__qualname__}-*.nb?"):
+        for path in Path(function.stats.cache_path).glob(
+            f"*.{function.py_func.__qualname__}-*.nb?"
+        ):
             shutil.copy2(path, there)
 
 
 @pytest.mark.compiled("pairs")
 @pytest.mark.slow
 def test_whatever_is_compiled_and_however_fast_the_machine_is(tmp_path: Path) -> None:
-    warm, cache = one_result.digests(), tmp_path / "cache"
-    doubles, loops = arithmetic.compiled()["follow_all"], arithmetic.compiled_pairs()
+    warm = one_result.digests()
+    cache = tmp_path / "cache"
+    doubles = arithmetic.compiled()["follow_all"]
+    loops = arithmetic.compiled_pairs()
     for clock in ("standing", "rushing"):
         assert program(cache, clock) == {"digests": warm, "loaded": [False, False]}, clock
     lend(cache, doubles)
@@ -68,7 +74,8 @@ def test_any_number_of_workers_and_chunks_of_any_size(monkeypatch: pytest.Monkey
 @pytest.mark.slow
 def test_a_sweep_that_is_stopped_cold_and_resumed_warm(tmp_path: Path) -> None:
     arithmetic.compiled_pairs()
-    broken, whole = tmp_path / "broken.csv", tmp_path / "whole.csv"
+    broken = tmp_path / "broken.csv"
+    whole = tmp_path / "whole.csv"
     assert program(tmp_path / "cache", "usual", str(broken)) == {"done": 5}
     assert not broken.exists()
     simulate_many(*one_result.motions()[0][1:4])  # so that compiled code is loaded

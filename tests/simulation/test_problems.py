@@ -25,7 +25,10 @@ def begun(problems: Problems) -> np.ndarray:
 
 
 def assert_begun_as_alone(problems: Problems) -> None:
-    """Compare with the exact start: mode, belt and forces that are 0 to the bit, numbers but for rounding."""
+    """Compare with the exact start.
+
+    Mode, belt and forces that are 0 to the bit, numbers but for rounding.
+    """
     states = begun(problems)
     for i in range(len(problems)):
         arithmetic = Arithmetic(problems[i].parameters)
@@ -39,24 +42,43 @@ def assert_begun_as_alone(problems: Problems) -> None:
 def test_motions_begin_as_one_by_one(seed: int) -> None:
     """On and beside belts, at large times, at phases next to 0, with forces that are 0."""
     dice = random.Random(seed)
-    sets = [FIG9.replace(Omega=dice.choice((4, 0.7, dice.uniform(1, 6))), mu1=dice.choice((0, 0.3))) for _ in range(60)]
+    sets = [
+        FIG9.replace(Omega=dice.choice((4, 0.7, dice.uniform(1, 6))), mu1=dice.choice((0, 0.3)))
+        for _ in range(60)
+    ]
     starts: list[tuple[Any, ...]] = []
     for p in sets:
         t = dice.choice(
-            (0, 0.1, dice.uniform(-9, 9), 10**8, dice.uniform(-1e9, 1e9), "6.28318530717958647692528676656")
+            (
+                0,
+                0.1,
+                dice.uniform(-9, 9),
+                10**8,
+                dice.uniform(-1e9, 1e9),
+                "6.28318530717958647692528676656",
+            )
         )
-        v = dice.choice((p.v1, 25.0, dice.uniform(-9, 30), Fraction(p.v2) + Fraction(1, 10**25), 1.0))
-        rest = (p.A0 + (p.mu2 - p.mu1) * p.FN + p.B0 - p.c) / p.k  # the force above belt 1 is 0 at t = 0
+        v = dice.choice(
+            (p.v1, 25.0, dice.uniform(-9, 30), Fraction(p.v2) + Fraction(1, 10**25), 1.0)
+        )
+        rest = (
+            p.A0 + (p.mu2 - p.mu1) * p.FN + p.B0 - p.c
+        ) / p.k  # the force above belt 1 is 0 at t = 0
         starts.append((t, dice.choice((rest, dice.uniform(-9, 9), 0)), v))
-    ends = [float(t) + 10 if isinstance(t, str) else t + dice.choice((1, 0.5)) for t, _, _ in starts]
+    ends = [
+        float(t) + 10 if isinstance(t, str) else t + dice.choice((1, 0.5)) for t, _, _ in starts
+    ]
     assert_begun_as_alone(Problems(sets, starts, ends))
-    assert_begun_as_alone(Problems(sets, starts, ends, (Fraction(0), Fraction(1, 10**9), Fraction(0))))
+    assert_begun_as_alone(
+        Problems(sets, starts, ends, (Fraction(0), Fraction(1, 10**9), Fraction(0)))
+    )
 
 
 @pytest.mark.parametrize("speed", ["0.1", "1/3", "1", "0.7000000000000001"])
 def test_a_start_is_on_a_belt_if_the_exact_numbers_are_equal(speed: str) -> None:
     """Whatever types they have: doubles that are equal need not stand for equal numbers."""
-    p, given = FIG9.replace(v1=speed), Fraction(speed)
+    p = FIG9.replace(v1=speed)
+    given = Fraction(speed)
     near = [
         given,
         given + Fraction(1, 10**20),

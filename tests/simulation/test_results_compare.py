@@ -1,4 +1,7 @@
-"""What functions return: equal, copied and pickled as values are; and every class of it is public."""
+"""What functions return: equal, copied and pickled as values are.
+
+And every class of it is public.
+"""
 
 from __future__ import annotations
 
@@ -22,10 +25,16 @@ TRAJECTORY = simulate("fig5", t_end=5)
 
 
 @pytest.mark.parametrize(
-    "make", [lambda end: simulate("fig5", t_end=end), lambda end: simulate_many(P, [[0, 0, 0], [0, 1, 0]], end)]
+    "make",
+    [
+        lambda end: simulate("fig5", t_end=end),
+        lambda end: simulate_many(P, [[0, 0, 0], [0, 1, 0]], end),
+    ],
 )
 def test_results_compare_copy_and_pickle(make: Callable[[int], Trajectory | EventTable]) -> None:
-    one, same, other = make(7), make(7), make(6)
+    one = make(7)
+    same = make(7)
+    other = make(6)
     assert (one == same) is True
     assert (one == other) is False
     assert (one != other) is True
@@ -73,7 +82,9 @@ CALLS: dict[str, Callable[[], Any] | None] = {
     "simulate": lambda: simulate("fig5", t_end=5),
     "simulate_many": lambda: simulate_many(P, [[0, 0, 0]], 5, use_numba=False),
     "solve_grazing": lambda: symosc.solve_grazing(FIG9, "P2", theta_j=3, n=9),
-    "solve_map": lambda: symosc.solve_map(FIG9, "P2", ORBIT.points[0].x, float(FIG9.Omega) * ORBIT.points[0].t),
+    "solve_map": lambda: symosc.solve_map(
+        FIG9, "P2", ORBIT.points[0].x, float(FIG9.Omega) * ORBIT.points[0].t
+    ),
     "sweep": None,  # its result is xarray's
     "sweep_status": None,  # tests/sweeps/test_sweep.py
     "theorem7": lambda: symosc.theorem7("P2", *SYMBOLS),
@@ -93,13 +104,22 @@ def test_every_public_function_is_called_below() -> None:
 
 def classes_in(value: Any) -> set[type]:
     """Return the classes of symosc of a value and of what its public attributes hold."""
-    if isinstance(value, (str, bytes, np.ndarray, int, float, complex, sympy.Basic)) or value is None:
+    if (
+        isinstance(value, (str, bytes, np.ndarray, int, float, complex, sympy.Basic))
+        or value is None
+    ):
         return set()
-    found = {type(value)} if type(value).__module__.startswith("symosc") else set()
+    if type(value).__module__.startswith("symosc"):
+        found = {type(value)}
+    else:
+        found = set()
     names = [*getattr(type(value), "__slots__", ()), *getattr(value, "__dict__", ())]
     held = [getattr(value, name) for name in names if not name.startswith("_")]
     if isinstance(value, (dict, list, tuple)):
-        held += value.values() if isinstance(value, dict) else value
+        if isinstance(value, dict):
+            held += value.values()
+        else:
+            held += value
     return found.union(*(classes_in(each) for each in held))
 
 
@@ -107,13 +127,16 @@ def classes_in(value: Any) -> set[type]:
 def test_what_a_public_function_returns_is_public_documented_and_comparable(name: str) -> None:
     call = CALLS[name]
     assert call is not None
-    value, again = call(), call()
+    value = call()
+    again = call()
     classes = classes_in(value)
     assert classes
     for each in classes:
         assert getattr(symosc, each.__name__, None) is each, each
         assert len((each.__doc__ or "").split()) > 8, each
-        assert not (each.__doc__ or "").startswith(f"{each.__name__}("), each  # what dataclasses and tuples write
+        assert not (each.__doc__ or "").startswith(f"{each.__name__}("), (
+            each
+        )  # what dataclasses and tuples write
     assert (value == again) is True
     assert (value != again) is False
     assert (value == "text") is False

@@ -1,4 +1,7 @@
-"""Summaries against a slow reference: the trajectory of `simulate`, sampled; compiled or not, whole or in parts."""
+"""Summaries against a slow reference: the trajectory of `simulate`, sampled.
+
+Compiled or not, whole or in parts.
+"""
 
 from __future__ import annotations
 
@@ -23,13 +26,34 @@ def scene(seed: int) -> tuple[Parameters, tuple[Any, ...], Fraction]:
     def number(low: float, high: float) -> Fraction:
         return Fraction(dice.randint(int(low * 100), int(high * 100)), 100)
 
-    m, k, Om, low = number(0.2, 2), number(0.5, 6), number(0.5, 4), number(-2, 1)
+    m = number(0.2, 2)
+    k = number(0.5, 6)
+    Om = number(0.5, 4)
+    low = number(-2, 1)
     c = dice.choice((Fraction(0), number(0, 1), 2 * m * Om, number(3, 9)))
-    k = m * Om * Om if c == 2 * m * Om else Fraction(0) if seed % 11 == 3 else k  # critical damping; no spring
-    B0 = Fraction(0) if seed % 7 == 5 else number(1, 9)
-    mu1, mu2 = number(0, 1), number(0, 1)
+    # critical damping; no spring
+    if c == 2 * m * Om:
+        k = m * Om * Om
+    elif seed % 11 == 3:
+        k = Fraction(0)
+    if seed % 7 == 5:
+        B0 = Fraction(0)
+    else:
+        B0 = number(1, 9)
+    mu1 = number(0, 1)
+    mu2 = number(0, 1)
     p = Parameters(
-        m=m, c=c, k=k, A0=number(-2, 2), B0=B0, Omega=Om, v1=low, v2=low + number(0.5, 3), mu1=mu1, mu2=mu2, FN=2
+        m=m,
+        c=c,
+        k=k,
+        A0=number(-2, 2),
+        B0=B0,
+        Omega=Om,
+        v1=low,
+        v2=low + number(0.5, 3),
+        mu1=mu1,
+        mu2=mu2,
+        FN=2,
     )
     t0 = dice.choice((Fraction(0), number(-3, 3)))
     return p, (t0, number(-3, 3), dice.choice((p.v1, p.v2, number(-4, 4)))), t0 + number(10, 40)
@@ -40,7 +64,12 @@ def compare(found: dict[str, Any], expected: dict[str, Any], where: object) -> N
     assert {name: found[name] for name in exact} == {name: expected[name] for name in exact}, where
     scale = 1 + max(abs(expected[name]) for name in ("x_min", "x_max", "v_min", "v_max"))
     for name in ("t", "x", "v", "stuck", "x_min", "x_max", "v_min", "v_max"):
-        assert abs(found[name] - expected[name]) <= 1e-8 * scale, (name, found[name], expected[name], where)
+        assert abs(found[name] - expected[name]) <= 1e-8 * scale, (
+            name,
+            found[name],
+            expected[name],
+            where,
+        )
     np.testing.assert_allclose(found["section"], expected["section"], rtol=0, atol=1e-9 * scale)
 
 
@@ -49,7 +78,9 @@ def compare(found: dict[str, Any], expected: dict[str, Any], where: object) -> N
 def test_a_summary_says_what_a_trajectory_shows(seed: int) -> None:
     p, (t0, x0, v0), t_end = scene(seed)
     skip = random.Random(seed).choice((0, 0, Fraction(7, 3)))
-    found = simulate_many(p, (t0, x0, v0), t_end, record="summary", skip=skip, sections=3, use_numba=False)
+    found = simulate_many(
+        p, (t0, x0, v0), t_end, record="summary", skip=skip, sections=3, use_numba=False
+    )
     trajectory = simulate(p, t0=t0, x0=x0, v0=v0, t_end=t_end)
     compare(found[0], slow_summary(p, trajectory, float(skip), 3), seed)
 
@@ -59,7 +90,9 @@ def test_a_summary_says_what_a_trajectory_shows(seed: int) -> None:
 def test_extremes_are_those_of_the_equation(seed: int) -> None:
     p, start, _ = scene(seed)
     end = start[0] + 4
-    found = simulate_many(p, start, end, record=("x_min", "x_max", "v_min", "v_max"), use_numba=False)
+    found = simulate_many(
+        p, start, end, record=("x_min", "x_max", "v_min", "v_max"), use_numba=False
+    )
     expected = oracle_extremes(p, start, end)
     for name in "xv":
         size = abs(expected[f"{name}_min"]) + abs(expected[f"{name}_max"])
@@ -72,7 +105,9 @@ def test_what_doubles_leave_open_is_counted_from_more_digits() -> None:
     exact = load_scene("fig8-exact")
     for one, end in ((exact, exact.t_end), (load_scene("fig8"), Fraction(35))):
         given: Any = {"skip": 0, "sections": 2, "start_error": one.start_error, "use_numba": False}
-        found = simulate_many(one.parameters, (one.t0, one.x0, one.v0), end, record="summary", **given)
+        found = simulate_many(
+            one.parameters, (one.t0, one.x0, one.v0), end, record="summary", **given
+        )
         compare(found[0], slow_summary(one.parameters, simulate(one, t_end=end), 0.0, 2), one.name)
 
 
@@ -80,20 +115,27 @@ def test_a_motion_that_ends_at_its_last_event() -> None:
     found = simulate_many(FIG9, (0, 0, 0), 100, record="summary", max_events=7, use_numba=False)[0]
     alone = simulate(FIG9, t0=0, x0=0, v0=0, t_end=100, max_events=7)
     assert (found["status"], found["events"]) == ("max_events", 7)
-    assert (found["t"], found["x"], found["v"]) == pytest.approx((alone.events[-1].t, alone.events[-1].x, 1.0))
+    assert (found["t"], found["x"], found["v"]) == pytest.approx(
+        (alone.events[-1].t, alone.events[-1].x, 1.0)
+    )
 
 
 @pytest.mark.parametrize(("word", "periods"), [("P32", 1), ("P4645", 1)])
 def test_orbits_repeat(word: str, periods: int) -> None:
     one = load_scene({"P32": "fig9-orbit", "P4645": "fig10-orbit"}[word])
     end = one.t0 + 60
-    found = simulate_many(one.parameters, (one.t0, one.x0, one.v0), end, record="summary", use_numba=False)
+    found = simulate_many(
+        one.parameters, (one.t0, one.x0, one.v0), end, record="summary", use_numba=False
+    )
     assert found.multiplicity.tolist() == [periods]
     assert found.word[0] == word
 
 
 def test_flights_of_a_drifting_mass_do_not_repeat() -> None:
-    """Without a spring the velocity repeats to the last bit, and the mass goes on: its turning points do not repeat."""
+    """Without a spring the velocity repeats to the last bit, and the mass goes on.
+
+    Its turning points do not repeat.
+    """
     p = Parameters(m=1, c=0, k=0, A0=0, B0=8, Omega=2, v1=-1, v2="-0.5", mu1=0, mu2=0, FN=1)
     found = simulate_many(p, (0, 0, "0.01"), 60, record=("x_min", "x_max"), use_numba=False)
     trajectory = simulate(p, t0=0, x0=0, v0="0.01", t_end=60)
@@ -130,7 +172,10 @@ def many() -> tuple[list[Parameters], list[tuple[Any, ...]], list[Fraction]]:
 
 
 def test_each_column_alone_is_that_of_all() -> None:
-    """What is not asked for is not kept, and changes nothing else; with a transient left out, and motions at rest."""
+    """What is not asked for is not kept, and changes nothing else.
+
+    With a transient left out, and motions at rest.
+    """
     sets, starts, ends = (column[:12] for column in many())
     given: Any = {"skip": 2.5, "sections": 3, "use_numba": False}
     whole = simulate_many(sets, starts, ends, record="summary", **given)

@@ -16,7 +16,11 @@ def test_a_motion_as_the_result_of_scipy(digits: int | None) -> None:
     trajectory = simulate(one, digits=digits)
     found = trajectory.to_scipy()
     assert (found.status, found.success, found.message) == (0, True, trajectory.message)
-    assert found.t.tolist() == [float(one.t0), *(float(event.t) for event in trajectory.events), float(one.t_end)]
+    assert found.t.tolist() == [
+        float(one.t0),
+        *(float(event.t) for event in trajectory.events),
+        float(one.t_end),
+    ]
     assert (found.t.dtype, found.y.dtype, found.y.shape) == (float, float, (2, len(found.t)))
     assert [len(times) for times in found.t_events] == [2, 1]
     assert found.y_events[1][0].tolist() == pytest.approx([float(trajectory.events[0].x), 5.0])

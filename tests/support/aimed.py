@@ -17,7 +17,10 @@ from symosc import Parameters
 
 
 class Aimed(NamedTuple):
-    """A start from which the velocity peaks at a belt's speed, plus `height`, at t_m; x0 and v0 have 110 digits."""
+    """A start from which the velocity peaks at a belt's speed, plus `height`, at t_m.
+
+    X0 and v0 have 110 digits.
+    """
 
     p: Parameters
     t0: Fraction
@@ -31,11 +34,16 @@ def speeds_before(
 ) -> list[float]:
     """Return the speeds on the way back from a state, roughly: by the midpoint rule."""
     m, c, k, A, B0, Omega = map(float, (p.m, p.c, p.k, p.A(alpha), p.B0, p.Omega))
-    h, speeds = -flight / steps, []
+    h = -flight / steps
+    speeds = []
     for _ in range(steps):
         a = (A + B0 * cos(Omega * t) - k * x - c * v) / m
-        x_mid, v_mid, t_mid = x + h / 2 * v, v + h / 2 * a, t + h / 2
-        x, v, t = x + h * v_mid, v + h * (A + B0 * cos(Omega * t_mid) - k * x_mid - c * v_mid) / m, t + h
+        x_mid = x + h / 2 * v
+        v_mid = v + h / 2 * a
+        t_mid = t + h / 2
+        x = x + h * v_mid
+        v = v + h * (A + B0 * cos(Omega * t_mid) - k * x_mid - c * v_mid) / m
+        t = t + h
         speeds.append(v)
     return speeds[3:]
 
@@ -46,25 +54,39 @@ def scene_with_a_peak(seed: str, mapping: str) -> tuple[Parameters, Fraction, Fr
     rng = random.Random(seed)
     alpha, boundary, beyond, _ = CONTACTS[mapping]
     while True:
-        ranges = {"m": (2, 30), "c": (0, 20), "k": (2, 60), "A0": (-30, 30), "B0": (10, 90), "Omega": (3, 40)}
+        ranges = {
+            "m": (2, 30),
+            "c": (0, 20),
+            "k": (2, 60),
+            "A0": (-30, 30),
+            "B0": (10, 90),
+            "Omega": (3, 40),
+        }
         ranges |= {"v1": (-40, -5), "v2": (5, 40), "mu1": (1, 10), "mu2": (1, 10), "FN": (1, 40)}
         p = Parameters(**{name: tenths(rng, *limits) for name, limits in ranges.items()})
-        t_m, flight, v = tenths(rng, 1, 60), tenths(rng, 1, 4), p.belt(boundary)
+        t_m = tenths(rng, 1, 60)
+        flight = tenths(rng, 1, 4)
+        v = p.belt(boundary)
         angle = float(p.Omega * t_m)
         if (float(p.k * v) + float(p.B0 * p.Omega) * sin(angle)) * beyond < 0.1:
             continue
         x = (p.A(alpha) + p.B0 * Fraction(cos(angle)) - p.c * v) / p.k
         before = speeds_before(p, alpha, float(t_m), float(x), float(v), float(flight))
-        inside = alpha != 2 or all(float(p.v1) + 0.1 < speed < float(p.v2) - 0.1 for speed in before)
+        inside = alpha != 2 or all(
+            float(p.v1) + 0.1 < speed < float(p.v2) - 0.1 for speed in before
+        )
         if inside and all(beyond * (float(v) - speed) > 0 for speed in before):
             return p, t_m, flight
 
 
 def aimed(seed: str, mapping: str, height: Fraction = Fraction(0)) -> Aimed:
-    (p, t_m, flight), (alpha, boundary, beyond, _) = scene_with_a_peak(seed, mapping), CONTACTS[mapping]
+    (p, t_m, flight) = scene_with_a_peak(seed, mapping)
+    (alpha, boundary, beyond, _) = CONTACTS[mapping]
     v = p.belt(boundary) + beyond * height
     with mpmath.workdps(120):
-        cosine = mpmath.cos(mpmath.mpf(t_m.numerator) / t_m.denominator * p.Omega.numerator / p.Omega.denominator)
+        cosine = mpmath.cos(
+            mpmath.mpf(t_m.numerator) / t_m.denominator * p.Omega.numerator / p.Omega.denominator
+        )
         x = (p.A(alpha) + p.B0 * Fraction(mpmath.nstr(cosine, 110)) - p.c * v) / p.k
     x0, v0, _ = flow_oracle(p, alpha, t_m, x, v, -flight, 110)
     return Aimed(p, t_m - flight, x0, v0, t_m)

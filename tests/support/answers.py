@@ -9,7 +9,15 @@ from typing import Any
 import numpy as np
 from excerpts import crosscheck
 
-from symosc import continue_border, continue_orbit, find_orbit, grazing_window, load_scene, simulate, simulate_many
+from symosc import (
+    continue_border,
+    continue_orbit,
+    find_orbit,
+    grazing_window,
+    load_scene,
+    simulate,
+    simulate_many,
+)
 from symosc.certificates.certificate import Certificate
 
 P = load_scene("fig9").parameters
@@ -19,8 +27,19 @@ PROVEN = Certificate(
     "trajectory",
     True,
     "1 event until t = 2",
-    (("slip", "belt2", "Omega2", ("1.58260582141", "1.58260582143"), ("7.91302910705", "7.91302910706")),),
-    multipliers=((("-0.0168", "-0.0167"), ("0", "0")), (("0.25", "0.2500001"), ("-0.5", "-0.4999999"))),
+    (
+        (
+            "slip",
+            "belt2",
+            "Omega2",
+            ("1.58260582141", "1.58260582143"),
+            ("7.91302910705", "7.91302910706"),
+        ),
+    ),
+    multipliers=(
+        (("-0.0168", "-0.0167"), ("0", "0")),
+        (("0.25", "0.2500001"), ("-0.5", "-0.4999999")),
+    ),
     stable=True,
     statement={"made_by": "a test"},
 )
@@ -40,13 +59,17 @@ MAKERS: dict[str, Callable[[], Any]] = {
     "trajectory in digits": lambda: simulate("fig8-exact", digits=30, t_end=6),
     "orbit": lambda: find_orbit(P, "P32"),
     "branch": lambda: continue_orbit(P, "P32", "Omega", (3.9, 4.1)),
-    "border": lambda: continue_border(continue_orbit(P, "P32", "Omega", (3.2, 4)), 0, "FN", (9, 11), step="0.1"),
+    "border": lambda: continue_border(
+        continue_orbit(P, "P32", "Omega", (3.2, 4)), 0, "FN", (9, 11), step="0.1"
+    ),
     "window": lambda: grazing_window(P, "P2"),
     "empty window": lambda: grazing_window(P.replace(k=0, B0=0), "P2"),
     "check": lambda: _check(0.0),
     "failed check": lambda: _check(0.1),
     "certificate": lambda: PROVEN,
-    "open certificate": lambda: Certificate("branch", False, "open at Omega = 4", (("cross", "Omega2", "Omega1"),)),
+    "open certificate": lambda: Certificate(
+        "branch", False, "open at Omega = 4", (("cross", "Omega2", "Omega1"),)
+    ),
     "events": lambda: simulate_many(P, STARTS, **MANY),
     "no events": lambda: simulate_many(P, (0, 0, 0), t_end="0.001", use_numba=False),
     "summary": lambda: simulate_many(P, STARTS, record="summary", sections=2, **MANY),

@@ -45,7 +45,9 @@ class PatientWorker(Worker):
 def careless(scene: Scene, tolerance: float) -> Callable[[], list[FoundEvent]]:
     """Prepare a solver that does not see the second event, and reports all others late."""
     events = simulate(scene).events
-    found = [FoundEvent(event.t + tolerance, event.x, event.kind, event.boundary) for event in events]
+    found = [
+        FoundEvent(event.t + tolerance, event.x, event.kind, event.boundary) for event in events
+    ]
     return lambda: found[:1] + found[2:]
 
 

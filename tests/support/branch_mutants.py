@@ -27,8 +27,20 @@ OTHERS = (
     "box wider",
     "box narrower",
 )
-INEQUALITIES = ("v < v1 during P2", "v > v1 during P3", "v < v2 during P3", "F^(1) < 0 where P3 ends", "P3 lasts")
-KINDS = ("grazing", "birth of a stick", "birth of a slip", "vanishing of a flight", "end of the range")
+INEQUALITIES = (
+    "v < v1 during P2",
+    "v > v1 during P3",
+    "v < v2 during P3",
+    "F^(1) < 0 where P3 ends",
+    "P3 lasts",
+)
+KINDS = (
+    "grazing",
+    "birth of a stick",
+    "birth of a slip",
+    "vanishing of a flight",
+    "end of the range",
+)
 
 
 def branch_is_true(document: Document, original: Document) -> bool:
@@ -36,10 +48,15 @@ def branch_is_true(document: Document, original: Document) -> bool:
     for name in ("periods", "parameter"):
         if document[name] != original[name]:
             return False
-    events, rows = document["events"], document["boxes"]
-    if [[row[n] for n in EVENT] for row in events] != [[row[n] for n in EVENT] for row in original["events"]]:
+    events = document["events"]
+    rows = document["boxes"]
+    if [[row[n] for n in EVENT] for row in events] != [
+        [row[n] for n in EVENT] for row in original["events"]
+    ]:
         return False
-    if not cyclic(document["word"], original["word"]) or (document["stable"] and not original["stable"]):
+    if not cyclic(document["word"], original["word"]) or (
+        document["stable"] and not original["stable"]
+    ):
         return False
     values = [[Fraction(each) for each in row["value"]] for row in rows]
     whole = [values[0][0], values[-1][1]] == [Fraction(each) for each in document["range"]]
@@ -48,7 +65,9 @@ def branch_is_true(document: Document, original: Document) -> bool:
     changed = document["parameters"] != original["parameters"]
     if any(_box_is_wrong(document, row) for row in rows if changed or row not in original["boxes"]):
         return False
-    ends = zip(document["ends"], original["ends"], document["range"], (rows[0], rows[-1]), strict=True)
+    ends = zip(
+        document["ends"], original["ends"], document["range"], (rows[0], rows[-1]), strict=True
+    )
     return all(_end_is_true(document, *each, changed) for each in ends)
 
 
@@ -64,7 +83,8 @@ def _orbit_in(document: Document, row: Document, value: Fraction) -> bool:
     points.append((points[0][0] + orbit.period, points[0][1]))
     shift = round(float(points[0][0] - float(middles[0][0])) / float(orbit.period)) * orbit.period
     return all(
-        within(t - shift, ts) and within(x, xs) for (t, x), ts, xs in zip(points, row["t"], row["x"], strict=True)
+        within(t - shift, ts) and within(x, xs)
+        for (t, x), ts, xs in zip(points, row["t"], row["x"], strict=True)
     )
 
 
@@ -73,7 +93,9 @@ def _box_is_wrong(document: Document, row: Document) -> bool:
     return not all(_orbit_in(document, row, value) for value in (low, (low + high) / 2, high))
 
 
-def _end_is_true(document: Document, end: Document, first: Document, value: str, row: Document, changed: bool) -> bool:
+def _end_is_true(
+    document: Document, end: Document, first: Document, value: str, row: Document, changed: bool
+) -> bool:
     if end == first and not changed:
         return True
     about = {name: each for name, each in end.items() if name in ("kind", "inequality")}
@@ -85,7 +107,9 @@ def _end_is_true(document: Document, end: Document, first: Document, value: str,
     wide = copy.deepcopy(beyond)
     for name in "tx":
         wide[name] = [[str(Fraction(low) - 1), str(Fraction(high) + 1)] for low, high in wide[name]]
-    return _orbit_in(document, wide, Fraction(value)) and not _orbit_in(document, wide, Fraction(end["outside"]))
+    return _orbit_in(document, wide, Fraction(value)) and not _orbit_in(
+        document, wide, Fraction(end["outside"])
+    )
 
 
 # -- changes -----------------------------------------------------------------------------------------------------------
@@ -104,7 +128,9 @@ def in_a_box(name: str) -> Change:
     def change(rng: random.Random, document: Document) -> None:
         box = rng.choice(list(as_rows(document)))
         CHANGES[name](rng, box)
-        box["row"]["t"], box["row"]["x"] = ([event[each] for event in box["events"]] for each in "tx")
+        box["row"]["t"], box["row"]["x"] = (
+            [event[each] for event in box["events"]] for each in "tx"
+        )
 
     return change
 
@@ -128,9 +154,12 @@ def swap_boxes(rng: random.Random, document: Document) -> None:
 
 def move_value(rng: random.Random, document: Document) -> None:
     """Let a box reach further, or less far, than the next one begins."""
-    row, i = rng.choice(document["boxes"]), rng.randrange(2)
+    row = rng.choice(document["boxes"])
+    i = rng.randrange(2)
     low, high = map(Fraction, row["value"])
-    row["value"][i] = str(Fraction(row["value"][i]) + (high - low) * Fraction(rng.choice([-1, 1]), rng.randint(2, 9)))
+    row["value"][i] = str(
+        Fraction(row["value"][i]) + (high - low) * Fraction(rng.choice([-1, 1]), rng.randint(2, 9))
+    )
 
 
 def move_meeting(rng: random.Random, document: Document) -> None:
@@ -138,23 +167,32 @@ def move_meeting(rng: random.Random, document: Document) -> None:
     rows = document["boxes"]
     i = rng.randrange(1, len(rows))
     low, high = map(Fraction, rows[i]["value"])
-    rows[i]["value"][0] = rows[i - 1]["value"][1] = str(low + (high - low) * Fraction(rng.choice([-1, 1]), 10))
+    rows[i]["value"][0] = rows[i - 1]["value"][1] = str(
+        low + (high - low) * Fraction(rng.choice([-1, 1]), 10)
+    )
 
 
 def move_range(rng: random.Random, document: Document) -> None:
     i = rng.randrange(2)
     low, high = map(Fraction, document["range"])
-    value = str((low, high)[i] + (high - low) * Fraction(rng.choice([-1, 1]), 10 ** rng.randint(1, 6)))
+    value = str(
+        (low, high)[i] + (high - low) * Fraction(rng.choice([-1, 1]), 10 ** rng.randint(1, 6))
+    )
     document["range"][i] = document["boxes"][-i]["value"][i] = document["ends"][i]["inside"] = value
 
 
 def change_end(name: str) -> Change:
-    """Return a change of a value at an end: to the other side of it, a little or much further away."""
+    """Return a change of a value at an end.
+
+    To the other side of it, a little or much further away.
+    """
 
     def change(rng: random.Random, document: Document) -> None:
         end = rng.choice([end for end in document["ends"] if name in end])
         width = abs(Fraction(end["inside"]) - Fraction(end["outside"])) or Fraction(1, 100)
-        end[name] = str(Fraction(end[name]) + width * rng.choice([-1, 1]) * Fraction(rng.randint(1, 30), 10))
+        end[name] = str(
+            Fraction(end[name]) + width * rng.choice([-1, 1]) * Fraction(rng.randint(1, 30), 10)
+        )
 
     return change
 
@@ -169,7 +207,9 @@ def change_inequality(rng: random.Random, document: Document) -> None:
     end["inequality"] = rng.choice([each for each in INEQUALITIES if each != end["inequality"]])
 
 
-BRANCH_CHANGES: dict[str, Change] = {name: change for name, change in CHANGES.items() if name not in OTHERS} | OF_A_WORD
+BRANCH_CHANGES: dict[str, Change] = {
+    name: change for name, change in CHANGES.items() if name not in OTHERS
+} | OF_A_WORD
 BRANCH_CHANGES |= {name: in_a_box(name) for name in OTHERS[4:]} | {
     "event added": add_event,
     "box dropped": lambda rng, it: it["boxes"].pop(rng.randrange(len(it["boxes"]))),
@@ -187,5 +227,14 @@ BRANCH_CHANGES |= {name: in_a_box(name) for name in OTHERS[4:]} | {
     "parameter's name": another("parameter", among=PARAMETER_NAMES),
 }
 #: Changes that may leave a certificate true.
-HARMLESS = {"digit", "any digit", "box moved", "box wider", "box narrower", "parameter", "meeting moved", "range moved"}
+HARMLESS = {
+    "digit",
+    "any digit",
+    "box moved",
+    "box wider",
+    "box narrower",
+    "parameter",
+    "meeting moved",
+    "range moved",
+}
 HARMLESS |= {"inside moved", "outside moved", "at moved", "value moved"}

@@ -23,9 +23,14 @@ def chromium() -> Iterator[Any]:
     from playwright.sync_api import sync_playwright
 
     # Chromium's sandbox does not work for the superuser, who is who runs tests in containers.
-    flags = ["--no-sandbox"] if os.geteuid() == 0 else []
+    if os.geteuid() == 0:
+        flags = ["--no-sandbox"]
+    else:
+        flags = []
     with sync_playwright() as playwright:
-        browser = playwright.chromium.launch(executable_path=found[0], args=flags, timeout=1000 * PATIENCE)
+        browser = playwright.chromium.launch(
+            executable_path=found[0], args=flags, timeout=1000 * PATIENCE
+        )
         new_page = browser.new_page
 
         def patient_page(**options: Any) -> Any:

@@ -12,13 +12,17 @@ from symosc import Parameters, Scene
 from symosc.model import NEIGHBOURS
 
 TIGHT = {"method": "DOP853", "rtol": 1e-11, "atol": 1e-12}
-# After a stick or a crossing the solver starts this far off the belt, or it would meet the belt at once.
+# After a stick or a crossing the solver starts this far off the belt, or it would meet the belt at
+# once.
 OFF = 1e-12
 
 
 @dataclass
 class Run:
-    """Samples of an event-driven solver, and the events that it saw; `joined` keeps both samples at a joint."""
+    """Samples of an event-driven solver, and the events that it saw.
+
+    `joined` keeps both samples at a joint.
+    """
 
     t: list[float] = field(default_factory=list)
     x: list[float] = field(default_factory=list)
@@ -34,7 +38,11 @@ class Run:
 
 
 def solve(
-    scene: Scene, t_end: float, wrong_domain: dict[int, int] | None = None, joined: bool = False, **options: Any
+    scene: Scene,
+    t_end: float,
+    wrong_domain: dict[int, int] | None = None,
+    joined: bool = False,
+    **options: Any,
 ) -> Run:
     """Integrate a scene with solve_ivp and terminal events, the way a careful user of scipy would."""
     p = scene.parameters
@@ -59,7 +67,10 @@ def solve(
         event.terminal, event.direction = True, direction  # type: ignore[attr-defined]
         return event
 
-    run, t, x, v = Run(joined=joined), float(scene.t0), float(scene.x0), float(scene.v0)
+    run = Run(joined=joined)
+    t = float(scene.t0)
+    x = float(scene.x0)
+    v = float(scene.v0)
     at = next((boundary for boundary in (1, 2) if v == speeds[boundary]), 0)
     domain = 1 + (v > speeds[1]) + (v > speeds[2])
     source = 0  # the domain from which a belt was met; 0 at the start
@@ -72,27 +83,57 @@ def solve(
                 if source:
                     run.events.append((t, "stick"))
                 exits = [exit_into(below, -1, v), exit_into(above, 1, v)]
-                # Along a stick any step is accurate: without a limit it would grow past the end of the stick.
-                stick = solve_ivp(lambda t, y, v=v: [v], (t, t_end), [x], events=exits, **{"max_step": 0.02, **options})
+                # Along a stick any step is accurate: without a limit it would grow past the end of
+                # the stick.
+                stick = solve_ivp(
+                    lambda t, y, v=v: [v],
+                    (t, t_end),
+                    [x],
+                    events=exits,
+                    **{"max_step": 0.02, **options},
+                )
                 run.add(stick.t, stick.y[0], np.full(len(stick.t), v))
-                t, x = float(stick.t[-1]), float(stick.y[0, -1])
+                t = float(stick.t[-1])
+                x = float(stick.y[0, -1])
                 if stick.status == 0:
                     break
-                domain = above if len(stick.t_events[1]) else below
+                if len(stick.t_events[1]):
+                    domain = above
+                else:
+                    domain = below
                 run.events.append((t, "slip"))
             else:
-                domain = above if force(above, t, x, v) > 0 else below
+                if force(above, t, x, v) > 0:
+                    domain = above
+                else:
+                    domain = below
                 if source:
                     run.events.append((t, "cross"))
-            v += OFF if domain == above else -OFF
-        walls = [wall(domain - 1, -1)] if domain > 1 else []
-        walls += [wall(domain, 1)] if domain < 3 else []
+            if domain == above:
+                v += OFF
+            else:
+                v += -OFF
+        if domain > 1:
+            walls = [wall(domain - 1, -1)]
+        else:
+            walls = []
+        if domain < 3:
+            walls += [wall(domain, 1)]
+        else:
+            walls += []
         flight = solve_ivp(
-            lambda t, y, domain=domain: [y[1], force(domain, t, *y)], (t, t_end), [x, v], events=walls, **options
+            lambda t, y, domain=domain: [y[1], force(domain, t, *y)],
+            (t, t_end),
+            [x, v],
+            events=walls,
+            **options,
         )
         run.add(flight.t, *flight.y)
         t, x, v = float(flight.t[-1]), *(float(value) for value in flight.y[:, -1])
-        at = min((1, 2), key=lambda boundary, v=v: abs(v - speeds[boundary])) if flight.status == 1 else 0
+        if flight.status == 1:
+            at = min((1, 2), key=lambda boundary, v=v: abs(v - speeds[boundary]))
+        else:
+            at = 0
         source = domain
     return run
 

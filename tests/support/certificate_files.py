@@ -9,17 +9,29 @@ from pathlib import Path
 from typing import Any
 
 import symosc.certificates.verify_orbits as checker
-from symosc import Certificate, Parameters, Scene, certify, continue_orbit, find_orbit, grazing_window, load_scene
+from symosc import (
+    Certificate,
+    Parameters,
+    Scene,
+    certify,
+    continue_orbit,
+    find_orbit,
+    grazing_window,
+    load_scene,
+)
 from symosc.certificates.orbit_list import listed_orbits
 from symosc.reference.cases import hard_cases
 
 Document = dict[str, Any]
 FORGED = Path(__file__).parents[1] / "certificates" / "forged"
 #: A flight below v1 that returns to it again and again, and would go on above it.
-SWING = Parameters(m=1, c="0.1", k=4, A0=0, B0="0.5", Omega="0.7", v1=1, v2=9, mu1="0.1", mu2="0.1", FN=1)
+SWING = Parameters(
+    m=1, c="0.1", k=4, A0=0, B0="0.5", Omega="0.7", v1=1, v2=9, mu1="0.1", mu2="0.1", FN=1
+)
 #: c = B0 = 0: v and v' w go round a circle; from this start it grazes v1 = 1 exactly.
 CIRCLE = Parameters(m=1, c=0, k=1, A0=0, B0=0, Omega=1, v1=1, v2=3, mu1="0.1", mu2="0.1", FN=1)
-#: Branches in Omega, with where they are begun: ends at the birth of a stick, at a graze; the end of the range.
+#: Branches in Omega, with where they are begun: ends at the birth of a stick, at a graze; the end
+#: of the range.
 BRANCHES = {
     "stick": ("fig9", "3.28", "3.2885766", "3.2885765"),
     "graze": ("fig9", "5.017619656", "5.1", "5.0176196565"),
@@ -34,22 +46,32 @@ def _made(kind: str, *names: str) -> Certificate:
     if kind == "derivatives":
         return certify(names[0], t_end=names[1], wrt=("mu1", "Omega", "x0"))
     if kind == "circle":
-        return certify(Scene("a motion", CIRCLE, Fraction(0), Fraction("0.2"), Fraction(-1), Fraction(4)))
+        return certify(
+            Scene("a motion", CIRCLE, Fraction(0), Fraction("0.2"), Fraction(-1), Fraction(4))
+        )
     if kind == "swing":
-        return certify(Scene("a motion", SWING, Fraction(0), Fraction(-3), Fraction(-1), Fraction(2)))
+        return certify(
+            Scene("a motion", SWING, Fraction(0), Fraction(-3), Fraction(-1), Fraction(2))
+        )
     if kind == "settled":  # with an end, or a hundred thousand periods
         if len(names) > 1:
             return certify(*names[:1], t_end=names[1])
-        return certify(next(case for case in hard_cases() if case.name == f"1e5-periods-{names[0]}").scene)
+        return certify(
+            next(case for case in hard_cases() if case.name == f"1e5-periods-{names[0]}").scene
+        )
     if kind == "orbit" and names[0].isdigit():
         return listed_orbits()[int(names[0])].prove()
     scene = load_scene(BRANCHES[names[0]][0] if kind == "branch" else names[0])
     if kind == "orbit":
         return certify(find_orbit(scene.parameters, scene.structure))
     if kind == "window":
-        return certify(grazing_window(scene.parameters, names[1], "paper" if "paper" in names else "full"))
+        return certify(
+            grazing_window(scene.parameters, names[1], "paper" if "paper" in names else "full")
+        )
     _, low, high, start = BRANCHES[names[0]]
-    return certify(continue_orbit(scene.parameters.replace(Omega=start), scene.structure, "Omega", (low, high)))
+    return certify(
+        continue_orbit(scene.parameters.replace(Omega=start), scene.structure, "Omega", (low, high))
+    )
 
 
 @cache
@@ -76,7 +98,9 @@ def forged(name: str) -> Document:
 
 def judged(content: Document, **limits: int) -> tuple[int, str]:
     """Return the exit code and the answer of the checker, which gives its reason in one line."""
-    code, answer = checker.judge({key: value for key, value in content.items() if key != "message"}, **limits)
+    code, answer = checker.judge(
+        {key: value for key, value in content.items() if key != "message"}, **limits
+    )
     assert code == 0 or (len(answer.splitlines()) == 1 and len(answer) < 300), answer
     return code, answer
 
@@ -88,13 +112,17 @@ def put(content: Document, *path: Any) -> Document:
     place: Any = changed
     for step in way:
         place = place[step]
-    place[last] = value(place[last]) if callable(value) else value
+    if callable(value):
+        place[last] = value(place[last])
+    else:
+        place[last] = value
     return changed
 
 
 def moved(ends: list[str], by: Any, wider: Any = 0) -> list[str]:
     """Return an enclosure moved, and wider on both sides."""
-    by, wider = Fraction(by), Fraction(wider)
+    by = Fraction(by)
+    wider = Fraction(wider)
     return [str(Fraction(ends[0]) + by - wider), str(Fraction(ends[1]) + by + wider)]
 
 

@@ -55,11 +55,14 @@ def number_in(where: str) -> Change:
     return change
 
 
-def interval(change: Callable[[random.Random, Fraction, Fraction], tuple[Fraction, Fraction]]) -> Change:
+def interval(
+    change: Callable[[random.Random, Fraction, Fraction], tuple[Fraction, Fraction]],
+) -> Change:
     """Return a change of an interval of an event."""
 
     def changed(rng: random.Random, document: Document) -> None:
-        row, name = rng.choice(document["events"]), rng.choice("tx")
+        row = rng.choice(document["events"])
+        name = rng.choice("tx")
         row[name] = list(map(str, change(rng, *map(Fraction, row[name]))))
 
     return changed
@@ -76,14 +79,17 @@ def digit(last: int) -> Change:
     """Return a change of a digit among the last ones of an end."""
 
     def change(rng: random.Random, document: Document) -> None:
-        ends, i = rng.choice(document["events"])[rng.choice("tx")], rng.randrange(2)
+        ends = rng.choice(document["events"])[rng.choice("tx")]
+        i = rng.randrange(2)
         ends[i] = another_digit(ends[i], rng, last)
 
     return change
 
 
 def moved(rng: random.Random, low: Fraction, high: Fraction) -> tuple[Fraction, Fraction]:
-    step = (high - low) * Fraction(rng.choice([-1, 1]) * rng.randint(2, 10 ** rng.randint(1, 22)), 2)
+    step = (high - low) * Fraction(
+        rng.choice([-1, 1]) * rng.randint(2, 10 ** rng.randint(1, 22)), 2
+    )
     return low + step, high + step
 
 
@@ -94,7 +100,9 @@ def wider(rng: random.Random, low: Fraction, high: Fraction) -> tuple[Fraction, 
 
 def narrower(rng: random.Random, low: Fraction, high: Fraction) -> tuple[Fraction, Fraction]:
     cut = low + Fraction(rng.randint(1, 999), 1000) * (high - low)
-    return (low, cut) if rng.random() < 0.5 else (cut, high)
+    if rng.random() < 0.5:
+        return (low, cut)
+    return (cut, high)
 
 
 def add_event(rng: random.Random, document: Document) -> None:

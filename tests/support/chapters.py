@@ -1,4 +1,7 @@
-"""Chapters of the derivations with their evidence: the checks of a chapter are run once in a session."""
+"""Chapters of the derivations with their evidence.
+
+The checks of a chapter are run once in a session.
+"""
 
 from __future__ import annotations
 
@@ -22,14 +25,20 @@ def table(key: str) -> tuple[published.Value, ...]:
     with alone(f"table-{key}") as path:
         if not path.exists():
             found = published.table(key)
-            rows = [value._replace(formula=_own(value.formula), package=_own(value.package)) for value in found]
+            rows = [
+                value._replace(formula=_own(value.formula), package=_own(value.package))
+                for value in found
+            ]
             path.write_bytes(pickle.dumps(tuple(rows)))
         values: tuple[published.Value, ...] = pickle.loads(path.read_bytes())
     return values
 
 
 def branch(*given: Any) -> Any:
-    """Return a branch of orbits of the chapter on borders, its ends only: the first worker follows it."""
+    """Return a branch of orbits of the chapter on borders, its ends only.
+
+    The first worker follows it.
+    """
     _, word, name, (first, last) = given
     with alone(f"branch-{word}-{name}-{first}-{last}") as path:
         if not path.exists():
@@ -39,7 +48,9 @@ def branch(*given: Any) -> Any:
 
 def _own(number: Any) -> Any:
     """Return an mpf in a form that can be pickled, with all its digits, and other numbers as they are."""
-    return CONTEXT.own(number) if hasattr(number, "_mpf_") else number
+    if hasattr(number, "_mpf_"):
+        return CONTEXT.own(number)
+    return number
 
 
 @cache
@@ -61,7 +72,10 @@ def chapter(key: str) -> document.Checked:
     """Return a chapter; the first worker checks each step, the others take over what it found, step by step."""
     verify = Step.verify
     with alone(f"chapter-{key}") as path:
-        found: list[tuple[str, StepEvidence]] = pickle.loads(path.read_bytes()) if path.exists() else []
+        if path.exists():
+            found: list[tuple[str, StepEvidence]] = pickle.loads(path.read_bytes())
+        else:
+            found = []
         ahead = iter(found)
 
         def noted(step: Step) -> StepEvidence:

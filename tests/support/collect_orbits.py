@@ -1,7 +1,10 @@
-"""How the list of orbits was made: ``python tests/support/collect_orbits.py COUNT SEED`` prints its lines.
+"""How the list of orbits was made.
 
-Parameters are drawn with two digits, in turns for each damping regime. A motion is simulated until it should repeat. If
-it does, with a word that is not yet frequent, and the orbit is proven, it goes into the list.
+``python tests/support/collect_orbits.py COUNT SEED`` prints its lines.
+
+Parameters are drawn with two digits, in turns for each damping regime. A motion is simulated until
+it should repeat. If it does, with a word that is not yet frequent, and the orbit is proven, it goes
+into the list.
 """
 
 from __future__ import annotations
@@ -22,15 +25,22 @@ from symosc.words import MAPS, Word
 
 DAMPING = ("underdamped", "overdamped", "critically damped", "undamped")
 #: Orbits of one word; mappings of a word; events that a simulation may have; periods it may take.
-MOST_OF_A_WORD, LONGEST_LISTED_WORD, MOST_SIMULATED_EVENTS, MOST_SETTLING_PERIODS = 40, 24, 4000, 60
+MOST_OF_A_WORD = 40
+LONGEST_LISTED_WORD = 24
+MOST_SIMULATED_EVENTS = 4000
+MOST_SETTLING_PERIODS = 60
 #: How near a motion must come to itself after a period, relatively.
 NEAR_ITSELF = 1e-4
-LABELS = {(row.start.boundary, MODE_NAMES[row.mode], row.end.boundary): row.label for row in MAPS.values()}
+LABELS = {
+    (row.start.boundary, MODE_NAMES[row.mode], row.end.boundary): row.label for row in MAPS.values()
+}
 
 
 def collect(count: int, seed: int) -> Iterator[ListedOrbit]:
     """Yield that many proven orbits."""
-    rng, words, seen = random.Random(seed), Counter[str](), set[Parameters]()
+    rng = random.Random(seed)
+    words = Counter[str]()
+    seen = set[Parameters]()
     while len(seen) < count:
         try:
             p = _draw(rng, DAMPING[len(seen) % len(DAMPING)])
@@ -41,7 +51,11 @@ def collect(count: int, seed: int) -> Iterator[ListedOrbit]:
             continue
         labels, points = found
         orbit = ListedOrbit(p, str(Word(labels)), *points[0])
-        if words[orbit.cycle] < MOST_OF_A_WORD and certify_orbit(p, labels, 1, points).proven and orbit.prove().proven:
+        if (
+            words[orbit.cycle] < MOST_OF_A_WORD
+            and certify_orbit(p, labels, 1, points).proven
+            and orbit.prove().proven
+        ):
             words[orbit.cycle] += 1
             seen.add(p)
             yield orbit
@@ -58,8 +72,13 @@ def _draw(rng: random.Random, regime: str) -> Parameters:
     def between(low: float, high: float) -> Fraction:
         return Fraction(f"{math.exp(rng.uniform(math.log(low), math.log(high))):.2g}")
 
-    m, k = between(0.1, 3), between(0.3, 6)
-    part = {"underdamped": rng.uniform(0.01, 0.6), "overdamped": rng.uniform(1.1, 3), "undamped": 0.0}
+    m = between(0.1, 3)
+    k = between(0.3, 6)
+    part = {
+        "underdamped": rng.uniform(0.01, 0.6),
+        "overdamped": rng.uniform(1.1, 3),
+        "undamped": 0.0,
+    }
     if regime == "critically damped":
         c = between(0.2, 4)
         k = c * c / (4 * m)
@@ -72,7 +91,9 @@ def _draw(rng: random.Random, regime: str) -> Parameters:
         k=k,
         A0=Fraction(f"{rng.uniform(-6, 6):.2g}"),
         B0=between(1, 12),
-        Omega=Fraction(f"{math.sqrt(k / m) * math.exp(rng.uniform(math.log(0.12), math.log(2.2))):.2g}"),
+        Omega=Fraction(
+            f"{math.sqrt(k / m) * math.exp(rng.uniform(math.log(0.12), math.log(2.2))):.2g}"
+        ),
         v1=v1,
         v2=v1 + between(0.3, 6),
         mu1=Fraction(rng.randint(1, 8), 10),
@@ -84,10 +105,20 @@ def _draw(rng: random.Random, regime: str) -> Parameters:
 def _settled(p: Parameters) -> tuple[tuple[str, ...], list[tuple[float, float]]] | None:
     """Return labels and points of the last period of a motion that repeats, or None."""
     period = 2 * math.pi / float(p.Omega)
-    decay = 60 * float(p.m / p.c) / period if p.c else MOST_SETTLING_PERIODS
+    if p.c:
+        decay = 60 * float(p.m / p.c) / period
+    else:
+        decay = MOST_SETTLING_PERIODS
     last = math.ceil(min(MOST_SETTLING_PERIODS, max(8.0, decay)))
     middle = (p.v1 + p.v2) / 2
-    motion = simulate(p, t0=0, x0=p.A0 / p.k, v0=middle, t_end=(last + 2) * period, max_events=MOST_SIMULATED_EVENTS)
+    motion = simulate(
+        p,
+        t0=0,
+        x0=p.A0 / p.k,
+        v0=middle,
+        t_end=(last + 2) * period,
+        max_events=MOST_SIMULATED_EVENTS,
+    )
     events = [event for event in motion.events if event.t > last * period]
     for i, first in enumerate(events):
         for j in range(i + 1, len(events)):
@@ -99,12 +130,16 @@ def _settled(p: Parameters) -> tuple[tuple[str, ...], list[tuple[float, float]]]
                 ]
                 found = tuple(label for label in labels if label)
                 points = [(float(event.t) - shift, float(event.x)) for event in events[i:j]]
-                return (found, points) if len(found) == len(labels) <= LONGEST_LISTED_WORD else None
+                if len(found) == len(labels) <= LONGEST_LISTED_WORD:
+                    return (found, points)
+                return None
     return None
 
 
 def _same(a: Event, b: Event, period: float) -> bool:
-    near = abs(b.t - a.t - period) < NEAR_ITSELF * period and abs(b.x - a.x) < NEAR_ITSELF * (1 + abs(a.x))
+    near = abs(b.t - a.t - period) < NEAR_ITSELF * period and abs(b.x - a.x) < NEAR_ITSELF * (
+        1 + abs(a.x)
+    )
     return bool(near and (a.boundary, a.kind, a.target) == (b.boundary, b.kind, b.target))
 
 

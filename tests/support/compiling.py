@@ -1,8 +1,11 @@
-"""The event loops are compiled once: by a process beside the tests that do not need them, for those that do.
+"""The event loops are compiled once.
 
-Compiling takes twenty seconds for doubles and a minute for double-double numbers. Without this each worker would do
-it for itself. Nobody holds a lock: whoever needs a loop looks whether it is on disk. If the other process comes to its
-end without one, or takes too long, the loop is compiled where it is needed.
+By a process beside the tests that do not need them, for those that do.
+
+Compiling takes twenty seconds for doubles and a minute for double-double numbers. Without this each
+worker would do it for itself. Nobody holds a lock: whoever needs a loop looks whether it is on
+disk. If the other process comes to its end without one, or takes too long, the loop is compiled
+where it is needed.
 """
 
 from __future__ import annotations
@@ -51,7 +54,9 @@ def begin(loops: str) -> subprocess.Popen[bytes] | None:
         return None
     code = f"import pathlib, sys\ntry: exec({LOOPS[loops]!r})\nfinally: pathlib.Path(sys.argv[1]).touch()"
     nowhere = subprocess.DEVNULL
-    return subprocess.Popen([sys.executable, "-c", code, str(ended())], stdout=nowhere, stderr=nowhere)
+    return subprocess.Popen(
+        [sys.executable, "-c", code, str(ended())], stdout=nowhere, stderr=nowhere
+    )
 
 
 def end(process: subprocess.Popen[bytes], others_wait: bool) -> None:

@@ -1,6 +1,9 @@
-"""What `certify` proves the checker confirms, over random scenes: python tests/support/confirming.py 2000 --seed 1
+"""What `certify` proves the checker confirms, over random scenes.
 
-Prints how many scenes are proven, how many stay open, and each one that the checker refused. Exits 1 if it refused one.
+Python tests/support/confirming.py 2000 --seed 1
+
+Prints how many scenes are proven, how many stay open, and each one that the checker refused. Exits
+1 if it refused one.
 """
 
 from __future__ import annotations
@@ -18,7 +21,8 @@ from symosc import Scene, certify
 from symosc.certificates.certificate import Certificate
 
 #: Periods of the drive that are proven; every third scene has a start that is known to an error.
-MOST_PERIODS, ERROR = 12, Fraction(1, 10**20)
+MOST_PERIODS = 12
+ERROR = Fraction(1, 10**20)
 REFUSED = "not confirmed by the checker"
 
 
@@ -27,7 +31,10 @@ def certified(family: str, seed: int, number: int) -> Certificate:
     scene = scene_of(family, seed, number)
     t_end = min(scene.t_end, scene.t0 + Fraction(63, 10) * MOST_PERIODS / scene.p.Omega)
     on_belt = scene.v0 in (scene.p.v1, scene.p.v2)
-    error = (ERROR, ERROR, 0 if on_belt else ERROR) if number % 3 == 2 else None
+    if number % 3 == 2:
+        error = (ERROR, ERROR, 0 if on_belt else ERROR)
+    else:
+        error = None
     return certify(Scene(family, scene.p, scene.t0, scene.x0, scene.v0, t_end), start_error=error)
 
 
@@ -42,18 +49,28 @@ def main() -> int:
     parser.add_argument("scenes", type=int)
     parser.add_argument("--seed", type=int, default=1)
     options = parser.parse_args()
-    proven, events, refused, begin = Counter[str](), 0, 0, time.process_time()
+    proven = Counter[str]()
+    events = 0
+    refused = 0
+    begin = time.process_time()
     for family, number in numbered(options.scenes):
         found = certified(family, options.seed, number)
         proven[family] += found.proven
-        events += len(found.events) if found.proven else 0
+        if found.proven:
+            events += len(found.events)
+        else:
+            events += 0
         if found.message.startswith(REFUSED):
             refused += 1
             print(f"{family} seed {options.seed} number {number}: {found.message}", flush=True)
     seconds = time.process_time() - begin
-    print(f"{proven.total()} of {options.scenes} scenes proven, {events} events, {refused} refused, {seconds:.0f} s")
+    print(
+        f"{proven.total()} of {options.scenes} scenes proven, {events} events, {refused} refused, {seconds:.0f} s"
+    )
     print(", ".join(f"{family} {proven[family]}" for family in FAMILIES))
-    return 1 if refused else 0
+    if refused:
+        return 1
+    return 0
 
 
 if __name__ == "__main__":

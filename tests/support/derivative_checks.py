@@ -1,8 +1,11 @@
-"""Derivatives in the random scenes of the fuzzer: python tests/support/derivative_checks.py --seconds 600 --seed 1
+"""Derivatives in the random scenes of the fuzzer.
 
-Each is compared with the difference quotient of motions that the independent oracle follows in quadruple precision, and
-where that differs or is not sure, of motions with 60 and 110 digits and far smaller steps. Where both sides have other
-events, or other one-sided quotients, there is no derivative, and `regular` must be False.
+Python tests/support/derivative_checks.py --seconds 600 --seed 1
+
+Each is compared with the difference quotient of motions that the independent oracle follows in
+quadruple precision, and where that differs or is not sure, of motions with 60 and 110 digits and
+far smaller steps. Where both sides have other events, or other one-sided quotients, there is no
+derivative, and `regular` must be False.
 """
 
 from __future__ import annotations
@@ -39,7 +42,10 @@ ROUNDINGS = 100.0
 
 @dataclass
 class Judged:
-    """A derivative: what was found, and whether it exists; `allowed` is the error that rounding the input makes."""
+    """A derivative: what was found, and whether it exists.
+
+    `allowed` is the error that rounding the input makes.
+    """
 
     scene: FuzzScene
     name: str
@@ -53,15 +59,24 @@ class Judged:
     @property
     def verdict(self) -> str:
         if not self.smooth:
-            return "kink missed" if self.regular else "kink named"
+            if self.regular:
+                return "kink missed"
+            return "kink named"
         if not self.regular:
-            return "not told by doubles" if self.clear else "said to be a kink"
-        return "right" if self.error <= WRONG else "right for doubles" if self.error <= self.allowed else "wrong"
+            if self.clear:
+                return "not told by doubles"
+            return "said to be a kink"
+        if self.error <= WRONG:
+            return "right"
+        if self.error <= self.allowed:
+            return "right for doubles"
+        return "wrong"
 
 
 def moved(scene: FuzzScene, name: str, by: Fraction, digits: int | None) -> Any:
     """Return the events of a scene with a changed number."""
-    p, start = scene.p, {each: getattr(scene, each) for each in ("t0", "x0", "v0")}
+    p = scene.p
+    start = {each: getattr(scene, each) for each in ("t0", "x0", "v0")}
     if name in start:
         start[name] += by
     elif name:
@@ -72,16 +87,29 @@ def moved(scene: FuzzScene, name: str, by: Fraction, digits: int | None) -> Any:
 
 
 def quotients(scene: FuzzScene, name: str, base: Any, digits: int | None) -> Any:
-    """Yield for each event of `base` by differences dt, dx and how one-sided ones differ; None from where events do."""
+    """Yield for each event of `base` by differences dt, dx and how one-sided ones differ.
+
+    None from where events do.
+    """
     own = abs(getattr(scene if name in ("t0", "x0", "v0") else scene.p, name))
     h = STEPS[digits] * (own or 1)
     more, less = (moved(scene, name, sign * h, digits) for sign in (1, -1))
     same = True
     for n, event in enumerate(base):
-        same = same and n < min(len(more), len(less)) and label(more[n]) == label(less[n]) == label(event)
-        triples = [[getattr(each[n], axis) for each in (more, base, less)] for axis in ("t", "x")] if same else ()
+        same = (
+            same
+            and n < min(len(more), len(less))
+            and label(more[n]) == label(less[n]) == label(event)
+        )
+        if same:
+            triples = [
+                [getattr(each[n], axis) for each in (more, base, less)] for axis in ("t", "x")
+            ]
+        else:
+            triples = ()
         rows = [
-            (float(a - c) / (2 * float(h)), float(a - 2 * b + c) / float(h), float(own) or 1.0) for a, b, c in triples
+            (float(a - c) / (2 * float(h)), float(a - 2 * b + c) / float(h), float(own) or 1.0)
+            for a, b, c in triples
         ]
         yield rows or None
 
@@ -100,10 +128,14 @@ def judged(scene: FuzzScene, names: tuple[str, ...] = NAMES) -> list[Judged]:
                 if all(row.verdict in ("right", "kink named") for row in rows):
                     break
             found += rows
-    if any(row.verdict == "said to be a kink" for row in found) and any("rounding" in (r or "") for r in s.reasons):
+    if any(row.verdict == "said to be a kink" for row in found) and any(
+        "rounding" in (r or "") for r in s.reasons
+    ):
         exact = sensitivities(scene.p, names, **start, digits=30)
         for row in found:
-            row.clear = row.event < len(exact.dt) and bool(exact.regular[row.event, names.index(row.name)])
+            row.clear = row.event < len(exact.dt) and bool(
+                exact.regular[row.event, names.index(row.name)]
+            )
     wrong = [row for row in found if row.verdict == "wrong"]
     if wrong:
         rounded(scene, s, names, wrong)
@@ -112,32 +144,51 @@ def judged(scene: FuzzScene, names: tuple[str, ...] = NAMES) -> list[Judged]:
 
 def rounded(scene: FuzzScene, s: Any, names: tuple[str, ...], rows: list[Judged]) -> None:
     """Set the errors that are allowed to those which relative errors of EPS in all numbers make, times ROUNDINGS."""
-    start, dice = {each: getattr(scene, each) for each in ("t0", "x0", "v0")}, Random(1)
+    start = {each: getattr(scene, each) for each in ("t0", "x0", "v0")}
+    dice = Random(1)
     belt = next((each for each in ("v1", "v2") if getattr(scene.p, each) == scene.v0), "")
 
     def nearby(by: Fraction) -> Any:
-        p = scene.p.replace(**{q: getattr(scene.p, q) * (1 + dice.choice((-1, 1)) * by) for q in PARAMETER_NAMES})
+        p = scene.p.replace(
+            **{q: getattr(scene.p, q) * (1 + dice.choice((-1, 1)) * by) for q in PARAMETER_NAMES}
+        )
         moved = {each: value * (1 + dice.choice((-1, 1)) * by) for each, value in start.items()}
-        moved |= {"v0": getattr(p, belt)} if belt else {}  # a start on a belt stays there
+        # a start on a belt stays there
+        if belt:
+            moved |= {"v0": getattr(p, belt)}
+        else:
+            moved |= {}
         return sensitivities(p, names, **moved, t_end=scene.t_end, digits=30)
 
     exact, *beside = map(nearby, (Fraction(0), *[Fraction(1, 10**16)] * 3))
     for row in rows:
-        j, n = names.index(row.name), row.event
-        scale = max(1.0, float(abs(exact.dt[: n + 1, j]).max()), float(abs(exact.dx[: n + 1, j]).max()))
+        j = names.index(row.name)
+        n = row.event
+        scale = max(
+            1.0, float(abs(exact.dt[: n + 1, j]).max()), float(abs(exact.dx[: n + 1, j]).max())
+        )
         near = [each for each in beside if n < len(each.dt)]  # the last event may be at t_end
-        off = [abs(getattr(each, axis)[n, j] - getattr(exact, axis)[n, j]) for each in near for axis in ("dt", "dx")]
+        off = [
+            abs(getattr(each, axis)[n, j] - getattr(exact, axis)[n, j])
+            for each in near
+            for axis in ("dt", "dx")
+        ]
         row.allowed = ROUNDINGS * float(max(off)) / scale
 
 
-def column(scene: FuzzScene, s: Any, j: int, name: str, base: Any, digits: int | None) -> list[Judged]:
+def column(
+    scene: FuzzScene, s: Any, j: int, name: str, base: Any, digits: int | None
+) -> list[Judged]:
     """Judge the derivatives of all events by one number."""
-    rows, scale = [], [1.0, 1.0]
+    rows = []
+    scale = [1.0, 1.0]
     for n, quotient in enumerate(quotients(scene, name, base, digits)):
         if n >= len(s.dt) or label(s.trajectory.events[n]) != label(base[n]):
             break
         for axis, value in enumerate((float(s.dt[n, j]), float(s.dx[n, j]))):
-            smooth, error, allowed = quotient is not None, 0.0, 0.0
+            smooth = quotient is not None
+            error = 0.0
+            allowed = 0.0
             if quotient is not None:
                 middle, apart, size = quotient[axis]
                 scale[axis] = max(scale[axis], abs(middle))
@@ -167,7 +218,9 @@ def main() -> int:
     parser.add_argument("--family", choices=fuzz.FAMILIES, action="append")
     parser.add_argument("--most-events", type=int, default=40)
     options = parser.parse_args()
-    begin, number, families = time.perf_counter(), options.first, Counter[Any]()
+    begin = time.perf_counter()
+    number = options.first
+    families = Counter[Any]()
     while time.perf_counter() - begin < options.seconds:
         for family in options.family or fuzz.FAMILIES:
             try:
@@ -180,11 +233,17 @@ def main() -> int:
             for verdict in ("wrong", "kink missed", "said to be a kink"):
                 bad = [row for row in rows if row.verdict == verdict]
                 if bad:
-                    names, worst = ", ".join(dict.fromkeys(row.name for row in bad)), max(row.error for row in bad)
+                    names = ", ".join(dict.fromkeys(row.name for row in bad))
+                    worst = max(row.error for row in bad)
                     first = min(row.event for row in bad)
-                    print(f"# {family} {number}: {verdict} {len(bad)} times by {names} from event {first}, {worst:.1e}")
+                    print(
+                        f"# {family} {number}: {verdict} {len(bad)} times by {names} from event {first}, {worst:.1e}"
+                    )
         number += 1
-        print(f"{number - options.first} scenes of each family, {time.perf_counter() - begin:.0f} s", flush=True)
+        print(
+            f"{number - options.first} scenes of each family, {time.perf_counter() - begin:.0f} s",
+            flush=True,
+        )
     for key, count in sorted(families.items()):
         print(*key, count)
     return int(any(verdict in ("wrong", "kink missed") for _, verdict in families))

@@ -7,7 +7,8 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from typing import Any
 
-#: Seconds after which a test no longer waits for what should come; it hangs then, on the slowest machine too.
+#: Seconds after which a test no longer waits for what should come; it hangs then, on the slowest
+#: machine too.
 PATIENCE = 600.0
 
 

@@ -28,7 +28,9 @@ def served(scene: str) -> Iterator[str]:
             thread.join()
 
 
-def ask(address: str, target: str, body: bytes | str | None = None, **headers: str) -> tuple[HTTPResponse, str]:
+def ask(
+    address: str, target: str, body: bytes | str | None = None, **headers: str
+) -> tuple[HTTPResponse, str]:
     connection = HTTPConnection(urlsplit(address).netloc, timeout=PATIENCE)
     connection.request("GET" if body is None else "POST", target, body, headers)
     response = connection.getresponse()

@@ -1,4 +1,7 @@
-"""Forty-three kinds of fault in somebody's solution: samples that are wrong in a known way, and what that is called."""
+"""Forty-three kinds of fault in somebody's solution.
+
+Samples that are wrong in a known way, and what that is called.
+"""
 
 from __future__ import annotations
 
@@ -15,7 +18,8 @@ from faulty_solver import CURVES, METHODS, Flaw, Solver, smoothed, without_event
 
 from symosc import Parameters, simulate
 
-# A solution is wrong if it is further from the exact motion than this, relative to the largest |x| and |v|.
+# A solution is wrong if it is further from the exact motion than this, relative to the largest |x|
+# and |v|.
 WRONG = 2e-8
 Rng = np.random.Generator
 Causes = tuple[tuple[str, str], ...]
@@ -23,7 +27,10 @@ Causes = tuple[tuple[str, str], ...]
 
 @dataclass(frozen=True)
 class Spoilt:
-    """A wrong solution, and what it may be called: pairs of cause and subject, where the subject "" is any."""
+    """A wrong solution, and what it may be called.
+
+    Pairs of cause and subject, where the subject "" is any.
+    """
 
     t: np.ndarray
     x: np.ndarray
@@ -48,7 +55,9 @@ def either(rng: Rng, low: float, high: float) -> float:
     return float(rng.choice([-1, 1])) * rng.uniform(low, high)
 
 
-def other(case: Case, t: np.ndarray, p: Parameters, ahead: float = 0.0) -> tuple[np.ndarray, np.ndarray]:
+def other(
+    case: Case, t: np.ndarray, p: Parameters, ahead: float = 0.0
+) -> tuple[np.ndarray, np.ndarray]:
     """Return x, v of a motion of other parameters, its clock ahead of the scene's."""
     x0, v0 = case.start
     motion = simulate(p, t0=float(t[0]) + ahead, x0=x0, v0=v0, t_end=float(t[-1]) + ahead + 1e-9)
@@ -59,7 +68,9 @@ def other(case: Case, t: np.ndarray, p: Parameters, ahead: float = 0.0) -> tuple
 # -- other parameters --------------------------------------------------------------------------------------------------
 
 
-def near(p: Parameters, rng: Rng, names: tuple[str, ...], low: float, high: float) -> dict[str, float]:
+def near(
+    p: Parameters, rng: Rng, names: tuple[str, ...], low: float, high: float
+) -> dict[str, float]:
     """Return one of some parameters, off by a part of itself."""
     name = str(rng.choice(names))
     return {name: float(f"{float(getattr(p, name)) * (1.0 + either(rng, low, high)):.6g}")}
@@ -67,7 +78,9 @@ def near(p: Parameters, rng: Rng, names: tuple[str, ...], low: float, high: floa
 
 def belt_speed(p: Parameters, rng: Rng) -> dict[str, float]:
     name = str(rng.choice(["v1", "v2"]))
-    return {name: float(f"{float(getattr(p, name)) + float(p.v2 - p.v1) * either(rng, 0.01, 0.1):.6g}")}
+    return {
+        name: float(f"{float(getattr(p, name)) + float(p.v2 - p.v1) * either(rng, 0.01, 0.1):.6g}")
+    }
 
 
 def factor_of_two(p: Parameters, rng: Rng) -> dict[str, Any]:
@@ -87,7 +100,8 @@ SYSTEMS: dict[str, tuple[Callable[[Parameters, Rng], dict[str, Any]], Causes]] =
         lambda p, rng: {"Omega": float(p.Omega) * float(rng.choice([2 * pi, 0.5 / pi, pi / 180, 180 / pi]))}, ()
     ),
     "mass divided twice": (lambda p, rng: {"m": p.m**2}, ()),
-    # Where one belt alone acts, or the motion keeps to one side of it, it is that belt's friction, or a force.
+    # Where one belt alone acts, or the motion keeps to one side of it, it is that belt's friction,
+    # or a force.
     "no friction": (lambda p, rng: {"FN": 0}, (("coefficient", "mu1"), ("coefficient", "mu2"))),
     "half damping": (lambda p, rng: {"c": p.c / 2}, ()),
     "factor of two": (factor_of_two, ()),
@@ -100,10 +114,16 @@ def of_system(kind: str) -> Maker:
     change, more = SYSTEMS[kind]
 
     def make(case: Case, t: np.ndarray, sampling: str, rng: Rng) -> Spoilt | None:
-        p, values = case.scene.parameters, change(case.scene.parameters, rng)
+        p = case.scene.parameters
+        values = change(case.scene.parameters, rng)
         there = p.replace(**values)
-        names = () if len(values) > 1 else tuple((cause, name) for name in values for cause in ("coefficient", "sign"))
-        return None if there == p else Spoilt(t, *other(case, t, there), (*names, *more))
+        if len(values) > 1:
+            names = ()
+        else:
+            names = tuple((cause, name) for name in values for cause in ("coefficient", "sign"))
+        if there == p:
+            return None
+        return Spoilt(t, *other(case, t, there), (*names, *more))
 
     return make
 
@@ -124,7 +144,9 @@ def sign_of_k(case: Case, t: np.ndarray, sampling: str, rng: Rng) -> Spoilt | No
     t = t[t <= float(t[0]) + 4.0 / max(float(p.k / p.m) ** 0.5, 0.1)]
     if not p.k or len(t) < 12:
         return None
-    scene = SimpleNamespace(parameters=PushingSpring(p), t0=t[0], x0=case.scene.x0, v0=case.scene.v0)
+    scene = SimpleNamespace(
+        parameters=PushingSpring(p), t0=t[0], x0=case.scene.x0, v0=case.scene.v0
+    )
     run = careful_solver.solve(scene, float(t[-1]), joined=True, **careful_solver.TIGHT)  # type: ignore[arg-type]
     return Spoilt(*(np.array(column) for column in (run.t, run.x, run.v)), (("sign", "k"),))
 
@@ -138,7 +160,8 @@ def time_shift(case: Case, t: np.ndarray, sampling: str, rng: Rng) -> Spoilt:
 
 
 def phase(case: Case, t: np.ndarray, sampling: str, rng: Rng) -> Spoilt:
-    p, ahead = case.scene.parameters, float(rng.choice([-pi / 2, rng.uniform(-2.5, 2.5)]))
+    p = case.scene.parameters
+    ahead = float(rng.choice([-pi / 2, rng.uniform(-2.5, 2.5)]))
     return Spoilt(t, *other(case, t, p, ahead / float(p.Omega)), (("phase", ""),))
 
 
@@ -153,7 +176,16 @@ def half_late(case: Case, t: np.ndarray, x: np.ndarray, v: np.ndarray, rng: Rng)
 
 def other_times(case: Case, t: np.ndarray, x: np.ndarray, v: np.ndarray, rng: Rng) -> Columns:
     Omega = float(case.scene.parameters.Omega)
-    return t * float(rng.choice([1000.0, Omega if Omega != 1 else 1000.0, Omega / (2 * pi), 180 / pi * Omega])), x, v
+    return (
+        t
+        * float(
+            rng.choice(
+                [1000.0, Omega if Omega != 1 else 1000.0, Omega / (2 * pi), 180 / pi * Omega]
+            )
+        ),
+        x,
+        v,
+    )
 
 
 def frozen(case: Case, t: np.ndarray, x: np.ndarray, v: np.ndarray, rng: Rng) -> Columns:
@@ -165,7 +197,10 @@ def frozen(case: Case, t: np.ndarray, x: np.ndarray, v: np.ndarray, rng: Rng) ->
 
 
 def resampled(case: Case, t: np.ndarray, x: np.ndarray, v: np.ndarray, rng: Rng) -> Columns:
-    fine = finer(t, 4) if rng.random() < 0.5 else np.linspace(t[0], t[-1], 5 * len(t))
+    if rng.random() < 0.5:
+        fine = finer(t, 4)
+    else:
+        fine = np.linspace(t[0], t[-1], 5 * len(t))
     return fine, np.interp(fine, t, x), np.interp(fine, t, v)
 
 
@@ -176,9 +211,12 @@ def noise(case: Case, t: np.ndarray, x: np.ndarray, v: np.ndarray, rng: Rng) -> 
 
 
 def few_digits(case: Case, t: np.ndarray, x: np.ndarray, v: np.ndarray, rng: Rng) -> Columns:
-    bits, places = int(rng.integers(8, 17)), int(rng.integers(2, 9))
+    bits = int(rng.integers(8, 17))
+    places = int(rng.integers(2, 9))
     cut = [
-        lambda a: np.rint(a / np.max(np.abs(a)) * 2**bits) * (np.max(np.abs(a)) / 2**bits),  # of a converter
+        lambda a: (
+            np.rint(a / np.max(np.abs(a)) * 2**bits) * (np.max(np.abs(a)) / 2**bits)
+        ),  # of a converter
         lambda a: np.float32(a).astype(float),
         lambda a: np.round(a, places),
     ][rng.integers(3)]
@@ -190,23 +228,31 @@ def times_factor(t: np.ndarray, x: np.ndarray, v: np.ndarray, rng: Rng, which: s
     return t, x * factor if "x" in which else x, v * factor if "v" in which else v
 
 
-#: What may be done with the columns of the exact motion (case, t, x, v, rng), and what that is called.
+#: What may be done with the columns of the exact motion (case, t, x, v, rng), and what that is
+#: called.
 COLUMNS: dict[str, tuple[tuple[Callable[..., Columns], tuple[str, str]], ...]] = {
     "sign of x or v": (
         (lambda case, t, x, v, rng: (t, -x, v), ("sign", "x")),
         (lambda case, t, x, v, rng: (t, x, -v), ("sign", "v")),
     ),
-    "no motion": ((lambda case, t, x, v, rng: (t, 0 * x + case.start[0], 0 * v), ("columns", "x and v")),),
+    "no motion": (
+        (lambda case, t, x, v, rng: (t, 0 * x + case.start[0], 0 * v), ("columns", "x and v")),
+    ),
     "v a sample late": ((lambda case, t, x, v, rng: (t[1:], x[1:], v[:-1]), ("columns", "v")),),
     "v half a sample late": ((half_late, ("columns", "v")),),
     "v by differences": (
         (lambda case, t, x, v, rng: (t, x, np.gradient(x, t)), ("columns", "v")),
         (lambda case, t, x, v, rng: (t[1:], x[1:], np.diff(x) / np.diff(t)), ("columns", "v")),
     ),
-    "times in single precision": ((lambda case, t, x, v, rng: (np.float64(np.float32(t)), x, v), ("columns", "t")),),
+    "times in single precision": (
+        (lambda case, t, x, v, rng: (np.float64(np.float32(t)), x, v), ("columns", "t")),
+    ),
     "times in other units": ((other_times, ("columns", "t")),),
     "x or v in other units": tuple(
-        (lambda case, t, x, v, rng, which=which: times_factor(t, x, v, rng, which), ("columns", which))
+        (
+            lambda case, t, x, v, rng, which=which: times_factor(t, x, v, rng, which),
+            ("columns", which),
+        )
         for which in ("x", "v", "x and v")
     ),
     "x and v swapped": ((lambda case, t, x, v, rng: (t, v, x), ("columns", "x and v")),),
@@ -251,7 +297,10 @@ def turned_friction(p: Parameters, rng: Rng) -> Flaw:
 
 def drift(p: Parameters, rng: Rng) -> Flaw:
     return Flaw(
-        drift=float(p.v2 - p.v1) * float(p.Omega) * float(rng.choice([-1, 1])) * 10.0 ** rng.uniform(-5.0, -3.0)
+        drift=float(p.v2 - p.v1)
+        * float(p.Omega)
+        * float(rng.choice([-1, 1]))
+        * 10.0 ** rng.uniform(-5.0, -3.0)
     )
 
 
@@ -259,18 +308,49 @@ def method(*names: str) -> Callable[[Parameters, Rng], Flaw]:
     return lambda p, rng: Flaw(method=str(rng.choice(names)))
 
 
-#: The flaw, its cause, steps of the solver from sample to sample (coarse ones, others), and whether its own are shown.
-SOLVERS: dict[str, tuple[Callable[[Parameters, Rng], Flaw], str, str, int, tuple[int, ...], bool]] = {
+#: The flaw, its cause, steps of the solver from sample to sample (coarse ones, others), and whether
+#: its own are shown.
+SOLVERS: dict[
+    str, tuple[Callable[[Parameters, Rng], Flaw], str, str, int, tuple[int, ...], bool]
+] = {
     "sign of friction": (turned_friction, "sign", "friction", 4, (4,), False),
     "late events": (lambda p, rng: Flaw(late=True), "late events", "", 4, (1, 2), False),
     "double root": (lambda p, rng: Flaw(), "double root", "", 1, (1,), True),
-    "stick left early": (lambda p, rng: Flaw(early=rng.uniform(0.03, 0.3)), "stick left early", "", 40, (8,), True),
-    "stick left late": (lambda p, rng: Flaw(static=rng.uniform(1.03, 1.3)), "stick left late", "", 40, (8,), True),
+    "stick left early": (
+        lambda p, rng: Flaw(early=rng.uniform(0.03, 0.3)),
+        "stick left early",
+        "",
+        40,
+        (8,),
+        True,
+    ),
+    "stick left late": (
+        lambda p, rng: Flaw(static=rng.uniform(1.03, 1.3)),
+        "stick left late",
+        "",
+        40,
+        (8,),
+        True,
+    ),
     "drift on the belt": (drift, "drift", "", 40, (8,), False),
     "fixed step": (method("euler", "heun", "rk4"), "truncation", "", 20, (1, 2, 4), True),
     "leapfrog": (method("leapfrog", "verlet"), "truncation", "", 20, (1, 2), True),
-    "wrong weights": (method("rk4 1111", "rk4 2112", "rk4 1221/5"), "truncation", "", 2, (1, 2), True),
-    "events by interpolation": (lambda p, rng: Flaw(linear=True), "event interpolation", "", 1, (1,), False),
+    "wrong weights": (
+        method("rk4 1111", "rk4 2112", "rk4 1221/5"),
+        "truncation",
+        "",
+        2,
+        (1, 2),
+        True,
+    ),
+    "events by interpolation": (
+        lambda p, rng: Flaw(linear=True),
+        "event interpolation",
+        "",
+        1,
+        (1,),
+        False,
+    ),
 }
 
 
@@ -279,14 +359,29 @@ def of_solver(kind: str) -> Maker:
     flaw, cause, subject, coarse, others, shown = SOLVERS[kind]
 
     def make(case: Case, t: np.ndarray, sampling: str, rng: Rng) -> Spoilt:
-        p, joints = case.scene.parameters, shown and sampling == "own steps"
+        p = case.scene.parameters
+        joints = shown and sampling == "own steps"
         if kind == "double root" and sampling != "coarse":
             t = t[:: int(rng.choice([3, 5, 8]))]
-        n = 1 if joints else coarse if sampling == "coarse" else int(rng.choice(others))
-        kept = slice(None) if joints else slice(None, None, n)
-        run, plain = (Solver(p, each, joints).run(finer(t, n), *case.start) for each in (flaw(p, rng), Flaw()))
-        # Where the flaw makes no difference, contacts between the points of the grid are missed, and nothing else.
-        name = ("double root", "") if np.array_equal(plain.x, run.x) else (cause, subject)
+        if joints:
+            n = 1
+        elif sampling == "coarse":
+            n = coarse
+        else:
+            n = int(rng.choice(others))
+        if joints:
+            kept = slice(None)
+        else:
+            kept = slice(None, None, n)
+        run, plain = (
+            Solver(p, each, joints).run(finer(t, n), *case.start) for each in (flaw(p, rng), Flaw())
+        )
+        # Where the flaw makes no difference, contacts between the points of the grid are missed,
+        # and nothing else.
+        if np.array_equal(plain.x, run.x):
+            name = ("double root", "")
+        else:
+            name = (cause, subject)
         return Spoilt(*(column[kept] for column in run.arrays()), (name,))
 
     return make
@@ -300,7 +395,10 @@ def smoothed_friction(case: Case, t: np.ndarray, sampling: str, rng: Rng) -> Spo
 
 
 def chatter(case: Case, t: np.ndarray, sampling: str, rng: Rng) -> Spoilt:
-    n = 40 if sampling == "coarse" else 4
+    if sampling == "coarse":
+        n = 40
+    else:
+        n = 4
     x, v = without_events(case.scene.parameters, finer(t, n), *case.start)[1:]
     # Without a stick there is nothing to chatter about: then events are late by parts of a step.
     return Spoilt(t, x[::n], v[::n], (("chatter", ""), ("late events", "")))
@@ -308,17 +406,25 @@ def chatter(case: Case, t: np.ndarray, sampling: str, rng: Rng) -> Spoilt:
 
 def no_events(case: Case, t: np.ndarray, sampling: str, rng: Rng) -> Spoilt:
     """A fixed step over the events, with the friction at the beginning of each step or of each stage."""
-    n, name = (
-        10 if sampling == "coarse" else int(rng.choice([1, 3])),
-        str(rng.choice(["euler", "heun", "rk4", "leapfrog"])),
-    )
-    x, v = without_events(case.scene.parameters, finer(t, n), *case.start, METHODS[name], rng.random() < 0.5)[1:]
+    if sampling == "coarse":
+        n = 10
+    else:
+        n = int(rng.choice([1, 3]))
+    name = str(rng.choice(["euler", "heun", "rk4", "leapfrog"]))
+    x, v = without_events(
+        case.scene.parameters, finer(t, n), *case.start, METHODS[name], rng.random() < 0.5
+    )[1:]
     return Spoilt(t, x[::n], v[::n], (("late events", ""), ("chatter", ""), ("truncation", "")))
 
 
 def loose_tolerance(case: Case, t: np.ndarray, sampling: str, rng: Rng) -> Spoilt:
     rtol = 10.0 ** rng.uniform(-6, -3)
-    options = {"method": str(rng.choice(["RK45", "RK23"])), "rtol": rtol, "atol": 0.1 * rtol, "max_step": 0.2}
+    options = {
+        "method": str(rng.choice(["RK45", "RK23"])),
+        "rtol": rtol,
+        "atol": 0.1 * rtol,
+        "max_step": 0.2,
+    }
     run = careful_solver.solve(case.scene, case.t_end, joined=True, **options)
     return Spoilt(*(np.array(column) for column in (run.t, run.x, run.v)), (("truncation", ""),))
 
@@ -342,7 +448,11 @@ def spoil(kind: str, case: Case, sampling: str, seed: int) -> Spoilt | None:
     """Return a wrong solution; None if it is not wrong within the samples, or cannot be."""
     rng = np.random.default_rng([seed, *map(ord, f"{kind}/{case.scene.name}/{sampling}")])
     found = KINDS[kind](case, case.times(sampling, rng), sampling, rng)
-    if found is None or not np.all(np.isfinite([found.x, found.v])) or np.max(np.abs([found.x, found.v])) > 1e6:
+    if (
+        found is None
+        or not np.all(np.isfinite([found.x, found.v]))
+        or np.max(np.abs([found.x, found.v])) > 1e6
+    ):
         return None
     if found.always:
         return found
@@ -350,4 +460,6 @@ def spoil(kind: str, case: Case, sampling: str, seed: int) -> Spoilt | None:
     right = case.exact(found.t[inside])
     scales = np.max(np.abs(right), axis=1, keepdims=True)
     off = np.abs(right - [found.x[inside], found.v[inside]]) / np.where(scales > 0.0, scales, 1.0)
-    return found if np.max(off) > WRONG else None
+    if np.max(off) > WRONG:
+        return found
+    return None

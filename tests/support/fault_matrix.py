@@ -19,12 +19,16 @@ def is_named(check: CrossCheck, spoilt: Spoilt, first_only: bool = False) -> boo
     if not check.diagnosis:
         return False
     first = check.diagnosis[0]
-    names = {(one.cause, one.subject) for one in (first, *(() if first_only else first.alternatives))}
+    names = {
+        (one.cause, one.subject) for one in (first, *(() if first_only else first.alternatives))
+    }
     return any((cause, subject) in names or (not subject and cause in {name for name, _ in names})
                for cause, subject in spoilt.causes)  # fmt: skip
 
 
-def judge(kind: str, case: Case, sampling: str, seed: int) -> tuple[bool, bool, CrossCheck, Spoilt] | None:
+def judge(
+    kind: str, case: Case, sampling: str, seed: int
+) -> tuple[bool, bool, CrossCheck, Spoilt] | None:
     """Return whether a fault is found and named; None if there is none."""
     spoilt = spoil(kind, case, sampling, seed)
     if spoilt is None:
@@ -37,10 +41,14 @@ def judge(kind: str, case: Case, sampling: str, seed: int) -> tuple[bool, bool, 
 
 def table(counts: Counter[tuple[str, str]]) -> str:
     """Return the counts of each kind as lines of text."""
-    rows = [f"{'kind of fault':25} {'faults':>7} {'found':>7} {'named':>7} {'first':>7} {'false':>7}"]
+    rows = [
+        f"{'kind of fault':25} {'faults':>7} {'found':>7} {'named':>7} {'first':>7} {'false':>7}"
+    ]
     for kind in (kind for kind in (*KINDS, "all") if counts[kind, "faults"]):
         total = counts[kind, "faults"]
-        parts = (counts[kind, what] / max(total, 1) for what in ("found", "named", "first", "false"))
+        parts = (
+            counts[kind, what] / max(total, 1) for what in ("found", "named", "first", "false")
+        )
         rows.append(f"{kind:25} {total:7d} " + " ".join(f"{part:7.1%}" for part in parts))
     return "\n".join(rows)
 

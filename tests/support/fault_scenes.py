@@ -15,7 +15,8 @@ from symosc.scenes import scene_names
 from symosc.simulation.trajectory import Trajectory
 
 SAMPLINGS = ("dense", "coarse", "own steps", "random")
-COUNT, SEED = 30, 18
+COUNT = 30
+SEED = 18
 PERIODS = 8.0  # of the drive, at most
 
 
@@ -36,7 +37,10 @@ class Case:
         return float(self.scene.x0), float(self.scene.v0)
 
     def times(self, sampling: str, rng: np.random.Generator) -> np.ndarray:
-        """Return the times of a sampling; a solver's own steps grow and shrink by a factor of about 5."""
+        """Return the times of a sampling.
+
+        A solver's own steps grow and shrink by a factor of about 5.
+        """
         begin, end = self.span
         turns = (end - begin) * float(self.scene.parameters.Omega) / (2.0 * pi)
         if sampling == "dense":
@@ -45,7 +49,9 @@ class Case:
             return np.linspace(begin, end, max(int(12 * turns), 24) + 1)
         if sampling == "random":
             return np.concatenate([[begin], np.sort(rng.uniform(begin, end, 200)), [end]])
-        steps = np.exp(0.8 * np.sin(np.linspace(0.0, rng.uniform(20.0, 60.0), 260) + rng.uniform(0.0, 6.0)))
+        steps = np.exp(
+            0.8 * np.sin(np.linspace(0.0, rng.uniform(20.0, 60.0), 260) + rng.uniform(0.0, 6.0))
+        )
         ends = np.cumsum(steps) / np.sum(steps)
         return np.concatenate([[begin], begin + (end - begin) * ends[:-1], [end]])
 
@@ -60,7 +66,8 @@ def cases() -> tuple[Case, ...]:
             break
         v0 = round(float(p.v1) + float(p.v2 - p.v1) * rng.uniform(-0.5, 1.5), 3)
         name = f"random-{len(found)}"
-        t0, x0 = round(rng.uniform(0, 5), 3), round(rng.normal(), 3)
+        t0 = round(rng.uniform(0, 5), 3)
+        x0 = round(rng.normal(), 3)
         scene = Scene(name, p, *(read_exact("start", value) for value in (t0, x0, v0, 9.0)))  # type: ignore[arg-type]
         case = _case(scene)
         if case and 4 <= len(case.exact.events) <= 60:
@@ -75,4 +82,6 @@ def _case(scene: Scene) -> Case | None:
     if scene.name in scene_names():
         t_end = min(t_end, float(scene.t_end))
     exact = simulate(scene, t_end=t_end)
-    return Case(scene, t_end, exact) if exact.status == "t_end" else None
+    if exact.status == "t_end":
+        return Case(scene, t_end, exact)
+    return None

@@ -1,6 +1,9 @@
-"""A solver with faults to order: event by event in closed form, or by a fixed-step method, on a grid of times.
+"""A solver with faults to order.
 
-It shares the closed form of a flight with symosc, and none of its event logic: that is what is made wrong here.
+Event by event in closed form, or by a fixed-step method, on a grid of times.
+
+It shares the closed form of a flight with symosc, and none of its event logic: that is what is made
+wrong here.
 """
 
 from __future__ import annotations
@@ -41,7 +44,8 @@ class Flaw:
     method : str or None
         Flights are integrated by one of METHODS, one step from one point of the grid to the next.
     linear : bool
-        A belt is met where a straight line in v between two points of the grid meets it, at the x of such a line.
+        A belt is met where a straight line in v between two points of the grid meets it, at the x
+        of such a line.
     """
 
     force: tuple[float, float, float] | None = None
@@ -83,15 +87,24 @@ class Solver:
         self.out = Course()
 
     def force(self, domain: int, t: float, x: float, v: float) -> float:
-        return float(acceleration(x, v, cos(self.K.Om * t), self.A[domain - 1], self.K.cm, self.K.w0sq, self.K.f0))
+        return float(
+            acceleration(
+                x, v, cos(self.K.Om * t), self.A[domain - 1], self.K.cm, self.K.w0sq, self.K.f0
+            )
+        )
 
     def flight(self, domain: int, t: float, x: float, v: float, dt: float) -> tuple[float, float]:
         if self.flaw.method:
-            return METHODS[self.flaw.method](lambda t, x, v: self.force(domain, t, x, v), t, x, v, dt)
-        K, theta = self.K, self.K.Om * t
+            return METHODS[self.flaw.method](
+                lambda t, x, v: self.force(domain, t, x, v), t, x, v, dt
+            )
+        theta = self.K.Om * t
+        K = self.K
         E0, E1, E2, R2, I2 = basis(dt, K)[:5]
         a = self.force(domain, t, x, v)
-        dx, dv, _ = motion(v, a, sin(theta), cos(theta), K.cm, K.w0sq, K.f0, K.Om, E0, E1, E2, R2, I2)
+        dx, dv, _ = motion(
+            v, a, sin(theta), cos(theta), K.cm, K.w0sq, K.f0, K.Om, E0, E1, E2, R2, I2
+        )
         return float(x + dx), float(v + dv)
 
     def run(self, grid: np.ndarray, x: float, v: float) -> Course:
@@ -104,7 +117,10 @@ class Solver:
         for begin, end in pairwise(times):
             t = begin
             for _ in range(50):
-                t, x, v = self.stick(t, x, v, end) if self.mode > 3 else self.fly(t, x, v, end)
+                if self.mode > 3:
+                    t, x, v = self.stick(t, x, v, end)
+                else:
+                    t, x, v = self.fly(t, x, v, end)
                 if t >= end:
                     break
                 if self.joints:
@@ -118,46 +134,78 @@ class Solver:
         low, high = (self.force(domain, t, x, self.belts[b - 1]) for domain in (below, above))
         if low > 0.0 > high:
             self.mode, self.since, self.ends = 3 + b, t, self.exit_time(b, t, x)
-            kind, v = "stick", self.belts[b - 1]
+            kind = "stick"
+            v = self.belts[b - 1]
         else:
-            self.mode, kind = (above if source == below else below, "cross") if source else (above, "")
+            if source:
+                self.mode, kind = (above if source == below else below, "cross")
+            else:
+                self.mode, kind = (above, "")
             if not source:
-                self.mode = above if high >= 0.0 else below
+                if high >= 0.0:
+                    self.mode = above
+                else:
+                    self.mode = below
         if source:
             self.out.events.append((t, kind))
         return v
 
     def exit_time(self, b: int, t: float, x: float) -> float:
-        """Return when a stick is to be left, for a solver that leaves too early; others look for it."""
+        """Return when a stick is to be left, for a solver that leaves too early.
+
+        Others look for it.
+        """
         if not self.flaw.early:
             return inf
-        v, (below, above), step = self.belts[b - 1], NEIGHBOURS[b], self.K.period / 2000
+        v = self.belts[b - 1]
+        (below, above) = NEIGHBOURS[b]
+        step = self.K.period / 2000
         for i in range(1, 20000):
             s = t + i * step
-            if self.force(below, s, x + v * (s - t), v) < 0.0 or self.force(above, s, x + v * (s - t), v) > 0.0:
+            if (
+                self.force(below, s, x + v * (s - t), v) < 0.0
+                or self.force(above, s, x + v * (s - t), v) > 0.0
+            ):
                 return t + (s - t) * (1.0 - self.flaw.early)
         return inf
 
     def stick(self, t: float, x: float, v: float, end: float) -> tuple[float, float, float]:
         b = self.mode - 3
-        speed, (below, above) = self.belts[b - 1], NEIGHBOURS[b]
+        speed = self.belts[b - 1]
+        (below, above) = NEIGHBOURS[b]
         more = (self.flaw.static - 1.0) * 0.5 * (self.A[below - 1] - self.A[above - 1])
 
         def place(s: float) -> float:
-            return x + speed * (s - t) + self.flaw.drift * ((s - self.since) ** 2 - (t - self.since) ** 2) / 2
+            return (
+                x
+                + speed * (s - t)
+                + self.flaw.drift * ((s - self.since) ** 2 - (t - self.since) ** 2) / 2
+            )
 
         exits = [lambda s: self.force(below, s, place(s), speed) + more,
                  lambda s: more - self.force(above, s, place(s), speed)]  # fmt: skip
-        left = min((brentq(f, t, end) if f(t) > 0.0 else t for f in exits if f(end) < 0.0), default=inf)
+        left = min(
+            (brentq(f, t, end) if f(t) > 0.0 else t for f in exits if f(end) < 0.0), default=inf
+        )
         time = min(left, self.ends)
         if time >= end:
             return end, place(end), speed + self.flaw.drift * (end - self.since)
-        time = end if self.flaw.late else time
+        if self.flaw.late:
+            time = end
         x = place(time)
-        low, high = self.force(below, time, x, speed), self.force(above, time, x, speed)
-        self.mode = below if abs(low) < abs(high) else above
-        if self.ends < inf:  # too early: outwards, and the belt is looked at only from the other side
-            self.bias = speed + 1e-12 if self.mode == below else speed - 1e-12
+        low = self.force(below, time, x, speed)
+        high = self.force(above, time, x, speed)
+        if abs(low) < abs(high):
+            self.mode = below
+        else:
+            self.mode = above
+        if (
+            self.ends < inf
+        ):  # too early: outwards, and the belt is looked at only from the other side
+            if self.mode == below:
+                self.bias = speed + 1e-12
+            else:
+                self.bias = speed - 1e-12
         self.ends = inf
         self.out.events.append((time, "slip"))
         return time, x, speed + self.flaw.drift * (time - self.since)
@@ -165,27 +213,50 @@ class Solver:
     def fly(self, t: float, x: float, v: float, end: float) -> tuple[float, float, float]:
         domain = self.mode
         after = self.flight(domain, t, x, v, end - t)
-        low = self.belts[domain - 2] if domain > 1 else -inf
-        high = self.belts[domain - 1] if domain < 3 else inf
+        if domain > 1:
+            low = self.belts[domain - 2]
+        else:
+            low = -inf
+        if domain < 3:
+            high = self.belts[domain - 1]
+        else:
+            high = inf
         if self.bias:  # it left a stick too early: it may be on the wrong side for a while
             if low < after[1] < high:
                 self.bias = 0.0
             return end, *after
         if low <= after[1] <= high:
             return end, *after
-        b = domain - 1 if after[1] < low else domain
+        if after[1] < low:
+            b = domain - 1
+        else:
+            b = domain
         speed = self.belts[b - 1]
         if self.flaw.late:
             return end, after[0], self.decide(b, end, after[0], after[1], domain)
-        gap = [lambda s: self.flight(domain, t, x, v, s)[1] - speed][0]
-        start = 0.0 if gap(0.0) * gap(end - t) < 0.0 else next(
-            (part * (end - t) for part in (0.01, 0.1, 0.3, 0.5, 0.7, 0.9) if gap(part * (end - t)) * gap(end - t) < 0),
-            None,
-        )  # fmt: skip
-        tau = 0.0 if start is None else brentq(gap, start, end - t, xtol=1e-15, rtol=1e-15)
+
+        def gap(s):
+            return self.flight(domain, t, x, v, s)[1] - speed
+
+        if gap(0.0) * gap(end - t) < 0.0:
+            start = 0.0
+        else:
+            start = next(
+                (
+                    part * (end - t)
+                    for part in (0.01, 0.1, 0.3, 0.5, 0.7, 0.9)
+                    if gap(part * (end - t)) * gap(end - t) < 0
+                ),
+                None,
+            )
+        if start is None:
+            tau = 0.0
+        else:
+            tau = brentq(gap, start, end - t, xtol=1e-15, rtol=1e-15)
         if self.flaw.linear and start == 0.0:
             part = (speed - v) / (after[1] - v)
-            tau, x = part * (end - t), x + part * (after[0] - x)
+            tau = part * (end - t)
+            x = x + part * (after[0] - x)
         else:
             x = self.flight(domain, t, x, v, tau)[0]
         return t + tau, x, self.decide(b, t + tau, x, speed, domain)
@@ -252,7 +323,9 @@ METHODS: dict[str, Any] = {
 def without_events(
     p: Parameters, grid: np.ndarray, x: float, v: float, method: Any = rk4, held: bool = False
 ) -> tuple[np.ndarray, ...]:
-    """Integrate with the sign of v - v_belt as it is at each stage: it chatters about a belt that holds.
+    """Integrate with the sign of v - v_belt as it is at each stage.
+
+    It chatters about a belt that holds.
 
     `held`: with the sign at the beginning of each step.
     """
@@ -263,7 +336,10 @@ def without_events(
         begin = rows[-1][1]
 
         def a(t: float, x: float, v: float, begin: float = begin) -> float:
-            sign = begin if held else v
+            if held:
+                sign = begin
+            else:
+                sign = v
             return solver.force(1 + (sign > belts[0]) + (sign > belts[1]), t, x, v)
 
         rows.append(method(a, t, *rows[-1], end - t))
@@ -278,21 +354,38 @@ CURVES: dict[str, Callable[[float], float]] = {
 }
 
 
-def smoothed(p: Parameters, grid: np.ndarray, x: float, v: float, width: float, curve: str) -> tuple[np.ndarray, ...]:
+def smoothed(
+    p: Parameters, grid: np.ndarray, x: float, v: float, width: float, curve: str
+) -> tuple[np.ndarray, ...]:
     """Integrate with friction that goes from -1 to 1 by a smooth curve of (v - v_belt) / width."""
-    solver, form = Solver(p, Flaw()), CURVES[curve]
+    solver = Solver(p, Flaw())
+    form = CURVES[curve]
     A1, A2, A3 = solver.A
-    (low, high), K = solver.belts, solver.K
+    (low, high) = solver.belts
+    K = solver.K
 
     def right(t: float, y: Any) -> list[float]:
-        push = (A1 + A3) / 2 - (A1 - A2) / 2 * form((y[1] - low) / width) - (A2 - A3) / 2 * form((y[1] - high) / width)
+        push = (
+            (A1 + A3) / 2
+            - (A1 - A2) / 2 * form((y[1] - low) / width)
+            - (A2 - A3) / 2 * form((y[1] - high) / width)
+        )
         return [y[1], push + K.f0 * cos(K.Om * t) - K.w0sq * y[0] - K.cm * y[1]]
 
-    found = solve_ivp(right, (grid[0], grid[-1]), [x, v], "LSODA", t_eval=grid, rtol=1e-10, atol=1e-11)
+    found = solve_ivp(
+        right, (grid[0], grid[-1]), [x, v], "LSODA", t_eval=grid, rtol=1e-10, atol=1e-11
+    )
     return found.t, *found.y
 
 
-def solved(flaw: Flaw, name: str = "fig10", t_end: float = 10.0, count: int = 161, every: int = 4, **more: Any) -> Any:
+def solved(
+    flaw: Flaw,
+    name: str = "fig10",
+    t_end: float = 10.0,
+    count: int = 161,
+    every: int = 4,
+    **more: Any,
+) -> Any:
     """Return what a solver with a flaw makes of a scene, in steps of which every n-th ends at a sample."""
     scene = load_scene(name)
     grid = np.linspace(float(scene.t0), t_end, (count - 1) * every + 1)
@@ -300,7 +393,9 @@ def solved(flaw: Flaw, name: str = "fig10", t_end: float = 10.0, count: int = 16
     return name, *(column[:: 1 if more else every] for column in run.arrays())
 
 
-def softened(curve: str, width: float, name: str = "fig10", t_end: float = 10.0, count: int = 161) -> Any:
+def softened(
+    curve: str, width: float, name: str = "fig10", t_end: float = 10.0, count: int = 161
+) -> Any:
     scene = load_scene(name)
     times = np.linspace(float(scene.t0), t_end, count)
     return name, *smoothed(scene.parameters, times, float(scene.x0), float(scene.v0), width, curve)

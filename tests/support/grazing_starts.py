@@ -14,15 +14,25 @@ BELT = {"P2": 1, "P3": 1, "P5": 2, "P6": 2}
 
 
 def assert_oracle_grazes(p: Parameters, start: GrazingStart, dps: int = 45) -> None:
-    """The oracle, from the start as printed, touches the belt at t_m and at no time before; simulate says so too."""
+    """The oracle, from the start as printed, touches the belt at t_m and at no time before.
+
+    Simulate says so too.
+    """
     assert start.found, start.reason
-    begin, last = start.start, Fraction(str(start.t_m)) + Fraction(1, 1000)
+    begin = start.start
+    last = Fraction(str(start.t_m)) + Fraction(1, 1000)
     t0, x0, v0 = (Fraction(str(begin[name])) for name in ("t0", "x0", "v0"))
     # The start has 40 digits: a gap of the oracle below 1e-30 is a touch.
     run = simulate_oracle(p, t0, x0, v0, last, dps=dps - 10)
     first = run.events[0]
-    boundary, domain = BELT[start.mapping], f"Omega{DOMAIN[start.mapping]}"
-    assert (first.kind, first.boundary, first.source, first.target) == ("graze", boundary, domain, domain), run.events
+    boundary = BELT[start.mapping]
+    domain = f"Omega{DOMAIN[start.mapping]}"
+    assert (first.kind, first.boundary, first.source, first.target) == (
+        "graze",
+        boundary,
+        domain,
+        domain,
+    ), run.events
     assert abs(float(first.t) - float(start.t_m)) < 1e-8 * max(1.0, abs(start.t_m))
     event = simulate(p, **begin, t_end=last).events[0]
     assert (event.kind, event.boundary, event.source) == ("graze", boundary, domain)

@@ -22,7 +22,8 @@ import xarray as xr
 import symosc
 from symosc import load_scene, plot
 
-P5, P9 = load_scene("fig5").parameters, load_scene("fig9").parameters
+P5 = load_scene("fig5").parameters
+P9 = load_scene("fig9").parameters
 
 
 class Broken:
@@ -34,7 +35,9 @@ class Broken:
     def _fail(self, *_: object) -> Any:
         raise RuntimeError("broken")
 
-    __len__ = __iter__ = __getitem__ = __float__ = __index__ = __bool__ = __array__ = __eq__ = __repr__ = _fail
+    __len__ = __iter__ = __getitem__ = __float__ = __index__ = __bool__ = __array__ = __eq__ = (
+        __repr__
+    ) = _fail
     __hash__ = None  # type: ignore[assignment]
 
 
@@ -107,17 +110,25 @@ NUMBER = {"0", "-1", "3", "0.5", "fraction", "text_1"}
 LARGE = {"3", "10**400"}
 ROWS = {"[]", "()", "[1,2]", "array", "array_0", "array_empty", "array_odd", "series"}
 TEXT = {"text", "text_1", "text_null", "text_long", "text_half"}
-BOTH, PAIRS = {"Parameters", "Scene"}, {"[1,2]", "array", "series"}
+BOTH = {"Parameters", "Scene"}
+PAIRS = {"[1,2]", "array", "series"}
 
 
 def _each(names: str, values: set[str]) -> dict[str, set[str]]:
     return dict.fromkeys(names.split(", "), values)
 
 
-#: Which values are valid for parameters of a name, or of one call; None is where it is the default, and no others are.
+#: Which values are valid for parameters of a name, or of one call; None is where it is the default,
+#: and no others are.
 VALID: dict[str, set[str]] = {
-    **_each("m, c, k, A0, B0, Omega, v1, v2, mu1, mu2, FN, t0, x0, v0, t_end, t_m, x, theta, x_i, theta_m", NUMBER),
-    **_each("tolerance, global_tolerance, within, low, high, skip, start_error, phase, Y, Y_phase, W, W_phase", NUMBER),
+    **_each(
+        "m, c, k, A0, B0, Omega, v1, v2, mu1, mu2, FN, t0, x0, v0, t_end, t_m, x, theta, x_i, theta_m",
+        NUMBER,
+    ),
+    **_each(
+        "tolerance, global_tolerance, within, low, high, skip, start_error, phase, Y, Y_phase, W, W_phase",
+        NUMBER,
+    ),
     **_each("g, angle, atlas prove, atlas seconds, grazing_start periods", NUMBER),
     **_each("Scene start_error, simulate_many skip", NUMBER | {"array_0"}),
     **_each("theorem7 gamma, theorem7 amplitude", NUMBER | {"symbol"}),
@@ -126,8 +137,13 @@ VALID: dict[str, set[str]] = {
     "ParameterValues.__contains__ value": NUMBER | {"oo"},
     "solve_map theta_i": NUMBER | {"-10**60", "1e51", "array_0"},
     "solve_map x_i": {"1e51"},
-    **_each("GrazingWindow.contact theta, grazing_windows Omega, simulate_many t_end", NUMBER | ROWS),
-    **_each("Sensitivities.__call__ t, Trajectory.__call__ t, Trajectory.mode t, Trajectory.force t", NUMBER | ROWS),
+    **_each(
+        "GrazingWindow.contact theta, grazing_windows Omega, simulate_many t_end", NUMBER | ROWS
+    ),
+    **_each(
+        "Sensitivities.__call__ t, Trajectory.__call__ t, Trajectory.mode t, Trajectory.force t",
+        NUMBER | ROWS,
+    ),
     **{f"MovedTrajectory.{name} t": NUMBER | ROWS for name in ("__call__", "mode", "force")},
     **{f"OtherModel.{way} {name}": NUMBER | ROWS for way in ("back", "forth") for name in "txv"},
     "GrazingWindow.contains theta": NUMBER | ROWS | {"1e51"},
@@ -145,7 +161,9 @@ VALID: dict[str, set[str]] = {
     "EventTable.__getitem__ trajectory": {"0", "-1"},
     "Summary.__getitem__ motion": {"0", "-1", "[]", "()", "array_bool"},
     **_each("scene, what, subject, windows", {"Scene"}),
-    **_each("p, parameters, sweep scene, sweep_status scene, crosscheck scene, simulate scene", BOTH),
+    **_each(
+        "p, parameters, sweep scene, sweep_status scene, crosscheck scene, simulate scene", BOTH
+    ),
     **_each("atlas what, frequency_response what, fit what, sensitivities what", BOTH),
     **_each("values_containing p, values_empty p, values_everything p", BOTH | {"None"}),
     "certify what": BOTH | {"Atlas"},
@@ -205,7 +223,9 @@ TWO = [(0, 0, 0), (0, 1, 0)]
 MAKERS: dict[str, Callable[[], Any]] = {
     "trajectory": lambda: symosc.simulate("fig5", t_end=3),
     "response": lambda: symosc.frequency_response("fig9", {"Omega": [4, 5]}),
-    "moved": lambda: symosc.simulate(symosc.OtherModel(m=1, k=1, Omega=2, FN=1, Y=1, joined=True), t_end=3),
+    "moved": lambda: symosc.simulate(
+        symosc.OtherModel(m=1, k=1, Omega=2, FN=1, Y=1, joined=True), t_end=3
+    ),
     "sensitivities": lambda: symosc.sensitivities("fig5", "mu1", t_end=3),
     "orbit": lambda: symosc.find_orbit(P9, "P32"),
     "branch": lambda: symosc.continue_orbit(P9, "P32", "Omega", (3.9, 4.0), max_points=5),
@@ -224,8 +244,12 @@ MAKERS: dict[str, Callable[[], Any]] = {
     "region": lambda: symosc.values_containing(P9, "P2", ("Omega", "k"), "7*pi/6"),
     "values": lambda: symosc.values_containing(P9, "P2", "Omega", "7*pi/6"),
     "dataset": lambda: symosc.sweep("fig9", OVER, t_end="12T", skip="10T"),
-    "basins": lambda: symosc.sweep("fig9", {"v0": "0:2:2", "x0": "-1:1:2"}, t_end="12T", skip="10T"),
-    "line": lambda: symosc.sweep("fig9", {"Omega": "3:5:3"}, record=["section:2", "events"], t_end="12T"),
+    "basins": lambda: symosc.sweep(
+        "fig9", {"v0": "0:2:2", "x0": "-1:1:2"}, t_end="12T", skip="10T"
+    ),
+    "line": lambda: symosc.sweep(
+        "fig9", {"Omega": "3:5:3"}, record=["section:2", "events"], t_end="12T"
+    ),
     "scores": _scores,
     "drawing": lambda: plot.figure("fig6", panels="a"),
 }
@@ -238,7 +262,10 @@ def made(name: str) -> Any:
 
 
 def functions() -> dict[str, tuple[Callable[..., Any], dict[str, Any]]]:
-    """Return the functions that need no answer of another, each with valid arguments; the rest are defaults."""
+    """Return the functions that need no answer of another, each with valid arguments.
+
+    The rest are defaults.
+    """
     s = symosc
     grazes = {"p": P9, "mapping": "P2"}
     points = {"p": P9, "label": "P2", "start": (4.5, 0.5), "end": (-4, 4)}
@@ -267,10 +294,24 @@ def functions() -> dict[str, tuple[Callable[..., Any], dict[str, Any]]]:
         "simulate digits": (s.simulate, {"scene": "fig6", "t_end": 2, "digits": 20}),
         "sensitivities": (s.sensitivities, {"what": P5, "wrt": ("mu1",), **start, "max_events": 3}),
         "frequency_response": (s.frequency_response, {"what": "fig9", "over": {"Omega": [4]}}),
-        "fit": (s.fit, {"what": "fig5", "data": [(0.1223, "stick"), (1.221, "slip")], "free": "mu1", "sigma": 1e-3}),
+        "fit": (
+            s.fit,
+            {
+                "what": "fig5",
+                "data": [(0.1223, "stick"), (1.221, "slip")],
+                "free": "mu1",
+                "sigma": 1e-3,
+            },
+        ),
         "simulate_many": (
             s.simulate_many,
-            {"parameters": P5, "starts": (0, 0, 0), "t_end": 3, "record": "summary", "use_numba": False},
+            {
+                "parameters": P5,
+                "starts": (0, 0, 0),
+                "t_end": 3,
+                "record": "summary",
+                "use_numba": False,
+            },
         ),
         "residual": (s.residual, points),
         "jacobian": (s.jacobian, points),
@@ -280,7 +321,13 @@ def functions() -> dict[str, tuple[Callable[..., Any], dict[str, Any]]]:
         "find_orbit": (s.find_orbit, {"parameters": P9, "word": "P32"}),
         "continue_orbit": (
             s.continue_orbit,
-            {"parameters": P9, "word": "P32", "parameter": "Omega", "range": (3.9, 4.0), "max_points": 3},
+            {
+                "parameters": P9,
+                "word": "P32",
+                "parameter": "Omega",
+                "range": (3.9, 4.0),
+                "max_points": 3,
+            },
         ),
         "grazing_window": (s.grazing_window, grazes),
         "grazing_windows": (s.grazing_windows, grazes | {"Omega": [1, 2]}),
@@ -294,23 +341,41 @@ def functions() -> dict[str, tuple[Callable[..., Any], dict[str, Any]]]:
         "values_containing": (s.values_containing, grazes | {"name": "Omega", "theta": "7*pi/6"}),
         "values_empty": (s.values_empty, {"p": P9, "mapping": "P3", "name": "Omega"}),
         "values_everything": (s.values_everything, grazes | {"name": "Omega", "order": "paper"}),
-        "atlas": (s.atlas, {"what": P9, "over": {"Omega": (3.9, 4.1), "FN": (9.5, 10.5)}, "seconds": 1, "workers": 1}),
+        "atlas": (
+            s.atlas,
+            {
+                "what": P9,
+                "over": {"Omega": (3.9, 4.1), "FN": (9.5, 10.5)},
+                "seconds": 1,
+                "workers": 1,
+            },
+        ),
         "sweep": (s.sweep, swept),
         "sweep_status": (s.sweep_status, swept | {"path": "nowhere.nc"}),
         "plot.figure": (plot.figure, {"subject": "fig6", "t_end": 2, "panels": "a"}),
-        "plot.sweep_figure": (plot.sweep_figure, grazes | {"name": "Omega", "low": "0.1", "high": 4}),
+        "plot.sweep_figure": (
+            plot.sweep_figure,
+            grazes | {"name": "Omega", "low": "0.1", "high": 4},
+        ),
     }
 
 
 def of_answers() -> dict[str, tuple[Callable[..., Any], dict[str, Any]]]:
     """Return the functions and methods that need an answer of another, each with valid arguments."""
-    s, m = symosc, made
+    s = symosc
+    m = made
     nowhere = {"path": os.devnull}
     return {
         "certify": (s.certify, {"what": "fig6", "t_end": 2}),
         "crosscheck": (s.crosscheck, {"scene": "fig5", **m("samples")}),
-        "crosscheck table": (s.crosscheck, {"scene": "fig5", "t": pd.DataFrame(m("samples")), "columns": {"t": "t"}}),
-        "CompiledResidual.__call__": (lambda x: m("residual")(x, *[np.array([0.5, 4])] * 3), {"x": np.array([1, 2])}),
+        "crosscheck table": (
+            s.crosscheck,
+            {"scene": "fig5", "t": pd.DataFrame(m("samples")), "columns": {"t": "t"}},
+        ),
+        "CompiledResidual.__call__": (
+            lambda x: m("residual")(x, *[np.array([0.5, 4])] * 3),
+            {"x": np.array([1, 2])},
+        ),
         "Sensitivities.__call__": (m("sensitivities"), {"t": [1, 2]}),
         "Trajectory.__call__": (m("trajectory"), {"t": [1, 2]}),
         "Trajectory.mode": (m("trajectory").mode, {"t": 1}),
@@ -372,7 +437,10 @@ def of_answers() -> dict[str, tuple[Callable[..., Any], dict[str, Any]]]:
         "plot.step_figure": (plot.step_figure, {"check": m("check"), "step": 0, "panels": "a"}),
         "plot.events_figure": (plot.events_figure, {"events": m("events")}),
         "plot.summary_figure": (plot.summary_figure, {"summary": m("summary")}),
-        "plot.figure_grazing_curve": (plot.figure_grazing_curve, {"curve": m("curve"), "panels": "a"}),
+        "plot.figure_grazing_curve": (
+            plot.figure_grazing_curve,
+            {"curve": m("curve"), "panels": "a"},
+        ),
         "plot.region_figure": (plot.region_figure, {"region": m("region")}),
         "plot.save": (plot.save, {"drawing": m("drawing"), "path": "figure.png"}),
         "plot.score_figure": (plot.score_figure, {"scores": m("scores")}),
@@ -384,7 +452,9 @@ def full(call: Callable[..., Any], given: dict[str, Any]) -> dict[str, Any]:
     """Return valid arguments with the defaults of all other parameters, in order."""
     named = inspect.signature(call).parameters.values()
     usual = {each.name: each.default for each in named if each.default is not each.empty}
-    order = [each.name for each in named if each.kind not in (each.VAR_KEYWORD, each.VAR_POSITIONAL)]
+    order = [
+        each.name for each in named if each.kind not in (each.VAR_KEYWORD, each.VAR_POSITIONAL)
+    ]
     found = usual | given
     return {name: found[name] for name in [*order, *(set(found) - set(order))]}
 

@@ -21,7 +21,10 @@ def claims() -> tuple[Claim, ...]:
 
 
 def judged(check: Any) -> Evidence:
-    """Return what `judge` finds; the first process that asks runs the check, the others wait and read it."""
+    """Return what `judge` finds.
+
+    The first process that asks runs the check, the others wait and read it.
+    """
     if SHARED not in os.environ:  # outside of a test session
         return motions.judge(check)
     called = check.func, check.args

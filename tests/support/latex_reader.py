@@ -1,4 +1,7 @@
-"""Reads the LaTeX that derivations print back to a number, by the rules of a human reader: an independent check."""
+"""Reads the LaTeX that derivations print back to a number, by the rules of a human reader.
+
+An independent check.
+"""
 
 from __future__ import annotations
 
@@ -29,13 +32,18 @@ class Reader:
     def value(self) -> complex:
         """Return the value of the whole text."""
         result = self.sum()
-        assert self.place == len(self.text), f"cannot read {self.text[self.place :]!r} in {self.text!r}"
+        assert self.place == len(self.text), (
+            f"cannot read {self.text[self.place :]!r} in {self.text!r}"
+        )
         return result
 
     def sum(self) -> complex:
         """Read terms up to a closing bracket or the end."""
         total = 0j
-        sign = -1 if self.take("-") else 1
+        if self.take("-"):
+            sign = -1
+        else:
+            sign = 1
         while True:
             total += sign * self.product()
             if self.take("+"):
@@ -52,7 +60,9 @@ class Reader:
         while True:
             if self.take("/"):
                 further = self.factor()
-                assert further is not None, f"no divisor at {self.text[self.place :]!r} in {self.text!r}"
+                assert further is not None, (
+                    f"no divisor at {self.text[self.place :]!r} in {self.text!r}"
+                )
                 result /= further
             elif (further := self.factor()) is not None:
                 result *= further
@@ -60,7 +70,10 @@ class Reader:
                 return result
 
     def factor(self, plain: bool = False) -> complex | None:
-        """Read a factor with its power; `plain`: only what may be the argument of a function without parentheses."""
+        """Read a factor with its power.
+
+        `plain`: only what may be the argument of a function without parentheses.
+        """
         self.skip()
         base = self.base(plain)
         if base is not None and self.take("^"):
@@ -100,7 +113,10 @@ class Reader:
         return None
 
     def function(self, name: str) -> complex:
-        power = self.group() if self.take("^") else 1
+        if self.take("^"):
+            power = self.group()
+        else:
+            power = 1
         self.skip()
         if self.take("("):
             argument = self.closed(")")
@@ -117,7 +133,9 @@ class Reader:
 
     def closed(self, bracket: str) -> complex:
         result = self.sum()
-        assert self.take(bracket), f"{bracket} expected at {self.text[self.place :]!r} in {self.text!r}"
+        assert self.take(bracket), (
+            f"{bracket} expected at {self.text[self.place :]!r} in {self.text!r}"
+        )
         return result
 
     def take(self, token: str) -> bool:

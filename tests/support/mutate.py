@@ -1,11 +1,13 @@
 """Mutation runs: small random faults are put into the source, one at a time, and the tests must find each.
 
-    python tests/support/mutate.py --seed 1 --count 100 --packages engine mappings orbits grazing crosschecks
+    python tests/support/mutate.py --seed 1 --count 100 --packages engine mappings orbits grazing
+    crosschecks
 
-The faults go into a copy of the tree. For each, the tests run until the first failure, in three rounds: the quick ones
-of its package, those of the packages that use it, and the slow ones of its package. The seed numbers the mutants:
-`--numbers 3 17` runs these again, `--list` only shows them. A survivor is equivalent, or shows a missing test.
-`--rounds 1` is fast; `--rounds 2 3 --numbers ...` is for its survivors.
+The faults go into a copy of the tree. For each, the tests run until the first failure, in three
+rounds: the quick ones of its package, those of the packages that use it, and the slow ones of its
+package. The seed numbers the mutants: `--numbers 3 17` runs these again, `--list` only shows them.
+A survivor is equivalent, or shows a missing test. `--rounds 1` is fast; `--rounds 2 3 --numbers
+...` is for its survivors.
 """
 
 from __future__ import annotations
@@ -31,16 +33,40 @@ from typing import NamedTuple
 import pytest
 
 ROOT = Path(__file__).parents[2]
-COPIED = ("symosc", "tests", "docs", "derivations", "pyproject.toml", "README.md", "CHANGELOG.md", "CONTRIBUTING.md")
+COPIED = (
+    "symosc",
+    "tests",
+    "docs",
+    "derivations",
+    "pyproject.toml",
+    "README.md",
+    "CHANGELOG.md",
+    "CONTRIBUTING.md",
+)
 COPIED += ("CITATION.cff", "LICENSE", "noxfile.py", ".ci", ".pre-commit-config.yaml")
 #: What takes long to import is imported once: each run of tests is a fork of this process.
-LARGE = ("matplotlib.figure", "scipy.integrate", "scipy.optimize", "sympy", "mpmath", "numba", "pandas", "xarray")
+LARGE = (
+    "matplotlib.figure",
+    "scipy.integrate",
+    "scipy.optimize",
+    "sympy",
+    "mpmath",
+    "numba",
+    "pandas",
+    "xarray",
+)
 LARGE += ("tabulate", "gmpy2", "flint")
 COMPARED = {ast.Lt: (ast.LtE, ast.GtE), ast.LtE: (ast.Lt, ast.Gt)}
 COMPARED |= {ast.Gt: (ast.GtE, ast.LtE), ast.GtE: (ast.Gt, ast.Lt)}
 COMPARED |= {ast.Eq: (ast.NotEq,), ast.NotEq: (ast.Eq,), ast.Is: (ast.IsNot,), ast.IsNot: (ast.Is,)}
 COMPARED |= {ast.In: (ast.NotIn,), ast.NotIn: (ast.In,)}
-COMPUTED = {ast.Add: ast.Sub, ast.Sub: ast.Add, ast.Mult: ast.Div, ast.Div: ast.Mult, ast.Pow: ast.Mult}
+COMPUTED = {
+    ast.Add: ast.Sub,
+    ast.Sub: ast.Add,
+    ast.Mult: ast.Div,
+    ast.Div: ast.Mult,
+    ast.Pow: ast.Mult,
+}
 COMPUTED |= {ast.FloorDiv: ast.Div, ast.Mod: ast.Mult}
 SWAPPED = {"min": "max", "max": "min", "sin": "cos", "cos": "sin", "any": "all", "all": "any"}
 #: Bytes that a run of tests may have.
@@ -68,16 +94,28 @@ def changes(node: ast.AST, parents: list[ast.AST]) -> Iterator[tuple[str, str]]:
                     yield "comparison", ast.unparse(ast.Compare(left, changed, others))
         case ast.BinOp(left, operator, right):
             if type(operator) in COMPUTED and not isinstance(left, (ast.JoinedStr, ast.List)):
-                yield "arithmetic", f"({ast.unparse(ast.BinOp(left, COMPUTED[type(operator)](), right))})"
+                yield (
+                    "arithmetic",
+                    f"({ast.unparse(ast.BinOp(left, COMPUTED[type(operator)](), right))})",
+                )
         case ast.UnaryOp(ast.USub() | ast.Not() as operator, operand):
-            yield "arithmetic" if isinstance(operator, ast.USub) else "negation", f"({ast.unparse(operand)})"
+            yield (
+                "arithmetic" if isinstance(operator, ast.USub) else "negation",
+                f"({ast.unparse(operand)})",
+            )
         case ast.BoolOp(operator, values):
-            other = ast.Or() if isinstance(operator, ast.And) else ast.And()
+            if isinstance(operator, ast.And):
+                other = ast.Or()
+            else:
+                other = ast.And()
             yield "negation", f"({ast.unparse(ast.BoolOp(other, values))})"
         case ast.Constant(bool(value)):
             yield "constant", str(not value)
         case ast.Constant(int(value) | float(value)):
-            kind = "index" if any(isinstance(parent, ast.Subscript) for parent in parents[-2:]) else "constant"
+            if any(isinstance(parent, ast.Subscript) for parent in parents[-2:]):
+                kind = "index"
+            else:
+                kind = "constant"
             yield kind, repr(value + 1 if isinstance(value, int) else 2 * value or 1.0)
         case ast.Call(ast.Name(name), arguments, keywords) if name in SWAPPED:
             yield "call", ast.unparse(ast.Call(ast.Name(SWAPPED[name]), arguments, keywords))
@@ -85,18 +123,25 @@ def changes(node: ast.AST, parents: list[ast.AST]) -> Iterator[tuple[str, str]]:
     if condition and not isinstance(node, ast.Compare):
         yield "negation", f"(not ({ast.unparse(node)}))"
     match node:  # statements that can be left out so that the rest still has all its names
-        case ast.Assign(targets) if all(isinstance(each, (ast.Attribute, ast.Subscript)) for each in targets):
+        case ast.Assign(targets) if all(
+            isinstance(each, (ast.Attribute, ast.Subscript)) for each in targets
+        ):
             yield "removed", "pass"
         case ast.Expr(value) if not isinstance(value, ast.Constant):
             yield "removed", "pass"
-        case ast.Return(ast.Constant(value)):  # what returns more than a constant would be missed by any caller
+        case ast.Return(
+            ast.Constant(value)
+        ):  # what returns more than a constant would be missed by any caller
             yield "removed", "pass" if value is None else "return None"
         case ast.Return(None) | ast.AugAssign() | ast.Raise() | ast.Continue() | ast.Break():
             yield "removed", "pass"
 
 
 def in_code(node: ast.AST, parents: list[ast.AST]) -> Iterator[tuple[ast.AST, list[ast.AST]]]:
-    """Yield the nodes that do something, with those around them: no annotations, texts, imports, generic names."""
+    """Yield the nodes that do something, with those around them.
+
+    No annotations, texts, imports, generic names.
+    """
     if isinstance(node, (ast.Import, ast.ImportFrom, ast.JoinedStr)):
         return
     if isinstance(node, ast.AnnAssign) and node.value is None:
@@ -117,40 +162,69 @@ def mutants_of(path: Path) -> Iterator[Mutant]:
     starts = [0, *accumulate(map(len, source.splitlines(keepends=True)))]
     for node, parents in in_code(ast.parse(source), []):
         if hasattr(node, "lineno") and parents:
-            span = starts[node.lineno - 1] + node.col_offset, starts[node.end_lineno - 1] + node.end_col_offset
+            span = (
+                starts[node.lineno - 1] + node.col_offset,
+                starts[node.end_lineno - 1] + node.end_col_offset,
+            )
             for kind, after in changes(node, parents):
                 before = source[slice(*span)].decode()
                 yield Mutant(str(path.relative_to(ROOT)), node.lineno, kind, before, after, span)
 
 
 def chosen(packages: list[str], seed: int, count: int) -> list[Mutant]:
-    """Return `count` mutants: a file at random, the longer the likelier, then a kind of fault, then one of it."""
-    faults, lengths = list[dict[str, list[Mutant]]](), list[int]()
-    for path in (path for package in packages for path in sorted((ROOT / "symosc" / package).rglob("*.py"))):
+    """Return `count` mutants.
+
+    A file at random, the longer the likelier, then a kind of fault, then one of it.
+    """
+    faults = list[dict[str, list[Mutant]]]()
+    lengths = list[int]()
+    for path in (
+        path for package in packages for path in sorted((ROOT / "symosc" / package).rglob("*.py"))
+    ):
         by_kind: dict[str, list[Mutant]] = {}
         for mutant in mutants_of(path):
             by_kind.setdefault(mutant.kind, []).append(mutant)
-        faults += [by_kind] if by_kind else []
-        lengths += [len(path.read_text(encoding="utf-8").splitlines())] if by_kind else []
-    rng, found = random.Random(seed), list[Mutant]()
+        if by_kind:
+            faults += [by_kind]
+        else:
+            faults += []
+        if by_kind:
+            lengths += [len(path.read_text(encoding="utf-8").splitlines())]
+        else:
+            lengths += []
+    rng = random.Random(seed)
+    found = list[Mutant]()
     while len(found) < count:
         by_kind = rng.choices(faults, lengths)[0]
         mutant = rng.choice(by_kind[rng.choice(sorted(by_kind))])
-        found += [] if mutant in found else [mutant]
+        if mutant in found:
+            found += []
+        else:
+            found += [mutant]
     return found
 
 
 def test_files(path: str) -> list[list[str]]:
-    """Return arguments of runs of pytest: quick tests of the package, of what uses it; slow ones of the package."""
+    """Return arguments of runs of pytest: quick tests of the package, of what uses it.
+
+    Slow ones of the package.
+    """
     package = Path(path).parts[1]
     own, above = (
         [f"tests/{each}" for each in names if (ROOT / "tests" / each).is_dir()]
         for names in ([package], users_of(package))
     )
-    own += ["tests/test_outputs.py"] if own else []
-    quick, slow = "not slow and not compiled", "(slow or compiled) and not campaign"
+    if own:
+        own += ["tests/test_outputs.py"]
+    else:
+        own += []
+    quick = "not slow and not compiled"
+    slow = "(slow or compiled) and not campaign"
     # without files pytest would take all
-    return [[*files, "-m", marked] if files else [] for files, marked in ((own, quick), (above, quick), (own, slow))]
+    return [
+        [*files, "-m", marked] if files else []
+        for files, marked in ((own, quick), (above, quick), (own, slow))
+    ]
 
 
 def users_of(package: str) -> list[str]:
@@ -158,8 +232,11 @@ def users_of(package: str) -> list[str]:
     uses: dict[str, set[str]] = {}
     packages = [each.name for each in (ROOT / "symosc").iterdir() if each.is_dir()]
     for path in (ROOT / "symosc").rglob("*.py"):
-        words, here = path.read_text(encoding="utf-8"), path.relative_to(ROOT / "symosc").parts[0].removesuffix(".py")
-        uses.setdefault(here, set()).update(name for name in packages if f"from symosc.{name}" in words)
+        words = path.read_text(encoding="utf-8")
+        here = path.relative_to(ROOT / "symosc").parts[0].removesuffix(".py")
+        uses.setdefault(here, set()).update(
+            name for name in packages if f"from symosc.{name}" in words
+        )
     found = [package]
     for each in found:
         found += sorted(user for user in uses if each in uses[user] and user not in found)
@@ -183,7 +260,9 @@ def tested(arguments: list[str], copy: Path, limit: int) -> tuple[str, str]:
             os.environ.update(PYTHONPATH=str(copy), PYTHONDONTWRITEBYTECODE="")
             sys.dont_write_bytecode = False
             sys.path[0] = str(copy)
-            code = pytest.main(["-x", "-n", "0", "-p", "no:cacheprovider", "--tb=no", "--no-header", *arguments])
+            code = pytest.main(
+                ["-x", "-n", "0", "-p", "no:cacheprovider", "--tb=no", "--no-header", *arguments]
+            )
         finally:
             traceback.print_exc()
             os._exit(code)
@@ -201,38 +280,60 @@ def tested(arguments: list[str], copy: Path, limit: int) -> tuple[str, str]:
 def tried(mutant: Mutant, copy: Path, limit: int, rounds: list[int]) -> tuple[str, str]:
     """Return "killed", "timeout" or "survived", and what killed it."""
     path = copy / mutant.path
-    whole, times = path.read_bytes(), path.stat()
+    whole = path.read_bytes()
+    times = path.stat()
     path.write_bytes(whole[: mutant.span[0]] + mutant.after.encode() + whole[mutant.span[1] :])
     try:
         for number in rounds:
             if arguments := test_files(mutant.path)[number - 1]:
                 verdict, by = tested(arguments, copy, limit if number < 2 else 5 * limit)
-                if verdict == "killed" or (verdict == "timeout" and number < 2):  # these are known to end
+                if verdict == "killed" or (
+                    verdict == "timeout" and number < 2
+                ):  # these are known to end
                     return verdict, by
     finally:
         path.write_bytes(whole)
-        os.utime(path, ns=(times.st_atime_ns, times.st_mtime_ns))  # numba keeps what it compiled from it
+        os.utime(
+            path, ns=(times.st_atime_ns, times.st_mtime_ns)
+        )  # numba keeps what it compiled from it
     return "survived", ""
 
 
 def main() -> None:
     """Make mutants, try each, and say how many were found."""
-    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser = argparse.ArgumentParser(
+        description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
+    )
     parser.add_argument("--seed", type=int, default=1)
     parser.add_argument("--count", type=int, default=100)
-    parser.add_argument("--packages", nargs="+", default=["mappings", "orbits", "grazing", "crosschecks", "engine"])
+    parser.add_argument(
+        "--packages", nargs="+", default=["mappings", "orbits", "grazing", "crosschecks", "engine"]
+    )
     parser.add_argument("--numbers", nargs="+", type=int, help="only these")
     rounds = "quick tests of 1 the package, 2 its users; 3 slow ones"
     parser.add_argument("--rounds", type=int, nargs="+", default=[1, 2, 3], help=rounds)
-    parser.add_argument("--limit", type=int, default=60, help="seconds of processor time for one of the first rounds")
-    parser.add_argument("--sound", action="store_true", help="the tests are known to pass without a fault")
+    parser.add_argument(
+        "--limit",
+        type=int,
+        default=60,
+        help="seconds of processor time for one of the first rounds",
+    )
+    parser.add_argument(
+        "--sound", action="store_true", help="the tests are known to pass without a fault"
+    )
     parser.add_argument("--list", action="store_true")
     parser.add_argument("--log", type=Path, help="a file to which results are added, line by line")
     options = parser.parse_args()
 
     every = list(enumerate(chosen(options.packages, options.seed, options.count)))
-    mutants = [every[number] for number in options.numbers] if options.numbers else every
-    texts = [f"{n} {each.path}:{each.line} {each.kind}: {each.before!r} -> {each.after!r}" for n, each in mutants]
+    if options.numbers:
+        mutants = [every[number] for number in options.numbers]
+    else:
+        mutants = every
+    texts = [
+        f"{n} {each.path}:{each.line} {each.kind}: {each.before!r} -> {each.after!r}"
+        for n, each in mutants
+    ]
     if options.list:
         print(*texts, sep="\n")
         return
@@ -245,9 +346,13 @@ def main() -> None:
         copy.mkdir()
         for name in COPIED:
             (shutil.copytree if (ROOT / name).is_dir() else shutil.copy2)(ROOT / name, copy / name)
-        for package in () if options.sound else sorted({Path(mutant.path).parts[1] for _, mutant in mutants}):
+        for package in (
+            () if options.sound else sorted({Path(mutant.path).parts[1] for _, mutant in mutants})
+        ):
             found = tested(test_files(f"symosc/{package}/")[0], copy, options.limit)
-            assert found == ("survived", ""), f"the tests of {package} fail without a fault: {found}"
+            assert found == ("survived", ""), (
+                f"the tests of {package} fail without a fault: {found}"
+            )
         for (number, mutant), where in zip(mutants, texts, strict=True):
             verdict, by = tried(mutant, copy, options.limit, options.rounds)
             counts[verdict] += 1

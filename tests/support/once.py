@@ -1,4 +1,7 @@
-"""What takes long is made once in a test session: one worker makes it, and the others wait and read it."""
+"""What takes long is made once in a test session.
+
+One worker makes it, and the others wait and read it.
+"""
 
 from __future__ import annotations
 
@@ -8,7 +11,8 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
 
-#: The environment variable that names the folder which all workers share; the first process makes it.
+#: The environment variable that names the folder which all workers share; the first process makes
+#: it.
 SHARED = "SYMOSC_TESTS_SHARED"
 #: Seconds after which a process goes on alone: what it waits for was not made, or its maker hangs.
 LONGEST_WAIT = 3600
@@ -16,10 +20,14 @@ LONGEST_WAIT = 3600
 
 @contextmanager
 def alone(name: str) -> Iterator[Path]:
-    """Let one process at a time into the block of this name; give it the path of what they share."""
+    """Let one process at a time into the block of this name.
+
+    Give it the path of what they share.
+    """
     import fcntl
 
-    path, until = Path(os.environ[SHARED]) / name, time.monotonic() + LONGEST_WAIT
+    path = Path(os.environ[SHARED]) / name
+    until = time.monotonic() + LONGEST_WAIT
     with open(f"{path}.lock", "w") as lock:
         while time.monotonic() < until:
             try:

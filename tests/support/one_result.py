@@ -1,6 +1,7 @@
 """Digests of what calls return, for tests that compare programs with other caches, clocks, workers and chunks.
 
-As a program it prints them as JSON. Its first argument is the clock that it goes by, a second one a sweep to begin.
+As a program it prints them as JSON. Its first argument is the clock that it goes by, a second one a
+sweep to begin.
 """
 
 from __future__ import annotations
@@ -14,7 +15,8 @@ from fractions import Fraction
 from itertools import count
 from typing import Any
 
-#: A clock that stands still (an endlessly fast machine), and one that goes on by a day at each look (a slow one).
+#: A clock that stands still (an endlessly fast machine), and one that goes on by a day at each look
+#: (a slow one).
 CLOCKS: dict[str, Any] = {"standing": lambda: 0.0, "rushing": count(0.0, 86400.0).__next__}
 SWEEP: dict[str, Any] = {
     "over": {"Omega": "3.9:4.5:24", "FN": [2, 10]},
@@ -35,15 +37,33 @@ def motions() -> list[tuple[str, Any, list[Any], Any, Any]]:
     """Return (name, parameters, starts, ends, accuracy) of motions of which doubles leave some in doubt."""
     from symosc import load_scene
 
-    fig8, fig9 = load_scene("fig8"), load_scene("fig9")
+    fig8 = load_scene("fig8")
+    fig9 = load_scene("fig9")
     dice = random.Random(5)
-    sets = [fig8.parameters.replace(A0=fig8.parameters.A0 + Fraction(dice.randint(-99, 99), 100)) for _ in range(20)]
-    starts = [(Fraction(dice.randint(0, 50), 10), Fraction(dice.randint(-600, 600), 100), 0) for _ in sets]
+    sets = [
+        fig8.parameters.replace(A0=fig8.parameters.A0 + Fraction(dice.randint(-99, 99), 100))
+        for _ in range(20)
+    ]
+    starts = [
+        (Fraction(dice.randint(0, 50), 10), Fraction(dice.randint(-600, 600), 100), 0) for _ in sets
+    ]
     locked = fig9.parameters.replace(Omega="4.247491638795987", FN=2)
     return [
         ("locked", locked, [(fig9.t0, fig9.x0, fig9.v0), (0, 0, 0)], 300, None),
-        ("near a graze", fig8.parameters, [(fig8.t0, fig8.x0 + Fraction(n, 50), fig8.v0) for n in range(6)], 12, 5e-16),
-        ("short sticks", fig8.parameters, [(fig8.t0, fig8.x0 + n, fig8.v0) for n in range(2)], 70, None),
+        (
+            "near a graze",
+            fig8.parameters,
+            [(fig8.t0, fig8.x0 + Fraction(n, 50), fig8.v0) for n in range(6)],
+            12,
+            5e-16,
+        ),
+        (
+            "short sticks",
+            fig8.parameters,
+            [(fig8.t0, fig8.x0 + n, fig8.v0) for n in range(2)],
+            70,
+            None,
+        ),
         ("many sets", sets, starts, [t0 + 12 for t0, _, _ in starts], 3e-16),
     ]
 
@@ -62,7 +82,9 @@ def digests(workers: int | None = None) -> dict[str, str]:
         summary = simulate_many(parameters, starts, ends, record="summary", sections=2, **given)
         found[f"summary, {name}"] = digest(summary.columns().values())
     dataset = sweep("fig9", **SWEEP, workers=workers)
-    found["sweep"] = digest(dataset[name].values.astype(str).astype("S") for name in dataset.data_vars)
+    found["sweep"] = digest(
+        dataset[name].values.astype(str).astype("S") for name in dataset.data_vars
+    )
     lasting = Parameters(
         m="4.52", c="6.6e-10", k="3.2654289469", A0=0, B0="0.935", Omega="0.85", v1="-39.7", v2="-34.01", mu1="0.491",
         mu2="0.75", FN="0.909",
@@ -79,7 +101,10 @@ def digests(workers: int | None = None) -> dict[str, str]:
 
 
 def stop(path: str) -> Any:
-    """Begin a sweep and stop it after its first chunk, of five motions; return how many were done."""
+    """Begin a sweep and stop it after its first chunk, of five motions.
+
+    Return how many were done.
+    """
     from symosc import sweep
     from symosc.sweeps import sweep as run
 

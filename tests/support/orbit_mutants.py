@@ -27,21 +27,31 @@ def exact_orbit(parameters: str, word: str, near: str) -> PeriodicOrbit | None:
     """Return the orbit at these parameters to many digits, or None if there is none."""
     points = [tuple(map(float, point)) for point in json.loads(near)]
     try:
-        found = find_orbit(Parameters(**json.loads(parameters)), word, points, digits=DIGITS, periods=1)
+        found = find_orbit(
+            Parameters(**json.loads(parameters)), word, points, digits=DIGITS, periods=1
+        )
     except (ConvergenceError, ValueError):
         return None
-    return found if found.admissible else None
+    if found.admissible:
+        return found
+    return None
 
 
 def orbit_is_true(document: Document, original: Document) -> bool:
-    """Whether a changed certificate of an orbit states what is true; `original` is one that does."""
+    """Whether a changed certificate of an orbit states what is true.
+
+    `original` is one that does.
+    """
     near = json.dumps([[row["t"][0], row["x"][0]] for row in original["events"][:-1]])
     word = rotated(original)
     if not cyclic(document["word"], original["word"]) or document["periods"] != original["periods"]:
         return False
     orbit = exact_orbit(json.dumps(document["parameters"]), word, near)
-    rows, firsts = document["events"], original["events"]
-    if orbit is None or [[row[n] for n in EVENT] for row in rows] != [[row[n] for n in EVENT] for row in firsts]:
+    rows = document["events"]
+    firsts = original["events"]
+    if orbit is None or [[row[n] for n in EVENT] for row in rows] != [
+        [row[n] for n in EVENT] for row in firsts
+    ]:
         return False
     points = [(point.t, point.x) for point in orbit.points]
     points.append((points[0][0] + orbit.period, points[0][1]))
@@ -50,20 +60,28 @@ def orbit_is_true(document: Document, original: Document) -> bool:
         if not (within(t - shift, row["t"]) and within(x, row["x"])):
             return False
     pairs = zip(orbit.multipliers, document["multipliers"], strict=True)
-    exact = all(within(value.real, each["re"]) and within(value.imag, each["im"]) for value, each in pairs)
+    exact = all(
+        within(value.real, each["re"]) and within(value.imag, each["im"]) for value, each in pairs
+    )
     return exact and document["stable"] is orbit.stable
 
 
 def within(value: Any, ends: list[str]) -> bool:
     low, high = (Fraction(end) for end in ends)
-    return low <= Fraction(str(mp.nstr(value, DIGITS - 5, strip_zeros=False))) <= high or low == high == round(
-        value, 30
-    )
+    return low <= Fraction(
+        str(mp.nstr(value, DIGITS - 5, strip_zeros=False))
+    ) <= high or low == high == round(value, 30)
 
 
 def rotated(document: Document) -> str:
     """Return the word begun at the first event of a file."""
-    maps = {(1, "belt1", 1): 1, (1, "Omega1", 1): 2, (1, "Omega2", 1): 3, (2, "belt2", 2): 4, (2, "Omega2", 2): 5}
+    maps = {
+        (1, "belt1", 1): 1,
+        (1, "Omega1", 1): 2,
+        (1, "Omega2", 1): 3,
+        (2, "belt2", 2): 4,
+        (2, "Omega2", 2): 5,
+    }
     maps |= {(2, "Omega3", 2): 6, (2, "Omega2", 1): 7, (1, "Omega2", 2): 8}
     rows = document["events"]
     labels = [maps[a["boundary"], a["target"], b["boundary"]] for a, b in pairwise(rows)]
@@ -77,11 +95,16 @@ def cyclic(word: str, other: str) -> bool:
 def change_word(rng: random.Random, document: Document) -> None:
     word = document["word"]
     i = rng.randrange(1, len(word))
-    document["word"] = word[:i] + rng.choice([each for each in CYCLE[1:] if each != word[i]]) + word[i + 1 :]
+    document["word"] = (
+        word[:i] + rng.choice([each for each in CYCLE[1:] if each != word[i]]) + word[i + 1 :]
+    )
 
 
 def change_word_length(rng: random.Random, document: Document) -> None:
-    document["word"] = document["word"][:-1] if rng.random() < 0.5 else document["word"] + document["word"][1:]
+    if rng.random() < 0.5:
+        document["word"] = document["word"][:-1]
+    else:
+        document["word"] = document["word"] + document["word"][1:]
 
 
 def change_multiplier(rng: random.Random, document: Document) -> None:
@@ -122,7 +145,9 @@ def change_phase(rng: random.Random, document: Document) -> None:
 
 def change_sine(rng: random.Random, document: Document) -> None:
     for end in document["ends"][:1]:
-        end["sine"] = str(Fraction(end["sine"]) + Fraction(rng.choice([-1, 1]), 10 ** rng.randint(1, 20)))
+        end["sine"] = str(
+            Fraction(end["sine"]) + Fraction(rng.choice([-1, 1]), 10 ** rng.randint(1, 20))
+        )
 
 
 def change_cosine(rng: random.Random, document: Document) -> None:
@@ -131,7 +156,9 @@ def change_cosine(rng: random.Random, document: Document) -> None:
 
 
 WINDOW_CHANGES: dict[str, Change] = {
-    "grazes": another("grazes", among=("nowhere", "everywhere", "everywhere but at one phase", "on an arc")),
+    "grazes": another(
+        "grazes", among=("nowhere", "everywhere", "everywhere but at one phase", "on an arc")
+    ),
     "map": another("map", among=("P2", "P3", "P5", "P6")),
     "order": another("order", among=("full", "paper")),
     "phase": change_phase,
@@ -145,19 +172,37 @@ WINDOW_CHANGES: dict[str, Change] = {
 
 def window_is_true(document: Document) -> bool:
     """Whether a changed certificate of a window states what is true, by the window's own ends and membership."""
-    window = grazing_window(Parameters(**document["parameters"]), document["map"], document["order"])
-    kinds = {0: "nowhere", 1: "everywhere", 2: "everywhere but at one phase", 3: "on an arc", 4: "on an arc"}
+    window = grazing_window(
+        Parameters(**document["parameters"]), document["map"], document["order"]
+    )
+    kinds = {
+        0: "nowhere",
+        1: "everywhere",
+        2: "everywhere but at one phase",
+        3: "on an arc",
+        4: "on an arc",
+    }
     ends = document["ends"]
-    if kinds[window.kind] != document["grazes"] or len(ends) != {2: 1, 3: 2, 4: 2}.get(window.kind, 0):
+    if kinds[window.kind] != document["grazes"] or len(ends) != {2: 1, 3: 2, 4: 2}.get(
+        window.kind, 0
+    ):
         return False
     if not ends:
         return True
     with mp.workdps(DIGITS):
-        sine = -mp.mpf(window.gamma.numerator) / window.gamma.denominator / mp.mpf(window.amplitude.numerator)
+        sine = (
+            -mp.mpf(window.gamma.numerator)
+            / window.gamma.denominator
+            / mp.mpf(window.amplitude.numerator)
+        )
         sine *= window.amplitude.denominator
-        rising, falling = mp.asin(sine), mp.pi - mp.asin(sine)
+        rising = mp.asin(sine)
+        falling = mp.pi - mp.asin(sine)
         up = window.place.side * window.amplitude > 0
-        wanted = [(rising, 1), (falling, -1)] if up else [(falling, -1), (rising, 1)]
+        if up:
+            wanted = [(rising, 1), (falling, -1)]
+        else:
+            wanted = [(falling, -1), (rising, 1)]
         if len(ends) == 1:
             wanted = [(rising, 0)]
         for (phase, cosine), end in zip(wanted, ends, strict=True):

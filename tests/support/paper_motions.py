@@ -17,7 +17,9 @@ FIG5, FIG6, FIG7, FIG9, FIG10 = (load_scene(f"fig{number}") for number in (5, 6,
 
 def changed(scene: Scene, **numbers: Any) -> Scene:
     """Return a scene with other numbers of its start, and others of its parameters."""
-    start: dict[str, Any] = {key: str(numbers.pop(key)) for key in ("t0", "x0", "v0", "t_end") if key in numbers}
+    start: dict[str, Any] = {
+        key: str(numbers.pop(key)) for key in ("t0", "x0", "v0", "t_end") if key in numbers
+    }
     return replace(scene, parameters=scene.parameters.replace(**numbers), **start)
 
 
@@ -61,11 +63,17 @@ OTHER: dict[str, tuple[Callable[[], Evidence], str]] = {
     "another domain": (lambda: motions.flight_after(FIG6, 2, 3), NOT_AS_PRINTED),
     "not followed": (lambda: motions.flight_after(changed(FIG6, t_end=2), 2, 2), UNDECIDED),
     "positive for ever": (lambda: motions.product_after(sliding(), 1), CONFIRMED),
-    "passes at the start": (lambda: motions.sticks_at_start(changed(FIG6, x0=9), 2), NOT_AS_PRINTED),
+    "passes at the start": (
+        lambda: motions.sticks_at_start(changed(FIG6, x0=9), 2),
+        NOT_AS_PRINTED,
+    ),
     "sticks later": (lambda: motions.sticks_at_start(FIG10, 2), CORRECTED),
     "no stick appears": (lambda: motions.stick_appears(FIG9, 1), NOT_AS_PRINTED),
     "grazes as given": (lambda: grazes.reaches_belt(load_scene("fig7-exact"), 1), CONFIRMED),
-    "sticks as given": (lambda: grazes.reaches_belt(load_scene("fig7-corrected"), 1), NOT_AS_PRINTED),
+    "sticks as given": (
+        lambda: grazes.reaches_belt(load_scene("fig7-corrected"), 1),
+        NOT_AS_PRINTED,
+    ),
     # At resonance the velocity rises to the belt's for ever, and never is equal to it.
     "swings up to the belt": (lambda: grazes.reaches_belt(changed(FIG7, k=1, x0=20), 1), UNDECIDED),
     "exact start": (lambda: grazes.start_grazes(graze7("fig7-exact")), CONFIRMED),
@@ -76,13 +84,22 @@ OTHER: dict[str, tuple[Callable[[], Evidence], str]] = {
     "touches as given": (lambda: grazes.tangential(graze7("fig7-exact")), CONFIRMED),
     "touches from above as given": (lambda: grazes.tangential(exact8()), CONFIRMED),
     "of the mapping as given": (lambda: grazes.of_mapping(graze7("fig7-exact")), CONFIRMED),
-    "returns as given": (lambda: grazes.same_point(replace(grazes.FIG7, printed=settled())), CONFIRMED),
+    "returns as given": (
+        lambda: grazes.same_point(replace(grazes.FIG7, printed=settled())),
+        CONFIRMED,
+    ),
     "at the belt": (lambda: grazes.not_at_belt(replace(grazes.FIG7, printed=FIG9)), NOT_AS_PRINTED),
     "no graze before": (lambda: grazes.sticks_later(rounded8()), NOT_AS_PRINTED),
     "meets as given": (lambda: grazes.curves_meet(exact8()), CONFIRMED),
     "too much friction": (lambda: orbits.orbit_exists(changed(FIG9, mu1="0.9")), NOT_AS_PRINTED),
-    "on the orbit": (lambda: orbits.start_on_orbit(changed(FIG9, t0="0.1817", x0="4.1549")), CONFIRMED),
-    "on the stick orbit": (lambda: orbits.start_on_orbit(changed(FIG10, t0="0.4436", x0="3.0737")), CONFIRMED),
+    "on the orbit": (
+        lambda: orbits.start_on_orbit(changed(FIG9, t0="0.1817", x0="4.1549")),
+        CONFIRMED,
+    ),
+    "on the stick orbit": (
+        lambda: orbits.start_on_orbit(changed(FIG10, t0="0.4436", x0="3.0737")),
+        CONFIRMED,
+    ),
     "other order": (lambda: orbits.in_order(changed(FIG9, mu1="0.9")), NOT_AS_PRINTED),
     "products at sticks": (lambda: orbits.products_positive(FIG10, 2), NOT_AS_PRINTED),
     "no passages": (lambda: orbits.passes(FIG10, 2), NOT_AS_PRINTED),

@@ -4,10 +4,21 @@ from __future__ import annotations
 
 from symosc import Parameters, load_scene
 
-FIG9, FIG10 = load_scene("fig9").parameters, load_scene("fig10").parameters
+FIG9 = load_scene("fig9").parameters
+FIG10 = load_scene("fig10").parameters
 
 BOTH_BELTS = Parameters(
-    m=1, c="0.34", k="0.74", A0="-1.81", B0="3.82", Omega="0.64", v1="-2.92", v2="1.95", mu1="0.6", mu2="0.55", FN=10
+    m=1,
+    c="0.34",
+    k="0.74",
+    A0="-1.81",
+    B0="3.82",
+    Omega="0.64",
+    v1="-2.92",
+    v2="1.95",
+    mu1="0.6",
+    mu2="0.55",
+    FN=10,
 )
 
 # (t, x) with 25 digits, computed independently of this project.

@@ -12,7 +12,14 @@ from touches import tenths
 from symosc import Parameters
 
 Problem = tuple[Parameters, dict[str, Any]]
-ORDINARY = {"m": (2, 30), "c": (0, 20), "k": (2, 60), "A0": (-30, 30), "B0": (10, 100), "Omega": (3, 40)}
+ORDINARY = {
+    "m": (2, 30),
+    "c": (0, 20),
+    "k": (2, 60),
+    "A0": (-30, 30),
+    "B0": (10, 100),
+    "Omega": (3, 40),
+}
 ORDINARY |= {"mu1": (0, 10), "mu2": (0, 10), "FN": (1, 150)}
 
 
@@ -32,7 +39,9 @@ def late(rng: random.Random) -> Problem:
 
 def slow(rng: random.Random) -> Problem:
     Omega = Fraction(f"{10 ** rng.uniform(-6, -2):.4g}")
-    p, start = ordinary(rng, Omega=Omega, B0=tenths(rng, 100, 400), c=tenths(rng, 80, 120), k=tenths(rng, 1, 10))
+    p, start = ordinary(
+        rng, Omega=Omega, B0=tenths(rng, 100, 400), c=tenths(rng, 80, 120), k=tenths(rng, 1, 10)
+    )
     return p, start | {"t_end": start["t0"] + 5 / Omega, "max_events": 60}
 
 
@@ -51,10 +60,12 @@ def no_spring(rng: random.Random) -> Problem:
 
 
 def resonant(rng: random.Random) -> Problem:
-    m, Omega = tenths(rng, 2, 30), tenths(rng, 3, 40)
+    m = tenths(rng, 2, 30)
+    Omega = tenths(rng, 3, 40)
     return ordinary(rng, m=m, Omega=Omega, k=m * Omega**2, c=Fraction(rng.randint(0, 9), 1000))
 
 
 FAMILIES: dict[str, Callable[[random.Random], Problem]] = {
-    family.__name__.replace("_", " "): family for family in (ordinary, late, slow, light, stiff, no_spring, resonant)
+    family.__name__.replace("_", " "): family
+    for family in (ordinary, late, slow, light, stiff, no_spring, resonant)
 }

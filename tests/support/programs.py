@@ -22,7 +22,12 @@ def built(source: Path, *flags: str) -> Path | None:
     if not path.exists():
         with tempfile.TemporaryDirectory(dir=path.parent) as folder:
             draft = Path(folder) / "program"
-            if subprocess.run([compiler, "-O2", "-o", draft, source, *flags], capture_output=True).returncode != 0:
+            if (
+                subprocess.run(
+                    [compiler, "-O2", "-o", draft, source, *flags], capture_output=True
+                ).returncode
+                != 0
+            ):
                 return None
             os.replace(draft, path)  # whole, also for other processes that compile it
     return path

@@ -21,5 +21,6 @@ PROJECT = PYPROJECT["project"]
 def cff(indent: str = "") -> dict[str, str]:
     """Return the plain values of CITATION.cff at one depth."""
     return {
-        key: value.strip('"') for key, value in re.findall(rf"^{indent}([\w-]+): (.+)$", text("CITATION.cff"), re.M)
+        key: value.strip('"')
+        for key, value in re.findall(rf"^{indent}([\w-]+): (.+)$", text("CITATION.cff"), re.M)
     }

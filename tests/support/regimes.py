@@ -9,7 +9,10 @@ from symosc import Parameters
 
 
 def random_sets(seed: int, count: int) -> list[Parameters]:
-    """Return sets of all regimes; one in three is at critical damping, at resonance, or without spring or drive."""
+    """Return sets of all regimes.
+
+    One in three is at critical damping, at resonance, or without spring or drive.
+    """
     dice = random.Random(seed)
 
     def number(low: float, high: float) -> Fraction:
@@ -17,18 +20,36 @@ def random_sets(seed: int, count: int) -> list[Parameters]:
         return Fraction(dice.randint(int(low * digits), int(high * digits)), digits)
 
     def one() -> Parameters:
-        m, k, c, Om, low = number(0.1, 3), number(0.1, 9), number(0, 5), number(0.1, 6), number(-5, 5)
+        m = number(0.1, 3)
+        k = number(0.1, 9)
+        c = number(0, 5)
+        Om = number(0.1, 6)
+        low = number(-5, 5)
         kind = dice.randrange(12)
         if kind == 0:
-            k, c = m * Om * Om / 4, m * Om  # critical damping
+            # critical damping
+            k = m * Om * Om / 4
+            c = m * Om
         if kind == 1:
-            k, c = m * Om * Om, Fraction(0)  # resonance
-        k, c, B0 = (Fraction(0) if kind == n else value for n, value in ((2, k), (3, c), (4, number(-9, 9))))
+            # resonance
+            k = m * Om * Om
+            c = Fraction(0)
+        k, c, B0 = (
+            Fraction(0) if kind == n else value for n, value in ((2, k), (3, c), (4, number(-9, 9)))
+        )
         if kind == 5:
             B0 = -k * low / Om  # on belt 1 the slope touches 0 and keeps its sign
         others = {name: number(0, 2) for name in ("mu1", "mu2", "FN")}
         return Parameters(
-            m=m, c=c, k=k, A0=number(-9, 9), B0=B0, Omega=Om, v1=low, v2=low + number(0.1, 3) + 1, **others
+            m=m,
+            c=c,
+            k=k,
+            A0=number(-9, 9),
+            B0=B0,
+            Omega=Om,
+            v1=low,
+            v2=low + number(0.1, 3) + 1,
+            **others,
         )
 
     return [one() for _ in range(count)]

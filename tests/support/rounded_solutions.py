@@ -1,4 +1,7 @@
-"""Solutions rounded to few decimals: right ones, and ones that are wrong by more than 20 last places."""
+"""Solutions rounded to few decimals.
+
+Right ones, and ones that are wrong by more than 20 last places.
+"""
 
 from __future__ import annotations
 
@@ -35,38 +38,61 @@ class Solution:
 def random_scene(rng: np.random.Generator) -> Scene:
     """Return a shipped or a random scene, and an end after some periods."""
     if rng.random() < 0.3:
-        scene = load_scene(str(rng.choice(["fig5", "fig6", "fig7", "fig9", "fig10", "fig9-orbit", "fig10-orbit"])))
+        scene = load_scene(
+            str(rng.choice(["fig5", "fig6", "fig7", "fig9", "fig10", "fig9-orbit", "fig10-orbit"]))
+        )
         return replace(scene, t_end=scene.t0 + min(scene.t_end - scene.t0, 20))
     p = random_parameters(rng)
-    t0, x0 = round(rng.uniform(0, 5), int(rng.integers(0, 5))), round(rng.uniform(-4, 4), int(rng.integers(0, 9)))
+    t0 = round(rng.uniform(0, 5), int(rng.integers(0, 5)))
+    x0 = round(rng.uniform(-4, 4), int(rng.integers(0, 9)))
     v0 = float(rng.choice([float(p.v1), float(p.v2), round(rng.uniform(-6, 8), 3)]))
     t_end = round(t0 + min(rng.uniform(2, 8) * 2 * np.pi / float(p.Omega), 40.0), 2)
-    exact = (read_exact(name, value) for name, value in (("t0", t0), ("x0", x0), ("v0", v0), ("t_end", t_end)))
+    exact = (
+        read_exact(name, value)
+        for name, value in (("t0", t0), ("x0", x0), ("v0", v0), ("t_end", t_end))
+    )
     return Scene("random", p, *exact)  # type: ignore[arg-type]
 
 
 def times(scene: Scene, rng: np.random.Generator, least: int, most: int) -> np.ndarray:
     """Return an even grid of some length."""
-    return np.linspace(float(scene.t0), float(scene.t_end), int(np.exp(rng.uniform(np.log(least), np.log(most)))) + 1)
+    return np.linspace(
+        float(scene.t0),
+        float(scene.t_end),
+        int(np.exp(rng.uniform(np.log(least), np.log(most)))) + 1,
+    )
 
 
-def solved(scene: Scene, p: Parameters, t: np.ndarray, ahead: float = 0.0, **start: float) -> np.ndarray:
+def solved(
+    scene: Scene, p: Parameters, t: np.ndarray, ahead: float = 0.0, **start: float
+) -> np.ndarray:
     """Return x, v of a motion of parameters from the scene's start, its clock ahead."""
     begin: dict[str, Any] = {"x0": scene.x0, "v0": scene.v0} | start
-    motion = simulate(p, t0=scene.t0 + read_exact("ahead", ahead), **begin, t_end=float(t[-1]) + ahead + 1e-9)
+    motion = simulate(
+        p, t0=scene.t0 + read_exact("ahead", ahead), **begin, t_end=float(t[-1]) + ahead + 1e-9
+    )
     return np.asarray(motion(np.clip(t + ahead, float(motion.t_start), float(motion.t_end))))
 
 
 def right(rng: np.random.Generator, most: int) -> Solution:
-    """Return a right solution: dense or sparse, its times rounded or not, its start rounded or not."""
-    scene, decimals, kind, start = random_scene(rng), int(rng.integers(0, 6)), "right", {}
+    """Return a right solution.
+
+    Dense or sparse, its times rounded or not, its start rounded or not.
+    """
+    scene = random_scene(rng)
+    decimals = int(rng.integers(0, 6))
+    kind = "right"
+    start = {}
     t = times(scene, rng, 30, most)
     if rng.random() < 0.3:
         start = {name: round(float(getattr(scene, name)), decimals) for name in ("x0", "v0")}
     x, v = solved(scene, scene.parameters, t, **start)
     if rng.random() < 0.3:
         chosen = np.unique([0, *rng.integers(1, len(t) - 1, len(t) // 2), len(t) - 1])
-        t, x, v, kind = t[chosen], x[chosen], v[chosen], "right, uneven"
+        t = t[chosen]
+        x = x[chosen]
+        v = v[chosen]
+        kind = "right, uneven"
         if rng.random() < 0.5:
             t = np.round(t, max(decimals, 2))
     return Solution(scene, t, np.round(x, decimals), np.round(v, decimals), decimals, kind)
@@ -96,15 +122,20 @@ KINDS = (*PARTS, *FLAWS, "sine", "clock", "scale", "v late", "Euler", *SIZED)
 
 def wrong(rng: np.random.Generator, kind: str, most: int) -> Solution | None:
     """Return a densely rounded wrong solution, or None if it is not far enough from the right one."""
-    scene, decimals = random_scene(rng), int(rng.integers(0, 6))
-    p, t, start = scene.parameters, times(scene, rng, 400, most), (float(scene.x0), float(scene.v0))
+    scene = random_scene(rng)
+    decimals = int(rng.integers(0, 6))
+    p = scene.parameters
+    t = times(scene, rng, 400, most)
+    start = (float(scene.x0), float(scene.v0))
     exact = solved(scene, p, t)
 
     def factor(low: float, high: float) -> Any:
         return read_exact("factor", round(1 + rng.choice([-1, 1]) * rng.uniform(low, high), 5))
 
-    size, found = 10.0**-decimals * DEVIATION * rng.uniform(1.1, 10), exact.copy()
-    row, one = rng.integers(0, 2), rng.integers(1, len(t))
+    size = 10.0**-decimals * DEVIATION * rng.uniform(1.1, 10)
+    found = exact.copy()
+    row = rng.integers(0, 2)
+    one = rng.integers(1, len(t))
     if kind in PARTS:
         change = PARTS[kind](p, factor)
         if change.get("v1", p.v1) >= p.v2:
@@ -137,7 +168,9 @@ def wrong(rng: np.random.Generator, kind: str, most: int) -> Solution | None:
     found = np.round(found, decimals)
     off_x, off_v = (np.max(np.abs(found - exact), axis=1) * 10.0**decimals).tolist()
     off = max(off_x, off_v)
-    return Solution(scene, t, *found, decimals, kind, off, off_x) if off > DEVIATION else None
+    if off > DEVIATION:
+        return Solution(scene, t, *found, decimals, kind, off, off_x)
+    return None
 
 
 def wrong_solutions(seed: int, count: int, most: int) -> Iterator[Solution]:

@@ -1,4 +1,7 @@
-"""What calls give, or say when they are refused, and a folder for what they write: for stored outputs."""
+"""What calls give, or say when they are refused, and a folder for what they write.
+
+For stored outputs.
+"""
 
 from __future__ import annotations
 
@@ -12,12 +15,17 @@ from symosc import SymoscError
 
 
 def outcome(call: Callable[[], object], *kinds: type[Exception], before: str = "") -> Any:
-    """Return what a call gives, or what its error says: after its kind, or after `before` if kinds are given."""
+    """Return what a call gives, or what its error says.
+
+    After its kind, or after `before` if kinds are given.
+    """
     expected = kinds or (SymoscError, TypeError, AttributeError)
     try:
         return call()
     except expected as error:
-        return f"{before}{error}" if kinds else f"{type(error).__name__}: {error}"
+        if kinds:
+            return f"{before}{error}"
+        return f"{type(error).__name__}: {error}"
 
 
 def error_of(call: Callable[[], object]) -> str:

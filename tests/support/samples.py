@@ -12,7 +12,10 @@ def sample_of(quick: int, full: int) -> pytest.MarkDecorator:
 
 
 def few(cases: Iterable[Any], *slow: Any) -> list[Any]:
-    """Return the cases as parameters of a test; those in `slow` take long, and others of the quick set do like them."""
+    """Return the cases as parameters of a test.
+
+    Those in `slow` take long, and others of the quick set do like them.
+    """
     cases = list(cases)
     assert set(slow) < set(cases), "a case that is not there, or none left"
     return [pytest.param(case, marks=pytest.mark.slow) if case in slow else case for case in cases]

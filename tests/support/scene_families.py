@@ -1,7 +1,8 @@
 """Random scenes that attack the engine, one seeded generator per family.
 
-Every scene is reproducible from (family, seed, number). Numbers are exact Fractions. Where the motion is known in
-closed form by construction, the scene carries its events (`truth`), so no oracle is needed to judge it.
+Every scene is reproducible from (family, seed, number). Numbers are exact Fractions. Where the
+motion is known in closed form by construction, the scene carries its events (`truth`), so no oracle
+is needed to judge it.
 """
 
 from __future__ import annotations
@@ -19,7 +20,16 @@ from symosc import Parameters
 
 # (domain, belt, sign of the velocity's extremum that touches) of the mappings that can graze
 TOUCHES = {"P2": (1, 1, 1), "P3": (2, 1, -1), "P5": (2, 2, 1), "P6": (3, 2, -1)}
-TRIPLES = [(3, 4, 5), (4, 3, 5), (5, 12, 13), (12, 5, 13), (8, 15, 17), (15, 8, 17), (7, 24, 25), (20, 21, 29)]
+TRIPLES = [
+    (3, 4, 5),
+    (4, 3, 5),
+    (5, 12, 13),
+    (12, 5, 13),
+    (8, 15, 17),
+    (15, 8, 17),
+    (7, 24, 25),
+    (20, 21, 29),
+]
 
 
 @dataclass(frozen=True)
@@ -29,7 +39,8 @@ class FuzzScene:
     Attributes
     ----------
     touch : bool
-        It has contacts that are exact touches, or nearer to one than doubles tell: they may end it as "undecidable".
+        It has contacts that are exact touches, or nearer to one than doubles tell: they may end it
+        as "undecidable".
     dps : int
         Digits that an oracle needs to tell what happens.
     truth : callable, optional
@@ -51,13 +62,17 @@ class FuzzScene:
         """Return Python that makes the scene again."""
         names = ("m", "c", "k", "A0", "B0", "Omega", "v1", "v2", "mu1", "mu2", "FN")
         values = ", ".join(f"{name}={text(getattr(self.p, name))}" for name in names)
-        start = ", ".join(f"{name}={text(getattr(self, name))}" for name in ("t0", "x0", "v0", "t_end"))
+        start = ", ".join(
+            f"{name}={text(getattr(self, name))}" for name in ("t0", "x0", "v0", "t_end")
+        )
         return f"p = Parameters({values})\nsimulate(p, {start})"
 
 
 def text(value: Fraction) -> str:
     """Return a number as Python source that is read back exactly."""
-    return str(value) if value.denominator == 1 else f'"{value}"'
+    if value.denominator == 1:
+        return str(value)
+    return f'"{value}"'
 
 
 with_digits = replace
@@ -98,8 +113,10 @@ def span(rng: Random, p: Parameters, least: float, most: float, turns: float = 6
 
 def wide_parameters(rng: Random) -> Parameters:
     """Return parameters of any damping regime, with special values mixed in."""
-    m, Omega = size(rng, -1, 1), size(rng, -1, 1)
-    k, zeta = size(rng, -1.5, 1.5), size(rng, -2, 0.7)
+    m = size(rng, -1, 1)
+    Omega = size(rng, -1, 1)
+    k = size(rng, -1.5, 1.5)
+    zeta = size(rng, -2, 0.7)
     c = Fraction(f"{2 * float(zeta) * sqrt(float(k * m)):.3g}")
     special = ["c=0", "k=0", "free", "critical", "resonance", "near resonance", "near critical"]
     kind = rng.choice(["plain"] * 8 + special)
@@ -123,19 +140,37 @@ def wide_parameters(rng: Random) -> Parameters:
     v1 = Fraction(f"{scale * rng.uniform(-1.3, 1):.3g}")
     v2 = v1 + Fraction(f"{scale * 10 ** rng.uniform(-2, 0.3):.3g}")
     still = rng.random()
-    v1, v2 = (
-        (Fraction(0), v2) if still < 0.12 and v2 > 0 else (v1, Fraction(0)) if still < 0.24 and v1 < 0 else (v1, v2)
-    )
+    if still < 0.12 and v2 > 0:
+        v1, v2 = (Fraction(0), v2)
+    elif still < 0.24 and v1 < 0:
+        v1, v2 = (v1, Fraction(0))
+    else:
+        v1, v2 = (v1, v2)
     mu1, mu2 = (rng.choice([Fraction(0)] + [Fraction(rng.randint(1, 999), 1000)] * 6) for _ in "12")
     A0 = rng.choice([Fraction(0), signed(rng, -1.5, 1.5)])
-    return Parameters(m=m, c=c, k=k, A0=A0, B0=B0, Omega=Omega, v1=v1, v2=v2, mu1=mu1, mu2=mu2, FN=size(rng, -1.5, 1))
+    return Parameters(
+        m=m,
+        c=c,
+        k=k,
+        A0=A0,
+        B0=B0,
+        Omega=Omega,
+        v1=v1,
+        v2=v2,
+        mu1=mu1,
+        mu2=mu2,
+        FN=size(rng, -1.5, 1),
+    )
 
 
 def wide_start(rng: Random, p: Parameters) -> tuple[Fraction, Fraction, Fraction]:
     width = p.v2 - p.v1
     inside = p.v1 + width * Fraction(rng.randint(-20, 30), 10)
     v0 = rng.choice([inside, inside, p.v1, p.v2, Fraction(0)])
-    rest = p.A0 / p.k if p.k else Fraction(0)
+    if p.k:
+        rest = p.A0 / p.k
+    else:
+        rest = Fraction(0)
     x0 = Fraction(f"{float(rest) + rng.choice([0, 0.1, 1, 3]) * rng.uniform(-1, 1):.4g}")
     return rng.choice([Fraction(0), tenth(rng, -20, 100)]), x0, v0
 
@@ -157,7 +192,9 @@ def late(rng: Random, number: int) -> FuzzScene:
     """Starts at so late a time that a double knows it to few digits."""
     p = wide_parameters(rng)
     _, x0, v0 = wide_start(rng, p)
-    t0 = rng.choice([size(rng, 3, 8, rng.randint(3, 15)), size(rng, 8, 12, 6) / p.Omega.limit_denominator(10)])
+    t0 = rng.choice(
+        [size(rng, 3, 8, rng.randint(3, 15)), size(rng, 8, 12, 6) / p.Omega.limit_denominator(10)]
+    )
     t0 = Fraction(round(t0 * 1000), 1000)
     return FuzzScene("late", number, p, t0, x0, v0, t0 + span(rng, p, 2, 20))
 
@@ -169,11 +206,22 @@ def digits(rng: Random, number: int) -> FuzzScene:
     tail = lambda: Fraction(rng.randrange(10**17, 10**44), 10 ** rng.randint(45, 48))  # noqa: E731
     if v0 not in (p.v1, p.v2):
         v0 += tail()
-    return FuzzScene("digits", number, p, t0 + rng.choice([0, 1]) * tail(), x0 + tail(), v0, t0 + span(rng, p, 2, 12))
+    return FuzzScene(
+        "digits",
+        number,
+        p,
+        t0 + rng.choice([0, 1]) * tail(),
+        x0 + tail(),
+        v0,
+        t0 + span(rng, p, 2, 12),
+    )
 
 
 def coincide(rng: Random, number: int) -> FuzzScene:
-    """Two belts of nearly the same speed, weak friction: events that follow each other within an ulp."""
+    """Two belts of nearly the same speed, weak friction.
+
+    Events that follow each other within an ulp.
+    """
     p = wide_parameters(rng)
     v1 = rng.choice([p.v1, Fraction(f"{float(p.v1):.2g}")])
     gap = size(rng, -15, -6, rng.choice([1, 3]))
@@ -186,8 +234,12 @@ def coincide(rng: Random, number: int) -> FuzzScene:
 
 
 def extreme(rng: Random, number: int) -> FuzzScene:
-    """Parameters of very different sizes: light and heavy masses, weak springs, slow and fast drives."""
-    p, zero = wide_parameters(rng), Fraction(0)
+    """Parameters of very different sizes.
+
+    Light and heavy masses, weak springs, slow and fast drives.
+    """
+    p = wide_parameters(rng)
+    zero = Fraction(0)
 
     def light() -> dict[str, Any]:
         numbers = {"m": size(rng, -7, -4), "k": rng.choice([0, p.k]), "Omega": size(rng, -7, -1)}
@@ -220,22 +272,33 @@ def onbelt(rng: Random, number: int) -> FuzzScene:
     if not p.k:
         p = p.replace(k=size(rng, -1, 1))
     if rng.random() < 0.4:
-        p = p.replace(**rng.choice([{"v1": Fraction(0), "v2": max(p.v2, -p.v2, Fraction(1))}, {"B0": Fraction(0)}]))
+        p = p.replace(
+            **rng.choice(
+                [{"v1": Fraction(0), "v2": max(p.v2, -p.v2, Fraction(1))}, {"B0": Fraction(0)}]
+            )
+        )
     boundary = rng.choice([1, 2])
-    alpha, speed = boundary + rng.choice([0, 1]), (p.v1, p.v2)[boundary - 1]
+    alpha = boundary + rng.choice([0, 1])
+    speed = (p.v1, p.v2)[boundary - 1]
     x0 = (p.A(alpha) + p.B0 - p.c * speed) / p.k
     tiny = rng.choice([0, 0, signed(rng, -12, -6, 1), signed(rng, -30, -14, 1)])
     scene = FuzzScene("onbelt", number, p, Fraction(0), x0 + tiny, speed, span(rng, p, 2, 15))
-    return scene if abs(tiny) > 1e-15 else with_digits(scene, touch=True, dps=70)
+    if abs(tiny) > 1e-15:
+        return scene
+    return with_digits(scene, touch=True, dps=70)
 
 
 def shortened(scene: FuzzScene, part: Fraction) -> FuzzScene:
     """Return the first part of a scene; its closed form loses the state at the end."""
-    t_end, whole = scene.t0 + (scene.t_end - scene.t0) * part, scene.truth
+    t_end = scene.t0 + (scene.t_end - scene.t0) * part
+    whole = scene.truth
 
     def truth() -> OracleRun:
         run = whole()
-        return OracleRun([event for event in run.events if event.t <= t_end.numerator / t_end.denominator], run.mode)
+        return OracleRun(
+            [event for event in run.events if event.t <= t_end.numerator / t_end.denominator],
+            run.mode,
+        )
 
     return with_digits(scene, t_end=t_end, truth=truth if whole else None)
 
@@ -246,16 +309,22 @@ def rest(rng: Random, number: int) -> FuzzScene:
     kind = rng.randrange(5)
     if kind == 0:  # at rest in a domain, with no drive
         p = p.replace(B0=0, v1=tenth(rng, -3, -0.5), v2=tenth(rng, 0.5, 3), k=size(rng, -1, 1))
-        x0, v0 = p.A(2) / p.k, Fraction(0)
+        x0 = p.A(2) / p.k
+        v0 = Fraction(0)
     elif kind == 1:  # a belt at rest that holds
         p = p.replace(v1=0, v2=abs(p.v2) + 1, mu1=1, FN=abs(p.B0) + abs(p.A0) + 1)
-        x0, v0 = Fraction(0), rng.choice([Fraction(0), tenth(rng, -5, 5)])
+        x0 = Fraction(0)
+        v0 = rng.choice([Fraction(0), tenth(rng, -5, 5)])
     elif kind == 2:  # no spring, held for ever by a moving belt
         p = p.replace(k=0, mu2=1, FN=abs(p.B0) + abs(p.A0) + abs(p.c * p.v2) + 1)
-        x0, v0 = Fraction(0), rng.choice([p.v2, p.v2 + tenth(rng, -1, 1)])
+        x0 = Fraction(0)
+        v0 = rng.choice([p.v2, p.v2 + tenth(rng, -1, 1)])
     elif kind == 3:  # settling by friction and damping, with no drive
-        p = p.replace(B0=0, **rng.choice([{"v1": 0, "v2": abs(p.v2) + 1}, {"v2": 0, "v1": -abs(p.v1) - 1}]))
-        x0, v0 = tenth(rng, -5, 5), tenth(rng, -5, 5)
+        p = p.replace(
+            B0=0, **rng.choice([{"v1": 0, "v2": abs(p.v2) + 1}, {"v2": 0, "v1": -abs(p.v1) - 1}])
+        )
+        x0 = tenth(rng, -5, 5)
+        v0 = tenth(rng, -5, 5)
     else:  # no drive, moving belts
         p = p.replace(B0=0)
         _, x0, v0 = wide_start(rng, p)
@@ -267,10 +336,15 @@ def undriven(rng: Random, number: int) -> FuzzScene:
     p = wide_parameters(rng)
     k = p.k or size(rng, -1, 1)
     p = p.replace(
-        B0=0, k=k, c=rng.choice([Fraction(0), Fraction(0), p.c]), Omega=rng.choice([p.Omega, Fraction(1, 1000)])
+        B0=0,
+        k=k,
+        c=rng.choice([Fraction(0), Fraction(0), p.c]),
+        Omega=rng.choice([p.Omega, Fraction(1, 1000)]),
     )
     if rng.random() < 0.3:
-        p = p.replace(**rng.choice([{"v1": 0, "v2": abs(p.v2) + 1}, {"v2": 0, "v1": -abs(p.v1) - 1}]))
+        p = p.replace(
+            **rng.choice([{"v1": 0, "v2": abs(p.v2) + 1}, {"v2": 0, "v1": -abs(p.v1) - 1}])
+        )
     _, x0, v0 = wide_start(rng, p)
     t_end = Fraction(f"{rng.uniform(2, 40) * 2 * pi * sqrt(p.m / p.k):.4g}")
     return FuzzScene("undriven", number, p, Fraction(0), x0, v0, t_end, touch=p.c == 0, dps=40)

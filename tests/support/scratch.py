@@ -17,7 +17,9 @@ class Scratch:
         self.folder = folder
         for path in ROOT.iterdir():
             if path.name in ("symosc", "tests", "docs", "derivations", ".ci"):
-                shutil.copytree(path, folder / path.name, ignore=shutil.ignore_patterns("__pycache__"))
+                shutil.copytree(
+                    path, folder / path.name, ignore=shutil.ignore_patterns("__pycache__")
+                )
             elif path.is_file():
                 shutil.copy(path, folder)
 
@@ -32,7 +34,9 @@ class Scratch:
 
     def run(self, *module: str) -> str:
         """Return what ``python -m`` prints there; it must succeed."""
-        done = subprocess.run([sys.executable, "-m", *module], cwd=self.folder, capture_output=True, text=True)
+        done = subprocess.run(
+            [sys.executable, "-m", *module], cwd=self.folder, capture_output=True, text=True
+        )
         assert done.returncode == 0, done.stdout[-3000:] + done.stderr[-3000:]
         return done.stdout
 

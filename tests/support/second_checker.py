@@ -1,6 +1,9 @@
-"""The second checker (second_checker.cpp): certificates of trajectories and orbits, proven by other mathematics.
+"""The second checker (second_checker.cpp).
 
-It reads numbers as words, so that no code of this project reads them for it but the few lines below.
+Certificates of trajectories and orbits, proven by other mathematics.
+
+It reads numbers as words, so that no code of this project reads them for it but the few lines
+below.
 """
 
 from __future__ import annotations
@@ -28,7 +31,10 @@ def words(data: dict[str, Any]) -> str:
     found = [data["kind"], *(data["parameters"][name] for name in NAMES)]
     if data["kind"] == "trajectory":
         found += [*(data["start"][name] for name in STARTS), *data["start_error"], data["t_end"]]
-        free = data["free"] if data["starts"] == "some" else {"name": None, "low": 0, "high": 0}
+        if data["starts"] == "some":
+            free = data["free"]
+        else:
+            free = {"name": None, "low": 0, "high": 0}
         found += [
             STARTS.index(free["name"]) if free["name"] else -1,
             free["low"],
@@ -41,7 +47,12 @@ def words(data: dict[str, Any]) -> str:
         found.append({True: 1, False: 0, None: -1}[data["stable"]])
     found.append(len(data["events"]))
     for row in data["events"]:
-        found += [row["kind"], row["boundary"], MODES.index(row["source"]), MODES.index(row["target"])]
+        found += [
+            row["kind"],
+            row["boundary"],
+            MODES.index(row["source"]),
+            MODES.index(row["target"]),
+        ]
         found += [*row["t"], *row["x"], row.get("reach", 0)]
     kinds = {"trajectory", "orbit", "stick", "slip", "cross", "graze"}
     return " ".join(str(word if word in kinds else Fraction(word)) for word in found)
@@ -49,9 +60,12 @@ def words(data: dict[str, Any]) -> str:
 
 def second_opinion(data: dict[str, Any], most_bits: int = 512) -> str:
     """Return "proven", or why the second checker does not confirm a certificate."""
-    text, bits = words(data), 256
+    text = words(data)
+    bits = 256
     while True:
-        done = subprocess.run([str(program())], input=f"{bits} {text}", capture_output=True, text=True)
+        done = subprocess.run(
+            [str(program())], input=f"{bits} {text}", capture_output=True, text=True
+        )
         if done.returncode != UNDECIDED or bits >= most_bits:
             return done.stdout.strip() or f"exit code {done.returncode}"
         bits *= 2

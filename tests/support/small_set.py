@@ -7,7 +7,14 @@ from collections.abc import Sequence
 from symosc import ReferenceCase, reference_cases
 from symosc.reference.results import CaseResult, GivenEvent
 
-NAMES = ("paper-fig5", "paper-fig6", "graze-overdamped-P3", "rest-1", "free-decay-2", "continuum-1-2")
+NAMES = (
+    "paper-fig5",
+    "paper-fig6",
+    "graze-overdamped-P3",
+    "rest-1",
+    "free-decay-2",
+    "continuum-1-2",
+)
 
 
 def small_set() -> Sequence[ReferenceCase]:

@@ -35,7 +35,12 @@ def frame() -> Any:
 
 def _table(delimiter: str, head: str, comments: str = "") -> Callable[[Path], None]:
     return lambda path: np.savetxt(
-        path, np.column_stack([T, X, V]), fmt="%.17g", delimiter=delimiter, header=head, comments=comments
+        path,
+        np.column_stack([T, X, V]),
+        fmt="%.17g",
+        delimiter=delimiter,
+        header=head,
+        comments=comments,
     )
 
 
@@ -72,7 +77,10 @@ def _h5(**datasets: Any) -> Callable[[Path], None]:
 
 
 def _matlab_73(path: Path) -> None:
-    """Write as MATLAB does with -v7.3: HDF5 behind 512 bytes of text, a struct as a group, columns as rows."""
+    """Write as MATLAB does with -v7.3.
+
+    HDF5 behind 512 bytes of text, a struct as a group, columns as rows.
+    """
     import h5py
 
     with h5py.File(path, "w", userblock_size=512) as file:
@@ -131,7 +139,9 @@ WRITERS: dict[str, Callable[[Path], None]] = {
     "columns.json": lambda path: _text(path, json.dumps(LISTS)),
     "rows.json": lambda path: _text(path, json.dumps(ROWS)),
     "pandas.json": lambda path: frame().to_json(path, orient="records", double_precision=15),
-    "packed.json.gz": lambda path: path.write_bytes(gzip.compress(json.dumps(LISTS).encode())) and None,
+    "packed.json.gz": lambda path: (
+        path.write_bytes(gzip.compress(json.dumps(LISTS).encode())) and None
+    ),
     "arrays.npz": lambda path: np.savez(path, T=T, Position=X, vel=V),
     "packed.npz": lambda path: np.savez_compressed(path, **COLUMNS),
     "states.npz": lambda path: np.savez(path, t=T, y=np.array([X, V])),

@@ -10,7 +10,10 @@ from pathlib import Path
 
 @cache
 def nodes(path: Path) -> list[ast.AST]:
-    """Return all nodes of a file, its module first; they stay, so that the garbage collector need not look at them."""
+    """Return all nodes of a file, its module first.
+
+    They stay, so that the garbage collector need not look at them.
+    """
     gc.disable()
     try:
         return list(ast.walk(ast.parse(path.read_text(encoding="utf-8"))))

@@ -14,7 +14,9 @@ Expr = Any  # sympy ships no types
 
 
 def mutations(step: Step) -> Iterator[Step]:
-    """Yield the step with one sign changed: of a term anywhere in a side, of a side, or with < and > exchanged.
+    """Yield the step with one sign changed.
+
+    Of a term anywhere in a side, of a side, or with < and > exchanged.
 
     Changes that change nothing, such as cos(-x), are left out.
     """
@@ -50,22 +52,33 @@ def _inner_changes(expr: Expr) -> Iterator[Expr]:
             yield sp.Add(*(-other if other is term else other for other in expr.args))
     for position, part in enumerate(expr.args):
         for changed in _inner_changes(part):
-            yield expr.func(*(changed if place == position else other for place, other in enumerate(expr.args)))
+            yield expr.func(
+                *(changed if place == position else other for place, other in enumerate(expr.args))
+            )
 
 
 def _set_changes(phases: Expr) -> Iterator[Expr]:
-    """Yield the set with the sign of one part of an end changed; the empty set becomes everything and vice versa."""
+    """Yield the set with the sign of one part of an end changed.
+
+    The empty set becomes everything and vice versa.
+    """
     circle = sp.Interval.Ropen(0, 2 * sp.pi)
     if phases in (sp.S.EmptySet, circle):
         yield circle if phases == sp.S.EmptySet else sp.S.EmptySet
         return
-    parts = phases.args if isinstance(phases, sp.Union) else (phases,)
+    if isinstance(phases, sp.Union):
+        parts = phases.args
+    else:
+        parts = (phases,)
     for place, part in enumerate(parts):
         for end in (0, 1):
             for changed in _inner_changes(part.args[end]):
                 new = [*part.args]
                 new[end] = changed
-                others = [sp.Basic.__new__(sp.Interval, *new) if at == place else p for at, p in enumerate(parts)]
+                others = [
+                    sp.Basic.__new__(sp.Interval, *new) if at == place else p
+                    for at, p in enumerate(parts)
+                ]
                 yield others[0] if len(others) == 1 else sp.Union(*others, evaluate=False)
 
 

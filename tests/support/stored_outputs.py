@@ -2,8 +2,9 @@
 
     python tests/support/stored_outputs.py [plot ...]     stores them anew: read the difference before you commit it
 
-`tests/outputs/plot.py` has the CASES of a package, by name a function without arguments; `plot.json` beside it is
-what these gave, as lines of text. `tests/test_outputs.py` compares: words exactly, numbers nearly.
+`tests/outputs/plot.py` has the CASES of a package, by name a function without arguments;
+`plot.json` beside it is what these gave, as lines of text. `tests/test_outputs.py` compares: words
+exactly, numbers nearly.
 """
 
 from __future__ import annotations
@@ -35,9 +36,10 @@ from matplotlib.ticker import FixedLocator
 
 FOLDER = Path(__file__).parents[1] / "outputs"
 NAMES = sorted(path.stem for path in FOLDER.glob("*.py"))
-#: Numbers are the same within this share of the larger one. What is smaller than NOTHING is an error, and may differ.
-#: Of more digits than doubles have, all count but the last three.
-SHARE, NOTHING = 1e-6, 1e-8
+#: Numbers are the same within this share of the larger one. What is smaller than NOTHING is an
+#: error, and may differ. Of more digits than doubles have, all count but the last three.
+SHARE = 1e-6
+NOTHING = 1e-8
 #: Where the largest error of an event's time is: if that is noise, anywhere.
 PLACE = r"(largest error of an event's time: \S+) at t = \S+"
 NUMBER = re.compile(r"(?<![\w.])[+-]?\d+(?:\.\d*)?(?:e[+-]?\d+)?(?![\w.]*\w)")
@@ -56,7 +58,10 @@ def stored(name: str) -> dict[str, list[str]]:
 
 
 def lines_of(value: object, name: str = "") -> Iterator[str]:
-    """Yield what a value contains: text as it is, figures artist by artist, all else by its parts."""
+    """Yield what a value contains.
+
+    Text as it is, figures artist by artist, all else by its parts.
+    """
     if isinstance(value, str) and not name:
         yield from value.splitlines()
     elif isinstance(value, Figure):
@@ -83,7 +88,10 @@ def lines_of(value: object, name: str = "") -> Iterator[str]:
 
 
 def some_lines(text: str, first: int | None, last: int | None = None) -> str:
-    """Return some lines of a text: a cut between characters would move with the digits before it."""
+    """Return some lines of a text.
+
+    A cut between characters would move with the digits before it.
+    """
     return "\n".join(text.splitlines()[first:last])
 
 
@@ -137,22 +145,37 @@ def lines_of_axes(axes: Axes, indent: str) -> Iterator[str]:
 def artist_line(artist: object) -> str:
     """Return one line about an artist, "" for what is in every axes."""
     label = str(getattr(artist, "get_label", str)())
-    label = "" if label.startswith("_") else label  # matplotlib's own: a number
+    # matplotlib's own: a number
+    if label.startswith("_"):
+        label = ""
     match artist:
         case Spine() | Axis():
             return ""
         case Line2D():
-            look = (artist.get_linestyle(), artist.get_marker(), artist.get_linewidth(), artist.get_markersize())
+            look = (
+                artist.get_linestyle(),
+                artist.get_marker(),
+                artist.get_linewidth(),
+                artist.get_markersize(),
+            )
             places = sampled(np.asarray(artist.get_xydata(), float))
-            return f"line {label} {to_hex(artist.get_color())} {look} {artist.get_zorder()}: {places}"
+            return (
+                f"line {label} {to_hex(artist.get_color())} {look} {artist.get_zorder()}: {places}"
+            )
         case ContourSet():
             return f"contours at {' '.join(map(shown, artist.levels))} {sampled_mask(artist.get_array())}"
         case Collection():
             paths = [path.vertices for path in artist.get_paths()]
-            outline = sampled(np.concatenate(paths).ravel()) if paths else ""
+            if paths:
+                outline = sampled(np.concatenate(paths).ravel())
+            else:
+                outline = ""
             offsets = sampled(np.ma.filled(np.ma.asarray(artist.get_offsets(), float), np.nan))
             values = artist.get_array()
-            colours = sampled(np.asarray(artist.get_facecolor(), float)) if values is None else sampled_mask(values)
+            if values is None:
+                colours = sampled(np.asarray(artist.get_facecolor(), float))
+            else:
+                colours = sampled_mask(values)
             where = f"{artist.get_zorder()}: {len(paths)} {outline} at {offsets} in {colours}"
             return f"{type(artist).__name__} {label} {where}"
         case AxesImage():
@@ -163,8 +186,13 @@ def artist_line(artist: object) -> str:
             across = sampled(artist.get_patch_transform().get_matrix())
             return f"patch {label} {to_hex(artist.get_facecolor())} {artist.get_zorder()}: {outline} by {across}"
         case Text() if artist.get_text():
-            place = artist.get_position()  # of an annotation the offset in points, which a layout rounds
-            texts = [f"{each:.2f}" for each in place] if isinstance(artist, Annotation) else map(shown, place)
+            place = (
+                artist.get_position()
+            )  # of an annotation the offset in points, which a layout rounds
+            if isinstance(artist, Annotation):
+                texts = [f"{each:.2f}" for each in place]
+            else:
+                texts = map(shown, place)
             return f"text {artist.get_text()!r} at {' '.join(texts)}"
     return ""
 
@@ -176,17 +204,24 @@ def sampled_mask(values: object) -> str:
 
 def difference(old: str, new: str) -> str:
     """Return "" if two lines say the same, words exactly and numbers nearly, else both."""
-    before, after = NUMBER.findall(old), NUMBER.findall(new)
-    same = NUMBER.sub("#", old).split() == NUMBER.sub("#", new).split() and all(map(nearly, before, after))
-    return "" if same else f"- {old}\n+ {new}"
+    before = NUMBER.findall(old)
+    after = NUMBER.findall(new)
+    same = NUMBER.sub("#", old).split() == NUMBER.sub("#", new).split() and all(
+        map(nearly, before, after)
+    )
+    if same:
+        return ""
+    return f"- {old}\n+ {new}"
 
 
 def nearly(old: str, new: str) -> bool:
     """Tell whether two numbers are the same but for rounding."""
-    a, b = float(old), float(new)
+    a = float(old)
+    b = float(new)
     digits = min(map(significant, (old, new)))
     if digits > 17 and max(abs(a), abs(b)) > NOTHING:
-        p, q = Fraction(old), Fraction(new)
+        p = Fraction(old)
+        q = Fraction(new)
         return abs(p - q) <= max(abs(p), abs(q)) / 10 ** (digits - 3)
     return a == b or abs(a - b) <= max(SHARE * max(abs(a), abs(b)), NOTHING)
 

@@ -1,4 +1,7 @@
-"""The symbols that LaTeX mathematics uses: the tests leave none without a definition in the table of notation."""
+"""The symbols that LaTeX mathematics uses.
+
+The tests leave none without a definition in the table of notation.
+"""
 
 from __future__ import annotations
 
@@ -7,7 +10,8 @@ from collections.abc import Iterator
 
 from symosc.derive.front import NOTATION
 
-#: Symbols that rows of the table stand for besides those that are listed, such as others with an index.
+#: Symbols that rows of the table stand for besides those that are listed, such as others with an
+#: index.
 INDEXED = re.compile(
     r"v_(?:[12]|\\lambda'|\\lambda\^\{\\pm\})|\\mu_(?:[12]|3-\\lambda)|"
     r"T_[12]|"
@@ -58,12 +62,19 @@ def defined(symbol: str) -> bool:
 
 def listed() -> set[str]:
     """Return the symbols in the first column of the table."""
-    return {symbol for row in NOTATION for math in re.findall(r"\$(.*?)\$", row[0]) for symbol in symbols(math)}
+    return {
+        symbol
+        for row in NOTATION
+        for math in re.findall(r"\$(.*?)\$", row[0])
+        for symbol in symbols(math)
+    }
 
 
 def symbols(math: str) -> Iterator[str]:
     """Yield the symbols of LaTeX mathematics, with accents and indices; powers are left out."""
-    math = re.sub(r"\\(?:text|label|markit|texttt|emph)\{(?:[^{}$]|\$[^$]*\$|\{[^{}]*\})*\}", " ", math)
+    math = re.sub(
+        r"\\(?:text|label|markit|texttt|emph)\{(?:[^{}$]|\$[^$]*\$|\{[^{}]*\})*\}", " ", math
+    )
     tokens = [token for token in TOKEN.findall(math) if not token.isspace()]
     place = 0
     while place < len(tokens):
@@ -80,24 +91,41 @@ def _symbol(tokens: list[str], place: int) -> tuple[str, int]:
     elif re.fullmatch(SILENT, token) or not re.match(r"[a-zA-Z\\]", token):
         return "", place + 1
     else:
-        symbol, place = token, place + 1
+        symbol = token
+        place = place + 1
     while place < len(tokens) and tokens[place] in "^_'":
         if tokens[place] == "'":
-            symbol, place = symbol + "'", place + 1
+            symbol = symbol + "'"
+            place = place + 1
             continue
         script, after = _group(tokens, place + 1)
-        if tokens[place] == "_" and symbol != r"\int" and not symbol.startswith((r"\lim", r"\prod", r"\max")):
+        if (
+            tokens[place] == "_"
+            and symbol != r"\int"
+            and not symbol.startswith((r"\lim", r"\prod", r"\max"))
+        ):
             symbol += f"_{script}"
-        elif tokens[place] == "^" and re.fullmatch(r"\(.*\)|\\mathrm\{.*\}|[+-]|\\pm|\*|[01T](?=$)", script):
-            symbol += f"^{script}" if script in "01T*" else f"^{{{script}}}"
+        elif tokens[place] == "^" and re.fullmatch(
+            r"\(.*\)|\\mathrm\{.*\}|[+-]|\\pm|\*|[01T](?=$)", script
+        ):
+            if script in "01T*":
+                symbol += f"^{script}"
+            else:
+                symbol += f"^{{{script}}}"
         elif not re.fullmatch(r"[\d\w+\-/\\]*", script):
             pass  # a power; its symbols are read where they stand
-        place = after if _is_script(script) else place + 1
+        if _is_script(script):
+            place = after
+        else:
+            place = place + 1
     return symbol, place
 
 
 def _is_script(script: str) -> bool:
-    """Tell whether a script was taken as a whole; the symbols of longer powers are read one by one."""
+    """Tell whether a script was taken as a whole.
+
+    The symbols of longer powers are read one by one.
+    """
     return len(script) <= 12 or script.startswith("(")
 
 
@@ -107,10 +135,14 @@ def _group(tokens: list[str], place: int) -> tuple[str, int]:
             inner, after = _group(tokens, place + 1)
             return f"{tokens[place]}{{{inner}}}", after
         return tokens[place], place + 1
-    depth, text = 1, ""
+    depth = 1
+    text = ""
     place += 1
     while depth:
         depth += {"{": 1, "}": -1}.get(tokens[place], 0)
-        text += tokens[place] if depth else ""
+        if depth:
+            text += tokens[place]
+        else:
+            text += ""
         place += 1
     return text, place

@@ -1,4 +1,7 @@
-"""Running the command line on a terminal of its own (a pty): what it shows there, and how it takes Ctrl-C."""
+"""Running the command line on a terminal of its own (a pty).
+
+What it shows there, and how it takes Ctrl-C.
+"""
 
 from __future__ import annotations
 
@@ -21,15 +24,17 @@ ROOT = Path(symosc.__file__).parents[1]
 class Shown(NamedTuple):
     """What a terminal showed, and how the program ended, as a shell says it.
 
-    Where an interrupt came while CPython ran a string (namedtuples are made so), it lets the signal end the program at
-    its exit, whoever has handled it: to a shell that is 130 as well.
+    Where an interrupt came while CPython ran a string (namedtuples are made so), it lets the signal
+    end the program at its exit, whoever has handled it: to a shell that is 130 as well.
     """
 
     text: str
     code: int
 
 
-def on_terminal(*arguments: str, folder: Path, interrupt: str = "", columns: int = 120, **environment: str) -> Shown:
+def on_terminal(
+    *arguments: str, folder: Path, interrupt: str = "", columns: int = 120, **environment: str
+) -> Shown:
     """Run a command in a folder on a terminal.
 
     interrupt : a pattern; when it is shown, Ctrl-C. Then late bars come at once, else never: on any machine alike.
@@ -38,7 +43,12 @@ def on_terminal(*arguments: str, folder: Path, interrupt: str = "", columns: int
     if process == 0:  # pragma: no cover
         try:
             os.chdir(folder)
-            settings = {"COLUMNS": str(columns), "LINES": "30", "TERM": "xterm-256color", "PYTHONPATH": str(ROOT)}
+            settings = {
+                "COLUMNS": str(columns),
+                "LINES": "30",
+                "TERM": "xterm-256color",
+                "PYTHONPATH": str(ROOT),
+            }
             settings |= {"SYMOSC_PROGRESS_DELAY": "0" if interrupt else "86400"}
             os.execve(PROGRAM[0], [*PROGRAM, *arguments], {**os.environ, **settings, **environment})
         finally:

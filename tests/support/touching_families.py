@@ -1,8 +1,11 @@
-"""Families of scenes whose motion is known in closed form: exact periodic grazes, near misses, creeping approaches.
+"""Families of scenes whose motion is known in closed form.
 
-A periodic motion v = V + alpha cos(Omega t) + beta sin(Omega t) with rational alpha, beta and a rational amplitude
-solves the equation of one domain exactly, in rational numbers; a belt that runs at its fastest or slowest speed is
-grazed once in every period. Belts that a decaying exponential approaches are never reached.
+Exact periodic grazes, near misses, creeping approaches.
+
+A periodic motion v = V + alpha cos(Omega t) + beta sin(Omega t) with rational alpha, beta and a
+rational amplitude solves the equation of one domain exactly, in rational numbers; a belt that runs
+at its fastest or slowest speed is grazed once in every period. Belts that a decaying exponential
+approaches are never reached.
 """
 
 from __future__ import annotations
@@ -52,14 +55,20 @@ class Periodic:
 
     def state(self, t: Any) -> tuple[Any, Any]:
         Omega, X, V, alpha, beta = map(number, (self.Omega, self.X, self.V, self.alpha, self.beta))
-        sine, cosine = mpmath.sin(Omega * t), mpmath.cos(Omega * t)
+        sine = mpmath.sin(Omega * t)
+        cosine = mpmath.cos(Omega * t)
         return X + V * t + (alpha * sine - beta * cosine) / Omega, V + alpha * cosine + beta * sine
 
     def peaks(self, sign: int, t_end: Fraction) -> list[Any]:
         """Return the times after 0 at which the velocity is largest (sign 1) or smallest (sign -1)."""
         first = mpmath.atan2(sign * number(self.beta), sign * number(self.alpha))
-        Omega, turn, times = number(self.Omega), 2 * mpmath.pi, []
-        first += turn if first <= 0 else 0
+        Omega = number(self.Omega)
+        turn = 2 * mpmath.pi
+        times = []
+        if first <= 0:
+            first += turn
+        else:
+            first += 0
         while (first + turn * len(times)) / Omega <= number(t_end):
             times.append((first + turn * len(times)) / Omega)
         return times
@@ -76,7 +85,8 @@ def periodic_graze(rng: Random) -> tuple[FuzzScene, int, int]:
     m, Omega, c, k, motion, B0 = periodic_motion(rng)
     word = rng.choice(list(TOUCHES))
     alpha, boundary, side = TOUCHES[word]
-    top, bottom = motion.V + motion.amplitude, motion.V - motion.amplitude
+    top = motion.V + motion.amplitude
+    bottom = motion.V - motion.amplitude
     room = size(rng, -1.5, 1)
     both = alpha == 2 and rng.random() < 0.25
     v1, v2 = {
@@ -86,37 +96,69 @@ def periodic_graze(rng: Random) -> tuple[FuzzScene, int, int]:
         "P6": (bottom - room, bottom),
     }[word]
     mu1, mu2 = (rng.choice([Fraction(0), Fraction(rng.randint(1, 99), 100)]) for _ in "12")
-    p = Parameters(m=m, c=c, k=k, A0=0, B0=B0, Omega=Omega, v1=v1, v2=v2, mu1=mu1, mu2=mu2, FN=size(rng, -1, 1))
+    p = Parameters(
+        m=m, c=c, k=k, A0=0, B0=B0, Omega=Omega, v1=v1, v2=v2, mu1=mu1, mu2=mu2, FN=size(rng, -1, 1)
+    )
     p = p.replace(A0=k * motion.X + c * motion.V - p.A(alpha))
-    x0, v0 = motion.X - motion.beta / Omega, motion.V + motion.alpha
+    x0 = motion.X - motion.beta / Omega
+    v0 = motion.V + motion.alpha
     t_end = periods(p, rng.choice([5, 15, 15, 40, 100]) + rng.uniform(0.1, 0.9))
-    belts = {1: [-1], 2: [1]} if both else {boundary: [side]}
-    truth = partial(graze_truth, motion, alpha, {b: sides[0] for b, sides in belts.items()}, p, t_end)
+    if both:
+        belts = {1: [-1], 2: [1]}
+    else:
+        belts = {boundary: [side]}
+    truth = partial(
+        graze_truth, motion, alpha, {b: sides[0] for b, sides in belts.items()}, p, t_end
+    )
     scene = FuzzScene("graze", 0, p, Fraction(0), x0, v0, t_end, touch=True, dps=50, truth=truth)
     return scene, boundary, side
 
 
-def periodic_motion(rng: Random) -> tuple[Fraction, Fraction, Fraction, Fraction, Periodic, Fraction]:
+def periodic_motion(
+    rng: Random,
+) -> tuple[Fraction, Fraction, Fraction, Fraction, Periodic, Fraction]:
     """Return m, Omega, c, k, the motion and B0."""
-    kind = rng.choice(["plain", "plain", "plain", "over", "critical", "resonance", "undamped", "no spring", "free"])
+    kind = rng.choice(
+        [
+            "plain",
+            "plain",
+            "plain",
+            "over",
+            "critical",
+            "resonance",
+            "undamped",
+            "no spring",
+            "free",
+        ]
+    )
     Omega = rng.choice([Fraction(rng.randint(1, 12), rng.randint(1, 6)), size(rng, -1.3, 1.3, 2)])
     m = rng.choice([Fraction(1), size(rng, -1, 1, 2)])
-    c = Fraction(0) if kind in ("undamped", "free") else rng.choice([Fraction(rng.randint(1, 9)), size(rng, -2, 1, 2)])
+    if kind in ("undamped", "free"):
+        c = Fraction(0)
+    else:
+        c = rng.choice([Fraction(rng.randint(1, 9)), size(rng, -2, 1, 2)])
     r = signed(rng, -1, 1, rng.choice([1, 2]))
     p, q, h = rng.choice(TRIPLES)
-    X, V = tenth(rng, -3, 3), Fraction(0)
+    X = tenth(rng, -3, 3)
+    V = Fraction(0)
     if kind in ("no spring", "free"):
         if c:
             m = c * Fraction(p, q) / Omega
-        amplitude = c * Fraction(h, q) if c else m * Omega
-        alpha, beta, V = c * r, m * Omega * r, tenth(rng, -2, 2)
+        if c:
+            amplitude = c * Fraction(h, q)
+        else:
+            amplitude = m * Omega
+        alpha = c * r
+        beta = m * Omega * r
+        V = tenth(rng, -2, 2)
         motion = Periodic(Omega, X, V, alpha, beta, abs(r) * amplitude)
         return m, Omega, c, Fraction(0), motion, r * amplitude**2
     kappa = rng.choice([1, -1]) * c * Omega * Fraction(p, q)  # k - m Omega^2
     if kind == "over":  # the spring is weak, the mass is light
         m = c / Omega * Fraction(1, rng.randint(10, 40))
         kappa = c * Omega * Fraction(20, 99)
-        h, q = 101, 99
+        h = 101
+        q = 99
     if kind == "critical":
         kappa = c * c / (4 * m) - m * Omega**2
     if kind == "resonance":
@@ -125,17 +167,25 @@ def periodic_motion(rng: Random) -> tuple[Fraction, Fraction, Fraction, Fraction
         kappa = signed(rng, -1, 0.5, 2)
     if m * Omega**2 + kappa <= 0:
         kappa = abs(kappa)
-    sizes = {"critical": c * c / (4 * m) + m * Omega**2, "resonance": c * Omega, "undamped": abs(kappa)}
+    sizes = {
+        "critical": c * c / (4 * m) + m * Omega**2,
+        "resonance": c * Omega,
+        "undamped": abs(kappa),
+    }
     amplitude = sizes.get(kind, c * Omega * Fraction(h, q))
     motion = Periodic(Omega, X, V, c * Omega**2 * r, -Omega * kappa * r, Omega * abs(r) * amplitude)
     return m, Omega, c, m * Omega**2 + kappa, motion, r * amplitude**2
 
 
-def graze_truth(motion: Periodic, alpha: int, touched: dict[int, int], p: Parameters, t_end: Fraction) -> OracleRun:
+def graze_truth(
+    motion: Periodic, alpha: int, touched: dict[int, int], p: Parameters, t_end: Fraction
+) -> OracleRun:
     mode = f"Omega{alpha}"
     with mpmath.workdps(DIGITS_OF_TRUTH):
         events = [
-            OracleEvent(t, "graze", boundary, mode, mode, motion.state(t)[0], number(p.belt(boundary)))
+            OracleEvent(
+                t, "graze", boundary, mode, mode, motion.state(t)[0], number(p.belt(boundary))
+            )
             for boundary, side in touched.items()
             for t in motion.peaks(side, t_end)
         ]
@@ -151,43 +201,87 @@ def near(rng: Random, number: int) -> FuzzScene:
     shift = Fraction(rng.choice([1, -1]) * rng.randint(1, 9), 10**exponent)
     p = scene.p.replace(**{name: getattr(scene.p, name) + shift})
     t_end = min(scene.t_end, span(rng, p, 3, 15, 800))
-    v0 = getattr(p, name) if scene.v0 == getattr(scene.p, name) and rng.random() < 0.5 else scene.v0
-    dps = 33 if exponent < 14 else 2 * exponent + 30
+    if scene.v0 == getattr(scene.p, name) and rng.random() < 0.5:
+        v0 = getattr(p, name)
+    else:
+        v0 = scene.v0
+    if exponent < 14:
+        dps = 33
+    else:
+        dps = 2 * exponent + 30
     return FuzzScene("near", number, p, scene.t0, scene.x0, v0, t_end, touch=exponent > 13, dps=dps)
 
 
 def approach(rng: Random, number: int) -> FuzzScene:
-    """A velocity that tends to a belt's and never gets there: v - v_belt is a positive sum of decaying exponentials."""
+    """A velocity that tends to a belt's and never gets there.
+
+    V - v_belt is a positive sum of decaying exponentials.
+    """
     alpha, boundary, side = TOUCHES[rng.choice(list(TOUCHES))]
-    kind = rng.choice(["two", "two", "slow only", "fast only", "critical", "no spring", "no spring"])
-    m, slow = size(rng, -1, 1, 2), size(rng, -2, 0.5, 2)
+    kind = rng.choice(
+        ["two", "two", "slow only", "fast only", "critical", "no spring", "no spring"]
+    )
+    m = size(rng, -1, 1, 2)
+    slow = size(rng, -2, 0.5, 2)
     fast = slow * (1 + size(rng, -2, 1.5, 2))
-    c1, c2 = size(rng, -1, 1, 2), size(rng, -1, 1, 2)
+    c1 = size(rng, -1, 1, 2)
+    c2 = size(rng, -1, 1, 2)
     if kind == "two" and rng.random() < 0.5:
         c2 = -c1 * Fraction(rng.choice([100, rng.randint(1, 99)]), 100)  # -c1: a start on the belt
     if kind in ("slow only", "no spring"):
         c2 = Fraction(0)
     elif kind == "fast only":
         c1 = Fraction(0)
-    belt = rng.choice([Fraction(0), tenth(rng, -3, 3)]) if kind == "no spring" else Fraction(0)
-    fast = slow if kind == "critical" else Fraction(0) if kind == "no spring" else fast
+    if kind == "no spring":
+        belt = rng.choice([Fraction(0), tenth(rng, -3, 3)])
+    else:
+        belt = Fraction(0)
+    if kind == "critical":
+        fast = slow
+    elif kind == "no spring":
+        fast = Fraction(0)
     X = tenth(rng, -3, 3)
     room = 2 * (abs(c1) + abs(c2)) + size(rng, -1, 1, 2) + (c2 / slow if kind == "critical" else 0)
-    v1, v2 = (belt, belt + room) if boundary == 1 else (belt - room, belt)
+    if boundary == 1:
+        v1, v2 = (belt, belt + room)
+    else:
+        v1, v2 = (belt - room, belt)
     mu1, mu2 = (rng.choice([Fraction(0), Fraction(rng.randint(1, 99), 100)]) for _ in "12")
     Omega = rng.choice([size(rng, -3, 1, 2), Fraction(1, 1000)])
-    numbers = {"m": m, "c": m * (slow + fast), "k": m * slow * fast, "Omega": Omega, "mu1": mu1, "mu2": mu2}
-    p = Parameters(**numbers, A0=0, B0=0, v1=v1, v2=v2, FN=size(rng, -1, 1))  # friction is balanced below
+    numbers = {
+        "m": m,
+        "c": m * (slow + fast),
+        "k": m * slow * fast,
+        "Omega": Omega,
+        "mu1": mu1,
+        "mu2": mu2,
+    }
+    p = Parameters(
+        **numbers, A0=0, B0=0, v1=v1, v2=v2, FN=size(rng, -1, 1)
+    )  # friction is balanced below
     p = p.replace(A0=p.k * X + p.c * belt - p.A(alpha))
     if kind == "critical":  # (c1 + c2 t) e^(-slow t)
-        offset, v0 = c1 / slow + c2 / slow**2, c1
+        offset = c1 / slow + c2 / slow**2
+        v0 = c1
     else:
-        offset, v0 = c1 / slow + (c2 / fast if fast else 0), c1 + c2
-    rate = fast if kind == "fast only" else slow
+        offset = c1 / slow + (c2 / fast if fast else 0)
+        v0 = c1 + c2
+    if kind == "fast only":
+        rate = fast
+    else:
+        rate = slow
     t_end = Fraction(f"{float(rng.choice([5, 40, 100, 500]) / rate):.4g}")
     truth = partial(approach_truth, f"Omega{alpha}")
     return FuzzScene(
-        "approach", number, p, Fraction(0), X + side * offset, belt - side * v0, t_end, dps=300, truth=truth
+        "approach",
+        number,
+        p,
+        Fraction(0),
+        X + side * offset,
+        belt - side * v0,
+        t_end,
+        dps=300,
+        truth=truth,
     )
 
 
@@ -198,17 +292,20 @@ def approach_truth(mode: str) -> OracleRun:
 def settle(rng: Random, number: int) -> FuzzScene:
     """A transient that brings a motion ever closer to a periodic graze, which it never reaches.
 
-    The belt is approached from inside by exp(-slow t); doubles cannot tell the touches from misses after a while.
+    The belt is approached from inside by exp(-slow t); doubles cannot tell the touches from misses
+    after a while.
     """
     while True:
         scene, boundary, side = periodic_graze(rng)
         p = scene.p
         root = p.c**2 - 4 * p.m * p.k
         if p.k == 0 and p.c > 0:
-            rate, offset = p.c / p.m, p.m / p.c
+            rate = p.c / p.m
+            offset = p.m / p.c
             break
         if root == 0 and p.c > 0:
-            rate, offset = p.c / (2 * p.m), 2 * p.m / p.c
+            rate = p.c / (2 * p.m)
+            offset = 2 * p.m / p.c
             break
     amount = size(rng, -2, 0, 1)
     t_end = min(scene.t_end, Fraction(f"{rng.choice([10, 30, 60]) / float(rate):.4g}"))
@@ -238,14 +335,24 @@ def limit(rng: Random, number: int) -> FuzzScene:
 def creep(rng: Random, number: int) -> FuzzScene:
     """An overdamped mass creeps beside a belt at rest while a weak or slow drive moves it less and less visibly."""
     p = wide_parameters(rng)
-    slow, ratio = size(rng, -1, 0.3, 2), 1 + size(rng, -1, 1, 2)
+    slow = size(rng, -1, 0.3, 2)
+    ratio = 1 + size(rng, -1, 1, 2)
     p = p.replace(
-        c=p.m * slow * (1 + ratio), k=p.m * slow**2 * ratio, B0=signed(rng, -20, 0, 2), Omega=size(rng, -4, 0, 2)
+        c=p.m * slow * (1 + ratio),
+        k=p.m * slow**2 * ratio,
+        B0=signed(rng, -20, 0, 2),
+        Omega=size(rng, -4, 0, 2),
     )
     p = p.replace(**rng.choice([{"v1": 0, "v2": abs(p.v2) + 1}, {"v2": 0, "v1": -abs(p.v1) - 1}]))
-    boundary = 1 if p.v1 == 0 else 2
+    if p.v1 == 0:
+        boundary = 1
+    else:
+        boundary = 2
     alpha = boundary + rng.choice([0, 1])
-    side = 1 if alpha == boundary else -1
+    if alpha == boundary:
+        side = 1
+    else:
+        side = -1
     start = size(rng, -1, 0, 2)
     x0 = p.A(alpha) / p.k + side * start / slow
     t_end = Fraction(f"{rng.choice([20, 60, 200]) / float(slow):.4g}")
@@ -253,9 +360,12 @@ def creep(rng: Random, number: int) -> FuzzScene:
 
 
 def aimed(rng: Random, index: int) -> FuzzScene:
-    """A start that a motion with a touch at t_m has passed, known to 10 to 40 digits: it misses by as little as that.
+    """A start that a motion with a touch at t_m has passed, known to 10 to 40 digits.
 
-    Some touches are of fourth order, where k v_belt = -B0 Omega sin(Omega t_m) as far as the digits go.
+    It misses by as little as that.
+
+    Some touches are of fourth order, where k v_belt = -B0 Omega sin(Omega t_m) as far as the digits
+    go.
     """
     places = rng.choice([10, 14, 16, 18, 20, 25, 30, 40])
     while True:
@@ -263,11 +373,17 @@ def aimed(rng: Random, index: int) -> FuzzScene:
         alpha, boundary, side = TOUCHES[rng.choice(list(TOUCHES))]
         if not p.k or not p.B0:
             continue
-        t_m, flat = Fraction(f"{rng.uniform(0.2, 9) / float(p.Omega):.3g}"), rng.random() < 0.25
+        t_m = Fraction(f"{rng.uniform(0.2, 9) / float(p.Omega):.3g}")
+        flat = rng.random() < 0.25
         if flat:
-            t_m = cut((mpmath.pi / 2) * (4 + side * (1 if p.B0 < 0 else -1)) / number(p.Omega), places)
+            t_m = cut(
+                (mpmath.pi / 2) * (4 + side * (1 if p.B0 < 0 else -1)) / number(p.Omega), places
+            )
             speed = side * abs(p.B0) * p.Omega / p.k
-            v1, v2 = (speed, speed + p.v2 - p.v1) if boundary == 1 else (speed - p.v2 + p.v1, speed)
+            if boundary == 1:
+                v1, v2 = (speed, speed + p.v2 - p.v1)
+            else:
+                v1, v2 = (speed - p.v2 + p.v1, speed)
             p = p.replace(v1=v1, v2=v2)
         speed = p.belt(boundary)
         bend = -float(p.k * speed) - float(p.B0 * p.Omega) * sin(float(p.Omega * t_m))
@@ -278,7 +394,8 @@ def aimed(rng: Random, index: int) -> FuzzScene:
         cosine = mpmath.cos(number(p.Omega * t_m))
         x_m = (number(p.A(alpha) - p.c * speed) + number(p.B0) * cosine) / number(p.k)
         x, v = flow_oracle(p, alpha, t_m, cut(x_m, 85), speed, -tau, 90)[:2]
-        x0, v0 = cut(x, places), cut(v, places)
+        x0 = cut(x, places)
+        v0 = cut(v, places)
     t0 = t_m - tau
     scene = FuzzScene("aimed", index, p, t0, x0, v0, t_m + span(rng, p, 1, 4, 100))
     return with_digits(scene, touch=places >= 14, dps=2 * places + 40)
@@ -287,36 +404,49 @@ def aimed(rng: Random, index: int) -> FuzzScene:
 def shallow(rng: Random, index: int) -> FuzzScene:
     """A touch as shallow as what the rounding of the phase does to a force, from a launch where that force is small.
 
-    Speeds and friction are small beside the drive, whose force is near 0 at a phase that has large rounding errors.
-    Many flights between the belts are launched by a crossing, the others begin at the start.
+    Speeds and friction are small beside the drive, whose force is near 0 at a phase that has large
+    rounding errors. Many flights between the belts are launched by a crossing, the others begin at
+    the start.
     """
     while True:
         p = wide_parameters(rng)
         alpha, boundary, side = TOUCHES[rng.choice(list(TOUCHES))]
         if p.k and p.B0:
             break
-    f0, Omega = abs(p.B0) / p.m, size(rng, -3, -1, 2)
+    f0 = abs(p.B0) / p.m
+    Omega = size(rng, -3, -1, 2)
     v1 = signed(rng, -5, -3, 2)
-    p = p.replace(A0=0, FN=p.FN * size(rng, -5, -3, 1), Omega=Omega, v1=v1, v2=v1 + size(rng, -5, -3, 2))
-    quarter, tau = rng.choice([1, 3, 3, 3]), Fraction(f"{rng.uniform(0.05, 0.5) / fastest(p):.3g}")
+    p = p.replace(
+        A0=0, FN=p.FN * size(rng, -5, -3, 1), Omega=Omega, v1=v1, v2=v1 + size(rng, -5, -3, 2)
+    )
+    quarter = rng.choice([1, 3, 3, 3])
+    tau = Fraction(f"{rng.uniform(0.05, 0.5) / fastest(p):.3g}")
     angle = (quarter / 2 + 2 * rng.randint(0, 9)) * pi + rng.uniform(-0.03, 0.03)
-    # Near a quarter period B0 cos(theta) is steep: it bends the gap away from the belt if B0 has this sign.
-    bends = 1 if quarter == 1 else -1
-    p, t_m = p.replace(B0=side * bends * abs(p.B0)), Fraction(f"{angle / float(Omega):.5g}")
+    # Near a quarter period B0 cos(theta) is steep: it bends the gap away from the belt if B0 has
+    # this sign.
+    if quarter == 1:
+        bends = 1
+    else:
+        bends = -1
+    p = p.replace(B0=side * bends * abs(p.B0))
+    t_m = Fraction(f"{angle / float(Omega):.5g}")
     depth = rng.uniform(-4, 4) * 2.0**-53 * float(f0 * tau)
     speed = p.belt(boundary) + side * Fraction(f"{depth:.3g}")
     with mpmath.workdps(90):
         cosine = mpmath.cos(number(p.Omega * t_m))
         x_m = (number(p.A(alpha) - p.c * speed) + number(p.B0) * cosine) / number(p.k)
         x, v, F = flow_oracle(p, alpha, t_m, cut(x_m, 85), speed, -tau, 90)
-        t0, other = t_m - tau, cut(v, 6)
+        t0 = t_m - tau
+        other = cut(v, 6)
         if alpha == 2 and rng.random() < 0.7 and side * (p.belt(boundary) - other) > 0:
             p = p.replace(**{f"v{3 - boundary}": other})
-            t, tau = t0 + cut((number(other) - v) / F, 6), tau * Fraction(rng.randint(1, 9), 10)
+            t = t0 + cut((number(other) - v) / F, 6)
+            tau = tau * Fraction(rng.randint(1, 9), 10)
             x, v = flow_oracle(p, alpha, t_m, cut(x_m, 85), speed, t - t_m, 90)[:2]
             t0 = t - tau
             x, v = flow_oracle(p, 2 - side, t, cut(x, 85), cut(v, 85), -tau, 90)[:2]
-        x0, v0 = cut(x, 30), cut(v, 30)
+        x0 = cut(x, 30)
+        v0 = cut(v, 30)
     scene = FuzzScene("shallow", index, p, t0, x0, v0, t_m + span(rng, p, 1, 4, 100))
     return with_digits(scene, touch=True, dps=80)
 

@@ -1,7 +1,8 @@
 """Other units: the same motion with its times, lengths and masses told in other units, which are powers of 2.
 
-A power of 2 changes no digit of a double. So what is computed in other units has to be the same number to the last bit,
-times a power of 2, unless a formula adds or compares quantities of two kinds.
+A power of 2 changes no digit of a double. So what is computed in other units has to be the same
+number to the last bit, times a power of 2, unless a formula adds or compares quantities of two
+kinds.
 """
 
 from __future__ import annotations
@@ -22,8 +23,17 @@ class Units(NamedTuple):
     def of(self, p: Parameters) -> Parameters:
         """Return the parameters of the same oscillator."""
         T, L, M = self
-        force, speed = M * L / T**2, L / T
-        factors = {"m": M, "c": M / T, "k": M / T**2, "A0": force, "B0": force, "FN": force, "Omega": 1 / T}
+        force = M * L / T**2
+        speed = L / T
+        factors = {
+            "m": M,
+            "c": M / T,
+            "k": M / T**2,
+            "A0": force,
+            "B0": force,
+            "FN": force,
+            "Omega": 1 / T,
+        }
         factors |= {"v1": speed, "v2": speed}
         return p.replace(**{name: getattr(p, name) * factor for name, factor in factors.items()})
 

@@ -15,7 +15,8 @@ from scene_families import FuzzScene, with_digits
 
 from symosc import simulate, simulate_many
 
-# An event farther than that (relative to max(1, |t|)), or than its estimate allows, from an oracle's is another one.
+# An event farther than that (relative to max(1, |t|)), or than its estimate allows, from an
+# oracle's is another one.
 SAME_EVENT = 1e-6
 # An error may be that many times the standard error that was estimated.
 MOST_ESTIMATES = 5.0
@@ -62,21 +63,27 @@ def settled(scene: FuzzScene) -> FuzzScene:
     """Return the scene with so many digits that more do not change what the oracle says happens."""
     if scene.truth is not None:
         return scene
-    digits, before = scene.dps + 20, None
+    digits = scene.dps + 20
+    before = None
     while digits < MOST_DIGITS:
         scene = with_digits(scene, dps=digits)
         events = [(*label(event), mpmath.nstr(event.t, 8)) for event in truth_of(scene).events]
         if events == before:
             return scene
-        digits, before = digits + digits // 2, events
+        digits = digits + digits // 2
+        before = events
     raise ArithmeticError(f"the oracle is not sure with {digits} digits")
 
 
 def judge(
-    scene: FuzzScene, oracle: Oracle = simulate_oracle, digits: Sequence[int] = (), numba: Sequence[bool] = (False,)
+    scene: FuzzScene,
+    oracle: Oracle = simulate_oracle,
+    digits: Sequence[int] = (),
+    numba: Sequence[bool] = (False,),
 ) -> Verdict:
     """Compare `simulate`, `simulate_many` (with and without numba) and `simulate(digits=)` with the truth."""
-    verdict, truth = Verdict(scene), truth_of(scene, oracle)
+    verdict = Verdict(scene)
+    truth = truth_of(scene, oracle)
     verdict.events = len(truth.events)
     begin = time.perf_counter()
     trajectory = _run(verdict)
@@ -98,7 +105,9 @@ def judge(
 def _run(verdict: Verdict, **options: Any) -> Any:
     scene = verdict.scene
     try:
-        return simulate(scene.p, t0=scene.t0, x0=scene.x0, v0=scene.v0, t_end=scene.t_end, **options)
+        return simulate(
+            scene.p, t0=scene.t0, x0=scene.x0, v0=scene.v0, t_end=scene.t_end, **options
+        )
     except Exception as error:
         verdict.add("exception", f"simulate {options}: {type(error).__name__}: {error}")
         return None
@@ -109,32 +118,51 @@ def label(event: Any) -> tuple[str, int, str, str]:
 
 
 def show(event: Any) -> str:
-    return f"{event.kind} {event.source}->{event.target} at t = {mpmath.nstr(mpmath.mpf(event.t), 17)}"
+    return (
+        f"{event.kind} {event.source}->{event.target} at t = {mpmath.nstr(mpmath.mpf(event.t), 17)}"
+    )
 
 
-def compare(verdict: Verdict, trajectory: Any, truth: OracleRun, oracle: Oracle, digits: int | None = None) -> None:
+def compare(
+    verdict: Verdict, trajectory: Any, truth: OracleRun, oracle: Oracle, digits: int | None = None
+) -> None:
     """Find the first event that differs, and the errors of those before it."""
-    prefix = "" if digits is None else f"digits={digits}: "
-    ours, theirs, same = list(trajectory.events), truth.events, 0
+    if digits is None:
+        prefix = ""
+    else:
+        prefix = f"digits={digits}: "
+    ours = list(trajectory.events)
+    theirs = truth.events
+    same = 0
     with mpmath.workdps(60):
         for event, expected in zip(ours, theirs, strict=False):
             if label(event) != label(expected) or not _near(event, expected):
                 break
             _check_errors(verdict, event, expected, digits, prefix)
             same += 1
-        mine, other = ours[same : same + 1], theirs[same : same + 1]
+        mine = ours[same : same + 1]
+        other = theirs[same : same + 1]
         if not mine and trajectory.status == "undecidable":
             # Allowed where a push of the start as small as rounding changes what comes next.
-            if digits is None and (verdict.scene.touch or _is_open(verdict.scene, truth, oracle, same)):
+            if digits is None and (
+                verdict.scene.touch or _is_open(verdict.scene, truth, oracle, same)
+            ):
                 verdict.status = "doubt"
             else:
-                verdict.add("undecidable", f"{prefix}after {same} of {len(theirs)} events: {trajectory.message}")
+                verdict.add(
+                    "undecidable",
+                    f"{prefix}after {same} of {len(theirs)} events: {trajectory.message}",
+                )
         elif mine or other:
             invented = not other or (mine and mine[0].t < other[0].t)
             kind = mine and other and _near(mine[0], other[0])
-            said = ", expected ".join(" ".join(map(show, each)) or "nothing" for each in (mine, other))
+            said = ", expected ".join(
+                " ".join(map(show, each)) or "nothing" for each in (mine, other)
+            )
             where = f"{prefix}event {same} ({len(ours)} events, {len(theirs)} expected, status {verdict.status})"
-            verdict.add("wrong kind" if kind else "invented" if invented else "missed", f"{where}: {said}")
+            verdict.add(
+                "wrong kind" if kind else "invented" if invented else "missed", f"{where}: {said}"
+            )
 
 
 def _near(event: Any, expected: Any) -> bool:
@@ -142,19 +170,31 @@ def _near(event: Any, expected: Any) -> bool:
     return bool(abs(mpmath.mpf(event.t) - expected.t) <= allowed)
 
 
-def _check_errors(verdict: Verdict, event: Any, expected: Any, digits: int | None, prefix: str) -> None:
+def _check_errors(
+    verdict: Verdict, event: Any, expected: Any, digits: int | None, prefix: str
+) -> None:
     for name in ("t", "x"):
-        value, true = mpmath.mpf(getattr(event, name)), getattr(expected, name)
-        error, estimate = float(abs(value - true)), float(getattr(event, f"{name}_error"))
-        error = error if error > EXACT * max(1, abs(true)) else 0.0
+        value = mpmath.mpf(getattr(event, name))
+        true = getattr(expected, name)
+        error = float(abs(value - true))
+        estimate = float(getattr(event, f"{name}_error"))
+        if not (error > EXACT * max(1, abs(true))):
+            error = 0.0
         if digits is not None:
             if error > 10.0**-digits * max(1, abs(true)):
                 verdict.add("digits", f"{prefix}{name} off by {error:.1e} in {show(event)}")
             continue
-        ratio = error / estimate if estimate else (0.0 if error == 0.0 else np.inf)
+        if estimate:
+            ratio = error / estimate
+        elif error == 0.0:
+            ratio = 0.0
+        else:
+            ratio = np.inf
         verdict.ratios.append(ratio)
         if ratio > MOST_ESTIMATES:
-            verdict.add("estimate", f"{name} off by {error:.1e}, estimated {estimate:.1e}, in {show(event)}")
+            verdict.add(
+                "estimate", f"{name} off by {error:.1e}, estimated {estimate:.1e}, in {show(event)}"
+            )
 
 
 def _is_open(scene: FuzzScene, truth: OracleRun, oracle: Oracle, same: int) -> bool:
@@ -197,7 +237,8 @@ def _check_end(verdict: Verdict, trajectory: Any, truth: OracleRun) -> None:
     """Check the status, and the state at the end."""
     if verdict.faults or trajectory.status == "undecidable":
         return
-    p, scene = verdict.scene.p, verdict.scene
+    p = verdict.scene.p
+    scene = verdict.scene
     if trajectory.status not in ("t_end", "equilibrium"):
         verdict.add("status", f"{trajectory.status}: {trajectory.message}")
     if trajectory.status == "equilibrium" and p.B0 != 0 and not truth.mode.startswith("belt"):
@@ -205,12 +246,18 @@ def _check_end(verdict: Verdict, trajectory: Any, truth: OracleRun) -> None:
     if truth.x is None:
         return
     for event in trajectory.events[:5]:
-        clear = np.spacing(event.t) < 1e-10  # later than that a double does not tell where the mass is
-        if clear and abs(trajectory(event.t)[0] - event.x) > 1e-9 * max(1.0, abs(event.x), abs(event.v)):
+        clear = (
+            np.spacing(event.t) < 1e-10
+        )  # later than that a double does not tell where the mass is
+        if clear and abs(trajectory(event.t)[0] - event.x) > 1e-9 * max(
+            1.0, abs(event.x), abs(event.v)
+        ):
             verdict.add("end", f"the trajectory at {event.t!r} is not where its event is")
     x = trajectory(trajectory.t_end)[0]
     with mpmath.workdps(60):
-        worst = max((event.x_error / max(1, abs(event.x)) for event in trajectory.events), default=0.0)
+        worst = max(
+            (event.x_error / max(1, abs(event.x)) for event in trajectory.events), default=0.0
+        )
         late = float(np.spacing(float(scene.t_end))) * max(1.0, abs(float(truth.v)))
         if abs(x - truth.x) > (1e-9 + 1e4 * worst) * max(1, abs(truth.x)) + 4 * late:
             verdict.add("end", f"x = {x!r} at t_end, expected {mpmath.nstr(truth.x, 17)}")
@@ -218,9 +265,12 @@ def _check_end(verdict: Verdict, trajectory: Any, truth: OracleRun) -> None:
 
 def _compare_many(verdict: Verdict, trajectory: Any, use_numba: bool) -> None:
     """Compare `simulate_many` with `simulate`: the same codes, and numbers within their errors."""
-    scene, name = verdict.scene, f"simulate_many(use_numba={use_numba})"
+    scene = verdict.scene
+    name = f"simulate_many(use_numba={use_numba})"
     try:
-        table = simulate_many(scene.p, [(scene.t0, scene.x0, scene.v0)], scene.t_end, use_numba=use_numba)
+        table = simulate_many(
+            scene.p, [(scene.t0, scene.x0, scene.v0)], scene.t_end, use_numba=use_numba
+        )
     except Exception as error:
         verdict.add("disagree", f"{name}: {type(error).__name__}: {error}")
         return
@@ -237,7 +287,10 @@ def _compare_many(verdict: Verdict, trajectory: Any, use_numba: bool) -> None:
             same = (here <= 2 * there) & (there <= 2 * here)
         elif column in errors:
             apart = abs(here - there)
-            same = np.minimum(apart, 2 * np.pi - apart if column == "theta" else apart) <= 2 * errors[column]
+            same = (
+                np.minimum(apart, 2 * np.pi - apart if column == "theta" else apart)
+                <= 2 * errors[column]
+            )
         else:
             same = here == there
         if not same.all():

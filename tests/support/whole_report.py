@@ -1,7 +1,9 @@
-"""`symosc reproduce`, with the evidence that the tests have: no step and no claim is checked twice in a session.
+"""`symosc reproduce`, with the evidence that the tests have.
 
-A program: what it is given are the arguments of the command. Only `derive` and `judge`, which the processes of the run
-call for each chapter and claim, are others.
+No step and no claim is checked twice in a session.
+
+A program: what it is given are the arguments of the command. Only `derive` and `judge`, which the
+processes of the run call for each chapter and claim, are others.
 """
 
 from __future__ import annotations

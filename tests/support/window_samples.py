@@ -13,13 +13,27 @@ from symosc.model import Parameters
 
 
 def parameters(rng: random.Random) -> Parameters:
-    """Random rational parameters; about a third at or next to |k v| = |B0| Omega, on one of the belts, or at zero."""
+    """Random rational parameters.
+
+    About a third at or next to |k v| = |B0| Omega, on one of the belts, or at zero.
+    """
 
     def number(low: int, high: int) -> Fraction:
         return Fraction(rng.randint(low, high), rng.randint(1, 30))
 
-    values = {"m": number(1, 90), "c": number(0, 40), "k": number(0, 90), "A0": number(-99, 99), "B0": number(-99, 99)}
-    values |= {"Omega": number(1, 90), "v1": number(-90, 60), "mu1": number(0, 30), "mu2": number(0, 30)}
+    values = {
+        "m": number(1, 90),
+        "c": number(0, 40),
+        "k": number(0, 90),
+        "A0": number(-99, 99),
+        "B0": number(-99, 99),
+    }
+    values |= {
+        "Omega": number(1, 90),
+        "v1": number(-90, 60),
+        "mu1": number(0, 30),
+        "mu2": number(0, 30),
+    }
     values |= {"FN": number(0, 90)}
     values["v2"] = values["v1"] + number(1, 90)
     style = rng.randrange(12)
@@ -37,7 +51,8 @@ def exact_ends(level: Any, swing: Any) -> set[Any]:
     """Return theta_cr, pi - theta_cr and theta_cr + 2 pi with 100 digits."""
     big = mpmath.mp.clone()
     big.dps = 150
-    level, swing = big.mpf(level.numerator) / level.denominator, big.mpf(swing.numerator) / swing.denominator
+    level = big.mpf(level.numerator) / level.denominator
+    swing = big.mpf(swing.numerator) / swing.denominator
     cut = big.asin(-level / swing)
     return {cut, big.pi - cut, cut + 2 * big.pi}
 

@@ -37,21 +37,27 @@ def example(seed: int) -> Any:
 @pytest.mark.quick(3)
 @pytest.mark.parametrize("suffix", SUFFIXES)
 @pytest.mark.parametrize("seed", range(2))
-def test_what_is_written_is_read_back_to_the_last_bit(suffix: str, seed: int, tmp_path: Path) -> None:
-    dataset, path = example(seed), tmp_path / f"map{suffix}"
+def test_what_is_written_is_read_back_to_the_last_bit(
+    suffix: str, seed: int, tmp_path: Path
+) -> None:
+    dataset = example(seed)
+    path = tmp_path / f"map{suffix}"
     output.write_output(dataset, path, tmp_path)
     assert output.plan_of(path) == dataset.attrs["plan"]
     columns = output.read_columns(path)
     cells = dataset.sizes["k"] * dataset.sizes["FN"]
     for name, values in dataset.items():
         assert columns[name].dtype == values.dtype, name
-        assert columns[name].tobytes() == values.values.reshape(cells, *values.shape[2:]).tobytes(), name
+        assert (
+            columns[name].tobytes() == values.values.reshape(cells, *values.shape[2:]).tobytes()
+        ), name
     assert [each.name for each in tmp_path.iterdir()] == [path.name]
 
 
 @pytest.mark.parametrize(("suffix", "engine"), [(".nc", "h5netcdf"), (".zarr", "zarr")])
 def test_xarray_reads_it_without_symosc(suffix: str, engine: str, tmp_path: Path) -> None:
-    dataset, path = example(3), tmp_path / f"map{suffix}"
+    dataset = example(3)
+    path = tmp_path / f"map{suffix}"
     output.write_output(dataset, path, tmp_path)
     with xarray.open_dataset(path, engine=engine) as found:
         assert {name: found.attrs[name] for name in dataset.attrs} == dataset.attrs
@@ -64,7 +70,9 @@ def test_xarray_reads_it_without_symosc(suffix: str, engine: str, tmp_path: Path
 @pytest.mark.parametrize("suffix", SUFFIXES)
 def test_no_flipped_bit_of_an_output_is_read(suffix: str, tmp_path: Path) -> None:
     path = tmp_path / f"map{suffix}"
-    dataset = made_up({"k": [1, 2]}, word=lambda cells: np.array(["P32", ""]), x=lambda cells: cells["k"] / 3)
+    dataset = made_up(
+        {"k": [1, 2]}, word=lambda cells: np.array(["P32", ""]), x=lambda cells: cells["k"] / 3
+    )
     output.write_output(dataset, path, tmp_path)
     for file in [path] if path.is_file() else filter(Path.is_file, path.rglob("*")):
         whole = file.read_bytes()
@@ -79,7 +87,10 @@ def test_no_flipped_bit_of_an_output_is_read(suffix: str, tmp_path: Path) -> Non
 
 
 def test_only_an_output_is_replaced(tmp_path: Path) -> None:
-    """Also if it came while the sweep ran; and nothing that somebody has put into a folder of ours is removed."""
+    """Also if it came while the sweep ran.
+
+    And nothing that somebody has put into a folder of ours is removed.
+    """
     path = tmp_path / "map.zarr"
     (path / "thesis").mkdir(parents=True)
     (path / "thesis" / "chapter.tex").write_text("mine")
@@ -88,7 +99,10 @@ def test_only_an_output_is_replaced(tmp_path: Path) -> None:
     (path / "thesis").rename(tmp_path / "thesis")
     path.rmdir()
     output.write_output(example(5), path, tmp_path)
-    for put in (lambda: (path / "a").symlink_to(tmp_path / "thesis"), lambda: (path / "a").write_text("mine")):
+    for put in (
+        lambda: (path / "a").symlink_to(tmp_path / "thesis"),
+        lambda: (path / "a").write_text("mine"),
+    ):
         put()
         with pytest.raises(SweepError, match="is no output of a sweep"):
             output.write_output(example(6), path, tmp_path)

@@ -21,7 +21,9 @@ FIG9 = load_scene("fig9")
 @pytest.mark.parametrize("seed", range(3))
 def test_cells_are_all_combinations_in_c_order(seed: int) -> None:
     rng = np.random.default_rng(seed)
-    axes = {name: rng.uniform(1, 20, rng.integers(1, 6)) for name in rng.permutation(["k", "FN", "x0"])}
+    axes = {
+        name: rng.uniform(1, 20, rng.integers(1, 6)) for name in rng.permutation(["k", "FN", "x0"])
+    }
     plan = planned(over=axes)
     assert plan.sizes == {name: len(values) for name, values in axes.items()}
     mesh = np.meshgrid(*axes.values(), indexing="ij")
@@ -33,7 +35,9 @@ def test_cells_are_all_combinations_in_c_order(seed: int) -> None:
 @pytest.mark.parametrize("seed", range(3))
 def test_even_values_are_the_doubles_nearest_to_the_exact_ones(seed: int) -> None:
     rng = np.random.default_rng(seed)
-    low, high, count = Fraction(int(rng.integers(-99, 99)), 7), Fraction(int(rng.integers(100, 900)), 3), 17
+    low = Fraction(int(rng.integers(-99, 99)), 7)
+    high = Fraction(int(rng.integers(100, 900)), 3)
+    count = 17
     exact = [low + (high - low) * i / (count - 1) for i in range(count)]
     assert read_axis("A0", f"{low}:{high}:{count}").tolist() == [float(value) for value in exact]
 
@@ -65,7 +69,8 @@ def test_what_are_no_starts(starts: Any) -> None:
 
 def planned(scene: Any = FIG9, over: Any = None, **options: Any) -> SweepPlan:
     given = {"record": "word", "t_end": "9T", "skip": 0, "starts": None} | options
-    over = {"FN": [1, 2], "Omega": "3:4:3"} if over is None else over
+    if over is None:
+        over = {"FN": [1, 2], "Omega": "3:4:3"}
     return read_plan(scene, over, *given.values())
 
 

@@ -15,7 +15,8 @@ import pytest
 from symosc.errors import OutputError, SweepError
 from symosc.sweeps.store import Store
 
-KEY, OTHER_KEY = 64 * "a", 64 * "b"
+KEY = 64 * "a"
+OTHER_KEY = 64 * "b"
 NAMES = ("word", "x")
 
 
@@ -55,7 +56,8 @@ def test_chunks_of_another_plan_stay_where_they_are(opened: Any, tmp_path: Path)
 
 def test_a_folder_is_for_one_at_a_time(opened: Any, tmp_path: Path) -> None:
     pytest.importorskip("fcntl")
-    first, second = opened(tmp_path), Store(tmp_path / "map.nc")
+    first = opened(tmp_path)
+    second = Store(tmp_path / "map.nc")
     first.write(0, 2, columns(0, 2))
     with warnings.catch_warnings():
         warnings.simplefilter("error", ResourceWarning)
@@ -104,7 +106,9 @@ def test_no_damaged_chunk_is_read(opened: Any, tmp_path: Path) -> None:
     assert [begin for begin, _, _ in store.chunks(NAMES)] == [0, 5]
 
 
-def test_a_full_disk_leaves_nothing_half_written(opened: Any, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_a_full_disk_leaves_nothing_half_written(
+    opened: Any, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
     store = opened(tmp_path)
     store.write(0, 2, columns(0, 2))
 

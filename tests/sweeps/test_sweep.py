@@ -1,4 +1,7 @@
-"""`sweep`: the same bits however and by whomever it is computed, stopped and resumed; its page, and a published map."""
+"""`sweep`: the same bits however and by whomever it is computed, stopped and resumed.
+
+Its page, and a published map.
+"""
 
 from __future__ import annotations
 
@@ -77,11 +80,18 @@ sweep(SCENE, {over!r}, **OPTIONS, path={path!r}, workers=1)
 @pytest.mark.slow
 @sample_of(2, 20)
 def test_killed_at_random_moments_it_goes_on_to_the_same_bits(count: int, tmp_path: Path) -> None:
-    path, rng, over = tmp_path / "map.nc", np.random.default_rng(count), OVER | {"FN": "1:20:50"}
-    script = KILLED.format(support=str(Path(__file__).parents[1] / "support"), path=str(path), over=over)
+    path = tmp_path / "map.nc"
+    rng = np.random.default_rng(count)
+    over = OVER | {"FN": "1:20:50"}
+    script = KILLED.format(
+        support=str(Path(__file__).parents[1] / "support"), path=str(path), over=over
+    )
     for _ in range(count):
         moment = str(rng.integers(1, 60)), str(rng.choice([0, 0, rng.integers(0, 1000)]))
-        assert subprocess.run([sys.executable, "-c", script, *moment], check=False).returncode == -signal.SIGKILL
+        assert (
+            subprocess.run([sys.executable, "-c", script, *moment], check=False).returncode
+            == -signal.SIGKILL
+        )
     assert not path.exists()
     assert 0 < sweep_status(SCENE, over, **OPTIONS, path=path).done < 300
     identical(sweep(SCENE, over, **OPTIONS, path=path), sweep(SCENE, over, **OPTIONS))
@@ -121,15 +131,23 @@ except OutputError as error:
 @pytest.mark.full(1)
 @pytest.mark.slow
 @pytest.mark.parametrize("suffix", [".nc", ".zarr", ".csv"])
-def test_a_disk_that_the_output_fills_keeps_all_chunks(whole: Any, suffix: str, tmp_path: Path) -> None:
-    """The system refuses to write files of more than 3,000 bytes; HDF5 ended the program with a segmentation fault."""
+def test_a_disk_that_the_output_fills_keeps_all_chunks(
+    whole: Any, suffix: str, tmp_path: Path
+) -> None:
+    """The system refuses to write files of more than 3,000 bytes.
+
+    HDF5 ended the program with a segmentation fault.
+    """
     pytest.importorskip("resource")
     path = tmp_path / f"map{suffix}"
     script = LIMITED.format(support=str(Path(__file__).parents[1] / "support"), path=str(path))
-    result = subprocess.run([sys.executable, "-c", script], capture_output=True, text=True, check=False)
-    assert (result.returncode, result.stdout) == (0, f"cannot write {brief(str(path))}: File too large\n"), (
-        result.stderr
+    result = subprocess.run(
+        [sys.executable, "-c", script], capture_output=True, text=True, check=False
     )
+    assert (result.returncode, result.stdout) == (
+        0,
+        f"cannot write {brief(str(path))}: File too large\n",
+    ), result.stderr
     assert not path.exists()
     assert sweep_status(SCENE, OVER, **OPTIONS, path=path) == (str(path), 24, 24, False)
     identical(sweep(SCENE, OVER, **OPTIONS, path=path), whole)
@@ -145,7 +163,9 @@ def test_what_is_not_ours_is_refused_and_stays(resume: bool, tmp_path: Path) -> 
     for name in ("map.zarr", "other.nc", "file.nc"):
         with pytest.raises(SweepError, match=r"no output of a sweep|no folder of a sweep"):
             sweep(SCENE, {"k": [3]}, path=tmp_path / name, resume=resume)
-    theirs = sorted(path.relative_to(tmp_path).as_posix() for path in tmp_path.rglob("*") if path.is_file())
+    theirs = sorted(
+        path.relative_to(tmp_path).as_posix() for path in tmp_path.rglob("*") if path.is_file()
+    )
     assert theirs == ["file.nc", "map.zarr/thesis.tex", "other.nc.parts/thesis.tex"]
 
 
@@ -154,7 +174,10 @@ def test_what_is_not_ours_is_refused_and_stays(resume: bool, tmp_path: Path) -> 
 def test_a_damaged_output_is_refused_and_made_anew(whole: Any, suffix: str, tmp_path: Path) -> None:
     path = tmp_path / f"map{suffix}"
     sweep(SCENE, OVER, **OPTIONS, path=path)
-    file = path / "x" / "c" / "0" / "0" if path.is_dir() else path
+    if path.is_dir():
+        file = path / "x" / "c" / "0" / "0"
+    else:
+        file = path
     content = bytearray(file.read_bytes())
     content[len(content) // 2] ^= 1
     file.write_bytes(content)
@@ -166,7 +189,8 @@ def test_a_damaged_output_is_refused_and_made_anew(whole: Any, suffix: str, tmp_
 
 @pytest.mark.parametrize("seed", range(3))
 def test_each_cell_is_the_motion_that_its_coordinates_say(seed: int) -> None:
-    rng, scene = np.random.default_rng(seed), load_scene("fig9")
+    rng = np.random.default_rng(seed)
+    scene = load_scene("fig9")
     over = {"Omega": rng.uniform(2, 6, 3), "x0": rng.normal(0, 3, 2), "mu1": rng.uniform(0, 1, 2)}
     found = sweep(scene, over, t_end="7/3T", record=("events", "sticks", "x"))
     for cell in np.ndindex(found.events.shape):
@@ -186,7 +210,10 @@ def test_each_cell_is_the_motion_that_its_coordinates_say(seed: int) -> None:
 def test_a_worker_that_dies_loses_nothing_that_is_finished(
     whole: Any, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    """A process of a pool is killed in the middle; the pool is broken, the same call goes on with another one."""
+    """A process of a pool is killed in the middle.
+
+    The pool is broken, the same call goes on with another one.
+    """
     in_small_chunks(monkeypatch, 4)
     path = tmp_path / "map.nc"
     with ProcessPoolExecutor(1, mp_context=get_context("spawn")) as pool:
@@ -195,7 +222,9 @@ def test_a_worker_that_dies_loses_nothing_that_is_finished(
             if done == 8:
                 pool.submit(os._exit, 1)
 
-        with pytest.raises(SweepError, match=r"a worker failed.* motions are kept in .*map\.nc\.parts"):
+        with pytest.raises(
+            SweepError, match=r"a worker failed.* motions are kept in .*map\.nc\.parts"
+        ):
             sweep(SCENE, OVER, **OPTIONS, path=path, executor=pool, workers=1, progress=kill)
         assert sweep_status(SCENE, OVER, **OPTIONS, path=path).done >= 8
         with pytest.raises(SweepError, match="a worker failed"):  # it stays broken
@@ -212,7 +241,10 @@ def test_a_cluster_of_which_a_worker_is_killed_loses_nothing(
     distributed = pytest.importorskip("distributed")
     in_small_chunks(monkeypatch, 1)
     options: dict[str, Any] = {"n_workers": 2, "threads_per_worker": 1, "dashboard_address": None}
-    with distributed.LocalCluster(**options, processes=True) as cluster, distributed.Client(cluster) as client:
+    with (
+        distributed.LocalCluster(**options, processes=True) as cluster,
+        distributed.Client(cluster) as client,
+    ):
         before = client.run(os.getpid)
         killed: list[int] = []
 
@@ -227,7 +259,10 @@ def test_a_cluster_of_which_a_worker_is_killed_loses_nothing(
         monkeypatch.setattr(chunks, "CONNECT_SECONDS", PATIENCE)
         with dask_client(cluster.scheduler_address) as again, again.get_executor() as executor:
             few = {"Omega": [3], "FN": [5, 10]}
-            identical(sweep(SCENE, few, **OPTIONS, executor=executor, workers=2), sweep(SCENE, few, **OPTIONS))
+            identical(
+                sweep(SCENE, few, **OPTIONS, executor=executor, workers=2),
+                sweep(SCENE, few, **OPTIONS),
+            )
 
 
 # -- the page, and a published map ---
@@ -235,7 +270,9 @@ def test_a_cluster_of_which_a_worker_is_killed_loses_nothing(
 DOCS = Path(__file__).parents[2] / "docs"
 PAGE = (DOCS / "sweeps.md").read_text(encoding="utf-8")
 COMMANDS = [
-    command for block in re.findall(r"^```console\n\$ symosc (.*?)\n```$", PAGE, re.M | re.S) for command in [block]
+    command
+    for block in re.findall(r"^```console\n\$ symosc (.*?)\n```$", PAGE, re.M | re.S)
+    for command in [block]
 ]
 EXAMPLES = re.findall(r"^```python\n(.*?)^```$\s*prints\s*^```text\n(.*?)^```$", PAGE, re.M | re.S)
 COULOMB = Parameters(m=1, c=0, k=1, A0=0, B0=1, Omega=1, v1=0, v2=1000, mu1=0, mu2=0, FN=1)
@@ -244,8 +281,12 @@ WALL = Scene("wall", COULOMB, t0=0, x0=0, v0=0, t_end=1)
 
 def test_every_picture_is_made_by_a_command() -> None:
     pictures = re.findall(r"\]\((sweeps/[^)]+)\)", PAGE)
-    assert {Path(name).name for name in pictures} <= {shlex.split(command)[-1] for command in COMMANDS}
-    assert {path.name for path in (DOCS / "sweeps").iterdir()} == {Path(name).name for name in pictures}
+    assert {Path(name).name for name in pictures} <= {
+        shlex.split(command)[-1] for command in COMMANDS
+    }
+    assert {path.name for path in (DOCS / "sweeps").iterdir()} == {
+        Path(name).name for name in pictures
+    }
 
 
 @pytest.mark.quick(1)
@@ -256,7 +297,9 @@ def test_the_commands_run(command: str, tmp_path: Path, monkeypatch: pytest.Monk
     assert short != command
     printed = good(*shlex.split(short))
     assert re.search(r" [39] motions", printed)
-    assert {path.suffix for path in tmp_path.iterdir()} == ({".nc", ".png"} if "--plot" in command else set())
+    assert {path.suffix for path in tmp_path.iterdir()} == (
+        {".nc", ".png"} if "--plot" in command else set()
+    )
 
 
 @pytest.mark.slow
@@ -266,17 +309,23 @@ def test_example(number: int, tmp_path: Path) -> None:
     code, expected = EXAMPLES[number]
     if "distributed" in code:
         pytest.importorskip("distributed")
-    calm = os.environ | {"DASK_LOGGING__DISTRIBUTED": "error"}  # on a slow machine it warns that a worker ends late
-    result = subprocess.run([sys.executable, "-c", code], cwd=tmp_path, env=calm, capture_output=True, text=True)
+    calm = os.environ | {
+        "DASK_LOGGING__DISTRIBUTED": "error"
+    }  # on a slow machine it warns that a worker ends late
+    result = subprocess.run(
+        [sys.executable, "-c", code], cwd=tmp_path, env=calm, capture_output=True, text=True
+    )
     assert (result.stderr, result.stdout) == ("", expected)
 
 
 def largest_friction(r: float) -> float:
     """Return F/P on the border of motions without stops for the frequency ratio r, with Coulomb friction.
 
-    Den Hartog (Trans. ASME 53, 1931), in the form of Hong and Liu (J. Sound Vib. 229, 2000); all but c are 1.
+    Den Hartog (Trans. ASME 53, 1931), in the form of Hong and Liu (J. Sound Vib. 229, 2000); all
+    but c are 1.
     """
-    V, U = 1 / (1 - r * r), tan(pi / (2 * r)) / r
+    V = 1 / (1 - r * r)
+    U = tan(pi / (2 * r)) / r
 
     def S(u: float) -> float:
         return r * r * (sin(u / r) / r + U * (cos(u) - cos(u / r))) / sin(u)
@@ -284,7 +333,9 @@ def largest_friction(r: float) -> float:
     grid = np.linspace(0, pi, 402)[1:-1]
     best = grid[np.argmax([S(u) for u in grid])]
     near = minimize_scalar(
-        lambda u: -S(u), bounds=(max(best - 0.01, 1e-6), min(best + 0.01, pi - 1e-6)), method="bounded"
+        lambda u: -S(u),
+        bounds=(max(best - 0.01, 1e-6), min(best + 0.01, pi - 1e-6)),
+        method="bounded",
     )
     largest = max(1.0, -near.fun)  # at both ends of (0, pi) it tends to 1 at least
     return abs(V) / sqrt(U * U + (largest / r**2) ** 2)
@@ -299,7 +350,8 @@ def test_the_border_of_the_map_is_the_formulas() -> None:
     step = 0.04
     for ratio in found.Omega.values:
         stops = found.sticks.sel(Omega=ratio)
-        free, stopping = stops.mu1.values[stops.values == 0], stops.mu1.values[stops.values > 0]
+        free = stops.mu1.values[stops.values == 0]
+        stopping = stops.mu1.values[stops.values > 0]
         border = largest_friction(ratio)
         assert free.max() < stopping.min()
         assert free.max() < border + 1e-9, ratio

@@ -18,7 +18,10 @@ mp.dps = 30
 def random_systems(count: int, seed: int) -> list[tuple]:
     """Return random (cm, w0sq, Omega) of all damping regimes."""
     dice = random.Random(seed)
-    rows = [(dice.choice((0, dice.uniform(0, 0.5), dice.uniform(0, 4))), dice.uniform(0.2, 5)) for _ in range(count)]
+    rows = [
+        (dice.choice((0, dice.uniform(0, 0.5), dice.uniform(0, 4))), dice.uniform(0.2, 5))
+        for _ in range(count)
+    ]
     return [(mp.mpf(c), mp.mpf(w), mp.mpf(dice.uniform(0.2, 4))) for c, w in rows]
 
 
@@ -44,7 +47,8 @@ def as_floats(letters):
 
 def test_transition_is_the_free_motion() -> None:
     for c, w, _ in random_systems(3, 1):
-        letters, matrix = as_floats(basis(c, w, mp.mpf("0.7"))), free_motion(c, w, mp.mpf("0.7"))
+        letters = as_floats(basis(c, w, mp.mpf("0.7")))
+        matrix = free_motion(c, w, mp.mpf("0.7"))
         for i in range(2):
             for j in range(2):
                 assert abs(value(coulomb.transition()[i, j], letters) - matrix[i, j]) < 1e-24
@@ -57,8 +61,10 @@ def test_half_a_period_takes_the_highest_point_to_the_lowest() -> None:
         half = mp.pi / turn
         letters = as_floats(basis(c, w, half) | {Omega: turn})
         G, H = (value(part, letters) for part in coulomb.half_period())
-        x_f, x_0 = mp.mpf("0.3"), mp.mpf("1.7")
-        p, q = x_0 + G * x_f, H * x_f
+        x_f = mp.mpf("0.3")
+        x_0 = mp.mpf("1.7")
+        p = x_0 + G * x_f
+        q = H * x_f
         end = free_motion(c, w, half) * mp.matrix([x_0 - p - x_f, -turn * q])
         assert abs(end[0] + x_f - p + x_0) < 1e-20
         assert abs(end[1] - turn * q) < 1e-20
@@ -71,10 +77,17 @@ def test_velocity_and_its_bound() -> None:
         half = as_floats(basis(c, w, mp.pi / turn) | {Omega: turn})
         G, H = (value(part, half) for part in coulomb.half_period())
         for angle in (mp.mpf("0.4"), mp.mpf("2.4")):
-            here = basis(c, w, angle / turn) | {Omega: turn, coulomb.G: G, coulomb.H: H, coulomb.phi: angle}
-            B, x_f = value(coulomb.slide_function(), as_floats(here)), mp.mpf("0.3")
+            here = basis(c, w, angle / turn) | {
+                Omega: turn,
+                coulomb.G: G,
+                coulomb.H: H,
+                coulomb.phi: angle,
+            }
+            B = value(coulomb.slide_function(), as_floats(here))
+            x_f = mp.mpf("0.3")
             for above in (0, mp.mpf("0.01")):
-                p, q = (B + above) * x_f, H * x_f
+                p = (B + above) * x_f
+                q = H * x_f
                 free = free_motion(c, w, angle / turn) * mp.matrix([-G * x_f - x_f, -turn * q])
                 rate = free[1] / turn - p * mp.sin(angle) + q * mp.cos(angle)
                 assert abs(rate) < 1e-20 if not above else rate < 0
@@ -86,8 +99,15 @@ def test_limit_of_the_bound_at_the_turning_point() -> None:
         half = as_floats(basis(c, w, mp.pi / turn) | {Omega: turn})
         G, H = (value(part, half) for part in coulomb.half_period())
         angle = mp.mpf("1e-8")
-        letters = basis(c, w, angle / turn) | {Omega: turn, coulomb.G: G, coulomb.H: H, coulomb.phi: angle}
-        near, limit = (value(f, as_floats(letters)) for f in (coulomb.slide_function(), coulomb.slide_limit()))
+        letters = basis(c, w, angle / turn) | {
+            Omega: turn,
+            coulomb.G: G,
+            coulomb.H: H,
+            coulomb.phi: angle,
+        }
+        near, limit = (
+            value(f, as_floats(letters)) for f in (coulomb.slide_function(), coulomb.slide_limit())
+        )
         assert abs(near - limit) < 1e-6 * max(1, abs(limit))
 
 
@@ -95,10 +115,19 @@ def test_ratio_is_that_of_the_accelerations_in_the_equation_of_motion() -> None:
     """m = 1: x'' = P cos(theta) - k x -+ F with P cos(theta) = (k - Omega^2) p_0 + c Omega q_0, and x' = 0."""
     for c, w, turn in random_systems(6, 5):
         x_0, x_f, G, H = (mp.mpf(text) for text in ("1.3", "0.2", "0.15", "-0.4"))
-        p, q = x_0 + G * x_f, H * x_f
+        p = x_0 + G * x_f
+        q = H * x_f
         push = (w - turn**2) * p + c * turn * q
         expected = (push - w * (x_0 - x_f)) / (push - w * (x_0 + x_f))
-        letters = {cm: c, w0sq: w, Omega: turn, coulomb.G: G, coulomb.H: H, coulomb.x_0: x_0, coulomb.x_f: x_f}
+        letters = {
+            cm: c,
+            w0sq: w,
+            Omega: turn,
+            coulomb.G: G,
+            coulomb.H: H,
+            coulomb.x_0: x_0,
+            coulomb.x_f: x_f,
+        }
         assert abs(value(coulomb.ratio(), as_floats(letters)) - expected) < 1e-22
 
 
@@ -114,10 +143,16 @@ def test_den_hartogs_form_is_the_derived_one(which: int) -> None:
 
 @pytest.mark.slow
 def test_undamped_forms() -> None:
-    free, forms = solution.REGIMES["undamped"], coulomb.den_hartog_undamped()
-    G, H = (coulomb.closed(part, free).subs(solution.omega_0, Omega / coulomb.r) for part in coulomb.half_period())
+    free = solution.REGIMES["undamped"]
+    forms = coulomb.den_hartog_undamped()
+    G, H = (
+        coulomb.closed(part, free).subs(solution.omega_0, Omega / coulomb.r)
+        for part in coulomb.half_period()
+    )
     assert sp.simplify(G) == 0
-    B = coulomb.closed(coulomb.slide_function(), free, coulomb.phi / Omega).subs(solution.omega_0, Omega / coulomb.r)
+    B = coulomb.closed(coulomb.slide_function(), free, coulomb.phi / Omega).subs(
+        solution.omega_0, Omega / coulomb.r
+    )
     for ratio in (0.3, 0.8, 1.5):
         U = forms[coulomb.U].subs(coulomb.r, ratio)
         assert abs(sp.N(H.subs(coulomb.r, ratio) - U)) < 1e-12
@@ -126,6 +161,8 @@ def test_undamped_forms() -> None:
 
 
 def test_growth_and_decay() -> None:
-    P, F, k = coulomb.P, coulomb.F, solution.k
+    P = coulomb.P
+    F = coulomb.F
+    k = solution.k
     assert sp.simplify(coulomb.resonance_growth() - (sp.pi * P - 4 * F) / k) == 0
     assert coulomb.free_decay() == 2 * coulomb.x_f

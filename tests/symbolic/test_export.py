@@ -1,4 +1,7 @@
-"""Exported source: complete, minimal, right in every language that can be run here; and what is refused."""
+"""Exported source: complete, minimal, right in every language that can be run here.
+
+And what is refused.
+"""
 
 from __future__ import annotations
 
@@ -45,7 +48,8 @@ REGIMES = {
 
 def points(rng: random.Random, word: str, p: Parameters) -> list[float]:
     """Return random switching points with durations from 1e-3 to 3."""
-    z, theta = [rng.uniform(-5, 5), rng.uniform(0, 6)], 0.0
+    z = [rng.uniform(-5, 5), rng.uniform(0, 6)]
+    theta = 0.0
     theta = z[1]
     for _ in read_word(word, closed=False).labels:
         theta += float(p.Omega) * 10 ** rng.uniform(-3, 0.5)
@@ -56,11 +60,13 @@ def points(rng: random.Random, word: str, p: Parameters) -> list[float]:
 def truth(word: str, z: list[float], p: Parameters) -> tuple[np.ndarray, np.ndarray]:
     """Return residual and Jacobian of the library with 40 digits, rounded."""
     read = read_word(word, closed=False)
-    f, J = [], []
+    f = []
+    J = []
     with mp.workdps(40):
         exact = [mp.mpf(value) for value in z]
         for n, (label, exit) in enumerate(zip(read.labels, read.exits(), strict=True)):
-            start, end = exact[2 * n : 2 * n + 2], exact[2 * n + 2 : 2 * n + 4]
+            start = exact[2 * n : 2 * n + 2]
+            end = exact[2 * n + 2 : 2 * n + 4]
             exit = exit or ("below" if label in ("P1", "P4") else None)
             f += equations.residual(p, label, start, end, exit)
             J.append(equations.jacobian(p, label, start, end, exit))
@@ -73,8 +79,12 @@ def check(evaluate: Evaluate, word: str, p: Parameters, count: int = 10, seed: s
         z = points(rng, word, p)
         f, J = evaluate(z, p)
         exact_f, exact_J = truth(word, z, p)
-        np.testing.assert_allclose(np.array(f), exact_f, rtol=0, atol=1e-11 * (1 + np.abs(exact_f).max()))
-        np.testing.assert_allclose(np.array(J), exact_J, rtol=0, atol=1e-11 * (1 + np.abs(exact_J).max()))
+        np.testing.assert_allclose(
+            np.array(f), exact_f, rtol=0, atol=1e-11 * (1 + np.abs(exact_f).max())
+        )
+        np.testing.assert_allclose(
+            np.array(J), exact_J, rtol=0, atol=1e-11 * (1 + np.abs(exact_J).max())
+        )
 
 
 def load(text: str) -> types.ModuleType:
@@ -88,7 +98,10 @@ def python(word: str, language: str = "python", fix: Parameters | None = None) -
     module = load(export(word, language, fix, "made")["made.py"])
 
     def evaluate(z: list[float], p: Parameters) -> tuple[Any, Any]:
-        rest = [] if fix else [module.constants(**by_name(p, float))]
+        if fix:
+            rest = []
+        else:
+            rest = [module.constants(**by_name(p, float))]
         if language == "python":
             return module.residual(z, *rest), module.jacobian(z, *rest)
         columns = [np.array([value, value]) for value in z]
@@ -100,14 +113,23 @@ def python(word: str, language: str = "python", fix: Parameters | None = None) -
 
 
 def compiled(folder: Path, word: str, fix: Parameters | None = None) -> Evaluate:
-    source = next(path for path in write_export(folder, word, "c", fix, "made") if path.suffix == ".c")
+    source = next(
+        path for path in write_export(folder, word, "c", fix, "made") if path.suffix == ".c"
+    )
     library = source.with_suffix(".so")
-    subprocess.run([*COMPILER, str(source), "-o", str(library), "-lm"], check=True, capture_output=True, text=True)
+    subprocess.run(
+        [*COMPILER, str(source), "-o", str(library), "-lm"],
+        check=True,
+        capture_output=True,
+        text=True,
+    )
     made = ctypes.CDLL(str(library))
     n = len(read_word(word, closed=False).labels)
 
     def evaluate(z: list[float], p: Parameters) -> tuple[Any, Any]:
-        points_, f, J = (ctypes.c_double * len(z))(*z), (ctypes.c_double * (2 * n))(), (ctypes.c_double * (8 * n))()
+        points_ = (ctypes.c_double * len(z))(*z)
+        f = (ctypes.c_double * (2 * n))()
+        J = (ctypes.c_double * (8 * n))()
         K = []
         if fix is None:
             K = [ctypes.create_string_buffer(400)]
@@ -127,7 +149,9 @@ def test_c_agrees_with_mpmath_in_every_regime(tmp_path: Path) -> None:
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize(("word", "scene"), [("P32", "fig9"), ("P4645", "fig10"), ("P1", "fig5"), ("P768", "fig8")])
+@pytest.mark.parametrize(
+    ("word", "scene"), [("P32", "fig9"), ("P4645", "fig10"), ("P1", "fig5"), ("P768", "fig8")]
+)
 def test_c_with_fixed_parameters(tmp_path: Path, word: str, scene: str) -> None:
     p = load_scene(scene).parameters
     check(compiled(tmp_path, word, p), word, p, 30)
@@ -165,7 +189,9 @@ def test_exported_source_runs_without_symosc(tmp_path: Path) -> None:
         "print(max(map(abs, p32.residual([4.154920661325319, 0.7266815916972818, -4.224944664197688, 3.96948575613584, "
         "4.154920661325319, 7.009866898876868]))))"
     )
-    run = subprocess.run([sys.executable, "-c", program], cwd=tmp_path, capture_output=True, text=True, check=True)
+    run = subprocess.run(
+        [sys.executable, "-c", program], cwd=tmp_path, capture_output=True, text=True, check=True
+    )
     assert float(run.stdout) < 1e-13
 
 
@@ -175,23 +201,30 @@ def test_numpy_takes_numbers_and_arrays_that_broadcast(fix: Parameters | None) -
     rng = np.random.default_rng(5)
     for word in ("P1", "P4", "P2", "P32", "P4645", ALL):
         n = len(read_word(word, closed=False).labels)
-        module, scalar = (load(export(word, language, fix, "made")["made.py"]) for language in ("numpy", "python"))
+        module, scalar = (
+            load(export(word, language, fix, "made")["made.py"]) for language in ("numpy", "python")
+        )
         p = fix or REGIMES["near critical"]
         K = [
             [] if fix else [each.constants(**{k: float(getattr(p, k)) for k in PARAMETER_NAMES})]
             for each in (module, scalar)
         ]
         for shape in ((), (1,), (0,), (3, 2)):
-            # Positions are arrays, most phases numbers: what a map does not depend on must not change a shape.
+            # Positions are arrays, most phases numbers: what a map does not depend on must not
+            # change a shape.
             theta = np.cumsum(rng.uniform(0.01, 3, n + 1))
             z = [part for at in theta for part in (rng.uniform(-5, 5, shape), at)]
             z[-1] = z[-1] + rng.uniform(0, 1, shape[1:])
-            f, J = module.residual(z, *K[0]), np.array(module.jacobian(z, *K[0]))
+            f = module.residual(z, *K[0])
+            J = np.array(module.jacobian(z, *K[0]))
             assert f.shape == (2 * n, *shape)
             assert J.shape == (n, 2, 4, *shape)
             for place in np.ndindex(shape):
                 point = [float(np.broadcast_to(part, shape)[place]) for part in z]
-                expected = np.array(scalar.residual(point, *K[1])), np.array(scalar.jacobian(point, *K[1]))
+                expected = (
+                    np.array(scalar.residual(point, *K[1])),
+                    np.array(scalar.jacobian(point, *K[1])),
+                )
                 np.testing.assert_allclose(f[:, *place], expected[0], rtol=1e-11, atol=1e-11)
                 np.testing.assert_allclose(J[..., *place], expected[1], rtol=1e-11, atol=1e-11)
         for name, function in vars(module).items():
@@ -205,14 +238,21 @@ def test_julia_agrees_with_mpmath(tmp_path: Path) -> None:
     for word, fix in ((ALL, None), ("P4645", load_scene("fig10").parameters)):
         (path,) = write_export(tmp_path, word, "julia", fix, "made", force=True)
 
-        def evaluate(z: list[float], p: Parameters, path: Path = path, fix: Any = fix) -> tuple[Any, Any]:
+        def evaluate(
+            z: list[float], p: Parameters, path: Path = path, fix: Any = fix
+        ) -> tuple[Any, Any]:
             given = ", ".join(f"{name} = {value!r}" for name, value in by_name(p, float).items())
-            rest = "" if fix else f", Made.constants(; {given})"
+            if fix:
+                rest = ""
+            else:
+                rest = f", Made.constants(; {given})"
             program = (
                 f'include("{path}"); println(Made.residual({z}{rest})); '
                 f"println(reduce(vcat, [vec(permutedims(J)) for J in Made.jacobian({z}{rest})]))"
             )
-            run = subprocess.run(["julia", "-e", program], capture_output=True, text=True, check=True)
+            run = subprocess.run(
+                ["julia", "-e", program], capture_output=True, text=True, check=True
+            )
             f, J = map(json.loads, run.stdout.splitlines())
             return f, np.array(J).reshape(-1, 2, 4)
 
@@ -265,12 +305,16 @@ def test_a_file_with_another_content_stays(tmp_path: Path) -> None:
 
 
 def printed(text: str) -> np.ndarray:
-    return np.array([float(number) for number in re.findall(r"(?<![\w.])-?\d+\.?\d*(?:e[+-]?\d+)?", text)])
+    return np.array(
+        [float(number) for number in re.findall(r"(?<![\w.])-?\d+\.?\d*(?:e[+-]?\d+)?", text)]
+    )
 
 
 @pytest.mark.quick(3)
 @pytest.mark.parametrize(
-    "fix", [None, REGIMES["overdamped"].replace(mu1="1/3")], ids=["parameters given", "parameters fixed"]
+    "fix",
+    [None, REGIMES["overdamped"].replace(mu1="1/3")],
+    ids=["parameters given", "parameters fixed"],
 )
 @pytest.mark.parametrize("language", ["c", "python", "numpy", "julia"])
 def test_the_caller_of_a_source_runs(language: str, fix: Parameters | None, tmp_path: Path) -> None:
@@ -292,7 +336,11 @@ def test_the_caller_of_a_source_runs(language: str, fix: Parameters | None, tmp_
     f, J = truth("P3121", z, fix or load_scene("fig9").parameters)
     expected = np.concatenate([f, J.ravel()])
     found = printed(re.sub(r"\[\d+\]|nothing|Float64", "", text))
-    found = found.reshape(-1, 2)[:, 0] if language == "numpy" else found
-    digits = 1e-6 if language == "numpy" else 1e-12
+    if language == "numpy":
+        found = found.reshape(-1, 2)[:, 0]
+    if language == "numpy":
+        digits = 1e-6
+    else:
+        digits = 1e-12
     if language != "julia":  # whose matrices are printed by rows
         np.testing.assert_allclose(found, expected, rtol=digits, atol=digits)

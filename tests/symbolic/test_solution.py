@@ -21,7 +21,10 @@ def test_the_letters_of_a_regime_mean_what_they_say(regime: s.Regime) -> None:
     # On the condition's equations (c^2 = 4 k m, k = 0, ...) the letters give back c/m and k/m.
     solved = {}
     for equation in regime.condition.atoms(sp.Eq):
-        unknown = s.k if equation.has(s.k) else s.c
+        if equation.has(s.k):
+            unknown = s.k
+        else:
+            unknown = s.c
         solved[unknown] = sp.solve(equation, unknown)[0]
     for symbol, meaning in ((s.cm, s.c / s.m), (s.w0sq, s.k / s.m)):
         in_letters = regime.parameters()[symbol].xreplace(regime.letters)
@@ -32,8 +35,17 @@ def test_every_parameter_set_belongs_to_one_regime() -> None:
     seen = set()
     for c in (0, 1, 2, 3):
         for k in (0, sp.Rational(1, 2), 1, 4):
-            values = {s.m: sp.Integer(1), s.c: sp.Integer(c), s.k: sp.sympify(k), s.Omega: sp.Integer(2)}
-            names = [regime.name for regime in s.REGIMES.values() if regime.condition.subs(values) == sp.true]
+            values = {
+                s.m: sp.Integer(1),
+                s.c: sp.Integer(c),
+                s.k: sp.sympify(k),
+                s.Omega: sp.Integer(2),
+            }
+            names = [
+                regime.name
+                for regime in s.REGIMES.values()
+                if regime.condition.subs(values) == sp.true
+            ]
             assert len(names) == 1, (c, k, names)
             seen.update(names)
     assert seen == set(s.REGIMES)
@@ -43,9 +55,11 @@ def test_every_parameter_set_belongs_to_one_regime() -> None:
 @pytest.mark.slow
 @REGIMES
 def test_one_power_series_for_all_regimes(regime: s.Regime) -> None:
-    # Repeated differentiation gives Taylor coefficients that are polynomials in cm, w0sq, Omega: no regime in sight.
+    # Repeated differentiation gives Taylor coefficients that are polynomials in cm, w0sq, Omega: no
+    # regime in sight.
     for f in s.BASIS:
-        derivative, closed = f, regime.basis()[f]
+        derivative = f
+        closed = regime.basis()[f]
         for order in range(5):
             universal = derivative.xreplace(s.start_values()).xreplace(regime.parameters())
             special = closed.diff(s.tau, order).xreplace({s.tau: sp.Integer(0)})
@@ -63,7 +77,10 @@ def test_first_g_function_is_the_papers() -> None:
 
 @pytest.mark.parametrize("order", range(1, 7))
 def test_g_functions_by_recurrence(order: int) -> None:
-    before = s.g_function(order - 2) if order > 1 else s.v
+    if order > 1:
+        before = s.g_function(order - 2)
+    else:
+        before = s.v
     found = s.next_derivative(s.g_function(order - 1), before, s.forcing(order))
     assert sp.expand(found - s.g_function(order)) == 0
 
@@ -83,7 +100,10 @@ def test_force_on_a_belt() -> None:
     wave = sp.cos(s.theta_i + s.Omega * s.tau) - sp.cos(s.theta_i)
     F_i = s.acceleration(s.x_i, s.v, s.theta_i)
     on_belt = s.stick_acceleration(F_i, wave)
-    assert sp.expand(on_belt - s.acceleration(s.x_i + s.v * s.tau, s.v, s.theta_i + s.Omega * s.tau)) == 0
+    assert (
+        sp.expand(on_belt - s.acceleration(s.x_i + s.v * s.tau, s.v, s.theta_i + s.Omega * s.tau))
+        == 0
+    )
     # model: m dF/dt = -(k v_lambda + B0 Omega sin Omega t)
     rate = s.in_paper_letters(on_belt.diff(s.tau))
     paper = -(s.k * s.v + s.B0 * s.Omega * sp.sin(s.Omega * s.t_i + s.Omega * s.tau)) / s.m

@@ -63,7 +63,13 @@ LACKING = [
     ("P6", "(58.1) shifted by pi", 3, -5, Interval.open(CUT, pi - CUT)),
     ("P6", "(58.2) shifted by pi", 5, -5, S.EmptySet),
     ("P6", "(58.3) shifted by pi", 0, -5, UPPER),
-    ("P6", "(58.4) shifted by pi", -3, -5, Interval.Ropen(0, pi + CUT) + Interval.open(2 * pi - CUT, 2 * pi)),
+    (
+        "P6",
+        "(58.4) shifted by pi",
+        -3,
+        -5,
+        Interval.Ropen(0, pi + CUT) + Interval.open(2 * pi - CUT, 2 * pi),
+    ),
     ("P6", "(58.5) shifted by pi", -5, -5, NO_BOTTOM),
     ("P6", "(58.6) shifted by pi", -7, -5, CIRCLE),
 ]
@@ -82,7 +88,9 @@ def test_printed_case(mapping: str, number: str) -> None:
 
 
 @pytest.mark.parametrize(("mapping", "label", "level", "amplitude", "expected"), LACKING)
-def test_case_that_the_paper_lacks(mapping: str, label: str, level: int, amplitude: int, expected: Any) -> None:
+def test_case_that_the_paper_lacks(
+    mapping: str, label: str, level: int, amplitude: int, expected: Any
+) -> None:
     assert printed(mapping, level, amplitude) == expected
     assert _label(mapping, level, amplitude) == label
 
@@ -94,10 +102,16 @@ def test_case_that_the_paper_lacks(mapping: str, label: str, level: int, amplitu
 def test_full_order_adds_the_tangency_of_fourth_order_and_nothing_else(
     mapping: str, amplitude: int, level: int
 ) -> None:
-    first, full = printed(mapping, level, amplitude), theorem7(mapping, level, amplitude)
-    graze = level > 0 if mapping in ("P2", "P5") else level < 0
+    first = printed(mapping, level, amplitude)
+    full = theorem7(mapping, level, amplitude)
+    if mapping in ("P2", "P5"):
+        graze = level > 0
+    else:
+        graze = level < 0
     assert full == (CIRCLE if graze else S.EmptySet)
-    assert full - first == (sp.FiniteSet(pi / 2 if amplitude * level < 0 else 3 * pi / 2) if graze else S.EmptySet)
+    assert full - first == (
+        sp.FiniteSet(pi / 2 if amplitude * level < 0 else 3 * pi / 2) if graze else S.EmptySet
+    )
     for other in (3, 0, -3, 7, -7):
         assert theorem7(mapping, other, amplitude) == printed(mapping, other, amplitude)
 
@@ -111,13 +125,17 @@ LINES = (gamma, a, gamma - a, gamma + a)
 @pytest.mark.parametrize("order", ["paper", "full"])
 def test_exactly_one_case_holds_everywhere(mapping: str, order: str) -> None:
     """A proof: each condition asks for signs of four linear forms only, so it is constant on each of the cells into
-    which their four lines through the origin cut the plane; one point of each of the 17 cells is tried."""
+    which their four lines through the origin cut the plane; one point of each of the 17 cells is
+    tried."""
     cases = theorem7(mapping, gamma, a, order)
     for case in cases:
         for relation in case.condition.atoms(sp.core.relational.Relational):
             form = sp.expand(relation.lhs - relation.rhs)
-            assert any(sp.expand(form - sign * line) == 0 for line in LINES for sign in (1, -1)), relation
-    # Corners of a square around the origin, and what lies between: all rays, all sectors, and the origin.
+            assert any(sp.expand(form - sign * line) == 0 for line in LINES for sign in (1, -1)), (
+                relation
+            )
+    # Corners of a square around the origin, and what lies between: all rays, all sectors, and the
+    # origin.
     points = [(2, 0), (2, 1), (2, 2), (1, 2), (0, 2), (-1, 2), (-2, 2), (-2, 1)]
     points += [(-x, -y) for x, y in points] + [(0, 0)]
     cells = {tuple(sp.sign(line.subs({gamma: x, a: y})) for line in LINES) for x, y in points}
@@ -128,7 +146,12 @@ def test_exactly_one_case_holds_everywhere(mapping: str, order: str) -> None:
         phases = held[0].phases.subs({gamma: x, a: y})
         assert sp.Union(phases, S.EmptySet) == sp.Union(theorem7(mapping, x, y, order), S.EmptySet)
         assert held[0].label == _label(mapping, x, y)
-    used = {case.label for case in cases for x, y in points if case.condition.subs({gamma: x, a: y}) == sp.true}
+    used = {
+        case.label
+        for case in cases
+        for x, y in points
+        if case.condition.subs({gamma: x, a: y}) == sp.true
+    }
     assert used == {case.label for case in cases}  # none is superfluous
 
 
@@ -140,7 +163,8 @@ def test_exactly_one_case_holds_everywhere(mapping: str, order: str) -> None:
         (
             pi,
             Rational(22, 7),
-            Interval.Ropen(0, pi + asin(7 * pi / 22)) + Interval.open(2 * pi - asin(7 * pi / 22), 2 * pi),
+            Interval.Ropen(0, pi + asin(7 * pi / 22))
+            + Interval.open(2 * pi - asin(7 * pi / 22), 2 * pi),
         ),
         (-1, 2, Interval.open(pi / 6, 5 * pi / 6)),
         (sp.sqrt(2) * sp.sqrt(3) - sp.sqrt(6), 1, UPPER),
@@ -152,7 +176,9 @@ def test_algebraic_and_other_real_numbers(level: Any, amplitude: Any, expected: 
     found = printed("P2", level, amplitude)
     if expected is None:
         cut = asin(Rational(level, amplitude))
-        expected = sp.Union(Interval.Ropen(0, pi + cut), Interval.open(2 * pi - cut, 2 * pi), evaluate=False)
+        expected = sp.Union(
+            Interval.Ropen(0, pi + cut), Interval.open(2 * pi - cut, 2 * pi), evaluate=False
+        )
     assert found == expected
 
 
@@ -161,11 +187,17 @@ def test_signs_that_need_many_digits() -> None:
     assert sign_of(near) == 1
     assert sign_of(-near) == -1
     assert sign_of(sp.sin(pi / 7) * 0 + sp.cos(pi / 5) - (1 + sp.sqrt(5)) / 4) == 0
-    assert sign_of(sp.sin(asin(Rational(1, 3)) + asin(Rational(2, 3))) - (sp.sqrt(5) + 4 * sp.sqrt(2)) / 9) == 0
+    assert (
+        sign_of(
+            sp.sin(asin(Rational(1, 3)) + asin(Rational(2, 3))) - (sp.sqrt(5) + 4 * sp.sqrt(2)) / 9
+        )
+        == 0
+    )
 
 
 @pytest.mark.parametrize(
-    "bad", ["abc", "", None, float("nan"), float("inf"), sp.oo, sp.nan, sp.zoo, sp.I, 1 + sp.I, True]
+    "bad",
+    ["abc", "", None, float("nan"), float("inf"), sp.oo, sp.nan, sp.zoo, sp.I, 1 + sp.I, True],
 )
 def test_what_is_no_real_number(bad: Any) -> None:
     with pytest.raises(ParameterError, match="gamma"):
@@ -183,4 +215,6 @@ def test_a_constant_that_only_algebra_shows_to_be_0() -> None:
 
 def _label(mapping: str, level: int, amplitude: int) -> str:
     cases = theorem7(mapping, gamma, a)
-    return next(case.label for case in cases if case.condition.subs({gamma: level, a: amplitude}) == sp.true)
+    return next(
+        case.label for case in cases if case.condition.subs({gamma: level, a: amplitude}) == sp.true
+    )

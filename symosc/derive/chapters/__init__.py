@@ -1,7 +1,8 @@
 """The chapters, in reading order.
 
-Each module has a TITLE and items(scope), which returns what `symosc.derive.steps` defines: LaTeX text, steps, tables
-and figures. A chapter's key is its name everywhere: of its module, its file, and in the paper's claims.
+Each module has a TITLE and items(scope), which returns what `symosc.derive.steps` defines: LaTeX
+text, steps, tables and figures. A chapter's key is its name everywhere: of its module, its file,
+and in the paper's claims.
 """
 
 #: What each chapter is about.

@@ -1,4 +1,7 @@
-"""Borders between words: what vanishes, the names of the literature, and why an atlas of words is complete."""
+"""Borders between words.
+
+What vanishes, the names of the literature, and why an atlas of words is complete.
+"""
 
 from __future__ import annotations
 
@@ -7,7 +10,17 @@ import sympy as sp
 from symosc.derive.latex import named
 from symosc.derive.published import wall
 from symosc.derive.scope import LOWER, UPPER, F, G, Scope, mu_lambda, v_lambda
-from symosc.derive.steps import CONTEXT, Items, Table, at_root, decimal, equation, number, sign, step
+from symosc.derive.steps import (
+    CONTEXT,
+    Items,
+    Table,
+    at_root,
+    decimal,
+    equation,
+    number,
+    sign,
+    step,
+)
 from symosc.model import Parameters
 from symosc.orbits.branch import continue_orbit
 from symosc.scenes import load_scene
@@ -22,12 +35,19 @@ NAMES = ("grazing-sliding", "crossing-sliding", "switching-sliding", "adding-sli
 def items(scope: Scope) -> Items:
     """Yield the chapter: the four kinds of border between words, examples, and why an atlas is complete."""
     jump = -2 * mu_lambda * FN / m
-    on_belt = solution.in_paper_letters(solution.acceleration(solution.x_i, v_lambda)).subs(Omega * t, theta)
-    first = solution.in_paper_letters(solution.g_function(1)).subs({Omega * t: theta, solution.v: v_lambda})
-    moving = solution.in_paper_letters(solution.acceleration(solution.x_i + v_lambda * t, v_lambda, Omega * t))
+    on_belt = solution.in_paper_letters(solution.acceleration(solution.x_i, v_lambda)).subs(
+        Omega * t, theta
+    )
+    first = solution.in_paper_letters(solution.g_function(1)).subs(
+        {Omega * t: theta, solution.v: v_lambda}
+    )
+    moving = solution.in_paper_letters(
+        solution.acceleration(solution.x_i + v_lambda * t, v_lambda, Omega * t)
+    )
     rate = moving.diff(t).subs(Omega * t, theta)
     same = {G(1): first.subs(solution.x, solution.x_i), F(r"\alpha"): on_belt, RATE: rate}
-    touched, place = named(r"\sin\theta_m"), named("x_m")
+    touched = named(r"\sin\theta_m")
+    place = named("x_m")
     still = {touched: sp.solve(rate.subs(sp.sin(theta), touched), touched)[0]}
     found = sp.solve(on_belt, solution.x_i)[0].subs(theta, named(r"\theta_m"))
     # The letters of a belt with friction.
@@ -48,7 +68,12 @@ def items(scope: Scope) -> Items:
         equation(F(UPPER), jump, {F(UPPER): F(LOWER) + jump, F(LOWER): 0}, "other"),
         r"and if $F^{(\lambda+1)} = 0$ then",
         equation(F(LOWER), -jump, {F(LOWER): F(UPPER) - jump, F(UPPER): 0}),
-        step(2 * sp.Symbol(r"\mu_\lambda", positive=True) * sp.Symbol("F_N", positive=True) / m, ">", 0, sign()),
+        step(
+            2 * sp.Symbol(r"\mu_\lambda", positive=True) * sp.Symbol("F_N", positive=True) / m,
+            ">",
+            0,
+            sign(),
+        ),
         r"so the acceleration of the other side always pushes towards the belt. Along the flow of $\Omega_\alpha$ and "
         r"along the belt $F^{(\alpha)}$ has the same rate there,",
         equation(G(1), RATE - c * F(r"\alpha") / m, same, "rate"),
@@ -114,13 +139,28 @@ def items(scope: Scope) -> Items:
 
 
 def _names_table() -> Table:
-    """Return the table of the four kinds of border: what is 0 there, and what a branch's end is called."""
+    """Return the table of the four kinds of border.
+
+    What is 0 there, and what a branch's end is called.
+    """
     graze = "grazing", "grazing, or vanishing of a stick"
     rows = (
         (NAMES[0], r"$\dot{x} = v_\lambda$ in a flight", r"$\sqrt{\epsilon}$", *graze),
-        (NAMES[1], r"$F^{(\alpha)} = 0$ at a passage", r"$\epsilon$", "birth of a stick", "vanishing of a stick"),
+        (
+            NAMES[1],
+            r"$F^{(\alpha)} = 0$ at a passage",
+            r"$\epsilon$",
+            "birth of a stick",
+            "vanishing of a stick",
+        ),
         (NAMES[2], r"$F^{(\alpha)} = 0$ at an onset", r"$\epsilon$", "birth of a slip", "grazing"),
-        (NAMES[3], r"$F^{(\alpha)} = 0$ in a stick", r"$\sqrt{\epsilon}$", "birth of a slip", "vanishing of a slip"),
+        (
+            NAMES[3],
+            r"$F^{(\alpha)} = 0$ in a stick",
+            r"$\sqrt{\epsilon}$",
+            "birth of a slip",
+            "vanishing of a slip",
+        ),
     )
     return Table(
         "tab:borders-names",
@@ -134,27 +174,56 @@ def _names_table() -> Table:
 #: Below this a rate counts as 0: it is known from the end of a branch in doubles.
 LEAST = sp.Rational(1, 10**4)
 _WALL = wall("0.4", "0.4", "0.1")
-#: Where, its parameters, a word, the parameter and its range, which end, the belt; the border, is the rate < 0.
+#: Where, its parameters, a word, the parameter and its range, which end, the belt; the border, is
+#: the rate < 0.
 EXAMPLES: tuple[tuple[str, Parameters, str, str, tuple[str, str], int, int, str, bool], ...] = (
     ("Fig.~9", load_scene("fig9").parameters, "P32", "Omega", ("3", "6"), 1, 2, NAMES[0], True),
     ("Fig.~9", load_scene("fig9").parameters, "P32", "Omega", ("3", "6"), 0, 1, NAMES[1], True),
     ("at a wall", _WALL, "P1312", "mu1", ("0.1", "0.5"), 0, 1, NAMES[2], True),
-    ("Fig.~10", load_scene("fig10").parameters, "P4645", "Omega", ("0.6", "3"), 0, 2, NAMES[3], False),
+    (
+        "Fig.~10",
+        load_scene("fig10").parameters,
+        "P4645",
+        "Omega",
+        ("0.6", "3"),
+        0,
+        2,
+        NAMES[3],
+        False,
+    ),
 )
 
 
 def _examples_table() -> Table:
-    """Return the table of examples: ends of branches, and the rate of change of the vanishing acceleration there."""
-    rows, signs = [], []
+    """Return the table of examples.
+
+    Ends of branches, and the rate of change of the vanishing acceleration there.
+    """
+    rows = []
+    signs = []
     for where, p, word, name, ends, which, belt, border, negative in EXAMPLES:
         end = continue_orbit(p, word, name, ends).ends[which]
-        there, letter = p.replace(**{name: end.value}), {"Omega": r"\Omega", "mu1": r"\mu_1"}[name]
+        there = p.replace(**{name: end.value})
+        letter = {"Omega": r"\Omega", "mu1": r"\mu_1"}[name]
         phase = number(there.Omega) * number(end.conditions[0].t)
-        push = number(there.k * there.belt(belt)) + number(there.B0 * there.Omega) * CONTEXT.sin(phase)
+        push = number(there.k * there.belt(belt)) + number(there.B0 * there.Omega) * CONTEXT.sin(
+            phase
+        )
         rate = sp.Float(CONTEXT.nstr(-push / number(there.m), 20), 20)
-        signs.append(step(rate if negative else sp.Abs(rate), "<", 0 if negative else LEAST, at_root(dict)))
+        signs.append(
+            step(rate if negative else sp.Abs(rate), "<", 0 if negative else LEAST, at_root(dict))
+        )
         cell = decimal("z", end.value, 7)
-        rows.append((border, f"$P_{{{word[1:]}}}$, {where}", f"${letter}$", cell, end.kind, decimal("z", rate, 3)))
+        rows.append(
+            (
+                border,
+                f"$P_{{{word[1:]}}}$, {where}",
+                f"${letter}$",
+                cell,
+                end.kind,
+                decimal("z", rate, 3),
+            )
+        )
     return Table(
         "tab:borders-examples",
         r"An example of each: ends of branches in one parameter, and the rate there, with belt 2 in Fig.~9 (the graze) "

@@ -1,4 +1,7 @@
-"""Proof of each kind of certificate: interval Newton, Krawczyk, Brouwer, Banach; and that no event is missed."""
+"""Proof of each kind of certificate: interval Newton, Krawczyk, Brouwer, Banach.
+
+And that no event is missed.
+"""
 
 from __future__ import annotations
 
@@ -15,13 +18,18 @@ TITLE = "Certificates"
 
 U, W = sp.symbols("u w", positive=True)
 RATE = sp.Symbol("h", nonnegative=True)
-ONE, TWO, TRACE, DET = named(r"\rho_1"), named(r"\rho_2"), named("T"), named("D")
-SECOND, FOURTH = named(r"\ddot{g}"), named(r"g^{(4)}")
+ONE = named(r"\rho_1")
+TWO = named(r"\rho_2")
+TRACE = named("T")
+DET = named("D")
+SECOND = named(r"\ddot{g}")
+FOURTH = named(r"g^{(4)}")
 
 
 def items(scope: Scope) -> Items:
     """Yield the chapter: why enclosures prove motions, orbits, branches, motions that settle, and grazing windows."""
-    x, y = sp.Symbol("x", real=True), sp.Symbol("Y", real=True)
+    x = sp.Symbol("x", real=True)
+    y = sp.Symbol("Y", real=True)
     f = sp.Function("f")(x)
     yield (
         r"\subsection{What a ball proves}",
@@ -174,24 +182,32 @@ def items(scope: Scope) -> Items:
     )
     path = sp.Function("x")(t)
     newton = (A + B0 * sp.cos(Omega * t) - c * path.diff(t) - k * path) / m
-    velocity, derivatives = path.diff(t), [newton]
+    velocity = path.diff(t)
+    derivatives = [newton]
     for _ in range(3):
         derivatives.append(derivatives[-1].diff(t).subs(path.diff(t, 2), newton))
     # At the contact x' = v_lambda and x'' = F = 0, which gives x.
     place = sp.solve(newton.subs(velocity, v_lambda), path)[0]
-    at = [each.subs(velocity, v_lambda).subs(path, place).subs(Omega * t, theta) for each in derivatives]
+    at = [
+        each.subs(velocity, v_lambda).subs(path, place).subs(Omega * t, theta)
+        for each in derivatives
+    ]
     touch = at[3].subs(sp.cos(theta), 0).subs(sp.sin(theta), -k * v_lambda / (B0 * Omega))
     yield (
         r"\subsection{Windows: every phase}",
         r"\begin{lemma}[a contact without force]\label{thm:certificates-window} "
         r"Let a flight meet a belt with $F = 0$, so that $g = \dot{g} = 0$ for its gap. Then",
-        equation(SECOND, -(k * v_lambda + B0 * Omega * sp.sin(theta)) / m, sp.simplify(at[1]), "second"),
+        equation(
+            SECOND, -(k * v_lambda + B0 * Omega * sp.sin(theta)) / m, sp.simplify(at[1]), "second"
+        ),
         r"Where this is 0 and $\cos\theta = 0$, also $g''' = 0$ and",
         equation(FOURTH, -k * Omega**2 * v_lambda / m, sp.simplify(touch), "fourth"),
         r"\end{lemma}",
         r"\begin{proof} Differentiate the equation of motion and put $\dot{x} = v_\lambda$, $\ddot{x} = 0$. The third "
         r"derivative is $-(c/m)\ddot{g} - (B_0\Omega^2/m)\cos\theta$.\end{proof}",
-        facts(equation(at[0], 0), equation(at[2], -c / m * at[1] - B0 * Omega**2 / m * sp.cos(theta))),
+        facts(
+            equation(at[0], 0), equation(at[2], -c / m * at[1] - B0 * Omega**2 / m * sp.cos(theta))
+        ),
         r"So the sign of \eqref{eq:certificates-second} decides at every phase but its zeros. Those are the phases "
         r"with $\sin\theta = -k v_\lambda/(B_0\Omega)$, at most two, and between them the sign is constant: one phase "
         r"of each arc proves it. At a zero with $\cos\theta \ne 0$ the gap changes its sign; at one with "
@@ -203,11 +219,22 @@ def items(scope: Scope) -> Items:
 
 def _gap_facts(wave: Any) -> Items:
     """Return two steps of the proof that e^{hu} g/C is convex or concave, for a gap g and C = `wave`, cos or cosh."""
-    C, q = wave(W * U), sp.Function("q")(U)
-    kappa, S = C.diff(U, 2) / C, {sp.cos: sp.sin, sp.cosh: sp.sinh}[wave](W * U) / W
+    C = wave(W * U)
+    q = sp.Function("q")(U)
+    kappa = C.diff(U, 2) / C
+    S = {sp.cos: sp.sin, sp.cosh: sp.sinh}[wave](W * U) / W
     g = sp.exp(-RATE * U) * C * q
     operator = g.diff(U, 2) + 2 * RATE * g.diff(U) + (RATE**2 - kappa) * g
-    letters = LG, _C, _C1, Q1, Q2, SLOPE = [named(each) for each in ("L g", "C", "C'", "q'", "q''", "s'")]
-    meaning = dict(zip(letters, (operator, C, C.diff(U), q.diff(U), q.diff(U, 2), (S / C).diff(U)), strict=True))
+    letters = LG, _C, _C1, Q1, Q2, SLOPE = [
+        named(each) for each in ("L g", "C", "C'", "q'", "q''", "s'")
+    ]
+    meaning = dict(
+        zip(
+            letters, (operator, C, C.diff(U), q.diff(U), q.diff(U, 2), (S / C).diff(U)), strict=True
+        )
+    )
     check = exact(meaning, lambda rest: sp.simplify(sp.expand(rest)), independent=False)
-    return (equation(LG, sp.exp(-RATE * U) * (_C * Q2 + 2 * _C1 * Q1), check), equation(SLOPE, 1 / _C**2, check))
+    return (
+        equation(LG, sp.exp(-RATE * U) * (_C * Q2 + 2 * _C1 * Q1), check),
+        equation(SLOPE, 1 / _C**2, check),
+    )

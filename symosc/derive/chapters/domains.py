@@ -9,14 +9,48 @@ import sympy as sp
 
 from symosc.derive.latex import latex, named
 from symosc.derive.scope import Scope
-from symosc.derive.steps import CONTEXT, Check, Items, Step, Table, at_root, equation, exact, modes, solves
+from symosc.derive.steps import (
+    CONTEXT,
+    Check,
+    Items,
+    Step,
+    Table,
+    at_root,
+    equation,
+    exact,
+    modes,
+    solves,
+)
 from symosc.symbolic import solution
-from symosc.symbolic.solution import BASIS, E0, E1, E2, I2, R2, Omega, a_i, cm, f0, tau, theta_i, v_i, w0sq, x_i
+from symosc.symbolic.solution import (
+    BASIS,
+    E0,
+    E1,
+    E2,
+    I2,
+    R2,
+    Omega,
+    a_i,
+    cm,
+    f0,
+    tau,
+    theta_i,
+    v_i,
+    w0sq,
+    x_i,
+)
 
 TITLE = "The motion in one domain"
-A, B0, c, k, m = solution.A, solution.B0, solution.c, solution.k, solution.m
-eta, omega_0, omega_d = solution.eta, solution.omega_0, solution.omega_d
-KAPPA, DELTA = named(r"\kappa"), named(r"\Delta", positive=True)
+A = solution.A
+B0 = solution.B0
+c = solution.c
+k = solution.k
+m = solution.m
+eta = solution.eta
+omega_0 = solution.omega_0
+omega_d = solution.omega_d
+KAPPA = named(r"\kappa")
+DELTA = named(r"\Delta", positive=True)
 NORMS = {KAPPA: w0sq - Omega**2, DELTA: (w0sq - Omega**2) ** 2 + (cm * Omega) ** 2}
 
 #: What L makes of each basis function, and how each one starts.
@@ -86,8 +120,12 @@ def items(scope: Scope) -> Items:
         r"Lemma~\ref{thm:domains-relations}. That \eqref{eq:domains-x} solves the equation with the right start was "
         r"checked with the relations alone.\end{proof}",
     )
-    name = "underdamped" if scope.scene is None else scope.regimes[0].name
-    form, (first, second) = paper_form(solution.REGIMES[name]), REGIME_WORDS[name]
+    if scope.scene is None:
+        name = "underdamped"
+    else:
+        name = scope.regimes[0].name
+    form = paper_form(solution.REGIMES[name])
+    (first, second) = REGIME_WORDS[name]
     yield (
         r"\subsection{The same motion as papers print it}",
         r"The form with constants of integration, for $c^2 < 4km$ away from undamped resonance, with $h = c/(2m)$ and "
@@ -113,11 +151,17 @@ def items(scope: Scope) -> Items:
         return
 
     def roots(regime: solution.Regime) -> str:
-        centre = latex(regime.centre) if regime.centre != 0 else ""
-        return rf"${centre} \pm {latex(regime.offset)}$" if regime.offset != 0 else f"${centre or 0}$, double"
+        if regime.centre != 0:
+            centre = latex(regime.centre)
+        else:
+            centre = ""
+        if regime.offset != 0:
+            return rf"${centre} \pm {latex(regime.offset)}$"
+        return f"${centre or 0}$, double"
 
     values = {name: value for regime in scope.regimes for name, value in regime.letters.items()}
-    regimes, letters = solution.REGIMES, (solution.h, omega_d, eta, omega_0)
+    regimes = solution.REGIMES
+    letters = (solution.h, omega_d, eta, omega_0)
     yield (
         r"\subsection{The regimes of damping}",
         r"In terms of the roots of $m z^2 + c z + k$ the basis functions are elementary. With the letters",
@@ -129,7 +173,10 @@ def items(scope: Scope) -> Items:
             r"The regimes of damping: the roots of $m z^2 + c z + k$, and the two functions that the others follow "
             r"from.",
             ("regime", "condition", "roots", "$E_1$", "$E_0$"),
-            tuple((*REGIME_WORDS[r.name], roots(r), *(basis_function(f, r) for f in (E1, E0))) for r in scope.regimes),
+            tuple(
+                (*REGIME_WORDS[r.name], roots(r), *(basis_function(f, r) for f in (E1, E0)))
+                for r in scope.regimes
+            ),
         ),
         r"Three functions are left over, where the corollary divides by 0. Without a spring,",
         basis_function(E2, regimes["no spring"], note="for $c > 0$,", label="no-spring-E2"),
@@ -138,16 +185,22 @@ def items(scope: Scope) -> Items:
         basis_function(R2, regimes["resonance"], label="resonance-R2"),
         basis_function(I2, regimes["resonance"], label="resonance-I2"),
     )
-    borders, arrows = [], ("=", r"\mapsto")
+    borders = []
+    arrows = ("=", r"\mapsto")
     for join in solution.JOINS:
-        source, target = (solution.REGIMES[name].parameters() for name in (join.source, join.target))
+        source, target = (
+            solution.REGIMES[name].parameters() for name in (join.source, join.target)
+        )
         limits = [
-            equation(name, target[letter], sp.limit(source[letter].xreplace(join.path), join.letter, 0))
+            equation(
+                name, target[letter], sp.limit(source[letter].xreplace(join.path), join.letter, 0)
+            )
             for name, letter in ((named("c/m"), cm), (named("k/m"), w0sq))
         ]
         # An arrow where the old value of a letter is in the new one.
         path = ", ".join(
-            rf"${latex(name)} {arrows[name in value.free_symbols]} {latex(value)}$" for name, value in join.path.items()
+            rf"${latex(name)} {arrows[name in value.free_symbols]} {latex(value)}$"
+            for name, value in join.path.items()
         )
         words = [REGIME_WORDS[name][0] for name in (join.source, join.target)]
         borders.append((*words, rf"${latex(join.letter)} \to 0$", path, *limits))
@@ -171,12 +224,19 @@ def items(scope: Scope) -> Items:
 
 
 def flow() -> tuple[Step, ...]:
-    """Return the steps on a flight in a domain: its initial acceleration, and x, v and acceleration after tau."""
+    """Return the steps on a flight in a domain.
+
+    Its initial acceleration, and x, v and acceleration after tau.
+    """
     flow = solution.flow()
     force = solution._force_at_start() + f0 * sp.cos(theta_i + Omega * tau)
-    velocity, acceleration = named(r"\dot{x}(\tau)"), named(r"\ddot{x}(\tau)")
+    velocity = named(r"\dot{x}(\tau)")
+    acceleration = named(r"\ddot{x}(\tau)")
     newton = sp.solve(solution.acceleration(x_i, v_i, theta_i) - a_i, a_i)[0]
-    by_v, by_a = ({name: solution.time_derivative(expr)} for name, expr in ((velocity, flow.x), (acceleration, flow.v)))
+    by_v, by_a = (
+        {name: solution.time_derivative(expr)}
+        for name, expr in ((velocity, flow.x), (acceleration, flow.v))
+    )
     return (
         equation(named(r"\ddot{x}_i"), solution.acceleration(x_i, v_i, theta_i), newton, "start"),
         equation(named(r"x(\tau)"), flow.x, solves(force, x_i, v_i), "x"),
@@ -186,7 +246,10 @@ def flow() -> tuple[Step, ...]:
 
 
 def solved_functions(generic: dict[Any, Any]) -> Items:
-    """Return the corollary with E2, R2, I2 in terms of E0, E1; `generic` has their closed forms, for the checks."""
+    """Return the corollary with E2, R2, I2 in terms of E0, E1.
+
+    `generic` has their closed forms, for the checks.
+    """
     still = sp.cos(Omega * tau) - E0 - cm * E1
     swing = sp.sin(Omega * tau) - Omega * E1
     meaning = generic | {name: value.xreplace(generic) for name, value in NORMS.items()}
@@ -214,23 +277,33 @@ def generic_basis() -> dict[Any, Any]:
     return regime.basis() | regime.parameters()
 
 
-# --- the motion as papers print it: e^{-ct/2m} (C_1 cos omega_d t + C_2 sin omega_d t) and a steady part ---
+# --- the motion as papers print it: e^{-ct/2m} (C_1 cos omega_d t + C_2 sin omega_d t) and a steady
+# part ---
 
 C1, C2, D1, D2 = (named(name) for name in ("C_1", "C_2", "D_1", "D_2"))
 DECAY = sp.exp(-c * tau / (2 * m))
 PHASE = theta_i + Omega * tau
 
-WAVE, TUNED = D1 * sp.cos(PHASE) + D2 * sp.sin(PHASE), k - m * Omega**2
-NORM, FREE_NORM = TUNED**2 + c**2 * Omega**2, m**2 * Omega**2 + c**2
+WAVE = D1 * sp.cos(PHASE) + D2 * sp.sin(PHASE)
+TUNED = k - m * Omega**2
+NORM = TUNED**2 + c**2 * Omega**2
+FREE_NORM = m**2 * Omega**2 + c**2
 STEADY = A / k + WAVE, {D1: B0 * TUNED / NORM, D2: B0 * c * Omega / NORM}
 GROWING = B0 / (2 * m * Omega) * tau * sp.sin(PHASE)
 SLIDING = A * tau / c + WAVE, {D1: -B0 * m / FREE_NORM, D2: B0 * c / (Omega * FREE_NORM)}
-#: Of each regime two solutions of the unforced equation, what divides C_2, a particular solution, and its constants.
+#: Of each regime two solutions of the unforced equation, what divides C_2, a particular solution,
+#: and its constants.
 MODES = {
     "underdamped": (DECAY * sp.cos(omega_d * tau), DECAY * sp.sin(omega_d * tau), omega_d, *STEADY),
     "critical": (DECAY, tau * DECAY, 1, *STEADY),
     "overdamped": (DECAY * sp.cosh(eta * tau), DECAY * sp.sinh(eta * tau), eta, *STEADY),
-    "undamped": (sp.cos(omega_0 * tau), sp.sin(omega_0 * tau), omega_0, A / k + D1 * sp.cos(PHASE), {D1: B0 / TUNED}),
+    "undamped": (
+        sp.cos(omega_0 * tau),
+        sp.sin(omega_0 * tau),
+        omega_0,
+        A / k + D1 * sp.cos(PHASE),
+        {D1: B0 / TUNED},
+    ),
     "resonance": (sp.cos(Omega * tau), sp.sin(Omega * tau), Omega, A / k + GROWING, {}),
     "no spring": (sp.Integer(1), sp.exp(-c * tau / m), 1, *SLIDING),
     "free": (sp.Integer(1), tau, 1, A * tau**2 / (2 * m) - B0 / (m * Omega**2) * sp.cos(PHASE), {}),
@@ -240,7 +313,8 @@ MODES = {
 class PaperForm(NamedTuple):
     """The paper's closed form of a flight: x and v, with letters C1, C2, D1, D2 for its constants.
 
-    `constants` has their values, `meaning` defines all letters, `check` verifies that x solves eq. (5) from its start.
+    `constants` has their values, `meaning` defines all letters, `check` verifies that x solves eq.
+    (5) from its start.
     """
 
     x: Any
@@ -254,19 +328,26 @@ class PaperForm(NamedTuple):
 def paper_form(regime: solution.Regime) -> PaperForm:
     """Return the motion in a regime with the constants of integration C1, C2 and a steady part with D1, D2."""
     first, second, below, steady, letters = MODES[regime.name]
-    x, start = C1 * first + C2 * second + steady, {tau: sp.Integer(0)}
+    x = C1 * first + C2 * second + steady
+    start = {tau: sp.Integer(0)}
     v = x.diff(tau)
     equations = [x.subs(start) - x_i, v.subs(start) - v_i]
     found = sp.solve(equations, [C1, C2], dict=True)[0]
     if regime.name != "no spring":  # C_1 is plain there; C_2 is shorter with it
         found[C2] = sp.solve(equations[1], C2)[0]
     # One denominator for the whole sum.
-    quotient = sp.Mul(sp.expand(found[C2] * below), 1 / below, evaluate=False) if below != 1 else sp.expand(found[C2])
+    if below != 1:
+        quotient = sp.Mul(sp.expand(found[C2] * below), 1 / below, evaluate=False)
+    else:
+        quotient = sp.expand(found[C2])
     constants = letters | {C1: sp.expand(found[C1]), C2: quotient}
     values = regime.parameters()
     back = {c: m * values[cm], k: m * values[w0sq]}
     force = ((A + B0 * sp.cos(PHASE)) / m).xreplace(back)
-    meaning = {name: value.xreplace(constants).xreplace(constants).xreplace(back) for name, value in constants.items()}
+    meaning = {
+        name: value.xreplace(constants).xreplace(constants).xreplace(back)
+        for name, value in constants.items()
+    }
     meaning |= back
     check = solves(force, x_i, v_i, values[cm], values[w0sq], meaning)
     joined = sp.collect(C1 * first + C2 * second, [DECAY]) + steady
@@ -277,17 +358,25 @@ def _one_exponential(v: Any, mode: Any) -> Any:
     """Return the velocity v expanded and, if `mode`, the factor of C1 in x, decays, with e^{-ct/2m} factored out."""
     if not mode.has(sp.exp):
         return sp.expand(v)
-    v, stand_in = sp.expand(v), sp.Dummy()
+    v = sp.expand(v)
+    stand_in = sp.Dummy()
     inside = v.xreplace({DECAY: stand_in}).coeff(stand_in)
     waves = sorted(inside.atoms(*_WAVES), key=sp.default_sort_key)
     rows = {wave: inside.coeff(wave) for wave in waves} or {sp.Integer(1): inside}
-    return DECAY * sp.Add(*(_times(wave, row) for wave, row in rows.items())) + v.xreplace({DECAY: sp.S.Zero})
+    return DECAY * sp.Add(*(_times(wave, row) for wave, row in rows.items())) + v.xreplace(
+        {DECAY: sp.S.Zero}
+    )
 
 
 def constants(form: PaperForm) -> list[Step]:
-    """Return a step for each constant of `form` that states its value; C1 and C2 are checked to fit the start."""
+    """Return a step for each constant of `form` that states its value.
+
+    C1 and C2 are checked to fit the start.
+    """
     start = {tau: sp.Integer(0)}
-    fitted = sp.solve((form.x.subs(start) - x_i, form.x.diff(tau).subs(start) - v_i), [C1, C2], dict=True)[0]
+    fitted = sp.solve(
+        (form.x.subs(start) - x_i, form.x.diff(tau).subs(start) - v_i), [C1, C2], dict=True
+    )[0]
     steps = []
     for letter, value in form.constants.items():
         start_fits = {name: fitted[name] for name in (letter, C1) if letter in fitted}
@@ -297,7 +386,10 @@ def constants(form: PaperForm) -> list[Step]:
 
 
 def basis_function(symbol: Any, regime: solution.Regime, **options: Any) -> Step:
-    """Return the checked step "symbol = closed form" of a basis function in a regime; `options` go to `equation`."""
+    """Return the checked step "symbol = closed form" of a basis function in a regime.
+
+    `options` go to `equation`.
+    """
     force, start, rate = map(sp.sympify, RESPONSES[symbol])
     parameters = regime.parameters()
     check = solves(force, start, rate.xreplace(parameters), *parameters.values())
@@ -305,12 +397,19 @@ def basis_function(symbol: Any, regime: solution.Regime, **options: Any) -> Step
 
 
 def true_letters() -> dict[Any, Any]:
-    """Return the rates h, eta and the frequencies omega_d, omega_0 in m, c, k: from the roots of m z^2 + c z + k."""
+    """Return the rates h, eta and the frequencies omega_d, omega_0 in m, c, k.
+
+    From the roots of m z^2 + c z + k.
+    """
     z = sp.Symbol("z")
     polynomial = sp.Poly(m * z**2 + c * z + k, z)
     a, b, _ = polynomial.all_coeffs()
     disc = polynomial.discriminant()
-    roots = {solution.h: b / (2 * a), eta: sp.sqrt(disc) / (2 * a), omega_d: sp.sqrt(-disc) / (2 * a)}
+    roots = {
+        solution.h: b / (2 * a),
+        eta: sp.sqrt(disc) / (2 * a),
+        omega_d: sp.sqrt(-disc) / (2 * a),
+    }
     return roots | {omega_0: sp.sqrt(-disc.subs(c, 0)) / (2 * a)}
 
 
@@ -318,29 +417,51 @@ _WAVES = sp.sin, sp.cos, sp.sinh, sp.cosh
 
 
 def _times(wave: Any, row: Any) -> Any:
-    """Return the function `wave` times the sum `row`; if all terms of `row` are negative, the minus comes first."""
+    """Return the function `wave` times the sum `row`.
+
+    If all terms of `row` are negative, the minus comes first.
+    """
     if wave != 1 and row.is_Add and all(term.could_extract_minus_sign() for term in row.args):
         return -wave * sp.Add(*(-term for term in row.args))
     return wave * row
 
 
 def tidy(expr: Any) -> Any:
-    """Write a closed form over a common denominator with its exp, sin, cos, ... collected, so that it is short."""
+    """Write a closed form over a common denominator with its exp, sin, cos, ...
+
+    Collected, so that it is short.
+    """
     waves = sorted(expr.atoms(sp.exp), key=sp.default_sort_key)
     stand_ins = [sp.Dummy() for _ in waves]
     above, below = sp.fraction(sp.together(expr.xreplace(dict(zip(waves, stand_ins, strict=True)))))
     above, trig = sp.expand(above), sorted(above.atoms(*_WAVES), key=sp.default_sort_key)
     plain = above.xreplace(dict.fromkeys(stand_ins, sp.Integer(0)))
-    rows = {sp.Integer(1): plain} | {wave: above.coeff(letter) for letter, wave in zip(stand_ins, waves, strict=True)}
+    rows = {sp.Integer(1): plain} | {
+        wave: above.coeff(letter) for letter, wave in zip(stand_ins, waves, strict=True)
+    }
     above = sp.Add(*(_times(wave, sp.collect(row, trig, sp.factor)) for wave, row in rows.items()))
-    return sp.Mul(above, 1 / sp.factor(below), evaluate=False) if below != 1 and above.is_Add else above / below
+    if below != 1 and above.is_Add:
+        return sp.Mul(above, 1 / sp.factor(below), evaluate=False)
+    return above / below
 
 
 def _sampled(join: solution.Join) -> Step:
     """Return the step that R2 in the regime `join.source`, next to `join.target`, agrees numerically with R2 there."""
-    source, target = solution.REGIMES[join.source].basis(), solution.REGIMES[join.target].basis()
-    values = {solution.h: "3/7", omega_d: "5/4", eta: "2/9", omega_0: "7/5", Omega: "8/5", tau: "9/4"}
+    source = solution.REGIMES[join.source].basis()
+    target = solution.REGIMES[join.target].basis()
+    values = {
+        solution.h: "3/7",
+        omega_d: "5/4",
+        eta: "2/9",
+        omega_0: "7/5",
+        Omega: "8/5",
+        tau: "9/4",
+    }
     point = {letter: sp.Rational(value) for letter, value in values.items()}
-    near = source[R2].xreplace(join.path).xreplace({join.letter: sp.Rational(1, 10**25)}).subs(point)
+    near = (
+        source[R2].xreplace(join.path).xreplace({join.letter: sp.Rational(1, 10**25)}).subs(point)
+    )
     there = target[R2].subs({key: value for key, value in point.items() if key != join.letter})
-    return equation(sp.N(near, 40, maxn=200), sp.N(there, 40), at_root(dict, CONTEXT.mpf(10) ** -20))
+    return equation(
+        sp.N(near, 40, maxn=200), sp.N(there, 40), at_root(dict, CONTEXT.mpf(10) ** -20)
+    )

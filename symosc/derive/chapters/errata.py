@@ -11,7 +11,19 @@ from symosc.derive.chapters.orbits import orbit_points
 from symosc.derive.errata import SEVERITIES, read_errata
 from symosc.derive.latex import named
 from symosc.derive.scope import F, Scope
-from symosc.derive.steps import Items, Step, StepError, Table, at_root, close, decimal, equation, facts, sign, step
+from symosc.derive.steps import (
+    Items,
+    Step,
+    StepError,
+    Table,
+    at_root,
+    close,
+    decimal,
+    equation,
+    facts,
+    sign,
+    step,
+)
 from symosc.scenes import load_scene
 from symosc.simulation.simulate import simulate
 from symosc.symbolic import solution
@@ -40,20 +52,30 @@ def items(scope: Scope) -> Items:
         ],
     )
     field = solution.in_paper_letters(solution.acceleration())
-    domain, boundary = (field.diff(x) * v + field.diff(v) * rate + field.diff(t) for rate in (field, 0))
+    domain, boundary = (
+        field.diff(x) * v + field.diff(v) * rate + field.diff(t) for rate in (field, 0)
+    )
     difference = named(r"D_{\mathbf{x}^{(\alpha)}}F^{(\alpha)} - D_{\mathbf{x}^{(0)}}F^{(\alpha)}")
     yield (
         r"\subsection{The derivative in (47)}",
         r"By its definition after (16), $D_{\mathbf{x}^{(0)}}$ differentiates along the boundary's flow, which has "
         r"$\dot{\mathbf{x}}^{(0)} = (v_\lambda, 0)^T$. The result that (47) gives is along the flow of the domain, "
         r"$\dot{\mathbf{x}}^{(\alpha)} = (v_\lambda, F^{(\alpha)})^T$. They differ by",
-        equation(difference, -c * F(r"\alpha") / m, {difference: domain - boundary, F(r"\alpha"): field}, "flows"),
+        equation(
+            difference,
+            -c * F(r"\alpha") / m,
+            {difference: domain - boundary, F(r"\alpha"): field},
+            "flows",
+        ),
         r"which vanishes at a graze, so that nothing that the paper derives from it changes.",
     )
 
     def ends(scene: str, belt: int, alpha: int, words: str) -> Items:
-        numbers, other, time = Scope(load_scene(scene)).numbers, belt + 1, _up_to_slip(scene, 40, f"Omega{alpha}")[-1]
-        held, true = (newton(other) - newton(alpha)).subs(numbers), -2 * (MU[belt] * FN / m).subs(numbers)
+        numbers = Scope(load_scene(scene)).numbers
+        other = belt + 1
+        time = _up_to_slip(scene, 40, f"Omega{alpha}")[-1]
+        held = (newton(other) - newton(alpha)).subs(numbers)
+        true = -2 * (MU[belt] * FN / m).subs(numbers)
         return (
             rf"({51 + belt}) lets a stick on belt {belt} end by $F^{{({other})}} = 0$ only. {words} at the time below "
             rf"by $F^{{({alpha})}} = 0$, into $\Omega_{alpha}$,",
@@ -67,7 +89,8 @@ def items(scope: Scope) -> Items:
         ends("fig5", 1, 1, "With the numbers of Fig.~5 the first one ends"),
         ends("fig6", 2, 2, "In Fig.~6 the mass leaves belt 2"),
     )
-    shown, sections = scope.scene and scope.scene.name.partition("-")[0], {"fig7": _figure7, "fig8": _figure8}
+    shown = scope.scene and scope.scene.name.partition("-")[0]
+    sections = {"fig7": _figure7, "fig8": _figure8}
     yield [section() for name, section in sections.items() if shown in (None, name)]
     rows = []
     for figure, word, printed in ((9, "P32", "0.1324, 4.5447"), (10, "P4645", "0.4588, 3.0837")):
@@ -89,7 +112,10 @@ def items(scope: Scope) -> Items:
 
 
 def _up_to_slip(scene: str, digits: int, target: str) -> list[Any]:
-    """Simulate a scene with `digits` digits; return the event times up to its first slip, which must enter `target`."""
+    """Simulate a scene with `digits` digits.
+
+    Return the event times up to its first slip, which must enter `target`.
+    """
     events = simulate(load_scene(scene), digits=digits, max_events=6).events
     place = next(n for n, event in enumerate(events) if event.kind == "slip")
     if events[place].target != target:
@@ -104,18 +130,31 @@ def _graze(scene: str, alpha: int, speed: Any, time: Any) -> tuple[Any, Any, Any
     """
     scope = Scope(load_scene(scene))
     numbers = scope.numbers
-    force = solution.in_paper_letters(solution.acceleration()).subs(solution.A, solution.force_constant(alpha))
+    force = solution.in_paper_letters(solution.acceleration()).subs(
+        solution.A, solution.force_constant(alpha)
+    )
     place = sp.solve(force.subs({v: speed, t: time}).subs(numbers), x)[0]
     flow = solution.flow(scope.regimes[0])
-    at = {solution.x_i: place, solution.v_i: speed, solution.a_i: 0, solution.tau: sp.Rational(5, 2) - time}
+    at = {
+        solution.x_i: place,
+        solution.v_i: speed,
+        solution.a_i: 0,
+        solution.tau: sp.Rational(5, 2) - time,
+    }
     at |= {solution.theta_i: (Omega * time).subs(numbers)}
     start = (expr.subs(scope.display).subs(at) for expr in (flow.x, flow.v))
     return place, *(sp.N(each, 60)._to_mpmath(200) for each in start)
 
 
 def _start(x0: Any, v0: Any, label: str) -> list[Step]:
-    """Return two steps that print x_0 and v_0 of a start; they get `label`, and `label` with v0 instead of x0."""
-    return [decimal("x_0", x0, 10, label=label), decimal(r"\dot{x}_0", v0, 10, label=label.replace("x0", "v0"))]
+    """Return two steps that print x_0 and v_0 of a start.
+
+    They get `label`, and `label` with v0 instead of x0.
+    """
+    return [
+        decimal("x_0", x0, 10, label=label),
+        decimal(r"\dot{x}_0", v0, 10, label=label.replace("x0", "v0")),
+    ]
 
 
 def _four_decimals(printed: str, value: Any) -> Step:
@@ -140,7 +179,11 @@ def _figure7() -> Items:
         _start(x0, v0, "fig7-x0"),
         r"The printed start is $(-3.1049, 1.3369)$: with a misprint in $x_0$, which would be $-5.6049$, all other "
         r"numbers are right, and the contact is at $x_m = -3.0855$.",
-        facts(_four_decimals("-5.6049", x0), _four_decimals("1.3369", v0), equation(place, sp.Rational("-3.0855"))),
+        facts(
+            _four_decimals("-5.6049", x0),
+            _four_decimals("1.3369", v0),
+            equation(place, sp.Rational("-3.0855")),
+        ),
         r"With $A_0 = 10$ in place of 5 the start is",
         _start(x10, v10, "fig7-x0-10"),
         r"which is the printed one to all of its digits, with the contact at $x_m = -0.5855$. Either number explains "

@@ -1,4 +1,7 @@
-"""L g has a known sign, and why no event can be missed: the bounds behind symosc.engine.first_exit."""
+"""L g has a known sign, and why no event can be missed.
+
+The bounds behind symosc.engine.first_exit.
+"""
 
 from __future__ import annotations
 
@@ -13,7 +16,8 @@ from symosc.symbolic.solution import B0, A, Omega, c, cm, k, m, t, tau, theta, w
 
 TITLE = "No event is missed"
 LETTER_A = sp.Symbol("a", real=True)
-LG, GAMMA = named("L g"), named(r"\gamma")
+LG = named("L g")
+GAMMA = named(r"\gamma")
 C4 = sp.Symbol("C_4", nonnegative=True)
 
 
@@ -37,10 +41,16 @@ def items(scope: Scope) -> Items:
         r"\eqref{eq:sticks-rate}. It changes its sign only at the phases $\Theta^{\mathrm{cr}}$ and "
         r"$\pi - \Theta^{\mathrm{cr}}$, which are known in closed form.",
     )
-    phi, q = sp.Function("phi")(tau), sp.Function("q")(tau)
+    phi = sp.Function("phi")(tau)
+    q = sp.Function("q")(tau)
     g = phi * q
-    true = (g.diff(tau, 2) + cm * g.diff(tau) + w0sq * g).subs(phi.diff(tau, 2), -cm * phi.diff(tau) - w0sq * phi)
-    letter, rate, slope, curve = named(r"\varphi"), named(r"\dot{\varphi}"), named(r"\dot{q}"), named(r"\ddot{q}")
+    true = (g.diff(tau, 2) + cm * g.diff(tau) + w0sq * g).subs(
+        phi.diff(tau, 2), -cm * phi.diff(tau) - w0sq * phi
+    )
+    letter = named(r"\varphi")
+    rate = named(r"\dot{\varphi}")
+    slope = named(r"\dot{q}")
+    curve = named(r"\ddot{q}")
     inner = (phi**2 * sp.exp(cm * tau) * q.diff(tau)).diff(tau) * sp.exp(-cm * tau) / phi
     names = {letter: phi, rate: phi.diff(tau), slope: q.diff(tau), curve: q.diff(tau, 2)}
     closed = ((r.basis()[solution.E1], r.parameters()) for r in solution.REGIMES.values())
@@ -77,11 +87,17 @@ def items(scope: Scope) -> Items:
         r"piece ends. The bounds below need no pieces, and are what the program uses from step to step.",
     )
     yield r"\subsection{Two bounds for later times}"
-    third, fourth = named("u^{(3)}"), named("u^{(4)}")
+    third = named("u^{(3)}")
+    fourth = named("u^{(4)}")
     energy = named(r"\frac{d}{d\tau}\Bigl((u^{(4)})^2 + \frac{k}{m}(u^{(3)})^2\Bigr)")
     z = sp.Function("z")(tau)
     total = z.diff(tau) ** 2 + w0sq * z**2
-    rate = total.diff(tau).subs(z.diff(tau, 2), -cm * z.diff(tau) - w0sq * z).subs(z.diff(tau), fourth).subs(z, third)
+    rate = (
+        total.diff(tau)
+        .subs(z.diff(tau, 2), -cm * z.diff(tau) - w0sq * z)
+        .subs(z.diff(tau), fourth)
+        .subs(z, third)
+    )
     steady = named("V_0^2")
     response = sp.I * Omega * B0 / m / (w0sq - Omega**2 + sp.I * Omega * cm)
     square = sp.simplify(response * sp.conjugate(response))
@@ -89,7 +105,12 @@ def items(scope: Scope) -> Items:
         r"\begin{theorem}[a bound for ever]\label{thm:events-steady} "
         r"Away from undamped resonance ($\Delta > 0$) let $V(t)$ be the steady velocity, which has the frequency "
         r"$\Omega$ and the amplitude $V_0$ with",
-        equation(steady, LETTER_A**2 / DELTA, {steady: square, LETTER_A: B0 * Omega / m, DELTA: NORMS[DELTA]}, "V0"),
+        equation(
+            steady,
+            LETTER_A**2 / DELTA,
+            {steady: square, LETTER_A: B0 * Omega / m, DELTA: NORMS[DELTA]},
+            "V0",
+        ),
         r"and let $u = \dot{x} - V$ be the transient. Then at all later times of the flight "
         r"$|g^{(4)}| \le C_4 = V_0\Omega^4 + \sqrt{(u^{(4)})^2 + (k/m)(u^{(3)})^2}$, with the derivatives of $u$ taken "
         r"now.\end{theorem}",
@@ -100,24 +121,36 @@ def items(scope: Scope) -> Items:
         r"so $|u^{(4)}|$ never exceeds the root of the present value, and $|V^{(4)}| \le V_0\Omega^4$.\end{proof}",
     )
     z = sp.Function("z")(tau)
-    w, w_rate = named("w"), named(r"\dot{w}")
+    w = named("w")
+    w_rate = named(r"\dot{w}")
     second = named(r"\frac{d}{d\tau}\Bigl(\dot{w}^2 + \frac{k}{m}w^2\Bigr)")
     drive = LETTER_A * Omega**3 * sp.cos(theta)
     pushed = (z.diff(tau) ** 2 + w0sq * z**2).diff(tau)
-    pushed = pushed.subs(z.diff(tau, 2), drive - cm * z.diff(tau) - w0sq * z).subs(z.diff(tau), w_rate).subs(z, w)
+    pushed = (
+        pushed.subs(z.diff(tau, 2), drive - cm * z.diff(tau) - w0sq * z)
+        .subs(z.diff(tau), w_rate)
+        .subs(z, w)
+    )
     yield (
         r"\begin{theorem}[a bound for a while]\label{thm:events-while} "
         r"In every regime, resonance included, $|g^{(4)}| \le C_4 = \sqrt{\dot{w}^2 + (k/m) w^2} + |a|\,\Omega^2$ for "
         r"the next $1/\Omega$ of time, with $w = g^{(3)} = G^{(2,\alpha)}$ and $\dot{w} = G^{(3,\alpha)}$ taken "
         r"now.\end{theorem}",
         r"\begin{proof} The third derivative of \eqref{eq:events-gap} is",
-        equation(named("L w"), drive, -(LETTER_A * sp.sin(Omega * t)).diff(t, 3).subs(Omega * t, theta), "Lw"),
+        equation(
+            named("L w"),
+            drive,
+            -(LETTER_A * sp.sin(Omega * t)).diff(t, 3).subs(Omega * t, theta),
+            "Lw",
+        ),
         r"so that",
         equation(second, 2 * w_rate * (drive - cm * w_rate), pushed, "pushed"),
         r"which is at most $2|a|\Omega^3\,|\dot{w}|$, and the root of $\dot{w}^2 + (k/m)w^2$ grows at most at the rate "
         r"$|a|\Omega^3$: in $1/\Omega$ by no more than $|a|\Omega^2 = |B_0|\Omega^3/m$.\end{proof}",
     )
-    s, u, left = sp.Symbol("s", positive=True), sp.Symbol("u", positive=True), named("p(s)")
+    s = sp.Symbol("s", positive=True)
+    u = sp.Symbol("u", positive=True)
+    left = named("p(s)")
     values = [named(name) for name in ("g", r"\dot{g}", r"\ddot{g}", "g^{(3)}")]
     taylor = sp.Add(*(value * s**n / sp.factorial(n) for n, value in enumerate(values)))
     remainder = sp.integrate((s - u) ** 3 / 6 * C4, (u, 0, s))

@@ -11,7 +11,19 @@ from symosc.derive.chapters.jacobians import AFTER, BEFORE, force_at_belt, multi
 from symosc.derive.latex import named
 from symosc.derive.published import Flight
 from symosc.derive.scope import Scope, v_lambda
-from symosc.derive.steps import CONTEXT, Items, Table, close, decimal, equation, exact, facts, number, sign, step
+from symosc.derive.steps import (
+    CONTEXT,
+    Items,
+    Table,
+    close,
+    decimal,
+    equation,
+    exact,
+    facts,
+    number,
+    sign,
+    step,
+)
 from symosc.orbits.find import find_orbit
 from symosc.scenes import load_scene
 from symosc.sensitivities import sensitivities
@@ -20,29 +32,43 @@ from symosc.symbolic import solution
 from symosc.symbolic.solution import c, k, m
 
 TITLE = "Derivatives of motions, exponents, and no chaos"
-#: Derivatives by q: of an event's time and position, of the belt's speed; at a fixed time, before and after the event.
-T_Q, X_Q, V_Q = named("t_q"), named("x_q"), named("v_q")
+#: Derivatives by q: of an event's time and position, of the belt's speed; at a fixed time, before
+#: and after the event.
+T_Q = named("t_q")
+X_Q = named("x_q")
+V_Q = named("v_q")
 DX, DV, DX_PLUS, DV_PLUS = (
-    named(name) for name in (r"\delta x", r"\delta\dot{x}^{-}", r"\delta x^{+}", r"\delta\dot{x}^{+}")
+    named(name)
+    for name in (r"\delta x", r"\delta\dot{x}^{-}", r"\delta x^{+}", r"\delta\dot{x}^{+}")
 )
-RATE, F_Q = named(r"\dot{F}"), named("F_q")
-#: The scene whose derivatives are compared, how many of its events, and the digits of the comparison.
-SCENE, EVENTS, DIGITS = "fig5", 6, 30
+RATE = named(r"\dot{F}")
+F_Q = named("F_q")
+#: The scene whose derivatives are compared, how many of its events, and the digits of the
+#: comparison.
+SCENE = "fig5"
+EVENTS = 6
+DIGITS = 30
 
 
 def items(scope: Scope) -> Items:
     """Yield the chapter: derivatives of events by parameters, Lyapunov exponents, and why there is no chaos."""
     s, e = sp.symbols("s varepsilon", real=True)
-    place, speed = named("x"), named(r"\dot{x}")
-    near_x, near_v = place + speed * s + BEFORE * s**2 / 2 + e * (DX + DV * s), speed + BEFORE * s + e * DV
+    place = named("x")
+    speed = named(r"\dot{x}")
+    near_x = place + speed * s + BEFORE * s**2 / 2 + e * (DX + DV * s)
+    near_v = speed + BEFORE * s + e * DV
 
     def along(expr: Any) -> Any:
-        """Return the derivative of `expr` by q at the event: q changes by e, and the event's time by s = e t_q."""
+        """Return the derivative of `expr` by q at the event.
+
+        Q changes by e, and the event's time by s = e t_q.
+        """
         return expr.subs(s, e * T_Q).diff(e).subs(e, 0)
 
     reached = sp.solve(along(near_v) - V_Q, T_Q)[0]
     moved = {T_Q: reached, X_Q: along(near_x).subs(speed, v_lambda)}
-    ratio, stuck = AFTER / BEFORE, {DV_PLUS: V_Q}
+    ratio = AFTER / BEFORE
+    stuck = {DV_PLUS: V_Q}
     released = sp.solve(F_Q - k / m * DX - c / m * V_Q + RATE * T_Q, T_Q)[0]
     yield (
         r"\subsection{Derivatives of events}",
@@ -58,7 +84,12 @@ def items(scope: Scope) -> Items:
         equation(T_Q, (V_Q - DV) / BEFORE, moved, "contact"),
         equation(X_Q, DX + v_lambda * T_Q, moved, "place"),
         r"If the flight goes on with the acceleration $F^{+}$ on the other side, then behind the contact",
-        equation(DV_PLUS, ratio * DV + (1 - ratio) * V_Q, {DV_PLUS: V_Q - AFTER * T_Q, T_Q: reached}, "crossing"),
+        equation(
+            DV_PLUS,
+            ratio * DV + (1 - ratio) * V_Q,
+            {DV_PLUS: V_Q - AFTER * T_Q, T_Q: reached},
+            "crossing",
+        ),
         r"and if the mass sticks,",
         equation(DV_PLUS, V_Q, stuck, "onset"),
         r"A stick that ends where $F^{(\alpha)} = 0$ with the rate $\dot{F} \ne 0$ of \eqref{eq:sticks-rate} ends at a "
@@ -79,9 +110,12 @@ def items(scope: Scope) -> Items:
         r"or later.",
         _events_table(),
     )
-    s, total = named("s"), named(r"\int_{-s}^{2s} F")
-    e, b = sp.Symbol(r"\epsilon", positive=True), sp.Symbol("b", positive=True)
-    bump, half = e - b * s**2 / 2, sp.sqrt(2 * e / b)
+    s = named("s")
+    total = named(r"\int_{-s}^{2s} F")
+    e = sp.Symbol(r"\epsilon", positive=True)
+    b = sp.Symbol("b", positive=True)
+    bump = e - b * s**2 / 2
+    half = sp.sqrt(2 * e / b)
     yield (
         r"\subsection{Where they end}",
         r"The theorem divides by $F^{-}$ or $\dot{F}$. Where one of them vanishes, and where $F^{+} = 0$ at a contact, "
@@ -102,7 +136,8 @@ def items(scope: Scope) -> Items:
         r"(iii) each side has its own derivatives.",
     )
     chi = sp.Symbol(r"\chi_j", positive=True)
-    change, gone = named(r"\ln\det(S_j\Phi(\tau_j))"), named(r"\ln\chi_j")
+    change = named(r"\ln\det(S_j\Phi(\tau_j))")
+    gone = named(r"\ln\chi_j")
     span = named(r"\tau_j", positive=True)
     true = {change: sp.log(sp.exp(-c * span / m) * chi), gone: sp.log(chi)}
     mu = sp.Symbol(r"\mu_\lambda", nonnegative=True)
@@ -116,7 +151,12 @@ def items(scope: Scope) -> Items:
         r"\begin{theorem}[exponents]\label{thm:exponents-lyapunov} Let a motion graze nowhere, and let $\chi_j = "
         r"F^{+}/F^{-}$ at its crossings.\begin{enumerate}\item[(i)] $\Lambda_1 \le 0$.\item[(ii)] $\Lambda_2 = "
         r"-\infty$ once the mass has stuck. Without sticks a flight and its crossing contribute",
-        equation(change, -c * span / m + gone, exact(true, lambda expr: sp.expand_log(sp.expand(expr))), "area"),
+        equation(
+            change,
+            -c * span / m + gone,
+            exact(true, lambda expr: sp.expand_log(sp.expand(expr))),
+            "area",
+        ),
         step(chi, "<=", 1, sign({chi: after / (after + 2 * mu * solution.FN / m)}), "chi"),
         r"so that $\Lambda_1 + \Lambda_2 \le -c/m$."
         r"\item[(iii)] On a periodic motion with the multipliers $\rho_j$, $\Lambda_j = \ln|\rho_j|/\mathcal{T}$."
@@ -129,11 +169,15 @@ def items(scope: Scope) -> Items:
         r"(iii) $M(n\mathcal{T}) = M(\mathcal{T})^n$. (iv) Theorem~\ref{thm:jacobians-monodromy} (i).\end{proof}",
         _exponents_table(),
     )
-    place, rate = named("y"), named(r"\dot{y}")
-    n, count = sp.Symbol("n", integer=True, positive=True), sp.Symbol("N", positive=True)
-    stiff, mass = sp.Symbol("k", positive=True), sp.Symbol("m", positive=True)
+    place = named("y")
+    rate = named(r"\dot{y}")
+    n = sp.Symbol("n", integer=True, positive=True)
+    count = sp.Symbol("N", positive=True)
+    stiff = sp.Symbol("k", positive=True)
+    mass = sp.Symbol("m", positive=True)
     form = sp.hessian(mass * rate**2 / 2 + stiff * place**2 / 2, (place, rate))
-    entropy, horseshoe = named("h_\\epsilon"), named(r"\ln 2")
+    entropy = named("h_\\epsilon")
+    horseshoe = named(r"\ln 2")
     yield (
         r"\subsection{There is no chaos}",
         r"\begin{theorem}[no chaos]\label{thm:exponents-chaos} Let $k > 0$ and $c \ge 0$. In the norm $\|(y, "
@@ -173,22 +217,39 @@ def items(scope: Scope) -> Items:
 def event_time_derivatives(scene: str, by_friction: bool) -> list[Any]:
     """Return derivatives of a scene's event times by x_0, or mu_1 if `by_friction`, from formulas of this chapter."""
     start = load_scene(scene)
-    p, w0 = start.parameters, number(start.parameters.k / start.parameters.m)
+    p = start.parameters
+    w0 = number(start.parameters.k / start.parameters.m)
     path = simulate(start, digits=DIGITS + 15)
-    dx, dv = (CONTEXT.mpf(0), CONTEXT.mpf(0)) if by_friction else (CONTEXT.mpf(1), CONTEXT.mpf(0))
-    push = {alpha: number(sign * p.FN / p.m) * by_friction for alpha, sign in ((1, 1), (2, -1), (3, -1))}
-    before, found = number(start.t0), []
+    if by_friction:
+        dx, dv = (CONTEXT.mpf(0), CONTEXT.mpf(0))
+    else:
+        dx, dv = (CONTEXT.mpf(1), CONTEXT.mpf(0))
+    push = {
+        alpha: number(sign * p.FN / p.m) * by_friction for alpha, sign in ((1, 1), (2, -1), (3, -1))
+    }
+    before = number(start.t0)
+    found = []
     for event in path.events[:EVENTS]:
         t, phase, belt = number(event.t), number(p.Omega) * number(event.t), event.boundary
-        where, source, target = (belt, number(event.x), phase), int(event.source[-1]), int(event.target[-1])
+        where = (belt, number(event.x), phase)
+        source = int(event.source[-1])
+        target = int(event.target[-1])
         if event.source.startswith("Omega"):
             e0, e1, e2 = Flight(p).basis(t - before).values()
-            dx, dv = (1 - w0 * e2) * dx + e1 * dv + e2 * push[source], e0 * dv - w0 * e1 * dx + e1 * push[source]
+            dx, dv = (
+                (1 - w0 * e2) * dx + e1 * dv + e2 * push[source],
+                e0 * dv - w0 * e1 * dx + e1 * push[source],
+            )
             fore = force_at_belt(p, source, *where)
             found.append(-dv * number(p.m) / fore)
-            dv = dv * force_at_belt(p, target, *where) / fore if event.target.startswith("Omega") else dv * 0
+            if event.target.startswith("Omega"):
+                dv = dv * force_at_belt(p, target, *where) / fore
+            else:
+                dv = dv * 0
         else:
-            rate = -(number(p.k * p.belt(belt)) + number(p.B0 * p.Omega) * CONTEXT.sin(phase)) / number(p.m)
+            rate = -(
+                number(p.k * p.belt(belt)) + number(p.B0 * p.Omega) * CONTEXT.sin(phase)
+            ) / number(p.m)
             found.append((w0 * dx - push[target]) / rate)
         before = t
     return found
@@ -216,20 +277,32 @@ def _events_table() -> Table:
 def _exponents_table() -> Table:
     """Return the table of two orbits' Lyapunov exponents by the theorem, and by following motions with the package."""
     _, product = multiplier_products("fig9-orbit", "P32")
-    decay = CONTEXT.log(product) * number(load_scene("fig9-orbit").parameters.Omega) / (2 * CONTEXT.pi)
+    decay = (
+        CONTEXT.log(product) * number(load_scene("fig9-orbit").parameters.Omega) / (2 * CONTEXT.pi)
+    )
 
     def growth(scene: str, choose: Any) -> Any:
         """Return the sum or maximum (`choose`) of a scene's Lyapunov exponents, averaged over periods 50 to 100."""
-        early, late = (choose(sensitivities(scene, "x0", t_end=f"{n}T").lyapunov) for n in (50, 100))
+        early, late = (
+            choose(sensitivities(scene, "x0", t_end=f"{n}T").lyapunov) for n in (50, 100)
+        )
         return 2 * late - early
 
     stuck = find_orbit("fig10-orbit", "P4645", digits=DIGITS)
     largest = CONTEXT.log(abs(CONTEXT.mpmathify(stuck.multipliers[0]))) / CONTEXT.mpf(stuck.period)
     assert sensitivities("fig10-orbit", "x0", t_end="5T").lyapunov[1] == -CONTEXT.inf
-    total, rate = growth("fig9-orbit", sum), growth("fig10-orbit", max)
-    values = ((r"$\Lambda_1 + \Lambda_2$ of $P_{32}$", decay, total), (r"$\Lambda_1$ of $P_{4645}$", largest, rate))
+    total = growth("fig9-orbit", sum)
+    rate = growth("fig10-orbit", max)
+    values = (
+        (r"$\Lambda_1 + \Lambda_2$ of $P_{32}$", decay, total),
+        (r"$\Lambda_1$ of $P_{4645}$", largest, rate),
+    )
     rows: list[Any] = [
-        (name, decimal("z", known, 11), decimal("z", number(run), 11, close(partial(CONTEXT.mpf, known), 11)))
+        (
+            name,
+            decimal("z", known, 11),
+            decimal("z", number(run), 11, close(partial(CONTEXT.mpf, known), 11)),
+        )
         for name, known, run in values
     ]
     rows.append((r"$\Lambda_2$ of $P_{4645}$", r"$-\infty$", r"$-\infty$"))

@@ -9,20 +9,34 @@ import sympy as sp
 
 from symosc.derive.latex import named
 from symosc.derive.scope import BELTS, G, Scope, v_lambda
-from symosc.derive.steps import Check, Illustration, Items, Step, StepError, StepEvidence, Table, equation, facts, step
+from symosc.derive.steps import (
+    Check,
+    Illustration,
+    Items,
+    Step,
+    StepError,
+    StepEvidence,
+    Table,
+    equation,
+    facts,
+    step,
+)
 from symosc.mappings.theorem7_cases import PLACES
 from symosc.scenes import load_scene
 from symosc.symbolic import solution, theorem7
 from symosc.symbolic.solution import B0, A, Omega, c, k, m, t, theta, v, x
 
 TITLE = "Grazing: Theorem 7 with all cases"
-THETA_M, CRITICAL = named(r"\theta_m"), named(r"\Theta^{\mathrm{cr}}")
-GAMMA, AMPLITUDE = named(r"\gamma"), sp.Symbol("a", real=True)
+THETA_M = named(r"\theta_m")
+CRITICAL = named(r"\Theta^{\mathrm{cr}}")
+GAMMA = named(r"\gamma")
+AMPLITUDE = sp.Symbol("a", real=True)
 #: The letters of the cases in `theorem7`, and positive ones for their signs.
 g, a = sp.symbols("gamma a", real=True)
 p, q = sp.symbols("p q", positive=True)
 
-#: Every case of the signs of gamma, a and |gamma| - a: values that have them, and the case in words.
+#: Every case of the signs of gamma, a and |gamma| - a: values that have them, and the case in
+#: words.
 CASES = (
     (p, p + q, r"$0 < \gamma < a$"), (p, p, r"$0 < \gamma = a$"), (p + q, p, r"$0 < a < \gamma$"),
     (sp.S.Zero, p, r"$\gamma = 0$"),
@@ -36,7 +50,10 @@ def items(scope: Scope) -> Items:
     """Yield the chapter: what a contact fixes, Theorem 7 with all cases, the case of equality, and k = 0."""
     rows = []
     for mapping, place in PLACES.items():
-        rate, sine = "<>" if place.side > 0 else "><"
+        if place.side > 0:
+            rate, sine = "<>"
+        else:
+            rate, sine = "><"
         condition = rf"$G^{{(1,{place.domain})}} {rate} 0$", rf"$a \sin\theta_m {sine} -\gamma$"
         where = place.domain, place.boundary, f"${place.side}$"
         rows.append((f"$P_{mapping[1]}$", *where, *condition, f"({place.equation})"))
@@ -58,7 +75,9 @@ def items(scope: Scope) -> Items:
     )
     gamma, amplitude, position = contact_steps()
     values = {GAMMA: gamma.right, AMPLITUDE: amplitude.right}
-    first = solution.in_paper_letters(solution.g_function(1).subs(v, v_lambda)).subs(Omega * t, THETA_M)
+    first = solution.in_paper_letters(solution.g_function(1).subs(v, v_lambda)).subs(
+        Omega * t, THETA_M
+    )
     critical = {CRITICAL: sp.asin(-k * v_lambda / (B0 * Omega))}
     yield (
         r"\begin{lemma}[what a contact fixes]\label{thm:grazing-contact} "
@@ -67,7 +86,12 @@ def items(scope: Scope) -> Items:
         gamma,
         amplitude,
         r"the first G-function depends on the phase alone:",
-        equation(G(1), -(GAMMA + AMPLITUDE * sp.sin(THETA_M)), values | {G(1): first.subs(x, position.right)}, "G1"),
+        equation(
+            G(1),
+            -(GAMMA + AMPLITUDE * sp.sin(THETA_M)),
+            values | {G(1): first.subs(x, position.right)},
+            "G1",
+        ),
         r"For $k > 0$ the phase gives the position,",
         position,
         r"and if $|\gamma| \le |a| \ne 0$, $G^{(1,\alpha)}$ vanishes at the phases "
@@ -99,7 +123,9 @@ def items(scope: Scope) -> Items:
         r"$\pi - \Theta^{\mathrm{cr}} = \pi + |\Theta^{\mathrm{cr}}|$, which is how the paper writes the ends. Where "
         r"the paper writes a closed end $2\pi]$, it is the phase 0. For $a = 0$ the condition is $\sigma\gamma > 0$, "
         r"at every phase or at none. For $a < 0$, $a\sin\theta_m = (-a)\sin(\theta_m + \pi)$, by",
-        equation(named(r"\sin(\theta_m + \pi)"), -sp.sin(THETA_M), sp.sin(THETA_M + sp.pi), "turned"),
+        equation(
+            named(r"\sin(\theta_m + \pi)"), -sp.sin(THETA_M), sp.sin(THETA_M + sp.pi), "turned"
+        ),
         r"\end{proof}",
         r"That the flow comes from $\Omega_\alpha$ is no further condition: by Lemma~\ref{thm:switching-side} the "
         r"first G-function that does not vanish fixes the side before the contact too, and for odd order it is the "
@@ -114,13 +140,23 @@ def items(scope: Scope) -> Items:
         ),
     )
     if scope.scene:
-        yield [_numbers(scope, mapping) for mapping in PLACES if PLACES[mapping].boundary in scope.boundaries]
-    second, third = G(2), G(3)
-    contact = {v: v_lambda, x: (solution.A_m + solution.f0 * sp.cos(theta) - solution.cm * v_lambda) / solution.w0sq}
+        yield [
+            _numbers(scope, mapping)
+            for mapping in PLACES
+            if PLACES[mapping].boundary in scope.boundaries
+        ]
+    second = G(2)
+    third = G(3)
+    contact = {
+        v: v_lambda,
+        x: (solution.A_m + solution.f0 * sp.cos(theta) - solution.cm * v_lambda) / solution.w0sq,
+    }
     g1, g2, g3 = (sp.expand(solution.g_function(n).subs(contact)) for n in (1, 2, 3))
     on_end = {v_lambda: -solution.f0 * Omega * sp.sin(theta) / solution.w0sq}
     assert sp.simplify(g1.subs(on_end)) == 0
-    true2, true3 = (expr.subs(on_end).xreplace(solution.PAPER_LETTERS | {theta: THETA_M}) for expr in (g2, g3))
+    true2, true3 = (
+        expr.subs(on_end).xreplace(solution.PAPER_LETTERS | {theta: THETA_M}) for expr in (g2, g3)
+    )
     true = {third: true3, second: true2, AMPLITUDE: B0 * Omega / m}
     yield (
         r"\subsection{The ends of a window, and the case of equality}",
@@ -168,9 +204,13 @@ def items(scope: Scope) -> Items:
         facts(equation(gamma7, a7), equation(gamma8, -a8)),
     )
     phase = named(r"\cos\theta_m")
-    plain = solution.in_paper_letters(solution.acceleration()).subs({v: v_lambda, Omega * t: THETA_M, k: 0})
+    plain = solution.in_paper_letters(solution.acceleration()).subs(
+        {v: v_lambda, Omega * t: THETA_M, k: 0}
+    )
     solved = sp.solve(plain.subs(sp.cos(THETA_M), phase), phase)[0]
-    second = solution.in_paper_letters(solution.g_function(2)).subs({v: v_lambda, Omega * t: THETA_M, k: 0})
+    second = solution.in_paper_letters(solution.g_function(2)).subs(
+        {v: v_lambda, Omega * t: THETA_M, k: 0}
+    )
     curve = sp.expand(second.subs(A, sp.solve(plain, A)[0])).subs(sp.sin(THETA_M), 0)
     yield (
         r"\subsection{No spring}",
@@ -191,7 +231,8 @@ def items(scope: Scope) -> Items:
 
 def contact_steps() -> tuple[Step, Step, Step]:
     """Return the steps that define gamma and a, and give the position x_m of a contact at which the force is 0."""
-    acceleration, rate = named(r"\ddot{x}"), named(r"\dot{x}_m")
+    acceleration = named(r"\ddot{x}")
+    rate = named(r"\dot{x}_m")
     at_contact = ((c * acceleration + k * rate) / m).subs({acceleration: 0, rate: v_lambda})
     force = solution.in_paper_letters(solution.acceleration()).subs({v: v_lambda, Omega * t: theta})
     place = sp.solve(force, x)[0].subs(theta, THETA_M)
@@ -204,20 +245,29 @@ def contact_steps() -> tuple[Step, Step, Step]:
 
 @cache
 def windows_table(label: str = "tab:grazing-windows") -> Table:
-    """Return the table of Theorem 7's windows, each checked: contacts from below (P2, P5) and from above (P3, P6)."""
+    """Return the table of Theorem 7's windows, each checked.
+
+    Contacts from below (P2, P5) and from above (P3, P6).
+    """
     return Table(
         label,
         r"Theorem~7: the phases $\theta_m$ at which a contact grazes to first order. The paper has neither the case "
         r"$\gamma = -a$ of $P_2$ and $P_5$ nor those with $a = 0$; in the last one the flow stays in the boundary.",
         ("", r"$P_2$, $P_5$ ($\sigma = 1$)", r"$P_3$, $P_6$ ($\sigma = -1$)"),
-        tuple((words, _window("P2", gamma, a), _window("P3", gamma, a)) for gamma, a, words in CASES),
+        tuple(
+            (words, _window("P2", gamma, a), _window("P3", gamma, a)) for gamma, a, words in CASES
+        ),
     )
 
 
 def _window(mapping: str, gamma: Any, amplitude: Any) -> Step:
     """Return the checked step with a mapping's grazing window for `gamma` and `amplitude`, 0 or of known signs."""
-    place, values = PLACES[mapping], {g: gamma, a: amplitude}
-    conditions = ((row, row.condition.subs(values, simultaneous=True)) for row in theorem7.all_cases(place, False))
+    place = PLACES[mapping]
+    values = {g: gamma, a: amplitude}
+    conditions = (
+        (row, row.condition.subs(values, simultaneous=True))
+        for row in theorem7.all_cases(place, False)
+    )
     case = next(row for row, condition in conditions if sp.simplify(condition) == sp.true)
     check = window(place.side, gamma, amplitude, {CRITICAL: sp.asin(-g / a)})
     return step(THETA_M, "in", _with_critical_phase(case.phases), check)
@@ -239,26 +289,36 @@ def window(side: int, gamma: Any, amplitude: Any, names: Any = ()) -> Check:
 
     `names` has the values of symbols in the ends of the set.
     """
-    # This is exact: the function has at most two zeros, and where the sine is 1, 0 or -1 its sign is decided.
+    # This is exact: the function has at most two zeros, and where the sine is 1, 0 or -1 its sign
+    # is decided.
 
     def angle(end: Any) -> Any:
         return end.subs(names).subs({g: gamma, a: amplitude})
 
     def contains(part: Any, phase: Any) -> bool:
-        # Ends cannot cross a multiple of pi/2 while the signs stay: one set of numbers stands for all.
-        low, high = (angle(end).subs({p: sp.Rational(3, 7), q: sp.Rational(2, 5)}) for end in part.args[:2])
+        # Ends cannot cross a multiple of pi/2 while the signs stay: one set of numbers stands for
+        # all.
+        low, high = (
+            angle(end).subs({p: sp.Rational(3, 7), q: sp.Rational(2, 5)}) for end in part.args[:2]
+        )
         left_open, right_open = part.args[2:]
         after = phase > low or (phase == low and not left_open)
         return bool(after and (phase < high or (phase == high and not right_open)))
 
     def check(statement: Step) -> StepEvidence:
-        sets = statement.right.args if isinstance(statement.right, sp.Union) else (statement.right,)
+        if isinstance(statement.right, sp.Union):
+            sets = statement.right.args
+        else:
+            sets = (statement.right,)
         parts = [part for part in sets if isinstance(part, sp.Interval)]
         through_0 = any(part.args[0] == 0 and not part.args[2] for part in parts)
         for end in (end for part in parts for end in part.args[:2]):
             zero = sp.simplify(sp.expand_trig(sp.sin(angle(end))) * amplitude + gamma)
             if zero != 0 and not (through_0 and end in (0, 2 * sp.pi)):
-                raise StepError(str(statement), f"{end} is no zero of gamma + a sin theta, which is {zero} there")
+                raise StepError(
+                    str(statement),
+                    f"{end} is no zero of gamma + a sin theta, which is {zero} there",
+                )
         for sine, phase in ((1, sp.pi / 2), (-1, 3 * sp.pi / 2), (0, sp.Integer(0)), (0, sp.pi)):
             value = side * (gamma + amplitude * sine)
             inside = sp.simplify(value).is_positive
@@ -274,7 +334,9 @@ def window(side: int, gamma: Any, amplitude: Any, names: Any = ()) -> Check:
 def _numbers(scope: Scope, mapping: str) -> Items:
     """Return the section with a mapping's window for the numbers of the scope's scene."""
     place = PLACES[mapping]
-    gamma, amplitude = (e.subs(scope.numbers) for e in (k * BELTS[place.boundary] / m, B0 * Omega / m))
+    gamma, amplitude = (
+        e.subs(scope.numbers) for e in (k * BELTS[place.boundary] / m, B0 * Omega / m)
+    )
     phases = theorem7.window_phases(place, gamma, amplitude, False)
     return (
         rf"\subsection{{The window of $P_{mapping[1]}$ with the numbers of the scene}}",

@@ -11,19 +11,37 @@ import sympy as sp
 from symosc.derive.chapters.domains import generic_basis
 from symosc.derive.latex import named
 from symosc.derive.scope import Scope
-from symosc.derive.steps import CONTEXT, STEP_DIGITS, Items, at_root, equation, exact, facts, modes, number, sign, step
+from symosc.derive.steps import (
+    CONTEXT,
+    STEP_DIGITS,
+    Items,
+    at_root,
+    equation,
+    exact,
+    facts,
+    modes,
+    number,
+    sign,
+    step,
+)
 from symosc.orbits.find import find_orbit
 from symosc.scenes import load_scene
 from symosc.symbolic import maps, solution
 from symosc.symbolic.solution import E0, E1, E2, FN, Omega, a_i, cm, m, tau, theta_i, v_i, w0sq, x_i
 
 TITLE = "Derivatives, saltation and monodromy"
-BEFORE, AFTER = named("F^{-}"), named("F^{+}")
+BEFORE = named("F^{-}")
+AFTER = named("F^{+}")
 
 
 def total(expr: Any, letter: Any) -> Any:
-    """Differentiate `expr` by a start value `letter` at fixed tau; the initial acceleration a_i varies with it."""
-    return expr.diff(letter) + expr.diff(a_i) * solution.acceleration(x_i, v_i, theta_i).diff(letter)
+    """Differentiate `expr` by a start value `letter` at fixed tau.
+
+    The initial acceleration a_i varies with it.
+    """
+    return expr.diff(letter) + expr.diff(a_i) * solution.acceleration(x_i, v_i, theta_i).diff(
+        letter
+    )
 
 
 def partial(what: str, by: str) -> Any:
@@ -33,7 +51,8 @@ def partial(what: str, by: str) -> Any:
 
 def items(scope: Scope) -> Items:
     """Yield the chapter: derivatives of f1 and f2, perturbations, saltation, and the monodromy matrix."""
-    flow, found = solution.flow(), maps.flight_jacobian()
+    flow = solution.flow()
+    found = maps.flight_jacobian()
     ends = {maps.v_end: flow.v, maps.a_end: flow.a}
     rows = []
     for which, (expr, short) in enumerate(((flow.x, "x"), (flow.v, "v")), 1):
@@ -55,7 +74,8 @@ def items(scope: Scope) -> Items:
         r"flow changes nothing at the end: $\dot{x}_i\,\partial/\partial x_i + "
         r"\ddot{x}_i\,\partial/\partial\dot{x}_i + \Omega\,\partial/\partial\theta_i$ gives 0.\end{proof}",
     )
-    residual, found = maps.stick_residual(), maps.stick_jacobian()
+    residual = maps.stick_residual()
+    found = maps.stick_jacobian()
     theta_j = maps.theta_j
     where = {tau: (theta_j - theta_i) / Omega}
     entries = (
@@ -63,7 +83,12 @@ def items(scope: Scope) -> Items:
         ("2", "x_{i+1}", maps.x_j, "v_x1"), ("2", r"\theta_{i+1}", theta_j, "v_th1")
     )  # fmt: skip
     slopes = [
-        equation(partial(f"f_{n}", by), found[key], residual[f"f{n}"].subs(where).diff(letter), f"stick-{key}")
+        equation(
+            partial(f"f_{n}", by),
+            found[key],
+            residual[f"f{n}"].subs(where).diff(letter),
+            f"stick-{key}",
+        )
         for n, by, letter, key in entries
     ]
     yield (
@@ -74,15 +99,27 @@ def items(scope: Scope) -> Items:
         r"$(x_i, \theta_i)$.\end{proposition}",
     )
     yield perturbations(), saltation()
-    product, bound = named(r"\rho_1\rho_2"), named(r"e^{-c\mathcal{T}/m}\prod_j F^{+}_j/F^{-}_j")
+    product = named(r"\rho_1\rho_2")
+    bound = named(r"e^{-c\mathcal{T}/m}\prod_j F^{+}_j/F^{-}_j")
 
     def values() -> dict[Any, Any]:
-        texts = (CONTEXT.nstr(value, STEP_DIGITS + 5) for value in multiplier_products("fig9-orbit", "P32"))
-        return {name: sp.Float(text, STEP_DIGITS + 10) for name, text in zip((product, bound), texts, strict=True)}
+        texts = (
+            CONTEXT.nstr(value, STEP_DIGITS + 5)
+            for value in multiplier_products("fig9-orbit", "P32")
+        )
+        return {
+            name: sp.Float(text, STEP_DIGITS + 10)
+            for name, text in zip((product, bound), texts, strict=True)
+        }
 
-    energy, rate = named(r"\frac{d}{d\tau}\bigl(\tfrac{m}{2}\dot{y}^2 + \tfrac{k}{2}y^2\bigr)"), named(r"\dot{y}")
-    bend, place = named(r"\ddot{y}"), named("y")
-    meaning = {energy: m * rate * bend + solution.k * place * rate, bend: -(solution.c * rate + solution.k * place) / m}
+    energy = named(r"\frac{d}{d\tau}\bigl(\tfrac{m}{2}\dot{y}^2 + \tfrac{k}{2}y^2\bigr)")
+    rate = named(r"\dot{y}")
+    bend = named(r"\ddot{y}")
+    place = named("y")
+    meaning = {
+        energy: m * rate * bend + solution.k * place * rate,
+        bend: -(solution.c * rate + solution.k * place) / m,
+    }
     yield (
         r"\subsection{The monodromy matrix}",
         r"\begin{theorem}[monodromy and multipliers]\label{thm:jacobians-monodromy} "
@@ -145,15 +182,20 @@ def perturbations() -> Items:
 
 def saltation() -> Items:
     """Return the items of the theorem on saltation."""
-    speed, delta = named(r"v_\lambda"), named(r"\delta\dot{x}^{-}")
-    shift, result = named(r"\delta t"), named(r"\delta\dot{x}^{+}")
+    speed = named(r"v_\lambda")
+    delta = named(r"\delta\dot{x}^{-}")
+    shift = named(r"\delta t")
+    result = named(r"\delta\dot{x}^{+}")
     delay = {shift: sp.solve(delta + BEFORE * named("s"), named("s"))[0]}
-    field_gap, normal = sp.Matrix([0, AFTER - BEFORE]), sp.Matrix([[0, 1]])
+    field_gap = sp.Matrix([0, AFTER - BEFORE])
+    normal = sp.Matrix([[0, 1]])
     matrix = sp.eye(2) + field_gap * normal / (normal * sp.Matrix([speed, BEFORE]))[0]
     entries = tuple(
-        equation(matrix[i, j], entry) for i, j, entry in ((0, 0, 1), (0, 1, 0), (1, 0, 0), (1, 1, AFTER / BEFORE))
+        equation(matrix[i, j], entry)
+        for i, j, entry in ((0, 0, 1), (0, 1, 0), (1, 0, 0), (1, 1, AFTER / BEFORE))
     )
-    lower, mu = sp.Symbol("F^{+}", positive=True), sp.Symbol(r"\mu_\lambda", nonnegative=True)
+    lower = sp.Symbol("F^{+}", positive=True)
+    mu = sp.Symbol(r"\mu_\lambda", nonnegative=True)
     ratio = AFTER / BEFORE
     upward = {BEFORE: AFTER + 2 * mu * FN / m, AFTER: lower}
     return (
@@ -169,7 +211,12 @@ def saltation() -> Items:
         r"\begin{proof} To first order the changed motion crosses later by",
         equation(shift, -delta / BEFORE, delay, "delay"),
         r"and during this time one motion has $F^{+}$ and the other still $F^{-}$, so that afterwards",
-        equation(result, AFTER * delta / BEFORE, {result: delta + BEFORE * shift - AFTER * shift} | delay, "after"),
+        equation(
+            result,
+            AFTER * delta / BEFORE,
+            {result: delta + BEFORE * shift - AFTER * shift} | delay,
+            "after",
+        ),
         r"while $\delta x$ changes by terms of second order only. This is the general formula "
         r"$S = I + (\mathbf{f}^{+} - \mathbf{f}^{-})\,\mathbf{n}^T/(\mathbf{n}^T\mathbf{f}^{-})$ with "
         r"$\mathbf{f}^{\pm} = (v_\lambda, F^{\pm})^T$ \cite{leine2004,dibernardo2008}. A crossing upward has "
@@ -182,12 +229,18 @@ def saltation() -> Items:
 
 @cache
 def multiplier_products(scene: str, word: str) -> tuple[Any, Any]:
-    """Return the product of an orbit's multipliers: the package's, and the one by the theorem; 50 digits."""
+    """Return the product of an orbit's multipliers: the package's, and the one by the theorem.
+
+    50 digits.
+    """
     p = load_scene(scene).parameters
     found = find_orbit(p, word, digits=STEP_DIGITS + 5)
-    product, ratios = prod(map(CONTEXT.mpmathify, found.multipliers)), CONTEXT.mpf(1)
+    product = prod(map(CONTEXT.mpmathify, found.multipliers))
+    ratios = CONTEXT.mpf(1)
     for (t, x), (before, after) in zip(found.points, ((2, 1), (1, 2)), strict=True):
-        end, start = (force_at_belt(p, alpha, 1, x, number(p.Omega) * t) for alpha in (after, before))
+        end, start = (
+            force_at_belt(p, alpha, 1, x, number(p.Omega) * t) for alpha in (after, before)
+        )
         ratios *= end / start
     return CONTEXT.re(product), CONTEXT.exp(-number(p.c / p.m) * CONTEXT.mpf(found.period)) * ratios
 
@@ -195,4 +248,8 @@ def multiplier_products(scene: str, word: str) -> tuple[Any, Any]:
 def force_at_belt(p: Any, alpha: int, belt: int, x: Any, phase: Any) -> Any:
     """Return the force m F^(alpha) at the speed of `belt`, a position and a phase, from the parameters `p` alone."""
     friction = {1: p.mu1 + p.mu2, 2: p.mu2 - p.mu1, 3: -p.mu1 - p.mu2}[alpha] * p.FN
-    return number(p.A0 + friction - p.c * p.belt(belt)) + number(p.B0) * CONTEXT.cos(phase) - number(p.k) * x
+    return (
+        number(p.A0 + friction - p.c * p.belt(belt))
+        + number(p.B0) * CONTEXT.cos(phase)
+        - number(p.k) * x
+    )

@@ -1,4 +1,7 @@
-"""Published results on the oscillator with Coulomb friction: derived, and compared with what this package computes."""
+"""Published results on the oscillator with Coulomb friction.
+
+Derived, and compared with what this package computes.
+"""
 
 from __future__ import annotations
 
@@ -21,21 +24,29 @@ RELATION = {E0: 1 - w0sq * E2 - cm * E1}
 #: The multipliers.
 LAMBDA = named(r"\rho_1"), named(r"\rho_2")
 
-# Names of what is derived: trace and determinant of the free motion over half a period, and of what it does to a
-# perturbation; accelerations before and after a turning point.
+# Names of what is derived: trace and determinant of the free motion over half a period, and of what
+# it does to a perturbation; accelerations before and after a turning point.
 T, D, T_h, D_h = (named(name) for name in ("T", "D", "T_h", "D_h"))
 RHO = named(r"\chi")
-A_MINUS, A_PLUS = named(r"\ddot{x}_-"), named(r"\ddot{x}_+")
-B, B_0, LARGEST = named(r"B(\varphi)"), named("B(0)"), named(r"B_*", positive=True)
+A_MINUS = named(r"\ddot{x}_-")
+A_PLUS = named(r"\ddot{x}_+")
+B = named(r"B(\varphi)")
+B_0 = named("B(0)")
+LARGEST = named(r"B_*", positive=True)
 UNDAMPED = {cm: 0, c: 0, G: 0, Omega: r * sp.sqrt(w0sq)}
 
 
 def items(scope: Scope) -> Items:
-    """Yield the items of the chapter on published results: symmetric motion, borders, stops, continua, moving bases."""
-    u_0, w_0 = named("u_0"), named(r"\dot{u}_0")
+    """Yield the items of the chapter on published results.
+
+    Symmetric motion, borders, stops, continua, moving bases.
+    """
+    u_0 = named("u_0")
+    w_0 = named(r"\dot{u}_0")
     x, v = _free_motion(u_0, w_0)
     x_u, v_u = coulomb.transition() * sp.Matrix([u_0, w_0])
-    stiffness, damping = k - m * Omega**2, c * Omega
+    stiffness = k - m * Omega**2
+    damping = c * Omega
     push = sp.sqrt((stiffness * p_0 + damping * q_0) ** 2 + (stiffness * q_0 - damping * p_0) ** 2)
     yield (
         r"With $A_0 = 0$, $B_0 = P$, $v_1 = 0$, $\mu_1 F_N = F$, $\mu_2 = 0$ and a belt 2 that is faster than the mass "
@@ -58,14 +69,16 @@ def items(scope: Scope) -> Items:
         equation(P**2, (stiffness**2 + damping**2) * (p_0**2 + q_0**2), {P: push}),
         r"Call $Q = \sqrt{p_0^2 + q_0^2}$: the amplitude that the mass would have without friction.",
     )
-    matrix, solved = coulomb.transition(), dict(zip((G, H), coulomb.half_period(), strict=True))
+    matrix = coulomb.transition()
+    solved = dict(zip((G, H), coulomb.half_period(), strict=True))
     rows = coulomb.symmetry()
     both = rows.jacobian([p_0, q_0])
     found = both.adjugate() * (-rows.subs({p_0: 0, q_0: 0})) / both.det()
     steady = dict(zip((p_0, q_0), found, strict=True)) | solved
     meaning = {p_0: x_0 + G * x_f, q_0: H * x_f, **solved}
     traces = {T: matrix.trace(), D: matrix.det()}
-    below, root = 1 + T + D, named("y", positive=True)
+    below = 1 + T + D
+    root = named("y", positive=True)
     yield (
         r"Half a period later position and velocity are those of the start, negated:",
         [equation(0, row, meaning) for row in rows],
@@ -79,11 +92,20 @@ def items(scope: Scope) -> Items:
         equation(T, E0 + 1 - w0sq * E2, traces),
         equation(D, E0 - w0sq * (E0 * E2 - E1**2), traces),
         "so that $Q$ decides on the amplitude, which exists for $Q > |H| x_f$:",
-        equation(x_0, coulomb.amplitude(), {Q: sp.sqrt(root**2 + H**2 * x_f**2), x_0: -G * x_f + root}, "amplitude"),
+        equation(
+            x_0,
+            coulomb.amplitude(),
+            {Q: sp.sqrt(root**2 + H**2 * x_f**2), x_0: -G * x_f + root},
+            "amplitude",
+        ),
     )
-    regimes, forms = solution.REGIMES, coulomb.den_hartog_undamped()
+    regimes = solution.REGIMES
+    forms = coulomb.den_hartog_undamped()
     damped = [coulomb.closed(part, regimes["underdamped"]) for part in solved.values()]
-    undamped = [coulomb.closed(part, regimes["undamped"]).subs(omega_0, Omega / r) for part in solved.values()]
+    undamped = [
+        coulomb.closed(part, regimes["undamped"]).subs(omega_0, Omega / r)
+        for part in solved.values()
+    ]
 
     def tidy(expr: Any) -> Any:
         return sp.simplify(sp.expand(sp.numer(sp.together(expr.rewrite(sp.exp)))))
@@ -94,21 +116,36 @@ def items(scope: Scope) -> Items:
         r"For $0 < c^2 < 4 k m$ this is Den Hartog's form, with $h = c/(2m)$ and $\omega_d^2 = k/m - h^2$:",
         [
             equation(letter, shown, exact({letter: derived}, tidy))
-            for letter, shown, derived in zip((G, H), coulomb.den_hartog_damped(), damped, strict=True)
+            for letter, shown, derived in zip(
+                (G, H), coulomb.den_hartog_damped(), damped, strict=True
+            )
         ],
         r"For $c = 0$, with $Q = P |V|/k$,",
         equation(G, 0, undamped[0]),
         equation(H, forms[U], undamped[1], note=r"$= U = \frac{1}{r}\tan\frac{\pi}{2 r}$"),
         equation(V, forms[V], {V: k / (k - m * Omega**2), Omega: r * sp.sqrt(k / m)}),
         equation(x_0**2, V**2 * P**2 / k**2 - U**2 * x_f**2, highest),
-        _numbers("amplitude", r"The highest point by \eqref{eq:literature-amplitude}, and on the orbit $P_{32}$."),
+        _numbers(
+            "amplitude",
+            r"The highest point by \eqref{eq:literature-amplitude}, and on the orbit $P_{32}$.",
+        ),
     )
     push = (k - m * Omega**2) * p_0 + c * Omega * q_0
-    before, after = ((push - k * x_0 + side * k * x_f).subs({c: m * cm, k: m * w0sq}) / m for side in (-1, 1))
-    delta, dt, later = named(r"\delta"), named(r"\mathrm{d}t"), named(r"\delta_+")
+    before, after = (
+        (push - k * x_0 + side * k * x_f).subs({c: m * cm, k: m * w0sq}) / m for side in (-1, 1)
+    )
+    delta = named(r"\delta")
+    dt = named(r"\mathrm{d}t")
+    later = named(r"\delta_+")
     turned = {later: -A_PLUS * dt, dt: -delta / A_MINUS, RHO: A_PLUS / A_MINUS}
-    root, half = named("R"), coulomb.half_period_matrix(RHO)
-    meaning = {T_h: half.trace(), D_h: half.det(), T: coulomb.transition().trace(), D: coulomb.transition().det()}
+    root = named("R")
+    half = coulomb.half_period_matrix(RHO)
+    meaning = {
+        T_h: half.trace(),
+        D_h: half.det(),
+        T: coulomb.transition().trace(),
+        D: coulomb.transition().det(),
+    }
     squares = dict(zip(LAMBDA, (((T_h + sign * root) / 2) ** 2 for sign in (1, -1)), strict=True))
     squares |= {root: sp.sqrt(T_h**2 - 4 * D_h)}
     turn = {T_h: (1 + RHO) * sp.cos(sp.pi / r), D_h: RHO}
@@ -131,19 +168,32 @@ def items(scope: Scope) -> Items:
         equation(LAMBDA[0] + LAMBDA[1], T_h**2 - 2 * D_h, squares),
         equation(LAMBDA[0] * LAMBDA[1], D_h**2, squares),
         r"For $c = 0$",
-        equation(RHO, (r**2 * x_0 - x_f) / (r**2 * x_0 + x_f), {RHO: coulomb.ratio(), **UNDAMPED}, note="and"),
+        equation(
+            RHO,
+            (r**2 * x_0 - x_f) / (r**2 * x_0 + x_f),
+            {RHO: coulomb.ratio(), **UNDAMPED},
+            note="and",
+        ),
         equation(1 - T_h + D_h, (1 + RHO) * (1 - sp.cos(sp.pi / r)), turn),
         equation(1 + T_h + D_h, (1 + RHO) * (1 + sp.cos(sp.pi / r)), turn),
         r"On an orbit $0 \le \chi < 1$, so that $D_h < 1$ too. If both sides above are positive, the eigenvalues lie "
         r"inside the unit circle by the conditions of Jury, and so do the multipliers. They vanish at $r = 1/n$ only: "
         r"for odd $n$ there $U$ is infinite and the motion does not exist; for even $n$ one multiplier is 1.",
-        _numbers("stability", "The multipliers by these formulas, and from the monodromy matrix of $P_{32}$."),
+        _numbers(
+            "stability",
+            "The multipliers by these formulas, and from the monodromy matrix of $P_{32}$.",
+        ),
     )
     steady = {p_0: x_0 + G * x_f, q_0: H * x_f}
     _, rate = _free_motion(x_0 - p_0 - x_f, -Omega * q_0)
     speed = sp.expand((rate / Omega - p_0 * sp.sin(phi) + q_0 * sp.cos(phi)).subs(steady))
     least = sp.solve(speed.subs(x_0, p_0 - G * x_f), p_0)[0] / x_f
-    start = sp.solve(coulomb.turning_acceleration(True).subs({q_0: H * x_f, x_0: p_0 - G * x_f}), p_0)[0] / x_f
+    start = (
+        sp.solve(coulomb.turning_acceleration(True).subs({q_0: H * x_f, x_0: p_0 - G * x_f}), p_0)[
+            0
+        ]
+        / x_f
+    )
     stiffness = (k - m * Omega**2) ** 2 + (c * Omega) ** 2
     at_border = {P: sp.sqrt(stiffness * (LARGEST**2 + H**2)) * x_f, F: k * x_f}
     free = solution.REGIMES["undamped"]
@@ -168,9 +218,13 @@ def items(scope: Scope) -> Items:
         ),
     )
     n, j = (sp.Symbol(name, integer=True, positive=True) for name in "nj")
-    ratio, inverse, next_sine = named("F/P"), named("1/U"), sp.sin(j * phi + phi)
+    ratio = named("F/P")
+    inverse = named("1/U")
+    next_sine = sp.sin(j * phi + phi)
     at = {r: 1 / (2 * n), LARGEST: 1, U: 0}
-    odd = sp.cos(sp.expand(sp.pi * (2 * n + 1) / 2)) / ((2 * n + 1) * sp.sin(sp.expand(sp.pi * (2 * n + 1) / 2)))
+    odd = sp.cos(sp.expand(sp.pi * (2 * n + 1) / 2)) / (
+        (2 * n + 1) * sp.sin(sp.expand(sp.pi * (2 * n + 1) / 2))
+    )
     yield (
         r"\subsection{Where borders meet}",
         r"\begin{proposition}[points of codimension two]\label{thm:literature-points} "
@@ -187,7 +241,9 @@ def items(scope: Scope) -> Items:
         ),
         r"and the quotient tends to $j$ in size at $\varphi = 0$ and $\pi$. At $r = 1/(2n)$ one has $U = 0$, so that "
         r"$S = r\sin(2n\varphi)/\sin\varphi$ has the supremum $S_* = 1$, and the border is at",
-        equation(ratio, 1 / (4 * n**2 - 1), {ratio: sp.sqrt(r**4) / ((1 - r**2) * LARGEST), **at}, "A"),
+        equation(
+            ratio, 1 / (4 * n**2 - 1), {ratio: sp.sqrt(r**4) / ((1 - r**2) * LARGEST), **at}, "A"
+        ),
         r"At $r = 1/(2n + 1)$",
         equation(inverse, 0, {inverse: odd}, "B"),
         r"and the border, which is not above $|V/U|$, is at 0.\end{proof}",
@@ -207,17 +263,25 @@ def items(scope: Scope) -> Items:
             r"\texttt{continue\_orbit}.",
         ),
     )
-    growth, loss = named(r"\Delta x"), named("L")
-    left, above = named("q"), named("x_{i+1}")
+    growth = named(r"\Delta x")
+    loss = named("L")
+    left = named("q")
+    above = named("x_{i+1}")
     half = coulomb.closed(1 - w0sq * E2, solution.REGIMES["underdamped"], sp.pi / solution.omega_d)
-    decay = {above: x_f + (named("x_i") - x_f) * half, left: sp.exp(-sp.pi * solution.h / solution.omega_d)}
+    decay = {
+        above: x_f + (named("x_i") - x_f) * half,
+        left: sp.exp(-sp.pi * solution.h / solution.omega_d),
+    }
     yield (
         r"\subsection{Resonance and free decay}",
         r"See \cite{butikov2015}. At $r = 1$, $c = 0$ let the highest point $x_0 > x_f$ be at $\Omega t = \pi/2$, so "
         r"that the drive has the sign of the velocity. The flow of the regime \emph{resonance} then has its next "
         r"turning point half a period later, at $-x_0 - \frac{1}{2} \Delta x$. So a cycle raises the highest point by",
         equation(
-            growth, (sp.pi * P - 4 * F) / k, coulomb.resonance_growth(), note=r"and there is no bound if $F < \pi P/4$."
+            growth,
+            (sp.pi * P - 4 * F) / k,
+            coulomb.resonance_growth(),
+            note=r"and there is no bound if $F < \pi P/4$.",
         ),
         _numbers(
             "resonance",
@@ -227,10 +291,15 @@ def items(scope: Scope) -> Items:
         r"Without a drive and for $c = 0$ half a cycle takes $x_0 > x_f$ to $-(x_0 - L)$, and the mass stays at the "
         r"first turning point with $|x| \le x_f$:",
         equation(loss, 2 * F / k, {loss: coulomb.free_decay(), x_f: F / k}),
-        _numbers("decay", r"Turning points from $x = 0.95$; at the last one the package says \emph{equilibrium}."),
+        _numbers(
+            "decay",
+            r"Turning points from $x = 0.95$; at the last one the package says \emph{equilibrium}.",
+        ),
         r"With a damper, $0 < c^2 < 4 k m$, half a cycle takes $\pi/\omega_d$ (compare \cite{feeny1996}), and from a "
         r"highest point $x_i > x_f$, with $q = e^{-\pi h/\omega_d}$,",
-        equation(above, -left * named("x_i") + (1 + left) * x_f, exact(decay, sp.simplify), "decrement"),
+        equation(
+            above, -left * named("x_i") + (1 + left) * x_f, exact(decay, sp.simplify), "decrement"
+        ),
         _numbers("decrements", r"Turning points from $x = 1.5$ for $c = 0.2$, $F = 0.1$, $P = 0$."),
         r"\subsection{Stops per cycle}",
         r"Hong and Liu \cite{hongliu2000} sort the settled motions for $c = 0$ by their number of stops per cycle: 0, "
@@ -247,9 +316,12 @@ def items(scope: Scope) -> Items:
         r"The slower the drive, the more often the mass stops, while its highest point tends to that of a quasi-static "
         r"motion, $(P - F)/k$ \cite{papangelo2015}; with critical damping it stops twice and is near to it. The same "
         r"equations, in the basis functions of any regime, hold for $c > 0$.",
-        _numbers("slow", r"The highest point of slowly driven motions, $F = 0.5$: $(P - F)/k = 0.5$."),
         _numbers(
-            "cycles", r"Where the mass stops in the two cases of the model of \cite{murari2026}, $c = 0.1$, $F = 0.5$."
+            "slow", r"The highest point of slowly driven motions, $F = 0.5$: $(P - F)/k = 0.5$."
+        ),
+        _numbers(
+            "cycles",
+            r"Where the mass stops in the two cases of the model of \cite{murari2026}, $c = 0.1$, $F = 0.5$.",
         ),
         r"\begin{proposition}[odd numbers of stops]\label{thm:literature-odd} "
         r"Let $c = 0$. A periodic motion that is not its own mirror image, and with it every motion with an odd number "
@@ -265,7 +337,8 @@ def items(scope: Scope) -> Items:
         r"At $r = 1/(2n)$ one stop per cycle is what is seen: it gets shorter from cycle to cycle, and its length "
         r"tends to 0.",
     )
-    n, d_end = sp.Symbol("n", integer=True, positive=True), named("d_*")
+    n = sp.Symbol("n", integer=True, positive=True)
+    d_end = named("d_*")
     death = {x_0: P / (k * (1 - r**2)), x_f: F / k, r: 1 / (2 * n)}
     closed = {name: coulomb.closed(name, solution.REGIMES["undamped"]) for name in BASIS[:3]}
     at = {r: 1 / (2 * n), omega_0: 2 * n * Omega, w0sq: (2 * n * Omega) ** 2}
@@ -282,7 +355,9 @@ def items(scope: Scope) -> Items:
         r"\begin{proposition}[a continuum, and its death]\label{thm:literature-continuum} "
         r"Let $c = 0$ and $r = 1/(2n)$. If $F/P < 1/(4n^2 - 1)$, the motions $x + d\cos(\varphi/r)$ have no stops for "
         r"all $|d| < d_*$, where $x$ is the symmetric one and",
-        equation(d_end, P / (k * (4 * n**2 - 1)) - F / k, {d_end: r**2 * x_0 - x_f, **death}, "end"),
+        equation(
+            d_end, P / (k * (4 * n**2 - 1)) - F / k, {d_end: r**2 * x_0 - x_f, **death}, "end"
+        ),
         r"If not, there is none. So the continuum dies at $F = P/(4n^2 - 1)$, which is the point $A_n$ of "
         r"Proposition~\ref{thm:literature-points}.\end{proposition}",
         r"\begin{proof} See \cite{csernak2007} for the orbits. Half a period is $n$ periods of the free motion, which "
@@ -291,35 +366,55 @@ def items(scope: Scope) -> Items:
         equation(E1, 0, meaning),
         equation(E2, 0, meaning),
         r"So $G = H = 0$: the amplitude does not depend on the friction,",
-        equation(x_0, P / (k * (1 - r**2)), {x_0: P / (k - m * Omega**2), Omega: r * sp.sqrt(k / m)}),
+        equation(
+            x_0, P / (k * (1 - r**2)), {x_0: P / (k - m * Omega**2), Omega: r * sp.sqrt(k / m)}
+        ),
         r"and a free motion $d \cos(\varphi/r)$ may be added to the symmetric one. Its turning points are then "
         r"$d + x_0$ and $d - x_0$, at the same times. On the way down",
-        equation(rate, 2 * n * Omega * (x_f - d) * sp.sin(2 * n * phi) - Omega * x_0 * sp.sin(phi), down),
+        equation(
+            rate, 2 * n * Omega * (x_f - d) * sp.sin(2 * n * phi) - Omega * x_0 * sp.sin(phi), down
+        ),
         r"and on the way up $-\dot{x}$ is the same with $x_f + d$ in place of $x_f - d$. As $|\sin 2 n\varphi| \le 2 n "
         r"\sin\varphi$ by \eqref{eq:literature-sine}, with equality in the limit at the turning points only, there is "
         r"no stop if and only if $x_f + |d| < r^2 x_0$.\end{proof}",
         r"At the end of the continuum one of the two turning points is a stop of no length.",
         r"One multiplier is 1, along the continuum. The other one is the product of the two ratios of accelerations:",
-        equation(LAMBDA[1], ((r**2 * x_0 - x_f) ** 2 - d**2) / ((r**2 * x_0 + x_f) ** 2 - d**2), ratios[0] * ratios[1]),
+        equation(
+            LAMBDA[1],
+            ((r**2 * x_0 - x_f) ** 2 - d**2) / ((r**2 * x_0 + x_f) ** 2 - d**2),
+            ratios[0] * ratios[1],
+        ),
         _numbers(
             "continuum",
             r"Members of the continua, which the package calls marginal: turning points and the second multiplier. "
             r"Their middle $\bar{x}$ is $d$. The end $d_*$ is bisected in $d$, by whether the motion stops.",
         ),
     )
-    z, y, force = named(r"\ddot{z}"), named("z"), named("T")
-    shake, rub, slope, lag = named("Y"), named("x_f", positive=True), named("s'"), named(r"\delta")
-    top, angle = named(r"\max x"), sp.Symbol("theta", real=True)
+    z = named(r"\ddot{z}")
+    y = named("z")
+    force = named("T")
+    shake = named("Y")
+    rub = named("x_f", positive=True)
+    slope = named("s'")
+    lag = named(r"\delta")
+    top = named(r"\max x")
+    angle = sp.Symbol("theta", real=True)
     still = V * shake
     near = still * (1 - angle**2 / 2) + rub * slope * (angle - lag)
     best = near.subs(angle, sp.solve(near.diff(angle), angle)[0])
     turns = sp.solve(-(r**2) * still * angle + rub * slope, angle)[0]
-    gain, wave = rub**2 * slope**2 / still * (sp.Rational(1, 2) - 1 / r**2), shake * sp.cos(angle)
+    gain = rub**2 * slope**2 / still * (sp.Rational(1, 2) - 1 / r**2)
+    wave = shake * sp.cos(angle)
     yield (
         r"\subsection{Base and wall in joint motion}",
         r"Let base and wall move with $Y\cos\theta$, and let $z = x - Y\cos\theta$ be the relative motion: spring and "
         r"friction know only $z$. As $\ddot{x} = \ddot{z} - \Omega^2 Y\cos\theta$,",
-        equation(m * z + k * y, m * Omega**2 * wave + force, {z: (-k * y + force) / m + Omega**2 * wave}, "base"),
+        equation(
+            m * z + k * y,
+            m * Omega**2 * wave + force,
+            {z: (-k * y + force) / m + Omega**2 * wave},
+            "base",
+        ),
         r"which is the model with $P = m\Omega^2 Y$. Marino, Cicirello and Hills \cite{marino2019,marino2020} found a "
         r"frequency beyond which friction amplifies the absolute motion $x$. For $c = 0$ and weak friction let $s$ be "
         r"the response to the square wave $\operatorname{sgn}\sin\theta$ per unit of $x_f$, in angles $\theta$ from a "
@@ -330,17 +425,29 @@ def items(scope: Scope) -> Items:
         equation(top, still + gain, {top: best, lag: turns}, "peak"),
         r"So weak friction damps the absolute motion for $r < \sqrt{2}$ and amplifies it for $r > \sqrt{2}$; strong "
         r"friction moves this point up.",
-        _numbers("inversion", r"The $r$ at which friction leaves the absolute amplitude unchanged, $k Y = 1$."),
+        _numbers(
+            "inversion",
+            r"The $r$ at which friction leaves the absolute amplitude unchanged, $k Y = 1$.",
+        ),
     )
-    low, high, B0, A = named("x_-"), named("x_+"), solution.B0, solution.A0
-    mu, other = solution.mu1, solution.mu2
-    ends = {low: (A - (mu - other) * FN + sp.Abs(B0)) / k, high: (A + (mu + other) * FN - sp.Abs(B0)) / k}
+    low = named("x_-")
+    high = named("x_+")
+    B0 = solution.B0
+    A = solution.A0
+    mu = solution.mu1
+    other = solution.mu2
+    ends = {
+        low: (A - (mu - other) * FN + sp.Abs(B0)) / k,
+        high: (A + (mu + other) * FN - sp.Abs(B0)) / k,
+    }
     yield (
         r"\subsection{Rest positions on a belt at rest}",
         r"For $c > 0$ a periodic motion is the only one, except on a belt at rest (Theorem~\ref{thm:orbits-unique}). "
         r"Let $v_1 = 0$. The mass stays at $x$ for ever if $F^{(1)} \ge 0 \ge F^{(2)}$ at all phases, "
         r"$k x \le A_1 - |B_0|$ and $k x \ge A_2 + |B_0|$. These $x$ form an interval of the length",
-        equation(high - low, 2 * (mu * FN - sp.Abs(B0)) / k, ends, note=r"for $|B_0| \le \mu_1 F_N$."),
+        equation(
+            high - low, 2 * (mu * FN - sp.Abs(B0)) / k, ends, note=r"for $|B_0| \le \mu_1 F_N$."
+        ),
         r"The map over a period leaves every rest where it is, so that its multiplier along the interval is 1.",
         _numbers(
             "rests",
@@ -354,20 +461,31 @@ def items(scope: Scope) -> Items:
 
 
 def _agreed(value: Value) -> Any:
-    """Return the number that the package computed for `value`; StepError unless it agrees with the formula's."""
+    """Return the number that the package computed for `value`.
+
+    StepError unless it agrees with the formula's.
+    """
     if not abs(value.difference) <= value.tolerance:
         raise StepError(value.name, f"formula and package differ by {MP.nstr(value.difference, 3)}")
     return number(value.package)
 
 
 def _numbers(key: str, caption: str) -> Table:
-    """Return the table of values that are computed twice: by the formula, and by running the package."""
+    """Return the table of values that are computed twice.
+
+    By the formula, and by running the package.
+    """
     values = table(key)
     noted = any(value.note for value in values)
     rows = []
     for value in values:
         formula = decimal("z", number(value.formula), value.decimals)
-        ran = decimal("z", number(value.package), value.decimals, close(partial(_agreed, value), value.decimals))
+        ran = decimal(
+            "z",
+            number(value.package),
+            value.decimals,
+            close(partial(_agreed, value), value.decimals),
+        )
         rows.append((f"${value.name}$", value.case, formula, ran, *([value.note] if noted else [])))
     heads = ("", "", "formula", "run", *([""] if noted else []))
     return Table(f"tab:literature-{key}", caption, heads, tuple(rows), columns="llrr" + "l" * noted)
@@ -376,5 +494,10 @@ def _numbers(key: str, caption: str) -> Table:
 def _free_motion(start: Any, rate: Any) -> tuple[Any, Any]:
     """Return x and v of the motion without drive and friction, a time tau after x = `start`, v = `rate`."""
     flow = solution.flow()
-    at = {solution.x_i: start, solution.v_i: rate, solution.a_i: -w0sq * start - cm * rate, solution.f0: 0}
+    at = {
+        solution.x_i: start,
+        solution.v_i: rate,
+        solution.a_i: -w0sq * start - cm * rate,
+        solution.f0: 0,
+    }
     return tuple(sp.expand(part.xreplace(at).xreplace(RELATION)) for part in (flow.x, flow.v))

@@ -17,7 +17,8 @@ from symosc.words import MAPS
 TITLE = "Switching planes and mappings"
 #: The speed of the belt where a flight ends.
 V_END = named(r"v_{\lambda'}")
-F1, F2 = named("f_1"), named("f_2")
+F1 = named("f_1")
+F2 = named("f_2")
 
 
 def force(alpha: int, x: Any, v: Any, theta: Any) -> Any:
@@ -30,11 +31,17 @@ def items(scope: Scope) -> Items:
     rows: list[Any] = []
     for label in scope.maps:
         row = MAPS[label]
-        belt, other = row.start.boundary, row.end.boundary
-        planes = [rf"$\Sigma^{{{plane.superscript}}}_{{({plane.boundary})}}$" for plane in (row.start, row.end)]
-        motion, domain = rf"flight in $\Omega_{row.domain}$", str(row.domain)
+        belt = row.start.boundary
+        other = row.end.boundary
+        planes = [
+            rf"$\Sigma^{{{plane.superscript}}}_{{({plane.boundary})}}$"
+            for plane in (row.start, row.end)
+        ]
+        motion = rf"flight in $\Omega_{row.domain}$"
+        domain = str(row.domain)
         if row.sticks:
-            motion, domain = f"stick on belt {belt}", " or ".join(map(str, NEIGHBOURS[belt]))
+            motion = f"stick on belt {belt}"
+            domain = " or ".join(map(str, NEIGHBOURS[belt]))
         rows.append((f"$P_{label[1]}$", *planes, motion, domain, belt, other))
     yield (
         r"\begin{definition}[switching planes and mappings, the paper's (49) to (51)]\label{thm:maps-planes} "
@@ -56,7 +63,9 @@ def items(scope: Scope) -> Items:
     )
     letters = {v_i: v_lambda, maps.v_j: V_END}
     first, second = (expr.xreplace(letters) for expr in maps.flight_residual().values())
-    driven = solution._force_at_start().xreplace({v_i: v_lambda}) + f0 * sp.cos(theta_i + Omega * tau)
+    driven = solution._force_at_start().xreplace({v_i: v_lambda}) + f0 * sp.cos(
+        theta_i + Omega * tau
+    )
     newton = sp.solve(solution.acceleration(x_i, v_lambda, theta_i) - a_i, a_i)[0]
     by_rate = {F2: solution.time_derivative(first) - V_END}
     yield (
@@ -65,7 +74,9 @@ def items(scope: Scope) -> Items:
         r"A flight through $\Omega_\alpha$ from $(x_i, \theta_i)$ on $\dot{x} = v_\lambda$ to "
         r"$(x_{i+1}, \theta_{i+1})$ on $\dot{x} = v_{\lambda'}$ takes the time $\tau$ and satisfies $f_1 = f_2 = 0$ "
         r"with",
-        equation(tau, (maps.theta_j - theta_i) / Omega, {maps.theta_j: theta_i + Omega * tau}, "tau"),
+        equation(
+            tau, (maps.theta_j - theta_i) / Omega, {maps.theta_j: theta_i + Omega * tau}, "tau"
+        ),
         equation(F1, first, solves(driven - w0sq * maps.x_j, x_i - maps.x_j, v_lambda), "f1"),
         equation(F2, second, exact(by_rate, solution.use_relations, independent=False), "f2"),
         r"where the basis functions are taken at $\tau$, and",
@@ -102,10 +113,14 @@ def _with_numbers(scope: Scope) -> Items:
     """Return the section with the mappings in the scene's numbers."""
     found: list[Any] = [r"\subsection{With the numbers of the scene}"]
     for label in scope.maps:
-        row, letter = MAPS[label], f"P_{label[1]}"
-        start, end = BELTS[row.start.boundary], BELTS[row.end.boundary]
+        row = MAPS[label]
+        letter = f"P_{label[1]}"
+        start = BELTS[row.start.boundary]
+        end = BELTS[row.end.boundary]
         if row.sticks:
-            found.append(rf"${letter}$ rides on belt {row.start.boundary} with the speed below, and slips into")
+            found.append(
+                rf"${letter}$ rides on belt {row.start.boundary} with the speed below, and slips into"
+            )
             for alpha in NEIGHBOURS[row.start.boundary]:
                 true = force(alpha, maps.x_j, start, maps.theta_j)
                 name = named(rf"f_2^{{({label[1]})}}")

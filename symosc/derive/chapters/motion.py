@@ -1,4 +1,7 @@
-"""Equation of motion and friction law: eqs. (1) to (12), and what follows from set-valued friction."""
+"""Equation of motion and friction law: eqs.
+
+(1) to (12), and what follows from set-valued friction.
+"""
 
 from __future__ import annotations
 
@@ -9,7 +12,18 @@ import sympy as sp
 
 from symosc.derive.latex import named
 from symosc.derive.scope import BELTS, LOWER, UPPER, F, Scope, mu_lambda, v_lambda
-from symosc.derive.steps import Check, Illustration, Items, Table, cases, equation, exact, facts, sign, step
+from symosc.derive.steps import (
+    Check,
+    Illustration,
+    Items,
+    Table,
+    cases,
+    equation,
+    exact,
+    facts,
+    sign,
+    step,
+)
 from symosc.model import NEIGHBOURS
 from symosc.symbolic import solution
 from symosc.symbolic.solution import A0, B0, FN, Omega, c, k, m, mu1, mu2, t, v, x
@@ -23,15 +37,27 @@ VELOCITIES = {1: r"$\dot{x} < v_1$", 2: r"$v_1 < \dot{x} < v_2$", 3: r"$\dot{x} 
 
 
 def coulomb(alpha: int) -> Any:
-    """Return the constant force in a domain: A0 and, for each belt, its friction -mu FN sgn(v - v_lambda)."""
+    """Return the constant force in a domain.
+
+    A0 and, for each belt, its friction -mu FN sgn(v - v_lambda).
+    """
     first, second = sp.symbols("p q", positive=True)
-    slip1, slip2 = -first if alpha == 1 else first, second if alpha == 3 else -second
+    if alpha == 1:
+        slip1 = -first
+    else:
+        slip1 = first
+    if alpha == 3:
+        slip2 = second
+    else:
+        slip2 = -second
     return A0 - mu1 * FN * sp.sign(slip1) - mu2 * FN * sp.sign(slip2)
 
 
 def acceleration(alpha: int) -> Any:
     """Return F^(alpha)(x, v, t) in the paper's notation: eq. (9) with A_alpha of the domain."""
-    return solution.in_paper_letters(solution.acceleration()).subs(solution.A, solution.force_constant(alpha))
+    return solution.in_paper_letters(solution.acceleration()).subs(
+        solution.A, solution.force_constant(alpha)
+    )
 
 
 @cache
@@ -59,7 +85,9 @@ def at_each_belt(scope: Scope) -> Check:
 
 def items(scope: Scope) -> Items:
     """Yield the chapter: forces, domains, monotone friction, uniqueness, and what a belt has to hold."""
-    total, first, second = named(r"m\ddot{x}"), named("T_1"), named("T_2")
+    total = named(r"m\ddot{x}")
+    first = named("T_1")
+    second = named("T_2")
     checks = (
         exact({total: m * newton(alpha), first: one * mu1 * FN, second: two * mu2 * FN})
         for alpha, (one, two) in enumerate(((1, 1), (-1, 1), (-1, -1)), 1)
@@ -134,11 +162,15 @@ def items(scope: Scope) -> Items:
         r"unless both vanish and $\mu_\lambda F_N = 0$; then the belt has no friction and there is no boundary. The "
         r"paper's assumption $\mu_1 \ge \mu_2$ is not needed.\end{proof}",
     )
-    y, rate = named("y"), named(r"\dot{y}")
+    y = named("y")
+    rate = named(r"\dot{y}")
     energy = named(r"\frac{d}{dt}\Bigl(\frac{m}{2}\dot{y}^2 + \frac{k}{2}y^2\Bigr)")
     accelerated = named(r"\ddot{y}")
     difference = named(r"(T - \tilde{T})")
-    meaning = {energy: m * rate * accelerated + k * y * rate, accelerated: (difference - c * rate - k * y) / m}
+    meaning = {
+        energy: m * rate * accelerated + k * y * rate,
+        accelerated: (difference - c * rate - k * y) / m,
+    }
     held = []
     for belt in scope.boundaries:
         mean = sp.expand(m * (acceleration(belt) + acceleration(belt + 1)) / 2).subs(v, BELTS[belt])
@@ -175,7 +207,12 @@ def items(scope: Scope) -> Items:
         equation(m * F(UPPER), HELD - mu_lambda * FN, at_each_belt(scope)),
         r"so that the mass can stay on the belt, $|F_{s\lambda}| \le \mu_\lambda F_N$, iff "
         r"$F^{(\lambda)} \ge 0 \ge F^{(\lambda+1)}$; and the product of the paper's section 6 is",
-        equation(m**2 * F(LOWER) * F(UPPER), HELD**2 - mu_lambda**2 * FN**2, at_each_belt(scope), "product"),
+        equation(
+            m**2 * F(LOWER) * F(UPPER),
+            HELD**2 - mu_lambda**2 * FN**2,
+            at_each_belt(scope),
+            "product",
+        ),
         r"\end{proposition}",
         r"\begin{proof} On the belt $\ddot{x} = 0$, so \eqref{eq:motion-newton} demands $T_\lambda = -F_{s\lambda}$, "
         r"which Definition~\ref{thm:motion-coulomb} allows iff $|F_{s\lambda}| \le \mu_\lambda F_N$. Below the "

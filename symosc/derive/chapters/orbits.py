@@ -1,4 +1,7 @@
-"""Uniqueness and stability of periodic motions; fixed-point equations of P32 (Fig. 9) and P4645 (Fig. 10)."""
+"""Uniqueness and stability of periodic motions.
+
+Fixed-point equations of P32 (Fig. 9) and P4645 (Fig. 10).
+"""
 
 from __future__ import annotations
 
@@ -13,7 +16,18 @@ from symosc.derive import steps
 from symosc.derive.chapters.maps import force
 from symosc.derive.latex import named
 from symosc.derive.scope import BELTS, Scope
-from symosc.derive.steps import CONTEXT, STEP_DIGITS, Items, Table, at_root, decimal, equation, facts, sign, step
+from symosc.derive.steps import (
+    CONTEXT,
+    STEP_DIGITS,
+    Items,
+    Table,
+    at_root,
+    decimal,
+    equation,
+    facts,
+    sign,
+    step,
+)
 from symosc.model import NEIGHBOURS, Parameters
 from symosc.orbits.find import find_orbit
 from symosc.scenes import load_scene
@@ -26,9 +40,13 @@ TITLE = "Periodic motions"
 
 
 def items(scope: Scope) -> Items:
-    """Yield the chapter: one attractor or an interval of rests, and the orbits of Figs. 9 and 10 in numbers."""
+    """Yield the chapter: one attractor or an interval of rests, and the orbits of Figs.
+
+    9 and 10 in numbers.
+    """
     mu = sp.Symbol(r"\mu_\lambda", nonnegative=True)
-    held, size = named(r"H_\lambda"), sp.Symbol("B_0", real=True)
+    held = named(r"H_\lambda")
+    size = sp.Symbol("B_0", real=True)
     ends = [(held + sign * (mu * FN - sp.Abs(size))) / k for sign in (1, -1)]
     yield (
         r"\subsection{Existence, uniqueness, stability}",
@@ -70,7 +88,8 @@ def items(scope: Scope) -> Items:
         r"is a rest, and its energy relative to that rest falls to 0. Moving a rest inside the interval changes "
         r"nothing else: the multiplier is 1.\end{proof}",
     )
-    tenth, places = sp.Rational(1, 10), ("0", "1/2", "-3/5", "-4/5", "1")
+    tenth = sp.Rational(1, 10)
+    places = ("0", "1/2", "-3/5", "-4/5", "1")
     yield (
         r"\begin{example}\label{thm:orbits-example} "
         r"Let $m = c = k = 1$, $A_0 = 0$, $B_0 = \frac{1}{10}$, $\Omega = 1$, $v_1 = 0$, $v_2 = 10$, $\mu_1 = 1$, "
@@ -97,9 +116,12 @@ def items(scope: Scope) -> Items:
 
 
 class Piece(NamedTuple):
-    """One mapping of an orbit: its entry `row` and the previous one's, `before`, in `MAPS`, and its equations f1, f2.
+    """One mapping of an orbit.
 
-    `letters` are the symbols of x and theta at its start; `meaning` defines the other symbols in f1 and f2.
+    Its entry `row` and the previous one's, `before`, in `MAPS`, and its equations f1, f2.
+
+    `letters` are the symbols of x and theta at its start; `meaning` defines the other symbols in f1
+    and f2.
     """
 
     row: Map
@@ -119,23 +141,44 @@ def orbit_points(parameters: Parameters, word: str) -> tuple[tuple[Any, Any], ..
 
 def pieces(scope: Scope, word: str) -> list[Piece]:
     """Return the maps of an orbit with a word as Pieces, with the scene's numbers put in."""
-    rows, basis = read_word(word).maps, scope.regimes[0].basis()
+    rows = read_word(word).maps
+    basis = scope.regimes[0].basis()
     found = []
     for i, (row, leaves) in enumerate(zip(rows, read_word(word).exits(), strict=True)):
-        before, after = rows[i - 1], (i + 1) % len(rows)
+        before = rows[i - 1]
+        after = (i + 1) % len(rows)
         here, ends = ((named(f"x_{{{n + 1}}}"), named(rf"\theta_{{{n + 1}}}")) for n in (i, after))
         duration = named(rf"\tau_{{{i + 1}}}")
-        start, end = BELTS[row.start.boundary], BELTS[row.end.boundary]
-        letters = {x_i: here[0], theta_i: here[1], maps.x_j: ends[0], maps.theta_j: ends[1], tau: duration}
-        meaning: dict[Any, Any] = {duration: (ends[1] + (0 if after else 2 * sp.pi) - here[1]) / Omega}
+        start = BELTS[row.start.boundary]
+        end = BELTS[row.end.boundary]
+        letters = {
+            x_i: here[0],
+            theta_i: here[1],
+            maps.x_j: ends[0],
+            maps.theta_j: ends[1],
+            tau: duration,
+        }
+        meaning: dict[Any, Any] = {
+            duration: (ends[1] + (0 if after else 2 * sp.pi) - here[1]) / Omega
+        }
         if row.sticks:
             f1 = maps.stick_residual()["f1"].xreplace({v_i: start})
-            f2 = force(NEIGHBOURS[row.end.boundary][0 if leaves == "below" else 1], maps.x_j, start, maps.theta_j)
+            f2 = force(
+                NEIGHBOURS[row.end.boundary][0 if leaves == "below" else 1],
+                maps.x_j,
+                start,
+                maps.theta_j,
+            )
         else:
-            f1, f2 = (expr.xreplace({v_i: start, maps.v_j: end}) for expr in maps.flight_residual().values())
+            f1, f2 = (
+                expr.xreplace({v_i: start, maps.v_j: end})
+                for expr in maps.flight_residual().values()
+            )
             names = {f: named(rf"{f.name[0]}_{f.name[1]}(\tau_{{{i + 1}}})") for f in BASIS}
             # The force that ended a stick vanishes where the next flight starts.
-            letters |= names | {a_i: sp.S.Zero if before.sticks else named(rf"\ddot{{x}}_{{{i + 1}}}")}
+            letters |= names | {
+                a_i: sp.S.Zero if before.sticks else named(rf"\ddot{{x}}_{{{i + 1}}}")
+            }
             meaning |= {names[f]: expr.xreplace({tau: duration}) for f, expr in basis.items()}
             if not before.sticks:
                 meaning[letters[a_i]] = force(row.domain, x_i, start, theta_i).xreplace(letters)
@@ -150,20 +193,32 @@ def _substituted(scope: Scope, expr: Any) -> Any:
     return expr.xreplace(scope.display).xreplace(scope.numbers)
 
 
-def _values(found: list[Piece], points: tuple[tuple[Any, Any], ...], meaning: dict[Any, Any]) -> dict[Any, Any]:
-    """Return the values of all symbols: x and theta at the switching `points`, and those that `meaning` defines."""
+def _values(
+    found: list[Piece], points: tuple[tuple[Any, Any], ...], meaning: dict[Any, Any]
+) -> dict[Any, Any]:
+    """Return the values of all symbols.
+
+    X and theta at the switching `points`, and those that `meaning` defines.
+    """
     letters = [letter for piece in found for letter in piece.letters]
     numbers = [CONTEXT.nstr(value, STEP_DIGITS + 8) for point in points for value in point]
-    values = {letter: sp.Float(text, STEP_DIGITS + 10) for letter, text in zip(letters, numbers, strict=True)}
+    values = {
+        letter: sp.Float(text, STEP_DIGITS + 10)
+        for letter, text in zip(letters, numbers, strict=True)
+    }
     for name, value in meaning.items():
         values[name] = sp.N(value.subs(values), STEP_DIGITS + 10)
     return values
 
 
 def _orbit_section(scope: Scope, word: str, figure: str) -> Items:
-    """Yield the section on the orbit of a word, with `figure` in its title: equations, switching points, and checks."""
+    """Yield the section on the orbit of a word, with `figure` in its title.
+
+    Equations, switching points, and checks.
+    """
     assert scope.scene is not None
-    p, found = scope.scene.parameters, pieces(scope, word)
+    p = scope.scene.parameters
+    found = pieces(scope, word)
     points = orbit_points(p, word)
     equations: list[Any] = []
     for i, (row, before, _, f1, f2, meaning) in enumerate(found, 1):
@@ -171,14 +226,18 @@ def _orbit_section(scope: Scope, word: str, figure: str) -> Items:
         start = rf" and $\ddot{{x}}_{i} = F^{{({row.domain})}}$ at point {i}"
         if before.sticks:
             start = rf" and $F^{{({row.domain})}} = 0$ at point {i}, where a stick ended"
-        turn = r" + 2\pi" if after == 1 else ""
+        if after == 1:
+            turn = r" + 2\pi"
+        else:
+            turn = ""
         equations.append(
             rf"$P_{row.label[1]}$ from point {i} to point {after}, with $\tau_{i} = (\theta_{after}{turn} - "
             rf"\theta_{i})/\Omega${'' if row.sticks else start}:"
         )
         check = at_root(partial(_values, found, points, meaning), CONTEXT.mpf(10) ** -43)
         equations += [equation(0, f, check, decimals=True) for f in (f1, f2)]
-    numbers, inner = ", ".join(scope.given()), r" \circ ".join(f"P_{digit}" for digit in word[1:])
+    numbers = ", ".join(scope.given())
+    inner = r" \circ ".join(f"P_{digit}" for digit in word[1:])
     yield (
         rf"\subsection{{{figure}: $P_{{{word[1:]}}} = {inner}$}}",
         rf"The numbers are {numbers}. The last map ends where the first one starts, one period of the drive later, so "
@@ -187,7 +246,13 @@ def _orbit_section(scope: Scope, word: str, figure: str) -> Items:
         equations,
     )
     rows: list[Any] = [
-        (str(j), decimal("theta", theta, 20), decimal("x", x, 20), str(row.start.boundary), f"$P_{row.label[1]}$")
+        (
+            str(j),
+            decimal("theta", theta, 20),
+            decimal("x", x, 20),
+            str(row.start.boundary),
+            f"$P_{row.label[1]}$",
+        )
         for j, ((x, theta), (row, *_)) in enumerate(zip(points, found, strict=True), 1)
     ]
     yield Table(
@@ -197,7 +262,9 @@ def _orbit_section(scope: Scope, word: str, figure: str) -> Items:
         tuple(rows),
     )
     # The accelerations at each switching point say which case of the theorem on boundaries applies.
-    values, rows, signs = _values(found, points, {}), [], list[Any]()
+    values = _values(found, points, {})
+    rows = []
+    signs = list[Any]()
     for j, (row, before, (x, theta), *_) in enumerate(found, 1):
         belt = row.start.boundary
         signed: list[Any] = [str(j)]
@@ -207,8 +274,12 @@ def _orbit_section(scope: Scope, word: str, figure: str) -> Items:
                 signed.append("0")  # the stick ends where this one vanishes: an equation above
                 continue
             signed.append(decimal(f"F^{{({alpha})}}", steps.evaluate(value, values), 10))
-            # On a belt, and on the other side at the end of a stick, both hold the mass; else both push it one way.
-            upward = alpha == belt if row.sticks or before.sticks else row.domain != belt
+            # On a belt, and on the other side at the end of a stick, both hold the mass; else both
+            # push it one way.
+            if row.sticks or before.sticks:
+                upward = alpha == belt
+            else:
+                upward = row.domain != belt
             signs.append(step(value, ">" if upward else "<", 0, at_root(lambda: values)))
         rows.append((*signed, f"$P_{row.label[1]}$"))
     yield Table(
@@ -220,10 +291,15 @@ def _orbit_section(scope: Scope, word: str, figure: str) -> Items:
         tuple(signs),
     )
     # Between the switching points no flight meets a belt, and each stick is held.
-    rows, limited = [], list[Any]()
+    rows = []
+    limited = list[Any]()
     for j, piece in enumerate(found):
-        for name, value, words, limits in _extremes(scope, piece, points[j], points[(j + 1) % len(points)][1]):
-            rows.append((f"$P_{piece.row.label[1]}$ from {j + 1}", name, decimal("z", value, 8), words))
+        for name, value, words, limits in _extremes(
+            scope, piece, points[j], points[(j + 1) % len(points)][1]
+        ):
+            rows.append(
+                (f"$P_{piece.row.label[1]}$ from {j + 1}", name, decimal("z", value, 8), words)
+            )
             shown = sp.Float(CONTEXT.nstr(value, STEP_DIGITS), STEP_DIGITS)
             limited += [step(shown, op, bound, at_root(dict)) for op, bound in limits]
     digits = named("P")
@@ -244,30 +320,49 @@ def _orbit_section(scope: Scope, word: str, figure: str) -> Items:
 
 
 def _followed(p: Parameters, word: str) -> Any:
-    """Simulate one period from the orbit's first point; return its mappings' numbers as one integer, such as 4645."""
+    """Simulate one period from the orbit's first point.
+
+    Return its mappings' numbers as one integer, such as 4645.
+    """
     orbit = find_orbit(p, word, digits=STEP_DIGITS)
     t, x = orbit.points[0]
     end = CONTEXT.mpf(t) + CONTEXT.mpf("1.001") * CONTEXT.mpf(orbit.period)
-    start = {"t0": CONTEXT.nstr(t, 42), "x0": CONTEXT.nstr(x, 42), "v0": p.belt(read_word(word).maps[0].start.boundary)}
-    motion = simulate(p, **start, t_end=CONTEXT.nstr(end, 20), digits=30, start_error=("1e-40", "1e-40", 0))
+    start = {
+        "t0": CONTEXT.nstr(t, 42),
+        "x0": CONTEXT.nstr(x, 42),
+        "v0": p.belt(read_word(word).maps[0].start.boundary),
+    }
+    motion = simulate(
+        p, **start, t_end=CONTEXT.nstr(end, 20), digits=30, start_error=("1e-40", "1e-40", 0)
+    )
     return sp.Integer("".join(label[1] for label in reversed(motion.word[: len(word) - 1])))
 
 
 #: The functions of `lambdify` in numbers of 60 digits.
-FUNCTIONS = [{name: getattr(CONTEXT, name) for name in ("sin", "cos", "sinh", "cosh", "exp", "sqrt", "mpf")}, "mpmath"]
+FUNCTIONS = [
+    {name: getattr(CONTEXT, name) for name in ("sin", "cos", "sinh", "cosh", "exp", "sqrt", "mpf")},
+    "mpmath",
+]
 
 
 def _extremes(
     scope: Scope, piece: Piece, start: tuple[Any, Any], end: Any
 ) -> Iterator[tuple[str, Any, str, list[tuple[str, Any]]]]:
-    """Yield each extreme of v in a flight or of the forces in a stick: name, value, allowed range (LaTeX), bounds."""
-    row, belt = piece.row, piece.row.start.boundary
-    speed, duration = BELTS[belt], ((end - start[1]) % (2 * CONTEXT.pi)) / steps.evaluate(Omega, scope.numbers)
+    """Yield each extreme of v in a flight or of the forces in a stick.
+
+    Name, value, allowed range (LaTeX), bounds.
+    """
+    belt = piece.row.start.boundary
+    row = piece.row
+    speed = BELTS[belt]
+    duration = ((end - start[1]) % (2 * CONTEXT.pi)) / steps.evaluate(Omega, scope.numbers)
 
     def extremes(expr: Any, slope: Any) -> tuple[Any, list[Any]]:
         """Return `expr` as a function of the time since the start, and the zeros of its time derivative `slope`."""
         put = (_substituted(scope, each.xreplace(scope.display)) for each in (expr, slope))
-        value, rate = (partial(sp.lambdify((x_i, theta_i, tau), each, FUNCTIONS), *start) for each in put)
+        value, rate = (
+            partial(sp.lambdify((x_i, theta_i, tau), each, FUNCTIONS), *start) for each in put
+        )
         return value, _zeros(rate, duration)
 
     if row.sticks:
@@ -275,12 +370,20 @@ def _extremes(
             held = force(alpha, x_i + speed * tau, speed, theta_i + Omega * tau)
             value, places = extremes(held, held.diff(tau))
             # The end of the stick, where one of both forces is 0, is left out.
-            worst = best(value(at) for at in (CONTEXT.mpf(0), *places, duration * CONTEXT.mpf("0.9")))
+            worst = best(
+                value(at) for at in (CONTEXT.mpf(0), *places, duration * CONTEXT.mpf("0.9"))
+            )
             yield rf"{words} $F^{{({alpha})}}$ on $[0, 0.9\tau]$", worst, f"${op} 0$", [(op, 0)]
         return
     known = {a_i: force(row.domain, x_i, speed, theta_i), v_i: speed}
-    value, places = extremes(*(each.xreplace(known) for each in solution.flow(scope.regimes[0])[1:]))
-    limits = [(op, scope.numbers[BELTS[b]]) for op, b in ((">", row.domain - 1), ("<", row.domain)) if b in BELTS]
+    value, places = extremes(
+        *(each.xreplace(known) for each in solution.flow(scope.regimes[0])[1:])
+    )
+    limits = [
+        (op, scope.numbers[BELTS[b]])
+        for op, b in ((">", row.domain - 1), ("<", row.domain))
+        if b in BELTS
+    ]
     words = {1: "$< v_1$", 2: "between $v_1$ and $v_2$", 3: "$> v_2$"}[row.domain]
     for at in places:
         yield r"extreme of $\dot{x}$", value(at), words, limits

@@ -9,7 +9,18 @@ import sympy as sp
 from symosc.derive.chapters.motion import MU, acceleration, newton
 from symosc.derive.latex import named
 from symosc.derive.scope import BELTS, UPPER, F, Scope, mu_lambda, v_lambda
-from symosc.derive.steps import Illustration, Items, Step, Table, cases, equation, exact, facts, sign, step
+from symosc.derive.steps import (
+    Illustration,
+    Items,
+    Step,
+    Table,
+    cases,
+    equation,
+    exact,
+    facts,
+    sign,
+    step,
+)
 from symosc.model import NEIGHBOURS
 from symosc.symbolic import solution
 from symosc.symbolic.solution import B0, FN, Omega, a_i, k, m, t, tau, theta, theta_i, v, x_i
@@ -18,16 +29,23 @@ TITLE = "Sticks and their two ends"
 
 
 def force_on_belt(phase: Any) -> Any:
-    """Return F^(alpha) after a time tau of a stick, if a_i is its value at the start; `phase` is theta at that time."""
+    """Return F^(alpha) after a time tau of a stick, if a_i is its value at the start.
+
+    `phase` is theta at that time.
+    """
     here = solution.acceleration(x_i + v_lambda * tau, v_lambda, phase)
     return a_i + here - solution.acceleration(x_i, v_lambda, theta_i)
 
 
 def rate() -> Step:
     """Return the step on the rate at which the accelerations on both sides of a belt change during a stick."""
-    moving = solution.in_paper_letters(solution.acceleration(x_i + v_lambda * (t - solution.t_i), v_lambda, theta))
+    moving = solution.in_paper_letters(
+        solution.acceleration(x_i + v_lambda * (t - solution.t_i), v_lambda, theta)
+    )
     change = (m * moving.diff(t)).subs(Omega * t, theta)
-    return equation(named(r"m\dot{F}^{(\alpha)}"), -(k * v_lambda + B0 * Omega * sp.sin(theta)), change, "rate")
+    return equation(
+        named(r"m\dot{F}^{(\alpha)}"), -(k * v_lambda + B0 * Omega * sp.sin(theta)), change, "rate"
+    )
 
 
 def force(belt: int, alpha: int, label: str = "") -> Step:
@@ -39,7 +57,9 @@ def force(belt: int, alpha: int, label: str = "") -> Step:
 
 def items(scope: Scope) -> Items:
     """Yield the chapter: what changes during a stick, and its two ends."""
-    held = solution.stick_acceleration(a_i, sp.cos(theta_i + Omega * tau) - sp.cos(theta_i)).subs(v, v_lambda)
+    held = solution.stick_acceleration(a_i, sp.cos(theta_i + Omega * tau) - sp.cos(theta_i)).subs(
+        v, v_lambda
+    )
     yield (
         r"\subsection{The mass on a belt}",
         r"\begin{definition}[stick]\label{thm:sticks-stick} "
@@ -48,7 +68,12 @@ def items(scope: Scope) -> Items:
         r"$F^{(\lambda)} \ge 0 \ge F^{(\lambda+1)}$ all the time.\end{definition}",
         r"\begin{lemma}[what changes on a belt]\label{thm:sticks-rate} "
         r"On belt $\lambda$, at $\tau$ after the phase $\theta_i$ and the position $x_i$,",
-        equation(named(r"x(\tau)"), x_i + v_lambda * tau, x_i + sp.integrate(v_lambda, (tau, 0, tau)), "x"),
+        equation(
+            named(r"x(\tau)"),
+            x_i + v_lambda * tau,
+            x_i + sp.integrate(v_lambda, (tau, 0, tau)),
+            "x",
+        ),
         r"and the accelerations on both sides, $\alpha = \lambda$ and $\lambda + 1$, are",
         equation(named(r"F^{(\alpha)}(\tau)"), held, force_on_belt(theta_i + Omega * tau), "force"),
         r"with $\ddot{x}_i = F^{(\alpha)}(x_i, v_\lambda, t_i)$, each its own. They change at one rate, which depends "
@@ -65,7 +90,9 @@ def items(scope: Scope) -> Items:
     )
     zero = named(r"F^{(\lambda+1)}|_{F^{(\lambda)} = 0}")
     lower = cases(*(sign({zero: -(newton(lo) - newton(lo + 1))}) for lo in scope.boundaries))
-    jumps = (exact({F(UPPER): newton(lo + 1) - newton(lo), mu_lambda: MU[lo]}) for lo in scope.boundaries)
+    jumps = (
+        exact({F(UPPER): newton(lo + 1) - newton(lo), mu_lambda: MU[lo]}) for lo in scope.boundaries
+    )
     yield (
         r"\subsection{Both ends}",
         r"\begin{theorem}[both exits of a stick]\label{thm:sticks-exits} "
@@ -89,8 +116,19 @@ def items(scope: Scope) -> Items:
     rows = []
     for belt in scope.boundaries:
         for alpha in NEIGHBOURS[belt]:
-            way, paper = ("falls", "not in the paper") if alpha == belt else ("rises", f"the paper's ({51 + belt})")
-            rows.append((str(belt), rf"$F^{{({alpha})}}$ {way}", rf"$\Omega_{alpha}$", paper, force(belt, alpha)))
+            if alpha == belt:
+                way, paper = ("falls", "not in the paper")
+            else:
+                way, paper = ("rises", f"the paper's ({51 + belt})")
+            rows.append(
+                (
+                    str(belt),
+                    rf"$F^{{({alpha})}}$ {way}",
+                    rf"$\Omega_{alpha}$",
+                    paper,
+                    force(belt, alpha),
+                )
+            )
     yield (
         Table(
             "tab:sticks-exits",
@@ -111,7 +149,9 @@ def items(scope: Scope) -> Items:
         ),
     )
     turn = named(r"\Delta_T F^{(\alpha)}")
-    per_turn = force_on_belt(theta_i + Omega * tau).subs(tau, 2 * sp.pi / Omega).rewrite(sp.cos) - a_i
+    per_turn = (
+        force_on_belt(theta_i + Omega * tau).subs(tau, 2 * sp.pi / Omega).rewrite(sp.cos) - a_i
+    )
     change = {turn: sp.simplify(per_turn.xreplace(solution.PAPER_LETTERS))}
     yield (
         r"\begin{corollary}\label{thm:sticks-ends} "

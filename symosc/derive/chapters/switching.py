@@ -17,18 +17,27 @@ TITLE = "What happens at a boundary"
 
 def items(scope: Scope) -> Items:
     """Yield the chapter: G-functions, the first that does not vanish, and Theorems 4 to 6."""
-    n, y = sp.Function("n")(t), sp.Function("y")(t)
-    first, second = named(r"G^{(0,\alpha)}"), named(r"G^{(1,\alpha)}")
+    n = sp.Function("n")(t)
+    y = sp.Function("y")(t)
+    first = named(r"G^{(0,\alpha)}")
+    second = named(r"G^{(1,\alpha)}")
 
     def product(normal: str, dot: str) -> Any:
         """Return a symbol that prints the product n^T (x^(alpha) - x^(0)), also with derivatives of n or x.
 
-        `normal` is printed before n ("", "D" or "D^2"), and `dot` over each x: a LaTeX accent for time derivatives.
+        `normal` is printed before n ("", "D" or "D^2"), and `dot` over each x: a LaTeX accent for
+        time derivatives.
         """
         x_alpha, x_0 = (rf"{dot}{{\mathbf{{x}}}}^{{({each})}}" for each in (r"\alpha", "0"))
-        return named(rf"{normal}\mathbf{{n}}^T ({x_alpha} - {x_0})".replace("{\\mathbf{x}}", r"{\mathbf{x}}"))
+        return named(
+            rf"{normal}\mathbf{{n}}^T ({x_alpha} - {x_0})".replace("{\\mathbf{x}}", r"{\mathbf{x}}")
+        )
 
-    parts = {("", r"\ddot"): n * y.diff(t, 2), ("D", r"\dot"): n.diff(t) * y.diff(t), ("D^2", ""): n.diff(t, 2) * y}
+    parts = {
+        ("", r"\ddot"): n * y.diff(t, 2),
+        ("D", r"\dot"): n.diff(t) * y.diff(t),
+        ("D^2", ""): n.diff(t, 2) * y,
+    }
     parts |= {("", r"\dot"): n * y.diff(t), ("D", ""): n.diff(t) * y}
     letters = {product(*key): value for key, value in parts.items()}
     check = exact({first: (n * y).diff(t), second: (n * y).diff(t, 2)} | letters, independent=False)
@@ -40,7 +49,12 @@ def items(scope: Scope) -> Items:
         r"\begin{definition}[Luo's G-functions]\label{thm:switching-G} "
         r"The G-functions of the orders 0 and 1 are (the paper's (15) and (16))",
         equation(first, product("D", "") + product("", r"\dot"), check, "G0"),
-        equation(second, product("D^2", "") + 2 * product("D", r"\dot") + product("", r"\ddot"), check, "G1"),
+        equation(
+            second,
+            product("D^2", "") + 2 * product("D", r"\dot") + product("", r"\ddot"),
+            check,
+            "G1",
+        ),
         r"and so on: $G^{(j,\alpha)}$ is the derivative of the order $j + 1$ of "
         r"$\mathbf{n}^T(\mathbf{x}^{(\alpha)} - \mathbf{x}^{(0)})$.\end{definition}",
         r"\begin{lemma}[reduction]\label{thm:switching-reduction} "
@@ -58,14 +72,16 @@ def items(scope: Scope) -> Items:
     )
     yield g_functions()
     at_start = solution.start_values() | {tau: sp.Integer(0)}
-    values, derivative = [], solution.flow().v
+    values = []
+    derivative = solution.flow().v
     for _ in range(4):
         derivative = solution.time_derivative(derivative)
         values.append(sp.expand(derivative.subs(at_start)))
     gap = named(r"\dot{x}(\tau) - v_\lambda")
     orders = [F(r"\alpha"), *(G(n) for n in (1, 2, 3))]
     taylor, true = (
-        sp.Add(*(value * tau**n / sp.factorial(n) for n, value in enumerate(column, 1))) for column in (orders, values)
+        sp.Add(*(value * tau**n / sp.factorial(n) for n, value in enumerate(column, 1)))
+        for column in (orders, values)
     )
     here = {solution.x: x_i, v: v_i, theta: theta_i, solution.A_m: solution._force_at_start()}
     meaning = {gap: true} | {g: solution.g_function(n).xreplace(here) for n, g in enumerate(orders)}
@@ -141,17 +157,26 @@ def at_belt(label: str) -> Step:
     true = {G(1): solution.g_function(1), F(r"\alpha"): solution.acceleration()}
     at = {Omega * t: theta, v: v_lambda}
     true = {name: solution.in_paper_letters(value).subs(at) for name, value in true.items()}
-    return equation(G(1), -c * F(r"\alpha") / m - k * v_lambda / m - B0 * Omega * sp.sin(theta) / m, true, label)
+    return equation(
+        G(1), -c * F(r"\alpha") / m - k * v_lambda / m - B0 * Omega * sp.sin(theta) / m, true, label
+    )
 
 
 def g_functions() -> Items:
     """Return the lemma on G^(1) to G^(3), the derivatives of the acceleration F^(alpha) along its flow."""
     path = sp.Function("x")(t)
     newton = (solution.A + B0 * sp.cos(Omega * t) - c * path.diff(t) - k * path) / m
-    lower, rows = [v, F(r"\alpha")], []
+    lower = [v, F(r"\alpha")]
+    rows = []
     for n in (1, 2, 3):
-        true = newton.diff(t, n).doit().subs([(path.diff(t, j + 1), lower[j]) for j in range(n, -1, -1)])
-        right = solution.next_derivative(lower[n], lower[n - 1], solution.forcing(n)).xreplace(solution.PAPER_LETTERS)
+        true = (
+            newton.diff(t, n)
+            .doit()
+            .subs([(path.diff(t, j + 1), lower[j]) for j in range(n, -1, -1)])
+        )
+        right = solution.next_derivative(lower[n], lower[n - 1], solution.forcing(n)).xreplace(
+            solution.PAPER_LETTERS
+        )
         rows.append(equation(G(n), right, true.subs(Omega * t, theta), f"g{n}"))
         lower.append(G(n))
     return (

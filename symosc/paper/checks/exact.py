@@ -1,4 +1,7 @@
-"""Ground truth independent of the engine: rational contacts, a second closed form of the flow, and DOP853."""
+"""Ground truth independent of the engine.
+
+Rational contacts, a second closed form of the flow, and DOP853.
+"""
 
 from __future__ import annotations
 
@@ -15,12 +18,15 @@ import numpy as np
 
 from symosc.model import NEIGHBOURS, Parameters
 
-# Parameters, place and the sine and cosine of the phase are all rational, so whether a force vanishes is decided
-# exactly, and so is on which side of the belt's speed the flow of a domain is a short time before and after.
+# Parameters, place and the sine and cosine of the phase are all rational, so whether a force
+# vanishes is decided exactly, and so is on which side of the belt's speed the flow of a domain is a
+# short time before and after.
 
-#: Time before and after a contact, and the terms of the power series. The first term that does not vanish has order 4
-#: at most here, and numbers of few digits: it is many orders of magnitude larger than all that is left out.
-SHORT, SERIES_TERMS = Fraction(1, 10**8), 6
+#: Time before and after a contact, and the terms of the power series. The first term that does not
+#: vanish has order 4 at most here, and numbers of few digits: it is many orders of magnitude larger
+#: than all that is left out.
+SHORT = Fraction(1, 10**8)
+SERIES_TERMS = 6
 #: Sines and cosines of phases: the quarters of the circle, and rational points between them.
 QUARTER_POINTS = ((0, 1), (1, 0), (0, -1), (-1, 0))
 RATIONAL_PHASES = tuple((Fraction(s), Fraction(c)) for s, c in QUARTER_POINTS) + tuple(
@@ -39,7 +45,10 @@ def friction_on_mass(p: Parameters, alpha: int) -> Fraction:
 
 @dataclass(frozen=True)
 class RationalContact:
-    """A contact of a motion with a boundary, in rational numbers: x, and s and c, the sine and cosine of Omega t."""
+    """A contact of a motion with a boundary, in rational numbers.
+
+    X, and s and c, the sine and cosine of Omega t.
+    """
 
     p: Parameters
     boundary: int
@@ -65,7 +74,9 @@ class RationalContact:
     def force(self, alpha: int) -> Fraction:
         """Return F^(alpha) by Newton's law with Coulomb's friction of both belts."""
         p = self.p
-        return (p.A0 + friction_on_mass(p, alpha) + p.B0 * self.c - p.k * self.x - p.c * self.speed) / p.m
+        return (
+            p.A0 + friction_on_mass(p, alpha) + p.B0 * self.c - p.k * self.x - p.c * self.speed
+        ) / p.m
 
     def slope(self, alpha: int) -> Fraction:
         """Return G^(1,alpha) = dF^(alpha)/dt along the flow of the domain."""
@@ -74,10 +85,17 @@ class RationalContact:
     @cached_property
     def _motion(self) -> dict[int, list[Fraction]]:
         """For each domain at the belt, x and its time derivatives at the contact along the flow of this domain."""
-        p, found = self.p, {}
-        waves = (self.c, -self.s, -self.c, self.s)  # cos(theta) and its derivatives with respect to theta
+        p = self.p
+        found = {}
+        waves = (
+            self.c,
+            -self.s,
+            -self.c,
+            self.s,
+        )  # cos(theta) and its derivatives with respect to theta
         for alpha in self.domains:
-            x, constant = [self.x, self.speed], p.A0 + friction_on_mass(p, alpha)
+            x = [self.x, self.speed]
+            constant = p.A0 + friction_on_mass(p, alpha)
             for n in range(SERIES_TERMS - 1):
                 force = p.B0 * p.Omega**n * waves[n % 4] + (constant if n == 0 else 0)
                 x.append((force - p.c * x[n + 1] - p.k * x[n]) / p.m)
@@ -86,7 +104,10 @@ class RationalContact:
 
     def side(self, alpha: int, after: bool) -> int:
         """Return the sign of x' minus belt speed just before or `after` the contact, by the flow of domain `alpha`."""
-        t = SHORT if after else -SHORT
+        if after:
+            t = SHORT
+        else:
+            t = -SHORT
         value = sum(each * t**n / factorial(n) for n, each in enumerate(self._motion[alpha][2:], 1))
         return (value > 0) - (value < 0)
 
@@ -100,7 +121,9 @@ class RationalContact:
         lo, hi = self.domains
         if self.side(hi, after=True) > 0:
             return f"Omega{hi}"
-        return f"Omega{lo}" if self.side(lo, after=True) < 0 else f"belt{self.boundary}"
+        if self.side(lo, after=True) < 0:
+            return f"Omega{lo}"
+        return f"belt{self.boundary}"
 
     @property
     def goes_on(self) -> str:
@@ -121,7 +144,10 @@ class RationalContact:
 
     def grazes(self, alpha: int) -> bool:
         """Return whether the flow of domain `alpha` is in this domain both just before and just after the contact."""
-        own = -1 if alpha == self.boundary else 1
+        if alpha == self.boundary:
+            own = -1
+        else:
+            own = 1
         return self.side(alpha, after=False) == self.side(alpha, after=True) == own
 
     def __str__(self) -> str:
@@ -130,28 +156,42 @@ class RationalContact:
 
 
 @cache
-def contacts(boundary: int, count: int = 360, seed: int | None = None) -> tuple[RationalContact, ...]:
-    """Return `count` random rational contacts with a boundary; some have F = 0 in a domain, some also G^(1) = 0."""
-    # By default those of Theorems 4 to 6. Two kinds are generic; two have the force below or above exactly 0; two have
-    # the phase such that G^(1) = 0 as well (at the top and the bottom of the sine then G^(2) = 0 too). A fifth of them
-    # is at phase 0.
+def contacts(
+    boundary: int, count: int = 360, seed: int | None = None
+) -> tuple[RationalContact, ...]:
+    """Return `count` random rational contacts with a boundary.
+
+    Some have F = 0 in a domain, some also G^(1) = 0.
+    """
+    # By default those of Theorems 4 to 6. Two kinds are generic; two have the force below or above
+    # exactly 0; two have the phase such that G^(1) = 0 as well (at the top and the bottom of the
+    # sine then G^(2) = 0 too). A fifth of them is at phase 0.
     draw = random.Random(boundary if seed is None else seed)
 
     def positive(top: int = 12) -> Fraction:
         return Fraction(draw.randint(1, top), draw.randint(1, 4))
 
-    found, (lo, hi) = [], NEIGHBOURS[boundary]
+    found = []
+    (lo, hi) = NEIGHBOURS[boundary]
     for number in range(count):
         kind = max(number % 6 - 1, 0)
         v1 = Fraction(draw.randint(-8, 8), draw.randint(1, 4))
-        mu1, mu2 = positive(4), positive(4)
+        mu1 = positive(4)
+        mu2 = positive(4)
         values = {name: positive() for name in ("m", "k", "B0", "Omega", "FN")}
-        c, A0 = positive() - Fraction(1, 4), draw.randint(-20, 20)
+        c = positive() - Fraction(1, 4)
+        A0 = draw.randint(-20, 20)
         p = Parameters(**values, c=c, A0=A0, v1=v1, v2=v1 + positive(), mu1=mu1, mu2=mu2)
-        s, c = draw.choice(RATIONAL_PHASES) if draw.random() > 0.2 else RATIONAL_PHASES[0]
+        if draw.random() > 0.2:
+            s, c = draw.choice(RATIONAL_PHASES)
+        else:
+            s, c = RATIONAL_PHASES[0]
         if kind >= 3:  # G^(1) = 0 where F = 0: k v = -B0 Omega sin
             v = -p.B0 * p.Omega * s / p.k
-            p = p.replace(v1=v, v2=v + 1) if boundary == 1 else p.replace(v1=v - 1, v2=v)
+            if boundary == 1:
+                p = p.replace(v1=v, v2=v + 1)
+            else:
+                p = p.replace(v1=v - 1, v2=v)
         origin = RationalContact(p, boundary, Fraction(0), s, c)
         held = origin.force(hi if kind % 2 else lo)
         if kind == 0:  # anywhere from far below the two forces' zeros to far above them
@@ -163,24 +203,33 @@ def contacts(boundary: int, count: int = 360, seed: int | None = None) -> tuple[
 def tally(cases: Iterable[Any], questions: Mapping[str, Callable[[Any], Any]]) -> dict[str, Any]:
     """Return for each of the `questions`, under its name, the number of `cases` for which its function returns true."""
     cases = list(cases)
-    return {name: sum(bool(question(case)) for case in cases) for name, question in questions.items()}
+    return {
+        name: sum(bool(question(case)) for case in cases) for name, question in questions.items()
+    }
 
 
-#: Roots that are closer than this part of their size are moved apart: the flow then is off by less than 1e-8.
+#: Roots that are closer than this part of their size are moved apart: the flow then is off by less
+#: than 1e-8.
 FAR_APART = 1e-8
-#: What DOP853 is asked for, and may differ by from the exact motion, relative to the size of the motion.
-DOP853_TOLERANCE, DOP853_AGREEMENT = 1e-12, 1e-9
+#: What DOP853 is asked for, and may differ by from the exact motion, relative to the size of the
+#: motion.
+DOP853_TOLERANCE = 1e-12
+DOP853_AGREEMENT = 1e-9
 
 
 def flow(p: Parameters, A: Any, start: Sequence[Any], t: Any) -> tuple[Any, Any]:
-    """Return x and x' at times t from start = (t0, x0, v0) by eq. (5), with A for the sum of A0 and friction; k > 0."""
+    """Return x and x' at times t from start = (t0, x0, v0) by eq.
+
+    (5), with A for the sum of A0 and friction; k > 0.
+    """
     # In complex numbers, independent of the package's kernels; not for undamped resonance.
     m, c, k, B0, Omega = (float(getattr(p, name)) for name in ("m", "c", "k", "B0", "Omega"))
     t0, x0, v0 = map(float, start)
     half = cmath.sqrt(c * c - 4 * m * k) / (2 * m)
     if abs(half) < FAR_APART * c / m:
         half = FAR_APART * c / m
-    one, two = -c / (2 * m) + half, -c / (2 * m) - half
+    one = -c / (2 * m) + half
+    two = -c / (2 * m) - half
     swing = B0 / (k - m * Omega**2 + 1j * c * Omega)
 
     def steady(time: Any) -> tuple[Any, Any]:
@@ -190,13 +239,18 @@ def flow(p: Parameters, A: Any, start: Sequence[Any], t: Any) -> tuple[Any, Any]
     x_s, v_s = steady(t0)
     a = (v0 - v_s - two * (x0 - x_s)) / (one - two)
     b = x0 - x_s - a
-    first, second = a * np.exp(one * (np.asarray(t) - t0)), b * np.exp(two * (np.asarray(t) - t0))
+    first = a * np.exp(one * (np.asarray(t) - t0))
+    second = b * np.exp(two * (np.asarray(t) - t0))
     x, v = steady(t)
     return x + (first + second).real, v + (one * first + two * second).real
 
 
 def dop853(
-    p: Parameters, constant: Fraction, span: tuple[float, float], state: Any, until_speed: float | None = None
+    p: Parameters,
+    constant: Fraction,
+    span: tuple[float, float],
+    state: Any,
+    until_speed: float | None = None,
 ) -> Any:
     """Return scipy's DOP853 solution over the times `span` from (x, v) = `state`, or until v is `until_speed`.
 
@@ -214,4 +268,6 @@ def dop853(
 
     gap.terminal = True  # type: ignore[attr-defined]
     tolerance = {"rtol": DOP853_TOLERANCE, "atol": DOP853_TOLERANCE}
-    return solve_ivp(rates, span, state, "DOP853", events=None if until_speed is None else gap, **tolerance)
+    return solve_ivp(
+        rates, span, state, "DOP853", events=None if until_speed is None else gap, **tolerance
+    )

@@ -44,13 +44,18 @@ from symosc.paper.claims import NOT_AS_PRINTED, UNDECIDED, Evidence, Refuted, ev
 from symosc.scenes import Scene, load_scene
 from symosc.simulation.trajectory import Trajectory
 
-#: Until when motions are followed that shall have no further contact, and samples of their velocity.
-LATE, GRAZE_SAMPLES = 60, 8000
+#: Until when motions are followed that shall have no further contact, and samples of their
+#: velocity.
+LATE = 60
+GRAZE_SAMPLES = 8000
 
 
 @dataclass(frozen=True)
 class Graze:
-    """What a figure of a grazing motion shows: a scene, as printed and as corrected, and the mapping that grazes."""
+    """What a figure of a grazing motion shows.
+
+    A scene, as printed and as corrected, and the mapping that grazes.
+    """
 
     printed: Scene
     scene: Scene
@@ -58,9 +63,14 @@ class Graze:
     half_turns: int  # the phase of the grazing point in units of pi
 
     def flow_back(self, to_start: bool = True) -> GrazingStart:
-        """Return the start from which the flow grazes: at t0 or, if not `to_start`, at the contact before the graze."""
+        """Return the start from which the flow grazes.
+
+        At t0 or, if not `to_start`, at the contact before the graze.
+        """
         theta = +mp_context(60).pi * self.half_turns
-        return grazing_start(self.scene.parameters, self.mapping, theta, t0=self.scene.t0 if to_start else None)
+        return grazing_start(
+            self.scene.parameters, self.mapping, theta, t0=self.scene.t0 if to_start else None
+        )
 
     @property
     def place(self) -> Place:
@@ -83,15 +93,25 @@ FIG8 = Graze(_FIG8, _FIG8, "P3", 0)
 def exact(figure: Graze, t_end: Any = None) -> Scene:
     """Return a figure's corrected scene with the start from which it grazes, to 40 decimals, and the end `t_end`."""
     start = figure.flow_back().start
-    return replace(figure.scene, **(start | {"t0": figure.scene.t0, "t_end": t_end or figure.scene.t_end}))
+    return replace(
+        figure.scene, **(start | {"t0": figure.scene.t0, "t_end": t_end or figure.scene.t_end})
+    )
 
 
 def reaches_belt(scene: Scene, belt: int) -> Evidence:
-    """Check whether a motion below a belt reaches it: by the event search, and for all later times by a bound."""
-    p, path = scene.parameters, motion(scene, LATE)
+    """Check whether a motion below a belt reaches it.
+
+    By the event search, and for all later times by a bound.
+    """
+    p = scene.parameters
+    path = motion(scene, LATE)
     first = next((event for event in path.events if event.boundary == belt), None)
-    square, speed = steady_square(p), f"v{subscripted(belt)}"
-    numbers = {"square of the steady velocity amplitude": text(square), f"square of {speed}": text(p.belt(belt) ** 2)}
+    square = steady_square(p)
+    speed = f"v{subscripted(belt)}"
+    numbers = {
+        "square of the steady velocity amplitude": text(square),
+        f"square of {speed}": text(p.belt(belt) ** 2),
+    }
     if first is not None:
         numbers["t of the first contact"] = text(first.t, 20)
         finding = f"The first contact is a {first.kind} at t = {text(first.t, 11)}."
@@ -104,7 +124,9 @@ def reaches_belt(scene: Scene, belt: int) -> Evidence:
         "no contact after t, by steady amplitude and energy of the transient": text(since, 6),
     }
     if since > LATE:
-        return Evidence(UNDECIDED, f"There is no contact until t = {LATE}; later is not known.", numbers)
+        return Evidence(
+            UNDECIDED, f"There is no contact until t = {LATE}; later is not known.", numbers
+        )
     finding = f"There is no contact, ever: until t = {LATE} the velocity rises to {text(v_max, 7)} ({speed} = "
     finding += f"{text(p.belt(belt))}), and what it tends to has the amplitude √{text(square)} = "
     finding += f"{text(float(square) ** 0.5, 6)}, whatever A₀ is."
@@ -112,13 +134,18 @@ def reaches_belt(scene: Scene, belt: int) -> Evidence:
 
 
 def steady_square(p: Parameters) -> Fraction:
-    """Return the square of the amplitude of the steady velocity in one domain; friction and A0 do not enter."""
+    """Return the square of the amplitude of the steady velocity in one domain.
+
+    Friction and A0 do not enter.
+    """
     return (p.B0 * p.Omega) ** 2 / ((p.k - p.m * p.Omega**2) ** 2 + (p.c * p.Omega) ** 2)
 
 
 def highest_velocity(path: Trajectory, since: float | None = None) -> tuple[float, float]:
     """Return the time and the value of the highest velocity of a flight in domain 1, from the time `since` on."""
-    times = np.linspace(float(path.t_start) if since is None else since, float(path.t_end), GRAZE_SAMPLES)
+    times = np.linspace(
+        float(path.t_start) if since is None else since, float(path.t_end), GRAZE_SAMPLES
+    )
     i = int(np.argmax(path(times)[1]))
     top = float(times[i])
     if 0 < i < GRAZE_SAMPLES - 1:
@@ -127,12 +154,18 @@ def highest_velocity(path: Trajectory, since: float | None = None) -> tuple[floa
 
 
 def no_contact_since(path: Trajectory, belt: int) -> float:
-    """Return a time after which a flight below a belt cannot reach it any more; inf if no such time is found."""
-    p, domain = path.parameters, NEIGHBOURS[belt][0]
+    """Return a time after which a flight below a belt cannot reach it any more.
+
+    Inf if no such time is found.
+    """
+    p = path.parameters
+    domain = NEIGHBOURS[belt][0]
     for t in np.linspace(float(path.t_start), float(path.t_end), 400):
         phase = float(p.Omega) * t
         start = Launch(float(path(t)[1]), float(path.force(domain, t)), sin(phase), cos(phase))
-        if never_leaves(start, Covariance(0.0, 0.0, 0.0), -np.inf, float(p.belt(belt)), domain, constants(p)):
+        if never_leaves(
+            start, Covariance(0.0, 0.0, 0.0), -np.inf, float(p.belt(belt)), domain, constants(p)
+        ):
             return float(t)
     return inf
 
@@ -149,11 +182,16 @@ def tangential(figure: Graze) -> Evidence:
     numbers = {"contacts as printed until the first slip": contacts_text(printed)}
     if p != figure.printed.parameters:
         numbers["contacts with the corrected parameter"] = contacts_text(motion(figure.scene))
-    at, event, side = scene_contacts(scene)[0], motion(scene).events[0], figure.place.domain
-    force, name = forces(p, at)[side - NEIGHBOURS[at.belt][0]], force_names(side)
+    at = scene_contacts(scene)[0]
+    event = motion(scene).events[0]
+    side = figure.place.domain
+    force = forces(p, at)[side - NEIGHBOURS[at.belt][0]]
+    name = force_names(side)
     order = is_grazing(p, figure.mapping, at.x, at.theta)
     grazes = event.kind == "graze" and is_zero(force) and order.grazing
-    numbers["t, x of the red point from the exact start"] = f"{text(event.t, 25)}, {text(event.x, 12)}"
+    numbers["t, x of the red point from the exact start"] = (
+        f"{text(event.t, 25)}, {text(event.x, 12)}"
+    )
     numbers[f"{name}, G⁽¹⁾ at the red point"] = f"{force_text(force)}, {text(order.values[-1], 12)}"
     finding = f"From the start to 40 decimals the motion {'grazes' if grazes else 'does not graze'} belt {at.belt} at "
     finding += f"t = {text(event.t, 12)}, with {name} = {force_text(force)} and G⁽¹⁾ = {text(order.values[-1], 6)}."
@@ -161,7 +199,9 @@ def tangential(figure: Graze) -> Evidence:
     if len(usual) > 1 and usual[0].kind == "stick":
         lasts = usual[1].t - usual[0].t
         numbers["stick in place of the graze, from the printed start, lasts"] = text(lasts, 12)
-        finding += f" From the printed digits it overshoots and sticks for a time of {text(lasts, 4)}."
+        finding += (
+            f" From the printed digits it overshoots and sticks for a time of {text(lasts, 4)}."
+        )
     if not printed.events:
         finding += " With the printed parameters there is no contact at all."
     as_printed = bool(printed.events) and printed.events[0].kind == "graze"
@@ -171,7 +211,9 @@ def tangential(figure: Graze) -> Evidence:
 
 def touches_once(figure: Graze) -> Evidence:
     """Check that a motion in the domain below grazes belt 1 once and never meets it again."""
-    belt, path, printed = figure.place.boundary, motion(exact(figure), LATE), motion(figure.printed, LATE)
+    belt = figure.place.boundary
+    path = motion(exact(figure), LATE)
+    printed = motion(figure.printed, LATE)
     after = no_contact_since(path, belt)
     t, v = highest_velocity(path, float(path.events[0].t) + 1)
     numbers = {
@@ -182,13 +224,16 @@ def touches_once(figure: Graze) -> Evidence:
     }
     finding = f"From the exact start mass and belt {belt} have the same velocity at t = {text(path.events[0].t, 12)} "
     finding += f"only, where the mass meets the red point's curve, and never again: later ẋ is at most {text(v, 5)}."
-    as_printed, once = ([event.kind for event in each.events] == ["graze"] for each in (printed, path))
+    as_printed, once = (
+        [event.kind for event in each.events] == ["graze"] for each in (printed, path)
+    )
     return Evidence(verdict(as_printed, once and after < LATE), finding, numbers)
 
 
 def of_mapping(figure: Graze) -> Evidence:
     """Check that a motion of the figure's mapping ends, or begins, at the graze."""
-    found, name = figure.flow_back(to_start=False), subscripted(figure.mapping)
+    found = figure.flow_back(to_start=False)
+    name = subscripted(figure.mapping)
     word = motion(exact(figure)).word
     follows = word[:1] == [figure.mapping]
     t = found.t + figure.flow_back().t_m - found.t_m
@@ -200,23 +245,32 @@ def of_mapping(figure: Graze) -> Evidence:
     finding = f"Flowing back, the motion came from belt {found.boundary} at t = {text(t, 9)}, x = {text(found.x, 9)}: "
     finding += f"so {'a' if found.found else 'no'} {name} ends in it; {'a' if follows else 'no'} {name} begins at it."
     either = found.found or follows
-    return Evidence(verdict(either and figure.scene.parameters == figure.printed.parameters, either), finding, numbers)
+    return Evidence(
+        verdict(either and figure.scene.parameters == figure.printed.parameters, either),
+        finding,
+        numbers,
+    )
 
 
 def in_window(figure: Graze) -> Evidence:
     """Check that the phase of the graze is in the window that Theorem 7 prints for its gamma and B0 Omega/m."""
-    p, mapping, scene = figure.scene.parameters, figure.mapping, exact(figure)
+    p = figure.scene.parameters
+    mapping = figure.mapping
+    scene = exact(figure)
     window = grazing_window(p, mapping, "paper")
     event = next(e for e in motion(scene).events if e.kind == "graze")
     at = scene_contacts(scene)[0]
-    inside, touch = window.contains(figure.half_turns * mp_context(60).pi), is_grazing(p, mapping, at.x, at.theta)
+    inside = window.contains(figure.half_turns * mp_context(60).pi)
+    touch = is_grazing(p, mapping, at.x, at.theta)
     numbers = {
         "γ, B₀Ω/m": text((window.gamma, window.amplitude)),
         "case": window.case,
         "Ωt mod 2π at the graze": text(event.theta, 25),
         "G⁽⁰⁾, G⁽¹⁾": ", ".join(f"{value:.6g}" for value in touch.values),
     }
-    finding = f"γ = {text(window.gamma)} and B₀Ω/m = {text(window.amplitude)}, in rational numbers: case "
+    finding = (
+        f"γ = {text(window.gamma)} and B₀Ω/m = {text(window.amplitude)}, in rational numbers: case "
+    )
     finding += f"{window.case}. Its window contains Ωt = {'π' if figure.half_turns else '0'}, and the flow touches "
     finding += f"with order 1, G⁽¹⁾ = {touch.values[-1]:.6g}."
     return evidence(inside and touch.grazing and touch.order == 1, finding, numbers)
@@ -233,8 +287,11 @@ def returns(scene: Scene, periods: int) -> list[tuple[float, float]]:
 
 def same_point(figure: Graze) -> Evidence:
     """Compare the states at the start (blue point) and one period later, from the exact and from the printed start."""
-    path, change, printed = motion(exact(figure), LATE), returns(exact(figure), 1)[0], returns(figure.printed, 1)[0]
-    blue, green = path(float(path.t_start)), path(float(path.t_start) + 2 * pi / float(figure.scene.parameters.Omega))
+    path = motion(exact(figure), LATE)
+    change = returns(exact(figure), 1)[0]
+    printed = returns(figure.printed, 1)[0]
+    blue = path(float(path.t_start))
+    green = path(float(path.t_start) + 2 * pi / float(figure.scene.parameters.Omega))
     same, as_printed = (max(map(abs, each)) <= LAST_HALF_UNIT for each in (change, printed))
     numbers = {
         "x, ẋ at the blue point": text(blue, 10),
@@ -242,29 +299,44 @@ def same_point(figure: Graze) -> Evidence:
         "differences": text(change, 10),
         "differences with all numbers as printed": text(printed, 10),
     }
-    finding = f"One period after the start the mass is at (x, ẋ) = ({text(green, 7)}), and it was at "
+    finding = (
+        f"One period after the start the mass is at (x, ẋ) = ({text(green, 7)}), and it was at "
+    )
     finding += f"({text(blue, 7)}): {'one point' if same else 'two points'} of the phase plane."
     return Evidence(verdict(as_printed, same), finding, numbers)
 
 
 def periodic(figure: Graze) -> Evidence:
     """Check whether the motion is, or approaches, a periodic motion, and whether the latter can touch the belt."""
-    p, scene = figure.scene.parameters, exact(figure)
+    p = figure.scene.parameters
+    scene = exact(figure)
     changes = [hypot(*each) for each in returns(scene, 4)]
     fixed = changes[0] <= LAST_HALF_UNIT
-    factor = changes[-1] / changes[-2] if changes[-2] > 0 else 0.0
-    square, level = steady_square(p), p.belt(figure.place.boundary) ** 2
+    if changes[-2] > 0:
+        factor = changes[-1] / changes[-2]
+    else:
+        factor = 0.0
+    square = steady_square(p)
+    level = p.belt(figure.place.boundary) ** 2
     approaches = factor < 1 and motion(scene, LATE).segments[-1].mode == "Omega1"
     detuning = (p.B0 * p.Omega) ** 2 / level - (p.c * p.Omega) ** 2
-    numbers = {f"change of (x, ẋ) over period {i}": text(change, 8) for i, change in enumerate(changes, 1)} | {
+    numbers = {
+        f"change of (x, ẋ) over period {i}": text(change, 8) for i, change in enumerate(changes, 1)
+    } | {
         "ratio of the last two changes": text(factor, 8),
         "square of the steady velocity amplitude, of v₁": text((square, level)),
         "(k − mΩ²)²; for a periodic motion that just touches v₁": (
             f"{text((p.k - p.m * p.Omega**2) ** 2)}; {text(detuning)}"
         ),
     }
-    what = "periodic" if fixed else "not periodic"
-    what += ", but approaching a periodic motion" if approaches and not fixed else ""
+    if fixed:
+        what = "periodic"
+    else:
+        what = "not periodic"
+    if approaches and not fixed:
+        what += ", but approaching a periodic motion"
+    else:
+        what += ""
     finding = f"(x, ẋ) changes by {text(changes[0], 6)} over the first period, by {text(changes[1], 6)} over the next: "
     finding += f"{what}. The periodic motion has the velocity amplitude √{text(square)} = "
     finding += f"{text(float(square) ** 0.5, 5)} and {'can' if square >= level else 'never can'} touch v₁ = "
@@ -274,10 +346,15 @@ def periodic(figure: Graze) -> Evidence:
 
 def not_at_belt(figure: Graze) -> Evidence:
     """Check that at the start, and one period later, x' is not the speed of the belt that the motion grazes."""
-    numbers, gaps, belt = {}, [], figure.place.boundary
+    numbers = {}
+    gaps = []
+    belt = figure.place.boundary
     for scene, name in ((figure.printed, "as printed"), (exact(figure), "A₀ = 10, exact start")):
-        level, period = float(scene.parameters.belt(belt)), 2 * pi / float(scene.parameters.Omega)
-        velocities = [float(motion(scene, LATE)(t)[1]) for t in (float(scene.t0), float(scene.t0) + period)]
+        level = float(scene.parameters.belt(belt))
+        period = 2 * pi / float(scene.parameters.Omega)
+        velocities = [
+            float(motion(scene, LATE)(t)[1]) for t in (float(scene.t0), float(scene.t0) + period)
+        ]
         gaps += [abs(v - level) for v in velocities]
         numbers[f"ẋ at the blue and the green point, {name}"] = text(velocities, 10)
     least = f"v{subscripted(belt)} by {text(min(gaps), 6)}"
@@ -290,8 +367,11 @@ def not_at_belt(figure: Graze) -> Evidence:
 
 def sticks_later(figure: Graze) -> Evidence:
     """Check, from the printed and the exact start, that the contact after the red point begins a stick on that belt."""
-    belt, scenes = figure.place.boundary, (figure.printed, exact(figure))
-    contacts = [[event for event in motion(scene).events if event.kind != "slip"] for scene in scenes]
+    belt = figure.place.boundary
+    scenes = (figure.printed, exact(figure))
+    contacts = [
+        [event for event in motion(scene).events if event.kind != "slip"] for scene in scenes
+    ]
     least = min(map(len, contacts))
     if least < 2:
         raise Refuted("No contact follows.", {"contacts": least})
@@ -309,11 +389,16 @@ def sticks_later(figure: Graze) -> Evidence:
 def stick_after(figure: Graze, check: str, *domains: int) -> Evidence:
     """Run the check of `motions` named `check`, with `domains`, on the stick after the graze from the exact start."""
     checks = {"together": together, "forces_hold": forces_hold, "flight_after": flight_after}
-    return checks[check](exact(figure, Fraction(10) if domains else None), figure.place.boundary, *domains)
+    return checks[check](
+        exact(figure, Fraction(10) if domains else None), figure.place.boundary, *domains
+    )
 
 
 def curves_meet(figure: Graze) -> Evidence:
-    """Check Fig. 8's paths of two belt points: the mass meets them at the red and the blue point, and nowhere else."""
+    """Check Fig. 8's paths of two belt points.
+
+    The mass meets them at the red and the blue point, and nowhere else.
+    """
     # It does if it is never slower than the belt: then it never falls back to a point of it.
 
     def as_described(path: Trajectory) -> bool:
@@ -321,9 +406,13 @@ def curves_meet(figure: Graze) -> Evidence:
         slower = any(segment.mode == "Omega1" for segment in path.segments)
         return not slower and kinds == [("graze", 1), ("stick", 1), ("slip", 1)]
 
-    path, printed, p = motion(exact(figure)), motion(figure.printed), figure.scene.parameters
+    path = motion(exact(figure))
+    printed = motion(figure.printed)
+    p = figure.scene.parameters
     numbers = {
-        f"modes of motion, {name} start": ", ".join(mode_text(segment.mode) for segment in each.segments)
+        f"modes of motion, {name} start": ", ".join(
+            mode_text(segment.mode) for segment in each.segments
+        )
         for name, each in (("exact", path), ("printed", printed))
     }
     red, blue = path.events[:2]
@@ -333,7 +422,9 @@ def curves_meet(figure: Graze) -> Evidence:
     finding = f"From the exact start the mass gets ahead of the red point's curve, by {text(ahead, 6)} at the blue "
     finding += f"point, and {'meets the curves as described only' if held else 'meets the curves elsewhere too'}. From "
     finding += f"the printed start there is a {printed.events[0].kind} at the red point."
-    return Evidence(verdict(as_described(printed) or (held and figure.print_is_right), held), finding, numbers)
+    return Evidence(
+        verdict(as_described(printed) or (held and figure.print_is_right), held), finding, numbers
+    )
 
 
 # --- do the printed starts graze, and if not, does one misprinted number explain it? ---
@@ -344,15 +435,21 @@ PHASE = 1e-4
 
 
 def contact_or_misprint(figure: Graze) -> Evidence:
-    """Check that the motion as printed grazes; if not, search for a change of a single number that makes it graze."""
+    """Check that the motion as printed grazes.
+
+    If not, search for a change of a single number that makes it graze.
+    """
     scene = figure.printed
     as_printed = reaches_belt(scene, figure.place.boundary)
     if as_printed.verdict != NOT_AS_PRINTED:
         return as_printed
-    names, numbers = (*PARAMETER_NAMES, *START), dict(as_printed.numbers)
+    names = (*PARAMETER_NAMES, *START)
+    numbers = dict(as_printed.numbers)
     found = [value for name in names for value in values_that_graze(scene, figure.mapping, name)]
     for name in names:
-        values = [f"{each.shortest} (graze at t = {each.t_m:.6g})" for each in found if each.name == name]
+        values = [
+            f"{each.shortest} (graze at t = {each.t_m:.6g})" for each in found if each.name == name
+        ]
         numbers[f"{name} free: values that graze"] = "; ".join(values) or "none"
     finding = f"{as_printed.finding} With one number changed it grazes: {misprints(scene, found)}."
     return Evidence(as_printed.verdict, finding, numbers)
@@ -366,18 +463,30 @@ def misprints(scene: Scene, found: Sequence[FreeValue]) -> str:
     for each in found:
         if each.as_short_as_printed:
             off = abs((each.t_m + quarter / 2) % quarter - quarter / 2)
-            value = f"{each.value:.4f}" if each.name in START else each.shortest
+            if each.name in START:
+                value = f"{each.value:.4f}"
+            else:
+                value = each.shortest
             lists[off > PHASE].append(f"{each.name} = {value} (at t = {each.t_m:.6g})")
     first = " or ".join(lists[0]) or "none at a quarter of a period"
-    return first + (f"; also, at times that nothing tells from others, {' or '.join(lists[1])}" if lists[1] else "")
+    return first + (
+        f"; also, at times that nothing tells from others, {' or '.join(lists[1])}"
+        if lists[1]
+        else ""
+    )
 
 
 def start_grazes(figure: Graze) -> Evidence:
     """Check that the start that grazes nearest to the printed start, with the same t0, rounds to the printed start."""
-    scene, printed = figure.scene, figure.printed.parameters
+    scene = figure.scene
+    printed = figure.printed.parameters
     near = nearest_graze(scene, figure.mapping)
     values = by_name(scene.parameters)
-    changed = ", ".join(f"{name} = {text(value)}" for name, value in values.items() if value != getattr(printed, name))
+    changed = ", ".join(
+        f"{name} = {text(value)}"
+        for name, value in values.items()
+        if value != getattr(printed, name)
+    )
     numbers = {
         "printed x₀, ẋ₀": text((scene.x0, scene.v0)),
         "nearest start that grazes, minus printed: x₀, ẋ₀": f"{near.dx:+.3g}, {near.dv:+.3g}",
@@ -385,12 +494,16 @@ def start_grazes(figure: Graze) -> Evidence:
         "half a unit of the last printed digit": f"{HALF_UNIT:g}",
         "contacts from the printed start": contacts_text(motion(scene)),
     }
-    held, how = False, "which does not round to it"
+    held = False
+    how = "which does not round to it"
     if near.round_to_it:
         times = " to ".join(f"{t:.8g}" for t in near.round_to_it)
         numbers["contacts at these times have starts that round to the printed one"] = times
         held = _grazes_exactly(figure, Fraction(near.t_m).limit_denominator(10**9), numbers)
-        how = "which rounds to it" if held else "which rounds to it, but does not graze in many digits"
+        if held:
+            how = "which rounds to it"
+        else:
+            how = "which rounds to it, but does not graze in many digits"
     finding = f"{f'With {changed} the' if changed else 'The'} starts at t₀ = {text(scene.t0)} that graze are a curve, "
     finding += "one for each time of the contact. The one next to the printed start is "
     finding += f"{max(abs(near.dx), abs(near.dv)):.2g} away, {how}."
@@ -398,46 +511,65 @@ def start_grazes(figure: Graze) -> Evidence:
 
 
 def _grazes_exactly(figure: Graze, t_m: Fraction, numbers: dict[str, str]) -> bool:
-    """Return whether the start for a graze at t_m grazes and rounds to the printed start; put details in `numbers`."""
-    scene, at, p = figure.scene, figure.place, figure.scene.parameters
+    """Return whether the start for a graze at t_m grazes and rounds to the printed start.
+
+    Put details in `numbers`.
+    """
+    p = figure.scene.parameters
+    at = figure.place
+    scene = figure.scene
     found = grazing_start(p, figure.mapping, t_m=t_m, t0=scene.t0)
     start: dict[str, Any] = {name: Fraction(found.start[name]) for name in ("x0", "v0")}
     path = motion(replace(scene, **start, start_error=found.start["start_error"]))
     x, v = flow(p, p.A(at.domain), (scene.t0, *start.values()), float(t_m))
-    x_m = (float(p.A(at.domain)) + float(p.B0) * cos(float(p.Omega * t_m)) - float(p.c) * float(v)) / float(p.k)
+    x_m = (
+        float(p.A(at.domain)) + float(p.B0) * cos(float(p.Omega * t_m)) - float(p.c) * float(v)
+    ) / float(p.k)
     gap = abs(float(v) - float(p.belt(at.boundary))) + abs(float(x) - x_m)
     numbers["x₀, ẋ₀ of a start that grazes"] = f"{found.start['x0'][:22]}, {found.start['v0'][:22]}"
     numbers["contacts from it"] = contacts_text(path)
     numbers["|ẋ − v_λ| + |x − xₘ| at the contact, in another closed form"] = f"{gap:.1g}"
-    inside = all(abs(value - getattr(scene, name)) <= LAST_HALF_UNIT for name, value in start.items())
+    inside = all(
+        abs(value - getattr(scene, name)) <= LAST_HALF_UNIT for name, value in start.items()
+    )
     return inside and path.events[0].kind == "graze" and gap < 1e-9
 
 
-# --- the search ---
-# The starts at t0 from which a flow grazes are a curve in the plane (x0, v0), one point for each time t_m of the
-# contact: x_m and v_lambda at t_m, flowed back. Printed digits are right if the curve meets the box of all starts that
-# round to them. If it does not, each parameter and each number of the start is left free in turn: a value at which the
-# flow from the printed start touches the belt, and never is beyond it, explains the figure if it is no longer than what
-# is printed.
+# --- the search --- The starts at t0 from which a flow grazes are a curve in the plane (x0, v0),
+# one point for each time t_m of the contact: x_m and v_lambda at t_m, flowed back. Printed digits
+# are right if the curve meets the box of all starts that round to them. If it does not, each
+# parameter and each number of the start is left free in turn: a value at which the flow from the
+# printed start touches the belt, and never is beyond it, explains the figure if it is no longer
+# than what is printed.
 
 #: Instants in which a graze is sought, values of a number left free, and digits of one that grazes.
-INSTANTS, VALUES, LONGEST = 300, 201, 12
+INSTANTS = 300
+VALUES = 201
+LONGEST = 12
 HALF_UNIT = float(LAST_HALF_UNIT)
 
 
 @dataclass(frozen=True)
 class NearestGraze:
-    """The start that grazes nearest to a printed start: dx, dv from the printed one, and the graze's time t_m."""
+    """The start that grazes nearest to a printed start.
+
+    Dx, dv from the printed one, and the graze's time t_m.
+    """
 
     t_m: float
     dx: float
     dv: float
-    round_to_it: list[float]  # from and until when the contact is of the starts that round to the printed one; []: none
+    round_to_it: list[
+        float
+    ]  # from and until when the contact is of the starts that round to the printed one; []: none
 
 
 @dataclass(frozen=True)
 class FreeValue:
-    """A `value` of the scene's number `name` with which the flow grazes, at t_m; all other numbers are as printed."""
+    """A `value` of the scene's number `name` with which the flow grazes, at t_m.
+
+    All other numbers are as printed.
+    """
 
     name: str
     value: float
@@ -454,7 +586,8 @@ class FreeValue:
     @property
     def as_short_as_printed(self) -> bool:
         """Whether the value has no more digits than the paper prints for this parameter or start value."""
-        # That is one decimal of t0, three digits of a parameter, and for x0 and v0 as many as it takes.
+        # That is one decimal of t0, three digits of a parameter, and for x0 and v0 as many as it
+        # takes.
         if self.name == "t0":
             return len(self.shortest.partition(".")[2]) <= 1
         return self.name in START or len(self.shortest.replace(".", "").lstrip("-0")) <= 3
@@ -462,11 +595,14 @@ class FreeValue:
 
 def starts_that_graze(scene: Scene, mapping: str, t_m: np.ndarray) -> np.ndarray:
     """Return x0 and v0 at t0 of the flows that graze the mapping's belt at the times t_m."""
-    p, at = scene.parameters, place(mapping)
+    p = scene.parameters
+    at = place(mapping)
     v = float(p.belt(at.boundary))
     A, B0, Omega, c, k = (float(value) for value in (p.A(at.domain), p.B0, p.Omega, p.c, p.k))
     x_m = (A + B0 * np.cos(Omega * t_m) - c * v) / k
-    return np.array([flow(p, A, (t, x, v), float(scene.t0)) for t, x in zip(t_m, x_m, strict=True)]).T
+    return np.array(
+        [flow(p, A, (t, x, v), float(scene.t0)) for t, x in zip(t_m, x_m, strict=True)]
+    ).T
 
 
 def nearest_graze(scene: Scene, mapping: str) -> NearestGraze:
@@ -476,18 +612,29 @@ def nearest_graze(scene: Scene, mapping: str) -> NearestGraze:
     def away(t: float) -> float:
         return float(np.abs(starts_that_graze(scene, mapping, np.array([t])) - printed).max())
 
-    times = float(scene.t0) + 2 * np.pi / float(scene.parameters.Omega) * np.arange(INSTANTS + 1) / INSTANTS
+    times = (
+        float(scene.t0)
+        + 2 * np.pi / float(scene.parameters.Omega) * np.arange(INSTANTS + 1) / INSTANTS
+    )
     coarse = np.abs(starts_that_graze(scene, mapping, times) - printed).max(axis=0)
     inner = coarse[1:-1]
     valleys = np.flatnonzero((inner <= coarse[:-2]) & (inner <= coarse[2:])) + 1
-    best, around = np.nan, (np.nan, np.nan)
+    best = np.nan
+    around = (np.nan, np.nan)
     for i in valleys[np.argsort(coarse[valleys])] if len(valleys) else [1 + int(np.argmin(inner))]:
         ends = float(times[i - 1]), float(times[i + 1])
         t = float(minimize_scalar(away, bounds=ends, method="bounded", options={"xatol": 1e-13}).x)
         if not away(t) >= away(best):
-            best, around = t, ends
-    sides: Sequence[float] = around if away(best) <= HALF_UNIT else ()
-    box = [float(brentq(lambda t: away(t) - HALF_UNIT, *sorted((best, end)), xtol=1e-12)) for end in sides]
+            best = t
+            around = ends
+    if away(best) <= HALF_UNIT:
+        sides: Sequence[float] = around
+    else:
+        sides = ()
+    box = [
+        float(brentq(lambda t: away(t) - HALF_UNIT, *sorted((best, end)), xtol=1e-12))
+        for end in sides
+    ]
     dx, dv = (starts_that_graze(scene, mapping, np.array([best])) - printed)[:, 0]
     return NearestGraze(best, float(dx), float(dv), box)
 
@@ -496,8 +643,14 @@ def values_that_graze(scene: Scene, mapping: str, name: str) -> list[FreeValue]:
     """Return the values of one number of the scene (a parameter, t0, x0 or v0) with which the motion grazes."""
     printed = float(getattr(scene if name in START else scene.parameters, name))
     # Times come back after a period.
-    reach = pi / float(scene.parameters.Omega) if name == "t0" else REACH * max(1.0, abs(printed))
-    tried = (printed - reach, printed + reach) if name in START else range_of(scene.parameters, name)
+    if name == "t0":
+        reach = pi / float(scene.parameters.Omega)
+    else:
+        reach = REACH * max(1.0, abs(printed))
+    if name in START:
+        tried = (printed - reach, printed + reach)
+    else:
+        tried = range_of(scene.parameters, name)
 
     def gap(value: float, **change: float) -> float:
         return _gap(scene, mapping, {name: value} | change)[0]
@@ -512,8 +665,10 @@ def values_that_graze(scene: Scene, mapping: str, name: str) -> list[FreeValue]:
         left, t_m, inside = _gap(scene, mapping, {name: root})
         if not inside or abs(left) > HALF_UNIT:
             continue
-        # Central differences: by how much the root moves with the other numbers of the printed start.
-        step, moved = 1e-6 * max(1.0, abs(root)), 0.0
+        # Central differences: by how much the root moves with the other numbers of the printed
+        # start.
+        step = 1e-6 * max(1.0, abs(root))
+        moved = 0.0
         for key in {"x0", "v0"} - {name}:
             at = float(getattr(scene, key))
             moved += abs(gap(root, **{key: at + 1e-6}) - gap(root, **{key: at - 1e-6})) / 2e-6
@@ -525,13 +680,18 @@ def values_that_graze(scene: Scene, mapping: str, name: str) -> list[FreeValue]:
 def _gap(scene: Scene, mapping: str, change: dict[str, float]) -> tuple[float, float, bool]:
     """Return how far the flow's peak is beyond the belt (< 0: short of it), its time, and whether it can be a graze.
 
-    For a graze the flow must be in the mapping's domain before. `change` gives some numbers of the scene new values.
+    For a graze the flow must be in the mapping's domain before. `change` gives some numbers of the
+    scene new values.
     """
     at = place(mapping)
     start = tuple(change.get(name, float(getattr(scene, name))) for name in START)
     exact = {name: Fraction(value) for name, value in change.items() if name not in START}
-    p = scene.parameters.replace(**exact) if exact else scene.parameters
-    A, belt = float(p.A(at.domain)), float(p.belt(at.boundary))
+    if exact:
+        p = scene.parameters.replace(**exact)
+    else:
+        p = scene.parameters
+    A = float(p.A(at.domain))
+    belt = float(p.belt(at.boundary))
     times = start[0] + 3 * 2 * np.pi / float(p.Omega) * np.arange(INSTANTS + 1) / INSTANTS
 
     def beyond(t: Any) -> Any:
@@ -541,9 +701,19 @@ def _gap(scene: Scene, mapping: str, change: dict[str, float]) -> tuple[float, f
         over = beyond(times)
     except ZeroDivisionError:  # resonance without a damper
         return np.nan, np.nan, False
-    i, step = int(np.argmax(over)), times[1] - times[0]
+    i = int(np.argmax(over))
+    step = times[1] - times[0]
     around = times[i] - step, times[i] + step
-    best = minimize_scalar(lambda t: -float(beyond(t)), bounds=around, method="bounded", options={"xatol": 1e-10})
+    best = minimize_scalar(
+        lambda t: -float(beyond(t)), bounds=around, method="bounded", options={"xatol": 1e-10}
+    )
     # Up to the contact the flow stays below the belt, and in domain 2 within the speeds of the two.
-    width = float(p.v2 - p.v1) if at.domain == 2 else inf
-    return -float(best.fun), float(best.x), bool(over[0] < 0 and i > 0 and np.all(over[: i + 1] > -width))
+    if at.domain == 2:
+        width = float(p.v2 - p.v1)
+    else:
+        width = inf
+    return (
+        -float(best.fun),
+        float(best.x),
+        bool(over[0] < 0 and i > 0 and np.all(over[: i + 1] > -width)),
+    )

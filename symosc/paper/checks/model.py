@@ -15,7 +15,14 @@ from scipy.optimize import brentq
 from symosc.mappings.equations import residual
 from symosc.mappings.theorem7_cases import PLACES
 from symosc.model import NEIGHBOURS, Parameters
-from symosc.paper.checks.exact import DOP853_AGREEMENT, RationalContact, contacts, dop853, friction_on_mass, tally
+from symosc.paper.checks.exact import (
+    DOP853_AGREEMENT,
+    RationalContact,
+    contacts,
+    dop853,
+    friction_on_mass,
+    tally,
+)
 from symosc.paper.checks.motions import field, recorded
 from symosc.paper.claims import CORRECTED, DEFINITION, Evidence, evidence, verdict
 from symosc.scenes import load_scene
@@ -36,9 +43,15 @@ def friction_force(p: Parameters, alpha: int) -> Fraction:
 
 
 def friction_interval(p: Parameters, boundary: int) -> tuple[Fraction, Fraction]:
-    """Return the interval of eq. (1) in which the friction force F_f lies at the speed of a belt."""
-    middle, outer = (p.mu1 - p.mu2) * p.FN, (p.mu1 + p.mu2) * p.FN
-    return (-outer, middle) if boundary == 1 else (middle, outer)
+    """Return the interval of eq.
+
+    (1) in which the friction force F_f lies at the speed of a belt.
+    """
+    middle = (p.mu1 - p.mu2) * p.FN
+    outer = (p.mu1 + p.mu2) * p.FN
+    if boundary == 1:
+        return (-outer, middle)
+    return (middle, outer)
 
 
 def added_force(p: Parameters, alpha: int) -> Fraction:
@@ -47,24 +60,41 @@ def added_force(p: Parameters, alpha: int) -> Fraction:
 
 
 def vector_field(p: Parameters, alpha: int, x: Fraction, v: Fraction, cosine: Fraction) -> Fraction:
-    """Return the acceleration F^(alpha) of eq. (9) in domain `alpha`, at x, v and `cosine` = cos(Omega t)."""
-    rest = {1: p.A0 + (p.mu1 + p.mu2) * p.FN, 2: p.A0 - (p.mu1 - p.mu2) * p.FN, 3: p.A0 - (p.mu1 + p.mu2) * p.FN}
+    """Return the acceleration F^(alpha) of eq.
+
+    (9) in domain `alpha`, at x, v and `cosine` = cos(Omega t).
+    """
+    rest = {
+        1: p.A0 + (p.mu1 + p.mu2) * p.FN,
+        2: p.A0 - (p.mu1 - p.mu2) * p.FN,
+        3: p.A0 - (p.mu1 + p.mu2) * p.FN,
+    }
     return -p.c / p.m * v - p.k / p.m * x + p.B0 / p.m * cosine + rest[alpha] / p.m
 
 
 def stick_force(p: Parameters, boundary: int, x: Fraction, cosine: Fraction) -> Fraction:
-    """Return the force of eq. (2), or its counterpart on belt 2: all forces but the friction of that belt."""
-    other = p.mu2 * p.FN if boundary == 1 else -p.mu1 * p.FN
+    """Return the force of eq.
+
+    (2), or its counterpart on belt 2: all forces but the friction of that belt.
+    """
+    if boundary == 1:
+        other = p.mu2 * p.FN
+    else:
+        other = -p.mu1 * p.FN
     return p.A0 + p.B0 * cosine - p.k * x - p.c * p.belt(boundary) + other
 
 
 def domain_of(p: Parameters, v: Fraction) -> list[int]:
-    """Return the open domains (1, 2, 3) and the boundaries (12, 23) of eqs. (6) and (7) that a velocity is in."""
+    """Return the open domains (1, 2, 3) and the boundaries (12, 23) of eqs.
+
+    (6) and (7) that a velocity is in.
+    """
     inside = {1: v < p.v1, 2: p.v1 < v < p.v2, 3: v > p.v2, 12: v == p.v1, 23: v == p.v2}
     return [name for name, yes in inside.items() if yes]
 
 
-#: Eqs. (50) and (51): belt and side at the start and at the end (0 on the belt, -1 below, 1 above its speed).
+#: Eqs. (50) and (51): belt and side at the start and at the end (0 on the belt, -1 below, 1 above
+#: its speed).
 PLANES = {
     "P1": ((1, 0), (1, 0)),
     "P2": ((1, -1), (1, -1)),
@@ -78,10 +108,22 @@ PLANES = {
 
 
 def stick_exit(p: Parameters, boundary: int, x: Any, cosine: Any) -> Any:
-    """Return left minus right side of the second equation of (52), or (53) for belt 2: 0 where a stick ends."""
-    number = (lambda value: value) if isinstance(x, Fraction) else float
+    """Return left minus right side of the second equation of (52), or (53) for belt 2.
+
+    0 where a stick ends.
+    """
+
+    def number(value: Fraction) -> Any:
+        if isinstance(x, Fraction):
+            return value
+        return float(value)
+
     rest = number(p.A0) + number(p.B0) * cosine - number(p.k) * x - number(p.c * p.belt(boundary))
-    return rest + (number(p.mu2 * p.FN) if boundary == 1 else -number(p.mu2 * p.FN)) - number(p.mu1 * p.FN)
+    return (
+        rest
+        + (number(p.mu2 * p.FN) if boundary == 1 else -number(p.mu2 * p.FN))
+        - number(p.mu1 * p.FN)
+    )
 
 
 def printed_planes(speed: Any, delta: Any) -> tuple[Any, Any]:
@@ -98,7 +140,9 @@ def _both_boundaries(seed: int) -> tuple[RationalContact, ...]:
 
 
 def _friction_coefficient(p: Parameters, boundary: int) -> Fraction:
-    return p.mu1 if boundary == 1 else p.mu2
+    if boundary == 1:
+        return p.mu1
+    return p.mu2
 
 
 def _applied_force(contact: RationalContact) -> Fraction:
@@ -111,30 +155,46 @@ def friction_between_the_jumps() -> Evidence:
     """Check eq. (1) inside the domains against Coulomb's law of both belts and against eq. (5)."""
     questions = {
         "rational parameter sets and domains": lambda of: True,
-        "F_f not the sum of both belts' Coulomb friction": lambda of: -friction_force(*of) != friction_on_mass(*of),
+        "F_f not the sum of both belts' Coulomb friction": lambda of: (
+            -friction_force(*of) != friction_on_mass(*of)
+        ),
         "A_α − A₀ not -F_f": lambda of: of[0].A(of[1]) - of[0].A0 != -friction_force(*of),
     }
-    numbers = tally(product((contact.p for contact in contacts(1, CASES, seed=3)), (1, 2, 3)), questions)
+    numbers = tally(
+        product((contact.p for contact in contacts(1, CASES, seed=3)), (1, 2, 3)), questions
+    )
     total, *wrong = numbers.values()
     p = load_scene("fig5").parameters
-    numbers["levels of Fig. 5"] = ", ".join(f"{float(friction_force(p, alpha)):g}" for alpha in (1, 2, 3))
+    numbers["levels of Fig. 5"] = ", ".join(
+        f"{float(friction_force(p, alpha)):g}" for alpha in (1, 2, 3)
+    )
     finding = "F_f is the friction of both belts as a resistance: it stands with a minus on the right of (5)"
     return evidence(not any(wrong), f"{finding}; {total} exact cases.", numbers)
 
 
 def friction_at_the_jumps() -> Evidence:
-    """Check eq. (1) at x' = v1 and v2: is the friction force in its interval, or one of the values on either side?"""
-    stuck = [(contact, friction_interval(contact.p, contact.boundary)) for contact in _both_boundaries(40)]
+    """Check eq. (1) at x' = v1 and v2.
+
+    Is the friction force in its interval, or one of the values on either side?
+    """
+    stuck = [
+        (contact, friction_interval(contact.p, contact.boundary))
+        for contact in _both_boundaries(40)
+    ]
     questions = {
         "exact contacts at which the mass sticks": lambda of: True,
-        "friction force outside the interval of (1)": lambda of: not of[1][0] <= _applied_force(of[0]) <= of[1][1],
+        "friction force outside the interval of (1)": lambda of: (
+            not of[1][0] <= _applied_force(of[0]) <= of[1][1]
+        ),
         "friction force equal to a single value of (1)": lambda of: _applied_force(of[0]) in of[1],
     }
     numbers = tally((of for of in stuck if of[0].sticks), questions)
     held, outside, at_an_end = numbers.values()
     finding = f"The friction force that keeps ẍ = 0 is in the interval at all {held} contacts, and is neither of the "
     finding += f"single values at {held - at_an_end}: the intervals of these have to be open."
-    return evidence(held and not outside, finding, numbers, verdict(at_an_end == held, corrected=True))
+    return evidence(
+        held and not outside, finding, numbers, verdict(at_an_end == held, corrected=True)
+    )
 
 
 def equations_of_motion() -> Evidence:
@@ -144,13 +204,19 @@ def equations_of_motion() -> Evidence:
         p = motion.parameters
         for segment in motion.segments[:8]:
             if segment.mode.startswith("Omega"):
-                alpha, span = int(segment.mode[-1]), (float(segment.t_start), float(segment.t_end))
+                alpha = int(segment.mode[-1])
+                span = (float(segment.t_start), float(segment.t_end))
                 run = dop853(p, p.A0 + added_force(p, alpha), span, motion(span[0]))
-                error = np.abs(run.y - motion(np.minimum(run.t, span[1]))).max() / max(1.0, np.abs(run.y).max())
+                error = np.abs(run.y - motion(np.minimum(run.t, span[1]))).max() / max(
+                    1.0, np.abs(run.y).max()
+                )
                 errors.setdefault(alpha, []).append(float(error))
     rows = sorted(errors.items())
     numbers: dict[str, Any] = {f"flights in Ω{alpha}": len(found) for alpha, found in rows}
-    numbers |= {f"largest relative difference to DOP853 in Ω{alpha}": f"{max(found):.2g}" for alpha, found in rows}
+    numbers |= {
+        f"largest relative difference to DOP853 in Ω{alpha}": f"{max(found):.2g}"
+        for alpha, found in rows
+    }
     worst = max(map(max, errors.values()))
     finding = f"Flights by (5) as printed differ from the exact motion by {worst:.1g} at most, in all three domains."
     return evidence(set(errors) == {1, 2, 3} and worst < DOP853_AGREEMENT, finding, numbers)
@@ -160,7 +226,8 @@ def stick_if_friction_holds() -> Evidence:
     """Check eq. (2) with |F_s1| <= mu1 FN, and its counterpart on belt 2, against Theorem 4 and the exact flow."""
 
     def excess(contact: RationalContact) -> Fraction:
-        p, b = contact.p, contact.boundary
+        p = contact.p
+        b = contact.boundary
         return abs(stick_force(p, b, contact.x, contact.c)) - _friction_coefficient(p, b) * p.FN
 
     questions = {
@@ -168,7 +235,9 @@ def stick_if_friction_holds() -> Evidence:
         "|Fₛ| ≤ μ FN not the same as F⁽ˡᵒ⁾ ≥ 0 ≥ F⁽ʰⁱ⁾": lambda c: (
             (excess(c) <= 0) != (c.forces[0] >= 0 >= c.forces[1])
         ),
-        "|Fₛ| not μ FN, and the exact flow does otherwise": lambda c: excess(c) and (excess(c) < 0) != c.sticks,
+        "|Fₛ| not μ FN, and the exact flow does otherwise": lambda c: (
+            excess(c) and (excess(c) < 0) != c.sticks
+        ),
         "|Fₛ| = μ FN": lambda c: excess(c) == 0,
         "of them the mass stays on the belt": lambda c: excess(c) == 0 and c.sticks,
         "of them it leaves at once": lambda c: excess(c) == 0 and not c.sticks,
@@ -181,7 +250,10 @@ def stick_if_friction_holds() -> Evidence:
 
 
 def stick_motion() -> Evidence:
-    """Check eqs. (3), (4), (11), (12): x' = v_lambda, the belt's speed, and x'' = 0 while the mass sticks."""
+    """Check eqs. (3), (4), (11), (12).
+
+    X' = v_lambda, the belt's speed, and x'' = 0 while the mass sticks.
+    """
     import sympy as sp
 
     t, speed, place = sp.symbols("t v_lambda x_i")
@@ -192,16 +264,25 @@ def stick_motion() -> Evidence:
 
 
 def friction_coefficients_in_order() -> Evidence:
-    """Check whether mu1 >= mu2 is needed: mirror images of motions, x -> -x, have mu1 and mu2 exchanged."""
-    gaps, other = [0.0], 0
+    """Check whether mu1 >= mu2 is needed.
+
+    Mirror images of motions, x -> -x, have mu1 and mu2 exchanged.
+    """
+    gaps = [0.0]
+    other = 0
     for scene in map(load_scene, STATES):
-        given, p = recorded(simulate(scene, max_events=12)), scene.parameters
+        given = recorded(simulate(scene, max_events=12))
+        p = scene.parameters
         # In the mirror, x -> -x, the belts change places.
         mirrored = p.replace(A0=-p.A0, B0=-p.B0, v1=-p.v2, v2=-p.v1, mu1=p.mu2, mu2=p.mu1)
-        seen = simulate(mirrored, t0=scene.t0, x0=-scene.x0, v0=-scene.v0, t_end=scene.t_end, max_events=12)
+        seen = simulate(
+            mirrored, t0=scene.t0, x0=-scene.x0, v0=-scene.v0, t_end=scene.t_end, max_events=12
+        )
         kinds = [(event.kind, 3 - event.boundary) for event in seen.events]
         other += kinds != [(event.kind, event.boundary) for event in given.events]
-        gaps += [abs(a.t - b.t) + abs(a.x + b.x) for a, b in zip(given.events, seen.events, strict=False)]
+        gaps += [
+            abs(a.t - b.t) + abs(a.x + b.x) for a, b in zip(given.events, seen.events, strict=False)
+        ]
     cases = [contact for belt in NEIGHBOURS for contact in contacts(belt, CASES, seed=20)]
     reverse = [(*c.forces, c.sticks) for c in cases if c.p.mu1 < c.p.mu2 and all(c.forces)]
     wrong = sum((below > 0 > above) != sticks for below, above, sticks in reverse)
@@ -215,14 +296,21 @@ def friction_coefficients_in_order() -> Evidence:
     needless = not other and not wrong and max(gaps) < 1e-9 and reverse
     finding = f"It can be assumed, and nothing needs it: Theorem 4 holds at all {len(reverse)} exact contacts with "
     finding += f"μ₁ < μ₂, and the motions with μ₁ and μ₂ exchanged differ from the mirror images by {max(gaps):.1g}."
-    return Evidence(DEFINITION, finding if needless else "It is an assumption, and it is needed.", numbers)
+    return Evidence(
+        DEFINITION, finding if needless else "It is an assumption, and it is needed.", numbers
+    )
 
 
 def friction_characteristics() -> Evidence:
     """Check section 2: both belts have the same friction law, with coefficients that are listed for each figure."""
-    jumps = [(c.p, b, friction_interval(c.p, b)) for c in contacts(1, CASES, seed=3) for b in (1, 2)]
+    jumps = [
+        (c.p, b, friction_interval(c.p, b)) for c in contacts(1, CASES, seed=3) for b in (1, 2)
+    ]
     wrong = sum(high - low != 2 * _friction_coefficient(p, b) * p.FN for p, b, (low, high) in jumps)
-    numbers: dict[str, Any] = {"jumps of (1) at a belt": len(jumps), "not 2 μ FN with the belt's own μ": wrong}
+    numbers: dict[str, Any] = {
+        "jumps of (1) at a belt": len(jumps),
+        "not 2 μ FN with the belt's own μ": wrong,
+    }
     for name in FIGURES:
         p = load_scene(name).parameters
         numbers[f"{name}: μ₁, μ₂"] = f"{float(p.mu1):g}, {float(p.mu2):g}"
@@ -240,17 +328,22 @@ def drive_frequency_ratio() -> Evidence:
         printed = -B0 * Omega / m * sp.sin(factor * t)  # the last term of (62) and (66)
         rests.append(sp.simplify((B0 / m * sp.cos(factor * t)).diff(t) - printed))
     names = (
-        f"d/dt of the drive minus the term in (62), Ω as {words}" for words in ("angular frequency", "ratio to √(k/m)")
+        f"d/dt of the drive minus the term in (62), Ω as {words}"
+        for words in ("angular frequency", "ratio to √(k/m)")
     )
     finding = "(62) and (66) follow from (9) if Ω is the angular frequency; with a ratio they lack the factor √(k/m)."
-    return evidence(rests[0] == 0 != rests[1], finding, dict(zip(names, rests, strict=True)), CORRECTED)
+    return evidence(
+        rests[0] == 0 != rests[1], finding, dict(zip(names, rests, strict=True)), CORRECTED
+    )
 
 
 def five_motion_states() -> Evidence:
     """Check that section 3 has five states of motion: in three domains and on two boundaries."""
     p = load_scene("fig5").parameters
     places = [domain_of(p, v) for v in (p.v1 - 1, p.v1, (p.v1 + p.v2) / 2, p.v2, p.v2 + 1)]
-    domains, boundaries = (sum(place in wanted for place in places) for wanted in ([[1], [2], [3]], [[12], [23]]))
+    domains, boundaries = (
+        sum(place in wanted for place in places) for wanted in ([[1], [2], [3]], [[12], [23]])
+    )
     numbers = {"domains of (6)": domains, "boundaries of (7)": boundaries}
     finding = "A motion in each domain of (6), and one on each boundary of (7) that stays there."
     return evidence((domains, boundaries) == (3, 2), finding, numbers, DEFINITION)
@@ -258,14 +351,26 @@ def five_motion_states() -> Evidence:
 
 def domains_and_boundaries() -> Evidence:
     """Check that by eqs. (6) and (7) every state is in exactly one domain or on one boundary."""
-    draw, places = random.Random(6), []
+    draw = random.Random(6)
+    places = []
     for p in (contact.p for contact in contacts(1, CASES, seed=3)):
         middle = (p.v1 + p.v2) / 2
-        for v in (p.v1, p.v2, middle, middle + Fraction(draw.randint(-40, 40), 4), p.v1 - 1, p.v2 + 1):
+        for v in (
+            p.v1,
+            p.v2,
+            middle,
+            middle + Fraction(draw.randint(-40, 40), 4),
+            p.v1 - 1,
+            p.v2 + 1,
+        ):
             places.append(domain_of(p, v))
     wrong = sum(len(place) != 1 for place in places)
     on_boundary = sum(place in ([12], [23]) for place in places)
-    numbers = {"velocities": len(places), "on a boundary": on_boundary, "in none or several places": wrong}
+    numbers = {
+        "velocities": len(places),
+        "on a boundary": on_boundary,
+        "in none or several places": wrong,
+    }
     finding = f"Each of {len(places)} velocities is in one domain or on one boundary."
     return evidence(not wrong, finding, numbers, DEFINITION)
 
@@ -276,26 +381,42 @@ def vector_fields() -> Evidence:
     cases = _both_boundaries(30)
     for contact in cases:
         p = contact.p
-        fields = [vector_field(p, alpha, contact.x, contact.speed, contact.c) for alpha in contact.domains]
+        fields = [
+            vector_field(p, alpha, contact.x, contact.speed, contact.c) for alpha in contact.domains
+        ]
         wrong += sum(field != force for field, force in zip(fields, contact.forces, strict=True))
-        jumps += fields[0] - fields[1] != 2 * _friction_coefficient(p, contact.boundary) * p.FN / p.m
+        jumps += (
+            fields[0] - fields[1] != 2 * _friction_coefficient(p, contact.boundary) * p.FN / p.m
+        )
     total = 2 * len(cases)
-    numbers = {"rational states and domains": total, "(9) not Newton's law with Coulomb's friction": wrong}
+    numbers = {
+        "rational states and domains": total,
+        "(9) not Newton's law with Coulomb's friction": wrong,
+    }
     numbers["jumps that are not 2 μ FN/m"] = jumps
     finding = f"(9) agrees with Newton's law and Coulomb's friction in {total - wrong} of {total} exact cases."
     return evidence(not wrong and not jumps, finding, numbers)
 
 
 def forces_or_accelerations() -> Evidence:
-    """Check whether F, which section 6 shows as a force, is one: exactly, m F is the right side of (5)."""
-    cases = [(contact, alpha) for contact in (*contacts(1), *contacts(2)) for alpha in contact.domains]
+    """Check whether F, which section 6 shows as a force, is one.
+
+    Exactly, m F is the right side of (5).
+    """
+    cases = [
+        (contact, alpha) for contact in (*contacts(1), *contacts(2)) for alpha in contact.domains
+    ]
     wrong = sum(
-        c.p.m * vector_field(c.p, alpha, c.x, c.speed, c.c) != _applied_force(c) + added_force(c.p, alpha)
+        c.p.m * vector_field(c.p, alpha, c.x, c.speed, c.c)
+        != _applied_force(c) + added_force(c.p, alpha)
         for c, alpha in cases
     )
     masses = {f"Fig. {name.removeprefix('fig')}": load_scene(name).parameters.m for name in FIGURES}
     apart = [name for name, mass in masses.items() if mass != 1]
-    numbers: dict[str, Any] = {"exact contacts and domains": len(cases), "m F of (9) not the right side of (5)": wrong}
+    numbers: dict[str, Any] = {
+        "exact contacts and domains": len(cases),
+        "m F of (9) not the right side of (5)": wrong,
+    }
     numbers |= {f"{name}: m": f"{float(mass):g}" for name, mass in masses.items()}
     finding = f"m F⁽ᵅ⁾ is the force, F⁽ᵅ⁾ the acceleration; the two differ in {', '.join(apart) or 'no figure'}."
     return evidence(not wrong, finding, numbers, verdict(not apart, corrected=True))
@@ -311,31 +432,47 @@ def switching_planes() -> Evidence:
     """Check eq. (49): three planes at each belt, for motions below, on and above its speed."""
     names = {-1: "below", 0: "on it", 1: "above"}
     ends = Counter(end for pair in PLANES.values() for end in pair)
-    numbers = {f"belt {belt}, {names[side]}: ends of mappings": count for (belt, side), count in ends.items()}
+    numbers = {
+        f"belt {belt}, {names[side]}: ends of mappings": count
+        for (belt, side), count in ends.items()
+    }
     finding = f"{len(ends)} planes, three at each belt: what is there goes on below, on or above the belt's speed."
     return evidence(len(ends) == 6, finding, numbers, DEFINITION)
 
 
 def planes_as_limits() -> Evidence:
-    """Check eq. (49) as printed: do the limits v_lambda^- and v_lambda^+ define different planes?"""
+    """Check eq. (49) as printed.
+
+    Do the limits v_lambda^- and v_lambda^+ define different planes?
+    """
     import sympy as sp
 
     speed, delta = sp.symbols("v_lambda delta", positive=True)
     limits = [sp.limit(expression, delta, 0, "+") for expression in printed_planes(speed, delta)]
     different = len({speed, *limits})
-    numbers = {f"limit that defines v_λ{sign}": limit for sign, limit in zip("⁻⁺", limits, strict=True)}
+    numbers = {
+        f"limit that defines v_λ{sign}": limit for sign, limit in zip("⁻⁺", limits, strict=True)
+    }
     numbers["different planes among Σ⁰, Σ¹, Σ²"] = different
     finding = "Both limits are v_λ, so that Σ⁰, Σ¹ and Σ² are one and the same set."
-    finding = "The three planes are different." if different == 3 else finding
+    if different == 3:
+        finding = "The three planes are different."
     return Evidence(verdict(different == 3, corrected=True), finding, numbers)
 
 
 def basic_mappings() -> Evidence:
-    """Check eqs. (50), (51): every way from plane to plane through one domain, or on one belt, is one of the eight."""
+    """Check eqs. (50), (51).
+
+    Every way from plane to plane through one domain, or on one belt, is one of the eight.
+    """
     ways = {((belt, 0), (belt, 0)) for belt in NEIGHBOURS}
     for domain in (1, 2, 3):
         # The belts at a domain, and the side of them on which it is.
-        planes = [(belt, -1 if domain == belt else 1) for belt, sides in NEIGHBOURS.items() if domain in sides]
+        planes = [
+            (belt, -1 if domain == belt else 1)
+            for belt, sides in NEIGHBOURS.items()
+            if domain in sides
+        ]
         ways |= set(product(planes, planes))
     listed = set(PLANES.values())
     numbers = {
@@ -362,14 +499,18 @@ def trajectories_in_domains() -> Evidence:
 
 def stick_exits(boundary: int) -> Evidence:
     """Check eqs. (52), (53) at exact contacts where one force vanishes and a stick ends, and in Fig. 5 or 6."""
-    equation, (lo, hi) = 51 + boundary, NEIGHBOURS[boundary]
+    equation = 51 + boundary
+    (lo, hi) = NEIGHBOURS[boundary]
     exits: dict[int, list[bool]] = {lo: [], hi: []}
     for contact in contacts(boundary, EXIT_CASES, seed=50 + boundary):
         below, above = contact.forces
         # The stick ends here: held so far by both forces, and the exact flow leaves the belt.
         falls = below == 0 > above and contact.slope(lo) < 0
         if falls or (above == 0 < below and contact.slope(hi) > 0):
-            left = lo if falls else hi
+            if falls:
+                left = lo
+            else:
+                left = hi
             if contact.next_mode != f"Omega{left}":
                 raise ArithmeticError(f"the exact flow {contact.goes_on}")
             exits[left].append(stick_exit(contact.p, boundary, contact.x, contact.c) == 0)
@@ -384,24 +525,43 @@ def stick_exits(boundary: int) -> Evidence:
 
 
 def _first_exit(boundary: int, equation: int) -> dict[str, str]:
-    """Return when the first stick of Fig. 5 or 6 begins and ends, and there the two sides' difference in `equation`."""
-    scene, name, (lo, hi) = load_scene(f"fig{4 + boundary}"), f"Fig. {4 + boundary}", NEIGHBOURS[boundary]
-    p, speed = scene.parameters, float(scene.parameters.belt(boundary))
-    t, x = float(scene.t0), float(scene.x0)
+    """Return when the first stick of Fig.
+
+    5 or 6 begins and ends, and there the two sides' difference in `equation`.
+    """
+    scene = load_scene(f"fig{4 + boundary}")
+    name = f"Fig. {4 + boundary}"
+    (lo, hi) = NEIGHBOURS[boundary]
+    p = scene.parameters
+    speed = float(scene.parameters.belt(boundary))
+    t = float(scene.t0)
+    x = float(scene.x0)
     if scene.v0 != p.belt(boundary):
-        run = dop853(p, p.A(1), (t, t + 200 * pi / float(p.Omega)), (x, float(scene.v0)), until_speed=speed)
-        t, x = float(run.t_events[0][0]), float(run.y_events[0][0][0])
+        run = dop853(
+            p, p.A(1), (t, t + 200 * pi / float(p.Omega)), (x, float(scene.v0)), until_speed=speed
+        )
+        t = float(run.t_events[0][0])
+        x = float(run.y_events[0][0][0])
 
     def forces(elapsed: Any) -> dict[int, Any]:
-        return {alpha: field(p, alpha, t + elapsed, x + speed * elapsed, speed) for alpha in (lo, hi)}
+        return {
+            alpha: field(p, alpha, t + elapsed, x + speed * elapsed, speed) for alpha in (lo, hi)
+        }
 
     grid = np.linspace(0.0, 20.0, 4001)
     along = forces(grid)
     last = int(np.argmax((along[lo] < 0) | (along[hi] > 0)))
-    left = lo if along[lo][last] < 0 else hi
-    end = float(brentq(lambda elapsed: forces(elapsed)[left], grid[last - 1], grid[last], xtol=1e-13))
+    if along[lo][last] < 0:
+        left = lo
+    else:
+        left = hi
+    end = float(
+        brentq(lambda elapsed: forces(elapsed)[left], grid[last - 1], grid[last], xtol=1e-13)
+    )
     printed = stick_exit(p, boundary, x + speed * end, np.cos(float(p.Omega) * (t + end)))
-    at_end = ", ".join("0" if abs(value) < 1e-10 else f"{value:.6g}" for value in forces(end).values())
+    at_end = ", ".join(
+        "0" if abs(value) < 1e-10 else f"{value:.6g}" for value in forces(end).values()
+    )
     return {
         f"{name}: first stick begins, ends at t": f"{t:.9g}, {t + end:.9g}",
         f"{name}: F({lo}), F({hi}) at its end": at_end,
@@ -414,23 +574,38 @@ def governing_equations() -> Evidence:
     rests: dict[str, list[float]] = {label: [] for label in FLIGHTS}
     other: dict[str, list[float]] = {label: [] for label in FLIGHTS}
     motions = [simulate(load_scene(name), max_events=40) for name in MAPPED_SCENES]
-    parts = [(m.parameters, part) for m in motions for part in zip(m.segments[1:], pairwise(m.events), strict=False)]
+    parts = [
+        (m.parameters, part)
+        for m in motions
+        for part in zip(m.segments[1:], pairwise(m.events), strict=False)
+    ]
     for p, (segment, (start, end)) in parts:
         if (label := str(segment.label)) not in FLIGHTS:
             continue
-        Omega, t, x, v = float(p.Omega), float(end.t), float(end.x), float(end.v)
+        Omega = float(p.Omega)
+        t = float(end.t)
+        x = float(end.x)
+        v = float(end.v)
         f1, f2 = residual(p, label, (float(start.x), Omega * float(start.t)), (x, Omega * t))
-        size_x, size_v = max(1.0, abs(x)), max(1.0, abs(v))
+        size_x = max(1.0, abs(x))
+        size_v = max(1.0, abs(v))
         rests[label].append(max(abs(f1) / size_x, abs(f2) / size_v))
         if len(rests[label]) <= 3:
-            run = dop853(p, p.A(int(segment.mode[-1])), (float(start.t), t), (float(start.x), float(start.v)))
-            other[label].append(float(max(abs(run.y[0, -1] - x) / size_x, abs(run.y[1, -1] - v) / size_v)))
-    worst, by_dop853 = ({label: max(each[label], default=1.0) for label in FLIGHTS} for each in (rests, other))
+            run = dop853(
+                p, p.A(int(segment.mode[-1])), (float(start.t), t), (float(start.x), float(start.v))
+            )
+            other[label].append(
+                float(max(abs(run.y[0, -1] - x) / size_x, abs(run.y[1, -1] - v) / size_v))
+            )
+    worst, by_dop853 = (
+        {label: max(each[label], default=1.0) for label in FLIGHTS} for each in (rests, other)
+    )
     numbers = {
         label: f"{len(found)} flights, largest |f₁|, |f₂| {worst[label]:.2g}, by DOP853 {by_dop853[label]:.2g}"
         for label, found in rests.items()
     }
-    largest, difference = max(worst.values()), max(by_dop853.values())
+    largest = max(worst.values())
+    difference = max(by_dop853.values())
     finding = f"f₁ = f₂ = 0 at the ends of {sum(map(len, rests.values()))} flights of six kinds, to {largest:.1g}"
     finding += f"; by DOP853 to {difference:.1g}."
     return evidence(largest < 1e-11 and difference < DOP853_AGREEMENT, finding, numbers)
@@ -447,38 +622,55 @@ def four_grazes() -> Evidence:
     numbers = {
         "pairs of a domain and a boundary that it has": len(pairs),
         "of them the place of P₂, P₃, P₅ or P₆": sum(pair in of_maps for pair in pairs),
-    } | {f"exact grazes of belt {belt} from Ω{domain}": grazes[domain, belt] for domain, belt in pairs}
+    } | {
+        f"exact grazes of belt {belt} from Ω{domain}": grazes[domain, belt]
+        for domain, belt in pairs
+    }
     finding = f"{len(pairs)} pairs of domain and boundary, one for each of P₂, P₃, P₅ and P₆; each of them can graze."
     return evidence(pairs == of_maps == sorted(grazes) and len(pairs) == 4, finding, numbers)
 
 
 def position_bound(p: Parameters) -> float:
     """Return the long-term bound of |x| from the L1 norm of the impulse response; c, k > 0."""
-    # Friction and drive together stay below a force M; then lim sup |x| <= (M/k) coth(pi zeta/(2 sqrt(1 - zeta^2))), or
-    # M/k without oscillation.
+    # Friction and drive together stay below a force M; then lim sup |x| <= (M/k) coth(pi zeta/(2
+    # sqrt(1 - zeta^2))), or M/k without oscillation.
     force = float(abs(p.A0) + abs(p.B0) + (p.mu1 + p.mu2) * p.FN)
     damping = float(p.c) / (2 * sqrt(p.k * p.m))
-    ringing = 1 if damping >= 1 else tanh(pi * damping / (2 * sqrt(1 - damping**2)))
+    if damping >= 1:
+        ringing = 1.0
+    else:
+        ringing = tanh(pi * damping / (2 * sqrt(1 - damping**2)))
     return force / float(p.k) / ringing
 
 
 def bounded_motions() -> Evidence:
-    """Check that motions in the three unbounded domains are bounded, as section 5 says; also without a damper."""
-    within, numbers = 0, {}
+    """Check that motions in the three unbounded domains are bounded, as section 5 says.
+
+    Also without a damper.
+    """
+    within = 0
+    numbers = {}
     for name in STATES:
         scene = load_scene(name)
         period = 2 * pi / float(scene.parameters.Omega)
         motion = recorded(simulate(scene, t_end=float(scene.t0) + 30 * period, max_events=2000))
-        begin, end = float(motion.t_start), float(motion.t_end)
+        begin = float(motion.t_start)
+        end = float(motion.t_end)
         late = np.linspace(begin + 0.5 * (end - begin), end, 400)
-        reach, bound = float(np.abs(motion(late)[0]).max()), position_bound(scene.parameters)
+        reach = float(np.abs(motion(late)[0]).max())
+        bound = position_bound(scene.parameters)
         within += reach <= bound
-        numbers[f"{name}: largest |x| in the second half of 30 periods, bound"] = f"{reach:.4g}, {bound:.4g}"
+        numbers[f"{name}: largest |x| in the second half of 30 periods, bound"] = (
+            f"{reach:.4g}, {bound:.4g}"
+        )
     numbers["bound"] = "lim sup |x| ≤ (M/k) coth(πζ/(2√(1 − ζ²))), M the sum of all forces"
     p = load_scene("fig8").parameters.replace(c=0, mu1="0.1", mu2="0.1", FN=10, B0=16)
     period = 2 * pi / float(p.Omega)
     motion = simulate(p, t0=0, x0=0, v0=0, t_end=41 * period, max_events=400)
-    growth = [float(np.abs(motion(np.linspace(n * period, (n + 1) * period, 200))[0]).max()) for n in (10, 20, 40)]
+    growth = [
+        float(np.abs(motion(np.linspace(n * period, (n + 1) * period, 200))[0]).max())
+        for n in (10, 20, 40)
+    ]
     swings = ", ".join(f"{value:.4g}" for value in growth)
     numbers["undamped at resonance, c = 0, Ω² = k/m: largest |x| in periods 10, 20, 40"] = swings
     finding = f"{within} of {len(STATES)} motions of the figures stay within the bound that the damper gives, which "

@@ -1,4 +1,7 @@
-"""Motions in many digits with an independent recomputation, and their sticks: Figs. 5 and 6, Section 6 on all."""
+"""Motions in many digits with an independent recomputation, and their sticks: Figs.
+
+5 and 6, Section 6 on all.
+"""
 
 from __future__ import annotations
 
@@ -21,7 +24,15 @@ from symosc.mappings.equations import residual
 from symosc.model import NEIGHBOURS, Parameters
 from symosc.orbits.periodic_orbit import PeriodicOrbit
 from symosc.paper.checks.exact import flow
-from symosc.paper.claims import CORRECTED, NOT_AS_PRINTED, UNDECIDED, Evidence, Refuted, evidence, verdict
+from symosc.paper.claims import (
+    CORRECTED,
+    NOT_AS_PRINTED,
+    UNDECIDED,
+    Evidence,
+    Refuted,
+    evidence,
+    verdict,
+)
 from symosc.scenes import Scene, load_scene
 from symosc.simulation.simulate import simulate
 from symosc.simulation.trajectory import Trajectory
@@ -46,7 +57,10 @@ class SceneContact(NamedTuple):
 
 
 class Stick(NamedTuple):
-    """A stick: its onset and its end (each a SceneContact); the end is None if the motion was not followed to it."""
+    """A stick: its onset and its end (each a SceneContact).
+
+    The end is None if the motion was not followed to it.
+    """
 
     belt: int
     onset: SceneContact
@@ -55,7 +69,10 @@ class Stick(NamedTuple):
 
 
 class Forces(NamedTuple):
-    """F^(below) and F^(above) of a belt at one instant, eq. (9), and the time since the onset of the stick."""
+    """F^(below) and F^(above) of a belt at one instant, eq.
+
+    (9), and the time since the onset of the stick.
+    """
 
     below: Any
     above: Any
@@ -74,7 +91,10 @@ _SUPERSCRIPTS = str.maketrans("0123456789", "⁰¹²³⁴⁵⁶⁷⁸⁹")
 
 
 def text(value: Any, digits: int = 15) -> str:
-    """Return numbers of any kind as text: a Fraction or an int exactly, others with `digits` digits."""
+    """Return numbers of any kind as text.
+
+    A Fraction or an int exactly, others with `digits` digits.
+    """
     if isinstance(value, Iterable):
         return ", ".join(text(each, digits) for each in value)
     if isinstance(value, int | Fraction):
@@ -85,7 +105,10 @@ def text(value: Any, digits: int = 15) -> str:
 
 
 def force_text(*values: Any) -> str:
-    """Return forces at a contact as text; a force that vanishes appears as 0 with the bound that it is below."""
+    """Return forces at a contact as text.
+
+    A force that vanishes appears as 0 with the bound that it is below.
+    """
     return ", ".join(f"0 (to {NO_FORCE:g})" if is_zero(value) else text(value) for value in values)
 
 
@@ -96,8 +119,11 @@ def subscripted(label: Any) -> str:
 
 def mode_text(mode: Any) -> str:
     """Return "Omega1" as Ω₁ and "belt1" as belt 1."""
-    name, digit = str(mode)[:-1], str(mode)[-1]
-    return f"Ω{subscripted(digit)}" if name == "Omega" else f"{name} {digit}"
+    name = str(mode)[:-1]
+    digit = str(mode)[-1]
+    if name == "Omega":
+        return f"Ω{subscripted(digit)}"
+    return f"{name} {digit}"
 
 
 def force_names(*domains: int) -> str:
@@ -141,22 +167,32 @@ def number(p: Parameters, value: Fraction) -> Any:
 def start_contact(scene: Scene, belt: int) -> SceneContact:
     """Return the start of a scene that begins on a belt."""
     exact = arithmetic(scene.parameters)
-    return SceneContact(belt, exact.number(scene.t0), exact.number(scene.x0), exact.phase(scene.t0)[0])
+    return SceneContact(
+        belt, exact.number(scene.t0), exact.number(scene.x0), exact.phase(scene.t0)[0]
+    )
 
 
 def scene_contacts(scene: Scene, t_end: Any = None) -> list[SceneContact]:
     """Return belt, time, position and phase of each event of a scene's motion."""
     convert = arithmetic(scene.parameters).context.convert
-    return [SceneContact(e.boundary, *map(convert, (e.t, e.x, e.theta))) for e in motion(scene, t_end).events]
+    return [
+        SceneContact(e.boundary, *map(convert, (e.t, e.x, e.theta)))
+        for e in motion(scene, t_end).events
+    ]
 
 
 def sticks(scene: Scene, t_end: Any = None) -> list[Stick]:
     """Return the sticks of a motion in order of time; one that begins at the start counts."""
-    path, at, found = motion(scene, t_end), scene_contacts(scene, t_end), []
+    path = motion(scene, t_end)
+    at = scene_contacts(scene, t_end)
+    found = []
     for i, segment in enumerate(path.segments):
         if segment.mode.startswith("belt"):
             belt = int(segment.mode[-1])
-            end, into = (at[i], path.events[i].target) if i < len(at) else (None, None)
+            if i < len(at):
+                end, into = (at[i], path.events[i].target)
+            else:
+                end, into = (None, None)
             found.append(Stick(belt, at[i - 1] if i else start_contact(scene, belt), end, into))
     return found
 
@@ -173,26 +209,45 @@ def first_stick(scene: Scene, belt: int) -> Stick:
 def forces(p: Parameters, at: SceneContact) -> Forces:
     """Return the forces of the domains below and above the belt at a contact."""
     exact = arithmetic(p)
-    K, cosine, v = exact.K, exact.context.cos(at.theta), exact.number(p.belt(at.belt))
+    K = exact.K
+    cosine = exact.context.cos(at.theta)
+    v = exact.number(p.belt(at.belt))
     constants = (K.A1, K.A2, K.A3)
-    return Forces(*(acceleration(at.x, v, cosine, constants[a - 1], K.cm, K.w0sq, K.f0) for a in NEIGHBOURS[at.belt]))
+    return Forces(
+        *(
+            acceleration(at.x, v, cosine, constants[a - 1], K.cm, K.w0sq, K.f0)
+            for a in NEIGHBOURS[at.belt]
+        )
+    )
 
 
 def forces_along(p: Parameters, stick: Stick) -> list[Forces]:
     """Return the forces at the onset of a stick, at their extrema during the stick, and at its end."""
-    # On a belt both forces are monotone between the phases Theta_cr of Theorem 7: what holds here holds in between.
+    # On a belt both forces are monotone between the phases Theta_cr of Theorem 7: what holds here
+    # holds in between.
     exact = arithmetic(p)
-    K, context, theta = exact.K, exact.context, stick.onset.theta
-    belt = K.belt1 if stick.belt == 1 else K.belt2
-    first, lasts = forces(p, stick.onset), stick.end.t - stick.onset.t
+    K = exact.K
+    context = exact.context
+    theta = stick.onset.theta
+    if stick.belt == 1:
+        belt = K.belt1
+    else:
+        belt = K.belt2
+    first = forces(p, stick.onset)
+    lasts = stick.end.t - stick.onset.t
     found = [first]
     for angle in (belt.angle, context.pi - belt.angle) if belt.turns else ():
         elapsed = ((angle - theta) % (2 * context.pi)) / K.Om
         while elapsed < lasts:
-            change = exact.namespace["force_gain"](elapsed, context.sin(theta), context.cos(theta), belt, K)[0]
+            change = exact.namespace["force_gain"](
+                elapsed, context.sin(theta), context.cos(theta), belt, K
+            )[0]
             found.append(Forces(first.below + change, first.above + change, elapsed))
             elapsed += K.period
-    return [*sorted(found, key=lambda each: each.elapsed), forces(p, stick.end)._replace(elapsed=lasts)]
+    return [
+        *sorted(found, key=lambda each: each.elapsed),
+        forces(p, stick.end)._replace(elapsed=lasts),
+    ]
 
 
 def is_zero(force: Any) -> bool:
@@ -201,7 +256,10 @@ def is_zero(force: Any) -> bool:
 
 
 def certificate_of(what: Scene | PeriodicOrbit) -> dict[str, str]:
-    """Return a line for the `numbers` of an Evidence: what the certificate of a motion or orbit states."""
+    """Return a line for the `numbers` of an Evidence.
+
+    What the certificate of a motion or orbit states.
+    """
     try:
         proof = certify(what)
         said = f"{'proven' if proof.proven else 'not proven'}: {proof.message}"
@@ -210,7 +268,8 @@ def certificate_of(what: Scene | PeriodicOrbit) -> dict[str, str]:
     return {"certificate (symosc certify)": said}
 
 
-# --- a second opinion: every stretch computed by another closed form, every switch decided anew by Theorems 4 and 5 ---
+# --- a second opinion: every stretch computed by another closed form, every switch decided anew by
+# Theorems 4 and 5 ---
 
 #: What two closed forms may differ by in doubles, relative to the size of the motion.
 AGREEMENT = 1e-9
@@ -226,39 +285,56 @@ class Stretch(NamedTuple):
 
 
 def stretches_of(what: Trajectory | PeriodicOrbit) -> list[Stretch]:
-    """Split a motion, or one period of an orbit, at its contacts; an orbit's last part ends at its first point."""
+    """Split a motion, or one period of an orbit, at its contacts.
+
+    An orbit's last part ends at its first point.
+    """
     p = what.parameters
     states: list[tuple[Any, ...]]
     if isinstance(what, Trajectory):
         modes = [segment.mode for segment in what.segments]
         places = [int(mode[-1]) * (-1 if mode.startswith("belt") else 1) for mode in modes]
-        states = [(what.t_start, *what(what.t_start)), *((e.t, e.x, e.v) for e in what.events[: len(places)])]
+        states = [
+            (what.t_start, *what(what.t_start)),
+            *((e.t, e.x, e.v) for e in what.events[: len(places)]),
+        ]
         if len(places) == len(states):
             states.append((what.t_end, *what(what.t_end)))
     else:
         rows = [MAPS[label] for label in what.labels]
         places = [row.domain or -row.start.boundary for row in rows]
-        states = [(*at, p.belt(row.start.boundary)) for row, at in zip(rows, what.points, strict=True)]
+        states = [
+            (*at, p.belt(row.start.boundary)) for row, at in zip(rows, what.points, strict=True)
+        ]
         states.append((states[0][0] + what.period, *states[0][1:]))
     exact = (tuple(map(float, state)) for state in states)
-    return [Stretch(where, start, end) for where, (start, end) in zip(places, pairwise(exact), strict=True)]
+    return [
+        Stretch(where, start, end)
+        for where, (start, end) in zip(places, pairwise(exact), strict=True)
+    ]
 
 
 def fly_again(p: Parameters, stretches: list[Stretch]) -> tuple[float, int]:
-    """Recompute each stretch of a motion; return the largest relative difference between computed and stored ends.
+    """Recompute each stretch of a motion.
 
-    Also return how many stretches leave their domain or belt, or begin where Theorems 4 and 5 forbid it.
+    Return the largest relative difference between computed and stored ends.
+
+    Also return how many stretches leave their domain or belt, or begin where Theorems 4 and 5
+    forbid it.
     """
-    differences, contradictions = [0.0], 0
+    differences = [0.0]
+    contradictions = 0
     for stretch in stretches:
-        (t0, x0, v0), (t1, x1, v1) = stretch.start, stretch.end
+        (t0, x0, v0) = stretch.start
+        (t1, x1, v1) = stretch.end
         t = np.linspace(t0, t1, SAMPLES)
         if stretch.where > 0:
             x, v = flow(p, p.A(stretch.where), stretch.start, t)
             edges = -np.inf, float(p.v1), float(p.v2), np.inf
             margin = np.minimum(v - edges[stretch.where - 1], edges[stretch.where] - v)
         else:
-            x, v = x0 + v0 * (t - t0), np.full_like(t, float(p.belt(-stretch.where)))
+            x = x0 + v0 * (t - t0)
+            v = np.full_like(t, float(p.belt(-stretch.where)))
             lo, hi = NEIGHBOURS[-stretch.where]
             margin = np.minimum(field(p, lo, t, x, v), -field(p, hi, t, x, v))
         size = max(1.0, float(np.abs(x).max()), float(np.abs(v).max()))
@@ -276,11 +352,17 @@ def field(p: Parameters, alpha: int, t: Any, x: Any, v: Any) -> Any:
 
 def _follows(p: Parameters, end: tuple[float, ...], then: int) -> bool:
     """Return whether by Theorems 4 and 5 domain `then`, or belt -`then`, may follow at `end` = (t, x, v) on a belt."""
-    belt = 1 if abs(end[2] - float(p.v1)) < abs(end[2] - float(p.v2)) else 2
+    if abs(end[2] - float(p.v1)) < abs(end[2] - float(p.v2)):
+        belt = 1
+    else:
+        belt = 2
     lo, hi = NEIGHBOURS[belt]
-    below, above = float(field(p, lo, *end)), float(field(p, hi, *end))
+    below = float(field(p, lo, *end))
+    above = float(field(p, hi, *end))
     slack = AGREEMENT * max(1.0, abs(below), abs(above))
-    return {-belt: below > -slack and above < slack, hi: above > -slack, lo: below < slack}.get(then, False)
+    return {-belt: below > -slack and above < slack, hi: above > -slack, lo: below < slack}.get(
+        then, False
+    )
 
 
 def judge(check: Callable[[], Any]) -> Evidence:
@@ -295,13 +377,18 @@ def judge(check: Callable[[], Any]) -> Evidence:
         raise TypeError(f"{name} returned {type(found).__name__}, not Evidence")
     if not _seen:
         return found
-    parts = [(each.parameters, stretches_of(each)) for each in {id(each): each for each in _seen}.values()]
+    parts = [
+        (each.parameters, stretches_of(each))
+        for each in {id(each): each for each in _seen}.values()
+    ]
     differences, contradictions = zip(*(fly_again(*part) for part in parts), strict=True)
     compared = f"{sum(len(part) for _, part in parts)} stretches, largest relative difference {max(differences):.1g}"
     found = replace(found, numbers=found.numbers | {"flown again in another closed form": compared})
     if max(differences) <= AGREEMENT and not any(contradictions):
         return found
-    return replace(found, verdict=UNDECIDED, finding=f"Two ways do not agree ({compared}). {found.finding}")
+    return replace(
+        found, verdict=UNDECIDED, finding=f"Two ways do not agree ({compared}). {found.finding}"
+    )
 
 
 # --- Figs. 5 and 6 ---
@@ -316,7 +403,8 @@ PRODUCT_SAMPLES = 2000
 
 def onset_later(scene: Scene, belt: int) -> Evidence:
     """Check that the first stick on a belt starts after t0."""
-    onset, p = first_stick(scene, belt).onset, scene.parameters
+    onset = first_stick(scene, belt).onset
+    p = scene.parameters
     wait = text(onset.t - number(p, scene.t0), 11)
     finding = f"The stick on belt {belt} starts {wait} after t₀ = {text(scene.t0)}, at x = {text(onset.x, 11)}."
     numbers = {
@@ -324,20 +412,31 @@ def onset_later(scene: Scene, belt: int) -> Evidence:
         "x of the blue point": text(onset.x, 25),
         "ẋ₀, velocity of the belt": text((scene.v0, p.belt(belt))),
     }
-    return Evidence(verdict(onset.t > number(p, scene.t0)), finding, numbers | certificate_of(scene))
+    return Evidence(
+        verdict(onset.t > number(p, scene.t0)), finding, numbers | certificate_of(scene)
+    )
 
 
 def together(scene: Scene, belt: int) -> Evidence:
-    """Check x = x_i + v (t - t_i) over the first stick, and that static friction suffices for it: eqs. (2) to (4)."""
-    stick, p = first_stick(scene, belt), scene.parameters
+    """Check x = x_i + v (t - t_i) over the first stick, and that static friction suffices for it.
+
+    Eqs. (2) to (4).
+    """
+    stick = first_stick(scene, belt)
+    p = scene.parameters
     most = (p.mu1 if belt == 1 else p.mu2) * p.FN
-    grip, m = number(p, most), number(p, p.m)
+    grip = number(p, most)
+    m = number(p, p.m)
     # The force of (2) on the mass is m F^(below) - mu FN.
     needed = [m * each.below - grip for each in forces_along(p, stick)]
-    lasts, way = stick.end.t - stick.onset.t, stick.end.x - stick.onset.x
+    lasts = stick.end.t - stick.onset.t
+    way = stick.end.x - stick.onset.x
     apart = abs(way - number(p, p.belt(belt)) * lasts)
     enough = max(abs(force) for force in needed) <= grip + NO_FORCE
-    used_up = "; it is used up at the green point" if is_zero(abs(needed[-1]) - grip) else ""
+    if is_zero(abs(needed[-1]) - grip):
+        used_up = "; it is used up at the green point"
+    else:
+        used_up = ""
     finding = f"For {text(lasts, 11)} the mass moves with belt {belt}, both by {text(way, 11)}. The static friction "
     finding += f"that this needs stays within μ{subscripted(belt)} F_N = {text(most)}{used_up}."
     numbers = {
@@ -350,19 +449,26 @@ def together(scene: Scene, belt: int) -> Evidence:
 
 
 def forces_hold(scene: Scene, belt: int) -> Evidence:
-    """Check Theorem 4's conditions, F^(below) > 0 > F^(above), over the whole first stick; at its end one may be 0."""
-    stick, domains = first_stick(scene, belt), NEIGHBOURS[belt]
+    """Check Theorem 4's conditions, F^(below) > 0 > F^(above), over the whole first stick.
+
+    At its end one may be 0.
+    """
+    stick = first_stick(scene, belt)
+    domains = NEIGHBOURS[belt]
     along = forces_along(scene.parameters, stick)
     *during, last = along
     held = all(each.below > NO_FORCE and each.above < -NO_FORCE for each in during)
     held = held and last.below > -NO_FORCE and last.above < NO_FORCE
-    lowest, highest = min(each.below for each in along), max(each.above for each in along)
+    lowest = min(each.below for each in along)
+    highest = max(each.above for each in along)
     finding = f"From t = {text(stick.onset.t, 11)} to {text(stick.end.t, 11)} {force_names(domains[0])} is at least "
     finding += f"{force_text(lowest)}, {force_names(domains[1])} at most {force_text(highest)}, with 0 at the green "
     finding += "point only. Both are monotone between the instants listed: this is decided for the whole stick, not at "
     finding += "samples."
     numbers = {
-        f"{force_names(*domains)} at t = {text(stick.onset.t + each.elapsed)}": force_text(each.below, each.above)
+        f"{force_names(*domains)} at t = {text(stick.onset.t + each.elapsed)}": force_text(
+            each.below, each.above
+        )
         for each in along
     }
     return evidence(held, finding, numbers)
@@ -370,7 +476,8 @@ def forces_hold(scene: Scene, belt: int) -> Evidence:
 
 def ends_below(scene: Scene, belt: int) -> Evidence:
     """Check that F^(below) is 0 at the end of the first stick, while F^(above) < 0 would still hold the mass."""
-    stick, (lo, hi) = first_stick(scene, belt), NEIGHBOURS[belt]
+    stick = first_stick(scene, belt)
+    (lo, hi) = NEIGHBOURS[belt]
     at = forces(scene.parameters, stick.end)
     held = is_zero(at.below) and at.above < 0 and stick.into == f"Omega{lo}"
     finding = f"At t = {text(stick.end.t, 13)} {force_names(lo)} = {force_text(at.below)}, {force_names(hi)} = "
@@ -382,17 +489,26 @@ def ends_below(scene: Scene, belt: int) -> Evidence:
 
 def flight_after(scene: Scene, belt: int, *domains: int) -> Evidence:
     """Check that a flight in one of the domains follows the first stick and obeys (5) up to the next contact."""
-    (_, _, end, into), at, p = first_stick(scene, belt), scene_contacts(scene), scene.parameters
+    (_, _, end, into) = first_stick(scene, belt)
+    at = scene_contacts(scene)
+    p = scene.parameters
     i = at.index(end)
     if i + 1 == len(at):
         return Evidence(UNDECIDED, "No contact follows.", {"followed until t": text(scene.t_end)})
-    after, Omega = at[i + 1], number(p, p.Omega)
+    after = at[i + 1]
+    Omega = number(p, p.Omega)
     label = str(motion(scene).segments[i + 1].label)
-    # The engine flies with gains from the contact; (54) is evaluated here from one contact to the next.
-    rest = [abs(each) for each in residual(p, label, (end.x, Omega * end.t), (after.x, Omega * after.t))]
-    lasts, domain = after.t - end.t, int(str(into)[-1])
+    # The engine flies with gains from the contact; (54) is evaluated here from one contact to the
+    # next.
+    rest = [
+        abs(each) for each in residual(p, label, (end.x, Omega * end.t), (after.x, Omega * after.t))
+    ]
+    lasts = after.t - end.t
+    domain = int(str(into)[-1])
     drag = p.A(domain) - p.A0
-    finding = f"For {text(lasts, 11)}, from t = {text(end.t, 11)} to {text(after.t, 11)}, the mass is in "
+    finding = (
+        f"For {text(lasts, 11)}, from t = {text(end.t, 11)} to {text(after.t, 11)}, the mass is in "
+    )
     finding += f"{mode_text(into)} ({subscripted(label)}) with the kinetic friction {text(drag)}; then it is at belt "
     finding += f"{after.belt}."
     numbers = {
@@ -400,21 +516,30 @@ def flight_after(scene: Scene, belt: int, *domains: int) -> Evidence:
         "friction force A_α − A₀": text(drag),
         f"residuals f₁, f₂ of (54) for {subscripted(label)}": text(rest, 2),
     }
-    return Evidence(verdict(domain in domains and lasts > 0 and max(rest) < NO_FORCE), finding, numbers)
+    return Evidence(
+        verdict(domain in domains and lasts > 0 and max(rest) < NO_FORCE), finding, numbers
+    )
 
 
 def product_after(scene: Scene, belt: int) -> Evidence:
     """Check the sign of the product of both forces from the end of the first stick up to the next contact."""
-    end, path, (lo, hi) = first_stick(scene, belt).end, motion(scene), NEIGHBOURS[belt]
+    end = first_stick(scene, belt).end
+    path = motion(scene)
+    (lo, hi) = NEIGHBOURS[belt]
     following = next((at for at in scene_contacts(scene) if at.t > end.t), None)
-    since, until = float(end.t), float(path.t_end if following is None else following.t)
+    since = float(end.t)
+    until = float(path.t_end if following is None else following.t)
 
     def product(t: float) -> float:
         return float(path.force(lo, t) * path.force(hi, t))
 
-    times = [since + (until - since) * (j + 1) / (PRODUCT_SAMPLES + 1) for j in range(PRODUCT_SAMPLES)]
+    times = [
+        since + (until - since) * (j + 1) / (PRODUCT_SAMPLES + 1) for j in range(PRODUCT_SAMPLES)
+    ]
     products = [product(t) for t in times]
-    turn = next((j for j in range(1, PRODUCT_SAMPLES) if (products[j] > 0) != (products[j - 1] > 0)), None)
+    turn = next(
+        (j for j in range(1, PRODUCT_SAMPLES) if (products[j] > 0) != (products[j - 1] > 0)), None
+    )
     numbers = {
         "t of the green point": text(since),
         "followed until t": text(until),
@@ -434,10 +559,17 @@ def product_after(scene: Scene, belt: int) -> Evidence:
 
 
 def sticks_at_start(scene: Scene, belt: int) -> Evidence:
-    """Check that the mass sticks from the start on (Theorem 4); the verdict is CORRECTED if it sticks only later."""
-    p, domains, mode = scene.parameters, NEIGHBOURS[belt], mode_text(motion(scene).segments[0].mode)
+    """Check that the mass sticks from the start on (Theorem 4).
+
+    The verdict is CORRECTED if it sticks only later.
+    """
+    p = scene.parameters
+    domains = NEIGHBOURS[belt]
+    mode = mode_text(motion(scene).segments[0].mode)
     both = forces(p, start_contact(scene, belt))[:2]
-    values = (f"{force_names(each)} = {text(value, 8)}" for each, value in zip(domains, both, strict=True))
+    values = (
+        f"{force_names(each)} = {text(value, 8)}" for each, value in zip(domains, both, strict=True)
+    )
     finding = f"At t₀ = {text(scene.t0)} {', '.join(values)}: "
     numbers = {
         f"{force_names(*domains)} at the start": text(both),
@@ -470,7 +602,8 @@ def _figure(scene: Scene) -> str:
 
 def hypotheses(scenes: tuple[Scene, ...]) -> Evidence:
     """Check what Section 2 and Theorem 7 assume of the parameters, in rational numbers."""
-    numbers, held = {}, True
+    numbers = {}
+    held = True
     for scene in scenes:
         p = scene.parameters
         held = held and p.v1 < p.v2 and p.mu1 >= p.mu2 and min(p.m, p.FN, p.B0, p.Omega) > 0
@@ -481,7 +614,10 @@ def hypotheses(scenes: tuple[Scene, ...]) -> Evidence:
 
 def weight(scenes: tuple[Scene, ...]) -> Evidence:
     """Compare FN with the weight m g: all captions list g = 9.81, and no equation contains it."""
-    weights = {_figure(scene): (scene.parameters.FN, scene.parameters.m * Fraction("9.81")) for scene in scenes}
+    weights = {
+        _figure(scene): (scene.parameters.FN, scene.parameters.m * Fraction("9.81"))
+        for scene in scenes
+    }
     equal = [name for name, (force, own) in weights.items() if force == own]
     others = [name for name in weights if name not in equal]
     finding = f"No equation contains g. F_N = m g in {', '.join(equal) or 'no figure'}"
@@ -494,19 +630,30 @@ def weight(scenes: tuple[Scene, ...]) -> Evidence:
 
 def force_products(scenes: tuple[Scene, ...]) -> Evidence:
     """Check that the product of both forces is < 0 where each stick of the scenes starts, and 0 where it ends."""
-    numbers, held, count = {}, True, 0
+    numbers = {}
+    held = True
+    count = 0
     for scene in scenes:
-        p, name = scene.parameters, _figure(scene)
-        found = [stick for stick in sticks(scene, FOLLOWED.get(scene.name)) if stick.end is not None]
+        p = scene.parameters
+        name = _figure(scene)
+        found = [
+            stick for stick in sticks(scene, FOLLOWED.get(scene.name)) if stick.end is not None
+        ]
         if not found:
             continue
         starts = [forces(p, stick.onset).product for stick in found]
         ends = [forces(p, stick.end) for stick in found]
-        held = held and max(starts) < 0 and all(is_zero(end.below) != is_zero(end.above) for end in ends)
+        held = (
+            held
+            and max(starts) < 0
+            and all(is_zero(end.below) != is_zero(end.above) for end in ends)
+        )
         count += len(found)
         least = max(min(abs(end.below), abs(end.above)) for end in ends)
         numbers[f"{name}: sticks"] = str(len(found))
-        numbers[f"{name}: product where they start"] = f"{text(min(starts), 8)} to {text(max(starts), 8)}"
+        numbers[f"{name}: product where they start"] = (
+            f"{text(min(starts), 8)} to {text(max(starts), 8)}"
+        )
         numbers[f"{name}: the force that vanishes where they end"] = f"at most {text(least, 2)}"
     if not count:
         return Evidence(UNDECIDED, "There is no stick.", {"sticks": "0"})

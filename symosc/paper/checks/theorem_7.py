@@ -22,7 +22,8 @@ from symosc.paper.claims import CORRECTED, UNDECIDED, Evidence, evidence, verdic
 from symosc.scenes import load_scene
 from symosc.simulation.simulate import simulate
 
-#: Angles are written as rational numbers, a whole turn as 4: pi/2 is 1, pi is 2. (See `quarter_turns`.)
+#: Angles are written as rational numbers, a whole turn as 4: pi/2 is 1, pi is 2. (See
+#: `quarter_turns`.)
 ZERO, QUARTER, HALF, FULL_CIRCLE = map(Fraction, (0, 1, 2, 4))
 
 
@@ -39,9 +40,18 @@ class Arc(NamedTuple):
 
 def printed_window(mapping: str, gamma: Any, amplitude: Any) -> list[tuple[int, list[Arc]]]:
     """Return number and arcs of phases of each printed case that holds for gamma and `amplitude`, B0 Omega/m."""
-    g, a = gamma, amplitude
-    ratio = -g / a if a and abs(g) <= abs(a) else None  # the sine of Theta_cr
-    d = quarter_turns(abs(ratio), root(1 - ratio * ratio)) if ratio is not None else ZERO  # |Theta_cr|
+    g = gamma
+    a = amplitude
+    # the sine of Theta_cr
+    if a and abs(g) <= abs(a):
+        ratio = -g / a
+    else:
+        ratio = None
+    # |Theta_cr|
+    if ratio is not None:
+        d = quarter_turns(abs(ratio), root(1 - ratio * ratio))
+    else:
+        d = ZERO
     if PLACES[mapping].side > 0:
         cases = [
             (0 < g < a, [Arc(ZERO, HALF + d, True), Arc(FULL_CIRCLE - d, FULL_CIRCLE)]),
@@ -71,8 +81,12 @@ def gamma_of(p: Parameters, acceleration: Fraction, velocity: Fraction) -> Fract
 def quarter_turns(s: Any, c: Any) -> Any:
     """Convert an angle, given by sine and cosine, to a rational number in [0, 4) that grows with the angle."""
     if s >= 0:
-        return s / (s + c) if c > 0 else 1 - c / (s - c)
-    return 2 + s / (s + c) if c < 0 else 3 + c / (c - s)
+        if c > 0:
+            return s / (s + c)
+        return 1 - c / (s - c)
+    if c < 0:
+        return 2 + s / (s + c)
+    return 3 + c / (c - s)
 
 
 def angle(where: Any) -> float:
@@ -84,7 +98,8 @@ def angle(where: Any) -> float:
 def root(square: Any) -> Any:
     """Return a square root, exactly where it is rational."""
     if isinstance(square, Fraction):
-        top, bottom = isqrt(square.numerator), isqrt(square.denominator)
+        top = isqrt(square.numerator)
+        bottom = isqrt(square.denominator)
         if top * top == square.numerator and bottom * bottom == square.denominator:
             return Fraction(top, bottom)
     return sqrt(square)
@@ -96,12 +111,19 @@ def is_inside(cases: list[tuple[int, list[Arc]]], where: Any) -> bool:
     return any(arc.low < where < arc.high or (arc.closed and where == arc.low) for arc in arcs)
 
 
-def zero_force_contact(mapping: str, gamma: Fraction, amplitude: Fraction, s: Fraction, c: Fraction) -> RationalContact:
+def zero_force_contact(
+    mapping: str, gamma: Fraction, amplitude: Fraction, s: Fraction, c: Fraction
+) -> RationalContact:
     """Return a contact with F = 0 in a mapping's domain, for gamma, B0 Omega/m (`amplitude`), sin and cos of theta."""
     where = PLACES[mapping]
-    m, k, Omega = Fraction(2), Fraction(3), Fraction(3, 2)
+    m = Fraction(2)
+    k = Fraction(3)
+    Omega = Fraction(3, 2)
     speed = gamma * m / k
-    v1, v2 = (speed, speed + 5) if where.boundary == 1 else (speed - 5, speed)
+    if where.boundary == 1:
+        v1, v2 = (speed, speed + 5)
+    else:
+        v1, v2 = (speed - 5, speed)
     drive = {"B0": amplitude * m / Omega, "Omega": Omega}
     p = Parameters(m=m, c=1, k=k, A0=1, **drive, v1=v1, v2=v2, mu1="1/2", mu2="1/3", FN=2)
     contact = RationalContact(p, where.boundary, Fraction(0), s, c)
@@ -109,15 +131,18 @@ def zero_force_contact(mapping: str, gamma: Fraction, amplitude: Fraction, s: Fr
 
 
 DRIVES = (Fraction(3), Fraction(7, 4))
-#: gamma over the amplitude: sines of rational points, so that the ends of the windows are among the phases; 0, equality
-#: and beyond.
+#: gamma over the amplitude: sines of rational points, so that the ends of the windows are among the
+#: phases; 0, equality and beyond.
 RATIOS = tuple(sorted({s for s, _ in RATIONAL_PHASES} | {Fraction(6, 5), Fraction(-6, 5)}))
 #: Pairs of gamma and B0 Omega/m.
 PAIRS = [(ratio * size, size) for size in DRIVES for ratio in RATIOS]
 
 
 class Row(NamedTuple):
-    """A comparison at one contact: whether the exact flow grazes there, and whether a printed case agrees (`right`)."""
+    """A comparison at one contact.
+
+    Whether the exact flow grazes there, and whether a printed case agrees (`right`).
+    """
 
     case: int  # of the paper's equation, 0 if none holds
     right: bool
@@ -128,7 +153,8 @@ class Row(NamedTuple):
 @cache
 def rows_of(mapping: str, drives: tuple[Fraction, ...] = DRIVES) -> tuple[Row, ...]:
     """Compare a mapping's printed cases with the flow at all exact contacts whose B0 Omega/m is one of `drives`."""
-    found, domain = [], PLACES[mapping].domain
+    found = []
+    domain = PLACES[mapping].domain
     for amplitude in drives:
         for gamma in (ratio * (abs(amplitude) or 2) for ratio in RATIOS):
             cases = printed_window(mapping, gamma, amplitude) or [(0, [])]
@@ -137,13 +163,23 @@ def rows_of(mapping: str, drives: tuple[Fraction, ...] = DRIVES) -> tuple[Row, .
                 grazes = contact.grazes(domain)
                 special = contact.slope(domain) == 0 and abs(gamma) == abs(amplitude)
                 for case in cases:
-                    found.append(Row(case[0], is_inside([case], quarter_turns(s, c)) == grazes, grazes, special))
+                    found.append(
+                        Row(
+                            case[0],
+                            is_inside([case], quarter_turns(s, c)) == grazes,
+                            grazes,
+                            special,
+                        )
+                    )
     return tuple(found)
 
 
 @cache
 def _zero_force_contacts() -> tuple[tuple[int, RationalContact], ...]:
-    """Return (domain, contact) for exact contacts with F = 0: of every mapping, with every gamma, at every phase."""
+    """Return (domain, contact) for exact contacts with F = 0.
+
+    Of every mapping, with every gamma, at every phase.
+    """
     return tuple(
         (where.domain, zero_force_contact(mapping, ratio * 3, Fraction(3), s, c))
         for mapping, where in PLACES.items()
@@ -175,7 +211,9 @@ def window(mapping: str, *scenes: str) -> Evidence:
         report = check_grazing(load_scene(name).parameters, mapping, n=100)
         mismatches += len(report.mismatches)
         agreed = " / ".join(map(str, report.agreements.values()))
-        numbers[f"{name}, case {report.case}: phases agreed on by {' / '.join(report.agreements)}"] = agreed
+        numbers[
+            f"{name}, case {report.case}: phases agreed on by {' / '.join(report.agreements)}"
+        ] = agreed
     numbers["phases of these scenes that disagree"] = mismatches
     finding = f"The six cases are right at {len(rows) - len(wrong)} of {len(rows)} exact contacts with F = 0"
     if wrong:
@@ -189,11 +227,16 @@ def _same_ends(mapping: str) -> list[bool]:
     found = []
     for gamma, amplitude in PAIRS:
         p = zero_force_contact(mapping, gamma, amplitude, *RATIONAL_PHASES[0]).p
-        ours = [(low, high, closed) for low, high, closed, _ in grazing_window(p, mapping, "paper").intervals]
+        ours = [
+            (low, high, closed)
+            for low, high, closed, _ in grazing_window(p, mapping, "paper").intervals
+        ]
         for _, arcs in printed_window(mapping, gamma, amplitude):
             printed = [(angle(arc.low), angle(arc.high), arc.closed) for arc in arcs]
             same = np.shape(ours) == np.shape(printed)
-            found.append(bool(same and (not arcs or np.abs(np.subtract(ours, printed)).max() < 1e-14)))
+            found.append(
+                bool(same and (not arcs or np.abs(np.subtract(ours, printed)).max() < 1e-14))
+            )
     return found
 
 
@@ -215,7 +258,9 @@ def complete(*mappings: str) -> Evidence:
     numbers |= {"pairs with several cases": several, "contacts without a case that graze": grazing}
     if not missing:
         return evidence(not several, "Every pair has exactly one case.", numbers)
-    words = ", ".join(f"γ = {'−' if ratio == -1 else f'{ratio} '}B₀Ω/m" for ratio in sorted(missing))
+    words = ", ".join(
+        f"γ = {'−' if ratio == -1 else f'{ratio} '}B₀Ω/m" for ratio in sorted(missing)
+    )
     finding = f"No case for {words}; {grazing} of the contacts there graze."
     return evidence(not several, finding, numbers, CORRECTED)
 
@@ -229,7 +274,9 @@ def negative_drive() -> Evidence:
         bad = [row.case for row in rows if row.case and not row.right]
         cases = ", ".join(f"({where.equation}.{case})" for case in sorted(set(bad)))
         numbers[f"cases of ({where.equation}) that hold for B₀ ≤ 0 and are wrong"] = cases or "none"
-        wrong, without, total = wrong + len(bad), without + sum(row.case == 0 for row in rows), total + len(rows)
+        wrong = wrong + len(bad)
+        without = without + sum(row.case == 0 for row in rows)
+        total = total + len(rows)
     numbers |= {
         "exact contacts with B₀ ≤ 0": total,
         "a printed case holds and is wrong": wrong,
@@ -240,21 +287,33 @@ def negative_drive() -> Evidence:
 
 
 def equality() -> Evidence:
-    """Check gamma = +-B0 Omega/m: does the flow graze at the phase that (55.2), (56.5), (57.2) and (58.5) exclude?"""
+    """Check gamma = +-B0 Omega/m.
+
+    Does the flow graze at the phase that (55.2), (56.5), (57.2) and (58.5) exclude?
+    """
     numbers: dict[str, Any] = {}
     excluded = returning = 0
     for mapping, where in PLACES.items():
         for size in DRIVES:
-            gamma, sine = where.side * size, Fraction(-where.side)
+            gamma = where.side * size
+            sine = Fraction(-where.side)
             contact = zero_force_contact(mapping, gamma, size, sine, Fraction(0))
-            excluded += not is_inside(printed_window(mapping, gamma, size), quarter_turns(sine, Fraction(0)))
+            excluded += not is_inside(
+                printed_window(mapping, gamma, size), quarter_turns(sine, Fraction(0))
+            )
             returning += contact.grazes(where.domain)
             equal = f"γ = {gamma} = {'-' if where.side < 0 else ''}B₀Ω/m"
             values = ", ".join(map(str, contact.derivatives(where.domain)))
             numbers[f"{mapping}, {equal}: F, G⁽¹⁾, G⁽²⁾, G⁽³⁾"] = values
     total = len(numbers)
-    numbers |= {"contacts at the excluded phase": total, "printed as no graze": excluded, "the flow returns": returning}
-    finding = f"At {returning} of {total} contacts at the excluded phase the flow returns to its domain"
+    numbers |= {
+        "contacts at the excluded phase": total,
+        "printed as no graze": excluded,
+        "the flow returns": returning,
+    }
+    finding = (
+        f"At {returning} of {total} contacts at the excluded phase the flow returns to its domain"
+    )
     if excluded and returning:
         finding += ": F = G⁽¹⁾ = G⁽²⁾ = 0, a tangency of fourth order, which Theorem 6 does not see"
     return Evidence(verdict(not (excluded and returning), corrected=True), f"{finding}.", numbers)
@@ -269,17 +328,23 @@ TRACED = {"fig5": ("P2", "P3", "P5", "P6"), "fig8": ("P3", "P5"), "fig10": ("P5"
 
 
 def without_force() -> Evidence:
-    """Check Theorem 7 as printed, without the hypothesis F = 0: does a phase in its set imply a graze?"""
+    """Check Theorem 7 as printed, without the hypothesis F = 0.
+
+    Does a phase in its set imply a graze?
+    """
     arrivals = inside = 0
     shown: dict[str, Any] = {}
     for mapping, where in PLACES.items():
         for contact in contacts(where.boundary, 60, seed=70 + where.equation):
-            p, force = contact.p, contact.force(where.domain)
-            # The flow of the domain reaches the boundary, and with F not 0 it goes straight through.
+            p = contact.p
+            force = contact.force(where.domain)
+            # The flow of the domain reaches the boundary, and with F not 0 it goes straight
+            # through.
             if force * where.side <= 0 or p.B0 <= 0:
                 continue
             arrivals += 1
-            gamma, amplitude = gamma_of(p, force, contact.speed), p.B0 * p.Omega / p.m
+            gamma = gamma_of(p, force, contact.speed)
+            amplitude = p.B0 * p.Omega / p.m
             says = printed_window(mapping, gamma, amplitude)
             if is_inside(says, quarter_turns(contact.s, contact.c)):
                 if contact.grazes(where.domain):
@@ -301,12 +366,19 @@ def without_force() -> Evidence:
 
 
 def grazing_inequality() -> Evidence:
-    """Check eqs. (61), (62), (65), (66): dF/dt along the flow is -(gamma + (B0 Omega/m) sin(Omega t_m))."""
+    """Check eqs. (61), (62), (65), (66).
+
+    DF/dt along the flow is -(gamma + (B0 Omega/m) sin(Omega t_m)).
+    """
     wrong = differs = 0
     cases = _zero_force_contacts()
     for domain, contact in cases:
-        p, force, s = contact.p, contact.force(domain), contact.s
-        slope = -p.c / p.m * force - p.k / p.m * contact.speed - p.B0 * p.Omega / p.m * s  # (62), (66): the left side
+        p = contact.p
+        force = contact.force(domain)
+        s = contact.s
+        slope = (
+            -p.c / p.m * force - p.k / p.m * contact.speed - p.B0 * p.Omega / p.m * s
+        )  # (62), (66): the left side
         wrong += slope != contact.derivatives(domain)[1] or force != 0
         differs += slope != -(gamma_of(p, force, contact.speed) + p.B0 * p.Omega / p.m * s)
     numbers = {
@@ -314,13 +386,19 @@ def grazing_inequality() -> Evidence:
         "F not 0, or (62)/(66) not the derivative of F along the flow": wrong,
         "not -(γ + (B₀Ω/m) sin(Ωtₘ))": differs,
     }
-    finding = f"At all {len(cases)} exact contacts (62) and (66) are dF/dt and -(γ + (B₀Ω/m) sin(Ωtₘ))."
+    finding = (
+        f"At all {len(cases)} exact contacts (62) and (66) are dF/dt and -(γ + (B₀Ω/m) sin(Ωtₘ))."
+    )
     return evidence(not wrong and not differs, finding, numbers)
 
 
 def gamma_is_fixed() -> Evidence:
     """Check that gamma, which distinguishes the cases, is k v_lambda/m at a graze, where x'' = 0."""
-    grazes = [(contact, contact.force(domain)) for domain, contact in _zero_force_contacts() if contact.grazes(domain)]
+    grazes = [
+        (contact, contact.force(domain))
+        for domain, contact in _zero_force_contacts()
+        if contact.grazes(domain)
+    ]
     other = sum(gamma_of(c.p, force, c.speed) != c.p.k * c.speed / c.p.m for c, force in grazes)
     numbers = {"exact grazes": len(grazes), "γ not k v_λ/m": other}
     finding = f"At all {len(grazes)} exact grazes ẍ = 0 and γ = k v_λ/m: the parameters alone choose the case."
@@ -328,38 +406,57 @@ def gamma_is_fixed() -> Evidence:
 
 
 def one_unknown_is_free() -> Evidence:
-    """Check what is said after (62): three equations have four unknowns, so that one must be given."""
-    p, ranks, starts, numbers = load_scene("fig9").parameters, [], set(), {}
+    """Check what is said after (62).
+
+    Three equations have four unknowns, so that one must be given.
+    """
+    p = load_scene("fig9").parameters
+    ranks = []
+    starts = set()
+    numbers = {}
     for theta in (0.5, 1.5, 2.5):
         start = grazing_start(p, "P2", theta)
         if not start.found:
             continue
         Omega = float(p.Omega)
-        begin, end = (float(start.x), Omega * float(start.t)), (float(start.x_m), Omega * float(start.t_m))
+        begin = (float(start.x), Omega * float(start.t))
+        end = (float(start.x_m), Omega * float(start.t_m))
         gradient = [0, 0, -float(p.k / p.m), -float(p.B0 / p.m) * np.sin(start.theta_m)]
         matrix = np.vstack([jacobian(p, "P2", begin, end), gradient]).astype(float)
         values = np.linalg.svd(matrix, compute_uv=False)
         ranks.append(int((values > 1e-9 * values[0]).sum()))
         starts.add((float(start.x), float(start.theta)))
-        numbers[f"graze of P₂ at Ωtₘ = {theta}"] = f"starts at x = {start.x:.8g}, Ωt = {start.theta:.8g}"
+        numbers[f"graze of P₂ at Ωtₘ = {theta}"] = (
+            f"starts at x = {start.x:.8g}, Ωt = {start.theta:.8g}"
+        )
         numbers[f"singular values at {theta}"] = ", ".join(f"{value:.3g}" for value in values)
     numbers |= {"equations, unknowns": "3 (f₁, f₂, F), 4", "rank": ", ".join(map(str, ranks))}
     finding = f"The three equations have rank {min(ranks)} at {len(ranks)} grazes of Fig. 9's oscillator; each given "
-    return evidence(set(ranks) == {3} and len(starts) == len(ranks), f"{finding}phase has its start.", numbers)
+    return evidence(
+        set(ranks) == {3} and len(starts) == len(ranks), f"{finding}phase has its start.", numbers
+    )
 
 
 def mappings_that_graze() -> Evidence:
-    """Flow back from grazes and simulate up to them: are the mappings that end there P2, P3, P5, P6 (Theorem 7)?"""
+    """Flow back from grazes and simulate up to them.
+
+    Are the mappings that end there P2, P3, P5, P6 (Theorem 7)?
+    """
     counts: dict[str, Counter[str]] = {mapping: Counter() for mapping in PLACES}
     case = "none"
     for name, mappings in TRACED.items():
         p = load_scene(name).parameters
         for mapping in mappings:
-            for theta in filter(grazing_window(p, mapping).contains, (0.3, 1.3, 2.3, 3.3, 4.4, 5.5)):
+            for theta in filter(
+                grazing_window(p, mapping).contains, (0.3, 1.3, 2.3, 3.3, 4.4, 5.5)
+            ):
                 start = grazing_start(p, mapping, theta)
                 end = Fraction(float(start.t_m)) + Fraction(1, 1000)
                 motion = recorded(simulate(p, **start.start, t_end=end, max_events=1))
-                label = motion.word[0] if motion.events[0].kind == "graze" else "no graze"
+                if motion.events[0].kind == "graze":
+                    label = motion.word[0]
+                else:
+                    label = "no graze"
                 counts[mapping][label] += 1
                 if case == "none" and label not in (mapping, "no graze"):
                     begin = f"x = {float(start.x):.10g}, Ωt = {float(start.theta):.10g} on belt {start.boundary}"
@@ -370,11 +467,14 @@ def mappings_that_graze() -> Evidence:
         )
         for mapping, found in counts.items()
     } | {"a graze by another mapping": case}
-    total, lost = sum(map(Counter.total, counts.values())), sum(found["no graze"] for found in counts.values())
+    total = sum(map(Counter.total, counts.values()))
+    lost = sum(found["no graze"] for found in counts.values())
     if lost or not all(counts.values()):
         return Evidence(UNDECIDED, f"{lost} of {total} grazes could not be followed.", numbers)
     finding = "Flowing back from a graze, the flow comes from the planes of the mapping that the paper names"
     if any(found[mapping] < found.total() for mapping, found in counts.items()):
-        finding += "; in domain 2 also from the other belt, by P₇ or P₈, whose end is the graze then"
+        finding += (
+            "; in domain 2 also from the other belt, by P₇ or P₈, whose end is the graze then"
+        )
     strange = any(set(found) - set(ENDS[mapping]) for mapping, found in counts.items())
     return Evidence(verdict(not strange), f"{finding}.", numbers)

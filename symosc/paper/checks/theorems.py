@@ -1,7 +1,7 @@
 """Section 4: G-functions, Lemmas 1 to 3 and Theorems 4 to 6, against the exact flow near rational contacts.
 
-The lemmas are on any discontinuous system. That their conditions are sufficient is Taylor's theorem; that they are
-not necessary one oscillator shows, by a single contact.
+The lemmas are on any discontinuous system. That their conditions are sufficient is Taylor's
+theorem; that they are not necessary one oscillator shows, by a single contact.
 """
 
 from __future__ import annotations
@@ -29,28 +29,41 @@ BEFORE = "tₘ₊"
 #: Conditions on F^(below) and F^(above). Eq. (20) has the normal vector to either side.
 CONDITIONS: dict[str, Callable[[Fraction, Fraction], bool]] = {
     "slides, (20)": lambda below, above: above < 0 < below or -below < 0 < -above,
-    "passes, (21), (22)": lambda below, above: (below > 0 and above > 0) or (above < 0 and below < 0),
+    "passes, (21), (22)": lambda below, above: (
+        (below > 0 and above > 0) or (above < 0 and below < 0)
+    ),
     "sticks, (26), (27)": lambda below, above: below > 0 and above < 0,
     "passes, (34), (35)": lambda below, above: below * above > 0,
 }
 
 
 def grazing_condition(from_below: bool, force: Fraction, slope: Fraction) -> bool:
-    """Return whether (23), (24), (38) to (43) hold: F = 0, and its slope G^(1) < 0 (domain below) or > 0 (above)."""
+    """Return whether (23), (24), (38) to (43) hold.
+
+    F = 0, and its slope G^(1) < 0 (domain below) or > 0 (above).
+    """
     return force == 0 and (slope < 0 if from_below else slope > 0)
 
 
 def g_functions(n: Any, difference: Any, t: Any) -> tuple[Any, Any]:
     """Return the right sides of (15) and (16) for a normal vector n(t) and `difference` = x^(alpha)(t) - x^(0)(t)."""
     first = (n.diff(t).T * difference + n.T * difference.diff(t))[0]
-    second = (n.diff(t, 2).T * difference + 2 * n.diff(t).T * difference.diff(t) + n.T * difference.diff(t, 2))[0]
+    second = (
+        n.diff(t, 2).T * difference
+        + 2 * n.diff(t).T * difference.diff(t)
+        + n.T * difference.diff(t, 2)
+    )[0]
     return first, second
 
 
 def slope_of_field(contact: RationalContact, alpha: int) -> Fraction:
     """Return G^(1) by eqs. (39), (40), (47), (48): grad F . (x', F) + dF/dt, with F of eq. (9)."""
     p = contact.p
-    return -p.k / p.m * contact.speed - p.c / p.m * contact.force(alpha) - p.B0 * p.Omega * contact.s / p.m
+    return (
+        -p.k / p.m * contact.speed
+        - p.c / p.m * contact.force(alpha)
+        - p.B0 * p.Omega * contact.s / p.m
+    )
 
 
 def slope_along_boundary(contact: RationalContact, alpha: int) -> Fraction:
@@ -81,20 +94,34 @@ def general_system() -> Evidence:
     x, v, m, c, k, A, B0, Omega, t = sp.symbols("x v m c k A B0 Omega t")
     field = sp.Matrix([v, (A + B0 * sp.cos(Omega * t) - k * x - c * v) / m])
     linear = all(field.jacobian([x, v]).diff(each).is_zero_matrix for each in (x, v))
-    numbers = {"n for (10)": field.rows, "entries of ∂F/∂(x, ẋ) that depend on x or ẋ": "0" if linear else "some"}
+    numbers = {
+        "n for (10)": field.rows,
+        "entries of ∂F/∂(x, ẋ) that depend on x or ẋ": "0" if linear else "some",
+    }
     finding = "(13) lays down the systems that are meant. (10) is one with n = 2, linear in each domain: its solutions "
-    return Evidence(DEFINITION, f"{finding}exist for all times, and are smooth as Lemmas 1 to 3 ask.", numbers)
+    return Evidence(
+        DEFINITION, f"{finding}exist for all times, and are smooth as Lemmas 1 to 3 ask.", numbers
+    )
 
 
 def general_g_functions() -> Evidence:
-    """Check that (15) and (16) are the first two derivatives of n . (x^(alpha) - x^(0)), by the product rule."""
+    """Check that (15) and (16) are the first two derivatives of n .
+
+    (x^(alpha) - x^(0)), by the product rule.
+    """
     import sympy as sp
 
     t = sp.Symbol("t")
-    n, difference = _vector("n", t), _vector("y", t)
+    n = _vector("n", t)
+    difference = _vector("y", t)
     product = (n.T * difference)[0]
-    rests = [sp.expand(g - product.diff(t, i)) for i, g in enumerate(g_functions(n, difference, t), 1)]
-    numbers = {f"({14 + i}) minus derivative {i} of nᵀ(x⁽ᵅ⁾ − x⁽⁰⁾)": rest for i, rest in enumerate(rests, 1)}
+    rests = [
+        sp.expand(g - product.diff(t, i)) for i, g in enumerate(g_functions(n, difference, t), 1)
+    ]
+    numbers = {
+        f"({14 + i}) minus derivative {i} of nᵀ(x⁽ᵅ⁾ − x⁽⁰⁾)": rest
+        for i, rest in enumerate(rests, 1)
+    }
     finding = "(15) and (16) are the first and second derivative of nᵀ(x⁽ᵅ⁾ − x⁽⁰⁾) along the flows, for any n(x⁽⁰⁾, "
     finding += "t)."
     return evidence(not any(rests), finding, numbers, DEFINITION)
@@ -116,11 +143,16 @@ def reduced_g_functions() -> Evidence:
     import sympy as sp
 
     t, height = sp.symbols("t h")
-    n, flow, boundary = sp.Matrix(sp.symbols(f"n0:{DIMENSION}")), _vector("x", t), _vector("b", t)
-    # The boundary flow stays in the plane, n . b = const: one component of it follows from the others.
+    n = sp.Matrix(sp.symbols(f"n0:{DIMENSION}"))
+    flow = _vector("x", t)
+    boundary = _vector("b", t)
+    # The boundary flow stays in the plane, n . b = const: one component of it follows from the
+    # others.
     last = (height - sum(n[i] * boundary[i] for i in range(DIMENSION - 1))) / n[DIMENSION - 1]
     rests = [
-        sp.simplify(value.subs({boundary[DIMENSION - 1]: last}).doit() - (n.T * flow.diff(t, order))[0])
+        sp.simplify(
+            value.subs({boundary[DIMENSION - 1]: last}).doit() - (n.T * flow.diff(t, order))[0]
+        )
         for order, value in enumerate(g_functions(n, flow - boundary, t), 1)
     ]
     numbers = {f"({14 + i}) minus ({17 + i})": rest for i, rest in enumerate(rests, 1)}
@@ -131,12 +163,15 @@ def reduced_g_functions() -> Evidence:
 
 def boundary_dimension() -> Evidence:
     """Check eq. (14): in which space the boundary is, and its dimension, from points of the boundary (7)."""
-    numbers, inside = {}, True
+    numbers = {}
+    inside = True
     for boundary in (1, 2):
         points = np.array([(float(x), float(contacts(boundary)[0].speed)) for x in range(-3, 4)])
         rank = int(np.linalg.matrix_rank(points - points[0]))
         inside = inside and points.shape[1] == rank
-        numbers[f"belt {boundary}: coordinates of a point, dimension of the boundary"] = f"{points.shape[1]}, {rank}"
+        numbers[f"belt {boundary}: coordinates of a point, dimension of the boundary"] = (
+            f"{points.shape[1]}, {rank}"
+        )
     finding = "A point of the boundary has n = 2 coordinates, the boundary has n − 1 = 1 dimension."
     return Evidence(verdict(inside, corrected=True), finding, numbers)
 
@@ -150,7 +185,11 @@ def time_before_and_after() -> Evidence:
             if contact.passes and contact.next_mode == f"Omega{target}":
                 passing += 1
                 before += contact.side(source, after=False) == side
-    ours = "tₘ₋" if before == passing else "tₘ₊"  # t± = t ± 0, after (17)
+    # t± = t ± 0, after (17)
+    if before == passing:
+        ours = "tₘ₋"
+    else:
+        ours = "tₘ₊"
     numbers = {
         "exact contacts at which the flow passes": passing,
         "in the domain that it comes from at tₘ − 10⁻⁸": before,
@@ -162,8 +201,12 @@ def time_before_and_after() -> Evidence:
 
 
 def g_functions_are_derivatives() -> Evidence:
-    """Check G^(0) = F, G^(1) = grad F . F + dF/dt of eqs. (25), (30), (31), (46) to (48) by the power series of (5)."""
-    values, slopes = [], []
+    """Check G^(0) = F, G^(1) = grad F . F + dF/dt of eqs.
+
+    (25), (30), (31), (46) to (48) by the power series of (5).
+    """
+    values = []
+    slopes = []
     for contact in (*contacts(1)[:100], *contacts(2)[:100]):
         for alpha in contact.domains:
             first, second, *_ = contact.derivatives(alpha)
@@ -175,7 +218,9 @@ def g_functions_are_derivatives() -> Evidence:
         "largest |d³x/dt³(tₘ) − G⁽¹⁾|": max(slopes),
     }
     finding = "G⁽⁰⁾ and G⁽¹⁾ are the first two derivatives of ẋ along the flow, exactly, "
-    return evidence(max(values) == max(slopes) == 0, f"{finding}in {len(values)} rational cases.", numbers)
+    return evidence(
+        max(values) == max(slopes) == 0, f"{finding}in {len(values)} rational cases.", numbers
+    )
 
 
 def derivative_along_the_flow() -> Evidence:
@@ -204,7 +249,9 @@ def derivative_along_the_flow() -> Evidence:
 def _grazes_as_printed(contact: RationalContact) -> list[bool]:
     """Return whether the printed condition of a graze holds at a contact, for the domain below and the one above."""
     lo, hi = contact.domains
-    return [grazing_condition(a == lo, contact.force(a), slope_of_field(contact, a)) for a in (lo, hi)]
+    return [
+        grazing_condition(a == lo, contact.force(a), slope_of_field(contact, a)) for a in (lo, hi)
+    ]
 
 
 def _grazes(contact: RationalContact) -> bool:
@@ -212,11 +259,14 @@ def _grazes(contact: RationalContact) -> bool:
 
 
 def _as_printed(contact: RationalContact, name: str) -> bool:
-    return any(_grazes_as_printed(contact)) if name == "grazes" else CONDITIONS[name](*contact.forces)
+    if name == "grazes":
+        return any(_grazes_as_printed(contact))
+    return CONDITIONS[name](*contact.forces)
 
 
 Test = Callable[[RationalContact], bool]
-# The printed condition, whether the exact flow does it, its name, and where the condition is not necessary.
+# The printed condition, whether the exact flow does it, its name, and where the condition is not
+# necessary.
 LEMMAS: dict[int, tuple[str, Test, str, str]] = {
     1: ("slides, (20)", lambda c: c.sticks, "slides", "where a G⁽⁰⁾ is 0"),
     2: ("passes, (21), (22)", lambda c: c.passes, "passes", "where a G⁽⁰⁾ is 0"),
@@ -244,7 +294,9 @@ def lemma(which: int) -> Evidence:
         return evidence(not wrong, "Necessary and sufficient at all contacts.", numbers)
     numbers["a contact that is left out"] = missed[0]
     for alpha in missed[0].domains:
-        numbers[f"F({alpha}) there, and its derivatives"] = ", ".join(map(str, missed[0].derivatives(alpha)))
+        numbers[f"F({alpha}) there, and its derivatives"] = ", ".join(
+            map(str, missed[0].derivatives(alpha))
+        )
     numbers["what the exact flow does there"] = missed[0].goes_on
     finding = f"Sufficient at all contacts. Not necessary: {zero} the next derivative decides, as at the one given "
     finding += "here."
@@ -253,7 +305,8 @@ def lemma(which: int) -> Evidence:
 
 def necessary_and_sufficient() -> Evidence:
     """Check the abstract: the conditions of stick, non-stick and grazing motions are necessary and sufficient."""
-    numbers, verdicts = {}, []
+    numbers = {}
+    verdicts = []
     for which, name in enumerate(("stick (20)", "passing (21), (22)", "grazing (23), (24)"), 1):
         found = lemma(which)
         verdicts.append(found.verdict)
@@ -264,12 +317,18 @@ def necessary_and_sufficient() -> Evidence:
 
 
 def theorem(which: int, boundary: int) -> Evidence:
-    """Check the "iff" of Theorem 4, 5 or 6, eqs. (26), (27), (34), (35), (38) to (43), against the exact flow."""
+    """Check the "iff" of Theorem 4, 5 or 6, eqs.
+
+    (26), (27), (34), (35), (38) to (43), against the exact flow.
+    """
     printed, true, what, degenerate = THEOREMS[which]
-    cases, simulated = contacts(boundary), _simulated(boundary)
+    cases = contacts(boundary)
+    simulated = _simulated(boundary)
 
     def is_degenerate(contact: RationalContact) -> bool:
-        return any(contact.force(a) == 0 and (which < 6 or contact.slope(a) == 0) for a in contact.domains)
+        return any(
+            contact.force(a) == 0 and (which < 6 or contact.slope(a) == 0) for a in contact.domains
+        )
 
     regular = sum(not is_degenerate(contact) for contact in cases)
     wrong = [contact for contact in cases if _as_printed(contact, printed) != true(contact)]
@@ -285,11 +344,16 @@ def theorem(which: int, boundary: int) -> Evidence:
     for contact in (generic or wrong)[:1]:
         numbers["a case"] = contact
         for alpha in contact.domains:
-            numbers |= {f"F({alpha}) there": contact.force(alpha), f"G(1,{alpha}) there": contact.slope(alpha)}
+            numbers |= {
+                f"F({alpha}) there": contact.force(alpha),
+                f"G(1,{alpha}) there": contact.slope(alpha),
+            }
         numbers["what happens there"] = contact.goes_on
     finding = f"Right at all {regular} contacts without {degenerate}. With it the next derivative that is not 0 "
     finding += "decides; one such contact is given here, where the printed condition fails."
-    return evidence(not generic and all(simulated), finding, numbers, verdict(not wrong, corrected=True))
+    return evidence(
+        not generic and all(simulated), finding, numbers, verdict(not wrong, corrected=True)
+    )
 
 
 @cache
@@ -300,44 +364,66 @@ def _simulated(boundary: int) -> tuple[bool, ...]:
         if contact.s == 0 and contact.c == 1:
             # So short a time later the motion still is as it was at the beginning.
             end = Fraction(1, 10**6)
-            motion = simulate(contact.p, t0=0, x0=contact.x, v0=contact.speed, t_end=end, max_events=1)
+            motion = simulate(
+                contact.p, t0=0, x0=contact.x, v0=contact.speed, t_end=end, max_events=1
+            )
             found.append(motion.mode(0.0) == contact.next_mode)
     return tuple(found)
 
 
 def theorem_6_both_sides() -> Evidence:
-    """Check eqs. (44) and (45) as printed: can both forces be 0 and both inequalities hold at one contact?"""
+    """Check eqs. (44) and (45) as printed.
+
+    Can both forces be 0 and both inequalities hold at one contact?
+    """
     questions = {
         "contacts that graze, with G⁽¹⁾ not 0": _grazes,
         "of them with (44) and (45) on both sides": lambda c: all(_grazes_as_printed(c)),
-        "of them with (44) and (45) on one side": lambda c: _grazes(c) and any(_grazes_as_printed(c)),
+        "of them with (44) and (45) on one side": lambda c: (
+            _grazes(c) and any(_grazes_as_printed(c))
+        ),
     }
     cases = [c for c in all_contacts() if all(c.slope(alpha) for alpha in c.domains)]
     numbers = tally(cases, questions)
     grazing, _, each = numbers.values()
-    numbers["least F⁽ˡᵒ⁾ − F⁽ʰⁱ⁾ over all contacts"] = min(below - above for below, above in (c.forces for c in cases))
+    numbers["least F⁽ˡᵒ⁾ − F⁽ʰⁱ⁾ over all contacts"] = min(
+        below - above for below, above in (c.forces for c in cases)
+    )
     finding = f"Read for α = 1 or α = 2, as in Theorem 6, (44) and (45) hold at {each} of {grazing} grazing contacts; "
-    return evidence(each == grazing, f"{finding}with friction both forces cannot vanish together.", numbers)
+    return evidence(
+        each == grazing, f"{finding}with friction both forces cannot vanish together.", numbers
+    )
 
 
 def no_repelling_boundary() -> Evidence:
-    """Check that each contact with no force 0 sticks (Theorem 4) or passes (Theorem 5): the boundary never repels."""
-    stick_by_4, pass_by_5 = CONDITIONS["sticks, (26), (27)"], CONDITIONS["passes, (34), (35)"]
+    """Check that each contact with no force 0 sticks (Theorem 4) or passes (Theorem 5).
+
+    The boundary never repels.
+    """
+    stick_by_4 = CONDITIONS["sticks, (26), (27)"]
+    pass_by_5 = CONDITIONS["passes, (34), (35)"]
     questions: dict[str, Callable[[Any], Any]] = {
         "rational contacts with no force 0": lambda forces: True,
         "stick by Theorem 4": lambda forces: stick_by_4(*forces),
         "pass by Theorem 5": lambda forces: pass_by_5(*forces),
         "leave on both sides (F⁽ˡᵒ⁾ < 0 < F⁽ʰⁱ⁾)": lambda forces: forces[0] < 0 < forces[1],
-        "covered by neither theorem": lambda forces: not (stick_by_4(*forces) or pass_by_5(*forces)),
+        "covered by neither theorem": lambda forces: (
+            not (stick_by_4(*forces) or pass_by_5(*forces))
+        ),
     }
-    numbers = tally((contact.forces for contact in all_contacts() if all(contact.forces)), questions)
+    numbers = tally(
+        (contact.forces for contact in all_contacts() if all(contact.forces)), questions
+    )
     strict, stick, passing, repelled, neither = numbers.values()
     finding = f"{stick} + {passing} of {strict} contacts stick or pass, {neither} do neither."
     return evidence(neither == repelled == 0 and stick + passing == strict, finding, numbers)
 
 
 def grazing_definition() -> Evidence:
-    """Check whether contacts with G^(1) = 0 graze by the definition before Theorem 7: a tangent flow that returns."""
+    """Check whether contacts with G^(1) = 0 graze by the definition before Theorem 7.
+
+    A tangent flow that returns.
+    """
     kinds = ("F = 0, G⁽¹⁾ ≠ 0", "F = G⁽¹⁾ = 0, G⁽²⁾ ≠ 0", "F = G⁽¹⁾ = G⁽²⁾ = 0")
     returning: list[list[bool]] = [[], [], []]
     for contact in all_contacts():
@@ -350,4 +436,6 @@ def grazing_definition() -> Evidence:
         for kind, found in zip(kinds, returning, strict=True)
     }
     finding = f"The definition asks for tangency and return, not for an order: {sum(returning[2])} exact contacts of "
-    return Evidence(DEFINITION, f"{finding}fourth order return to their domain, and graze by it.", numbers)
+    return Evidence(
+        DEFINITION, f"{finding}fourth order return to their domain, and graze by it.", numbers
+    )

@@ -1,7 +1,10 @@
-"""The data that the page shows for a link: a motion of `symosc.simulate`, as values for plots, texts and table.
+"""The data that the page shows for a link.
 
-The state of the page is a text for each number. A text is read exactly, as in scene files: 0.8 and 4/5 are the same
-number. One more number: a field in GROUPS. One more curve: a column in `_page_data`, and a glyph in `server`.
+A motion of `symosc.simulate`, as values for plots, texts and table.
+
+The state of the page is a text for each number. A text is read exactly, as in scene files: 0.8 and
+4/5 are the same number. One more number: a field in GROUPS. One more curve: a column in
+`_page_data`, and a glyph in `server`.
 """
 
 from __future__ import annotations
@@ -38,7 +41,8 @@ PERIODS_DIGITS = 12
 STARTS = ("t0", "x0", "v0")
 #: How the page says what is wrong with a text that is no number.
 IN_SHORT = {FORMS: "is not a number; 0.8, 4/5, 8e-1 and 2*pi are"}
-CHANGED, SOURCE = ", changed", "symosc explore"
+CHANGED = ", changed"
+SOURCE = "symosc explore"
 
 
 class Field(NamedTuple):
@@ -54,12 +58,17 @@ class Field(NamedTuple):
 
 
 def _fields(*rows: str) -> list[Field]:
-    """Return the input fields of these rows: name, symbol, and lowest and highest value and step of the slider."""
+    """Return the input fields of these rows.
+
+    Name, symbol, and lowest and highest value and step of the slider.
+    """
     fields = []
     for name, symbol, low, high, step in map(str.split, rows):
-        meaning, unit = QUANTITIES[name].meaning, unit_of(name)
+        meaning = QUANTITIES[name].meaning
+        unit = unit_of(name)
         if name == "periods":
-            meaning, unit = "forcing periods shown", "2π/Ω"
+            meaning = "forcing periods shown"
+            unit = "2π/Ω"
         fields.append(Field(name, symbol, low, high, step, meaning, "" if unit == "1" else unit))
     return fields
 
@@ -67,9 +76,15 @@ def _fields(*rows: str) -> list[Field]:
 #: The numbers of the page in the groups that it shows them in.
 GROUPS = {
     "Mass": _fields("m m 0.1 5 0.01", "c c 0 5 0.01", "k k 0 20 0.05"),
-    "Excitation A₀ + B₀ cos Ωt": _fields("A0 A₀ -30 30 0.1", "B0 B₀ -30 30 0.1", "Omega Ω 0.05 8 0.01"),
+    "Excitation A₀ + B₀ cos Ωt": _fields(
+        "A0 A₀ -30 30 0.1", "B0 B₀ -30 30 0.1", "Omega Ω 0.05 8 0.01"
+    ),
     "Belts": _fields(
-        "v1 v₁ -15 15 0.05", "v2 v₂ -15 30 0.05", "mu1 μ₁ 0 1.5 0.01", "mu2 μ₂ 0 1.5 0.01", "FN F_N 0 30 0.1"
+        "v1 v₁ -15 15 0.05",
+        "v2 v₂ -15 30 0.05",
+        "mu1 μ₁ 0 1.5 0.01",
+        "mu2 μ₂ 0 1.5 0.01",
+        "FN F_N 0 30 0.1",
     ),
     "Start, and how much is shown": _fields(
         "t0 t₀ 0 10 0.01", "x0 x₀ -10 10 0.01", "v0 v₀ -15 15 0.01", "periods N 0.1 20 0.1"
@@ -90,19 +105,27 @@ def state_of(scene: Scene) -> dict[str, str]:
     """Return the texts of the page's fields for a scene."""
     state = {"scene": scene.name, **by_name(scene.parameters, show)}
     state |= {name: show(getattr(scene, name)) for name in STARTS}
-    state["periods"] = f"{float((scene.t_end - scene.t0) * scene.parameters.Omega) / tau:.{PERIODS_DIGITS}g}"
-    return state if scene.start_error is None else state | {"start_error": ",".join(map(show, scene.start_error))}
+    state["periods"] = (
+        f"{float((scene.t_end - scene.t0) * scene.parameters.Omega) / tau:.{PERIODS_DIGITS}g}"
+    )
+    if scene.start_error is None:
+        return state
+    return state | {"start_error": ",".join(map(show, scene.start_error))}
 
 
 def read_link(query: str, default: Scene) -> tuple[dict[str, str], list[str]]:
     """Return the text of each field for the query of a link, and error messages.
 
-    A field that is missing in the link gets its text from the shipped scene that the link names, or else from
-    `default`.
+    A field that is missing in the link gets its text from the shipped scene that the link names, or
+    else from `default`.
     """
     texts = parse_qsl(query, keep_blank_values=True)
     given = {name: text for name, text in texts if name in FIELDS or name in OTHER_KEYS}
-    notes = [f"the link has an unknown name {name!r}, which is left out" for name, _ in texts if name not in given]
+    notes = [
+        f"the link has an unknown name {name!r}, which is left out"
+        for name, _ in texts
+        if name not in given
+    ]
     rest = state_of(shipped_scenes().get(given.get("scene", ""), default))
     if not set(STARTS).isdisjoint(given):
         rest.pop("start_error", None)  # it is not that of another start
@@ -115,8 +138,13 @@ def link_of(state: dict[str, str]) -> str:
 
 
 def scene_of(state: dict[str, str]) -> tuple[Scene | None, dict[str, str]]:
-    """Read a scene from the fields' texts; return it and {}, or None and, for each wrong field, what is allowed."""
-    sound, numbers, errors = shipped_scenes()["fig5"], {}, {}
+    """Read a scene from the fields' texts.
+
+    Return it and {}, or None and, for each wrong field, what is allowed.
+    """
+    sound = shipped_scenes()["fig5"]
+    numbers = {}
+    errors = {}
     for name in FIELDS:
         try:
             numbers[name] = read_number(name, state[name])[0]
@@ -126,7 +154,9 @@ def scene_of(state: dict[str, str]) -> tuple[Scene | None, dict[str, str]]:
     if not 0 < numbers["periods"] <= MOST_SHOWN_PERIODS:
         errors["periods"] = f"must be more than 0 and at most {MOST_SHOWN_PERIODS}"
     parameters = None
-    while parameters is None:  # a sound value in place of each wrong one, so that all wrong ones are named
+    while (
+        parameters is None
+    ):  # a sound value in place of each wrong one, so that all wrong ones are named
         try:
             parameters = Parameters(**{name: numbers[name] for name in PARAMETER_NAMES})
         except ParameterError as error:
@@ -137,9 +167,15 @@ def scene_of(state: dict[str, str]) -> tuple[Scene | None, dict[str, str]]:
         return None, errors
     t_end = _end_time(numbers["t0"], numbers["periods"], parameters.Omega)
     start: dict[str, Any] = {name: numbers[name] for name in STARTS} | {"t_end": t_end}
-    name, known = state.get("scene", "").strip() or "explored", state.get("start_error")
+    name = state.get("scene", "").strip() or "explored"
+    known = state.get("start_error")
     try:
-        scene = Scene(name, parameters, **start, start_error=read_start_error(known.split(",")) if known else None)
+        scene = Scene(
+            name,
+            parameters,
+            **start,
+            start_error=read_start_error(known.split(",")) if known else None,
+        )
     except ParameterError as error:
         return None, {error.name: error.allowed}
     # A shipped scene has its source; a changed one says so in its name.
@@ -152,29 +188,44 @@ def scene_of(state: dict[str, str]) -> tuple[Scene | None, dict[str, str]]:
 
 def _end_time(t0: Fraction, periods: Fraction, Omega: Fraction) -> Fraction:
     """Return t0 plus a number of periods of the drive, as the shortest decimal that gives so many periods back."""
-    shown, period = f"{float(periods):.{PERIODS_DIGITS}g}", Fraction(tau) / Omega
-    exact, first = t0 + Fraction(shown) * period, floor(log10(max(float(shown), 1e-300)))
-    allowed = period * Fraction(10) ** (first + 1 - PERIODS_DIGITS) / 2  # half a unit of the last digit that is shown
-    return next(end for end in (round(exact, decimals) for decimals in count()) if abs(end - exact) < allowed)
+    shown = f"{float(periods):.{PERIODS_DIGITS}g}"
+    period = Fraction(tau) / Omega
+    exact = t0 + Fraction(shown) * period
+    first = floor(log10(max(float(shown), 1e-300)))
+    allowed = (
+        period * Fraction(10) ** (first + 1 - PERIODS_DIGITS) / 2
+    )  # half a unit of the last digit that is shown
+    return next(
+        end
+        for end in (round(exact, decimals) for decimals in count())
+        if abs(end - exact) < allowed
+    )
 
 
 # --- the answer ---
 
-#: More events than this are not followed, and more than these not listed: an answer takes no longer than a look.
-MOST_SHOWN_EVENTS, TABLE_ROWS = 300, 100
+#: More events than this are not followed, and more than these not listed: an answer takes no longer
+#: than a look.
+MOST_SHOWN_EVENTS = 300
+TABLE_ROWS = 100
 SAMPLING = Sampling(per_period=60, least=12, most=1000)
-#: Digits of the curves' points, relative to what a plot shows: enough to look a thousand times closer.
+#: Digits of the curves' points, relative to what a plot shows: enough to look a thousand times
+#: closer.
 DRAWN_DIGITS = 7
 AXIS_MARGIN = 0.06
 
 #: The dial: the radius of a belt's ring, and how far inside of it its events are marked.
-RINGS, INSIDE = {1: 0.62, 2: 1.0}, 0.15
+RINGS = {1: 0.62, 2: 1.0}
+INSIDE = 0.15
 SHADES = {1: "#e3e6eb", 2: "#b4bac6"}  # of sticks on each belt
 MARKERS = {"o": "circle", "s": "square", "^": "triangle", "*": "star"}
 
 
 def answer(link: str, default: Scene) -> Record:
-    """Return the data of the page for a link: always "link", "errors" and "notes", the rest if there are no errors."""
+    """Return the data of the page for a link.
+
+    Always "link", "errors" and "notes", the rest if there are no errors.
+    """
     # Errors say what is allowed, by the name of the field; "" for what belongs to none.
     state, notes = read_link(link, default)
     scene, errors = scene_of(state)
@@ -184,7 +235,9 @@ def answer(link: str, default: Scene) -> Record:
     try:
         # No picture and no number of the page shows more.
         trajectory = simulate(scene, max_events=MOST_SHOWN_EVENTS, accuracy=1e-9)
-        return content | {"notes": notes + _notes(scene, trajectory)} | _page_data(scene, trajectory)
+        return (
+            content | {"notes": notes + _notes(scene, trajectory)} | _page_data(scene, trajectory)
+        )
     except ParameterError as error:
         errors[error.name if error.name in FIELDS else ""] = error.allowed
     except (SymoscError, ArithmeticError) as error:
@@ -193,13 +246,21 @@ def answer(link: str, default: Scene) -> Record:
 
 
 def _notes(scene: Scene, trajectory: Trajectory) -> list[str]:
-    """Return sentences for the user: how well the start is known, a motion cut short, a start in a stick."""
-    notes, first = [], trajectory.segments[0].mode
+    """Return sentences for the user.
+
+    How well the start is known, a motion cut short, a start in a stick.
+    """
+    notes = []
+    first = trajectory.segments[0].mode
     if scene.start_error is not None and any(scene.start_error):
         known = ", ".join(f"±{float(each):.3g}" for each in scene.start_error)
-        notes.append(f"t₀, x₀, v₀ of this scene are known to {known}; a contact within their reach is a graze")
+        notes.append(
+            f"t₀, x₀, v₀ of this scene are known to {known}; a contact within their reach is a graze"
+        )
     if trajectory.status == "max_events":
-        notes.append(f"more than {MOST_SHOWN_EVENTS} events: the picture ends there; show fewer periods")
+        notes.append(
+            f"more than {MOST_SHOWN_EVENTS} events: the picture ends there; show fewer periods"
+        )
     if first.startswith("belt"):
         notes.append(f"the motion starts with a stick on belt {first[-1]}")
     return notes
@@ -208,22 +269,44 @@ def _notes(scene: Scene, trajectory: Trajectory) -> list[str]:
 def _page_data(scene: Scene, trajectory: Trajectory) -> Record:
     """Return what the page shows of a motion: data of the plots, texts, and rows of the table."""
     view = view_of(trajectory, None, SAMPLING)
-    F1, begin = np.asarray(trajectory.force(1, view.t)), trajectory.t_start
+    F1 = np.asarray(trajectory.force(1, view.t))
+    begin = trajectory.t_start
     # F^(1) - F^(domain) is the same in every state.
-    steps = {f"F{domain}": float(trajectory.force(1, begin) - trajectory.force(domain, begin)) for domain in (2, 3)}
-    curves = {"t": view.t, "x": view.x, "v": view.v, "F1": F1} | {name: F1 - step for name, step in steps.items()}
+    steps = {
+        f"F{domain}": float(trajectory.force(1, begin) - trajectory.force(domain, begin))
+        for domain in (2, 3)
+    }
+    curves = {"t": view.t, "x": view.x, "v": view.v, "F1": F1} | {
+        name: F1 - step for name, step in steps.items()
+    }
     ranges = _ranges(view, curves)
     windows = [grazing_window(scene.parameters, mapping) for mapping in PLACES]
-    hint = " (symosc simulate --digits)" if trajectory.status == "undecidable" else ""
-    sticks = [(each.since, each.until, SHADES[each.belt]) for each in view.contacts if each.until > each.since]
+    if trajectory.status == "undecidable":
+        hint = " (symosc simulate --digits)"
+    else:
+        hint = ""
+    sticks = [
+        (each.since, each.until, SHADES[each.belt])
+        for each in view.contacts
+        if each.until > each.since
+    ]
     marks = []
     for mark in view.marks:
-        belt = f"belt {mark.belt}" if mark.belt else ""
-        marks.append((mark.t, *trajectory(mark.t).tolist(), mark.color, belt, *_shape(mark.label, 2)))
+        if mark.belt:
+            belt = f"belt {mark.belt}"
+        else:
+            belt = ""
+        marks.append(
+            (mark.t, *trajectory(mark.t).tolist(), mark.color, belt, *_shape(mark.label, 2))
+        )
     contacts = []
     for event in trajectory.events:
-        radius, theta, (label, color) = RINGS[event.boundary] - INSIDE, event.theta, EVENT_MARKS[event.kind]
-        contacts.append((radius * cos(theta), radius * sin(theta), theta, color, *_shape(label, 1.7)))
+        radius = RINGS[event.boundary] - INSIDE
+        theta = event.theta
+        (label, color) = EVENT_MARKS[event.kind]
+        contacts.append(
+            (radius * cos(theta), radius * sin(theta), theta, color, *_shape(label, 1.7))
+        )
     period = tau / float(scene.parameters.Omega)
     whole = np.arange(ceil(view.t[0] / period), floor(view.t[-1] / period) + 1) * period
     x, v = trajectory(np.clip(whole, view.t[0], view.t[-1]))  # the Poincaré section
@@ -253,7 +336,8 @@ def _page_data(scene: Scene, trajectory: Trajectory) -> Record:
 def settled(link: str, default: Scene) -> Record:
     """Return the page's text on the orbit to which the motion settles, and the orbit's curve in the phase plane."""
     scene, _ = scene_of(read_link(link, default)[0])
-    text, curve = "", {"x": list[float](), "v": list[float]()}
+    text = ""
+    curve = {"x": list[float](), "v": list[float]()}
     try:
         if scene is not None:
             orbit = find_orbit(scene.parameters)
@@ -272,13 +356,19 @@ def settled(link: str, default: Scene) -> Record:
 def _rounded(values: np.ndarray) -> list[float]:
     """Return the values of a curve, rounded to the decimals that can be seen in a plot of their range."""
     span = float(np.ptp(values)) or float(np.abs(values).max())
-    decimals = DRAWN_DIGITS - floor(log10(span)) if span > 0 else DRAWN_DIGITS
+    if span > 0:
+        decimals = DRAWN_DIGITS - floor(log10(span))
+    else:
+        decimals = DRAWN_DIGITS
     rounded: list[float] = np.round(values, max(min(decimals, 300), -300)).tolist()
     return rounded
 
 
 def _columns(names: str, rows: Iterable[Sequence[Any]]) -> Record:
-    """Return a dict of columns of `rows` for a plot in the browser; `names` has their names, separated by spaces."""
+    """Return a dict of columns of `rows` for a plot in the browser.
+
+    `names` has their names, separated by spaces.
+    """
     rows = list(rows)
     return {name: [row[i] for row in rows] for i, name in enumerate(names.split())}
 
@@ -295,7 +385,8 @@ def _ranges(view: View, curves: dict[str, np.ndarray]) -> dict[str, tuple[float,
     forces = np.concatenate([[0.0], curves["F1"], curves["F3"]])
     ranges = {"t": (float(view.t[0]), float(view.t[-1]))}
     for name, values in {"x": view.x, "v": np.append(view.v, speeds), "F": forces}.items():
-        low, high = float(values.min()), float(values.max())
+        low = float(values.min())
+        high = float(values.max())
         room = AXIS_MARGIN * (high - low) or AXIS_MARGIN * max(abs(low), 1.0)
         ranges[name] = low - room, high + room
     return ranges
@@ -323,7 +414,10 @@ def _window_row(window: GrazingWindow) -> list[str]:
     """Return the texts of the cells of a grazing window's row in the page's table."""
     arcs = [f"{'(['[a]}{low:.4f}, {high:.4f}{')]'[b]}" for low, high, a, b in window.intervals]
     place = f"Ω{'₁₂₃'[window.place.domain - 1]} at belt {window.place.boundary}"
-    side = "below" if window.place.side > 0 else "above"
+    if window.place.side > 0:
+        side = "below"
+    else:
+        side = "above"
     return [window.mapping, place, side, " ∪ ".join(arcs) or "none", window.case]
 
 
@@ -331,13 +425,27 @@ def _arcs(windows: Sequence[GrazingWindow]) -> Iterator[tuple[Any, ...]]:
     """Yield arcs (radius, ends, colours, mapping, label's place) that show grazing windows on a circle of phases."""
     for window in windows:
         radius = RINGS[window.place.boundary]
-        colors = ("#1f3fd6", "white") if window.place.side > 0 else ("#c3cdf5", "black")
+        if window.place.side > 0:
+            colors = ("#1f3fd6", "white")
+        else:
+            colors = ("#c3cdf5", "black")
         pieces = [(low, high) for low, high, *_ in window.intervals]
         if len(pieces) == 2:  # they meet at the phase 0
             pieces = [(pieces[1][0] - 2 * pi, pieces[0][1])]
         for low, high in pieces:
-            middle = (low + high) / 2 if high - low < 2 * pi else pi / 2
-            yield (radius, low, high, *colors, window.mapping, radius * cos(middle), radius * sin(middle))
+            if high - low < 2 * pi:
+                middle = (low + high) / 2
+            else:
+                middle = pi / 2
+            yield (
+                radius,
+                low,
+                high,
+                *colors,
+                window.mapping,
+                radius * cos(middle),
+                radius * sin(middle),
+            )
 
 
 def _table_row(event: Event) -> list[str]:

@@ -1,4 +1,6 @@
-"""The web server of the page and its plots; it listens on this machine only, for requests from its page and links.
+"""The web server of the page and its plots.
+
+It listens on this machine only, for requests from its page and links.
 
 The plots are models of bokeh and empty: the browser fills their sources, ranges and belts by name.
 """
@@ -29,7 +31,8 @@ try:
 except ImportError:
     raise MissingExtraError("explore", "explore") from None
 
-HOST, PORT = "127.0.0.1", 8519
+HOST = "127.0.0.1"
+PORT = 8519
 #: A scene file has about 500 bytes.
 MOST_BYTES = 100_000
 #: The page loads nothing from elsewhere.
@@ -37,7 +40,10 @@ POLICY = "default-src 'self' 'unsafe-inline'; img-src 'self' data: blob:"
 
 
 class ExplorerServer(ThreadingHTTPServer):
-    """The server of the page; a link without data shows `scene`; with port 0 it takes any free port."""
+    """The server of the page; a link without data shows `scene`.
+
+    With port 0 it takes any free port.
+    """
 
     daemon_threads = True
 
@@ -46,7 +52,9 @@ class ExplorerServer(ThreadingHTTPServer):
         try:
             super().__init__((HOST, port), _Handler)
         except OSError as error:
-            reason = f"cannot be used ({error.strerror or error}): name another one; 0 is any free one"
+            reason = (
+                f"cannot be used ({error.strerror or error}): name another one; 0 is any free one"
+            )
             raise ParameterError("port", port, reason) from None
 
     @property
@@ -59,16 +67,22 @@ class ExplorerServer(ThreadingHTTPServer):
 
 
 class _Handler(BaseHTTPRequestHandler):
-    """The handler of the browser's requests: for the page, its data and scripts, and scene files."""
+    """The handler of the browser's requests.
+
+    For the page, its data and scripts, and scene files.
+    """
 
     server: ExplorerServer
     protocol_version = "HTTP/1.1"
     timeout = 30.0  # seconds for which a connection may say nothing
-    disable_nagle_algorithm = True  # else the kernel holds the text back until the headers are acknowledged
+    disable_nagle_algorithm = (
+        True  # else the kernel holds the text back until the headers are acknowledged
+    )
 
     def do_GET(self) -> None:
         """Send the page, the data for a link, a scene file, or a static file."""
-        url, scene = urlsplit(self.path), self.server.scene
+        url = urlsplit(self.path)
+        scene = self.server.scene
         if not self._is_for_us():
             self.send_error(HTTPStatus.FORBIDDEN)
         elif url.path == "/":
@@ -82,7 +96,10 @@ class _Handler(BaseHTTPRequestHandler):
             self._send_file(url.query)
         elif url.path in ("/page.css", "/page.js"):
             file = files("symosc.plot.explorer") / "page" / url.path[1:]
-            self._send(file.read_text(encoding="utf-8"), "text/css" if url.path.endswith("css") else "text/javascript")
+            self._send(
+                file.read_text(encoding="utf-8"),
+                "text/css" if url.path.endswith("css") else "text/javascript",
+            )
         elif url.path == "/bokeh.js":
             self._send(_bokeh_script(), "text/javascript", "max-age=3600")
         else:
@@ -111,10 +128,17 @@ class _Handler(BaseHTTPRequestHandler):
         return site in (None, "same-origin", "none") or mode == "navigate"
 
     def _send(self, text: str, kind: str, keep: str = "no-store", **headers: str) -> None:
-        """Send a text of the media type `kind` with more `headers`; `keep` says how long browsers may keep it."""
+        """Send a text of the media type `kind` with more `headers`.
+
+        `keep` says how long browsers may keep it.
+        """
         content = text.encode()
         self.send_response(HTTPStatus.OK)
-        about = {"Content-Type": f"{kind}; charset=utf-8", "Content-Length": str(len(content)), "Cache-Control": keep}
+        about = {
+            "Content-Type": f"{kind}; charset=utf-8",
+            "Content-Length": str(len(content)),
+            "Cache-Control": keep,
+        }
         about |= {"Content-Security-Policy": POLICY, "X-Content-Type-Options": "nosniff"}
         for name, value in (about | headers).items():
             self.send_header(name.replace("_", "-"), value)
@@ -132,7 +156,11 @@ class _Handler(BaseHTTPRequestHandler):
             said = "; ".join(f"{name} {said}" for name, said in errors.items())
             self.send_error(HTTPStatus.BAD_REQUEST, explain=said)
             return
-        self._send(as_toml(scene) + "\n", "application/toml", Content_Disposition='attachment; filename="scene.toml"')
+        self._send(
+            as_toml(scene) + "\n",
+            "application/toml",
+            Content_Disposition='attachment; filename="scene.toml"',
+        )
 
     def _read_file(self) -> None:
         """Send the fields' texts and the notes that follow from an uploaded scene file, or its error."""
@@ -162,8 +190,17 @@ def page(state: dict[str, str]) -> str:
     loader = PackageLoader("symosc.plot.explorer", "page")
     environment = Environment(loader=loader, autoescape=True, undefined=StrictUndefined)
     script, places = _plots()
-    scenes = {name: answers.link_of(answers.state_of(scene)) for name, scene in answers.shipped_scenes().items()}
-    content = {"state": state, "groups": answers.GROUPS, "scenes": scenes, "script": script, "places": places}
+    scenes = {
+        name: answers.link_of(answers.state_of(scene))
+        for name, scene in answers.shipped_scenes().items()
+    }
+    content = {
+        "state": state,
+        "groups": answers.GROUPS,
+        "scenes": scenes,
+        "script": script,
+        "places": places,
+    }
     return environment.get_template("page.html.j2").render(content)
 
 
@@ -181,21 +218,34 @@ def _bokeh_script() -> str:
 
 # --- the plots ---
 
-INK, AXIS, GREY = "#1d2129", "#8a8f98", "#5b616e"
+INK = "#1d2129"
+AXIS = "#8a8f98"
+GREY = "#5b616e"
 #: The colour of each force, and its dashes, which tell the three apart without colour.
 FORCES = {1: (FORCE_BELOW, "solid"), 2: ("black", "dashed"), 3: (FORCE_ABOVE, "dotted")}
 Sources: TypeAlias = dict[str, models.ColumnDataSource]
 Ranges: TypeAlias = dict[str, models.Range1d]
 #: How the marks of events are drawn.
-MARKS: Record = {"marker": "marker", "size": "size", "fill_color": "color", "line_width": 1, "line_color": "black"}
+MARKS: Record = {
+    "marker": "marker",
+    "size": "size",
+    "fill_color": "color",
+    "line_width": 1,
+    "line_color": "black",
+}
 
 
 def pictures() -> dict[str, Any]:
     """Return the plots by name: plane, dial, displacement, velocity, forces."""
     columns = answers.answer("", answers.shipped_scenes()["fig5"])["sources"]
     columns |= {"settled": ["x", "v"], "now": ["t", "x", "v"]}
-    sources = {name: models.ColumnDataSource({key: [] for key in keys}, name=name) for name, keys in columns.items()}
-    ranges = {name: models.Range1d(start=0, end=1, name=f"range-{name}") for name in ("t", "x", "v", "F")}
+    sources = {
+        name: models.ColumnDataSource({key: [] for key in keys}, name=name)
+        for name, keys in columns.items()
+    }
+    ranges = {
+        name: models.Range1d(start=0, end=1, name=f"range-{name}") for name in ("t", "x", "v", "F")
+    }
     return {
         "plane": _plane(sources, ranges),
         "dial": _dial(sources),
@@ -205,18 +255,49 @@ def pictures() -> dict[str, Any]:
     }
 
 
-def _plot(x_label: str, y_label: str, x_range: models.Range1d, y_range: models.Range1d, height: int, name: str) -> Any:
+def _plot(
+    x_label: str,
+    y_label: str,
+    x_range: models.Range1d,
+    y_range: models.Range1d,
+    height: int,
+    name: str,
+) -> Any:
     """Return an empty plot; no drag tool is active at first, so that a finger scrolls the page."""
-    tools = [models.PanTool(), models.BoxZoomTool(), models.WheelZoomTool(), models.ResetTool(), models.SaveTool()]
-    ranges: Record = {"x_range": x_range, "y_range": y_range, "x_axis_label": x_label, "y_axis_label": y_label}
+    tools = [
+        models.PanTool(),
+        models.BoxZoomTool(),
+        models.WheelZoomTool(),
+        models.ResetTool(),
+        models.SaveTool(),
+    ]
+    ranges: Record = {
+        "x_range": x_range,
+        "y_range": y_range,
+        "x_axis_label": x_label,
+        "y_axis_label": y_label,
+    }
     # With this room beside the plots their time axes are one below the other.
-    style: Record = {"sizing_mode": "stretch_width", "min_border_left": 70, "min_border_right": 78, "height": height}
+    style: Record = {
+        "sizing_mode": "stretch_width",
+        "min_border_left": 70,
+        "min_border_right": 78,
+        "height": height,
+    }
     plot = figure(tools=tools, name=name, **style, **ranges)
     plot.toolbar.update(active_drag=None, active_scroll=None, logo=None, autohide=True)
     plot.outline_line_color = AXIS
     for axis in (*plot.xaxis, *plot.yaxis):
-        axis.update(axis_label_text_font_style="normal", axis_label_text_color=INK, major_label_text_color=INK)
-        axis.update(axis_label_text_font_size="13px", major_label_text_font_size="12px", minor_tick_line_color=None)
+        axis.update(
+            axis_label_text_font_style="normal",
+            axis_label_text_color=INK,
+            major_label_text_color=INK,
+        )
+        axis.update(
+            axis_label_text_font_size="13px",
+            major_label_text_font_size="12px",
+            minor_tick_line_color=None,
+        )
     plot.grid.grid_line_color = "#e8eaee"
     return plot
 
@@ -226,27 +307,52 @@ def _marks(plot: Any, sources: Sources, x: str, y: str) -> None:
     marks = plot.scatter(x, y, source=sources["marks"], level="overlay", **MARKS)
     place = [("t", "@t{0.000000}"), ("x", "@x{0.000000}"), ("v", "@v{0.000000}")]
     plot.add_tools(models.HoverTool(renderers=[marks], tooltips=[("", "@label @belt"), *place]))
-    plot.scatter(x, y, source=sources["now"], size=11, fill_color=MASS_COLOR, line_color="white", level="overlay")
+    plot.scatter(
+        x,
+        y,
+        source=sources["now"],
+        size=11,
+        fill_color=MASS_COLOR,
+        line_color="white",
+        level="overlay",
+    )
 
 
 def _belts(plot: Any) -> None:
-    """Draw lines for both belts and their names on an axis to the right; the browser moves them to the speeds."""
+    """Draw lines for both belts and their names on an axis to the right.
+
+    The browser moves them to the speeds.
+    """
     for belt, dash in ((1, "solid"), (2, "dashed")):
         style = {"line_color": BELT_COLOR, "line_width": 1.4, "line_dash": dash}
         plot.add_layout(models.Span(dimension="width", location=0, tags=[f"belt-{belt}"], **style))
-    names: Record = {"major_label_text_font_size": "12px", "major_label_text_color": INK, "axis_line_color": None}
-    names |= {"major_tick_line_color": BELT_COLOR, "major_tick_in": 0, "ticker": models.FixedTicker(ticks=[])}
+    names: Record = {
+        "major_label_text_font_size": "12px",
+        "major_label_text_color": INK,
+        "axis_line_color": None,
+    }
+    names |= {
+        "major_tick_line_color": BELT_COLOR,
+        "major_tick_in": 0,
+        "ticker": models.FixedTicker(ticks=[]),
+    }
     plot.add_layout(models.LinearAxis(tags=["belt-names"], **names), "right")
 
 
 def _plane(sources: Sources, ranges: Ranges) -> Any:
     """Return the plot of v against x, with curve, belts, Poincaré section, marks and a start that can be dragged."""
     plot = _plot("position x [m]", "velocity v [m/s]", ranges["x"], ranges["v"], 380, "plane")
-    plot.line("x", "v", source=sources["settled"], line_color="black", line_width=5, line_alpha=0.22)
+    plot.line(
+        "x", "v", source=sources["settled"], line_color="black", line_width=5, line_alpha=0.22
+    )
     plot.line("x", "v", source=sources["curves"], line_color=MASS_COLOR, line_width=1.8)
     _belts(plot)
-    plot.scatter("x", "v", source=sources["section"], marker="x", size=9, line_color="black", line_width=1.6)
-    start = plot.scatter("x", "v", source=sources["start"], size=16, fill_alpha=0.0, line_color=GREY)
+    plot.scatter(
+        "x", "v", source=sources["section"], marker="x", size=9, line_color="black", line_width=1.6
+    )
+    start = plot.scatter(
+        "x", "v", source=sources["start"], size=16, fill_alpha=0.0, line_color=GREY
+    )
     plot.add_tools(models.PointDrawTool(renderers=[start], add=False, tags=["drag-start"]))
     _marks(plot, sources, "x", "v")
     return plot
@@ -254,14 +360,24 @@ def _plane(sources: Sources, ranges: Ranges) -> Any:
 
 def _time_plot(sources: Sources, ranges: Ranges, name: str, label: str) -> Any:
     """Return the plot of x, v or the forces F over time, with sticks shaded, those on belt 2 darker."""
-    height = 230 if name == "F" else 190
+    if name == "F":
+        height = 230
+    else:
+        height = 190
     plot = _plot("time t [s]", label, ranges["t"], ranges[name], height, f"{name}-of-t")
     style = {"fill_color": "shade", "line_color": None, "level": "underlay"}
     plot.vstrip(x0="since", x1="until", source=sources["sticks"], **style)
     if name == "F":
         plot.add_layout(models.Span(dimension="width", location=0, line_color=GREY, line_width=1))
         for domain, (color, dash) in FORCES.items():
-            plot.line("t", f"F{domain}", source=sources["curves"], line_color=color, line_dash=dash, line_width=1.8)
+            plot.line(
+                "t",
+                f"F{domain}",
+                source=sources["curves"],
+                line_color=color,
+                line_dash=dash,
+                line_width=1.8,
+            )
     else:
         plot.line("t", name, source=sources["curves"], line_color=MASS_COLOR, line_width=1.8)
         if name == "v":
@@ -272,9 +388,20 @@ def _time_plot(sources: Sources, ranges: Ranges, name: str, label: str) -> Any:
 
 
 def _dial(sources: Sources) -> Any:
-    """Return the plot of phases on a circle: a ring for each belt, with windows as arcs and events inside."""
-    ranges: Record = {name: models.Range1d(start=-1.45, end=1.45) for name in ("x_range", "y_range")}
-    size: Record = {"width": 300, "height": 300, "match_aspect": True, "tools": "save", "toolbar_location": None}
+    """Return the plot of phases on a circle.
+
+    A ring for each belt, with windows as arcs and events inside.
+    """
+    ranges: Record = {
+        name: models.Range1d(start=-1.45, end=1.45) for name in ("x_range", "y_range")
+    }
+    size: Record = {
+        "width": 300,
+        "height": 300,
+        "match_aspect": True,
+        "tools": "save",
+        "toolbar_location": None,
+    }
     plot = figure(name="dial", **ranges, **size)
     plot.axis.visible = plot.grid.visible = False
     plot.outline_line_color = None
@@ -282,13 +409,30 @@ def _dial(sources: Sources) -> Any:
         plot.arc(0, 0, radius, 0, 2 * pi, line_color=AXIS, line_width=1)
     sides = (("0", "left", 0), ("π/2", "center", -7), ("π", "right", 0), ("3π/2", "center", 7))
     for quarter, (text, side, down) in enumerate(sides):
-        across, up = cos(quarter * pi / 2), sin(quarter * pi / 2)
+        across = cos(quarter * pi / 2)
+        up = sin(quarter * pi / 2)
         plot.segment([1.1 * across], [1.1 * up], [1.17 * across], [1.17 * up], line_color="black")
-        style: Record = {"text_font_size": "13px", "text_baseline": "middle", "text_align": side, "y_offset": down}
+        style: Record = {
+            "text_font_size": "13px",
+            "text_baseline": "middle",
+            "text_align": side,
+            "y_offset": down,
+        }
         plot.text([1.23 * across], [1.23 * up], [text], **style)
-    plot.arc(0, 0, "radius", "low", "high", source=sources["arcs"], line_color="color", line_width=15)
-    name: Record = {"text_font_size": "11px", "text_font_style": "bold", "text_align": "center", "text_color": "text"}
+    plot.arc(
+        0, 0, "radius", "low", "high", source=sources["arcs"], line_color="color", line_width=15
+    )
+    name: Record = {
+        "text_font_size": "11px",
+        "text_font_style": "bold",
+        "text_align": "center",
+        "text_color": "text",
+    }
     plot.text("label_x", "label_y", "map", source=sources["arcs"], text_baseline="middle", **name)
     marks = plot.scatter("x", "y", source=sources["contacts"], **MARKS)
-    plot.add_tools(models.HoverTool(renderers=[marks], tooltips=[("", "@label"), ("phase", "@phase{0.0000} rad")]))
+    plot.add_tools(
+        models.HoverTool(
+            renderers=[marks], tooltips=[("", "@label"), ("phase", "@phase{0.0000} rad")]
+        )
+    )
     return plot
