@@ -5,18 +5,25 @@ What vanishes, the names of the literature, and why an atlas of words is complet
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import sympy as sp
 
+from symosc.derive.chapters.exponents import lengths
+from symosc.derive.chapters.motion import MU, newton
 from symosc.derive.latex import named
 from symosc.derive.published import wall
-from symosc.derive.scope import LOWER, UPPER, F, G, Scope, mu_lambda, v_lambda
+from symosc.derive.scope import BELTS, LOWER, UPPER, F, G, Scope, mu_lambda, stated, v_lambda
 from symosc.derive.steps import (
     CONTEXT,
+    Check,
     Items,
     Table,
     at_root,
+    cases,
     decimal,
     equation,
+    exact,
     number,
     sign,
     step,
@@ -53,21 +60,19 @@ def items(scope: Scope) -> Items:
     # The letters of a belt with friction.
     yield (
         r"\subsection{What a border is}",
-        r"\begin{definition}[border]\label{thm:borders-border} A periodic motion with the period of the drive, one "
-        r"that is no rest, is \emph{regular} if each of its flights arrives with $F \ne 0$, each contact is a passage "
-        r"with $F^{(\lambda)} F^{(\lambda+1)} > 0$ or the onset of a stick with $F^{(\lambda)} > 0 > F^{(\lambda+1)}$, "
-        r"no flight touches a belt on its way, and each stick is held with strict signs up to its end, where one of "
-        r"the two accelerations vanishes with $\dot{F} \ne 0$. Its \emph{word} is the sequence of its mappings. A "
-        r"\emph{border} is a set of parameters for which the periodic motion is not regular.\end{definition}",
+        r"\begin{definition}[border]\label{thm:borders-border} Consider a periodic motion with the period of the "
+        r"drive, "
+        r"one that is no rest. Its \emph{word} is the sequence of its mappings. A \emph{border} is a set of parameters "
+        r"for which it is not regular (Definition~\ref{thm:jacobians-regular}).\end{definition}",
         r"On a border the equations of a word still hold, and one of these inequalities has become an equality: in a "
         r"plane of two parameters this is a curve. Four cases are possible (Table~\ref{tab:borders-names}). Their "
         r"names are those of \cite{dibernardo2002,dibernardo2008,kowalczyk2008}; sliding is what is called sticking "
         r"here. Let $F^{(\alpha)}$ be what vanishes.",
         r"\begin{theorem}[four borders]\label{thm:borders-names} "
         r"Let $\mu_\lambda F_N > 0$. If $F^{(\lambda)} = 0$ at a contact with belt $\lambda$, then",
-        equation(F(UPPER), jump, {F(UPPER): F(LOWER) + jump, F(LOWER): 0}, "other"),
+        equation(F(UPPER), jump, _across_each_belt(UPPER, 1), "other"),
         r"and if $F^{(\lambda+1)} = 0$ then",
-        equation(F(LOWER), -jump, {F(LOWER): F(UPPER) - jump, F(UPPER): 0}),
+        equation(F(LOWER), -jump, _across_each_belt(LOWER, -1)),
         step(
             2 * sp.Symbol(r"\mu_\lambda", positive=True) * sp.Symbol("F_N", positive=True) / m,
             ">",
@@ -93,7 +98,8 @@ def items(scope: Scope) -> Items:
         r"pass it, and close to a touch both sides hold the mass. \eqref{eq:borders-rate} are \eqref{eq:switching-g1} "
         r"and \eqref{eq:sticks-rate}, and its last term vanishes. What follows a contact with a small $F^{(\alpha)}$ "
         r"of either sign is Theorem~\ref{thm:switching-cases}, and how long it lasts \eqref{eq:exponents-graze} to "
-        r"\eqref{eq:exponents-interrupted}. In (iv) both $F^{(\alpha)}$ and its rate vanish, which fixes the phase by "
+        r"\eqref{eq:exponents-interrupted-slip}. In (iv) both $F^{(\alpha)}$ and its rate vanish, which fixes the "
+        r"phase by "
         r"\eqref{eq:sticks-rate} and the place by \eqref{eq:motion-acceleration}.\end{proof}",
         _names_table(),
         r"If $\mu_\lambda F_N = 0$ there is no belt, and (i) is no border of motions. Where the mass may rest on a "
@@ -138,34 +144,40 @@ def items(scope: Scope) -> Items:
     )
 
 
+def _across_each_belt(side: str, way: int) -> Check:
+    """Return the check of the acceleration on one side of each belt if the other side's is 0.
+
+    `side` is LOWER or UPPER, and `way` is 1 if that one is above the belt, -1 if it is below.
+    """
+    # By Newton's law in both domains: the difference does not depend on the state.
+    differences = {belt: newton(belt + 1) - newton(belt) for belt in BELTS}
+    return cases(
+        *(exact({F(side): way * gap, mu_lambda: MU[belt]}) for belt, gap in differences.items())
+    )
+
+
 def _names_table() -> Table:
     """Return the table of the four kinds of border.
 
     What is 0 there, and what a branch's end is called.
     """
     graze = "grazing", "grazing, or vanishing of a stick"
+    birth = "birth of a stick", "vanishing of a stick"
+    slip = "birth of a slip", "vanishing of a slip"
+    lasts = lengths()
+    divided = lasts["interrupted-slip"]
+    sliding = replace(divided, right=divided.right.subs(lasts["graze"].left, lasts["graze"].right))
     rows = (
-        (NAMES[0], r"$\dot{x} = v_\lambda$ in a flight", r"$\sqrt{\epsilon}$", *graze),
-        (
-            NAMES[1],
-            r"$F^{(\alpha)} = 0$ at a passage",
-            r"$\epsilon$",
-            "birth of a stick",
-            "vanishing of a stick",
-        ),
-        (NAMES[2], r"$F^{(\alpha)} = 0$ at an onset", r"$\epsilon$", "birth of a slip", "grazing"),
-        (
-            NAMES[3],
-            r"$F^{(\alpha)} = 0$ in a stick",
-            r"$\sqrt{\epsilon}$",
-            "birth of a slip",
-            "vanishing of a slip",
-        ),
+        (NAMES[0], r"$\dot{x} = v_\lambda$ in a flight", lasts["graze"], *graze),
+        (NAMES[1], r"$F^{(\alpha)} = 0$ at a passage", lasts["stick"], *birth),
+        (NAMES[2], r"$F^{(\alpha)} = 0$ at an onset", lasts["slip-short"], slip[0], "grazing"),
+        (NAMES[3], r"$F^{(\alpha)} = 0$ in a stick", sliding, *slip),
     )
     return Table(
         "tab:borders-names",
-        r"The four borders: what becomes 0; how long what is born lasts at a distance $\epsilon$ from the border; and "
-        r"how this package names the end of a branch there, on the side of the shorter and of the longer word.",
+        r"The four borders: what becomes 0; how long what is born lasts, to leading order, at a distance $\epsilon$ "
+        r"from the border, by \eqref{eq:exponents-graze} to \eqref{eq:exponents-interrupted-slip}; and how this "
+        r"package names the end of a branch there, on the side of the shorter and of the longer word.",
         ("name", "what", "length", "shorter word", "longer word"),
         rows,
     )
@@ -224,13 +236,14 @@ def _examples_table() -> Table:
                 decimal("z", rate, 3),
             )
         )
+    text, numbers = stated(_WALL, "m", "k", "B0", "FN", "c", "Omega", "v1", "mu2")
     return Table(
         "tab:borders-examples",
         r"An example of each: ends of branches in one parameter, and the rate there, with belt 2 in Fig.~9 (the graze) "
-        r"and in Fig.~10, else belt 1. The wall: $m = k = B_0 = F_N = 1$, $c = \frac{1}{10}$, $\Omega = \frac{2}{5}$, "
-        r"$v_1 = \mu_2 = 0$. In the second line the mass passes downwards, so that a negative rate lets it go.",
+        rf"and in Fig.~10, else belt 1. The wall: {text}. In the second line the mass passes downwards, so that a "
+        rf"negative rate lets it go.",
         ("border", "branch", "", "at", "the package says", "rate"),
         tuple(rows),
-        tuple(signs),
+        (*signs, *numbers),
         columns="lllrlr",
     )

@@ -8,13 +8,17 @@ from typing import Any
 import sympy as sp
 
 from symosc.derive.chapters.jacobians import AFTER, BEFORE, force_at_belt, multiplier_products
+from symosc.derive.chapters.maps import force
+from symosc.derive.chapters.orbits import FUNCTIONS
 from symosc.derive.latex import named
 from symosc.derive.published import Flight
 from symosc.derive.scope import Scope, v_lambda
 from symosc.derive.steps import (
     CONTEXT,
     Items,
+    Step,
     Table,
+    at_root,
     close,
     decimal,
     equation,
@@ -29,7 +33,8 @@ from symosc.scenes import load_scene
 from symosc.sensitivities import sensitivities
 from symosc.simulation.simulate import simulate
 from symosc.symbolic import solution
-from symosc.symbolic.solution import c, k, m
+from symosc.symbolic.solution import Omega, a_i, c, k, m, tau, theta_i, v_i, x_i
+from symosc.symbolic.theorem7 import rational
 
 TITLE = "Derivatives of motions, exponents, and no chaos"
 #: Derivatives by q: of an event's time and position, of the belt's speed; at a fixed time, before
@@ -110,30 +115,33 @@ def items(scope: Scope) -> Items:
         r"or later.",
         _events_table(),
     )
-    s = named("s")
-    total = named(r"\int_{-s}^{2s} F")
-    e = sp.Symbol(r"\epsilon", positive=True)
-    b = sp.Symbol("b", positive=True)
-    bump = e - b * s**2 / 2
-    half = sp.sqrt(2 * e / b)
+    lasts = lengths()
     yield (
         r"\subsection{Where they end}",
         r"The theorem divides by $F^{-}$ or $\dot{F}$. Where one of them vanishes, and where $F^{+} = 0$ at a contact, "
         r"another event is born, and the derivatives differ on the two sides. Let $\epsilon > 0$ be how far $q$ has "
         r"gone beyond that point, and $b > 0$ the first derivative that does not vanish. To leading order",
         r"\begin{enumerate}"
-        r"\item[(i)] a flight that goes beyond a belt by the velocity $\epsilon$ is there for $2s$, with",
-        equation(s, half, {s: max(sp.solve(bump, s), key=lambda root: root.is_positive)}, "graze"),
+        r"\item[(i)] a flight that without the belt would go beyond its speed by the velocity "
+        r"$\epsilon$ meets it before that, by the time",
+        lasts["graze"],
+        r"A belt with friction lets no flight pass there (Lemma~\ref{thm:motion-jump}): the mass "
+        r"sticks. It meets the belt with $F = b s$, and along the belt $F$ falls with the rate $b$ "
+        r"as well, so that the stick lasts for",
+        lasts["graze-stick"],
         r"\item[(ii)] a stick that begins with $F = -\epsilon$ and rises with the rate $b$ lasts for",
-        equation(s, e / b, {s: sp.solve(b * s - e, s)[0]}, "stick"),
+        lasts["stick"],
         r"\item[(iii)] a slip that begins with $F = \epsilon$ and falls with the rate $b$ lasts for",
-        equation(s, 2 * e / b, {s: sp.solve(e - b * s / 2, s)[0]}, "slip-short"),
+        lasts["slip-short"],
         r"\item[(iv)] a stick during which $F = \epsilon - b s^2/2$ is interrupted from $-s$ to $2s$, with the $s$ of "
         r"\eqref{eq:exponents-graze}:",
-        equation(total, 0, {total: sp.integrate(bump, (s, -half, 2 * half))}, "interrupted"),
+        lasts["interrupted"],
+        r"so that the slip lasts for",
+        lasts["interrupted-slip"],
         r"\end{enumerate}",
         r"So in (i) and (iv) times grow with the square root on one side, and no derivative exists there. In (ii) and "
         r"(iii) each side has its own derivatives.",
+        _graze_example(),
     )
     chi = sp.Symbol(r"\chi_j", positive=True)
     change = named(r"\ln\det(S_j\Phi(\tau_j))")
@@ -148,7 +156,8 @@ def items(scope: Scope) -> Items:
         r"(Theorem~\ref{thm:jacobians-monodromy}). The \emph{Lyapunov exponents} $\Lambda_1 \ge \Lambda_2$ of the "
         r"motion are the limits for $t \to \infty$ (upper limits, if there are none) of $\frac{1}{t}\ln\|M(t)\| = "
         r"\Lambda_1$ and $\frac{1}{t}\ln|\det M(t)| = \Lambda_1 + \Lambda_2$.",
-        r"\begin{theorem}[exponents]\label{thm:exponents-lyapunov} Let a motion graze nowhere, and let $\chi_j = "
+        r"\begin{theorem}[exponents]\label{thm:exponents-lyapunov} Let a motion be regular "
+        r"(Definition~\ref{thm:jacobians-regular}), and let $\chi_j = "
         r"F^{+}/F^{-}$ at its crossings.\begin{enumerate}\item[(i)] $\Lambda_1 \le 0$.\item[(ii)] $\Lambda_2 = "
         r"-\infty$ once the mass has stuck. Without sticks a flight and its crossing contribute",
         equation(
@@ -207,6 +216,64 @@ def items(scope: Scope) -> Items:
         r"damping. A simulation of this model that shows chaos has an error in its events or its steps, or has not "
         r"settled: for $c = 0$ motions may settle slowly, or to one member of a continuum "
         r"(Chapter~\ref{sec:literature}).\end{remark}",
+    )
+
+
+def lengths() -> dict[str, Step]:
+    """Return the steps on how long an event that is born lasts, to leading order, by their labels."""
+    s = named("s")
+    length = named(r"\ell")
+    total = named(r"\int_{-s}^{2s} F")
+    end = sp.Symbol("u", positive=True)
+    e = sp.Symbol(r"\epsilon", positive=True)
+    b = sp.Symbol("b", positive=True)
+    bump = e - b * s**2 / 2
+    half = sp.sqrt(2 * e / b)
+    before = next(-root for root in sp.solve(bump, s) if root.is_negative)
+    fading = bump.diff(s).subs(s, -s) - b * length
+    returns = [at for at in sp.solve(sp.integrate(bump, (s, -before, end)), end) if at.is_positive]
+    found = {
+        "graze": (s, half, {s: before}),
+        "graze-stick": (length, s, {length: sp.solve(fading, length)[0]}),
+        "stick": (length, e / b, {length: sp.solve(b * length - e, length)[0]}),
+        "slip-short": (length, 2 * e / b, {length: sp.solve(e - b * length / 2, length)[0]}),
+        "interrupted": (total, 0, {total: sp.integrate(bump, (s, -before, 2 * before))}),
+        "interrupted-slip": (length, 3 * s, {length: returns[0] + before, s: half}),
+    }
+    return {label: equation(*parts, label) for label, parts in found.items()}
+
+
+def _in_numbers(expr: Any, scope: Scope) -> Any:
+    """Return an expression with the numbers of the scope's scene put in."""
+    return expr.xreplace(scope.display).xreplace(scope.numbers)
+
+
+def _graze_example() -> Items:
+    """Return the stick that the printed digits of Fig. 7 leave: to leading order, and as it is."""
+    scene = load_scene("fig7-corrected")
+    scope = Scope(scene)
+    flow = solution.flow(scope.regimes[0])
+    phase = scope.numbers[Omega] * rational(scene.t0)
+    start = {x_i: rational(scene.x0), v_i: rational(scene.v0), theta_i: phase}
+    start[a_i] = _in_numbers(force(1, x_i, v_i, theta_i), scope).xreplace(start)
+    speed, push, rate = (
+        sp.lambdify(tau, _in_numbers(part.xreplace(start), scope), FUNCTIONS)
+        for part in (flow.v, flow.a, flow.a.diff(tau))
+    )
+    onset, end = (number(event.t) for event in simulate(scene, digits=DIGITS).events[:2])
+    top = CONTEXT.clone().findroot(push, onset - number(scene.t0))
+    beyond = speed(top) - number(scene.parameters.v1)
+    leading = CONTEXT.sqrt(-2 * beyond / rate(top))
+    stick = end - onset
+    ratio = named(r"|\ell/s - 1|")
+    off = {ratio: sp.Float(CONTEXT.nstr(abs(stick / leading - 1), 20), 20)}
+    return (
+        r"The paper's Fig.~7 is an example, with the other value of $A_0$ in Chapter~\ref{sec:errata}: from the "
+        r"printed "
+        r"digits of its start the mass does not graze, but sticks for some time $\ell$, beside the $s$ of (i):",
+        decimal("s", leading, 7),
+        decimal(r"\ell", stick, 7, note="so that"),
+        step(ratio, "<", sp.Rational(1, 1000), at_root(lambda: off)),
     )
 
 

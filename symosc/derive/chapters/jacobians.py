@@ -8,7 +8,6 @@ from typing import Any
 
 import sympy as sp
 
-from symosc.derive.chapters.domains import generic_basis
 from symosc.derive.latex import named
 from symosc.derive.scope import Scope
 from symosc.derive.steps import (
@@ -19,6 +18,7 @@ from symosc.derive.steps import (
     equation,
     exact,
     facts,
+    generic_basis,
     modes,
     number,
     sign,
@@ -60,7 +60,7 @@ def items(scope: Scope) -> Items:
         true = {"x0": ("x_i", total(expr, x_i)), "th0": (r"\theta_i", total(expr, theta_i) - slope)}
         for key, (by, derivative) in (true | {"th1": (r"\theta_{i+1}", slope)}).items():
             letter = partial(f"f_{which}", by)
-            check = exact({letter: derivative} | ends, solution.use_relations, independent=False)
+            check = exact({letter: derivative} | ends, solution.use_relations)
             rows.append(equation(letter, found[f"{short}_{key}"], check, f"f{which}-{key}"))
     yield (
         r"\subsection{Derivatives of the governing equations}",
@@ -122,8 +122,16 @@ def items(scope: Scope) -> Items:
     }
     yield (
         r"\subsection{The monodromy matrix}",
+        r"\begin{definition}[regular motion]\label{thm:jacobians-regular} A motion is \emph{regular} if each of its "
+        r"flights arrives at a belt with $F \ne 0$ and touches none on its way; each contact is a passage with "
+        r"$F^{(\lambda)} F^{(\lambda+1)} > 0$, or the onset of a stick with $F^{(\lambda)} > 0 > F^{(\lambda+1)}$; and "
+        r"each stick is held with these strict signs up to its end, where one of the two accelerations vanishes with "
+        r"$\dot{F} \ne 0$.\end{definition}",
+        r"So a regular motion grazes nowhere, but this is not enough: a passage with $F^{+} = 0$, or a stick that is "
+        r"about to be interrupted, is no graze, and next to it events are born that the matrices below do not have "
+        r"(\eqref{eq:exponents-stick} to \eqref{eq:exponents-interrupted}).",
         r"\begin{theorem}[monodromy and multipliers]\label{thm:jacobians-monodromy} "
-        r"Let a periodic motion that grazes nowhere and has the period $\mathcal{T}$ consist of flights and sticks "
+        r"Let a periodic motion that is regular and has the period $\mathcal{T}$ consist of flights and sticks "
         r"with the durations $\tau_1, \ldots, \tau_n$. A small change of its state at the start is after $\mathcal{T}$ "
         r"multiplied by the \emph{monodromy matrix} $M = S_n\Psi_n \cdots S_2\Psi_2 S_1\Psi_1$, where "
         r"$\Psi_j = \Phi(\tau_j)$ for a flight, $\Psi_j = I$ for a stick, and $S_j$ is the saltation matrix at the end "
@@ -161,7 +169,7 @@ def perturbations() -> Items:
     rows = []
     for n, (place, (expr, letter, entry)) in enumerate(entries.items(), 1):
         name = named(rf"\Phi_{{{place}}}")
-        check = exact({name: total(expr, letter)}, solution.use_relations, independent=False)
+        check = exact({name: total(expr, letter)}, solution.use_relations)
         rows.append(equation(name, entry, check, f"phi-{n}"))
     determinant = named(r"\det\Phi(\tau)")
     matrix = {determinant: (1 - w0sq * E2) * E0 + w0sq * E1**2}
