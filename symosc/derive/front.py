@@ -28,6 +28,11 @@ LEGEND = (
     r"Where the text says \emph{the paper}, it is \cite{chen2016}, and equation numbers with \emph{the paper's} are "
     r"its numbers."
 )
+#: What a chapter that is printed alone says.
+ALONE = (
+    r"References to other chapters have their numbers in the whole supplement, "
+    r"\texttt{symosc derive all}."
+)
 #: Only packages that LaTeX's smallest installations have. \markit before the end of a row sets the
 #: letter that stands behind its number. Tables and figures stay in their chapter: those that still
 #: wait stand above the title of the next one, and none of that one does.
@@ -114,6 +119,8 @@ $t_m$, $x_m$, $\theta_m$, $\sigma$ & time, position, phase of a contact, and its
 $g$ & gap $\dot{x} - v_\lambda$ & Lemma~\ref{thm:events-gap} \\
 $\varphi$, $q$, $w$, $u$, $V$, $V_0$, $C_4$, $p$ & helpers of the event search, each defined in its theorem &
   Chapter~\ref{sec:events} \\
+$F_*$, $N_E$ & largest sum of all forces but the spring's and the damper's; integral of $|E_1|$ &
+  Proposition~\ref{thm:orbits-bound} \\
 $y$, $W$, $d$, $H_\lambda$, $\ell$ & difference of two motions, its energy, a distance, a constant force, a length &
   Theorem~\ref{thm:orbits-unique} \\
 $G^{(j)}$, $\Sigma^j$, $x^{(i)}$, $\partial\Omega_{ij}$, $\varphi_{ij}$ & in the list of errata, as in the paper: of

@@ -240,7 +240,7 @@ class PaperPrinter(LatexPrinter):
             return f"{name} {text}"
         return f"{name}{_parentheses(text)}"
 
-    _print_cos = _print_sinh = _print_cosh = _print_sin
+    _print_cos = _print_sinh = _print_cosh = _print_coth = _print_sin
 
     def _print_asin(self, expr: Expr, exp: Any = None) -> str:
         return rf"\arcsin{_parentheses(self._print(expr.args[0]))}"
@@ -355,7 +355,8 @@ LINE_WIDTH = 70.0
 #: Widths of tokens; other commands and small letters have 1.1, capital letters and m 1.7.
 _WIDTHS = dict.fromkeys((r"\left", r"\right", r"\bigl", r"\bigr", r"\biggl", r"\biggr"), 0.3)
 _WIDTHS |= {
-    name: 1.0 * len(name) for name in (r"\sin", r"\cos", r"\arcsin", r"\sinh", r"\cosh", r"\lim")
+    name: 1.0 * len(name)
+    for name in (r"\sin", r"\cos", r"\arcsin", r"\sinh", r"\cosh", r"\coth", r"\lim")
 }
 _WIDTHS |= {
     r"\Omega": 1.5,

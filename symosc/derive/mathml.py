@@ -13,7 +13,7 @@ from pathlib import Path
 
 from latex2mathml.converter import convert
 
-FUNCTION = "<m[io]>(?:sin|cos|sinh|cosh|arcsin|det)</m[io]>"
+FUNCTION = "<m[io]>(?:sin|cos|sinh|cosh|coth|arcsin|det)</m[io]>"
 SPACE = '<mspace width="0.17em" />'
 WORDS = {"emph": "em", "textbf": "strong", "texttt": "code", "textsc": "small"}
 ITEMS = re.compile(r"\\begin\{(enumerate|itemize)\}(.*?)\\end\{\1\}", re.DOTALL)

@@ -14,8 +14,9 @@ import sympy as sp
 
 from symosc.derive import steps
 from symosc.derive.chapters.maps import force
-from symosc.derive.latex import named
-from symosc.derive.scope import BELTS, Scope
+from symosc.derive.latex import latex, named
+from symosc.derive.published import RESTING
+from symosc.derive.scope import BELTS, Scope, stated
 from symosc.derive.steps import (
     CONTEXT,
     STEP_DIGITS,
@@ -24,16 +25,34 @@ from symosc.derive.steps import (
     at_root,
     decimal,
     equation,
+    exact,
     facts,
     sign,
     step,
 )
-from symosc.model import NEIGHBOURS, Parameters
+from symosc.model import NEIGHBOURS, PARAMETER_NAMES, Parameters
 from symosc.orbits.find import find_orbit
 from symosc.scenes import load_scene
 from symosc.simulation.simulate import simulate
 from symosc.symbolic import maps, solution
-from symosc.symbolic.solution import BASIS, FN, Omega, a_i, k, tau, theta_i, v_i, x_i
+from symosc.symbolic.solution import (
+    BASIS,
+    E0,
+    E1,
+    E2,
+    FN,
+    Omega,
+    a_i,
+    h,
+    k,
+    m,
+    omega_d,
+    tau,
+    theta_i,
+    v_i,
+    x_i,
+)
+from symosc.symbolic.theorem7 import rational
 from symosc.words import Map, read_word
 
 TITLE = "Periodic motions"
@@ -88,15 +107,32 @@ def items(scope: Scope) -> Items:
         r"is a rest, and its energy relative to that rest falls to 0. Moving a rest inside the interval changes "
         r"nothing else: the multiplier is 1.\end{proof}",
     )
-    tenth = sp.Rational(1, 10)
-    places = ("0", "1/2", "-3/5", "-4/5", "1")
+    if scope.scene is None:
+        yield how_far()
+    text, numbers = stated(RESTING, *PARAMETER_NAMES)
+    middle = rational(RESTING.A0 + RESTING.mu2 * RESTING.FN)
+    reach = rational(RESTING.mu1 * RESTING.FN - abs(RESTING.B0))
+    stiff = rational(RESTING.k)
+    low, high = named("x_-"), named("x_+")
+    places = (
+        equation(named("H_1"), sp.Rational("1/10"), middle),
+        equation(low, sp.Rational("-4/5"), {low: (middle - reach) / stiff}),
+        equation(high, 1, {high: (middle + reach) / stiff}),
+    )
+    # |H - k x| + |B0| <= mu F_N: the worst phase, in exact numbers.
+    needed = named("|H_1 - k x|")
+    inside = [sp.Rational(x) for x in ("0", "1/2", "-3/5")]
+    held = (step(needed, "<=", reach, sign({needed: sp.Abs(middle - stiff * x)})) for x in inside)
+    at = (equation(named("x"), x, x) for x in inside)
+    examples = [f"${latex(x)}$" for x in inside]
     yield (
-        r"\begin{example}\label{thm:orbits-example} "
-        r"Let $m = c = k = 1$, $A_0 = 0$, $B_0 = \frac{1}{10}$, $\Omega = 1$, $v_1 = 0$, $v_2 = 10$, $\mu_1 = 1$, "
-        r"$\mu_2 = \frac{1}{10}$, $F_N = 1$. Then $H_1 = \frac{1}{10}$, and the mass may rest at every $x$ from "
-        r"$-\frac{4}{5}$ to $1$, for example at $0$, $\frac{1}{2}$ and $-\frac{3}{5}$.\end{example}",
-        # |H - k x| + |B0| <= mu F_N: the worst phase, in exact numbers.
-        facts(*(step(sp.Abs(tenth - sp.Rational(x)) + tenth, "<=", 1, sign()) for x in places)),
+        rf"\begin{{example}}\label{{thm:orbits-example}} Let {text}.",
+        facts(*numbers),
+        rf"Then $H_1 = {latex(places[0].right)}$, and the mass may rest at every $x$ from "
+        rf"${latex(places[1].right)}$ to ${latex(places[2].right)}$, for example at {examples[0]}, "
+        rf"{examples[1]} and {examples[2]}.",
+        facts(*places, *held, *at),
+        r"\end{example}",
         r"\begin{remark}[no damping]\label{thm:orbits-undamped} "
         r"For $c = 0$ no difference grows either, but nothing has to attract: a multiplier may be exactly 1, and the "
         r"motion is then marginal, neither attracting nor repelling. Such continua of marginal motions are known in "
@@ -110,6 +146,43 @@ def items(scope: Scope) -> Items:
         yield _orbit_section(scope, scope.scene.structure, rf"Scene \texttt{{{scope.scene.name}}}")
     else:
         yield r"This scene has no mapping structure of a periodic motion."
+
+
+def how_far() -> Items:
+    """Return the proposition on how far a motion goes from the origin in the long run."""
+    norm = named("N_E")
+    first = named(r"\int_0^{\pi/\omega_d} |E_1|\,d\tau")
+    decay = sp.exp(-sp.pi * h / omega_d)
+    basis = solution.REGIMES["underdamped"].basis()
+    half = basis[E2].subs(tau, sp.pi / omega_d)
+    stiffness = {k: m * (h**2 + omega_d**2)}
+    (rest,) = sp.solve(solution.relations()[0], E2)
+    limit = {norm: rest.subs({E0: 0, E1: 0}).xreplace(solution.PAPER_LETTERS)}
+    summed = exact(
+        {norm: half / (1 - decay), **stiffness}, lambda expr: sp.simplify(expr.rewrite(sp.exp))
+    )
+    return (
+        r"\begin{proposition}[how far a motion goes]\label{thm:orbits-bound} "
+        r"Let $c > 0$, $k > 0$, $F_* = |A_0| + |B_0| + (\mu_1 + \mu_2) F_N$ and $N_E = \int_0^\infty |E_1|\,d\tau$. "
+        r"Every motion has $\limsup_{t\to\infty} |x(t)| \le F_* N_E/m$, where",
+        equation(
+            norm,
+            m / k * sp.coth(sp.pi * h / (2 * omega_d)),
+            summed,
+            "bound",
+            note="if $c^2 < 4km$,",
+        ),
+        equation(norm, m / k, limit, "bound-overdamped", note=r"if $c^2 \ge 4km$."),
+        r"\end{proposition}",
+        r"\begin{proof} The force $f = A_0 + B_0\cos\Omega t + T_1 + T_2$ is at most $F_*$ in size, and by variation "
+        r"of constants $x(t)$ is $\frac{1}{m}\int_0^{t - t_0} E_1(\tau) f(t - \tau)\,d\tau$ and a free motion, which "
+        r"decays. This gives the bound by $N_E$. If $c^2 < 4km$, $|E_1| = e^{-h\tau}|\sin\omega_d\tau|/\omega_d$ comes "
+        r"back after each $\pi/\omega_d$ with the factor $e^{-\pi h/\omega_d}$. So $N_E$ is a geometric series that "
+        r"begins with",
+        equation(first, (1 + decay) / (h**2 + omega_d**2), {first: half}, "half-wave"),
+        r"and $h^2 + \omega_d^2 = k/m$. If $c^2 \ge 4km$, $E_1 > 0$ for $\tau > 0$, and $N_E$ is the limit of $E_2$ "
+        r"in \eqref{eq:domains-E2}, where $E_0$ and $E_1$ tend to 0.\end{proof}",
+    )
 
 
 # --- one orbit: its equations at the root, and what happens between the switching points ---
