@@ -160,6 +160,8 @@ def _print_windows(windows: list[symosc.GrazingWindow], reports: list[Any], late
         rows.append([each.mapping, each.case, *numbers, critical_text(each), phases_text(each)])
     output.write_table(rows, ["map", "case", "gamma", "B0 Omega/m", "Theta_cr", "window"])
     for each in windows:
+        if each.not_as_printed:
+            output.write(f"{each.mapping}: {each.not_as_printed}")
         if each.parameters.k == 0 and each.kind:
             fixed = ", ".join(map(str, each.contact_phases)) or "at no phase of it"
             output.write(

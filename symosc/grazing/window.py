@@ -47,9 +47,10 @@ def grazing_window(p: ParametersLike, mapping: str, order: Order = "full") -> Gr
         P2: domain 1 at belt 1. P3: domain 2 at belt 1. P5: domain 2 at belt 2. P6: domain 3 at belt
         2.
     order : {"full", "paper"}
-        "paper" is the theorem as printed, which stops at G^(1). "full" goes on to the first
-        G-function that does not vanish: it adds the tangency of fourth order at |k v_lambda| = |B0|
-        Omega.
+        "paper" is the theorem as printed, which stops at G^(1) and supposes B0 > 0. For B0 < 0 it
+        is not what the paper prints: the sets are those for -B0, moved by pi. "full" goes on to the
+        first G-function that does not vanish: it adds the tangency of fourth order at
+        |k v_lambda| = |B0| Omega.
 
     Raises
     ------
@@ -74,6 +75,7 @@ class GrazingWindow(Drawable, LatexAnswer):
     parameters : Parameters
     mapping : str
     order : {"full", "paper"}
+        For "paper" and B0 <= 0, which the paper leaves out, `not_as_printed` says so.
     place : Place
         Domain, boundary and side of the contact, and the paper's equation.
 
@@ -126,6 +128,13 @@ class GrazingWindow(Drawable, LatexAnswer):
         adds "shifted by pi".
         """
         return cases.case_label(self.place, *self.signs)
+
+    @property
+    def not_as_printed(self) -> str:
+        """Why this window, in the paper's order, is not in the paper; "" if it is, or in full order."""
+        if self.order == "full" or self.amplitude > 0:
+            return ""
+        return "not as printed: the paper supposes B0 > 0"
 
     @cached_property
     def phases(self) -> Expr:
@@ -347,7 +356,8 @@ class GrazingWindow(Drawable, LatexAnswer):
         )
 
     def __repr__(self) -> str:
-        return f"GrazingWindow({self.mapping}, gamma={show(self.gamma)}, case={self.case}, {self._as_text()})"
+        parts = [self.mapping, f"gamma={show(self.gamma)}", f"case={self.case}", self._as_text()]
+        return f"GrazingWindow({', '.join(filter(None, [*parts, self.not_as_printed]))})"
 
     def _as_text(self) -> str:
         """Return the intervals as short text."""

@@ -12,6 +12,7 @@ import pytest
 from sympy.parsing.sympy_parser import parse_expr
 
 from symosc.grazing.window import grazing_window
+from symosc.mappings.theorem7_cases import ORDERS
 from symosc.plot.windows import sweep_figure
 from symosc.scenes import load_scene, scene_names
 
@@ -85,3 +86,15 @@ def test_sweep_figure_shades_the_window(mapping: str, name: str) -> None:
             answers.append(window.contains(theta))
             assert shaded(axes, value, theta) == answers[-1], (value, theta)
     assert 3 < sum(answers) < len(answers) - 3
+
+
+def test_a_drive_that_the_paper_leaves_out_is_not_as_printed() -> None:
+    turned = ["fig9", "--set", "B0=-9", "--map", "P2"]
+    said = "P2: not as printed: the paper supposes B0 > 0"
+    assert said in good(*turned, "--order", "paper")
+    assert said not in good(*turned)
+    assert said not in good("fig9", "--map", "P2", "--order", "paper")
+    for order in ORDERS:
+        window = grazing_window(FIG9.replace(B0=-9), "P2", order)
+        assert bool(window.not_as_printed) == (order == "paper")
+        assert ("not as printed" in repr(window)) == (order == "paper")
