@@ -9,13 +9,13 @@ from math import pi
 
 import numpy as np
 import pytest
-from paper_motions import FIG5, FIG9, FIG10, changed
+from paper_motions import FIG5, FIG6, FIG9, FIG10, changed
 
 from symosc import Parameters, Scene, find_orbit, load_scene, simulate
 from symosc.mappings.theorem7_cases import PLACES
-from symosc.paper.checks import exact, grazes, motions, orbits, theorem_7
+from symosc.paper.checks import exact, grazes, motions, orbits, theorem_7, theorems
 from symosc.paper.checks.motions import Stretch, fly_again, stretches_of
-from symosc.paper.claims import CONFIRMED
+from symosc.paper.claims import CONFIRMED, CORRECTED
 
 
 def test_forces_are_looked_at_where_they_turn() -> None:
@@ -190,3 +190,25 @@ def test_the_print_of_fig8_is_right() -> None:
     assert near.round_to_it == pytest.approx([3.1415787, 3.1415839], abs=1e-7)
     found = grazes.starts_that_graze(load_scene("fig8"), "P3", np.array([3.14158]))
     assert found[:, 0] == pytest.approx((5.89795221480835613987, 2.257969994383412060), abs=1e-12)
+
+
+# --- what a lemma supposes, and starts that are judged alike ---
+
+
+def test_the_counterexample_to_lemma_1_meets_its_hypotheses() -> None:
+    """Both flows come to the boundary, and the mass sticks, also in the simulation."""
+    contact = theorems.HELD_WITHOUT_FORCE
+    assert contact.forces == (0, Fraction(-1, 5))
+    assert contact.derivatives(1)[:3] == (0, 0, 1)
+    assert contact.side(1, after=False) < 0 < contact.side(2, after=False)
+    assert contact.sticks
+    p = contact.p
+    onset = simulate(p, t0="pi", x0="-4/5", v0=0, t_end=3.5, digits=30).events[-1]
+    assert (onset.kind, onset.boundary) == ("stick", 1)
+    assert float(onset.t) == pytest.approx(pi, abs=1e-12)
+    assert theorems.lemma(1).numbers["a contact that is left out"] == str(contact)
+
+
+@pytest.mark.parametrize(("scene", "verdict"), [(FIG6, CONFIRMED), (FIG10, CORRECTED)])
+def test_sticks_at_the_start_are_judged_alike(scene: Scene, verdict: str) -> None:
+    assert motions.sticks_at_start(scene, 2).verdict == verdict

@@ -119,7 +119,7 @@ STATEMENTS: list[tuple[Any, str, Any, Callable[[], Evidence], str]] = [
     (model, "PLANES", WITHOUT_P8, model.trajectories_in_domains, NOT_AS_PRINTED),
     (model, "residual", _off, model.governing_equations, NOT_AS_PRINTED),
     (model, "position_bound", lambda p: 1.0, model.bounded_motions, NOT_AS_PRINTED),
-    (model, "printed_planes", lambda v, d: (v - 1, v + 1), model.planes_as_limits, CONFIRMED),
+    (model, "printed_planes", lambda v, d: (v - 1, v + 1), model.planes_as_limits, NOT_AS_PRINTED),
     (
         CONDITIONS,
         "sticks, (26), (27)",

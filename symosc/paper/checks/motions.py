@@ -586,12 +586,6 @@ def sticks_at_start(scene: Scene, belt: int) -> Evidence:
     return Evidence(CORRECTED, f"{finding}at t = {text(first.onset.t, 11)}.", numbers)
 
 
-def stick_appears(scene: Scene, belt: int) -> Evidence:
-    """Check that a stick appears on a belt, at the start or later."""
-    at_start = sticks_at_start(scene, belt)
-    return replace(at_start, verdict=verdict(at_start.verdict != NOT_AS_PRINTED))
-
-
 # --- what Section 6 says of all figures ---
 
 

@@ -13,6 +13,7 @@ from typing import Any
 
 import numpy as np
 
+from symosc.model import Parameters
 from symosc.paper.checks.exact import RationalContact, contacts, tally
 from symosc.paper.claims import CONFIRMED, CORRECTED, DEFINITION, Evidence, evidence, verdict
 from symosc.simulation.simulate import simulate
@@ -258,17 +259,32 @@ def _grazes(contact: RationalContact) -> bool:
     return any(contact.grazes(alpha) for alpha in contact.domains)
 
 
+def _both_come(contact: RationalContact) -> bool:
+    """Return what Lemma 1 supposes: the flows of both domains come to the boundary."""
+    lo, hi = contact.domains
+    return contact.side(lo, after=False) < 0 < contact.side(hi, after=False)
+
+
 def _as_printed(contact: RationalContact, name: str) -> bool:
     if name == "grazes":
         return any(_grazes_as_printed(contact))
     return CONDITIONS[name](*contact.forces)
 
 
+#: At t = pi the flow of domain 1 comes to belt 1 with F = G^(1) = 0 < G^(2), that of domain 2 with
+#: F < 0: the mass sticks, though F^(1) is not positive.
+HELD_WITHOUT_FORCE = RationalContact(
+    Parameters(m=1, c=1, k=1, A0=0, B0=1, Omega=1, v1=0, v2=5, mu1="1/10", mu2="1/10", FN=1),
+    boundary=1,
+    x=Fraction(-4, 5),
+    s=Fraction(0),
+    c=Fraction(-1),
+)
 Test = Callable[[RationalContact], bool]
 # The printed condition, whether the exact flow does it, its name, and where the condition is not
 # necessary.
 LEMMAS: dict[int, tuple[str, Test, str, str]] = {
-    1: ("slides, (20)", lambda c: c.sticks, "slides", "where a G⁽⁰⁾ is 0"),
+    1: ("slides, (20)", lambda c: c.sticks and _both_come(c), "slides", "where a G⁽⁰⁾ is 0"),
     2: ("passes, (21), (22)", lambda c: c.passes, "passes", "where a G⁽⁰⁾ is 0"),
     3: ("grazes", _grazes, "touches and returns", "where G⁽⁰⁾ = G⁽¹⁾ = 0"),
 }
@@ -282,7 +298,10 @@ THEOREMS: dict[int, tuple[str, Test, str, str]] = {
 def lemma(which: int) -> Evidence:
     """Check Lemma 1, 2 or 3, eqs. (20) to (24), with the normal vector in either direction."""
     printed, true, what, zero = LEMMAS[which]
-    cases = [(contact, _as_printed(contact, printed), true(contact)) for contact in all_contacts()]
+    cases = [
+        (contact, _as_printed(contact, printed), true(contact))
+        for contact in (HELD_WITHOUT_FORCE, *all_contacts())
+    ]
     wrong = sum(said and not done for _, said, done in cases)
     missed = [contact for contact, said, done in cases if done and not said]
     numbers: dict[str, Any] = {
