@@ -119,12 +119,12 @@ SOURCES = {
 #: follows.
 JUDGED = (
     (
-        "J. Vib. Control, doi:10.1177/1077546315616281",
+        "Article in J. Vib. Control, doi:10.1177/1077546315616281 (what could be read names no authors)",
         "Announces chaotic motions of a harmonically excited mass with Coulomb friction, found with an implicit scheme "
         "of Newmark's kind and a complementarity problem at each step.",
-        "**Contradicts the theorem** if spring and damper are linear and friction has one coefficient; the abstract "
-        "says Coulomb. Only the abstract and the beginning of the introduction could be had: no equation, parameter or "
-        "figure. So none of its results is judged.",
+        "Not judged. Only the abstract and the beginning of the introduction could be read: no equation, "
+        "parameter or figure. If spring and damper are linear and friction has one coefficient (the abstract "
+        "says Coulomb), chaos would contradict the theorem.",
     ),
     (
         "E. I. Butikov 2015 (above)",
@@ -137,9 +137,9 @@ JUDGED = (
         "No contradiction: the abstract has a coefficient of its own for static friction, and negative damping.",
     ),
     (
-        '"Chaos in a simply formulated dry-friction oscillator" (abstract)',
-        "Chaos of a block on a spring, driven periodically.",
-        "No contradiction: the coefficients of sticking and sliding differ.",
+        "G. Csernák and G. Licskó, Meccanica (2021), doi:10.1007/s11012-021-01382-8",
+        "Chaotic responses of a block on a spring, driven periodically.",
+        "No contradiction: the coefficient of static friction is larger than that of kinetic friction, S0 > S.",
     ),
     (
         "Z.-X. Li, Q.-J. Cao and A. Léger, Chin. Phys. B 25 (2016), 010502",
