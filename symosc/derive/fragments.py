@@ -31,6 +31,7 @@ from symosc.derive.steps import (
     equation,
     exact,
     flat,
+    generic_basis,
     step,
 )
 from symosc.errors import ParameterError
@@ -348,7 +349,7 @@ def _motion(scope: FragmentScope) -> Items:
             domains.constants(form),
         )
     at_start, x_step, v_step, _ = domains.flow()
-    solved = flat(domains.solved_functions(domains.generic_basis()))
+    solved = flat(domains.solved_functions(generic_basis()))
     others = [each for each in solved if isinstance(each, Step) and each.left != E2]
     resonance = regime.name == "resonance"
     return (

@@ -179,14 +179,20 @@ def _turning_points(
     return [event.x for event in path.events if event.kind in ("cross", "stick")]
 
 
+def resonance_start(P: Any, F: Any) -> Any:
+    """Return k x at the start of the motion at resonance."""
+    return P / 2 - F
+
+
 def resonance_growth(F: Any, P: Any, digits: int = 30) -> list[Any]:
     """Simulate a motion at resonance with friction F and drive P.
 
     Return how far its highest point rises per cycle.
     """
-    # From x = (P/2 - F)/k at t = 0, with any velocity that is large enough, turning points are at
+    # From this x at t = 0, with any velocity that is large enough, turning points are at
     # theta = pi/2 + n pi.
-    highest = _turning_points(wall(F, 1, P=P), Fraction(P) / 2 - Fraction(F), 40, digits)[::2]
+    start = resonance_start(Fraction(P), Fraction(F))
+    highest = _turning_points(wall(F, 1, P=P), start, 40, digits)[::2]
     return [after - before for before, after in pairwise(highest)]
 
 
@@ -580,6 +586,18 @@ def _compared(key: str, title: str, *sources: str) -> Callable[..., Any]:
     return lambda rows: TABLES.setdefault(key, (title, sources, rows))
 
 
+#: What holds for all rows of a table, by the letters of the chapter; the rows are computed with it,
+#: and the captions say it.
+GIVEN = {
+    "ends": {"c": "0.1", "P": "1.5", "F": "1"},
+    "decay": {"x": "0.95"},
+    "decrements": {"x": "1.5", "c": "0.2", "F": "0.1", "P": "0"},
+    "slow": {"F": "0.5"},
+    "cycles": {"c": "0.1", "F": "0.5"},
+    "rests": {"t": "60"},
+}
+
+
 @_compared("amplitude", "Amplitude of the motion without stops", "denhartog1930", "denhartog1931")
 def _amplitudes() -> Iterator[Value]:
     for case, p in DAMPED:
@@ -651,8 +669,9 @@ def _points() -> Iterator[Value]:
 @_compared("ends", "The ends of a branch", "iklodi2024")
 def _ends() -> Iterator[Value]:
     """Yield the frequencies at which the branch of motions without stops ends, and its highest points there."""
-    for end in continue_orbit(wall(1, 1, "0.1", P="1.5"), "P32", "Omega", ("0.6", "1.5")).ends:
-        Omega, amplitude = end_without_stops("0.1", "1.5", end.value)
+    c, P, F = GIVEN["ends"].values()
+    for end in continue_orbit(wall(F, 1, c, P=P), "P32", "Omega", ("0.6", "1.5")).ends:
+        Omega, amplitude = end_without_stops(c, P, end.value)
         yield Value(r"\Omega", "", Omega, end.value, 12, 1e-12, end.kind)
         yield Value("x_0", "there", amplitude, max(point.x for point in end.points), 10, 1e-10)
 
@@ -676,7 +695,7 @@ def _decay() -> Iterator[Value]:
     At the last one the mass stays.
     """
     F = Fraction(1, 10)
-    formula = Fraction(19, 20)
+    formula = Fraction(GIVEN["decay"]["x"])
     for i, x in enumerate(_turning_points(wall(F, 1, P=0), formula, 40), 1):
         formula = -formula + (2 * F if formula > 0 else -2 * F)
         yield Value(f"x_{i}", "$F = 0.1$", formula, x)
@@ -684,12 +703,13 @@ def _decay() -> Iterator[Value]:
 
 @_compared("decrements", "Turning points of a free motion with a damper", "feeny1996")
 def _decrements() -> Iterator[Value]:
-    p = wall("0.1", 1, "0.2", P=0)
-    x = number(Fraction(3, 2))
+    start, c, F, P = GIVEN["decrements"].values()
+    p = wall(F, 1, c, P=P)
+    x = number(Fraction(start))
     h = number(p.c) / 2
     x_f = number(p.mu1)
     left = MP.exp(-MP.pi * h / MP.sqrt(1 - h * h))
-    for i, event in enumerate(simulate(p, t0=0, x0=Fraction(3, 2), v0=0, t_end=40).events, 1):
+    for i, event in enumerate(simulate(p, t0=0, x0=start, v0=0, t_end=40).events, 1):
         x = -left * x + (1 + left) * MP.sign(x) * x_f
         yield Value(f"x_{i}", "", x, event.x)
 
@@ -705,7 +725,7 @@ def _counts() -> Iterator[Value]:
 def _slow() -> Iterator[Value]:
     """Yield the highest points of slowly driven motions."""
     for c, Omega in (("0", "0.2"), ("0", "0.1"), ("0", "0.05"), ("2", "0.02")):
-        p = wall("0.5", Omega, c)
+        p = wall(GIVEN["slow"]["F"], Omega, c)
         highest = max(
             event.x for event in from_rest(p, 60).events if event.t > 58 * (2 * pi / float(p.Omega))
         )
@@ -718,7 +738,7 @@ def _slow() -> Iterator[Value]:
 def _cycles() -> Iterator[Value]:
     """Yield the positions at which the mass stops in two limit cycles, by their equations and by simulation."""
     for Omega in ("0.3", "0.15"):
-        p = wall("0.5", Omega, "0.1")
+        p = wall(GIVEN["cycles"]["F"], Omega, GIVEN["cycles"]["c"])
         run = sorted(
             {round(x, 12): x for _, x in find_orbit(p).points if x > 0}.values(), reverse=True
         )
@@ -774,10 +794,10 @@ def _rests() -> Iterator[Value]:
     assert ends is not None
     yield Value("x_-", "", (p.A(2) + abs(p.B0)) / p.k, ends[0])
     yield Value("x_+", "", (p.A(1) - abs(p.B0)) / p.k, ends[1])
+    t = int(GIVEN["rests"]["t"])
     for x in map(Fraction, ("-3/5", "0", "1/2")):
-        yield Value(
-            "x(60)", f"from ${show(x)}$", x, float(simulate(p, t0=0, x0=x, v0=0, t_end=60)(60)[0])
-        )
+        motion = simulate(p, t0=0, x0=x, v0=0, t_end=t)
+        yield Value(f"x({t})", f"from ${show(x)}$", x, float(motion(t)[0]))
 
 
 @cache

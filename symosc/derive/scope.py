@@ -13,6 +13,7 @@ import sympy as sp
 
 from symosc.aliases import Expr
 from symosc.derive.latex import latex, named
+from symosc.derive.steps import Step, equation
 from symosc.exact import read_exact, show
 from symosc.model import NEIGHBOURS, PARAMETER_NAMES, Parameters, by_name
 from symosc.scenes import Scene
@@ -157,6 +158,16 @@ class FragmentScope(Scope):
         if self.digits is None or not self.values:
             return expr
         return _rounded(expr, self.digits)
+
+
+def stated(p: Parameters, *names: str) -> tuple[str, tuple[Step, ...]]:
+    """Return some parameters as LaTeX, such as "$m = k = 1$, $c = 2$", and the steps that check the numbers in it."""
+    values = {name: rational(getattr(p, name)) for name in names}
+    groups: dict[Expr, list[str]] = {}
+    for name, value in values.items():
+        groups.setdefault(value, []).append(latex(LETTERS[name]))
+    text = ", ".join(f"${' = '.join(group)} = {latex(value)}$" for value, group in groups.items())
+    return text, tuple(equation(LETTERS[name], value, value) for name, value in values.items())
 
 
 def _rounded(expr: Expr, digits: int) -> Expr:

@@ -5,6 +5,7 @@ The checks of a chapter are run once in a session.
 
 from __future__ import annotations
 
+import json
 import pickle
 from functools import cache
 from types import SimpleNamespace
@@ -14,7 +15,7 @@ from unittest.mock import patch
 from once import alone
 
 from symosc.derive import document, published
-from symosc.derive.chapters import borders, literature
+from symosc.derive.chapters import CHAPTERS, borders, literature
 from symosc.derive.scope import Scope
 from symosc.derive.steps import CONTEXT, Step, StepEvidence
 from symosc.orbits.branch import continue_orbit
@@ -92,3 +93,13 @@ def chapter(key: str) -> document.Checked:
             checked = document.check(key, title, items)
         path.write_bytes(pickle.dumps(found))
     return checked
+
+
+def numbers() -> str:
+    """Return the numbers of all labels in the whole book as JSON."""
+    found = document.numbers_of([unchecked(key) for key in CHAPTERS])
+    return json.dumps(found, indent=0) + "\n"
+
+
+if __name__ == "__main__":
+    document.NUMBERS_FILE.write_text(numbers(), encoding="utf-8")

@@ -13,6 +13,7 @@ FUNCTIONS = {
     r"\cos": cmath.cos,
     r"\sinh": cmath.sinh,
     r"\cosh": cmath.cosh,
+    r"\coth": lambda z: 1 / cmath.tanh(z),
     r"\arcsin": cmath.asin,
 }
 SKIP = re.compile(

@@ -43,7 +43,7 @@ INDEXED = re.compile(
 #: What every reader knows: numbers, operations, functions, letters that only count, and signs.
 KNOWN = re.compile(
     r"e|i|j|n|d|\\pi|s|z|\\epsilon|I|\\infty|\\mathbb\{R\}(?:\^\{?n\}?)?|T|w|\\ell"
-    r"|\\(?:sin|cos|tan|sinh|cosh|arcsin|ln|det|lim|operatorname\{\w+\}|mathrm\{mod\}|partial|nabla|int|prod|max|min|ldots|cdots)"
+    r"|\\(?:sin|cos|tan|sinh|cosh|coth|arcsin|ln|det|lim|limsup|operatorname\{\w+\}|mathrm\{mod\}|partial|nabla|int|prod|max|min|ldots|cdots)"
 )
 #: Commands that are no symbols: spaces, brackets, relations, layout.
 SILENT = (

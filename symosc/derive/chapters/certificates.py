@@ -11,7 +11,7 @@ import sympy as sp
 
 from symosc.derive.latex import named
 from symosc.derive.scope import Scope, v_lambda
-from symosc.derive.steps import Items, equation, exact, facts
+from symosc.derive.steps import Items, Step, equation, exact, facts, sign, step
 from symosc.symbolic.solution import B0, A, Omega, c, k, m, t, theta
 
 TITLE = "Certificates"
@@ -31,6 +31,7 @@ def items(scope: Scope) -> Items:
     x = sp.Symbol("x", real=True)
     y = sp.Symbol("Y", real=True)
     f = sp.Function("f")(x)
+    circle = named(r"\frac{d}{dt}\bigl(\dot{x}^2 + \frac{m}{k}\ddot{x}^2\bigr)")
     yield (
         r"\subsection{What a ball proves}",
         r"A \emph{ball} is an interval of real numbers. Arithmetic with balls returns balls that contain every result "
@@ -46,7 +47,7 @@ def items(scope: Scope) -> Items:
         r"fixed point in $X$, and it lies in $K$. $K$ is inside $X$, so all matrices in $1 - Y J$ shrink the box "
         r"$X - c$ strictly, in the norm whose ball it is. So $Y$ and all matrices in $J$ are regular, fixed points of "
         r"$\Phi$ are zeros of $f$, and $\Phi$ is a contraction: by Banach's theorem there is only one.\end{proof}",
-        facts(equation((x - y * f).diff(x), 1 - y * f.diff(x), exact(independent=False))),
+        facts(equation((x - y * f).diff(x), 1 - y * f.diff(x), exact())),
         r"\begin{theorem}[interval Newton]\label{thm:certificates-newton} "
         r"Let $P$ be continuously differentiable on $X = c + E$ and the ball matrix $D$ contain all its derivatives. "
         r"If all $1 - M$ with $M \in D$ are regular and the solutions $w$ of $(1 - M) w = P(c) - c$ lie inside $E$, "
@@ -65,9 +66,9 @@ def items(scope: Scope) -> Items:
         r"function of $s = S/C$, $H = e^{hu} g/C$ has $d^2 H/ds^2 = C^3 e^{hu} L g$. So between critical phases it is "
         r"convex or concave.\end{lemma}",
         r"\begin{proof} Write $g = e^{-hu} C q$, so that $H = q$. With $ds/du = (S'C - SC')/C^2 = 1/C^2$ it is "
-        r"$dH/ds = C^2 q'$ and $d^2 H/ds^2 = C^3 (C q'' + 2 C' q')$, while $L g = e^{-hu} (C q'' + 2 C' q')$. The sign "
-        r"of $L g$ is that of Lemma~\ref{thm:events-gap}, and $C > 0$ on the piece.\end{proof}",
+        r"$dH/ds = C^2 q'$ and $d^2 H/ds^2 = C^3 (C q'' + 2 C' q')$, while $L g = e^{-hu} (C q'' + 2 C' q')$.",
         facts(*(each for wave in (sp.cos, sp.cosh) for each in _gap_facts(wave))),
+        r"The sign of $L g$ is that of Lemma~\ref{thm:events-gap}, and $C > 0$ on the piece.\end{proof}",
         r"So $g > 0$ at both ends of a piece means $g > 0$ on it if $H$ is concave, or convex with tangents at the "
         r"ends that meet above 0; else the piece is cut. Opposite signs mean one zero, which interval Newton encloses. "
         r"On a belt both forces are monotone between critical phases (Section~\ref{sec:sticks}).",
@@ -106,12 +107,13 @@ def items(scope: Scope) -> Items:
         r"is claimed about the given digits themselves.",
         r"\begin{lemma}[exact touches]\label{thm:certificates-circles} "
         r"Let $c = B_0 = 0$, $k > 0$, and let a flight start with $\dot{x}_i$ and $\ddot{x}_i$. It touches the belt "
-        r"$v_\lambda$, and does not cross it, if and only if "
-        r"$\dot{x}_i^2 + \frac{m}{k} \ddot{x}_i^2 = v_\lambda^2 > 0$.\end{lemma}",
-        r"\begin{proof} In the flight $m \ddot{x} = A_\alpha - k x$, so the derivatives of $\dot{x}^2$ and of "
-        r"$\frac{m}{k} \ddot{x}^2$ are $2 \dot{x} \ddot{x}$ and $-2 \ddot{x} \dot{x}$, and the sum stays what it is. "
-        r"So the velocity has the amplitude $(\dot{x}_i^2 + \frac{m}{k} \ddot{x}_i^2)^{1/2}$, and $\ddot{x} = 0$ "
-        r"exactly where it is reached.\end{proof}",
+        r"$v_\lambda$ of its domain, and does not cross it, if and only if "
+        r"$\dot{x}_i^2 + \frac{m}{k} \ddot{x}_i^2 = v_\lambda^2 > 0$ and it meets no other belt before.\end{lemma}",
+        r"\begin{proof} In the flight $m \ddot{x} = A_\alpha - k x$, and along it the sum stays what it is:",
+        equation(circle, 0, {circle: _circle()}, "circle"),
+        r"So, continued beyond all belts, the velocity has the amplitude "
+        r"$(\dot{x}_i^2 + \frac{m}{k} \ddot{x}_i^2)^{1/2}$, and $\ddot{x} = 0$ exactly where it is reached. A flight "
+        r"ends at the first belt that it meets or, at a touch, goes on.\end{proof}",
         r"This is the one graze of an exact start that is decided, in rational numbers: $\dot{x}_i$ and $\ddot{x}_i$ "
         r"are rational at an exact start, where a stick ends ($\dot{x}_i = v_\lambda$, $\ddot{x}_i = 0$), and at such "
         r"a touch.",
@@ -135,7 +137,10 @@ def items(scope: Scope) -> Items:
         equation(1 + TRACE + DET, (1 + ONE) * (1 + TWO), meaning, "plus"),
         r"A complex pair has $D = |\rho|^2$, and then both products are positive; so $D < 1$ decides. For real "
         r"multipliers both products are positive if and only if both multipliers lie in $(-1, 1)$, or both are beyond "
-        r"the same end of it, or beyond different ends; $|D| < 1$ excludes the last two.\end{proof}",
+        r"the same end of it.",
+        r"Beyond the same end $|D| > 1$, which is excluded; beyond different ends both products are negative.",
+        facts(*_beyond()),
+        r"\end{proof}",
         r"A multiplier of exactly 1 makes the closing equations singular: neither theorem can then be applied, with "
         r"any number of bits. So a member of a continuum, as without damping at $\Omega = \omega_0/(2n)$ "
         r"\cite{csernak2007}, is never proven to be the only one. With damping every orbit is the only one "
@@ -217,24 +222,50 @@ def items(scope: Scope) -> Items:
     )
 
 
+def _circle() -> Any:
+    """Return the rate of v^2 + (m/k) a^2 along a flight without damper and drive."""
+    path = sp.Function("x")(t)
+    newton = (A - k * path) / m
+    total = path.diff(t) ** 2 + m / k * newton**2
+    return total.diff(t).subs(path.diff(t, 2), newton)
+
+
+def _beyond() -> tuple[Step, ...]:
+    """Return the steps on two multipliers beyond the same end of (-1, 1), and beyond different ends."""
+    above, below = 1 + U, -1 - W
+    product, minus, plus = (
+        named("D"),
+        named(r"(1 - \rho_1)(1 - \rho_2)"),
+        named(r"(1 + \rho_1)(1 + \rho_2)"),
+    )
+    same = sign({product: above * (1 + W)}), sign({product: below * (-1 - U)})
+    differ = sign({minus: (1 - above) * (1 - below)}), sign({plus: (1 + above) * (1 + below)})
+    return (
+        *(step(product, ">", 1, check) for check in same),
+        *(step(name, "<", 0, check) for name, check in zip((minus, plus), differ, strict=True)),
+    )
+
+
 def _gap_facts(wave: Any) -> Items:
-    """Return two steps of the proof that e^{hu} g/C is convex or concave, for a gap g and C = `wave`, cos or cosh."""
+    """Return the steps of the proof that e^{hu} g/C is convex or concave, for a gap g and C = `wave`, cos or cosh."""
     C = wave(W * U)
     q = sp.Function("q")(U)
     kappa = C.diff(U, 2) / C
     S = {sp.cos: sp.sin, sp.cosh: sp.sinh}[wave](W * U) / W
     g = sp.exp(-RATE * U) * C * q
     operator = g.diff(U, 2) + 2 * RATE * g.diff(U) + (RATE**2 - kappa) * g
-    letters = LG, _C, _C1, Q1, Q2, SLOPE = [
-        named(each) for each in ("L g", "C", "C'", "q'", "q''", "s'")
+    slope = (S / C).diff(U)
+    first = q.diff(U) / slope
+    letters = LG, _C, _C1, Q1, Q2, SLOPE, FIRST, SECOND_H = [
+        named(each)
+        for each in ("L g", "C", "C'", "q'", "q''", "s'", "dH/ds", r"\frac{d^2 H}{ds^2}")
     ]
-    meaning = dict(
-        zip(
-            letters, (operator, C, C.diff(U), q.diff(U), q.diff(U, 2), (S / C).diff(U)), strict=True
-        )
-    )
-    check = exact(meaning, lambda rest: sp.simplify(sp.expand(rest)), independent=False)
+    values = operator, C, C.diff(U), q.diff(U), q.diff(U, 2), slope, first, first.diff(U) / slope
+    meaning = dict(zip(letters, values, strict=True))
+    check = exact(meaning, lambda rest: sp.simplify(sp.expand(rest)))
     return (
         equation(LG, sp.exp(-RATE * U) * (_C * Q2 + 2 * _C1 * Q1), check),
         equation(SLOPE, 1 / _C**2, check),
+        equation(FIRST, _C**2 * Q1, check),
+        equation(SECOND_H, _C**3 * (_C * Q2 + 2 * _C1 * Q1), check),
     )

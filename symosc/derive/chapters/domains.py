@@ -7,6 +7,7 @@ from typing import Any, NamedTuple
 
 import sympy as sp
 
+from symosc.derive.chapters.motion import balance
 from symosc.derive.latex import latex, named
 from symosc.derive.scope import Scope
 from symosc.derive.steps import (
@@ -18,6 +19,7 @@ from symosc.derive.steps import (
     at_root,
     equation,
     exact,
+    generic_basis,
     modes,
     solves,
 )
@@ -170,8 +172,7 @@ def items(scope: Scope) -> Items:
         r"Corollary~\ref{thm:domains-solved}.",
         Table(
             "tab:domains-regimes",
-            r"The regimes of damping: the roots of $m z^2 + c z + k$, and the two functions that the others follow "
-            r"from.",
+            r"The regimes of damping: their roots, and the two functions that the others follow from.",
             ("regime", "condition", "roots", "$E_1$", "$E_0$"),
             tuple(
                 (*REGIME_WORDS[r.name], roots(r), *(basis_function(f, r) for f in (E1, E0)))
@@ -229,19 +230,22 @@ def flow() -> tuple[Step, ...]:
     Its initial acceleration, and x, v and acceleration after tau.
     """
     flow = solution.flow()
-    force = solution._force_at_start() + f0 * sp.cos(theta_i + Omega * tau)
+    newton = {a_i: balance(x_i, v_i, theta_i), **solution.PAPER_LETTERS}
+    force = solution.A_m + f0 * sp.cos(theta_i + Omega * tau)
     velocity = named(r"\dot{x}(\tau)")
     acceleration = named(r"\ddot{x}(\tau)")
-    newton = sp.solve(solution.acceleration(x_i, v_i, theta_i) - a_i, a_i)[0]
+    start = named(r"\ddot{x}_i")
+    back = {c: m * cm, k: m * w0sq, B0: m * f0, A: m * solution.A_m}
+    by_newton = {a_i: sp.expand(newton[a_i].xreplace(back))}
     by_v, by_a = (
         {name: solution.time_derivative(expr)}
         for name, expr in ((velocity, flow.x), (acceleration, flow.v))
     )
     return (
-        equation(named(r"\ddot{x}_i"), solution.acceleration(x_i, v_i, theta_i), newton, "start"),
-        equation(named(r"x(\tau)"), flow.x, solves(force, x_i, v_i), "x"),
-        equation(velocity, flow.v, exact(by_v, solution.use_relations, independent=False), "v"),
-        equation(acceleration, flow.a, exact(by_a, solution.use_relations, independent=False), "a"),
+        equation(start, solution.acceleration(x_i, v_i, theta_i), {start: a_i, **newton}, "start"),
+        equation(named(r"x(\tau)"), flow.x, solves(force, x_i, v_i, meaning=by_newton), "x"),
+        equation(velocity, flow.v, exact(by_v, solution.use_relations), "v"),
+        equation(acceleration, flow.a, exact(by_a, solution.use_relations), "a"),
     )
 
 
@@ -268,13 +272,6 @@ def solved_functions(generic: dict[Any, Any]) -> Items:
         r"\eqref{eq:domains-sine} are two linear equations for $R_2$ and $I_2$ with the determinant "
         r"$\Delta$.\end{proof}",
     )
-
-
-def generic_basis() -> dict[Any, Any]:
-    """Return the five basis functions of a flight, by their symbols, for two different characteristic roots."""
-    mean, half = sp.symbols("r q", positive=True)
-    regime = solution.Regime("two roots", sp.true, -mean, half, {})
-    return regime.basis() | regime.parameters()
 
 
 # --- the motion as papers print it: e^{-ct/2m} (C_1 cos omega_d t + C_2 sin omega_d t) and a steady

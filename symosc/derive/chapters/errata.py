@@ -28,6 +28,7 @@ from symosc.scenes import load_scene
 from symosc.simulation.simulate import simulate
 from symosc.symbolic import solution
 from symosc.symbolic.solution import B0, FN, Omega, c, k, m, t, v, x
+from symosc.symbolic.theorem7 import rational
 
 TITLE = "Errata"
 
@@ -157,9 +158,22 @@ def _start(x0: Any, v0: Any, label: str) -> list[Step]:
     ]
 
 
+def _start_of(scene: str) -> list[Step]:
+    """Return the steps on the printed x_0 and v_0 of a scene."""
+    start = load_scene(scene)
+    printed = (("x_0", start.x0), (r"\dot{x}_0", start.v0))
+    return [equation(named(name), rational(z), rational(z), decimals=True) for name, z in printed]
+
+
+def _printed_start(scene: str) -> str:
+    """Return the printed (x_0, v_0) of a scene as LaTeX, with four decimals."""
+    place, speed = (f"{float(each.right):.4f}" for each in _start_of(scene))
+    return f"$({place}, {speed})$"
+
+
 def _four_decimals(printed: str, value: Any) -> Step:
     """Return the step that checks a number, which the paper prints with four decimals, against its exact value."""
-    return equation(named("z"), sp.Rational(printed), close(lambda: value, 4))
+    return equation(named("z"), sp.Rational(printed), close(lambda: value, 4), decimals=True)
 
 
 def _figure7() -> Items:
@@ -177,18 +191,19 @@ def _figure7() -> Items:
         r"so a graze can only be in the transient. The flow that touches $v_1$ at $t = \pi$, traced back to the "
         r"printed $t_0 = 2.5$, starts with the printed $A_0 = 5$ at",
         _start(x0, v0, "fig7-x0"),
-        r"The printed start is $(-3.1049, 1.3369)$: with a misprint in $x_0$, which would be $-5.6049$, all other "
-        r"numbers are right, and the contact is at $x_m = -3.0855$.",
+        rf"The printed start is {_printed_start('fig7')}: with a misprint in $x_0$, which would be $-5.6049$, all "
+        r"other numbers are right, and the contact is at $x_m = -3.0855$.",
         facts(
+            *_start_of("fig7"),
             _four_decimals("-5.6049", x0),
             _four_decimals("1.3369", v0),
-            equation(place, sp.Rational("-3.0855")),
+            equation(named("x_m"), sp.Rational("-3.0855"), place, decimals=True),
         ),
         r"With $A_0 = 10$ in place of 5 the start is",
         _start(x10, v10, "fig7-x0-10"),
         r"which is the printed one to all of its digits, with the contact at $x_m = -0.5855$. Either number explains "
         r"the figure; the numbers alone do not tell which one is misprinted.",
-        facts(equation(other, sp.Rational("-0.5855"))),
+        facts(equation(named("x_m"), sp.Rational("-0.5855"), other, decimals=True)),
     )
 
 
@@ -205,7 +220,8 @@ def _figure8() -> Items:
         r"The starts at $t_0 = 2.5$ from which the flow grazes form a curve, with one point for each time $t_m$ of the "
         r"contact. The point for $t_m = 3.14158$,",
         _start(x0, v0, "fig8-x0"),
-        r"rounds to the printed start $(5.8980, 2.2580)$, so the print is right. From the rounded numbers the velocity "
+        rf"rounds to the printed start {_printed_start('fig8')}, so the print is right. From the rounded numbers the "
+        rf"velocity "
         r"goes beyond $v_1$, and the mass sticks for some milliseconds instead of grazing.",
-        facts(_four_decimals("5.898", x0), _four_decimals("2.258", v0), short),
+        facts(*_start_of("fig8"), _four_decimals("5.898", x0), _four_decimals("2.258", v0), short),
     )

@@ -5,6 +5,8 @@ The bounds behind symosc.engine.first_exit.
 
 from __future__ import annotations
 
+from typing import Any
+
 import sympy as sp
 
 from symosc.derive.chapters.domains import DELTA, NORMS
@@ -55,7 +57,8 @@ def items(scope: Scope) -> Items:
     names = {letter: phi, rate: phi.diff(tau), slope: q.diff(tau), curve: q.diff(tau, 2)}
     closed = ((r.basis()[solution.E1], r.parameters()) for r in solution.REGIMES.values())
     applied = (y.diff(tau, 2) + at[cm] * y.diff(tau) + at[w0sq] * y for y, at in closed)
-    factored = exact({LG: true} | names, independent=False)
+    free = named(r"L E_1")
+    factored = exact({LG: true} | names)
     yield (
         r"\subsection{At most two zeros between critical phases}",
         r"\begin{theorem}[disconjugacy, after P\'olya]\label{thm:events-two} "
@@ -65,12 +68,12 @@ def items(scope: Scope) -> Items:
         r"\begin{proof} The interval lies in one on which a solution $\varphi > 0$ of $L\varphi = 0$ exists: $E_1$ of "
         r"Table~\ref{tab:domains-regimes}, started shortly before the interval, is positive for "
         r"$0 < \tau < \pi/\omega_d$, or for all $\tau > 0$.",
-        facts(*(equation(remains, 0, exact(tidy=modes)) for remains in applied)),
+        facts(*(equation(free, 0, exact({free: remains}, modes)) for remains in applied)),
         r"With $q = g/\varphi$",
         equation(LG, letter * curve + (2 * rate + cm * letter) * slope, factored, "factor"),
         r"which is P\'olya's factorisation \cite{polya1922} "
-        r"$L g = \varphi^{-1} e^{-c\tau/m} \frac{d}{d\tau}\bigl(\varphi^2 e^{c\tau/m}\dot{q}\bigr)$.",
-        facts(equation(true, inner, exact(independent=False))),
+        r"$L g = \frac{e^{-c\tau/m}}{\varphi} \frac{d}{d\tau}\bigl(\varphi^2 e^{c\tau/m}\dot{q}\bigr)$.",
+        facts(equation(true, inner, exact())),
         r"By \eqref{eq:events-gap} $L g$ keeps its sign. If $\gamma$ and $a$ are not both 0, its zeros are isolated, "
         r"so $\varphi^2 e^{c\tau/m}\dot{q}$ is strictly monotone and $\dot{q}$ has at most one zero; $q$, and with it "
         r"$g$, has at most two. If $\gamma = a = 0$, $\varphi^2 e^{c\tau/m}\dot{q}$ is constant: $q$ is strictly "
@@ -125,9 +128,10 @@ def items(scope: Scope) -> Items:
     w_rate = named(r"\dot{w}")
     second = named(r"\frac{d}{d\tau}\Bigl(\dot{w}^2 + \frac{k}{m}w^2\Bigr)")
     drive = LETTER_A * Omega**3 * sp.cos(theta)
+    forced = -(LETTER_A * sp.sin(Omega * t)).diff(t, 3).subs(Omega * t, theta)
     pushed = (z.diff(tau) ** 2 + w0sq * z**2).diff(tau)
     pushed = (
-        pushed.subs(z.diff(tau, 2), drive - cm * z.diff(tau) - w0sq * z)
+        pushed.subs(z.diff(tau, 2), forced - cm * z.diff(tau) - w0sq * z)
         .subs(z.diff(tau), w_rate)
         .subs(z, w)
     )
@@ -140,7 +144,7 @@ def items(scope: Scope) -> Items:
         equation(
             named("L w"),
             drive,
-            -(LETTER_A * sp.sin(Omega * t)).diff(t, 3).subs(Omega * t, theta),
+            forced,
             "Lw",
         ),
         r"so that",
@@ -149,17 +153,17 @@ def items(scope: Scope) -> Items:
         r"$|a|\Omega^3$: in $1/\Omega$ by no more than $|a|\Omega^2 = |B_0|\Omega^3/m$.\end{proof}",
     )
     s = sp.Symbol("s", positive=True)
-    u = sp.Symbol("u", positive=True)
     left = named("p(s)")
     values = [named(name) for name in ("g", r"\dot{g}", r"\ddot{g}", "g^{(3)}")]
     taylor = sp.Add(*(value * s**n / sp.factorial(n) for n, value in enumerate(values)))
-    remainder = sp.integrate((s - u) ** 3 / 6 * C4, (u, 0, s))
+    remainder = integrated(C4)
+    lowest = integrated(-C4, *reversed(values))
     upper = named(r"g(\tau + s) - p(s)")
     yield (
         r"\subsection{The search, and that it ends}",
         r"\begin{lemma}[a polynomial below the gap]\label{thm:events-below} "
         r"Let $g > 0$ now (for $g < 0$ take $-g$), and",
-        equation(left, taylor - C4 * s**4 / 24, taylor - remainder, "p"),
+        equation(left, taylor - C4 * s**4 / 24, lowest, "p"),
         r"Then $g(\tau + s) \ge p(s)$ for all later times for which $C_4$ is a bound, and",
         step(upper, "<=", C4 * s**4 / 12, sign({upper: 2 * remainder}), "excess"),
         r"\end{lemma}",
@@ -185,3 +189,11 @@ def items(scope: Scope) -> Items:
         r"last digit only, and decisions leave margins for that, which are named in \texttt{symosc.engine}; that they "
         r"are wide enough in double precision was measured, not proven.",
     )
+
+
+def integrated(rate: Any, *starts: Any) -> Any:
+    """Return the function of s whose fourth derivative is `rate`; `starts` has its third to its own value at 0."""
+    s = sp.Symbol("s", positive=True)
+    for start in starts or (0, 0, 0, 0):
+        rate = start + sp.integrate(rate, (s, 0, s))
+    return rate

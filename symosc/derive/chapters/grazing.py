@@ -7,7 +7,7 @@ from typing import Any
 
 import sympy as sp
 
-from symosc.derive.latex import named
+from symosc.derive.latex import latex, named
 from symosc.derive.scope import BELTS, G, Scope, v_lambda
 from symosc.derive.steps import (
     Check,
@@ -179,16 +179,28 @@ def items(scope: Scope) -> Items:
     half = sp.sin(THETA_M / 2) - sp.cos(THETA_M / 2)
     value = {third: true3.subs(THETA_M, 3 * sp.pi / 2), GAMMA: B0 * Omega / m}
     other = {third: true3.subs(THETA_M, sp.pi / 2), GAMMA: -B0 * Omega / m}
+    fourth = [equation(third, -GAMMA * Omega**2, each) for each in (value, other)]
+    sine = named(r"\sin\theta_m")
+    cosine = named(r"\cos\theta_m")
+    at_ends = [
+        each
+        for phase, sign in ((sp.pi / 2, 1), (3 * sp.pi / 2, -1))
+        for each in (
+            equation(sine, sign, {sine: sp.sin(phase)}),
+            equation(cosine, 0, {cosine: sp.cos(phase)}),
+        )
+    ]
     yield (
         r"\begin{proof} \eqref{eq:grazing-G2} and \eqref{eq:grazing-G3} are \eqref{eq:switching-g2} and "
         r"\eqref{eq:switching-g3} with $F^{(\alpha)} = G^{(1,\alpha)} = 0$. (i) There "
         r"$|\sin\theta_m| = |\gamma/a| < 1$, so $\cos\theta_m \ne 0$, and Lemma~\ref{thm:switching-side} applies with "
         r"$n = 2$.",
         r"(ii) There $\sin\theta_m = -\gamma/a = \pm 1$ and $\cos\theta_m = 0$, so "
-        r"$G^{(3,\alpha)} = a\Omega^2\sin\theta_m = -\gamma\Omega^2$, and the lemma applies with $n = 3$: the flow "
-        r"stays in $\Omega_\alpha$ iff $\sigma G^{(3,\alpha)} < 0$.",
-        facts(*(equation(third, -GAMMA * Omega**2, each) for each in (value, other))),
-        r"In the other rows with $|\gamma| = a$ no phase grazes at all, for example in the row $\gamma = -a$ of $P_2$ "
+        rf"$G^{{(3,\alpha)}} = {latex(AMPLITUDE * Omega**2 * sp.sin(THETA_M))} = {latex(fourth[0].right)}$.",
+        facts(*at_ends, *fourth),
+        r"The lemma applies with $n = 3$: the flow stays in $\Omega_\alpha$ iff "
+        r"$\sigma G^{(3,\alpha)} < 0$. In the other rows with $|\gamma| = a$ no phase grazes at all, for example in "
+        r"the row $\gamma = -a$ of $P_2$ "
         r"and $P_5$, which the paper lacks, where",
         equation(square, -AMPLITUDE * half**2, -AMPLITUDE + AMPLITUDE * sp.sin(THETA_M), "square"),
         r"is never positive.\end{proof}",
@@ -198,8 +210,10 @@ def items(scope: Scope) -> Items:
         for name in ("fig7", "fig8")
     )
     yield (
-        r"The paper's Figs.~7 and 8 are both cases of equality: $\gamma = a = 10$ for $P_2$ in Fig.~7, and "
-        r"$\gamma = -16$, $a = 16$ for $P_3$ in Fig.~8. The graze at $t_m = \pi$ is not at the excluded phase in "
+        rf"The paper's Figs.~7 and 8 are both cases of equality: $\gamma = a = {latex(gamma7)}$ for $P_2$ in Fig.~7, "
+        rf"and "
+        rf"$\gamma = {latex(gamma8)}$, $a = {latex(a8)}$ for $P_3$ in Fig.~8. The graze at $t_m = \pi$ is not at the "
+        rf"excluded phase in "
         r"either of them.",
         facts(equation(gamma7, a7), equation(gamma8, -a8)),
     )
@@ -211,7 +225,24 @@ def items(scope: Scope) -> Items:
     second = solution.in_paper_letters(solution.g_function(2)).subs(
         {v: v_lambda, Omega * t: THETA_M, k: 0}
     )
-    curve = sp.expand(second.subs(A, sp.solve(plain, A)[0])).subs(sp.sin(THETA_M), 0)
+    first = solution.in_paper_letters(solution.g_function(1)).subs(
+        {v: v_lambda, Omega * t: THETA_M, k: 0}
+    )
+    # At F = 0 and sin theta = 0, where the cosine is 1 or -1.
+    turning = {A: sp.solve(plain, A)[0]}
+    flat, curve = (
+        sp.expand(each.subs(turning)).subs(sp.sin(THETA_M), 0) for each in (first, second)
+    )
+    inflection = (
+        *(equation(phase, value, {phase: sp.cos(at)}) for value, at in ((1, 0), (-1, sp.pi))),
+        *(equation(sine, 0, {sine: sp.sin(at)}) for at in (0, sp.pi)),
+        equation(G(1), 0, {G(1): flat}),
+        equation(
+            G(2),
+            -AMPLITUDE * Omega * sp.cos(THETA_M),
+            {G(2): curve, AMPLITUDE: B0 * Omega / m},
+        ),
+    )
     yield (
         r"\subsection{No spring}",
         r"\begin{corollary}[no spring]\label{thm:grazing-no-spring} "
@@ -220,10 +251,11 @@ def items(scope: Scope) -> Items:
         equation(phase, (c * v_lambda - A) / B0, solved, "no-spring"),
         r"If the right side is below 1 in size, there is one such phase with $\sin\theta_m > 0$ and one with "
         r"$\sin\theta_m < 0$; for $B_0 > 0$ the first is the graze of $P_2$ and $P_5$, the second that of $P_3$ and "
-        r"$P_6$, for $B_0 < 0$ the other way round. If it is $\pm 1$, then "
-        r"$G^{(1,\alpha)} = 0 \ne G^{(2,\alpha)} = -a\Omega\cos\theta_m$, and nothing grazes; beyond that no contact "
-        r"has $F^{(\alpha)} = 0$.\end{corollary}",
-        facts(equation(curve, -B0 * Omega**2 * sp.cos(THETA_M) / m)),
+        r"$P_6$, for $B_0 < 0$ the other way round. Beyond 1 no contact has $F^{(\alpha)} = 0$.",
+        rf"If it is $\pm 1$, then $\sin\theta_m = 0$ and $G^{{(1,\alpha)}} = 0 \ne G^{{(2,\alpha)}} = "
+        rf"{latex(inflection[-1].right)}$, and nothing grazes.",
+        facts(*inflection),
+        r"\end{corollary}",
         r"\begin{proof} This is Theorem~\ref{thm:grazing-theorem7} in the row $\gamma = 0$, and "
         r"Theorem~\ref{thm:grazing-equality} (i).\end{proof}",
     )
@@ -252,7 +284,7 @@ def windows_table(label: str = "tab:grazing-windows") -> Table:
     return Table(
         label,
         r"Theorem~7: the phases $\theta_m$ at which a contact grazes to first order. The paper has neither the case "
-        r"$\gamma = -a$ of $P_2$ and $P_5$ nor those with $a = 0$; in the last one the flow stays in the boundary.",
+        r"$\gamma = -a$ of $P_2$ and $P_5$ nor those without a drive; in the last one the flow stays in the boundary.",
         ("", r"$P_2$, $P_5$ ($\sigma = 1$)", r"$P_3$, $P_6$ ($\sigma = -1$)"),
         tuple(
             (words, _window("P2", gamma, a), _window("P3", gamma, a)) for gamma, a, words in CASES

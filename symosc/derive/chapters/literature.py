@@ -5,15 +5,16 @@ Derived, and compared with what this package computes.
 
 from __future__ import annotations
 
+from fractions import Fraction
 from functools import partial
 from typing import Any
 
 import sympy as sp
 
-from symosc.derive.latex import named
-from symosc.derive.published import MP, Value, number, table
+from symosc.derive.latex import latex, named
+from symosc.derive.published import GIVEN, MP, Value, number, resonance_start, table
 from symosc.derive.scope import Scope
-from symosc.derive.steps import Items, StepError, Table, close, decimal, equation, exact
+from symosc.derive.steps import Items, Step, StepError, Table, close, decimal, equation, exact
 from symosc.symbolic import coulomb, solution
 from symosc.symbolic.coulomb import F, G, H, P, Q, S, U, V, d, p_0, phi, q_0, r, x_0, x_f
 from symosc.symbolic.solution import BASIS, E0, E1, E2, FN, Omega, c, cm, k, m, omega_0, tau, w0sq
@@ -258,12 +259,13 @@ def items(scope: Scope) -> Items:
         ),
         _numbers(
             "ends",
-            r"The ends in $\Omega$ of the branch $P_{32}$ for $c = 0.1$, $P = 1.5$, $F = 1$, the parameters of the "
+            rf"The ends in $\Omega$ of the branch $P_{{32}}$ for {_given('ends')}, the parameters of the "
             r"demo of \cite{iklodi2024} but for its static friction: \eqref{eq:literature-border} with 50 digits, and "
             r"\texttt{continue\_orbit}.",
         ),
     )
     growth = named(r"\Delta x")
+    slow = decimal("(P - F)/k", 1 - number(Fraction(GIVEN["slow"]["F"])), 1)
     loss = named("L")
     left = named("q")
     above = named("x_{i+1}")
@@ -286,21 +288,25 @@ def items(scope: Scope) -> Items:
         _numbers(
             "resonance",
             r"Growth per cycle at resonance; run: the cycle that differs most, of a motion from "
-            r"$x = (\frac{1}{2} P - F)/k$ at $t = 0$.",
+            rf"$x = ({latex(resonance_start(P, F))})/k$.",
+            equation(named("kx"), P / 2 - F, resonance_start(P, F)),
         ),
         r"Without a drive and for $c = 0$ half a cycle takes $x_0 > x_f$ to $-(x_0 - L)$, and the mass stays at the "
         r"first turning point with $|x| \le x_f$:",
         equation(loss, 2 * F / k, {loss: coulomb.free_decay(), x_f: F / k}),
         _numbers(
             "decay",
-            r"Turning points from $x = 0.95$; at the last one the package says \emph{equilibrium}.",
+            rf"Turning points from {_given('decay')}; at the last one the package says \emph{{equilibrium}}.",
         ),
         r"With a damper, $0 < c^2 < 4 k m$, half a cycle takes $\pi/\omega_d$ (compare \cite{feeny1996}), and from a "
         r"highest point $x_i > x_f$, with $q = e^{-\pi h/\omega_d}$,",
         equation(
             above, -left * named("x_i") + (1 + left) * x_f, exact(decay, sp.simplify), "decrement"
         ),
-        _numbers("decrements", r"Turning points from $x = 1.5$ for $c = 0.2$, $F = 0.1$, $P = 0$."),
+        _numbers(
+            "decrements",
+            "Turning points from " + _given("decrements").replace(",", " for", 1) + ".",
+        ),
         r"\subsection{Stops per cycle}",
         r"Hong and Liu \cite{hongliu2000} sort the settled motions for $c = 0$ by their number of stops per cycle: 0, "
         r"1, 2, 4, 6, $\ldots$, 14. Half a cycle with $n$ stops is $n$ slides down. Each starts where a stop ends, "
@@ -317,21 +323,26 @@ def items(scope: Scope) -> Items:
         r"motion, $(P - F)/k$ \cite{papangelo2015}; with critical damping it stops twice and is near to it. The same "
         r"equations, in the basis functions of any regime, hold for $c > 0$.",
         _numbers(
-            "slow", r"The highest point of slowly driven motions, $F = 0.5$: $(P - F)/k = 0.5$."
+            "slow",
+            rf"The highest point of slowly driven motions, {_given('slow')}: $(P - F)/k = {latex(slow.right, True)}$.",
+            slow,
         ),
         _numbers(
             "cycles",
-            r"Where the mass stops in the two cases of the model of \cite{murari2026}, $c = 0.1$, $F = 0.5$.",
+            r"Where the mass stops in the two cases of the model of \cite{murari2026}, "
+            rf"{_given('cycles')}.",
         ),
         r"\begin{proposition}[odd numbers of stops]\label{thm:literature-odd} "
-        r"Let $c = 0$. A periodic motion that is not its own mirror image, and with it every motion with an odd number "
-        r"of stops per cycle, needs $r = 1/(2n)$ with a whole number $n$. Its stops that its mirror image does not "
+        r"Let $c = 0$. A periodic motion with the period of the drive that is not its own mirror image, and with it "
+        r"every motion of this period with an odd number of stops per cycle, needs $r = 1/(2n)$ with a whole number "
+        r"$n$. Its stops that its mirror image does not "
         r"share have no length.\end{proposition}",
         r"\begin{proof} The mirror image $-x(t + \pi/\Omega)$ is a motion too. The difference of the two keeps its "
         r"energy (proof of Theorem~\ref{thm:orbits-unique}): friction is the same in both whenever their velocities "
         r"differ. While both rest the difference is constant, and as both leave with the same friction it is 0. So the "
-        r"difference $x(t) + x(t + \pi/\Omega)$, if it is not 0, is a free motion. It is the same after half a period "
-        r"of the drive, which therefore is $n$ periods of the free motion: $r = 1/(2n)$. While one of the two stops "
+        r"difference $x(t) + x(t + \pi/\Omega)$, if it is not 0, is a free motion. As $x$ has the period "
+        r"$2\pi/\Omega$, it is the same after half a period of the drive, which therefore is $n$ periods of the free "
+        r"motion: $r = 1/(2n)$. While one of the two stops "
         r"the other one stops too, or the friction of the first one would be constant: a stop that is alone has no "
         r"length.\end{proof}",
         r"At $r = 1/(2n)$ one stop per cycle is what is seen: it gets shorter from cycle to cycle, and its length "
@@ -427,7 +438,7 @@ def items(scope: Scope) -> Items:
         r"friction moves this point up.",
         _numbers(
             "inversion",
-            r"The $r$ at which friction leaves the absolute amplitude unchanged, $k Y = 1$.",
+            r"The $r$ at which friction leaves the absolute amplitude unchanged; $k Y$ is the unit of the forces.",
         ),
     )
     low = named("x_-")
@@ -451,8 +462,8 @@ def items(scope: Scope) -> Items:
         r"The map over a period leaves every rest where it is, so that its multiplier along the interval is 1.",
         _numbers(
             "rests",
-            r"For $m = c = k = \Omega = F_N = \mu_1 = 1$, $A_0 = v_1 = 0$, $B_0 = \mu_2 = \frac{1}{10}$: the ends of "
-            r"the interval, and where motions from inside it are at $t = 60$.",
+            r"With the numbers of Example~\ref{thm:orbits-example}: the ends of the interval, and where motions from "
+            rf"inside it are at {_given('rests')}.",
         ),
     )
 
@@ -470,11 +481,20 @@ def _agreed(value: Value) -> Any:
     return number(value.package)
 
 
-def _numbers(key: str, caption: str) -> Table:
-    """Return the table of values that are computed twice.
+def _given(key: str) -> str:
+    """Return what holds for all rows of a table as LaTeX, such as "$c = 0.1$, $F = 0.5$"."""
+    return ", ".join(f"${letter} = {value}$" for letter, value in GIVEN[key].items())
 
-    By the formula, and by running the package.
+
+def _numbers(key: str, caption: str, *more: Step) -> Table:
+    """Return the table of values that are computed twice: by the formula, and by running the package.
+
+    `more` has steps that check what the caption says besides what is given.
     """
+    given = (
+        equation(named(letter), sp.Rational(value), sp.Rational(value), decimals=True)
+        for letter, value in GIVEN.get(key, {}).items()
+    )
     values = table(key)
     noted = any(value.note for value in values)
     rows = []
@@ -488,7 +508,8 @@ def _numbers(key: str, caption: str) -> Table:
         )
         rows.append((f"${value.name}$", value.case, formula, ran, *([value.note] if noted else [])))
     heads = ("", "", "formula", "run", *([""] if noted else []))
-    return Table(f"tab:literature-{key}", caption, heads, tuple(rows), columns="llrr" + "l" * noted)
+    columns = "llrr" + "l" * noted
+    return Table(f"tab:literature-{key}", caption, heads, tuple(rows), (*given, *more), columns)
 
 
 def _free_motion(start: Any, rate: Any) -> tuple[Any, Any]:

@@ -6,6 +6,7 @@ from typing import Any
 
 import sympy as sp
 
+from symosc.derive.chapters.motion import balance
 from symosc.derive.latex import latex, named
 from symosc.derive.scope import BELTS, Scope, v_lambda
 from symosc.derive.steps import Items, Table, equation, exact, solves
@@ -63,10 +64,15 @@ def items(scope: Scope) -> Items:
     )
     letters = {v_i: v_lambda, maps.v_j: V_END}
     first, second = (expr.xreplace(letters) for expr in maps.flight_residual().values())
-    driven = solution._force_at_start().xreplace({v_i: v_lambda}) + f0 * sp.cos(
-        theta_i + Omega * tau
-    )
-    newton = sp.solve(solution.acceleration(x_i, v_lambda, theta_i) - a_i, a_i)[0]
+    driven = A_m + f0 * sp.cos(theta_i + Omega * tau)
+    newton = {a_i: balance(x_i, v_lambda, theta_i), **solution.PAPER_LETTERS}
+    back = {
+        solution.c: m * solution.cm,
+        solution.k: m * w0sq,
+        solution.B0: m * f0,
+        solution.A: m * A_m,
+    }
+    by_newton = {a_i: sp.expand(newton[a_i].xreplace(back))}
     by_rate = {F2: solution.time_derivative(first) - V_END}
     yield (
         r"\subsection{The governing equations}",
@@ -77,8 +83,13 @@ def items(scope: Scope) -> Items:
         equation(
             tau, (maps.theta_j - theta_i) / Omega, {maps.theta_j: theta_i + Omega * tau}, "tau"
         ),
-        equation(F1, first, solves(driven - w0sq * maps.x_j, x_i - maps.x_j, v_lambda), "f1"),
-        equation(F2, second, exact(by_rate, solution.use_relations, independent=False), "f2"),
+        equation(
+            F1,
+            first,
+            solves(driven - w0sq * maps.x_j, x_i - maps.x_j, v_lambda, meaning=by_newton),
+            "f1",
+        ),
+        equation(F2, second, exact(by_rate, solution.use_relations), "f2"),
         r"where the basis functions are taken at $\tau$, and",
         equation(a_i, solution.acceleration(x_i, v_lambda, theta_i), newton, "start"),
         r"with $(\alpha, \lambda, \lambda')$ from Table~\ref{tab:maps-maps}. Conversely, a solution is a flight if the "
@@ -93,7 +104,7 @@ def items(scope: Scope) -> Items:
     )
     residual = maps.stick_residual()
     ride, end = (residual[key].xreplace({v_i: v_lambda}) for key in ("f1", "f2"))
-    newton = sp.solve(solution.acceleration(maps.x_j, v_lambda, maps.theta_j) - a_i, a_i)[0]
+    newton = {F2: balance(maps.x_j, v_lambda, maps.theta_j), **solution.PAPER_LETTERS}
     yield (
         r"\begin{theorem}[sticks, the paper's (52) and (53) with both exits]\label{thm:maps-stick} "
         r"A stick on belt $\lambda$ that slips into $\Omega_\alpha$, $\alpha = \lambda$ or $\lambda + 1$, satisfies "

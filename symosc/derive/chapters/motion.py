@@ -64,7 +64,13 @@ def acceleration(alpha: int) -> Any:
 def newton(alpha: int) -> Any:
     """Return the acceleration in a domain, solved from Newton's law with Coulomb friction."""
     a = sp.Symbol("a")
-    return sp.solve(m * a + c * v + k * x - coulomb(alpha) - B0 * WAVE, a)[0]
+    return sp.solve(m * a + c * v + k * x - coulomb(alpha) - B0 * sp.cos(Omega * t), a)[0]
+
+
+def balance(place: Any, speed: Any, phase: Any) -> Any:
+    """Return the acceleration by the balance of forces in a domain, at a position, velocity and phase."""
+    # Typed anew: what the other chapters print comes from `symosc.symbolic.solution`.
+    return (solution.A + B0 * sp.cos(phase) - k * place - c * speed) / m
 
 
 def stick_force(belt: int) -> Any:

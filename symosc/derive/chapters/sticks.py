@@ -7,7 +7,7 @@ from typing import Any
 import sympy as sp
 
 from symosc.derive.chapters.motion import MU, acceleration, newton
-from symosc.derive.latex import named
+from symosc.derive.latex import latex, named
 from symosc.derive.scope import BELTS, UPPER, F, Scope, mu_lambda, v_lambda
 from symosc.derive.steps import (
     Illustration,
@@ -152,12 +152,17 @@ def items(scope: Scope) -> Items:
     per_turn = (
         force_on_belt(theta_i + Omega * tau).subs(tau, 2 * sp.pi / Omega).rewrite(sp.cos) - a_i
     )
-    change = {turn: sp.simplify(per_turn.xreplace(solution.PAPER_LETTERS))}
+    change = sp.simplify(per_turn.xreplace(solution.PAPER_LETTERS))
+    turned = equation(turn, -2 * sp.pi * k * v_lambda / (m * Omega), {turn: change})
+    still = equation(turn, 0, {turn: change.subs(k, 0)})
+    period = equation(
+        named(r"\mathcal{T}"), 2 * sp.pi / Omega, sp.solve(Omega * t - 2 * sp.pi, t)[0]
+    )
     yield (
         r"\begin{corollary}\label{thm:sticks-ends} "
-        r"For $k v_\lambda \ne 0$ every stick ends: over each period $2\pi/\Omega$ both accelerations change by "
-        r"$-2\pi k v_\lambda/(m\Omega)$. For $k v_\lambda = 0$ a stick ends within one period, or "
+        rf"For $k v_\lambda \ne 0$ every stick ends: over each period ${latex(period.right)}$ both accelerations "
+        rf"change by ${latex(turned.right)}$. For $k v_\lambda = 0$ a stick ends within one period, or "
         r"never.\end{corollary}",
-        facts(equation(turn, -2 * sp.pi * k * v_lambda / (m * Omega), change)),
+        facts(turned, still, period),
         r"\begin{proof} Integrate \eqref{eq:sticks-rate} over one period.\end{proof}",
     )

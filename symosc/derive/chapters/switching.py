@@ -6,11 +6,12 @@ from typing import Any
 
 import sympy as sp
 
+from symosc.derive.chapters.motion import balance
 from symosc.derive.latex import named
 from symosc.derive.scope import F, G, Scope, v_lambda
 from symosc.derive.steps import Illustration, Items, Step, equation, exact, facts
 from symosc.symbolic import solution
-from symosc.symbolic.solution import B0, Omega, c, k, m, t, tau, theta, theta_i, v, v_i, x_i
+from symosc.symbolic.solution import B0, Omega, c, k, m, t, tau, theta, theta_i, v, x_i
 
 TITLE = "What happens at a boundary"
 
@@ -40,7 +41,11 @@ def items(scope: Scope) -> Items:
     }
     parts |= {("", r"\dot"): n * y.diff(t), ("D", ""): n.diff(t) * y}
     letters = {product(*key): value for key, value in parts.items()}
-    check = exact({first: (n * y).diff(t), second: (n * y).diff(t, 2)} | letters, independent=False)
+    check = exact({first: (n * y).diff(t), second: (n * y).diff(t, 2)} | letters)
+    normal = [
+        equation(letter, value, {letter: (v - v_lambda).diff(by)})
+        for letter, value, by in ((named("n_1"), 0, solution.x), (named("n_2"), 1, v))
+    ]
     yield (
         r"\subsection{G-functions}",
         r"Luo's theory of flow switchability \cite{luo2008,luo2009} compares the flow $\mathbf{x}^{(\alpha)}(t)$ of a "
@@ -64,27 +69,17 @@ def items(scope: Scope) -> Items:
         r"$\dot{x} = v_\lambda$, with $\mathbf{x} = (x, \dot{x})^T$ and $\mathbf{n} = (0, 1)^T$ (the paper's (25)), "
         r"$G^{(j,\alpha)} = d^{\,j} F^{(\alpha)}/dt^{\,j}$ for all $j \ge 0$, along the flow of "
         r"$\Omega_\alpha$.\end{lemma}",
-        facts(*(_gap_derivative(order) for order in (1, 2))),
+        facts(*normal, *(_gap_derivative(order) for order in (1, 2))),
         r"\begin{proof} $\mathbf{n}$ is constant, so its derivatives vanish, and $\mathbf{n}^T\mathbf{x}^{(0)}$ is "
         r"constant because $\mathbf{x}^{(0)}$ stays in the boundary, so its derivatives vanish too. What is left is "
         r"$d^{\,j+1}(\mathbf{n}^T\mathbf{x}^{(\alpha)})/dt^{\,j+1}$, and here "
         r"$\mathbf{n}^T\mathbf{x}^{(\alpha)} = \dot{x}$ with $\ddot{x} = F^{(\alpha)}$.\end{proof}",
     )
     yield g_functions()
-    at_start = solution.start_values() | {tau: sp.Integer(0)}
-    values = []
-    derivative = solution.flow().v
-    for _ in range(4):
-        derivative = solution.time_derivative(derivative)
-        values.append(sp.expand(derivative.subs(at_start)))
     gap = named(r"\dot{x}(\tau) - v_\lambda")
     orders = [F(r"\alpha"), *(G(n) for n in (1, 2, 3))]
-    taylor, true = (
-        sp.Add(*(value * tau**n / sp.factorial(n) for n, value in enumerate(column, 1)))
-        for column in (orders, values)
-    )
-    here = {solution.x: x_i, v: v_i, theta: theta_i, solution.A_m: solution._force_at_start()}
-    meaning = {gap: true} | {g: solution.g_function(n).xreplace(here) for n, g in enumerate(orders)}
+    taylor = sp.Add(*(value * tau**n / sp.factorial(n) for n, value in enumerate(orders, 1)))
+    meaning = {gap: gap_series(len(orders))} | dict(zip(orders, along_flow(3), strict=True))
     yield (
         r"\subsection{The first G-function that does not vanish}",
         r"\begin{lemma}[which side before, which side after]\label{thm:switching-side} "
@@ -92,8 +87,8 @@ def items(scope: Scope) -> Items:
         r"first of its G-functions there that does not vanish. Shortly after the contact $\dot{x} - v_\lambda$ has the "
         r"sign of $G^{(n,\alpha)}$, shortly before it that of $(-1)^{n+1} G^{(n,\alpha)}$. So for even $n$ the flow "
         r"crosses, and for odd $n$ it touches and returns to the side that it came from.\end{lemma}",
-        r"\begin{proof} By Taylor's theorem, here from the closed form \eqref{eq:domains-v} and up to terms of the "
-        r"order $\tau^5$,",
+        r"\begin{proof} By Taylor's theorem, here from the equation of motion and up to terms of the order "
+        r"$\tau^5$,",
         equation(gap, taylor, meaning, "taylor"),
         r"and the first term that does not vanish, $G^{(n,\alpha)}\tau^{n+1}/(n+1)!$, is larger than all that follow "
         r"for small $|\tau|$; $\tau^{n+1}$ is positive before the contact iff $n$ is odd.\end{proof}",
@@ -143,13 +138,39 @@ def items(scope: Scope) -> Items:
     )
 
 
+def along_flow(order: int) -> list[Any]:
+    """Return F and its derivatives up to an order along the flow, on a belt at x_i and theta_i, from Newton's law."""
+    place, speed, phase = sp.symbols("x v theta", real=True)
+    push = balance(place, speed, phase)
+    found = [push]
+    for _ in range(order):
+        last = found[-1]
+        found.append(last.diff(place) * speed + last.diff(speed) * push + last.diff(phase) * Omega)
+    start = {place: x_i, speed: v_lambda, phase: theta_i}
+    return [each.subs(start, simultaneous=True) for each in found]
+
+
+def gap_series(order: int) -> Any:
+    """Return the gap to a belt up to tau^order, with the coefficients that the equation of motion asks for."""
+    # m g'' + c g' + k (g + v_lambda) = -B0 Omega sin(theta): the equation of motion, differentiated.
+    rates = sp.symbols(f"g_1:{order + 1}")
+    gap = sp.Add(*(rate * tau**n for n, rate in enumerate(rates, 1)))
+    drive = B0 * Omega * sp.sin(theta_i + Omega * tau)
+    rest = m * gap.diff(tau, 2) + c * gap.diff(tau) + k * (gap + v_lambda) + drive
+    found = {rates[0]: balance(x_i, v_lambda, theta_i)}
+    for n, rate in enumerate(rates[1:]):
+        condition = rest.diff(tau, n).subs(tau, 0).subs(found)  # linear in the rate
+        found[rate] = -condition.subs(rate, 0) / condition.diff(rate)
+    return gap.subs(found)
+
+
 def _gap_derivative(order: int) -> Any:
     """Return the step that n.(x - x0) and n.x have the same `order`-th derivative, for x0 on a straight boundary."""
     n1, n2, p1, p2 = sp.symbols("n_1 n_2 p_1 p_2", real=True)
     first, second, way = (sp.Function(name)(t) for name in ("X", "Y", "s"))
     gap = n1 * (first - p1 + n2 * way) + n2 * (second - p2 - n1 * way)
     right = n1 * first.diff(t, order) + n2 * second.diff(t, order)
-    return equation(gap.diff(t, order), right, exact(independent=False))
+    return equation(gap.diff(t, order), right, exact())
 
 
 def at_belt(label: str) -> Step:

@@ -1,0 +1,151 @@
+"""Every checked step, broken, is refused; so is every number of a sentence with a raised letter."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from pathlib import Path
+from random import Random
+from types import ModuleType
+from typing import Any
+
+import pytest
+import sympy as sp
+from chapters import unchecked_items
+from step_mutants import broken_once, mutations
+
+from symosc.derive import document
+from symosc.derive.chapters import CHAPTERS, borders, domains, events, maps, switching
+from symosc.derive.scope import Scope
+from symosc.derive.steps import Step, StepError, equation, exact, facts, flat, steps_of
+from symosc.symbolic import solution
+from symosc.symbolic.solution import A_m, cm, f0, v_i, w0sq, x_i
+
+#: The checks of the other chapters take a second each and more.
+QUICK = ("switching",)
+KEYS = [pytest.param(key, marks=[] if key in QUICK else pytest.mark.slow) for key in CHAPTERS]
+
+
+def all_steps(key: str) -> list[Step]:
+    return [step for item in unchecked_items(key)[1] for step in steps_of(item)]
+
+
+# --- steps ---
+
+
+@pytest.mark.parametrize("key", KEYS)
+def test_each_step_broken_once_is_refused(key: str) -> None:
+    """A sign, a factor or an exponent of each printed formula, chosen at random."""
+    dice = Random(f"{key}, 43")
+    for step in all_steps(key):
+        wrong = broken_once(step, dice)
+        with pytest.raises(StepError):
+            wrong.verify()
+
+
+@pytest.mark.campaign
+@pytest.mark.parametrize("part", range(6))
+@pytest.mark.parametrize("key", CHAPTERS)
+def test_each_step_broken_in_every_way_is_refused(key: str, part: int) -> None:
+    """Every sixth step: each sign, factor and exponent in it; few steps, such as E_0 = 1, have none."""
+    without_change = 0
+    steps = all_steps(key)[part::6]
+    for step in steps:
+        changed = list(mutations(step))
+        without_change += not changed
+        for wrong in changed:
+            with pytest.raises(StepError):
+                wrong.verify()
+    assert without_change <= 0.5 * len(steps) + 1
+
+
+# --- the source of a step: a check that is made of the same parts as the formula cannot fail ---
+
+
+def from_source(module: ModuleType, old: str, new: str) -> ModuleType:
+    """Return a chapter with another text at one place of its source."""
+    source = Path(str(module.__file__)).read_text(encoding="utf-8")
+    assert source.count(old) == 1, old
+    changed = ModuleType(module.__name__)
+    exec(compile(source.replace(old, new), "changed", "exec"), changed.__dict__)
+    return changed
+
+
+def steps_with(module: ModuleType, label: str) -> list[Step]:
+    """Return the steps of a chapter with a label, not checked yet."""
+    items = flat(module.items(Scope()))
+    return [step for item in items for step in steps_of(item) if step.label == label]
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(
+    ("module", "old", "new", "label"),
+    [
+        pytest.param(*row, id=row[-1])
+        for row in (
+            (switching, "sp.factorial(n)", "sp.factorial(n + 1)", "taylor"),
+            (borders, "jump = -2 *", "jump = -3 *", "other"),
+            (events, "sp.factorial(n)", "sp.factorial(n + 1)", "p"),
+            (events, "LETTER_A * Omega**3", "LETTER_A * Omega**2", "pushed"),
+        )
+    ],
+)
+def test_a_formula_broken_at_its_source_is_refused(
+    module: ModuleType, old: str, new: str, label: str
+) -> None:
+    changed = from_source(module, old, new)
+    changed.__dict__["_examples_table"] = tuple  # its branches would take long
+    (step,) = steps_with(changed, label)
+    with pytest.raises(StepError):
+        step.verify()
+
+
+def wrong_acceleration(x: Any = x_i, v: Any = v_i, theta: Any = solution.theta) -> Any:
+    """Return the acceleration with the damper's sign turned."""
+    return A_m + f0 * sp.cos(theta) + cm * v - w0sq * x
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(
+    ("module", "label"), [(domains, "start"), (maps, "start"), (maps, "stick-f2")]
+)
+def test_an_acceleration_broken_at_its_source_is_refused(
+    monkeypatch: pytest.MonkeyPatch, module: ModuleType, label: str
+) -> None:
+    monkeypatch.setattr(solution, "acceleration", wrong_acceleration)
+    steps = [step for step in flat(_flights(module)()) if isinstance(step, Step)]
+    (step,) = [step for step in steps if step.label == label]
+    with pytest.raises(StepError):
+        step.verify()
+
+
+def _flights(module: ModuleType) -> Callable[[], Any]:
+    return domains.flow if module is domains else lambda: module.items(Scope())
+
+
+# --- numbers in sentences with a raised letter ---
+
+
+def sentences(key: str) -> list[Any]:
+    return [item for item in unchecked_items(key)[1] if steps_of(item)]
+
+
+@pytest.mark.parametrize("key", KEYS)
+def test_each_number_of_a_checked_sentence_is_tied_to_a_step(key: str) -> None:
+    for item in sentences(key):
+        text = document.sentence_of(item)
+        tied = getattr(item, "facts", ())
+        assert document.untied(text, tied) == []
+        for found in document.numbers_in(text):
+            other = f"{text[: found.start()]}97{text[found.end() :]}"
+            assert document.untied(other, tied) == ["97"], other
+
+
+def test_a_number_without_a_step_stops_the_chapter() -> None:
+    """Corollary 3.4 with -7 pi in its text."""
+    turn = sp.Symbol("turn")
+    statement = equation(turn, -2 * sp.pi, exact({turn: -2 * sp.pi}))
+    right = flat([r"It changes by $-2\pi$ on $E_3$ (\eqref{eq:sticks-7}).", facts(statement)])
+    wrong = flat([r"It changes by $-7\pi$.", facts(statement)])
+    assert document.check("sticks", "Sticks", right).steps()
+    with pytest.raises(StepError, match="no step has the number 7"):
+        document.check("sticks", "Sticks", wrong)
