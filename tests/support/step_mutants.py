@@ -59,7 +59,7 @@ def _is_multiple(side: Expr, changed: Expr) -> bool:
     """Tell whether a side was only multiplied by a number, or raised to a power."""
     if changed.is_Pow and changed.base == side:
         return True
-    places = list(points(side + changed, count=2))
+    places = list(points(sp.Tuple(side, changed), count=2))
     ratios = [sp.N((changed / side).xreplace(place), 30) for place in places]
     return bool(abs(ratios[0] - ratios[1]) < DIFFERENT)
 
