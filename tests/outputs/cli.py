@@ -289,9 +289,9 @@ CODE = {
     "derive a chapter with digits": "derive sticks --digits 5",
     "derive a chapter, pdf of html": "derive sticks --pdf --format html",
     "derive into a file of a chapter": "derive sticks -o a.tex",
-    "codegen": "codegen P32 --language c -o code --fix fig9",
+    "codegen": "codegen P32 --language c -o code",
     "codegen json": "codegen P5 --language python --name mine -o code --json",
-    "codegen to stdout": "codegen P32 --language julia -o -",
+    "codegen to stdout": "codegen P32 --language numpy -o -",
     "codegen over another": "codegen P32 -o .",
     "codegen over another, forced": "codegen P32 -o . --force",
 }
