@@ -37,7 +37,7 @@ by the value at its end.
 
 The bound and the steps are a proof in real arithmetic, derived in the chapter on events. Evaluated
 with rounding, decisions must exceed ROUNDING errors, and marching steps MARCH_SLACK of the size of
-the gap; that these margins are wide enough in doubles was measured, not proven.
+the gap; we have measured, not proved, that these margins suffice in double precision.
 
 Arguments that many functions share: `start` is the Launch of a flight, with velocity `v0`; `now`
 and `there` are points of it (`Flown`), `tau` a time since the launch, and `tau_max` the end of the

@@ -111,8 +111,8 @@ def simulate(
     accuracy : float, optional
         For double precision (default 1e-13). An event whose time or position has a larger error
         than this, relative to max(1, |value|), for times also to |t0|, is computed once more with
-        44 digits. With ``math.inf`` the path that doubles compute is followed as it is: only
-        contacts that their rounding leaves open get more digits.
+        44 digits. ``math.inf`` accepts the double-precision path as it stands; only contacts left
+        undecided by rounding use higher precision.
     start_error : number or three numbers, optional
         Half-widths to which t0, x0 and v0 are known; one number serves for all. None: that of the
         scene, or exact. A contact that the error of the start can make a touch is a graze, and the
@@ -129,7 +129,7 @@ def simulate(
     ------
     ParameterError
         If a number is missing, not finite or out of range, if both `digits` and `accuracy` are
-        given, or if t_end is more than 1e8 forcing periods away and the motion goes on until then.
+        given, or or if the motion is still going after 1e8 forcing periods.
 
     Examples
     --------
