@@ -140,8 +140,8 @@ class Word(NamedTuple):
         found: list[str | None] = []
         for step, after in zip(self.maps, [*self.maps[1:], self.maps[0]], strict=True):
             fit = step.sticks and not after.sticks and after.start.boundary == step.end.boundary
-            below = after.domain == NEIGHBOURS[step.end.boundary][0]
-            found.append(("below" if below else "above") if fit else None)
+            side = "below" if after.domain == NEIGHBOURS[step.end.boundary][0] else "above"
+            found.append(side if fit else None)
         return tuple(found)
 
     def __str__(self) -> str:
