@@ -385,14 +385,14 @@ class Problems:
             & (theta.hi > SMALLEST_PHASE * abs(angle.hi))
             & (theta.hi < TWO_PI_COLUMN.hi)
         )
-        unclear |= (
-            t_end.hi - t0.hi
-        ) * Omega.hi > 6.0 * MOST_PERIODS  # near the end of what is followed at all
         times = np.broadcast_arrays(t0.hi, t0.lo, t_end.hi, t_end.lo, t0.hi)
         if len(table) == 1:
             K = ConstantRows(table)[0]
         else:
             K = table.view(np.recarray)
+        driven = np.asarray(K.driven) != 0
+        longest = np.where(driven, 6.0 / Omega.hi, 0.9 * np.asarray(K.chunk)) * MOST_PERIODS
+        unclear |= t_end.hi - t0.hi > longest  # near the end of what is followed at all
         states, small_force = start_rows(at, (theta.hi, theta.lo), x0.hi, v0.hi, times, K)
         return states, unclear | small_force | bool(self.start_error)
 
@@ -478,5 +478,6 @@ def common_length(lengths: dict[str, int]) -> int:
     count = max(lengths.values(), key=lambda length: (length != 1, length))
     for name, length in lengths.items():
         if length not in (1, count):
-            raise ParameterError(name, length, f"must have 1 or {count} entries, as the others")
+            allowed = f"{name} must have length 1 or {count}, as the others"
+            raise ParameterError("lengths", lengths, allowed)
     return count
