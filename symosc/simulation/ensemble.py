@@ -479,9 +479,8 @@ class SummaryRequest:
         self.sections = whole_number("sections", sections, 0, MOST_SECTIONS)
         column = NumberColumn("skip", skip)
         if len(column) not in (1, len(problems)):
-            lengths = {"skip": len(column), "motions": len(problems)}
-            allowed = f"skip must have length 1 or {len(problems)}, as the motions"
-            raise ParameterError("lengths", lengths, allowed)
+            allowed = f"must have 1 or {len(problems)} values, as many as motions"
+            raise ParameterError("skip", f"{len(column)} values", allowed)
         self.skip = np.broadcast_to(column.hi, len(problems))
         lasts = problems.t_end.hi - problems.t0.hi
         for row in np.flatnonzero(~((self.skip >= 0.0) & (self.skip < lasts))).tolist():

@@ -26,8 +26,8 @@ from symosc.exact import LARGEST, show, unmasked
 from symosc.kernels.double_double import TWO_PI_PAIR, two_product
 from symosc.kernels.pair_columns import PairColumn
 from symosc.model import PARAMETER_NAMES, Parameters, least
-from symosc.quantities import read_number
-from symosc.scenes import START_NAMES, forcing_periods
+from symosc.quantities import forcing_periods, read_number
+from symosc.scenes import START_NAMES
 
 START_COLUMNS = START_NAMES[:3]
 
@@ -475,9 +475,10 @@ def common_length(lengths: dict[str, int]) -> int:
 
     A single number fits any length.
     """
-    count = max(lengths.values(), key=lambda length: (length != 1, length))
+    longest = max(lengths, key=lambda name: (lengths[name] != 1, lengths[name]))
+    count = lengths[longest]
     for name, length in lengths.items():
         if length not in (1, count):
-            allowed = f"{name} must have length 1 or {count}, as the others"
-            raise ParameterError("lengths", lengths, allowed)
+            allowed = f"must have 1 or {count} values, since {longest} has {count}"
+            raise ParameterError(name, f"{length} values", allowed)
     return count

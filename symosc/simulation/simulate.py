@@ -136,7 +136,8 @@ def simulate(
     ------
     ParameterError
         If a number is missing, not finite or out of range, if both `digits` and `accuracy` are
-        given, or if t_end is more than 1e8 forcing periods away and the motion goes on until then.
+        given, or if the motion is still going after 1e8 forcing periods (without a drive: after
+        5e9 times the time 1/w0 of the free motion).
 
     Examples
     --------
@@ -206,7 +207,7 @@ def read_problem(
                 what = "Parameters"
             else:
                 what = "an OtherModel"
-            raise ParameterError("t_end", None, f"is required when you pass {what}")
+            raise ParameterError("t_end", None, f"t_end is required when you pass {what}")
         given = {name: 0 if value is None else value for name, value in given.items()}
         given["t_end"] = end_time(given["t_end"], parameters_of(scene), given["t0"])
         scene = Scene("motion", scene, **given)  # type: ignore[arg-type]

@@ -290,7 +290,7 @@ def test_a_file_with_another_content_stays(tmp_path: Path) -> None:
     text = path.read_text()
     write_export(tmp_path, "P32", "python")  # the same once more
     for other in ({"language": "numpy"}, {"fix": load_scene("fig9").parameters}):
-        with pytest.raises(OutputError, match=r"p32\.py: is there with another content"):
+        with pytest.raises(OutputError, match=r"p32\.py: already exists with different content"):
             write_export(tmp_path, "P32", **other)
         assert path.read_text() == text
     path.write_bytes(b"\xff mine")
