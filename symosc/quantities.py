@@ -141,7 +141,7 @@ _LETTERS = re.compile(r"[\d.\s()+\-*/^]|pi|π|sqrt|sin|cos|exp|(?<=\d)[eE](?=[+-
 #: A number right before pi, which it multiplies, as in "2π". In "1/2π" and "2^3π" it is not clear
 #: what is the factor.
 _FACTOR_OF_PI = re.compile(
-    r"((?<![\d.^/])(?<!\*\*)(?<![/^]\s)(?:\d+\.?\d*|\.\d+))\s*(?:pi|π)", re.ASCII
+    r"((?<![\d.^/])(?<!\*\*)(?<![/^]\s)(?:\d+\.?\d*|\.\d+))(?:pi|π)", re.ASCII
 )
 _OPERATORS = {
     ast.Add: operator.add,
