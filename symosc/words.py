@@ -81,6 +81,16 @@ class Map(NamedTuple):
         """The code (see `symosc.model.MODE_NAMES`) of the domain or the belt of the mapping."""
         return self.domain or 3 + self.start.boundary
 
+    @property
+    def returns(self) -> bool:
+        """Whether the map is a flight that ends in the plane where it starts, so that it can graze there."""
+        return not self.sticks and self.start == self.end
+
+    @property
+    def side(self) -> int:
+        """1 if the map ends at a belt from below, -1 if from above, 0 if it sticks."""
+        return (0, 1, -1)[self.end.superscript]
+
 
 #: The eight mappings: label, superscript and boundary of both planes, and domain.
 MAPS = {

@@ -100,7 +100,7 @@ def certify(
         what = load_scene(what)
     if isinstance(what, Parameters):
         if t_end is None:
-            raise ParameterError("t_end", None, "is needed with parameters")
+            raise ParameterError("t_end", None, "t_end is required when you pass Parameters")
         what = from_rest(what, t_end)
     import symosc.certificates.balls  # noqa: F401  says so if python-flint is not installed
 

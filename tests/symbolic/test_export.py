@@ -228,11 +228,11 @@ def test_a_file_with_another_content_stays(tmp_path: Path) -> None:
     (path,) = write_export(tmp_path, "P32", "python")
     text = path.read_text()
     write_export(tmp_path, "P32", "python")  # the same once more
-    with pytest.raises(OutputError, match=r"p32\.py: is there with another content"):
+    with pytest.raises(OutputError, match=r"p32\.py: already exists with different content"):
         write_export(tmp_path, "P32", language="numpy")
     assert path.read_text() == text
     path.write_bytes(b"\xff mine")
-    with pytest.raises(OutputError, match="another content"):
+    with pytest.raises(OutputError, match="different content"):
         write_export(tmp_path, "P32")
     write_export(tmp_path, "P32", "numpy", force=True)
     assert "import numpy" in path.read_text()
