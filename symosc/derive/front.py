@@ -153,7 +153,7 @@ def notation_table() -> str:
     """Return the LaTeX of the table of notation."""
     rows = "\n".join(" & ".join(row) + r" \\" for row in NOTATION)
     return rf"""\section*{{Notation}}\label{{sec:notation}}
-{{\small\noindent\begin{{tabular}}{{@{{}}p{{42mm}}p{{80mm}}l@{{}}}}
+{{\footnotesize\noindent\begin{{tabular}}{{@{{}}p{{42mm}}p{{80mm}}l@{{}}}}
 \hline
 {rows}
 \hline\end{{tabular}}}}"""

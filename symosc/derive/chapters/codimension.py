@@ -231,7 +231,7 @@ def _frictionless() -> Items:
     """Return the theorem on a graze with vanishing friction."""
     first = sp.sqrt(2 * SMALL / SLOPE)
     arrival = named(r"U(-s)")
-    back = named("U(t_2)")
+    back = named(r"U(t_{2})")
     speed = SLOPE * HALF - JUMP
     length = 2 * speed / SLOPE
     edge = named(r"\epsilon_1")
@@ -269,7 +269,7 @@ def _frictionless() -> Items:
 
 def _rests() -> Items:
     """Return the theorem on belts at rest and belts that hardly move."""
-    size = sp.Symbol("|B_0|", nonnegative=True)
+    size = sp.Abs(sp.Symbol("B_0", real=True))
     mu = sp.Symbol(r"\mu_\lambda", nonnegative=True)
     held = named(r"H_\lambda")
     high = named("x_+")
@@ -278,7 +278,6 @@ def _rests() -> Items:
         name: sp.solve(held + way * (mu * FN - size) - k * name, name)[0]
         for name, way in ((high, 1), (low, -1))
     }
-    jump = named("x_+ - x_-")
     return (
         r"\subsection{(E) A belt at rest: where the attractor jumps}",
         r"\begin{theorem}[belts that hardly move]\label{thm:codimension-rests} Let $|B_0| < "
@@ -288,7 +287,7 @@ def _rests() -> Items:
         equation(low, (held - mu * FN + size) / k, ends, "low"),
         r"the ends of the interval of Theorem~\ref{thm:orbits-unique}. So it jumps at $v_\lambda = "
         r"0$ by",
-        equation(jump, 2 * (mu * FN - size) / k, exact({jump: ends[high] - ends[low]}), "jump"),
+        equation(high - low, 2 * (mu * FN - size) / k, ends, "jump"),
         r"which vanishes in proportion to $\mu_\lambda F_N - |B_0|$ where the line of rests ends. "
         r"Elsewhere the attractor is continuous (Theorem~\ref{thm:borders-atlas}).\end{theorem}",
         r"\begin{proof} As in the proof of Theorem~\ref{thm:borders-atlas} (i) each sequence of "

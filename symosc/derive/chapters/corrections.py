@@ -181,9 +181,8 @@ def _theorem() -> Items:
         r"and all that follows are analytic. $\delta x$ is the integral of the difference of both "
         r"velocities: of $-g$ in (i) and (ii), of $g$ in (iii) and (iv); and $\delta\dot{x}$ is "
         r"$-g$ at the end.\end{proof}",
-        r"So the orders are those of the normal forms in \cite{dibernardo2002,dibernardo2008}: 1 "
-        r"for grazing-sliding, 2 for crossing-sliding and adding-sliding, 3 for switching-sliding. "
-        r"In the paper's Fig.~7, with its printed start, (i) is what happens.",
+        r"The orders are 1 for grazing-sliding, 2 for crossing-sliding and adding-sliding, and 3 for "
+        r"switching-sliding; compare the normal forms in \cite{dibernardo2002,dibernardo2008}.",
     )
 
 

@@ -62,7 +62,7 @@ def _bounded() -> Items:
     phase = sp.Symbol("s", positive=True)
     size = named(r"\int_0^{\pi/\omega_0}|\dot{z}|\,dt")
     swing = sp.integrate(RADIUS * omega_0 * sp.sin(omega_0 * phase), (phase, 0, sp.pi / omega_0))
-    mean = named(r"\frac{2}{T}\int_0^T S\,|\cos\Omega t|\,dt")
+    mean = named(r"\frac{\Omega}{\pi}\int_0^{2\pi/\Omega} S\,|\cos\Omega t|\,dt")
     quarter = sp.integrate(WHOLE * sp.cos(Omega * phase), (phase, 0, sp.pi / (2 * Omega)))
     work = named(r"\int_0^{2\pi/\omega_0}\cos(\omega_0 t)\,\dot{z}\,dt\Big|_{\psi = \pi/2}")
     speed = -RADIUS * omega_0 * sp.sin(omega_0 * phase + sp.pi / 2)
@@ -84,7 +84,7 @@ def _bounded() -> Items:
         r"During half a period $\pi/\omega_0$ the bounded force $f$ changes $\dot{z}$ by a bounded "
         r"amount against a free oscillation of the amplitude $R$, for which",
         equation(size, 2 * RADIUS, {size: swing}, "swing"),
-        r"So $E$ changes by at most $-2SR + K'$ with another constant, and falls whenever $R$ is "
+        r"So $E$ changes by at most $-2SR$ plus a constant, and falls whenever $R$ is "
         r"large. For $\Omega = \omega_0$ subtract $A_0/k$ alone. Now the drive adds at most the "
         r"following times $|B_0|$ in a whole period, up to a bounded part,",
         equation(sp.Abs(work), sp.pi * RADIUS, {work: drive}, "work"),
@@ -94,7 +94,7 @@ def _bounded() -> Items:
         r"(Theorem~\ref{thm:undamped-recurrent} (i), whose proof needs no more than this). "
         r"$m\ddot{x} + k x$ has no part with the frequency $\omega_0$, so that $B_0$ and the part "
         r"of $f$ in $\cos\Omega t$ cancel, and $|B_0|$ is at most",
-        equation(mean, 4 * WHOLE / sp.pi, {mean: 2 * Omega / (2 * sp.pi) * 4 * quarter}, "mean"),
+        equation(mean, 4 * WHOLE / sp.pi, {mean: Omega / sp.pi * 4 * quarter}, "mean"),
         r"with equality only if $f = \pm S\operatorname{sgn}\cos\Omega t$ at almost all times. But "
         r"if both belts rub, $|f| < S$ while $\dot{x}$ goes from one belt's speed to the "
         r"other's.\end{proof}",
