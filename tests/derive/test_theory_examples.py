@@ -183,3 +183,14 @@ def test_the_words_around_the_point_b() -> None:
         p = Parameters(FN=FN + 0.02 * cos(angle), Omega=Omega + 0.02 * sin(angle), **wall)
         words.add(cycle(str(find_orbit(p).word)))
     assert {"P32", "P3121"} <= words <= {"P32", "P3121", "P321231"}
+
+
+@pytest.mark.parametrize(("speed", "place"), [("0.01", 1.0), ("-0.01", -0.8)])
+def test_a_belt_that_hardly_moves_takes_the_mass_to_one_end(speed: str, place: float) -> None:
+    """The rests of the example of Chapter `orbits` go from -4/5 to 1; the attractor jumps between these."""
+    p = Parameters(
+        m=1, c=1, k=1, A0=0, B0="1/10", Omega=1, v1=speed, v2=10, mu1=1, mu2="1/10", FN=1
+    )
+    for x0 in ("-0.5", "0.7"):
+        motion = simulate(p, t0=0, x0=x0, v0=0, t_end=400)
+        assert float(motion(400.0)[0]) == pytest.approx(place, abs=0.05)

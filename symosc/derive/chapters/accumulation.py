@@ -18,7 +18,6 @@ from symosc.derive.steps import (
     Step,
     Table,
     cases,
-    decimal,
     equation,
     exact,
     facts,
@@ -281,6 +280,12 @@ def busiest_period(scene: str) -> tuple[int, set[int], int]:
     return most
 
 
+def _count(number_of: int) -> Step:
+    """Return a cell of the table: a whole number, which has to be exactly this one."""
+    letter = named("z")
+    return equation(letter, sp.Integer(number_of), exact({letter: sp.Integer(number_of)}))
+
+
 def _table() -> Table:
     """Return the table of the bound and of the events that the paper's motions have in a period."""
     rows: list[tuple[Any, ...]] = []
@@ -290,15 +295,7 @@ def _table() -> Table:
         bound = event_bound(load_scene(scene).parameters, belts, changes)
         checks.append(step(sp.Integer(count), "<=", sp.Integer(bound), sign()))
         shown = ", ".join(map(str, sorted(belts)))
-        rows.append(
-            (
-                rf"\texttt{{{scene}}}",
-                shown,
-                str(changes),
-                decimal("z", count, 0),
-                decimal("z", bound, 0),
-            )
-        )
+        rows.append((rf"\texttt{{{scene}}}", shown, *map(_count, (changes, count, bound))))
     return Table(
         "tab:accumulation-counts",
         rf"The most events that the motions of the paper's figures have in an interval of the "

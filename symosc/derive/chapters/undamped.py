@@ -203,10 +203,19 @@ def _shape() -> Items:
 
 
 def _solves_spring(statement: Step) -> StepEvidence:
-    """Check that the right side, a function of t, solves m x'' + k x = A + B0 cos(Omega t)."""
+    """Check that the right side, a function of t, solves m x'' + k x = A + B0 cos(Omega t).
+
+    Its free part at t = 0 has the position R cos(psi) and the velocity -R omega_0 sin(psi).
+    """
     place = statement.right.subs({FIXED: STEADY, omega_0: sp.sqrt(k / m)})
+    steady = A / k + STEADY * sp.cos(Omega * t)
+    free = (place - steady).subs(t, 0)
+    rate = (place - steady).diff(t).subs(t, 0)
+    check = exact(tidy=sp.simplify)
+    equation(free, RADIUS * sp.cos(ANGLE), check).verify()
+    equation(rate, -RADIUS * sp.sqrt(k / m) * sp.sin(ANGLE), check).verify()
     force = m * place.diff(t, 2) + k * place
-    return equation(force, A + B0 * sp.cos(Omega * t), exact(tidy=sp.simplify)).verify()
+    return equation(force, A + B0 * sp.cos(Omega * t), check).verify()
 
 
 def _free() -> Items:
@@ -403,7 +412,7 @@ def _examples() -> Items:
         r"$\omega_0/\Omega = 1/\sqrt{2}$ is irrational, and $V_0 = |B_0|$, as for $B_0 = "
         r"\frac{19}{20}$",
         *_numbers(torus),
-        r"For $B_0 > 1$ one motion attracts all others, with slips on both belts. For $B_0 < 1$ "
+        r"For $B_0 > 1$ one motion attracts all others. For $B_0 < 1$ "
         r"motions that meet a belt tend to the torus with $R_* = (1 - B_0)/\sqrt{2}$ "
         r"(Table~\ref{tab:undamped-radius}), and those inside stay where they are. With $k = 1$ "
         r"and $\Omega = \frac{17}{10}$ the ratio is $10/17$, and what looks like a closed curve "
