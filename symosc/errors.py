@@ -8,6 +8,9 @@ from numbers import Number
 from typing import Any
 
 LONGEST_VALUE = 80
+# How alike a word must be to be suggested: of five letters one may differ, not two, since who writes
+# "panel" does not mean "label".
+LEAST_LIKENESS = 0.65
 
 
 def shown(value: object) -> str:
@@ -211,7 +214,11 @@ def meant(word: object, known: Iterable[str]) -> str:
     likeness = {
         name: SequenceMatcher(None, name.lower(), str(word).lower()).ratio() for name in known
     }
-    near = [name for name, ratio in likeness.items() if ratio >= max([0.6, *likeness.values()])]
+    near = [
+        name
+        for name, ratio in likeness.items()
+        if ratio >= max([LEAST_LIKENESS, *likeness.values()])
+    ]
     if 1 <= len(near) <= 3:
         return f"; did you mean {' or '.join(near)}?"
     return ""

@@ -140,7 +140,7 @@ def fit(
         for name in given_names:
             if name not in known:
                 raise ParameterError(
-                    argument, name, f"must be of {', '.join(known)}{meant(str(name), known)}"
+                    argument, name, f"must be one of {', '.join(known)}{meant(str(name), known)}"
                 )
     for name in start or {}:
         if name not in names:

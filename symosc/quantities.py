@@ -112,6 +112,19 @@ def read_number(name: str, value: Any) -> tuple[Fraction, bool]:
     return read_expression(name, text)
 
 
+def forcing_periods(name: str, given: Any) -> Fraction | None:
+    """Return the number of drive periods that text such as "10T" gives, else None.
+
+    Errors call the argument `name`.
+    """
+    if not (isinstance(given, str) and given.strip().endswith("T")):
+        return None
+    count = given.strip()[:-1].rstrip("* ")
+    if not NUMBER.fullmatch(count):
+        raise ParameterError(name, given, "give a number, or periods of the drive such as '10T'")
+    return read_exact(name, count)
+
+
 #: Digits to which an expression with pi is known, and bits with which it is computed.
 KNOWN_DIGITS = 40
 ENCLOSURE_BITS = 400
@@ -125,6 +138,11 @@ FORMS = (
     "with + - * / ^ ( ), sqrt(), sin(), cos() and exp()"
 )
 _LETTERS = re.compile(r"[\d.\s()+\-*/^]|pi|π|sqrt|sin|cos|exp|(?<=\d)[eE](?=[+-]?\d)", re.ASCII)
+#: A number right before pi, which it multiplies, as in "2π". In "1/2π" and "2^3π" it is not clear
+#: what is the factor.
+_FACTOR_OF_PI = re.compile(
+    r"((?<![\d.^/])(?<!\*\*)(?<![/^]\s)(?:\d+\.?\d*|\.\d+))(?:pi|π)", re.ASCII
+)
 _OPERATORS = {
     ast.Add: operator.add,
     ast.Sub: operator.sub,
@@ -137,7 +155,7 @@ def read_expression(name: str, text: str) -> tuple[Fraction, bool]:
     """Return the value of an expression such as "3*pi/2" for the number `name`, and whether it is exact."""
     from mpmath import iv, mp
 
-    source = text.strip().replace("π", "pi").replace("^", "**")
+    source = _FACTOR_OF_PI.sub(r"\1*pi", text.strip()).replace("π", "pi").replace("^", "**")
     iv.prec = ENCLOSURE_BITS
 
     def refused(allowed: str = FORMS) -> ParameterError:
@@ -236,7 +254,7 @@ def half_unit(value: Fraction) -> Fraction:
 #: A number, and the name of a unit with powers of one digit.
 _QUANTITY = re.compile(
     r"\s*(?P<number>[+-]?(?:\d+/\d+|(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d+)?))\s*"
-    r"(?P<unit>(?!pi\b|[eE][+-]?\d)(?:[^\W\d_]|[°%](?![\d.]))(?:[^\W\d_]|[\s°%*/^()·\-]|(?<!\d)\d(?!\d))*)"
+    r"(?P<unit>(?!pi\b|π|[eE][+-]?\d)(?:[^\W\d_]|[°%](?![\d.]))(?:[^\W\d_]|[\s°%*/^()·\-]|(?<!\d)\d(?!\d))*)"
 )
 #: A unit whose factor has more digits than this has pi in it, which is known to 50 digits in pint.
 LONGEST_UNIT = 50
@@ -261,6 +279,10 @@ def read_quantity(name: str, text: str) -> tuple[Fraction, bool]:
     refused = ParameterError(name, text, f"{name} is the {what}{',' if plain else ':'} {allowed}")
     if parts is None or len(parts["unit"]) > LONGEST_UNIT:
         raise refused
+    if parts["unit"].strip() == "%":  # of a number without a unit; needs no table of units
+        if not plain:
+            raise refused
+        return read_exact(name, parts["number"]) / 100, True
     registry = _registry()
     try:
         given = registry.parse_units(parts["unit"].strip().replace("^", "**").replace("·", "*"))

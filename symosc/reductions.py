@@ -41,7 +41,7 @@ PI = Fraction(
     "3.1415926535897932384626433832795028841971693993751058209749445923078164062862089986280348253421170680"
 )
 #: A missing belt is replaced by one faster, by this factor, than the forces can make the mass in
-#: the time 1/Omega.
+#: the time 1/Omega or, without a drive, in the time that the free motion takes.
 FAR = 10**6
 #: Numbers, or half-widths, of t0, x0 and v0.
 Three = tuple[Fraction, Fraction, Fraction]
@@ -297,15 +297,20 @@ class OtherModel:
         B0 = self._drive[0]
         v2 = self.v2
         if v2 is None and self.m > 0:
-            forces = (
-                abs(A0)
-                + abs(B0)
-                + abs(self.mu1 * FN)
-                + self.m * self.Omega * (abs(self.v1) + self.shift.bound())
-            )
-            v2 = self.v1 + FAR * Fraction(10) ** ceil(log10(forces / (self.m * self.Omega) or 1))
+            forces = abs(A0) + abs(B0) + abs(self.mu1 * FN)
+            gained = forces / (self.m * self._pace(B0))
+            speeds = gained + abs(self.v1) + self.shift.bound()
+            v2 = self.v1 + FAR * Fraction(10) ** ceil(log10(speeds or 1))
         same = {name: getattr(self, name) for name in ("m", "c", "k", "Omega", "v1", "mu1", "mu2")}
         return Parameters(**same, A0=A0, B0=B0, v2=self.v1 + 1 if v2 is None else v2, FN=FN)
+
+    def _pace(self, B0: Fraction) -> Fraction:
+        """Return the rate of the drive `B0` or, if there is none, of the free motion."""
+        if B0 == 0 and self.k > 0:
+            return Fraction(math.sqrt(self.k / self.m))
+        if B0 == 0 and self.c > 0:
+            return self.c / self.m
+        return self.Omega
 
     @public
     def replace(self, **changes: NumberLike | bool | None) -> OtherModel:

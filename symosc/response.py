@@ -548,9 +548,12 @@ def cycle_response(
     amplitude = float(np.ptp(motion(times)[0] + motion_of_belts(model, times + delay)[0])) / 2
     first *= 2 / period
     # What phases refer to: the base, the force, or the belts' speeds.
-    excitation = _phasor(
-        model.base if model.Y else model.force if model.B0 else harmonic(model.W, model.W_phase)
-    )
+    cause = harmonic(model.W, model.W_phase)
+    if model.B0:
+        cause = model.force
+    if model.Y:
+        cause = model.base
+    excitation = _phasor(cause)
     Y = abs(float(model.Y))
     B0 = abs(float(model.B0))
     closure = np.abs(motion([motion.t_start, motion.t_end]) @ [1, -1]) / [1, Omega]
@@ -558,10 +561,15 @@ def cycle_response(
         multiplier = max(abs(complex(each)) for each in orbit.multipliers)
     else:
         multiplier = 0.0
+    transmissibility = nan
+    if Y:
+        transmissibility = amplitude / Y
+    elif B0:
+        transmissibility = float(np.ptp(passed)) / 2 / B0
     return {
         "word": orbit.word if orbit else "",
         "amplitude": amplitude,
-        "transmissibility": float(amplitude / Y if Y else np.ptp(passed) / 2 / B0 if B0 else nan),
+        "transmissibility": transmissibility,
         "phase": float(np.angle(excitation / first))
         if abs(first) > CONVERGED * abs(excitation)
         else nan,

@@ -81,6 +81,16 @@ class Map(NamedTuple):
         """The code (see `symosc.model.MODE_NAMES`) of the domain or the belt of the mapping."""
         return self.domain or 3 + self.start.boundary
 
+    @property
+    def returns(self) -> bool:
+        """Whether the map is a flight that ends in the plane where it starts, so that it can graze there."""
+        return not self.sticks and self.start == self.end
+
+    @property
+    def side(self) -> int:
+        """1 if the map ends at a belt from below, -1 if from above, 0 if it sticks."""
+        return (0, 1, -1)[self.end.superscript]
+
 
 #: The eight mappings: label, superscript and boundary of both planes, and domain.
 MAPS = {
@@ -140,8 +150,8 @@ class Word(NamedTuple):
         found: list[str | None] = []
         for step, after in zip(self.maps, [*self.maps[1:], self.maps[0]], strict=True):
             fit = step.sticks and not after.sticks and after.start.boundary == step.end.boundary
-            below = after.domain == NEIGHBOURS[step.end.boundary][0]
-            found.append(("below" if below else "above") if fit else None)
+            side = "below" if after.domain == NEIGHBOURS[step.end.boundary][0] else "above"
+            found.append(side if fit else None)
         return tuple(found)
 
     def __str__(self) -> str:

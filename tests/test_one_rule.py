@@ -54,7 +54,9 @@ def test_a_motion_of_parameters_begins_at_rest() -> None:
     whole = simulate(P, t0=0, x0=0, v0=0, t_end=6)
     assert simulate(P, t_end=6) == whole
     assert simulate(P, x0=0, t_end=6) == whole
-    with pytest.raises(ParameterError, match="t_end = None: is needed with parameters"):
+    with pytest.raises(
+        ParameterError, match="t_end = None: t_end is required when you pass Parameters"
+    ):
         simulate(P)
     assert simulate(P, t_end="2.5T") == simulate(P, t_end=2.5 * 2 * np.pi / float(P.Omega))
     assert simulate("fig9", t0=1, t_end="2T").t_end == simulate("fig9", t0=1, t_end=1 + np.pi).t_end
@@ -72,7 +74,9 @@ def test_a_sweep_of_parameters() -> None:
         options: Any = {"t_end": "40T", "record": ("word", "x"), **more}
         mine, scenes = (sweep(what, {"Omega": [3.9, 4.1]}, **options) for what in (P, rest))
         assert mine.equals(scenes)
-    with pytest.raises(ParameterError, match="t_end = None: is needed with parameters"):
+    with pytest.raises(
+        ParameterError, match="t_end = None: t_end is required when you pass Parameters"
+    ):
         sweep(P, {"Omega": [3.9, 4.1]})
 
 
@@ -82,7 +86,7 @@ def test_the_orbit_that_the_motion_settles_to() -> None:
     quiet = Parameters(m=1, c=1, k=1, A0=0, B0="0.1", Omega=1, v1=-5, v2=5, mu1=1, mu2=1, FN=1)
     with pytest.raises(ConvergenceError, match="settles without meeting a belt"):
         symosc.find_orbit(quiet)
-    with pytest.raises(ParameterError, match="word = None: is needed without a damper"):
+    with pytest.raises(ParameterError, match="word = None: word is required without a damper"):
         symosc.find_orbit(P.replace(c=0))
 
 

@@ -117,5 +117,11 @@ def test_what_is_imported_is_declared() -> None:
 def test_nox_has_a_session_for_every_python_and_every_extra() -> None:
     declared = [each.rpartition(" ")[2] for each in PROJECT["classifiers"] if ":: 3." in each]
     extras = [name for name in PROJECT["optional-dependencies"] if name not in ("test", "dev")]
-    assert f"PYTHONS = {declared!r}".replace("'", '"') in text("noxfile.py")
-    assert f"EXTRAS = {extras!r}".replace("'", '"') in text("noxfile.py")
+    values = {
+        node.targets[0].id: ast.literal_eval(node.value)
+        for node in ast.parse(text("noxfile.py")).body
+        if isinstance(node, ast.Assign)
+        and isinstance(node.targets[0], ast.Name)
+        and node.targets[0].id in ("PYTHONS", "EXTRAS")
+    }
+    assert values == {"PYTHONS": declared, "EXTRAS": extras}

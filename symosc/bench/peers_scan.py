@@ -94,7 +94,12 @@ def piece_from(q, s, mode, t, x, v):
     """Return a flight or stick from a start, with the constants of the homogeneous solution that fit this start."""
     if mode > 3:
         return ScanPiece(s, t, x, v, 0.0, 0.0, 0.0)
-    equilibrium = (q.A1 if mode == 1 else q.A2 if mode == 2 else q.A3) / q.stiffness
+    force = q.A2
+    if mode == 1:
+        force = q.A1
+    elif mode == 3:
+        force = q.A3
+    equilibrium = force / q.stiffness
     phase = q.Omega * t + q.theta
     y = x - equilibrium - s.P * cos(phase) - s.Q * sin(phase)
     w = v + q.Omega * (s.P * sin(phase) - s.Q * cos(phase))

@@ -156,7 +156,8 @@ def _loose_sentences(rows: list[Record]) -> list[str]:
         if row["solver"] == OURS[0].name and row["us_per_event"]:
             ours.setdefault(row["scene"], []).append(row)
     found = [
-        f"Where doubles cannot keep errors below {ACCURACY:g}, more digits are taken, which cost time:"
+        f"When double precision cannot keep the error below {ACCURACY:g}, symosc switches to "
+        "higher precision, which is slower:"
     ]
     for scene, (loose, *_, fine) in (
         (scene, each) for scene, each in ours.items() if len(each) > 1

@@ -497,8 +497,9 @@ def measurement_note(result: Record) -> str:
     The machine, and the times of an event and of one closed form.
     """
     text = (
-        f"One run of `symosc bench` ({sentence(result['machine'])}). c = {result['c_ns']:.0f} ns is the time of an "
-        "event of fig5 that simulate_many only counts, on one core; an evaluation of the closed form, one exp and two "
+        f"One run of `symosc bench` ({sentence(result['machine'])}). "
+        f"c = {result['c_ns']:.0f} ns is the cost of one event when `simulate_many` merely counts "
+        "the events of fig5, on one core; an evaluation of the closed form, one exp and two "
         f"sine-cosine pairs, takes {result['floor_ns']:.1f} ns."
     )
     return fill(text, 120, break_long_words=False, break_on_hyphens=False)

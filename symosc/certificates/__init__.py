@@ -8,7 +8,6 @@ Modules, lowest layer first:
     orbit           an orbit: one root of its closing equations, the course of its word, its multipliers
     trajectory      all events up to t_end, and their derivatives; a graze of some start within its error; a motion that
                     settles on an orbit: any number of periods by one of them
-    orbit_list      the orbits of orbits.csv, how they were made, their proof in processes
     branch          a branch of orbits up to its ends, by families of roots about a curve
     window          a grazing window, for all phases
     certificate     `Certificate` and its JSON

@@ -2,7 +2,8 @@
 
 The provers are loaded on demand.
 
-So the name is there without python-flint too: `from symosc import *` and completion need no extra.
+`symosc.certify` therefore exists even without python-flint: `from symosc import *` and completion
+need no extra.
 """
 
 from __future__ import annotations
@@ -39,7 +40,7 @@ def certify(
     wrt: str | Sequence[str] | None = None,
     progress: Callable[[float], None] | bool | None = None,
 ) -> Certificate:
-    """Prove a motion: when and where each event until t_end is, of what kind it is, and that none is left out.
+    """Prove when, where and of what kind every event up to t_end is, and that none is missing.
 
     Or prove an orbit: it exists, is the only one in a box and has its word; its multipliers are
     enclosed. Or prove a branch: there is such an orbit for every value of its parameter, up to
@@ -47,8 +48,8 @@ def certify(
     is proven to settle on an orbit (kind "settled") if its scene names the word of that orbit as
     its structure: from some event on, a cycle of events repeats.
 
-    Nothing is taken from a simulation; all numbers are balls (python-flint), with as many bits as
-    it takes.
+    The proof uses no simulation results; all arithmetic is ball arithmetic (python-flint) at the
+    precision required.
 
     Parameters
     ----------
@@ -99,7 +100,7 @@ def certify(
         what = load_scene(what)
     if isinstance(what, Parameters):
         if t_end is None:
-            raise ParameterError("t_end", None, "is needed with parameters")
+            raise ParameterError("t_end", None, "t_end is required when you pass Parameters")
         what = from_rest(what, t_end)
     import symosc.certificates.balls  # noqa: F401  says so if python-flint is not installed
 

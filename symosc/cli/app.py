@@ -47,6 +47,10 @@ COMMANDS = {
 }
 
 
+# Characters of a command's summary, at most: all of it.
+LONGEST_SUMMARY = 1000
+
+
 class CommandLine(click.Group):
     """The command `symosc` with its subcommands.
 
@@ -69,6 +73,17 @@ class CommandLine(click.Group):
             option for option in _verbosity_options() if not known & set(option.opts)
         ]
         return command
+
+    def format_commands(self, ctx: click.Context, formatter: click.HelpFormatter) -> None:
+        """Write all commands with their whole summaries: click cuts them off to fit one line."""
+        commands = {name: self.get_command(ctx, name) for name in self.list_commands(ctx)}
+        rows = [
+            (name, command.get_short_help_str(limit=LONGEST_SUMMARY))
+            for name, command in commands.items()
+            if command is not None
+        ]
+        with formatter.section("Commands"):
+            formatter.write_dl(rows)
 
     def resolve_command(self, ctx: click.Context, args: list[str]) -> Any:
         """Return the name, the command and the other arguments from `args`.

@@ -5,7 +5,6 @@ Prove events, orbits, branches and windows, and prove them again.
 
 from __future__ import annotations
 
-from collections import Counter
 from typing import Any
 
 import click
@@ -13,8 +12,7 @@ import click
 import symosc
 from symosc.certificates.certificate import common_complex, common_digits
 from symosc.cli import options, output
-from symosc.cli.options import Settings, Text, flag, option
-from symosc.display.progress import bar
+from symosc.cli.options import Settings, Text, option
 from symosc.errors import MissingExtraError
 
 
@@ -29,15 +27,12 @@ from symosc.errors import MissingExtraError
 @option("--orbit WORD", "Prove the periodic orbit with this structure, such as P32.", "word")
 @option("--branch NAME=LO:HI", "Prove the orbit for every value of a parameter.", "span")
 @option("--window MAP", "Prove the grazing window of a map, such as P2.", "mapping")
-@flag("--orbits", "Prove the list of orbits that ships, in two processes.")
 @options.set_option
 @option(
     "-o, --output FILE", "Write the certificate, a JSON file. -: to stdout, and only that.", "path"
 )
 @options.json_option
-def certify(
-    scene: Text, settings: Settings, t_end: Text, orbits: bool, path: Text, **asked: Any
-) -> int:
+def certify(scene: Text, settings: Settings, t_end: Text, path: Text, **asked: Any) -> int:
     """Prove all events of a scene.
 
     None is missed, and each has its kind, and time and position within bounds.
@@ -55,9 +50,6 @@ def certify(
       symosc certify fig9 --orbit P32
       symosc certify fig9 --branch Omega=3:6
     """
-    if orbits:
-        options.refuse((scene is not None, "--orbits proves its own list; give no scene"))
-        return _certify_list(again=False)
     if scene is None:
         raise click.UsageError("Missing argument 'SCENE'.")
     if any(map(asked.get, ("word", "span", "mapping"))) and (
@@ -126,43 +118,12 @@ def _print_certificate(certificate: symosc.Certificate) -> None:
         output.write(f"proven: {certificate.message}")
 
 
-def _certify_list(again: bool) -> int:
-    """Certify the shipped list of orbits, if `again` also verify each certificate.
-
-    Print how many are proven.
-    """
-    from symosc.certificates.orbit_list import listed_orbits, prove_list
-
-    orbits = listed_orbits()
-    if again:
-        verb = "proven again"
-    else:
-        verb = "proven"
-    with bar(verb, len(orbits), "orbits") as report:
-        answers = prove_list(progress=report, again=again)
-    proven = [orbit for orbit, answer in zip(orbits, answers, strict=True) if not answer]
-    regimes = ", ".join(
-        f"{number} {name}" for name, number in Counter(orbit.regime for orbit in proven).items()
-    )
-    if again:
-        more = ""
-    else:
-        more = f" ({regimes}), with {len({orbit.cycle for orbit in proven})} words"
-    output.write(f"{verb}: {len(proven)} of {len(orbits)} orbits{more}")
-    for answer in filter(None, answers):
-        output.complain(answer if again else f"not proven: {answer}")
-    if any(answers):
-        return output.FAILED
-    return 0
-
-
 @click.command()
-@click.argument("file", required=False)
-@flag("--orbits", "Certify and verify the list of orbits that ships.")
+@click.argument("file")
 @option("--bytes N", "Largest file. Default: 10,000,000.", type=options.WholeNumber(1))
 @option("--events N", "Most events and boxes. Default: 50,000.", type=options.WholeNumber(1))
 @option("--steps N", "Most steps of the proof. Default: 2,000,000.", type=options.WholeNumber(1))
-def verify(file: Text, orbits: bool, **limits: int | None) -> int:
+def verify(file: str, **limits: int | None) -> int:
     """Prove a certificate file once more, by other means than `symosc certify`, and print what is proven.
 
     The checker is symosc/certificates/verify.py, with verify_orbits.py beside it for orbits,
@@ -172,18 +133,11 @@ def verify(file: Text, orbits: bool, **limits: int | None) -> int:
     \b
     Examples:
       symosc verify fig8.json
-      symosc verify --orbits
     """
-    if (file is None) != orbits:
-        raise click.UsageError(
-            "--orbits verifies its own list; give no file" if orbits else "Missing argument 'FILE'."
-        )
     try:
         from symosc.certificates import verify_orbits
     except ImportError:
         raise MissingExtraError("verify", "certify") from None
-    if file is None:
-        return _certify_list(again=True)
     code, answer = verify_orbits.verify(
         file, **{name: most for name, most in limits.items() if most is not None}
     )

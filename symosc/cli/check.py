@@ -70,11 +70,11 @@ def check(
     exact motion from the same start, and the switching events of the samples with the exact ones.
     Says which were missed or invented, and what is probably wrong: a coefficient, a sign, the
     clock, smoothed friction, late events, the method, ... Velocities that are not there are
-    computed. A column of ids, or more than one FILE, is several solutions. A solution has to start
-    and to end where the scene does, unless --own-start and --partial allow another. A JSON or npz
-    file may list the events that the solver reported, as "events": pairs of t and kind (cross,
-    stick, slip, graze). Pieces joined at an event may repeat its time. Samples with few digits are
-    judged at their precision.
+    computed. A column of ids, or more than one FILE, is several solutions. A solution must cover
+    the scene from start to end; --own-start and --partial relax this. A JSON or npz file may list
+    the events that the solver reported, as "events": pairs of t and kind (cross, stick, slip,
+    graze). Pieces joined at an event may repeat its time. Samples with few digits are judged at
+    their precision.
 
     Exit codes: 0 the solution is right to the tolerance, 1 it is not, 2 bad input.
 

@@ -212,10 +212,7 @@ def _bars() -> Iterator[Callable[[str, int, int], None]]:
     default="python",
     show_default=True,
 )
-@option("--fix SCENE", "Fold the parameters of a scene in and drop what that leaves unused.")
-@option(
-    "--name", "Base of the file names, and of the names in C and Julia. Default: from the word."
-)
+@option("--name", "Base of the file names, and of the names in C. Default: from the word.")
 @option(
     "-o, --output FOLDER",
     "Where to write; made if needed. Default: here. '-': print.",
@@ -229,8 +226,8 @@ def codegen(ctx: click.Context, /, word: Text, check: bool, regenerate: bool, **
     """Write a mapping structure's residual and Jacobian for your own program.
 
     WORD is read right to left, like P32. The file needs nothing of symosc: Python with math, Python
-    with NumPy, C99 with a header, or Julia. It has the maps of the word only. A file that is there
-    with another content stays, unless --force is given.
+    with NumPy, or C99 with a header. It has the maps of the word only. A file that is there with
+    another content stays, unless --force is given.
 
     Without WORD it is about the kernels that symosc itself runs, symosc/kernels/_generated.py,
     which are printed from the formulas that sympy derives: --check compares them, --regenerate
@@ -238,8 +235,8 @@ def codegen(ctx: click.Context, /, word: Text, check: bool, regenerate: bool, **
 
     \b
     Examples:
-      symosc codegen P32 --language c --fix fig9
-      symosc codegen P4645 --language julia -o - > p4645.jl
+      symosc codegen P32 --language c
+      symosc codegen P4645 --language numpy -o - > p4645.py
       symosc codegen --check
     """
     if word is not None:
@@ -269,18 +266,14 @@ def codegen(ctx: click.Context, /, word: Text, check: bool, regenerate: bool, **
     return _kernels(regenerate)
 
 
-def _export_code(word: str, language: str, fix: Text, name: Text, folder: str, force: bool) -> int:
+def _export_code(word: str, language: str, name: Text, folder: str, force: bool) -> int:
     from symosc.symbolic.export import export, write_export
 
     options.refuse((folder == STDOUT and force, "--force is about files; leave it out with -o -"))
-    if fix is None:
-        parameters = None
-    else:
-        parameters = load_scene(fix).parameters
     if folder == STDOUT:
-        output.write("\n".join(export(word, language, parameters, name).values()), end="")
+        output.write("\n".join(export(word, language, name).values()), end="")
         return 0
-    paths = write_export(folder, word, language, parameters, name, force=force)
+    paths = write_export(folder, word, language, name, force=force)
     output.report(lambda: list(map(str, paths)), lambda: output.name_files(*paths))
     return 0
 

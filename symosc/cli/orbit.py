@@ -144,7 +144,7 @@ def _report_text(
     if found.admissible:
         lines.append(_start_text(scene, found))
     if branch is not None:
-        lines += ["", f"{len(branch.values)} orbits over {branch.parameter}:"]
+        lines += ["", f"branch of {len(branch.values)} points over {branch.parameter}:"]
         for end in branch.ends:
             if end.beyond:
                 beyond = f"; beyond it {end.beyond}"
@@ -158,7 +158,7 @@ def _report_text(
 
 def _start_text(scene: symosc.Scene, found: symosc.PeriodicOrbit) -> str:
     near = found.approach(scene)
-    place = f"the start of {scene.name} (t = {show(scene.t0)}) is off the orbit by {near.offset_x:.3g} in x and"
+    place = f"the start of {scene.name} (t = {show(scene.t0)}) differs from the orbit by {near.offset_x:.3g} in x and"
     place += f" {near.offset_v:.3g} in v"
     if near.dt == near.dt:
         place += f", from its nearest switching by {near.dt:.3g} in t and {near.dx:.3g} in x"

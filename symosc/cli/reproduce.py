@@ -28,10 +28,10 @@ if TYPE_CHECKING:
 def reproduce(name: str, only: str | None) -> int:
     """Recompute what the paper states, judge each claim, draw all figures and write a report.
 
-    The folder gets report.html (one file that needs no other), report.md, report.json, a letter to
-    the authors (letter.html, letter.txt), figures/ and derivations/. With --only it gets no letter
-    and no derivations. The exit code is 1 if a verdict is not the committed one, or a figure or a
-    derivation fails. Everything is written at the end; an interrupt leaves the folder as it was.
+    The folder gets report.html (one file that needs no other), report.json, figures/ and
+    derivations/. With --only it gets no derivations. The exit code is 1 if a verdict is not the
+    committed one, or a figure or a derivation fails. Everything is written at the end; an interrupt
+    leaves the folder as it was.
 
     \b
     Examples:

@@ -509,7 +509,7 @@ def _split_by_id(values: Record, ids: np.ndarray) -> list[Samples]:
     """Return one solution per id, in order of their first rows."""
     lengths = {name: len(column) for name, column in values.items()} | {ID_COLUMN: len(ids)}
     if len(set(lengths.values())) > 1:
-        raise ParameterError("lengths", lengths, "the columns must have one length")
+        raise ParameterError("lengths", lengths, "the columns must have the same length")
     columns = {name: np.asarray(column) for name, column in values.items()}
     found = []
     names, first, inverse = np.unique(ids, return_index=True, return_inverse=True)

@@ -56,7 +56,7 @@ def checked(t: object, x: object, v: object = None, events: object = None) -> Sa
     }
     lengths = {name: len(array) for name, array in arrays.items()}
     if len(set(lengths.values())) > 1:
-        raise ParameterError("lengths", lengths, "t, x and v must have one length")
+        raise ParameterError("lengths", lengths, "t, x and v must have the same length")
     if lengths["t"] < 2:
         raise ParameterError("samples", lengths["t"], "at least 2 are needed")
     times = arrays["t"]

@@ -15,7 +15,8 @@ ABSTRACT = (
     r"speeds. This supplement derives its motion from the balance of forces and the set-valued law of friction: the "
     r"closed form in every regime of damping, what happens at a belt's speed, sticks and their two ends, the mappings "
     r"between the switching planes and their derivatives, grazing with all of its cases, an event search that misses "
-    r"nothing, the one periodic motion that attracts, why there is no chaos, and where the word of a motion changes. "
+    r"nothing, the one periodic motion that attracts, why there is no chaos, what motions do without a damper, "
+    r"and where the word of a motion changes: the maps, the multipliers and all points of codimension two. "
     r"It restates, proves and where needed corrects what is in the paper \cite{chen2016}: "
     + paper_reference(r"\emph{{{}}}", "~", "--")
     + "."
@@ -135,6 +136,16 @@ $Q$, $G$, $H$, $p_0$, $q_0$, $T$, $D$, $U$, $S$, $B$, $\chi$, $T_h$, $D_h$, $\De
   there only: parts of the symmetric motion and of its half period, Den Hartog's letters, a growth, a loss, a middle,
   motion of a base, a slope &
   Chapter~\ref{sec:literature} \\
+$r$, $U$, $J$, $N$, $F_*$ & rate of the force on a belt, force from below, jump of the force; changes of belt, a bound
+  & Lemma~\ref{thm:accumulation-forces} \\
+$S$, $f$, $f^*$, $z$, $R$, $\psi$, $X_0$, $R_*$, $v_\pm$, $\mathcal{K}$, $P$, $E$, $Y$ & without a damper:
+  largest friction, friction, a free oscillation with its amplitude and phase, the response, bounds, all recurrent
+  motions &
+  Chapter~\ref{sec:undamped} \\
+$\epsilon$, $b$, $D$, $D_{11}$, $D_{12}$, $M_{11}$, $M_{21}$ & how far beyond a border, a rate there; matrix of a
+  discontinuity map, entries & Theorem~\ref{thm:corrections-maps} \\
+$u$, $q$, $h$, $d$, $e$, $t_2$, $p$, $\epsilon_1$, $\epsilon_2$ & at points of codimension two: coordinates and rates
+  & Chapter~\ref{sec:codimension} \\
 $f$, $P$, $X$, $B$, $J$, $Y$, $D$, $E$, $R$, $C$, $q$, $a$, $b$, $N$ & in proofs by balls, each defined where it
   stands: maps, boxes and matrices, helpers, points, periods & Chapter~\ref{sec:certificates} \\
 """
@@ -149,7 +160,7 @@ def notation_table() -> str:
     """Return the LaTeX of the table of notation."""
     rows = "\n".join(" & ".join(row) + r" \\" for row in NOTATION)
     return rf"""\section*{{Notation}}\label{{sec:notation}}
-{{\small\noindent\begin{{tabular}}{{@{{}}p{{42mm}}p{{80mm}}l@{{}}}}
+{{\footnotesize\noindent\begin{{tabular}}{{@{{}}p{{42mm}}p{{80mm}}l@{{}}}}
 \hline
 {rows}
 \hline\end{{tabular}}}}"""

@@ -301,7 +301,10 @@ def _factor_key(factor: Expr) -> tuple[int, int, Any]:
     elif isinstance(factor, sp.exp):
         rank = 3, 0
     elif base.is_Add:
-        rank = (0 if letters <= {"mu_1", "mu_2"} else 2 if factor.is_Pow else 3), 1
+        place = 2 if factor.is_Pow else 3
+        if letters <= {"mu_1", "mu_2"}:
+            place = 0
+        rank = place, 1
     elif base.is_Function:
         rank = 4, 0
     elif letters <= PARAMETERS:

@@ -81,7 +81,8 @@ def step(
 ) -> Step:
     """Return the step ``left op right``, which has to pass a check."""
     if not isfunction(check):
-        check = exact({} if check is None else check if isinstance(check, dict) else {left: check})
+        meanings = check if isinstance(check, dict) else {left: check}
+        check = exact({} if check is None else meanings)
     return Step(sp.sympify(left), op, sp.sympify(right), check, label, **options)
 
 

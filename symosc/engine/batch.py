@@ -103,8 +103,8 @@ def large_array(shape: tuple[int, ...], dtype: Any = np.float64) -> np.ndarray:
 
     A large one begins at a large memory page.
     """
-    # To touch a page for the first time costs a microsecond or more: with pages of 4 KiB up to a
-    # quarter of the time of an event. numpy asks the system for pages of 2 MiB, but gets them only
+    # The first access to a memory page costs a microsecond or more; with 4 KiB pages that can be a
+    # quarter of an event's time. numpy asks the system for pages of 2 MiB, but gets them only
     # between multiples of 2 MiB.
     size = math.prod(shape) * np.dtype(dtype).itemsize
     if size < PAGE:

@@ -37,7 +37,7 @@ by the value at its end.
 
 The bound and the steps are a proof in real arithmetic, derived in the chapter on events. Evaluated
 with rounding, decisions must exceed ROUNDING errors, and marching steps MARCH_SLACK of the size of
-the gap; that these margins are wide enough in doubles was measured, not proven.
+the gap; we have measured, not proved, that these margins suffice in double precision.
 
 Arguments that many functions share: `start` is the Launch of a flight, with velocity `v0`; `now`
 and `there` are points of it (`Flown`), `tau` a time since the launch, and `tau_max` the end of the
@@ -565,7 +565,7 @@ def gap_reopens(tau, side, start, walls, S, K):
 
     The contact is a touch.
     """
-    for rate in (K.rate, K.Om):
+    for rate in (K.rate, K.beat):
         now = state_at(tau + 0.5 / rate, start, K)
         if abs(gap_to(side, now, walls)) > 4.0 * tolerance(side, now, start, walls, S, K):
             return True
@@ -1014,7 +1014,7 @@ def exit_root(force, side, low, high, Delta, s, c, held, belt, K):
     else:
         sine = -1.0
     inflection = wrap_phase(0.5 * sine * PI - held.theta) / K.Om
-    if low < inflection < high:
+    if K.driven and low < inflection < high:
         there = stick_acceleration(force, belt.v, inflection, -held.c, K.w0sq, K.f0)
         if abs(there) < abs(over):
             tau = inflection
@@ -1037,7 +1037,7 @@ def exit_root(force, side, low, high, Delta, s, c, held, belt, K):
                 return StickEnd(HIT, side, tau, -force, slope, bend, s, c)
             if is_beside(over, slope, bend, K):
                 step = local_root(over, slope, bend, third, -Om2 * bend, EPS * tau)
-                if abs(step) * K.Om < NEAR and low - slack <= tau + step <= high + slack:
+                if abs(step) * K.beat < NEAR and low - slack <= tau + step <= high + slack:
                     return slips_at(tau, step, side, -force, s, c, belt, K)
         square = slope * slope - 2.0 * over * bend
         if square > 0.0:
@@ -1071,7 +1071,7 @@ def exit_root(force, side, low, high, Delta, s, c, held, belt, K):
 
 def is_beside(over, slope, bend, K):
     """Return whether a force `over`, with derivatives `slope`, `bend`, is so near 0 that its root needs no search."""
-    return (abs(over * bend) < 0.1 * slope * slope) & (abs(over) * K.Om < 2.0 * NEAR * abs(slope))
+    return (abs(over * bend) < 0.1 * slope * slope) & (abs(over) * K.beat < 2.0 * NEAR * abs(slope))
 
 
 def slips_at(tau, step, side, Delta, s, c, belt, K):
@@ -1183,7 +1183,7 @@ def slip_near(tau, uncertainty, side, held, belt, K):
         )
         if not (abs(tau + step - first) <= uncertainty and side * slope > 0.0):
             break
-        if abs(step) * K.Om < NEAR:
+        if abs(step) * K.beat < NEAR:
             return slips_at(tau, step, side, -force, s, c, belt, K)
         tau = tau + step
     zero = 0.0 * tau

@@ -42,6 +42,9 @@ from symosc.model import OtherNumbers, Parameters
 APART = Fraction(1, 5)
 LONGEST_PHASE = 50
 LONGEST_SWING = 10**9
+# Forcing periods that are passed in one evaluation, at most: their number is a whole number of 64
+# bits.
+MOST_TURNS = 2.0**60
 # A free motion is over after LONGEST_PHASE of its decay times, and heavily damped when that are few
 # of its periods.
 HEAVY = 50
@@ -106,6 +109,8 @@ class Constants(NamedTuple):
     w0sq: Number  # k/m
     f0: Number  # B0/m
     Om: Number  # Omega
+    beat: Number  # Omega; without a drive, where Omega means nothing, the rate of the free motion
+    driven: bool  # whether B0 is not 0
     fB: Number  # B0 Omega/m
     h: Number  # c/(2m)
     omega_d: Number  # sqrt(|k/m - h^2|), the damped frequency
@@ -185,6 +190,7 @@ def constants(
     zero = number(Fraction(0))
     doubles = isinstance(pi, float)
     period = 2 * pi / omega
+    driven = parameters.B0 != 0
     # The free motion: its roots, frequencies and rates.
     square = w0sq - h * h
     under = square > 0
@@ -194,29 +200,37 @@ def constants(
     fast = -(number(h) + omega_d)
     slow = number(w0sq) / either(fast != 0, fast, 1)  # fast = 0 only where w0sq = 0
     rate0 = either(under, w0, -fast)
-    rate = larger(rate0, omega)
+    moves = rate0 > 0
+    # Without a drive nothing depends on Omega but the phase: where steps, limits and formulas ask
+    # for a frequency of the drive it is 0, and where they divide by it the rate of the free motion.
+    beat = either(driven | (moves ^ True), omega, rate0)
+    pull = either(driven, Om, Fraction(0))
+    rate = larger(rate0, beat)
     # The steady motion, which is of use if p^2 + q^2 is large enough.
     drive = f0 * Om
-    p = w0sq - Om * Om
-    q = 2 * h * Om
+    p = w0sq - pull * pull
+    q = 2 * h * pull
     size = p * p + q * q
-    steady = size >= (APART * larger(w0sq, Om * Om)) ** 2
-    response = number(either(steady, size, Fraction(1)))
+    steady = size >= (APART * larger(w0sq, pull * pull)) ** 2
+    response = number(either(steady & (size != 0), size, Fraction(1)))
     # The longest time to evaluate from one starting point: a forcing period, with two exceptions.
     # The phase of a free oscillation is known to rate * time ulp: that must not grow without need,
-    # unless the oscillation is over long before. Without a drive its period means nothing.
+    # unless the oscillation is over long before. Without a drive a motion is evaluated until it is
+    # over; the count of phases must stay a whole number.
     is_over = (w0 < HEAVY * number(h)) & (number(h) * period > LONGEST_PHASE)
-    moves = rate0 > 0
     longest = LONGEST_PHASE / either(moves, rate0, 1)
     swinging = either(is_over, period, either(longest < period, longest, period))
-    chunk = either(
-        under, swinging, either((parameters.B0 == 0) & moves, larger(period, longest), period)
-    )
+    most = MOST_TURNS * period
+    fades = either(slow < 0, LONGEST_PHASE / either(slow < 0, -slow, 1), most)
+    free = either(under, longest, fades)
+    chunk = either(driven, either(under, swinging, period), either(free < most, free, most))
     return Constants(
         cm=number(2 * h),
         w0sq=number(w0sq),
         f0=number(f0),
         Om=omega,
+        beat=beat,
+        driven=driven,
         fB=number(drive),
         h=number(h),
         omega_d=omega_d,
@@ -232,10 +246,10 @@ def constants(
         swing=either(w0sq != 0, 1 / either(w0 > 0, w0, 1), LONGEST_SWING / rate),
         under=under,
         apart=under & steady,
-        creeps=over & (parameters.B0 == 0),
+        creeps=over & (driven ^ True),
         lasting=either(under, w0sq > LASTING * h * h, w0sq == 0),
-        slow_drive=rate0 > SLOW_DRIVE * omega,
-        stiff=steady & over & (-fast > STIFF * larger(-slow, omega)),
+        slow_drive=rate0 > SLOW_DRIVE * beat,
+        stiff=steady & over & (-fast > STIFF * larger(-slow, number(pull))),
         steady=steady,
         A1=number(parameters.A(1) / m),
         A2=number(parameters.A(2) / m),
@@ -244,7 +258,9 @@ def constants(
         Ss=number(-drive * p) / response,
         Sc=number(drive * q) / response,
         period=period,
-        Om_gain=number(exactly(omega) - Om) / omega if doubles else zero,
+        Om_gain=number(either(driven, exactly(omega) - Om, Fraction(0))) / omega
+        if doubles
+        else zero,
         period_low=number(_period_rest(period, omega)) if doubles else zero,
         chunk=chunk,
         sigmas=number(SIGMAS),
@@ -271,7 +287,7 @@ def march_steps(K):
 
     The usual step, and the longer stride.
     """
-    return MARCH_STEP / K.rate, (SLOW_STRIDE if K.rate > SLOW * K.Om else STRIDE) / K.rate
+    return MARCH_STEP / K.rate, (SLOW_STRIDE if K.rate > SLOW * K.beat else STRIDE) / K.rate
 
 
 def march_rows(table, out):

@@ -418,7 +418,7 @@ def slip(state, remaining, K):
     boundary = mode - ON_BELT
     belt = belts(boundary, K)
     good, force, side, low, high, Delta, s, c = end_of_stick(state, belt, K)
-    good = good & (remaining >= K.period)
+    good = good & (remaining >= K.period) & (K.driven != 0)
     if not any_of(good):
         return good, mode, mode, mode, state
     good, tau, slope, bend, s, c = slip_side_by_side(
@@ -529,7 +529,7 @@ def slip_side_by_side(good, force, side, low, high, Delta, s, c, held, belt, K):
             fast = is_beside(over, slope, bend, K)
             step, missing = root_by_series(over, slope, bend, third, -Om2 * bend)
             within = (
-                (abs(step) * K.Om < NEAR)
+                (abs(step) * K.beat < NEAR)
                 & (low - slack <= tau + step)
                 & (tau + step <= high + slack)
             )

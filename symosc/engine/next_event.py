@@ -247,11 +247,15 @@ def point_at_end(remaining, start, K):
 def no_contact(state, there, now, remaining, K):
     """Return the NextEvent of a flight from `state` that met no wall up to the state `there` (the point `now`)."""
     mode, _, n, theta, x, v, F, _, S, t, t_low, _, _, theta_low = there
-    if now.tau >= remaining:
-        return NextEvent(END, 0, True, 0.0, there)
+    # Whether a motion without a drive settles must not depend on when the search was over.
+    ends = now.tau >= remaining
     lower, upper = speeds_around(mode, K)
-    if never_leaves(Launch(v, F, now.s, now.c), S, lower, upper, mode, K):
+    ends_driven = ends and K.driven
+    launch = Launch(v, F, now.s, now.c)
+    if not ends_driven and never_leaves(launch, S, lower, upper, mode, K):
         return NextEvent(REST, 0, True, 0.0, state)
+    if ends:
+        return NextEvent(END, 0, True, 0.0, there)
     F = acceleration(x, v, now.c, constant_force(mode, K), K.cm, K.w0sq, K.f0)
     s, c = sine_and_cosine(theta, theta_low)
     return NextEvent(
@@ -540,10 +544,13 @@ def after_stick(state, end, remaining, K):
     if tau > remaining and code in (HIT, TANGENCY):
         code = NOTHING
         tau = remaining
-    if code == NOTHING and tau < remaining and belt.drift == 0.0 and tau >= K.period:
-        return NextEvent(
-            REST, 0, True, 0.0, state
-        )  # the forces repeat: no exit in one period means none ever
+    # Forces that do not change, or repeat and lead to no exit in one period, lead to none ever.
+    if K.driven:
+        lasts = K.period <= tau < remaining
+    else:
+        lasts = remaining > 0.0
+    if code == NOTHING and belt.drift == 0.0 and lasts:
+        return NextEvent(REST, 0, True, 0.0, state)
     noise = EPS * (abs(x) + 2.0 * abs(v) * tau)
     S = Covariance(S.S11 + noise * noise, zero, zero)
     x = x + v * tau
@@ -653,9 +660,9 @@ def passes_at_once(error, speed, second, third):
 def slow_passing_time(error, first, second, third, K):
     """Return the least time in which one of three derivatives alone makes up for an `error`.
 
-    At most 1/Omega.
+    At most 1/`K.beat`.
     """
-    best = 1.0 / K.Om
+    best = 1.0 / K.beat
     if error == 0.0:
         return 0.0 * best
     if first != 0.0:

@@ -18,7 +18,7 @@ from symosc.aliases import Number
 from symosc.engine.arithmetic import Arithmetic, MpArithmetic, column_functions
 from symosc.engine.batch import rounded_covariance, row_of
 from symosc.engine.first_exit import ROUNDING
-from symosc.engine.flow import Constants, belt_forces, constant_force, corrected
+from symosc.engine.flow import Constants, belt_forces, constant_force, constants, corrected
 from symosc.engine.state import BELT, DOMAIN_ABOVE, ON_BELT, Covariance, State
 from symosc.kernels._generated import acceleration
 from symosc.kernels.entire import EPS
@@ -261,11 +261,19 @@ def _decided_start(start: Start, boundary: int) -> BeltStart:
 
 
 def last_time(start: Start, arithmetic: Arithmetic) -> tuple[Number, Number]:
-    """Return the end time in two parts: t_end, but at most MOST_PERIODS of the drive after t0."""
-    periods = (
-        Fraction(MOST_PERIODS * 44, 7) / start.parameters.Omega
-    )  # 44/7 is a little more than 2 pi
-    return arithmetic.time(min(start.t_end, start.t0 + periods))
+    """Return the end time in two parts: t_end, or the last time that is followed at all."""
+    return arithmetic.time(min(start.t_end, start.t0 + longest_span(start.parameters)))
+
+
+def longest_span(parameters: Parameters) -> Fraction:
+    """Return for how long a motion is followed.
+
+    That is MOST_PERIODS of the drive or, if there is none, as many searches.
+    """
+    if parameters.B0 == 0:
+        return MOST_PERIODS * Fraction(constants(parameters).chunk)
+    # 44/7 is a little more than 2 pi
+    return Fraction(MOST_PERIODS * 44, 7) / parameters.Omega
 
 
 def first_row(start: Start, arithmetic: Arithmetic) -> list[Number]:
@@ -300,10 +308,12 @@ def settles(start: Start) -> bool:
         return False
     h = p.c / (2 * p.m)
     square = h * h - p.k / p.m
-    if square < 0:
-        return False
     domain = 1 + (start.v0 > p.v1) + (start.v0 > p.v2)
     a = (p.A(domain) - p.k * start.x0 - p.c * start.v0) / p.m
+    if a == 0 and start.v0 == 0:
+        return True
+    if square < 0:
+        return False
     for boundary, side in ((domain - 1, 1), (domain, -1)):
         if boundary in (1, 2):
             v = p.belt(boundary)
@@ -358,13 +368,17 @@ def continued(state: State, eps: Fraction, arithmetic: MpArithmetic) -> State:
 
     turn = arithmetic.namespace["sine_and_cosine"]
     phase: Phase = turn(theta, 0 * theta)
-    part = K.period * arithmetic.number(eps)
+    if K.driven:
+        span = K.period
+    else:
+        span = 1 / K.beat
+    part = span * arithmetic.number(eps)
     missing = 0 * x
     Fb, Fa = forces()
     if state.mode <= ON_BELT and state.Fb == 0:
         for _ in range(MOST_CORRECTIONS):
             slope = K.fB * phase[0] + K.w0sq * v
-            if abs(Fb) <= abs(slope) * K.period:
+            if abs(Fb) <= abs(slope) * span:
                 shift = Fb / slope
             else:
                 shift = 0 * x
@@ -373,15 +387,15 @@ def continued(state: State, eps: Fraction, arithmetic: MpArithmetic) -> State:
             x = x + v * shift
             phase = turn(theta, 0 * theta)
             Fb, Fa = forces()
-            if abs(shift) <= arithmetic.namespace["EPS"] * K.period:
+            if abs(shift) <= arithmetic.namespace["EPS"] * span:
                 break
-        missing = abs(Fb) * K.period
+        missing = abs(Fb) * span
         Fa = 0 * x
         Fb = 0 * x
     Fb, Fa = (0 * x if given == 0 else force for given, force in ((state.Fb, Fb), (state.Fa, Fa)))
-    dx = (abs(x) / K.period + abs(v)) * part
+    dx = (abs(x) / span + abs(v)) * part
     dv = missing
     if state.mode <= ON_BELT:
-        dv = dv + (abs(Fb) + (0 if state.at else abs(v) / K.period)) * part
+        dv = dv + (abs(Fb) + (0 if state.at else abs(v) / span)) * part
     S = Covariance(S.S11 + dx * dx, rounded(S.S12), S.S22 + dv * dv)
     return State(*state[:3], theta, x, v, Fb, Fa, S, t, 0 * x, *phase, 0 * x)

@@ -446,9 +446,8 @@ def rest_stretches(i, state, remaining, t0, tally, K):
         then = State(now.mode, 0, now.n, phase, x, v, F, F, now.S, *clock)
         tally_stretch(i, now, then, step, t0, tally, K)
         passed = passed + step
-        if passed >= remaining or (
-            fades and decay * (passed - K.chunk) > TRANSIENT and passed > 2.0 * K.period
-        ):
+        shown = not K.driven or passed > 2.0 * K.period
+        if passed >= remaining or (fades and decay * (passed - K.chunk) > TRANSIENT and shown):
             break
         now = then
 

@@ -12,6 +12,9 @@ on less than its error:
 - the exact flow a short time before and after the contact: both points must be in the domain;
 - scipy's DOP853, on the same equation in coordinates that start at the contact.
 
+Domain, belt and side of the contact are those of the definition of the map (`symosc.words.MAPS`),
+with which the window must agree: the ways take nothing from the window that they judge.
+
 Some phases are random, in double precision. The others are adversarial, and exact: the ends of the
 window, the points of equality and the quarters of the circle, and phases 1e-3 to 1e-14 before and
 after each of them.
@@ -42,7 +45,9 @@ from symosc.grazing.window import GrazingWindow, grazing_window
 from symosc.kernels._generated import motion
 from symosc.kernels.entire import EPS
 from symosc.mappings.numbers import number_of, symbolic
+from symosc.mappings.theorem7_cases import Place
 from symosc.scenes import ParametersLike
+from symosc.words import MAPS
 
 CHECK_PHASES = 10_000
 YES = 1
@@ -206,11 +211,11 @@ def check_grazing(
         raise ParameterError(
             "k", "0", "must be > 0 here: without a spring F = 0 fixes the phase, there is no x_m"
         )
-    if p.B0 == 0 and window.speed == 0:
+    ways = Ways(window)
+    if p.B0 == 0 and ways.speed == 0:
         raise ParameterError(
             "B0", "0", "must not be 0 where v_lambda is: the flow stays on the belt for ever"
         )
-    ways = Ways(window)
     theta = np.random.default_rng(seed).uniform(0.0, 2 * pi, n)
     mismatches = list[dict[str, str]]()
     parts = []
@@ -219,6 +224,10 @@ def check_grazing(
     def disagree(phase: object, way: str, expected: str, found: str) -> None:
         mismatches.append({"theta": str(phase), "way": way, "window": expected, "found": found})
 
+    of_window = place_text(window.place)
+    of_map = place_text(ways.place)
+    if of_window != of_map:
+        disagree("all", f"definition of {mapping}", of_window, of_map)
     with late_bar(progress, f"check {mapping}", "phases") as advance:
         for some in np.array_split(theta, range(CHECK_PHASES, n, CHECK_PHASES)):
             parts.append(_decide_random(ways, some, disagree))
@@ -264,6 +273,15 @@ def check_grazing(
     )
 
 
+def place_text(place: Place) -> str:
+    """Return where a contact is, such as "domain 1 at belt 1 from below"."""
+    if place.side > 0:
+        way = "from below"
+    else:
+        way = "from above"
+    return f"domain {place.domain} at belt {place.boundary} {way}"
+
+
 # What is known of some phases, in columns: the phase, whether it is in the window, |G^(1)| over its
 # size, its distance from a phase with G^(1) = 0 (inf: not known), whether it took intervals, the
 # order that decides (0: none), and the verdicts of the three ways.
@@ -281,7 +299,7 @@ def _decide_random(
     if inside.any():  # F must vanish at the window's x_m
         drive = K.f0 * np.cos(theta[inside])
         spring = -K.w0sq * ways.window.contact(theta[inside])
-        terms = [constant_force(ways.window.place.domain, K), drive, spring, -K.cm * ways.v]
+        terms = [constant_force(ways.place.domain, K), drive, spring, -K.cm * ways.v]
         F = sum(terms)
         size = sum(map(abs, terms))
         for i in np.nonzero(np.abs(F) > FLOW_ROUNDING * EPS * size)[0]:
@@ -315,8 +333,8 @@ def _decide_special(ways: Ways) -> tuple[np.ndarray, ...]:
     import sympy
 
     zeros: set[Expr] = set()  # where G^(1) = 0 exactly
-    if ways.window.signs[1] and ways.window.signs[2] <= 0:
-        angle = sympy.asin(symbolic(-ways.window.gamma / ways.window.amplitude))
+    if ways.amplitude and abs(ways.gamma) <= abs(ways.amplitude):
+        angle = sympy.asin(symbolic(-ways.gamma / ways.amplitude))
         zeros = {
             end + 2 * sympy.pi if end.is_negative else end for end in (angle, sympy.pi - angle)
         }
@@ -354,13 +372,21 @@ class Ways:
     G-functions, exact flow, and DOP853.
     """
 
-    # They use the parameters and the place of the window, but not its phases.
+    # They use the parameters and the map of the window, but neither its place nor its phases.
 
     def __init__(self, window: GrazingWindow) -> None:
-        self.window, self.p, self.side = window, window.parameters, window.place.side
+        self.window = window
+        self.p = window.parameters
+        row = MAPS[window.mapping]
+        self.place = Place(row.domain, row.end.boundary, row.side, window.place.equation)
+        self.side = row.side
+        self.speed = self.p.belt(row.end.boundary)
+        self.gamma = self.p.k * self.speed / self.p.m
+        self.amplitude = self.p.B0 * self.p.Omega / self.p.m
         self.K: Constants = constants(self.p)
         self.fine = MpArithmetic(self.p, FLOW_DIGITS)
-        self.v, self.v_fine = float(window.speed), self.fine.number(window.speed)
+        self.v = float(self.speed)
+        self.v_fine = self.fine.number(self.speed)
         self.size = abs(self.K.w0sq * self.v) + abs(self.K.fB)
         context = self.fine.context
         basis = self.fine.namespace["basis"]
@@ -416,11 +442,11 @@ class Ways:
         Om = interval(p.Omega)
         drive = interval(p.B0 * p.Omega / p.m)
         values = [
-            -(interval(p.k * self.window.speed / p.m) + drive * s),
+            -(interval(self.gamma) + drive * s),
             -drive * Om * c,
             drive * Om * Om * s,
         ]
-        known_zero = [zero, zero and abs(p.k * self.window.speed) == abs(p.B0) * p.Omega, False]
+        known_zero = [zero, zero and abs(self.gamma) == abs(self.amplitude), False]
         for order, (G, is_zero) in enumerate(zip(values, known_zero, strict=True), start=1):
             if is_zero == (0 not in G):  # undecided, or the interval contradicts the zero
                 break

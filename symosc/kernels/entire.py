@@ -55,7 +55,7 @@ def basis(tau, K):
 def basis_with_drive(tau, s, c, K):
     """Return what `basis` does, the responses E0 to I2 and s, c, with s, c = sin, cos(Omega tau) given."""
     if K.rate * tau < SERIES_BELOW:
-        E0, E1, E2, R2, I2 = series(tau, K.cm, K.w0sq, K.Om)
+        E0, E1, E2, R2, I2 = series(tau, K.cm, K.w0sq, K.beat)
     elif K.apart and K.w0 * tau >= APART_ABOVE:
         E0, E1, E2, R2, I2 = closed_form(tau, s, c, K)
     else:

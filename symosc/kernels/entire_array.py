@@ -32,7 +32,7 @@ def basis_with_drive(
     else:
         found, rest = np.empty((5, *np.shape(tau))), ~short
     if short.any():
-        found[:, short] = series(tau[short], K.cm, K.w0sq, K.Om)
+        found[:, short] = series(tau[short], K.cm, K.w0sq, K.beat)
     if rest.any():
         found[:, rest] = careful(tau[rest], s[rest], c[rest], K)
     return (*found, s, c)

@@ -47,5 +47,5 @@ def by_division_and_series(tau, K):
 
 def by_series(tau, K):
     """Return what `entire.basis` does, by Taylor series, for a tau short for the free oscillation and for the drive."""
-    E0, E1, E2, R2, I2 = all_terms(tau, K.cm, K.w0sq, K.Om)
+    E0, E1, E2, R2, I2 = all_terms(tau, K.cm, K.w0sq, K.beat)
     return E0, E1, E2, R2, I2, sin(K.Om * tau), cos(K.Om * tau)

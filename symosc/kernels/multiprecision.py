@@ -162,9 +162,9 @@ class BasisMP:
         self.for_series = more(context.prec + SERIES_GUARD_BITS)
         self.for_differences = more(context.prec + SHORT_TIME_BITS + guard_bits)
         before = self.for_series.enter()
-        self.constants = tuple(
-            _number(q, self.for_series) for q in (2 * self.h, self.w0sq, self.Om)
-        )
+        # Without a drive its response is of no use, and the series would be long.
+        wave = self.Om if parameters.B0 != 0 else Fraction(0)
+        self.constants = tuple(_number(q, self.for_series) for q in (2 * self.h, self.w0sq, wave))
         self.for_differences.enter()
         l1, l2, i_Om = self.roots = self._roots(self.for_differences)
         # For the differences over pairs of nodes; None where the nodes are the same.

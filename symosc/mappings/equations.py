@@ -552,7 +552,7 @@ def _next_event(
             row.label, x, theta, f"the motion {goes} {MODE_NAMES[start.mode]} there, since {forces}"
         )
     error = Covariance((eps * x) ** 2, 0 * x, 0 * x)
-    horizon = MOST_MAP_PERIODS * K.period
+    horizon = MOST_MAP_PERIODS * (K.period if K.driven else two_pi / K.beat)
     state = belt_state(start, (0, phase), sine_and_cosine, x, error, K)
     event = arithmetic.advance(state, horizon, 0 * horizon)
     while event.code == MOVED:

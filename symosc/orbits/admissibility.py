@@ -159,7 +159,14 @@ def _flight(
         sign, opposite = "><"
     else:
         sign, opposite = "<>"
-    yield f"{piece.label} lasts", tau, end[1], FLIGHT_VANISHING, FLIGHT_LASTS, sizes.t
+    yield (
+        f"{piece.label} has positive duration",
+        tau,
+        end[1],
+        FLIGHT_VANISHING,
+        FLIGHT_LASTS,
+        sizes.t,
+    )
     arrival = side * equations.force(piece.mode, end[0], v_end, end[1])
     rank = ARRIVAL
     size = sizes.a
@@ -212,7 +219,7 @@ def _stick(equations: ClosingEquations, span: Span, sizes: Scales) -> Iterator[M
     (piece, _, end, tau) = span
     low = piece.start
     high = piece.start + 1
-    yield f"{piece.label} lasts", tau, end[1], VANISHING, STICK_LASTS, sizes.t
+    yield f"{piece.label} has positive duration", tau, end[1], VANISHING, STICK_LASTS, sizes.t
     hold, nearest, _ = min(holding_forces(equations, span), default=(inf, end[1], 0))
     yield (
         f"F^({low}) > 0 > F^({high}) during {piece.label} (Theorem 4)",

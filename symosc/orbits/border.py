@@ -630,12 +630,11 @@ class Tracer:
             found = meeting(self.plane, system.orbit(good.z), values)
         if found is None:
             if condition is None:
-                text = ""
+                message = "a condition fails"
             else:
-                text = condition.text
-            message = (
-                f"{text} no longer holds{'' if closed else '; the point could not be refined'}"
-            )
+                message = f"the condition '{condition.text}' fails"
+            if not closed:
+                message += "; the point could not be refined"
             length = float(np.abs((bad.z - good.z)[-2:] * system.scale[-2:]).max())
             found = SpecialPoint(
                 names_of(system)[1] or names_of(system)[0], values, message, length

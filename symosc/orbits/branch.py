@@ -752,7 +752,7 @@ class Curve:
         ]
         zero = sorted(zero, key=lambda condition: condition.rank) or list(failed.failures)
         reasons = tuple(condition for condition in zero if condition.event == zero[0].event)
-        message = "; ".join(f"{c.text} no longer holds at t = {c.t:.10g}" for c in reasons)
+        message = "; ".join(f"the condition '{c.text}' fails at t = {c.t:.10g}" for c in reasons)
         path[-1] = last = self._inside(path[-1])
         word, instead = self._word_beyond(
             last, float(np.sign(failed.value - before.value)) or direction

@@ -125,7 +125,9 @@ def find_orbit(
                 )
         if parameters.c == 0:
             raise ParameterError(
-                "word", None, "is needed without a damper: for c = 0 a motion need not settle"
+                "word",
+                None,
+                "word is required without a damper: for c = 0 a motion need not settle",
             )
         return settled_orbit(parameters, digits)
     found = read_word(word)

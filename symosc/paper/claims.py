@@ -1,10 +1,10 @@
-"""The paper's statements as data (claims.toml), the evidence of their checks, and the coverage of the paper."""
+"""The paper's statements as data (claims.toml), the evidence of their checks, and the numbered parts of the paper."""
 
 from __future__ import annotations
 
 import ast
 import re
-from collections.abc import Callable, Collection, Iterable
+from collections.abc import Callable, Collection
 from dataclasses import dataclass, field
 from functools import partial
 from importlib import import_module
@@ -276,12 +276,3 @@ def items_of(source: str) -> list[str]:
                 last = int(digits)
                 found += [_label(name, number) for number in range(first, last + 1)]
     return list(dict.fromkeys(found))
-
-
-def coverage(entries: Iterable[Claim | Unjudged]) -> dict[str, list[Any]]:
-    """Return for each section, equation, theorem and so on of the paper, in order, the entries that are about it."""
-    found: dict[str, list[Any]] = {item: [] for item in PAPER}
-    for entry in entries:
-        for item in items_of(entry.source):
-            found[item].append(entry)
-    return found

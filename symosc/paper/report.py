@@ -1,4 +1,4 @@
-"""The report on a run: data for machines (JSON), Markdown, one HTML file that needs nothing else, and a letter."""
+"""The report on a run: data for machines (JSON), and one HTML file that needs nothing else."""
 
 from __future__ import annotations
 
@@ -28,13 +28,9 @@ from symosc.paper.claims import (
     CONFIRMED,
     CORRECTED,
     DEFINITION,
-    KINDS,
     NOT_AS_PRINTED,
-    PAPER,
     PARTS,
     UNDECIDED,
-    Claim,
-    coverage,
 )
 from symosc.paper.run import ERROR, Results
 
@@ -70,23 +66,11 @@ FIGURES = "figures"
 def data(results: Results) -> dict[str, Any]:
     """Return all results of a run as plain data, the content of report.json."""
     plan = results.plan
-    covered = {}
-    if plan.unjudged is not None:  # else only a part of the claims was judged
-        covered = coverage([*plan.claims, *plan.unjudged])
     return {
         "paper": paper_reference(),
         "ok": results.ok,
         "counts": results.counts,
         "errata": [asdict(e) | {"claims": results.shown_by(e)} for e in plan.errata],
-        "coverage": [
-            {
-                "item": item,
-                "kind": PAPER[item],
-                "claims": [each.id for each in entries if isinstance(each, Claim)],
-                "unjudged": [each.says for each in entries if not isinstance(each, Claim)],
-            }
-            for item, entries in covered.items()
-        ],
         "unjudged": [part._asdict() for part in plan.unjudged or ()],
         "changed": [each.claim.id for each in results.changed],
         "failures": results.failures,
@@ -133,7 +117,6 @@ def files(results: Results) -> dict[str, str]:
     groups: dict[str, list[dict[str, Any]]] = {}
     for figure in content["figures"]:
         groups.setdefault(figure["key"].partition("-")[0].removeprefix("fig"), []).append(figure)
-    shown = [erratum for erratum in plan.errata if results.shown_by(erratum)]
     context = content | {
         "parts": {
             part: PARTS[part] for part in PARTS if any(claim.part == part for claim in plan.claims)
@@ -142,26 +125,14 @@ def files(results: Results) -> dict[str, str]:
         "groups": groups,
         "words": NUMBER_MEANINGS,
         "severities": SEVERITIES,
-        "kinds": KINDS,
         "erratum_numbers": {erratum.id: erratum.number for erratum in plan.errata},
         "drawn": drawn,
         "chapters": results.chapters,
-        # for the letter
-        "shown": shown,
-        "numbers": {
-            severity: sum(each.severity == severity for each in shown) for severity in SEVERITIES
-        },
-        "held": sum(not claim.errata for claim in plan.claims),
     }
-    if plan.unjudged is None:
-        letters: tuple[str, ...] = ()
-    else:
-        letters = ("letter.html", "letter.txt")
-    found = {f"{FIGURES}/{key}.svg": each.svg for key, each in drawn.items()}
-    found |= {
-        name: render(f"{name}.j2", context) for name in ("report.md", "report.html", *letters)
-    }
-    return found | {"report.json": json.dumps(content, indent=1, ensure_ascii=False) + "\n"}
+    texts = {f"{FIGURES}/{key}.svg": each.svg for key, each in drawn.items()}
+    texts["report.html"] = render("report.html.j2", context)
+    texts["report.json"] = json.dumps(content, indent=1, ensure_ascii=False) + "\n"
+    return texts
 
 
 def write(folder: Path, texts: Mapping[str, str]) -> None:
@@ -189,11 +160,8 @@ def render(template: str, context: Mapping[str, Any]) -> str:
         lstrip_blocks=True,
         keep_trailing_newline=True,
     )
-    # For Markdown, in a table as well: formulas are set, other characters mean themselves.
-    special = re.compile(r"([\\`*_|\[\]~])")
     environment.filters |= {
         "typeset": lambda text: Markup(typeset(text)),
-        "md": lambda text: special.sub(r"\\\1", typeset(" ".join(text.split()))),
         "data_uri": lambda svg: (
             f"data:image/svg+xml;base64,{b64encode(svg.encode()).decode('ascii')}"
         ),
@@ -202,8 +170,7 @@ def render(template: str, context: Mapping[str, Any]) -> str:
     return environment.get_template(template).render(context)
 
 
-# --- short formulas in running text, such as F(1) >= -mu1 FN or 1.2e-30, as HTML, which Markdown
-# takes as well ---
+# --- short formulas in running text, such as F(1) >= -mu1 FN or 1.2e-30, as HTML ---
 
 _GREEK = {
     "alpha": "α", "beta": "β", "gamma": "γ", "delta": "δ", "theta": "θ", "lambda": "λ", "mu": "μ", "pi": "π",

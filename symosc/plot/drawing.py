@@ -9,6 +9,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Iterator, Mapping
 from contextlib import contextmanager
+from inspect import signature
 from io import BytesIO
 from pathlib import Path
 from string import ascii_lowercase
@@ -168,10 +169,10 @@ def typeset(word: str) -> str:
     return word
 
 
-def read_style(style: Any) -> Record:
+def read_style(style: Any, figure: Callable[..., object]) -> Record:
     """Return options of a line by their long names, such as linewidth for lw.
 
-    ParameterError for unknown ones.
+    ParameterError for unknown ones; it suggests arguments of the function `figure` too.
     """
     try:
         named = normalize_kwargs(style, Line2D)
@@ -181,7 +182,7 @@ def read_style(style: Any) -> Record:
         try:
             Line2D([], []).set(**{name: value})
         except AttributeError:
-            known = ArtistInspector(Line2D).get_setters()
+            known = [*signature(figure).parameters, *ArtistInspector(Line2D).get_setters()]
             allowed = f"is no argument of this figure, and no property of matplotlib's lines{meant(name, known)}"
             raise ParameterError(name, value, allowed) from None
         except (TypeError, ValueError) as error:
@@ -277,7 +278,9 @@ def read_panels(panels: Any, known: Iterable[str], ax: Any = None, alone: str = 
         figure_of(ax)
     if ax is not None and len(panels) > 1:
         raise ParameterError(
-            "panels", panels, f"axes hold one panel: give ax= with one letter out of {letters}"
+            "panels",
+            panels,
+            f"an Axes holds a single panel; pass one of the letters {letters} together with ax=",
         )
     return panels
 

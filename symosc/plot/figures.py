@@ -155,7 +155,7 @@ def figure(
             since = float(after)
         if not begin <= since < end:
             raise ParameterError("skip", skip, f"must be >= 0 and end before t = {end:g}")
-    view = view_of(motion, boundary, since=since, style=common.read_style(style))
+    view = view_of(motion, boundary, since=since, style=common.read_style(style, figure))
     if ax is not None:
         PANELS[panels](ax, view)
         return common.figure_of(ax)
@@ -532,7 +532,7 @@ def border_figure(
             "border", border, "must be one border or several of the same two parameters"
         )
     names = borders[0].parameters
-    given = common.read_style(style)
+    given = common.read_style(style, border_figure)
     with axes_for(ax, (4.6, 3.4)) as (drawing, (axes,)):
         for each in borders:
             columns = [each.parameters.index(name) for name in names]

@@ -282,8 +282,12 @@ RESPONSE_PANELS: dict[str, tuple[tuple[str, ...], str, float | None]] = {
     "e": (("stuck",), "share of time stuck", None),
     "f": (("balance_error",), "error of harmonic balance in %", 0),
 }
-#: How much higher than all but the highest fifth of a resonance a panel is.
+#: How much higher than all but the highest fifth of a true resonance a panel is, and how many
+#: resonances it names.
 HIGHEST = 4.0
+MOST_NAMED = 3
+#: Values of a parameter up to which each has a marker.
+FEW_POINTS = 40
 
 
 @public
@@ -328,6 +332,7 @@ def response_figure(
 def _response_panel(axes: Axes, found: FrequencyResponse, letter: str) -> None:
     """Draw a panel of a frequency response, with gaps where a column is infinite."""
     names, text, level = RESPONSE_PANELS[letter]
+    drawn = list[np.ndarray]()
     order = np.argsort(found.values)
     shift = {"phase": 2 * pi * (found.phase < -pi / 2)}  # phases from -pi/2 to 3 pi/2
     for name in names:
@@ -336,24 +341,46 @@ def _response_panel(axes: Axes, found: FrequencyResponse, letter: str) -> None:
             100 if name == "balance_error" else 1
         )
         style: Record = {"color": "black", "lw": 1.2} | RESPONSE_STYLES.get(name, {})
+        if len(column) <= FEW_POINTS:
+            style |= {"marker": "o", "ms": 3}
         axes.plot(found.values[order], column, **style)
+        drawn.append(column[np.isfinite(column)])
     if level is not None:
         axes.axhline(level, color="0.6", lw=0.6, zorder=0)
     axes.set_ylabel(text)
-    known = getattr(found, names[0])[np.isfinite(getattr(found, names[0]))]
     if letter == "c":
         axes.set_yticks([0, pi / 2, pi], ["0", r"$\pi/2$", r"$\pi$"])
     elif letter == "e":
         axes.set_ylim(-0.02, 1.02)
-    elif letter in "abd" and len(
-        known
-    ):  # from 0, without a resonance that would make all else look flat
-        top = (
-            min(float(known.max()), HIGHEST * float(np.quantile(known, 0.8)))
-            or float(known.max())
-            or 1.0
-        )
-        axes.set_ylim(0, 1.08 * top)
+    elif letter in "abd":
+        _fit_height(axes, found, np.concatenate(drawn))
+
+
+def _fit_height(axes: Axes, found: FrequencyResponse, drawn: np.ndarray) -> None:
+    """Let the axis of a panel begin at 0 and show all finite values that are `drawn`.
+
+    Only next to a true resonance, where the motion grows for ever, they are cut off where all else
+    would look flat; the panel says so.
+    """
+    if not len(drawn):
+        return
+    top = float(drawn.max()) or 1.0
+    resonances = found.values[np.isinf(found.balance)]
+    if len(resonances):
+        usual = float(np.quantile(drawn, 0.8))
+        cut = 0.0 < HIGHEST * usual < top
+        if cut:
+            top = HIGHEST * usual
+        places = ", ".join(f"{value:.6g}" for value in resonances[:MOST_NAMED])
+        if len(resonances) > MOST_NAMED:
+            places += ", …"
+        says = f"infinite at {PARAMETER_LABELS[found.name]} = {places}"
+        if cut:
+            says += "\nhigher values cut off"
+        for value in resonances:
+            axes.axvline(value, color="0.6", lw=0.8, ls=":", zorder=0)
+        axes.text(0.98, 0.94, says, transform=axes.transAxes, ha="right", va="top", fontsize=7)
+    axes.set_ylim(0, 1.08 * top)
 
 
 def _cyclic_word(word: str) -> str:

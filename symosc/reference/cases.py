@@ -110,7 +110,7 @@ def reference_case(name: str) -> ReferenceCase:
 def chosen(group: str | None) -> Sequence[ReferenceCase]:
     """Return the cases of a group, or all; ParameterError if there is no such group."""
     if group is not None and group not in CASE_GROUPS:
-        raise ParameterError("group", group, f"is none; there are: {', '.join(CASE_GROUPS)}")
+        raise ParameterError("group", group, f"unknown group; choose from {', '.join(CASE_GROUPS)}")
     return [case for case in reference_cases() if group in (None, case.group)]
 
 

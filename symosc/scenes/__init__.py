@@ -20,9 +20,9 @@ from symosc.aliases import NumberLike, SceneName
 from symosc.arguments import CONVERTERS, public
 from symosc.display.drawable import Drawable
 from symosc.errors import ParameterError, SceneError, meant
-from symosc.exact import NUMBER, read_exact, read_start_error, show
+from symosc.exact import read_start_error, show
 from symosc.model import PARAMETER_NAMES, Parameters
-from symosc.quantities import QUANTITIES, half_unit, read_number, unit_of
+from symosc.quantities import QUANTITIES, forcing_periods, half_unit, read_number, unit_of
 from symosc.reductions import OtherModel, reduced_start, reduced_time
 from symosc.scenes.files import MOST_CHARACTERS, read_scene_file
 from symosc.words import WordError, read_word
@@ -80,8 +80,9 @@ class Scene(Drawable):
         the model.
     t0, x0, v0 : number
         Start time, position and velocity, read exactly like parameters.
-    t_end : number
-        Where a simulation of the scene ends; later than t0.
+    t_end : number or text
+        Where a simulation of the scene ends; later than t0. "10T" is ten periods of the drive after
+        t0.
     structure : str, optional
         Mapping structure of the periodic orbit that the scene is about, such as "P32".
     source : str
@@ -142,9 +143,9 @@ class Scene(Drawable):
         ):
             raise ParameterError("notes", self.notes, "must be a tuple of texts")
         model: Any = self.parameters
-        numbers, rounding = start_numbers(
-            {name: getattr(self, name) for name in START_NAMES}, parameters_of(model)
-        )
+        given_start = {name: getattr(self, name) for name in START_NAMES}
+        given_start["t_end"] = end_time(self.t_end, parameters_of(model), self.t0)
+        numbers, rounding = start_numbers(given_start, parameters_of(model))
         if self.start_error is None:
             error = rounding
         else:
@@ -279,19 +280,6 @@ def end_time(given: Any, p: Parameters, t0: Any) -> Any:
     if periods is None:
         return given
     return float(read_number("t0", t0)[0]) + float(periods) * (2 * pi / float(p.Omega))
-
-
-def forcing_periods(name: str, given: Any) -> Fraction | None:
-    """Return the number of drive periods that text such as "10T" gives, else None.
-
-    Errors call the argument `name`.
-    """
-    if not (isinstance(given, str) and given.strip().endswith("T")):
-        return None
-    count = given.strip()[:-1].rstrip("* ")
-    if not NUMBER.fullmatch(count):
-        raise ParameterError(name, given, "give a number, or periods of the drive such as '10T'")
-    return read_exact(name, count)
 
 
 def from_rest(p: Parameters, t_end: NumberLike) -> Scene:

@@ -11,7 +11,7 @@ from symosc.aliases import Record
 from symosc.errors import ParameterError, SceneError, SymoscError, brief, meant
 from symosc.exact import show
 from symosc.model import PARAMETER_NAMES
-from symosc.quantities import read_number
+from symosc.quantities import forcing_periods, read_number
 from symosc.reductions import MODEL_NAMES
 
 #: Keys of a scene file: table, those that are needed, and those that may be there.
@@ -185,6 +185,8 @@ def _check_number(file: SceneFile, table: Record, name: str) -> None:
     """
     if isinstance(table[name], str):
         try:
+            if name == "t_end" and forcing_periods(name, table[name]) is not None:
+                return  # a time that depends on Omega, see `symosc.scenes.end_time`
             number, exact = read_number(name, table[name])
         except ParameterError as error:
             raise file.located(error) from None

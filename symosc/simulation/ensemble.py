@@ -399,13 +399,15 @@ class Chunk:
             (codes == REST) | ((codes == END) & (self.batch.counts == 0))
         ).tolist():
             problem = self.problem(i)
-            (mode, v) = self.batch.states[i, [0, 5]].tolist()
+            mode, v, force = self.batch.states[i, [0, 5, 6]].tolist()
             if codes[i] == END and settles(problem):
                 code = REST
             else:
                 code = int(codes[i])
-            status[i] = end_status(code, int(mode), v, problem.parameters)
-        for i in np.flatnonzero((codes == END) & (periods >= MOST_PERIODS)).tolist():
+            status[i] = end_status(code, int(mode), v, force, problem.parameters)
+        wanted = self.task.problems.t_end.pairs(slice(self._first, self._first + len(codes))).hi
+        given_up = (periods >= MOST_PERIODS) | (self.batch.states[:, 13] < wanted)
+        for i in np.flatnonzero((codes == END) & given_up).tolist():
             check_reached(self.problem(i), int(periods[i]))
         for i, trajectory in self.alone.items():
             status[i] = trajectory.status
@@ -477,9 +479,8 @@ class SummaryRequest:
         self.sections = whole_number("sections", sections, 0, MOST_SECTIONS)
         column = NumberColumn("skip", skip)
         if len(column) not in (1, len(problems)):
-            raise ParameterError(
-                "skip", len(column), f"must have 1 or {len(problems)} entries, as the motions"
-            )
+            allowed = f"must have 1 or {len(problems)} values, as many as motions"
+            raise ParameterError("skip", f"{len(column)} values", allowed)
         self.skip = np.broadcast_to(column.hi, len(problems))
         lasts = problems.t_end.hi - problems.t0.hi
         for row in np.flatnonzero(~((self.skip >= 0.0) & (self.skip < lasts))).tolist():
@@ -552,6 +553,10 @@ def summary_of(
         )
         columns["multiplicity"] = np.zeros(len(floats) if "multiplicity" in asked else 0, np.int64)
         task.loops.settle(tally, sets, chunk.table, columns["section"], columns["multiplicity"])
+        # Without a drive rest is rest, however many periods it has lasted.
+        if "multiplicity" in asked:
+            rests = (status == "equilibrium") & (chunk.table["driven"][sets] == 0.0)
+            columns["multiplicity"][rests] = 1
     if "word" in asked:
         columns["word"] = words_of(tally)
         for i in np.flatnonzero(tally.ints[:, kept.LAST_LENGTH] > longest).tolist():

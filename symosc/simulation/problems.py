@@ -26,8 +26,8 @@ from symosc.exact import LARGEST, show, unmasked
 from symosc.kernels.double_double import TWO_PI_PAIR, two_product
 from symosc.kernels.pair_columns import PairColumn
 from symosc.model import PARAMETER_NAMES, Parameters, least
-from symosc.quantities import read_number
-from symosc.scenes import START_NAMES, forcing_periods
+from symosc.quantities import forcing_periods, read_number
+from symosc.scenes import START_NAMES
 
 START_COLUMNS = START_NAMES[:3]
 
@@ -385,14 +385,14 @@ class Problems:
             & (theta.hi > SMALLEST_PHASE * abs(angle.hi))
             & (theta.hi < TWO_PI_COLUMN.hi)
         )
-        unclear |= (
-            t_end.hi - t0.hi
-        ) * Omega.hi > 6.0 * MOST_PERIODS  # near the end of what is followed at all
         times = np.broadcast_arrays(t0.hi, t0.lo, t_end.hi, t_end.lo, t0.hi)
         if len(table) == 1:
             K = ConstantRows(table)[0]
         else:
             K = table.view(np.recarray)
+        driven = np.asarray(K.driven) != 0
+        longest = np.where(driven, 6.0 / Omega.hi, 0.9 * np.asarray(K.chunk)) * MOST_PERIODS
+        unclear |= t_end.hi - t0.hi > longest  # near the end of what is followed at all
         states, small_force = start_rows(at, (theta.hi, theta.lo), x0.hi, v0.hi, times, K)
         return states, unclear | small_force | bool(self.start_error)
 
@@ -475,8 +475,10 @@ def common_length(lengths: dict[str, int]) -> int:
 
     A single number fits any length.
     """
-    count = max(lengths.values(), key=lambda length: (length != 1, length))
+    longest = max(lengths, key=lambda name: (lengths[name] != 1, lengths[name]))
+    count = lengths[longest]
     for name, length in lengths.items():
         if length not in (1, count):
-            raise ParameterError(name, length, f"must have 1 or {count} entries, as the others")
+            allowed = f"must have 1 or {count} values, since {longest} has {count}"
+            raise ParameterError(name, f"{length} values", allowed)
     return count

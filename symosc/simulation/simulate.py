@@ -24,7 +24,14 @@ from symosc.engine import batch as engine_batch
 from symosc.engine.arithmetic import Arithmetic, PairLoops, loaded_loop, mp_context
 from symosc.engine.batch import EventRows, joined, keep_state, piece_buffer, state_of
 from symosc.engine.flow import Constants, clock_time, table_of
-from symosc.engine.start import MOST_PERIODS, Start, first_state, last_time, settles
+from symosc.engine.start import (
+    MOST_PERIODS,
+    Start,
+    first_state,
+    last_time,
+    longest_span,
+    settles,
+)
 from symosc.engine.state import (
     END,
     FAILED,
@@ -129,7 +136,8 @@ def simulate(
     ------
     ParameterError
         If a number is missing, not finite or out of range, if both `digits` and `accuracy` are
-        given, or if t_end is more than 1e8 forcing periods away and the motion goes on until then.
+        given, or if the motion is still going after 1e8 forcing periods (without a drive: after
+        5e9 times the time 1/w0 of the free motion).
 
     Examples
     --------
@@ -196,10 +204,10 @@ def read_problem(
     if isinstance(scene, Parameters | OtherModel):
         if given["t_end"] is None:
             if isinstance(scene, Parameters):
-                what = "parameters"
+                what = "Parameters"
             else:
-                what = "a model"
-            raise ParameterError("t_end", None, f"is needed with {what}")
+                what = "an OtherModel"
+            raise ParameterError("t_end", None, f"t_end is required when you pass {what}")
         given = {name: 0 if value is None else value for name, value in given.items()}
         given["t_end"] = end_time(given["t_end"], parameters_of(scene), given["t0"])
         scene = Scene("motion", scene, **given)  # type: ignore[arg-type]
@@ -405,18 +413,32 @@ def in_digits(start: Start, most: int, digits: int, advance: Advance = None) -> 
 
 
 def check_reached(start: Start, periods: int) -> None:
-    """Raise ParameterError for a motion that was given up after 1e8 forcing `periods`, before its t_end."""
-    if periods >= MOST_PERIODS:
-        reason = f"is more than {MOST_PERIODS:.0e} forcing periods after t0 = {show(start.t0)}, more than are followed"
+    """Raise ParameterError for a motion that was given up before its t_end.
+
+    That is after 1e8 forcing `periods` or, without a drive, after as many searches.
+    """
+    begin = f"after t0 = {show(start.t0)}, more than"
+    if start.parameters.B0 == 0:
+        span = longest_span(start.parameters)
+        if start.t_end - start.t0 > span:
+            reason = f"is more than {float(span):.0e} {begin} is followed without a drive"
+            raise ParameterError("t_end", show(start.t_end), reason)
+    elif periods >= MOST_PERIODS:
+        reason = f"is more than {MOST_PERIODS:.0e} forcing periods {begin} are followed"
         raise ParameterError("t_end", show(start.t_end), reason)
 
 
-def end_status(code: int, mode: int, v: Number, p: Parameters) -> str:
-    """Return the status, "t_end" or "equilibrium", of a motion that ended with `code` END or REST in `mode` at `v`."""
+def end_status(code: int, mode: int, v: Number, force: Number, p: Parameters) -> str:
+    """Return the status "t_end" or "equilibrium" of a motion that ended with `code` END or REST.
+
+    `mode`, velocity `v` and acceleration `force` are those at its last event, or at its start.
+    """
     if code != REST:
         return "t_end"
     if mode <= ON_BELT:
-        settles = p.B0 == 0 and p.c > 0 and (p.k > 0 or p.A(mode) == 0)
+        rests = v == 0 and force == 0
+        fades = p.c > 0 and (p.k > 0 or p.A(mode) == 0)
+        settles = p.B0 == 0 and (rests or fades)
     else:
         settles = v == 0
     if settles:
@@ -431,7 +453,7 @@ def _ended(start: Start, code: int, state: State) -> tuple[str, str]:
     """
     if code != REST:
         check_reached(start, state.n)
-    status = end_status(code, state.mode, state.v, start.parameters)
+    status = end_status(code, state.mode, state.v, state.Fb, start.parameters)
     message = f"reached t_end = {show(start.t_end)}"
     if status == "equilibrium":
         held = state.mode > ON_BELT

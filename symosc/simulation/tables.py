@@ -261,7 +261,7 @@ class Summary(Columns):
     multiplicity : (n,) int array
         Smallest number of forcing periods, 32 at most, after which words and sections repeat, twice
         in a row; 0 if they do not. Sections are the same if they differ by less than 1e-6 of the
-        motion's extent plus 8 estimated errors.
+        motion's extent plus 8 estimated errors. A motion without a drive that comes to rest has 1.
     stuck : (n,) float array
         Share of time on a belt.
     x_min, x_max, v_min, v_max : (n,) float arrays

@@ -39,7 +39,7 @@ def read_wrt(wrt: Any) -> tuple[str, ...]:
     for name in names:
         if name not in NAMES:
             raise ParameterError(
-                "wrt", name, f"must be of {', '.join(NAMES)}{meant(str(name), NAMES)}"
+                "wrt", name, f"must be one of {', '.join(NAMES)}{meant(str(name), NAMES)}"
             )
     if not names or len(set(names)) < len(names):
         raise ParameterError("wrt", names, "must be one or more different names")

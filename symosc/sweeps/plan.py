@@ -24,8 +24,8 @@ from symosc.aliases import Record
 from symosc.errors import ParameterError, SweepError, meant
 from symosc.exact import LARGEST, read_exact, show, unmasked, whole_number
 from symosc.model import PARAMETER_NAMES, Parameters, by_name
-from symosc.quantities import read_number
-from symosc.scenes import STARTS, Scene, forcing_periods, from_rest, load_scene, not_reduced_error
+from symosc.quantities import forcing_periods, read_number
+from symosc.scenes import STARTS, Scene, from_rest, load_scene, not_reduced_error
 from symosc.simulation.ensemble import simulate_many
 from symosc.simulation.problems import named
 from symosc.simulation.tables import SUMMARY_COLUMNS
@@ -218,7 +218,7 @@ def read_plan(
     """Check the arguments of `sweep` and return them as a plan."""
     if isinstance(scene, Parameters):
         if t_end is None:
-            raise ParameterError("t_end", None, "is needed with parameters")
+            raise ParameterError("t_end", None, "t_end is required when you pass Parameters")
         problem = from_rest(
             scene, LARGEST
         )  # `t_end` may be in forcing periods, and later than other starts
@@ -286,7 +286,7 @@ def _axes(over: Any) -> Coordinates:
 def _known_name(name: Any) -> str:
     """Return the name of a swept number; ParameterError if it cannot be swept."""
     if name not in SWEPT_NAMES:
-        known = f"cannot be swept; what can be is {', '.join(SWEPT_NAMES)}"
+        known = f"cannot be swept; choose from {', '.join(SWEPT_NAMES)}"
         raise ParameterError("over", name, known + meant(name, SWEPT_NAMES))
     return str(name)
 
@@ -324,7 +324,12 @@ def _evenly_spaced(name: str, text: str) -> np.ndarray:
     if len(parts) != 3:
         raise ParameterError(name, text, AXIS_FORM)
     low, high = (read_number(name, part)[0] for part in parts[:2])
-    count = _read_whole(name, parts[2], 2)
+    count = _read_whole(f"the number of values of {name}", parts[2], 1)
+    if count == 1 and low == high:
+        return np.array([float(low)])
+    if count == 1:
+        allowed = "needs at least 2 values to go from a lower to a higher one"
+        raise ParameterError(name, text, allowed)
     if count > MOST_SWEPT:
         raise ParameterError(name, text, f"must have at most {MOST_SWEPT} values")
     if low >= high:
@@ -380,7 +385,8 @@ def _start_rows(starts: Any) -> np.ndarray:
             rows = np.stack(np.broadcast_arrays(*each), axis=-1)
         except ValueError:
             lengths = [np.shape(column) for column in columns.values()]
-            raise ParameterError("starts", lengths, "the columns must be of one length") from None
+            allowed = "the columns must have the same length, or length 1"
+            raise ParameterError("starts", lengths, allowed) from None
         if rows.size == 3:
             return rows.ravel()
         return rows
@@ -436,7 +442,7 @@ def _read_record(record: Any) -> tuple[tuple[str, ...], int]:
     for name in [record] if isinstance(record, str) else record:
         column, colon, count = name.partition(":")
         if column not in SUMMARY_COLUMNS or (colon and column != "section"):
-            known = f"is not recorded; what is is {', '.join(SUMMARY_COLUMNS)}"
+            known = f"cannot be recorded; what can be recorded: {', '.join(SUMMARY_COLUMNS)}"
             raise ParameterError("record", name, known + meant(column, tuple(SUMMARY_COLUMNS)))
         if column in columns:
             raise ParameterError("record", column, "is there twice")

@@ -2,8 +2,7 @@
 
 The library's scalar kernels are read as syntax trees, what the word does not need is left out, and
 the rest is printed in another language: assignments (also of tuples), if, for over a range, break,
-return, arithmetic, comparisons, calls. With fixed parameters their constants become numbers, and
-the branches that these decide are cut. All values are real numbers, except for flags and loop
+return, arithmetic, comparisons, calls. All values are real numbers, except for flags and loop
 counters.
 
 A word of n mappings has n + 1 switching points z = (x_0, theta_0, ..., x_n, theta_n), phases
@@ -26,21 +25,20 @@ from os.path import isdir, isfile
 from pathlib import Path
 from typing import Any, NamedTuple
 
-from symosc.aliases import Record
 from symosc.errors import OutputError, ParameterError
 from symosc.files import make_folder, read_path, write_text
-from symosc.model import NEIGHBOURS, PARAMETER_NAMES, Parameters, by_name
+from symosc.model import NEIGHBOURS, PARAMETER_NAMES, by_name
 from symosc.scenes import load_scene
 from symosc.words import Map, Word, WordLike, read_word
 
 #: Languages that a mapping structure can be written in.
-LANGUAGES = ("python", "numpy", "c", "julia")
+LANGUAGES = ("python", "numpy", "c")
 EXPORT_WIDTH = 112
 MATH = ("cos", "exp", "expm1", "sin", "sqrt")
 #: What is appended to the name of a mapping's function for that of its Jacobian, which returns two
 #: rows.
 MATRIX = "_jacobian"
-#: The scene that gives the parameters of the example calls if none are fixed.
+#: The scene that gives the parameters of the example calls.
 EXAMPLE = "fig9"
 
 _C_WORDS = """
@@ -49,11 +47,6 @@ restrict return short signed sizeof static struct switch typedef union unsigned 
 errno fenv inttypes iso646 limits locale math setjmp signal stdarg stdbool stddef stdint stdio stdlib string tgmath time
 wchar wctype
 """
-_JULIA_WORDS = """
-abstract baremodule begin break catch const continue do else elseif end export false finally for function global if
-import in isa let local macro module mutable outer primitive public quote return struct true try type using where while
-Base Core Main
-"""
 _PYTHON = {*keyword.kwlist, *keyword.softkwlist, *sys.stdlib_module_names, "numpy"}
 #: Names that a file cannot have: keywords of the language, and names that the source or the
 #: compiler uses.
@@ -61,25 +54,17 @@ RESERVED = {
     "python": _PYTHON,
     "numpy": _PYTHON,
     "c": {*_C_WORDS.split()},
-    "julia": {*_JULIA_WORDS.split()},
 }
 
 
-def export(
-    word: WordLike, language: str = "python", fix: Parameters | None = None, name: str | None = None
-) -> dict[str, str]:
-    """Return source text by file name for a word's residual and Jacobian, with parameters `fix` as numbers if given."""
-    # `language` is "python" (math, floats), "numpy" (arrays), "c" (C99, with a header) or "julia";
-    # `fix` folds parameters in, else the functions take what `constants` computes; the word need
-    # not close. `name` begins file names and, in C and Julia, names (None: the word in small
-    # letters); a Julia module has it with a capital, and "Map" behind if the source has a function
-    # of that name: P2Map. WordError or ParameterError for arguments that make no program.
+def export(word: WordLike, language: str = "python", name: str | None = None) -> dict[str, str]:
+    """Return source text by file name for a word's residual and Jacobian."""
+    # `language` is "python" (math, floats), "numpy" (arrays) or "c" (C99, with a header); the
+    # functions take what `constants` computes from the parameters; the word need not close. `name`
+    # begins file names and, in C, names (None: the word in small letters). WordError or
+    # ParameterError for arguments that make no program.
     if not isinstance(language, str) or language not in LANGUAGES:
         raise ParameterError("language", language, f"must be one of {', '.join(LANGUAGES)}")
-    if fix is not None and not isinstance(fix, Parameters):
-        raise ParameterError(
-            "fix", fix, "must be Parameters or None; a scene has them as scene.parameters"
-        )
     read = read_word(word, closed=False)
     if name is None:
         name = str(read).lower()
@@ -89,13 +74,11 @@ def export(
         )
     if name in RESERVED[language]:
         raise ParameterError(
-            "name", name, f"is a word or a library of the language {language}; choose another"
+            "name", name, f"is a reserved word or a library name in {language}; choose another"
         )
-    program = _program(read, language == "numpy", fix)
+    program = _program(read, language == "numpy")
     if language == "c":
         return _c(program, name)
-    if language == "julia":
-        return {f"{name}.jl": _julia(program, name)}
     return {f"{name}.py": _python(program)}
 
 
@@ -106,7 +89,7 @@ def write_export(
 
     Replace other files there only if `force`.
     """
-    # OutputError if a file cannot be written, or, without `force`, is there with another content.
+    # OutputError if a file cannot be written, or, without `force`, already exists with different content.
     folder = Path(read_path(folder))
     texts = {folder / name: text for name, text in export(*arguments, **options).items()}
     for path, text in texts.items():  # before the first of them is written
@@ -118,7 +101,8 @@ def write_export(
             raise OutputError(str(path), error.strerror or str(error)) from None
         if replaces:
             raise OutputError(
-                str(path), "is there with another content; give another name, or force it"
+                str(path),
+                "already exists with different content; choose another name or use --force",
             )
     make_folder(folder)
     return [write_text(path, text) for path, text in texts.items()]
@@ -141,10 +125,12 @@ w0 = sqrt(w0sq)
 l2 = -(h + omega_d)
 l1 = w0sq / l2 if l2 != 0.0 else 0.0
 rate0 = w0 if under else -l2
-rate = rate0 if rate0 > Omega else Omega
-p = w0sq - Omega * Omega
-q = 2.0 * h * Omega
-larger = w0sq if w0sq > Omega * Omega else Omega * Omega
+pull = Omega if B0 != 0.0 else 0.0
+beat = rate0 if B0 == 0.0 and rate0 > 0.0 else Omega
+rate = rate0 if rate0 > beat else beat
+p = w0sq - pull * pull
+q = 2.0 * h * pull
+larger = w0sq if w0sq > pull * pull else pull * pull
 apart = under and p * p + q * q >= APART * larger * larger
 detuning = (square - Omega * Omega) / (omega_d + Omega) if under else -Omega
 cm = 2.0 * h
@@ -177,7 +163,7 @@ def flat(*given):
 
 
 class _Program(NamedTuple):
-    """The functions and constants of a word as syntax trees, to be printed in Python, C or Julia."""
+    """The functions and constants of a word as syntax trees, to be printed in Python or C."""
 
     word: Word
     functions: dict[str, ast.FunctionDef]  # each after those that it calls
@@ -185,34 +171,18 @@ class _Program(NamedTuple):
     setup: list[ast.Assign]  # what computes the fields from the parameters
     fields: list[str]  # names of the constants that are used
     numbers: dict[str, float]  # the named numbers at the beginning of the source
-    parameters: Parameters | None  # the fixed ones
     arrays: bool  # whether it is for numpy arrays
 
-    @property
-    def passed(self) -> list[str]:
-        """The further parameter of each function.
-
-        ["K"], the record of constants, or [] if the constants are fixed.
-        """
-        if self.parameters:
-            return []
-        return ["K"]
-
-    def calls(self, first: int) -> list[tuple[str, str, str]]:
-        """Return each map's function name, its arguments, and those of its Jacobian, z beginning at z[first]."""
-        found = []
+    def calls(self) -> list[tuple[str, str, str]]:
+        """Return each map's function name, its arguments, and those of its Jacobian."""
+        calls = []
         for n, label in enumerate(self.maps):
-            z = {
-                name: f"z[{2 * n + i + first}]"
-                for i, name in enumerate(("x_i", "theta_i", "x_j", "theta_j"))
-            }
-            few = [
-                z[each.arg] for each in self.functions[label + MATRIX].args.args if each.arg != "K"
-            ]
-            found.append(
-                (label, ", ".join([*z.values(), *self.passed]), ", ".join([*few, *self.passed]))
-            )
-        return found
+            names = ("x_i", "theta_i", "x_j", "theta_j")
+            z = {name: f"z[{2 * n + i}]" for i, name in enumerate(names)}
+            slopes = self.functions[label + MATRIX].args.args
+            few = [z[argument.arg] for argument in slopes if argument.arg != "K"]
+            calls.append((label, ", ".join([*z.values(), "K"]), ", ".join([*few, "K"])))
+        return calls
 
     def about(self, mark: str, run: str) -> str:
         """Return the comment at the top of the source.
@@ -223,8 +193,11 @@ class _Program(NamedTuple):
         kinds = [
             text for sticks, text in RESIDUALS.items() if any(row.sticks == sticks for row in maps)
         ]
+        title = f"Mapping {self.word}"
+        if len(self.word.labels) > 1:
+            title = f"Mapping structure {self.word}: {', then '.join(self.word.labels)}"
         text = f"""\
-The mapping structure {self.word}: {", then ".join(self.word.labels)}. Generated by symosc; do not edit.
+{title}. Generated by symosc; do not edit.
 
 z holds {len(self.maps) + 1} switching points in order of time: x_0, theta_0, x_1, theta_1, ...
 x is the displacement, where the mass has the speed of a belt; that speed is no argument.
@@ -232,16 +205,11 @@ The phase theta = Omega t is not reduced modulo 2 pi: a map takes the time (thet
 residual gives f1, f2 of each map, both 0 where it leads from (x_i, theta_i) to (x_j, theta_j):
 {"".join(kinds)}jacobian gives the 2 x 4 derivatives of f1, f2 of each map by its x_i, theta_i, x_j, theta_j.
 {run}"""
-        if self.parameters is not None:
-            given = ", ".join(
-                f"{name} = {value}" for name, value in self.parameters.as_dict().items()
-            )
-            text += f"\n\nParameters:\n{given}"
         return "\n".join(f"{mark}{line}".rstrip() for line in text.split("\n"))
 
     def example(self) -> tuple[list[float], dict[str, float]]:
         """Return switching points (not an orbit) and parameters for the example call at the end of the source."""
-        p = self.parameters or load_scene(EXAMPLE).parameters
+        p = load_scene(EXAMPLE).parameters
         z = [
             each
             for n in range(len(self.maps) + 1)
@@ -250,31 +218,12 @@ residual gives f1, f2 of each map, both 0 where it leads from (x_i, theta_i) to 
         return z, by_name(p, float)
 
 
-def _program(word: Word, arrays: bool, fix: Parameters | None) -> _Program:
-    """Collect the functions that a word's residual needs, for numpy arrays or for numbers.
-
-    `fix` fixes parameters.
-    """
-    from symosc.engine.flow import (
-        APART,
-        constants,
-    )  # late: `symosc codegen --help` needs none of these
+def _program(word: Word, arrays: bool) -> _Program:
+    """Collect the functions that a word's residual needs, for numpy arrays or for numbers."""
+    # Late: `symosc codegen --help` needs none of these.
+    from symosc.engine.flow import APART
     from symosc.kernels import _generated, entire, entire_array, mapping
 
-    if fix:
-        K = constants(fix)
-    else:
-        K = None
-    if K is None:
-        known = {}
-    else:
-        known = {f"K.{flag}": getattr(K, flag) for flag in FLAGS}
-    if K is not None and K.rate0 == K.rate:
-        known["K.rate0 * tau < SERIES_BELOW"] = False  # where it is asked, rate * tau is not
-        known["slow.any()"] = False
-    if K is not None and K.apart and K.w0 == K.rate:
-        known["K.w0 * tau >= APART_ABOVE"], known["rest.any()"] = True, False
-    fold = _Fold(known, K is not None)
     sources = [
         inspect.getsource(module)
         for module in (_generated, entire_array if arrays else entire, mapping)
@@ -291,9 +240,7 @@ def _program(word: Word, arrays: bool, fix: Parameters | None) -> _Program:
         # the word's own functions take the exit below; the other one is there to be called
         maps.pop()
     nodes = [node for source in sources for node in ast.parse(source).body]
-    library = {
-        node.name: fold.function(node) for node in nodes if isinstance(node, ast.FunctionDef)
-    }
+    library = {node.name: _bare(node) for node in nodes if isinstance(node, ast.FunctionDef)}
     if arrays:
         library["flat"] = next(
             node for node in ast.parse(FLAT).body if isinstance(node, ast.FunctionDef)
@@ -316,22 +263,18 @@ def _program(word: Word, arrays: bool, fix: Parameters | None) -> _Program:
         for leaf in leaves
         if isinstance(leaf, ast.Attribute) and ast.unparse(leaf.value) == "K"
     }
-    used |= {name.removeprefix("K_") for name in names if name.startswith("K_")}
     thresholds = vars(entire) | vars(entire_array)
     numbers = {name: thresholds[name] for name in SETTINGS if name in names}
     steps = ast.parse(SETUP.replace("APART", repr(float(APART**2)))).body
     setup = {ast.unparse(node.targets[0]): node for node in steps if isinstance(node, ast.Assign)}
     fields = [name for name in (*setup, "v1", "v2") if name in used]
-    if K is not None:
-        values: Record = K._asdict() | {"v1": K.belt1.v, "v2": K.belt2.v}
-        numbers |= {f"K_{name}": values[name] for name in fields}
     needed = set(fields)
     kept = list[ast.Assign]()
     for name, step in reversed(setup.items()):
         if name in needed:
             kept.insert(0, step)
             needed |= _names(step.value)
-    return _Program(word, functions, maps, kept, fields, numbers, fix, arrays)
+    return _Program(word, functions, maps, kept, fields, numbers, arrays)
 
 
 def _map_source(row: Map, exit: str | None, arrays: bool) -> tuple[str, str]:
@@ -382,83 +325,45 @@ def _names(node: ast.AST) -> set[str]:
     return {leaf.id for leaf in ast.walk(node) if isinstance(leaf, ast.Name)}
 
 
-class _Fold(ast.NodeTransformer):
-    """A visitor that removes branches ruled out by `known` conditions.
+def _bare(node: ast.FunctionDef) -> ast.FunctionDef:
+    """Remove a function's annotations and later docstring paragraphs, and write INVERSES[n] as 1/n."""
+    node = _Inverses().visit(node)
+    for argument in node.args.args:
+        argument.annotation = None
+    node.returns = None
+    what = re.sub(r"[;,] see `[^`]*`| \(`[^`]*`\)|`", "", _first_paragraph(node))
+    node.body[0] = ast.Expr(ast.Constant(what))
+    return ast.fix_missing_locations(node)
 
-    If `fixed`, it also writes K.cm as K_cm.
-    """
 
-    def __init__(self, known: dict[str, bool], fixed: bool) -> None:
-        self.known, self.fixed = known, fixed
+class _Inverses(ast.NodeTransformer):
+    """A visitor that divides where the kernels look up an inverse."""
 
-    def function(self, node: ast.FunctionDef) -> ast.FunctionDef:
-        """Remove from a function its annotations, later docstring paragraphs, and branches that are never taken."""
-        node = self.visit(node)
-        for argument in node.args.args:
-            argument.annotation = None
-        node.returns = None
-        if self.fixed:
-            node.args.args = [argument for argument in node.args.args if argument.arg != "K"]
-        what = re.sub(r"[;,] see `[^`]*`| \(`[^`]*`\)|`", "", _first_paragraph(node))
-        node.body[0] = ast.Expr(ast.Constant(what))
-        return ast.fix_missing_locations(node)
-
-    def visit(self, node: ast.AST) -> Any:
-        """Return a node with known conditions replaced by True or False, and only the branches that are taken."""
-        if isinstance(node, ast.expr) and ast.unparse(node) in self.known:
-            return ast.Constant(self.known[ast.unparse(node)])
-        node = self.generic_visit(node)
-        match node:
-            case ast.Attribute(ast.Name("K"), name) if self.fixed:
-                return ast.Name(f"K_{name}")
-            case ast.Subscript(ast.Name("INVERSES"), index):
-                return ast.BinOp(ast.Constant(1.0), ast.Div(), index)
-            case ast.Call() if self.fixed:
-                node.args = [argument for argument in node.args if ast.unparse(argument) != "K"]
-            case ast.BoolOp(op, values):
-                decides = isinstance(op, ast.Or)
-                if any(
-                    isinstance(value, ast.Constant) and value.value is decides for value in values
-                ):
-                    return ast.Constant(decides)
-                node.values = [value for value in values if not isinstance(value, ast.Constant)]
-                if len(node.values) < 2:
-                    if node.values:
-                        return node.values[0]
-                    return ast.Constant(not decides)
-            case ast.If(ast.Constant(truth), then, other) | ast.IfExp(
-                ast.Constant(truth), then, other
-            ):
-                if truth:
-                    return then
-                return other
+    def visit_Subscript(self, node: ast.Subscript) -> ast.AST:
+        """Return INVERSES[n] as 1.0 / n."""
+        if ast.unparse(node.value) == "INVERSES":
+            return ast.BinOp(ast.Constant(1.0), ast.Div(), node.slice)
         return node
 
 
 # --- the languages: expressions as in Python, with the differing parts substituted ---
 
 
-class _Julia(ast.NodeTransformer):
-    """A printer of Python functions as Julia 1.x.
+class _C(ast.NodeTransformer):
+    """A printer of Python functions as C99.
 
-    `returns` says how many numbers each function returns.
+    A function with several results writes them to an array `out`. `returns` says how many numbers
+    each function returns.
     """
 
-    member = "."
-    end = ""
-    condition = "if {}"
-    otherwise = "else"
-    close = "end"
-    loop = "for {0} in {1}:{3}"
-
-    def __init__(self, functions: dict[str, ast.FunctionDef]) -> None:
+    def __init__(self, functions: dict[str, ast.FunctionDef], name: str) -> None:
+        self.base = name
+        self.current = ""
+        self.count = 0
         self.returns: dict[str, int] = {}
         for name, node in functions.items():
             value = next(leaf.value for leaf in ast.walk(node) if isinstance(leaf, ast.Return))
-            if isinstance(value, ast.Call):
-                called = ast.unparse(value.func)
-            else:
-                called = ""
+            called = ast.unparse(value.func) if isinstance(value, ast.Call) else ""
             if isinstance(value, ast.Tuple):
                 self.returns[name] = len(value.elts)
             else:
@@ -472,7 +377,7 @@ class _Julia(ast.NodeTransformer):
         return text
 
     def visit(self, node: ast.AST) -> Any:
-        """Replace each part of a node that the target language writes unlike Python by that language's text."""
+        """Replace each part of a node that C writes unlike Python by C's text."""
         match node:
             case ast.BoolOp(op, values):
                 texts = [
@@ -483,9 +388,13 @@ class _Julia(ast.NodeTransformer):
             case ast.IfExp(test, then, other):
                 return ast.Name("({} ? {} : {})".format(*map(self.expression, (test, then, other))))
             case ast.Attribute(value, name):
-                return ast.Name(f"{ast.unparse(value)}{self.member}{name}")
+                return ast.Name(f"{ast.unparse(value)}->{name}")
+            case ast.Name("abs"):
+                return ast.Name("fabs")
             case ast.Constant(bool() as flag):
-                return ast.Name(str(flag).lower())
+                return ast.Name(str(int(flag)))
+            case ast.Constant(int() | float() as value):
+                return ast.Name(repr(float(value)))
         return self.generic_visit(node)
 
     def block(self, body: list[ast.stmt]) -> Iterator[str]:
@@ -497,82 +406,30 @@ class _Julia(ast.NodeTransformer):
                 case ast.Assign([ast.Tuple(targets)], value):
                     yield from self.unpack(targets, value)
                 case ast.Assign([target], value):
-                    yield f"{self.expression(target)} = {self.expression(value)}{self.end}"
+                    yield f"{self.expression(target)} = {self.expression(value)};"
                 case ast.AugAssign(ast.Name(name), ast.Add(), value):
-                    yield f"{name} += {self.expression(value)}{self.end}"
+                    yield f"{name} += {self.expression(value)};"
                 case ast.If(test, then, other):
-                    yield self.condition.format(self.expression(test))
+                    yield f"if ({self.expression(test)}) {{"
                     yield from _indented(self.block(then))
                     if other:
-                        yield self.otherwise
+                        yield "} else {"
                         yield from _indented(self.block(other))
-                    yield self.close
+                    yield "}"
                 case ast.For(
                     ast.Name(name),
                     ast.Call(_, [ast.Constant(int(first)), ast.Constant(int(stop))]),
                     loop,
                 ):
-                    yield self.loop.format(name, first, stop, stop - 1)
+                    yield f"for (int {name} = {first}; {name} < {stop}; {name}++) {{"
                     yield from _indented(self.block(loop))
-                    yield self.close
+                    yield "}"
                 case ast.Break():
-                    yield f"break{self.end}"
+                    yield "break;"
                 case ast.Return(ast.expr() as value):
                     yield from self.give_back(value)
                 case _:
                     raise ValueError(f"cannot be printed: {ast.unparse(node)}")
-
-    def function(self, node: ast.FunctionDef) -> str:
-        """Return the source of a function."""
-        note = textwrap.wrap(
-            _first_paragraph(node), EXPORT_WIDTH, initial_indent="# ", subsequent_indent="# "
-        )
-        head = f"function {node.name}({', '.join(argument.arg for argument in node.args.args)})"
-        return "\n".join([*note, head, *_indented(self.block(node.body)), "end"])
-
-    def unpack(self, targets: list[ast.expr], value: ast.expr) -> Iterator[str]:
-        """Yield the source lines that assign several results to several targets."""
-        yield f"{', '.join(map(self.expression, targets))} = {self._listed(value)}"
-
-    def give_back(self, value: ast.expr) -> Iterator[str]:
-        """Yield the source line that returns a value."""
-        yield f"return {self._listed(value)}"
-
-    def _listed(self, value: ast.expr) -> str:
-        """Return the source of an expression.
-
-        A tuple is written as its elements with commas, without parentheses.
-        """
-        return ", ".join(
-            map(self.expression, value.elts if isinstance(value, ast.Tuple) else [value])
-        )
-
-
-class _C(_Julia):
-    """A printer of Python functions as C99.
-
-    A function with several results writes them to an array `out`.
-    """
-
-    member = "->"
-    end = ";"
-    condition = "if ({}) {{"
-    otherwise = "} else {"
-    close = "}"
-    loop = "for (int {0} = {1}; {0} < {2}; {0}++) {{"
-
-    def __init__(self, functions: dict[str, ast.FunctionDef], name: str) -> None:
-        super().__init__(functions)
-        self.base, self.current, self.count = name, "", 0
-
-    def visit(self, node: ast.AST) -> Any:
-        """Return a node in which True and False are written as 1 and 0, and every other number as a double."""
-        match node:
-            case ast.Name("abs"):
-                return ast.Name("fabs")
-            case ast.Constant(int() | float() as value):
-                return ast.Name(str(int(value)) if isinstance(value, bool) else repr(float(value)))
-        return super().visit(node)
 
     def head(self, node: ast.FunctionDef) -> str:
         """Return a C function's head, "type name(arguments)".
@@ -703,14 +560,10 @@ def _indented(lines: Iterator[str] | list[str]) -> list[str]:
 
 def _python(program: _Program) -> str:
     """Return the Python source of a program, for numbers or for arrays."""
-    used = set().union(*map(_names, program.functions.values())) | (
-        {"sqrt"} if program.passed else set()
-    )
-    imports = (
-        "from collections import namedtuple\n\n" * bool(program.passed)
-        + "import numpy as np\n" * program.arrays
-    )
-    imports += f"from {'numpy' if program.arrays else 'math'} import {', '.join(name for name in MATH if name in used)}"
+    used = set().union(*map(_names, program.functions.values())) | {"sqrt"}
+    library = "numpy" if program.arrays else "math"
+    imports = "from collections import namedtuple\n\n" + "import numpy as np\n" * program.arrays
+    imports += f"from {library} import {', '.join(name for name in MATH if name in used)}"
     numbers = "\n".join(f"{name} = {value!r}" for name, value in program.numbers.items())
     head = [
         f'"""{program.about("", "Run this file for an example.")}\n"""',
@@ -718,20 +571,16 @@ def _python(program: _Program) -> str:
         *[numbers] * bool(numbers),
     ]
     z, p = program.example()
-    parts = []
-    K = ""
-    if program.passed:
-        steps = _indented(
-            [*map(ast.unparse, program.setup), f"return Constants({', '.join(program.fields)})"]
-        )
-        parts += [
-            f"Constants = namedtuple('Constants', {program.fields!r})",
-            f"def constants(*, {', '.join(PARAMETER_NAMES)}):\n"
-            + "\n".join(['    """Return what the functions below need."""', *steps]),
-        ]
-        K = f"    K = constants({', '.join(f'{name}={value!r}' for name, value in p.items())})\n"
-    calls = program.calls(0)
-    passed = "".join(f", {name}" for name in program.passed)
+    steps = _indented(
+        [*map(ast.unparse, program.setup), f"return Constants({', '.join(program.fields)})"]
+    )
+    parts = [
+        f"Constants = namedtuple('Constants', {program.fields!r})",
+        f"def constants(*, {', '.join(PARAMETER_NAMES)}):\n"
+        + "\n".join(['    """Return what the functions below need."""', *steps]),
+    ]
+    K = f"    K = constants({', '.join(f'{name}={value!r}' for name, value in p.items())})\n"
+    calls = program.calls()
     count = len(program.maps)
     shapes = f"({2 * count})", f"({count}, 2, 4)"
     rows = "\n".join(f"        *{label}({z})," for label, z, _ in calls)
@@ -751,14 +600,14 @@ def _python(program: _Program) -> str:
     second = f"the {'' if program.arrays else '2 x 4 '}derivatives of f1, f2 of each map"
     parts += [
         *map(ast.unparse, program.functions.values()),
-        f'def residual(z{passed}):\n    """Return {first}, in order of time{whats[0]}."""\n{bodies[0]}',
-        f'def jacobian(z{passed}):\n    """Return {second}, in order of time{whats[1]}."""\n{bodies[1]}',
+        f'def residual(z, K):\n    """Return {first}, in order of time{whats[0]}."""\n{bodies[0]}',
+        f'def jacobian(z, K):\n    """Return {second}, in order of time{whats[1]}."""\n{bodies[1]}',
         f"""\
 if __name__ == "__main__":
     z = {z}
 {K}    points = {"np.array(z)[:, None] + [0.0, 0.1]  # two columns of points" if program.arrays else "z"}
-    print(residual(points{passed}))
-    print(jacobian(points{passed}))
+    print(residual(points, K))
+    print(jacobian(points, K))
 """,
     ]
     return "\n\n".join(head) + "\n\n\n" + "\n\n\n".join(parts)
@@ -768,11 +617,7 @@ def _c(program: _Program, name: str) -> dict[str, str]:
     """Return the C source and header of a program."""
     c = _C(program.functions, name)
     count = len(program.maps)
-    passed = bool(program.passed)
-    if passed:
-        constants, K = (f"const {name}_constants *K, ", "&K, ")
-    else:
-        constants, K = ("", "")
+    constants = f"const {name}_constants *K, "
     residual = (
         f"void {name}_residual(const double z[{2 * count + 2}], {constants}double f[{2 * count}])"
     )
@@ -786,22 +631,18 @@ def _c(program: _Program, name: str) -> dict[str, str]:
         f"{c.head(node)};" for label, node in program.functions.items() if _is_map(label)
     )
     z, p = program.example()
-    struct = filled = prepared = ""
-    if passed:
-        steps = {ast.unparse(node.targets[0]): node.value for node in program.setup}
-        kind = {**dict.fromkeys((*steps, *program.fields), "double"), **dict.fromkeys(FLAGS, "int")}
-        fields = "\n".join(f"    {kind[field]} {field};" for field in program.fields)
-        struct = f"typedef struct {{\n{fields}\n}} {name}_constants;\n\n{setup};\n"
-        lines = [
-            f"const {kind[each]} {each} = {c.expression(value)};" for each, value in steps.items()
-        ]
-        lines += [f"K->{field} = {field};" for field in program.fields]
-        used = set(program.fields).union(*map(_names, steps.values()))
-        lines += [f"(void){each};" for each in PARAMETER_NAMES if each not in used]
-        filled = "\n".join([setup, "{", *_indented(lines), "}"])
-        prepared = (
-            f"    {name}_constants K;\n    {name}_setup(&K, {', '.join(map(repr, p.values()))});\n"
-        )
+    steps = {ast.unparse(node.targets[0]): node.value for node in program.setup}
+    kind = {**dict.fromkeys((*steps, *program.fields), "double"), **dict.fromkeys(FLAGS, "int")}
+    fields = "\n".join(f"    {kind[field]} {field};" for field in program.fields)
+    struct = f"typedef struct {{\n{fields}\n}} {name}_constants;\n\n{setup};\n"
+    lines = [f"const {kind[step]} {step} = {c.expression(value)};" for step, value in steps.items()]
+    lines += [f"K->{field} = {field};" for field in program.fields]
+    used = set(program.fields).union(*map(_names, steps.values()))
+    lines += [f"(void){unused};" for unused in PARAMETER_NAMES if unused not in used]
+    filled = "\n".join([setup, "{", *_indented(lines), "}"])
+    prepared = (
+        f"    {name}_constants K;\n    {name}_setup(&K, {', '.join(map(repr, p.values()))});\n"
+    )
     header = f"""\
 /*
 {program.about(" * ", f"Try it: cc -D{example} {name}.c -lm && ./a.out")}
@@ -830,8 +671,8 @@ int main(void)
 {{
     const double z[{len(z)}] = {{{", ".join(map(repr, z))}}};
     double f[{2 * count}], J[{count}][2][4];
-{prepared}    {name}_residual(z, {K}f);
-    {name}_jacobian(z, {K}J);
+{prepared}    {name}_residual(z, &K, f);
+    {name}_jacobian(z, &K, J);
     for (int n = 0; n < {2 * count}; n++)
         printf("f[%d] = %.17g\\n", n, f[n]);
     for (int n = 0; n < {8 * count}; n++)
@@ -839,7 +680,7 @@ int main(void)
     return 0;
 }}
 #endif"""
-    calls = list(enumerate(program.calls(0)))
+    calls = list(enumerate(program.calls()))
     rows = [f"    {name}_{label}({each}, f + {2 * n});" for n, (label, each, _) in calls]
     blocks = [f"    {name}_{label}{MATRIX}({each}, J[{n}]);" for n, (label, _, each) in calls]
     parts = [
@@ -871,63 +712,3 @@ def _wrapped(text: str) -> str:
         else:
             lines += [line]
     return "\n".join(lines) + "\n"
-
-
-def _julia(program: _Program, name: str) -> str:
-    """Return the Julia source of a program."""
-    julia = _Julia(program.functions)
-    passed = bool(program.passed)
-    exports = ["residual", "jacobian", *["constants"] * passed]
-    module = name[0].upper() + name[1:]
-    inside = {*exports, *program.functions, *program.numbers, "Constants"}
-    while module in inside or module in RESERVED["julia"]:
-        module += "Map"
-    struct = setup = K = ""
-    z, p = program.example()
-    if passed:
-        fields = [f"{field}::{'Bool' if field in FLAGS else 'Float64'}" for field in program.fields]
-        struct = "\n".join(["struct Constants", *_indented(fields), "end"])
-        lines = [*julia.block([*program.setup]), f"return Constants({', '.join(program.fields)})"]
-        setup = "\n".join(
-            [f"function constants(; {', '.join(PARAMETER_NAMES)})", *_indented(lines), "end"]
-        )
-        K = f"    K = {module}.constants(; {', '.join(f'{each} = {value!r}' for each, value in p.items())})\n"
-    calls = program.calls(1)
-    arguments = ", ".join(["z", *program.passed])
-    rows = "\n".join(f"        {label}({each})...," for label, each, _ in calls)
-    blocks = "\n".join(f"        {label}{MATRIX}({each})," for label, _, each in calls)
-    whole = f"""\
-# Return f1, f2 of each map, in order of time.
-function residual({arguments})
-    return [
-{rows}
-    ]
-end
-
-# Return the 2 x 4 derivatives of f1, f2 of each map, in order of time.
-function jacobian({arguments})
-    blocks = (
-{blocks}
-    )
-    return [permutedims(reshape(collect(block), 4, 2)) for block in blocks]
-end
-
-end
-
-if abspath(PROGRAM_FILE) == @__FILE__
-    z = {z}
-{K}    println({module}.residual({arguments}))
-    println({module}.jacobian({arguments}))
-end
-"""
-    parts = [
-        program.about("# ", f"Try it: julia {name}.jl"),
-        f"module {module}",
-        f"export {', '.join(exports)}",
-        "\n".join(f"const {key} = {float(value)!r}" for key, value in program.numbers.items()),
-        struct,
-        setup,
-        *map(julia.function, program.functions.values()),
-        whole,
-    ]
-    return "\n\n".join(filter(None, parts))

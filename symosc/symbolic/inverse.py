@@ -498,9 +498,11 @@ def values_containing(
     else:
         phases = read_phases("theta", theta)
     if p is None and isinstance(phases, PhaseInterval):
-        raise ParameterError("theta", theta, "must be one phase where the parameters are letters")
+        raise ParameterError(
+            "theta", theta, "must be a single phase when the parameters are symbolic"
+        )
     if p is not None and not isinstance(phases, PhaseInterval) and phases.free_symbols:
-        raise ParameterError("theta", theta, "must be a number where the parameters are numbers")
+        raise ParameterError("theta", theta, "must be a number when the parameters are numbers")
     return _answer(p, GrazingQuestion(mapping, names, "contains", phases), full)
 
 

@@ -14,11 +14,11 @@ import pytest
 from collect_orbits import collect, line
 from flint import arb
 from mpmath import mp
+from orbit_list import listed_orbits, prove_list
 
 from symosc import Parameters, certify, continue_orbit, find_orbit, grazing_window, load_scene
 from symosc.certificates.branch import BranchProver
 from symosc.certificates.orbit import certify_orbit
-from symosc.certificates.orbit_list import listed_orbits, prove_list
 from symosc.certificates.window import ALL_PHASES, BUT_ONE_PHASE, NO_PHASE, ON_AN_ARC
 from symosc.orbits.branch import Branch
 from symosc.orbits.periodic_orbit import PeriodicOrbit

@@ -7,10 +7,10 @@ from fractions import Fraction
 from typing import Any
 
 import pytest
+from orbit_list import listed_orbits
 from second_checker import program, second_opinion
 
 from symosc import certify, find_orbit, load_scene, reference_cases
-from symosc.certificates.orbit_list import listed_orbits
 
 pytestmark = [pytest.mark.slow, pytest.mark.skipif(program() is None, reason="needs g++ with GMP")]
 SCENES = (

@@ -22,6 +22,7 @@ from branch_mutants import BRANCH_CHANGES, HARMLESS, branch_is_true
 from certificate_files import FORGED, SWING, Document, document, judged, moved, put, text_of, width
 from certificate_mutants import CHANGES, is_true
 from flint import arb, ctx
+from orbit_list import listed_orbits
 from orbit_mutants import ORBIT_CHANGES, WINDOW_CHANGES, orbit_is_true, window_is_true
 
 import symosc.certificates.verify_orbits as checker
@@ -29,7 +30,6 @@ from symosc import Parameters, Scene, certify, continue_orbit, find_orbit, load_
 from symosc.certificates.balls import ball, outward
 from symosc.certificates.flow import Flight, Oscillator
 from symosc.certificates.motion import zero_in
-from symosc.certificates.orbit_list import listed_orbits
 from symosc.certificates.trajectory import EXACT, ToProve, prove_settled
 from symosc.model import PARAMETER_NAMES
 

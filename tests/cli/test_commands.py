@@ -111,7 +111,7 @@ def test_codegen_prints_and_compares(monkeypatch: pytest.MonkeyPatch, tmp_path: 
     from symosc.symbolic import codegen
 
     assert (
-        good("codegen", "P32", "--language", "julia", "-o", "-") == export("P32", "julia")["p32.jl"]
+        good("codegen", "P32", "--language", "numpy", "-o", "-") == export("P32", "numpy")["p32.py"]
     )
     assert "is what the formulas print" in good("codegen", "--check")
     committed = codegen.PATH.read_text()

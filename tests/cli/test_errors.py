@@ -130,7 +130,6 @@ BAD = {
     "certify fig5 -o - --json": "standard output",
     "certify fig5 --orbit P32 --t-end 3": "are for motions, not for an orbit",
     "verify": "Missing argument 'FILE'",
-    "verify --orbits it.json": "give no file",
     "sweep fig9": "over",
     "sweep fig9 --over Omega": "'Omega' is not NAME=LO:HI:N",
     "sweep fig9 --over Omega=1:2:3 --over Omega=1:2:3": "Omega is given twice",

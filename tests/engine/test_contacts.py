@@ -267,7 +267,7 @@ def test_a_touch_where_two_searches_meet(offset: float) -> None:
 def test_a_crossing_exactly_at_the_end_is_not_in_doubt(digits: int | None) -> None:
     """v = v0 + A t meets belt 2 at a rational time, which is t_end.
 
-    It counts or not, but nothing is undecided.
+    It counts or not, but nothing is undecided. If it counts, the mass is at rest from then on.
     """
     rng = random.Random(1)
     for _ in range(40):
@@ -278,7 +278,7 @@ def test_a_crossing_exactly_at_the_end_is_not_in_doubt(digits: int | None) -> No
         v0 = Fraction(rng.randint(-40, -1), 10)
         t = -v0 * p.m / p.A(2)
         found = simulate(p, t0=0, x0=0, v0=v0, t_end=t, digits=digits)
-        assert found.status == "t_end"
+        assert found.status in ("t_end", "equilibrium")
         assert len(found.events) <= 1
         later = simulate(p, t0=0, x0=0, v0=v0, t_end=t + Fraction(1, 10**6), digits=digits)
         assert [float(event.t) for event in later.events] == pytest.approx([float(t)], rel=1e-14)

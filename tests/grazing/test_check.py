@@ -11,10 +11,13 @@ import sympy
 from oracle import flow_oracle
 from samples import sample_of
 
-from symosc import Parameters, load_scene, scene_names
+from symosc import Parameters, load_scene, scene_names, simulate
 from symosc.grazing import check
 from symosc.grazing.check import DOP853, EXACT_FLOW, G_SIGNS, NO, YES, Ways, check_grazing
 from symosc.grazing.window import GrazingWindow, grazing_window
+from symosc.mappings import numbers, theorem7_cases
+from symosc.mappings.theorem7_cases import PLACES, Place
+from symosc.words import MAPS as MAPS_BY_NAME
 
 MAPS = ("P2", "P3", "P5", "P6")
 BASE = Parameters(
@@ -148,3 +151,96 @@ def test_ways_agree_with_the_oracles_flow(mapping: str) -> None:
         assert signs[i] == flow[i] == solver[i] == expected
         assert ways.verdict_by_intervals(exact, False) == (expected, 1)
         assert ways.verdict_by_fine_flow(exact) == expected
+
+
+# --- nothing is taken from the window that is judged ---
+
+
+def _wrong_places() -> list[tuple[str, str, Place]]:
+    """Return a map, what is wrong in its row of the table, and the wrong row."""
+    rows = []
+    for mapping, row in PLACES.items():
+        rows.append((mapping, "side", row._replace(side=-row.side)))
+        rows.append((mapping, "belt", row._replace(boundary=3 - row.boundary)))
+        rows += [
+            (mapping, f"domain {domain}", row._replace(domain=domain))
+            for domain in (1, 2, 3)
+            if domain != row.domain
+        ]
+    return rows
+
+
+@pytest.mark.parametrize(
+    ("mapping", "what", "row"), _wrong_places(), ids=lambda each: str(each).replace(" ", "")
+)
+def test_a_wrong_row_of_the_table_is_found(
+    monkeypatch: pytest.MonkeyPatch, mapping: str, what: str, row: Place
+) -> None:
+    """With windows that are arcs, all and nothing, for which the phases alone would tell nothing."""
+    arcs = load_scene("fig9").parameters
+    scenes = [arcs, arcs.replace(v1=0), BASE, BASE.replace(B0=0), BASE.replace(k=100)]
+    monkeypatch.setitem(PLACES, mapping, row)
+    for p in scenes:
+        report = check_grazing(p, mapping, n=20)
+        assert not report.ok, (what, report.summary())
+        assert any("definition" in each["way"] for each in report.mismatches)
+        if what == "side":  # then each phase of an arc is wrong
+            assert any(each["way"] == EXACT_FLOW for each in report.mismatches)
+
+
+@pytest.mark.parametrize("mapping", MAPS)
+def test_the_ways_find_a_wrong_belt_by_its_speed(mapping: str) -> None:
+    """The table's row is not compared here: phases and positions of the wrong window tell."""
+    right = grazing_window(BASE, mapping)
+    row = right.place._replace(boundary=3 - right.place.boundary)
+    wrong = GrazingWindow(BASE, mapping, "full", row)
+    theta = np.linspace(0.0, 2 * np.pi, 400)
+    for way in ("verdicts_by_sign", "verdicts_by_flow", "verdicts_by_solver"):
+        verdicts = getattr(Ways(wrong), way)(theta)
+        assert np.array_equal(verdicts == YES, right.contains(theta)), way
+        assert not np.array_equal(verdicts == YES, wrong.contains(theta)), way
+
+
+@pytest.mark.parametrize("mapping", MAPS)
+def test_a_wrong_sign_of_the_condition_is_found(
+    monkeypatch: pytest.MonkeyPatch, mapping: str
+) -> None:
+    true_kind = theorem7_cases.window_kind
+    true_sign = numbers.sine_sign
+    true_contains = GrazingWindow.contains
+
+    def turned(window: GrazingWindow, theta: Any) -> Any:
+        return (
+            ~np.asarray(true_contains(window, theta))
+            if np.ndim(theta)
+            else window._sign_at(theta) > 0
+        )
+
+    monkeypatch.setattr(GrazingWindow, "contains", turned)
+    monkeypatch.setattr(
+        theorem7_cases, "window_kind", lambda side, *signs: true_kind(-side, *signs)
+    )
+    monkeypatch.setattr(numbers, "sine_sign", lambda *given: -true_sign(*given))
+    for p in (load_scene("fig9").parameters, BASE):
+        assert not check_grazing(p, mapping, n=20).ok
+
+
+@pytest.mark.parametrize("mapping", MAPS)
+def test_the_definition_of_a_map_is_what_motions_do(mapping: str) -> None:
+    """Follow motions that end in the plane of the map: which belt do they meet, from which side?
+
+    `check_grazing` takes domain, belt and side from this definition.
+    """
+    row = MAPS_BY_NAME[mapping]
+    found = set()
+    for name in scene_names():
+        motion = simulate(name, max_events=60)
+        for segment, event in zip(motion.segments, motion.events, strict=False):
+            if segment.label == mapping:
+                speed = motion.parameters.belt(event.boundary)
+                middle = (float(segment.t_start) + float(segment.t_end)) / 2
+                below = motion(middle)[1] < speed
+                domain = 1 + (motion(middle)[1] > motion.parameters.v1)
+                domain += int(motion(middle)[1] > motion.parameters.v2)
+                found.add((int(domain), event.boundary, 1 if below else -1))
+    assert found == {(row.domain, row.end.boundary, row.side)}

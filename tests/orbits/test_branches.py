@@ -49,7 +49,7 @@ NEIGHBOURS = {
             (3, 4),
             1,
             "vanishing of a stick",
-            "P1 lasts",
+            "P1 has positive duration",
             "P32",
         ),
     ),

@@ -180,7 +180,7 @@ def said(equations: ClosingEquations, i: int) -> list[tuple[str, str, int]]:
         else:
             ends = f"F^({low}) falls"
         return [
-            (f"{name} lasts", "vanishing of a stick", 1),
+            (f"{name} has positive duration", "vanishing of a stick", 1),
             (f"F^({low}) > 0 > F^({high}) during {name} (Theorem 4)", "birth of a slip", 4),
             (f"{ends} where {name} ends", "vanishing of a slip", 2),
         ]
@@ -198,7 +198,7 @@ def said(equations: ClosingEquations, i: int) -> list[tuple[str, str, int]]:
         )
     short = piece.after_stick and piece.start == piece.end
     return [
-        (f"{name} lasts", "vanishing of a flight", 6),
+        (f"{name} has positive duration", "vanishing of a flight", 6),
         (f"{name} meets v{piece.end} with F^({piece.mode}) {sign} 0", "grazing", 5 if short else 0),
         (f"{name} stays in Omega{piece.mode}", "grazing", 5),
         behind,

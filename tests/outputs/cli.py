@@ -289,9 +289,9 @@ CODE = {
     "derive a chapter with digits": "derive sticks --digits 5",
     "derive a chapter, pdf of html": "derive sticks --pdf --format html",
     "derive into a file of a chapter": "derive sticks -o a.tex",
-    "codegen": "codegen P32 --language c -o code --fix fig9",
+    "codegen": "codegen P32 --language c -o code",
     "codegen json": "codegen P5 --language python --name mine -o code --json",
-    "codegen to stdout": "codegen P32 --language julia -o -",
+    "codegen to stdout": "codegen P32 --language numpy -o -",
     "codegen over another": "codegen P32 -o .",
     "codegen over another, forced": "codegen P32 -o . --force",
 }
@@ -313,7 +313,6 @@ CERTIFIED = {
     "certify a window": "certify fig9 --window P2",
     "certify no structure": "certify fig5 --branch Omega=3:4",
     "certify what is not proven": "certify fig10-orbit",
-    "certify a scene and the list": "certify fig5 --orbits",
     "cases": "cases --group easy",
     "cases json": "cases --group easy --json",
 }
@@ -447,26 +446,6 @@ def explored(line: str) -> str:
         patch("symosc.cli.simulate.Thread", Thread),
     ):
         return "\n".join([told(line), *said])
-
-
-def listed(line: str, answers: tuple[str, ...]) -> str:
-    """Return what is said of the list of orbits where proofs are replaced."""
-    pytest.importorskip("flint")
-    orbits = [
-        SimpleNamespace(regime="weak", cycle="P32"),
-        SimpleNamespace(regime="weak", cycle="P32"),
-    ]
-    orbits.append(SimpleNamespace(regime="strong", cycle="P3"))
-
-    def prove(progress: Any, again: bool) -> list[str]:
-        progress(1, 3)
-        return [f"{answer}{' again' * again}" if answer else "" for answer in answers]
-
-    with (
-        patch("symosc.certificates.orbit_list.listed_orbits", lambda: orbits),
-        patch("symosc.certificates.orbit_list.prove_list", prove),
-    ):
-        return told(line)
 
 
 def verified(answer: tuple[int, str], line: str) -> str:
@@ -621,9 +600,6 @@ OTHERS: dict[str, Case] = {
     "atlas of one parameter": lambda: mapped("atlas fig9 --over Omega=3:5"),
     "explore": lambda: explored("explore fig9 --set k=1/3"),
     "explore on a port": lambda: explored("explore --port 0 --no-browser"),
-    "certify a list": lambda: listed("certify --orbits", ("", "", "")),
-    "certify a list, some open": lambda: listed("certify --orbits", ("", "open", "")),
-    "verify a list": lambda: listed("verify --orbits", ("open", "", "")),
     "verify": lambda: verified((0, "proven: it"), "verify it.json --steps 9 --events 8 --bytes 7"),
     "verify a false one": lambda: verified((1, "not proven: it"), "verify it.json"),
     "verify none": lambda: verified((2, "no certificate"), "verify it.json"),

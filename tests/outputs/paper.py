@@ -29,7 +29,6 @@ from symosc.paper.claims import (
     Claim,
     Evidence,
     Unjudged,
-    coverage,
 )
 from symosc.paper.pictures import PICTURES, Picture, printed_view, stick_signs
 from symosc.paper.run import ERROR, Done, Drawn, Judged, Plan, Results
@@ -118,24 +117,16 @@ def part_of_plan(prefix: str) -> list[list[str]]:
 
 
 def shown_report(whole: bool) -> str:
-    """Return the files of a report without style and without parts of the paper on which there is no claim."""
+    """Return the files of a report without their style and the list of words."""
     lines = []
     made = {"date": "then", "symosc": "this"}
     with patch.object(report, "machine", lambda: made):
         texts = report.files(results(whole))
     data = json.loads(texts.pop("report.json"))
-    data["coverage"] = [row for row in data["coverage"] if row["claims"] or row["unjudged"]]
     for name, text in texts.items():
         kept = re.sub(r"<style>.*?</style>|<dl>.*?</dl>", "", text, flags=re.DOTALL).splitlines()
-        kept = [
-            line
-            for line in kept
-            if line.strip() and not line.endswith((" |  |", ">none</td></tr>"))
-        ]
-        lines += [f"--- {name}", *kept] * (whole or name.endswith("md"))
-    return "\n".join(
-        [*lines, *lines_of(data)] if whole else lines[: lines.index("## Words and symbols")]
-    )
+        lines += [f"--- {name}", *(line for line in kept if line.strip())]
+    return "\n".join([*lines, *lines_of(data)])
 
 
 TYPESET = [
@@ -211,9 +202,6 @@ CASES |= {f"other motions: {name}": partial(other_evidence, name) for name in ot
 CASES |= {"other statements": other_statements}
 CASES |= {key: partial(picture, key) for key in PICTURES}
 CASES |= {
-    "items of the paper": lambda: {
-        key: [each.id for each in on] for key, on in coverage(claims()).items()
-    },
     "a whole report": lambda: shown_report(True),
     "a part of the report": lambda: shown_report(False),
     "a part of a plan": lambda: part_of_plan("fig7"),

@@ -148,9 +148,9 @@ def signs() -> list[object]:
     ]
 
 
-def source(word: str, language: str, fix: Parameters | None, name: str | None = None) -> str:
+def source(word: str, language: str, name: str | None = None) -> str:
     """Return the exported source of a word, without empty lines."""
-    texts = export(word, language, fix, name)
+    texts = export(word, language, name)
     lines = [
         line
         for file, text in texts.items()
@@ -206,11 +206,7 @@ def kernels() -> str:
 def written() -> str:
     """Return which files are written."""
     with empty_folder() as folder:
-        paths = [
-            path
-            for language in ("c", "julia")
-            for path in write_export(folder / "new", "P2", language)
-        ]
+        paths = write_export(folder / "new", "P2", "c")
         return "\n".join(f"{path.parent.name}/{path.name}" for path in paths)
 
 
@@ -225,13 +221,7 @@ CASES |= {
     f"answers for {mapping}, {scene}": partial(answers, mapping, scene)
     for mapping, scene in zip(("P2", "P3", "P5", "P6", "P3", "P6"), (*SCENES, "fig9"), strict=True)
 }
-CASES |= {f"source in {language}": partial(source, "P12", language, None) for language in LANGUAGES}
-CASES |= {
-    f"source in {language}, fixed": partial(source, "P645", language, p, "Made")
-    for language, p in zip(
-        LANGUAGES, (FIG10, FIG10, FIG9.replace(c=20), FIG9.replace(c=0)), strict=True
-    )
-}
+CASES |= {f"source in {language}": partial(source, "P12", language) for language in LANGUAGES}
 CASES |= {
     "what answers say": formatted,
     "signs": signs,

@@ -16,7 +16,7 @@ import pytest
 from browsing import chromium
 
 from symosc.derive.errata import read_errata
-from symosc.paper.claims import CONFIRMED, CORRECTED, NOT_AS_PRINTED, PAPER, read_claims
+from symosc.paper.claims import CONFIRMED, CORRECTED, NOT_AS_PRINTED, read_claims
 from symosc.paper.pictures import PICTURES
 from symosc.paper.report import BADGES
 
@@ -117,16 +117,12 @@ def test_the_whole_run_agrees_with_the_committed_verdicts(report: Path) -> None:
         ), claim.id
         assert bool(claim.correction) == (each["verdict"] in (CORRECTED, NOT_AS_PRINTED)), claim.id
     assert [each["key"] for each in content["figures"]] == list(PICTURES)
-    assert [row["item"] for row in content["coverage"]] == list(PAPER)
-    markdown = (report / "report.md").read_text(encoding="utf-8")
     html = (report / "report.html").read_text(encoding="utf-8")
     for claim in claims:
-        assert f'<a id="claim-{claim.id}"></a>' in markdown
         assert f'id="claim-{claim.id}">' in html
     assert len(html) < 8e6
     numbers = [str(erratum.number) for erratum in read_errata()]  # in the order of the page
     assert re.findall(r'id="erratum-[^"]*"><b>(\d+)\.', html) == numbers
-    assert re.findall(r'id="erratum-[^"]*"></a>\*\*(\d+)\.', markdown) == numbers
 
 
 # a fault of a colour scheme is there at every width, a fault of a width in both schemes
@@ -141,20 +137,6 @@ def test_the_whole_run_agrees_with_the_committed_verdicts(report: Path) -> None:
 )
 def test_the_pages_in_a_browser(browser: Any, report: Path, width: int, scheme: str) -> None:
     assert look_at(browser, report / "report.html", width, scheme) == []
-    assert look_at(browser, report / "letter.html", width, "light") == []
-
-
-def test_the_letter_is_one_page_and_has_each_erratum_once(browser: Any, report: Path) -> None:
-    page = browser.new_page()
-    page.goto((report / "letter.html").as_uri(), wait_until="load")
-    assert len(re.findall(rb"/Type\s*/Page\b", page.pdf(prefer_css_page_size=True))) == 1
-    listed = page.evaluate("[...document.querySelectorAll('li')].map(each => each.id)")
-    page.close()
-    assert listed == [erratum.id for erratum in read_errata()]
-    text = " ".join((report / "letter.txt").read_text(encoding="utf-8").split())
-    for erratum in (each.in_unicode() for each in read_errata()):
-        assert text.count(f"Proof: {erratum.proof}") == 1
-    assert max(map(len, (report / "letter.txt").read_text(encoding="utf-8").splitlines())) <= 80
 
 
 def test_the_filter_shows_one_verdict_and_what_a_link_leads_to(browser: Any, report: Path) -> None:

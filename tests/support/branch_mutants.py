@@ -32,7 +32,7 @@ INEQUALITIES = (
     "v > v1 during P3",
     "v < v2 during P3",
     "F^(1) < 0 where P3 ends",
-    "P3 lasts",
+    "P3 has positive duration",
 )
 KINDS = (
     "grazing",

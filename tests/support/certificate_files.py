@@ -8,6 +8,8 @@ from functools import cache
 from pathlib import Path
 from typing import Any
 
+from orbit_list import listed_orbits
+
 import symosc.certificates.verify_orbits as checker
 from symosc import (
     Certificate,
@@ -19,7 +21,6 @@ from symosc import (
     grazing_window,
     load_scene,
 )
-from symosc.certificates.orbit_list import listed_orbits
 from symosc.reference.cases import hard_cases
 
 Document = dict[str, Any]

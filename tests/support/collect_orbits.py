@@ -16,9 +16,10 @@ from collections import Counter
 from collections.abc import Iterator
 from fractions import Fraction
 
+from orbit_list import ListedOrbit
+
 from symosc import Event, Parameters, simulate
 from symosc.certificates.orbit import certify_orbit
-from symosc.certificates.orbit_list import ListedOrbit
 from symosc.errors import SymoscError
 from symosc.model import MODE_NAMES
 from symosc.words import MAPS, Word

@@ -38,6 +38,8 @@ INDEXED = re.compile(
     r"t_\\pm|v_\\lambda\^\{[+-]\}|\\varepsilon|"
     r"(?:\\dot\{u\}|u)_0|\\d?dot\{u\}|[BSd]_\*|\\ddot\{x\}_[+-]|\\delta_[+]|\\mathrm\{d\}|x_(?:[+-]|\\max|\\min|f)|"
     r"x\^\{\+\}|[px]_n|B_1|\\ddot\{z\}|"
+    r"(?:\\dot|\\ddot)\{r\}|\\dot\{[Uz]\}|\\tilde\{f\}|t\^\*|t_[2c]|v_[+-]|z_(?:1|2|\\infty)|"
+    r"\\ddot\{F\}\^\{\(\\alpha\)\}|M_\d\d|\\epsilon_[+-]|"
     r"[fg]'{1,3}|[CSq]'{1,2}|[abcey]_[ij]|D_ij|y\^\*|P\^n|\\\||\\sum_j|\\max_i"
 )
 #: What every reader knows: numbers, operations, functions, letters that only count, and signs.
@@ -47,7 +49,7 @@ KNOWN = re.compile(
 )
 #: Commands that are no symbols: spaces, brackets, relations, layout.
 SILENT = (
-    r"\\(?:left|right|[bB]igg?[lr]?|frac|tfrac|dfrac|sqrt|quad|qquad|text|notag|label|markit|displaystyle|in|ne|le|ge|to|"
+    r"\\(?:left|right|[lr]floor|[bB]igg?[lr]?|frac|tfrac|dfrac|sqrt|quad|qquad|text|notag|label|markit|displaystyle|in|ne|le|ge|to|"
     r"pm|cdot|cup|circ|colon|mapsto|varnothing|subset|times|tilde|begin|end|mathrm|operatorname|limits|hspace|"
     r"[,;:!| {}\\])"
 )

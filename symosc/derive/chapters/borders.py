@@ -62,7 +62,8 @@ def items(scope: Scope) -> Items:
         r"\subsection{What a border is}",
         r"\begin{definition}[border]\label{thm:borders-border} Consider a periodic motion with the period of the "
         r"drive, "
-        r"one that is no rest. Its \emph{word} is the sequence of its mappings. A \emph{border} is a set of parameters "
+        r"one that is no rest. Its \emph{word} is the sequence of its mappings, which is finite by "
+        r"Theorem~\ref{thm:accumulation-finite}. A \emph{border} is a set of parameters "
         r"for which it is not regular (Definition~\ref{thm:jacobians-regular}).\end{definition}",
         r"On a border the equations of a word still hold, and one of these inequalities has become an equality: in a "
         r"plane of two parameters this is a curve. Four cases are possible (Table~\ref{tab:borders-names}). Their "
@@ -114,7 +115,8 @@ def items(scope: Scope) -> Items:
         r"0$ and its rate vanish together. For a belt at rest, $v_\lambda = 0$, that is at",
         equation(touched, 0, {touched: still[touched].subs(v_lambda, 0)}, "rest"),
         r"so the mass turns when the drive is largest in size. For $c = 0$ these points are known in closed form "
-        r"(Proposition~\ref{thm:literature-points}).",
+        r"(Proposition~\ref{thm:literature-points}). Chapter~\ref{sec:codimension} lists all such points and what "
+        r"surrounds them, and Chapter~\ref{sec:corrections} has the maps and the multipliers at a border.",
     )
     yield (
         r"\subsection{Why an atlas is complete}",
@@ -140,7 +142,7 @@ def items(scope: Scope) -> Items:
         r"one that attracts.\end{proof}",
         r"What is left to chance is a border that nobody has met, such as a small closed curve inside a part. Boxes "
         r"that are proven by (iii) exclude it; what they do not cover has to be given as an area. For $c = 0$ the "
-        r"theorem does not hold: several motions may exist (Proposition~\ref{thm:literature-continuum}).",
+        r"theorem does not hold: several motions may exist (Corollary~\ref{thm:undamped-survives}).",
     )
 
 

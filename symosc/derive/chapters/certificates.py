@@ -58,7 +58,9 @@ def items(scope: Scope) -> Items:
         r"differ by a vector $d$ with $(1 - M) d = 0$ for some $M \in D$.\end{proof}",
         r"\subsection{Motions: every event is the next one}",
         r"Between events the motion is a closed form (Table~\ref{tab:domains-regimes}), so balls enclose it for all "
-        r"times in a ball. Two ways show that nothing happens before an event. One uses the gap of "
+        r"times in a ball. In a bounded time it has finitely many events "
+        r"(Theorem~\ref{thm:accumulation-finite}). Two ways show that nothing "
+        r"happens before an event. One uses the gap of "
         r"Lemma~\ref{thm:events-gap}, between the critical phases; the other needs no critical phases.",
         r"\begin{lemma}[a straightened gap]\label{thm:certificates-height} "
         r"On a piece of time from $u = 0$, shorter than $\pi/(2\omega_d)$ if $c^2 < 4km$, let $C'' = \kappa C$, "

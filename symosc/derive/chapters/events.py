@@ -87,7 +87,8 @@ def items(scope: Scope) -> Items:
         r"\begin{proof} Two critical phases cut the interval into at most three pieces, and cuts at distances just "
         r"below $\pi/\omega_d$ add at most $2\omega_d/\Omega + 2$ more.\end{proof}",
         r"So every flight has a first contact or none, its contacts do not accumulate, and a search that goes piece by "
-        r"piece ends. The bounds below need no pieces, and are what the program uses from step to step.",
+        r"piece ends. That flights and sticks do not accumulate either is Theorem~\ref{thm:accumulation-finite}. "
+        r"The bounds below need no pieces, and are what the program uses from step to step.",
     )
     yield r"\subsection{Two bounds for later times}"
     third = named("u^{(3)}")

@@ -193,8 +193,9 @@ def items(scope: Scope) -> Items:
         r"\dot{y})\|^2 = \frac{m}{2}\dot{y}^2 + \frac{k}{2}y^2$, the map of the states over one period of the drive "
         r"moves no two states apart. Therefore\begin{enumerate}\item[(i)] its topological entropy on every compact "
         r"invariant set is 0: it has no horseshoe;\item[(ii)] no motion depends sensitively on its start, and no "
-        r"Lyapunov exponent is positive;\item[(iii)] no multiplier leaves the unit circle, so that no period doubles "
-        r"and no torus is born; for $c > 0$ there is no fold of periodic motions either;\item[(iv)] for $c > 0$ all "
+        r"Lyapunov exponent is positive;\item[(iii)] no multiplier leaves the unit circle; for $c > 0$ no "
+        r"period doubles, no torus is born and no periodic motions fold (for $c = 0$ see "
+        r"Corollary~\ref{thm:undamped-survives});\item[(iv)] for $c > 0$ all "
         r"motions tend to one, or each to a rest (Theorem~\ref{thm:orbits-unique}), and then the rests of two motions "
         r"are no farther apart than their starts.\end{enumerate}\end{theorem}",
         r"\begin{proof} $\|\cdot\|$ is a norm, since $k > 0$ and $m > 0$.",
@@ -207,15 +208,17 @@ def items(scope: Scope) -> Items:
         r"for all $\epsilon > 0$, while a horseshoe has at least",
         step(horseshoe, ">", 0, sign({horseshoe: sp.log(2)}), "horseshoe"),
         r"(ii) Two motions that start closer than $\epsilon$ stay closer than $\epsilon$; "
-        r"Theorem~\ref{thm:exponents-lyapunov} (i). (iii) Theorem~\ref{thm:jacobians-monodromy} (i); for $c > 0$ none "
-        r"reaches it. (iv) The distance does not grow.\end{proof}",
+        r"Theorem~\ref{thm:exponents-lyapunov} (i). (iii) Theorem~\ref{thm:jacobians-monodromy} (i); for $c > 0$ all "
+        r"periodic motions are one with the period of the drive, or rests (Theorem~\ref{thm:orbits-unique}). "
+        r"(iv) The distance does not grow.\end{proof}",
         r"\begin{remark}[what chaos needs]\label{thm:exponents-needs} The proof uses two facts: the spring and the "
         r"damper are linear with $k > 0$, $c \ge 0$, and friction never grows when the mass moves faster against a "
         r"belt. Chaos in friction oscillators is reported where one of them fails: static friction above kinetic "
         r"friction, friction that falls with speed, friction with a memory, a spring that is not linear, negative "
         r"damping. A simulation of this model that shows chaos has an error in its events or its steps, or has not "
-        r"settled: for $c = 0$ motions may settle slowly, or to one member of a continuum "
-        r"(Chapter~\ref{sec:literature}).\end{remark}",
+        r"settled: for $c = 0$ motions may settle slowly, or to one of a continuum of periodic or quasi-periodic "
+        r"motions "
+        r"(Chapter~\ref{sec:undamped}).\end{remark}",
     )
 
 

@@ -142,7 +142,8 @@ def items(scope: Scope) -> Items:
         r"\item[(ii)] A motion with a stick has a multiplier 0, and the other one is the trace of $M$."
         r"\item[(iii)] A motion without sticks has $\rho_1\rho_2 = e^{-c\mathcal{T}/m}\prod_j F^{+}_j/F^{-}_j > 0$."
         r"\end{enumerate}\end{theorem}",
-        r"\begin{proof} The product is the chain rule. In a flight a small change $(y, \dot{y})$ obeys the unforced "
+        r"\begin{proof} The product is finite (Theorem~\ref{thm:accumulation-finite}), by the chain rule. In a "
+        r"flight a small change $(y, \dot{y})$ obeys the unforced "
         r"equation, and",
         equation(energy, -solution.c * rate**2, meaning, "energy"),
         r"so $\Phi$ does not increase the energy norm $\tfrac{m}{2}\dot{y}^2 + \tfrac{k}{2}y^2$, and neither does $S$ "

@@ -135,7 +135,8 @@ def items(scope: Scope) -> Items:
         r"\end{example}",
         r"\begin{remark}[no damping]\label{thm:orbits-undamped} "
         r"For $c = 0$ no difference grows either, but nothing has to attract: a multiplier may be exactly 1, and the "
-        r"motion is then marginal, neither attracting nor repelling. Such continua of marginal motions are known in "
+        r"motion is then marginal, neither attracting nor repelling (Chapter~\ref{sec:undamped}). Such continua "
+        r"of marginal motions are known in "
         r"the oscillator with one belt at rest \cite{csernak2007}; for its symmetric motions see also "
         r"\cite{denhartog1931,hongliu2000,luogegg2006,shaw1986}.\end{remark}",
     )

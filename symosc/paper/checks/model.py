@@ -13,7 +13,6 @@ import numpy as np
 from scipy.optimize import brentq
 
 from symosc.mappings.equations import residual
-from symosc.mappings.theorem7_cases import PLACES
 from symosc.model import NEIGHBOURS, Parameters
 from symosc.paper.checks.exact import (
     DOP853_AGREEMENT,
@@ -27,6 +26,7 @@ from symosc.paper.checks.motions import field, recorded
 from symosc.paper.claims import CORRECTED, DEFINITION, Evidence, evidence, verdict
 from symosc.scenes import load_scene
 from symosc.simulation.simulate import simulate
+from symosc.words import MAPS
 
 CASES = 240
 #: Scenes of the paper whose motions have every state between them, and all printed ones.
@@ -607,7 +607,7 @@ def governing_equations() -> Evidence:
 def four_grazes() -> Evidence:
     """Check what is said before Theorem 7: grazing has four cases, those of P2, P3, P5 and P6."""
     pairs = sorted((domain, boundary) for boundary, sides in NEIGHBOURS.items() for domain in sides)
-    of_maps = sorted((row.domain, row.boundary) for row in PLACES.values())
+    of_maps = sorted((row.domain, row.end.boundary) for row in MAPS.values() if row.returns)
     grazes: Counter[tuple[int, int]] = Counter()
     for boundary, domains in NEIGHBOURS.items():
         for contact in contacts(boundary, EXIT_CASES, seed=60 + boundary):

@@ -21,6 +21,7 @@ from symosc.paper.checks.motions import recorded
 from symosc.paper.claims import CORRECTED, UNDECIDED, Evidence, evidence, verdict
 from symosc.scenes import load_scene
 from symosc.simulation.simulate import simulate
+from symosc.words import MAPS
 
 #: Angles are written as rational numbers, a whole turn as 4: pi/2 is 1, pi is 2. (See
 #: `quarter_turns`.)
@@ -52,7 +53,7 @@ def printed_window(mapping: str, gamma: Any, amplitude: Any) -> list[tuple[int, 
         d = quarter_turns(abs(ratio), root(1 - ratio * ratio))
     else:
         d = ZERO
-    if PLACES[mapping].side > 0:
+    if MAPS[mapping].side > 0:
         cases = [
             (0 < g < a, [Arc(ZERO, HALF + d, True), Arc(FULL_CIRCLE - d, FULL_CIRCLE)]),
             (0 < g == a, [Arc(ZERO, 3 * QUARTER, True), Arc(3 * QUARTER, FULL_CIRCLE)]),
@@ -115,19 +116,19 @@ def zero_force_contact(
     mapping: str, gamma: Fraction, amplitude: Fraction, s: Fraction, c: Fraction
 ) -> RationalContact:
     """Return a contact with F = 0 in a mapping's domain, for gamma, B0 Omega/m (`amplitude`), sin and cos of theta."""
-    where = PLACES[mapping]
+    where = MAPS[mapping]
     m = Fraction(2)
     k = Fraction(3)
     Omega = Fraction(3, 2)
     speed = gamma * m / k
-    if where.boundary == 1:
+    if where.end.boundary == 1:
         v1, v2 = (speed, speed + 5)
     else:
         v1, v2 = (speed - 5, speed)
     drive = {"B0": amplitude * m / Omega, "Omega": Omega}
     p = Parameters(m=m, c=1, k=k, A0=1, **drive, v1=v1, v2=v2, mu1="1/2", mu2="1/3", FN=2)
-    contact = RationalContact(p, where.boundary, Fraction(0), s, c)
-    return RationalContact(p, where.boundary, m * contact.force(where.domain) / k, s, c)
+    contact = RationalContact(p, where.end.boundary, Fraction(0), s, c)
+    return RationalContact(p, where.end.boundary, m * contact.force(where.domain) / k, s, c)
 
 
 DRIVES = (Fraction(3), Fraction(7, 4))
@@ -154,7 +155,7 @@ class Row(NamedTuple):
 def rows_of(mapping: str, drives: tuple[Fraction, ...] = DRIVES) -> tuple[Row, ...]:
     """Compare a mapping's printed cases with the flow at all exact contacts whose B0 Omega/m is one of `drives`."""
     found = []
-    domain = PLACES[mapping].domain
+    domain = MAPS[mapping].domain
     for amplitude in drives:
         for gamma in (ratio * (abs(amplitude) or 2) for ratio in RATIOS):
             cases = printed_window(mapping, gamma, amplitude) or [(0, [])]
@@ -181,8 +182,8 @@ def _zero_force_contacts() -> tuple[tuple[int, RationalContact], ...]:
     Of every mapping, with every gamma, at every phase.
     """
     return tuple(
-        (where.domain, zero_force_contact(mapping, ratio * 3, Fraction(3), s, c))
-        for mapping, where in PLACES.items()
+        (MAPS[mapping].domain, zero_force_contact(mapping, ratio * 3, Fraction(3), s, c))
+        for mapping in PLACES
         for ratio in RATIOS
         for s, c in RATIONAL_PHASES
     )
@@ -293,7 +294,8 @@ def equality() -> Evidence:
     """
     numbers: dict[str, Any] = {}
     excluded = returning = 0
-    for mapping, where in PLACES.items():
+    for mapping in PLACES:
+        where = MAPS[mapping]
         for size in DRIVES:
             gamma = where.side * size
             sine = Fraction(-where.side)
@@ -334,8 +336,9 @@ def without_force() -> Evidence:
     """
     arrivals = inside = 0
     shown: dict[str, Any] = {}
-    for mapping, where in PLACES.items():
-        for contact in contacts(where.boundary, 60, seed=70 + where.equation):
+    for mapping, row in PLACES.items():
+        where = MAPS[mapping]
+        for contact in contacts(where.end.boundary, 60, seed=70 + row.equation):
             p = contact.p
             force = contact.force(where.domain)
             # The flow of the domain reaches the boundary, and with F not 0 it goes straight
@@ -351,7 +354,7 @@ def without_force() -> Evidence:
                     raise ArithmeticError("a flow with F not 0 grazes")
                 inside += 1
                 shown = shown or {
-                    "one of them": f"{mapping}, ({where.equation}.{says[0][0]}); {contact}",
+                    "one of them": f"{mapping}, ({row.equation}.{says[0][0]}); {contact}",
                     "γ, B₀Ω/m, F there": f"{gamma}, {amplitude}, {force}",
                     "what the exact flow does there": contact.goes_on,
                 }
@@ -460,7 +463,7 @@ def mappings_that_graze() -> Evidence:
                 counts[mapping][label] += 1
                 if case == "none" and label not in (mapping, "no graze"):
                     begin = f"x = {float(start.x):.10g}, Ωt = {float(start.theta):.10g} on belt {start.boundary}"
-                    case = f"{name}: {label} from {begin} grazes belt {PLACES[mapping].boundary} at Ωt = {theta}"
+                    case = f"{name}: {label} from {begin} grazes belt {MAPS[mapping].end.boundary} at Ωt = {theta}"
     numbers = {
         f"grazes that the paper calls {mapping}, by the mapping that ends there": ", ".join(
             f"{label} {count}" for label, count in sorted(found.items())

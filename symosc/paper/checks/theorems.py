@@ -449,7 +449,8 @@ def grazing_definition() -> Evidence:
         for alpha in contact.domains:
             force, first, second, _ = contact.derivatives(alpha)
             if force == 0:
-                returning[0 if first else 1 if second else 2].append(contact.grazes(alpha))
+                order = next((i for i, value in enumerate((first, second)) if value), 2)
+                returning[order].append(contact.grazes(alpha))
     numbers = {
         f"{kind}: contacts, of them the flow returns": f"{len(found)}, {sum(found)}"
         for kind, found in zip(kinds, returning, strict=True)

@@ -123,7 +123,7 @@ function show(answer) {
   if (wrong.length) {
     const rest = wrong.filter(([name]) => !fields.has(name)).map(([name, said]) => `${name} ${said}`.trim());
     const where = rest.length < wrong.length ? ["See the numbers marked ⚠"] : [];
-    const shown = $("name").textContent ? "What is shown is the motion before." : "There is no motion to show yet.";
+    const shown = $("name").textContent ? "The plots still show the previous motion." : "There is no motion to show yet.";
     complain([...rest, ...where, shown].join(". "));
     return;
   }

@@ -1,4 +1,4 @@
-"""The list of periodic orbits in all damping regimes that ships with the package, and the proof of all of them.
+"""A list of periodic orbits in all damping regimes, and the proof of all of them.
 
 Each line of ``orbits.csv`` has the eleven parameters, the word, and t and x at its first event, the
 end of a flight. The other points are simulated from there; the proof takes them as a guess.
@@ -12,8 +12,8 @@ import math
 from collections.abc import Callable, Sequence
 from concurrent.futures import ProcessPoolExecutor
 from functools import cache, partial
-from importlib.resources import files
 from multiprocessing import get_context
+from pathlib import Path
 from typing import NamedTuple
 
 from symosc.certificates.certificate import Certificate
@@ -21,6 +21,8 @@ from symosc.certificates.orbit import certify_orbit
 from symosc.model import PARAMETER_NAMES, Parameters
 from symosc.simulation.simulate import simulate
 from symosc.words import MAPS, cycle, read_word
+
+ORBITS = Path(__file__).parents[1] / "certificates" / "orbits.csv"
 
 
 class ListedOrbit(NamedTuple):
@@ -67,8 +69,8 @@ class ListedOrbit(NamedTuple):
 
 @cache
 def listed_orbits() -> tuple[ListedOrbit, ...]:
-    """Return the orbits of orbits.csv, the list that ships with the package."""
-    text = (files("symosc.certificates") / "orbits.csv").read_text(encoding="utf-8")
+    """Return the orbits of orbits.csv, the list beside the tests of certificates."""
+    text = ORBITS.read_text(encoding="utf-8")
     found = []
     for row in csv.reader(text.splitlines()):
         if row and not row[0].startswith("#"):
@@ -85,7 +87,7 @@ def prove_list(
     *,
     again: bool = False,
 ) -> list[str]:
-    """Prove all orbits of a list (default: the shipped one).
+    """Prove all orbits of a list (default: all of it).
 
     Return for each "", or the reason of failure.
 

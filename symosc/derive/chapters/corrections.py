@@ -1,0 +1,557 @@
+"""Discontinuity maps of the four borders, their orders and coefficients, and the multipliers."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from functools import cache, partial
+from typing import Any, NamedTuple
+
+import sympy as sp
+
+from symosc.derive.chapters import borders
+from symosc.derive.chapters.borders import NAMES
+from symosc.derive.chapters.jacobians import force_at_belt
+from symosc.derive.latex import named
+from symosc.derive.published import Flight
+from symosc.derive.scope import Scope
+from symosc.derive.steps import (
+    CONTEXT,
+    STEP_DIGITS,
+    Items,
+    Table,
+    close,
+    decimal,
+    equation,
+    number,
+)
+from symosc.orbits.find import find_orbit
+from symosc.scenes import load_scene
+from symosc.symbolic.solution import k, m
+
+TITLE = "Discontinuity maps of the four borders"
+SMALL = sp.Symbol(r"\epsilon", positive=True)
+BEND = sp.Symbol("b", positive=True)
+TIME = sp.Symbol("t", real=True)
+END = sp.Symbol("s", positive=True)
+GAP = named("g(t)")
+PLACE = named(r"\delta x")
+SPEED = named(r"\delta\dot{x}")
+BEFORE = named("F^{-}")
+ROOT = sp.sqrt(2 * SMALL / BEND)
+
+
+class Correction(NamedTuple):
+    """A border: the gap on the way not taken, when the extra piece is, and what it changes."""
+
+    name: str
+    piece: str
+    gap: Any
+    first: Any  # the beginning of the extra piece
+    last: Any  # its end
+    place: Any
+    speed: Any
+    place_order: Any
+    speed_order: Any
+
+
+def _corrections() -> tuple[Correction, ...]:
+    """Return the four borders with the changes that are to be shown."""
+    bump = SMALL - BEND * TIME**2 / 2
+    slip = -SMALL * (TIME + ROOT) + BEND * (TIME**3 + ROOT**3) / 6
+    three_halves = sp.Rational(3, 2)
+    return (
+        Correction(
+            NAMES[0],
+            "stick",
+            bump,
+            -ROOT,
+            sp.S.Zero,
+            -sp.Rational(2, 3) * sp.sqrt(2 / BEND) * SMALL**three_halves,
+            -SMALL,
+            three_halves,
+            sp.S.One,
+        ),
+        Correction(
+            NAMES[1],
+            "stick",
+            SMALL * TIME - BEND * TIME**2 / 2,
+            sp.S.Zero,
+            SMALL / BEND,
+            -(SMALL**3) / (3 * BEND**2),
+            -(SMALL**2) / (2 * BEND),
+            sp.Integer(3),
+            sp.Integer(2),
+        ),
+        Correction(
+            NAMES[2],
+            "slip",
+            -SMALL * TIME + BEND * TIME**2 / 2,
+            sp.S.Zero,
+            2 * SMALL / BEND,
+            -2 * SMALL**3 / (3 * BEND**2),
+            sp.S.Zero,
+            sp.Integer(3),
+            None,
+        ),
+        Correction(
+            NAMES[3],
+            "slip",
+            slip,
+            -ROOT,
+            2 * ROOT,
+            -9 * SMALL**2 / (2 * BEND),
+            sp.S.Zero,
+            sp.Integer(2),
+            None,
+        ),
+    )
+
+
+CORRECTIONS = _corrections()
+
+
+def items(scope: Scope) -> Items:
+    """Yield the chapter: the four maps, the exact flow beside them, and the multipliers."""
+    yield (
+        r"\subsection{What is compared}",
+        r"Let the settled motion be regular (Definition~\ref{thm:borders-border}) but for one "
+        r"event at a belt $\lambda$ with $\mu_\lambda F_N > 0$, at which $F^{(\alpha)}$ vanishes "
+        r"as in one of the four cases of Theorem~\ref{thm:borders-names}. Beyond the border an "
+        r"\emph{extra piece} is born: a stick in (i) and (ii), a slip in (iii) and (iv). Compare "
+        r"the motion with the one that does without: in (i) and (ii) the flight of $\Omega_\alpha$ "
+        r"goes on as if the belt did not hold, in (iii) and (iv) the stick goes on as if it did. "
+        r"$\delta x$ and $\delta\dot{x}$ are what the motion has more than the continued one, at "
+        r"the time at which the extra piece ends. The map $(x, \dot{x}) \mapsto (x + \delta x, "
+        r"\dot{x} + \delta\dot{x})$ is the \emph{discontinuity map}: put behind the maps of the "
+        r"shorter word it gives those of the longer one. Its letters are $b > 0$ and",
+        r"\begin{enumerate}\item[(i)] grazing-sliding: $\epsilon$, by how much the continued "
+        r"flight goes beyond $v_\lambda$ at most, and $b = |\dot{F}^{(\alpha)}|$ there;\item[(ii)] "
+        r"crossing-sliding: $\epsilon = |F^{(\alpha)}|$ at the contact, of the sign that holds the "
+        r"mass, and $b = |\dot{F}^{(\alpha)}|$;\item[(iii)] switching-sliding: $\epsilon = "
+        r"|F^{(\alpha)}|$ at the contact, of the sign that lets the mass go, and $b = "
+        r"|\dot{F}^{(\alpha)}|$;\item[(iv)] adding-sliding: $\epsilon$, by how much $F^{(\alpha)}$ "
+        r"goes beyond 0 at most if the stick is continued, and $b = |\ddot{F}^{(\alpha)}|$ there, "
+        r"which is $|a\,\Omega\cos\theta|$ by \eqref{eq:accumulation-r}.\end{enumerate}On the "
+        r"other side of the border, for $\epsilon \le 0$, both changes are 0. $\epsilon$ is a "
+        r"smooth function of the state before the event and of the parameters.",
+        _theorem(),
+    )
+    yield _numbers_table()
+    yield _multipliers()
+
+
+def _theorem() -> Items:
+    """Return the theorem on the four maps, with its steps."""
+    steps: list[Any] = []
+    for n, border in enumerate(CORRECTIONS):
+        extra = -1 if border.piece == "stick" else 1
+        area = sp.integrate(border.gap, (TIME, border.first, border.last))
+        steps.append(rf"({'i' * (n + 1) if n < 3 else 'iv'}) {border.name}:")
+        steps.append(equation(PLACE, border.place, {PLACE: extra * area}, f"x-{n + 1}"))
+        if border.speed != 0:
+            last = border.gap.subs(TIME, border.last)
+            steps.append(equation(SPEED, border.speed, {SPEED: -last}, f"v-{n + 1}"))
+    return (
+        r"\begin{theorem}[four discontinuity maps]\label{thm:corrections-maps} Let $\alpha = "
+        r"\lambda$; for $\alpha = \lambda + 1$ all signs of $\delta x$ and $\delta\dot{x}$ are the "
+        r"opposite. To leading order in $\epsilon > 0$",
+        *steps,
+        r"and $\delta\dot{x} = 0$ in (iii) and (iv). In (i) and (iv) $\delta x$, $\delta\dot{x}$ "
+        r"are analytic functions of $\sqrt{\epsilon}$ near 0, in (ii) and (iii) of $\epsilon$, so "
+        r"what is left out is smaller by a factor of the order $\sqrt{\epsilon}$ or "
+        r"$\epsilon$.\end{theorem}",
+        r"\begin{proof} By \eqref{eq:accumulation-below} and \eqref{eq:accumulation-rate} $\dot{g} "
+        r"= U - (c/m)g$ and $\dot{U} = r - (k/m)g$. Measure $t$ from the maximum in (i), from the "
+        r"contact in (ii) and (iii), from the least $U$ in (iv), and in units of "
+        r"$\sqrt{\epsilon/b}$ in (i) and (iv), of $\epsilon/b$ in (ii) and (iii). In these units "
+        r"the terms with $c$, $k$ and with the derivatives of $r$ that are not named have a factor "
+        r"$\sqrt{\epsilon}$ or $\epsilon$. Without them",
+        *(
+            equation(GAP, border.gap, {GAP: _gap(n)}, f"gap-{n + 1}")
+            for n, border in enumerate(CORRECTIONS)
+        ),
+        r"in the order of (i) to (iv): in (i) and (ii) along the continued flight, in (iii) and "
+        r"(iv) along the slip. The stick begins where $g = 0$ in (i) and ends where $U = 0$ in (i) "
+        r"and (ii); the slip ends where $g = 0$. So the extra piece lasts for $s$ with",
+        *(
+            equation(END, border.last - border.first, {END: _length(n)}, f"s-{n + 1}")
+            for n, border in enumerate(CORRECTIONS)
+        ),
+        r"These zeros are simple, so by the implicit function theorem the times, in their units, "
+        r"and all that follows are analytic. $\delta x$ is the integral of the difference of both "
+        r"velocities: of $-g$ in (i) and (ii), of $g$ in (iii) and (iv); and $\delta\dot{x}$ is "
+        r"$-g$ at the end.\end{proof}",
+        r"The orders are 1 for grazing-sliding, 2 for crossing-sliding and adding-sliding, and 3 for "
+        r"switching-sliding; compare the normal forms in \cite{dibernardo2002,dibernardo2008}.",
+    )
+
+
+def _gap(n: int) -> Any:
+    """Return the gap g(t) of a border, integrated from the force to leading order."""
+    constant = sp.Symbol("C", real=True)
+    later = sp.Symbol("u", real=True)
+    if n == 0:  # U = -b t, and the maximum of g is epsilon at t = 0
+        return SMALL + sp.integrate(-BEND * later, (later, 0, TIME))
+    if n == 3:  # U = -epsilon + b t^2/2 from the zero of U on
+        force = -SMALL + BEND * later**2 / 2
+        start = min(
+            sp.solve(force.subs(later, constant), constant), key=lambda root: root.is_positive
+        )
+        return sp.integrate(force, (later, start, TIME))
+    force = SMALL - BEND * later if n == 1 else -SMALL + BEND * later
+    return sp.integrate(force, (later, 0, TIME))
+
+
+def _length(n: int) -> Any:
+    """Return how long the extra piece lasts, from the gap of `_gap`."""
+    gap = _gap(n)
+    if n == 0:  # from the zero of g to that of U
+        return (
+            max(sp.solve(gap, TIME), key=lambda root: root.is_positive)
+            - sp.solve(gap.diff(TIME), TIME)[0]
+        )
+    if n == 1:
+        return sp.solve(gap.diff(TIME), TIME)[0]
+    if n == 2:
+        return max(sp.solve(gap, TIME), key=lambda root: root.is_positive)
+    half = sp.Symbol("q", positive=True)  # the slip begins at -q
+    factors = sp.factor(sp.expand(gap.subs(SMALL, BEND * half**2 / 2)))
+    return (max(sp.solve(factors, TIME), key=lambda root: root.is_positive) + half).subs(half, ROOT)
+
+
+# --- numbers: the exact flow with 60 digits beside a border ---
+
+
+class Oscillator(NamedTuple):
+    """One domain for m = 1, with numbers of 60 digits."""
+
+    c: Any
+    k: Any
+    B0: Any
+    Omega: Any
+    A: Any = CONTEXT.mpf(0)
+
+
+def flow(o: Oscillator, place: Any, speed: Any, angle: Any, later: Any) -> tuple[Any, Any]:
+    """Return position and velocity after a time, in closed form with complex roots."""
+    mp = CONTEXT
+    wave = o.B0 / mp.mpc(o.k - o.Omega**2, o.c * o.Omega)
+    root = mp.sqrt(mp.mpc(o.c**2 / 4 - o.k))
+    one = -o.c / 2 + root
+    two = -o.c / 2 - root
+    turn = mp.expj(angle)
+    free = place - o.A / o.k - mp.re(wave * turn)
+    drift = speed - mp.re(1j * o.Omega * wave * turn)
+    first = (drift - two * free) / (one - two)
+    second = free - first
+    end = wave * mp.expj(angle + o.Omega * later)
+    fast = first * mp.exp(one * later)
+    slow = second * mp.exp(two * later)
+    return o.A / o.k + mp.re(end + fast + slow), mp.re(1j * o.Omega * end + one * fast + two * slow)
+
+
+def pull(o: Oscillator, belt: Any, place: Any, angle: Any) -> Any:
+    """Return U: the acceleration at the belt's speed."""
+    return o.A + o.B0 * CONTEXT.cos(angle) - o.c * belt - o.k * place
+
+
+#: The oscillator and the speed of the belt in the comparison.
+HERE = Oscillator(CONTEXT.mpf(1) / 5, CONTEXT.mpf(1), CONTEXT.mpf(2), CONTEXT.mpf(1))
+BELT = CONTEXT.mpf(1) / 2
+#: The sine of the phase at the event, and whether its cosine is negative.
+PHASES = (("0", False), ("0", False), ("-1/2", False), ("-1/4", True))
+#: The largest sqrt(epsilon), how many are halved from it, and the decimals of the limits.
+FIRST = CONTEXT.mpf(10) ** -3
+POINTS = 9
+DECIMALS = 12
+
+
+def phase(n: int) -> Any:
+    """Return the phase of the event of a border in the comparison."""
+    text, negative = PHASES[n]
+    sine = CONTEXT.mpf(sp.Rational(text).p) / sp.Rational(text).q
+    return CONTEXT.pi - CONTEXT.asin(sine) if negative else CONTEXT.asin(sine)
+
+
+def bend(n: int) -> Any:
+    """Return b of a border in the comparison."""
+    angle = phase(n)
+    push = HERE.k * BELT + HERE.B0 * CONTEXT.sin(angle)
+    return abs(HERE.B0 * CONTEXT.cos(angle)) if n == 3 else abs(push)
+
+
+def zero(function: Callable[[Any], Any], near: Any) -> Any:
+    """Return the zero of a function near a value, with all digits, by the secant method."""
+    old = near * CONTEXT.mpf("0.99")
+    new = near * CONTEXT.mpf("1.01")
+    below = function(old)
+    above = function(new)
+    for _ in range(60):
+        if above == below or abs(new - old) < CONTEXT.mpf(10) ** -58 * abs(near):
+            break
+        step_length = above * (new - old) / (above - below)
+        old = new
+        below = above
+        new = new - step_length
+        above = function(new)
+    return new
+
+
+@cache
+def changes(n: int, small: Any) -> tuple[Any, Any]:
+    """Return delta x and delta v of a border by the exact flow, for epsilon = `small`."""
+    angle = phase(n)
+    curve = bend(n)
+    root = CONTEXT.sqrt(2 * small / curve)
+    if n == 0:
+        speed = BELT + small
+        top = (HERE.B0 * CONTEXT.cos(angle) - HERE.c * speed) / HERE.k
+        contact = zero(lambda time: flow(HERE, top, speed, angle, time)[1] - BELT, -root)
+        met = flow(HERE, top, speed, angle, contact)[0]
+        guess = small * HERE.c / curve
+        leaves = zero(
+            lambda time: pull(HERE, BELT, met + BELT * (time - contact), angle + time), guess
+        )
+        place, velocity = flow(HERE, top, speed, angle, leaves)
+        return met + BELT * (leaves - contact) - place, BELT - velocity
+    way = 1 if n == 1 else -1
+    start = (HERE.B0 * CONTEXT.cos(angle) - HERE.c * BELT - way * small) / HERE.k
+    if n == 1:
+        leaves = zero(
+            lambda time: pull(HERE, BELT, start + BELT * time, angle + time), small / curve
+        )
+        place, velocity = flow(HERE, start, BELT, angle, leaves)
+        return start + BELT * leaves - place, BELT - velocity
+    first, last = (CONTEXT.mpf(0), 2 * small / curve) if n == 2 else (-root, 2 * root)
+    if n == 3:
+        first = zero(lambda time: pull(HERE, BELT, start + BELT * time, angle + time), first)
+    left = start + BELT * first
+    # g has a double zero at the start of the slip: it is divided out.
+    power = 1 if n == 2 else 2
+
+    def rest(time: Any) -> Any:
+        """Return g divided by the power of the time since the slip began."""
+        return (flow(HERE, left, BELT, angle + first, time - first)[1] - BELT) / (
+            time - first
+        ) ** power
+
+    ends = zero(rest, last)
+    place, velocity = flow(HERE, left, BELT, angle + first, ends - first)
+    return place - (start + BELT * ends), velocity - BELT
+
+
+def limit(function: Callable[[Any], Any]) -> Any:
+    """Return the limit of a function of sqrt(epsilon) at 0."""
+    places = [FIRST / 2**j for j in range(POINTS)]
+    return neville(places, [function(place) for place in places])
+
+
+def neville(places: list[Any], values: list[Any]) -> Any:
+    """Return the value at 0 of the polynomial through some points, by Neville's scheme."""
+    column = [*values]
+    for width in range(1, len(places)):
+        for j in range(len(places) - width):
+            far = places[j]
+            near = places[j + width]
+            column[j] = (far * column[j + 1] - near * column[j]) / (far - near)
+    return column[0]
+
+
+def order(n: int, which: int) -> Any:
+    """Return the order in epsilon of delta x (`which` = 0) or delta v (1) by the exact flow."""
+
+    def exponent(root: Any) -> Any:
+        ratio = changes(n, root**2)[which] / changes(n, (root / 2) ** 2)[which]
+        return CONTEXT.log(ratio) / CONTEXT.log(4)
+
+    return limit(exponent)
+
+
+def coefficient(n: int, which: int, power: Any) -> Any:
+    """Return the coefficient of the leading power of epsilon by the exact flow."""
+    exponent = CONTEXT.mpf(sp.Rational(power).p) / sp.Rational(power).q
+    return limit(lambda root: changes(n, root**2)[which] / root ** (2 * exponent))
+
+
+def _exact_factor(n: int, which: int, power: Any) -> Any:
+    """Return the coefficient of the leading power of epsilon from the gap of `_gap`."""
+    gap = _gap(n)
+    start = CORRECTIONS[n].first
+    stop = start + _length(n)
+    extra = -1 if n < 2 else 1
+    change = extra * (
+        sp.integrate(gap, (TIME, start, stop)) if which == 0 else gap.subs(TIME, stop)
+    )
+    return sp.simplify(change / SMALL**power)
+
+
+def _numbers_table() -> Table:
+    """Return the table of orders and coefficients: by the theorem, and by the exact flow."""
+    rows: list[tuple[Any, ...]] = []
+    for n, border in enumerate(CORRECTIONS):
+        for which, (what, formula, power) in enumerate(
+            (
+                (r"$\delta x$", border.place, border.place_order),
+                (r"$\delta\dot{x}$", border.speed, border.speed_order),
+            )
+        ):
+            if power is None:
+                continue
+            factor = sp.simplify(formula / SMALL**power)
+            known = sp.lambdify(BEND, factor, {"sqrt": CONTEXT.sqrt})(bend(n))
+            known = CONTEXT.mpf(known)
+            fits = close(partial(coefficient, n, which, power), DECIMALS)
+            rows.append(
+                (
+                    border.name,
+                    what,
+                    rf"${sp.latex(power)}$",
+                    decimal(
+                        "z", order(n, which), 8, close(partial(CONTEXT.mpf, sp.N(power, 50)), 8)
+                    ),
+                    equation(PLACE, factor, {PLACE: _exact_factor(n, which, power)}),
+                    decimal("z", known, DECIMALS, fits),
+                )
+            )
+    return Table(
+        "tab:corrections-numbers",
+        r"The discontinuity maps by Theorem~\ref{thm:corrections-maps} and by the exact flow with "
+        r"60 digits, extrapolated to "
+        rf"$\epsilon = 0$: the order to 8 decimals, the coefficient to {DECIMALS}. $m = k = \Omega "
+        rf"= 1$, $c = \frac{{1}}{{5}}$, "
+        r"$B_0 = 2$, $v_\lambda = \frac{1}{2}$; $\sin\theta = 0$, $0$, $-\frac{1}{2}$, "
+        r"$-\frac{1}{4}$ at the event.",
+        ("border", "", "order", "flow", "coefficient", "here, and by the flow"),
+        tuple(rows),
+        columns="llrrlr",
+    )
+
+
+# --- multipliers ---
+
+
+def _multipliers() -> Items:
+    """Return the items on what becomes of multipliers at the four borders."""
+    first, _, third, fourth = (border.place for border in CORRECTIONS)
+    graze = named("D_{12}")
+    onset = named("D_{11}")
+    arrival = named(r"\delta\epsilon")
+    later = named(r"\delta t")
+    slope = named(r"\frac{\partial\,\delta x}{\partial\epsilon}")
+    moved = {arrival: k / m * PLACE - BEND * later, later: -SPEED / BEFORE}
+    yield (
+        r"\subsection{Multipliers}",
+        r"\begin{theorem}[multipliers at the borders]\label{thm:corrections-multipliers} Let $M$ "
+        r"be the monodromy matrix of the motion without the extra piece, begun behind the event in "
+        r"question, and $D$ the matrix of the discontinuity map, so that $M D$ takes the place of "
+        r"$M$. To leading order in $\epsilon > 0$:\begin{enumerate}\item[(i)] grazing-sliding: $D$ "
+        r"has the rows $(1, D_{12})$ and $(0, 0)$ with",
+        equation(graze, -ROOT, {graze: first.diff(SMALL)}, "graze"),
+        r"The multipliers jump from those of $M$ to 0 and $M_{11}$, and from there the second one "
+        r"goes away with $\sqrt{\epsilon}$: it is $M_{11} + D_{12} M_{21}$ up to terms of the "
+        r"order $\epsilon$.\item[(ii)] crossing-sliding: $D = \operatorname{diag}(1, 0)$, and on "
+        r"the other side, where the mass passes, the factor of the passage is "
+        r"$\operatorname{diag}(1, |\epsilon|/|F^{-}|)$ (Theorem~\ref{thm:jacobians-saltation}). "
+        r"The multipliers are continuous, with a kink: one tends to 0 with $|\epsilon|$ from one "
+        r"side, and is 0 on the other.\item[(iii)] switching-sliding: both motions stick, one "
+        r"multiplier is 0 on both sides. A small change in front of the contact, where the "
+        r"acceleration is $F^{-}$, changes $\epsilon$ and $\delta x$ by",
+        equation(arrival, k / m * PLACE + BEND / BEFORE * SPEED, moved, "arrival"),
+        equation(slope, -2 * SMALL**2 / BEND**2, {slope: third.diff(SMALL)}, "switch"),
+        r"times that. The other multiplier has a continuous derivative by a parameter; its second "
+        r"derivative jumps.\item[(iv)] adding-sliding: a stick keeps $\delta x$ alone, and with a "
+        r"slip in it",
+        equation(
+            onset, 1 - 9 * k * SMALL / (m * BEND), {onset: 1 + fourth.diff(SMALL) * k / m}, "add"
+        ),
+        r"times as much is kept. The multiplier that is not 0 is continuous, with a kink."
+        r"\end{enumerate}",
+        r"No multiplier leaves the unit circle, so the motion goes on across every "
+        r"border.\end{theorem}",
+        r"\begin{proof} These are the derivatives of Theorem~\ref{thm:corrections-maps}. In (i) "
+        r"$\epsilon$ is the gap at the maximum, and a change of $x$ moves the maximum of $g$ to "
+        r"second order; so $\delta\epsilon = \delta\dot{x}$ and the last row is 0. $M D$ has the "
+        r"trace $M_{11} + D_{12}M_{21}$ and the determinant 0. In (iii) $\epsilon = -U$ at the "
+        r"contact, which comes later by $-\delta\dot{x}/F^{-}$ "
+        r"(Theorem~\ref{thm:exponents-events}), and $U$ has the rate $b$; in (iv) $\epsilon = -U$ "
+        r"at a fixed phase, so that $\delta\epsilon = (k/m)\,\delta x$. The last sentence is "
+        r"Theorem~\ref{thm:jacobians-monodromy} (i) and Theorem~\ref{thm:borders-atlas} "
+        r"(i).\end{proof}",
+        _multipliers_table(),
+    )
+
+
+class Grazing(NamedTuple):
+    """The multipliers at the graze of Fig. 9's orbit: by the theorem, and extrapolated."""
+
+    entry: Any  # M_11
+    limit: Any
+    before: tuple[Any, Any]
+
+
+#: The branch of the paper's Fig. 9 that ends at a graze, and the word behind it.
+BRANCH = ("P32", "Omega", ("3", "6"))
+BEHIND = "P8274"
+DISTANCE = 10.0**-6
+SIDES = 4
+
+
+@cache
+def grazing() -> Grazing:
+    """Return the multipliers of the paper's Fig. 9 at the end of its branch, on both sides."""
+    p = load_scene("fig9").parameters
+    end = borders.continue_orbit(p, *BRANCH).ends[1]
+    there = p.replace(Omega=end.value)
+    orbit = find_orbit(there, BRANCH[0], digits=STEP_DIGITS)
+    before = tuple(CONTEXT.re(CONTEXT.mpmathify(value)) for value in orbit.multipliers)
+    (down, place), (up, other) = orbit.points
+    touch = CONTEXT.mpf(end.conditions[0].t)
+    period = CONTEXT.mpf(orbit.period)
+    touch += period * CONTEXT.ceil((up - touch) / period)
+    rows = (
+        (down + period - touch, 2, 1, place, down),
+        (up - down, 1, 2, other, up),
+        (touch - up, 2, None, None, None),
+    )
+    matrix = CONTEXT.eye(2)
+    flight = Flight(there)
+    ratio = number(there.k / there.m)
+    for length, source, target, x, time in rows:
+        e0, e1, e2 = flight.basis(length).values()
+        step_matrix = CONTEXT.matrix([[1 - ratio * e2, e1], [-ratio * e1, e0]])
+        if target is not None:
+            angle = number(there.Omega) * time
+            forces = [force_at_belt(there, alpha, 1, x, angle) for alpha in (source, target)]
+            step_matrix = CONTEXT.matrix([[1, 0], [0, forces[1] / forces[0]]]) * step_matrix
+        matrix = step_matrix * matrix
+    roots = []
+    values = []
+    for j in range(SIDES):
+        distance = DISTANCE / 4**j
+        beyond = find_orbit(p.replace(Omega=end.value + distance), BEHIND, digits=STEP_DIGITS)
+        roots.append(CONTEXT.sqrt(distance))
+        values.append(CONTEXT.re(CONTEXT.mpmathify(beyond.multipliers[0])))
+    return Grazing(matrix[0, 0], neville(roots, values), before)
+
+
+def _multipliers_table() -> Table:
+    """Return the table of the multipliers at the graze of the paper's Fig. 9."""
+    known = grazing()
+    first, second = known.before
+    return Table(
+        "tab:corrections-multipliers",
+        r"Multipliers at the end of the branch $P_{32}$ of the paper's Fig.~9 at a graze "
+        r"(Table~\ref{tab:borders-examples}): those of $P_{32}$; $M_{11}$, from the matrices of "
+        r"Chapter~\ref{sec:jacobians}; and that of $P_{8274}$, extrapolated to the border in "
+        r"$\sqrt{\epsilon}$ from \texttt{find\_orbit}.",
+        (r"$P_{32}$", "", "$M_{11}$", r"$P_{8274}$"),
+        (
+            (
+                decimal("z", first, 6),
+                decimal("z", second, 6),
+                decimal("z", known.entry, 6),
+                decimal("z", known.limit, 6, close(lambda: known.entry, 6)),
+            ),
+        ),
+        columns="rrrr",
+    )

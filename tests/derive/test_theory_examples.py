@@ -1,0 +1,196 @@
+"""What the chapters on events, c = 0, borders and codimension two say of motions, against motions of the package."""
+
+from __future__ import annotations
+
+import itertools
+import random
+from fractions import Fraction
+from math import cos, floor, hypot, pi, sin, sqrt
+from typing import Any
+
+import numpy as np
+import pytest
+from samples import sample_of
+
+from symosc import Parameters, find_orbit, load_scene, simulate
+from symosc.derive.chapters import accumulation, codimension, corrections, undamped
+from symosc.words import cycle
+
+BETWEEN = {"m": 1, "c": 0, "A0": 0, "v1": -1, "v2": 1, "mu1": "1/5", "mu2": "1/5", "FN": 1}
+
+
+def between(k: Any, Omega: Any, B0: Any) -> Parameters:
+    return Parameters(k=k, Omega=Omega, B0=B0, **BETWEEN)
+
+
+# --- no accumulation ---
+
+
+def random_motion(dice: random.Random) -> tuple[Parameters, dict[str, Any]]:
+    """Return parameters of any sign and size that the theorem allows, and a start."""
+    v1 = dice.choice([0, round(dice.uniform(-2, 2), 2)])
+    given = {
+        "m": round(dice.uniform(0.2, 3), 2),
+        "c": dice.choice([0, 0, round(dice.uniform(0, 4), 2)]),
+        "k": dice.choice([0, round(dice.uniform(0, 9), 2)]),
+        "A0": round(dice.uniform(-2, 2), 2),
+        "B0": dice.choice([0, round(dice.uniform(-9, 9), 2)]),
+        "Omega": round(dice.uniform(0.2, 5), 2),
+        "v1": v1,
+        "v2": v1 + dice.choice([0.1, 1, 50]),
+        "mu1": dice.choice([0, round(dice.uniform(0, 1), 2)]),
+        "mu2": dice.choice([0, round(dice.uniform(0, 1), 2)]),
+        "FN": round(dice.uniform(0, 5), 2),
+    }
+    start = {"t0": 0, "x0": round(dice.uniform(-3, 3), 2), "v0": round(dice.uniform(-3, 3), 2)}
+    return Parameters(**given), start
+
+
+@pytest.mark.slow
+@sample_of(60, 2000)
+def test_no_period_has_more_events_than_the_bound(count: int) -> None:
+    """The bound of the corollary: for one belt as it stands, for both with their changes counted."""
+    dice = random.Random(4)
+    most = 0
+    for seed in range(count):
+        p, start = random_motion(dice)
+        period = 2 * pi / float(p.Omega)
+        events = simulate(p, **start, t_end="6T").events
+        times = [event.t for event in events]
+        belts = [event.boundary for event in events]
+        rest = float(p.k / p.m) - float(p.c / p.m) ** 2 / 4
+        cuts = floor(2 * sqrt(max(rest, 0)) / float(p.Omega))
+        for first in times:
+            inside = [
+                belt for t, belt in zip(times, belts, strict=True) if first <= t <= first + period
+            ]
+            changes = sum(one != two for one, two in itertools.pairwise(inside))
+            bound = 3 * (3 + cuts) if len({*inside}) == 1 else 3 * (5 + cuts + changes)
+            assert len(inside) <= bound, (seed, p)
+            most = max(most, len(inside))
+    assert most > 6
+
+
+def test_all_three_events_occur_on_one_side_of_the_critical_phases() -> None:
+    """The mass comes from above and passes, returns and sticks, and leaves upwards, while r > 0."""
+    p = Parameters(m=1, c=0, k=1, A0=0, B0=10, Omega=1, v1=0, v2=50, mu1="0.3", mu2=0, FN=3)
+    found = 0
+    for phase in np.linspace(pi, 6.2, 20):  # r = -10 sin(theta) > 0
+        for x0 in np.linspace(-6, 6, 13):
+            events = simulate(p, t0=float(phase), x0=float(x0), v0="0.2", t_end=7).events
+            count = sum(event.t <= 2 * pi for event in events)
+            found = max(found, count)
+            assert count <= 3
+    assert found == 3
+
+
+def test_the_table_counts_as_the_theorem_does() -> None:
+    count, belts, changes = accumulation.busiest_period("fig5")
+    bound = accumulation.event_bound(load_scene("fig5").parameters, belts, changes)
+    assert 0 < count <= bound
+
+
+# --- no damper ---
+
+
+def test_a_motion_with_the_period_2T() -> None:
+    p = between(1, 2, "1/2")
+    motion = simulate(p, t0=0, x0="1/30", v0=0, t_end="40T")
+    assert len(motion.events) == 0
+    x = np.array([float(motion(n * pi)[0]) for n in range(20)])
+    assert np.abs(x[2:] - x[:-2]).max() < 1e-12
+    assert abs(x[1] - x[0]) > 0.3
+
+
+@pytest.mark.parametrize(("B0", "spread"), [("1.13", 0), ("1.10", 0.021), ("1.0", 0.2)])
+def test_one_motion_attracts_until_the_response_fits_between_the_belts(
+    B0: str, spread: float
+) -> None:
+    """Omega = 17/10, omega_0 = 1: the response fits for B0 < 189/170, and all motions have the period 17T then."""
+    p = between(1, "1.7", B0)
+    motion = simulate(p, t0=0, x0=0, v0=0, t_end="234T")
+    x = np.array([float(motion(n * 2 * pi / 1.7)[0]) for n in range(200, 234)])
+    assert np.ptp(x) == pytest.approx(spread, rel=0.01, abs=1e-11)
+    assert np.abs(x[17:] - x[:-17]).max() < 1e-9
+    steady = float(p.B0) / (1 - 1.7**2)
+    assert (abs(steady) * 1.7 < 1) == (spread > 0)
+
+
+@pytest.mark.slow
+def test_motions_that_meet_a_belt_tend_to_the_outermost_torus() -> None:
+    """k = 2, Omega = 2: the ratio is irrational; R tends to (1 - V_0)/omega_0."""
+    for B0, x0 in (("0.95", 0), ("0.95", "0.7"), ("0.8", "-1"), ("0.5", 2)):
+        p = between(2, 2, B0)
+        size = float(p.B0)
+        last = simulate(p, t0=0, x0=x0, v0=0, t_end="800T").events[-1]
+        free = hypot(
+            last.x + size / 2 * cos(2 * last.t), (last.v - size * sin(2 * last.t)) / sqrt(2)
+        )
+        limit = (1 - size) / sqrt(2)
+        assert limit - 1e-12 < free < limit + 1e-5
+    inside = simulate(between(2, 2, "0.95"), t0=0, x0="-0.45", v0=0, t_end="200T")
+    assert len(inside.events) == 0
+    ends = [
+        simulate(between(2, 2, "1.05"), t0=0, x0=x0, v0=0, t_end="60T")(60 * pi)[0]
+        for x0 in (-2, 0, 1)
+    ]
+    assert np.ptp(np.array(ends, float)) < 1e-9
+
+
+def test_a_third_harmonic_fits_where_the_response_does_not() -> None:
+    p = between(1, "1/3", Fraction(44, 15))
+    assert undamped.response(p)[1] == Fraction(11, 10)
+    assert len(simulate(p, t0=0, x0=Fraction(209, 60), v0=0, t_end="30T").events) == 0
+    assert len(simulate(p, t0=0, x0=Fraction(33, 10), v0=0, t_end="30T").events) > 0
+
+
+@pytest.mark.slow
+def test_amplitudes_at_resonance() -> None:
+    """Bounded for pi |B0| < 4 S, S = 2/5, and unbounded above."""
+    below, above = between(1, 1, "0.49"), between(1, 1, "0.6")
+    far = {}
+    for p in (below, above):
+        motion = simulate(p, t0=0, x0=0, v0=0, t_end="400T")
+        far[p] = [abs(float(motion((n + 0.25) * 2 * pi)[0])) for n in (200, 399)]
+    assert far[below][1] == pytest.approx(far[below][0], rel=0.02)
+    assert far[above][1] > far[above][0] + 1
+
+
+# --- borders and points of codimension two ---
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("n", range(4))
+def test_the_exact_flow_has_the_orders_and_coefficients(n: int) -> None:
+    border = corrections.CORRECTIONS[n]
+    assert corrections.order(n, 0) == pytest.approx(float(border.place_order), abs=1e-9)
+    small = corrections.CONTEXT.mpf("1e-10")
+    place, speed = corrections.changes(n, small)
+    known = float(
+        border.place.subs({corrections.SMALL: 1e-10, corrections.BEND: corrections.bend(n)})
+    )
+    assert float(place) == pytest.approx(known, rel=1e-4)
+    assert bool(speed) == bool(border.speed_order)
+
+
+@pytest.mark.slow
+def test_the_words_around_the_point_b() -> None:
+    """Crossing-, switching- and grazing-sliding meet: three words, of which one is in a narrow tongue."""
+    FN, Omega = map(float, codimension.meeting("(B)"))
+    wall = {"m": 1, "c": "0.1", "k": 1, "A0": 0, "B0": 1, "v1": 0, "v2": 10, "mu1": 1, "mu2": 0}
+    words = set()
+    for angle in np.linspace(0, 2 * pi, 16, endpoint=False):
+        p = Parameters(FN=FN + 0.02 * cos(angle), Omega=Omega + 0.02 * sin(angle), **wall)
+        words.add(cycle(str(find_orbit(p).word)))
+    assert {"P32", "P3121"} <= words <= {"P32", "P3121", "P321231"}
+
+
+@pytest.mark.parametrize(("speed", "place"), [("0.01", 1.0), ("-0.01", -0.8)])
+def test_a_belt_that_hardly_moves_takes_the_mass_to_one_end(speed: str, place: float) -> None:
+    """The rests of the example of Chapter `orbits` go from -4/5 to 1; the attractor jumps between these."""
+    p = Parameters(
+        m=1, c=1, k=1, A0=0, B0="1/10", Omega=1, v1=speed, v2=10, mu1=1, mu2="1/10", FN=1
+    )
+    for x0 in ("-0.5", "0.7"):
+        motion = simulate(p, t0=0, x0=x0, v0=0, t_end=400)
+        assert float(motion(400.0)[0]) == pytest.approx(place, abs=0.05)

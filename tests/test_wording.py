@@ -1,0 +1,248 @@
+"""What a user reads: numbers as one writes them, hints that are right, messages and summaries whole."""
+
+from __future__ import annotations
+
+import sys
+from collections.abc import Callable
+from fractions import Fraction
+from math import pi
+from pathlib import Path
+
+import pytest
+from cli_runs import COMMANDS, good, run
+
+import symosc
+from symosc import (
+    OtherModel,
+    Scene,
+    SymoscError,
+    load_scene,
+    plot,
+    simulate,
+    simulate_many,
+)
+from symosc.errors import meant
+from symosc.mappings.numbers import read_phase
+from symosc.quantities import read_number
+from symosc.reference.cases import chosen
+from symosc.scenes import as_toml
+
+FIG9 = load_scene("fig9")
+
+
+def refusal(call: Callable[[], object]) -> str:
+    """Return the text of the error that a call raises."""
+    with pytest.raises((SymoscError, TypeError)) as caught:
+        call()
+    return str(caught.value)
+
+
+# --- ends in periods of the drive ---
+
+
+@pytest.mark.parametrize("count", ["10", "2.5", "1/2"])
+def test_an_end_in_periods_is_read_everywhere(count: str, tmp_path: Path) -> None:
+    text = f"{count}T"
+    period = 2 * pi / float(FIG9.parameters.Omega)
+    end = float(FIG9.t0) + float(Fraction(count)) * period
+    lines = as_toml(FIG9).splitlines()
+    lines = [f't_end = "{text}"' if line.startswith("t_end") else line for line in lines]
+    file = tmp_path / "mine.toml"
+    file.write_text("\n".join(lines), encoding="utf-8")
+    start = {"t0": FIG9.t0, "x0": FIG9.x0, "v0": FIG9.v0}
+    scene = Scene("mine", FIG9.parameters, **start, t_end=text)  # type: ignore[arg-type]
+    assert float(scene.t_end) == end
+    assert load_scene(file).t_end == scene.t_end
+    assert simulate(file).t_end == simulate(FIG9, t_end=text).t_end == end
+    assert simulate(FIG9.parameters, **start, t_end=text).t_end == end
+    assert (
+        simulate_many(FIG9.parameters, [tuple(map(float, start.values()))], text, record="t").t
+        == end
+    )
+    assert good("simulate", str(file)) == good("simulate", "fig9", "--t-end", text)
+
+
+def test_an_end_in_periods_of_another_model() -> None:
+    model = OtherModel(m=1, k=1, Omega=2, FN="1/4", Y=1, joined=True)
+    scene = Scene("mine", model, t0=0, x0=0, v0=0, t_end="10T")  # type: ignore[arg-type]
+    assert scene.original is not None
+    assert float(scene.original.t_end) == 10 * (2 * pi / 2)
+
+
+@pytest.mark.parametrize("text", ["T", "manyT", "-T", "1e3.5T"])
+def test_what_is_no_count_of_periods_is_refused(text: str) -> None:
+    message = refusal(lambda: Scene("mine", FIG9.parameters, 0, 0, 0, text))  # type: ignore[arg-type]
+    assert "periods of the drive such as '10T'" in message
+    assert "symosc[units]" not in message
+
+
+# --- numbers as one writes them; no extra is needed ---
+
+
+@pytest.mark.parametrize(
+    ("text", "value"),
+    [
+        ("2π", 2 * pi), ("2pi", 2 * pi), ("3π/2", 1.5 * pi), ("-π/2", -pi / 2),
+        ("0.5π", pi / 2), (".5pi", pi / 2), ("2π + 1", 2 * pi + 1), ("2*3π", 6 * pi),
+    ],
+)  # fmt: skip
+def test_multiples_of_pi(monkeypatch: pytest.MonkeyPatch, text: str, value: float) -> None:
+    monkeypatch.setitem(sys.modules, "pint", None)
+    found, exact = read_number("phase", text)
+    assert float(found) == pytest.approx(value, rel=1e-15)
+    assert not exact
+    assert read_number("mu1", text)[0] == found  # of no dimension
+
+
+@pytest.mark.parametrize("text", ["1/2π", "2^3π", "2**3π", "1/ 2pi"])
+def test_of_what_pi_is_a_factor_must_be_clear(text: str) -> None:
+    assert "such as '3*pi/2'" in refusal(lambda: read_number("phase", text))
+
+
+def test_percent(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setitem(sys.modules, "pint", None)
+    assert read_number("mu1", "80%") == (Fraction(4, 5), True)
+    assert read_number("mu2", "2.5 %") == (Fraction(1, 40), True)
+    assert FIG9.parameters.replace(mu1="80%").mu1 == Fraction(4, 5)
+    assert "k is the stiffness: give it in N/m" in refusal(lambda: read_number("k", "80%"))
+
+
+def test_phases_too() -> None:
+    for text in ("2π/3", "2pi/3"):
+        assert float(read_phase("theta", text)) == pytest.approx(2 * pi / 3)
+
+
+# --- shapes ---
+
+
+def test_an_axis_with_one_value() -> None:
+    pytest.importorskip("xarray")
+    found = symosc.sweep(FIG9, {"FN": "10:10:1"}, t_end="4T", record="events")
+    assert found.FN.values.tolist() == [10.0]
+    message = refusal(lambda: symosc.sweep(FIG9, {"FN": "10:12:1"}))
+    assert message == "FN = '10:12:1': needs at least 2 values to go from a lower to a higher one"
+    message = refusal(lambda: symosc.sweep(FIG9, {"FN": "10:12:0"}))
+    assert message == "the number of values of FN = 0: must be a whole number >= 1"
+    result = run("sweep", "fig9", "--over", "FN=10:12:1", "-o", "-")
+    assert result.exit_code == 2
+    assert "needs at least 2 values" in result.stderr
+
+
+def test_columns_of_different_lengths() -> None:
+    columns = {"t0": 0, "x0": [1, 2], "v0": [1, 2, 3]}
+    message = refusal(lambda: simulate_many(FIG9.parameters, columns, 3))
+    expected = "x0 = '2 values': must have 1 or 3 values, since v0 has 3"
+    assert message == expected
+    starts = [(0, 0, 0)] * 3
+    message = refusal(
+        lambda: simulate_many(FIG9.parameters, starts, 3, record="summary", skip=[1, 2])
+    )
+    expected = "skip = '2 values': must have 1 or 3 values, as many as motions"
+    assert message == expected
+
+
+# --- hints ---
+
+
+def test_a_figure_suggests_its_own_arguments() -> None:
+    motion = simulate("fig5", t_end=7)
+    for draw in (lambda: motion.plot(panel="b"), lambda: plot.figure("fig5", panel="b")):
+        assert refusal(draw).endswith("did you mean panels?")
+    assert refusal(lambda: motion.plot(lwidth=1)).endswith("did you mean linewidth?")
+
+
+def _public() -> list[str]:
+    return [
+        name
+        for name in sorted(symosc.__all__)
+        if callable(getattr(symosc, name)) and not isinstance(getattr(symosc, name), type)
+    ]
+
+
+@pytest.mark.parametrize("name", _public())
+def test_a_mistyped_keyword_suggests_the_right_one(name: str) -> None:
+    """Of each argument one letter is left out, doubled, or changed; never is another one meant."""
+    from inspect import Parameter, signature
+
+    parameters = signature(getattr(symosc, name)).parameters.values()
+    if any(each.kind is Parameter.VAR_KEYWORD for each in parameters):
+        pytest.skip("takes any name")
+    names = [each.name for each in parameters]
+    for right in names:
+        if len(right) < 4:
+            continue
+        middle = len(right) // 2
+        wrong = {right[:-1], f"{right}s", right[:middle] + "q" + right[middle + 1 :]}
+        for mistyped in wrong - set(names):
+            message = refusal(lambda mistyped=mistyped: getattr(symosc, name)(**{mistyped: 1}))
+            assert "did you mean" in message, mistyped
+            assert right in message.rpartition("did you mean ")[2].rstrip("?").split(" or ")
+
+
+def test_no_word_is_meant_that_is_another() -> None:
+    assert meant("panel", ["label", "color"]) == ""
+    assert meant("panel", ["label", "panels"]) == "; did you mean panels?"
+    assert meant("mu3", ["mu1", "mu2", "FN"]) == "; did you mean mu1 or mu2?"
+
+
+# --- messages ---
+
+
+@pytest.mark.parametrize(
+    ("call", "expected"),
+    [
+        (lambda: simulate(FIG9.parameters), "t_end is required when you pass Parameters"),
+        (lambda: symosc.sweep(FIG9, {"omega": [1]}), "cannot be swept; choose from m, c, k"),
+        (
+            lambda: symosc.sweep(FIG9, {"FN": [1]}, record="words"),
+            "what can be recorded: status, events",
+        ),
+        (lambda: symosc.sensitivities(FIG9, wrt="mass"), "must be one of m, c, k"),
+        (
+            lambda: symosc.values_containing(None, "P2", "Omega", ("pi", "5*pi/4")),
+            "must be a single phase when the parameters are symbolic",
+        ),
+        (
+            lambda: plot.figure("fig5", panels="ab", ax=_axes()),
+            "an Axes holds a single panel; pass one of the letters",
+        ),
+        (
+            lambda: symosc.crosscheck(FIG9, [0, 1, 2], [0, 1]),
+            "t, x and v must have the same length",
+        ),
+    ],
+)
+def test_messages_say_what_is_allowed(call: Callable[[], object], expected: str) -> None:
+    assert expected in refusal(call)
+
+
+def _axes() -> object:
+    from matplotlib.figure import Figure
+
+    return Figure().subplots()
+
+
+def test_messages_of_commands() -> None:
+    code = ["codegen", "P2", "--language", "c", "-o", "-"]
+    assert "is a reserved word or a library name in c; choose" in run(*code, "--name", "int").stderr
+    assert "Mapping P2. Generated by symosc" in good(*code)
+    assert "Mapping structure P32: P2, then P3. Generated" in good("codegen", "P32", "-o", "-")
+    assert "unknown group; choose from " in refusal(lambda: chosen("x"))
+    orbit = good("orbit", "fig9", "--structure", "P32", "--continue", "Omega=3.9:4.1")
+    assert "branch of " in orbit
+    assert " points over Omega:" in orbit
+    assert "differs from the orbit by" in orbit
+
+
+# --- summaries ---
+
+
+def test_summaries_of_commands_are_whole() -> None:
+    """Click cuts a summary off to fit one line, and marks this by three dots."""
+    text = " ".join(good("--help").split()).partition("Commands: ")[2]
+    assert "..." not in text
+    for name in COMMANDS:
+        summary = text.partition(f"{name} ")[2]
+        first = " ".join(good(name, "--help").split()).partition("[OPTIONS]")[2]
+        end = summary.index(".") + 1
+        assert summary[:end] in first, name
