@@ -11,10 +11,11 @@ from __future__ import annotations
 
 import csv
 import io
+from cmath import phase
 from collections.abc import Iterator, Mapping
 from functools import cache
 from itertools import pairwise
-from math import asin, atan2, hypot, inf, nan, pi, sqrt
+from math import asin, hypot, inf, nan, pi, sqrt
 from pathlib import Path
 from typing import Any
 
@@ -26,8 +27,11 @@ from symosc.aliases import Progress, Record, SceneName
 from symosc.arguments import public
 from symosc.display.frames import imported
 from symosc.display.progress import late_bar
+from symosc.engine.arithmetic import column_functions
 from symosc.errors import ParameterError, meant
 from symosc.files import write_text
+from symosc.kernels import linear
+from symosc.kernels.elementary import cos, sin
 from symosc.model import Parameters, by_name
 from symosc.orbits.closing_equations import ConvergenceError
 from symosc.orbits.find import find_orbit, settled_orbit
@@ -240,8 +244,9 @@ def respond(
         raise ParameterError(
             "k", 0, "must be > 0: without a spring nothing fixes the position of a settled motion"
         )
-    late = np.exp(-1j * float(model.delay * model.Omega))
-    (mean, z) = harmonic_balance(p)
+    delay = float(model.delay * model.Omega)
+    late = complex(cos(delay), -sin(delay))
+    mean, z = harmonic_balance(p)
     if z == inf:
         balance = inf
     else:
@@ -409,7 +414,7 @@ def harmonic_balance(p: Parameters) -> tuple[float, complex]:
             rtol=1e-15,
         )
         elastic, loss = drive_parts(V)
-        z = complex(V / Omega * np.exp(-1j * atan2(loss, elastic))) * (1 if B0 > 0 else -1)
+        z = V / Omega * complex(elastic, -loss) / hypot(elastic, loss) * (1 if B0 > 0 else -1)
     pull = sum(
         2 / pi * force * asin(max(-1.0, min(v / V, 1.0)) if V else float(np.sign(v)))
         for force, v in belts
@@ -428,7 +433,14 @@ Part = tuple[Segment, tuple[float, float], np.ndarray, np.ndarray, np.ndarray, n
 @cache
 def _gauss() -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """Return points and weights of Gauss in [-1, 1], and the matrix from values there to Legendre coefficients."""
-    points, weights = legendre.leggauss(POINTS)
+    # Not by legendre.leggauss: the eigenvalues that it begins with have other last bits on other
+    # processors.
+    points = np.array([-cos(pi * (i + 0.75) / (POINTS + 0.5)) for i in range(POINTS)])
+    highest = np.append(np.zeros(POINTS), 1.0)
+    slope = legendre.legder(highest)
+    for _ in range(6):  # Newton's method doubles the digits
+        points -= legendre.legval(points, highest) / legendre.legval(points, slope)
+    weights = 2.0 / ((1.0 - points * points) * legendre.legval(points, slope) ** 2)
     degrees = np.arange(POINTS)
     return (
         points,
@@ -457,9 +469,10 @@ def parts(motion: Trajectory) -> Iterator[Part]:
             a, b, halved, before = todo.pop()
             t = np.clip(a + (b - a) * (points + 1) / 2, a, b)
             z, u = motion(t)
-            tail = float(
-                (np.abs(coefficients[-2:] @ np.stack([z, u], axis=1)).max(axis=0) / scale).max()
-            )
+            last = [
+                [abs(linear.dot(row, values)) for values in (z, u)] for row in coefficients[-2:]
+            ]
+            tail = float((np.array(last).max(axis=0) / scale).max())
             rounding = ROUNDING > tail > before / 4
             if tail > CONVERGED and not rounding and halved < MOST_HALVES:
                 middle = (a + b) / 2
@@ -473,14 +486,21 @@ def turning_points(values: np.ndarray) -> np.ndarray:
 
     These are the two ends, and the turning points of the polynomial that goes through the values.
     """
-    found = _gauss()[2] @ values
+    found = linear.product(_gauss()[2], values)
     slope = legendre.legder(legendre.legtrim(found, CONVERGED * np.abs(found).max()))
-    if len(slope) > 1:
-        roots = legendre.legroots(slope)
-    else:
-        roots = np.empty(0)
-    inside = roots.real[(np.abs(roots.imag) < 1e-6) & (np.abs(roots.real) <= 1)]
-    return np.concatenate([[-1, 1], inside])
+    # The polynomial bends too little for two turning points between neighbours of these to matter.
+    places = np.linspace(-1.0, 1.0, 8 * POINTS + 1)
+    slopes = legendre.legval(places, slope)
+    turns = np.flatnonzero((slopes[:-1] > 0.0) != (slopes[1:] > 0.0))
+    low = places[turns]
+    high = places[turns + 1]
+    inside = low + (high - low) * slopes[turns] / (slopes[turns] - slopes[turns + 1])
+    bend = legendre.legder(slope)
+    for _ in range(4 if len(turns) else 0):  # Newton's method doubles the digits
+        with np.errstate(divide="ignore", invalid="ignore"):
+            change = legendre.legval(inside, slope) / legendre.legval(inside, bend)
+        inside = np.clip(np.where(np.isfinite(change), inside - change, inside), low, high)
+    return np.concatenate([[-1.0, 1.0], inside])
 
 
 def cycle_response(
@@ -511,6 +531,7 @@ def cycle_response(
         base_rate,
         model.force,
     )
+    columns = column_functions()
     turns = list[np.ndarray]()
     passed = list[float]()
     first = 0j
@@ -519,31 +540,31 @@ def cycle_response(
     heat = 0.0
     stuck = 0.0
     for segment, (begin, end), t, weights, z, u in parts(motion):
-        cos = np.cos(Omega * (t + delay))
-        sin = np.sin(Omega * (t + delay))
-        w, w_rate, w_second, y, y_rate, force = (each.at(cos, sin) for each in waves)
+        c_late = columns["cos"](Omega * (t + delay))
+        s_late = columns["sin"](Omega * (t + delay))
+        w, w_rate, w_second, y, y_rate, force = (each.at(c_late, s_late) for each in waves)
         x = z + w
         v = u + w_rate
-        driven = float(p.A0) + drive * np.cos(Omega * t) - c * u - k * z  # all but friction
+        driven = float(p.A0) + drive * columns["cos"](Omega * t) - c * u - k * z  # all but friction
         pulls = [
             np.full(POINTS, friction * (-1 if u.mean() > speed else 1)) for friction, speed in belts
         ]
         if segment.mode.startswith("belt"):
             held = int(segment.mode[-1])
             pulls[held - 1] = -driven - pulls[2 - held]
-            stuck += float(weights.sum())
+            stuck += end - begin
         acceleration = (driven + sum(pulls)) / m
         heat += sum(
-            friction * abs(float(weights @ (u - speed))) for friction, speed in belts
+            friction * abs(linear.dot(weights, u - speed)) for friction, speed in belts
         )  # 0 on a belt
-        damper += c * float(weights @ (v - y_rate) ** 2)
+        damper += c * linear.dot(weights, (v - y_rate) ** 2)
         pushed = force * v + (k * (y - x) + c * (y_rate - v)) * y_rate
         drawn = sum(pull * (speed + w_rate) for pull, (_, speed) in zip(pulls, belts, strict=True))
-        work += float(weights @ (pushed + drawn))
-        first += complex(weights @ (x * (cos - 1j * sin)))
+        work += linear.dot(weights, pushed + drawn)
+        first += complex(linear.dot(weights, x * c_late), -linear.dot(weights, x * s_late))
         turns.append(begin + (end - begin) * (turning_points(x) + 1) / 2)
         felt = force - m * (acceleration + w_second)
-        passed += legendre.legval(turning_points(felt), _gauss()[2] @ felt).tolist()
+        passed += legendre.legval(turning_points(felt), linear.product(_gauss()[2], felt)).tolist()
     times = np.clip(np.concatenate(turns), float(motion.t_start), float(motion.t_end))
     amplitude = float(np.ptp(motion(times)[0] + motion_of_belts(model, times + delay)[0])) / 2
     first *= 2 / period
@@ -556,7 +577,8 @@ def cycle_response(
     excitation = _phasor(cause)
     Y = abs(float(model.Y))
     B0 = abs(float(model.B0))
-    closure = np.abs(motion([motion.t_start, motion.t_end]) @ [1, -1]) / [1, Omega]
+    ends = motion([motion.t_start, motion.t_end])
+    closure = np.abs(ends[:, 0] - ends[:, 1]) / [1, Omega]
     if orbit:
         multiplier = max(abs(complex(each)) for each in orbit.multipliers)
     else:
@@ -570,9 +592,7 @@ def cycle_response(
         "word": orbit.word if orbit else "",
         "amplitude": amplitude,
         "transmissibility": transmissibility,
-        "phase": float(np.angle(excitation / first))
-        if abs(first) > CONVERGED * abs(excitation)
-        else nan,
+        "phase": phase(excitation / first) if abs(first) > CONVERGED * abs(excitation) else nan,
         "harmonic": abs(first),
         "work": work / n,
         "dissipated": (damper + heat) / n,

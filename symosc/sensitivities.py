@@ -27,6 +27,7 @@ from symosc.engine.arithmetic import many_digits, mp_context
 from symosc.engine.flow import table_of
 from symosc.engine.start import Start
 from symosc.engine.state import GRAZE, ON_BELT
+from symosc.kernels import linear
 from symosc.kernels.entire import EPS
 from symosc.mappings.equations import MapArithmetic, map_arithmetic
 from symosc.model import Parameters
@@ -292,7 +293,7 @@ class _Columns:
             volume -= float(self.numbers.K.cm * (end - last[0, 1]))
         else:
             volume -= inf
-        size = float(np.linalg.norm(out[:, 0].astype(float), 2))
+        size = linear.largest_stretch(out[:, 0].astype(float))
         span = float(end - self.starts[0, 1])
         if size > 0.0:
             first = (grown + log(size)) / span

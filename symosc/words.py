@@ -111,6 +111,9 @@ MAPS = {
 class Word(NamedTuple):
     """A sequence of mappings; ``str`` writes it as the paper does.
 
+    Two words are equal if they are one cycle: ``read_word("P23") == read_word("P32")``. All answers
+    about orbits write the rotation `cycle`.
+
     Attributes
     ----------
     labels : tuple of str
@@ -122,9 +125,28 @@ class Word(NamedTuple):
     >>> word = read_word("P4645")
     >>> word.labels, str(word)
     (('P5', 'P4', 'P6', 'P4'), 'P4645')
+    >>> str(word.cycle), word == read_word("P6454")
+    ('P6454', True)
     """
 
     labels: tuple[str, ...]
+
+    @property
+    def cycle(self) -> Word:
+        """The rotation whose labels come first in their order: that which all answers write."""
+        first = first_of_cycle(self.labels)
+        return Word(self.labels[first:] + self.labels[:first])
+
+    def __eq__(self, other: object) -> bool:
+        if not isinstance(other, Word):
+            return NotImplemented
+        return tuple(self.cycle) == tuple(other.cycle)
+
+    def __ne__(self, other: object) -> bool:
+        return not self == other
+
+    def __hash__(self) -> int:
+        return hash(tuple(self.cycle))
 
     def latex(self) -> str:
         """Return the word in LaTeX as a composition of mappings, such as P32 = P3∘P2."""
@@ -158,14 +180,20 @@ class Word(NamedTuple):
         return "P" + "".join(label[1] for label in reversed(self.labels))
 
 
-def cycle(word: str) -> str:
-    """Return the rotation of a word that is last in text order.
+def first_of_cycle(labels: Sequence[str]) -> int:
+    """Return the index at which the least rotation of `labels` begins, by the order of the labels."""
+    count = len(labels)
+    twice = [*labels, *labels]
+    return min(range(count), key=lambda i: twice[i : i + count], default=0)
 
-    P32 for P32 and for P23, which are one cycle.
+
+def cycle(word: str) -> str:
+    """Return the text of `Word.cycle` for the text of a word.
+
+    P32 for P32 and for P23; "" for "".
     """
-    digits = word[1:]
-    if digits:
-        return "P" + max(digits[i:] + digits[:i] for i in range(len(digits)))
+    if word:
+        return str(Word(tuple(f"P{digit}" for digit in reversed(word[1:]))).cycle)
     return ""
 
 

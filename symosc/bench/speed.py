@@ -320,14 +320,14 @@ def lambdified(p: Parameters, cse: bool) -> Callable[..., Any]:
 def _orbits_and_windows(points: int) -> Iterator[Call]:
     """Yield calls that find an orbit or grazing windows."""
     p = load_scene("fig10").parameters
-    guess = [(round(point.t, 1), round(point.x, 1)) for point in find_orbit(p, "P4645").points]
+    guess = [(round(point.t, 1), round(point.x, 1)) for point in find_orbit(p, "P6454").points]
     yield Call(
-        "orbit P4645 of fig10 from a guess of one decimal",
+        "orbit P6454 of fig10 from a guess of one decimal",
         "call",
-        partial(find_orbit, p, "P4645", guess=guess),
+        partial(find_orbit, p, "P6454", guess=guess),
         1,
     )
-    yield Call("without a guess", "call", partial(find_orbit, p, "P4645"), 1)
+    yield Call("without a guess", "call", partial(find_orbit, p, "P6454"), 1)
     q = load_scene("fig9").parameters
     speeds = np.random.default_rng(1).uniform(-20, 20, points)
     changed = (q.replace(v1=Fraction(n, 7)) for n in range(1, 10**6))

@@ -28,13 +28,14 @@ from symosc.display.progress import reporting
 from symosc.errors import ParameterError
 from symosc.exact import read_exact, show, whole_number
 from symosc.files import STDOUT, check_folder_of, write_text
+from symosc.kernels import linear
 from symosc.model import PARAMETER_NAMES, Parameters, by_name
 from symosc.orbits.border import REST, Border, BorderError, borders_between, passes
 from symosc.orbits.closing_equations import ConvergenceError
 from symosc.orbits.find import SETTLING_PERIODS, find_orbit
 from symosc.scenes import Scene, load_scene
 from symosc.simulation.ensemble import simulate_many
-from symosc.words import Word, cycle, read_word
+from symosc.words import Word, read_word
 
 #: How many boxes are tried before the time is checked again, and in one call of a worker.
 BATCH = 64
@@ -142,7 +143,7 @@ def divided(box: Rectangle, along: int, at: Fraction | None = None) -> list[Rect
 
 def canonical(labels: Sequence[str]) -> str:
     """Return the text of a word, rotated so that all rotations of its `labels` give the same text."""
-    return cycle(str(Word(tuple(labels))))
+    return str(Word(tuple(labels)).cycle)
 
 
 def flight_first(word: str) -> tuple[str, ...]:
@@ -312,7 +313,7 @@ class Plane(NamedTuple):
         middle = len(points) // 2
         size = np.array([float(high - low) for low, high in self.range])
         along = (points[middle] - points[middle - 1]) / size
-        return points[middle], np.array([along[1], -along[0]]) / np.hypot(*along) * size
+        return points[middle], np.array([along[1], -along[0]]) / linear.norm(along) * size
 
     # -- boxes ---------------------------------------------------------------------------------------------------------
 
@@ -530,7 +531,7 @@ class Cover:
         for box in left:
             place = np.array(middle_of(box)) / sizes
             near = dict[tuple[str, ...], Candidate]()
-            nearest = np.argsort(((middles - place) ** 2).sum(axis=1))
+            nearest = np.argsort(((middles - place) ** 2).sum(axis=1), kind="stable")
             for each in (orbits[i] for i in nearest[:MOST_NEAR]):
                 labels = flight_first(each.word)
                 Omega = float(plane.at([(a + b) / 2 for a, b in each.range]).Omega)

@@ -278,7 +278,8 @@ class BranchProver:
                 else:
                     near = f" near {self.name} = {float(self.families[-1].high):.12g}"
                 message = (
-                    f"the branch of {self.word} in {self.name}: not decided: {undecided.what}{near}"
+                    f"the branch of {self.word.cycle} in {self.name}: not decided: "
+                    f"{undecided.what}{near}"
                 )
                 return Certificate("branch", False, message)
             first = self.families[0]
@@ -290,7 +291,7 @@ class BranchProver:
             "parameters": self.p.as_dict(),
             "parameter": self.name,
             "range": [row["inside"] for row in rows],
-            "word": str(self.word),
+            "word": str(self.word.cycle),
             "periods": self.periods,
             "stable": stable,
             "ends": rows,

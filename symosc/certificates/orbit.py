@@ -429,7 +429,8 @@ def certify_orbit(
                     return _certificate(p, word, closing, box, root, stability, bits)
             except Undecided as undecided:
                 if bits >= MOST_ORBIT_BITS:
-                    message = f"the orbit {word}, with {bits} bits: not decided: {undecided.what}{undecided.place()}"
+                    message = f"the orbit {word.cycle}, with {bits} bits: not decided: "
+                    message += f"{undecided.what}{undecided.place()}"
                     return Certificate("orbit", False, message + _marginal(closing, near))
             bits *= 2
 
@@ -538,7 +539,7 @@ def _certificate(
 
     statement = made_by(bits) | {
         "parameters": p.as_dict(),
-        "word": str(word),
+        "word": str(word.cycle),
         "periods": closing.periods,
         "events": rows,
         "alone_within": [one_digit(each) for each in wide],

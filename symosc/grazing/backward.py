@@ -45,6 +45,7 @@ from symosc.aliases import Angle, Context, Number
 from symosc.engine.arithmetic import MpArithmetic
 from symosc.engine.flow import Constants, constants, derivatives
 from symosc.errors import ParameterError
+from symosc.kernels import linear
 from symosc.kernels._generated import motion, next_derivative
 from symosc.kernels.entire import EPS
 from symosc.mappings.theorem7_cases import place
@@ -319,7 +320,7 @@ class BackwardSteps:
             low = v - reach
             high = v + reach
         else:
-            rows = (self._matrix @ np.array((v, a, s, c))).tolist()
+            rows = linear.product(self._matrix, np.array((v, a, s, c))).tolist()
             T = rows[:n]
             behind = rows[n]
             changes = rows[n + 1 : -3]

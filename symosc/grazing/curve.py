@@ -31,6 +31,7 @@ from symosc.aliases import NumberLike, Progress
 from symosc.arguments import public
 from symosc.display.drawable import Drawable
 from symosc.display.progress import late_bar
+from symosc.engine.arithmetic import column_functions
 from symosc.exact import read_exact, whole_number
 from symosc.grazing.backward import CONTACT, MOST_BACKWARD_STEPS, NEVER, STEP, TOUCH, Origins
 from symosc.grazing.window import grazing_window
@@ -346,9 +347,8 @@ def _phases_of(low: float, high: float, closed: bool, n: int) -> np.ndarray:
     """Return n phases in an arc, densest near open ends, with both ends of a closed one included."""
     if closed:
         return low + (high - low) * (np.arange(n + 1) / n)
-    inner = 0.5 * (low + high) - 0.5 * (high - low) * np.cos(
-        pi * (np.arange(n - 2) + 0.5) / (n - 2)
-    )
+    waves = column_functions()["cos"](pi * (np.arange(n - 2) + 0.5) / (n - 2))
+    inner = 0.5 * (low + high) - 0.5 * (high - low) * waves
     gap = 1e-7 * (high - low)  # how near to an open end of the window the curve is sampled
     return np.concatenate(
         [[low + gap], inner[(inner > low + gap) & (inner < high - gap)], [high - gap]]

@@ -43,6 +43,7 @@ from symosc.grazing.start import (
     start_of,
 )
 from symosc.grazing.window import GrazingWindow, grazing_window
+from symosc.kernels.elementary import cos
 from symosc.mappings import numbers
 from symosc.mappings.numbers import (
     LatexAnswer,
@@ -372,7 +373,7 @@ class Candidates:
             if end.reason == "end of the window" and near.tau * self.K.Om < 10 * abs(
                 near.theta_m - end.theta_m
             ):
-                contact = self.source.rest + self.source.gain * np.cos(end.theta_m)
+                contact = self.source.rest + self.source.gain * cos(end.theta_m)
                 if self.name == "x_i":
                     value = contact
                 else:

@@ -22,7 +22,7 @@ from numpy.typing import ArrayLike
 from symosc.aliases import Expr, Number, NumberLike, Order
 from symosc.arguments import public
 from symosc.display.drawable import Drawable
-from symosc.engine.arithmetic import compile_modules, mp_context
+from symosc.engine.arithmetic import column_functions, compile_modules, mp_context
 from symosc.errors import MissingExtraError, ParameterError
 from symosc.exact import show
 from symosc.kernels import double_double
@@ -280,7 +280,7 @@ class GrazingWindow(Drawable, LatexAnswer):
         rest = (p.A(self.place.domain) - p.c * self.speed) / p.k
         gain = p.B0 / p.k
         if isinstance(theta, np.ndarray) and theta.ndim:
-            return float(rest) + float(gain) * np.cos(theta)
+            return float(rest) + float(gain) * column_functions()["cos"](theta)
         if isinstance(theta, float | np.floating):
             context = mp_context(WINDOW_DIGITS)
             wave = context.cos(context.mpf(float(theta))) * gain.numerator / gain.denominator

@@ -32,7 +32,7 @@ from numpy.typing import ArrayLike
 from symosc.aliases import Context, Number, Numbers
 from symosc.arguments import public
 from symosc.engine import tangent
-from symosc.engine.arithmetic import Arithmetic, MpArithmetic, bind, many_digits
+from symosc.engine.arithmetic import Arithmetic, MpArithmetic, bind, column_functions, many_digits
 from symosc.engine.first_exit import ROUNDING
 from symosc.engine.flow import Constants, constant_force, constants, friction_signs
 from symosc.engine.start import belt_start, belt_state, force_terms
@@ -48,7 +48,7 @@ from symosc.engine.state import (
     NextEvent,
 )
 from symosc.errors import ParameterError, SymoscError
-from symosc.kernels import entire_array, mapping
+from symosc.kernels import mapping
 from symosc.mappings.numbers import POINT_NAMES, is_array, number_of, point_columns, scalar
 from symosc.model import MODE_NAMES, NEIGHBOURS, PARAMETER_NAMES, Parameters
 from symosc.scenes import ParametersLike
@@ -280,7 +280,7 @@ def _doubles(p: Parameters, arrays: bool = False) -> MapArithmetic:
     """Return constants and kernel functions for maps in doubles, of single numbers or of numpy arrays."""
     if not arrays:
         return MapArithmetic(constants(p), vars(mapping) | vars(tangent), float)
-    names = {"sin": np.sin, "cos": np.cos, "basis": entire_array.basis}
+    names = {name: column_functions()[name] for name in ("sin", "cos", "basis")}
     return MapArithmetic(constants(p), bind((mapping,), names), float)
 
 

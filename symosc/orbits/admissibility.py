@@ -28,10 +28,11 @@ from typing import NamedTuple
 import numpy as np
 
 from symosc.aliases import Number, Points
+from symosc.engine.arithmetic import column_functions
 from symosc.engine.state import Launch
+from symosc.kernels import linear
 from symosc.kernels._generated import motion
 from symosc.kernels.entire import EPS
-from symosc.kernels.entire_array import basis
 from symosc.model import MODE_NAMES, NEIGHBOURS
 from symosc.orbits.closing_equations import ClosingEquations, OrbitPiece, Solution, Span, polish
 from symosc.simulation.simulate import simulate
@@ -291,6 +292,7 @@ def extrema(
     span = float(tau - begin)
     count = int(min(4000, max(8, float(tau - begin) * coarse.rate / SAMPLE)))
     times = float(begin) + span * np.arange(skip, count + 1) / count
+    basis = column_functions()["basis"]
     _, _, slopes = motion(
         v0, a0, s0, c0, coarse.cm, coarse.w0sq, coarse.f0, coarse.Om, *basis(times, coarse)[:5]
     )
@@ -436,10 +438,10 @@ def ill_conditioned(equations: ClosingEquations, points: Points) -> bool:
         else:
             rows[-1] *= 1
     try:
-        inverse = np.linalg.inv(equations.matrix(points))
-    except np.linalg.LinAlgError:
+        moved = linear.inverse(equations.matrix(points))[1::2]
+    except ZeroDivisionError:
         return True
-    return bool((np.abs(inverse[1::2]) @ np.array(rows)).max() * EPS > MARGINAL)
+    return bool(linear.product(np.abs(moved), np.array(rows)).max() * EPS > MARGINAL)
 
 
 def engine_contradiction(

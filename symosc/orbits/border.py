@@ -12,7 +12,7 @@ from __future__ import annotations
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from fractions import Fraction
 from itertools import combinations, pairwise
-from math import cos, inf, pi, sin
+from math import inf, pi
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -22,6 +22,8 @@ from symosc.arguments import public
 from symosc.display.drawable import Drawable
 from symosc.errors import ParameterError, SymoscError, meant
 from symosc.exact import read_exact, whole_number
+from symosc.kernels import linear
+from symosc.kernels.elementary import cos, sin
 from symosc.kernels.entire import EPS
 from symosc.model import PARAMETER_NAMES, Parameters
 from symosc.orbits import border_system
@@ -55,7 +57,7 @@ class BorderError(SymoscError, ArithmeticError):
     ...     continue_border(branch, 0, "v1", (-3, -1))
     ... except BorderError as error:
     ...     print(error)
-    P8174 ends where both belts are met at once: two borders meet there
+    P7481 ends where both belts are met at once: two borders meet there
     """
 
 
@@ -243,7 +245,7 @@ class Border(Drawable):
         far = float(read_exact("distance", distance))
         if not 0 < far <= 0.01:
             raise ParameterError("distance", distance, "must be > 0 and at most 0.01")
-        along = self._nodes[i].tangent[-2:] / np.linalg.norm(self._nodes[i].tangent[-2:])
+        along = self._nodes[i].tangent[-2:] / linear.norm(self._nodes[i].tangent[-2:])
         away = self._side * far * np.array([-along[1], along[0]]) * self._plane.widths
         first, second = (self._plane.parameters(self.points[i] + way * away) for way in (1, -1))
         return first, second
@@ -378,7 +380,7 @@ class Border(Drawable):
 
 def between(a: Node, b: Node, part: float) -> np.ndarray:
     """Return the point at the fraction `part` of the way from a to b, on the cubic through both with their tangents."""
-    length = float(np.linalg.norm(b.z - a.z))
+    length = linear.norm(b.z - a.z)
     r = part
     first = (1 - r) ** 2 * (1 + 2 * r)
     second = r * r * (3 - 2 * r)
@@ -455,8 +457,8 @@ class Tracer:
             here = path[-1]
             guess = here.z + step * here.tangent + 0.5 * step * step * bend
             node = self.system.node(guess, here.tangent)
-            near = node is not None and np.linalg.norm(node.z - guess) < FARTHEST * step
-            if node is None or not near or node.tangent @ here.tangent < 0.98:
+            near = node is not None and linear.norm(node.z - guess) < FARTHEST * step
+            if node is None or not near or linear.dot(node.tangent, here.tangent) < 0.98:
                 step /= 2
                 if step < 1e-9:
                     return end(
@@ -464,7 +466,7 @@ class Tracer:
                         "the steps became too short: the equations are singular there",
                     )
                 continue
-            bend = (node.tangent - here.tangent) / np.linalg.norm(node.z - here.z)
+            bend = (node.tangent - here.tangent) / linear.norm(node.z - here.z)
             outside = None
             for j, (value, low, high) in enumerate(
                 zip(node.z[-2:], self.low, self.high, strict=True)
@@ -488,7 +490,7 @@ class Tracer:
                     if fold is not None:
                         path.append(fold[0])
                         special.append(fold[1])
-            if outside is not None and np.linalg.norm(node.z - here.z) < LOCATED:
+            if outside is not None and linear.norm(node.z - here.z) < LOCATED:
                 path.pop()  # it was there already
             path.append(node)
             closed = False
@@ -497,10 +499,10 @@ class Tracer:
             ):  # it is if the first point lies between the last two
                 away = first.z - here.z
                 along = node.z - here.z
-                length = float(np.linalg.norm(along))
-                part = away @ along / length**2
+                length = linear.norm(along)
+                part = linear.dot(away, along) / length**2
                 closed = bool(
-                    0 <= part <= 1 and np.linalg.norm(away - part * along) < FARTHEST * length
+                    0 <= part <= 1 and linear.norm(away - part * along) < FARTHEST * length
                 )
             if (
                 outside is not None
@@ -602,7 +604,7 @@ class Tracer:
                 break
             q += change
         values = system.values(z)
-        tangent = tangent * float(np.sign(tangent @ here.tangent))
+        tangent = tangent * float(np.sign(linear.dot(tangent, here.tangent)))
         error = max(abs(change), *(2 * EPS * abs(value) for value in values))
         message = f"{self.plane.names[j]} is {'largest' if here.tangent[-2 + j] > 0 else 'smallest'} along the border"
         return Node(z, tangent, np.full(2, error)), SpecialPoint(FOLD, values, message, error)
@@ -612,7 +614,7 @@ class Tracer:
         system = self.system
         condition = self._failing(bad)
         for _ in range(MOST_HALVINGS):
-            if np.linalg.norm(bad.z - good.z) < LOCATED:
+            if linear.norm(bad.z - good.z) < LOCATED:
                 break
             middle = system.node(between(good, bad, 0.5), good.tangent)
             if middle is None:
@@ -802,7 +804,7 @@ def crossed_borders(
         z = np.array([*np.ravel(points), *phases, *place]) / system.scale
         row = np.zeros(len(system.scale))
         across = direction / plane.widths
-        row[-2:] = np.array([-across[1], across[0]]) / np.linalg.norm(across)
+        row[-2:] = np.array([-across[1], across[0]]) / linear.norm(across)
         first = system.node(z, row)
         # A second point tells which inequalities are 0 all along.
         if first is None:
@@ -831,7 +833,7 @@ def first_crossing(plane: Plane, start: Motion, stop: Motion) -> tuple[BorderSys
         if length <= max(1e-3 * whole, 1e-6):  # short enough for the equations
             for place, orbit in sorted((low, high), key=lambda end: len(end[1].points)):
                 for system, node in crossed_borders(plane, place, orbit, way):
-                    part = (system.values(node.z) - low[0]) @ way / (way @ way)
+                    part = linear.dot(system.values(node.z) - low[0], way) / linear.dot(way, way)
                     if -0.5 <= part <= 1.5:
                         return system, node
         if length < 1e-9:
@@ -857,7 +859,7 @@ def all_crossings(plane: Plane, start: Motion, stop: Motion) -> Iterator[tuple[B
     way = (stop[0] - start[0]) / np.abs((stop[0] - start[0]) / plane.widths).max()
     place = system.values(node.z)
     own = system.orbit(node.z)
-    if not 0 <= (place - start[0]) @ way <= (stop[0] - start[0]) @ way:
+    if not 0 <= linear.dot(place - start[0], way) <= linear.dot(stop[0] - start[0], way):
         return  # the border at the segment's end, once more
     for shift in SHIFTS:
         before = place - shift * way
@@ -869,10 +871,10 @@ def all_crossings(plane: Plane, start: Motion, stop: Motion) -> Iterator[tuple[B
         words = {orbit.cycle for orbit in orbits if orbit is not None}
         if len(words) == 2 and own.cycle in words:
             break
-    if orbits[0] is not None and (before - start[0]) @ way > 0:
+    if orbits[0] is not None and linear.dot(before - start[0], way) > 0:
         yield from all_crossings(plane, start, (before, orbits[0]))
     yield system, node
-    if orbits[1] is not None and (stop[0] - after) @ way > 0:
+    if orbits[1] is not None and linear.dot(stop[0] - after, way) > 0:
         yield from all_crossings(plane, (after, orbits[1]), stop)
 
 

@@ -31,6 +31,7 @@ Where the motion loses its word, as it comes to rest or meets no belt, the borde
 
 from __future__ import annotations
 
+from cmath import phase
 from collections.abc import Iterable, Iterator, Sequence
 from contextlib import suppress
 from dataclasses import replace
@@ -43,6 +44,7 @@ import numpy as np
 from symosc.aliases import Number
 from symosc.engine.arithmetic import Arithmetic
 from symosc.engine.flow import constants, derivatives
+from symosc.kernels import linear
 from symosc.kernels._generated import motion, next_derivative
 from symosc.kernels.entire import EPS
 from symosc.model import NEIGHBOURS, OtherNumbers, Parameters, by_name
@@ -110,6 +112,10 @@ class Node(NamedTuple):
     z: np.ndarray
     tangent: np.ndarray
     error: np.ndarray
+
+
+# Stretches below this part of the largest one are rounding.
+NO_STRETCH = 1e-15
 
 
 class QuickArithmetic(Arithmetic):
@@ -258,8 +264,7 @@ class BorderSystem:
             _slope(function, u, values, j, step).astype(float)
             for j, function in enumerate(functions)
         ]
-        tangent: np.ndarray = np.linalg.svd(np.array(columns).T * self.scale)[2][-1]
-        return tangent
+        return linear.null_vector(np.array(columns).T * self.scale)
 
     # -- Newton's method -----------------------------------------------------------------------------------------------
 
@@ -276,7 +281,7 @@ class BorderSystem:
         start = z
         inverse = None
         before = inf
-        with suppress(np.linalg.LinAlgError, ZeroDivisionError, OverflowError, ValueError):
+        with suppress(ZeroDivisionError, OverflowError, ValueError):
             for _ in range(12):
                 u = (z * self.scale).tolist()
                 if inverse is None:
@@ -284,16 +289,16 @@ class BorderSystem:
                     matrix *= self.scale
                     if row is not None:
                         matrix = np.vstack([matrix, row])
-                    square = len(matrix) == len(
-                        z
-                    )  # of too many equations, none contradicts the others
-                    if square:
-                        inverse = np.linalg.inv(matrix)
-                    else:
-                        inverse = np.linalg.pinv(matrix)
+                    if len(matrix) == len(z):
+                        inverse = linear.inverse(matrix)
+                    else:  # of too many equations, none contradicts the others
+                        inverse = linear.pseudo_inverse(matrix, NO_STRETCH)
                 else:
                     values = np.array(self.residuals(u))
-                step = inverse @ (values if row is None else np.append(values, row @ (z - start)))
+                step = linear.product(
+                    inverse,
+                    values if row is None else np.append(values, linear.dot(row, z - start)),
+                )
                 size = float(np.abs(step).max())
                 if not size < 1:  # nan too
                     return None
@@ -333,7 +338,8 @@ class BorderSystem:
                 values = [float(value) for value in self.residuals(u, FINE_DIGITS)]
                 if not np.isfinite(values).all():
                     return None
-                step = got[1] @ np.array(values if fixed is None else [*values, 0.0])
+                right = values if fixed is None else [*values, 0.0]
+                step = linear.product(got[1], np.array(right))
                 size = float(np.abs(step).max())
                 changes = (step * self.scale).tolist()
                 u = [
@@ -359,11 +365,10 @@ class BorderSystem:
         z, inverse, left = got
         if not self.sizes.size:
             self.sizes = self._sizes((z * self.scale).tolist())
-        rounding = np.abs(inverse[-2:, : len(self.sizes)]) @ (
-            4 * EPS * self.sizes
-        ) + 2 * EPS * np.abs(z[-2:])
-        tangent = inverse[:, -1] * np.sign(inverse[:, -1] @ along)
-        return Node(z, tangent / np.linalg.norm(tangent), (rounding + left) * self.scale[-2:])
+        grown = np.abs(inverse[-2:, : len(self.sizes)])
+        rounding = linear.product(grown, 4 * EPS * self.sizes) + 2 * EPS * np.abs(z[-2:])
+        tangent = inverse[:, -1] * np.sign(linear.dot(inverse[:, -1], along))
+        return Node(z, tangent / linear.norm(tangent), (rounding + left) * self.scale[-2:])
 
     def _sizes(self, u: Sequence[float]) -> np.ndarray:
         """Return the sizes of the terms of all residuals, by which their rounding errors are measured."""
@@ -546,7 +551,7 @@ class ClosedForm(BorderSystem):
     def along(self, values: np.ndarray) -> np.ndarray:
         """Return the direction of the border at a point of it, in scaled unknowns."""
         a, b = (self._linearised(values.tolist())[1] * self.scale)[0]
-        return np.array([b, -a]) / np.hypot(a, b)
+        return np.array([b, -a]) / linear.norm(np.array([a, b]))
 
     def margins(self, z: np.ndarray) -> list[Condition]:
         """Return the conditions of the border.
@@ -583,7 +588,7 @@ class ClosedForm(BorderSystem):
             domain = 3
         else:
             domain = 2
-        fastest = np.angle(self.push * complex(p.c * p.Omega, p.m * p.Omega**2 - p.k))
+        fastest = phase(self.push * complex(p.c * p.Omega, p.m * p.Omega**2 - p.k))
         phases = np.array([fastest + pi * (p.belt(piece.start) < 0) for piece in self.pieces])
         points[:, 0] = float(p.A(domain) / p.k)
         points[:, 1] = phases + 2 * pi * np.round((points[:, 1] - phases) / (2 * pi))

@@ -54,12 +54,13 @@ from symosc.arguments import public
 from symosc.display.drawable import Drawable
 from symosc.display.frames import imported
 from symosc.display.progress import Advance, late_bar
+from symosc.engine.arithmetic import column_functions
 from symosc.engine.flow import derivatives
 from symosc.errors import ParameterError, SymoscError, meant
 from symosc.exact import read_exact, show, whole_number
+from symosc.kernels import linear
 from symosc.kernels._generated import motion
 from symosc.kernels.entire import EPS
-from symosc.kernels.entire_array import basis
 from symosc.model import PARAMETER_NAMES, Parameters
 from symosc.orbits import admissibility
 from symosc.orbits.admissibility import (
@@ -138,7 +139,7 @@ class BranchEnd(NamedTuple):
     >>> branch = continue_orbit(load_scene("fig9").parameters, "P32", "Omega", (3.2, 4))
     >>> end = branch.ends[0]
     >>> end.kind, f"{end.value:.6f}", end.beyond
-    ('birth of a stick', '3.288576', 'P132')
+    ('birth of a stick', '3.288576', 'P321')
     """
 
     kind: str
@@ -440,7 +441,7 @@ class Curve:
 
     def distance(self, a: BranchPoint, b: BranchPoint) -> float:
         """Return the length of the chord between two points of the branch, in scaled unknowns."""
-        return float(np.linalg.norm(self.level(b.z - a.z)))
+        return linear.norm(self.level(b.z - a.z))
 
     def slope(self, z: np.ndarray) -> np.ndarray:
         """Return the derivatives of the closing equations' residuals by the parameter, as finite differences."""
@@ -483,11 +484,10 @@ class Curve:
                 if slope is None:
                     slope = self.slope(z)
                 points, value = self.split(z)
-                right = np.append(
-                    -np.array(self.equations(value).residuals(points)), -row @ (z - guess)
-                )
-                step = np.linalg.solve(np.vstack([self.matrix(z, slope), row]), right)
-            except (np.linalg.LinAlgError, ParameterError, ZeroDivisionError):
+                residuals = np.array(self.equations(value).residuals(points))
+                right = np.append(-residuals, -linear.dot(row, z - guess))
+                step = linear.solve(np.vstack([self.matrix(z, slope), row]), right)
+            except (ParameterError, ZeroDivisionError):
                 return None
             size = np.abs(self.level(step)).max()
             whole = max(1.0, np.abs(z).max())
@@ -509,8 +509,8 @@ class Curve:
         equations = self.equations(value)
         z = self.joined(points, value)
         matrix = np.vstack([self.matrix(z, self.slope(z)), self.level(along)])
-        tangent = np.linalg.solve(matrix, np.append(np.zeros(len(z) - 1), 1.0))
-        tangent /= np.linalg.norm(self.level(tangent))
+        tangent = linear.solve(matrix, np.append(np.zeros(len(z) - 1), 1.0))
+        tangent /= linear.norm(self.level(tangent))
         first, second = map(complex, multipliers_of(equations, points))
         margins = conditions(equations, points)
         return BranchPoint(
@@ -526,9 +526,9 @@ class Curve:
             return None
         try:
             point = self.point(z, before.tangent)
-        except (np.linalg.LinAlgError, ParameterError, ZeroDivisionError):
+        except (ParameterError, ZeroDivisionError):
             return None
-        if point.tangent @ self.level(before.tangent) > 0.9:
+        if linear.dot(point.tangent, self.level(before.tangent)) > 0.9:
             return point
         return None
 
@@ -671,9 +671,8 @@ class Curve:
             return None
         away = self.level(m.z - self.halfway(a, b))
         along = self.level(m.tangent)
-        if (
-            np.linalg.norm(away - (away @ along) * along) > 1e-2 * length + RESOLUTION
-        ):  # too far from the cubic
+        across = linear.norm(away - linear.dot(away, along) * along)
+        if across > 1e-2 * length + RESOLUTION:  # too far from the cubic
             return None
         if not changed and not m.failures:
             if self._proven(a, m, b):
@@ -808,7 +807,7 @@ class Curve:
             size = float(np.abs(point.points[:, 0]).max())
             found, text = settling(equations, x, theta % (2 * pi), equations.pieces[0].start, size)
             if found is not None:
-                return str(found.word), ""
+                return found.cycle, ""
             instead = instead or text
         return None, instead
 
@@ -899,20 +898,22 @@ def piece_margins(
     piece, start, end, tau = equations.spans(points)[i]
     K = equations.K
     belt = equations.belt(piece.start)
+    columns = column_functions()
     if piece.sticks:
         before = (
             -(1 - u) * tau
         )  # time, counted from the end of the stick, where the force that ends it is 0
         half = 0.5 * K.Om * before
-        force = -piece.side * (
-            belt.drift * before - 2 * K.f0 * np.sin(end[1] + half) * np.sin(half)
-        )
+        waves = columns["sin"](end[1] + half) * columns["sin"](half)
+        force = -piece.side * (belt.drift * before - 2 * K.f0 * waves)
         slope = piece.side * (belt.drift - K.fB * equations.sin(end[1]))
         ratio = np.where(u == 1, slope, force / np.where(u == 1, 1.0, -before))
         return [ratio, belt.J - force]
     times = tau * u
     v, a, s, c = equations.start_of_flight(piece, start)
-    _, dv, acceleration = motion(v, a, s, c, K.cm, K.w0sq, K.f0, K.Om, *basis(times, K)[:5])
+    _, dv, acceleration = motion(
+        v, a, s, c, K.cm, K.w0sq, K.f0, K.Om, *columns["basis"](times, K)[:5]
+    )
     b = derivatives(v, a, s, c, K)[0]
     found = []
     for boundary, sign in ((piece.mode - 1, 1.0), (piece.mode, -1.0)):

@@ -16,10 +16,9 @@ without the system becoming singular.
 
 from __future__ import annotations
 
-import math
 from dataclasses import dataclass
 from functools import cached_property
-from math import inf
+from math import inf, pi
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -30,9 +29,11 @@ from symosc.engine.flow import BeltConstants
 from symosc.engine.state import Launch
 from symosc.errors import SymoscError
 from symosc.kernels import _generated as kernels
+from symosc.kernels import elementary
 from symosc.kernels.entire import EPS
+from symosc.kernels.linear import Factors, Shortest, factors
 from symosc.model import Parameters
-from symosc.words import Word, cycle
+from symosc.words import Word
 
 MOST_NEWTON_STEPS = 60
 MOST_POLISHING = 80
@@ -160,7 +161,7 @@ class Orbit(NamedTuple):
     @property
     def cycle(self) -> str:
         """The word as text, the same text for all its rotations."""
-        return cycle(str(self.word))
+        return str(self.word.cycle)
 
 
 class ClosingEquations:
@@ -192,9 +193,12 @@ class ClosingEquations:
             self.number: Any = self.context.convert
         else:
             self.number = float
-        maths: Any = self.context or math
-        self.turn = 2 * maths.pi * periods
-        self.sin, self.cos, self.exp = maths.sin, maths.cos, maths.exp
+        # The C library's functions would have other last bits on other machines.
+        functions: Any = self.context or elementary
+        self.sin = functions.sin
+        self.cos = functions.cos
+        self.exp = functions.exp
+        self.turn = 2 * (self.context.pi if self.context else pi) * periods
 
     @cached_property
     def coarse(self) -> ClosingEquations:
@@ -363,10 +367,10 @@ def newton(equations: ClosingEquations, guess: np.ndarray) -> Solution:
     size_before = np.inf
     damping = 1.0
     for steps in range(1, MOST_NEWTON_STEPS + 1):
-        matrix = equations.matrix(points)
         try:
-            step = _newton_step(equations, matrix, -values)
-        except np.linalg.LinAlgError:
+            linear = _linear_system(equations, points)
+            step = linear.solve(-values).reshape(-1, 2)
+        except (ZeroDivisionError, OverflowError, ValueError):
             return Solution(best[1], best[0], steps, False, SINGULAR)
         size = np.abs(step / scale).max()
         if not np.isfinite(size):
@@ -378,7 +382,7 @@ def newton(equations: ClosingEquations, guess: np.ndarray) -> Solution:
         while True:
             trial = points + damping * step
             values = np.array(equations.residuals(trial), dtype=float)
-            after = np.abs(_newton_step(equations, matrix, values) / scale).max()
+            after = np.abs(linear.solve(values).reshape(-1, 2) / scale).max()
             if after <= (1 - damping / 4) * size or (size < CONVERGING and damping == 1.0):
                 break
             damping /= 2
@@ -393,15 +397,16 @@ def newton(equations: ClosingEquations, guess: np.ndarray) -> Solution:
     )
 
 
-def _newton_step(equations: ClosingEquations, matrix: np.ndarray, right: np.ndarray) -> np.ndarray:
-    """Solve the linear system `matrix` step = `right` of Newton's method.
+def _linear_system(equations: ClosingEquations, points: Points) -> Factors | Shortest:
+    """Return the linear system of Newton's method at `points`.
 
-    For c = 0 return the shortest step.
+    For c = 0 its `solve` returns the shortest step.
     """
+    matrix = equations.matrix(points)
     if equations.K.cm == 0:
         # Without damping, directions that the equations fix by less than this are left alone.
-        return np.linalg.lstsq(matrix, right, rcond=1e-9)[0].reshape(-1, 2)
-    return np.linalg.solve(matrix, right).reshape(-1, 2)
+        return Shortest(matrix, 1e-9)
+    return factors(matrix)
 
 
 def solve(equations: ClosingEquations, guess: np.ndarray) -> Solution:

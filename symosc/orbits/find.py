@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from contextlib import suppress
 from dataclasses import replace
 from itertools import chain, islice, pairwise, product
-from math import ceil, cos, floor, inf, pi, sin
+from math import ceil, floor, inf, pi
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -14,7 +14,7 @@ from numpy.typing import ArrayLike
 
 from symosc.aliases import DataFrame, Number, Points
 from symosc.arguments import public
-from symosc.engine.arithmetic import mp_context
+from symosc.engine.arithmetic import column_functions, mp_context
 from symosc.engine.start import belt_start, belt_state
 from symosc.engine.state import CROSS, END, FAILED, REST, SLIP, STICK, Covariance
 from symosc.errors import ParameterError
@@ -36,7 +36,7 @@ from symosc.scenes import ParametersLike
 from symosc.simulation.ensemble import simulate_many
 from symosc.simulation.problems import named
 from symosc.simulation.trajectory import MAP_LABELS
-from symosc.words import Word, WordError, WordLike, read_word
+from symosc.words import Word, WordError, WordLike, first_of_cycle, read_word
 
 # All switchings are solved for at once: much longer words would take minutes.
 MOST_MAPPINGS = 40
@@ -65,10 +65,12 @@ def find_orbit(
     parameters : Parameters, or a Scene, its name or its file
         With k > 0: without a spring nothing fixes the position of an orbit.
     word : str or sequence of str, optional
-        The mapping structure, read right to left: "P32" is P2 first, then P3. None: the word of the
-        motion that starts with x = v = 0 at t = 0, once it has settled.
+        The mapping structure, read right to left: "P32" is P2 first, then P3. All rotations of a
+        word are one orbit: its word is `Word.cycle`, and its points begin where that does. None:
+        the word of the motion that starts with x = v = 0 at t = 0, once it has settled.
     guess : optional
-        None: from simulations. Or n pairs (t, x), one for each switching in order of time. Or one
+        None: from simulations. Or n pairs (t, x), one for each switching in order of time, from
+        where `word` begins, or `Word.cycle` does. Or one
         pair (t, x) on the belt on which the word begins; the guess is simulated from there. Or a
         PeriodicOrbit of the same word.
     digits : int, optional
@@ -130,7 +132,8 @@ def find_orbit(
                 "word is required without a damper: for c = 0 a motion need not settle",
             )
         return settled_orbit(parameters, digits)
-    found = read_word(word)
+    given = read_word(word)
+    found = given.cycle
     if len(found.labels) > MOST_MAPPINGS:
         reason = (
             f"has {len(found.labels)} mappings; orbits of at most {MOST_MAPPINGS} are looked for"
@@ -143,9 +146,16 @@ def find_orbit(
     digits = read_digits(digits)
     equations = ClosingEquations(parameters, found, periods or 1)
     if guess is not None:
-        return orbit_at(*_best_root(equations, [_read_guess(guess, equations, periods)]), digits)
-    guesses = chain(from_simulations(equations, periods), evenly_spaced(equations, periods or 1))
-    return orbit_at(*_best_root(equations, guesses), digits)
+        as_given = _read_guess(guess, ClosingEquations(parameters, given, periods or 1), periods)
+        first = first_of_cycle(given.labels)
+        points = _begun_at(as_given.points, first, 2 * pi * as_given.periods)
+        # Points may also be those of an answer: in the order of its word.
+        guesses = [as_given._replace(points=points), *([as_given] if first else [])]
+        if isinstance(guess, PeriodicOrbit):
+            guesses.reverse()
+        return orbit_at(*_best_root(equations, guesses), digits)
+    searched = chain(from_simulations(equations, periods), evenly_spaced(equations, periods or 1))
+    return orbit_at(*_best_root(equations, searched), digits)
 
 
 def settled_orbit(
@@ -186,6 +196,20 @@ def settled_orbit(
     raise ConvergenceError(tried[-1], (), 1, inf, reason)
 
 
+class Root(NamedTuple):
+    """A root of the closing equations, and what keeps it from being an orbit.
+
+    `failed` tells whether conditions fail, `worst` by how much at most, and `repeats` whether the
+    root runs through a shorter orbit.
+    """
+
+    failed: bool
+    repeats: bool
+    worst: float
+    equations: ClosingEquations
+    solution: Solution
+
+
 def _best_root(
     equations: ClosingEquations, guesses: Iterable[Guess]
 ) -> tuple[ClosingEquations, Solution]:
@@ -193,7 +217,7 @@ def _best_root(
 
     Return the first admissible root that repeats no shorter orbit, with its equations.
     """
-    roots: list[tuple[tuple[bool, bool, float], ClosingEquations, Solution]] = []
+    roots: list[Root] = []
     best = None
     tried = equations
     for guess in guesses:
@@ -204,20 +228,19 @@ def _best_root(
                 best = solution
             continue
         if any(
-            _is_same_root(solution, other)
-            for _, others, other in roots
-            if others.periods == tried.periods
+            _is_same_root(solution, root.solution)
+            for root in roots
+            if root.equations.periods == tried.periods
         ):
             continue
         failed = failures(tried, solution.points)
         repeats = repetitions(tried, solution.points) > 1
         if not failed and (not repeats or tried.parameters.c > 0):  # with damping there is no other
             return tried, solution
-        roots.append(
-            ((bool(failed), repeats, max((-c.value for c in failed), default=0.0)), tried, solution)
-        )
+        worst = max((-c.value for c in failed), default=0.0)
+        roots.append(Root(bool(failed), repeats, worst, tried, solution))
     if roots:
-        return min(roots, key=lambda root: root[0])[1:]
+        return _first_root(roots)
     word = str(equations.word)
     if best is None:
         raise ConvergenceError(word, (), 0, inf, f"no guess was found{_other_motion_text(tried)}")
@@ -225,6 +248,22 @@ def _best_root(
     raise ConvergenceError(
         word, switching_points(tried, best.points), tried.periods, float(best.residual), reason
     )
+
+
+def _first_root(roots: Sequence[Root]) -> tuple[ClosingEquations, Solution]:
+    """Return the root nearest to an orbit; of roots that are equally near, the one that begins first."""
+    # A symmetric oscillator has roots in pairs, whose conditions fail by the same but for rounding.
+    failed, repeats, worst = min((root.failed, root.repeats, root.worst) for root in roots)
+    near = [root for root in roots if (root.failed, root.repeats) == (failed, repeats)]
+    near = [root for root in near if root.worst <= worst + SAME_ORBIT * max(worst, 1.0)]
+    first = min(near, key=lambda root: _place(root.solution.points[0]))
+    return first.equations, first.solution
+
+
+def _place(point: Sequence[float] | np.ndarray) -> tuple[float, float]:
+    """Return the phase within a turn and x of a switching point, rounded beyond their errors."""
+    x, theta = (float(value) for value in point)
+    return round((theta + SAME_ORBIT) % (2 * pi), 6), round(x, 6)
 
 
 def _is_same_root(a: Solution, b: Solution) -> bool:
@@ -261,10 +300,7 @@ def orbit_at(
     equations: ClosingEquations, solution: Solution, digits: int | None = None
 ) -> PeriodicOrbit:
     """Return the orbit that a root in double precision describes, refined to `digits` if given."""
-    double = np.array(solution.points, dtype=float) - [
-        0.0,
-        2 * pi * floor(solution.points[0][1] / (2 * pi)),
-    ]
+    equations, double = _canonical(equations, np.array(solution.points, dtype=float))
     solution = replace(solution, points=double)
     failed = tuple(failures(equations, double))
     near = grazing_distance(equations, double)
@@ -359,6 +395,29 @@ def orbit_at(
     )
 
 
+def _canonical(
+    equations: ClosingEquations, points: np.ndarray
+) -> tuple[ClosingEquations, np.ndarray]:
+    """Return a root in the order of `Word.cycle`, begun in the first turn of the drive."""
+    labels = equations.word.labels
+    least = equations.word.cycle.labels
+    # Several if the word repeats itself.
+    starts = [i for i in range(len(labels)) if labels[i:] + labels[:i] == least]
+    first = min(starts, key=lambda i: _place(points[i]))
+    points = _begun_at(points, first, float(equations.turn))
+    if first:
+        equations = ClosingEquations(equations.parameters, equations.word.cycle, equations.periods)
+    return equations, points - [0.0, 2 * pi * floor(points[0, 1] / (2 * pi))]
+
+
+def _begun_at(points: np.ndarray, first: int, turn: float) -> np.ndarray:
+    """Return the points (x, theta) of an orbit from the one with index `first` on.
+
+    `turn` is the phase of the orbit's period.
+    """
+    return np.concatenate([points[first:], points[:first] + np.array([0.0, turn])])
+
+
 def _other_motion_text(equations: ClosingEquations, resting: bool = False) -> str:
     """Describe the motion that exists instead of the orbit.
 
@@ -373,7 +432,7 @@ def _other_motion_text(equations: ClosingEquations, resting: bool = False) -> st
         once, centre, 0.0, equations.pieces[0].start, size if equations.parameters.c > 0 else None
     )
     if orbit:
-        text = f"the motion settles to {orbit.word}"
+        text = f"the motion settles to {orbit.cycle}"
     else:
         text = instead
     return text and f"; {text}"
@@ -459,11 +518,11 @@ def follow(equations: ClosingEquations, x: float, theta: float, boundary: int, m
     """Follow the motion from a belt in doubles through `most` events, or until it comes to rest."""
     K = equations.K
     turns = int(theta // (2 * pi))
-    start = belt_start(boundary, x, (sin(theta), cos(theta)), equations.arithmetic)
+    wave = equations.sin(theta), equations.cos(theta)
+    start = belt_start(boundary, x, wave, equations.arithmetic)
     angle = theta - 2 * pi * turns
-    state = belt_state(
-        start, (turns, angle), (sin(angle), cos(angle)), x, Covariance(0.0, 0.0, 0.0), K
-    )
+    wave = equations.sin(angle), equations.cos(angle)
+    state = belt_state(start, (turns, angle), wave, x, Covariance(0.0, 0.0, 0.0), K)
     points = [(x, theta)]
     planes = [(boundary, start.mode)]
     code = END
@@ -599,6 +658,5 @@ def evenly_spaced(equations: ClosingEquations, periods: int) -> Iterator[Guess]:
     n = len(equations.pieces)
     for j, amplitude in product(range(16), (0.2, 0.6)):
         theta = 2 * pi * (j / 16 + periods * np.arange(n) / n)
-        yield Guess(
-            np.column_stack([centre + amplitude * size * np.sin(theta), theta]), periods, inf
-        )
+        x = centre + amplitude * size * column_functions()["sin"](theta)
+        yield Guess(np.column_stack([x, theta]), periods, inf)

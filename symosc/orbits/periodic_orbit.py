@@ -14,6 +14,7 @@ from numpy.typing import ArrayLike
 from symosc.aliases import Number, NumberLike, Record, SceneName
 from symosc.arguments import public
 from symosc.display.drawable import Drawable
+from symosc.engine.arithmetic import mp_context
 from symosc.engine.flow import state_at
 from symosc.errors import ParameterError, meant
 from symosc.exact import read_exact
@@ -292,9 +293,10 @@ class PeriodicOrbit(Drawable):
 
         An orbit with a stick has the multiplier 0, exponent -inf.
         """
-        sizes = np.sort([abs(complex(each)) for each in self.multipliers])[::-1]
-        with np.errstate(divide="ignore"):
-            return np.asarray(np.log(sizes) / float(self.period))
+        sizes = sorted((abs(complex(each)) for each in self.multipliers), reverse=True)
+        log = mp_context(25).log  # the C library's may have other last bits on other machines
+        rates = [float(log(size)) if size > 0.0 else -inf for size in sizes]
+        return np.array(rates) / float(self.period)
 
     @public
     def approach(self, scene: Scene | SceneName, within: NumberLike = 1e-6) -> Approach:

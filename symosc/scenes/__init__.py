@@ -84,7 +84,8 @@ class Scene(Drawable):
         Where a simulation of the scene ends; later than t0. "10T" is ten periods of the drive after
         t0.
     structure : str, optional
-        Mapping structure of the periodic orbit that the scene is about, such as "P32".
+        Mapping structure of the periodic orbit that the scene is about, such as "P32". The scene
+        keeps the rotation of `Word.cycle`, as all answers do.
     source : str
         Where the numbers come from.
     start_error : number or three numbers, optional
@@ -137,7 +138,8 @@ class Scene(Drawable):
         if not isinstance(self.original, Original | None):
             raise ParameterError("original", self.original, "is what a scene of an OtherModel has")
         if self.structure is not None:
-            read_word(self.structure)
+            whole = read_word(self.structure).cycle
+            object.__setattr__(self, "structure", str(whole))
         if not (
             isinstance(self.notes, tuple) and all(isinstance(note, str) for note in self.notes)
         ):

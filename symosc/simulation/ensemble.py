@@ -85,6 +85,7 @@ from symosc.simulation.simulate import (
 from symosc.simulation.tables import CHANGES, SUMMARY_COLUMNS, Summary, table_from
 from symosc.simulation.tangents import chosen_tangents, event_changes, read_wrt
 from symosc.simulation.trajectory import Trajectory
+from symosc.words import Word
 
 # A gap between a start and a belt that pairs have digits to spare for
 # (`symosc.simulation.motion.fits_pairs`).
@@ -579,13 +580,11 @@ def words_of(tally: Tally) -> np.ndarray:
     there = np.arange(width) < tally.ints[:, kept.LAST_LENGTH, None]
     rows = np.where(there, tally.labels[:, 1], np.uint8(0)).view(f"S{width}")[:, 0]
     words, numbers = np.unique(rows, return_inverse=True)
-    # In order of time; the first mapping was under way when the period began, and counts as the
-    # last.
-    texts = [
-        bytes(48 + label for label in (*word[1:], *word[:1]))[::-1].decode()
-        for word in words.tolist()
-    ]
-    return np.array([f"P{text}" if text else "" for text in texts], dtype=str)[numbers]
+    # Where a cycle is cut into periods depends on the phases of its events: all of its rotations
+    # are one text.
+    cycles = [Word(tuple(f"P{label}" for label in word)).cycle for word in words.tolist()]
+    texts = [str(word) if word.labels else "" for word in cycles]
+    return np.array(texts, dtype=str)[numbers]
 
 
 def tally_alone(i: int, trajectory: Trajectory, tally: Tally, table: np.ndarray, set_: int) -> int:

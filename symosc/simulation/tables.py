@@ -256,8 +256,7 @@ class Summary(Columns):
         The mode of the last state, "Omega1" … "belt2".
     word : (n,) array of str
         Mappings that ended in the last whole forcing period, written like `PeriodicOrbit.word`; ""
-        if none did. The one under way when the period began is put last, since on an orbit of one
-        period it is under way again at the end.
+        if none did.
     multiplicity : (n,) int array
         Smallest number of forcing periods, 32 at most, after which words and sections repeat, twice
         in a row; 0 if they do not. Sections are the same if they differ by less than 1e-6 of the

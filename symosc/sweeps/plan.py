@@ -29,7 +29,6 @@ from symosc.scenes import STARTS, Scene, from_rest, load_scene, not_reduced_erro
 from symosc.simulation.ensemble import simulate_many
 from symosc.simulation.problems import named
 from symosc.simulation.tables import SUMMARY_COLUMNS
-from symosc.words import cycle
 
 SWEPT_NAMES = (*PARAMETER_NAMES, *STARTS)
 MOST_AXES = 3
@@ -183,19 +182,9 @@ def compute(
     wall = perf_counter()
     processor = process_time()
     columns: dict[str, np.ndarray] = simulate_many(**arguments, workers=workers).columns()
-    if "word" in columns:
-        columns["word"] = cycles(columns["word"])
     threads = workers or os.cpu_count() or 1
     # Other programs make the first too long, other threads of this one the second.
     return columns, min((perf_counter() - wall) * threads, process_time() - processor)
-
-
-def cycles(words: np.ndarray) -> np.ndarray:
-    """Replace each word by one of its rotations, always the same: both P32 and P23 become P32."""
-    # Where a cycle is cut into periods depends on the phases of its events, and so on the
-    # parameters; a map over them shows borders only where the cycle itself changes.
-    texts, places = np.unique(words, return_inverse=True)
-    return np.array([cycle(str(text)) for text in texts])[places]
 
 
 @cache

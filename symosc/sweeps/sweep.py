@@ -97,7 +97,7 @@ def sweep(
     --------
     >>> from symosc import sweep
     >>> sweep("fig9", {"Omega": "3.5:4.5:3", "FN": [5, 10]}, t_end="12T", skip="10T").word.values.tolist()
-    [['P32', 'P32'], ['P32', 'P32'], ['P82746', 'P32']]
+    [['P32', 'P32'], ['P32', 'P32'], ['P74682', 'P32']]
     """
     need_xarray()
     plan = read_plan(scene, over, record, t_end, skip, starts)

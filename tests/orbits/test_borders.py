@@ -134,8 +134,8 @@ def test_the_points_of_pwsdde_cont() -> None:
 @pytest.mark.campaign
 def test_the_borders_that_leave_points_of_codimension_two() -> None:
     borders = main_border("0.1").network(step="0.04")
-    graze = named(borders, "P32", "P321231")
-    switch = named(borders, "P3121", "P321231")
+    graze = named(borders, "P32", "P231321")
+    switch = named(borders, "P3121", "P231321")
     assert (graze.sliding, switch.sliding) == ("grazing-sliding", "switching-sliding")
     # A cusp: both borders join the same two points, along one direction at each of them.
     ends = np.array([sorted(end.values for end in border.ends) for border in (graze, switch)])
@@ -304,7 +304,7 @@ def largest_speed(p: Parameters) -> Any:
         ),
         (
             {"v1": -3, "v2": 0, "mu2": 1, "FN": "0.97"},
-            "P4546",
+            "P6454",
             ("FN", "0.95", "1.1"),
             1,
             ("B0", "0.5", 2),
@@ -312,7 +312,7 @@ def largest_speed(p: Parameters) -> Any:
         ),
         (
             {"v1": -9, "v2": "1.9", "mu2": 1},
-            "P45",
+            "P54",
             ("B0", "0.9", "1.4"),
             0,
             ("Omega", "0.5", 2),
@@ -321,7 +321,7 @@ def largest_speed(p: Parameters) -> Any:
         ({"v1": "-1.9", "v2": 3, "A0": 2}, "P31", ("B0", "0.9", "1.4"), 0, ("k", "0.5", 2), None),
         (
             {"v1": "-1.9", "v2": "1.9", "mu2": 1},
-            "P4817",
+            "P7481",
             ("B0", "0.9", "1.3"),
             0,
             ("Omega", "0.5", 2),
@@ -369,7 +369,7 @@ def test_borders_beyond_which_the_motion_has_no_word(
 @pytest.mark.slow
 def test_where_a_belt_stands_still_two_words_meet_above_rest() -> None:
     p = COULOMB.replace(v1="0.1", FN="1.2")
-    branch = continue_orbit(p, "P12", "v1", ("-0.2", "0.2"))
+    branch = continue_orbit(p, "P21", "v1", ("-0.2", "0.2"))
     border = continue_border(branch, 0, "FN", {"v1": (-1, 1), "FN": ("0.5", 2)}, step="0.04")
     assert border.words == ("P21", "P31")
     assert (border.points[:, 0] == 0).all()

@@ -20,9 +20,8 @@ from symosc import Parameters, load_scene, simulate
 from symosc.engine.flow import state_at
 from symosc.orbits import branch as branches
 from symosc.orbits.branch import Branch, continue_orbit
-from symosc.orbits.closing_equations import ClosingEquations, ConvergenceError
+from symosc.orbits.closing_equations import ConvergenceError
 from symosc.orbits.find import find_orbit
-from symosc.words import read_word
 
 FIG9 = load_scene("fig9").parameters
 FIG10 = load_scene("fig10").parameters
@@ -40,11 +39,11 @@ NEIGHBOURS = {
             0,
             "birth of a stick",
             "F^(1) < 0 where P3 crosses v1",
-            "P132",
+            "P321",
         ),
         (
             FIG9.replace(Omega="3.25"),
-            "P132",
+            "P321",
             "Omega",
             (3, 4),
             1,
@@ -67,38 +66,38 @@ NEIGHBOURS = {
         ),
     ),
     "graze of v1": (
-        (FIG10, "P4645", "Omega", ("1.7", 4), 1, "grazing", "P5 stays in Omega2", "P481746"),
+        (FIG10, "P6454", "Omega", ("1.7", 4), 1, "grazing", "P5 stays in Omega2", "P746481"),
         (
             FIG10.replace(Omega="2.7"),
-            "P481746",
+            "P746481",
             "Omega",
             (2, 3),
             0,
             "grazing",
             "P7 meets v1 with F^(2) < 0",
-            "P4546",
+            "P6454",
         ),
     ),
     "slip": (
         (
             FIG10,
-            "P4645",
+            "P6454",
             "B0",
             (3, 15),
             0,
             "vanishing of a slip",
             "F^(3) rises where P4 ends",
-            "P45",
+            "P54",
         ),
         (
             FIG10.replace(B0="4.5"),
-            "P45",
+            "P54",
             "B0",
             (4, 7),
             1,
             "birth of a slip",
             "F^(2) > 0 > F^(3) during P4",
-            "P4645",
+            "P6454",
         ),
     ),
 }
@@ -266,7 +265,7 @@ def test_gaps_of_any_width_are_found(depth, seed):
     assert end.value < top.x
     assert peak(p, end.value) == pytest.approx(float(q.v2), abs=1e-10)
     assert all(abs(condition.value) < 1e-9 for condition in end.conditions)
-    assert end.beyond in ("P7482", "P8274", "P4827", "P2748")
+    assert end.beyond == "P7482"
 
 
 def word_just_behind(branch: Branch, which: int, distance: float) -> str | None:
@@ -392,7 +391,7 @@ def test_the_forces_of_a_stick_are_those_of_the_belt(scene: str, word: str) -> N
     """
     p = load_scene(scene).parameters
     orbit = find_orbit(p, word)
-    equations = ClosingEquations(p, read_word(word), 1)
+    equations = orbit.equations()
     points = [(point.x, float(p.Omega) * point.t) for point in orbit.points]
     u = np.linspace(0, 1, 21)
     sticks = 0

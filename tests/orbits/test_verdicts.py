@@ -36,7 +36,7 @@ def test_root_that_is_no_orbit_is_reported_with_where_and_by_how_much():
     root = find_orbit(p, "P32")
     assert root.residual < 1e-11
     assert not root.admissible
-    assert "settles to P1312" in root.message
+    assert "settles to P3121" in root.message
     crossing = next(c for c in root.failures if "P3 crosses v1" in c.text)
     x = root.points[0].x
     cosine = np.cos(float(p.Omega) * root.points[0].t)

@@ -17,7 +17,7 @@ from symosc import OtherModel, Scene, load_scene, scene_names
 from symosc.scenes import as_toml, end_time, from_rest, read_scene
 from symosc.scenes.files import line_of
 from symosc.sweeps.output import dataset_of, output_path, plan_of, read_columns, write_output
-from symosc.sweeps.plan import SweepPlan, compute, cycles, kernels_hash, read_duration, read_plan
+from symosc.sweeps.plan import SweepPlan, compute, kernels_hash, read_duration, read_plan
 from symosc.sweeps.store import Store, missing
 from symosc.sweeps.sweep import _fill, _next_chunk, read_executor, sweep, sweep_status
 
@@ -74,7 +74,6 @@ def plans() -> Iterator[Any]:
     rest = read_plan(FIG9, {"c": [0, 1]}, "word", "5T", 0)
     yield [str(read_duration("t_end", each)) for each in (9, "9T", " 1.5 T ", "1/3*T", "1e1")]
     yield [str(rest.t_end), rest.scene.name, str(rest.t_end.times(2.0)), len(rest.key)]
-    yield " ".join(cycles(np.array(["P23", "P32", "", "P4546", "P23"])))
 
 
 def without_versions(text: str) -> str:

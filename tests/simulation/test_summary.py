@@ -120,9 +120,9 @@ def test_a_motion_that_ends_at_its_last_event() -> None:
     )
 
 
-@pytest.mark.parametrize(("word", "periods"), [("P32", 1), ("P4645", 1)])
+@pytest.mark.parametrize(("word", "periods"), [("P32", 1), ("P6454", 1)])
 def test_orbits_repeat(word: str, periods: int) -> None:
-    one = load_scene({"P32": "fig9-orbit", "P4645": "fig10-orbit"}[word])
+    one = load_scene({"P32": "fig9-orbit", "P6454": "fig10-orbit"}[word])
     end = one.t0 + 60
     found = simulate_many(
         one.parameters, (one.t0, one.x0, one.v0), end, record="summary", use_numba=False

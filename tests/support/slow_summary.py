@@ -185,8 +185,9 @@ def _words(
 
 
 def _text(labels: list[str]) -> str:
-    """The mapping that was under way when the period began counts as its last."""
-    return "P" + "".join(label[1:] for label in reversed([*labels[1:], labels[0]]))
+    """All rotations are one word: that which comes first in the order of the labels."""
+    first = min([*labels[i:], *labels[:i]] for i in range(len(labels)))
+    return "P" + "".join(label[1:] for label in reversed(first))
 
 
 def _multiplicity(words: list[list[str]], sections: np.ndarray, extent: np.ndarray) -> int:

@@ -208,9 +208,18 @@ class Piece(NamedTuple):
 
 @cache
 def orbit_points(parameters: Parameters, word: str) -> tuple[tuple[Any, Any], ...]:
-    """Return the switching points (x, theta) of the periodic orbit with a word, by `find_orbit` with 50 digits."""
+    """Return the switching points (x, theta) of an orbit, by `find_orbit` with 50 digits.
+
+    They begin where the word does as it is given here, which is as the paper writes it.
+    """
     orbit = find_orbit(parameters, word, digits=STEP_DIGITS + 5)
-    return tuple((x, steps.number(parameters.Omega) * t) for t, x in orbit.points)
+    points = [(x, steps.number(parameters.Omega) * t) for t, x in orbit.points]
+    turn = 2 * CONTEXT.pi
+    labels = read_word(word).labels
+    first = next(i for i in range(len(labels)) if orbit.labels[i:] + orbit.labels[:i] == labels)
+    later = [(x, theta + turn * orbit.periods) for x, theta in points[:first]]
+    whole = turn * CONTEXT.floor(points[first][1] / turn)
+    return tuple((x, theta - whole) for x, theta in points[first:] + later)
 
 
 def pieces(scope: Scope, word: str) -> list[Piece]:
@@ -399,7 +408,8 @@ def _followed(p: Parameters, word: str) -> Any:
     Return its mappings' numbers as one integer, such as 4645.
     """
     orbit = find_orbit(p, word, digits=STEP_DIGITS)
-    t, x = orbit.points[0]
+    (x, theta), *_ = orbit_points(p, word)
+    t = theta / steps.number(p.Omega)
     end = CONTEXT.mpf(t) + CONTEXT.mpf("1.001") * CONTEXT.mpf(orbit.period)
     start = {
         "t0": CONTEXT.nstr(t, 42),

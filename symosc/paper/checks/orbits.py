@@ -8,6 +8,7 @@ from fractions import Fraction
 from functools import cache
 from itertools import cycle, pairwise, zip_longest
 from math import cos, inf, pi, sin
+from operator import eq
 
 import numpy as np
 from scipy.optimize import minimize_scalar
@@ -112,8 +113,10 @@ def in_order(scene: Scene) -> Evidence:
     points = [start_contact(scene, path.events[0].boundary), *at]
     Omega = number(p, p.Omega)
     word = path.word
-    expected = cycle(read_word(scene.structure).labels if scene.structure else ("",))
-    ordered = bool(word) and all(label == next(expected) for label in word)
+    labels = read_word(scene.structure).labels if scene.structure else ()
+    # The start may be anywhere on the orbit.
+    turns = [cycle(labels[i:] + labels[:i]) for i in range(len(labels))]
+    ordered = bool(word) and any(all(map(eq, word, turn)) for turn in turns)
     worst = 0 * Omega
     for segment, (start, end) in zip(path.segments, pairwise(points), strict=False):
         if segment.label:
@@ -310,7 +313,7 @@ def closing_conditions(scene: Scene, closed: bool = False) -> Evidence:
     at = [start_contact(scene, motion(scene).events[0].boundary), *scene_contacts(scene)[:count]]
     rest = [
         max(map(abs, residual(p, label, (a.x, Omega * a.t), (b.x, Omega * b.t))))
-        for label, (a, b) in zip(found.labels, pairwise(at), strict=True)
+        for label, (a, b) in zip(motion(scene).word[:count], pairwise(at), strict=True)
     ]
     unknowns = printed.shape[1]
     free = printed.shape[1] - rank
