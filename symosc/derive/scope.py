@@ -162,12 +162,16 @@ class FragmentScope(Scope):
 
 def stated(p: Parameters, *names: str) -> tuple[str, tuple[Step, ...]]:
     """Return some parameters as LaTeX, such as "$m = k = 1$, $c = 2$", and the steps that check the numbers in it."""
-    values = {name: rational(getattr(p, name)) for name in names}
+    return valued({LETTERS[name]: rational(getattr(p, name)) for name in names})
+
+
+def valued(values: dict[Expr, Expr]) -> tuple[str, tuple[Step, ...]]:
+    """Return letters with their exact numbers as LaTeX, and the steps that check the numbers, as `stated` does."""
     groups: dict[Expr, list[str]] = {}
-    for name, value in values.items():
-        groups.setdefault(value, []).append(latex(LETTERS[name]))
+    for letter, value in values.items():
+        groups.setdefault(value, []).append(latex(letter))
     text = ", ".join(f"${' = '.join(group)} = {latex(value)}$" for value, group in groups.items())
-    return text, tuple(equation(LETTERS[name], value, value) for name, value in values.items())
+    return text, tuple(equation(letter, value, value) for letter, value in values.items())
 
 
 def _rounded(expr: Expr, digits: int) -> Expr:

@@ -191,9 +191,9 @@ def _one_flight() -> Items:
             ),
             "W",
         ),
-        facts(equation(wronskian, quotient, exact(independent=False))),
         r"which is $e^{c\tau/m}(\varphi\dot{g} - \dot{\varphi}g)$. By \eqref{eq:events-gap} $L g = "
         r"r$, so that",
+        facts(equation(wronskian, quotient, exact(independent=False))),
         equation(
             growth,
             sp.exp(c * tau / m) * letter * RATE,
@@ -298,10 +298,9 @@ def _table() -> Table:
         rows.append((rf"\texttt{{{scene}}}", shown, *map(_count, (changes, count, bound))))
     return Table(
         "tab:accumulation-counts",
-        rf"The most events that the motions of the paper's figures have in an interval of the "
-        rf"length $2\pi/\Omega$ during {PERIODS} periods, and the bound of "
-        rf"Corollary~\ref{{thm:accumulation-bound}} with the $N$ of that "
-        r"interval.",
+        rf"The most events that the motions of the paper's figures have in an interval as long as "
+        rf"a period of the drive, in {PERIODS} periods, and the bound of "
+        rf"Corollary~\ref{{thm:accumulation-bound}} with the $N$ of that interval.",
         ("scene", "belts", "$N$", "events", "bound"),
         tuple(rows),
         tuple(checks),

@@ -18,7 +18,8 @@ from symosc.derive.chapters.corrections import (
     zero,
 )
 from symosc.derive.latex import named
-from symosc.derive.scope import Scope
+from symosc.derive.published import wall
+from symosc.derive.scope import Scope, stated
 from symosc.derive.steps import (
     CONTEXT,
     Items,
@@ -28,6 +29,7 @@ from symosc.derive.steps import (
     decimal,
     equation,
     exact,
+    number,
 )
 from symosc.symbolic.solution import FN, k
 
@@ -354,6 +356,8 @@ def _ratio() -> Step:
 FIRST = CONTEXT.mpf(10) ** -2
 POINTS = 9
 DECIMALS = 10
+#: The oscillator of the two points, whose friction and frequency are to be found.
+WALL = wall(F=1, Omega=1, c="1/10")
 
 
 def _phase(falls: bool) -> Any:
@@ -415,11 +419,11 @@ def meeting(kind: str) -> tuple[Any, Any]:
 
     The motion is symmetric, and one contact of each half has U = r = 0 where sin theta = 0.
     """
-    damping = CONTEXT.mpf(1) / 10
+    damping, stiffness, amplitude = (number(getattr(WALL, name)) for name in ("c", "k", "B0"))
 
     def conditions(friction: Any, frequency: Any) -> tuple[Any, Any]:
         """Return position and velocity half a period later, minus what they have to be."""
-        above = Oscillator(damping, CONTEXT.mpf(1), CONTEXT.mpf(1), frequency, -friction)
+        above = Oscillator(damping, stiffness, amplitude, frequency, -friction)
         if (
             kind == "(A)"
         ):  # sticks at x = F_N - 1 from the phase pi on until the force from above is 0
@@ -464,13 +468,14 @@ def _tables() -> Items:
     }
     for kind, what in words.items():
         places.append((kind, what, *(decimal("z", value, 10) for value in meeting(kind))))
+    setting, numbers = stated(WALL, "m", "k", "B0", "mu1", "c", "A0", "v1", "mu2")
     return (
         r"\subsection{Examples}",
         Table(
             "tab:codimension-ratios",
             r"Ratios on the grazing-sliding border of (A) and (B) and on the crossing-sliding "
             r"border of (D): by the "
-            rf"theorems, and by the exact flow with 60 digits, extrapolated to $s = 0$, to "
+            rf"theorems, and by the exact flow with 60 digits, extrapolated to vanishing $s$, to "
             rf"{DECIMALS} decimals. The numbers are "
             r"those of Table~\ref{tab:corrections-numbers}.",
             ("", "theorem", "flow"),
@@ -479,12 +484,12 @@ def _tables() -> Items:
         ),
         Table(
             "tab:codimension-points",
-            r"Two points of the oscillator at a wall ($m = k = B_0 = \mu_1 = 1$, $c = "
-            r"\frac{1}{10}$, $A_0 = v_1 = \mu_2 = 0$) in the plane of $F_N$ and $\Omega$: the "
-            r"symmetric motion that fulfils both conditions, in closed form, solved with 50 "
-            r"digits. \texttt{continue\_border} ends at the same points.",
+            rf"Two points of the oscillator at a wall ({setting}) in the plane of $F_N$ and "
+            r"$\Omega$: the symmetric motion that fulfils both conditions, in closed form, solved "
+            r"with 50 digits. \texttt{continue\_border} ends at the same points.",
             ("", "borders", "$F_N$", r"$\Omega$"),
             tuple(places),
+            numbers,
             columns="llrr",
         ),
         r"In (A) the mass arrives at the phase $\pi$ at $x = F_N - 1$, in (B) it passes at the "

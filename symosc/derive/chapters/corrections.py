@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from fractions import Fraction
 from functools import cache, partial
 from typing import Any, NamedTuple
 
@@ -11,14 +12,15 @@ import sympy as sp
 from symosc.derive.chapters import borders
 from symosc.derive.chapters.borders import NAMES
 from symosc.derive.chapters.jacobians import force_at_belt
-from symosc.derive.latex import named
+from symosc.derive.latex import latex, named
 from symosc.derive.published import Flight
-from symosc.derive.scope import Scope
+from symosc.derive.scope import Scope, v_lambda, valued
 from symosc.derive.steps import (
     CONTEXT,
     STEP_DIGITS,
     Items,
     Table,
+    at_root,
     close,
     decimal,
     equation,
@@ -26,7 +28,8 @@ from symosc.derive.steps import (
 )
 from symosc.orbits.find import find_orbit
 from symosc.scenes import load_scene
-from symosc.symbolic.solution import k, m
+from symosc.symbolic.solution import B0, Omega, c, k, m
+from symosc.symbolic.theorem7 import rational
 
 TITLE = "Discontinuity maps of the four borders"
 SMALL = sp.Symbol(r"\epsilon", positive=True)
@@ -256,8 +259,18 @@ def pull(o: Oscillator, belt: Any, place: Any, angle: Any) -> Any:
 
 
 #: The oscillator and the speed of the belt in the comparison.
-HERE = Oscillator(CONTEXT.mpf(1) / 5, CONTEXT.mpf(1), CONTEXT.mpf(2), CONTEXT.mpf(1))
-BELT = CONTEXT.mpf(1) / 2
+SETTING = {
+    m: Fraction(1),
+    k: Fraction(1),
+    Omega: Fraction(1),
+    c: Fraction(1, 5),
+    B0: Fraction(2),
+    v_lambda: Fraction(1, 2),
+}
+HERE = Oscillator(
+    *(number(SETTING[letter] / SETTING[m]) for letter in (c, k, B0)), number(SETTING[Omega])
+)
+BELT = number(SETTING[v_lambda])
 #: The sine of the phase at the event, and whether its cosine is negative.
 PHASES = (("0", False), ("0", False), ("-1/2", False), ("-1/4", True))
 #: The largest sqrt(epsilon), how many are halved from it, and the decimals of the limits.
@@ -385,6 +398,11 @@ def _exact_factor(n: int, which: int, power: Any) -> Any:
     return sp.simplify(change / SMALL**power)
 
 
+def _sine_at(sine: Any, n: int) -> dict[Any, Any]:
+    """Return the sine of the phase of a border's event, by its letter."""
+    return {sine: CONTEXT.sin(phase(n))}
+
+
 def _numbers_table() -> Table:
     """Return the table of orders and coefficients: by the theorem, and by the exact flow."""
     rows: list[tuple[Any, ...]] = []
@@ -413,16 +431,21 @@ def _numbers_table() -> Table:
                     decimal("z", known, DECIMALS, fits),
                 )
             )
+    setting, numbers = valued({letter: rational(value) for letter, value in SETTING.items()})
+    sine = named(r"\sin\theta")
+    sines = [sp.Rational(text) for text, _ in PHASES]
+    angles = tuple(
+        equation(sine, value, at_root(partial(_sine_at, sine, n))) for n, value in enumerate(sines)
+    )
     return Table(
         "tab:corrections-numbers",
         r"The discontinuity maps by Theorem~\ref{thm:corrections-maps} and by the exact flow with "
-        r"60 digits, extrapolated to "
-        rf"$\epsilon = 0$: the order to 8 decimals, the coefficient to {DECIMALS}. $m = k = \Omega "
-        rf"= 1$, $c = \frac{{1}}{{5}}$, "
-        r"$B_0 = 2$, $v_\lambda = \frac{1}{2}$; $\sin\theta = 0$, $0$, $-\frac{1}{2}$, "
-        r"$-\frac{1}{4}$ at the event.",
+        rf"60 digits, extrapolated to vanishing $\epsilon$: the order to 8 decimals, the "
+        rf"coefficient to {DECIMALS}. {setting}; $\sin\theta$ at the event is "
+        rf"{', '.join(f'${latex(value)}$' for value in sines)}.",
         ("border", "", "order", "flow", "coefficient", "here, and by the flow"),
         tuple(rows),
+        (*numbers, *angles),
         columns="llrrlr",
     )
 

@@ -9,7 +9,7 @@ import sympy as sp
 
 from symosc.derive.chapters.events import LETTER_A
 from symosc.derive.latex import named
-from symosc.derive.scope import Scope
+from symosc.derive.scope import Scope, valued
 from symosc.derive.steps import (
     CONTEXT,
     Items,
@@ -312,7 +312,9 @@ def _free() -> Items:
     )
 
 
-#: Periods of the package's motion, and the decimals to which its amplitude is the limit then.
+#: Where the package's motion starts at rest, its periods, and the decimals to which its amplitude
+#: is the limit then.
+START = 0
 PERIODS = 1600
 DECIMALS = 6
 #: Amplitudes of the drive for the table, with k = 2 and Omega = 2, where V_0 = B_0.
@@ -338,8 +340,8 @@ def between(stiffness: Any, frequency: Any, amplitude: Any) -> Parameters:
 
 @cache
 def radius(p: Parameters) -> Any:
-    """Return R of the motion from rest at 0, at its last event in `PERIODS` periods."""
-    last = simulate(p, t0=0, x0=0, v0=0, t_end=f"{PERIODS}T").events[-1]
+    """Return R of the motion from rest at `START`, at its last event in `PERIODS` periods."""
+    last = simulate(p, t0=0, x0=START, v0=0, t_end=f"{PERIODS}T").events[-1]
     steady = number(p.B0) / (number(p.k) - number(p.m) * number(p.Omega) ** 2)
     wave = number(p.Omega) * number(last.t)
     place = number(last.x) - steady * CONTEXT.cos(wave)
@@ -393,6 +395,7 @@ def _examples() -> Items:
                 decimal("z", radius(p), DECIMALS, close(partial(CONTEXT.mpf, known), DECIMALS)),
             )
         )
+    rest, numbers = valued({named("x"): sp.Integer(START)})
     yield (
         r"\begin{example}[the period $2T$]\label{thm:undamped-doubled} Let $m = k = F_N = 1$, $A_0 "
         r"= 0$, $v_1 = -1$, $v_2 = 1$, $\mu_1 = \mu_2 = \frac{1}{5}$, here and below, and $\Omega "
@@ -423,9 +426,10 @@ def _examples() -> Items:
             "tab:undamped-radius",
             rf"The amplitude $R$ of the free part in Example~\ref{{thm:undamped-tori}}: the limit "
             rf"by Theorem~\ref{{thm:undamped-free}} (iv), and at the last event in {PERIODS} "
-            rf"periods by \texttt{{simulate}}, from rest at $x = 0$, to {DECIMALS} decimals.",
+            rf"periods by \texttt{{simulate}}, from rest at {rest}, to {DECIMALS} decimals.",
             ("$B_0$", "$R_*$", "run"),
             tuple(rows),
+            numbers,
             columns="rrr",
         ),
         r"\begin{example}[a third harmonic]\label{thm:undamped-third} Let $k = 1$, $\Omega = "
