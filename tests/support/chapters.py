@@ -6,13 +6,15 @@ The checks of a chapter are run once in a session.
 from __future__ import annotations
 
 import json
+import os
 import pickle
 from functools import cache
+from tempfile import TemporaryDirectory
 from types import SimpleNamespace
 from typing import Any
 from unittest.mock import patch
 
-from once import alone
+from once import SHARED, alone
 
 from symosc.derive import document, published
 from symosc.derive.chapters import CHAPTERS, borders, literature
@@ -102,4 +104,7 @@ def numbers() -> str:
 
 
 if __name__ == "__main__":
-    document.NUMBERS_FILE.write_text(numbers(), encoding="utf-8")
+    with TemporaryDirectory() as folder:
+        os.environ[SHARED] = folder  # as in a test session
+        text = numbers()
+    document.NUMBERS_FILE.write_text(text, encoding="utf-8")
