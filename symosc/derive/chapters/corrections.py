@@ -268,7 +268,10 @@ SETTING = {
     v_lambda: Fraction(1, 2),
 }
 HERE = Oscillator(
-    *(number(SETTING[letter] / SETTING[m]) for letter in (c, k, B0)), number(SETTING[Omega])
+    c=number(SETTING[c] / SETTING[m]),
+    k=number(SETTING[k] / SETTING[m]),
+    B0=number(SETTING[B0] / SETTING[m]),
+    Omega=number(SETTING[Omega]),
 )
 BELT = number(SETTING[v_lambda])
 #: The sine of the phase at the event, and whether its cosine is negative.
