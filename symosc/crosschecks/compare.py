@@ -202,6 +202,10 @@ class Task:
             return usual
         return self.given_limit
 
+    def again(self, samples: Samples, parameters: Parameters) -> CrossCheck:
+        """Judge other samples of another system in the same way."""
+        return replace(self, samples=samples, scene=parameters, rounding=None).verdict()
+
     def verdict(self) -> CrossCheck:
         """Judge the samples and return the result.
 
