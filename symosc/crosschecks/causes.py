@@ -305,7 +305,7 @@ FEW_TELLING = 12
 FEW_MENDED = 30
 # A cause may leave this part of a defect, or this part of the largest one, or what is allowed.
 FITS = 1e-3
-FITS_LARGEST = 1e-4
+FITS_LARGEST = 1e-3
 # A cause is named if it explains this part of the wrong steps, beside the first and the largest
 # one.
 ENOUGH = 0.9

@@ -218,9 +218,8 @@ OTHER_PART = 0.02
 # step squared times the acceleration.
 MARGINS = (0.06, 0.06)
 WIDE_MARGINS = (0.2, 1.0)
-# Of the samples about a belt this part is on the other side than the sample before, or it is no
-# chatter.
-TURNED = 0.2
+# In a stick v turns back in this part of the steps, or it is no chatter but a slow change.
+TURNED = 0.35
 
 
 def gone_over(case: Case) -> Iterator[Candidate]:
@@ -251,16 +250,24 @@ def _gone_over_words(
     if 2 * np.sum(sticks) >= len(steps):
         belt = 1 + np.argmin(np.abs(s.v[:, None] - s.belts), axis=1)
         gap = s.v - s.belts[belt - 1]
-        near = steps[sticks]
-        turned = float(np.mean(gap[near] * gap[near + 1] < 0.0))
+        near = np.flatnonzero(
+            case.wrong[1:] & case.wrong[:-1] & (s.last[1:] > 3) & (s.last[:-1] > 3)
+        )
+        changes = np.diff(gap)
+        turned = 0.0
+        if len(near):
+            turned = float(np.mean(changes[near] * changes[near + 1] < 0.0))
         if turned < TURNED:
             return None
-        largest = float(np.max(np.abs(gap[near + 1])))
+        largest = float(np.max(np.abs(gap[steps[sticks] + 1])))
         words = (
             "where the mass should stick, v jumps to and fro about the belt's speed, "
             f"by up to {largest:.3g} ({first})"
         )
-        evidence = f"{counted(len(near), 'step')} tried; {turned:.0%} of them end on the other side of the belt"
+        evidence = (
+            f"friction makes such jumps in {counted(len(steps), 'step')} tried; "
+            f"v turns back in {turned:.0%} of the steps in sticks"
+        )
         return Diagnosis("chatter", "", words, evidence, largest, None)
     if np.median(np.abs(parts[~sticks])) < OTHER_PART:
         return None
@@ -270,11 +277,14 @@ def _gone_over_words(
     return Diagnosis("late events", "", words, evidence, off, None)
 
 
-def _mixtures(case: Case, steps: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+def _mixtures(
+    case: Case, steps: np.ndarray, any_stick: bool = False
+) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """Say which of `steps` a mixture of the forces on both sides of a belt explains.
 
     Return which they are, how much longer the force below acts than in the exact motion, in parts
-    of the step, and in which steps the exact motion sticks.
+    of the step, and in which steps the exact motion sticks. If it does, v has to be about the
+    belt's speed, unless `any_stick` allows all sticks.
     """
     s = case.steps
     sticks = (s.last[steps] > 3) | (s.first[steps] > 3)
@@ -307,7 +317,9 @@ def _mixtures(case: Case, steps: np.ndarray) -> tuple[np.ndarray, np.ndarray, np
         about = (s.last[steps] == 3 + belt) & (end != speed) & (np.abs(end - speed) <= reach)
         nearest = np.max(np.abs(end - speed)[about], initial=0.0)
         begins = sticks & (begin != speed) & (np.abs(begin - speed) <= nearest)
-        passes &= ~sticks | begins
+        leaves = (s.last[np.maximum(steps - 1, 0)] == 3 + belt) & (np.abs(begin - speed) <= reach)
+        about |= leaves & (begin != speed)
+        passes &= ~sticks | begins | any_stick
         here = bounded & (passes | about)
         parts[here] = (part - right)[here]
         fits |= here
@@ -368,7 +380,9 @@ def large_steps(case: Case) -> Iterator[Candidate]:
     unseen = case.miss_sizes(
         s.flight(np.maximum(case.domain[others], 1), others, others + 1), others
     )
-    over = (case.sizes[others] <= most) | (unseen <= most) | _mixtures(case, others)[0]
+    over = (
+        (case.sizes[others] <= most) | (unseen <= most) | _mixtures(case, others, any_stick=True)[0]
+    )
     left[others] = np.where(over, 0.0, case.sizes[others])
     size = float(np.median(np.max(np.abs(s.defects[case.inside_wrong]) / case.scales, axis=1)))
     words = (
