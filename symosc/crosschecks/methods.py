@@ -127,14 +127,8 @@ def _delays(case: Case, steps: np.ndarray) -> Delays:
             mode = int(s.events.target[k])
             state = (s.events.t[k], s.events.x[k], s.belts[belt - 1], s.events.theta[k])
         for mode, belt, begin, state in old:
-            for target, onto in (
-                (belt, 0),
-                (belt + 1, 0),
-                (3 + belt, belt),
-                (belt, belt),
-                (belt + 1, belt),
-            ):
-                rows.append((i, mode, target, onto, begin, *state))
+            ends = ((belt, 0), (belt + 1, 0), (3 + belt, belt), (belt, belt), (belt + 1, belt))
+            rows += [(i, mode, *end, begin, *state) for end in ends if end != (mode, 0)]
     table = np.array(rows, dtype=float).reshape(-1, 9).T
     return Delays(*table[:4].astype(int), *table[4:])
 

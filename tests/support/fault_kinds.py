@@ -360,6 +360,10 @@ SOLVERS: dict[
 }
 
 
+#: What explains all steps of such a solution too: a belt with a speed that the motion never reaches.
+SAME: dict[str, Causes] = {"belt ignored": (("sign", ""), ("coefficient", ""))}
+
+
 def of_solver(kind: str) -> Maker:
     """Return what makes of a scene what a solver with a flaw does, its grid finer than the samples."""
     flaw, cause, subject, coarse, others, shown = SOLVERS[kind]
@@ -388,7 +392,7 @@ def of_solver(kind: str) -> Maker:
             name = ("late events", "")
         else:
             name = (cause, subject)
-        return Spoilt(*(column[kept] for column in run.arrays()), (name,))
+        return Spoilt(*(column[kept] for column in run.arrays()), (name, *SAME.get(kind, ())))
 
     return make
 
