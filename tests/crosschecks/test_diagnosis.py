@@ -26,7 +26,7 @@ pytestmark = pytest.mark.compiled("doubles")  # a diagnosis follows thousands of
 
 
 # Steps that are followed, and integrated, at most: measured by the test of the work.
-MOST_FOLLOWED = 30_000
+MOST_FOLLOWED = 15_000
 MOST_INTEGRATED = 600
 
 
