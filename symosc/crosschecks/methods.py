@@ -115,7 +115,7 @@ def _delays(case: Case, steps: np.ndarray) -> Delays:
             else:
                 modes = [int(case.domain[i - 1])]
             old += [(mode, belt, s.t[i], state) for mode in modes if mode != s.first[i]]
-        else:
+        elif i > 0 and case.wrong[i - 1]:
             # The belt is the first on the way to the domain of the old mode.
             belts = {mode: here - (mode < here) for mode in (1, 2, 3) if mode != here}
             old += [(mode, belt, s.t[i], state) for mode, belt in belts.items()]
@@ -169,15 +169,17 @@ def _late_words(case: Case, ways: Delays, delay: np.ndarray, whole: np.ndarray) 
             words += f", up to {ratio:.4g} times the friction of the flight, as if static friction were larger"
             return Diagnosis("late events", "stick", words, evidence, ratio, spread)
         return Diagnosis("late events", "stick", words, evidence, float(np.max(delay)), None)
-    if 2 * np.sum(whole) > count or not np.any(known):
+    seen = known & ~(whole & (case.domain[ways.step + 1] == ways.source))
+    if 2 * np.sum(seen) <= count:
         words = f"events are missed: the motion goes on as if it had not met a belt ({first})"
         evidence = f"the force from before the event explains {counted(count, 'step')} tried"
-        return Diagnosis("late events", "", words, evidence, float(np.max(delay)), None)
-    late = delay[known]
-    words = (
-        f"events are not located: they happen late, by up to {float(np.max(late)):.3g} ({first})"
+        return Diagnosis("late events", "", words, evidence)
+    late = delay[seen]
+    words = f"events happen too late, by up to {float(np.max(late)):.3g} ({first})"
+    evidence = (
+        f"a delay of each explains {counted(count, 'step')} tried; "
+        f"on average {float(np.mean(late)):.3g}"
     )
-    evidence = f"a delay of each explains {counted(count, 'step')} tried; on average {float(np.mean(late)):.3g}"
     return Diagnosis("late events", "", words, evidence, float(np.mean(late)), float(np.std(late)))
 
 
