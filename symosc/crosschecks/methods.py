@@ -60,7 +60,8 @@ def late_events(case: Case) -> Iterator[Candidate]:
     ways = _delays(case, steps)
     if not len(ways.step):
         return
-    ways = Delays(*(column[_best_ways(case, ways, 1, LIKELY)[0]] for column in ways))
+    likely = _best_ways(case, ways, 1, LIKELY)[0]
+    ways = Delays(*(column[likely] for column in ways))
     best, part, leaves = _best_ways(case, ways, REFINEMENTS, 1)
     best = best[leaves[best] <= 1.0]
     left = case.leaving(case.sizes[steps], steps)
