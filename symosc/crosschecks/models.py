@@ -467,13 +467,17 @@ def jumps_of_clock(case: Case) -> Iterator[Candidate]:
     """
     s = case.steps
     i = int(case.moving_wrong[0])
-    if i not in case.inside or i + case.offset == 0:
+    held = bool(s.first[i] > 3 and s.last[i] == s.first[i] and i not in s.events.step)
+    if not (held or i in case.inside) or i + case.offset == 0:
         return
     domain = case.domain[[i]]
     begin = slice(i, i + 1)
 
     def misses(value: np.ndarray) -> np.ndarray:
         tau = s.t[[i + 1]] - s.t[[i]] - value
+        if held:
+            ends = np.column_stack([s.x[begin] + s.v[begin] * tau, s.v[begin]])
+            return case.misses(ends, np.array([i]))
         return case.misses(
             s.fly(domain, s.x[begin], s.v[begin], s.theta[begin], tau), np.array([i])
         )
