@@ -14,6 +14,13 @@ from symosc.fitting.spread import rounding, units
 #: How much larger the variance of a robust fit is than that of least squares if errors are normal:
 #: what `CAUCHY` is chosen for.
 NORMAL_LOSS = 1.0 / 0.95
+#: Where all residuals are less than this part of the data's size no other minimum is looked for:
+#: the errors are larger than was said, or not random.
+CLOSE = 1e-3
+#: Candidates that differ by less than this part are the same minimum.
+SAME = 3e-3
+#: The most motions that a minimum may take: next to the first values, and next to a candidate.
+MOST_MOTIONS = (200, 40)
 #: Rounds of estimating sigma and fitting robustly with it.
 ROUNDS = 4
 #: A minimum must be lower by this part to be preferred to an earlier one.
@@ -87,8 +94,14 @@ class Search:
         if self._is_good(tolerant, with_outliers=True):
             self._accept(tolerant)
             return
+        if np.all(np.abs(self.plain.at.residuals) <= CLOSE * self.problem.sizes):
+            return
         self.is_wide = True
+        tried: list[np.ndarray] = []
         for values in candidates(self.problem, self.first):
+            if any(np.allclose(values, others, rtol=SAME, atol=0.0) for others in tried):
+                continue
+            tried.append(values)
             plain = self._least_squares(values)
             if plain.cost < (1.0 - LOWER) * self.plain.cost:
                 self.plain = plain
@@ -111,7 +124,7 @@ class Search:
     def _is_good(self, minimum: Minimum, with_outliers: bool = False) -> bool:
         """Return whether no other minimum need be looked for."""
         verdict = minimum.verdict if with_outliers else strict(minimum.verdict)
-        return verdict.is_described and verdict.is_clear
+        return verdict.is_described
 
     def _least_squares(self, first: np.ndarray) -> Minimum:
         """Return the minimum of the sum of squares next to the values `first`."""
@@ -130,6 +143,6 @@ class Search:
 
     def _minimum(self, first: np.ndarray, scale: np.ndarray | float, loss: str) -> Minimum:
         """Return the minimum of a loss of residuals in units of `scale`."""
-        values, failure = minimum(self.problem, first, scale, loss)
+        values, failure = minimum(self.problem, first, scale, loss, MOST_MOTIONS[self.is_wide])
         at = self.problem.evaluate(values)
         return Minimum(values, at, judge(self.problem, at, self.digits, self.places), failure)

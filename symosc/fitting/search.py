@@ -32,6 +32,10 @@ MOST_SAMPLES = 300
 CAUCHY = 2.385
 
 
+#: A gradient below this is none: residuals that are in no units of sigma may have small ones.
+NO_GRADIENT = float(np.finfo(float).eps)
+
+
 def minimum(
     problem: Problem, first: np.ndarray, scale: np.ndarray | float = 1.0, loss: str = "linear",
     most: int = 200, precise: bool = True,
@@ -64,7 +68,7 @@ def minimum(
         x_scale=np.array([abs(value) or 1.0 for value in begin.tolist()]),
         loss=loss,
         max_nfev=most,
-        gtol=None,
+        gtol=NO_GRADIENT,
         ftol=1e-10 if precise else 1e-3,
         xtol=1e-12 if precise else 1e-4,
     )
