@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import math
+from dataclasses import replace
+from fractions import Fraction
 from pathlib import Path
 from typing import Any
 
@@ -91,11 +93,23 @@ def test_as_many_data_as_numbers_tell_no_errors() -> None:
 HARD = Scene(
     "hard",
     Parameters(
-        m="39/50", c="163/100", k="181/25", A0="-527/100", B0="453/50", Omega="11/25",
-        mu1="39/100", mu2="4/25", FN="221/100", v1="-571/100", v2="-33/100",
+        m="39/50",
+        c="163/100",
+        k="181/25",
+        A0="-527/100",
+        B0="453/50",
+        Omega="11/25",
+        mu1="39/100",
+        mu2="4/25",
+        FN="221/100",
+        v1="-571/100",
+        v2="-33/100",
     ),
-    "1.63", "-2.01", "5.74", "44.4481",
-)  # fmt: skip
+    Fraction("1.63"),
+    Fraction("-2.01"),
+    Fraction("5.74"),
+    Fraction("44.4481"),
+)
 
 
 def test_a_start_in_the_reach_of_another_minimum() -> None:
@@ -112,7 +126,7 @@ def test_a_start_in_the_reach_of_another_minimum() -> None:
 @pytest.mark.parametrize(
     "count",
     [
-        4,
+        3,
         pytest.param(12, marks=pytest.mark.slow),
         pytest.param(60, marks=pytest.mark.campaign),
     ],
@@ -135,7 +149,7 @@ def test_a_family_of_fits(count: int) -> None:
 @pytest.mark.parametrize(
     "count",
     [
-        3,
+        2,
         pytest.param(10, marks=pytest.mark.slow),
         pytest.param(60, marks=pytest.mark.campaign),
     ],
@@ -160,23 +174,23 @@ def test_a_family_with_outliers(count: int) -> None:
     assert named >= 2 * (0.9 * count - 1)
 
 
-def test_data_of_another_motion_are_not_described() -> None:
-    """With a wrong normal force no mu2 and no k describe the events or the samples of fig5."""
-    motion = simulate("fig5", t_end=30)
-    events = [(event.t, event.kind) for event in motion.events]
-    t = np.linspace(0.1, 30, 200)
-    samples = {"t": t, "x": motion(t)[0]}
+@pytest.mark.quick(2)
+@pytest.mark.parametrize("sigma", [1e-3, None])
+@pytest.mark.parametrize("form", ["events", "samples"])
+def test_data_of_another_motion_are_not_described(sigma: float | None, form: str) -> None:
+    """With a wrong normal force no k describes the events or the samples of fig5."""
+    motion = simulate("fig5", t_end=20)
+    t = np.linspace(0.1, 20, 80)
+    data: Any = {"t": t, "x": motion(t)[0]}
+    if form == "events":
+        data = [(event.t, event.kind) for event in motion.events]
     wrong = load_scene("fig5").parameters.replace(FN=9)
-    scene = Scene("wrong", wrong, 0, 0, 0, 30)
-    for data in (events, samples):
-        for sigma in (1e-3, None):
-            found = fit(scene, data, "k", sigma=sigma, start={"k": 1.1})
-            assert not found.success
-            assert "no motion describes the data" in found.message
-            assert "farthest off" in found.message
-    with_sigma = fit(scene, events, "k", sigma=1e-3)
-    assert "chi² is" in with_sigma.message
-    assert "(row " in with_sigma.message
+    scene = replace(load_scene("fig5"), parameters=wrong, t_end=Fraction(20))
+    found = fit(scene, data, "k", sigma=sigma, start={"k": 1.1})
+    assert not found.success
+    assert "no motion describes the data, from many starts: " in found.message
+    assert "farthest off are " in found.message
+    assert ("chi² is " in found.message) == (sigma is not None)
 
 
 def test_sigma_below_the_rounding_is_said() -> None:
@@ -203,7 +217,7 @@ def test_an_outlier_among_samples_without_sigma() -> None:
 def test_random_errors_are_no_misfit() -> None:
     """Without sigma no normal errors of few or many data count as outliers or structure."""
     names = ("mu1", "c")
-    for seed in range(12):
+    for seed in range(0, 12, 2):
         scene, data = sampled(seed, None, 1e-3, "x", 8 + 10 * seed)
         found = fit(scene, data, names)
         assert found.success, found.message

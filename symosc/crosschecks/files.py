@@ -426,7 +426,9 @@ def _split_cells(line: str, delimiter: str | None) -> list[str]:
         return [cell.strip() for cell in line.split(delimiter)]
     return [
         cell.strip()
-        for cell in next(csv.reader([line], delimiter=delimiter, skipinitialspace=True), [])
+        for cell in next(
+            csv.reader([line], delimiter=delimiter, skipinitialspace=True, strict=True), []
+        )
     ]
 
 

@@ -16,7 +16,7 @@ from symosc.simulation.tables import counted
 LEVEL = 1e-4
 #: With unknown sigma an outlier is off by more than so many standard deviations, which are
 #: estimated from the median of n residuals, minus numbers: 6 + 70 / n. Normal errors are beyond that
-#: once in 10,000 fits (`test_normal_errors_are_no_outliers`).
+#: once in 10,000 fits (`test_random_errors_are_no_misfit`).
 OUTLYING = (6.0, 70.0)
 #: Of fewer data than this no outliers are told without sigma: a median of few may be far too small.
 FEW = 8

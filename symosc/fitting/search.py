@@ -17,7 +17,7 @@ from symosc.fitting.problem import IMPOSSIBLE, Problem
 #: A number is looked for between its first value divided by this and times this: 30 % above a first
 #: value that is 30 % too small is 1.43 times that value.
 REACH = 1.5
-#: How many starts, by the number of free numbers (`test_fit_family`).
+#: How many starts, by the number of free numbers (`test_a_family_of_fits`).
 STARTS_TRIED = (40, 90, 150, 200)
 #: Which first parts of the data choose starts: a short motion has fewer minima than a long one.
 PARTS = (1.0, 0.5, 0.25, 0.12)

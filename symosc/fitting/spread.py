@@ -2,7 +2,7 @@
 
 Rounding errors repeat where a motion repeats: all samples of a stick may share one, and so may the
 samples of a settled motion one period apart. So the fitted motion and its neighbours are rounded as
-the data were, and the fits to them spread as the errors say (`test_errors_of_rounded_samples`).
+the data were, and the fits to them spread as the errors say (`test_errors_of_samples`).
 """
 
 from __future__ import annotations

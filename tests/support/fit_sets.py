@@ -11,7 +11,17 @@ import numpy as np
 from symosc import Fit, Parameters, Scene, load_scene, sensitivities, simulate
 
 #: What is fitted.
-FREE = [("k",), ("k",), ("c",), ("mu1",), ("mu2",), ("Omega",), ("FN",), ("B0",), ("A0",)]
+FREE: list[tuple[str, ...]] = [
+    ("k",),
+    ("k",),
+    ("c",),
+    ("mu1",),
+    ("mu2",),
+    ("Omega",),
+    ("FN",),
+    ("B0",),
+    ("A0",),
+]
 FREE += [("k", "c"), ("mu1", "c"), ("mu1", "mu2"), ("k", "mu1"), ("Omega", "k"), ("mu1", "c", "k")]
 SIGMA = 0.002
 
@@ -110,7 +120,7 @@ def sampled(
     p = fig5.parameters.replace(
         mu1=repr(0.8 + 0.02 * dice.uniform(-1, 1)), c=repr(1.0 + 0.02 * dice.uniform(-1, 1))
     )
-    scene = Scene("random", p, fig5.t0, fig5.x0, fig5.v0, 20)
+    scene = Scene("random", p, fig5.t0, fig5.x0, fig5.v0, Fraction(20))
     t = np.linspace(0, 20, count + 1)[1:]
     data = {"t": t}
     for name, values in zip("xv", simulate(scene)(t), strict=True):
