@@ -32,6 +32,8 @@ MOST_SAMPLES = 300
 CAUCHY = 2.385
 
 
+#: A number below this says nothing of its own size.
+NO_SIZE = 1e-9
 #: A gradient below this is none: residuals that are in no units of sigma may have small ones.
 NO_GRADIENT = float(np.finfo(float).eps)
 
@@ -65,7 +67,7 @@ def minimum(
         begin,
         jac=slopes,
         bounds=(problem.low, np.inf),
-        x_scale=np.array([abs(value) or 1.0 for value in begin.tolist()]),
+        x_scale=np.where(np.abs(begin) > NO_SIZE, np.abs(begin), 1.0),
         loss=loss,
         max_nfev=most,
         gtol=NO_GRADIENT,
