@@ -123,7 +123,7 @@ def fit(
         It is no success if the motion does not describe the data. With `sigma`, chi squared and
         the largest residual decide, each wrong about once in 10,000 good fits. Without it,
         residuals must not be like their neighbours in time, none far larger than the others, and
-        events not off by more than a twentieth of the time between them.
+        events not off by more than a hundredth of the time between them.
 
     Raises
     ------

@@ -24,7 +24,7 @@ FEW = 8
 MOST_OUTLIERS = 0.1
 #: With unknown sigma events that are off by this part of the time between them are not recognised:
 #: the events of another motion may come as near.
-UNRECOGNISED = 0.005
+UNRECOGNISED = 0.01
 #: Residuals of this part of the data's size are those of the arithmetic.
 EXACT = 1e-10
 #: How many of the worst residuals a message names.
