@@ -18,17 +18,6 @@ from symosc.cli.options import Settings, Text, flag, option
 from symosc.display.progress import bar
 
 
-def _split_columns(text: Text) -> dict[str, str]:
-    names: dict[str, str] = {}
-    for part in () if text is None else text.split(","):
-        form = "t=NAME, x=NAME, v=NAME or id=NAME"
-        name, column = options.split_setting(part, "--columns", form, names)
-        if name not in ("t", "x", "v", "id"):
-            raise click.BadParameter(f"{part!r} is not {form}", param_hint="--columns")
-        names[name] = column
-    return names
-
-
 @click.command()
 @click.argument("files", nargs=-1, shell_complete=options.complete_scene)
 @option("--scene SCENE", "Name of a scene or path of a TOML file, if it is not the first word.")
@@ -111,7 +100,7 @@ def check(
 
     problem = options.scene_with(asked, settings, t_end=t_end)
     limits = {name: value for name, value in how.items() if value is not None}
-    limits["columns"] = _split_columns(limits.get("columns"))
+    limits["columns"] = options.split_columns(limits.get("columns"), ("t", "x", "v", "id"))
     if len(files) == 1:
         source: Any = files[0]
     elif solver is None:

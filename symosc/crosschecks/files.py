@@ -252,20 +252,7 @@ def read_text(file: IO[bytes], asked: Asked, where: str) -> TextColumns:
 
     `asked` may say how they are called.
     """
-
-    def choose(names: list[str]) -> dict[str, str]:
-        if names != [str(i + 1) for i in range(len(names))] or set(asked.values()) & set(names):
-            return find_columns(names, asked, where)
-        if len(names) not in (2, 3):
-            what = (
-                f"has no header and {len(names)} columns; say which are meant, such as t=1,x=2,v=3"
-            )
-            raise ParameterError("file", where, what)
-        numbers = dict(zip(SAMPLE_COLUMNS, names, strict=False))
-        return {
-            name: numbers[column] for name, column in find_columns([*numbers], asked, where).items()
-        }
-
+    choose = partial(sample_columns, asked=asked, where=where)
     delimiter, columns, rows = _table(file, choose, where)
     id_column = columns.pop(ID_COLUMN, None)
     ids = list[str]()
@@ -284,6 +271,21 @@ def read_text(file: IO[bytes], asked: Asked, where: str) -> TextColumns:
     if id_column is None:
         return found
     return TextColumns({**found, ID_COLUMN: np.array(ids)})
+
+
+def sample_columns(names: list[str], asked: Asked, where: str) -> dict[str, str]:
+    """Find t, x and perhaps v, id among the columns of a text table.
+
+    They are numbered if it has no header.
+    """
+    if names != [str(i + 1) for i in range(len(names))] or set(asked.values()) & set(names):
+        return find_columns(names, asked, where)
+    if len(names) not in (2, 3):
+        what = f"has no header and {len(names)} columns; say which are meant, such as t=1,x=2,v=3"
+        raise ParameterError("file", where, what)
+    numbers = dict(zip(SAMPLE_COLUMNS, names, strict=False))
+    columns = find_columns([*numbers], asked, where)
+    return {name: numbers[column] for name, column in columns.items()}
 
 
 def _number(cell: str, delimiter: str | None) -> float:
@@ -424,7 +426,9 @@ def _split_cells(line: str, delimiter: str | None) -> list[str]:
         return [cell.strip() for cell in line.split(delimiter)]
     return [
         cell.strip()
-        for cell in next(csv.reader([line], delimiter=delimiter, skipinitialspace=True), [])
+        for cell in next(
+            csv.reader([line], delimiter=delimiter, skipinitialspace=True, strict=True), []
+        )
     ]
 
 
