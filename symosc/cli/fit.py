@@ -28,7 +28,7 @@ def _columns(file: TextIO) -> dict[str, list[str]]:
 
 @click.command()
 @options.scene_argument
-@click.argument("file", type=click.File(encoding="utf-8-sig"))
+@click.argument("file", type=options.TextFile(encoding="utf-8-sig"))
 @option(
     "--free NAMES",
     "What to fit: names of parameters, and t0, x0, v0, such as mu1,c.",
