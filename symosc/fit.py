@@ -18,7 +18,7 @@ from symosc.aliases import NumberLike, SceneName
 from symosc.arguments import public
 from symosc.display.drawable import Comparable, Drawable
 from symosc.engine.events import KIND_NAMES
-from symosc.errors import ParameterError, brief, meant
+from symosc.errors import ParameterError, brief, meant, shown
 from symosc.exact import read_exact, unmasked
 from symosc.model import PARAMETER_NAMES, Parameters
 from symosc.quantities import least, read_number
@@ -304,12 +304,12 @@ def _read(data: Any) -> Measured:
         else:
             names = list(getattr(data, "columns", ()))
         if names:
-            shown = f"columns {', '.join(map(str, names))}"
+            about = brief(f"columns {', '.join(map(str, names))}")
         elif isinstance(data, str):
-            shown = data
+            about = brief(data)
         else:
-            shown = repr(data)
-        raise ParameterError("data", brief(shown), allowed)
+            about = shown(data)
+        raise ParameterError("data", about, allowed)
     if len({len(column) for column in columns.values()}) > 1:
         raise ParameterError("data", len(columns["t"]), "must have columns of one length")
 
