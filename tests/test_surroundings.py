@@ -238,7 +238,6 @@ def is_worker(pid: str) -> bool:
     [
         "atlas fig9 --over Omega=3.9:4.1 --over FN=9.5:10.5 --prove 1 --workers 2",
         "cases -o cases",
-        "certify --orbits",
     ],
 )
 def test_a_killed_worker_of_a_command(words: str, tmp_path: Path) -> None:
