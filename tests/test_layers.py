@@ -17,7 +17,8 @@ ROOT = Path(symosc.__file__).parent
 #: what is in itself.
 LEVELS = [
     {"aliases", "errors"},
-    {"arguments", "exact", "files", "display"},
+    {"exact"},
+    {"arguments", "files", "display", "workers"},
     {"quantities"},
     {"model"},
     {"words", "reductions"},

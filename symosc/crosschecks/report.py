@@ -9,7 +9,6 @@ import multiprocessing
 import sys
 import warnings
 from collections.abc import Callable, Iterable, Sequence
-from concurrent.futures import ProcessPoolExecutor
 from contextlib import ExitStack
 from dataclasses import asdict, dataclass
 from functools import cached_property, partial
@@ -29,6 +28,7 @@ from symosc.errors import ParameterError
 from symosc.model import Parameters
 from symosc.simulation.tables import counted
 from symosc.simulation.trajectory import Event, Trajectory
+from symosc.workers import process_pool
 
 EVENTS_LISTED = 5  # of a kind in a summary
 # Number of failing solutions that a summary of several solutions lists.
@@ -472,10 +472,7 @@ def check_all(
             warnings.simplefilter(
                 "ignore", DeprecationWarning
             )  # of forking beside threads, which are idle
-            pool = ProcessPoolExecutor(
-                count, multiprocessing.get_context("fork" if forks else "spawn")
-            )
-            stack.callback(pool.shutdown, cancel_futures=True)
+            pool = stack.enter_context(process_pool(count, "fork" if forks else "spawn"))
             each = pool.map
         for check in each(partial(_judged, task), names, solutions):
             found.append(check)
