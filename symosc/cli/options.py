@@ -6,7 +6,6 @@ Scenes, parameters, numbers, names of files.
 from __future__ import annotations
 
 import re
-import sys
 from collections.abc import Callable, Iterable, Sequence
 from typing import Any, TypeAlias
 
@@ -15,7 +14,7 @@ from click.shell_completion import CompletionItem
 
 from symosc.cli.output import claim_stdout, note
 from symosc.exact import read_start_error
-from symosc.files import STDIN_CLOSED, STDOUT
+from symosc.files import STDOUT
 from symosc.mappings.theorem7_cases import PLACES
 from symosc.model import PARAMETER_NAMES
 from symosc.quantities import read_number
@@ -78,16 +77,6 @@ def checked_picture(context: click.Context, given: click.Parameter, path: Text) 
 
         check_suffix(path or "")
     return path
-
-
-class TextFile(click.File):
-    """The type of text files to read; "-" is standard input, which may be closed."""
-
-    def convert(self, value: Any, param: click.Parameter | None, ctx: click.Context | None) -> Any:
-        """Open the file; fail if it cannot be opened."""
-        if value == STDOUT and sys.stdin is None:
-            self.fail(STDIN_CLOSED, param, ctx)
-        return super().convert(value, param, ctx)
 
 
 class WholeNumber(click.IntRange):

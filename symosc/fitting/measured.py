@@ -23,7 +23,7 @@ from symosc.crosschecks.objects import (
     solutions_in,
 )
 from symosc.engine.events import KIND_NAMES
-from symosc.errors import ParameterError, brief, meant
+from symosc.errors import ParameterError, meant, shown
 from symosc.exact import read_exact, unmasked
 
 KINDS = tuple(KIND_NAMES.values())
@@ -156,8 +156,8 @@ def _sample_names(there: list[str], asked: Asked, where: str) -> dict[str, str]:
     except ParameterError as error:
         if asked:
             raise
-        shown = f"columns {names_text(there)}"
-        raise ParameterError("data", shown, f"{ALLOWED} ({error})") from None
+        about = f"columns {names_text(there)}"
+        raise ParameterError("data", about, f"{ALLOWED} ({error})") from None
     columns.pop(ID_COLUMN, None)
     return columns
 
@@ -193,7 +193,7 @@ def _of_solution(data: Any, asked: Asked, scene: Problem, where: str) -> Measure
     try:
         solutions = solutions_in(data, asked, scene, where)
     except ParameterError as error:
-        raise ParameterError("data", brief(repr(data)), f"{ALLOWED} ({error})") from None
+        raise ParameterError("data", shown(data), f"{ALLOWED} ({error})") from None
     if len(solutions) > 1:
         what = "are several solutions; a fit takes one"
         raise ParameterError("data", f"{len(solutions)} solutions", what)
