@@ -17,6 +17,7 @@ from functools import partial, wraps
 from typing import Any, NamedTuple, ParamSpec, TypeVar
 
 from symosc.errors import ParameterError, meant
+from symosc.exact import is_scalar
 
 Given = ParamSpec("Given")
 Result = TypeVar("Result")
@@ -68,6 +69,16 @@ def _is_row(kind: type) -> bool:
     if issubclass(kind, Sequence):
         return not issubclass(kind, str | bytes | bytearray | memoryview)
     return hasattr(kind, "dtype") and hasattr(kind, "__len__")
+
+
+def _has_dtype(kind: type) -> bool:
+    """Return whether a type is one of arrays or of their entries, and of no text."""
+    return hasattr(kind, "dtype") and not issubclass(kind, str | bytes)
+
+
+def _is_entry(value: Any) -> bool:
+    """Return whether an array has no dimensions, and a number as its entry, or text."""
+    return is_scalar(value) and getattr(value.dtype, "kind", "") in "iufOU"
 
 
 def _is_text(kind: type) -> bool:
@@ -122,22 +133,28 @@ def _kind_of_class(name: str, source: str = "") -> Kind:
     return Kind(f"{'an' if name[0] in 'AEIO' else 'a'} {name}", _inherits(name), source=source)
 
 
+NUMBER_OR_TEXT = "a number (or its text, such as '4/5')"
 #: Functions that convert an argument, by name; the modules that have them put them here.
 CONVERTERS: dict[str, Callable[[Any], Any]] = {}
 #: What the names in annotations mean; a text is another annotation.
 KINDS: dict[str, Kind | str] = {
     "None": Kind("None", lambda kind: kind is type(None)),
     "bool": Kind("True or False", _is_bool),
-    "int": Kind(
+    # Arrays without dimensions are numbers too: loops over coordinates of xarray give such.
+    "int": "Whole | WholeEntry",
+    "Whole": Kind(
         "a whole number", lambda kind: issubclass(kind, numbers.Integral) and _is_real(kind)
     ),
-    "float": Kind("a number", _is_real),
+    "WholeEntry": Kind("a whole number", _has_dtype, _is_entry),
+    "float": "Real | RealEntry",
+    "Real": Kind("a number", _is_real),
+    "RealEntry": Kind("a number", _has_dtype, _is_entry),
     "str": Kind("text", _is_text),
     "slice": Kind("a slice", lambda kind: kind is slice),
     "Path": Kind("a path", lambda kind: hasattr(kind, "__fspath__")),
-    "NumberLike": Kind(
-        "a number (or its text, such as '4/5')", lambda kind: _is_text(kind) or _is_real(kind)
-    ),
+    "NumberLike": "NumberOrText | EntryOrText",
+    "NumberOrText": Kind(NUMBER_OR_TEXT, lambda kind: _is_text(kind) or _is_real(kind)),
+    "EntryOrText": Kind(NUMBER_OR_TEXT, _has_dtype, _is_entry),
     "ArrayLike": "NumberLike | Rows",
     "Rows": Kind(
         "an array or lists of numbers",
@@ -152,12 +169,7 @@ KINDS: dict[str, Kind | str] = {
         lambda kind: _is_text(kind) or _is_row(kind) or hasattr(kind, "__next__"),
         lambda value: hasattr(value, "__next__") or (_is_short(value) and _is_shallow(value)),
     ),
-    "Number": "float | Scalar",
-    "Scalar": Kind(
-        "an array without dimensions",
-        lambda kind: hasattr(kind, "dtype"),
-        lambda value: value.shape == (),
-    ),
+    "Number": "float",
     "ndarray": Kind("an array", _inherits("ndarray")),
     "Order": "Literal['full', 'paper']",
     "Pair": Kind("a pair (x, theta)", _is_row, lambda value: _is_short(value) and len(value) == 2),

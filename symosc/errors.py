@@ -203,8 +203,10 @@ def optional(package: str, what: str, extra: str) -> Any:
     """
     try:
         return import_module(package)
-    except ImportError:
+    except ModuleNotFoundError:
         raise MissingExtraError(what, extra) from None
+    except ImportError as error:  # it is there, and broken, or finds no memory
+        raise SymoscError(f"{package}, which {what} needs, cannot be loaded: {error}") from None
 
 
 def meant(word: object, known: Iterable[str]) -> str:

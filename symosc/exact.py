@@ -35,6 +35,10 @@ MOST_CHARACTERS = 4000  # Python converts no more than 4300 digits to an int
 # Decimal exponents beyond this are typing errors, and Fraction would build an integer of as many
 # digits.
 MAX_EXPONENT = 1000
+TOO_FAR = f"the decimal exponent must be within ±{MAX_EXPONENT}"
+#: Bits of a numerator or denominator: a number with the most digits that a caller may ask for has
+#: a third of them.
+MOST_BITS = 100_000
 
 # Fourth powers of rates and their products must not overflow a double.
 LARGEST = Fraction(10) ** 50
@@ -59,37 +63,84 @@ def _read(name: str, value: Any) -> Fraction:
 
     Error messages call the number `name`.
     """
-    if isinstance(value, Fraction):
-        return value
+    value = scalar_of(name, value)
     # numpy takes its timedelta64 for an integer
     if isinstance(value, bool) or type(value).__name__ == "timedelta64":
         raise ParameterError(name, value, NUMBER_FORMS)
     if isinstance(value, str):
-        return _read_text(name, value)
-    if isinstance(
-        value, numbers.Rational
-    ):  # int, numpy integers and the rational numbers of sympy register here
-        return Fraction(int(value.numerator), int(value.denominator))
-    if hasattr(type(value), "_mpf_") and hasattr(
-        type(value), "context"
-    ):  # mpmath: prints fewer digits than it has
-        sign, mantissa, exponent, bits = value._mpf_
-        if not mantissa and (exponent or bits):  # mpmath's encoding of nan and the infinities
-            raise ParameterError(name, value, "must be finite")
-        magnitude = Fraction(int(mantissa)) * Fraction(2) ** int(exponent)
-        if sign:
-            return -magnitude
-        return magnitude
-    if isinstance(value, Decimal | numbers.Real):
-        if not (value.is_finite() if isinstance(value, Decimal) else math.isfinite(float(value))):
-            raise ParameterError(name, value, "must be finite")
-        # str, not repr: numpy's repr names the type
-        if isinstance(value, Decimal):
-            return _read_text(name, str(value))
-        return Fraction(str(value))
+        return _read_text(name, str.__str__(value))  # a class of texts may show another one
     # An expression of sympy, such as 2*pi, is known by how it prints.
-    symbolic = hasattr(type(value), "free_symbols") and EXPRESSION.search(str(value))
-    raise ParameterError(name, value, NO_EXPRESSION if symbolic else NUMBER_FORMS)
+    is_symbolic = hasattr(type(value), "free_symbols")
+    if is_symbolic and not isinstance(value, numbers.Real):
+        is_expression = EXPRESSION.search(str(value))
+        raise ParameterError(name, value, NO_EXPRESSION if is_expression else NUMBER_FORMS)
+    try:
+        number = _number_of(name, value)
+    except ParameterError:
+        raise
+    except Exception:  # whatever the methods of a class of numbers raise
+        raise ParameterError(name, value, NUMBER_FORMS) from None
+    if max(number.numerator.bit_length(), number.denominator.bit_length()) > MOST_BITS:
+        what = f"its numerator and denominator may have at most {MOST_BITS:,} bits each"
+        raise ParameterError(name, value, what)
+    return number
+
+
+def _number_of(name: str, value: Any) -> Fraction:
+    """Return a number that is no text as an exact Fraction; ParameterError if it is not finite."""
+    if isinstance(value, Fraction):
+        return value
+    if isinstance(value, numbers.Rational):  # also int, numpy's integers, sympy's rational numbers
+        return Fraction(int(value.numerator), int(value.denominator))
+    if hasattr(type(value), "_mpf_") and hasattr(type(value), "context"):
+        return _number_of_mpmath(name, value)  # it prints fewer digits than it has
+    if isinstance(value, Decimal):
+        is_finite = value.is_finite()
+    elif isinstance(value, numbers.Real):
+        is_finite = math.isfinite(value)
+    else:
+        raise ParameterError(name, value, NUMBER_FORMS)
+    if not is_finite:
+        raise ParameterError(name, value, "must be finite")
+    number: Any = value
+    if isinstance(number, float):
+        return Fraction(float.__repr__(number))  # numpy's repr names the type
+    return _read_text(name, str(number))
+
+
+def _number_of_mpmath(name: str, value: Any) -> Fraction:
+    """Return the exact binary value of a number of mpmath; ParameterError if it is not finite."""
+    sign, mantissa, exponent, bits = value._mpf_
+    if not mantissa and (exponent or bits):  # mpmath's encoding of nan and the infinities
+        raise ParameterError(name, value, "must be finite")
+    # A power of 2 as large as the exponent says would fill the memory.
+    if abs(exponent + bits) > MAX_EXPONENT / math.log10(2):
+        raise ParameterError(name, value, TOO_FAR)
+    magnitude = Fraction(int(mantissa)) * Fraction(2) ** int(exponent)
+    if sign:
+        return -magnitude
+    return magnitude
+
+
+def scalar_of(name: str, value: Any) -> Any:
+    """Return the entry of an array without dimensions, of any library; other values as they are.
+
+    ParameterError, which calls it `name`, if the entry is masked.
+    """
+    if isinstance(value, int | float | str | Fraction) or not hasattr(type(value), "dtype"):
+        return value
+    if not is_scalar(value):
+        return value
+    unmasked(name, value)
+    try:
+        return value.__array__()[()]
+    except Exception:  # of a library that does not give its numbers away, as inside a derivative
+        return value
+
+
+def is_scalar(value: Any) -> bool:
+    """Return whether an object of a class with a dtype is an array without dimensions."""
+    return getattr(value, "shape", None) == ()
 
 
 def _read_text(name: str, text: str) -> Fraction:
@@ -105,7 +156,7 @@ def _read_text(name: str, text: str) -> Fraction:
             raise ParameterError(name, text, "must be finite")
         raise ParameterError(name, text, NO_EXPRESSION if EXPRESSION.search(text) else NUMBER_FORMS)
     if abs(int(read["exponent"] or 0)) > MAX_EXPONENT:
-        raise ParameterError(name, text, f"the decimal exponent must be within ±{MAX_EXPONENT}")
+        raise ParameterError(name, text, TOO_FAR)
     try:
         return Fraction(read.group())
     except ZeroDivisionError:
@@ -129,11 +180,11 @@ def unmasked(name: str, value: Any) -> Any:
 def whole_number(name: str, value: Any, least: int, most: int | None = None) -> int:
     """Return `value` as an int, or raise ParameterError if it is not one or out of range."""
     try:
-        # numpy need not be loaded
-        if type(unmasked(name, value)).__name__ in ("bool", "bool_"):
+        entry = scalar_of(name, value)
+        if type(entry).__name__ in ("bool", "bool_"):  # numpy need not be loaded
             number = None
         else:
-            number = operator.index(value)
+            number = operator.index(entry)
     except TypeError:
         number = None
     if number is None or number < least or (most is not None and number > most):
@@ -156,20 +207,30 @@ def read_digits(digits: object, most: int = MOST_ASKED_DIGITS) -> int | None:
 
 
 def read_start_error(value: Any) -> tuple[Fraction, Fraction, Fraction] | None:
-    """Return by how much t0, x0 and v0 may be off, given one number >= 0 for all, three numbers, or None (exact)."""
+    """Return by how much t0, x0 and v0 may be off, exactly.
+
+    `value` is one number >= 0 for all, or three numbers, or None.
+    """
     if value is None:
         return None
-    is_array = hasattr(type(value), "dtype")
-    if isinstance(value, list | tuple) or (is_array and value.shape):
-        given = list(value)
-    else:  # an array without dimensions is a number
-        given = [value[()] if is_array else value] * 3
-    if len(given) != 3:
+    value = scalar_of("start_error", value)
+    is_row = isinstance(value, list | tuple)
+    if is_row or (hasattr(type(value), "dtype") and not is_scalar(value)):
+        errors = list(value)
+    else:
+        errors = [value] * 3
+    if len(errors) != 3:
         raise ParameterError("start_error", value, "must be a number, or three: of t0, x0 and v0")
-    t0, x0, v0 = (read_exact("start_error", each) for each in given)
+    t0, x0, v0 = (read_exact("start_error", error) for error in errors)
     if min(t0, x0, v0) < 0:
         raise ParameterError("start_error", value, "must be >= 0")
     return t0, x0, v0
+
+
+def power_of_ten(value: Fraction) -> int:
+    """Return the exponent of the least power of ten that is not less than a number > 0."""
+    # Not of the quotient, which may be beyond the range of doubles.
+    return math.ceil(math.log10(value.numerator) - math.log10(value.denominator))
 
 
 # A decimal is written with an exponent if it has more leading or trailing zeros than this, and as a

@@ -5,15 +5,19 @@ from __future__ import annotations
 import os
 import sys
 import tempfile
-from collections.abc import Callable, Container, Mapping
-from contextlib import suppress
+from collections.abc import Callable, Container, Iterator, Mapping
+from contextlib import contextmanager, suppress
 from pathlib import Path
+from secrets import token_hex
+from typing import IO
 
 from symosc.errors import OutputError, ParameterError
 
 #: The file name that means standard output.
 STDOUT = "-"
-#: The beginning of the name of a folder that holds unfinished files.
+#: What is said of standard input where there is none.
+STDIN_CLOSED = "standard input is closed"
+#: The beginning of the name of an unfinished file, or of a folder of such.
 DRAFT_PREFIX = ".symosc-"
 
 
@@ -36,13 +40,33 @@ def write_whole(path: str | Path, write: Callable[[Path], object], suffix: str =
         elif target.exists() and not target.is_file():
             write(target)  # a device or a pipe cannot be replaced
         else:
-            with tempfile.TemporaryDirectory(prefix=DRAFT_PREFIX, dir=target.parent) as folder:
-                draft = Path(folder) / f"draft{target.suffix}"
+            with draft_in(target.parent, target.suffix) as draft:
                 write(draft)
                 draft.replace(target)
     except OSError as error:
         raise OutputError(name, error.strerror or str(error)) from None
     return Path(name)
+
+
+@contextmanager
+def draft_in(folder: Path, suffix: str = "") -> Iterator[Path]:
+    """Yield a path in `folder` where nothing is yet; what is there at the end is removed."""
+    draft = folder / f"{DRAFT_PREFIX}{token_hex(8)}{suffix}"
+    try:
+        yield draft
+    finally:
+        with suppress(OSError):  # of an error before it, more is known
+            _remove(draft)
+
+
+def _remove(path: Path) -> None:
+    """Remove a file or a folder, if it is there, with one open file at a time; shutil needs three."""
+    if path.is_dir() and not path.is_symlink():
+        for name in os.listdir(path):
+            _remove(path / name)
+        path.rmdir()
+    else:
+        path.unlink(missing_ok=True)
 
 
 def read_path(path: object) -> str:
@@ -94,9 +118,8 @@ def make_folder(folder: Path) -> Path:
 
 
 def _to_stdout(write: Callable[[Path], object], suffix: str) -> None:
-    """Let `write` fill a draft file, whose name ends with `suffix`, and copy its content to standard output."""
-    with tempfile.TemporaryDirectory() as folder:
-        draft = Path(folder) / f"draft{suffix}"
+    """Let `write` fill a draft file, whose name ends with `suffix`, and copy it to standard output."""
+    with draft_in(Path(tempfile.gettempdir()), suffix) as draft:
         write(draft)
         content = draft.read_bytes()
     try:
@@ -107,13 +130,13 @@ def _to_stdout(write: Callable[[Path], object], suffix: str) -> None:
             sys.stdout.write(content.decode("utf-8", "replace"))
         sys.stdout.flush()
     except BrokenPipeError:  # the reader has closed the pipe, and wants no more
-        drop_stdout()
+        drop(sys.stdout)
 
 
-def drop_stdout() -> None:
-    """Send standard output to the null device, as flushing a closed pipe would raise one more error at exit."""
+def drop(stream: IO[str]) -> None:
+    """Send a stream to the null device, as flushing what it holds would raise one more error at exit."""
     with suppress(OSError):  # in a notebook or a test it may be something that is not a file
-        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+        os.dup2(os.open(os.devnull, os.O_WRONLY), stream.fileno())
 
 
 def write_text(path: str | Path, text: str) -> Path:
@@ -135,9 +158,9 @@ def write_folder(
     # OutputError if it stays, and if it cannot be written.
     target = check_folder(path, earlier)
     try:
-        with tempfile.TemporaryDirectory(prefix=DRAFT_PREFIX, dir=target.parent) as folder:
-            draft = Path(folder) / "new"
-            away = Path(folder) / "old"
+        with draft_in(target.parent) as folder:
+            draft = folder / "new"
+            away = folder / "old"
             for each, text in texts.items():
                 (draft / each).parent.mkdir(parents=True, exist_ok=True)
                 (draft / each).write_bytes(text.encode())

@@ -21,13 +21,13 @@ from collections.abc import Callable
 from dataclasses import dataclass, fields
 from fractions import Fraction
 from functools import cache, cached_property
-from math import ceil, isqrt, log10
+from math import isqrt
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 from symosc.aliases import Number, NumberLike
 from symosc.arguments import public
 from symosc.errors import ParameterError, meant
-from symosc.exact import read_exact, show, unmasked
+from symosc.exact import power_of_ten, read_exact, show, unmasked
 from symosc.model import Parameters
 from symosc.quantities import half_unit, read_number, rounded
 
@@ -300,7 +300,7 @@ class OtherModel:
             forces = abs(A0) + abs(B0) + abs(self.mu1 * FN)
             gained = forces / (self.m * self._pace(B0))
             speeds = gained + abs(self.v1) + self.shift.bound()
-            v2 = self.v1 + FAR * Fraction(10) ** ceil(log10(speeds or 1))
+            v2 = self.v1 + FAR * Fraction(10) ** power_of_ten(speeds or Fraction(1))
         same = {name: getattr(self, name) for name in ("m", "c", "k", "Omega", "v1", "mu1", "mu2")}
         return Parameters(**same, A0=A0, B0=B0, v2=self.v1 + 1 if v2 is None else v2, FN=FN)
 

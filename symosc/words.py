@@ -251,6 +251,9 @@ def collapsed(labels: Sequence[str]) -> str:
     return " ".join([*shown, f"({' '.join(part)})×{times}", *tail])
 
 
+#: The most mappings of a word, and the most characters of its text.
+MOST_MAPPINGS = 10_000
+LONGEST_TEXT = 8 * MOST_MAPPINGS
 #: What `read_word` reads.
 WordLike: TypeAlias = str | Iterable[str] | Word
 
@@ -311,11 +314,14 @@ def why_not(before: str, after: str, *, grazing: bool = False) -> str:
 
 def _read(word: str | Iterable[object]) -> tuple[tuple[str, ...], str]:
     """Return the labels of a word in order of time, and its text."""
-    parts = list(filter(None, re.split(r"[\s,*·∘]+", word)) if isinstance(word, str) else word)
     if isinstance(word, str):
+        parts: list[object] = [part for part in re.split(r"[\s,*·∘]+", word) if part]
         text = word.strip()
     else:
-        text = "∘".join(map(str, parts))
+        parts = list(itertools.islice(word, MOST_MAPPINGS + 1))
+        text = "∘".join(part if isinstance(part, str) else shown(part) for part in parts)
+    if len(parts) > MOST_MAPPINGS or len(text) > LONGEST_TEXT:
+        raise WordError(text, f"may have at most {MOST_MAPPINGS:,} mappings")
     digits = ""
     for part in parts:
         if isinstance(part, str):

@@ -97,7 +97,7 @@ def test_a_reference_case(scratch: Scratch) -> None:
         page, "158, in version 1 of the set. For 145 of", "159, in version 2 of the set. For 146 of"
     )
     scratch.replace(page, "| creeping and rest | 19 |", "| creeping and rest | 20 |")
-    listed = scratch.run("symosc", "cases", "--group", "creeping and rest", "--json")
+    listed = scratch.run("symosc", "cases", "--group", "creeping and rest", "--events", "--json")
     assert (
         json.loads(listed)["cases"][-1] | {"events": 0, "status": "proven"}
         == json.loads(listed)["cases"][-1]

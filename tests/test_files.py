@@ -29,7 +29,7 @@ def test_a_failed_write_leaves_the_folder_as_it_was(
 
     with pytest.raises(OutputError if isinstance(error, OSError) else type(error)):
         write_whole(path, write)
-    assert drafts[0].parent.parent == tmp_path  # there was something to clean up
+    assert drafts[0].parent == tmp_path  # there was something to clean up
     assert [each.name for each in tmp_path.iterdir()] == ([] if old is None else ["events.csv"])
     assert old is None or path.read_text() == old
 

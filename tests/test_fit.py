@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import math
+from dataclasses import replace
+from fractions import Fraction
 from pathlib import Path
 from typing import Any
 
@@ -10,8 +12,9 @@ import numpy as np
 import pytest
 from bad_values import refused
 from click.testing import CliRunner
+from fit_sets import SIGMA, fit_set, pulls, sampled
 
-from symosc import Trajectory, fit, simulate
+from symosc import Parameters, Scene, Trajectory, fit, load_scene, sensitivities, simulate
 from symosc.cli.app import main
 
 
@@ -84,6 +87,241 @@ def test_as_many_data_as_numbers_tell_no_errors() -> None:
     refused(lambda: fit("fig5", [(1, 2, 3, 4)], "mu1"), "data")
 
 
+# -- the right minimum, or none ------------------------------------------------------------------
+
+#: The scene of a fit that was a success 955 sigma off.
+HARD = Scene(
+    "hard",
+    Parameters(
+        m="39/50",
+        c="163/100",
+        k="181/25",
+        A0="-527/100",
+        B0="453/50",
+        Omega="11/25",
+        mu1="39/100",
+        mu2="4/25",
+        FN="221/100",
+        v1="-571/100",
+        v2="-33/100",
+    ),
+    Fraction("1.63"),
+    Fraction("-2.01"),
+    Fraction("5.74"),
+    Fraction("44.4481"),
+)
+
+
+def test_a_start_in_the_reach_of_another_minimum() -> None:
+    """The minimum at k = 8.4 is wrong, where events of the motion come in another order."""
+    data = [(event.t, event.kind) for event in simulate(HARD).events]
+    found = fit(HARD, data, "k", sigma=0.002, start={"k": 9.412})
+    assert found.success, found.message
+    assert abs(found.values["k"] - 7.24) < found.errors["k"]
+    again = fit(HARD, data, "k", sigma=0.002, start={"k": 9.412})
+    assert again.values == found.values
+    assert again.message == found.message
+
+
+@pytest.mark.parametrize(
+    "count",
+    [
+        3,
+        pytest.param(12, marks=pytest.mark.slow),
+        pytest.param(60, marks=pytest.mark.campaign),
+    ],
+)
+def test_a_family_of_fits(count: int) -> None:
+    """Every success is at the truth; nearly all starts within 30 % lead there."""
+    for off, with_sigma in ((0.3, True), (0.05, True), (0.3, False)):
+        succeeded = 0
+        for seed in range(count):
+            made = fit_set(seed, off)
+            data = made.noisy(np.random.default_rng(seed))
+            sigma = SIGMA if with_sigma else None
+            found = fit(made.scene, data, made.free, sigma=sigma, start=made.start)
+            assert not found.success or made.is_right(found), (seed, found)
+            assert found.success or "describes the data" in found.message
+            succeeded += found.success
+        assert succeeded >= 0.95 * count - 1
+
+
+@pytest.mark.parametrize(
+    "count",
+    [
+        2,
+        pytest.param(10, marks=pytest.mark.slow),
+        pytest.param(60, marks=pytest.mark.campaign),
+    ],
+)
+def test_a_family_with_outliers(count: int) -> None:
+    """An outlier is named; a robust fit is right in spite of it, any other is no success."""
+    named = 0
+    succeeded = 0
+    for seed in range(count):
+        made = fit_set(seed, 0.3)
+        data, row = made.with_outlier(np.random.default_rng(seed))
+        plain = fit(made.scene, data, made.free, sigma=SIGMA, start=made.start)
+        assert not plain.success
+        assert "outlier" in plain.message or "describes the data" in plain.message
+        robust = fit(made.scene, data, made.free, sigma=SIGMA, start=made.start, robust=True)
+        assert not robust.success or made.is_right(robust), (seed, robust)
+        succeeded += robust.success
+        for found in (plain, robust):
+            named += [outlier.row for outlier in found.outliers] == [row]
+            assert len(found.outliers) <= 1 + len(data) // 10
+    assert succeeded >= 0.95 * count - 1
+    assert named >= 2 * (0.9 * count - 1)
+
+
+@pytest.mark.quick(2)
+@pytest.mark.parametrize("sigma", [1e-3, None])
+@pytest.mark.parametrize("form", ["events", "samples"])
+def test_data_of_another_motion_are_not_described(sigma: float | None, form: str) -> None:
+    """With a wrong normal force no k describes the events or the samples of fig5."""
+    motion = simulate("fig5", t_end=20)
+    t = np.linspace(0.1, 20, 80)
+    data: Any = {"t": t, "x": motion(t)[0]}
+    if form == "events":
+        data = [(event.t, event.kind) for event in motion.events]
+    wrong = load_scene("fig5").parameters.replace(FN=9)
+    scene = replace(load_scene("fig5"), parameters=wrong, t_end=Fraction(20))
+    found = fit(scene, data, "k", sigma=sigma, start={"k": 1.1})
+    assert not found.success
+    assert "no motion describes the data, from many starts: " in found.message
+    assert "farthest off are " in found.message
+    assert ("chi² is " in found.message) == (sigma is not None)
+
+
+def test_sigma_below_the_rounding_is_said() -> None:
+    scene, data = sampled(0, 4, 0.0)
+    found = fit(scene, data, ("mu1", "c"), sigma=1e-7)
+    assert not found.success
+    assert "sigma is smaller than the errors of rounding (x to 4 decimals" in found.message
+    assert fit(scene, data, ("mu1", "c"), sigma=1e-4 / math.sqrt(12)).success
+
+
+def test_an_outlier_among_samples_without_sigma() -> None:
+    scene, data = sampled(1, None, 1e-3)
+    data["x"][70] += 0.05
+    plain = fit(scene, data, "mu1")
+    assert not plain.success
+    assert [(outlier.row, outlier.what) for outlier in plain.outliers] == [(70, "x")]
+    assert "robust=True" in plain.message
+    robust = fit(scene, data, "mu1", robust=True)
+    assert robust.success
+    assert robust.outliers[0].row == 70
+    assert abs(pulls(scene, robust)[0]) < 4
+
+
+def test_random_errors_are_no_misfit() -> None:
+    """Without sigma no normal errors of few or many data count as outliers or structure."""
+    names = ("mu1", "c")
+    for seed in range(0, 12, 2):
+        scene, data = sampled(seed, None, 1e-3, "x", 8 + 10 * seed)
+        found = fit(scene, data, names)
+        assert found.success, found.message
+        events = measured(seed, 1e-3, t_end=12 + 4 * seed)
+        assert fit("fig5", events, names).success
+
+
+# -- errors --------------------------------------------------------------------------------------
+
+#: Decimals, noise, columns and sigma of samples; the rounding errors of a stick repeat.
+SAMPLES = {
+    "5 decimals": (5, 0.0, "xv", None),
+    "5 decimals of x": (5, 0.0, "x", None),
+    "6 decimals, sigma known": (6, 0.0, "xv", 1e-6 / math.sqrt(12)),
+    "8 decimals": (8, 0.0, "xv", None),
+    "noise and 3 decimals": (3, 3e-4, "xv", None),
+    "noise": (None, 1e-3, "xv", 1e-3),
+}
+
+
+def covers(found: list[float], fits: int) -> None:
+    """Assert that errors cover 68 % and 95 %, within three counting errors of so many fits."""
+    sizes = np.abs(found)
+    for most, part in ((1.0, 0.6827), (2.0, 0.9545)):
+        allowed = 3.0 * math.sqrt(part * (1.0 - part) / fits)
+        assert abs(np.mean(sizes <= most) - part) <= allowed, (most, np.mean(sizes <= most))
+
+
+@pytest.mark.parametrize("kind", SAMPLES)
+@pytest.mark.parametrize(
+    "count",
+    [
+        pytest.param(15, marks=pytest.mark.slow),
+        pytest.param(300, marks=pytest.mark.campaign),
+    ],
+)
+def test_errors_of_samples(kind: str, count: int) -> None:
+    decimals, noise, columns, sigma = SAMPLES[kind]
+    found = []
+    for seed in range(count):
+        scene, data = sampled(seed, decimals, noise, columns)
+        found += pulls(scene, fit(scene, data, ("mu1", "c"), sigma=sigma))
+    covers(found, count)
+
+
+@pytest.mark.parametrize("sigma", [SIGMA, None])
+@pytest.mark.parametrize("robust", [False, True])
+@pytest.mark.parametrize(
+    "count",
+    [
+        pytest.param(15, marks=pytest.mark.slow),
+        pytest.param(300, marks=pytest.mark.campaign),
+    ],
+)
+def test_errors_of_events(sigma: float | None, robust: bool, count: int) -> None:
+    found = []
+    for seed in range(count):
+        made = fit_set(1000 + seed, 0.05)
+        data = made.noisy(np.random.default_rng(seed))
+        result = fit(made.scene, data, made.free, sigma=sigma, start=made.start, robust=robust)
+        found += pulls(made.scene, result)[:1]
+    covers(found, count)
+
+
+def test_rounding_errors_repeat_in_a_stick() -> None:
+    """Errors of samples rounded to 5 decimals are larger than the square root of n says."""
+    scene, data = sampled(2, 5, 0.0, "x", 600)
+    found = fit(scene, data, "mu1")
+    slopes = sensitivities(scene, "mu1")(data["t"])[0, :, 0]
+    independent = 1e-5 / math.sqrt(12) / math.sqrt(float(slopes @ slopes))
+    assert found.errors["mu1"] > 2 * independent
+    assert abs(pulls(scene, found)[0]) < 4
+
+
+# -- names of columns, files ---------------------------------------------------------------------
+
+
+def test_columns_are_known_as_in_checks(tmp_path: Path) -> None:
+    motion = simulate("fig5", t_end=12)
+    t = np.linspace(0.1, 12, 40)
+    x, v = motion(t)
+    right = fit("fig5", {"t": t, "x": x, "v": v}, "mu1", sigma=1e-3)
+    file = tmp_path / "samples.csv"
+    np.savetxt(file, np.array([t, x, v]).T, header="Time (s);pos;vel", delimiter=";", comments="")
+    np.savez(tmp_path / "samples.npz", clock=t, u=x)
+    for data in ({"time": t, "pos": x, "vel": v}, file, str(file), motion, [*zip(t, x, v)]):  # noqa: B905
+        found = fit("fig5", data, "mu1", sigma=1e-3)
+        assert found.success
+        assert found.values["mu1"] == pytest.approx(right.values["mu1"])
+        assert len(found.residuals) == 80 or data is motion
+    named = {"t": "clock", "x": "u"}
+    for data in ({"clock": t, "u": x}, tmp_path / "samples.npz"):
+        assert len(fit("fig5", data, "mu1", sigma=1e-3, columns=named).residuals) == 40
+    events = {"time": [1.22098, 8.28934], "event": ["slip", "slip"], "x": [1.16, -6.48]}
+    assert len(fit("fig5", events, "mu1", sigma=1e-3).residuals) == 2
+    events = {"when": [1.22098, 8.28934], "what": ["slip", "slip"]}
+    columns = {"t": "when", "kind": "what"}
+    assert fit("fig5", events, "mu1", sigma=1e-3, columns=columns).success
+    refused(lambda: fit("fig5", {"clock": t, "u": x}, "mu1"), "data")
+    refused(lambda: fit("fig5", {"t": t, "u": x}, "mu1", columns={"x": "w"}), "column")
+    refused(lambda: fit("fig5", events, "mu1", columns={"t": "when", "kind": "why"}), "column")
+    refused(lambda: fit("fig5", tmp_path / "no.csv", "mu1"), "file")
+
+
 def test_the_command(tmp_path: Path) -> None:
     file = tmp_path / "stops.csv"
     run = CliRunner().invoke
@@ -95,6 +333,17 @@ def test_the_command(tmp_path: Path) -> None:
     assert said.output.splitlines()[-1].startswith("converged")
     as_json = run(main, ["fit", "fig5", str(file), "--free", "mu1", "--json"])
     assert '"success": true' in as_json.output
+    lines = file.read_text().replace("t,kind", "clock,kind").splitlines()
+    t, _, kind = lines[3].partition(",")
+    lines[3] = f"{float(t) + 0.2},{kind}"
+    file.write_text("\n".join(lines))
+    how = ["--sigma", "1e-3", "--columns", "t=clock"]
+    plain = run(main, ["fit", "fig5", str(file), "--free", "mu1", *how])
+    assert plain.exit_code == 1
+    assert "the data have 1 outlier, which a fit with robust=True leaves out" in plain.output
+    robust = run(main, ["fit", "fig5", str(file), "--free", "mu1", *how, "--robust", "--json"])
+    assert robust.exit_code == 0
+    assert '"row": 2' in robust.output
     bad = tmp_path / "bad.csv"
     bad.write_text("t,kind\n1\n")
     for arguments in (

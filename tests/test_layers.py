@@ -17,7 +17,8 @@ ROOT = Path(symosc.__file__).parent
 #: what is in itself.
 LEVELS = [
     {"aliases", "errors"},
-    {"arguments", "exact", "files", "display"},
+    {"exact"},
+    {"arguments", "files", "display", "workers"},
     {"quantities"},
     {"model"},
     {"words", "reductions"},
@@ -27,8 +28,8 @@ LEVELS = [
     {"mappings", "simulation"},
     {"symbolic"},
     {"orbits", "crosschecks", "sweeps", "sensitivities"},
-    {"grazing", "fit", "jax", "response"},
-    {"certificates"},
+    {"grazing", "fitting", "jax", "response"},
+    {"certificates", "fit"},
     {"reference"},
     {"plot"},
     {"derive", "bench"},

@@ -499,8 +499,8 @@ def measurement_note(result: Record) -> str:
     text = (
         f"One run of `symosc bench` ({sentence(result['machine'])}). "
         f"c = {result['c_ns']:.0f} ns is the cost of one event when `simulate_many` merely counts "
-        "the events of fig5, on one core; an evaluation of the closed form, one exp and two "
-        f"sine-cosine pairs, takes {result['floor_ns']:.1f} ns."
+        "the events of fig5, on one core; one closed form (an exp, two sine-cosine pairs) takes "
+        f"{result['floor_ns']:.1f} ns."
     )
     return fill(text, 120, break_long_words=False, break_on_hyphens=False)
 

@@ -7,7 +7,7 @@ import json
 import os
 from collections import Counter, defaultdict, deque
 from collections.abc import Iterable, Iterator, Mapping, Sequence
-from concurrent.futures import Executor, ProcessPoolExecutor
+from concurrent.futures import Executor
 from contextlib import nullcontext
 from dataclasses import dataclass
 from fractions import Fraction
@@ -36,6 +36,7 @@ from symosc.orbits.find import SETTLING_PERIODS, find_orbit
 from symosc.scenes import Scene, load_scene
 from symosc.simulation.ensemble import simulate_many
 from symosc.words import Word, read_word
+from symosc.workers import process_pool
 
 #: How many boxes are tried before the time is checked again, and in one call of a worker.
 BATCH = 64
@@ -818,7 +819,7 @@ def atlas(
         if before != plane:
             raise ParameterError("path", path, "is the atlas of another plane: name another file")
     with (
-        ProcessPoolExecutor(count) if count > 1 else nullcontext() as pool,
+        process_pool(count) if count > 1 else nullcontext() as pool,
         reporting(progress, 0, float(share), "proven", "") as report,
     ):
         if earlier:

@@ -46,6 +46,7 @@ The letters of the code are those above. `data` is the content of a file, with i
 
 import argparse
 import json
+import os
 import re
 import sys
 from fractions import Fraction
@@ -974,20 +975,20 @@ def settled(data, source, limits):
     return [first, shown, *stuck, f"a cycle takes {data['periods']} forcing periods", *lines]
 
 
-def keeps(bias, swing, low, high, problem):
-    """Raise Stop unless bias + swing sin theta is > 0 for all phases theta from `low` to `high` (by bisection)."""
-    parts = [(low, high)]
-    while parts:
-        problem.step()
-        a, b = parts.pop()
-        s = arb(bias) + arb(swing) * a.union(b).sin()
-        check(not s < 0, "a window with phases on the wrong side of its ends")
-        check(s > 0 or b - a > arb(2) ** -ctx.prec, "the sign of s near an end of the window", OPEN)
-        middle = ((a + b) / 2).mid()
-        if s > 0:
-            parts += []
-        else:
-            parts += [(a, middle), (middle, b)]
+def keeps(bias, swing, low, high):
+    """Raise Stop unless s = bias + swing sin theta is > 0 for all phases theta from `low` to `high`."""
+    # s falls to its least value, bias - |swing|, and rises from there, once a turn: between two
+    # phases of its least value it is least at an end.
+    if bias > abs(swing):
+        return
+    for end in (low, high):
+        require(arb(bias) + arb(swing) * end.sin(), "phases on the wrong side of a window's ends")
+    turn = 2 * arb.pi()
+    least = arb.pi() * (3 if swing > 0 else 1) / 2
+    before = int(((low - least) / turn).mid().floor().unique_fmpz())
+    outside = "a window with phases at which s is least"
+    require(low - least - before * turn, outside)
+    require(least + (before + 1) * turn - high, outside)
 
 
 def window(data, source, limits):
@@ -1012,8 +1013,8 @@ def window(data, source, limits):
         (a, b), (c, d) = ([arb(each) for each in end["phase"]] for end in ends)
         for x, y in pairwise((a, b, c, d, a + 2 * arb.pi())):
             require(y - x, "ends in another order")
-        keeps(bias, swing, b, c, problem)
-        keeps(-bias, -swing, d, a + 2 * arb.pi(), problem)
+        keeps(bias, swing, b, c)
+        keeps(-bias, -swing, d, a + 2 * arb.pi())
     elif one:
         if data["order"] == "full":
             above = "everywhere"
@@ -1025,10 +1026,10 @@ def window(data, source, limits):
             right = above
         check(where == right, "a window that is not so at the phase where s is 0, or elsewhere")
     elif where == "nowhere" and not bias == swing == 0:
-        keeps(-bias, -swing, *circle, problem)
+        keeps(-bias, -swing, *circle)
     elif where != "nowhere":
         check(where == "everywhere", "a window that leaves out a phase at which nothing is special")
-        keeps(bias, swing, *circle, problem)
+        keeps(bias, swing, *circle)
     for end in ends:
         (low, high) = [arb(each) for each in end["phase"]]
         sine = end["sine"]
@@ -1161,15 +1162,31 @@ def verify(path, **limits):
         with open(path, "rb") as file:
             content = file.read(most + 1)
         check(len(content) <= most, f"more than {most} bytes (--bytes)", BAD)
-        data = json.loads(content, object_pairs_hook=unique)
+        check(not content.startswith(b"\xef\xbb\xbf"), "a byte order mark, no JSON in UTF-8", BAD)
+        data = json.loads(content.decode("utf-8"), object_pairs_hook=unique)
         return judge(data, **limits)
     except Stop as stop:
         what = stop.args[1]
     except OSError as error:
         what = str(error)
+    except UnicodeDecodeError:
+        what = f"{path} is no text in UTF-8"
     except (ValueError, RecursionError) as error:
         what = f"{path} is not the JSON that symosc certify writes ({error})"
     return BAD, f"no certificate: {' '.join(what.split())[:200]}"
+
+
+def say(text, stream, name):
+    """Write a line to a stream, whose name is for messages; return why it cannot be written, or ""."""
+    if stream is None:
+        return f"{name} is closed"
+    try:
+        print(text, file=stream, flush=True)
+    except OSError as error:
+        os.dup2(os.open(os.devnull, os.O_WRONLY), stream.fileno())  # else it fails again at exit
+        # A reader that has seen enough closes the pipe.
+        return "" if isinstance(error, BrokenPipeError) else f"{name}: {error.strerror}"
+    return ""
 
 
 def main():
@@ -1182,7 +1199,13 @@ def main():
         )
     arguments = vars(parser.parse_args())
     code, answer = verify(arguments.pop("file"), **arguments)
-    print(answer, file=sys.stderr if code else sys.stdout)
+    if code:
+        say(answer, sys.stderr, "standard error")
+    else:
+        lost = say(answer, sys.stdout, "standard output")
+        if lost:
+            code = BAD
+            say(lost, sys.stderr, "standard error")
     sys.exit(code)
 
 

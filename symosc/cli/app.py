@@ -16,12 +16,14 @@ import click
 
 import symosc
 from symosc.cli.options import flag
-from symosc.cli.output import BAD_INPUT, INTERRUPTED, note, write
+from symosc.cli.output import BAD_INPUT, INTERRUPTED, complain, note, write
 from symosc.display import progress
-from symosc.errors import CodeCacheWarning, SymoscError, meant
-from symosc.files import drop_stdout
+from symosc.errors import CodeCacheWarning, SymoscError, brief, meant
+from symosc.files import drop
 from symosc.model import PARAMETER_NAMES
 
+#: The longest word that an error shows whole, such as the path of a file.
+LONGEST_WORD = 300
 #: The commands, and the module of each, which is loaded when the command is used.
 COMMANDS = {
     "simulate": "simulate",
@@ -124,9 +126,20 @@ class CommandLine(click.Group):
             _fail(str(error))
         except OverflowError as error:
             _fail(f"a number is beyond the range of double precision ({error})")
+        except MemoryError:
+            _fail("there is not enough memory for this")
         except OSError as error:
-            drop_stdout()
+            drop(sys.stdout)
             _fail(f"{error.filename or 'cannot write standard output'}: {error.strerror or error}")
+        except ImportError as error:  # a broken installation, or no memory for a library
+            _fail(f"a module cannot be loaded: {error}")
+        except ValueError as error:
+            from symosc.plot import backend_error
+
+            unknown = backend_error(error)
+            if unknown is None:
+                raise
+            _fail(str(unknown))
         except click.Abort:
             sys.exit(INTERRUPTED)
         sys.exit(code if isinstance(code, int) else 0)
@@ -192,7 +205,9 @@ def _warn(message: Any, category: type[Warning], *where: Any, **more: Any) -> No
 
 
 def _fail(message: str) -> NoReturn:
-    click.echo(f"symosc: error: {' '.join(message.split())}", err=True)
+    """Print why the input is bad, in one line, and end with the exit code for that."""
+    words = [brief(word) if len(word) > LONGEST_WORD else word for word in message.split()]
+    complain(f"error: {' '.join(words)}")
     sys.exit(BAD_INPUT)
 
 

@@ -8,25 +8,18 @@ from __future__ import annotations
 from collections.abc import Sequence
 from itertools import count
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import click
 
 import symosc
+from symosc.aliases import Record
 from symosc.cli import options, output
 from symosc.cli.options import Settings, Text, flag, option
 from symosc.display.progress import bar
 
-
-def _split_columns(text: Text) -> dict[str, str]:
-    names: dict[str, str] = {}
-    for part in () if text is None else text.split(","):
-        form = "t=NAME, x=NAME, v=NAME or id=NAME"
-        name, column = options.split_setting(part, "--columns", form, names)
-        if name not in ("t", "x", "v", "id"):
-            raise click.BadParameter(f"{part!r} is not {form}", param_hint="--columns")
-        names[name] = column
-    return names
+if TYPE_CHECKING:
+    from symosc.reference.case import ReferenceCase
 
 
 @click.command()
@@ -111,7 +104,7 @@ def check(
 
     problem = options.scene_with(asked, settings, t_end=t_end)
     limits = {name: value for name, value in how.items() if value is not None}
-    limits["columns"] = _split_columns(limits.get("columns"))
+    limits["columns"] = options.split_columns(limits.get("columns"), ("t", "x", "v", "id"))
     if len(files) == 1:
         source: Any = files[0]
     elif solver is None:
@@ -134,8 +127,9 @@ def check(
 @click.command()
 @option("-o, --output DIR", "Write the cases into this folder: all files or none.", "folder")
 @option("--group NAME", "Only the cases of one group, such as 'exact graze'.")
+@flag("--events", "Count the events of each case as well, which takes up to a minute.")
 @options.json_option
-def cases(folder: Text, group: Text) -> None:
+def cases(folder: Text, group: Text, events: bool) -> None:
     """List reference cases: motions whose events are known for certain, mostly with a proof.
 
     With -o they are written as files that any language reads: exact parameters, events between
@@ -146,9 +140,10 @@ def cases(folder: Text, group: Text) -> None:
     \b
     Examples:
       symosc cases
-      symosc cases --group "exact graze" --json
+      symosc cases --group "exact graze" --events --json
       symosc cases -o cases
     """
+    from symosc.reference.case import PROVEN
     from symosc.reference.cases import chosen
     from symosc.reference.folder import write_cases
 
@@ -164,14 +159,23 @@ def cases(folder: Text, group: Text) -> None:
         data = {"folder": str(path), "cases": [case.name for case in wanted]}
         output.report(lambda: data, lambda: output.write(text))
         return
-    heads = ["name", "group", "events", "status", "hard"]
-    rows = [[case.name, case.group, case.count, case.status, case.hard] for case in wanted]
+    listed = [case_row(case, events) for case in wanted]
 
     def show() -> None:
-        output.write_table([list(map(str, row[:-1])) for row in rows], heads[:-1])
-        output.write(f"\n{len(wanted)} cases, {sum(case.proven for case in wanted)} of them proven")
+        heads = [name for name in listed[0] if name != "hard"]
+        output.write_table([[str(row[name]) for name in heads] for row in listed], heads)
+        proven = sum(row["status"] == PROVEN for row in listed)
+        output.write(f"\n{len(listed)} cases, {proven} of them proven")
 
-    output.report(lambda: {"cases": [dict(zip(heads, row, strict=True)) for row in rows]}, show)
+    output.report(lambda: {"cases": listed}, show)
+
+
+def case_row(case: ReferenceCase, events: bool) -> Record:
+    """Return what the list of cases says of one; `events` asks for what takes a proof or a simulation."""
+    row: Record = {"name": case.name, "group": case.group}
+    if events:
+        row["events"] = case.count
+    return row | {"status": case.expected_status, "hard": case.hard}
 
 
 @click.command()

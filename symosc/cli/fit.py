@@ -2,33 +2,16 @@
 
 from __future__ import annotations
 
-import csv
-from typing import TextIO
-
 import click
 
 from symosc.cli import options, output
-from symosc.cli.options import Settings, Text, option
+from symosc.cli.options import Settings, Text, flag, option
 from symosc.errors import ParameterError
-
-
-def _columns(file: TextIO) -> dict[str, list[str]]:
-    """Return the columns of a CSV file by the names in its first line."""
-    try:
-        rows = list(csv.DictReader(file, skipinitialspace=True, strict=True))
-    except (csv.Error, UnicodeDecodeError) as error:
-        raise click.BadParameter(
-            f"{file.name} is no CSV file: {error}", param_hint="FILE"
-        ) from None
-    if not rows or any(None in row or None in row.values() for row in rows):
-        needs = f"{file.name} needs a line of names, and as many entries in each row"
-        raise click.BadParameter(needs, param_hint="FILE")
-    return {name: [row[name] for row in rows] for name in rows[0]}
 
 
 @click.command()
 @options.scene_argument
-@click.argument("file", type=click.File(encoding="utf-8-sig"))
+@click.argument("file")
 @option(
     "--free NAMES",
     "What to fit: names of parameters, and t0, x0, v0, such as mu1,c.",
@@ -39,27 +22,35 @@ def _columns(file: TextIO) -> dict[str, list[str]]:
     "Standard deviation of the times, or of x and v: 1e-3 or 1e-3,1e-2. Default: estimated.",
 )
 @option("--start NAME=VALUE", "First value of a free number. Repeatable.", multiple=True)
+@flag("--robust", "Let outliers hardly count: up to a tenth of the data.")
+@option("--columns t=…,x=…", "What the columns t, kind, x and v are called; v=none: no velocities.")
 @options.plot_option
 @options.set_option
 @options.json_option
 def fit(
     scene: str,
-    file: TextIO,
+    file: str,
     free: str,
     sigma: Text,
     start: Settings,
+    robust: bool,
+    columns: Text,
     plot: Text,
     settings: Settings,
 ) -> int:
-    """Fit parameters to measured events or samples in a CSV file.
+    """Fit parameters to measured events or samples in a file.
 
-    FILE has a line of names: t and kind (cross, stick, slip or graze) of events, some of which may
-    be missing; or t and x, or t, x and v, of samples. Exit code 1 if the data do not determine all
-    numbers.
+    FILE has columns t and kind (cross, stick, slip or graze) of events, some of which may be
+    missing; or t and x, or t, x and v, of samples. `symosc check` reads the same files, and knows
+    the same names of columns, such as time, pos and vel.
+
+    Exit codes: 0 success; 1 the data do not determine all numbers, or no motion describes the data;
+    2 bad input.
 
     \b
     Examples:
       symosc fit fig5 stops.csv --free mu1 --sigma 1e-3
+      symosc fit fig5 run.csv --free mu1,c --columns t=clock,x=u --robust
       symosc fit mine.toml samples.csv --free mu1,k,x0 --start mu1=0.7 --plot fit.png
     """
     from symosc.fit import fit as fit_parameters
@@ -71,16 +62,21 @@ def fit(
     else:
         widths = sigma
     firsts = dict(each.partition("=")[::2] for each in start)
+    names_of_columns = options.split_columns(columns, ("t", "kind", "x", "v"))
     try:
-        found = fit_parameters(problem, _columns(file), names, sigma=widths, start=firsts)
+        found = fit_parameters(
+            problem,
+            file,
+            names,
+            sigma=widths,
+            start=firsts,
+            robust=robust,
+            columns=names_of_columns,
+        )
     except ParameterError as error:
         if error.name.partition("[")[0] not in ("data", "t", "kind", "x", "v"):
             raise
-        if "[" in error.name:
-            rows = " (rows from 0, without the line of names)"
-        else:
-            rows = ""
-        raise click.BadParameter(f"{file.name}: {error}{rows}", param_hint="FILE") from None
+        raise click.BadParameter(f"{file}: {error}", param_hint="FILE") from None
     output.draw(plot, found.plot)
     about = {
         "values": found.values,
@@ -91,6 +87,7 @@ def fit(
         "success": found.success,
         "message": found.message,
         "residuals": found.residuals.tolist(),
+        "outliers": [outlier._asdict() for outlier in found.outliers],
     }
     table = [
         [name, f"{value:.10g}", f"{found.errors[name]:.2g}"] for name, value in found.values.items()

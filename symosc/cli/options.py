@@ -6,7 +6,7 @@ Scenes, parameters, numbers, names of files.
 from __future__ import annotations
 
 import re
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Iterable, Sequence
 from typing import Any, TypeAlias
 
 import click
@@ -182,6 +182,18 @@ def split_setting(text: str, hint: str, form: str, known: Iterable[str] = ()) ->
     if name in known:
         raise click.BadParameter(f"{name} is given twice", param_hint=hint)
     return name, value
+
+
+def split_columns(text: Text, known: Sequence[str]) -> dict[str, str]:
+    """Return the names of columns by what they hold, which is one of `known`."""
+    form = ", ".join(f"{name}=NAME" for name in known[:-1]) + f" or {known[-1]}=NAME"
+    names: dict[str, str] = {}
+    for part in () if text is None else text.split(","):
+        name, column = split_setting(part, "--columns", form, names)
+        if name not in known:
+            raise click.BadParameter(f"{part!r} is not {form}", param_hint="--columns")
+        names[name] = column
+    return names
 
 
 def read_span(text: str, hint: str) -> tuple[str, tuple[str, str]]:

@@ -83,7 +83,7 @@ def orbit(
     text = partial(_report_text, problem, found, branch)
     output.report(lambda: _orbit_data(problem, found, branch), lambda: output.write(text()))
     if picture == STDOUT and not found.admissible:
-        click.echo(text(), err=True)
+        output.complain(text())
     if found.admissible:
         return 0
     return output.FAILED

@@ -15,7 +15,7 @@ import click
 
 import symosc
 from symosc.display import progress
-from symosc.files import STDOUT, drop_stdout
+from symosc.files import STDOUT, drop
 
 FAILED = 1
 BAD_INPUT = 2
@@ -84,13 +84,16 @@ def write(text: str, end: str = "\n") -> None:
     try:
         click.echo(text + end, nl=False)
     except BrokenPipeError:
-        drop_stdout()
+        drop(sys.stdout)
 
 
 def complain(text: str) -> None:
-    """Print an error on stderr."""
+    """Print an error on stderr; one that is closed or full changes nothing else."""
     progress.pause_working()
-    click.echo(f"symosc: {text}", err=True)
+    try:
+        click.echo(f"symosc: {text}", err=True)
+    except OSError:
+        drop(sys.stderr)
 
 
 def fail(text: str) -> NoReturn:

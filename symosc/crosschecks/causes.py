@@ -5,6 +5,7 @@ Their descriptions, a guess for each wrong step, and the samples to try them on.
 
 from __future__ import annotations
 
+import warnings
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
@@ -16,27 +17,20 @@ from symosc.crosschecks.steps import ExactSteps, follow_steps
 from symosc.engine.flow import Constants
 from symosc.model import MODE_NAMES, Parameters
 
-#: Causes by name, in words.
+#: Causes by name, in words. The last five say what is wrong where no cause is.
 CAUSES = {
     "coefficient": "a wrong coefficient",
     "sign": "a wrong sign",
     "swapped belts": "the belts' frictions are swapped",
     "columns": "the columns are not what they are called",
-    "time shift": "the clock is shifted",
+    "time shift": "the clock is wrong",
     "phase": "another phase of the drive",
-    "forces": "wrong forces in the domains",
+    "late events": "events are missed or late",
     "smoothed friction": "smoothed friction",
-    "chatter": "chatter about a belt's speed",
     "drift": "drift off a belt in a stick",
-    "late events": "events are not located, but happen late",
-    "event interpolation": "events are located by linear interpolation",
-    "resampling": "the samples are interpolated between others",
-    "double root": "missed double roots",
-    "stick left early": "sticks are left too early",
-    "stick left late": "sticks are left too late",
-    "truncation": "truncation error of the method",
+    "chatter": "chatter about a belt's speed",
+    "steps too large": "the solver's steps are too large",
     "noise": "noise",
-    "outlier": "samples off by themselves",
     "precision": "the samples have few digits",
     "missing events": "the list lacks events",
     "invented events": "the list has events that are none",
@@ -55,7 +49,7 @@ class Diagnosis:
     cause : str
         One of CAUSES.
     subject : str
-        What it is about: a parameter ("mu1"), a column ("x"), a method ("euler"); "" if nothing.
+        What it is about: a parameter ("mu1"), a column ("x"), a curve ("tanh"); "" if nothing.
     words : str
         The diagnosis in a sentence.
     evidence : str
@@ -95,19 +89,24 @@ ChangeColumns = Callable[
 
 
 class Candidate(NamedTuple):
-    """A diagnosis and, if there is one, a change that tests it.
+    """A diagnosis, and what shows that it is right: a change, or the defects that it leaves.
 
-    With the change all steps should be right.
-
-    Either the exact motion gets the changed `parameters`, or the function `columns` turns the
-    samples t, x, v into others. `words` describe the change, such as "with m = 2"; without a change
-    they are "".
+    With the change all steps should be right. Either the exact motion gets the changed
+    `parameters`, or the function `columns` turns the samples t, x, v into others; `words` describe
+    it, such as "with m = 2". A cause without a change says by `left` how large the defects of the
+    steps of the `Case` are if it is assumed, NaN where that was not computed.
     """
 
     diagnosis: Diagnosis
     words: str = ""
     parameters: Parameters | None = None
     columns: ChangeColumns | None = None
+    left: np.ndarray | None = None
+
+    @property
+    def name(self) -> tuple[str, str]:
+        """Cause and subject."""
+        return self.diagnosis.cause, self.diagnosis.subject
 
 
 # -- a guess for each wrong step ---------------------------------------------------------------------------------------
@@ -120,10 +119,10 @@ REASONS = {
     "event at the start": "an event at the start of the step",
     "sign tolerance": "sign tolerance",
     "drift on the belt": "drift on the belt",
-    "double root": "double root near a graze",
+    "double root": "a belt met and left within the step",
     "crossing inside the step": "a crossing inside the step",
     "undecidable": "a contact that cannot be decided",
-    "local error": "local error of the method",
+    "local error": "an error inside a domain",
 }
 # Another motion explains a step if its defect is at most this fraction of the exact motion's
 # defect.
@@ -277,7 +276,7 @@ def explain(
                 force = ""
             what = f"{MODE_NAMES[first]} -> {MODE_NAMES[int(steps.events.target[rows][0])]} at t = {times[0]:.10g}"
             return "crossing inside the step", what + force
-        what = f"no event in the step, motion in {MODE_NAMES[first]}: tolerances of the method, or another model"
+        what = f"the step lies in {MODE_NAMES[first]} and has no event"
         return "local error", what
 
     found = []
@@ -291,18 +290,27 @@ def explain(
     return tuple(found)
 
 
-# -- alternatives tried on the wrong steps -----------------------------------------------------------------------------
+# -- causes tried on the wrong steps ---------------------------------------------------------------
 
-# Number of steps on which causes are tried, from shortly before the first wrong one.
-MOST_TRIED_STEPS = 3_000
-# A fitted model is tried on all steps if it leaves this part of the defects; its numbers are
-# reported at this part.
-LEFT_OVER = 0.1
+# Number of steps on which causes are tried, and how many of them may come before the first wrong
+# one.
+MOST_TRIED_STEPS = 1_000
+MOST_BEFORE = 200
+# Wrong steps on which a cause is tried that is costly, and how many of them are the largest ones.
+MOST_TELLING = 60
+LARGEST = 10
+# Telling steps on which other parameters are tried first.
+FEW_TELLING = 12
+# Samples on each side of the largest defect on which changes of columns are tried first.
+FEW_MENDED = 30
+# A cause may leave this part of a defect, or this part of the largest one, or what is allowed.
 FITS = 1e-3
-# Causes that explain this little less than the best are its alternatives. A change that makes all
-# steps right is sure.
-AS_GOOD = 0.02
-SURE = 1.0 + AS_GOOD
+FITS_LARGEST = 1e-3
+# A cause is named if it explains this part of the wrong steps, beside the first and the largest
+# one.
+ENOUGH = 0.9
+# A fitted model is tried on all steps if it leaves this part of the defects.
+LEFT_OVER = 0.1
 
 
 class Fit(NamedTuple):
@@ -313,30 +321,21 @@ class Fit(NamedTuple):
     sizes: np.ndarray
 
 
-def tried_samples(check: Any) -> slice:
-    """Return the slice of a `CrossCheck`'s samples on which causes are tried, with at most MOST_TRIED_STEPS steps."""
-    # They begin 300 steps before the first wrong one, or earlier if few follow it.
-    if len(check.wrong_steps):
-        first = int(check.wrong_steps[0])
-    else:
-        first = 0
-    low = max(0, min(first - 300, len(check.t) - MOST_TRIED_STEPS - 1))
-    return slice(low, low + MOST_TRIED_STEPS + 1)
-
-
 class Case:
     """Samples of a solution whose faults are to be explained, and the exact motion over each of their steps."""
 
     # `offset` is the number of the first of them among all samples of the `check`; `near` are
     # distances from a belt that count as on it; `sizes` the defects in units of the allowed ones;
-    # `moving_wrong` the wrong steps in which time passes; `domain` that of each sample, 0 at a
-    # belt; `inside` the steps in one domain, for the samples and the exact motion, and
-    # `inside_wrong` and `flights_wrong` those of them that are wrong, and their fraction.
+    # `moving_wrong` the wrong steps in which time passes, `telling` some of them; `domain` that of
+    # each sample, 0 at a belt; `inside` the steps in one domain, for the samples and the exact
+    # motion, and `inside_wrong` and `flights_wrong` those of them that are wrong, and their
+    # fraction.
 
-    def __init__(self, check: Any) -> None:
-        """Follow the exact motion over the samples of a `CrossCheck`, or if they are many over its `tried_samples`."""
-        part = tried_samples(check)
-        self.check, self.offset, self.parameters = check, part.start, check.trajectory.parameters
+    def __init__(self, check: Any, around: int) -> None:
+        """Follow the exact motion over the samples of a `CrossCheck` around a wrong step."""
+        low = max(0, min(around - MOST_BEFORE, len(check.t) - MOST_TRIED_STEPS - 1))
+        part = slice(low, low + MOST_TRIED_STEPS + 1)
+        self.check, self.offset, self.parameters = check, low, check.trajectory.parameters
         self.allowed, self.scales = (
             check.allowed[part.start : part.stop - 1],
             np.array(check.scales),
@@ -363,34 +362,32 @@ class Case:
             self.flights_wrong = 0.0
 
     @cached_property
-    def sticks(self) -> bool:
-        """Whether there is a stick.
+    def telling(self) -> np.ndarray:
+        """Wrong steps that show whether a cause is right.
 
-        In the exact motion, or as two successive steps of the samples on one belt.
+        The first, the largest, and some of the others.
         """
-        if any(
-            part.mode.startswith("belt") and part.t_end > part.t_start
-            for part in self.check.trajectory.segments
-        ):
-            return True
-        s = self.steps
-        on = self.domain == 0
-        same = np.abs(np.diff(s.v)) <= self.near[1:] + self.near[:-1]
-        stays = np.flatnonzero(on[1:] & on[:-1] & same & (np.diff(s.t) > 0.0))
-        return bool(np.any(np.diff(stays) == 1))
+        known = self.moving_wrong[np.isfinite(self.sizes[self.moving_wrong])]
+        largest = known[np.argsort(-self.sizes[known])[:LARGEST]]
+        others = self.thinned(np.setdiff1d(known, largest), MOST_TELLING - LARGEST)
+        return np.union1d(largest, others)
 
-    def limits(self, part: float = EXPLAINS) -> np.ndarray:
-        """Return for each step the defect that a cause may leave.
+    def leaving(self, sizes: np.ndarray, steps: np.ndarray) -> np.ndarray:
+        """Return the defects left in all steps, given those left in some, divided by the allowed.
 
-        The allowed one or, if larger, `part` of its own.
+        NaN elsewhere.
         """
-        return _limits(self.sizes, part)
+        left = np.full(len(self.sizes), np.nan)
+        left[steps] = np.nan_to_num(sizes, nan=np.inf)
+        return left
 
-    def share(
-        self, sizes: np.ndarray, steps: np.ndarray | None = None, part: float = EXPLAINS
-    ) -> float:
-        """Return the `explained_share` of a cause, given the defects `sizes` that it leaves in `steps` (None: all)."""
-        return explained_share(self.sizes if steps is None else self.sizes[steps], sizes, part)
+    def limits(self) -> np.ndarray:
+        """Return for each step the defect that a cause may leave, in units of the allowed one."""
+        return left_limits(self.sizes)
+
+    def share(self, left: np.ndarray) -> float:
+        """Return the `explained_share` of a cause, given the defects `left` that it leaves in all steps."""
+        return explained_share(self.sizes, left)
 
     def misses(self, ends: np.ndarray, steps: np.ndarray) -> np.ndarray:
         """Return `ends`, computed states at the ends of `steps`, minus the samples there, divided by the allowed."""
@@ -411,8 +408,19 @@ class Case:
         """Return the fraction of wrong steps that become right if t, x, v, perhaps fewer, are taken as the samples."""
         if len(t) < 2:
             return 0.0
+        # Most changes are refused by a few steps about the largest defect.
+        middle = int(np.argmax(np.where(np.isfinite(self.sizes), self.sizes, 0.0)))
+        few = slice(max(0, middle - FEW_MENDED), middle + FEW_MENDED)
+        if len(self.sizes) <= 4 * FEW_MENDED or middle >= len(t) - 1:
+            return self._mended(self.sizes, t, x, v)
+        if not self._mended(self.sizes[few], t[few], x[few], v[few]) > 0.5:
+            return 0.0
+        return self._mended(self.sizes, t, x, v)
+
+    def _mended(self, before: np.ndarray, t: np.ndarray, x: np.ndarray, v: np.ndarray) -> float:
+        """Return the `mended_share` of other samples, given the defects `before`."""
         found = follow_steps(self.parameters, t, x, v, float(np.median(self.near)), self.scales)
-        return mended_share(self.sizes, larger(found.defects / np.median(self.allowed, axis=0)))
+        return mended_share(before, larger(found.defects / np.median(self.allowed, axis=0)))
 
     def thinned(self, chosen: np.ndarray, most: int) -> np.ndarray:
         """Return the step numbers `chosen` or, if these are more than `most`, so many of them, evenly selected."""
@@ -420,31 +428,29 @@ class Case:
             return chosen
         return chosen[np.linspace(0, len(chosen) - 1, most).astype(int)]
 
-    def some_defects_with(self, p: Parameters, chosen: np.ndarray) -> np.ndarray:
-        """Return the defects of the steps `chosen` for parameters `p`, divided by the allowed, as rows x, v."""
-        begin = np.column_stack([self.steps.t, self.steps.states])[chosen]
-        return self.defects_from(begin, chosen + 1, self.near[chosen], p) / self.allowed[chosen]
+    def left_with(self, p: Parameters, ahead: float = 0.0) -> np.ndarray | None:
+        """Return the sizes of all defects with other parameters or times.
 
-    def defects_from(
-        self, begin: np.ndarray, until: np.ndarray, near: Any, p: Parameters | None = None
-    ) -> np.ndarray:
-        """Follow the exact motion from each state in `begin` to a sample.
-
-        Return the final states minus these samples.
-
-        The rows of `begin` are t, x, v; `until` has the number of the sample for each. `near` is as
-        in `follow_steps`. The motions must be in order of time and must not overlap.
+        None if few telling steps refuse them.
         """
-        end = np.column_stack([self.steps.t, self.steps.states])[until]
-        found = begin[:, 1:] - end[:, 1:]
-        moving = begin[:, 0] < end[:, 0]
-        if np.any(moving):
-            t, x, v = np.stack([begin, end], axis=1)[moving].reshape(-1, 3).T
-            near = np.repeat(np.broadcast_to(near, len(moving))[moving], 2)
-            found[moving] = follow_steps(p or self.parameters, t, x, v, near, self.scales).defects[
-                ::2
-            ]
-        return np.asarray(found)
+        few = self.thinned(self.telling, FEW_TELLING)
+        fits = larger(self.some_defects_with(p, few, ahead)) <= self.limits()[few]
+        if np.mean(fits) >= 0.5:
+            return larger(self.defects_with(p, ahead))
+        return None
+
+    def some_defects_with(
+        self, p: Parameters, chosen: np.ndarray, ahead: float = 0.0
+    ) -> np.ndarray:
+        """Return the defects of the steps `chosen`, divided by the allowed, as rows x, v.
+
+        They are for parameters `p` and with `ahead` added to all times.
+        """
+        s = self.steps
+        pairs = np.column_stack([chosen, chosen + 1]).ravel()
+        near = np.repeat(self.near[chosen], 2)
+        found = follow_steps(p, s.t[pairs] + ahead, s.x[pairs], s.v[pairs], near, self.scales)
+        return np.asarray(found.defects[::2] / self.allowed[chosen])
 
     def flight_misses(
         self, K: Constants, turn: float = 0.0, chosen: np.ndarray | None = None
@@ -461,40 +467,80 @@ class Case:
         other = replace(s, K=K, theta=s.theta + (K.Om - s.K.Om) * s.t + turn)
         return self.misses(other.flight(self.domain[chosen], chosen, chosen + 1), chosen)
 
+    def integrated(
+        self, force: Callable[[float, float, float], float], chosen: np.ndarray
+    ) -> np.ndarray:
+        """Return how far an equation with another `force` misses the ends of steps, in units of the allowed.
+
+        `force(x, v, phase)` is the acceleration. The result has rows x, v.
+        """
+        from scipy.integrate import odeint
+
+        s = self.steps
+        tolerance = float(np.min(self.allowed[chosen]))
+
+        def slopes(time: float, state: np.ndarray, theta: float) -> tuple[float, float]:
+            x, v = state.tolist()
+            return v, force(x, v, theta + s.K.Om * time)
+
+        ends = np.empty((len(chosen), 2))
+        for row, i in enumerate(chosen.tolist()):
+            span = (0.0, float(s.t[i + 1] - s.t[i]))
+            with warnings.catch_warnings():
+                warnings.simplefilter("ignore")
+                path = odeint(
+                    slopes, s.states[i], span, (float(s.theta[i]),), tfirst=True,
+                    rtol=1e-11, atol=0.01 * tolerance, mxstep=2000,
+                )  # fmt: skip
+            ends[row] = path[-1]
+        return self.misses(ends, chosen)
+
 
 def larger(misses: np.ndarray) -> np.ndarray:
     """Return for each step the larger of its misses in x and in v, without sign."""
     return np.asarray(np.max(np.abs(misses), axis=1))
 
 
-def _limits(sizes: np.ndarray, part: float) -> np.ndarray:
-    return np.maximum(1.0, part * np.nan_to_num(sizes, nan=0.0, posinf=0.0))
+def left_limits(before: np.ndarray) -> np.ndarray:
+    """Return what a cause may leave of each of the defects `before`, in units of the allowed ones."""
+    return np.maximum(1.0, FITS * np.nan_to_num(before, nan=0.0, posinf=0.0))
 
 
-def explained_share(before: np.ndarray, after: np.ndarray, part: float = EXPLAINS) -> float:
+def explained_share(before: np.ndarray, left: np.ndarray) -> float:
     """Return (wrong steps that a cause explains - right steps that it makes wrong) / (all wrong steps).
 
-    `before` and `after` are the sizes of the defects without and with the cause. A wrong step is
-    explained if at most the fraction `part` of its defect is left. The result is negative if more
-    steps become wrong than right.
+    `before` and `left` are the sizes of the defects without and with the cause, in units of the
+    allowed ones; steps in which `left` is NaN are not counted. The result is 0 if the first wrong
+    step or the one with the largest defect is not explained: then it is not the cause.
     """
     wrong = ~(before <= 1.0)
-    fits = np.asarray(after <= _limits(before, part))
-    return (int(np.sum(fits & wrong)) - int(np.sum(~fits & ~wrong))) / max(1, int(np.sum(wrong)))
+    limits = left_limits(before)
+    known = np.flatnonzero(wrong & np.isfinite(before))
+    if not len(known):
+        return 0.0
+    first = known[0]
+    largest = known[np.argmax(before[known])]
+    if not np.all(left[[first, largest]] <= limits[[first, largest]]):
+        return 0.0
+    tried = ~np.isnan(left)
+    fits = left <= np.where(wrong, np.maximum(limits, FITS_LARGEST * before[largest]), 1.0)
+    right = int(np.sum(fits & wrong)) - int(np.sum(~fits & ~wrong & tried))
+    return right / int(np.sum(wrong & tried))
 
 
 def mended_share(before: np.ndarray, after: np.ndarray) -> float:
     """Return the fraction of wrong steps that new samples mend.
 
     The defects are `before` and `after` the change.
+
+    It is 0 if the largest defect stays.
     """
     wrong = ~(before <= 1.0)
     usual = before[wrong & np.isfinite(before)]
-    if len(usual):
-        limit = max(1.0, EXPLAINS * float(np.median(usual)))
-    else:
-        limit = 1.0
-    return 1.0 - float(np.mean(~(after <= limit))) / max(float(np.mean(wrong)), 1e-300)
+    if not len(usual) or not np.max(after, initial=0.0) <= max(1.0, FITS * float(np.max(usual))):
+        return 0.0
+    limit = max(1.0, FITS * float(np.median(usual)))
+    return 1.0 - float(np.mean(~(after <= limit))) / float(np.mean(wrong))
 
 
 def fitted(
@@ -585,20 +631,21 @@ def best_between(
     high: np.ndarray,
     points: int,
     enough: np.ndarray,
+    rounds: int,
 ) -> tuple[np.ndarray, np.ndarray]:
     """Find for each step the number between its `low` and `high` at which it misses least.
 
     Return numbers and misses.
 
     `misses(numbers)` returns the miss of each step at its own number. It is tried at `points`
-    numbers, then at as many around the best of these, and so on: at most 8 times, or until the miss
-    of every step is at most its `enough`.
+    numbers, then at as many around the best of these, and so on: at most `rounds` times, or until
+    the miss of every step is at most its `enough`.
     """
     best = low
     leaves = np.full(len(low), np.inf)
     begin = low
     end = high
-    for _ in range(8):
+    for _ in range(rounds):
         for part in np.linspace(0.0, 1.0, points):
             tried = begin + part * (end - begin)
             left = misses(tried)

@@ -25,6 +25,10 @@ from symosc.simulation.tables import counted
 SAME_WAY = 5.0
 # A column counts as made from another one if all but this part of the samples agree.
 EXCEPTIONS = 0.1
+# Flights that show that positions are right where velocities are not.
+FEWEST_FLIGHTS = 60
+# Noise makes no defect that is larger than this many of its standard deviations.
+MOST_DEVIATIONS = 6.0
 FEWEST = 8
 Columns = tuple[np.ndarray, np.ndarray, np.ndarray]
 POSITIONS_ALONE = ("with positions alone", None, lambda t, x, v: (t, x, None))
@@ -163,16 +167,8 @@ def velocity_column(case: Case) -> Iterator[Candidate]:
             found = Diagnosis("columns", "v", words, f"repeats {np.mean(near):.0%} of v", part)
             yield Candidate(found, *POSITIONS_ALONE)
             return
-
-
-def other_velocities(case: Case) -> Iterator[Candidate]:
-    """Yield the diagnosis that the positions are right and that v, for whatever reason, is not their velocity."""
-    if len(case.inside) >= 60:
-        exact = _velocities_from_positions(case)
-    else:
-        exact = None
-    if exact is not None:
-        share = case.share_mended_by(case.steps.t[exact[0] :], case.steps.x[exact[0] :], exact[1])
+    if len(case.inside) >= FEWEST_FLIGHTS:
+        share = case.share_mended_by(s.t[first:], s.x[first:], v)
         found = Diagnosis(
             "columns", "v", "v is not the velocity of x; the positions are right", "", share=share
         )
@@ -244,46 +240,11 @@ def frozen_positions(case: Case) -> Iterator[Candidate]:
         )
     # A solver that goes on from where x stood: only the steps of the sticks are wrong.
     inside = float(np.mean(np.isin(np.flatnonzero(case.wrong), still)))
+    left = case.sizes.copy()
+    left[still] = 0.0
     yield Candidate(
-        Diagnosis("columns", "x", words, f"{inside:.0%} of the wrong steps are such", share=inside)
+        Diagnosis("columns", "x", words, f"{inside:.0%} of the wrong steps are such"), left=left
     )
-
-
-def resampled(case: Case) -> Iterator[Candidate]:
-    """Yield the diagnosis that most samples are linear interpolations between a few others."""
-    s = case.steps
-
-    def bends(t: np.ndarray, *columns: np.ndarray) -> np.ndarray:
-        h = np.where(np.diff(t) > 0.0, np.diff(t), np.nan)
-        found = np.zeros(len(t) - 2, bool)
-        for values in columns:
-            limit = 1e-12 * max(float(np.max(np.abs(values))), 1e-300) / h
-            found |= ~(np.abs(np.diff(np.diff(values) / h)) <= 2.0 * (limit[1:] + limit[:-1]))
-        return found
-
-    def knots(t: np.ndarray, x: np.ndarray, v: np.ndarray) -> Columns:
-        kept = np.concatenate([[True], bends(t, x, v), [True]])
-        return t[kept], x[kept], v[kept]
-
-    bent = bends(s.t, s.x, s.v)
-    flat = np.diff(s.v)[:-1] == 0.0  # on a belt a line is right
-    straight = int(np.sum(~bent & ~flat))
-    if len(s.t) < FEWEST or straight < max(0.25 * np.sum(~flat), FEWEST // 2):  # hardly any line
-        return
-    count = int(np.sum(bent)) + 2
-    words = f"the samples lie on straight lines between {count} others: linear interpolation"
-    evidence = (
-        f"{straight} of {len(s.t)} samples lie on the line through their neighbours, in x and in v"
-    )
-    if count < len(s.t) - FEWEST // 2:
-        share = case.share_mended_by(*knots(s.t, s.x, s.v))
-    else:
-        share = 0.0
-    if share >= 0.9:
-        change = "with these alone"
-    else:
-        change = ""
-    yield Candidate(Diagnosis("resampling", "", words, evidence), change, columns=knots)
 
 
 # -- the clock ---------------------------------------------------------------------------------------------------------
@@ -353,19 +314,21 @@ def single_times(case: Case) -> Iterator[Candidate]:
         float
     )
     left = np.max(np.abs(misses - slopes * shift[:, None]), axis=1)
-    part = case.share(np.where(within, left, np.inf), chosen, 0.2)
+    within &= left <= np.maximum(1.0, 0.2 * case.sizes[chosen])
     largest = float(np.max(np.abs(shift[within]), initial=0.0))
-    evidence = f"all are such numbers; shifts of them by up to {largest:.1e} repeat {max(part, 0.0):.0%} of the flights"
-    # All times are numbers of single precision, which cannot be chance.
-    if part >= 0.7:
-        share = 1.0
-    else:
-        share = part
-    yield Candidate(
-        Diagnosis(
-            "columns", "t", "the times are in single precision", evidence, largest, share=share
-        )
+    evidence = (
+        f"all are such numbers; shifts of them by up to {largest:.1e} "
+        f"repeat {np.mean(within):.0%} of the flights"
     )
+    # Elsewhere a defect is explained that is no larger than such shifts make it.
+    ticks = 2.0 * np.spacing(np.abs(s.t[1:]).astype(np.float32)).astype(float)
+    fastest = np.max(np.abs(np.column_stack([s.v[chosen + 1], a])), axis=0)
+    small = np.all(np.abs(s.defects) <= np.outer(ticks, fastest) + case.allowed, axis=1)
+    small[chosen] = within
+    found = Diagnosis("columns", "t", "the times are in single precision", evidence, largest)
+    # All times are numbers of single precision, which cannot be chance.
+    if np.mean(within) >= 0.7:
+        yield Candidate(found, left=np.where(small | ~case.wrong, 0.0, case.sizes))
 
 
 # -- the numbers themselves, and the list of events --------------------------------------------------------------------
@@ -412,7 +375,7 @@ def outliers(case: Case) -> Iterator[Candidate]:
         )
         words = f"{len(off)} sample{'s are' if len(off) > 1 else ' is'} off, the first is number {rows[0]}"
         size = float(np.median([max(abs(fault.defect_x), abs(fault.defect_v)) for fault in off]))
-        found = Diagnosis("outlier", "", words, "", size, None, share)
+        found = Diagnosis("noise", "", words, "", size, None, share)
         if rows[1:]:
             without = "them"
         else:
@@ -424,7 +387,7 @@ def _without(rows: list[int], t: np.ndarray, x: np.ndarray, v: np.ndarray) -> Co
     return np.delete(t, rows), np.delete(x, rows), np.delete(v, rows)
 
 
-def noise(case: Case) -> Iterator[Diagnosis]:
+def noise(case: Case) -> Iterator[Candidate]:
     """Yield the diagnosis of noise if the defects of successive steps are anticorrelated, as noise makes them."""
     inside = case.inside_wrong
     pairs = inside[:-1][np.diff(inside) == 1]
@@ -448,9 +411,14 @@ def noise(case: Case) -> Iterator[Diagnosis]:
             f"what one step is off, the next one takes back: correlation {x:.2f} in x, {v:.2f} in v"
         )
         error = float(sizes[1] / np.sqrt(2.0 * len(inside)))
-        yield Diagnosis(
-            "noise", "", words, evidence, float(sizes[1]), error, 0.99 * case.flights_wrong
+        found = Diagnosis("noise", "", words, evidence, float(sizes[1]), error)
+        # A step has the noise of both its samples, and v of the first one moves x.
+        h = np.diff(s.t)
+        usual = np.column_stack(
+            [np.hypot(np.sqrt(2.0) * sizes[0], h * sizes[1]), np.full(len(h), 2.0 * sizes[1])]
         )
+        fits = np.all(np.abs(defects) <= case.allowed + MOST_DEVIATIONS * usual, axis=1)
+        yield Candidate(found, left=np.where(fits, 0.0, case.sizes))
 
 
 def few_digits(check: Any) -> Iterator[Diagnosis]:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Mapping
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import partial as partial_of
 from itertools import pairwise
@@ -42,6 +42,7 @@ from symosc.crosschecks.steps import (
     double_rounding,
     follow_steps,
     propagated,
+    push_bound,
     sample_errors,
 )
 from symosc.crosschecks.velocities import with_velocities
@@ -60,6 +61,10 @@ STEP_TOLERANCE = 1e-8
 SPAN_FACTOR = 4
 # Wrong steps that are explained one by one.
 MOST_FAULTS = 500
+# Times at which the largest |x| and |v| of the exact motion are looked for, beside the samples.
+SCALE_TIMES = 400
+# The unit of v of a motion that rests at x is this part of the fastest frequency times |x|.
+REST_SPEED = 1e-3
 
 
 @public
@@ -87,7 +92,8 @@ def crosscheck(
         go on to its `t_end`. With Parameters it starts at the first sample and may end anywhere.
     t, x, v : array_like, shape (n,)
         Times, which may come twice where two pieces are joined, positions and velocities. Without
-        `v` it is computed from `x`, and a note says so. `x` may be a function t -> (x, v). Or give
+        `v` it is computed from `x`, and a note says so. `x` may be a function t -> (x, v), or a
+        matrix of states, (n, 2) or (2, n). Or give
         `t` alone: whatever `symosc.crosschecks.files.read_solutions` reads (a file, an OdeResult, a
         DataFrame, a function, ...), or a list of such: pieces of one solution, each beginning where
         one ends, or several solutions.
@@ -95,9 +101,14 @@ def crosscheck(
         What the solver reported, in order of time; kind "cross", "stick", "slip" or "graze". Each
         exact event must be there once, as near in time as the tolerance and the errors of the
         samples let it; a graze, or a start on a belt, may be left out. Default: the events that the
-        samples show, and those inside steps that are right.
+        samples show, and those inside steps that are right. Times without kinds in a solver's
+        result (`t_events`, or te and ie) claim less: an event function that finds contacts with a
+        belt must have all of them, or all from one side, but no slips. One that finds any time at
+        which v is not a belt's speed (x = 0) is left out. An empty list beside one of a belt is
+        that of the other belt.
     tolerance : float
-        Allowed defect of a step, relative to the largest |x| and |v| of the exact motion. A sample
+        Allowed defect of a step, relative to the largest |x| and |v| of the exact motion; a belt
+        that it never meets does not count. A sample
         whose v differs from a belt's speed by less is on the belt. Samples with few digits (3
         decimals, single precision) that fail are judged once more at that precision; `rounded` and
         a note say so. Then half a unit of the last place of each sample is allowed beside the
@@ -145,6 +156,8 @@ def crosscheck(
         found = read_solutions(t, columns, scene)
     elif callable(x) and not hasattr(x, "__array__"):
         found = [of_function(x, scene, t)]
+    elif v is None and len(getattr(x, "shape", ())) == 2:  # states, as ode45 returns them
+        found = read_solutions({"t": t, "x": x}, None, scene)
     else:
         found = [checked(t, x, v, events)]
     if events is not None:
@@ -152,7 +165,7 @@ def crosscheck(
             raise ParameterError(
                 "events", "given", f"can be listed for one solution; there are {len(found)}"
             )
-        found = [replace(found[0], events=checked_events(events))]
+        found = [replace(found[0], events=checked_events(events), lists=None)]
     count = read_workers(workers)
     task = partial_of(
         Task,
@@ -202,11 +215,12 @@ class Task:
             return usual
         return self.given_limit
 
-    def verdict(self) -> CrossCheck:
-        """Judge the samples and return the result.
+    def again(self, samples: Samples, parameters: Parameters) -> CrossCheck:
+        """Judge other samples of another system in the same way."""
+        return replace(self, samples=samples, scene=parameters, rounding=None).verdict()
 
-        If they fail but are rounded, judge again and allow rounding.
-        """
+    def verdict(self) -> CrossCheck:
+        """Judge the samples; if they fail but are rounded, judge again and allow rounding."""
         samples = self.samples
         rounding = self.rounding
         p = self.parameters
@@ -222,52 +236,73 @@ class Task:
         units = np.array(
             [rounding[c].units if c in rounding else 0.0 * samples.t for c in SAMPLE_COLUMNS]
         )
+        listed = np.zeros(len(samples.events or ()))
         if "events" in rounding:
             listed = rounding["events"].units
-        else:
-            listed = np.zeros(len(samples.events or ()))
         jump = max(1e-4, self.tolerance)  # pieces joined at an event may differ by so much
         check_joints(samples, jump, sample_errors(p, samples, units))
-        result = self.judge(np.zeros_like(units), np.zeros_like(listed))
-        if not result.ok and rounding:
-            half = units * (0.5 + 1e-9)
-            result = self.judge(half, listed)
-            if not result.ok:
-                result = self._judge_cut_off(half, listed, result) or self._with_coarser(
-                    half, listed, result
-                )
+        result = self._judged(units, listed)
         early = self._early_end(result.trajectory)
         if early and self.partial:
             return replace(result, notes=(*result.notes, early))
         return replace(result, ok=result.ok and not early, early_end=early)
 
+    def _judged(self, units: np.ndarray, listed: np.ndarray) -> CrossCheck:
+        """Return the first result that is right, of the samples as they are or as rounded.
+
+        Else the last one.
+
+        `units` are those in the last place of the samples, `listed` of the times of a list of
+        events.
+        """
+        # Events are looked for only where all the rest is right, and in the result that is
+        # returned.
+        plain = Comparison(self, np.zeros_like(units), np.zeros_like(listed))
+        if not self.rounding:
+            return plain.result()
+        if plain.is_close and plain.is_right:
+            result = plain.result()
+            if result.ok:
+                return result
+        half = units * (0.5 + 1e-9)
+        comparison = Comparison(self, half, listed)
+        result = comparison.result()
+        if result.ok:
+            return result
+        cut_off = self._judge_cut_off(half, listed, comparison)
+        return cut_off or self._with_coarser(half, listed, result)
+
     def _judge_cut_off(
-        self, half: np.ndarray, listed: np.ndarray, result: CrossCheck
+        self, half: np.ndarray, listed: np.ndarray, comparison: Comparison
     ) -> CrossCheck | None:
         """Judge the samples again with `half` a unit added, as if digits had been cut off.
 
-        None if they still fail.
+        Return None if they still fail; `comparison` is that of the samples as they are.
         """
         samples = self.samples
         # Digits that are cut off, not rounded, make no larger errors.
-        if not np.any(half) or np.nanmax(np.abs(result.errors) / result.limits) > 4.0:
+        off = np.abs(comparison.errors) / comparison.limits
+        if not np.any(half) or np.nanmax(off) > 4.0:
             return None
         numbers = np.stack([samples.t, samples.x, samples.v])
         for way, sign in (("cut off", np.sign(numbers)), ("rounded down", np.ones_like(numbers))):
             # Each sample is put into the middle of the numbers that it may be.
             t, x, v = numbers + half * sign
-            other = replace(self, samples=replace(samples, t=t, x=x, v=v)).judge(
-                half * (2.0 - np.abs(sign)), listed
-            )
-            if other.ok:
+            moved = replace(self, samples=replace(samples, t=t, x=x, v=v))
+            again = Comparison(moved, half * (2.0 - np.abs(sign)), listed)
+            if again.is_close and again.is_right:
+                result = again.result()
+            else:
+                result = None
+            if result and result.ok:
                 note = f"the last digits are {way}: half a unit of the last place is added to each sample"
-                return replace(other, notes=(*other.notes, note))
+                return replace(result, notes=(*result.notes, note))
         return None
 
     def _with_coarser(self, half: np.ndarray, listed: np.ndarray, result: CrossCheck) -> CrossCheck:
         """Return the failed `result`.
 
-        If many spans of samples are wrong, its `coarser` judges every n-th sample.
+        If many spans are wrong, its `coarser` judges every n-th sample.
         """
         # Over one dense step the rounding of the samples is larger than what a wrong model does;
         # over n it is not.
@@ -283,125 +318,7 @@ class Task:
         else:
             off = samples.v_off[kept]
         few = replace(self, samples=replace(samples, **columns, v_off=off, dense=None))
-        return replace(result, coarser=few.judge(half[:, kept], listed))
-
-    def judge(self, rounding: np.ndarray, listed: np.ndarray) -> CrossCheck:
-        """Compare the samples with the exact motion, given the rounding of the samples and of the listed events."""
-        samples = self.samples
-        p = self.parameters
-        tolerance = self.tolerance
-        loose = sample_errors(p, samples, rounding)
-        start, other_start = self._start(loose[0], rounding[:, 0])
-        trajectory = self._simulate(float(samples.t[-1]), start)
-        until = float(trajectory.t_end)
-        # Global errors, NaN after the end of the exact motion, and how large they may be.
-        inside = samples.t <= until
-        exact = trajectory(np.clip(samples.t[inside], float(trajectory.t_start), until))
-        scales = _scales(p, exact)
-        errors = np.full((len(samples.t), 2), np.nan)
-        errors[inside] = np.column_stack([samples.x, samples.v])[inside] - exact.T
-        limits = self.limit * scales
-        if self.given_limit is None and np.any(rounding):
-            places = 5.0 * 2.0 * np.max(loose, axis=0)
-            few = np.minimum(limits, np.maximum(places, 100.0 * tolerance * scales))
-            limits = np.where(places > 0.0, few, limits)
-        limits = limits + loose + propagated(p, loose[0], samples.t - samples.t[0])
-        near = tolerance * scales[1] + loose[:, 1]
-        allowed = double_rounding(p, samples.t, scales) + tolerance * scales
-        allowed = allowed + loose[1:] + propagated(p, loose[:-1], np.diff(samples.t))
-        steps = follow_steps(p, samples.t, samples.x, samples.v, near, allowed)
-        sizes = np.max(np.abs(steps.defects) / allowed, axis=1)
-        wrong = ~(sizes <= 1.0)
-        spans = self._wrong_spans(loose, near, scales)
-        # While the exact motion sticks, samples that are this near to the belt are taken to be on
-        # it.
-        label = labels(steps, near, np.maximum(near, 1e-4 * scales[1]))
-        found, modes = find_events(steps, label, wrong)
-        # The part of the samples' errors that is allowed; 0 after the end of the exact motion.
-        within = np.where(np.isnan(errors), 0.0, np.fmin(np.abs(errors), limits))
-        tolerances = TimeTolerances(
-            steps, within + loose, tolerance * float(scales[1]), tolerance, listed
-        )
-        matching = self._match(trajectory, start, found, tolerances, label, wrong)
-        faults = _faults(steps, modes, sizes, allowed, near, matching)
-        late = next(
-            (pair for pair in pairwise(samples.events or ()) if pair[1][0] < pair[0][0]), None
-        )
-        close = not np.any(np.abs(errors) > limits)
-        right = not (wrong.any() or len(spans))
-        rounded = {name: digits.text for name, digits in (self.rounding or {}).items()}
-        notes = list(samples.notes)
-        if rounded:
-            if np.any(rounding) or np.any(listed):
-                at_it = "; they are judged at that precision"
-            else:
-                at_it = ""
-            columns = ", ".join(f"{name} to {text}" for name, text in rounded.items())
-            notes.append(f"the samples are rounded: {columns}{at_it}")
-        if until < samples.t[-1]:
-            ends = f"the exact motion ends at t = {until:.10g} ({trajectory.message})"
-            notes.append(f"{ends}; later only steps are compared")
-        if samples.dense is None:
-            notes += []
-        else:
-            notes += [dense_note(trajectory, samples.dense, until)]
-        if other_start and self.own_start:
-            notes += [other_start]
-        else:
-            notes += []
-        if late:
-            (before, _), (time, kind) = late
-            what = f"{kind} at t = {time:.10g} comes after t = {before:.10g}"
-            notes.append(f"the list is not in order of time: {what}")
-        if not close and right and not other_start:
-            notes.append(
-                "every step is right, but their errors add up, or the start is another one"
-            )
-        if self.own_start:
-            refused = ""
-        else:
-            refused = other_start
-        scene = self.scene
-        if isinstance(scene, Scene):
-            own = (float(scene.t0), float(scene.x0), float(scene.v0))
-        else:
-            own = None
-        copied: Record = {name: tuple(getattr(matching, name)) for name in EVENT_LISTS}
-        copied |= {name: getattr(samples, name) for name in SAMPLE_COLUMNS}
-        return CrossCheck(
-            ok=bool(
-                close
-                and late is None
-                and right
-                and not (matching.missed or matching.invented or refused)
-            ),
-            max_error_x=float(np.nanmax(np.abs(errors[:, 0]))),
-            max_error_v=float(np.nanmax(np.abs(errors[:, 1]))),
-            errors=errors,
-            limits=limits,
-            defects=steps.defects,
-            wrong_steps=np.flatnonzero(wrong),
-            wrong_spans=spans,
-            allowed=allowed,
-            decisions=tuple(fault for fault in faults if fault.wrong_decision),
-            faults=faults,
-            first_wrong=faults[0] if faults else None,
-            first_switching=next(
-                (fault for fault in faults if fault.reason not in ("local error", "outlier")), None
-            ),
-            compared_until=min(until, float(samples.t[-1])),
-            tolerance=tolerance,
-            global_tolerance=self.limit,
-            scales=(float(scales[0]), float(scales[1])),
-            rounded=rounded,
-            notes=(*notes, *matching.notes),
-            modes=modes,
-            trajectory=trajectory,
-            own_start=own,
-            _task=replace(self, samples=replace(samples, dense=None)),
-            wrong_start=refused,
-            **copied,
-        )
+        return replace(result, coarser=Comparison(few, half[:, kept], listed).result())
 
     def _start(self, loose: np.ndarray, rounding: np.ndarray) -> tuple[Record, str]:
         """Return the start of the exact motion, and a note if the first sample is not on the motion of the scene.
@@ -435,7 +352,7 @@ class Task:
         if first[0] > own[0]:
             before = self._simulate(start["t0"], {})
             there = before(min(start["t0"], float(before.t_end)))
-            allowed = limit * _scales(self.parameters, there[:, None]) + loose
+            allowed = limit * _scales(before, before.t_end) + loose
             if before.t_end >= start["t0"] and np.all(np.abs(there - first[1:]) <= allowed):
                 return start, ""
         given, its = (
@@ -503,39 +420,198 @@ class Task:
         events = self.samples.events
         until = float(trajectory.t_end)
         last = float(self.samples.t[-1])
+        steps = tolerances.steps
+        lists = self.samples.lists
+        if events is None or lists is not None:
+            found = [event for event in found if float(self.samples.t[event.step]) <= until]
+            own = trajectory.events
+            shown = Matcher(trajectory, own, found, False, tolerances, label, wrong)
+        if events is None:
+            return shown
         # where the exact motion has ended there is nothing to match
         if until < last:
             there = until
         else:
             there = np.inf
-        if events is None or (events and not any(kind for _, kind in events)):
-            found = [event for event in found if float(self.samples.t[event.step]) <= until]
-            matching = Matcher(
-                trajectory, trajectory.events, found, False, tolerances, label, wrong
-            )
-            if events:  # a solver's list of times
-                matching.match_times([t for t, _ in events if t <= until])
-            return matching
         order = sorted(
             (i for i, (t, _) in enumerate(events) if t <= there), key=lambda i: events[i][0]
         )
         pairs = [events[i] for i in order]
         exact = [*trajectory.events]
-        span = WINDOW * tolerances.steps.K.period
-        if (
-            trajectory.status == "t_end" and pairs and pairs[-1][0] >= until - span
-        ):  # and those just after the end
+        span = WINDOW * steps.K.period
+        # A solution may end at an event that is just after the end.
+        if trajectory.status == "t_end" and pairs and pairs[-1][0] >= until - span:
             exact += self._simulate(until + span, start).events[len(exact) :]
         tolerances = replace(tolerances, listed=tolerances.listed[order])
-        return Matcher(
-            trajectory, exact, given_events(tolerances.steps, pairs), True, tolerances, label, wrong
-        )
+        given = given_events(steps, pairs)
+        listed = Matcher(trajectory, exact, given, True, tolerances, label, wrong, lists)
+        if lists is None:
+            return listed
+        shown.add_list(listed)
+        return shown
 
     def _simulate(self, t_end: float, start: Record) -> Trajectory:
         """Return the exact motion from a start to t_end, cut short if it has far more events than there are samples."""
         return simulate(
             self.scene, t_end=t_end, max_events=2_000 + 10 * len(self.samples.t), **start
         )
+
+
+class Comparison:
+    """Samples beside the exact motion.
+
+    Global errors, defects of steps and spans, and what is allowed to them.
+
+    Whether the solution is near the exact motion everywhere (`is_close`) and right from sample to
+    sample (`is_right`) takes no event of the samples; `result` looks for these too.
+    """
+
+    def __init__(self, task: Task, rounding: np.ndarray, listed: np.ndarray) -> None:
+        samples = task.samples
+        p = task.parameters
+        self.task = task
+        self.rounding = rounding
+        self.listed = listed
+        self.loose = sample_errors(p, samples, rounding)
+        self.start, self.other_start = task._start(self.loose[0], rounding[:, 0])
+        self.trajectory = task._simulate(float(samples.t[-1]), self.start)
+        self.until = float(self.trajectory.t_end)
+        # Global errors are NaN after the end of the exact motion.
+        inside = samples.t <= self.until
+        begin = float(self.trajectory.t_start)
+        exact = self.trajectory(np.clip(samples.t[inside], begin, self.until))
+        self.scales = _scales(self.trajectory, self.until, exact)
+        self.errors = np.full((len(samples.t), 2), np.nan)
+        self.errors[inside] = np.column_stack([samples.x, samples.v])[inside] - exact.T
+        self.limits = self._limits()
+        tolerance = task.tolerance
+        self.near = tolerance * self.scales[1] + self.loose[:, 1]
+        allowed = double_rounding(p, samples.t, self.scales) + tolerance * self.scales
+        self.allowed = allowed + self.loose[1:] + propagated(p, self.loose[:-1], np.diff(samples.t))
+        self.steps = follow_steps(p, samples.t, samples.x, samples.v, self.near, self.allowed)
+        self.sizes = np.max(np.abs(self.steps.defects) / self.allowed, axis=1)
+        self.wrong = ~(self.sizes <= 1.0)
+        self.spans = task._wrong_spans(self.loose, self.near, self.scales)
+
+    @property
+    def is_close(self) -> bool:
+        """Whether no sample is too far from the exact motion."""
+        return not np.any(np.abs(self.errors) > self.limits)
+
+    @property
+    def is_right(self) -> bool:
+        """Whether no step and no span of steps is wrong."""
+        return not (self.wrong.any() or len(self.spans))
+
+    def _limits(self) -> np.ndarray:
+        """Return how far each sample may be from the exact motion."""
+        task = self.task
+        loose = self.loose
+        limits = task.limit * self.scales
+        if task.given_limit is None and np.any(self.rounding):
+            places = 5.0 * 2.0 * np.max(loose, axis=0)
+            few = np.minimum(limits, np.maximum(places, 100.0 * task.tolerance * self.scales))
+            limits = np.where(places > 0.0, few, limits)
+        since = task.samples.t - task.samples.t[0]
+        return np.asarray(limits + loose + propagated(task.parameters, loose[0], since))
+
+    def result(self) -> CrossCheck:
+        """Compare the events too, and return the result."""
+        task = self.task
+        samples = task.samples
+        steps = self.steps
+        # While the exact motion sticks, samples that are this near to the belt are taken to be on
+        # it.
+        label = labels(steps, self.near, np.maximum(self.near, 1e-4 * self.scales[1]))
+        found, modes = find_events(steps, label, self.wrong)
+        # The part of the samples' errors that is allowed; 0 after the end of the exact motion.
+        errors = np.abs(self.errors)
+        within = np.where(np.isnan(errors), 0.0, np.fmin(errors, self.limits))
+        allowed_v = task.tolerance * float(self.scales[1])
+        tolerances = TimeTolerances(
+            steps, within + self.loose, allowed_v, task.tolerance, self.listed
+        )
+        matching = task._match(self.trajectory, self.start, found, tolerances, label, self.wrong)
+        faults = _faults(steps, modes, self.sizes, self.allowed, self.near, matching)
+        late = _first_late(samples.events or ())
+        if task.own_start:
+            refused = ""
+        else:
+            refused = self.other_start
+        switching = (fault for fault in faults if fault.reason not in ("local error", "outlier"))
+        scene = task.scene
+        own = None
+        if isinstance(scene, Scene):
+            own = (float(scene.t0), float(scene.x0), float(scene.v0))
+        copied: Record = {name: tuple(getattr(matching, name)) for name in EVENT_LISTS}
+        copied |= {name: getattr(samples, name) for name in SAMPLE_COLUMNS}
+        right = self.is_close and self.is_right and not late
+        return CrossCheck(
+            ok=right and not (matching.missed or matching.invented or refused),
+            max_error_x=float(np.nanmax(errors[:, 0])),
+            max_error_v=float(np.nanmax(errors[:, 1])),
+            errors=self.errors,
+            limits=self.limits,
+            defects=steps.defects,
+            wrong_steps=np.flatnonzero(self.wrong),
+            wrong_spans=self.spans,
+            allowed=self.allowed,
+            decisions=tuple(fault for fault in faults if fault.wrong_decision),
+            faults=faults,
+            first_wrong=faults[0] if faults else None,
+            first_switching=next(switching, None),
+            compared_until=min(self.until, float(samples.t[-1])),
+            tolerance=task.tolerance,
+            global_tolerance=task.limit,
+            scales=(float(self.scales[0]), float(self.scales[1])),
+            rounded={name: digits.text for name, digits in (task.rounding or {}).items()},
+            notes=(*self._notes(late), *matching.notes),
+            modes=modes,
+            trajectory=self.trajectory,
+            own_start=own,
+            _task=replace(task, samples=replace(samples, dense=None)),
+            wrong_start=refused,
+            **copied,
+        )
+
+    def _notes(self, late: str) -> list[str]:
+        """Return what is to be said beside the numbers.
+
+        `late` says what is not in order in the list of events.
+        """
+        task = self.task
+        notes = list(task.samples.notes)
+        if task.rounding:
+            at_it = ""
+            if np.any(self.rounding) or np.any(self.listed):
+                at_it = "; they are judged at that precision"
+            texts = (f"{name} to {digits.text}" for name, digits in task.rounding.items())
+            notes.append(f"the samples are rounded: {', '.join(texts)}{at_it}")
+        if self.until < task.samples.t[-1]:
+            ends = f"the exact motion ends at t = {self.until:.10g} ({self.trajectory.message})"
+            notes.append(f"{ends}; later only steps are compared")
+        if task.samples.dense is not None:
+            notes.append(dense_note(self.trajectory, task.samples.dense, self.until))
+        if self.other_start and task.own_start:
+            notes.append(self.other_start)
+        if late:
+            notes.append(f"the list is not in order of time: {late}")
+        if not self.is_close and self.is_right and not self.other_start:
+            notes.append(
+                "every step is right, but their errors add up, or the start is another one"
+            )
+        return notes
+
+
+def _first_late(events: Sequence[tuple[float, str]]) -> str:
+    """Return which event of a list comes after a later one, as words.
+
+    "" if they are in order of time.
+    """
+    for (before, _), (time, kind) in pairwise(events):
+        if time < before:
+            return f"{kind} at t = {time:.10g} comes after t = {before:.10g}"
+    return ""
 
 
 def _every(n: int, count: int) -> np.ndarray:
@@ -553,32 +629,37 @@ def _faults(
 ) -> tuple[Fault, ...]:
     """Describe wrong steps by `explain`.
 
-    The first MOST_FAULTS, and all in which an event is missed or invented.
+    The first MOST_FAULTS, and as many in which an event is wrong.
     """
+    # Chatter makes every step wrong and invents two events in each: to describe all takes minutes.
     wrong = ~(sizes <= 1.0)
-    odd = {event.step for event in matching.invented}
-    odd |= {int(np.searchsorted(steps.t, float(event.t))) - 1 for event in matching.missed}
-    odd |= set(
-        np.flatnonzero(wrong & (modes[1:] > 0) & (steps.last != modes[1:]))[:MOST_FAULTS].tolist()
-    )
-    odd |= set(np.flatnonzero(wrong)[:MOST_FAULTS].tolist())
-    return explain(
-        steps,
-        sorted(i for i in odd if 0 <= i < len(wrong) and wrong[i]),
-        modes,
-        sizes,
-        allowed,
-        near,
-    )
+    at_events = [event.step for event in matching.invented]
+    at_events += [int(np.searchsorted(steps.t, float(event.t))) - 1 for event in matching.missed]
+    events = np.unique(np.array(at_events, dtype=int))
+    events = events[(events >= 0) & (events < len(wrong))]
+    decided = np.flatnonzero(wrong & (modes[1:] > 0) & (steps.last != modes[1:]))
+    kinds = (events[wrong[events]], decided, np.flatnonzero(wrong))
+    chosen = np.unique(np.concatenate([numbers[:MOST_FAULTS] for numbers in kinds]))
+    return explain(steps, chosen.tolist(), modes, sizes, allowed, near)
 
 
-def _scales(p: Parameters, exact: np.ndarray) -> np.ndarray:
-    """Return the units of x and v.
+def _scales(trajectory: Trajectory, until: float, states: np.ndarray | None = None) -> np.ndarray:
+    """Return the units of x and v: the largest |x| and |v| of the exact motion up to a time.
 
-    The largest |x| and |v| of the exact motion, v at least the speed of each belt.
+    `states` are further ones of the motion, rows x and v.
     """
-    # x is at least that speed divided by the fastest frequency, which is how far a motion at this
-    # speed swings.
-    reach = np.max(np.abs(exact), axis=1)
-    speed = max(float(reach[1]), abs(float(p.v1)), abs(float(p.v2)))
-    return np.array([max(float(reach[0]), speed / fastest_rate(p)), speed])
+    # A belt counts only if the motion meets it: its speed is then one of the motion's velocities.
+    p = trajectory.parameters
+    rate = fastest_rate(p)
+    times = np.linspace(float(trajectory.t_start), float(until), SCALE_TIMES)
+    reach = np.max(np.abs(trajectory(times)), axis=1)
+    if states is not None:
+        reach = np.maximum(reach, np.max(np.abs(states), axis=1))
+    met = [abs(float(p.belt(event.boundary))) for event in trajectory.events if event.t <= until]
+    x = float(reach[0])
+    v = max([float(reach[1]), *met])
+    if x == v == 0.0:
+        x = float(push_bound(p, 0.0, 0.0)) / rate**2 or 1.0
+    # x is at least as far as a motion at the speed v swings. A motion at rest has no speed.
+    x = max(x, v / rate)
+    return np.array([x, max(v, REST_SPEED * rate * x)])

@@ -6,7 +6,7 @@ In order, one to one, within the tolerance.
 from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from itertools import pairwise
 from math import cos, sin, sqrt
 
@@ -32,6 +32,8 @@ REACH_SAFETY = 2.0
 PASSES = {("cross",), ("stick", "slip")}
 RETURNS = {(), ("graze",), ("stick", "slip"), ("cross", "cross")}
 STAYS: set[tuple[str, ...]] = {(), ("slip", "stick")}
+# The events at which v becomes that of a belt; an event function v - v_belt finds these.
+CONTACTS = ("cross", "stick")
 
 
 @dataclass(frozen=True)
@@ -147,6 +149,7 @@ def find_events(
     )
     ends = np.append(starts[1:], len(label)) - 1
     found: list[FoundEvent] = []
+    reader = _Reader(steps, wrong)
     # the last mode of the samples, and the last sample in it
     now = 0
     since = 0
@@ -156,20 +159,18 @@ def find_events(
         nonlocal now
         if now > 3:
             entered = min((now - 3, now - 2), key=lambda d: abs(d - domain))
-            found.append(_event(steps, "slip", now - 3, now, entered, since, since, since))
+            found.append(reader.event("slip", now - 3, now, entered, since, since, since))
             now = entered
         if now:
             if domain > now:
                 way = 1
             else:
                 way = -1
-            if now != domain:
-                route: Sequence[int] = range(now, domain + way, way)
-            else:
-                route = ()
+            # No domain is between a domain and itself.
             found.extend(
-                _event(steps, "cross", min(a, b), a, b, since, sample - 1, None)
-                for a, b in pairwise(route)
+                reader.event("cross", min(a, b), a, b, since, sample - 1, None)
+                for a, b in pairwise(range(now, domain + way, way))
+                if now != domain
             )
         now = domain
 
@@ -177,14 +178,14 @@ def find_events(
         mode = int(label[first])
         if mode <= 3:
             move_to(mode, first)
-        elif _is_stick(steps, mode, first, last, wrong):
+        elif reader.is_stick(mode, first, last):
             if now:
                 if now > 3:
                     before = now - 2.5
                 else:
                     before = now
                 move_to(min((mode - 3, mode - 2), key=lambda d: abs(d - before)), first)
-                found.append(_event(steps, "stick", mode - 3, now, mode, first - 1, first, first))
+                found.append(reader.event("stick", mode - 3, now, mode, first - 1, first, first))
             now = mode
         else:
             modes[first : last + 1] = 0
@@ -198,7 +199,7 @@ def find_events(
             if {source, target} == {mode - 3, mode - 2}:
                 move_to(source, first)
                 found.append(
-                    _event(steps, "cross", mode - 3, source, target, first - 1, last, first)
+                    reader.event("cross", mode - 3, source, target, first - 1, last, first)
                 )
                 now = target
             elif now > 3 or target != now:
@@ -210,63 +211,82 @@ def find_events(
 def _reached_by_flight(steps: ExactSteps, label: np.ndarray, wrong: np.ndarray) -> np.ndarray:
     """Mark samples at the same belt as the sample before if the step between is right and does not stick to it."""
     held = (steps.first == label[:-1]) | (steps.last == label[:-1])
-    for i in np.flatnonzero((label[:-1] > 3) & ~held).tolist():
-        held[i] = bool(np.any(steps.events.target[steps.events.rows(i, i)] == label[i]))
+    held[steps.events.step[steps.events.target == label[steps.events.step]]] = True
     flown = (label[:-1] > 3) & (label[1:] == label[:-1]) & ~held & ~wrong & (np.diff(steps.t) > 0.0)
     return np.append(False, flown)
 
 
-def _is_stick(steps: ExactSteps, mode: int, first: int, last: int, wrong: np.ndarray) -> bool:
-    """Return whether samples `first` to `last`, all at one belt, stick to it, and do not only cross or graze it."""
-    inside = np.arange(first, min(last, len(wrong) - 1) + 1)
-    sticks = (steps.first[inside] == mode) | (steps.last[inside] == mode)
-    for i in inside[~sticks].tolist():
-        sticks[i - first] = bool(np.any(steps.events.target[steps.events.rows(i, i)] == mode))
-    # Where a step is wrong the samples decide: two at the belt are on it, the last one is about to
-    # leave it.
-    held = np.where(wrong[inside], inside < last, sticks)
-    return float(np.sum(np.diff(steps.t)[inside[held]])) >= 1e-9 * steps.K.period
+class _Reader:
+    """Steps as plain lists: events are read off many short runs of samples, one by one."""
 
+    def __init__(self, steps: ExactSteps, wrong: np.ndarray) -> None:
+        self.steps = steps
+        self.wrong = wrong.tolist()
+        self.t = steps.t.tolist()
+        self.v = steps.v.tolist()
+        self.belts = steps.belts.tolist()
+        self.first = steps.first.tolist()
+        self.last = steps.last.tolist()
+        # The rows of the events of step i in `steps.events` are begin[i] to begin[i + 1].
+        self.begin = np.searchsorted(steps.events.step, np.arange(len(steps.first) + 1)).tolist()
 
-def _event(
-    steps: ExactSteps,
-    kind: str,
-    boundary: int,
-    source: int,
-    target: int,
-    step: int,
-    last_step: int,
-    sample: int | None,
-) -> FoundEvent:
-    """Return a `FoundEvent`.
+    def is_stick(self, mode: int, first: int, last: int) -> bool:
+        """Return whether samples `first` to `last`, all at one belt, stick to it, and do not only cross or graze it."""
+        events = self.steps.events
+        held = 0.0
+        for i in range(first, min(last, len(self.wrong) - 1) + 1):
+            if self.wrong[i]:
+                # The samples decide: two at the belt are on it, the last one is about to leave it.
+                sticks = i < last
+            else:
+                sticks = mode in (self.first[i], self.last[i])
+                if not sticks and self.begin[i] < self.begin[i + 1]:
+                    targets = events.target[self.begin[i] : self.begin[i + 1]]
+                    sticks = bool(np.any(targets == mode))
+            if sticks:
+                held += self.t[i + 1] - self.t[i]
+        return held >= 1e-9 * self.steps.K.period
 
-    Its time is that of the exact motion over the steps, or of `sample`, or estimated by v.
-    """
-    last_step = min(last_step, len(steps.first) - 1)
-    i = step
-    j = last_step + 1
-    rows = steps.events.rows(step, last_step)
-    times = steps.events.t[rows][
-        (steps.events.kind[rows] == CODES[kind]) & (steps.events.boundary[rows] == boundary)
-    ]
-    if len(times):
-        spread = 0.0
-    else:
-        spread = float(steps.t[j] - steps.t[i])
-    if len(times) or sample is not None:
-        time = float(times[0] if len(times) else steps.t[sample])
-    else:
-        gaps = steps.v[i : j + 1] - steps.belts[boundary - 1]
-        nearest = i + int(np.argmin(np.abs(gaps)))
+    def event(
+        self, kind: str, boundary: int, source: int, target: int, step: int, last_step: int, sample: int | None
+    ) -> FoundEvent:  # fmt: skip
+        """Return an event; its time is that of the exact motion over the steps, or of `sample`, or estimated by v."""
+        last_step = min(last_step, len(self.first) - 1)
+        i = step
+        j = last_step + 1
+        events = self.steps.events
+        times: list[float] = []
+        if self.begin[i] < self.begin[j]:
+            rows = slice(self.begin[i], self.begin[j])
+            same = (events.kind[rows] == CODES[kind]) & (events.boundary[rows] == boundary)
+            times = events.t[rows][same].tolist()
+        if times:
+            spread = 0.0
+        else:
+            spread = self.t[j] - self.t[i]
+        if times:
+            time = times[0]
+        elif sample is not None:
+            time = self.t[sample]
+        else:
+            time = self._estimated_time(i, j, self.belts[boundary - 1])
+        names = MODE_NAMES[source], MODE_NAMES[target]
+        return FoundEvent(time, kind, boundary, *names, step, last_step, spread)
+
+    def _estimated_time(self, i: int, j: int, speed: float) -> float:
+        """Return when v has a belt's speed between samples i and j.
+
+        At a sample between, or on a line.
+        """
+        gaps = [v - speed for v in self.v[i : j + 1]]
+        nearest = i + min(range(len(gaps)), key=lambda k: abs(gaps[k]))
+        if i < nearest < j:
+            return float(self.t[nearest])
         if gaps[0] * gaps[-1] < 0.0:
             part = gaps[0] / (gaps[0] - gaps[-1])
         else:
             part = 0.5
-        between = steps.t[i] + part * (steps.t[j] - steps.t[i])
-        time = float(steps.t[nearest] if i < nearest < j else between)
-    return FoundEvent(
-        time, kind, boundary, MODE_NAMES[source], MODE_NAMES[target], step, last_step, spread
-    )
+        return float(self.t[i] + part * (self.t[j] - self.t[i]))
 
 
 def given_events(steps: ExactSteps, pairs: Iterable[tuple[float, str]]) -> list[FoundEvent]:
@@ -394,12 +414,14 @@ class Matcher:
     """Exact events paired with those of the samples or (if `given`) of a list, and verdicts on unpaired events."""
 
     # `exact` may have events shortly after the last sample too; `label` are the codes of `labels`;
-    # `wrong` marks steps. The results `matched`, `missed`, `invented`, `unresolved` and `notes` are
-    # those of `CrossCheck`.
+    # `wrong` marks steps. `lists` are the times that a solver's event functions found: such a list
+    # has no kinds, and claims less. The results `matched`, `missed`, `invented`, `unresolved` and
+    # `notes` are those of `CrossCheck`.
 
     def __init__(
         self, trajectory: Trajectory, exact: Sequence[Event], found: Sequence[FoundEvent], given: bool,
         tolerances: TimeTolerances, label: np.ndarray, wrong: np.ndarray,
+        lists: Sequence[Sequence[float]] | None = None,
     ) -> None:  # fmt: skip
         self.trajectory, self.exact, self.found, self.given = trajectory, exact, found, given
         self.tolerances, self.steps, self.label, self.wrong = (
@@ -417,8 +439,14 @@ class Matcher:
         self.matched, self.missed, self.invented = list[Match](), list[Event](), list[FoundEvent]()
         self.unresolved, self.notes = list[Event | FoundEvent](), list[str]()
         self._pair()
+        if lists is None:
+            self.claims = None
+        else:
+            self.claims = self._claims(lists)
         if given:
             self._allow_start()
+            if lists is not None:
+                self._allow_repeats_and_sticks()
             self._allow_close_events()
             self._allow_events_of_the_samples()
             self._allow_near_grazes()
@@ -454,19 +482,17 @@ class Matcher:
         """
         pairs = []
         most = float(np.max(self.reaches, initial=0.0)) + self.window
+        slacks = np.array([event.spread for event in self.found])
+        if self.given:
+            slacks = slacks + self.tolerances.listed
+        found_times = np.array([event.t for event in self.found])
+        lows = np.searchsorted(self.times, found_times - most - slacks).tolist()
+        highs = np.searchsorted(self.times, found_times + most + slacks).tolist()
         for j, event in enumerate(self.found):
-            if self.given:
-                slack = event.spread + self.tolerances.listed[j]
-            else:
-                slack = event.spread
-            low, high = np.searchsorted(
-                self.times, [event.t - most - slack, event.t + most + slack]
-            )
-            for i in range(int(low), int(high)):
-                if self.exact[i].kind == event.kind and event.boundary in (
-                    0,
-                    self.exact[i].boundary,
-                ):
+            slack = float(slacks[j])
+            for i in range(lows[j], highs[j]):
+                kinds = ("", self.exact[i].kind)
+                if event.kind in kinds and event.boundary in (0, self.exact[i].boundary):
                     own = self._own_time(i)
                     distance = abs(self.times[i] - event.t)
                     if own is not None:
@@ -477,6 +503,47 @@ class Matcher:
             self.exact_free.remove(i)
             self.found_free.remove(j)
             self.matched.append(Match(self.exact[i], self.found[j].t, self.found[j]))
+
+    def _claims(self, lists: Sequence[Sequence[float]]) -> set[tuple[int, str]]:
+        """Return the contacts that lists of times claim to have.
+
+        Pairs of a belt and the domain that the mass is in before.
+
+        A list that has contacts at a belt claims all there, or, as an event function may look for
+        one direction alone, all from the same side. An empty list beside such a list is that of the
+        belt that no other one has.
+        """
+        contacts = {(e.boundary, e.source) for e in self.exact if e.kind in CONTACTS}
+        by_time = {match.t: match.event for match in self.matched}
+        claims = set[tuple[int, str]]()
+        one_way = False
+        for times in lists:
+            events = [by_time[time] for time in times if time in by_time]
+            own = {(e.boundary, e.source) for e in events if e.kind in CONTACTS}
+            claims |= own
+            belts = {belt for belt, _ in own}
+            one_way |= own != {contact for contact in contacts if contact[0] in belts}
+        if claims and any(not times for times in lists):
+            for belt in {1, 2} - {belt for belt, _ in claims}:
+                there = {contact for contact in contacts if contact[0] == belt}
+                if len(there) > 1 or not one_way:
+                    claims |= there
+                else:
+                    claims |= set()
+        return claims
+
+    def _allow_repeats_and_sticks(self) -> None:
+        """Drop times at which a solver's event function is 0 again.
+
+        At the same event, or all along a stick.
+        """
+        trajectory = self.trajectory
+        for j in sorted(self.found_free):
+            time = self.found[j].t
+            near = np.abs(self.times - time) <= self.reaches + self.tolerances.listed[j]
+            inside = float(trajectory.t_start) <= time <= float(trajectory.t_end)
+            if np.any(near) or (inside and MODES[trajectory.mode(time)] > 3):
+                self.found_free.remove(j)
 
     def _allow_start(self) -> None:
         """Drop a listed event that is the start on a belt.
@@ -505,18 +572,16 @@ class Matcher:
             event = self.found[j]
             low, high = np.searchsorted(events.t, [event.t - self.window, event.t + self.window])
             for row in range(int(low), int(high)):
-                if (
-                    events.kind[row] != CODES[event.kind]
-                    or row in used
-                    or self.wrong[events.step[row]]
-                ):
+                row_kind = KIND_NAMES[int(events.kind[row])]
+                same = event.kind in ("", row_kind)
+                if not same or row in used or self.wrong[events.step[row]]:
                     continue
                 distance = abs(float(events.t[row]) - event.t)
                 reach = self.tolerances.of_row(row)
                 near = np.flatnonzero(
                     np.abs(self.times - events.t[row]) <= self.reaches + reach
                 ).tolist()
-                kind = event.kind, events.boundary[row]
+                kind = row_kind, events.boundary[row]
                 is_exact = any((self.exact[i].kind, self.exact[i].boundary) == kind for i in near)
                 if not is_exact and distance <= reach + self.tolerances.listed[j]:
                     used.add(row)
@@ -556,7 +621,7 @@ class Matcher:
                     alike = RETURNS
                 else:
                     alike = PASSES
-            if tuple(self.found[j].kind for j in there) in alike:
+            if _fits([self.found[j].kind for j in there], alike):
                 self._set_aside(loose, self.exact_free & set(cluster))
 
     def _allow_near_grazes(self) -> None:
@@ -574,7 +639,7 @@ class Matcher:
                 else:
                     runs.append([j])
         for run in runs:
-            if tuple(self.found[j].kind for j in run) in RETURNS:
+            if _fits([self.found[j].kind for j in run], RETURNS):
                 self._set_aside(run, ())
 
     def _set_aside(self, found: Iterable[int], exact: Iterable[int]) -> None:
@@ -620,6 +685,8 @@ class Matcher:
                 else:
                     inside = None
             near = inside is not None and abs(inside - time) <= self.window
+            if self.claims is not None and (own.boundary, own.source) not in self.claims:
+                continue
             if self.wrong[first : last + 1].any() or (self.given and near and own.kind != "graze"):
                 if own.kind != "graze":  # nothing changes at a graze: it cannot be missed
                     self.missed.append(own)
@@ -634,62 +701,65 @@ class Matcher:
         Invented if listed or in a wrong step, else unresolved.
         """
         events = self.steps.events
+        wrong_before = np.append(0, np.cumsum(self.wrong)).tolist()
         for j in sorted(self.found_free):
             event = self.found[j]
+            if self.given or wrong_before[event.last_step + 1] > wrong_before[event.step]:
+                self.invented.append(event)
+                continue
             rows = events.rows(event.step, event.last_step)
             same = events.kind[rows] == CODES[event.kind]
             same &= (events.boundary[rows] == event.boundary) | (event.boundary == 0)
-            if self.given or self.wrong[event.step : event.last_step + 1].any():
-                self.invented.append(event)
-            elif same.any() or not len(same):
+            if same.any() or not len(same):
                 # Otherwise several events in a step, which are matched one by one, look like this
                 # from outside.
                 self.unresolved.append(event)
 
-    def match_times(self, times: Sequence[float]) -> None:
-        """Match the exact events with the times of a solver's list without kinds."""
-        # Such a list may be incomplete: the samples judge an exact event that it lacks. A time
-        # without event is invented.
-        matched = {id(match.event): match for match in self.matched}
-        used = set[int]()
-        for time in times:
-            gaps = np.abs(self.times - time)
-            if len(gaps):
-                nearest = int(np.argmin(gaps))
+    def add_list(self, listed: Matcher) -> None:
+        """Take over the verdicts on a solver's list of times without kinds.
+
+        Its times replace those of the samples; events that it lacks are missed, and times without
+        event invented.
+        """
+        shown = {id(match.event): match for match in self.matched}
+        lacking = {id(event) for event in listed.missed}
+        matched = {number: match for number, match in shown.items() if number not in lacking}
+        for match in listed.matched:
+            number = id(match.event)
+            if number in shown:
+                found = shown[number].found
             else:
-                nearest = -1
-            near = nearest >= 0 and gaps[nearest] <= self.window
-            close = False
-            # the event may be as far from its exact time as that of the samples' own path, and its
-            # tolerance
-            if near:
-                exact = float(self.times[nearest])
-                own = self._own_time(nearest)
-                close = bool(
-                    gaps[nearest]
-                    <= self.reaches[nearest] + abs((exact if own is None else own) - exact)
-                )
-            if close and nearest not in used:
-                used.add(nearest)
-                event = self.exact[nearest]
-                if id(event) in matched:
-                    found = matched[id(event)].found
-                else:
-                    found = None
-                matched[id(event)] = Match(event, time, found)
-            elif not close and abs(time - float(self.steps.t[0])) > max(
-                map(self.tolerances.of_start, (1, 2))
-            ):
-                step = self.steps.at(time)[0]
-                if near:
-                    kind = self.exact[nearest].kind
-                else:
-                    kind = "cross"
-                self.invented.append(FoundEvent(time, kind, 0, "", "", step, step))
-        ids = {id(self.exact[i]) for i in used}
+                found = None
+            matched[number] = Match(match.event, match.t, found)
         self.matched = sorted(matched.values(), key=lambda match: float(match.event.t))
-        self.missed = [event for event in self.missed if id(event) not in ids]
-        self.unresolved = [event for event in self.unresolved if id(event) not in ids]
+        missed = {id(event): event for event in [*self.missed, *listed.missed]}
+        missed = {number: event for number, event in missed.items() if number not in matched}
+        self.missed = sorted(missed.values(), key=lambda event: float(event.t))
+        for event in listed.invented:
+            gaps = np.abs(self.times - event.t)
+            near = len(gaps) > 0 and float(np.min(gaps)) <= self.window
+            if near:
+                kind = self.exact[int(np.argmin(gaps))].kind
+            else:
+                kind = "cross"
+            self.invented.append(replace(event, kind=kind))
+        judged = {*matched, *missed}
+        both = {id(event): event for event in [*self.unresolved, *listed.unresolved]}
+        self.unresolved = [
+            event for number, event in both.items() if number not in judged and event.kind
+        ]
+        self.notes = [*self.notes, *listed.notes]
+
+
+def _fits(kinds: Sequence[str], alike: set[tuple[str, ...]]) -> bool:
+    """Return whether events of these kinds are a row in `alike`.
+
+    Unknown kinds fit any, and need not have slips.
+    """
+    if "" not in kinds:
+        return tuple(kinds) in alike
+    lengths = {len(row) for row in alike}
+    return len(kinds) in lengths | {len(row) - row.count("slip") for row in alike}
 
 
 def in_order(pairs: Iterable[tuple[int, int, float]]) -> list[tuple[int, int]]:

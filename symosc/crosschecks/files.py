@@ -14,6 +14,7 @@ import gzip
 import io
 import json
 import lzma
+import os
 import re
 import struct
 import sys
@@ -43,8 +44,8 @@ from symosc.crosschecks.objects import (
     solutions_in,
 )
 from symosc.crosschecks.samples import SAMPLE_COLUMNS, Samples, number_of
-from symosc.errors import MissingExtraError, ParameterError, brief, optional
-from symosc.files import STDOUT, read_path
+from symosc.errors import ParameterError, SymoscError, brief, optional
+from symosc.files import STDIN_CLOSED, STDOUT, read_path
 
 TEXT_SUFFIXES = (".csv", ".tsv", ".txt", ".dat", ".out", ".asc")
 PACKED: dict[str, Callable[[Any], Any]] = {".gz": gzip.open, ".bz2": bz2.open, ".xz": lzma.open}
@@ -125,7 +126,7 @@ def _read(path: str | Path, where: str, asked: Asked | None, text: Reader) -> An
             if library and isinstance(file.raw, _Unpacked):  # libraries seek
                 return read(io.BytesIO(_whole(file, where)), asked, where)
             return read(file, asked, where)
-    except (ParameterError, MissingExtraError):
+    except SymoscError:
         raise
     except MemoryError:
         reason = "it does not fit into memory"
@@ -183,6 +184,8 @@ def _whole(file: IO[bytes], where: str) -> bytes:
 def _opened(path: str | Path, where: str) -> io.BufferedReader:
     """Open a file or standard input to read bytes, decompressed if it is compressed."""
     if path == STDOUT:
+        if sys.stdin is None:
+            raise ParameterError("file", where, STDIN_CLOSED)
         data = _whole(sys.stdin.buffer, where)
         file: Any = io.BytesIO(data)
         packed = _suffix_of_content(data)
@@ -252,20 +255,7 @@ def read_text(file: IO[bytes], asked: Asked, where: str) -> TextColumns:
 
     `asked` may say how they are called.
     """
-
-    def choose(names: list[str]) -> dict[str, str]:
-        if names != [str(i + 1) for i in range(len(names))] or set(asked.values()) & set(names):
-            return find_columns(names, asked, where)
-        if len(names) not in (2, 3):
-            what = (
-                f"has no header and {len(names)} columns; say which are meant, such as t=1,x=2,v=3"
-            )
-            raise ParameterError("file", where, what)
-        numbers = dict(zip(SAMPLE_COLUMNS, names, strict=False))
-        return {
-            name: numbers[column] for name, column in find_columns([*numbers], asked, where).items()
-        }
-
+    choose = partial(sample_columns, asked=asked, where=where)
     delimiter, columns, rows = _table(file, choose, where)
     id_column = columns.pop(ID_COLUMN, None)
     ids = list[str]()
@@ -284,6 +274,21 @@ def read_text(file: IO[bytes], asked: Asked, where: str) -> TextColumns:
     if id_column is None:
         return found
     return TextColumns({**found, ID_COLUMN: np.array(ids)})
+
+
+def sample_columns(names: list[str], asked: Asked, where: str) -> dict[str, str]:
+    """Find t, x and perhaps v, id among the columns of a text table.
+
+    They are numbered if it has no header.
+    """
+    if names != [str(i + 1) for i in range(len(names))] or set(asked.values()) & set(names):
+        return find_columns(names, asked, where)
+    if len(names) not in (2, 3):
+        what = f"has no header and {len(names)} columns; say which are meant, such as t=1,x=2,v=3"
+        raise ParameterError("file", where, what)
+    numbers = dict(zip(SAMPLE_COLUMNS, names, strict=False))
+    columns = find_columns([*numbers], asked, where)
+    return {name: numbers[column] for name, column in columns.items()}
 
 
 def _number(cell: str, delimiter: str | None) -> float:
@@ -424,7 +429,9 @@ def _split_cells(line: str, delimiter: str | None) -> list[str]:
         return [cell.strip() for cell in line.split(delimiter)]
     return [
         cell.strip()
-        for cell in next(csv.reader([line], delimiter=delimiter, skipinitialspace=True), [])
+        for cell in next(
+            csv.reader([line], delimiter=delimiter, skipinitialspace=True, strict=True), []
+        )
     ]
 
 
@@ -556,7 +563,7 @@ def _read_hdf5(file: IO[bytes], asked: Asked | None, where: str) -> Any:
         else:
             groups.setdefault(group, {})[name] = item
 
-    with h5py.File(file, "r") as root:
+    with _opened_hdf5(h5py, file, where) as root:
         root.visititems(visit)
         if groups:
             found = groups[min(groups, key=lambda group: len(group.split("/")) if group else 0)]
@@ -564,14 +571,42 @@ def _read_hdf5(file: IO[bytes], asked: Asked | None, where: str) -> Any:
             found = {}
         wanted = {name: len(found) == 1 or is_wanted(name, asked) for name in found}
         return _unwrapped(
-            {name: _hdf5_value(item) if wanted[name] else None for name, item in found.items()}
+            {
+                name: _hdf5_value(item, where) if wanted[name] else None
+                for name, item in found.items()
+            }
         )
 
 
-def _hdf5_value(item: Any) -> Any:
+def _opened_hdf5(h5py: Any, file: IO[bytes], where: str) -> Any:
+    """Open an HDF5 file by its name, or what is no file on the disk from a copy in memory."""
+    # Not as an object of Python: with such, HDF5 crashes at data that it looks for in other files.
+    name = getattr(file, "name", None)
+    if name is not None and os.path.isfile(name):
+        return h5py.File(os.fspath(name), "r", locking=False)
+    access = h5py.h5p.create(h5py.h5p.FILE_ACCESS)
+    access.set_fapl_core(backing_store=False)
+    access.set_file_image(_whole(file, where))
+    return h5py.File(h5py.h5f.open(b"memory", h5py.h5f.ACC_RDONLY, access))
+
+
+def _check_own(item: Any, where: str) -> None:
+    """Raise ParameterError if the values of an HDF5 dataset are in other files than its own."""
+    if item.is_virtual:
+        kind = "a virtual dataset"
+    elif item.external:
+        kind = "kept in external raw storage"
+    else:
+        return
+    what = f"{brief(item.name)} is {kind}: its values are in other files, which are not read"
+    raise ParameterError("file", where, f"{what}; write them into this one")
+
+
+def _hdf5_value(item: Any, where: str) -> Any:
     """Return the value of an HDF5 dataset, or the list of values in a dict of datasets (an Octave cell array)."""
     if isinstance(item, dict):
-        return [_hdf5_value(item[i]) for i in sorted(item)]
+        return [_hdf5_value(item[i], where) for i in sorted(item)]
+    _check_own(item, where)
     values = item[()]
     octave = "OCTAVE_NEW_FORMAT" in item.parent.attrs
     if "base" in (item.dtype.names or ()):
@@ -581,7 +616,7 @@ def _hdf5_value(item: Any) -> Any:
         return values
     if octave and "OCTAVE_EMPTY_MATRIX" in item.parent.attrs:
         return np.empty(0)
-    if octave and item.parent["type"][()].decode().endswith("string"):
+    if octave and _octave_type(item.parent, where).endswith("string"):
         texts = [
             bytes(row.astype(np.uint8)).decode("utf-8", "replace").strip()
             for row in np.atleast_2d(values.T)
@@ -596,6 +631,15 @@ def _hdf5_value(item: Any) -> Any:
     if values.ndim > 1:
         return np.squeeze(values.T if octave else values)
     return values
+
+
+def _octave_type(group: Any, where: str) -> str:
+    """Return what Octave says about the type of the value in a group; "" if it says that elsewhere."""
+    link = group.get("type", getlink=True)
+    if type(link).__name__ != "HardLink":  # the others may lead to another file
+        return ""
+    _check_own(group["type"], where)
+    return str(group["type"][()].decode())
 
 
 def _octave_range(base: float, limit: float, increment: float, count: int) -> np.ndarray:

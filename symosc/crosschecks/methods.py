@@ -1,443 +1,430 @@
-"""Numerical methods as causes.
+"""Faults of numerical methods as causes.
 
-A known one with fixed step, missed or delayed events, truncation errors.
+Events missed, late or gone over, and steps that are too large.
 """
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Sequence
-from typing import Any
+from collections.abc import Iterator
+from typing import NamedTuple
 
 import numpy as np
 
-from symosc.crosschecks.causes import SURE, Case, Diagnosis, best_between, larger
-from symosc.engine.state import SLIP
+from symosc.crosschecks.causes import FITS, Candidate, Case, Diagnosis, best_between, larger
 from symosc.kernels._generated import acceleration
+from symosc.simulation.tables import counted
 
-State = tuple[Any, Any]
-Force = Callable[[Any, Any, Any], Any]
-Method = Callable[[Force, Any, Any, Any, Any], State]
-MOST_REPEATED = 60
-# No weight of a Runge-Kutta method is larger, also if somebody has not divided by 6.
-LARGEST_WEIGHT = 3.0
-# Number of steps with events on which delays are tried, and of grid points for the delay of each.
-MOST_DELAYS = 60
+# Grid points for the time up to which an old mode goes on, and how often the grid is refined.
 DELAY_GRID = 9
-# A delay explains a step if it leaves less than this part of the defect: an event too early fits
-# nearly as well.
-DELAY_LEAVES = 0.005
+REFINEMENTS = 12
+# Events of a step that may be late, and ways to explain a step that are refined.
+MOST_EVENTS = 4
+LIKELY = 4
+# A delay by more than this part of what is left of the step is the whole step: the event is missed.
+WHOLE = 0.999
+# Sticks that end under friction that differs by less than this part are left by one rule.
+ONE_FRICTION = 1e-3
 
 
-# -- methods with a fixed step: each returns the state after a step h, for the acceleration a(t, x, v) -----------------
+# -- events that are missed or late ------------------------------------------------------------------------------------
 
 
-def nystrom(
-    stages: Sequence[tuple[float, float, Sequence[float], Sequence[float]]],
-    x_weights: Any,
-    v_weights: Any,
-) -> Method:
-    """Return an explicit Nyström method, given its stages and the weights of their accelerations in x and in v.
+class Delays(NamedTuple):
+    """Ways to explain steps, as columns.
 
-    A stage (time, way, x_row, v_row) is at t + time h, x + way h v + h^2 sum(x_row a), v + h
-    sum(v_row a), where `a` are the accelerations of the stages before it.
+    An old mode goes on from `begin` up to some time, then comes a new one.
+
+    The old mode `source` begins at time, position, velocity and phase `t`, `x`, `v`, `theta`:
+    those of the first sample of the step, or of an event in it. `source` and `target` are codes of
+    MODE_NAMES; `onto` is the belt whose speed v takes when the new mode begins, or 0.
     """
 
-    def total(weights: Any, found: list[Any]) -> Any:
-        return sum(weight * each for weight, each in zip(weights, found, strict=True))
-
-    def step(a: Force, t: Any, x: Any, v: Any, h: Any) -> State:
-        found: list[Any] = []
-        for time, way, x_row, v_row in stages:
-            there = x + way * h * v + h * h * total(x_row, found)
-            found.append(a(t + time * h, there, v + h * total(v_row, found)))
-        return x + h * v + h * h * total(x_weights, found), v + h * total(v_weights, found)
-
-    return step
+    step: np.ndarray
+    source: np.ndarray
+    target: np.ndarray
+    onto: np.ndarray
+    begin: np.ndarray
+    t: np.ndarray
+    x: np.ndarray
+    v: np.ndarray
+    theta: np.ndarray
 
 
-def runge_kutta(rows: Sequence[Sequence[float]], *weights: float) -> Method:
-    """Return the explicit Runge-Kutta method with these `rows` and `weights` in its Butcher tableau."""
-    A = np.array([[*row, *[0.0] * (len(rows) - len(row))] for row in rows])
-    stages = [(sum(row), sum(row), (A @ A)[i, :i].tolist(), row) for i, row in enumerate(rows)]
-    return nystrom(stages, (np.array(weights) @ A).tolist(), weights)
+def late_events(case: Case) -> Iterator[Candidate]:
+    """Yield the diagnosis of events that happen too late or not at all.
 
-
-def implicit(part: float) -> Method:
-    """Return the implicit rule that weights the slope at a step's end by `part`, that at its start by 1 - `part`."""
-
-    def step(a: Force, t: Any, x: Any, v: Any, h: Any) -> State:
-        first = a(t, x, v)
-        ahead = v
-        for _ in range(60):
-            there = x + h * ((1.0 - part) * v + part * ahead)
-            ahead = v + h * ((1.0 - part) * first + part * a(t + h, there, ahead))
-        return x + h * ((1.0 - part) * v + part * ahead), ahead
-
-    return step
-
-
-START: tuple[float, float, Sequence[float], Sequence[float]] = (0.0, 0.0, (), ())
-CLASSICAL = ((), (0.5,), (0.0, 0.5), (0.0, 0.0, 1.0))
-#: "exact" is the closed form, with the force of the domain at the beginning of the step.
-FIXED_STEP_METHODS: dict[str, Method | None] = {
-    "exact": None,
-    "Euler": nystrom([START], (0.0,), (1.0,)),
-    "semi-implicit Euler": nystrom([START], (1.0,), (1.0,)),
-    "semi-implicit Euler, x first": nystrom([(0.0, 1.0, (), ())], (0.0,), (1.0,)),
-    "constant acceleration": nystrom([START], (0.5,), (1.0,)),
-    "midpoint": runge_kutta(((), (0.5,)), 0.0, 1.0),
-    "Heun": runge_kutta(((), (1.0,)), 0.5, 0.5),
-    "leapfrog (velocity Verlet)": nystrom(
-        [START, (1.0, 1.0, (0.5,), (0.5,))], (0.5, 0.0), (0.5, 0.5)
-    ),
-    "velocity Verlet with the old v": nystrom(
-        [START, (1.0, 1.0, (0.5,), (0.0,))], (0.5, 0.0), (0.5, 0.5)
-    ),
-    "velocity Verlet with a predicted v": nystrom(
-        [START, (1.0, 1.0, (0.5,), (1.0,))], (0.5, 0.0), (0.5, 0.5)
-    ),
-    "leapfrog, x first": nystrom([(0.5, 0.5, (), ())], (0.5,), (1.0,)),
-    "implicit Euler": implicit(1.0),
-    "trapezoidal rule": implicit(0.5),
-    "RK3": runge_kutta(((), (0.5,), (-1.0, 2.0)), 1 / 6, 4 / 6, 1 / 6),
-    "RK4": runge_kutta(CLASSICAL, 1 / 6, 1 / 3, 1 / 3, 1 / 6),
-    "RK4 with equal weights": runge_kutta(CLASSICAL, 1 / 4, 1 / 4, 1 / 4, 1 / 4),
-    "RK4 with weights 1, 3, 3, 1 over 8": runge_kutta(CLASSICAL, 1 / 8, 3 / 8, 3 / 8, 1 / 8),
-    "RK4 with weights 2, 1, 1, 2 over 6": runge_kutta(CLASSICAL, 1 / 3, 1 / 6, 1 / 6, 1 / 3),
-    "RK4 with weights 1, 2, 1, 2 over 6": runge_kutta(CLASSICAL, 1 / 6, 1 / 3, 1 / 6, 1 / 3),
-    "RK4 with weights 1, 1, 2, 2 over 6": runge_kutta(CLASSICAL, 1 / 6, 1 / 6, 1 / 3, 1 / 3),
-    "RK4 with weights 2, 2, 1, 1 over 6": runge_kutta(CLASSICAL, 1 / 3, 1 / 3, 1 / 6, 1 / 6),
-}
-# Tried with few steps from sample to sample only.
-RARE = {
-    name
-    for name in FIXED_STEP_METHODS
-    if name.startswith(("RK4 with", "RK3", "implicit", "trapez", "constant"))
-}
-
-
-def known_methods(case: Case) -> Iterator[Diagnosis]:
-    """Yield the diagnosis that the samples were made by one of FIXED_STEP_METHODS, which reproduces the wrong steps."""
-    wrong = case.moving_wrong
-    inside = case.inside_wrong
-    at_events = case.thinned(np.setdiff1d(wrong, inside), MOST_REPEATED)
-    flights = case.thinned(inside, MOST_REPEATED)
-    # Where most steps with events have a sample on the belt at an end, the events are located.
-    passed = 2 * np.sum((case.domain[at_events] > 0) & (case.domain[at_events + 1] > 0)) > len(
-        at_events
-    )
-    # From one sample to the next the method may have made `count` steps.
-    for count in (*range(1, 11), 12, 15, 16, 20, 24, 25, 30, 32, 40, 50, 64, 100):
-        for name, method in FIXED_STEP_METHODS.items():
-            if name in RARE and count > 10:
-                continue
-            others = _share_repeated(case, flights, method, count)
-            if len(flights) >= 3 and others < 0.8:
-                continue
-            events, held = max(
-                (_share_repeated(case, at_events, method, count, held), held)
-                for held in (False, method is not None)
-            )
-            h = float(np.median(case.steps.t[wrong + 1] - case.steps.t[wrong])) / count
-            over_events = (passed or (len(at_events) and method is None)) and events >= 0.8
-            if over_events:
-                unseen = case.domain[at_events + 1] == case.domain[at_events]
-                yield _not_located(
-                    case, name, h, events, count == 1 and 2 * np.sum(unseen) > len(unseen), held
-                )
-            if len(flights) >= 3 and not (over_events and method is None):
-                words = f"the steps are those of the method {name} with a step of {h:.4g}"
-                evidence = (
-                    f"{others:.0%} of {len(flights)} steps inside a domain are repeated by it"
-                )
-                yield Diagnosis("truncation", name, words, evidence, h, 0.0, others)
-            if over_events or len(flights) >= 3:
-                return
-    yield from _other_weights(case, flights)
-
-
-def _other_weights(case: Case, flights: np.ndarray) -> Iterator[Diagnosis]:
-    """Yield the diagnosis of the classical Runge-Kutta method with wrong weights, which are fitted."""
-    if len(flights) < 8:
-        return
-    s = case.steps
-    force = _force(case, flights)
-    slopes = list[State]()
-    h = s.t[flights + 1] - s.t[flights]
-
-    def noted(t: Any, x: Any, v: Any) -> Any:
-        slopes.append((v, force(t, x, v)))
-        return slopes[-1][1]
-
-    runge_kutta(CLASSICAL, 0.0, 0.0, 0.0, 0.0)(noted, 0.0 * h, s.x[flights], s.v[flights], h)
-    J = (
-        np.transpose(np.array(slopes) * h, (2, 1, 0)) / case.allowed[flights][:, :, None]
-    )  # step, x or v, stage
-    wanted = np.diff(s.states, axis=0)[flights] / case.allowed[flights]
-    if not np.all(np.isfinite(J)):
-        return
-    weights = np.linalg.lstsq(J.reshape(-1, 4), wanted.ravel(), rcond=1e-9)[0]
-    share = float(np.mean(larger(J @ weights - wanted) <= case.limits(1e-4)[flights]))
-    if (
-        share >= 0.8 and np.max(np.abs(weights)) <= LARGEST_WEIGHT
-    ):  # others say that they are not determined
-        values = ", ".join(f"{weight:.4f}" for weight in weights)
-        total = np.sum(weights)
-        words = f"the steps are those of RK4 with wrong weights: {values}, which should be 1, 2, 2, 1 over 6"
-        evidence = f"fitted: these weights, whose sum is {total:.6g}, repeat {share:.0%} of {len(flights)} steps"
-        yield Diagnosis(
-            "truncation", "Runge-Kutta weights", words, evidence, float(total), 0.0, share
-        )
-
-
-def _not_located(
-    case: Case, name: str, h: float, share: float, unseen: bool, held: bool
-) -> Diagnosis:
-    """Return the diagnosis that the method `name` does not locate events, or makes chatter where the mass should stick.
-
-    With steps `h` it reproduces the fraction `share` of the steps with events. `unseen` says that
-    most of these end on the side of the belt where they began, `held` that each step keeps the
-    friction of its beginning.
+    Up to then the old mode goes on.
     """
-    if name == "exact" and unseen:
-        words = "belts are met and left within a step, and that is not seen"
-        evidence = f"the force at the beginning repeats {share:.0%} of the steps with events"
-        return Diagnosis("double root", "", words, evidence, share=share)
-    if name == "exact":
-        words = f"events are not located: they happen at the end of steps of {h:.4g}"
-        evidence = f"right flights with the force at the beginning of steps of {h:.4g} repeat {share:.0%} of the steps"
-        return Diagnosis("late events", name, words, evidence, h, 0.0, share)
-    if held:
-        friction = "the friction at its beginning"
-    else:
-        friction = "the friction of each stage's v"
-    evidence = (
-        f"{name} with steps of {h:.4g} and {friction} repeats {share:.0%} of the steps with events"
-    )
-    cause = "late events"
-    words = f"events are not located: {name} with a step of {h:.4g} goes over them"
-    if case.sticks and np.any(case.wrong & (case.steps.last > 3)):
-        cause = "chatter"
-        words = f"v jumps to and fro about a belt's speed: {name} with a step of {h:.4g} goes over the events"
-    return Diagnosis(cause, name, words, evidence, h, 0.0, share)
+    s = case.steps
+    steps = case.telling
+    ways = _delays(case, steps)
+    if not len(ways.step):
+        return
+    likely = _best_ways(case, ways, 1, LIKELY)[0]
+    ways = Delays(*(column[likely] for column in ways))
+    best, part, leaves = _best_ways(case, ways, REFINEMENTS, 1)
+    best = best[leaves[best] <= 1.0]
+    left = case.leaving(case.sizes[steps], steps)
+    left[ways.step[best]] = 0.0
+    if len(best):
+        kept = Delays(*(column[best] for column in ways))
+        delay = part[best] * (s.t[kept.step + 1] - kept.begin)
+        yield Candidate(_late_words(case, kept, delay, part[best] >= WHOLE), left=left)
 
 
-def _share_repeated(
-    case: Case, chosen: np.ndarray, method: Method | None, count: int, held: bool = False
-) -> float:
-    """Return the fraction of the steps `chosen` that `count` substeps of a method (None: exact flights) reproduce.
+def _best_ways(
+    case: Case, ways: Delays, rounds: int, most: int
+) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Return the numbers of the best ways for each step, at most `most`.
 
-    Friction is that of each stage's v, or if `held` that at the beginning of each substep.
+    Then, for all ways, the best delay as a part of what is left of the step, and what is missed
+    with it: at most 1 if the step is explained.
     """
-    if not len(chosen):
-        return 0.0
     s = case.steps
-    K = case.steps.K
-    h = (s.t[chosen + 1] - s.t[chosen]) / count
-    t = np.zeros(len(chosen))
-    x = s.x[chosen]
-    v = s.v[chosen]
-    with np.errstate(all="ignore"):
-        for _ in range(count):
-            domain = 1 + (v > K.belt1.v) + (v > K.belt2.v)
-            if method is None:
-                x, v = s.fly(domain, x, v, s.theta[chosen] + K.Om * t, h).T
-            else:
-                x, v = method(_force(case, chosen, domain if held else None), t, x, v, h)
-            t = t + h
-        sizes = np.nan_to_num(case.miss_sizes(np.column_stack([x, v]), chosen), nan=np.inf)
-    return float(np.mean(sizes <= case.limits(0.005)[chosen]))  # of the defects is left
-
-
-def _force(case: Case, chosen: np.ndarray, domain: np.ndarray | None = None) -> Force:
-    """Return the acceleration in the chosen steps as a function of t, x, v, in given domains or in the domain of v."""
-    s = case.steps
-    K = case.steps.K
-
-    def force(t: Any, x: Any, v: Any) -> Any:
-        if domain is None:
-            here = 1 + (v > K.belt1.v) + (v > K.belt2.v)
-        else:
-            here = domain
-        A = np.array([K.A1, K.A2, K.A3])[here - 1]
-        return acceleration(x, v, np.cos(s.theta[chosen] + K.Om * t), A, K.cm, K.w0sq, K.f0)
-
-    return force
-
-
-def truncation(case: Case) -> Iterator[Diagnosis]:
-    """Yield the diagnosis of truncation errors, with their size and order."""
-    wrong = case.inside_wrong
-    if len(wrong) < 3:
-        return
-    errors = np.max(np.abs(case.steps.defects[wrong]) / case.scales, axis=1)
-    size = float(np.median(errors))
-    more = ""
-    words = f"steps without events have errors of about {size:.1e} of the largest |x|, |v|: a tolerance of the method"
-    h = np.log(np.diff(case.steps.t)[wrong])
-    if np.ptp(h) >= 1.0 and len(h) >= 20:  # the steps differ enough to show an order
-        (slope, _), matrix = np.polyfit(h, np.log(errors), 1, cov=True)
-        more = f"; they grow like the step to the power {slope:.1f} ± {np.sqrt(matrix[0, 0]):.1g}"
-    evidence = f"no coefficient, sign, column or method of those tried explains them{more}"
-    yield Diagnosis("truncation", "", words, evidence, size, None, 0.6 * case.flights_wrong)
-
-
-# -- events that are missed, late, or on a straight line ---------------------------------------------------------------
-
-
-def double_roots(case: Case) -> Iterator[Diagnosis]:
-    """Yield the diagnosis that v crosses a belt's speed and comes back within a step, and that this goes unnoticed."""
-    s = case.steps
-    source = case.domain[:-1]
-    target = case.domain[1:]
-    there = case.wrong & (source > 0) & (source == target) & (s.first == source)
-    chosen = np.flatnonzero(there & np.isin(np.arange(len(there)), s.events.step))
-    if not len(chosen):
-        return
-    sizes = case.miss_sizes(s.flight(source[chosen], chosen, chosen + 1), chosen)
-    fits = sizes <= case.limits()[chosen]
-    count = int(np.sum(fits))
-    right = int(np.sum(sizes <= 1.0))
-    total = int(np.sum(case.wrong))
-    if count:
-        times = s.events.t[s.events.rows(int(chosen[fits][0]), int(chosen[fits][0]))]
-        low = float(times[0])
-        high = float(times[-1])
-        words = f"a belt is met within one step, and that is not seen ({count} times)"
-        first = f"the first time at t = {low:.8g} to {high:.8g}"
-        evidence = f"{first}; without the contacts {right} of these steps are right"
-        yield Diagnosis(
-            "double root", "", words, evidence, share=SURE if right == total else count / total
-        )
-
-
-def delays(case: Case) -> Iterator[Diagnosis]:
-    """Yield the diagnosis of events that occur too late, with the mean delay."""
-    s = case.steps
-    chosen, rows, every = _first_events(case, np.ones(len(s.first), bool))
-    if not len(chosen):
-        return
-    room = s.t[chosen + 1] - s.events.t[rows]
-    limits = case.limits(DELAY_LEAVES)[chosen]
+    room = s.t[ways.step + 1] - ways.begin
+    own = np.maximum(1.0, FITS * np.abs(s.defects / case.allowed)[ways.step])  # of x and of v
 
     def misses(part: np.ndarray) -> np.ndarray:
-        return np.minimum(
-            *(_with_delay(case, chosen, rows, part * room, onto) for onto in (False, True))
+        return np.nan_to_num(
+            larger(_delayed_misses(case, ways, ways.begin + part * room) / own), nan=np.inf
         )
 
-    part, leaves = best_between(
-        misses, np.zeros(len(chosen)), np.ones(len(chosen)), DELAY_GRID, limits
+    zero = np.zeros(len(room))
+    part, leaves = best_between(misses, zero, zero + 1.0, DELAY_GRID, zero + 0.5, rounds)
+    order = np.lexsort((leaves, ways.step))
+    begins = np.unique(ways.step[order], return_index=True)[1]
+    place = (
+        np.arange(len(order)) - begins[np.searchsorted(begins, np.arange(len(order)), "right") - 1]
     )
-    delay = part * room
-    fits = leaves <= limits
-    if not np.any(fits) or np.all(
-        s.events.kind[rows][fits] == SLIP
-    ):  # late ends of sticks are another cause
-        return
-    share = float(np.mean(fits)) * every / int(np.sum(case.wrong))
-    unseen = int(
-        np.sum(fits & (delay >= 0.999 * room) & (case.domain[chosen + 1] == s.first[chosen]))
-    )
-    if 2 * unseen > np.sum(fits):
-        words = f"belts are met and left within a step, and that is not seen ({unseen} times)"
-        yield Diagnosis(
-            "double root", "", words, f"the force before them repeats {unseen} steps", share=share
-        )
-        return
-    mean = float(np.mean(delay[fits]))
-    spread = float(np.std(delay[fits]))
-    largest = float(np.max(delay[fits]))
-    evidence = f"{int(np.sum(fits))} events are late by {mean:.3g} on average (spread {spread:.2g})"
-    words = f"events are not located: they happen up to {largest:.3g} late, at the end of the solver's step"
-    yield Diagnosis("late events", "", words, evidence, mean, spread, share)
+    return order[place < most], part, leaves
 
 
-def _with_delay(
-    case: Case, chosen: np.ndarray, rows: np.ndarray, delay: np.ndarray, onto: bool
-) -> np.ndarray:
-    """Return by how much the exact motion misses the ends of steps if the first event of each is late by `delay`.
-
-    `rows` are the rows of these events in the `StepEvents`. If `onto`, v is set to the belt's speed
-    at the late event.
-    """
-    # Up to its delayed end a mode goes on as before the event.
+def _delays(case: Case, steps: np.ndarray) -> Delays:
+    """Return the ways to explain each of `steps` by an event that is late."""
     s = case.steps
-    time = np.minimum(s.events.t[rows] + delay, s.t[chosen + 1])
-    source = s.first[chosen]
-    tau = time - s.t[chosen]
-    speed = s.belts[s.events.boundary[rows] - 1]
-    # Up to the delayed end the motion is that before the event: a flight, or a stick on the belt.
-    x, v = s.fly(np.minimum(source, 3), s.x[chosen], s.v[chosen], s.theta[chosen], tau).T
-    held = source > 3
-    x = np.where(held, s.x[chosen] + speed * tau, x)
-    return _misses_from(case, chosen, time, x, np.where(held | onto, speed, v))
+    rows = list[tuple[float, ...]]()
+    for i in steps.tolist():
+        here = int(case.domain[i])
+        state: tuple[float, ...] = (s.t[i], s.x[i], s.v[i], s.theta[i])
+        # Mode, belt, begin of the delay, and state where the mode begins.
+        old = list[tuple[int, int, float, tuple[float, ...]]]()
+        # The step may begin after an event that the samples do not know of yet.
+        if here == 0:
+            belt = 1 + int(np.argmin(np.abs(s.v[i] - s.belts)))
+            if i == 0 or case.domain[i - 1] == 0:
+                modes = [3 + belt]
+            else:
+                modes = [int(case.domain[i - 1])]
+            old += [(mode, belt, s.t[i], state) for mode in modes if mode != s.first[i]]
+        elif i > 0 and case.wrong[i - 1]:
+            # The belt is the first on the way to the domain of the old mode.
+            belts = {mode: here - (mode < here) for mode in (1, 2, 3) if mode != here}
+            old += [(mode, belt, s.t[i], state) for mode, belt in belts.items()]
+        mode = int(s.first[i])
+        events = s.events.rows(i, i)
+        for k in range(events.start, min(events.stop, events.start + MOST_EVENTS)):
+            belt = int(s.events.boundary[k])
+            old.append((mode, belt, s.events.t[k], state))
+            mode = int(s.events.target[k])
+            state = (s.events.t[k], s.events.x[k], s.belts[belt - 1], s.events.theta[k])
+        for mode, belt, begin, state in old:
+            ends = ((belt, 0), (belt + 1, 0), (3 + belt, belt), (belt, belt), (belt + 1, belt))
+            rows += [(i, mode, *end, begin, *state) for end in ends if end != (mode, 0)]
+    table = np.array(rows, dtype=float).reshape(-1, 9).T
+    return Delays(*table[:4].astype(int), *table[4:])
 
 
-def _misses_from(
-    case: Case, chosen: np.ndarray, time: np.ndarray, x: np.ndarray, v: np.ndarray
-) -> np.ndarray:
-    """Return by how much the exact motion from states time, x, v inside the steps `chosen` misses their ends."""
-    return larger(
-        case.defects_from(np.column_stack([time, x, v]), chosen + 1, 0.0) / case.allowed[chosen]
-    )
-
-
-def interpolated(case: Case) -> Iterator[Diagnosis]:
-    """Yield the diagnosis that events are located by linear interpolation over a step."""
+def _delayed_misses(case: Case, ways: Delays, time: np.ndarray) -> np.ndarray:
+    """Return by how much the ends of steps are missed if old modes go on up to a `time` each."""
     s = case.steps
-    chosen, rows, every = _first_events(case, s.first <= 3)
-    if not len(chosen):
-        return
-    t = s.t[chosen]
-    x = s.x[chosen]
-    v = s.v[chosen]
-    theta = s.theta[chosen]
-    first = s.first[chosen]
-    speed = s.belts[s.events.boundary[rows] - 1]
-    whole = s.flight(first, chosen, chosen + 1)
-    part = (speed - v) / (whole[:, 1] - v)
-    time = t + part * (s.t[chosen + 1] - t)
-    good = np.isfinite(part) & (part >= 0.0) & (part <= 1.0)
-    if not np.any(good):
-        return
-    at_line = x + part * (whole[:, 0] - x)
-    at_flight = s.fly(first, x, v, theta, np.where(good, time, s.t[chosen + 1]) - t)[:, 0]
-    left = np.full(len(chosen), np.inf)
-    for place in (at_line, at_flight):
-        after = _misses_from(
-            case,
-            chosen,
-            np.where(good, time, t),
-            np.where(good, place, x),
-            np.where(good, speed, v),
-        )
-        left = np.fmin(left, np.where(good, after, np.inf))
-    # Where the samples end with the event, the line from its sample to the end of the solver's
-    # usual step led there.
-    usual = float(np.median(np.diff(s.t)))
-    whole = s.fly(first, x, v, theta, (t + usual) - t)
-    part = (speed - v) / (whole[:, 1] - v)
-    late = np.abs(t + part * usual - s.t[chosen + 1]) * np.maximum(np.abs(speed), np.abs(v))
-    off = (
-        np.maximum(np.abs(x + part * (whole[:, 0] - x) - s.x[chosen + 1]), late)
-        / case.allowed[chosen, 0]
+    x, v = _moved(case, ways.source, np.array([ways.x, ways.v]), ways.theta, time - ways.t)
+    v = np.where(ways.onto > 0, s.belts[ways.onto - 1], v)
+    theta = ways.theta + s.K.Om * (time - ways.t)
+    x, v = _moved(case, ways.target, np.array([x, v]), theta, s.t[ways.step + 1] - time)
+    return case.misses(np.column_stack([x, v]), ways.step)
+
+
+def _moved(
+    case: Case, mode: np.ndarray, state: np.ndarray, theta: np.ndarray, tau: np.ndarray
+) -> np.ndarray:
+    """Return x and v after times `tau` in the given modes, without any event."""
+    s = case.steps
+    (x, v) = state
+    held = mode > 3
+    speed = s.belts[np.where(held, mode - 4, 0)]
+    flown = s.fly(np.where(held, 1, mode), x, v, theta, tau).T
+    return np.where(held, [x + speed * tau, speed], flown)
+
+
+def _late_words(case: Case, ways: Delays, delay: np.ndarray, whole: np.ndarray) -> Diagnosis:
+    """Return the diagnosis of late events, which explain steps by the given ways and delays."""
+    count = len(delay)
+    first = f"the first wrong one begins at t = {float(case.steps.t[ways.step[0]]):.10g}"
+    known = ways.begin > case.steps.t[ways.step]  # those with the event in the step
+    held = ways.source > 3
+    if np.all(held):
+        words = f"sticks end too late: the samples go on with the belt where it does not hold any more ({first})"
+        ratio, spread = _friction_at_ends(case, ways, delay)
+        evidence = f"{counted(count, 'step')} tried and explained by it"
+        if count > 1 and spread <= ONE_FRICTION * ratio:
+            words += f", up to {ratio:.4g} times the friction of the flight, as if static friction were larger"
+            return Diagnosis("late events", "stick", words, evidence, ratio, spread)
+        return Diagnosis("late events", "stick", words, evidence, float(np.max(delay)), None)
+    seen = known & ~(whole & (case.domain[ways.step + 1] == ways.source))
+    if 2 * np.sum(seen) <= count:
+        words = f"events are missed: the motion goes on as if it had not met a belt ({first})"
+        evidence = f"the force from before the event explains {counted(count, 'step')} tried"
+        return Diagnosis("late events", "", words, evidence)
+    late = delay[seen]
+    words = f"events happen too late, by up to {float(np.max(late)):.3g} ({first})"
+    evidence = (
+        f"a delay of each explains {counted(count, 'step')} tried; "
+        f"on average {float(np.mean(late)):.3g}"
     )
-    ends = np.abs(s.v[chosen + 1] - speed) <= case.near[chosen + 1]
-    left = np.fmin(left, np.where(ends & np.isfinite(off), off, np.inf))
-    fits = left <= case.limits()[chosen]
-    share = float(np.mean(fits)) * every / int(np.sum(case.wrong))
-    if np.sum(fits) >= 2 or np.all(fits):
-        evidence = f"that repeats {int(np.sum(fits))} of {len(chosen)} wrong steps in which a flight meets a belt"
-        words = "events are located by linear interpolation of v over a step"
-        yield Diagnosis("event interpolation", "", words, evidence, share=share)
+    return Diagnosis("late events", "", words, evidence, float(np.mean(late)), float(np.std(late)))
 
 
-def _first_events(case: Case, usable: np.ndarray) -> tuple[np.ndarray, np.ndarray, int]:
-    """Return at most MOST_DELAYS wrong steps with events, the row of each first event, and how many steps there are.
+def _friction_at_ends(case: Case, ways: Delays, delay: np.ndarray) -> tuple[float, float]:
+    """Return the friction where sticks end, divided by the largest of the flight.
 
-    `usable` marks the steps that may be taken.
+    Its median and its deviation.
     """
-    steps = np.unique(case.steps.events.step)
-    steps = steps[case.wrong[steps] & usable[steps]]
-    chosen = case.thinned(steps, MOST_DELAYS)
-    return chosen, np.searchsorted(case.steps.events.step, chosen), len(steps)
+    s = case.steps
+    K = case.steps.K
+    ends = (ways.begin + delay < s.t[ways.step + 1]) & (delay > 0.0)
+    if not np.any(ends):
+        return np.nan, np.inf
+    time = (ways.begin + delay - ways.t)[ends]
+    belt = ways.source[ends] - 3
+    x = ways.x[ends] + s.belts[belt - 1] * time
+    A = np.array([K.A1, K.A2, K.A3])
+    half = 0.5 * (A[belt - 1] - A[belt])
+    cosine = np.cos(ways.theta[ends] + K.Om * time)
+    push = acceleration(x, s.belts[belt - 1], cosine, A[belt] + half, K.cm, K.w0sq, K.f0)
+    ratio = np.abs(push) / half
+    return float(np.median(ratio)), float(np.max(np.abs(ratio - np.median(ratio))))
+
+
+# -- events that a method goes over, and chatter -----------------------------------------------------------------------
+
+# A method goes over the events of a step if the force below the belt has another part of the step
+# than in the exact motion, by so much in the middle of all steps.
+OTHER_PART = 0.02
+# How far the part of the force below may be beyond its bounds, judged by v and by x, if flights are
+# right; and if the method has errors in flights too, of which those of Euler's in x are half the
+# step squared times the acceleration.
+MARGINS = (0.06, 0.06)
+WIDE_MARGINS = (0.2, 1.0)
+# In a stick v turns back in this part of the steps, or it is no chatter but a slow change.
+TURNED = 0.35
+
+
+def gone_over(case: Case) -> Iterator[Candidate]:
+    """Yield the diagnosis that a method goes over events.
+
+    Where the mass should stick, v jumps to and fro.
+    """
+    steps = case.telling
+    fits, parts, sticks = _mixtures(case, steps)
+    if not np.any(fits):
+        return
+    left = case.leaving(np.where(fits, 0.0, case.sizes[steps]), steps)
+    diagnosis = _gone_over_words(case, steps[fits], parts[fits], sticks[fits])
+    if diagnosis is not None:
+        yield Candidate(diagnosis, left=left)
+
+
+def _gone_over_words(
+    case: Case, steps: np.ndarray, parts: np.ndarray, sticks: np.ndarray
+) -> Diagnosis | None:
+    """Return the diagnosis of steps that go over events; None if they show no pattern of it.
+
+    `parts` are how much longer than in the exact motion the force below the belt acts, in parts of
+    a step; `sticks` marks steps in which the exact motion sticks.
+    """
+    s = case.steps
+    first = f"first at t = {float(s.t[steps[0]]):.10g}"
+    if 2 * np.sum(sticks) >= len(steps):
+        belt = 1 + np.argmin(np.abs(s.v[:, None] - s.belts), axis=1)
+        gap = s.v - s.belts[belt - 1]
+        near = np.flatnonzero(
+            case.wrong[1:] & case.wrong[:-1] & (s.last[1:] > 3) & (s.last[:-1] > 3)
+        )
+        changes = np.diff(gap)
+        turned = 0.0
+        if len(near):
+            turned = float(np.mean(changes[near] * changes[near + 1] < 0.0))
+        if turned < TURNED:
+            return None
+        largest = float(np.max(np.abs(gap[steps[sticks] + 1])))
+        words = (
+            "where the mass should stick, v jumps to and fro about the belt's speed, "
+            f"by up to {largest:.3g} ({first})"
+        )
+        evidence = (
+            f"friction makes such jumps in {counted(len(steps), 'step')} tried; "
+            f"v turns back in {turned:.0%} of the steps in sticks"
+        )
+        return Diagnosis("chatter", "", words, evidence, largest, None)
+    if np.median(np.abs(parts[~sticks])) < OTHER_PART:
+        return None
+    words = f"events are not located: the method goes over them ({first})"
+    off = float(np.median(np.abs(parts)))
+    evidence = f"in {counted(len(steps), 'step')} tried a force acts too long or too short, by {off:.0%} of the step"
+    return Diagnosis("late events", "", words, evidence, off, None)
+
+
+def _mixtures(
+    case: Case, steps: np.ndarray, any_stick: bool = False
+) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Say which of `steps` a mixture of the forces on both sides of a belt explains.
+
+    Return which they are, how much longer the force below acts than in the exact motion, in parts
+    of the step, and in which steps the exact motion sticks. If it does, v has to be about the
+    belt's speed, unless `any_stick` allows all sticks.
+    """
+    s = case.steps
+    sticks = (s.last[steps] > 3) | (s.first[steps] > 3)
+    sticks |= np.isin(steps, s.events.step[s.events.target > 3])
+    fits = np.zeros(len(steps), bool)
+    parts = np.zeros(len(steps))
+    begin = s.v[steps]
+    end = s.v[steps + 1]
+    if case.flights_wrong > 0.5:
+        in_v, in_x = WIDE_MARGINS
+    else:
+        in_v, in_x = MARGINS
+    for belt in (1, 2):
+        speed = s.belts[belt - 1]
+        below, above = (s.flight(belt + side, steps, steps + 1) for side in (0, 1))
+        gap = below - above
+        exact = s.states[steps + 1] + s.defects[steps]
+        part, right = (
+            state[:, 1] / gap[:, 1] for state in (s.states[steps + 1] - above, exact - above)
+        )
+        way = (s.states[steps + 1] - above)[:, 0] / gap[:, 0]
+        # The force below acts first, or last, or in between.
+        bounded = (way >= part**2 - in_x) & (way <= 2.0 * part - part**2 + in_x)
+        bounded &= (part >= -in_v) & (part <= 1.0 + in_v)
+        passes = (begin - speed) * (end - speed) < 0.0
+        passes |= np.isin(steps, s.events.step[s.events.boundary == belt])
+        # Where the exact motion sticks in the step, a stick with a fault looks like a mixture too:
+        # v has to be about the belt's speed, as near as at the ends of steps that end in a stick.
+        reach = np.abs(gap[:, 1])  # what friction can do within the step
+        about = (s.last[steps] == 3 + belt) & (end != speed) & (np.abs(end - speed) <= reach)
+        nearest = np.max(np.abs(end - speed)[about], initial=0.0)
+        begins = sticks & (begin != speed) & (np.abs(begin - speed) <= nearest)
+        leaves = (s.last[np.maximum(steps - 1, 0)] == 3 + belt) & (np.abs(begin - speed) <= reach)
+        about |= leaves & (begin != speed)
+        passes &= ~sticks | begins | any_stick
+        here = bounded & (passes | about)
+        parts[here] = (part - right)[here]
+        fits |= here
+    return fits, parts, sticks
+
+
+# -- steps that are too large ------------------------------------------------------------------------------------------
+
+# The errors of a method are powers of the step times fixed combinations of x, v, cos, sin and 1,
+# since flights are linear. Powers that are tried, as many at once where steps differ, and flights
+# for each fitted number.
+POWERS = range(2, 7)
+TOGETHER = 3
+PER_NUMBER = 3
+MOST_FLIGHTS = 400
+FEWEST_IN_DOMAIN = 6
+# Steps that differ by less than this part are equal. Fewest wrong flights that show an order.
+EQUAL = 1e-6
+FEWEST_WRONG = 20
+# What the fit may leave, in parts of the largest defect and of a step's own one.
+LEFT_BY_FIT = 0.03
+# A wrong force changes x by half the step times the change of v: up to this part it is one.
+LIKE_FORCE = 0.3
+
+
+def large_steps(case: Case) -> Iterator[Candidate]:
+    """Yield the diagnosis of steps that are too large, if powers of the step explain the errors."""
+    s = case.steps
+    told = np.intersect1d(case.telling, case.inside)
+    inside = np.union1d(case.thinned(case.inside, MOST_FLIGHTS), told)
+    # A domain with few flights does not show a law.
+    counts = np.bincount(case.domain[inside], minlength=4)
+    flights = inside[counts[case.domain[inside]] >= FEWEST_IN_DOMAIN]
+    if len(np.intersect1d(flights, case.inside_wrong)) < FEWEST_WRONG:
+        return
+    if case.flights_wrong < 0.5 or not _like_truncation(case, flights):
+        return
+    defects = s.defects[flights] / case.allowed[flights]
+    sizes = larger(defects)
+    h = np.diff(s.t)[flights]
+    equal = np.ptp(h) <= EQUAL * np.max(h)
+    choices = [tuple(range(power, power + TOGETHER)) for power in POWERS]
+    if equal:
+        choices = [(0,)]
+    best = np.full(len(flights), np.inf)
+    order = 0
+    for powers in choices:
+        missed = _left_by_powers(case, flights, defects, powers)
+        if np.median(missed) < np.median(best):
+            best = missed
+            order = powers[0]
+    limit = np.maximum(1.0, LEFT_BY_FIT * np.maximum(sizes, 0.5 * np.max(sizes)))
+    fits = best <= limit
+    left = case.leaving(np.where(fits, 0.0, sizes), flights)
+    # Elsewhere the errors are as large, also if the method goes over events, or misses them.
+    others = np.setdiff1d(case.telling, flights)
+    most = 2.0 * float(np.max(sizes))
+    unseen = case.miss_sizes(
+        s.flight(np.maximum(case.domain[others], 1), others, others + 1), others
+    )
+    over = (
+        (case.sizes[others] <= most) | (unseen <= most) | _mixtures(case, others, any_stick=True)[0]
+    )
+    left[others] = np.where(over, 0.0, case.sizes[others])
+    size = float(np.median(np.max(np.abs(s.defects[case.inside_wrong]) / case.scales, axis=1)))
+    words = (
+        "the solver's steps are too large, or its tolerance: "
+        f"a flight is off by about {size:.1e} of the largest |x|, |v| in each step"
+    )
+    if equal:
+        how = "one linear map of x, v and the drive"
+    else:
+        how = f"powers of the step from {order} on"
+    evidence = f"the errors of {int(np.sum(fits))} of {len(flights)} flights follow from {how}"
+    yield Candidate(Diagnosis("steps too large", "", words, evidence, size, None), left=left)
+
+
+def _like_truncation(case: Case, flights: np.ndarray) -> bool:
+    """Return whether the errors of flights can be those of a method, and not those of a wrong force."""
+    s = case.steps
+    h = np.diff(case.steps.t)[flights]
+    dx, dv = s.defects[flights].T
+    force_like = np.sum((dx - 0.5 * h * dv) ** 2) <= (LIKE_FORCE**2) * np.sum(dx**2)
+    A = np.array([s.K.A1, s.K.A2, s.K.A3])[case.domain[flights] - 1]
+    K = s.K
+    a = acceleration(s.x[flights], s.v[flights], np.cos(s.theta[flights]), A, K.cm, K.w0sq, K.f0)
+    slope = K.cm * np.max(np.abs(a)) + K.w0sq * np.max(np.abs(s.v)) + abs(K.f0) * K.Om
+    # Even Euler's method makes no larger errors.
+    small = (np.abs(dx) <= h**2 * np.max(np.abs(a))) & (np.abs(dv) <= h**2 * slope)
+    return bool(not force_like and np.mean(small) > 0.95)
+
+
+def _left_by_powers(
+    case: Case, flights: np.ndarray, defects: np.ndarray, powers: tuple[int, ...]
+) -> np.ndarray:
+    """Return what a fit to every second flight leaves of the defects of the others, for all flights."""
+    s = case.steps
+    h = np.diff(case.steps.t)[flights]
+    domains = [case.domain[flights] == d for d in np.unique(case.domain[flights])]
+    theta = s.theta[flights]
+    basis = np.column_stack([s.x[flights], s.v[flights], np.cos(theta), np.sin(theta), *domains])
+    basis = basis / np.maximum(np.max(np.abs(basis), axis=0), 1e-300)
+    matrix = np.hstack([basis * (h[:, None] / np.max(h)) ** power for power in powers])
+    left = np.full(len(flights), np.inf)
+    if PER_NUMBER * matrix.shape[1] > len(flights):
+        return left
+    even = np.arange(len(flights)) % 2 == 0
+    for used in (even, ~even):
+        numbers = np.linalg.lstsq(matrix[used], defects[used], rcond=1e-12)[0]
+        left[~used] = larger(matrix[~used] @ numbers - defects[~used])
+    return left

@@ -6,37 +6,29 @@ Common modelling mistakes, unchanged, and with fitted numbers.
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import replace
-from math import inf, pi, remainder, sqrt
+from functools import partial
+from math import cos, inf, pi, remainder, sqrt
 from typing import Any
 
 import numpy as np
 
 from symosc.aliases import Record
-from symosc.crosschecks.causes import (
-    FITS,
-    LEFT_OVER,
-    SURE,
-    Candidate,
-    Case,
-    Diagnosis,
-    Fit,
-    fitted,
-    larger,
-)
+from symosc.crosschecks.causes import LEFT_OVER, Candidate, Case, Diagnosis, Fit, fitted, larger
 from symosc.engine.arithmetic import Arithmetic
 from symosc.engine.flow import Constants
 from symosc.errors import ParameterError
+from symosc.kernels._generated import acceleration
 from symosc.model import PARAMETER_NAMES, Parameters
+from symosc.simulation.tables import counted
 
 LEAST_FLIGHTS = 3
 MOST_FLIGHTS = 24
 GRAVITY = 9.81
-# A diagnosis explains the samples if it explains this part of the wrong steps.
-ENOUGH = 0.9
-# Steps that a fit through events uses, and those of a fit through flights.
-MOST_FOLLOWED = 80
+# Flights that a fit uses, and steps over which a wrong sign is tried first.
 MOST_FLOWN = 400
+FEW_INTEGRATED = 8
+# Wrong steps that determine a number.
+FEWEST_FITTED = 3
 # Difference quotients are taken over this part of a coefficient.
 TICK = 1e-5
 # Far coefficients: the fewest flights that show one, those on which values are compared, and
@@ -55,36 +47,24 @@ def other_systems(case: Case) -> Iterator[Candidate]:
     """Yield each common modelling mistake that explains the wrong steps, with a change that tests it."""
     p = case.parameters
     seen = {case.parameters}
-    tried = case.thinned(case.moving_wrong, 60)
-    flights = case.thinned(case.inside, MOST_FLIGHTS)
+    flights = case.thinned(case.inside_wrong, MOST_FLIGHTS)
     for cause, subject, words, change, values in _systems(p):
         other = _replaced(p, **values)
-        if other is None or other in seen or not len(tried):
+        if other is None or other in seen:
             continue
         seen.add(other)
         if len(flights) >= LEAST_FLIGHTS and (other.v1, other.v2) == (p.v1, p.v2):
-            few = case.flight_misses(Arithmetic(other).K, chosen=flights)
-            chosen = flights
-        else:
-            few = case.some_defects_with(other, tried)
-            chosen = tried
-        if (
-            np.mean(larger(few) <= case.limits()[chosen]) >= 0.5
-        ):  # else it is not followed over all steps
+            few = larger(case.flight_misses(Arithmetic(other).K, chosen=flights))
+            if np.mean(few <= case.limits()[flights]) < 0.5:
+                continue
+        left = case.left_with(other)
+        if left is not None:
+            value = error = None
             if len(values) == 1:
-                value, error = (float(next(iter(values.values()))), 0.0)
-            else:
-                value, error = (None, None)
-            found = Diagnosis(
-                cause,
-                subject,
-                words,
-                "",
-                value,
-                error,
-                case.share(larger(case.defects_with(other))),
-            )
-            yield Candidate(found, f"with {change}", parameters=other)
+                value = float(next(iter(values.values())))
+                error = 0.0
+            found = Diagnosis(cause, subject, words, "", value, error)
+            yield Candidate(found, f"with {change}", parameters=other, left=left)
     yield from _wrong_signs(case)
 
 
@@ -134,18 +114,10 @@ def _systems(p: Parameters) -> Iterator[tuple[str, str, str, str, Record]]:
 
 
 def _wrong_signs(case: Case) -> Iterator[Candidate]:
-    """Yield the diagnosis that friction, spring or damper has the wrong sign, tried on flights inside domains."""
+    """Yield the diagnosis that friction, spring or damper has the wrong sign, by integration over steps."""
     p = case.parameters
-    inside = case.thinned(case.inside, 10 * MOST_FLIGHTS)
     K = case.steps.K
-    if len(inside) < LEAST_FLIGHTS:
-        return
-    from scipy.linalg import expm
-
-    s = case.steps
-    tau = np.diff(case.steps.t)[inside]
-    theta = case.steps.theta[inside]
-    begin = np.column_stack([s.states[inside], np.cos(theta), np.sin(theta), np.ones(len(inside))])
+    steps = case.telling
     against = tuple(float((2 * p.A0 - p.A(alpha)) / p.m) for alpha in (1, 2, 3))
     right = (K.A1, K.A2, K.A3)
     for name, present, what, forces, damping, spring in (
@@ -153,25 +125,28 @@ def _wrong_signs(case: Case) -> Iterator[Candidate]:
         ("k", p.k, "the spring pushes away", right, 1, -1),
         ("c", p.c, "the damper pushes", right, -1, 1),
     ):
-        if present:
-            rates = np.zeros((len(inside), 5, 5))  # of x, v, cos theta, sin theta, 1
-            rates[:, 0, 1] = 1.0
-            rates[:, 1, 0], rates[:, 1, 1], rates[:, 1, 2] = -spring * K.w0sq, -damping * K.cm, K.f0
-            rates[:, 1, 4] = np.array(forces)[case.domain[inside] - 1]
-            rates[:, 2, 3], rates[:, 3, 2] = -K.Om, K.Om
-            ends = np.einsum("nij,nj->ni", expm(rates * tau[:, None, None]), begin)[:, :2]
-            sizes = np.nan_to_num(case.miss_sizes(ends, inside), nan=np.inf)
-            fits = sizes <= 1.0
-            evidence = (
-                f"with it {int(np.sum(fits))} of {len(inside)} steps inside a domain are right"
-            )
-            if np.all(fits) and case.flights_wrong > 0.5:
-                share = 0.5 * (1.0 + SURE)
-            else:
-                share = case.share(sizes, inside)
-            yield Candidate(
-                Diagnosis("sign", name, f"{name} has the wrong sign: {what}", evidence, share=share)
-            )
+        if not present or not len(steps):
+            continue
+
+        def force(
+            x: float,
+            v: float,
+            phase: float,
+            forces: Any = forces,
+            damping: int = damping,
+            spring: int = spring,
+        ) -> float:
+            A = forces[(v > K.belt1.v) + (v > K.belt2.v)]
+            return float(acceleration(x, v, cos(phase), A, damping * K.cm, spring * K.w0sq, K.f0))
+
+        few = case.thinned(steps, FEW_INTEGRATED)
+        if np.mean(larger(case.integrated(force, few)) <= case.limits()[few]) < 0.5:
+            continue
+        sizes = larger(case.integrated(force, steps))
+        fits = int(np.sum(sizes <= case.limits()[steps]))
+        evidence = f"with it {fits} of {counted(len(steps), 'step')} tried are right"
+        words = f"{name} has the wrong sign: {what}"
+        yield Candidate(Diagnosis("sign", name, words, evidence), left=case.leaving(sizes, steps))
 
 
 # -- fitted coefficients -----------------------------------------------------------------------------------------------
@@ -197,7 +172,7 @@ def far_coefficients(case: Case) -> Iterator[Candidate]:
         return
     few = case.thinned(flights, FEW_FAR)
     for name in ("m", "c", "k", "Omega"):
-        factors = np.geomspace(1e-3, 1e3, 61)
+        factors = np.geomspace(1e-3, 1e3, 25)
         if name == "Omega":
             values = _frequencies(case, flights)
         else:
@@ -229,21 +204,22 @@ def _median(sizes: np.ndarray) -> float:
 
 def _coefficient(case: Case, name: str, fit: Fit | None) -> Iterator[Candidate]:
     """Yield the diagnosis of a wrong coefficient, with its fitted value to the digits that are significant."""
-    if fit is None:
+    if fit is None or len(case.moving_wrong) < FEWEST_FITTED:
         return
     value = float(fit.value[0])
     error = float(fit.error[0])
     right = float(getattr(case.parameters, name))
     text = rounded(value, error)
     other = _replaced(case.parameters, **{name: float(text)})
-    if other is not None and other != case.parameters:
+    if other is None or other == case.parameters:
+        left = None
+    else:
+        left = case.left_with(other)
+    if left is not None:
         words = f"the solution has {name} = {text}, which should be {right:.10g}"
-        evidence = f"{text} ± {error:.1g}"
-        share = case.share(larger(case.defects_with(other)), part=FITS)
-        found = Diagnosis(
-            "coefficient", name, words, f"fitted: {name} = {evidence}", value, error, share
-        )
-        yield Candidate(found, f"with {name} = {text}", parameters=other)
+        evidence = f"fitted: {name} = {text} ± {error:.1g}"
+        found = Diagnosis("coefficient", name, words, evidence, value, error)
+        yield Candidate(found, f"with {name} = {text}", parameters=other, left=left)
 
 
 def rounded(value: float, error: float) -> str:
@@ -332,7 +308,7 @@ def _fit_belt(case: Case, name: str) -> Fit | None:
     """
     p = case.parameters
     s = case.steps
-    chosen = case.thinned(case.moving_wrong, MOST_FOLLOWED)
+    chosen = case.thinned(case.telling, MOST_FLIGHTS)
 
     def misses(value: np.ndarray) -> np.ndarray:
         other = _replaced(p, **{name: float(value[0])})
@@ -376,7 +352,7 @@ def _frequencies(case: Case, flights: np.ndarray) -> np.ndarray:
     return np.asarray(grid[np.argsort(left)[:FEW_FAR]])
 
 
-# -- the phase of the drive, the forces of the domains -----------------------------------------------------------------
+# -- the clock, and the phase of the drive ----------------------------------------------------------
 
 
 def phases_of_drive(case: Case) -> Iterator[Candidate]:
@@ -386,17 +362,17 @@ def phases_of_drive(case: Case) -> Iterator[Candidate]:
     flights = case.thinned(case.inside, MOST_FLOWN)
     K = case.steps.K
     fit = None
-    if not case.parameters.B0:
+    if not case.parameters.B0 or len(case.moving_wrong) < FEWEST_FITTED:
         return
     if len(flights) >= FEWEST_FAR:
         turn = _phase_shift(case, flights)
     else:
         turn = None
     tick = np.array([1e-5])
-    chosen = case.thinned(case.moving_wrong, MOST_FOLLOWED)
+    chosen = case.thinned(case.telling, MOST_FLIGHTS)
 
     def misses(value: np.ndarray) -> np.ndarray:
-        return case.defects_with(case.parameters, float(value[0]) / K.Om)[chosen]
+        return case.some_defects_with(case.parameters, chosen, float(value[0]) / K.Om)
 
     if turn is not None:
         fit = fitted(lambda q: case.flight_misses(K, float(q[0]), flights), np.array([turn]), tick)
@@ -408,7 +384,9 @@ def phases_of_drive(case: Case) -> Iterator[Candidate]:
             misses, min(turns, key=lambda turn: float(np.median(larger(misses(turn))))), tick
         )
     if fit is not None:
-        yield _shift_or_phase(case, remainder(float(fit.value[0]), 2.0 * pi), float(fit.error[0]))
+        yield from _shift_or_phase(
+            case, remainder(float(fit.value[0]), 2.0 * pi), float(fit.error[0])
+        )
 
 
 def _phase_shift(case: Case, flights: np.ndarray) -> float | None:
@@ -429,8 +407,8 @@ def _phase_shift(case: Case, flights: np.ndarray) -> float | None:
     return float(np.arctan2(fit.value[1], fit.value[0]))
 
 
-def _shift_or_phase(case: Case, turn: float, error: float) -> Candidate:
-    """Return the diagnosis of a drive ahead by the angle `turn`.
+def _shift_or_phase(case: Case, turn: float, error: float) -> Iterator[Candidate]:
+    """Yield the diagnoses of a drive ahead by the angle `turn`.
 
     A shifted clock, or another phase of the drive.
     """
@@ -448,55 +426,80 @@ def _shift_or_phase(case: Case, turn: float, error: float) -> Candidate:
     if near:
         turn = quarters * pi / 2
     shift = -turn / Om
-    share = case.share(larger(case.defects_with(case.parameters, turn / Om)), part=FITS)
+    left = case.left_with(case.parameters, turn / Om)
+    if left is None:
+        return
     evidence = f"fitted: {rounded(turn, error)} ± {error:.1g}"
     words = (
         f"the drive is ahead by a phase of {rounded(turn, error)}{names[quarters] if near else ''}"
     )
-    phase = Diagnosis("phase", "", words, evidence, turn, error, share)
-    words = f"the clock of the samples is {'fast' if shift > 0 else 'slow'} by {rounded(abs(shift), error / Om)}"
-    clock = Diagnosis("time shift", "", words, evidence, shift, error / Om, share)
-    change = Candidate(
-        clock, f"with {shift:.17g} taken from t", columns=lambda t, x, v: (t - shift, x, v)
-    )
-    if start is None:
-        return change._replace(diagnosis=replace(clock, alternatives=(phase,)))
+    change = f"with the phase turned by {turn:.17g}"
+    phase = Diagnosis("phase", "", words, evidence, turn, error)
+    turned = Candidate(phase, change, columns=lambda t, x, v: (t - shift, x, v), left=left)
+    if shift > 0:
+        pace = "fast"
+    else:
+        pace = "slow"
+    words = f"the clock of the samples is {pace} by {rounded(abs(shift), error / Om)}"
+    clock = Diagnosis("time shift", "", words, evidence, shift, error / Om)
+    change = f"with {shift:.17g} taken from t"
+    moved = Candidate(clock, change, columns=lambda t, x, v: (t - shift, x, v), left=left)
     # The scene's motion at the first sample's own time, at this phase or one of whole periods
     # later.
-    off = np.abs(np.array([s.t[0], s.x[0], s.v[0]]) - start)
-    if not case.offset and np.any(
-        off > [4.0 * np.spacing(abs(start[0])), *(1e3 * case.allowed[0])]
-    ):
-        return change
-    return change._replace(diagnosis=phase, words=f"with the phase turned by {turn:.17g}")
+    if start is None:
+        off = np.zeros(3)
+    else:
+        off = np.abs(np.array([s.t[0], s.x[0], s.v[0]]) - start)
+    at_start = start is not None and not (
+        not case.offset
+        and np.any(off > [4.0 * np.spacing(abs(start[0])), *(1e3 * case.allowed[0])])
+    )
+    if not at_start:
+        yield moved
+    if at_start or start is None:
+        yield turned
 
 
-def forces(case: Case) -> Iterator[Diagnosis]:
-    """Yield the diagnosis of another friction law of any form, with the fitted forces of the domains."""
-    flights = case.thinned(case.inside, MOST_FLOWN)
-    K = case.steps.K
-    visited = [d for d in (1, 2, 3) if np.sum(case.domain[flights] == d) >= 3]
-    if not visited:
+def jumps_of_clock(case: Case) -> Iterator[Candidate]:
+    """Yield the diagnosis that the clock jumps in the first wrong step.
+
+    All later times are off by one number.
+    """
+    s = case.steps
+    i = int(case.moving_wrong[0])
+    held = bool(s.first[i] > 3 and s.last[i] == s.first[i] and i not in s.events.step)
+    if not (held or i in case.inside) or i + case.offset == 0:
         return
-    names = [f"A{d}" for d in visited]
-    start = np.array([float(getattr(K, name)) for name in names])
+    domain = case.domain[[i]]
+    begin = slice(i, i + 1)
 
     def misses(value: np.ndarray) -> np.ndarray:
-        rows = case.flight_misses(
-            K._replace(**dict(zip(names, value.tolist(), strict=True))), chosen=flights
+        tau = s.t[[i + 1]] - s.t[[i]] - value
+        if held:
+            ends = np.column_stack([s.x[begin] + s.v[begin] * tau, s.v[begin]])
+            return case.misses(ends, np.array([i]))
+        return case.misses(
+            s.fly(domain, s.x[begin], s.v[begin], s.theta[begin], tau), np.array([i])
         )
-        return np.where(np.isin(case.domain[flights], visited)[:, None], rows, 0.0)
 
-    fit = fitted(misses, start, np.full(len(start), TICK * (np.max(np.abs(start)) + abs(K.f0))))
-    if fit is None:
+    fit = fitted(misses, np.zeros(1), np.array([1e-6 * (s.t[i + 1] - s.t[i])]))
+    if fit is None or fit.sizes[0] > case.limits()[i]:
         return
-    m = float(case.parameters.m)
-    share = case.share(fit.sizes, flights, FITS)
-    parts = [
-        f"{name} = {rounded(m * value, m * error)} (should be {m * right:.6g})"
-        for name, value, error, right in zip(names, fit.value, fit.error, start, strict=True)
-        if abs(value - right) > 5.0 * error
-    ]
-    if parts:
-        words = f"the forces of the flights are {', '.join(parts)}"
-        yield Diagnosis("forces", "", words, "fitted to the flights of each domain", share=share)
+    shift = float(fit.value[0])
+    error = float(fit.error[0])
+    time = float(s.t[i])
+    if shift > 0:
+        pace = "fast"
+    else:
+        pace = "slow"
+    words = f"the clock of the samples jumps after t = {time:.10g}: from there on it is {pace} by "
+    evidence = f"fitted: {rounded(shift, error)} ± {error:.1g}"
+    found = Diagnosis("time shift", "", words + rounded(abs(shift), error), evidence, shift, error)
+    change = f"with {shift:.17g} taken from t after t = {time:.10g}"
+    yield Candidate(found, change, columns=partial(_moved_after, time, shift))
+
+
+def _moved_after(
+    time: float, shift: float, t: np.ndarray, x: np.ndarray, v: np.ndarray
+) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    return np.where(t > time, t - shift, t), x, v

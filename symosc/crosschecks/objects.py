@@ -18,11 +18,11 @@ from functools import partial
 from importlib import import_module
 from importlib.util import module_from_spec, spec_from_file_location
 from inspect import iscoroutine
-from itertools import chain, pairwise
+from itertools import chain, pairwise, zip_longest
 from math import ceil, inf, isfinite, nan, pi
 from pathlib import Path
 from traceback import extract_tb
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -74,6 +74,8 @@ USUAL_NAMES = {
 #: The entry of a file or a mapping that is no column of samples; names of arrays that hold x and v
 #: together.
 EVENTS = "events"
+#: Events of scipy's solve_ivp and of MATLAB's ode45; they are no columns of samples either.
+SOLVER_EVENTS = ("t_events", "y_events", "te", "xe", "ye", "ie")
 STATE_NAMES = ("y", "ys", "u", "z", "state", "states", "sol", "solution", "data")
 NONE = "none"
 MISSING: Any = object()  # in place of what an object has not
@@ -133,6 +135,7 @@ def is_wanted(name: str, asked: Asked | None) -> bool:
     return name.lower() in {column.lower() for column in asked.values() if column} | {
         EVENTS,
         *STATE_NAMES,
+        *SOLVER_EVENTS,
     }
 
 
@@ -238,7 +241,7 @@ def solutions_in(
         raise ParameterError(
             "solution", source, "is no solution: give a file, a table, an array or a function"
         )
-    return _read_table(table, asked, where)
+    return _read_table(table, asked, where, problem)
 
 
 def _has_x(source: Any) -> bool:
@@ -268,14 +271,15 @@ def _read_result(source: Any, problem: Problem) -> list[Samples] | None:
             notes = []
         else:
             notes = [f"the solver says: {getattr(source, 'message', 'failed')}"]
-        events, more = _solver_events(source, problem)
         if len(found) == 1:
+            listed = _solver_events(of, problem, found[0])
             dense = getattr(source, "sol", None)
             found = [
                 replace(
                     found[0],
-                    events=events,
-                    notes=(*notes, *more),
+                    events=listed.events,
+                    lists=listed.lists,
+                    notes=(*notes, *listed.notes),
                     dense=dense if callable(dense) else None,
                 )
             ]
@@ -357,13 +361,18 @@ def _read_list(source: Sequence[Any], asked: Asked, problem: Problem, where: str
     }
     begin = np.cumsum([len(each.t) for each in found[:-1]])
     joined["t"][begin] = np.maximum(joined["t"][begin], joined["t"][begin - 1])
-    lists = [each.events for each in found if each.events is not None]
-    if lists:
-        events = tuple(chain.from_iterable(lists))
-    else:
-        events = None
+    listed = [each.events for each in found if each.events is not None]
+    if listed:
+        joined["events"] = tuple(chain.from_iterable(listed))
+    by_function = [each.lists for each in found if each.lists is not None]
+    if by_function:
+        # A piece without such lists claims nothing, and so the whole does not.
+        functions = zip_longest(*by_function, fillvalue=())
+        are_complete = len(by_function) == len(found)
+        lists = tuple(tuple(chain.from_iterable(times)) for times in functions)
+        joined["lists"] = lists if are_complete else ()
     notes = dict.fromkeys(note for each in found for note in each.notes)
-    return [Samples(**joined, events=events, notes=(*notes, f"joined from {len(found)} pieces"))]
+    return [Samples(**joined, notes=(*notes, f"joined from {len(found)} pieces"))]
 
 
 # -- tables ------------------------------------------------------------------------------------------------------------
@@ -428,44 +437,83 @@ def _xarray_table(data: Any) -> Table:
     return _pandas_table(frame.dropna())
 
 
-def _read_table(table: Table, asked: Asked, where: str) -> list[Samples]:
+def _read_table(table: Table, asked: Asked, where: str, problem: Problem = None) -> list[Samples]:
     """Return the solutions in a table.
 
     A single one, or one for each id or for each row of matrices.
     """
-    if not ({plain(name) for name in table} & {"x", "position"} or "x" in asked):
-        for name in [name for name in table if name.lower() in STATE_NAMES]:  # x and v together
-            both = _array(table[name])
-            if both.ndim == 2 and 2 in both.shape:
-                if len(both) == 2 and both.shape != (2, 2):
-                    x, v = both
-                else:
-                    x, v = both.T
-                table = {each: column for each, column in table.items() if each != name} | {
-                    "x": x,
-                    "v": v,
-                }
-                break
-    values: Record = {
-        name: table[own] for name, own in find_columns([*table], asked, where).items()
-    }
+    table = _with_columns_of_states(table, asked)
+    names = find_columns([name for name in table if name not in SOLVER_EVENTS], asked, where)
+    values: Record = {name: table[own] for name, own in names.items()}
     ids = values.pop(ID_COLUMN, None)
     events = table.get(EVENTS)
     if np.ndim(_array(values["x"])) > 1:
-        return _read_matrices(values, where)
-    if ids is None:
-        ids = None
-    else:
+        found = _read_matrices(values, where)
+        return [_with_solver_events(found[0], table, problem)] if len(found) == 1 else found
+    if np.ndim(_array(values["t"])) == 2 and 1 in _array(values["t"]).shape:
+        values["t"] = _array(values["t"]).ravel()  # a column of MATLAB
+    if ids is not None:
         ids = np.ravel(np.asarray(ids)).astype(str)
-    if ids is None or len(np.unique(ids)) == len(
-        ids
-    ):  # a column that has no value twice numbers the rows
-        return [checked(**values, events=events)]
+    # A column that has no value twice numbers the rows.
+    if ids is None or len(np.unique(ids)) == len(ids):
+        samples = checked(**values, events=events)
+        return [samples if events is not None else _with_solver_events(samples, table, problem)]
     if events is not None:
         raise ParameterError(
             "events", "given", f"can be listed for one solution; {where} has several"
         )
     return _split_by_id(values, ids)
+
+
+def _with_solver_events(samples: Samples, table: Table, problem: Problem) -> Samples:
+    """Return samples with the events that a solver has left in the same table."""
+    listed = _solver_events(table.get, problem, samples)
+    notes = (*samples.notes, *listed.notes)
+    return replace(samples, events=listed.events, lists=listed.lists, notes=notes)
+
+
+def _with_columns_of_states(table: Table, asked: Asked) -> Table:
+    """Return a table with columns x and v in place of a matrix of states, as solvers return it."""
+    names = [name for name in table if name not in SOLVER_EVENTS]
+    usual = {"t": USUAL_NAMES["t"], "x": USUAL_NAMES["x"], "v": USUAL_NAMES["v"]}
+    have = {
+        key: [name for name in names if name == asked.get(key) or plain(name) in usual[key]]
+        for key in usual
+    }
+    is_named_x = bool(have["x"]) or "x" in asked
+    if is_named_x:
+        # Rows of x without v may be several solutions: positions alone.
+        candidates = have["x"] if have["t"] and not have["v"] else []
+    else:
+        candidates = [name for name in names if name.lower() in STATE_NAMES]
+    for name in candidates:
+        both = _array(table[name])
+        if both.ndim != 2 or 2 not in both.shape:
+            continue
+        by_rows = len(both) == 2 and both.shape != (2, 2)
+        x, v = both if by_rows else both.T
+        columns: Table = {"x": x, "v": v}
+        rest = {each: column for each, column in table.items() if each != name}
+        if is_named_x:
+            times = _array(rest.pop(have["t"][0])).ravel()
+            if len(times) != len(x) or (by_rows and not _is_velocity(times, x, v)):
+                continue
+            columns["t"] = times
+        if asked.get("v", "") is None:
+            columns.pop("v")
+        return rest | columns
+    return table
+
+
+def _is_velocity(t: np.ndarray, x: np.ndarray, v: np.ndarray) -> bool:
+    """Return whether v is the velocity of x, roughly: steps of x are those of the mean v."""
+    try:
+        t, x, v = (np.asarray(values, dtype=float).ravel() for values in (t, x, v))
+    except (TypeError, ValueError):
+        return False
+    steps = np.diff(x)
+    off = steps - 0.5 * (v[1:] + v[:-1]) * np.diff(t)
+    return bool(np.sum(np.abs(off)) <= 0.5 * np.sum(np.abs(steps)))
 
 
 def _array(values: Any) -> np.ndarray:
@@ -608,22 +656,33 @@ def dense_note(trajectory: Trajectory, dense: Callable[[np.ndarray], Any], until
     return f"the dense output is off by up to {x:.2e} in x, {v:.2e} in v (at t = {worst:.10g}, of {len(times):,} times)"
 
 
-def _solver_events(
-    result: Any, problem: Problem
-) -> tuple[tuple[tuple[float, str], ...] | None, tuple[str, ...]]:
-    """Return a result's `t_events` at a belt as pairs (t, ""), their kinds being unknown, and notes on the others."""
-    # Two functions that vanish together, such as an event that ends a piece, are one event.
-    lists = getattr(result, "t_events", None)
-    states = getattr(result, "y_events", None)
+class SolverEvents(NamedTuple):
+    """Times that a solver's event functions found at a belt, and notes on the others.
+
+    `events` are pairs (t, ""), their kinds being unknown; `lists` the same times by function.
+    """
+
+    events: tuple[tuple[float, str], ...] | None = None
+    lists: tuple[tuple[float, ...], ...] | None = None
+    notes: tuple[str, ...] = ()
+
+
+def _solver_events(of: Callable[..., Any], problem: Problem, samples: Samples) -> SolverEvents:
+    """Return the `t_events` of a result, or its te and ie, by event function.
+
+    `of` returns an attribute or an entry of the result by name. A function that finds a time where
+    v is not a belt's looks for something else, and is left out; an empty list may be that of a
+    belt.
+    """
+    lists = of("t_events", None)
+    states = of("y_events", None)
+    if lists is None:
+        lists, states = _lists_of_matlab(of)
     if lists is None or problem is None:
-        return None, ()
-    if isinstance(problem, Parameters):
-        p = problem
-    else:
-        p = problem.parameters
-    found = list[float]()
+        return SolverEvents()
+    p = problem if isinstance(problem, Parameters) else problem.parameters
+    kept: list[tuple[float, ...]] = []
     beside = 0
-    belts = np.array([float(p.v1), float(p.v2)])
     for i, values in enumerate(lists if np.iterable(lists) else [nan]):
         unmasked("t_events", values)
         try:
@@ -632,34 +691,75 @@ def _solver_events(
             times = [nan]
         if not all(map(isfinite, times)):
             raise ParameterError("t_events", brief(repr(values)), "must be lists of finite times")
-        for j, time in enumerate(times):
-            try:
-                v = float(belts[0] if states is None else np.ravel(states[i][j])[-1])
-            except (IndexError, KeyError, TypeError, ValueError):
-                what = "must have x and v for each of t_events"
-                raise ParameterError("y_events", type(states).__name__, what) from None
-            near = np.min(np.abs(v - belts)) <= 1e-6 * max(
-                float(np.max(np.abs(belts))), abs(v), 1e-300
-            )
-            if near:
-                found += [time]
-            else:
-                found += []
-            beside += not near
-    if not found:
-        return None, ()
-    kept: list[float] = []
-    for time in sorted(found):
-        if not kept or time - kept[-1] > 1e-9 * 2.0 * pi / fastest_rate(p):
-            kept.append(time)
+        try:
+            speeds = None
+            if states is not None:
+                speeds = [float(np.ravel(states[i][j])[-1]) for j in range(len(times))]
+        except (IndexError, KeyError, TypeError, ValueError):
+            what = "must have x and v for each of t_events"
+            raise ParameterError("y_events", type(states).__name__, what) from None
+        if _are_at_belts(p, samples, times, speeds):
+            kept.append(tuple(times))
+        else:
+            beside += 1
+    if not any(kept):
+        return SolverEvents(lists=tuple(kept))
+    # Two functions that vanish together, such as an event that ends a piece, are one event.
+    distinct: list[float] = []
+    for time in sorted(chain.from_iterable(kept)):
+        if not distinct or time - distinct[-1] > 1e-9 * 2.0 * pi / fastest_rate(p):
+            distinct.append(time)
     notes = [
-        "the times of events are the solver's t_events; what they do not list is read off the samples"
+        "the times of events are the solver's t_events; they must have every contact at a belt that they are about, "
+        "and the rest is read off the samples"
     ]
     if beside:
-        notes += [f"{beside} of the solver's t_events are not at a belt, and left out"]
-    else:
-        notes += []
-    return tuple((time, "") for time in kept), tuple(notes)
+        functions = "1 event function finds" if beside == 1 else f"{beside} event functions find"
+        notes.append(f"{functions} times that are not at a belt: left out")
+    return SolverEvents(tuple((time, "") for time in distinct), tuple(kept), tuple(notes))
+
+
+def _lists_of_matlab(of: Callable[..., Any]) -> tuple[Any, Any]:
+    """Return times and states by event function from the te, ye (or xe) and ie of MATLAB's ode45.
+
+    None without te.
+    """
+    te = of("te", None)
+    if te is None:
+        return None, None
+    times = np.ravel(te)
+    states = next((of(name, None) for name in ("ye", "xe") if of(name, None) is not None), None)
+    states = None if states is None else np.reshape(_array(states), (len(times), -1))
+    ie = of("ie", None)
+    functions = np.zeros(len(times)) if ie is None else np.ravel(ie)
+    if len(functions) != len(times):
+        raise ParameterError(
+            "ie", len(functions), f"must have one number for each of {len(times)} te"
+        )
+    rows = [functions == number for number in np.unique(functions)]
+    return [times[row] for row in rows], None if states is None else [states[row] for row in rows]
+
+
+def _are_at_belts(
+    p: Parameters, samples: Samples, times: Sequence[float], speeds: Sequence[float] | None
+) -> bool:
+    """Return whether v is the speed of a belt at all times.
+
+    Without `speeds`, of the samples around them.
+    """
+    belts = np.array([[float(p.v1)], [float(p.v2)]])
+    largest = 0.0 if samples.lacks_v else float(np.max(np.abs(samples.v)))
+    if speeds is None:
+        if samples.lacks_v:
+            return True
+        after = np.clip(np.searchsorted(samples.t, times), 1, len(samples.t) - 1)
+        around = np.stack([samples.v[after - 1], samples.v[after]])
+        low = np.min(around, axis=0) - 1e-6 * largest
+        high = np.max(around, axis=0) + 1e-6 * largest
+        return bool(np.all(np.any((belts >= low) & (belts <= high), axis=0)))
+    v = np.array(speeds)
+    near = 1e-6 * np.maximum(np.abs(v), max(largest, 1e-300))
+    return bool(np.all(np.any(np.abs(v - belts) <= near, axis=0)))
 
 
 # -- solvers named on the command line ---------------------------------------------------------------------------------

@@ -9,11 +9,10 @@ import multiprocessing
 import sys
 import warnings
 from collections.abc import Callable, Iterable, Sequence
-from concurrent.futures import ProcessPoolExecutor
 from contextlib import ExitStack
 from dataclasses import asdict, dataclass
 from functools import cached_property, partial
-from typing import Any
+from typing import Any, Protocol
 
 import numpy as np
 
@@ -26,13 +25,33 @@ from symosc.display.drawable import Comparable, Drawable, Reportable
 from symosc.display.frames import imported
 from symosc.display.progress import reporting
 from symosc.errors import ParameterError
+from symosc.model import Parameters
 from symosc.simulation.tables import counted
 from symosc.simulation.trajectory import Event, Trajectory
+from symosc.workers import process_pool
 
 EVENTS_LISTED = 5  # of a kind in a summary
 # Number of failing solutions that a summary of several solutions lists.
 MOST_LISTED = 20
 EVENT_LISTS = ("matched", "missed", "invented", "unresolved")
+
+
+class Judged(Protocol):
+    """What a `CrossCheck` has judged: samples of a system, which may be judged again with a change."""
+
+    @property
+    def samples(self) -> Samples:
+        """The samples."""
+        ...
+
+    @property
+    def parameters(self) -> Parameters:
+        """The parameters of the exact motion."""
+        ...
+
+    def again(self, samples: Samples, parameters: Parameters) -> CrossCheck:
+        """Judge other samples of another system in the same way."""
+        ...
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -144,10 +163,16 @@ class CrossCheck(Comparable, Drawable, Reportable):
     v: np.ndarray
     trajectory: Trajectory
     own_start: tuple[float, float, float] | None = None
-    _task: Any = None
+    _task: Judged | None = None
     wrong_start: str = ""
     early_end: str = ""
     coarser: CrossCheck | None = None
+
+    @property
+    def task(self) -> Judged:
+        """What was judged, and how."""
+        assert self._task is not None
+        return self._task
 
     @cached_property
     def diagnosis(self) -> tuple[Diagnosis, ...]:
@@ -447,10 +472,7 @@ def check_all(
             warnings.simplefilter(
                 "ignore", DeprecationWarning
             )  # of forking beside threads, which are idle
-            pool = ProcessPoolExecutor(
-                count, multiprocessing.get_context("fork" if forks else "spawn")
-            )
-            stack.callback(pool.shutdown, cancel_futures=True)
+            pool = stack.enter_context(process_pool(count, "fork" if forks else "spawn"))
             each = pool.map
         for check in each(partial(_judged, task), names, solutions):
             found.append(check)

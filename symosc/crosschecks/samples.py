@@ -30,6 +30,9 @@ class Samples:
     x: np.ndarray
     v: np.ndarray
     events: tuple[tuple[float, str], ...] | None = None  # (t, kind), with the kind "" if unknown
+    lists: tuple[tuple[float, ...], ...] | None = (
+        None  # the same times, by the solver's event functions
+    )
     name: str = ""  # distinguishes several solutions
     notes: tuple[str, ...] = ()  # how it was read
     v_off: np.ndarray | None = None  # bounds of the errors of a computed v

@@ -19,6 +19,7 @@ second derivative is at most |B0| Omega^2/m.
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
 from math import inf, pi
 from typing import Any, NamedTuple
@@ -26,12 +27,13 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from symosc.crosschecks.samples import Samples
-from symosc.engine.arithmetic import Arithmetic, loaded_loop, mp_context
+from symosc.engine.arithmetic import Arithmetic, is_compiled, loaded_loop, mp_context
 from symosc.engine.batch import Batch, batch_of, joined, keep_state, state_of
 from symosc.engine.flow import Constants, table_of
 from symosc.engine.next_event import TWO_PI, advance
 from symosc.engine.start import start_rows
 from symosc.engine.state import CROSS, END, FAILED, GRAZE, MOVED, ON_BELT, REST
+from symosc.errors import MissingExtraError
 from symosc.kernels import entire_array
 from symosc.kernels._generated import acceleration, motion, stick_acceleration
 from symosc.kernels.double_double import two_product
@@ -41,6 +43,8 @@ from symosc.simulation.batch import InterpretBudget, chosen_loops, follow_batch
 
 # Number of steps followed in small calls before compiled code is loaded, which takes a second.
 FEW_STEPS = InterpretBudget(50_000)
+# So many in one call are followed by compiled code, where the disk has it.
+MANY_STEPS = 2_000
 MOST_STEP_EVENTS = 10_000  # in one step
 # Steps that are followed together: their data, besides the result, stay in the processor's cache.
 STEPS_TOGETHER = 1 << 16
@@ -77,14 +81,22 @@ def double_rounding(p: Parameters, t: np.ndarray, scales: np.ndarray) -> np.ndar
     """
     ticks = 2.0 * np.spacing(np.maximum(np.abs(t[1:]), np.abs(t[:-1])))
     return (
-        np.outer(ticks, [scales[1], float(_push_bound(p, *scales))])
+        np.outer(ticks, [scales[1], float(push_bound(p, *scales))])
         + 8.0 * np.finfo(float).eps * scales
     )
 
 
-def _push_bound(p: Parameters, x: float | np.ndarray, v: float | np.ndarray) -> Any:
-    """Return the largest possible acceleration at given |x| and |v|, whatever the phase and the domain."""
-    forces = max(abs(p.A(alpha)) for alpha in (1, 2, 3)) + abs(p.B0)
+def push_bound(p: Parameters, x: float | np.ndarray, v: float | np.ndarray) -> Any:
+    """Return the largest possible acceleration at given |x| and |v|, whatever the phase and the domain.
+
+    Domains that no mass with the largest of the given |v| is in do not count.
+    """
+    fastest = float(np.max(v))
+    walls = (-inf, float(p.v1), float(p.v2), inf)
+    reached = [
+        alpha for alpha in (1, 2, 3) if walls[alpha - 1] <= fastest and walls[alpha] >= -fastest
+    ]
+    forces = max(abs(p.A(alpha)) for alpha in reached) + abs(p.B0)
     return float(forces / p.m) + float(p.k / p.m) * np.abs(x) + float(p.c / p.m) * np.abs(v)
 
 
@@ -97,10 +109,10 @@ def sample_errors(p: Parameters, samples: Samples, rounding: np.ndarray) -> np.n
         v = np.maximum(v, samples.v_off)
     # While the clock is off by t the velocity changes too.
     fastest = (
-        np.abs(samples.v) + v + _push_bound(p, np.abs(samples.x) + x, np.abs(samples.v) + v) * t
+        np.abs(samples.v) + v + push_bound(p, np.abs(samples.x) + x, np.abs(samples.v) + v) * t
     )
     return np.column_stack(
-        [x + fastest * t, v + _push_bound(p, np.abs(samples.x) + x + fastest * t, fastest) * t]
+        [x + fastest * t, v + push_bound(p, np.abs(samples.x) + x + fastest * t, fastest) * t]
     )
 
 
@@ -309,12 +321,13 @@ def quiet_ends(rows: np.ndarray, left: np.ndarray, K: Constants) -> tuple[np.nda
     # A flight stays in its domain if the chord, widened by what v may be off it, does.
     most = np.hypot(below, K.w0 * v) + abs(K.fB) * tau
     off = 0.125 * tau * tau * ((K.cm + K.w0) * most + abs(K.fB))
-    off += CLEARANCE * (np.abs(v) + np.abs(ends[:, 1]) + abs(K.belt1.v) + abs(K.belt2.v))
-    walls = np.array([-np.inf, K.belt1.v, K.belt2.v, np.inf])
+    off += CLEARANCE * (np.abs(v) + np.abs(ends[:, 1]))
+    speeds = np.array([K.belt1.v, K.belt2.v])
+    lower_walls = np.append(-np.inf, speeds + CLEARANCE * np.abs(speeds))
+    upper_walls = np.append(speeds - CLEARANCE * np.abs(speeds), np.inf)
     domain = np.minimum(mode.astype(int), 3)  # a row on a belt is no flight
-    stays = (np.minimum(v, ends[:, 1]) - off > walls[domain - 1]) & (
-        np.maximum(v, ends[:, 1]) + off < walls[domain]
-    )
+    stays = np.minimum(v, ends[:, 1]) - off > lower_walls[domain - 1]
+    stays &= np.maximum(v, ends[:, 1]) + off < upper_walls[domain - 1]
     quiet = np.where(held, lasts, stays)
     return numbers[quiet], ends[quiet]
 
@@ -330,10 +343,10 @@ def _follow(
     Return final modes, final states [x, v], and events.
     """
     batch = batch_of(rows.copy())
-    few = len(rows) < 4000 and FEW_STEPS.events > 0 and loaded_loop() is None
-    follow = chosen_loops(False if few else None).follow
+    follow = _step_loop(len(rows))
     numbers, table = joined(follow_batch(follow, batch, MOST_STEP_EVENTS, inf, table_of([K])))
-    FEW_STEPS.events -= len(rows) * few
+    if loaded_loop() is None:
+        FEW_STEPS.events -= len(rows)
     t, x, theta = numbers[[0, 1, 3]]
     found = StepEvents(table[0].astype(int), t, x, theta, table[1], table[2], table[4])
     undecided = np.flatnonzero((batch.codes != END) & (batch.codes != REST))
@@ -347,6 +360,18 @@ def _follow(
     ends = _ends(rows, modes, left, found, K)
     ends[batch.codes == FAILED] = np.nan
     return modes, ends, found
+
+
+def _step_loop(count: int) -> Callable[..., tuple[int, int, int]]:
+    """Return the loop that follows `count` steps: interpreted, or compiled if that is quicker."""
+    interpreted = chosen_loops(False).follow
+    if count < MANY_STEPS and FEW_STEPS.events > 0 and loaded_loop() is None:
+        return interpreted
+    try:
+        loop = chosen_loops(True).follow
+    except MissingExtraError:
+        return interpreted
+    return loop if is_compiled(loop) or FEW_STEPS.events <= 0 else interpreted
 
 
 def _ends(

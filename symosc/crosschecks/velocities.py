@@ -34,6 +34,10 @@ NOTE = "velocities were not given: they are those with which the exact motion le
 # Longest step, in units of 1/rate, over which a velocity is found without that of the sample
 # before.
 LONGEST_FLIGHT = 1.0
+# Shortest step, in the same units, over which positions tell a velocity
+# (test_positions_at_any_spacing), if there are so many steps.
+TELLING_STEP = 1e-2
+FEWEST_STEPS = 50
 # The search for a motion ends when it misses the positions by at most this many times their
 # rounding.
 GOOD_FIT = 1.1
@@ -45,11 +49,79 @@ def with_velocities(samples: Samples, scene: Scene | Parameters, tolerance: floa
     Return new samples.
     """
     # ParameterError if the positions are too far apart in time to determine them.
-    if isinstance(scene, Parameters):
-        p = scene
-    else:
-        p = scene.parameters
+    p = scene if isinstance(scene, Parameters) else scene.parameters
     K = Arithmetic(p).K._replace(sigmas=0.0)
+    digits = find_digits(samples.x, samples.x[:1])
+    rounded = np.zeros(len(samples.x)) if digits is None else digits.units
+    telling = _telling_samples(p, samples.t)
+    if digits is not None:
+        off = tolerance * float(np.max(np.abs(samples.x)))
+        fitted = _fit_motion(samples, scene, (0.5 + 1e-9) * rounded, off, telling)
+        if fitted is not None:
+            return fitted
+    few = replace(samples, t=samples.t[telling], x=samples.x[telling])
+    found = _from_positions(few, scene, K, tolerance, rounded[telling])
+    if len(telling) == len(samples.t):
+        return found
+    return _filled(K, p, samples, found, telling[len(telling) - len(found.t) :])
+
+
+def _telling_samples(p: Parameters, t: np.ndarray) -> np.ndarray:
+    """Return the numbers of samples that are far enough apart in time for positions to tell a velocity."""
+    # Rounding of x and errors far below the tolerance, divided by a tiny step, are no small
+    # velocity.
+    least = min(TELLING_STEP / fastest_rate(p), float(t[-1] - t[0]) / FEWEST_STEPS)
+    if np.min(np.diff(t)) >= least:
+        return np.arange(len(t))
+    chosen = [0]
+    while True:
+        after = int(np.searchsorted(t, t[chosen[-1]] + least))
+        if after >= len(t):
+            return np.array(chosen)
+        chosen.append(after)
+
+
+def _filled(
+    K: Constants, p: Parameters, samples: Samples, few: Samples, telling: np.ndarray
+) -> Samples:
+    """Return samples with the velocities of `few`, which are those numbered `telling`, and between them.
+
+    Between them the exact motion leads from the one before to a sample.
+    """
+    since = int(telling[0])
+    t = samples.t[since:]
+    x = samples.x[since:]
+    numbers = telling - since
+    v = np.empty(len(t))
+    v[numbers] = few.v
+    bounds = np.zeros(len(t)) if few.v_off is None else np.empty(len(t))
+    between = np.delete(np.arange(len(t)), numbers)
+    row = np.searchsorted(numbers, between, "right") - 1
+    before = numbers[row]
+    ends = [np.column_stack([values[before], values[between]]).ravel() for values in (t, x)]
+    start_v = np.repeat(few.v[row], 2)
+    pairs = np.array([*ends, start_v, phases(p, ends[0])])
+    steps = 2 * np.flatnonzero(t[between] > t[before])
+    on = (few.v[row] == K.belt1.v) + 2 * (few.v[row] == K.belt2.v)
+    moved = follow_from(K, pairs, steps, on[steps // 2])[0][:, 1]
+    reached = few.v[row].copy()
+    reached[steps // 2] += np.where(np.isfinite(moved), moved, 0.0)
+    v[between] = reached
+    if few.v_off is not None:
+        bounds[numbers] = few.v_off
+        bounds[between] = few.v_off[row]
+    return replace(few, t=t, x=x, v=v, v_off=bounds)
+
+
+def _from_positions(
+    samples: Samples,
+    scene: Scene | Parameters,
+    K: Constants,
+    tolerance: float,
+    rounded: np.ndarray,
+) -> Samples:
+    """Return samples, `rounded` to these units, with the velocities that neighbouring positions tell."""
+    p = scene if isinstance(scene, Parameters) else scene.parameters
     t = samples.t
     x = samples.x
     tau = np.diff(t)
@@ -57,16 +129,7 @@ def with_velocities(samples: Samples, scene: Scene | Parameters, tolerance: floa
     longest = np.maximum(np.append(tau, 0.0), np.insert(tau, 0, 0.0))
     per_x = 2.0 / np.where(shortest > 0.0, shortest, np.where(longest > 0.0, longest, 1.0))
     theta = phases(p, t)
-    digits = find_digits(x, x[:1])
     size = float(np.max(np.abs(x)))
-    if digits is None:
-        rounded = np.zeros(len(x))
-    else:
-        rounded = digits.units
-    if digits is not None:
-        found = _fit_motion(samples, scene, (0.5 + 1e-9) * rounded, tolerance * size)
-        if found is not None:
-            return found
     starts, ends = _flight_velocities(t, x, theta, K)
     allowed = per_x * (tolerance * size + rounded)
     gaps = _nearest(starts, ends)[0]
@@ -107,12 +170,15 @@ def with_velocities(samples: Samples, scene: Scene | Parameters, tolerance: floa
     else:
         notes = (*samples.notes, NOTE, f"{left_out}: {known}")
     v = _continued(K, t, x, v, theta)
-    off = np.where((v == K.belt1.v) | (v == K.belt2.v), 0.0, off)
+    # Inside a stick v is that of the belt; at its ends the mass may be just before or after it.
+    on = (v == K.belt1.v) | (v == K.belt2.v)
+    inside = on & np.append(True, on[:-1]) & np.append(on[1:], True)
+    off = np.where(inside, 0.0, off)
     return replace(samples, t=t[known:], x=x[known:], v=v[known:], v_off=off[known:], notes=notes)
 
 
 def _fit_motion(
-    samples: Samples, scene: Scene | Parameters, half: np.ndarray, off: float
+    samples: Samples, scene: Scene | Parameters, half: np.ndarray, off: float, telling: np.ndarray
 ) -> Samples | None:
     """Return samples with the velocities of one exact motion through all positions.
 
@@ -145,7 +211,7 @@ def _fit_motion(
         motion = None
     best = misfit(motion)
     if best > GOOD_FIT:
-        guesses = _first_guesses(p, t, x)
+        guesses = _first_guesses(p, t[telling], x[telling])
         as_guessed = (_motion(p, t[-1], t[0], x[0], v0) for v0 in guesses)
         for each in chain(as_guessed, (_fitted(p, t, x, v0) for v0 in guesses)):
             if (found := misfit(each)) < best:
@@ -180,7 +246,10 @@ def _first_guesses(p: Parameters, t: np.ndarray, x: np.ndarray) -> list[float]:
     slope = np.polyfit(tau[:few] / tau[-1], x[:few], min(2, len(tau) - 1))[-2] / tau[-1]
     moving = np.diff(tau) > 0.0
     chords = np.diff(x[:count])[moving] / np.diff(tau)[moving]
-    most = 2.0 * float(np.max(np.abs(chords))) + abs(float(p.v1)) + abs(float(p.v2))
+    # A belt that is much faster than all steps is not met in them.
+    fastest = 2.0 * float(np.max(np.abs(chords)))
+    speeds = [speed for speed in (float(p.v1), float(p.v2)) if abs(speed) <= 10.0 * fastest]
+    most = fastest + sum(map(abs, speeds))
 
     def misses(v0: float) -> float:
         motion = _motion(p, t[0] + tau[-1], t[0], x[0], v0)
@@ -188,7 +257,7 @@ def _first_guesses(p: Parameters, t: np.ndarray, x: np.ndarray) -> list[float]:
             return np.inf
         return float(np.max(np.abs(motion(t[:count])[0] - x[:count])))
 
-    guesses = [float(slope), float(p.v1), float(p.v2), *np.linspace(-most, most, 41).tolist()]
+    guesses = [float(slope), *speeds, *np.linspace(-most, most, 41).tolist()]
     return sorted(guesses, key=misses)[:4]
 
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import os
 import re
 import shutil
 import subprocess
@@ -576,10 +577,17 @@ def make_pdf(main: Path) -> Path:
         for name in (CHAPTER_FOLDER, PICTURES):
             if (main.parent / name).is_dir():
                 shutil.copytree(main.parent / name, work / name)
-        command = ["pdflatex", "-interaction=nonstopmode", "-halt-on-error", main.name]
+        options = ["-no-shell-escape", "-interaction=nonstopmode", "-halt-on-error"]
+        # TeX reads and writes in its folder alone, beside what belongs to LaTeX.
+        environment = os.environ | {"shell_escape": "f", "openin_any": "p", "openout_any": "p"}
         for _ in range(3):  # until references and the table of contents are right
             result = subprocess.run(
-                command, cwd=work, capture_output=True, check=False, stdin=subprocess.DEVNULL
+                ["pdflatex", *options, main.name],
+                cwd=work,
+                capture_output=True,
+                check=False,
+                stdin=subprocess.DEVNULL,
+                env=environment,
             )
             log = (work / main.name).with_suffix(".log").read_text(encoding="latin-1")
             if result.returncode:

@@ -8,6 +8,7 @@ from __future__ import annotations
 import symosc
 from symosc.derive.citation import SYMOSC, paper_reference
 from symosc.derive.scope import Scope
+from symosc.mappings.numbers import latex_text
 
 TITLE = "The double-belt friction oscillator: theory, proofs and errata"
 ABSTRACT = (
@@ -56,6 +57,7 @@ PREAMBLE = r"""\documentclass[11pt,a4paper]{article}
 \setcounter{topnumber}{4}
 \renewcommand{\floatpagefraction}{0.8}
 \setcounter{tocdepth}{1}
+\newcommand{\letter}[2]{\symbol{92}#2}
 \makeatletter
 \newcommand{\ifwaiting}[1]{%
   \begingroup\let\@elt\relax\edef\waiting{\@deferlist}\expandafter\endgroup\ifx\waiting\@empty\else#1\fi}
@@ -196,4 +198,4 @@ def scene_numbers(scope: Scope) -> str:
     """Return a sentence that lists the parameters of the scope's scene, or "" without a scene."""
     if scope.scene is None:
         return ""
-    return rf"Scene \texttt{{{scope.scene.name}}}, its numbers put in exactly: {', '.join(scope.given())}."
+    return rf"Scene \texttt{{{latex_text(scope.scene.name)}}}, its numbers put in exactly: {', '.join(scope.given())}."

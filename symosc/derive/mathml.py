@@ -20,6 +20,9 @@ ITEMS = re.compile(r"\\begin\{(enumerate|itemize)\}(.*?)\\end\{\1\}", re.DOTALL)
 ITEM = re.compile(r"\\item(?:\[([^\]]*)\])?\s*")
 ITEM_MARK = r"\\LIST \1 "
 LINK = re.compile(r"\\hyperlink\{([^{}]*)\}\{([^{}]*)\}")
+#: Letters of a name that a user chose, as `latex_text` writes them.
+LETTER = re.compile(r"\\symbol\{(\d+)\}|\\letter\{(\d+)\}\{\w+\}")
+KEPT = "\ue000"  # in their place while the rest is read
 # MathML has no sizes of brackets that are set by hand: they grow by themselves.
 SIZES = re.compile(r"\\(?:bigg|Bigg|big|Big)[lr]?(?![a-z])")
 
@@ -40,14 +43,17 @@ def font_style() -> str:
 
 def words(text: str) -> str:
     """Return a paragraph of LaTeX, with formulas between dollars, as HTML."""
+    letters = [chr(int(found[1] or found[2])) for found in LETTER.finditer(text)]
+    text = LETTER.sub(KEPT, text)
     text = ITEMS.sub(
         lambda found: rf"\OPENLIST {ITEM.sub(ITEM_MARK, found[2].strip())} \CLOSELIST", text
     )
-    html = "".join(
-        formula(part) if odd % 2 else _plain_text(part) for odd, part in enumerate(text.split("$"))
-    )
+    parts = enumerate(text.split("$"))
+    html = "".join(formula(part) if odd % 2 else _plain_text(part) for odd, part in parts)
     # No line begins with the comma after a formula.
-    return re.sub(r"(<math(?:(?!<math).)*</math>[,.;:)]+)", r'<span class="tight">\1</span>', html)
+    html = re.sub(r"(<math(?:(?!<math).)*</math>[,.;:)]+)", r'<span class="tight">\1</span>', html)
+    rest = iter(letters)
+    return re.sub(KEPT, lambda _: escape(next(rest), quote=False), html)
 
 
 def formula(latex: str, display: bool = False) -> str:

@@ -8,8 +8,8 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from decimal import Decimal
 from fractions import Fraction
-from math import ceil, log10
 from typing import Any, NamedTuple, TypeAlias
 
 import numpy as np
@@ -20,6 +20,7 @@ from symosc.engine.batch import rounded_covariance, row_of
 from symosc.engine.first_exit import ROUNDING
 from symosc.engine.flow import Constants, belt_forces, constant_force, constants, corrected
 from symosc.engine.state import BELT, DOMAIN_ABOVE, ON_BELT, Covariance, State
+from symosc.exact import power_of_ten
 from symosc.kernels._generated import acceleration
 from symosc.kernels.entire import EPS
 from symosc.model import Parameters, by_name
@@ -34,6 +35,8 @@ SPARE_DIGITS = 40
 CLEAR_FORCE = 1e-9
 # A motion is searched period by period: more than this many would take hours.
 MOST_PERIODS = 10**8
+# One that is to go on for longer is followed for so many periods: it may come to rest meanwhile.
+FAR_PERIODS = 1000
 MOST_CORRECTIONS = 8  # each of them doubles the digits
 
 
@@ -64,7 +67,7 @@ class Start:
             for value in (*(self.start_error or ()), self.v0 - p.v1, self.v0 - p.v2)
             if value != 0
         ]
-        return max(0, *(ceil(-log10(value)) for value in small))
+        return max(0, *(power_of_ten(1 / value) for value in small))
 
 
 class BeltStart(NamedTuple):
@@ -250,9 +253,8 @@ def _decided_start(start: Start, boundary: int) -> BeltStart:
     """Decide whether a motion sticks or leaves at its start on a belt, with enough digits to tell a force from 0."""
     p = start.parameters
     numbers = [start.t0, start.x0, start.v0, *by_name(p).values()]
-    digits = SPARE_DIGITS + sum(
-        len(str(abs(q.numerator))) + len(str(q.denominator)) for q in numbers
-    )
+    parts = (part for q in numbers for part in (q.numerator, q.denominator))
+    digits = SPARE_DIGITS + sum(Decimal(part).adjusted() + 1 for part in parts)
     arithmetic = MpArithmetic(p, digits)
     x = arithmetic.number(start.x0)
     rounding = ROUNDING * arithmetic.namespace["EPS"] * force_terms(boundary, x, arithmetic.K)
@@ -260,9 +262,20 @@ def _decided_start(start: Start, boundary: int) -> BeltStart:
     return belt_start(boundary, x, phase, arithmetic, rounding + reach_of_error(start, arithmetic))
 
 
+def is_far(start: Start) -> bool:
+    """Return whether a motion ends later than any is followed."""
+    return start.t_end - start.t0 > longest_span(start.parameters)
+
+
 def last_time(start: Start, arithmetic: Arithmetic) -> tuple[Number, Number]:
-    """Return the end time in two parts: t_end, or the last time that is followed at all."""
-    return arithmetic.time(min(start.t_end, start.t0 + longest_span(start.parameters)))
+    """Return the end time in two parts: t_end or, if that is far, an earlier one.
+
+    A motion that is to go on for too long is followed for a short time: it may come to rest.
+    """
+    if is_far(start):
+        short = longest_span(start.parameters) * FAR_PERIODS / MOST_PERIODS
+        return arithmetic.time(start.t0 + short)
+    return arithmetic.time(start.t_end)
 
 
 def longest_span(parameters: Parameters) -> Fraction:

@@ -20,8 +20,8 @@ import numpy as np
 
 from symosc.aliases import Angle, Context, Expr, Number
 from symosc.engine.arithmetic import mp_context
-from symosc.errors import ParameterError
-from symosc.exact import LARGEST, NUMBER_FORMS, read_exact, unmasked
+from symosc.errors import ParameterError, brief
+from symosc.exact import LARGEST, NUMBER_FORMS, read_exact, scalar_of, unmasked
 
 # --- switching points ---
 
@@ -39,8 +39,7 @@ def is_array(value: Any) -> bool:
 
 def scalar(name: str, value: Any, convert: Callable[[Any], Number]) -> Number:
     """Convert a number by `convert`, and check that it is a finite real number."""
-    if isinstance(unmasked(name, value), np.ndarray) and value.ndim == 0:
-        value = value.item()
+    value = scalar_of(name, value)
     if isinstance(value, bool | np.bool_ | str | bytes | complex | None) or is_array(value):
         raise ParameterError(name, value, REAL_NUMBER)
     try:
@@ -52,6 +51,8 @@ def scalar(name: str, value: Any, convert: Callable[[Any], Number]) -> Number:
         raise ParameterError(
             name, value, REAL_NUMBER if hasattr(number, "_mpc_") else "must be finite"
         )
+    if abs(number) > float(LARGEST):  # squares of it must not overflow
+        raise ParameterError(name, value, f"must be at most {float(LARGEST):g} in size")
     return number
 
 
@@ -315,9 +316,31 @@ def latex_point(letter: str, theta: Any, x: Any) -> str:
     return rf"(\Omega t_{letter}, x_{letter}) = ({latex_number(theta)}, {latex_number(x)})"
 
 
+#: What of a text LaTeX reads as something else than the letter that it is: commands, and signs
+#: that it joins.
+_NO_PLAIN_LETTER = re.compile(r"[^A-Za-z0-9 .,:;!?()\[\]/+*=@\-À-ÖØ-öø-ÿ]|-(?=-)|,(?=,)")
+
+
+def latex_text(text: str) -> str:
+    r"""Return a text of a user's, such as the name of a scene, for LaTeX to set letter by letter.
+
+    It is set in ``\texttt``. The document needs a command ``\letter``: what has no place in fonts of
+    LaTeX is printed by its number.
+    """
+
+    def plain(sign: re.Match[str]) -> str:
+        number = ord(sign[0])
+        if number < 128:
+            return rf"\symbol{{{number}}}"
+        escape = sign[0].encode("ascii", "backslashreplace").decode("ascii")[1:]
+        return rf"\letter{{{number}}}{{{escape}}}"
+
+    return _NO_PLAIN_LETTER.sub(plain, brief(text).replace("…", "..."))
+
+
 def latex_words(text: str | None) -> str:
-    """Return text for a LaTeX formula, with special characters escaped."""
-    return r"\text{" + re.sub(r"([_^%&#$])", r"\\\1", text or "") + "}"
+    """Return a text of symosc's own for a LaTeX formula, with special characters escaped."""
+    return r"\text{" + re.sub(r"([_%&#${}])", r"\\\1", text or "").replace("^", r"\^{}") + "}"
 
 
 def latex_table(heads: Sequence[str], rows: Iterable[Sequence[str]]) -> str:

@@ -10,7 +10,6 @@ from collections.abc import Callable, Mapping
 from dataclasses import asdict
 from html import escape
 from pathlib import Path
-from tempfile import TemporaryDirectory
 from typing import Any
 from unicodedata import normalize
 
@@ -23,7 +22,7 @@ from symosc.derive.citation import paper_reference
 from symosc.derive.errata import SEVERITIES
 from symosc.derive.mathml import font_style
 from symosc.errors import OutputError
-from symosc.files import DRAFT_PREFIX
+from symosc.files import draft_in
 from symosc.paper.claims import (
     CONFIRMED,
     CORRECTED,
@@ -139,13 +138,14 @@ def write(folder: Path, texts: Mapping[str, str]) -> None:
     """Write the files of a report; only when all are on the disk are they moved to their places."""
     try:
         folder.mkdir(parents=True, exist_ok=True)
-        with TemporaryDirectory(prefix=DRAFT_PREFIX, dir=folder) as draft:
+        with draft_in(folder) as draft:
+            draft.mkdir()
             for name, text in texts.items():
-                (Path(draft) / name).parent.mkdir(exist_ok=True)
-                (Path(draft) / name).write_text(text, encoding="utf-8")
+                (draft / name).parent.mkdir(exist_ok=True)
+                (draft / name).write_text(text, encoding="utf-8")
             for name in texts:
                 (folder / name).parent.mkdir(exist_ok=True)
-                os.replace(Path(draft) / name, folder / name)
+                os.replace(draft / name, folder / name)
     except OSError as error:
         raise OutputError(str(folder), error.strerror or str(error)) from None
 

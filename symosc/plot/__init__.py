@@ -18,14 +18,35 @@ Examples
 4
 """
 
+import os
 from functools import partial
 from typing import Any
 
 import lazy_loader
 
 from symosc.display.drawable import register
+from symosc.errors import ParameterError
 
-__getattr__, __dir__, __all__ = lazy_loader.attach_stub(__name__, __file__)
+_load, __dir__, __all__ = lazy_loader.attach_stub(__name__, __file__)
+
+
+def __getattr__(name: str) -> Any:
+    try:
+        return _load(name)
+    except ValueError as error:
+        unknown = backend_error(error)
+        if unknown is None:
+            raise
+        raise unknown from None
+
+
+def backend_error(error: ValueError) -> ParameterError | None:
+    """Return what is wrong with MPLBACKEND, if matplotlib cannot be loaded for it; else None."""
+    if not str(error).startswith("Key backend:"):
+        return None
+    backend = os.environ.get("MPLBACKEND")
+    return ParameterError("MPLBACKEND", backend, "is no backend of matplotlib, such as agg")
+
 
 #: What ``.plot()`` of an answer calls, by names: neither the answers nor the figures are loaded for
 #: it.

@@ -7,6 +7,7 @@ A figure is built without pyplot, so that nothing global changes and nothing sta
 
 from __future__ import annotations
 
+import re
 from collections.abc import Callable, Iterable, Iterator, Mapping
 from contextlib import contextmanager
 from inspect import signature
@@ -25,8 +26,9 @@ from matplotlib.lines import Line2D
 
 from symosc.aliases import Record
 from symosc.arguments import public
-from symosc.errors import OutputError, ParameterError, meant
+from symosc.errors import OutputError, ParameterError, brief, meant
 from symosc.files import STDOUT, read_path, write_whole
+from symosc.mappings.numbers import latex_text
 from symosc.quantities import QUANTITIES
 
 STYLE: dict[Any, Any] = {
@@ -157,16 +159,24 @@ def panels_for(
         yield drawing, axes
 
 
+def shown_name(name: str) -> str:
+    """Return a name that a user chose for a figure: no part of it is a formula, or a command of TeX."""
+    if rcParams["text.usetex"]:
+        letters = re.sub(r"\\letter\{\d+\}", r"\\symbol{92}", latex_text(name))
+        return rf"\texttt{{{letters}}}"
+    return brief(name).replace("$", r"\$")
+
+
 def typeset(word: str) -> str:
     """Return a word such as P32 as LaTeX in the paper's notation, "no event" if empty.
 
-    Other text unchanged.
+    Other text is shown as it is.
     """
     if not word:
         return "no event"
     if word[0] == "P" and word[1:].isdigit():
         return f"$P_{{{word[1:]}}}$"
-    return word
+    return shown_name(word)
 
 
 def read_style(style: Any, figure: Callable[..., object]) -> Record:
@@ -318,8 +328,8 @@ def save(drawing: Figure, path: str | Path) -> Path:
     # No date in the file: drawing it again gives the same bytes.
     metadata = {".pdf": {"CreationDate": None}, ".svg": {"Date": None}, ".png": None}[suffix]
 
-    def write(draft: Path) -> None:
-        with own_style():
-            drawing.savefig(draft, format=suffix[1:], metadata=metadata)
-
-    return write_whole(path, write, suffix)
+    # In memory first: matplotlib's writers fail in ways of their own on a disk that is full.
+    content = BytesIO()
+    with own_style():
+        drawing.savefig(content, format=suffix[1:], metadata=metadata)
+    return write_whole(path, lambda draft: draft.write_bytes(content.getvalue()), suffix)

@@ -27,7 +27,7 @@ from symosc.errors import ParameterError
 from symosc.exact import whole_number
 from symosc.files import check_folder_of, write_text
 from symosc.fit import Fit
-from symosc.plot.drawing import STYLE, add_legend, axes_for, draw_belts, panels_for
+from symosc.plot.drawing import STYLE, add_legend, axes_for, draw_belts, panels_for, shown_name
 from symosc.simulation.simulate import simulate
 from symosc.simulation.trajectory import Event
 
@@ -557,7 +557,7 @@ def score_figure(scores: Sequence[Score]) -> Figure:
         ax.axhline(1, color="0.5", linewidth=0.6, linestyle="--", zorder=0)
         ax.axhline(MOST_UNITS * 10, color="0.3", linewidth=0.6)
         names = [
-            Line2D([], [], label=each.name, **look)
+            Line2D([], [], label=shown_name(each.name), **look)
             for each, look in zip(scores, looks, strict=True)
         ]
         drawing.legend(

@@ -34,6 +34,7 @@ from symosc.plot.drawing import (
     axes_for,
     draw_belts,
     panels_for,
+    shown_name,
     typeset,
     write_above,
 )
@@ -121,7 +122,7 @@ def read_axes(column: Any, count: int, what: str) -> list[str]:
 
 def label(name: str) -> str:
     """Return the axis label of a parameter, a start value or a column."""
-    return LABELS.get(name, name.replace("_", " "))
+    return LABELS.get(name) or shown_name(name.replace("_", " "))
 
 
 # -- sweeps over one axis ----------------------------------------------------------------------------------------------

@@ -11,14 +11,12 @@ import io
 import json
 import tomllib
 from collections.abc import Callable, Iterable, Mapping, Sequence
-from concurrent.futures import ProcessPoolExecutor
 from contextlib import nullcontext
 from dataclasses import replace
 from decimal import Context, Decimal, Inexact
 from fractions import Fraction
 from importlib.resources import files
 from math import pi
-from multiprocessing import get_context
 from pathlib import Path
 from typing import Any
 
@@ -36,6 +34,7 @@ from symosc.reference.cases import CASE_GROUPS, SET_VERSION, reference_cases
 from symosc.reference.score import KIND_WINDOW, ROUNDING_UNIT, SCORE_TOLERANCE, UNITS_ALLOWED
 from symosc.scenes import Scene
 from symosc.simulation.simulate import simulate
+from symosc.workers import process_pool
 
 SET_FORMAT = "symosc reference cases 1"
 MANIFEST = "manifest.json"
@@ -85,11 +84,7 @@ def write_cases(
     texts = {}
     rows = []
     in_processes = len(wanted) > CASES_IN_LINE and workers > 1
-    with (
-        ProcessPoolExecutor(workers, get_context("spawn"))
-        if in_processes
-        else nullcontext() as pool
-    ):
+    with process_pool(workers, "spawn") if in_processes else nullcontext() as pool:
         for found, row in pool.map(_case_files, wanted) if pool else map(_case_files, wanted):
             texts.update(found)
             rows.append(row)

@@ -41,7 +41,7 @@ from symosc.engine.batch import (
 )
 from symosc.engine.events import CODE_COLUMNS, FLOAT_COLUMNS
 from symosc.engine.flow import SIGMAS, ConstantRows
-from symosc.engine.start import MOST_PERIODS, Start, first_row, settles
+from symosc.engine.start import FAR_PERIODS, Start, first_row, settles
 from symosc.engine.state import (
     END,
     FULL,
@@ -407,9 +407,9 @@ class Chunk:
                 code = int(codes[i])
             status[i] = end_status(code, int(mode), v, force, problem.parameters)
         wanted = self.task.problems.t_end.pairs(slice(self._first, self._first + len(codes))).hi
-        given_up = (periods >= MOST_PERIODS) | (self.batch.states[:, 13] < wanted)
+        given_up = (periods >= FAR_PERIODS) | (self.batch.states[:, 13] < wanted)
         for i in np.flatnonzero((codes == END) & given_up).tolist():
-            check_reached(self.problem(i), int(periods[i]))
+            check_reached(self.problem(i))
         for i, trajectory in self.alone.items():
             status[i] = trajectory.status
         return status

@@ -303,9 +303,13 @@ class ParameterSets:
         """
         if self._is_object:
             return table_of([Arithmetic(self[0]).K])
+        if rows.stop == rows.start:
+            return table_of([])
         # However few they are: the bits must not depend on how a sweep is cut into calls.
         columns = {name: self.column(name).pairs(rows) for name in PARAMETER_NAMES}
         size = rows.stop - rows.start
+        if size == 0:
+            return table_of([])
         return constant_table(
             columns, size, lambda i: Arithmetic(self[rows.start + i]).K, march_rows
         )
@@ -350,7 +354,7 @@ class Problems:
     def begin(self, rows: slice, march_rows: Callable[..., None]) -> tuple[Batch, np.ndarray]:
         """Return the motions in `rows` as a batch at the start, and their constants (see `ParameterSets.table`)."""
         size = rows.stop - rows.start
-        table = self.sets.table(rows if len(self.sets) > 1 else slice(0, 1), march_rows)
+        table = self.sets.table(rows if len(self.sets) != 1 else slice(0, 1), march_rows)
         if len(self.sets) > 1:
             sets = np.arange(size)
         else:

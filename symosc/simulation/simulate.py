@@ -28,6 +28,7 @@ from symosc.engine.start import (
     MOST_PERIODS,
     Start,
     first_state,
+    is_far,
     last_time,
     longest_span,
     settles,
@@ -44,7 +45,7 @@ from symosc.engine.state import (
     State,
 )
 from symosc.engine.summary import no_tally
-from symosc.errors import ParameterError
+from symosc.errors import ParameterError, brief
 from symosc.exact import (
     LEAST_ASKED_DIGITS,
     MOST_ASKED_DIGITS,
@@ -157,12 +158,10 @@ def simulate(
     most = read_most(max_events, default)
     if digits is None:
         label = "simulate"
-    else:
-        label = f"simulate, {digits} digits"
-    if digits is None:
         follow = partial(in_doubles, start, most, read_accuracy(accuracy))
     else:
         digits = whole_number("digits", digits, LEAST_ASKED_DIGITS, MOST_ASKED_DIGITS)
+        label = f"simulate, {digits} digits"
         if accuracy is not None:
             raise ParameterError(
                 "accuracy",
@@ -412,20 +411,20 @@ def in_digits(start: Start, most: int, digits: int, advance: Advance = None) -> 
     )
 
 
-def check_reached(start: Start, periods: int) -> None:
-    """Raise ParameterError for a motion that was given up before its t_end.
+def check_reached(start: Start) -> None:
+    """Raise ParameterError for a motion that goes on, and whose t_end is later than any is followed.
 
-    That is after 1e8 forcing `periods` or, without a drive, after as many searches.
+    That is after 1e8 forcing periods or, without a drive, after as many searches.
     """
-    begin = f"after t0 = {show(start.t0)}, more than"
+    if not is_far(start):
+        return
+    begin = f"after t0 = {brief(show(start.t0))}, more than"
     if start.parameters.B0 == 0:
         span = longest_span(start.parameters)
-        if start.t_end - start.t0 > span:
-            reason = f"is more than {float(span):.0e} {begin} is followed without a drive"
-            raise ParameterError("t_end", show(start.t_end), reason)
-    elif periods >= MOST_PERIODS:
+        reason = f"is more than {float(span):.0e} {begin} is followed without a drive"
+    else:
         reason = f"is more than {MOST_PERIODS:.0e} forcing periods {begin} are followed"
-        raise ParameterError("t_end", show(start.t_end), reason)
+    raise ParameterError("t_end", show(start.t_end), reason)
 
 
 def end_status(code: int, mode: int, v: Number, force: Number, p: Parameters) -> str:
@@ -452,7 +451,7 @@ def _ended(start: Start, code: int, state: State) -> tuple[str, str]:
     At its end (END) or with no event left (REST).
     """
     if code != REST:
-        check_reached(start, state.n)
+        check_reached(start)
     status = end_status(code, state.mode, state.v, state.Fb, start.parameters)
     message = f"reached t_end = {show(start.t_end)}"
     if status == "equilibrium":

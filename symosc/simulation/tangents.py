@@ -31,11 +31,11 @@ def read_wrt(wrt: Any) -> tuple[str, ...]:
     ParameterError if one is unknown or given twice.
     """
     if isinstance(wrt, str):
-        names = (wrt,)
-    elif isinstance(wrt, Sequence):
-        names = tuple(wrt)
+        names: tuple[str, ...] = (str(wrt),)
+    elif hasattr(type(wrt), "dtype"):
+        names = tuple(np.asarray(wrt).tolist())
     else:
-        names = (wrt,)
+        names = tuple(wrt)
     for name in names:
         if name not in NAMES:
             raise ParameterError(

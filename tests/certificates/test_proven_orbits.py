@@ -59,9 +59,9 @@ def test_orbits_of_the_paper(name: str) -> None:
 @pytest.mark.parametrize("i", [0, 7, 250, 501, 902])
 def test_enclosures_contain_many_digits_in_all_regimes(i: int) -> None:
     listed = listed_orbits()[i]
-    proof = listed.prove()
-    points = [(float(t[0]), float(x[0])) for t, x in proof.points]
+    points = [(float(t[0]), float(x[0])) for t, x in listed.prove().points]
     exact = find_orbit(listed.p, listed.word, points, digits=DIGITS, periods=1)
+    proof = certify(exact)
     turn = (
         round(float((exact.points[0].t - mp.mpf(proof.points[0][0][0])) / exact.period))
         * exact.period

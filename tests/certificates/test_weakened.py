@@ -302,8 +302,9 @@ ROWS: dict[str, Row] = {
     # 8: windows
     "the sign of s": Row(
         (
-            ('check(not s < 0, "a window', 'check(True, "a window'),
-            ("[] if s > 0 else", "[] if s > 0 or s < 0 else"),
+            ('require(arb(bias) + arb(swing) * end.sin(), "phases on', 'check(True, "phases on'),
+            ("require(low - least - before * turn, outside)", "pass"),
+            ("require(least + (before + 1) * turn - high, outside)", "pass"),
         ),
         lambda: put(everywhere(), "grazes", "nowhere"),
     ),

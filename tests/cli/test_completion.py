@@ -72,7 +72,6 @@ def test_a_shell_completes(shell: str, line: str, offered: str, tmp_path: Path) 
         ("certify fig9 --window P", {"P2", "P3", "P5", "P6"}),
         ("grazing fig9 --map P", {"P2", "P3", "P5", "P6"}),
         ("check fig9-", {"fig9-orbit"}),
-        ("codegen P32 --fix fig8-", {"fig8-exact"}),
         ("derive sticks --scene fig8-", {"fig8-exact"}),
         ("derive sw", {"switching"}),
         ("explore fig9-", {"fig9-orbit"}),

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections import Counter
+from itertools import islice
 from typing import Any
 
 import numpy as np
@@ -10,12 +11,13 @@ import pytest
 from evidence import false_sentences
 from excerpts import crosscheck
 from fault_kinds import KINDS, finer
-from fault_matrix import judge, run, table, whole
+from fault_matrix import SEED, drawn, judge, run, table, whole
 from fault_scenes import cases
-from faulty_solver import METHODS, Flaw, softened, solved, without_events
+from faulty_solver import METHODS, Flaw, Solver, softened, solved, without_events
 
 from symosc import load_scene, simulate
-from symosc.crosschecks.causes import CAUSES, Diagnosis
+from symosc.crosschecks import steps
+from symosc.crosschecks.causes import CAUSES, ENOUGH, Diagnosis, explained_share
 from symosc.model import PARAMETER_NAMES
 
 pytestmark = pytest.mark.compiled("doubles")  # a diagnosis follows thousands of steps
@@ -23,7 +25,9 @@ pytestmark = pytest.mark.compiled("doubles")  # a diagnosis follows thousands of
 # -- diagnosis ---------------------------------------------------------------------------------------------------------
 
 
-SEED = 1
+# Steps that are followed, and integrated, at most: measured by the test of the work.
+MOST_FOLLOWED = 15_000
+MOST_INTEGRATED = 600
 
 
 @pytest.mark.full(8)
@@ -53,26 +57,160 @@ def test_each_kind_of_fault_has_its_name(kind: str) -> None:
     assert all(one.cause in CAUSES for one in check.diagnosis)
     assert false_sentences(check) == []
     if kind == "double root":  # the micro stick of fig8
-        begin, end = (event.t for event in simulate("fig8", t_end=4).events)
-        assert f"the first time at t = {begin:.8g} to {end:.8g}; " in check.diagnosis[0].evidence
+        assert "events are missed" in check.diagnosis[0].words
+    if check.first_wrong:  # where it goes wrong first, and by how much
+        assert f"first wrong step: {check.first_wrong.step}, " in check.summary()
 
 
 @pytest.mark.campaign
 def test_the_whole_matrix(capsys: pytest.CaptureFixture[str]) -> None:
-    """43 kinds of fault, thirty scenes, four samplings."""
-    assert len(whole()) == 43 * 30 * 4
+    """All kinds of fault, thirty scenes, four samplings."""
+    assert len(whole()) == len(KINDS) * 30 * 4
     counts = run(SEED, whole())
     with capsys.disabled():
         print("\n" + table(counts))
-    judge_counts(counts, 0.95)
+    judge_counts(counts)
 
 
-def judge_counts(counts: Counter[tuple[str, str]], named: float) -> None:
-    faults = counts["all", "faults"]
-    assert faults > 0
-    assert counts["all", "found"] >= 0.99 * faults
-    assert counts["all", "named"] >= named * faults
-    assert counts["all", "false"] == 0
+@pytest.mark.campaign
+def test_some_of_the_matrix(capsys: pytest.CaptureFixture[str]) -> None:
+    counts = run(SEED, drawn(6, 7))
+    with capsys.disabled():
+        print("\n" + table(counts))
+    judge_counts(counts)
+
+
+def judge_counts(counts: Counter[tuple[str, str]]) -> None:
+    for kinds in ("named kinds", "others"):
+        faults = counts[kinds, "faults"]
+        assert faults > 0
+        assert counts[kinds, "found"] >= 0.99 * faults
+        assert counts[kinds, "named"] >= 0.95 * faults
+        assert counts[kinds, "false"] == 0
+
+
+# -- causes on thin evidence -------------------------------------------------------------------------------------------
+
+
+def test_a_cause_explains_the_first_wrong_step_and_the_largest_one() -> None:
+    before = np.array([0.5, 2e4, 0.5, 5e6, 3e4, 0.5])
+    left = np.where(before > 1.0, 0.0, before)
+    assert explained_share(before, left) == 1.0
+    for step in (1, 3):  # the first, the largest
+        few = left.copy()
+        few[step] = 0.01 * before[step]
+        assert explained_share(before, few) == 0.0
+    few = left.copy()
+    few[4] = before[4]
+    assert explained_share(before, few) == pytest.approx(2 / 3)
+    few[4] = np.nan  # not tried
+    assert explained_share(before, few) == 1.0
+    assert explained_share(before, np.full(6, 1.5)) == 0.0  # right steps become wrong
+
+
+def test_one_of_many_wrong_steps_shows_no_cause() -> None:
+    before = np.append(1e5, np.full(60, 1e4))
+    assert explained_share(before, np.where(before > 5e4, 0.0, before)) < ENOUGH
+
+
+def test_a_clock_that_jumps_is_no_friction() -> None:
+    """Exact samples, whose times are late by 0.3 of a step from row 400 of 800 on."""
+    t = np.linspace(0, 20, 800)
+    x, v = simulate("fig5", t_end=20)(t)
+    jump = 0.3 * (t[1] - t[0])
+    check = crosscheck("fig5", t + jump * (np.arange(800) >= 400), x, v)
+    (found,) = check.diagnosis
+    assert found.cause == "time shift"
+    assert found.value == pytest.approx(jump, rel=1e-5)
+    assert f"after t = {t[399]:.10g}" in found.words
+    assert "all 799 steps are right" in found.evidence
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("number", range(9))
+def test_a_belt_ignored_in_flight_is_a_missed_event(number: int) -> None:
+    possible = (judge("belt ignored", case, "dense", SEED) for case in cases())
+    judged = next(islice(filter(None, possible), number, None))
+    (found,) = judged[2].diagnosis
+    # A belt whose speed the motion does not reach is the same.
+    assert found.cause == "late events" or "all 400 steps are right" in found.evidence
+    assert "stick" not in found.words
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("count", [201, 60])
+def test_a_stick_that_is_held_too_long_does_not_drift(count: int) -> None:
+    """One stick of fig5 is 5 % too long, with v on the belt; from its end on the motion is exact."""
+    motion = simulate("fig5", t_end=9)
+    stick = next(part for part in motion.segments if part.mode == "belt1")
+    begin = float(stick.t_start)
+    slip = float(stick.t_end)
+    end = slip + 0.05 * (slip - begin)
+    speed = float(load_scene("fig5").parameters.v1)
+    place = float(motion(slip)[0])
+    after = simulate(
+        load_scene("fig5").parameters, t0=end, x0=place + speed * (end - slip), v0=speed, t_end=9
+    )
+    t = np.linspace(0, 9, count)
+    x, v = np.where(t < end, motion(np.minimum(t, slip)), after(np.maximum(t, end)))
+    held = (t > slip) & (t < end)
+    x[held] = place + speed * (t[held] - slip)
+    check = crosscheck("fig5", t, x, v)
+    (found,) = check.diagnosis
+    assert (found.cause, found.subject) == ("late events", "stick")
+    assert "drift" not in check.summary()
+
+
+def test_smoothed_friction_and_a_sample_that_is_off_are_not_smoothed_friction_alone() -> None:
+    name, t, x, v = softened("tanh", 0.05, "fig9", 8, 200)
+    assert crosscheck(name, t, x, v).diagnosis[0].cause == "smoothed friction"
+    v[150] += 1.0
+    (found,) = crosscheck(name, t, x, v).diagnosis
+    assert found.cause == "unknown"
+
+
+def test_a_cause_explains_the_largest_defect_wherever_it_is() -> None:
+    """Also far from the first wrong step, where causes are tried first."""
+    scene = load_scene("fig5")
+    grid = np.linspace(0, 40, 4001)
+    x, v = Solver(scene.parameters, Flaw(late=True)).run(grid, 0.0, 0.0).arrays()[1:]
+    assert crosscheck(scene, grid, x, v).diagnosis[0].cause == "late events"
+    v[3900] += 1.0
+    assert crosscheck(scene, grid, x, v).diagnosis[0].cause != "late events"
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("count", [501, 4001])
+def test_a_diagnosis_has_a_bounded_amount_of_work(
+    count: int, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Where nothing explains the samples, so everything is tried: counted in steps, not in seconds."""
+    import scipy.integrate
+
+    followed = 0
+    integrated = 0
+    follow = steps._follow_samples
+    odeint = scipy.integrate.odeint
+
+    def counted(K: Any, samples: np.ndarray, *rest: Any) -> Any:
+        nonlocal followed
+        followed += samples.shape[1] - 1
+        return follow(K, samples, *rest)
+
+    def counting(*given: Any, **more: Any) -> Any:
+        nonlocal integrated
+        integrated += 1
+        return odeint(*given, **more)
+
+    t = np.linspace(0, 40, count)
+    x, v = simulate("fig5")(t)
+    x = x + np.cumsum(np.random.default_rng(1).standard_normal(count)) * 1e-3
+    check = crosscheck("fig5", t, x, v)
+    monkeypatch.setattr(steps, "_follow_samples", counted)
+    monkeypatch.setattr(scipy.integrate, "odeint", counting)
+    assert check.diagnosis[0].cause == "unknown"
+    assert 0 < followed < MOST_FOLLOWED
+    assert 0 < integrated < MOST_INTEGRATED
 
 
 @pytest.mark.slow
@@ -112,28 +250,6 @@ def leapfrogged(p: Any, t: np.ndarray, n: int = 1) -> tuple[np.ndarray, ...]:
         column[::n]
         for column in without_events(p, finer(t, n), 4.5447, 1.0, METHODS["leapfrog"])[1:]
     )
-
-
-@pytest.mark.slow
-def test_weights_that_the_steps_do_not_determine_are_not_named() -> None:
-    """Of rounded flights with another B0: weights such as 84, 40, -207, 84 repeated all of them."""
-    scene = load_scene("fig10")
-    p = scene.parameters.replace(
-        m="1.86",
-        c=0,
-        k="3.9",
-        A0="-0.9",
-        B0=10,
-        Omega="4.32",
-        v1="-2.31",
-        v2="4.99",
-        mu1="0.32",
-        mu2="0.48",
-        FN="14.75",
-    )
-    t = np.linspace(3, 7.21, 301)
-    x, v = np.round(simulate(p.replace(B0="9.8"), t0=3, x0="1.579", v0="-2.31", t_end=8)(t), 3)
-    assert not any("weights" in one.words for one in crosscheck(p, t, x, v).diagnosis)
 
 
 def test_a_right_solution_has_no_diagnosis() -> None:
@@ -199,7 +315,7 @@ def test_a_wrong_coefficient_is_estimated(name: str) -> None:
 MEASURED: dict[str, tuple[Any, str, str | None, float | None, float]] = {
     "static friction": (
         lambda: solved(Flaw(static=1.3), t_end=9.4588, count=151),
-        "stick left late",
+        "late events",
         None,
         1.3,
         1e-6,

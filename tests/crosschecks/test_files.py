@@ -406,3 +406,58 @@ def test_every_format_is_named() -> None:
     alike = {".out", ".asc", ".pq", ".arrow", ".hdf"}
     for suffix in {*SUFFIXES, *PACKED} - alike:
         assert f"`{suffix}`" in PAGE, suffix
+
+
+READ_IN_A_PROCESS = """
+import sys
+from pathlib import Path
+from symosc.crosschecks.files import read_solutions
+from symosc.errors import ParameterError
+for path in sys.argv[1:]:
+    try:
+        print("read", len(read_solutions(path)[0].t))
+    except ParameterError as error:
+        print(error)
+"""
+
+
+@pytest.mark.slow
+def test_an_hdf5_file_whose_values_are_elsewhere_is_refused(tmp_path: Path) -> None:
+    """HDF5 crashed at the one, and showed the bytes of any file for the other."""
+    h5py = pytest.importorskip("h5py")
+    t = np.linspace(0, 1, 20)
+    with h5py.File(tmp_path / "source.h5", "w") as file:
+        for name in "txv":
+            file[name] = t
+    with h5py.File(tmp_path / "virtual.h5", "w") as file:
+        for name in "txv":
+            layout = h5py.VirtualLayout(shape=t.shape, dtype="f8")
+            layout[:] = h5py.VirtualSource("source.h5", name, shape=t.shape)
+            file.create_virtual_dataset(name, layout)
+    (tmp_path / "bytes").write_bytes(b"secret" * 100)
+    with h5py.File(tmp_path / "external.h5", "w") as file:
+        for name in "txv":
+            outside = [(str(tmp_path / "bytes"), 0, 8 * len(t))]
+            file.create_dataset(name, shape=t.shape, dtype="f8", external=outside)
+    with h5py.File(tmp_path / "linked.h5", "w") as file:
+        for name in "txv":
+            file[name] = h5py.ExternalLink("source.h5", name)
+    names = ["source", "virtual", "external", "linked"]
+    for name in names:
+        packed = gzip.compress((tmp_path / f"{name}.h5").read_bytes())
+        (tmp_path / f"{name}.h5.gz").write_bytes(packed)
+    paths = [f"{name}.h5{packed}" for packed in ("", ".gz") for name in names]
+    done = subprocess.run(
+        [sys.executable, "-c", READ_IN_A_PROCESS, *paths],
+        cwd=tmp_path,
+        capture_output=True,
+        text=True,
+        check=True,
+    )
+    said = done.stdout.splitlines()
+    for first in (0, 4):
+        assert said[first] == "read 20"
+        assert "/t is a virtual dataset: its values are in other files" in said[first + 1]
+        assert "/t is kept in external raw storage" in said[first + 2]
+        assert "'t': is missing" in said[first + 3]
+    assert "secret" not in done.stdout

@@ -21,7 +21,7 @@ from stored_outputs import PLACE, sampled
 
 from symosc import Parameters, crosscheck, load_scene, simulate
 from symosc.crosschecks import columns, friction, methods, models, steps
-from symosc.crosschecks.causes import Candidate, Case
+from symosc.crosschecks.causes import Case
 from symosc.crosschecks.files import read_solutions
 from symosc.engine.arithmetic import Arithmetic
 from symosc.errors import ParameterError
@@ -290,71 +290,76 @@ SAID = (
 # -- what each cause explains of some wrong solutions ------------------------------------------------------------------
 
 CHEAP: tuple[Callable[..., Any], ...] = (
-    columns.outliers, columns.noise, columns.even_times, columns.single_times,
-    columns.velocity_column, columns.frozen_positions, columns.resampled,
-    methods.double_roots, methods.interpolated, methods.truncation,
-    friction.at_belts, friction.drift_within_steps, models.forces,
-)  # fmt: skip
+    columns.outliers,
+    columns.noise,
+    columns.even_times,
+    columns.single_times,
+    columns.velocity_column,
+    columns.frozen_positions,
+    methods.late_events,
+    methods.gone_over,
+    methods.large_steps,
+    friction.drift,
+)
 #: Wrong solutions, and the expensive causes that are asked about each, beside the cheap ones.
 ASKED: dict[str, tuple[Callable[..., Any], ...]] = {
     "other B0": (models.phases_of_drive, models.coefficients, models.other_systems),
     "other v1": (models.coefficients,),
-    "other v2": (models.coefficients, friction.stick_ends),
+    "other v2": (models.coefficients,),
     "other k, far": (models.far_coefficients,),
     "noise": (),
     "sign of friction": (models.other_systems,),
-    "late events": (methods.delays, friction.stick_ends, columns.other_columns),
-    "early sticks": (friction.stick_ends,),
-    "static friction": (friction.stick_ends,),
-    "static friction, ends shown": (friction.stick_ends,),
+    "late events": (columns.other_columns,),
+    "early sticks": (),
+    "static friction": (),
+    "static friction, ends shown": (),
     "drift": (),
     "drift in steps": (),
-    "Heun": (methods.known_methods,),
-    "wrong weights": (methods.known_methods,),
+    "Heun": (),
+    "wrong weights": (),
     "linear events": (),
-    "double root": (methods.known_methods, columns.other_columns),
-    "chatter": (methods.known_methods,),
-    "exact with held friction": (methods.known_methods,),
-    "tanh": (friction.smoothed_passages,),
-    "arctan in sticks": (),
-    "root": (friction.smoothed_passages,),
+    "double root": (columns.other_columns,),
+    "chatter": (),
+    "exact with held friction": (),
+    "tanh": (friction.smoothed,),
+    "arctan in sticks": (friction.smoothed,),
+    "root": (friction.smoothed,),
     "loose tolerance": (),
     "x stands in sticks": (),
     "x stands and goes on": (),
     "lines between others": (),
     "times rounded": (),
     "times in single precision": (),
-    "v half early": (columns.other_velocities,),
+    "v half early": (),
     "v by differences": (),
     "outlier": (),
-    "clock fast": (models.phases_of_drive,),
+    "clock fast": (models.phases_of_drive, models.jumps_of_clock),
     "swapped belts": (models.other_systems,),
-    "other FN in few steps": (models.coefficients, models.phases_of_drive, friction.stick_ends),
+    "other FN in few steps": (models.coefficients, models.phases_of_drive),
     "forces of another law": (),
-    "Euler": (methods.known_methods,),
-    "weights of nobody": (methods.known_methods,),
-    "x first": (methods.known_methods,),
+    "Euler": (),
+    "weights of nobody": (),
+    "x first": (),
 }
 
 
 @interpreted
 def explained(name: str) -> str:
     """Return what each cause explains of the wrong steps of a solution, also where others explain more."""
-    case = Case(check_of(*WRONG[name]()))
+    check = check_of(*WRONG[name]())
+    case = Case(check, int(check.wrong_steps[0]))
     with np.errstate(all="ignore"):
         asked = (*ASKED[name], *(() if name in ("other v1", "other v2") else CHEAP))
         found = [each for alternatives in asked for each in alternatives(case)]
-    pairs = [
-        (each.diagnosis, each.words) if isinstance(each, Candidate) else (each, "")
-        for each in found
-    ]
-    pairs = [
-        (one, words) for one, words in pairs if one.cause != "coefficient" or one.share > 0.1
-    ]  # a fit to nothing
-    return "\n".join(
-        f"{o.cause} {o.subject}: {o.words}; {o.evidence}; {words} {brief(o.value)} {brief(o.error)} {o.share:.6f}"
-        for o, words in pairs
-    )
+    rows = []
+    for candidate in found:
+        o = candidate.diagnosis
+        share = o.share
+        if candidate.left is not None:
+            share = case.share(candidate.left)
+        numbers = f"{brief(o.value)} {brief(o.error)} {share:.6f}"
+        rows.append(f"{o.cause} {o.subject}: {o.words}; {o.evidence}; {candidate.words} {numbers}")
+    return "\n".join(rows)
 
 
 def changed_columns() -> str:
@@ -373,34 +378,6 @@ def mistaken_systems() -> str:
     rows = models._systems(load_scene("fig9").parameters)
     return "\n".join(
         f"{cause} {words} {change} {numbers}" for cause, _, words, change, numbers in rows
-    )
-
-
-def method_steps() -> str:
-    """Return one step of each known method, of a nonlinear acceleration."""
-
-    def a(t: float, x: float, v: float) -> float:
-        return float(np.cos(2 * t) - x**3 - 0.3 * v * v)
-
-    known = {
-        name: method(a, 0.4, 0.7, -0.2, 0.25)
-        for name, method in methods.FIXED_STEP_METHODS.items()
-        if method
-    }
-    return "\n".join(f"{name}: {x:.12g} {v:.12g}" for name, (x, v) in known.items())
-
-
-def smoothing_curves() -> str:
-    """Return the curves in place of a sign, their inverses and integrals."""
-    z = np.array([-3.0, -0.5, 0.0, 0.1, 2.0])
-    u = np.array([-0.9, -0.1, 0.0, 0.5, 0.99])
-    parts = {
-        name: (curve.of(z), curve.inverse(u), np.diff(curve.integral(z)))
-        for name, curve in friction.CURVES.items()
-    }
-    return "\n".join(
-        f"{name}: {' '.join(f'{each:.10g}' for row in rows for each in row)}"
-        for name, rows in parts.items()
     )
 
 
@@ -847,8 +824,6 @@ CASES: dict[str, Callable[[], object]] = {
     **CHECKS,
     "changed columns": changed_columns,
     "mistaken systems": mistaken_systems,
-    "steps of methods": method_steps,
-    "curves of friction": smoothing_curves,
     **{f"said of: {name}": partial(lambda name: diagnosed(*WRONG[name]()), name) for name in SAID},
     **{f"causes of: {name}": partial(explained, name) for name in ASKED},
 }

@@ -180,6 +180,21 @@ def test_the_page_has_the_numbers_of_its_link(address: str) -> None:
     assert policy.startswith("default-src 'self'")
 
 
+@pytest.mark.parametrize(
+    "path", ["/", "/answer", "/page.js", "/scene.toml", "/scene.toml?k=x", "/nothing"]
+)
+def test_no_other_page_may_frame_an_answer(path: str, address: str) -> None:
+    headers = ask(address, path)[0].headers
+    assert "frame-ancestors 'none'" in headers["Content-Security-Policy"]
+    assert headers.get_all("Content-Security-Policy") == [headers["Content-Security-Policy"]]
+    assert (headers["X-Frame-Options"], headers["X-Content-Type-Options"]) == ("DENY", "nosniff")
+
+
+def test_a_foreign_host_is_refused_with_the_same_guards(address: str) -> None:
+    response, _ = ask(address, "/", Host="example.org")
+    assert (response.status, response.headers["X-Frame-Options"]) == (403, "DENY")
+
+
 def test_only_this_machine_is_answered(address: str) -> None:
     assert urlsplit(address).hostname == "127.0.0.1"
     port = urlsplit(address).port

@@ -12,6 +12,7 @@ from typing import Any
 
 import mpmath
 import pytest
+from cli_runs import good, run
 from oracle import flow_oracle, simulate_oracle
 
 from symosc import Parameters, ReferenceCase, Scene, load_scene, reference_cases, simulate
@@ -67,10 +68,26 @@ def test_cases_are_proven_or_say_why_not(name: str) -> None:
     case = CASES[name]
     assert case.proven == (not case.open)
     assert isinstance(case.certificate, Certificate)
-    assert case.status == (PROVEN if case.proven else COMPUTED)
+    assert case.status == case.expected_status == (PROVEN if case.proven else COMPUTED)
     if case.proven:
         known = [(*event[2:3], *event[4:6], event.t, event.x) for event in case.events]
         assert known == [tuple(event) for event in case.certificate.events]
+
+
+@pytest.mark.parametrize("form", [(), ("--json",)])
+def test_a_list_of_the_cases_computes_none(
+    form: tuple[str, ...], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def computed(_: object) -> None:
+        raise AssertionError("a case is computed")
+
+    for name in ("certificate", "events", "conditions", "derivatives"):
+        monkeypatch.setattr(ReferenceCase, name, property(computed))
+    listed = good("cases", *form)
+    assert all(name in listed for name in CASES)
+    assert form or listed.splitlines()[-1] == "158 cases, 145 of them proven"
+    asked = run("cases", "--group", "easy", "--events", *form)
+    assert isinstance(asked.exception, AssertionError)
 
 
 @pytest.mark.slow

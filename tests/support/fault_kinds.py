@@ -1,4 +1,4 @@
-"""Forty-three kinds of fault in somebody's solution.
+"""Kinds of fault in somebody's solution.
 
 Samples that are wrong in a known way, and what that is called.
 """
@@ -23,6 +23,17 @@ from symosc import Parameters, simulate
 WRONG = 2e-8
 Rng = np.random.Generator
 Causes = tuple[tuple[str, str], ...]
+#: What a fault is called that is none of those with a name, and these faults.
+UNKNOWN = ("unknown", "")
+OTHERS = (
+    "two coefficients",
+    "quadratic drag",
+    "friction that falls with speed",
+    "linear resampling",
+    "events by interpolation",
+    "stick left early",
+    "weights beyond one",
+)
 
 
 @dataclass(frozen=True)
@@ -257,7 +268,7 @@ COLUMNS: dict[str, tuple[tuple[Callable[..., Columns], tuple[str, str]], ...]] =
     ),
     "x and v swapped": ((lambda case, t, x, v, rng: (t, v, x), ("columns", "x and v")),),
     "x frozen in sticks": ((frozen, ("columns", "x")),),
-    "linear resampling": ((resampled, ("resampling", "")),),
+    "linear resampling": ((resampled, UNKNOWN),),
     "noise": ((noise, ("noise", "")),),
     "few digits": ((few_digits, ("precision", "")),),
 }
@@ -315,10 +326,18 @@ SOLVERS: dict[
 ] = {
     "sign of friction": (turned_friction, "sign", "friction", 4, (4,), False),
     "late events": (lambda p, rng: Flaw(late=True), "late events", "", 4, (1, 2), False),
-    "double root": (lambda p, rng: Flaw(), "double root", "", 1, (1,), True),
+    "double root": (lambda p, rng: Flaw(), "late events", "", 1, (1,), True),
+    "belt ignored": (
+        lambda p, rng: Flaw(ignored=int(rng.integers(1, 3))),
+        "late events",
+        "",
+        4,
+        (1, 2),
+        False,
+    ),
     "stick left early": (
         lambda p, rng: Flaw(early=rng.uniform(0.03, 0.3)),
-        "stick left early",
+        "unknown",
         "",
         40,
         (8,),
@@ -326,32 +345,23 @@ SOLVERS: dict[
     ),
     "stick left late": (
         lambda p, rng: Flaw(static=rng.uniform(1.03, 1.3)),
-        "stick left late",
+        "late events",
         "",
         40,
         (8,),
         True,
     ),
     "drift on the belt": (drift, "drift", "", 40, (8,), False),
-    "fixed step": (method("euler", "heun", "rk4"), "truncation", "", 20, (1, 2, 4), True),
-    "leapfrog": (method("leapfrog", "verlet"), "truncation", "", 20, (1, 2), True),
-    "wrong weights": (
-        method("rk4 1111", "rk4 2112", "rk4 1221/5"),
-        "truncation",
-        "",
-        2,
-        (1, 2),
-        True,
-    ),
-    "events by interpolation": (
-        lambda p, rng: Flaw(linear=True),
-        "event interpolation",
-        "",
-        1,
-        (1,),
-        False,
-    ),
+    "fixed step": (method("euler", "heun", "rk4"), "steps too large", "", 20, (1, 2, 4), True),
+    "leapfrog": (method("leapfrog", "verlet"), "steps too large", "", 20, (1, 2), True),
+    "wrong weights": (method("rk4 1111", "rk4 2112"), "steps too large", "", 2, (1, 2), True),
+    "weights beyond one": (method("rk4 1221/5"), "unknown", "", 2, (1, 2), True),
+    "events by interpolation": (lambda p, rng: Flaw(linear=True), "unknown", "", 1, (1,), False),
 }
+
+
+#: What explains all steps of such a solution too: a belt with a speed that the motion never reaches.
+SAME: dict[str, Causes] = {"belt ignored": (("sign", ""), ("coefficient", ""))}
 
 
 def of_solver(kind: str) -> Maker:
@@ -379,10 +389,10 @@ def of_solver(kind: str) -> Maker:
         # Where the flaw makes no difference, contacts between the points of the grid are missed,
         # and nothing else.
         if np.array_equal(plain.x, run.x):
-            name = ("double root", "")
+            name = ("late events", "")
         else:
             name = (cause, subject)
-        return Spoilt(*(column[kept] for column in run.arrays()), (name,))
+        return Spoilt(*(column[kept] for column in run.arrays()), (name, *SAME.get(kind, ())))
 
     return make
 
@@ -401,7 +411,9 @@ def chatter(case: Case, t: np.ndarray, sampling: str, rng: Rng) -> Spoilt:
         n = 4
     x, v = without_events(case.scene.parameters, finer(t, n), *case.start)[1:]
     # Without a stick there is nothing to chatter about: then events are late by parts of a step.
-    return Spoilt(t, x[::n], v[::n], (("chatter", ""), ("late events", "")))
+    return Spoilt(
+        t, x[::n], v[::n], (("chatter", ""), ("late events", ""), ("steps too large", ""))
+    )
 
 
 def no_events(case: Case, t: np.ndarray, sampling: str, rng: Rng) -> Spoilt:
@@ -414,7 +426,9 @@ def no_events(case: Case, t: np.ndarray, sampling: str, rng: Rng) -> Spoilt:
     x, v = without_events(
         case.scene.parameters, finer(t, n), *case.start, METHODS[name], rng.random() < 0.5
     )[1:]
-    return Spoilt(t, x[::n], v[::n], (("late events", ""), ("chatter", ""), ("truncation", "")))
+    return Spoilt(
+        t, x[::n], v[::n], (("late events", ""), ("chatter", ""), ("steps too large", ""))
+    )
 
 
 def loose_tolerance(case: Case, t: np.ndarray, sampling: str, rng: Rng) -> Spoilt:
@@ -426,10 +440,85 @@ def loose_tolerance(case: Case, t: np.ndarray, sampling: str, rng: Rng) -> Spoil
         "max_step": 0.2,
     }
     run = careful_solver.solve(case.scene, case.t_end, joined=True, **options)
-    return Spoilt(*(np.array(column) for column in (run.t, run.x, run.v)), (("truncation", ""),))
+    return Spoilt(
+        *(np.array(column) for column in (run.t, run.x, run.v)), (("steps too large", ""),)
+    )
+
+
+def clock_jumps(case: Case, t: np.ndarray, sampling: str, rng: Rng) -> Spoilt:
+    """From some sample on the clock is fast or slow by a part of a step."""
+    x, v = case.exact(t)
+    k = int(rng.integers(len(t) // 5, 4 * len(t) // 5))
+    return Spoilt(t + np.where(np.arange(len(t)) >= k, either(rng, 0.1, 0.6) * (t[k] - t[k - 1]), 0.0), x, v,
+                  (("time shift", ""),))  # fmt: skip
+
+
+def stick_held(case: Case, t: np.ndarray, sampling: str, rng: Rng) -> Spoilt | None:
+    """One stick is held 5 % too long, with v on the belt, and the motion goes on from there."""
+    p = case.scene.parameters
+    sticks = [
+        part
+        for part in case.exact.segments
+        if part.mode.startswith("belt") and part.t_end < case.t_end
+    ]
+    sticks = [part for part in sticks if part.t_end > part.t_start]
+    if not sticks:
+        return None
+    stick = sticks[int(rng.integers(len(sticks)))]
+    begin = float(stick.t_start)
+    slip = float(stick.t_end)
+    end = slip + 0.05 * (slip - begin)
+    speed = float(p.belt(int(stick.mode[-1])))
+    x_slip = float(case.exact(slip)[0])
+    x, v = case.exact(t)
+    held = (t > slip) & (t <= end)
+    after = t > end
+    x[held], v[held] = x_slip + speed * (t[held] - slip), speed
+    if np.any(after):
+        motion = simulate(
+            p, t0=end, x0=x_slip + speed * (end - slip), v0=speed, t_end=float(t[-1]) + 1e-9
+        )
+        x[after], v[after] = motion(t[after])
+    return Spoilt(t, x, v, (("late events", ""),))
+
+
+def two_coefficients(case: Case, t: np.ndarray, sampling: str, rng: Rng) -> Spoilt:
+    p = case.scene.parameters
+    values = near(p, rng, ("k", "m"), 0.01, 0.1) | near(p, rng, ("B0", "FN"), 0.01, 0.1)
+    return Spoilt(t, *other(case, t, p.replace(**values)), (UNKNOWN,))
+
+
+def other_law(law: Callable[[Parameters, float], float]) -> Maker:
+    """Return what integrates a scene with one more acceleration, as a function of v."""
+
+    def make(case: Case, t: np.ndarray, sampling: str, rng: Rng) -> Spoilt:
+        p = case.scene.parameters
+        t, x, v = smoothed(
+            p, t, *case.start, 1e-7 * float(p.v2 - p.v1), "tanh", lambda v: law(p, v)
+        )
+        return Spoilt(t, x, v, (UNKNOWN,))
+
+    return make
+
+
+def drag(p: Parameters, v: float) -> float:
+    return -0.02 * float(p.Omega) * v * abs(v) / max(abs(float(p.v1)), abs(float(p.v2)))
+
+
+def stribeck(p: Parameters, v: float) -> float:
+    """Static friction of both belts that falls off within a tenth of their distance."""
+    width = 0.1 * float(p.v2 - p.v1)
+    signs = ((float(mu) * np.sign(v - float(w)) * np.exp(-abs(v - float(w)) / width))
+             for mu, w in ((p.mu1, p.v1), (p.mu2, p.v2)))  # fmt: skip
+    return -0.3 * float(p.FN / p.m) * float(sum(signs))
 
 
 KINDS: dict[str, Maker] = {
+    "clock jumps": clock_jumps,
+    "one stick held too long": stick_held,
+    "two coefficients": two_coefficients,
+    "quadratic drag": other_law(drag),
+    "friction that falls with speed": other_law(stribeck),
     **{kind: of_system(kind) for kind in SYSTEMS},
     **{kind: of_columns(kind) for kind in COLUMNS},
     **{kind: of_solver(kind) for kind in SOLVERS},

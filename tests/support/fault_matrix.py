@@ -1,17 +1,23 @@
-"""Kinds of fault times scenes times samplings: which are found, which are called by their name."""
+"""Kinds of fault times scenes times samplings: which are found, which are called by their name.
+
+Those in OTHERS have no name: of them it has to be said that the cause is unknown.
+"""
 
 from __future__ import annotations
 
 from collections import Counter
 from collections.abc import Iterable
-from itertools import product
+from itertools import islice, product
 
+import numpy as np
 from evidence import false_sentences
 from excerpts import crosscheck
-from fault_kinds import KINDS, Spoilt, spoil
+from fault_kinds import KINDS, OTHERS, Spoilt, spoil
 from fault_scenes import SAMPLINGS, Case, cases
 
 from symosc.crosschecks.compare import CrossCheck
+
+SEED = 1
 
 
 def is_named(check: CrossCheck, spoilt: Spoilt, first_only: bool = False) -> bool:
@@ -44,7 +50,7 @@ def table(counts: Counter[tuple[str, str]]) -> str:
     rows = [
         f"{'kind of fault':25} {'faults':>7} {'found':>7} {'named':>7} {'first':>7} {'false':>7}"
     ]
-    for kind in (kind for kind in (*KINDS, "all") if counts[kind, "faults"]):
+    for kind in (kind for kind in (*KINDS, "named kinds", "others") if counts[kind, "faults"]):
         total = counts[kind, "faults"]
         parts = (
             counts[kind, what] / max(total, 1) for what in ("found", "named", "first", "false")
@@ -62,13 +68,25 @@ def run(seed: int, chosen: Iterable[tuple[str, Case, str]]) -> Counter[tuple[str
             continue
         found, named, check, spoilt = judged
         false = false_sentences(check)
-        for name in (kind, "all"):
+        for name in (kind, "others" if kind in OTHERS else "named kinds"):
             counts[name, "faults"] += 1
             counts[name, "found"] += found
             counts[name, "named"] += named
             counts[name, "first"] += named and is_named(check, spoilt, first_only=True)
             counts[name, "false"] += bool(false)
     return counts
+
+
+def drawn(count: int, seed: int) -> list[tuple[str, Case, str]]:
+    """Return some rows of the matrix, as many of each kind as they can be."""
+    rows = []
+    for kind in KINDS:
+        rng = np.random.default_rng([seed, *map(ord, kind)])
+        pairs = list(product(cases(), SAMPLINGS))
+        chosen = [pairs[i] for i in rng.permutation(len(pairs)).tolist()]
+        possible = (pair for pair in chosen if spoil(kind, *pair, SEED) is not None)
+        rows += [(kind, *pair) for pair in islice(possible, count)]
+    return rows
 
 
 def whole() -> list[tuple[str, Case, str]]:

@@ -46,6 +46,8 @@ class Flaw:
     linear : bool
         A belt is met where a straight line in v between two points of the grid meets it, at the x
         of such a line.
+    ignored : int
+        Flights go over this belt as if it were not there.
     """
 
     force: tuple[float, float, float] | None = None
@@ -55,6 +57,7 @@ class Flaw:
     drift: float = 0.0
     method: str | None = None
     linear: bool = False
+    ignored: int = 0
 
 
 @dataclass
@@ -221,6 +224,10 @@ class Solver:
             high = self.belts[domain - 1]
         else:
             high = inf
+        if domain - 1 == self.flaw.ignored:
+            low = -inf
+        if domain == self.flaw.ignored:
+            high = inf
         if self.bias:  # it left a stick too early: it may be on the wrong side for a while
             if low < after[1] < high:
                 self.bias = 0.0
@@ -355,9 +362,18 @@ CURVES: dict[str, Callable[[float], float]] = {
 
 
 def smoothed(
-    p: Parameters, grid: np.ndarray, x: float, v: float, width: float, curve: str
+    p: Parameters,
+    grid: np.ndarray,
+    x: float,
+    v: float,
+    width: float,
+    curve: str,
+    more: Callable[[float], float] = lambda v: 0.0,
 ) -> tuple[np.ndarray, ...]:
-    """Integrate with friction that goes from -1 to 1 by a smooth curve of (v - v_belt) / width."""
+    """Integrate with friction that goes from -1 to 1 by a smooth curve of (v - v_belt) / width.
+
+    The acceleration `more` of v is added.
+    """
     solver = Solver(p, Flaw())
     form = CURVES[curve]
     A1, A2, A3 = solver.A
@@ -370,7 +386,7 @@ def smoothed(
             - (A1 - A2) / 2 * form((y[1] - low) / width)
             - (A2 - A3) / 2 * form((y[1] - high) / width)
         )
-        return [y[1], push + K.f0 * cos(K.Om * t) - K.w0sq * y[0] - K.cm * y[1]]
+        return [y[1], more(y[1]) + push + K.f0 * cos(K.Om * t) - K.w0sq * y[0] - K.cm * y[1]]
 
     found = solve_ivp(
         right, (grid[0], grid[-1]), [x, v], "LSODA", t_eval=grid, rtol=1e-10, atol=1e-11

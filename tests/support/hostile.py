@@ -5,6 +5,7 @@ from __future__ import annotations
 import datetime
 import decimal
 import inspect
+import itertools
 import os
 import types
 from collections.abc import Callable
@@ -105,11 +106,67 @@ VALUES |= {
     "Trajectory": lambda: made("trajectory"),
 }
 
+
+class OwnText(float):
+    """A number whose text is none."""
+
+    def __repr__(self) -> str:
+        raise RuntimeError("no text")
+
+    __str__ = __repr__
+
+
+VALUES |= {
+    "mpf_huge": lambda: mpmath.mpf("1e1000000000"),
+    "mpf_tiny": lambda: mpmath.mpf("1e-1000000000"),
+    "1e22": lambda: 1e22,
+    "1e200": lambda: 1e200,
+    "10**5000": lambda: 10**5000,
+    "fraction_tiny": lambda: Fraction(1, 10**5000),
+    "fraction_long": lambda: Fraction(1, 10**40_000),
+    "text_1e-900": lambda: "1e-900",
+    "text_close": lambda: "1." + "0" * 330 + "1",
+    "str_": lambda: np.str_("0.1"),
+    "own_text": lambda: OwnText(0.5),
+    "endless": lambda: itertools.repeat("P2"),
+    "endless_numbers": lambda: itertools.count(),
+    "array_no_texts": lambda: np.array([], dtype=str),
+    "array_0_whole": lambda: np.array(3),
+    "array_0_text": lambda: np.array("1/2"),
+    "array_0_bool": lambda: np.array(True),
+    "array_0_masked": lambda: np.ma.masked,
+    "dataarray_0": lambda: xr.DataArray(0.5),
+    "[[]]": lambda: [[]],
+}
+
 FLAG = {"True", "False"}
-NUMBER = {"0", "-1", "3", "0.5", "fraction", "text_1"}
-LARGE = {"3", "10**400"}
-ROWS = {"[]", "()", "[1,2]", "array", "array_0", "array_empty", "array_odd", "series"}
-TEXT = {"text", "text_1", "text_null", "text_long", "text_half"}
+#: Arrays without dimensions are numbers wherever numbers are.
+ENTRIES = {"array_0", "array_0_whole", "array_0_text", "dataarray_0"}
+NUMBER = {"0", "-1", "3", "0.5", "fraction", "text_1", "1e22", "own_text", "str_", *ENTRIES}
+NUMBER |= {"fraction_tiny", "text_1e-900", "text_close"}
+LARGE = {"3", "10**400", "10**5000", "array_0_whole"}
+ROWS = {
+    "[[]]",
+    "array_no_texts",
+    "[]",
+    "()",
+    "[1,2]",
+    "array",
+    "array_0",
+    "array_empty",
+    "array_odd",
+    "series",
+}
+TEXT = {
+    "text",
+    "text_1",
+    "text_null",
+    "text_long",
+    "text_half",
+    "str_",
+    "text_close",
+    "text_1e-900",
+}
 BOTH = {"Parameters", "Scene"}
 PAIRS = {"[1,2]", "array", "series"}
 
@@ -135,8 +192,8 @@ VALID: dict[str, set[str]] = {
     **_each("fit sigma, values_containing theta", NUMBER | {"[1,2]"}),
     "accuracy": NUMBER | {"inf"},
     "ParameterValues.__contains__ value": NUMBER | {"oo"},
-    "solve_map theta_i": NUMBER | {"-10**60", "1e51", "array_0"},
-    "solve_map x_i": {"1e51"},
+    "solve_map theta_i": NUMBER | {"mpf_tiny"},
+    "solve_map x_i": NUMBER | {"mpf_tiny"},
     **_each(
         "GrazingWindow.contact theta, grazing_windows Omega, simulate_many t_end", NUMBER | ROWS
     ),
@@ -154,9 +211,9 @@ VALID: dict[str, set[str]] = {
     "certify progress": {*FLAG, "lambda", "Trajectory"},
     **_each("max_events, max_points, workers", LARGE),
     "crosscheck workers": LARGE | {"None"},
-    **_each("n, alpha, periods", {"3"}),
-    **_each("seed, sections, step", {"0", "3"}),
-    "i": {"0", "-1", "3"},
+    **_each("n, alpha, periods", {"3", "array_0_whole"}),
+    **_each("seed, sections, step", {"0", "3", "array_0_whole"}),
+    "i": {"0", "-1", "3", "array_0_whole"},
     "continue_border end": {"0"},
     "EventTable.__getitem__ trajectory": {"0", "-1"},
     "Summary.__getitem__ motion": {"0", "-1", "[]", "()", "array_bool"},
@@ -191,10 +248,16 @@ CALLED = {
     "given": ("a",),
     "high": ("Omega",),
     "low": ("Omega",),
+    "m": ("v2",),
+    "phase": ("angle",),
+    "Y_phase": ("angle",),
+    "W": ("phase",),
+    "W_phase": ("angle",),
     "parameters": ("a", "range"),
     "scene": ("t0",),
     "second": ("k",),
     "start": ("x_i", "theta_i"),
+    "t_end": ("skip",),
     "t": ("column", "file", "function", "lengths", "list", "ndarray", "path", "solution"),
     "t0": ("t_end",),
     "subject": ("t_end",),

@@ -162,9 +162,10 @@ def slow_summary(
     columns |= {"t": last, "mode": trajectory.segments[-1].mode, "word_known": bool(words)}
     columns["x"], columns["v"] = trajectory(last)
     extent = np.array([columns[f"{name}_max"] - columns[f"{name}_min"] for name in "xv"])
-    return columns | {
-        "multiplicity": _multiplicity(words, values[len(values) - len(words) :], extent)
-    }
+    multiplicity = _multiplicity(words, values[len(values) - len(words) :], extent)
+    if p.B0 == 0 and trajectory.status == "equilibrium":
+        multiplicity = 1  # rest has every period, whatever Omega is
+    return columns | {"multiplicity": multiplicity}
 
 
 def _words(

@@ -30,6 +30,7 @@ from symosc.derive.steps import (
     sign,
     step,
 )
+from symosc.mappings.numbers import latex_text
 from symosc.model import NEIGHBOURS, PARAMETER_NAMES, Parameters
 from symosc.orbits.find import find_orbit
 from symosc.scenes import load_scene
@@ -144,7 +145,9 @@ def items(scope: Scope) -> Items:
         yield _orbit_section(Scope(load_scene("fig9")), "P32", "The paper's Fig.~9")
         yield _orbit_section(Scope(load_scene("fig10")), "P4645", "The paper's Fig.~10")
     elif scope.scene.structure:
-        yield _orbit_section(scope, scope.scene.structure, rf"Scene \texttt{{{scope.scene.name}}}")
+        yield _orbit_section(
+            scope, scope.scene.structure, rf"Scene \texttt{{{latex_text(scope.scene.name)}}}"
+        )
     else:
         yield r"This scene has no mapping structure of a periodic motion."
 

@@ -35,8 +35,14 @@ HOST = "127.0.0.1"
 PORT = 8519
 #: A scene file has about 500 bytes.
 MOST_BYTES = 100_000
-#: The page loads nothing from elsewhere.
-POLICY = "default-src 'self' 'unsafe-inline'; img-src 'self' data: blob:"
+#: The page loads nothing from elsewhere, and is no part of another page.
+POLICY = "default-src 'self' 'unsafe-inline'; img-src 'self' data: blob:; frame-ancestors 'none'"
+#: What every answer says, errors too: a page of another site may neither frame it nor guess its type.
+GUARDS = {
+    "Content-Security-Policy": POLICY,
+    "X-Frame-Options": "DENY",
+    "X-Content-Type-Options": "nosniff",
+}
 
 
 class ExplorerServer(ThreadingHTTPServer):
@@ -114,6 +120,12 @@ class _Handler(BaseHTTPRequestHandler):
         else:
             self.send_error(HTTPStatus.NOT_FOUND)
 
+    def end_headers(self) -> None:
+        """End the headers of an answer, also of an error, with those that guard it."""
+        for name, value in GUARDS.items():
+            self.send_header(name, value)
+        super().end_headers()
+
     def log_message(self, format: str, *args: Any) -> None:
         """Do not log requests."""
 
@@ -139,7 +151,6 @@ class _Handler(BaseHTTPRequestHandler):
             "Content-Length": str(len(content)),
             "Cache-Control": keep,
         }
-        about |= {"Content-Security-Policy": POLICY, "X-Content-Type-Options": "nosniff"}
         for name, value in (about | headers).items():
             self.send_header(name.replace("_", "-"), value)
         self.end_headers()

@@ -1,0 +1,1 @@
+"""The parts of a fit: measured data, residuals, the search for a minimum, errors, and a verdict."""

@@ -1,0 +1,248 @@
+"""The verdict on a fit: whether the motion describes the data, and which data are outliers."""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+
+from symosc.crosschecks.samples import Digits
+from symosc.fitting.measured import Measured
+from symosc.fitting.problem import Evaluation, Problem, spacing
+from symosc.fitting.spread import column_rows, informative
+from symosc.simulation.tables import counted
+
+#: How often data that are described may be said not to be, by each of the tests here.
+LEVEL = 1e-4
+#: With unknown sigma an outlier is off by more than so many standard deviations, which are
+#: estimated from the median of n residuals, minus numbers: 6 + 70 / n. Normal errors are beyond that
+#: once in 10,000 fits (`test_random_errors_are_no_misfit`).
+OUTLYING = (6.0, 70.0)
+#: Of fewer data than this no outliers are told without sigma: a median of few may be far too small.
+FEW = 8
+#: More than this part of the data are no outliers: the motion does not describe them.
+MOST_OUTLIERS = 0.1
+#: With unknown sigma events that are off by this part of the time between them are not recognised:
+#: the events of another motion may come as near.
+UNRECOGNISED = 0.01
+#: Residuals of this part of the data's size are those of the arithmetic.
+EXACT = 1e-10
+#: How many of the worst residuals a message names.
+NAMED = 3
+#: No datum that is off by rounding alone is off by more units in its last place: half a unit, and
+#: what the other ones do to the fit.
+MOST_UNITS = 2.0
+#: Data that are off by rounding alone are described if that makes errors of so many sigma.
+ROUNDED = 1.1
+#: The standard deviation of normal errors over the median of their sizes.
+MEDIAN_SCALE = 1.4826
+
+
+class Outlier(NamedTuple):
+    """A measured number that the fitted motion does not describe, although it does the others.
+
+    Attributes
+    ----------
+    row : int
+        The row in the data, from 0.
+    what : str
+        The kind of the event, or "x" or "v".
+    t : float
+        The measured time.
+    residual : float
+        Motion minus data, in standard deviations; these are estimated if they were not given.
+
+    Examples
+    --------
+    >>> from symosc import fit, simulate
+    >>> data = [(event.t, event.kind) for event in simulate("fig5", t_end=20).events]
+    >>> data[4] = (data[4][0] + 0.1, data[4][1])
+    >>> found = fit("fig5", data, "mu1", sigma=1e-3, robust=True)
+    >>> [(outlier.row, outlier.what, round(outlier.residual)) for outlier in found.outliers]
+    [(4, 'stick', -100)]
+    """
+
+    row: int
+    what: str
+    t: float
+    residual: float
+
+    def __str__(self) -> str:
+        return f"{self.what} at t = {self.t:.6g} (row {self.row}) by {abs(self.residual):.3g} sigma"
+
+
+class Verdict(NamedTuple):
+    """Whether a motion describes data, why not, which rows are no outliers, and the scales of all.
+
+    `scales` are the standard deviations of the residuals: 1 if sigma is known.
+    """
+
+    is_described: bool
+    text: str
+    kept: np.ndarray
+    scales: np.ndarray
+
+
+def judge(
+    problem: Problem, at: Evaluation, digits: dict[str, Digits], places: np.ndarray
+) -> Verdict:
+    """Return the verdict on residuals, where few outliers are allowed.
+
+    `digits` is the rounding of the data, `places` a unit in the last place for each residual.
+    """
+    if problem.measured.weighted:
+        return _with_sigma(problem, at, digits, places)
+    return _without_sigma(problem, at, places)
+
+
+def strict(verdict: Verdict) -> Verdict:
+    """Return the verdict if no outliers are allowed."""
+    count = int(np.sum(~verdict.kept))
+    if not count or not verdict.is_described:
+        return verdict
+    return verdict._replace(is_described=False, text=f"{counted(count, 'outlier')}")
+
+
+def outliers_of(measured: Measured, residuals: np.ndarray, verdict: Verdict) -> tuple[Outlier, ...]:
+    """Return the outliers of a verdict, the worst first."""
+    off = residuals / verdict.scales
+    rows = np.flatnonzero(~verdict.kept)
+    return tuple(_outlier(measured, off, row) for row in _worst_first(rows, off))
+
+
+def worst(measured: Measured, residuals: np.ndarray, verdict: Verdict) -> str:
+    """Return a text on the largest residuals."""
+    off = residuals / verdict.scales
+    rows = _worst_first(np.arange(len(off)), off)[:NAMED]
+    return ", ".join(str(_outlier(measured, off, row)) for row in rows)
+
+
+def _worst_first(rows: np.ndarray, off: np.ndarray) -> list[int]:
+    """Return rows in the order of their residuals, the largest first."""
+    sizes = np.abs(off[rows])
+    return [int(row) for row in rows[np.lexsort((rows, -sizes.round(6)))]]
+
+
+def _outlier(measured: Measured, off: np.ndarray, row: int) -> Outlier:
+    """Return a residual as an `Outlier`."""
+    column, number = divmod(row, len(measured.t))
+    what = measured.columns[column] if measured.kinds is None else str(measured.kinds[number])
+    return Outlier(number, what, float(measured.t[number]), float(off[row]))
+
+
+def _with_sigma(
+    problem: Problem, at: Evaluation, digits: dict[str, Digits], places: np.ndarray
+) -> Verdict:
+    """Return the verdict by the sum of squares, whose distribution is known."""
+    from scipy.stats import chi2, norm
+
+    off = at.residuals
+    count = len(off)
+    free = len(problem.names)
+    scales = np.ones(count)
+    kept = np.abs(off) <= norm.isf(LEVEL / (2 * count))
+    are_rounded = _are_rounded(off, places)
+    if are_rounded and np.max(places) / np.sqrt(12.0) <= ROUNDED:
+        return Verdict(True, "", np.ones(count, dtype=bool), scales)
+    inner = float(off[kept] @ off[kept])
+    is_likely = inner <= chi2.isf(LEVEL, max(int(kept.sum()) - free, 1))
+    if is_likely and _are_few(kept) and kept.sum() > min(free, count - 1):
+        return Verdict(True, "", kept, scales)
+    text = f"chi² is {float(off @ off):.4g}, and {max(count - free, 1)} was to be expected"
+    if are_rounded:
+        names = ", ".join(f"{name} to {found.text}" for name, found in digits.items())
+        text += f"; sigma is smaller than the errors of rounding ({names})"
+    return Verdict(False, text, kept, scales)
+
+
+def _are_rounded(off: np.ndarray, places: np.ndarray) -> bool:
+    """Return whether residuals are those of rounding alone.
+
+    Each rounding error is at most half a unit, and a fit makes the sum of the squares smaller.
+    """
+    least_squares = float(off @ off) <= float(places @ places) / 4.0
+    return least_squares and bool(np.all(np.abs(off) <= MOST_UNITS * places))
+
+
+def _are_few(kept: np.ndarray) -> bool:
+    """Return whether so few data are not `kept` that they may be outliers."""
+    return len(kept) - int(kept.sum()) <= max(1, int(MOST_OUTLIERS * len(kept)))
+
+
+def _without_sigma(problem: Problem, at: Evaluation, places: np.ndarray) -> Verdict:
+    """Return the verdict by the structure of the residuals, whose size is unknown."""
+    off = at.residuals
+    count = len(off)
+    free = len(problem.names)
+    everything = np.ones(count, dtype=bool)
+    telling = informative(at.slopes, np.ones(free))
+    scales = _estimated_scales(problem, off, telling, places)
+    size = float(np.sqrt(np.mean((off / problem.sizes) ** 2)))
+    if size <= EXACT or _are_rounded(off, places):
+        return Verdict(True, "", everything, scales)
+    if count <= free:
+        text = "there are no more data than numbers, and yet it does not pass through them"
+        return Verdict(size <= np.sqrt(EXACT), text, everything, scales)
+    kept = np.abs(off) <= (OUTLYING[0] + OUTLYING[1] / (count - free)) * scales
+    if not _are_few(kept):
+        text = "the residuals of many data are far larger than those of half of them"
+        return Verdict(False, text, kept, scales)
+    part = 0.0
+    if problem.measured.states is None:
+        part = float(np.sqrt(np.mean(off[kept] ** 2))) / _time_between(at)
+    if part > UNRECOGNISED:
+        text = f"events are off by {part:.1%} of the time between events of a kind, and no sigma says so"
+        return Verdict(False, text, kept, scales)
+    text = _structure(problem, off, kept & telling)
+    return Verdict(not text, text, kept, scales)
+
+
+def _time_between(at: Evaluation) -> float:
+    """Return the usual time between events of one kind of a motion."""
+    events = at.trajectory.events
+    if not events:
+        return float(at.trajectory.t_end - at.trajectory.t_start)
+    kinds = np.array([event.kind for event in events], dtype=object)
+    return spacing(np.array([float(event.t) for event in events]), kinds)
+
+
+def _estimated_scales(
+    problem: Problem, off: np.ndarray, telling: np.ndarray, places: np.ndarray
+) -> np.ndarray:
+    """Return the standard deviation of each residual, by the median of its column.
+
+    Rows that are not `telling` do not count if others are: in a stick v is known without error.
+    """
+    growth = np.sqrt(len(off) / max(len(off) - len(problem.names), 1))
+    scales = np.ones(len(off))
+    for rows in column_rows(problem):
+        sizes = np.abs(off[rows])
+        sizes = sizes[telling[rows]] if telling[rows].any() else sizes
+        if len(sizes) < FEW:
+            scale = float(np.sqrt(np.mean(sizes**2)))
+        else:
+            scale = MEDIAN_SCALE * float(np.median(sizes))
+        rounding = float(np.max(places[rows])) / np.sqrt(12.0)
+        scales[rows] = max(growth * scale, rounding, EXACT * float(np.max(problem.sizes[rows])))
+    return scales
+
+
+def _structure(problem: Problem, off: np.ndarray, kept: np.ndarray) -> str:
+    """Return a text on residuals that are like their neighbours in time; "" if they are not."""
+    from scipy.stats import norm
+
+    order = np.argsort(problem.measured.t, kind="stable")
+    for name, rows in zip(problem.measured.columns, column_rows(problem), strict=True):
+        series = off[rows][order][kept[rows][order]]
+        if len(series) < 3 or not np.any(series):
+            continue
+        # Of independent errors the ratio of von Neumann is 2 ± 2 / sqrt(n).
+        ratio = float(np.sum(np.diff(series) ** 2) / np.sum(series**2))
+        error = 2.0 / np.sqrt(len(series))
+        if ratio < 2.0 + norm.ppf(LEVEL) * error:
+            alike = 1.0 - ratio / 2.0
+            return (
+                f"neighbouring residuals of {name} are alike: their correlation is {alike:.2f}, "
+                f"that of independent errors 0 ± {error / 2.0:.2f}"
+            )
+    return ""

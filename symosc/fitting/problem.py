@@ -1,0 +1,180 @@
+"""The residuals of a fit: how far the motion with given numbers is from what was measured."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field, replace
+from functools import cached_property
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from symosc.engine.start import Start
+from symosc.errors import ParameterError
+from symosc.fitting.measured import Measured
+from symosc.model import PARAMETER_NAMES, Parameters
+from symosc.quantities import least
+from symosc.scenes import STARTS
+from symosc.sensitivities import Sensitivities, sensitivities
+from symosc.simulation.simulate import simulate
+from symosc.simulation.trajectory import Trajectory
+
+#: Residuals of numbers that no motion has, such as v1 > v2, in sizes of the data (`Problem.sizes`).
+IMPOSSIBLE = 1e3
+#: The motion goes on after the last measured event for this part of its length: an event may come
+#: late.
+BEYOND = 0.05
+
+
+class Evaluation(NamedTuple):
+    """Residuals of a motion, their derivatives by the free numbers, and the motion."""
+
+    residuals: np.ndarray
+    slopes: np.ndarray
+    trajectory: Trajectory
+
+
+@dataclass
+class Effort:
+    """How many motions a fit has simulated."""
+
+    motions: int = 0
+
+
+@dataclass
+class Problem:
+    """What is fitted to what: the motion `scene` with the numbers `names` to `measured`.
+
+    `sigmas` are the standard deviations of the columns. Parts of a problem share its `effort`.
+    """
+
+    scene: Start
+    names: tuple[str, ...]
+    measured: Measured
+    sigmas: np.ndarray
+    end: float
+    effort: Effort = field(default_factory=Effort)
+    _last: tuple[tuple[float, ...], Evaluation] | None = field(default=None, repr=False)
+
+    @cached_property
+    def low(self) -> np.ndarray:
+        """The least value of each number."""
+        bounds = [least(name) if name in PARAMETER_NAMES else None for name in self.names]
+        return np.array([-np.inf if bound is None else float(bound) for bound in bounds])
+
+    @cached_property
+    def weights(self) -> np.ndarray:
+        """The standard deviation of each residual."""
+        return np.repeat(self.sigmas[: len(self.measured.columns)], len(self.measured.t))
+
+    @cached_property
+    def sizes(self) -> np.ndarray:
+        """How large a residual may be, in sigmas: the time between events, or the size of x, v."""
+        measured = self.measured
+        if measured.states is not None:
+            sizes = np.repeat(np.std(measured.states, axis=1), len(measured.t))
+        else:
+            sizes = np.full(len(measured.t), spacing(measured.t, measured.kinds))
+        return np.maximum(sizes, 1e-9) / self.weights
+
+    def until(self, time: float) -> Problem:
+        """Return the problem of the data up to a time."""
+        measured = self.measured
+        rows = measured.t <= time
+        kinds = None if measured.kinds is None else measured.kinds[rows]
+        states = None if measured.states is None else measured.states[:, rows]
+        early = replace(measured, t=measured.t[rows], kinds=kinds, states=states)
+        after = 0.0 if kinds is None else 2.0 * spacing(measured.t, measured.kinds)
+        return replace(self, measured=early, end=min(self.end, time + after), _last=None)
+
+    def thinned(self, most: int) -> Problem:
+        """Return the problem with at most about `most` samples."""
+        return replace(self, measured=self.measured.thinned(most), _last=None)
+
+    def distances(self, values: np.ndarray) -> np.ndarray:
+        """Return the residuals with these values; infinite ones if no motion has them."""
+        self.effort.motions += 1
+        try:
+            p, start = self._motion(values)
+            motion = simulate(p, **start)
+        except ParameterError:
+            return np.full(len(self.weights), np.inf)
+        return self._compare(motion, None)[0]
+
+    def evaluate(self, values: np.ndarray) -> Evaluation:
+        """Return residuals, derivatives and motion; ParameterError for values of no motion."""
+        key = tuple(values.tolist())
+        if self._last is None or self._last[0] != key:
+            self.effort.motions += 1
+            p, start = self._motion(values)
+            moved = sensitivities(p, self.names, **start)
+            residuals, slopes = self._compare(moved.trajectory, moved)
+            self._last = key, Evaluation(residuals, slopes, moved.trajectory)
+        return self._last[1]
+
+    def _motion(self, values: np.ndarray) -> tuple[Parameters, dict[str, Any]]:
+        """Return the parameters and the start with these values, as `simulate` takes them."""
+        new = dict(zip(self.names, map(repr, values.tolist()), strict=True))
+        changes = {name: new[name] for name in self.names if name in PARAMETER_NAMES}
+        start = {name: new.get(name, getattr(self.scene, name)) for name in STARTS}
+        return self.scene.parameters.replace(**changes), {**start, "t_end": self.end}
+
+    def _compare(
+        self, motion: Trajectory, moved: Sensitivities | None
+    ) -> tuple[np.ndarray, np.ndarray]:
+        """Return (motion - data) / sigma, and derivatives if `moved` has those of the motion."""
+        if self.measured.states is None:
+            off, slopes = self._compare_events(motion, None if moved is None else moved.dt)
+        else:
+            off, slopes = self._compare_states(motion, moved)
+        return off / self.weights, slopes / self.weights[:, None]
+
+    def _compare_states(
+        self, motion: Trajectory, moved: Sensitivities | None
+    ) -> tuple[np.ndarray, np.ndarray]:
+        """Return the motion minus the samples, and derivatives."""
+        states = self.measured.states
+        assert states is not None
+        times = np.clip(self.measured.t, float(motion.t_start), float(motion.t_end))
+        rows = len(states)
+        off = (np.asarray(motion(times), dtype=float)[:rows] - states).ravel()
+        slopes = np.zeros((len(off), len(self.names)))
+        if moved is not None:
+            slopes = moved(times)[:rows].reshape(slopes.shape)
+        return off, slopes
+
+    def _compare_events(
+        self, motion: Trajectory, changes: np.ndarray | None
+    ) -> tuple[np.ndarray, np.ndarray]:
+        """Return times of events minus measured times, each of the nearest event of its kind.
+
+        A measured event of a kind that the motion lacks is compared with the end.
+        """
+        measured = self.measured
+        times = np.array([float(event.t) for event in motion.events])
+        kinds = np.array([event.kind for event in motion.events], dtype=object)
+        off = self.end - measured.t
+        slopes = np.zeros((len(off), len(self.names)))
+        for kind in dict.fromkeys(measured.kinds.tolist() if measured.kinds is not None else ()):
+            rows = np.flatnonzero(measured.kinds == kind)
+            events = np.flatnonzero(kinds == kind)
+            if not len(events):
+                continue
+            after = np.clip(np.searchsorted(times[events], measured.t[rows]), 1, len(events) - 1)
+            after = np.minimum(after, len(events) - 1)
+            before = np.maximum(after - 1, 0)
+            gaps = times[events[[before, after]]] - measured.t[rows]
+            nearest = events[np.where(abs(gaps[0]) <= abs(gaps[1]), before, after)]
+            off[rows] = times[nearest] - measured.t[rows]
+            if changes is not None:
+                slopes[rows] = changes[nearest]
+        return off, slopes
+
+
+def spacing(times: np.ndarray, kinds: np.ndarray | None) -> float:
+    """Return the median time between events of one kind, or without two of a kind between all."""
+    groups = [times] if kinds is None else [times[kinds == kind] for kind in sorted(set(kinds))]
+    gaps = np.concatenate([np.diff(np.sort(group)) for group in groups])
+    gaps = gaps[gaps > 0.0]
+    if not len(gaps):
+        gaps = np.diff(np.unique(times))
+    return float(np.median(gaps)) if len(gaps) else 1.0

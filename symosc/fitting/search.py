@@ -1,0 +1,118 @@
+"""The search for the best numbers: from one start, and if that does not do, from many.
+
+Nothing is random: the starts are the points of a Halton sequence, and candidates are ordered by
+their costs, rounded, and then by their numbers, so that no last bit decides.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from math import ceil
+
+import numpy as np
+
+from symosc.errors import ParameterError
+from symosc.fitting.problem import IMPOSSIBLE, Problem
+
+#: A number is looked for between its first value divided by this and times this: 30 % above a first
+#: value that is 30 % too small is 1.43 times that value.
+REACH = 1.5
+#: How many starts, by the number of free numbers (`test_a_family_of_fits`).
+STARTS_TRIED = (40, 90, 150, 200)
+#: Which first parts of the data choose starts: a short motion has fewer minima than a long one.
+PARTS = (1.0, 0.5, 0.25, 0.12)
+#: How many of the best starts are followed for each part.
+FOLLOWED = 3
+#: In the search a residual of this part of `Problem.sizes` is large: larger ones hardly count more.
+LARGE = 0.05
+#: In the search so many samples are enough.
+MOST_SAMPLES = 300
+#: The loss ln(1 + (r / c)^2) with this c, in standard deviations, needs 5 % more data than least
+#: squares where errors are normal.
+CAUCHY = 2.385
+
+
+#: A number below this says nothing of its own size.
+NO_SIZE = 1e-9
+#: A gradient below this is none: residuals that are in no units of sigma may have small ones.
+NO_GRADIENT = float(np.finfo(float).eps)
+
+
+def minimum(
+    problem: Problem, first: np.ndarray, scale: np.ndarray | float = 1.0, loss: str = "linear",
+    most: int = 200, precise: bool = True,
+) -> tuple[np.ndarray, str]:  # fmt: skip
+    """Return the numbers at the minimum next to `first`, and why it was not reached; "" if it was.
+
+    Residuals are divided by `scale`; the loss is one of `scipy.optimize.least_squares`. Raises
+    ParameterError if no motion has the first numbers.
+    """
+    from scipy.optimize import least_squares
+
+    begin = np.clip(first, problem.low * (1 + 1e-9), np.inf)
+    problem.evaluate(begin)
+
+    def residuals(values: np.ndarray) -> np.ndarray:
+        try:
+            return problem.evaluate(values).residuals / scale
+        except ParameterError:
+            return IMPOSSIBLE * problem.sizes / scale
+
+    def slopes(values: np.ndarray) -> np.ndarray:
+        weights = np.broadcast_to(scale, problem.weights.shape)
+        return problem.evaluate(values).slopes / weights[:, None]
+
+    found = least_squares(
+        residuals,
+        begin,
+        jac=slopes,
+        bounds=(problem.low, np.inf),
+        x_scale=np.where(np.abs(begin) > NO_SIZE, np.abs(begin), 1.0),
+        loss=loss,
+        max_nfev=most,
+        gtol=NO_GRADIENT,
+        ftol=1e-10 if precise else 1e-3,
+        xtol=1e-12 if precise else 1e-4,
+    )
+    return found.x, "" if found.success else str(found.message)
+
+
+def starts(first: np.ndarray) -> np.ndarray:
+    """Return first values for a search around `first`, which is the first of them."""
+    from scipy.stats import qmc
+
+    count = STARTS_TRIED[min(len(first), len(STARTS_TRIED)) - 1]
+    points = qmc.Halton(len(first), scramble=False).random(count + 1)[1:]
+    ratios = REACH ** (2.0 * points - 1.0)
+    spread = np.where(first == 0.0, np.log(ratios), first * ratios)
+    return np.concatenate([[first], spread])
+
+
+def candidates(problem: Problem, first: np.ndarray) -> Iterator[np.ndarray]:
+    """Yield numbers near minima, the most promising ones first."""
+    rough = problem.thinned(MOST_SAMPLES)
+    large = LARGE * rough.sizes
+    tried = starts(first)
+    costs = np.log1p((np.array([rough.distances(values) for values in tried]) / large) ** 2)
+    times = np.sort(rough.measured.t)
+    least = 3 * len(first) + 3
+    done = set()
+    for part in PARTS:
+        count = min(len(times), max(least, ceil(part * len(times))))
+        cost = costs[:, rough.measured.times <= times[count - 1]].mean(axis=1)
+        order = np.lexsort((np.arange(len(tried)), np.round(cost, 6)))
+        for number in order[:FOLLOWED].tolist():
+            if (number, count) not in done and np.isfinite(cost[number]):
+                done.add((number, count))
+                yield _followed(rough, tried[number], count)
+
+
+def _followed(rough: Problem, values: np.ndarray, count: int) -> np.ndarray:
+    """Return numbers fitted to the first `count` times, then to twice as many, up to all."""
+    times = np.sort(rough.measured.t)
+    while True:
+        part = rough if count == len(times) else rough.until(float(times[count - 1]))
+        values = minimum(part, values, LARGE * part.sizes, "cauchy", 20, precise=False)[0]
+        if count == len(times):
+            return values
+        count = min(len(times), 2 * count)

@@ -1,0 +1,180 @@
+"""Standard errors of fitted numbers: from the errors of the data, and from their rounding.
+
+Rounding errors repeat where a motion repeats: all samples of a stick may share one, and so may the
+samples of a settled motion one period apart. So the fitted motion and its neighbours are rounded as
+the data were, and the fits to them spread as the errors say (`test_errors_of_samples`).
+"""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+
+from symosc.crosschecks.samples import Digits, find_digits
+from symosc.fitting.measured import Measured
+from symosc.fitting.problem import Evaluation, Problem
+from symosc.simulation.simulate import ACCURACY
+
+#: A combination of numbers whose change by its own size changes the residuals by less than this is
+#: not determined.
+UNDETERMINED = 1e-8
+#: A row whose derivatives are smaller than this part of the largest ones tells nothing.
+TELLS_NOTHING = 1e-12
+#: So many neighbours of the fitted motion are rounded, whose samples move by about so many units.
+NEIGHBOURS = 256
+NEIGHBOURHOOD = 2.0
+#: Where noise is added before rounding, less than this part of the errors that repeat is neglected.
+NO_REPEATS = 1e-3
+
+
+class Spread(NamedTuple):
+    """Standard errors, covariance, and two texts on what is undetermined: names, combinations."""
+
+    errors: np.ndarray
+    covariance: np.ndarray
+    unknown: str
+    undetermined: str
+
+
+def rounding(measured: Measured, speeds: list[float]) -> dict[str, Digits]:
+    """Return the rounding of the measured columns that have fewer digits than doubles."""
+    if measured.states is None:
+        digits = {"t": find_digits(measured.t)}
+    else:
+        natural = {"x": measured.states[0, :1].tolist(), "v": speeds}
+        columns = zip(measured.columns, measured.states, strict=True)
+        digits = {name: find_digits(column, natural[name]) for name, column in columns}
+    return {name: found for name, found in digits.items() if found is not None}
+
+
+def units(problem: Problem, digits: dict[str, Digits]) -> np.ndarray:
+    """Return for each residual a unit in the last place of its datum, 0 if that is a double."""
+    measured = problem.measured
+    none = np.zeros(len(measured.t))
+    columns = [digits[name].units if name in digits else none for name in measured.columns]
+    return np.concatenate(columns) / problem.weights
+
+
+def informative(slopes: np.ndarray, steps: np.ndarray) -> np.ndarray:
+    """Return which rows of the derivatives tell something of the numbers."""
+    sizes = np.max(np.abs(slopes * steps), axis=1, initial=0.0)
+    return np.asarray(sizes > TELLS_NOTHING * np.max(sizes, initial=0.0))
+
+
+def column_rows(problem: Problem) -> list[slice]:
+    """Return the rows of residuals that belong to each measured column."""
+    count = len(problem.measured.t)
+    return [slice(i * count, (i + 1) * count) for i in range(len(problem.measured.columns))]
+
+
+def spread_of(
+    problem: Problem, at: Evaluation, steps: np.ndarray, kept: np.ndarray, places: np.ndarray,
+    losses: float,
+) -> Spread:  # fmt: skip
+    """Return how far off the fitted numbers may be.
+
+    `kept` marks the rows that are no outliers, `places` are the `units` of all, `losses` is by how
+    much the loss makes the variance larger than least squares would. Numbers count in `steps`.
+    """
+    names = problem.names
+    slopes = at.slopes * steps * kept[:, None]
+    _, sizes, rows = np.linalg.svd(slopes, full_matrices=len(slopes) < len(names))
+    sizes = np.append(sizes, np.zeros(len(names) - len(sizes)))
+    free = sizes <= UNDETERMINED * max(float(sizes.max(initial=0.0)), 1e-300)
+    inverse = np.where(free, 0.0, 1.0 / np.where(free, 1.0, sizes))
+    root = rows.T * inverse
+    variances, widening = _variances(problem, at, slopes, root, kept)
+    weighted = problem.measured.weighted
+    given = np.ones(len(slopes)) if weighted else variances
+    repeating = _repeating(places, variances)
+    effects = given - repeating * places**2 / 12.0
+    spreads = (slopes @ root) * np.sqrt(np.maximum(effects, 0.0))[:, None]
+    inner = spreads.T @ spreads
+    if repeating.any():
+        inner += _rounded_spread(problem, at, slopes, root, places, repeating)
+    covariance = root @ inner @ root.T * losses * widening * np.outer(steps, steps)
+    unknown, undetermined = _undetermined(names, rows[free])
+    marked = [name in unknown for name in names]
+    errors = np.where(marked, np.inf, np.sqrt(np.diag(covariance)))
+    return Spread(errors, covariance, ", ".join(unknown), undetermined)
+
+
+def _variances(
+    problem: Problem, at: Evaluation, slopes: np.ndarray, root: np.ndarray, kept: np.ndarray
+) -> tuple[np.ndarray, float]:
+    """Return the variance of each residual as its column shows it, and how uncertain that is.
+
+    The second is the factor that makes one standard error as likely as with a known variance.
+    """
+    from scipy.stats import norm, t
+
+    telling = informative(slopes, np.ones(slopes.shape[1])) & kept
+    variances = np.ones(len(slopes))
+    freedom = 0.0
+    floors = ACCURACY * np.maximum(1.0, np.abs(_data(problem))) / problem.weights
+    hat = np.sum((slopes @ root) ** 2, axis=1)
+    for rows in column_rows(problem):
+        chosen = telling[rows] if telling[rows].any() else kept[rows]
+        left = float(chosen.sum() - hat[rows][chosen].sum())
+        off = at.residuals[rows][chosen]
+        variances[rows] = max(float(off @ off) / max(left, 1.0), float(floors[rows].max()) ** 2)
+        freedom += left if telling[rows].any() else 0.0
+    if problem.measured.weighted:
+        return variances, 1.0
+    one_sigma = norm.cdf(1.0)
+    return variances, float(t.ppf(one_sigma, max(freedom, 1.0)) ** 2)
+
+
+def _data(problem: Problem) -> np.ndarray:
+    """Return the measured numbers in the order of the residuals."""
+    measured = problem.measured
+    return measured.t if measured.states is None else measured.states.ravel()
+
+
+def _repeating(places: np.ndarray, variances: np.ndarray) -> np.ndarray:
+    """Return which part of the variance of rounding is that of errors that repeat with the motion.
+
+    Noise before the rounding makes the rounding errors independent: the covariance of those of two
+    equal values, u^2/12, falls by exp(-(2 pi s / u)^2) with noise of standard deviation s.
+    """
+    squares = np.where(places > 0.0, places, 1.0) ** 2
+    noise = np.maximum(variances - squares / 12.0, 0.0)
+    part = np.exp(-np.minimum((2.0 * np.pi) ** 2 * noise / squares, 700.0))
+    return np.where((places > 0.0) & (part > NO_REPEATS), part, 0.0)
+
+
+def _rounded_spread(
+    problem: Problem, at: Evaluation, slopes: np.ndarray, root: np.ndarray, places: np.ndarray,
+    repeating: np.ndarray,
+) -> np.ndarray:  # fmt: skip
+    """Return the covariance of fits, in the axes of `root`, to rounded neighbours of a motion."""
+    from scipy.special import ndtri
+    from scipy.stats import qmc
+
+    exact = at.residuals + _data(problem) / problem.weights
+    rows = repeating > 0.0
+    unit = places[rows]
+    axes = slopes @ root
+    moves = axes * np.median(unit) * NEIGHBOURHOOD * np.sqrt(len(slopes))
+    points = ndtri(qmc.Halton(slopes.shape[1], scramble=False).random(NEIGHBOURS + 1)[1:])
+    found = np.zeros((slopes.shape[1], slopes.shape[1]))
+    for point in points:
+        moved = (exact + moves @ point)[rows] / unit
+        errors = (np.rint(moved) - moved) * unit * np.sqrt(repeating[rows])
+        effect = axes[rows].T @ errors
+        found += np.outer(effect, effect) / NEIGHBOURS
+    return found
+
+
+def _undetermined(names: tuple[str, ...], rows: np.ndarray) -> tuple[list[str], str]:
+    """Return which of the `names` data do not determine, and a text on combinations in `rows`."""
+    combined = []
+    for row in rows.tolist():
+        pairs = zip(names, row, strict=True)
+        combined.append({name: part for name, part in pairs if abs(part) > 1e-6})
+    unknown = [name for name in names if any(name in parts for parts in combined)]
+    texts = []
+    for parts in combined:
+        texts.append(" ".join(f"{part:+.3g} {name}" for name, part in parts.items()))
+    return unknown, "; ".join(texts)

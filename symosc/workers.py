@@ -1,0 +1,34 @@
+"""Processes that work side by side."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from concurrent.futures import Executor, ProcessPoolExecutor
+from concurrent.futures.process import BrokenProcessPool
+from contextlib import contextmanager
+from multiprocessing import get_context
+
+from symosc.errors import SymoscError
+
+LOST = (
+    "a worker process ended before its work was done: it was killed, or there was not enough "
+    "memory; fewer workers need less"
+)
+
+
+@contextmanager
+def process_pool(count: int, start: str | None = None) -> Iterator[Executor]:
+    """Yield a pool of `count` processes, started as `start` says ("spawn" or "fork"; None: as usual).
+
+    Raises
+    ------
+    SymoscError
+        If a process ends before its work is done.
+    """
+    pool = ProcessPoolExecutor(count, get_context(start))
+    try:
+        yield pool
+    except BrokenProcessPool:
+        raise SymoscError(LOST) from None
+    finally:
+        pool.shutdown(cancel_futures=True)
