@@ -14,7 +14,7 @@ from scipy.integrate import solve_ivp
 from scipy.io import savemat
 from scipy.optimize import brentq
 
-from symosc import CrossCheck, Parameters, load_scene, simulate
+from symosc import CrossCheck, Parameters, Scene, load_scene, simulate
 from symosc.crosschecks import compare, events
 from symosc.crosschecks.steps import StepEvents
 
@@ -119,6 +119,23 @@ def test_positions_at_any_spacing(name: str) -> None:
         assert check.ok, (spacing, check.summary())
         x = exact(times)[0] + 1e-3 * (times > 0.6 * t_end)
         assert not crosscheck(name, times, x).ok
+
+
+@pytest.mark.parametrize("before", [1e-8, 1e-7, 1e-6, 1e-5])
+def test_a_position_just_before_the_first_stick(before: float) -> None:
+    """The positions of the step to the next sample are those of a stick, but v is not yet the belt's."""
+    p = Parameters(
+        m="1.251", c=0, k="2.08", A0="0.078", B0="5.984", Omega="2.054", v1="-0.091", v2=100,
+        mu1="0.415", mu2="0.237", FN="16.635",
+    )  # fmt: skip
+    scene = Scene("early-stick", p, t0="3.87", x0="1.597", v0="-0.032", t_end=7)
+    exact = simulate(scene)
+    first = exact.events[0]
+    assert (first.kind, round(float(first.t), 6)) == ("stick", 3.880794)
+    t = np.append(3.87, np.arange(float(first.t) - before, 7.0, 0.0125))
+    check = crosscheck(scene, t, exact(t)[0], partial=True)
+    assert check.ok, check.summary()
+    assert len(check.t) == len(t)
 
 
 @pytest.mark.parametrize("method", ["DOP853", "LSODA", "RK23"])
