@@ -15,7 +15,7 @@ from scipy.io import savemat
 from scipy.optimize import brentq
 
 from symosc import CrossCheck, Parameters, Scene, load_scene, simulate
-from symosc.crosschecks import compare, events
+from symosc.crosschecks import compare, events, velocities
 from symosc.crosschecks.steps import StepEvents
 
 # -- a belt that is never met ------------------------------------------------------------------------------------------
@@ -340,3 +340,25 @@ def test_the_work_of_a_verdict_grows_with_the_samples_alone(
     assert max(explained) <= 3 * compare.MOST_FAULTS
     assert len(searched) <= 2 * len(explained) * 3 * compare.MOST_FAULTS
     assert len(looked) == len(explained) == 2
+
+
+@pytest.mark.parametrize("count", [500, 4_000])
+def test_positions_of_no_motion_are_not_fitted_for_long(
+    count: int, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Rounded positions of another spring: a start that fails at the first of them is fitted to no more."""
+    p = load_scene("fig5").parameters
+    t = np.linspace(0, 40, count)
+    x = simulate(p.replace(k=2 * p.k), t0=0, x0=0, v0=0, t_end=40)(t)[0]
+    spans: list[float] = []
+    plain = velocities._motion
+
+    def motion(scene: Any, t_end: float, *start: float) -> Any:
+        spans.append(float(t_end))
+        return plain(scene, t_end, *start)
+
+    monkeypatch.setattr(velocities, "_motion", motion)
+    assert not crosscheck("fig5", t, np.round(x, 4)).ok
+    # The scene's own motion and the first guesses reach the end, fits do not: 72 of theirs would.
+    assert len([end for end in spans if end > 20.0]) <= 5
+    assert len(spans) <= 140
