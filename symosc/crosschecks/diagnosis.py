@@ -9,7 +9,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Iterator
 from dataclasses import replace
-from typing import TYPE_CHECKING
+from typing import Any
 
 import numpy as np
 
@@ -25,9 +25,6 @@ from symosc.crosschecks.causes import (
 )
 from symosc.engine.next_event import TWO_PI
 from symosc.errors import ParameterError
-
-if TYPE_CHECKING:
-    from symosc.crosschecks.report import CrossCheck
 
 # Causes that explain this little less than the best are its alternatives.
 AS_GOOD = 0.02
@@ -52,7 +49,7 @@ STAGES: tuple[tuple[Cause, ...], ...] = (
 )
 
 
-def diagnose(check: CrossCheck) -> tuple[Diagnosis, ...]:
+def diagnose(check: Any) -> tuple[Diagnosis, ...]:
     """Return the probable causes of the errors of a `CrossCheck`, the most probable first."""
     few_digits = tuple(columns.few_digits(check))
     if check.ok:
@@ -68,7 +65,7 @@ def diagnose(check: CrossCheck) -> tuple[Diagnosis, ...]:
     return (*found, *few_digits)
 
 
-def _cause_of_wrong_steps(check: CrossCheck) -> Diagnosis:
+def _cause_of_wrong_steps(check: Any) -> Diagnosis:
     """Return what is probably wrong with samples that have wrong steps."""
     if not (np.ptp(check.x) or np.ptp(check.v)):
         words = "x and v never change: the mass does not move"
@@ -94,7 +91,7 @@ def _cause_of_wrong_steps(check: CrossCheck) -> Diagnosis:
     return _unknown(check)
 
 
-def _explaining(case: Case, stage: Iterable[Cause], check: CrossCheck) -> Iterator[Candidate]:
+def _explaining(case: Case, stage: Iterable[Cause], check: Any) -> Iterator[Candidate]:
     """Yield the candidates of a stage that explain the steps of a `case`.
 
     One without a change has to explain the largest defect of the `check` too, wherever that is.
@@ -129,7 +126,7 @@ def _candidates(case: Case, cause: Cause) -> Iterator[Candidate]:
 class Repeated:
     """A check that is repeated with changes, as often as is allowed."""
 
-    def __init__(self, check: CrossCheck) -> None:
+    def __init__(self, check: Any) -> None:
         self.check = check
         self.left = MOST_REPEATED
 
@@ -171,7 +168,7 @@ class Repeated:
         evidence = "; ".join(filter(None, (diagnosis.evidence, words)))
         return replace(diagnosis, evidence=evidence, share=share)
 
-    def _check_with(self, candidate: Candidate) -> CrossCheck | None:
+    def _check_with(self, candidate: Candidate) -> Any:
         """Return the check with a candidate's change; None if it is not possible."""
         task = self.check.task
         samples = task.samples
@@ -195,7 +192,7 @@ class Repeated:
 # -- what is said where no cause is named ------------------------------------------------------------------------------
 
 
-def _start(check: CrossCheck) -> Iterator[Diagnosis]:
+def _start(check: Any) -> Iterator[Diagnosis]:
     """Yield the diagnosis of another start, if a note of the check or the global error shows it."""
     words = "every step is right, but the motion starts elsewhere, or errors of the steps add up"
     if check.wrong_start:
@@ -209,7 +206,7 @@ def _start(check: CrossCheck) -> Iterator[Diagnosis]:
         )
 
 
-def _unknown(check: CrossCheck) -> Diagnosis:
+def _unknown(check: Any) -> Diagnosis:
     """Return the diagnosis that the cause is unknown."""
     words = "the cause is unknown"
     first = check.first_wrong

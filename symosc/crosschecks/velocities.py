@@ -11,6 +11,7 @@ within their rounding at all times: the scene's own, or one with a fitted start.
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import replace
 from itertools import chain
 from typing import TypeGuard
@@ -41,6 +42,10 @@ FEWEST_STEPS = 50
 # The search for a motion ends when it misses the positions by at most this many times their
 # rounding.
 GOOD_FIT = 1.1
+# A motion that misses them by more is none, and a start that misses the positions of a short time
+# by HOPELESS times as much is not fitted to those of a longer one.
+WORST_FIT = 4.0
+HOPELESS = 10.0
 
 
 def with_velocities(samples: Samples, scene: Scene | Parameters, tolerance: float) -> Samples:
@@ -199,11 +204,15 @@ def _fit_motion(
     else:
         clock = 0.5 * digits.units
 
-    def misfit(motion: Trajectory | None) -> float:
-        if motion is None or motion.t_end < t[-1]:
+    everywhere = np.arange(len(t))
+
+    def misfit(motion: Trajectory | None, numbers: np.ndarray = everywhere) -> float:
+        times = t[numbers]
+        if motion is None or motion.t_end < times[-1]:
             return np.inf
-        there, v = motion(np.maximum(t, float(motion.t_start)))
-        return float(np.max(np.abs(there - x) / (half + off + np.abs(v) * clock)))
+        there, v = motion(np.maximum(times, float(motion.t_start)))
+        allowed = half[numbers] + off + np.abs(v) * clock[numbers]
+        return float(np.max(np.abs(there - x[numbers]) / allowed))
 
     if _is_start(scene, samples, off + half[0], clock[0]):
         motion = _motion(scene, t[-1])
@@ -213,13 +222,13 @@ def _fit_motion(
     if best > GOOD_FIT:
         guesses = _first_guesses(p, t[telling], x[telling])
         as_guessed = (_motion(p, t[-1], t[0], x[0], v0) for v0 in guesses)
-        for each in chain(as_guessed, (_fitted(p, t, x, v0) for v0 in guesses)):
+        for each in chain(as_guessed, (_fitted(p, t, x, v0, misfit) for v0 in guesses)):
             if (found := misfit(each)) < best:
                 motion = each
                 best = found
             if best <= GOOD_FIT:
                 break
-    if motion is None or best > 4.0:
+    if motion is None or best > WORST_FIT:
         return None
     note = "velocities were not given: they are those of an exact motion that has the rounded positions"
     v = motion(np.maximum(t, float(motion.t_start)))[1]
@@ -261,10 +270,13 @@ def _first_guesses(p: Parameters, t: np.ndarray, x: np.ndarray) -> list[float]:
     return sorted(guesses, key=misses)[:4]
 
 
-def _fitted(p: Parameters, t: np.ndarray, x: np.ndarray, v0: float) -> Trajectory | None:
+def _fitted(
+    p: Parameters, t: np.ndarray, x: np.ndarray, v0: float, misfit: Callable[..., float]
+) -> Trajectory | None:
     """Fit a start to positions, from the velocity `v0` and over longer and longer times.
 
-    Return the motion or None.
+    Return the motion or None. `misfit` says by how much a motion misses the samples of some
+    numbers, in units of their rounding.
     """
     start = np.array([x[0], v0])
     span = 1.0 / fastest_rate(p)
@@ -288,8 +300,11 @@ def _fitted(p: Parameters, t: np.ndarray, x: np.ndarray, v0: float) -> Trajector
             if not (np.isfinite(here).all() and np.isfinite(slopes).all()):
                 return None
             start = start - np.linalg.lstsq(slopes, here, rcond=1e-6)[0]
+        motion = _motion(p, t[chosen[-1]], t[0], *start)
         if count >= len(t):
-            return _motion(p, t[-1], t[0], *start)
+            return motion
+        if misfit(motion, chosen) > HOPELESS * WORST_FIT:
+            return None
         span *= 2.0
 
 
@@ -364,7 +379,11 @@ def _agreed(
     v = np.full(starts.shape[1] + 1, np.nan)
     left = left[sure]
     right = right[sure]
-    v[sure], v[sure + 2] = starts[left, sure], ends[right, sure + 1]
+    # Positions hardly show when a stick begins or ends in a step: only that v is the belt's inside.
+    flown_to = (left < 3) | (sure == 0)
+    flown_from = right < 3
+    v[sure[flown_to]] = starts[left, sure][flown_to]
+    v[sure[flown_from] + 2] = ends[right, sure + 1][flown_from]
     arrives = ends[left, sure]
     leaves = starts[right, sure + 1]
     # A belt's velocity is exact.

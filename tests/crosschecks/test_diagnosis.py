@@ -169,6 +169,16 @@ def test_smoothed_friction_and_a_sample_that_is_off_are_not_smoothed_friction_al
     assert found.cause == "unknown"
 
 
+@pytest.mark.parametrize("name", ["fig5", "fig9"])
+def test_weights_beyond_one_are_no_large_steps(name: str) -> None:
+    """On coarse, even samples any linear method errs by one linear map; smaller steps do not help this one."""
+    (case,) = (case for case in cases() if case.scene.name == name)
+    for kind, cause in (("weights beyond one", "unknown"), ("fixed step", "steps too large")):
+        judged = judge(kind, case, "coarse", 91)
+        assert judged is not None
+        assert judged[2].diagnosis[0].cause == cause
+
+
 def test_a_cause_explains_the_largest_defect_wherever_it_is() -> None:
     """Also far from the first wrong step, where causes are tried first."""
     scene = load_scene("fig5")

@@ -14,8 +14,8 @@ from scipy.integrate import solve_ivp
 from scipy.io import savemat
 from scipy.optimize import brentq
 
-from symosc import CrossCheck, Parameters, load_scene, simulate
-from symosc.crosschecks import compare, events
+from symosc import CrossCheck, Parameters, Scene, load_scene, simulate
+from symosc.crosschecks import compare, events, velocities
 from symosc.crosschecks.steps import StepEvents
 
 # -- a belt that is never met ------------------------------------------------------------------------------------------
@@ -119,6 +119,23 @@ def test_positions_at_any_spacing(name: str) -> None:
         assert check.ok, (spacing, check.summary())
         x = exact(times)[0] + 1e-3 * (times > 0.6 * t_end)
         assert not crosscheck(name, times, x).ok
+
+
+@pytest.mark.parametrize("before", [1e-8, 1e-7, 1e-6, 1e-5])
+def test_a_position_just_before_the_first_stick(before: float) -> None:
+    """The positions of the step to the next sample are those of a stick, but v is not yet the belt's."""
+    p = Parameters(
+        m="1.251", c=0, k="2.08", A0="0.078", B0="5.984", Omega="2.054", v1="-0.091", v2=100,
+        mu1="0.415", mu2="0.237", FN="16.635",
+    )  # fmt: skip
+    scene = Scene("early-stick", p, t0="3.87", x0="1.597", v0="-0.032", t_end=7)
+    exact = simulate(scene)
+    first = exact.events[0]
+    assert (first.kind, round(float(first.t), 6)) == ("stick", 3.880794)
+    t = np.append(3.87, np.arange(float(first.t) - before, 7.0, 0.0125))
+    check = crosscheck(scene, t, exact(t)[0], partial=True)
+    assert check.ok, check.summary()
+    assert len(check.t) == len(t)
 
 
 @pytest.mark.parametrize("method", ["DOP853", "LSODA", "RK23"])
@@ -323,3 +340,25 @@ def test_the_work_of_a_verdict_grows_with_the_samples_alone(
     assert max(explained) <= 3 * compare.MOST_FAULTS
     assert len(searched) <= 2 * len(explained) * 3 * compare.MOST_FAULTS
     assert len(looked) == len(explained) == 2
+
+
+@pytest.mark.parametrize("count", [500, 4_000])
+def test_positions_of_no_motion_are_not_fitted_for_long(
+    count: int, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Rounded positions of another spring: a start that fails at the first of them is fitted to no more."""
+    p = load_scene("fig5").parameters
+    t = np.linspace(0, 40, count)
+    x = simulate(p.replace(k=2 * p.k), t0=0, x0=0, v0=0, t_end=40)(t)[0]
+    spans: list[float] = []
+    plain = velocities._motion
+
+    def motion(scene: Any, t_end: float, *start: float) -> Any:
+        spans.append(float(t_end))
+        return plain(scene, t_end, *start)
+
+    monkeypatch.setattr(velocities, "_motion", motion)
+    assert not crosscheck("fig5", t, np.round(x, 4)).ok
+    # The scene's own motion and the first guesses reach the end, fits do not: 72 of theirs would.
+    assert len([end for end in spans if end > 20.0]) <= 5
+    assert len(spans) <= 140

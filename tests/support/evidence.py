@@ -37,6 +37,11 @@ def tried(check: CrossCheck, change: str) -> CrossCheck | None:
     t = check.t
     x = check.x
     v = check.v
+    if found := re.fullmatch(rf"with {NUMBER} taken from t after t = {NUMBER}", change):
+        shift, begin = map(float, found.groups())
+        # The time is printed with ten digits; it is that of a sample.
+        late = t > t[np.argmin(np.abs(t - begin))]
+        return crosscheck(p, np.where(late, t - shift, t), x, v)
     if values := re.findall(rf"(\w+) = {NUMBER}", change):
         return crosscheck(p.replace(**{name: float(value) for name, value in values}), t, x, v)
     if found := re.fullmatch(r"with -(A0|B0|v1|v2)", change):
