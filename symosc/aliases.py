@@ -1,4 +1,6 @@
-"""Type aliases: for mpmath and sympy, which ship no types, and for the arguments of public functions."""
+"""Type aliases: for mpmath and sympy, which ship no types, and for the arguments of public
+functions.
+"""
 
 from __future__ import annotations
 

@@ -29,7 +29,9 @@ MOST_DEPTH = 8
 
 
 class Kind(NamedTuple):
-    """A kind of value that an argument may be, such as a number or a scene, with its text for messages."""
+    """A kind of value that an argument may be, such as a number or a scene, with its text for
+    messages.
+    """
 
     text: str  # what it is, for messages
     of_type: Callable[[type], bool]  # whether values of a type may be of this kind
@@ -45,7 +47,9 @@ class Kind(NamedTuple):
 
 
 def _inherits(*names: str) -> Callable[[type], bool]:
-    """Return a function that tells whether a type is, or inherits from, a class with one of the `names`."""
+    """Return a function that tells whether a type is, or inherits from, a class with one of the
+    `names`.
+    """
     return lambda kind: any(base.__name__ in names for base in kind.__mro__)
 
 
@@ -55,10 +59,7 @@ def _is_bool(kind: type) -> bool:
 
 
 def _is_real(kind: type) -> bool:
-    """Return whether values of a type are real numbers.
-
-    Of Python, numpy, gmpy2, mpmath or sympy.
-    """
+    """Return whether values of a type are real numbers: of Python, numpy, gmpy2, mpmath or sympy."""
     if issubclass(kind, numbers.Real | Decimal):
         return not (_is_bool(kind) or kind.__name__ == "timedelta64")
     return hasattr(kind, "_mpf_") or _inherits("Expr")(kind)
@@ -264,7 +265,9 @@ def _kinds(annotation: ast.expr | str) -> list[Kind] | None:
 
 
 def _kinds_of_name(name: str) -> list[Kind] | None:
-    """Return the kinds of argument that an annotation such as "float" allows, or None if it allows any value."""
+    """Return the kinds of argument that an annotation such as "float" allows, or None if it allows
+    any value.
+    """
     if name in ("Any", "object"):
         return None
     kind = KINDS.get(name) or _kind_of_class(name)
@@ -287,7 +290,9 @@ def _text(kinds: list[Kind]) -> str:
 
 
 def _each(kinds: list[Kind] | None) -> str:
-    """Return text that says of which kinds the entries of a sequence must be, such as ", each a number"; "" for any."""
+    """Return text that says of which kinds the entries of a sequence must be, such as ", each a
+    number"; "" for any.
+    """
     if kinds:
         return f", each {_text(kinds)}"
     return ""
@@ -334,14 +339,18 @@ def _kind_of_mapping(key: list[Kind] | None, value: list[Kind] | None) -> Kind:
 
 
 class Rule:
-    """The kinds of values that one parameter of a function takes, and the check of an argument against them."""
+    """The kinds of values that one parameter of a function takes, and the check of an argument
+    against them.
+    """
 
     # `known` are types of values that were allowed, by their type alone: these are not checked
     # again.
     __slots__ = ("kinds", "known", "name")
 
     def __init__(self, name: str, kinds: list[Kind]) -> None:
-        self.name, self.kinds, self.known = name, kinds, set[type]()
+        self.name = name
+        self.kinds = kinds
+        self.known = set[type]()
 
     def check(self, value: object) -> Any:
         """Return an argument, converted if its kind says so.
@@ -363,9 +372,8 @@ class Rule:
 
 
 class Rules:
-    """The rules for all arguments of one function.
-
-    By name, for ``*args`` (`more`) and for ``**kwargs`` (`others`).
+    """The rules for all arguments of one function: by name, for ``*args`` (`more`) and for
+    ``**kwargs`` (`others`).
     """
 
     __slots__ = ("by_name", "in_order", "more", "others", "parameters", "title")
@@ -404,11 +412,14 @@ class Rules:
         else:
             more = ""
         return TypeError(
-            f"{self.title} takes {f'only {in_order}' if in_order else 'nothing'} without a name{more}"
+            f"{self.title} takes {f'only {in_order}' if in_order else 'nothing'} without a "
+            f"name{more}"
         )
 
     def check_unknown(self, name: str, value: object) -> None:
-        """Raise an error if a keyword argument is no parameter, or if ``**kwargs`` do not allow its value."""
+        """Raise an error if a keyword argument is no parameter, or if ``**kwargs`` do not allow its
+        value.
+        """
         if self.others is not None:
             Rule(name, self.others.kinds).check(value)
             return
@@ -422,7 +433,8 @@ class Rules:
 
 
 def public(function: Callable[Given, Result]) -> Callable[Given, Result]:
-    """Return a function that checks its arguments against the annotations of `function`, and then calls it.
+    """Return a function that checks its arguments against the annotations of `function`, and then
+    calls it.
 
     Raises
     ------

@@ -8,15 +8,14 @@ from numbers import Number
 from typing import Any
 
 LONGEST_VALUE = 80
-# How alike a word must be to be suggested: of five letters one may differ, not two, since who writes
-# "panel" does not mean "label".
+# How alike a word must be to be suggested: of five letters one may differ, not two, since who
+# writes "panel" does not mean "label".
 LEAST_LIKENESS = 0.65
 
 
 def shown(value: object) -> str:
-    """Return a value as text for a message.
-
-    On one line, shortened if it is long, numbers without their type.
+    """Return a value as text for a message: on one line, shortened if it is long, numbers without
+    their type.
     """
     try:
         if isinstance(value, Number) and not isinstance(value, str):
@@ -31,9 +30,8 @@ def shown(value: object) -> str:
 
 
 def brief(text: str) -> str:
-    """Return text as a message shows it.
-
-    On one line, shortened if long, with escapes for unprintable characters.
+    """Return text as a message shows it: on one line, shortened if long, with escapes for
+    unprintable characters.
     """
     text = "".join(
         letter if letter.isprintable() else repr(letter)[1:-1] for letter in " ".join(text.split())
@@ -85,7 +83,9 @@ class ParameterError(SymoscError, ValueError):
     """
 
     def __init__(self, name: str, value: object, allowed: str) -> None:
-        self.name, self.value, self.allowed = name, value, allowed
+        self.name = name
+        self.value = value
+        self.allowed = allowed
         super().__init__(f"{name} = {shown(value)}: {allowed}")
 
 
@@ -108,7 +108,8 @@ class SceneError(SymoscError, ValueError):
     """
 
     def __init__(self, scene: str, reason: str) -> None:
-        self.scene, self.reason = scene, reason
+        self.scene = scene
+        self.reason = reason
         super().__init__(f"scene {brief(scene) or repr(scene)}: {reason}")
 
 
@@ -130,7 +131,8 @@ class OutputError(SymoscError, OSError):
     """
 
     def __init__(self, path: str, reason: str) -> None:
-        self.path, self.reason = path, reason
+        self.path = path
+        self.reason = reason
         super().__init__(f"cannot write {brief(path) or repr(path)}: {reason}")
 
 
@@ -151,7 +153,8 @@ class MissingExtraError(SymoscError, ImportError):
     """
 
     def __init__(self, what: str, extra: str) -> None:
-        self.what, self.extra = what, extra
+        self.what = what
+        self.extra = extra
         super().__init__(f"{what} needs an optional package: pip install 'symosc[{extra}]'")
 
 
@@ -192,14 +195,14 @@ class ResultError(SymoscError, ValueError):
     """
 
     def __init__(self, path: str, reason: str) -> None:
-        self.path, self.reason = path, reason
+        self.path = path
+        self.reason = reason
         super().__init__(f"{brief(path) or repr(path)}: {reason}")
 
 
 def optional(package: str, what: str, extra: str) -> Any:
-    """Import and return a package.
-
-    If it is missing, MissingExtraError says that `what` needs symosc's `extra`.
+    """Import and return a package; if it is missing, MissingExtraError says that `what` needs
+    symosc's `extra`.
     """
     try:
         return import_module(package)
@@ -210,7 +213,9 @@ def optional(package: str, what: str, extra: str) -> Any:
 
 
 def meant(word: object, known: Iterable[str]) -> str:
-    """Return "; did you mean ...?" for a message about an unknown word, or "" if no known word is similar."""
+    """Return "; did you mean ...?" for a message about an unknown word, or "" if no known word is
+    similar.
+    """
     from difflib import SequenceMatcher
 
     likeness = {

@@ -1,6 +1,5 @@
-"""Reading numbers exactly.
-
-Every parameter and every start is a rational number, never a rounded float.
+"""Reading numbers exactly: every parameter and every start is a rational number, never a rounded
+float.
 """
 
 from __future__ import annotations
@@ -16,7 +15,10 @@ from typing import Any
 
 from symosc.errors import ParameterError
 
-NUMBER_FORMS = "give an int, a float, a string such as '0.8' or '4/5', a Fraction, a Decimal or a rational sympy number"
+NUMBER_FORMS = (
+    "give an int, a float, a string such as '0.8' or '4/5', a Fraction, a Decimal or a rational "
+    "sympy number"
+)
 
 #: What a decimal or a fraction looks like: ASCII digits only, no underscores, no spaces inside.
 NUMBER = re.compile(r"[+-]?(\d+/\d+|(\d+\.?\d*|\.\d+)([eE](?P<exponent>[+-]?\d+))?)", re.ASCII)
@@ -24,7 +26,8 @@ NOT_FINITE = re.compile(r"[+-]*(inf|infinity|nan)", re.IGNORECASE)
 #: What an expression looks like, which is not a number.
 EXPRESSION = re.compile(r"pi\b|π|sqrt|\w\(|\d\s*[*^]|[)\d]\s*[+-]\s*[(\d]", re.IGNORECASE)
 NO_EXPRESSION = (
-    "is an expression, and only fractions are exact: write its value with the digits that you need, such as "
+    "is an expression, and only fractions are exact: write its value with the digits that you "
+    "need, such as "
     "'3.14159265358979323846264338328' for pi or '6.28318530717958647692528676656' for 2 pi"
 )
 #: Digits that a caller may ask for.
@@ -240,9 +243,8 @@ LONGEST_DECIMAL = 60
 
 
 def show(value: Fraction) -> str:
-    """Return a short text that reads back as `value`.
-
-    A decimal if 60 digits suffice, else a fraction.
+    """Return a short text that reads back as `value`: a decimal if 60 digits suffice, else a
+    fraction.
     """
     # an int of more than 4300 digits cannot be printed
     n = Decimal(value.numerator)

@@ -60,7 +60,10 @@ def draft_in(folder: Path, suffix: str = "") -> Iterator[Path]:
 
 
 def _remove(path: Path) -> None:
-    """Remove a file or a folder, if it is there, with one open file at a time; shutil needs three."""
+    """Remove a file or a folder, if it is there, with one open file at a time.
+
+    Shutil needs three.
+    """
     if path.is_dir() and not path.is_symlink():
         for name in os.listdir(path):
             _remove(path / name)
@@ -85,9 +88,8 @@ def read_path(path: object) -> str:
 
 
 def check_folder_of(path: str | Path) -> None:
-    """Raise OutputError unless the folder of the file `path` exists and is writable.
-
-    A check before long work.
+    """Raise OutputError unless the folder of the file `path` exists and is writable: a check before
+    long work.
     """
     folder = Path(read_path(path)).resolve().parent
     if not folder.is_dir():
@@ -134,13 +136,17 @@ def _to_stdout(write: Callable[[Path], object], suffix: str) -> None:
 
 
 def drop(stream: IO[str]) -> None:
-    """Send a stream to the null device, as flushing what it holds would raise one more error at exit."""
+    """Send a stream to the null device, as flushing what it holds would raise one more error at
+    exit.
+    """
     with suppress(OSError):  # in a notebook or a test it may be something that is not a file
         os.dup2(os.open(os.devnull, os.O_WRONLY), stream.fileno())
 
 
 def write_text(path: str | Path, text: str) -> Path:
-    """Write text (UTF-8) whole or not at all, by a draft next to the file ("-": to standard output)."""
+    """Write text (UTF-8) whole or not at all, by a draft next to the file ("-": to standard
+    output).
+    """
     return write_whole(path, lambda draft: draft.write_text(text, encoding="utf-8"))
 
 

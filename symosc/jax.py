@@ -134,7 +134,9 @@ def flow(
 
 
 def _values(parameters: Any, *start: Any) -> Any:
-    """Return the eleven parameters, and the numbers t0, x0, v0 of `start`, as one JAX array of 14 numbers."""
+    """Return the eleven parameters, and the numbers t0, x0, v0 of `start`, as one JAX array of 14
+    numbers.
+    """
     if isinstance(parameters, Parameters):
         parameters = by_name(parameters, float)
     if not isinstance(parameters, Mapping):
@@ -143,7 +145,10 @@ def _values(parameters: Any, *start: Any) -> Any:
         )
     for name in parameters:
         if name not in PARAMETER_NAMES:
-            hint = f"is no parameter; they are {', '.join(PARAMETER_NAMES)}{meant(str(name), PARAMETER_NAMES)}"
+            hint = (
+                "is no parameter; they are "
+                f"{', '.join(PARAMETER_NAMES)}{meant(str(name), PARAMETER_NAMES)}"
+            )
             raise ParameterError("parameters", name, hint)
     for name in PARAMETER_NAMES:
         if name not in parameters:
@@ -169,9 +174,8 @@ def _functions() -> tuple[Callable[..., Any], Callable[..., Any]]:
 
 @lru_cache(maxsize=1)
 def _jax_functions() -> tuple[Callable[..., Any], Callable[..., Any]]:
-    """Return two functions that JAX can differentiate by the array of `_values`.
-
-    Of events, and of [x, v] at times.
+    """Return two functions that JAX can differentiate by the array of `_values`: of events, and of
+    [x, v] at times.
     """
     import jax
 
@@ -221,9 +225,8 @@ def _jax_functions() -> tuple[Callable[..., Any], Callable[..., Any]]:
 
 
 def _events_of(values: Any, t_end: Any, count: int) -> tuple[np.ndarray, ...]:
-    """Return t, x, kind, boundary, regular, dt, dx of the first `count` events of motions.
-
-    One per row of `values`.
+    """Return t, x, kind, boundary, regular, dt, dx of the first `count` events of motions: one per
+    row of `values`.
     """
     values, lead = np.asarray(values), np.shape(values)[:-1]
     rows = values.reshape(-1, len(NAMES))
@@ -251,7 +254,9 @@ def _events_of(values: Any, t_end: Any, count: int) -> tuple[np.ndarray, ...]:
 
 
 def _states_of(values: Any, times: Any) -> tuple[np.ndarray, ...]:
-    """Return [x, v] at `times` of motions, one per row of 14 `values`, and its derivatives by these and by time."""
+    """Return [x, v] at `times` of motions, one per row of 14 `values`, and its derivatives by these
+    and by time.
+    """
     values = np.asarray(values)
     times = np.asarray(times)
     lead = values.shape[:-1]
@@ -267,7 +272,8 @@ def _states_of(values: Any, times: Any) -> tuple[np.ndarray, ...]:
         else:
             last = start["t0"] + 1.0
         s = sensitivities(Parameters(**given), NAMES, **start, t_end=last)
-        states[i], slopes[i] = s.trajectory(each), s(each)
+        states[i] = s.trajectory(each)
+        slopes[i] = s(each)
         forces = {f"Omega{alpha}": s.trajectory.force(alpha, each) for alpha in (1, 2, 3)}
         rates[i, 0] = states[i, 1]
         rates[i, 1] = [

@@ -1,6 +1,5 @@
-"""The double-belt friction oscillator.
-
-Parameters, domains, boundaries and forces (eqs. (1) to (9)).
+"""The double-belt friction oscillator: parameters, domains, boundaries and forces (eqs. (1) to
+(9)).
 
     m x'' + c x' + k x = A_alpha + B0 cos(Omega t)    in domain Omega_alpha, alpha = 1, 2, 3
 
@@ -126,7 +125,9 @@ class Parameters:
 
     @public
     def A(self, alpha: int) -> Fraction:
-        """Return A_alpha, the constant force in domain `alpha` with friction included (eqs. (1), (5))."""
+        """Return A_alpha, the constant force in domain `alpha` with friction included (eqs. (1),
+        (5)).
+        """
         alpha = whole_number("alpha", alpha, 1, 3)
         friction = {1: self.mu1 + self.mu2, 2: self.mu2 - self.mu1, 3: -self.mu1 - self.mu2}[alpha]
         return self.A0 + friction * self.FN
@@ -176,9 +177,8 @@ class OtherNumbers:
 
 
 def _source(text: str) -> str:
-    """Return a number's text as Python source for `Parameters`.
-
-    In quotes if a float would not read as that number.
+    """Return a number's text as Python source for `Parameters`: in quotes if a float would not read
+    as that number.
     """
     # A float is read as the decimal that it prints as; a fraction, or a decimal with more digits,
     # stays text.

@@ -1,6 +1,5 @@
-"""The numbers of a problem.
-
-Their meaning, units, and expressions and quantities read as exact numbers.
+"""The numbers of a problem: their meaning, units, and expressions and quantities read as exact
+numbers.
 
 An expression such as "3*pi/2" is exact if it has numbers, + - * / ^ and parentheses alone. With pi,
 sqrt, sin, cos or exp an enclosure is computed and rounded to 40 digits, which are right; a value
@@ -24,9 +23,8 @@ from symosc.exact import LARGEST, NOT_FINITE, NUMBER, SMALLEST, read_exact
 
 
 class Quantity(NamedTuple):
-    """A parameter or start value of the problem.
-
-    Its meaning, dimension, letter in LaTeX, and allowed range.
+    """A parameter or start value of the problem: its meaning, dimension, letter in LaTeX, and
+    allowed range.
     """
 
     meaning: str
@@ -93,7 +91,9 @@ def unit_of(name: str) -> str:
 
 
 def read_number(name: str, value: Any) -> tuple[Fraction, bool]:
-    """Return the number called `name`, whose `value` may be text such as "2*pi" or "3 kg", and whether it is exact."""
+    """Return the number called `name`, whose `value` may be text such as "2*pi" or "3 kg", and
+    whether it is exact.
+    """
     symbolic = hasattr(type(value), "free_symbols") and not isinstance(
         value, numbers.Real
     )  # of sympy, such as 2*pi
@@ -134,7 +134,8 @@ LONGEST_EXPRESSION = 200
 MOST_POWER = 100
 LARGEST_BITS = 4000
 FORMS = (
-    "give a number such as 0.8 or '4/5', a quantity such as '3 kg', or an expression such as '3*pi/2': numbers and pi "
+    "give a number such as 0.8 or '4/5', a quantity such as '3 kg', or an expression such as "
+    "'3*pi/2': numbers and pi "
     "with + - * / ^ ( ), sqrt(), sin(), cos() and exp()"
 )
 _LETTERS = re.compile(r"[\d.\s()+\-*/^]|pi|π|sqrt|sin|cos|exp|(?<=\d)[eE](?=[+-]?\d)", re.ASCII)
@@ -152,7 +153,9 @@ _OPERATORS = {
 
 
 def read_expression(name: str, text: str) -> tuple[Fraction, bool]:
-    """Return the value of an expression such as "3*pi/2" for the number `name`, and whether it is exact."""
+    """Return the value of an expression such as "3*pi/2" for the number `name`, and whether it is
+    exact.
+    """
     from mpmath import iv, mp
 
     source = _FACTOR_OF_PI.sub(r"\1*pi", text.strip()).replace("π", "pi").replace("^", "**")
@@ -179,9 +182,8 @@ def read_expression(name: str, text: str) -> tuple[Fraction, bool]:
         return value
 
     def value(node: ast.expr) -> Any:
-        """Return the value of a part of the expression.
-
-        A Fraction if exact, else an enclosing interval.
+        """Return the value of a part of the expression: a Fraction if exact, else an enclosing
+        interval.
         """
         match node:
             case ast.Constant():
@@ -234,7 +236,8 @@ def read_expression(name: str, text: str) -> tuple[Fraction, bool]:
     low, high = (read_exact(name, mp.make_mpf(end._mpi_[0])) for end in (found.a, found.b))
     if (high - low) * 10 ** (KNOWN_DIGITS + 5) > min(abs(low), abs(high)):
         raise refused(
-            f"is not known to {KNOWN_DIGITS} digits, as they cancel; write it as a number, 0 if it is that"
+            f"is not known to {KNOWN_DIGITS} digits, as they cancel; write it as a number, 0 if "
+            "it is that"
         )
     return rounded((low + high) / 2), False
 
@@ -267,7 +270,9 @@ def is_quantity(text: str) -> bool:
 
 
 def read_quantity(name: str, text: str) -> tuple[Fraction, bool]:
-    """Return a number with a unit, such as "3 cm", in the unit of the number `name`, and whether it is exact."""
+    """Return a number with a unit, such as "3 cm", in the unit of the number `name`, and whether it
+    is exact.
+    """
     parts = _QUANTITY.fullmatch(text)
     wanted = unit_of(name)
     what = _quantity(name).meaning

@@ -128,9 +128,8 @@ def polar(sum: Harmonic) -> tuple[Fraction, Fraction, bool]:
 
 @dataclass(frozen=True, kw_only=True, repr=False)
 class OtherModel:
-    """An oscillator of the literature that is symosc's in other coordinates.
-
-    Base motion, moving walls, inclines.
+    """An oscillator of the literature that is symosc's in other coordinates: base motion, moving
+    walls, inclines.
 
     m x'' + c (x' - y') + k (x - y) = A0 + m g sin(angle) + B0 cos(Omega t + phase) + friction, with
     the base y = Y cos(Omega t + Y_phase), and belts with the speeds v1 + w' and v2 + w'. Functions
@@ -232,9 +231,8 @@ class OtherModel:
 
     @cached_property
     def shift(self) -> Harmonic:
-        """The oscillation w of the belts about their constant motion.
-
-        The model has x = z + w, the oscillator z.
+        """The oscillation w of the belts about their constant motion: the model has x = z + w, the
+        oscillator z.
         """
         rate = harmonic(self.W, self.W_phase)
         own = Harmonic(
@@ -251,9 +249,8 @@ class OtherModel:
 
     @cached_property
     def _drive(self) -> tuple[Fraction, Fraction, bool]:
-        """The drive R cos(Omega t - psi) of the reduced oscillator.
-
-        R, psi, and whether both are exact.
+        """The drive R cos(Omega t - psi) of the reduced oscillator: R, psi, and whether both are
+        exact.
         """
         shift_rate = self.shift.rate(self.Omega)
         shift = self.shift
@@ -267,9 +264,8 @@ class OtherModel:
 
     @property
     def delay(self) -> Fraction:
-        """The constant shift of time.
-
-        The time of this model minus that of symosc's oscillator at the same instant.
+        """The constant shift of time: the time of this model minus that of symosc's oscillator at
+        the same instant.
         """
         return self._drive[1] / self.Omega
 
@@ -344,7 +340,8 @@ class OtherModel:
     def forth(
         self, t: ArrayLike, x: ArrayLike, v: ArrayLike
     ) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-        """Convert times, positions and velocities of this model to those of symosc's oscillator, in doubles.
+        """Convert times, positions and velocities of this model to those of symosc's oscillator, in
+        doubles.
 
         Examples
         --------
@@ -390,7 +387,9 @@ def motion_of_belts(model: OtherModel, t: Any) -> tuple[Any, Any]:
 def event_back(
     model: OtherModel, t: Number, x: Number, v: Number, theta: Number
 ) -> tuple[Number, Number, Number, Number]:
-    """Convert t, x, v and phase of an event to the model's coordinates, in floats or mpf as they are given."""
+    """Convert t, x, v and phase of an event to the model's coordinates, in floats or mpf as they
+    are given.
+    """
     number = number_like(t)
     context = getattr(t, "context", math)
     theta = (theta + number(model._drive[1])) % (2 * context.pi)
@@ -411,7 +410,9 @@ def reduced_time(model: OtherModel, t: Fraction) -> Fraction:
 def reduced_start(
     model: OtherModel, t0: Fraction, x0: Fraction, v0: Fraction
 ) -> tuple[Three, Three]:
-    """Return a model's start as t0, x0, v0 of symosc's oscillator, and by how much each may be off (0 if exact)."""
+    """Return a model's start as t0, x0, v0 of symosc's oscillator, and by how much each may be off
+    (0 if exact).
+    """
     p = model.parameters
     zero = Fraction(0)
     (cos, sin, exact) = cos_sin(model.Omega * t0)
@@ -458,9 +459,8 @@ def _read_arrays(**given: Any) -> list[np.ndarray]:
 
 
 def number_like(value: Number) -> Callable[[Fraction], Number]:
-    """Return the function that turns a Fraction into a number like `value`.
-
-    A float, or an mpf of the same context.
+    """Return the function that turns a Fraction into a number like `value`: a float, or an mpf of
+    the same context.
     """
     context = getattr(value, "context", None)
     if context is None:
@@ -469,7 +469,9 @@ def number_like(value: Number) -> Callable[[Fraction], Number]:
 
 
 def _difference(a: Fraction, b: Fraction) -> tuple[Fraction, Fraction]:
-    """Return a - b of two numbers that are known to 40 digits, and a bound of the error of this difference."""
+    """Return a - b of two numbers that are known to 40 digits, and a bound of the error of this
+    difference.
+    """
     # It is 0 where both agree up to the rounding of these digits.
     size = abs(a) + abs(b)
     return rounded(a - b) if abs(a - b) * 10 ** (DIGITS - 20) > size else Fraction(0), half_unit(

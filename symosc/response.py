@@ -65,7 +65,8 @@ COLUMNS = (
 
 
 class FrequencyResponse(Columns):
-    """The settled motion for each value of one parameter, as columns in the coordinates of the model that was given.
+    """The settled motion for each value of one parameter, as columns in the coordinates of the
+    model that was given.
 
     Attributes
     ----------
@@ -151,7 +152,8 @@ def frequency_response(
     *,
     progress: Progress = False,
 ) -> FrequencyResponse:
-    """Return amplitude, transmissibility, phase, energies and time of sticking of the settled motion over a parameter.
+    """Return amplitude, transmissibility, phase, energies and time of sticking of the settled
+    motion over a parameter.
 
     Parameters
     ----------
@@ -214,9 +216,8 @@ def frequency_response(
 
 
 def model_of(what: Any) -> OtherModel:
-    """Return `what` (a scene, its name, Parameters or OtherModel) as an OtherModel.
-
-    By default its base is at rest.
+    """Return `what` (a scene, its name, Parameters or OtherModel) as an OtherModel; by default its
+    base is at rest.
     """
     if isinstance(what, OtherModel):
         return what
@@ -234,7 +235,8 @@ def model_of(what: Any) -> OtherModel:
 def respond(
     model: OtherModel, before: PeriodicOrbit | None = None
 ) -> tuple[Record, PeriodicOrbit | None]:
-    """Return one row of a `FrequencyResponse` by the names of its columns, and an orbit to begin the next row with.
+    """Return one row of a `FrequencyResponse` by the names of its columns, and an orbit to begin
+    the next row with.
 
     This is the orbit of the `model`, or, if none was found, `before`: an orbit at nearby
     parameters, or None.
@@ -280,9 +282,8 @@ Settled = tuple[str, tuple[Any, Any, Any], PeriodicOrbit | None]
 
 
 def settle(p: Parameters, guess: tuple[float, float], before: PeriodicOrbit | None) -> Settled:
-    """Return the settled motion, found from x, v of `guess` or the nearby orbit `before`.
-
-    Else ConvergenceError.
+    """Return the settled motion, found from x, v of `guess` or the nearby orbit `before`; else
+    ConvergenceError.
     """
     for boundary in (1, 2):
         rests = rest_positions(p, boundary)
@@ -303,9 +304,8 @@ def settle(p: Parameters, guess: tuple[float, float], before: PeriodicOrbit | No
 
 
 def _nearby_orbit(p: Parameters, before: PeriodicOrbit | None) -> PeriodicOrbit | None:
-    """Find the stable orbit with the word of `before`, an orbit at other parameters.
-
-    None if there is none.
+    """Find the stable orbit with the word of `before`, an orbit at other parameters; None if there
+    is none.
     """
     if before is None:
         return None
@@ -318,9 +318,8 @@ def _nearby_orbit(p: Parameters, before: PeriodicOrbit | None) -> PeriodicOrbit 
 
 
 def _orbit_reached(p: Parameters, guess: tuple[float, float]) -> PeriodicOrbit | None:
-    """Follow the motion from x and v of `guess` and find the orbit that it approaches.
-
-    None if none, or unstable.
+    """Follow the motion from x and v of `guess` and find the orbit that it approaches; None if
+    none, or unstable.
 
     The orbit is looked for near the events of the second last period followed: mappings that begin
     there end before the motion does. A marginal orbit counts as stable.
@@ -344,7 +343,9 @@ def _orbit_reached(p: Parameters, guess: tuple[float, float]) -> PeriodicOrbit |
 
 
 def _orbit(p: Parameters, word: str, points: list[tuple[float, float]]) -> PeriodicOrbit | None:
-    """Return the orbit of one period with the word `word` near the switching points (t, x) of `points`, or None."""
+    """Return the orbit of one period with the word `word` near the switching points (t, x) of
+    `points`, or None.
+    """
     try:
         found = find_orbit(p, word, points, periods=1)
     except (ConvergenceError, ParameterError, WordError):
@@ -374,7 +375,9 @@ def meets_no_belt(p: Parameters) -> int | None:
 
 
 def harmonic_balance(p: Parameters) -> tuple[float, complex]:
-    """Return mean and first harmonic of x by harmonic balance, dropping the higher harmonics of x and friction."""
+    """Return mean and first harmonic of x by harmonic balance, dropping the higher harmonics of x
+    and friction.
+    """
     # For v = -V sin(a) these are, of a belt, (2/pi) mu FN arcsin(v_lambda/V) and -(4/pi) mu FN
     # sqrt(1 - (v_lambda/V)^2) sin(a), and where V < |v_lambda| the whole force and 0. The size of
     # both sides of the balance increases with V, so that there is one solution; inf where it grows
@@ -387,7 +390,9 @@ def harmonic_balance(p: Parameters) -> tuple[float, complex]:
     stiffness = hypot(k / Omega - m * Omega, c)
 
     def drive_parts(V: float) -> tuple[float, float]:
-        """Return the parts of the drive in phase with x and with x' that sustain the velocity amplitude V."""
+        """Return the parts of the drive in phase with x and with x' that sustain the velocity
+        amplitude V.
+        """
         friction = sum(force * sqrt(1 - (v / V) ** 2) for force, v in belts if abs(v) < V)
         return (k / Omega - m * Omega) * V, c * V + 4 / pi * friction
 
@@ -432,7 +437,9 @@ Part = tuple[Segment, tuple[float, float], np.ndarray, np.ndarray, np.ndarray, n
 
 @cache
 def _gauss() -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """Return points and weights of Gauss in [-1, 1], and the matrix from values there to Legendre coefficients."""
+    """Return points and weights of Gauss in [-1, 1], and the matrix from values there to Legendre
+    coefficients.
+    """
     # Not by legendre.leggauss: the eigenvalues that it begins with have other last bits on other
     # processors.
     points = np.array([-cos(pi * (i + 0.75) / (POINTS + 0.5)) for i in range(POINTS)])
@@ -450,7 +457,9 @@ def _gauss() -> tuple[np.ndarray, np.ndarray, np.ndarray]:
 
 
 def parts(motion: Trajectory) -> Iterator[Part]:
-    """Yield the parts of a motion on which a polynomial through its values at Gauss's points is accurate."""
+    """Yield the parts of a motion on which a polynomial through its values at Gauss's points is
+    accurate.
+    """
     p = motion.parameters
     (points, weights, coefficients) = _gauss()
     # Periods of a motion without events are cut into parts of this angle of the fastest of drive
@@ -506,7 +515,9 @@ def turning_points(values: np.ndarray) -> np.ndarray:
 def cycle_response(
     model: OtherModel, start: tuple[Any, Any, Any], orbit: PeriodicOrbit | None
 ) -> Record:
-    """Return the columns of a response from one cycle of the settled motion through `start` (on `orbit`, if any)."""
+    """Return the columns of a response from one cycle of the settled motion through `start` (on
+    `orbit`, if any).
+    """
     p = model.parameters
     Omega = float(model.Omega)
     delay = float(model.delay)

@@ -1,6 +1,5 @@
-"""Derivatives with respect to parameters and the start.
-
-Of every event of a motion, and of its state at any time.
+"""Derivatives with respect to parameters and the start: of every event of a motion, and of its
+state at any time.
 
 At a graze a motion is differentiable on one side only by each number that moves the gap. There the
 derivatives are those of the side on which the touch opens, `regular` is False from there on, and
@@ -52,7 +51,8 @@ MORE_DIGITS = 30
 MANY = 2_000
 #: Why a derivative does not exist, by the code of the reason.
 REASONS = {
-    tangent.NO_SLOPE: "the force that ends the stick at t = {t:.6g} has no slope there, up to rounding",
+    tangent.NO_SLOPE: "the force that ends the stick at t = {t:.6g} has no slope there, up to "
+    "rounding",
     tangent.FLAT_CONTACT: "the contact at t = {t:.6g} has no slope, up to rounding",
     tangent.NO_FORCE: "a force on belt {belt} vanishes at t = {t:.6g}, up to rounding",
 }
@@ -99,9 +99,8 @@ class Sensitivities(Comparable):
 
     @cached_property
     def lyapunov(self) -> np.ndarray:
-        """The Lyapunov exponents.
-
-        Rates at which the distance of neighbouring motions grows, the larger one first.
+        """The Lyapunov exponents: rates at which the distance of neighbouring motions grows, the
+        larger one first.
         """
         return self._motion.exponents()
 
@@ -183,11 +182,15 @@ class _Columns:
 
     @property
     def numbers(self) -> MapArithmetic:
-        """The constants of the motion, kernels by name and a conversion of Fractions, for doubles or for mpmath."""
+        """The constants of the motion, kernels by name and a conversion of Fractions, for doubles
+        or for mpmath.
+        """
         return map_arithmetic(self.trajectory.parameters, self.context)
 
     def loop(self, name: str, count: int) -> tuple[Callable[..., None], Any]:
-        """Return the function `name` of `symosc.engine.tangent` for `count` events or times, and constants for it."""
+        """Return the function `name` of `symosc.engine.tangent` for `count` events or times, and
+        constants for it.
+        """
         if self.context is None:
             compiled = tangent_loops(count > MANY)
         else:
@@ -197,9 +200,8 @@ class _Columns:
         return self.numbers.of[name], [self.numbers.K]
 
     def event_derivatives(self, wrt: tuple[str, ...], count: int) -> tuple[np.ndarray, ...]:
-        """Return dt, dx, marks, reasons, growth and last.
-
-        Derivatives of all events by the first `count` names.
+        """Return dt, dx, marks, reasons, growth and last: derivatives of all events by the first
+        `count` names.
 
         A mark is 1 where the derivative exists, else says why not; a reason is a code for each
         event, 0 if there is none. Growth is the logarithms of how lengths and areas grow; last has
@@ -229,7 +231,9 @@ class _Columns:
         return *out, work
 
     def pieces(self) -> tuple[np.ndarray, np.ndarray]:
-        """Return rows of mode, t, theta, x, v where pieces of the motion begin, and the indices of the events there."""
+        """Return rows of mode, t, theta, x, v where pieces of the motion begin, and the indices of
+        the events there.
+        """
         t, theta, x, v, kinds, _, targets = self.rows
         events = np.flatnonzero(kinds != GRAZE)
         rows = np.array([targets, t, theta, x, v], dtype=self.kind).T[events]
@@ -238,12 +242,15 @@ class _Columns:
     def at_times(
         self, times: np.ndarray, wrt: tuple[str, ...], dt: np.ndarray, dx: np.ndarray
     ) -> np.ndarray:
-        """Return derivatives of x, v at times with respect to `wrt`, (2, times, wrt), given dt, dx of the events."""
+        """Return derivatives of x, v at times with respect to `wrt`, (2, times, wrt), given dt, dx
+        of the events.
+        """
         codes = codes_of(wrt)
         (starts, events) = self.pieces()
         launched = np.zeros((3, len(starts), len(wrt)), self.kind)
         launched[:, 0] = codes == tangent.T0 + np.arange(3)[:, None]
-        launched[0, 1:], launched[1, 1:] = dt[events], dx[events]
+        launched[0, 1:] = dt[events]
+        launched[1, 1:] = dx[events]
         launched[2, 1:] = codes == tangent.V1 - 1 + self.rows[5][events, None]
         if self.context:
             times = np.array([self.numbers.number(Fraction(t)) for t in times])
@@ -263,7 +270,8 @@ class _Columns:
         launched: np.ndarray,
         codes: Any,
     ) -> np.ndarray:
-        """Return derivatives of x and v at `times`, from those where the pieces of the motion begin.
+        """Return derivatives of x and v at `times`, from those where the pieces of the motion
+        begin.
 
         They are with respect to the numbers with `codes`. `pieces` has for each time the index of
         its piece: of the row of `starts` where that begins, and of the derivatives `launched` of t,
@@ -318,7 +326,8 @@ def sensitivities(
     max_events: int | None = None,
     digits: int | None = None,
 ) -> Sensitivities:
-    """Differentiate a motion (every event, the state at any time) with respect to parameters and the start.
+    """Differentiate a motion (every event, the state at any time) with respect to parameters and
+    the start.
 
     Parameters
     ----------
@@ -395,9 +404,8 @@ def _reasons(
 
 
 def _kink_at_start(columns: _Columns, wrt: tuple[str, ...], marks: np.ndarray) -> str | None:
-    """Return a text on why a start on a belt is not differentiable, with the names concerned.
-
-    None if it is.
+    """Return a text on why a start on a belt is not differentiable, with the names concerned; None
+    if it is.
 
     `marks` are 0 for the names of `wrt` by which no derivative exists.
     """

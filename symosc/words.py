@@ -1,6 +1,5 @@
-"""Words: sequences of mappings in order of time, such as P2 and then P3.
-
-And which mapping may follow which.
+"""Words: sequences of mappings in order of time, such as P2 and then P3; and which mapping may
+follow which.
 
 The paper writes a word like a composition of functions, from right to left: P32 = P3∘P2 applies P2
 first. That text is its mapping structure. `read_word` makes a `Word` of a text, and ``str`` a text
@@ -42,12 +41,15 @@ class WordError(SymoscError, ValueError):
     """
 
     def __init__(self, word: str, reason: str, step: tuple[str, str] | None = None) -> None:
-        self.word, self.reason, self.step = word, reason, step
+        self.word = word
+        self.reason = reason
+        self.step = step
         super().__init__(f"mapping structure {brief(word)}: {reason}")
 
 
 class Plane(NamedTuple):
-    """A switching plane of the paper, by the number of its belt (`boundary`) and its side (`superscript`).
+    """A switching plane of the paper, by the number of its belt (`boundary`) and its side
+    (`superscript`).
 
     The `superscript` is 0 for sticking on the belt, 1 for velocities just below the belt's speed
     and 2 for just above.
@@ -61,9 +63,8 @@ class Plane(NamedTuple):
 
 
 class Map(NamedTuple):
-    """One mapping of the paper.
-
-    Its label, the planes where it starts and ends, and its domain (0 for a stick).
+    """One mapping of the paper: its label, the planes where it starts and ends, and its domain (0
+    for a stick).
     """
 
     label: str
@@ -83,7 +84,9 @@ class Map(NamedTuple):
 
     @property
     def returns(self) -> bool:
-        """Whether the map is a flight that ends in the plane where it starts, so that it can graze there."""
+        """Whether the map is a flight that ends in the plane where it starts, so that it can graze
+        there.
+        """
         return not self.sticks and self.start == self.end
 
     @property
@@ -164,7 +167,8 @@ class Word(NamedTuple):
         return tuple(MAPS[label] for label in self.labels)
 
     def exits(self) -> tuple[str | None, ...]:
-        """Return for each map that is a stick whether the next map moves "below" or "above" the belt.
+        """Return for each map that is a stick whether the next map moves "below" or "above" the
+        belt.
 
         The last map is followed by the first one, as on a periodic orbit. The entry is None for a
         flight, and for a stick if the next map is no flight that begins at its belt.
@@ -172,7 +176,10 @@ class Word(NamedTuple):
         found: list[str | None] = []
         for step, after in zip(self.maps, [*self.maps[1:], self.maps[0]], strict=True):
             fit = step.sticks and not after.sticks and after.start.boundary == step.end.boundary
-            side = "below" if after.domain == NEIGHBOURS[step.end.boundary][0] else "above"
+            if after.domain == NEIGHBOURS[step.end.boundary][0]:
+                side = "below"
+            else:
+                side = "above"
             found.append(side if fit else None)
         return tuple(found)
 
@@ -220,9 +227,8 @@ class Labels(list[str]):
 
 
 def collapsed(labels: Sequence[str]) -> str:
-    """Return labels as text in which a group that is repeated up to the end is written once.
-
-    P1 P3 (P1 P2)×46.
+    """Return labels as text in which a group that is repeated up to the end is written once: P1 P3
+    (P1 P2)×46.
 
     After the last whole group there may be the beginning of one more.
     """
@@ -285,7 +291,8 @@ def read_word(word: WordLike, *, closed: bool = True, grazing: bool = False) -> 
     ('P32', ('P2', 'P3'))
     """
     if isinstance(word, Word):
-        labels, text = (word.labels, str(word))
+        labels = word.labels
+        text = str(word)
     else:
         labels, text = _read(word)
     for before, after in itertools.pairwise((*labels, labels[0]) if closed else labels):
@@ -302,13 +309,19 @@ def why_not(before: str, after: str, *, grazing: bool = False) -> str:
     starts = second.start
     step = f"{after} cannot follow {before}"
     if ends.boundary != starts.boundary:
-        return f"{step}: {before} ends on {ends}, at belt {ends.boundary}, and {after} starts on {starts}"
+        return (
+            f"{step}: {before} ends on {ends}, at belt {ends.boundary}, and {after} starts on "
+            f"{starts}"
+        )
     if first.sticks and second.sticks:
         return (
             f"{step}: a stick ends by slipping off belt {ends.boundary}, so a flight must come next"
         )
     if first.domain == second.domain and not grazing:
-        return f"{step}: {before} comes from Ω{first.domain} and {after} goes back there, which only a graze does"
+        return (
+            f"{step}: {before} comes from Ω{first.domain} and {after} goes back there, which only "
+            "a graze does"
+        )
     return ""
 
 

@@ -18,7 +18,8 @@ LOST = (
 
 @contextmanager
 def process_pool(count: int, start: str | None = None) -> Iterator[Executor]:
-    """Yield a pool of `count` processes, started as `start` says ("spawn" or "fork"; None: as usual).
+    """Yield a pool of `count` processes, started as `start` says ("spawn" or "fork"; None: as
+    usual).
 
     Raises
     ------

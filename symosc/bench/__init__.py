@@ -23,7 +23,9 @@ PACKAGES = ("numpy", "scipy", "mpmath", "numba", "heyoka", "scikit-sundae")
 
 
 def machine() -> dict[str, str]:
-    """Return the processor, its number of cores, the date, and the versions of symosc, Python and the solvers."""
+    """Return the processor, its number of cores, the date, and the versions of symosc, Python and
+    the solvers.
+    """
     from symosc import __version__
 
     try:
@@ -53,5 +55,7 @@ def sentence(about: dict[str, str]) -> str:
 
 
 def not_run(result: Record) -> list[str]:
-    """Return a sentence for each solver that could not run in a benchmark with the results `result`; it says why."""
+    """Return a sentence for each solver that could not run in a benchmark with the results
+    `result`; it says why.
+    """
     return [f"Not run: {name}: {reason}." for name, reason in result["skipped"].items()]

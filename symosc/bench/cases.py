@@ -1,6 +1,5 @@
-"""Run all solvers on the reference cases.
-
-The score of each, and whether symosc keeps its error bound.
+"""Run all solvers on the reference cases: the score of each, and whether symosc keeps its error
+bound.
 
 A solver follows a case at its finest tolerance, in a process of its own and within a limit of
 processor time, so that other work on the machine changes no score. In the hard cases
@@ -45,9 +44,8 @@ OUR_TOLERANCE = 1e-12
 
 
 def hard_ones(quick: bool = False) -> list[ReferenceCase]:
-    """Return the reference cases that are hard for solvers.
-
-    With `quick` only those for `symosc bench --quick`.
+    """Return the reference cases that are hard for solvers; with `quick` only those for `symosc
+    bench --quick`.
     """
     return [case for case in hard_cases() if case.quick or not quick]
 
@@ -59,7 +57,9 @@ def run(
     limit: float = CASE_LIMIT,
     with_derivatives: bool = False,
 ) -> Record:
-    """Run solvers (None: all) on reference cases (None: all), at most `limit` seconds each, and score their events."""
+    """Run solvers (None: all) on reference cases (None: all), at most `limit` seconds each, and
+    score their events.
+    """
     # `limit` is in seconds of processor time. Keys: scores and ours (lists of Score; the second one
     # with OUR_TOLERANCE, of the hard cases and symosc's own solvers), violations (where those did
     # not keep the bound), ok, limit_s, skipped (solver: why it cannot run), machine.
@@ -113,7 +113,9 @@ def run(
 
 
 def answers_of(case: ReferenceCase, with_derivatives: bool) -> Record:
-    """Return a dict of a case's known events, their condition numbers and, if `with_derivatives`, their derivatives."""
+    """Return a dict of a case's known events, their condition numbers and, if `with_derivatives`,
+    their derivatives.
+    """
     if with_derivatives:
         derivatives = case.derivatives
     else:
@@ -131,7 +133,9 @@ def found_by(solver: Solver, case: ReferenceCase, limit: float) -> list[Any] | N
 
 
 def _result(outcome: Outcome, limit: float) -> CaseResult:
-    """Return the events in a solver's outcome, or a note why there are none, such as more than `limit` seconds."""
+    """Return the events in a solver's outcome, or a note why there are none, such as more than
+    `limit` seconds.
+    """
     if outcome.failure == HANG or (not outcome.failure and outcome.value is None):
         return CaseResult(note=f"> {limit:g} s")
     if outcome.failure:
@@ -143,9 +147,8 @@ def _result(outcome: Outcome, limit: float) -> CaseResult:
 
 
 def our_verdict(result: Record) -> str:
-    """Return a sentence: how many hard cases symosc solved within its bound.
-
-    Or list the cases where it did not.
+    """Return a sentence: how many hard cases symosc solved within its bound; or list the cases
+    where it did not.
     """
     bound = "1e-12, or 100 * condition * 1e-16 where that is more"
     if result["violations"]:
@@ -172,9 +175,8 @@ def our_verdict(result: Record) -> str:
 
 
 def table(result: Record) -> str:
-    """Return the result of `run` as text.
-
-    A row per case, a row per group, what the numbers mean, and the verdicts.
+    """Return the result of `run` as text: a row per case, a row per group, what the numbers mean,
+    and the verdicts.
     """
     scores = result["scores"]
     parts = [score.case_table(scores), score.group_table(scores), *score.legend(scores[0])]
@@ -183,9 +185,8 @@ def table(result: Record) -> str:
 
 
 def hard_summary(result: Record) -> str:
-    """Return a Markdown table with a row per group of hard cases.
-
-    Each solver's score, and what is hard about them.
+    """Return a Markdown table with a row per group of hard cases: each solver's score, and what is
+    hard about them.
     """
     scores = result["scores"]
     rows = []

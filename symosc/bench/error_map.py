@@ -1,4 +1,5 @@
-"""Map of the errors of the flow's kernels in double precision over damping, drive and time, against 50 digits.
+"""Map of the errors of the flow's kernels in double precision over damping, drive and time, against
+50 digits.
 
 The flow from any start is linear in the start's data, with the entire functions E0, E1, E2, R2, I2
 of `symosc.kernels.entire` as coefficients. The error of a time is the largest error of these
@@ -51,7 +52,9 @@ ZETA_RANGE = (-10, 2)
 
 
 def value_at(place: float) -> Fraction:
-    """Return the number at a coordinate of an axis that spreads out numbers near 0, numbers near 1, and large ones."""
+    """Return the number at a coordinate of an axis that spreads out numbers near 0, numbers near 1,
+    and large ones.
+    """
     # Up to NEAREST the place is log10(value/(1 - value)), from there on 2 NEAREST + log10(value -
     # 1); 1 is at NEAREST.
     if abs(place - NEAREST) < 1e-9:
@@ -65,7 +68,9 @@ def value_at(place: float) -> Fraction:
 
 
 def place_of(value: float, beyond: float = 0.0) -> float:
-    """Return the coordinate, as `value_at` takes it, of the number `value` + `beyond`, which may be very close to 1."""
+    """Return the coordinate, as `value_at` takes it, of the number `value` + `beyond`, which may be
+    very close to 1.
+    """
     below = (1.0 - value) - beyond
     if below == 0.0:
         return float(NEAREST)
@@ -75,7 +80,9 @@ def place_of(value: float, beyond: float = 0.0) -> float:
 
 
 def axis(low: int, high: int, points: int) -> np.ndarray:
-    """Return coordinates, as `value_at` takes them, evenly from that of 10^low to that of 10^high, with that of 1."""
+    """Return coordinates, as `value_at` takes them, evenly from that of 10^low to that of 10^high,
+    with that of 1.
+    """
     first = place_of(10.0**low)
     last = place_of(10.0**high)
     before = round((points - 1) * (NEAREST - first) / (last - first))
@@ -85,12 +92,16 @@ def axis(low: int, high: int, points: int) -> np.ndarray:
 
 
 def scaled_parameters(zeta: Fraction, ratio: Fraction) -> Parameters:
-    """Return parameters with m = k = 1 (so w0 = 1), damping ratio zeta and Omega/w0 = ratio, without friction."""
+    """Return parameters with m = k = 1 (so w0 = 1), damping ratio zeta and Omega/w0 = ratio,
+    without friction.
+    """
     return Parameters(m=1, c=2 * zeta, k=1, A0=0, B0=1, Omega=ratio, v1=0, v2=1, mu1=0, mu2=0, FN=0)
 
 
 def run(quick: bool = False, progress: Progress = iter, taus: Sequence[float] = TAUS) -> Record:
-    """Return errors of the flow in doubles over damping ratio and Omega/w0, for each w0 tau in `taus`: plain data."""
+    """Return errors of the flow in doubles over damping ratio and Omega/w0, for each w0 tau in
+    `taus`: plain data.
+    """
     # Keys: taus; zeta and ratio (places on the axes, see `value_at`); cheap and symosc: errors, a
     # matrix per tau, zeta in rows and Omega/w0 in columns, nan where the formula cannot be
     # evaluated or the time is longer than what symosc evaluates at once; formulas (matrices on the
@@ -138,14 +149,18 @@ def run(quick: bool = False, progress: Progress = iter, taus: Sequence[float] = 
 
 
 def error(values: Sequence[float], exact: Sequence[Number], tau: float) -> float:
-    """Return the largest error of the flow's five basis functions at `tau`, each relative to its amplitude there."""
+    """Return the largest error of the flow's five basis functions at `tau`, each relative to its
+    amplitude there.
+    """
     E0, E1, E2, R2, I2 = (abs(value) for value in exact[:5])
     sizes = (max(1, E0), E1 + E0 * tau / (1 + tau), E2, R2 + I2, R2 + I2)
     return max(float(abs(b - a) / size) for a, b, size in zip(values, exact, sizes, strict=False))
 
 
 def closed_form(tau: float, K: Constants) -> tuple[float, ...]:
-    """Return the flow's five basis functions at `tau` by the underdamped closed form, even where it is inaccurate."""
+    """Return the flow's five basis functions at `tau` by the underdamped closed form, even where it
+    is inaccurate.
+    """
     angle = K.omega_d * tau
     drive = K.Om * tau
     waves = (sin(angle), cos(angle), sin(drive), cos(drive))
@@ -186,7 +201,7 @@ def _exact(p: Parameters) -> Callable[[float], tuple[Number, ...]]:
     return lambda tau: basis(context.mpf(tau), K)
 
 
-# -- the picture -------------------------------------------------------------------------------------------------------
+# -- the picture -----------------------------------------------------------------------------------
 
 #: Range of the colours, as powers of ten.
 COLOUR_RANGE = (-17, 0)
@@ -211,7 +226,9 @@ OUTLINE = [withStroke(linewidth=2.0, foreground="black")]
 
 
 def figure(result: Record) -> Figure:
-    """Draw the errors of the cheap formula and of symosc, with the borders that symosc draws between its formulas."""
+    """Draw the errors of the cheap formula and of symosc, with the borders that symosc draws
+    between its formulas.
+    """
     taus = result["taus"]
     with rc_context(STYLE):
         drawing = Figure(figsize=(7.0, 4.9), layout=ConstrainedLayoutEngine(w_pad=0.03, h_pad=0.04))
@@ -249,9 +266,8 @@ def figure(result: Record) -> Figure:
 
 
 def _borders(ax: Axes, result: Record, column: int, all_borders: bool) -> None:
-    """Draw the border of the cheap formula at the time number `column`.
-
-    If `all_borders`, all borders, with names.
+    """Draw the border of the cheap formula at the time number `column`; if `all_borders`, all
+    borders, with names.
     """
     from scipy.ndimage import label
 
@@ -289,7 +305,9 @@ def _borders(ax: Axes, result: Record, column: int, all_borders: bool) -> None:
 def _label(
     ax: Axes, ratios: np.ndarray, zetas: np.ndarray, inside: np.ndarray, name: str, **style: Any
 ) -> None:
-    """Write `name` into a plot where the region in which `inside` is true is widest, if there is enough room."""
+    """Write `name` into a plot where the region in which `inside` is true is widest, if there is
+    enough room.
+    """
     from scipy.ndimage import distance_transform_edt
 
     depth = distance_transform_edt(np.pad(inside, 1))[1:-1, 1:-1]
@@ -302,9 +320,8 @@ def _label(
 
 
 def _number(value: float) -> str:
-    """Return a positive number as math text.
-
-    A whole number from 1 to 100, else one digit times a power of ten.
+    """Return a positive number as math text: a whole number from 1 to 100, else one digit times a
+    power of ten.
     """
     if 0.95 <= value < 100:
         return f"{value:.0f}"

@@ -1,6 +1,5 @@
-"""Event logic for ODE integrators as a careful user writes it.
-
-Floats, Theorems 4 to 6, independent of the engine.
+"""Event logic for ODE integrators as a careful user writes it: floats, Theorems 4 to 6, independent
+of the engine.
 
 A solver gives ``leave(q, s, mode, t, x, v, t_end)``, which follows one flight or stick with the
 solver's settings `s` and returns (side, t, x): side -1 or +1 where it was left, 0 where it lasts
@@ -68,9 +67,8 @@ class PeerError(SymoscError, RuntimeError):
 
 
 class Problem(NamedTuple):
-    """A parameter set as floats: coefficients of eq.
-
-    (9), belt speeds, shorter of drive period and free period.
+    """A parameter set as floats: coefficients of eq. (9), belt speeds, shorter of drive period and
+    free period.
     """
 
     A1: float
@@ -87,7 +85,9 @@ class Problem(NamedTuple):
 
 
 def problem(p: Parameters, origin: Fraction = Fraction(0)) -> Problem:
-    """Return a parameter set in floats with the time counted from `origin`, so that late times keep their digits."""
+    """Return a parameter set in floats with the time counted from `origin`, so that late times keep
+    their digits.
+    """
     m = float(p.m)
     Omega = float(p.Omega)
     stiffness = float(p.k) / m
@@ -148,7 +148,9 @@ def turn(q, mode, t, x, v):
 
 
 def sign_of_force(q, alpha, t, x, v):
-    """Return the sign of F^(alpha) at a boundary or, if F = 0, the sign of its first nonzero derivative (Theorem 6)."""
+    """Return the sign of F^(alpha) at a boundary or, if F = 0, the sign of its first nonzero
+    derivative (Theorem 6).
+    """
     phase = q.Omega * t + q.theta
     swing = q.swing
     if alpha == 1:
@@ -185,9 +187,8 @@ def sign_of_force(q, alpha, t, x, v):
 
 
 def resolve(q, boundary, t, x):
-    """Return the mode that follows at a point of a boundary.
-
-    Passing (Theorem 5) or else a stick (Theorem 4).
+    """Return the mode that follows at a point of a boundary: passing (Theorem 5) or else a stick
+    (Theorem 4).
     """
     if boundary == 1:
         v = q.v1
@@ -201,7 +202,9 @@ def resolve(q, boundary, t, x):
 
 
 def start_mode(q, x, v):
-    """Return the mode in which a motion starts at t = 0, and the boundary of its start, 0 if it is inside a domain."""
+    """Return the mode in which a motion starts at t = 0, and the boundary of its start, 0 if it is
+    inside a domain.
+    """
     if v == q.v1:
         boundary = 1
     elif v == q.v2:
@@ -236,9 +239,11 @@ def root(q, mode, side, piece, a, b, fa, fb, tolerance):
         a = tau
         fa = f
         if abs(fa) < abs(fb):
-            best, least = (a, fa)
+            best = a
+            least = fa
         else:
-            best, least = (b, fb)
+            best = b
+            least = fb
         smallest = (0.5 * tolerance + LAST_BIT * abs(best)) / abs(b - a)
         if smallest > 0.5 or least == 0.0:
             return best
@@ -309,7 +314,10 @@ def follow(q, s, t, x, v, mode, boundary, offset, t_end):
                 for j in range(4):
                     longer[i, j] = rows[i, j]
             rows = longer
-        rows[count, 0], rows[count, 1], rows[count, 2], rows[count, 3] = t, x, kind, boundary
+        rows[count, 0] = t
+        rows[count, 1] = x
+        rows[count, 2] = kind
+        rows[count, 3] = boundary
         count += 1
         if count > CHATTER and t - rows[count - 1 - CHATTER, 0] < q.period:
             return rows, count, CHATTERS, mode

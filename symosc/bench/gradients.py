@@ -1,4 +1,5 @@
-"""Ways to differentiate events, as careful users of other tools set them up, and their score on the reference cases.
+"""Ways to differentiate events, as careful users of other tools set them up, and their score on the
+reference cases.
 
 Where a tool has no derivatives through events, its flights have them, at a fixed duration;
 `through_events` does for all such tools what an event does to them (implicit function theorem,
@@ -72,7 +73,9 @@ X, V, OF_M, OF_C, OF_K, OF_A, OF_B, OF_OMEGA, OF_PHASE = COLUMNS = range(9)
 
 
 def found_changes(event: FoundEvent, dt: Sequence[float], dx: Sequence[float]) -> FoundEvent:
-    """Return an event with the derivatives `dt` of its time and `dx` of its position stored by name, without NaN."""
+    """Return an event with the derivatives `dt` of its time and `dx` of its position stored by
+    name, without NaN.
+    """
     rows = (("dt", dt), ("dx", dx))
     changes = {
         f"{of}_{name}": float(d)
@@ -83,7 +86,7 @@ def found_changes(event: FoundEvent, dt: Sequence[float], dx: Sequence[float]) -
     return event._replace(changes=changes)
 
 
-# -- derivatives of flights, and what events do to them ----------------------------------------------------------------
+# -- derivatives of flights, and what events do to them --------------------------------------------
 
 #: The derivatives of each parameter and start value with respect to all of them.
 ONE = dict(zip(NAMES, np.eye(len(NAMES)), strict=True))
@@ -119,9 +122,11 @@ def pieces(scene: Scene, events: Iterable[FoundEvent]) -> Iterator[tuple[Any, ..
         else:
             below, above = (abs(force(q, n, event.t - t0, event.x, speed)) for n in NEIGHBOURS[at])
             if above < below:
-                side, after = (1, at + 1)
+                side = 1
+                after = at + 1
             else:
-                side, after = (-1, at)
+                side = -1
+                after = at
         yield event, mode, t, x, v, boundary, side, after
         if event.kind != "graze":
             mode = after
@@ -134,7 +139,9 @@ def pieces(scene: Scene, events: Iterable[FoundEvent]) -> Iterator[tuple[Any, ..
 def through_events(
     scene: Scene, events: Iterable[FoundEvent], jacobian: Jacobian
 ) -> Iterator[FoundEvent]:
-    """Yield the events of a motion with their derivatives, by the chain rule from the derivatives of its flights."""
+    """Yield the events of a motion with their derivatives, by the chain rule from the derivatives
+    of its flights.
+    """
     p = scene.parameters
     q = problem(scene.parameters, scene.t0)
     t0 = float(scene.t0)
@@ -142,7 +149,9 @@ def through_events(
     m, c, k, B0, Omega = (number[name] for name in ("m", "c", "k", "B0", "Omega"))
 
     def gradient_of_A(domain: int) -> np.ndarray:
-        """Return the derivatives of A, the constant force in a domain, with respect to all parameters."""
+        """Return the derivatives of A, the constant force in a domain, with respect to all
+        parameters.
+        """
         one, two = friction_signs(domain)
         by_mu = number["FN"] * (one * ONE["mu1"] + two * ONE["mu2"])
         return ONE["A0"] + by_mu + (one * number["mu1"] + two * number["mu2"]) * ONE["FN"]
@@ -188,7 +197,9 @@ def through_events(
 def by_flights(
     follow: Prepare, jacobian_of: Callable[[float], Jacobian], scene: Scene, tolerance: float
 ) -> Callable[[], list[FoundEvent]]:
-    """Return a function that finds events by `follow` and differentiates them by the Jacobians of their flights."""
+    """Return a function that finds events by `follow` and differentiates them by the Jacobians of
+    their flights.
+    """
     run = follow(scene, tolerance)
     jacobian = jacobian_of(tolerance)
     return lambda: list(through_events(scene, run(), jacobian))
@@ -210,8 +221,11 @@ def heyoka_jacobian(tolerance: float) -> Jacobian:
 
     def jacobian(*values: float) -> tuple[np.ndarray, np.ndarray]:
         *pars, x, v, duration = values
-        integrator.time, integrator.pars[:], integrator.state[:] = 0.0, pars, begin
-        integrator.state[0], integrator.state[1] = x, v
+        integrator.time = 0.0
+        integrator.pars[:] = pars
+        integrator.state[:] = begin
+        integrator.state[0] = x
+        integrator.state[1] = v
         integrator.propagate_until(duration)
         found = np.array(integrator.state[2:])
         return found[:9], found[9:]
@@ -221,7 +235,9 @@ def heyoka_jacobian(tolerance: float) -> Jacobian:
 
 @lru_cache(maxsize=1)
 def cvodes_jacobian(tolerance: float) -> Jacobian:
-    """Return a function that differentiates a flight's end by CVODES (from casadi), over a time scaled to [0, 1]."""
+    """Return a function that differentiates a flight's end by CVODES (from casadi), over a time
+    scaled to [0, 1].
+    """
     import casadi as ca
 
     y = ca.SX.sym("y", 2)
@@ -244,12 +260,17 @@ def cvodes_jacobian(tolerance: float) -> Jacobian:
 
 
 def tangent_steps(m, c, k, A, B, Omega, phase, x, v, duration, tolerance):
-    """Return x, v and derivatives by start and parameters after a flight, by DOP853 on the variational equations."""
+    """Return x, v and derivatives by start and parameters after a flight, by DOP853 on the
+    variational equations.
+    """
     y = np.zeros(20)
     K = np.zeros((STAGES + 1, 20))
     new = np.zeros(20)
     t = 0.0
-    y[0], y[1], y[2 + 2 * X], y[3 + 2 * V] = x, v, 1.0, 1.0
+    y[0] = x
+    y[1] = v
+    y[2 + 2 * X] = 1.0
+    y[3 + 2 * V] = 1.0
     longest = duration / max(
         1.0, np.ceil(duration * max(Omega, np.sqrt(k / m)) * STEPS_PER_PERIOD / (2 * pi))
     )
@@ -262,8 +283,10 @@ def tangent_steps(m, c, k, A, B, Omega, phase, x, v, duration, tolerance):
                 new += h * STAGE_WEIGHTS[stage, j] * K[j]
             now = t + h * STAGE_TIMES[stage]
             push = (A + B * cos(Omega * now + phase) - k * new[0] - c * new[1]) / m
-            K[stage, 2::2], K[stage, 3::2] = new[3::2], -(k * new[2::2] + c * new[3::2]) / m
-            K[stage, 0], K[stage, 1] = new[1], push
+            K[stage, 2::2] = new[3::2]
+            K[stage, 3::2] = -(k * new[2::2] + c * new[3::2]) / m
+            K[stage, 0] = new[1]
+            K[stage, 1] = push
             K[stage, 3 + 2 * OF_M] -= push / m
             K[stage, 3 + 2 * OF_C] -= new[1] / m
             K[stage, 3 + 2 * OF_K] -= new[0] / m
@@ -293,7 +316,9 @@ def tangent_steps(m, c, k, A, B, Omega, phase, x, v, duration, tolerance):
 
 @lru_cache(maxsize=1)
 def dop853_jacobian(tolerance: float) -> Jacobian:
-    """Return a function that differentiates a flight's end by DOP853 with tangents, compiled by numba."""
+    """Return a function that differentiates a flight's end by DOP853 with tangents, compiled by
+    numba.
+    """
     from numba import njit
 
     steps: Any = njit(tangent_steps)
@@ -307,9 +332,8 @@ def dop853_jacobian(tolerance: float) -> Jacobian:
 
 
 def differences(scene: Scene, tolerance: float) -> Callable[[], list[FoundEvent]]:
-    """Prepare differences of events found by scipy's DOP853.
-
-    Central, or forward if a parameter cannot be decreased.
+    """Prepare differences of events found by scipy's DOP853: central, or forward if a parameter
+    cannot be decreased.
     """
     follow = partial(peers_scipy.prepare, "DOP853")
 
@@ -332,9 +356,11 @@ def differences(scene: Scene, tolerance: float) -> Callable[[], list[FoundEvent]
             more = moved(name, h)
             less = moved(name, -h)
             if less is None:
-                low, width = (events, h)
+                low = events
+                width = h
             else:
-                low, width = (less, 2 * h)
+                low = less
+                width = 2 * h
             for n, (event, a, b) in enumerate(zip(events, more or [], low, strict=False)):
                 if not event[2:] == a[2:] == b[2:]:
                     break
@@ -344,12 +370,14 @@ def differences(scene: Scene, tolerance: float) -> Callable[[], list[FoundEvent]
     return run
 
 
-# -- diffrax -----------------------------------------------------------------------------------------------------------
+# -- diffrax ---------------------------------------------------------------------------------------
 
 
 @lru_cache(maxsize=1)
 def diffrax_pieces(tolerance: float) -> tuple[Callable[..., Any], Callable[..., Any]]:
-    """Return two functions: one follows a flight or stick to its event, the other differentiates that event by JAX."""
+    """Return two functions: one follows a flight or stick to its event, the other differentiates
+    that event by JAX.
+    """
     # The arguments are the parameters; t, x, v and the phase at the start; the duration, the signs
     # of the friction, whether it flies, and the event function: of v, of the force, and of both
     # belt speeds.
@@ -391,7 +419,9 @@ def diffrax_pieces(tolerance: float) -> tuple[Callable[..., Any], Callable[..., 
 
 
 def _settings(p: Parameters, mode: int, side: int) -> tuple[float, ...]:
-    """Return the seven signs and weights by which `diffrax_pieces` knows a motion in `mode` that exits on `side`."""
+    """Return the seven signs and weights by which `diffrax_pieces` knows a motion in `mode` that
+    exits on `side`.
+    """
     if mode > 3:
         return *friction_signs(mode - 3 if side < 0 else mode - 2), 0.0, 0.0, -float(side), 0.0, 0.0
     if side > 0:
@@ -467,7 +497,7 @@ def differentiated_by_diffrax(scene: Scene, tolerance: float) -> Callable[[], li
     return run
 
 
-# -- all of them -------------------------------------------------------------------------------------------------------
+# -- all of them -----------------------------------------------------------------------------------
 
 
 def compiled(scene: Scene, tolerance: float) -> Callable[[], list[FoundEvent]]:
@@ -570,12 +600,15 @@ def write(path: str | Path, result: Record, command: str) -> list[Path]:
     """
     notes = "; ".join(f"{solver.name}: {solver.note}" for solver in solvers() if solver.note)
     more = [
-        f"Made by `{command}`. Each way differentiates all events by all eleven parameters and by t0, x0, v0, with at "
+        f"Made by `{command}`. Each way differentiates all events by all eleven parameters and "
+        "by t0, x0, v0, with at "
         f"most {result['limit_s']:g} s of processor time for a case. {sentence(result['machine'])}",
         f"What is compared: {notes}.",
         *not_run(result),
-        "How many derivatives are right. An error of dt is relative to max(1, |dt|), that of dx to max(1, |x|, |dt|, "
-        "|dx|). It may be 1e-9, or 100 * condition^2 * 1e-16 where that is more. What is neither right nor wrong was "
+        "How many derivatives are right. An error of dt is relative to max(1, |dt|), that of dx "
+        "to max(1, |x|, |dt|, "
+        "|dx|). It may be 1e-9, or 100 * condition^2 * 1e-16 where that is more. What is neither "
+        "right nor wrong was "
         "not given.",
         table(result["scores"]),
     ]

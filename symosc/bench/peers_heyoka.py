@@ -1,4 +1,5 @@
-"""heyoka: Taylor series of high order, compiled just in time, with events found on the series itself.
+"""heyoka: Taylor series of high order, compiled just in time, with events found on the series
+itself.
 
 One integrator does everything. Flights and sticks differ by its parameters, which the callbacks of
 its two terminal events rewrite; so Python runs once per event. The drive is two more state
@@ -34,7 +35,9 @@ from symosc.scenes import Scene
 
 
 def tables(q: Problem) -> tuple[dict[Any, Any], ...]:
-    """Return A_alpha/m by domain, belt speeds, integrator parameters by mode, and velocities just off a belt."""
+    """Return A_alpha/m by domain, belt speeds, integrator parameters by mode, and velocities just
+    off a belt.
+    """
     A = {1: q.A1, 2: q.A2, 3: q.A3}
     belts = {1: q.v1, 2: q.v2}
     parameters = {alpha: np.array([1.0, A[alpha], 1.0, 0.0, -q.v1, 1.0, 0.0, -q.v2]) for alpha in A}
@@ -47,7 +50,9 @@ def tables(q: Problem) -> tuple[dict[Any, Any], ...]:
 
 
 def equations(q: Problem) -> tuple[list[Any], tuple[Any, Any]]:
-    """Return heyoka's equations of motion and two event functions, whose zeros end a flight or stick."""
+    """Return heyoka's equations of motion and two event functions, whose zeros end a flight or
+    stick.
+    """
     import heyoka as hy
 
     x, v, C, S = hy.make_vars("x", "v", "C", "S")
@@ -58,7 +63,9 @@ def equations(q: Problem) -> tuple[list[Any], tuple[Any, Any]]:
 
 
 def prepare(scene: Scene, tolerance: float) -> Callable[[], Iterator[FoundEvent]]:
-    """Return a function that follows the motion of a scene and returns its events, with the integrator built before."""
+    """Return a function that follows the motion of a scene and returns its events, with the
+    integrator built before.
+    """
     import heyoka as hy
 
     q = problem(scene.parameters, scene.t0)
@@ -75,9 +82,8 @@ def prepare(scene: Scene, tolerance: float) -> Callable[[], Iterator[FoundEvent]
     p_now: Any
 
     def callback(event: int) -> Callable[[Any, int], bool]:
-        """Return the callback of event 1 or 2: in a flight, contact with belt 1 or 2.
-
-        In a stick, a slip down or up.
+        """Return the callback of event 1 or 2: in a flight, contact with belt 1 or 2; in a stick, a
+        slip down or up.
         """
         belt = belts[event]
         drag = damping * belt
@@ -164,7 +170,9 @@ def prepare(scene: Scene, tolerance: float) -> Callable[[], Iterator[FoundEvent]
 def count_many(
     p: Parameters, starts: np.ndarray, durations: np.ndarray, tolerance: float
 ) -> Callable[[], np.ndarray]:
-    """Return a function that counts events of motions from (t, x, v), several at once in the processor's registers."""
+    """Return a function that counts events of motions from (t, x, v), several at once in the
+    processor's registers.
+    """
     import heyoka as hy
 
     q = problem(p)
@@ -193,15 +201,22 @@ def count_many(
             if source > 3:
                 boundary = source - 3
                 now[i] = mode = boundary + event - 1
-                v_now[i], parameters[i][:] = v_starts[boundary, mode], pars[mode]
+                v_now[i] = v_starts[boundary, mode]
+                parameters[i][:] = pars[mode]
                 return True
             a = drive(i) - stiffness * position(i) - drag
             if a + A_above > 0.0:
-                now[i], v_now[i], force_now[i] = event + 1, v_above, A_above
+                now[i] = event + 1
+                v_now[i] = v_above
+                force_now[i] = A_above
             elif a + A_below < 0.0:
-                now[i], v_now[i], force_now[i] = event, v_below, A_below
+                now[i] = event
+                v_now[i] = v_below
+                force_now[i] = A_below
             else:
-                now[i], v_now[i], parameters[i][:] = 3 + event, belt, stick
+                now[i] = 3 + event
+                v_now[i] = belt
+                parameters[i][:] = stick
             return True
 
         return act
@@ -236,7 +251,8 @@ def count_many(
             )
             integrator.set_time(0.0)
             for i, (_, x, v) in enumerate(starts[rows].tolist()):
-                now[i], counts[i] = start_mode(q, x, v)[0], 0
+                now[i] = start_mode(q, x, v)[0]
+                counts[i] = 0
                 parameters[i][:] = pars[now[i]]
             integrator.propagate_until(durations[rows])
             if any(each[0] != hy.taylor_outcome.time_limit for each in integrator.propagate_res):
@@ -253,6 +269,7 @@ SOLVERS = (
         prepare,
         (1e-4, 1e-6, 1e-8, 1e-10, 2e-13, 1e-16),
         needs="heyoka",
-        note=f"one integrator for flights and sticks, fast_math; flights start {ONE_STEP_OFFSET:g} off the belt",
+        note="one integrator for flights and sticks, fast_math; flights start "
+        f"{ONE_STEP_OFFSET:g} off the belt",
     ),
 )

@@ -1,6 +1,5 @@
-"""DOP853 compiled by numba.
-
-An adaptive Runge-Kutta method with the event logic inside, nothing of it in Python.
+"""DOP853 compiled by numba: an adaptive Runge-Kutta method with the event logic inside, nothing of
+it in Python.
 
 Coefficients, error estimate and dense output are those of `scipy.integrate.DOP853` (Hairer, Norsett
 & Wanner). An exit is searched where a margin changes its sign over a limited step, and up to its
@@ -45,11 +44,9 @@ ALL_STAGES = (
 )  # with the derivative at the end, and those of the dense output
 STAGE_TIMES = np.concatenate([DOP853.C, [1.0], DOP853.C_EXTRA])
 STAGE_WEIGHTS = np.zeros((ALL_STAGES, ALL_STAGES))
-STAGE_WEIGHTS[:STAGES, :STAGES], STAGE_WEIGHTS[STAGES, :STAGES], STAGE_WEIGHTS[STAGES + 1 :] = (
-    DOP853.A,
-    DOP853.B,
-    DOP853.A_EXTRA,
-)
+STAGE_WEIGHTS[:STAGES, :STAGES] = DOP853.A
+STAGE_WEIGHTS[STAGES, :STAGES] = DOP853.B
+STAGE_WEIGHTS[STAGES + 1 :] = DOP853.A_EXTRA
 E3 = DOP853.E3
 E5 = DOP853.E5
 DENSE_WEIGHTS = DOP853.D
@@ -72,7 +69,9 @@ class Settings(NamedTuple):
 
 
 class SolverStep(NamedTuple):
-    """One step of DOP853: its start t, x, v, its length h, and the coefficients F of its dense output."""
+    """One step of DOP853: its start t, x, v, its length h, and the coefficients F of its dense
+    output.
+    """
 
     F: np.ndarray
     t: float
@@ -82,7 +81,9 @@ class SolverStep(NamedTuple):
 
 
 def settings(q: Problem, tolerance: float) -> Settings:
-    """Return DOP853's settings for a relative tolerance, with steps in proportion to the period of `q`."""
+    """Return DOP853's settings for a relative tolerance, with steps in proportion to the period of
+    `q`.
+    """
     stages = np.zeros((2, ALL_STAGES))
     terms = np.zeros((2, DENSE_TERMS))
     # The first step of each flight and stick, as a part of the period.
@@ -104,10 +105,11 @@ def stages(q, s, mode, t, x, v, h, begin, end):
             dv += STAGE_WEIGHTS[stage, j] * s.K[1, j]
         X = x + h * dx
         V = v + h * dv
-        s.K[0, stage], s.K[1, stage] = (
-            V,
-            force(q, mode, t + h * STAGE_TIMES[stage], X, V) if mode < 4 else 0.0,
-        )
+        s.K[0, stage] = V
+        if mode < 4:
+            s.K[1, stage] = force(q, mode, t + h * STAGE_TIMES[stage], X, V)
+        else:
+            s.K[1, stage] = 0.0
     return X, V
 
 
@@ -168,7 +170,9 @@ def state_in(step, tau):
 
 
 def margin(q, mode, side, step, tau):
-    """Return the lower margin (side < 0), upper margin (> 0) or `turn` (0) at the time tau after a step began."""
+    """Return the lower margin (side < 0), upper margin (> 0) or `turn` (0) at the time tau after a
+    step began.
+    """
     x, v = state_in(step, tau)
     t = step.t + tau
     if side == 0:
@@ -189,9 +193,11 @@ def exit_within(q, s, mode, step, end, tolerance):
     if below >= 0.0 and above >= 0.0:
         return 0, end
     if below < 0.0:
-        side, after = (-1, below)
+        side = -1
+        after = below
     else:
-        side, after = (1, above)
+        side = 1
+        after = above
     before = margin(q, mode, side, step, 0.0)
     if before < 0.0:
         return side, 0.0
@@ -199,7 +205,9 @@ def exit_within(q, s, mode, step, end, tolerance):
 
 
 def refined(q, s, mode, side, step, tau):
-    """Return time and position of an exit by Newton's method on the Runge-Kutta step itself, not its dense output."""
+    """Return time and position of an exit by Newton's method on the Runge-Kutta step itself, not
+    its dense output.
+    """
     x = step.x
     for _ in range(3):
         x, v = stages(q, s, mode, step.t, step.x, step.v, tau, 1, STAGES + 1)
@@ -222,10 +230,12 @@ def leave(q, s, mode, t, x, v, t_end):
     Return side, time and position of its exit (side 0: t_end reached).
     """
     h = s.first
-    s.K[0, 0], s.K[1, 0] = (
-        v,
-        force(q, mode, t, x, v) if mode < 4 else 0.0,
-    )  # the first Runge-Kutta stage
+    # the first Runge-Kutta stage
+    s.K[0, 0] = v
+    if mode < 4:
+        s.K[1, 0] = force(q, mode, t, x, v)
+    else:
+        s.K[1, 0] = 0.0
     last_slope = turn(q, mode, t, x, v)
     for _ in range(1_000_000):
         h = min(h, s.longest, t_end - t)

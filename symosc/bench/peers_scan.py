@@ -1,4 +1,5 @@
-"""The closed form as a careful user writes it, scanned at a fixed distance for a change of sign, compiled by numba.
+"""The closed form as a careful user writes it, scanned at a fixed distance for a change of sign,
+compiled by numba.
 
 One formula for each regime of damping, sampled some times per period (of drive or spring, the
 shorter one), and a root finder between two samples of different sign. What happens between two
@@ -30,9 +31,8 @@ FIRST_SAMPLE = 1e-5
 
 
 class Scan(NamedTuple):
-    """What a scan for changes of sign needs.
-
-    Distance of samples, tolerance of a root, constants of the closed form.
+    """What a scan for changes of sign needs: distance of samples, tolerance of a root, constants of
+    the closed form.
     """
 
     distance: float
@@ -91,7 +91,9 @@ def scan_of(q: Problem, points: int, tolerance: float) -> Scan:
 
 
 def piece_from(q, s, mode, t, x, v):
-    """Return a flight or stick from a start, with the constants of the homogeneous solution that fit this start."""
+    """Return a flight or stick from a start, with the constants of the homogeneous solution that
+    fit this start.
+    """
     if mode > 3:
         return ScanPiece(s, t, x, v, 0.0, 0.0, 0.0)
     force = q.A2
@@ -168,9 +170,13 @@ def leave(q, s, mode, t, x, v, t_end):
         next_below, next_above = margins(q, mode, t + later, x, v)
         if next_below < 0.0 or next_above < 0.0:
             if next_below < 0.0:
-                side, before, after = (-1, below, next_below)
+                side = -1
+                before = below
+                after = next_below
             else:
-                side, before, after = (1, above, next_above)
+                side = 1
+                before = above
+                after = next_above
             if before > 0.0:
                 at = root(q, mode, side, piece, tau, later, before, after, s.tolerance)
             else:
@@ -194,14 +200,18 @@ def compiled() -> Record:
 
 
 def prepare(points: int, scene: Scene, tolerance: float) -> Callable[[], Iterator[FoundEvent]]:
-    """Return a function that follows a scene by the scan, with `points` samples per period, and returns its events."""
+    """Return a function that follows a scene by the scan, with `points` samples per period, and
+    returns its events.
+    """
     return runner(scene, compiled(), scan_of(problem(scene.parameters), points, tolerance), 0.0)
 
 
 def count_many(
     p: Parameters, starts: np.ndarray, durations: np.ndarray, points: int, tolerance: float
 ) -> Callable[[], np.ndarray]:
-    """Return a function that counts the events of motions from (t, x, v) by the scan, in one loop compiled by numba."""
+    """Return a function that counts the events of motions from (t, x, v) by the scan, in one loop
+    compiled by numba.
+    """
     import numba
 
     q = problem(p)
@@ -234,7 +244,8 @@ SOLVERS = tuple(
         partial(prepare, points),
         (1e-4, 1e-7, 1e-10, 1e-13),
         needs="numba",
-        note=f"{points} samples per period, Chandrupatla's root finder; flights between two samples are not seen",
+        note=f"{points} samples per period, Chandrupatla's root finder; flights between two "
+        "samples are not seen",
     )
     for points in (20, 200)
 )

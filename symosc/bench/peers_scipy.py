@@ -1,6 +1,5 @@
-"""Integrators called from Python.
-
-Solve_ivp of scipy (RK45, DOP853, Radau, LSODA) and CVODE of SUNDIALS (Adams, BDF).
+"""Integrators called from Python: solve_ivp of scipy (RK45, DOP853, Radau, LSODA) and CVODE of
+SUNDIALS (Adams, BDF).
 
 Both look for a change of sign from one step to the next. So there are traps.
 
@@ -62,7 +61,9 @@ Integrate = Callable[[Problem, int, float, float, float], Left]
 
 
 def _functions(q: Problem, mode: int) -> tuple[Callable[..., Any], list[Callable[..., float]], Any]:
-    """Return a mode's right-hand side, its event functions (a margin for each exit, and `turn`), and its Jacobian."""
+    """Return a mode's right-hand side, its event functions (a margin for each exit, and `turn`),
+    and its Jacobian.
+    """
 
     def rate(t: float, y: State) -> tuple[float, float]:
         return y[1], force(q, mode, t, y[0], y[1]) if mode < 4 else 0.0
@@ -86,9 +87,11 @@ def integrate_by_scipy(
     events: list[Any] = [partial(function) for function in functions]
     for event in events:
         if event is events[-1]:
-            event.direction, event.terminal = (0, False)
+            event.direction = 0
+            event.terminal = False
         else:
-            event.direction, event.terminal = (-1, True)
+            event.direction = -1
+            event.terminal = True
     if options["method"] in ("Radau", "LSODA"):
         options = options | {"jac": lambda t, y: jacobian}
     try:
@@ -129,7 +132,9 @@ def integrate_by_cvode(
         out[:] = jacobian
 
     exits = len(functions) - 1
-    eventsfn.terminal, eventsfn.direction = [True] * exits + [False], [-1] * exits + [0]  # type: ignore[attr-defined]
+    # type: ignore[attr-defined]
+    eventsfn.terminal = [True] * exits + [False]
+    eventsfn.direction = [-1] * exits + [0]
     solver = CVODE(rhsfn=rhsfn, eventsfn=eventsfn, jacfn=jacfn, num_events=exits + 1, **options)
     solution = solver.solve((begin, begin + t_end), (x, v))
     if not solution.success:
@@ -167,7 +172,9 @@ def leave_by(integrate: Integrate) -> Callable[..., tuple[int, float, float]]:
 
 
 def prepare(method: str, scene: Scene, tolerance: float) -> Callable[[], Iterator[FoundEvent]]:
-    """Return a function that follows a scene by the integrator `method` with this rtol, and returns its events."""
+    """Return a function that follows a scene by the integrator `method` with this rtol, and returns
+    its events.
+    """
     longest = problem(scene.parameters).period / STEPS_PER_PERIOD
     options = {"method": method, "rtol": tolerance, "atol": ATOL * tolerance, "max_step": longest}
     leave = leave_by(
@@ -197,7 +204,8 @@ SCIPY_METHODS = {
 }
 CVODE_METHODS = ("Adams", "BDF")
 NOTE = (
-    f"time counted from each flight and stick, {STEPS_PER_PERIOD} steps per period or more, turning points watched, "
+    f"time counted from each flight and stick, {STEPS_PER_PERIOD} steps per period or more, "
+    "turning points watched, "
     "flights start off the belt by"
 )
 FAR_OFF = f"Jacobian given, {NOTE} {MULTISTEP_OFFSET:g} rtol"

@@ -52,7 +52,9 @@ def _replaced(text: str, content: str, readme: str | Path) -> str:
 
 
 def write(readme: str | Path, result: Record) -> list[Path]:
-    """Write the results of the parts ("speed", "work_precision", ...) into README and separate files; return these."""
+    """Write the results of the parts ("speed", "work_precision", ...) into README and separate
+    files; return these.
+    """
     text = check(readme)
     folder = Path(readme).parent / RESULTS_FOLDER
     measured = result["work_precision"]
@@ -80,7 +82,9 @@ def write(readme: str | Path, result: Record) -> list[Path]:
 
 
 def comparison(result: Record) -> str:
-    """Return the paragraph that compares symosc with heyoka, with looser accuracies and with its own error bound."""
+    """Return the paragraph that compares symosc with heyoka, with looser accuracies and with its
+    own error bound.
+    """
     rows = result["work_precision"]["rows"]
     text = " ".join(
         [_heyoka_sentence(rows), *_loose_sentences(rows), cases.our_verdict(result["scores"])]

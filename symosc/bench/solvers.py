@@ -69,9 +69,8 @@ Prepare: TypeAlias = Callable[[Scene, float], Callable[[], Iterable[FoundEvent]]
 
 @dataclass(frozen=True)
 class Solver:
-    """A solver to compare with.
-
-    How it finds the events of a scene, with which tolerances, and what it needs.
+    """A solver to compare with: how it finds the events of a scene, with which tolerances, and what
+    it needs.
     """
 
     name: str  # in tables and plots
@@ -144,7 +143,7 @@ def all_solvers() -> tuple[Solver, ...]:
     )
 
 
-# -- calls with a time limit -------------------------------------------------------------------------------------------
+# -- calls with a time limit -----------------------------------------------------------------------
 
 
 @dataclass(frozen=True)
@@ -164,7 +163,8 @@ class Worker:
     """
 
     def __init__(self) -> None:
-        self._pool, self._warm = _one_process(), set[str]()
+        self._pool = _one_process()
+        self._warm = set[str]()
 
     def __enter__(self) -> Worker:
         return self
@@ -195,7 +195,9 @@ class Worker:
         return Outcome(failure=failure)
 
     def warm(self, name: str, function: Callable[..., Any], *arguments: object) -> None:
-        """Make a first call, which imports and compiles, unless the worker's process has had one for `name`."""
+        """Make a first call, which imports and compiles, unless the worker's process has had one
+        for `name`.
+        """
         if name not in self._warm:
             self.call(FIRST_LIMIT, function, *arguments)
             self._warm.add(name)

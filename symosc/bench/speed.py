@@ -127,7 +127,7 @@ def _seconds(action: Callable[[], object], clock: Callable[[], float]) -> float:
     return clock() - begin
 
 
-# -- what is measured --------------------------------------------------------------------------------------------------
+# -- what is measured ------------------------------------------------------------------------------
 
 
 def groups(quick: bool = False) -> Iterator[Group]:
@@ -174,7 +174,9 @@ def _long_motions(events: int) -> Iterator[Call]:
 
 
 def _starts(count: int, name: str = "fig9") -> tuple[Parameters, np.ndarray, np.ndarray]:
-    """Return the parameters of a scene, random starts, and end times `PERIODS` periods of the drive later."""
+    """Return the parameters of a scene, random starts, and end times `PERIODS` periods of the drive
+    later.
+    """
     p = load_scene(name).parameters
     rng = np.random.default_rng(1)
     period = 2 * pi / float(p.Omega)
@@ -185,7 +187,9 @@ def _starts(count: int, name: str = "fig9") -> tuple[Parameters, np.ndarray, np.
 
 
 def _ensemble(count: int) -> Iterator[Call]:
-    """Yield calls of `simulate_many` and other solvers that count the events of many motions or return them."""
+    """Yield calls of `simulate_many` and other solvers that count the events of many motions or
+    return them.
+    """
     p, starts, ends = _starts(count)
     follow = partial(simulate_many, p, starts, ends, **ONE_CORE)
     yield Call("events counted", "event", partial(follow, record=COUNTS))
@@ -211,7 +215,9 @@ def _ensemble(count: int) -> Iterator[Call]:
 
 
 def _derivatives(count: int) -> Iterator[Call]:
-    """Yield calls of `simulate_many` with and without derivatives, and a call of `fit` for three parameters."""
+    """Yield calls of `simulate_many` with and without derivatives, and a call of `fit` for three
+    parameters.
+    """
     follow = partial(simulate_many, *_starts(count), **ONE_CORE)
     yield Call("rows of events", "event", follow)
     for last in ("mu1", "Omega"):
@@ -287,7 +293,9 @@ def _residuals(points: int) -> Iterator[Call]:
 
 
 def lambdified(p: Parameters, cse: bool) -> Callable[..., Any]:
-    """Return P3's residual, compiled by sympy's lambdify from the underdamped closed form with numbers put in."""
+    """Return P3's residual, compiled by sympy's lambdify from the underdamped closed form with
+    numbers put in.
+    """
     import sympy
 
     from symosc.engine.flow import constants
@@ -376,7 +384,10 @@ def _processes(quick: bool, cache: str) -> Iterator[Call]:
 
     Unless `quick`, one must compile all code, into the folder `cache`.
     """
-    many = "import symosc; symosc.simulate_many(symosc.load_scene('fig9').parameters, (0, 0, 0), 30, use_numba=True)"
+    many = (
+        "import symosc; symosc.simulate_many(symosc.load_scene('fig9').parameters, (0, 0, 0), 30, "
+        "use_numba=True)"
+    )
     commands: list[tuple[str, tuple[str, ...], dict[str, str]]] = [
         ("import numpy", ("-c", "import numpy"), {}),
         ("symosc simulate fig5", ("-m", "symosc", "simulate", "fig5"), {}),
@@ -394,7 +405,7 @@ def _processes(quick: bool, cache: str) -> Iterator[Call]:
         )
 
 
-# -- measuring ---------------------------------------------------------------------------------------------------------
+# -- measuring -------------------------------------------------------------------------------------
 
 
 def run(quick: bool = False, progress: Progress = iter) -> Record:
@@ -460,7 +471,9 @@ def _events_of(result: Any) -> int:
 
 
 def measure_errors() -> list[Record]:
-    """Return, for four scenes, the largest error of `simulate` against 40 digits, and its largest error estimate."""
+    """Return, for four scenes, the largest error of `simulate` against 40 digits, and its largest
+    error estimate.
+    """
     # Errors are of times and positions, relative to max(1, |value|).
 
     def relative(error: Number, value: Number) -> float:
@@ -480,7 +493,7 @@ def measure_errors() -> list[Record]:
     return rows
 
 
-# -- tables ------------------------------------------------------------------------------------------------------------
+# -- tables ----------------------------------------------------------------------------------------
 
 
 def duration(seconds: float) -> str:
@@ -492,9 +505,8 @@ def duration(seconds: float) -> str:
 
 
 def measurement_note(result: Record) -> str:
-    """Return the paragraph below the speed tables.
-
-    The machine, and the times of an event and of one closed form.
+    """Return the paragraph below the speed tables: the machine, and the times of an event and of
+    one closed form.
     """
     text = (
         f"One run of `symosc bench` ({sentence(result['machine'])}). "
@@ -541,9 +553,8 @@ def _time_text(row: Record) -> str:
 
 
 def table(result: Record, form: str = "simple") -> str:
-    """Return the result of `run` as text, in a form of tabulate.
-
-    A table of all groups, and one of errors.
+    """Return the result of `run` as text, in a form of tabulate: a table of all groups, and one of
+    errors.
     """
     rows = []
     for group in result["groups"]:
@@ -570,6 +581,7 @@ def table(result: Record, form: str = "simple") -> str:
     parts += [tabulate(rows, ["", "time", "times the group's first", "times c"], **options)]
     parts += [tabulate(errors, heads, **options)]
     parts += [
-        f"Errors of times and positions against {REFERENCE_DIGITS} digits, relative to max(1, |value|)."
+        f"Errors of times and positions against {REFERENCE_DIGITS} digits, relative to max(1, "
+        "|value|)."
     ]
     return "\n\n".join(parts)

@@ -1,6 +1,5 @@
-"""Work-precision diagrams.
-
-Time per event and error of every solver, at every tolerance, on the shipped scenes.
+"""Work-precision diagrams: time per event and error of every solver, at every tolerance, on the
+shipped scenes.
 
 Errors, against a run in 40 digits, are of a short span that all solvers get; times are of a long
 one, if the solver finishes it soon, so that the fixed cost of a call does not count.
@@ -81,9 +80,8 @@ ERROR_KEYS = ("error", "error_t", "error_x", "missed", "invented", "missed_graze
 
 @dataclass(frozen=True)
 class Span:
-    """A scene to time, its number of events, and the exact events to compare with.
-
-    Those before the time `until`.
+    """A scene to time, its number of events, and the exact events to compare with: those before the
+    time `until`.
     """
 
     scene: Scene
@@ -164,9 +162,11 @@ def run(
         solvers = all_solvers()
     chosen = scenes or (QUICK_SCENE_SPANS if quick else SCENE_SPANS)
     if quick:
-        limit, budget = (QUICK_SPAN_LIMIT, QUICK_BUDGET)
+        limit = QUICK_SPAN_LIMIT
+        budget = QUICK_BUDGET
     else:
-        limit, budget = (SPAN_LIMIT, BUDGET)
+        limit = SPAN_LIMIT
+        budget = BUDGET
     spans: dict[str, tuple[Span, Span]] = {}
     able = [solver for solver in solvers if not solver.missing]
     plan = [
@@ -262,9 +262,8 @@ def _measured(call: Callable[[Span], Outcome], short: Span, long: Span) -> Recor
 
 
 def _row_numbers(outcome: Outcome, span: Span) -> Record:
-    """Return a solver's times on a span and its errors against the reference.
-
-    None in each after a failure.
+    """Return a solver's times on a span and its errors against the reference; None in each after a
+    failure.
     """
     about = {"compared": len(span.reference)}
     if outcome.failure:
@@ -290,9 +289,8 @@ def _row_numbers(outcome: Outcome, span: Span) -> Record:
 
 
 def compare(found: Iterable[FoundEvent], scene: Scene, exact: Sequence[Event]) -> Record:
-    """Compare a solver's events with the exact ones of a scene.
-
-    Largest errors, and how many are missed or invented.
+    """Compare a solver's events with the exact ones of a scene: largest errors, and how many are
+    missed or invented.
     """
     # Keys: error_t, error_x, error (the larger one; None if nothing can be compared), missed and
     # invented (numbers), missed_grazes (which do not count as missed), and first_wrong (the time of
@@ -320,13 +318,12 @@ def compare(found: Iterable[FoundEvent], scene: Scene, exact: Sequence[Event]) -
     }
 
 
-# -- tables ------------------------------------------------------------------------------------------------------------
+# -- tables ----------------------------------------------------------------------------------------
 
 
 def table(result: Record, markdown: bool = False) -> str:
-    """Return the result of `run` as text.
-
-    A table per scene, with each solver's times, largest error and failures.
+    """Return the result of `run` as text: a table per scene, with each solver's times, largest
+    error and failures.
     """
     heads = ["solver", "tolerance", "time / ours", "us per event", "error"]
     heads += ["events", "missed", "invented", "what went wrong"]
@@ -341,9 +338,12 @@ def table(result: Record, markdown: bool = False) -> str:
         text = tabulate(rows, heads, tablefmt=form, disable_numparse=True, colalign=align)
         parts += [f"**{scene}**\n" if markdown else f"{scene}:", text, ""]
     parts.append(
-        "Times are measured in evaluations of the closed form, timed right after each call, and given at the "
-        f"{result['floor_ns']:.1f} ns that the fastest one took: a machine may change its pace. A call follows 10,000 "
-        "events if it goes on so for less than a second, else 24, of fig8 20, and what it costs itself is included. "
+        "Times are measured in evaluations of the closed form, timed right after each call, and "
+        "given at the "
+        f"{result['floor_ns']:.1f} ns that the fastest one took: a machine may change its pace. "
+        "A call follows 10,000 "
+        "events if it goes on so for less than a second, else 24, of fig8 20, and what it costs "
+        "itself is included. "
         f"Errors are {ERRORS}, against {REFERENCE_DIGITS} digits."
     )
     notes = result["notes"] | {
@@ -382,7 +382,9 @@ def _cells(row: Record, limit: float) -> list[str]:
 
 
 def best_rows(result: Record) -> dict[tuple[str, str], Record]:
-    """Return for each solver and scene the row with the fewest missed and invented events, then the smallest error."""
+    """Return for each solver and scene the row with the fewest missed and invented events, then the
+    smallest error.
+    """
     # A solver that failed at every tolerance is there with its last row.
 
     def badness(row: Record) -> tuple[float, ...]:
@@ -398,9 +400,8 @@ def best_rows(result: Record) -> dict[tuple[str, str], Record]:
 
 
 def summary(result: Record) -> str:
-    """Return a Markdown table of the solvers at their best.
-
-    Time as a multiple of ours, error, and what went wrong.
+    """Return a Markdown table of the solvers at their best: time as a multiple of ours, error, and
+    what went wrong.
     """
 
     def cell(row: Record) -> str:
@@ -416,8 +417,6 @@ def summary(result: Record) -> str:
             parts = []
         if row["error"] is not None:
             parts += [f"{row['error']:.0e}"]
-        else:
-            parts += []
         parts += [f"{name} {row[name]}" for name in ("missed", "invented") if row[name]]
         return ", ".join([*parts, *[failure] * bool(failure)])
 
@@ -428,11 +427,13 @@ def summary(result: Record) -> str:
 
 
 def rounded(value: float, digits: int) -> str:
-    """Return a number as text with `digits` significant digits, without exponent between 1e-4 and 1e6."""
+    """Return a number as text with `digits` significant digits, without exponent between 1e-4 and
+    1e6.
+    """
     return f"{float(f'{value:.{digits}g}'):g}"
 
 
-# -- the picture -------------------------------------------------------------------------------------------------------
+# -- the picture -----------------------------------------------------------------------------------
 
 COLUMNS = 3
 #: A colour per library, a mark per method of it.
@@ -445,9 +446,8 @@ WORST = 1.0
 
 
 def figure(result: Record) -> Figure:
-    """Draw the result of `run`.
-
-    Error against time per event, a panel per scene, a curve per solver.
+    """Draw the result of `run`: error against time per event, a panel per scene, a curve per
+    solver.
     """
     # A cross over a mark: events were missed or invented; no line leads there. Runs that failed
     # have no time; each panel says how many there were.
@@ -484,9 +484,8 @@ def figure(result: Record) -> Figure:
 
 
 def _styles(solvers: Iterable[str]) -> dict[str, Record]:
-    """Return colour and mark of each solver.
-
-    A black star for ours, a colour per library for the others.
+    """Return colour and mark of each solver: a black star for ours, a colour per library for the
+    others.
     """
     methods: dict[str, int] = {}
     styles: dict[str, Record] = {}

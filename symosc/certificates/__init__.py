@@ -1,4 +1,5 @@
-"""Proofs: the events that `simulate` computes to a tolerance, enclosed and proven (extra ``certify``: python-flint).
+"""Proofs: the events that `simulate` computes to a tolerance, enclosed and proven (extra
+``certify``: python-flint).
 
 Modules, lowest layer first:
 

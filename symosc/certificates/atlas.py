@@ -1,4 +1,6 @@
-"""`atlas`: the plane of two parameters, as regions with words, their borders, and boxes in which a word is proven."""
+"""`atlas`: the plane of two parameters, as regions with words, their borders, and boxes in which a
+word is proven.
+"""
 
 from __future__ import annotations
 
@@ -102,7 +104,9 @@ class Region(NamedTuple):
 
 
 class Task(NamedTuple):
-    """A rectangle of the plane of two parameters in which a word is still to be proven, and orbits that it may have."""
+    """A rectangle of the plane of two parameters in which a word is still to be proven, and orbits
+    that it may have.
+    """
 
     box: Rectangle
     near: tuple[Candidate, ...] = ()  # orbits that it may have, that of the nearest rectangle first
@@ -172,9 +176,8 @@ class Plane(NamedTuple):
         return self.p.replace(**dict(zip(self.names, point, strict=True)))
 
     def rests(self, box: Rectangle) -> bool | None:
-        """Return whether the mass may rest on a belt for all parameters of a box.
-
-        None if only for some of them.
+        """Return whether the mass may rest on a belt for all parameters of a box; None if only for
+        some of them.
         """
         ends = by_name(self.p, lambda value: (value, value))
         ends.update(zip(self.names, box, strict=True))
@@ -256,7 +259,7 @@ class Plane(NamedTuple):
         words.update(zip(left, found, strict=True))
         return tuple((float(x), float(y), words[x, y]) for x, y in points)
 
-    # -- borders -------------------------------------------------------------------------------------------------------
+    # -- borders -----------------------------------------------------------------------------------
 
     def borders(
         self, pairs: Sequence[tuple[Place, Place]], known: Sequence[Border] = ()
@@ -294,9 +297,8 @@ class Plane(NamedTuple):
         return found
 
     def beyond(self, border: Border) -> Iterator[tuple[Place, Place]]:
-        """Yield for each side of a border a place beside it and one at the edge.
-
-        `borders` searches between them.
+        """Yield for each side of a border a place beside it and one at the edge: `borders` searches
+        between them.
         """
         middle, way = self.across(border.points)
         for step in (way, -way):
@@ -310,18 +312,19 @@ class Plane(NamedTuple):
                 yield a, b
 
     def across(self, points: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        """Return the middle one of a border's `points` and a vector across the border, in units of the plane's size."""
+        """Return the middle one of a border's `points` and a vector across the border, in units of
+        the plane's size.
+        """
         middle = len(points) // 2
         size = np.array([float(high - low) for low, high in self.range])
         along = (points[middle] - points[middle - 1]) / size
         return points[middle], np.array([along[1], -along[0]]) / linear.norm(along) * size
 
-    # -- boxes ---------------------------------------------------------------------------------------------------------
+    # -- boxes -------------------------------------------------------------------------------------
 
     def orbit_near(self, box: Rectangle) -> Candidate | None:
-        """Return labels and unknowns (`Flights`) of the attracting orbit at a box's middle.
-
-        None if none is usable.
+        """Return labels and unknowns (`Flights`) of the attracting orbit at a box's middle; None if
+        none is usable.
         """
         middle = self.at([(low + high) / 2 for low, high in box])
         try:
@@ -407,15 +410,16 @@ def _flights(labels: tuple[str, ...], p: Parameters, names: tuple[str, str]) -> 
 
 
 def _longer_side(box: Rectangle) -> int:
-    """Return which side of a box (0 or 1) is longer, relative to the largest absolute value of its parameter there."""
+    """Return which side of a box (0 or 1) is longer, relative to the largest absolute value of its
+    parameter there.
+    """
     sizes = [(high - low) / max(abs(high), abs(low)) for low, high in box]
     return int(sizes[1] > sizes[0])
 
 
 def border_known(found: Sequence[Border], a: Place, b: Place) -> bool:
-    """Return whether the border between places `a` and `b` is known.
-
-    The `found` ones there have both words.
+    """Return whether the border between places `a` and `b` is known: the `found` ones there have
+    both words.
     """
     words = {
         word or "" for each in found if crosses(each.points, a[:2], b[:2]) for word in each.words
@@ -424,7 +428,9 @@ def border_known(found: Sequence[Border], a: Place, b: Place) -> bool:
 
 
 def _is_among(border: Border, found: Sequence[Border]) -> bool:
-    """Return whether one of the `found` borders has the words of `border` and passes through its middle point."""
+    """Return whether one of the `found` borders has the words of `border` and passes through its
+    middle point.
+    """
     return any(passes(each, border.points[len(border) // 2], border.words) for each in found)
 
 
@@ -448,7 +454,9 @@ def crosses(points: np.ndarray, a: Any, b: Any) -> bool:
 
 
 def neighbours(grid: Sequence[Place]) -> list[tuple[Place, Place]]:
-    """Return all pairs of neighbouring places, side by side or one above the other, of a square grid."""
+    """Return all pairs of neighbouring places, side by side or one above the other, of a square
+    grid.
+    """
     side = GRID + 2
     ends = (
         (i, j)
@@ -460,18 +468,17 @@ def neighbours(grid: Sequence[Place]) -> list[tuple[Place, Place]]:
 
 
 class Cover:
-    """A division of the plane into boxes.
-
-    Proven ones, and a queue of those still to prove, the larger ones first.
+    """A division of the plane into boxes: proven ones, and a queue of those still to prove, the
+    larger ones first.
     """
 
     def __init__(self, plane: Plane) -> None:
-        self.plane, self.count, self.area = plane, 0, Fraction(0)
-        self.proven, self.small, self.heap = (
-            list[ProvenBox](),
-            list[Rectangle](),
-            list[tuple[float, int, Task]](),
-        )
+        self.plane = plane
+        self.count = 0
+        self.area = Fraction(0)
+        self.proven = list[ProvenBox]()
+        self.small = list[Rectangle]()
+        self.heap = list[tuple[float, int, Task]]()
         #: Places near to each other with different words.
         self.changes = list[tuple[Place, Place]]()
 
@@ -500,7 +507,8 @@ class Cover:
         return [*(task.box for _, _, task in sorted(self.heap)), *self.small]
 
     def run(self, share: Fraction, until: float, pool: Executor | None, report: Any) -> None:
-        """Try to prove the rectangles of the queue until the proven share of the plane is `share`, or the time is up.
+        """Try to prove the rectangles of the queue until the proven share of the plane is `share`,
+        or the time is up.
 
         `until` is a time of the monotonic clock. The workers of `pool` do the proofs; `report` gets
         (proven, `share`).
@@ -523,7 +531,9 @@ class Cover:
             report(min(float(self.area), float(share)), float(share))
 
     def take_up(self, boxes: Sequence[ProvenBox], left: Sequence[Rectangle]) -> None:
-        """Add an earlier run's proven `boxes` and, with their orbits as hints, the rectangles `left` to prove."""
+        """Add an earlier run's proven `boxes` and, with their orbits as hints, the rectangles
+        `left` to prove.
+        """
         self.prove(*boxes)
         orbits = [each for each in boxes if each.points]
         plane = self.plane
@@ -548,9 +558,8 @@ class Cover:
 
 @dataclass(frozen=True, repr=False)
 class Atlas(Drawable):
-    """The plane of two parameters.
-
-    The words of the settled motions, and boxes in which a word is proven.
+    """The plane of two parameters: the words of the settled motions, and boxes in which a word is
+    proven.
 
     With c > 0 and k > 0 a point of the plane has one word, as an orbit with a flight attracts all
     motions.
@@ -626,7 +635,9 @@ class Atlas(Drawable):
 
     @property
     def special(self) -> tuple[Any, ...]:
-        """The special points of all borders (`SpecialPoint`), folds and points of codimension two, each once."""
+        """The special points of all borders (`SpecialPoint`), folds and points of codimension two,
+        each once.
+        """
         found = dict[tuple[Any, ...], Any]()
         size = [float(high - low) for low, high in self.range]
         for each in (point for border in self.borders for point in border.special):
@@ -638,9 +649,8 @@ class Atlas(Drawable):
 
     @public
     def word_at(self, **values: NumberLike) -> str:
-        """Return the word at a point.
-
-        That of a proven box, else that of the motion which the engine finds there.
+        """Return the word at a point: that of a proven box, else that of the motion which the
+        engine finds there.
 
         Parameters
         ----------
@@ -682,22 +692,22 @@ class Atlas(Drawable):
 
     @cached_property
     def _ends(self) -> np.ndarray:
-        """An array with a column for each box.
-
-        Low and high end of the first parameter, low and high of the second.
+        """An array with a column for each box: low and high end of the first parameter, low and
+        high of the second.
         """
         rows = [[float(end) for side in box.range for end in side] for box in self.boxes]
         return np.array(rows).reshape(-1, 4).T
 
     def _around(self, x: float, y: float) -> np.ndarray:
-        """Return the indices of the boxes that contain the point at which the plane's parameters are `x` and `y`."""
+        """Return the indices of the boxes that contain the point at which the plane's parameters
+        are `x` and `y`.
+        """
         low_x, high_x, low_y, high_y = self._ends
         return np.flatnonzero((low_x <= x) & (x <= high_x) & (low_y <= y) & (y <= high_y))
 
     def statement(self) -> Record:
-        """Return what `to_json` writes.
-
-        The plane, the boxes, and what was found without proof (grid, borders).
+        """Return what `to_json` writes: the plane, the boxes, and what was found without proof
+        (grid, borders).
         """
 
         def pairs(box: Rectangle) -> list[list[str]]:
@@ -724,7 +734,9 @@ class Atlas(Drawable):
         }
 
     def to_json(self, path: str | Path) -> None:
-        """Write the atlas to a JSON file that `symosc verify` can prove again ("-": to standard output)."""
+        """Write the atlas to a JSON file that `symosc verify` can prove again ("-": to standard
+        output).
+        """
         about = {"format": FORMAT, "kind": "atlas", "proven": bool(self.boxes), "made_by": "symosc"}
         text = json.dumps(about | self.statement(), separators=(",", ":"))
         write_text(path, text.replace('{"word"', '\n{"word"') + "\n")
@@ -733,7 +745,10 @@ class Atlas(Drawable):
         words = len([each for each in self.regions if each.word])
         borders = len(self.borders)
         about = f"{words} word{'s' * (words != 1)}, {borders} border{'s' * (borders != 1)}"
-        return f"<Atlas over {self.over[0]} and {self.over[1]}: {about}, {self.proven:.6f} of the area proven>"
+        return (
+            f"<Atlas over {self.over[0]} and {self.over[1]}: {about}, {self.proven:.6f} of the "
+            "area proven>"
+        )
 
 
 @public
@@ -747,9 +762,8 @@ def atlas(
     path: str | Path | None = None,
     progress: Progress = False,
 ) -> Atlas:
-    """Draw up the plane of two parameters.
-
-    The words of the settled motions, their borders, and boxes with proofs.
+    """Draw up the plane of two parameters: the words of the settled motions, their borders, and
+    boxes with proofs.
 
     The words are first looked for on a grid. Where two neighbours differ, the border between their
     words is continued. Other borders begin at that border's points of codimension two, and are
@@ -838,7 +852,9 @@ def atlas(
 
 
 def _read_plane(p: Parameters, over: Mapping[str, Any]) -> Plane:
-    """Check the arguments of `atlas`, and return the oscillator, both names and both ranges as a `Plane`."""
+    """Check the arguments of `atlas`, and return the oscillator, both names and both ranges as a
+    `Plane`.
+    """
     if len(over) != 2 or not set(over) <= set(PARAMETER_NAMES):
         names = ", ".join(PARAMETER_NAMES)
         raise ParameterError(

@@ -48,7 +48,9 @@ class Undecided(Exception):
     def __init__(
         self, what: str, near: Ball | None = None, graze: tuple[int, Ball] | None = None
     ) -> None:
-        self.what, self.near, self.graze = what, near, graze
+        self.what = what
+        self.near = near
+        self.graze = graze
         super().__init__(what)
 
     def place(self) -> str:
@@ -59,7 +61,9 @@ class Undecided(Exception):
 
 
 def made_by(bits: int) -> dict[str, Any]:
-    """Return {"made_by": text}, the entry of a file that names symosc, the version of python-flint, and the `bits`."""
+    """Return {"made_by": text}, the entry of a file that names symosc, the version of python-flint,
+    and the `bits`.
+    """
     return {"made_by": f"symosc, python-flint {FLINT_VERSION}, {bits} bits"}
 
 
@@ -83,9 +87,8 @@ def sure_sign(value: Ball) -> int:
 
 
 def decided_sign(value: Ball, what: str, near: Ball | None = None) -> int:
-    """Return the sign that all numbers in a ball have.
-
-    Else raise Undecided with the text `what` and time `near`.
+    """Return the sign that all numbers in a ball have; else raise Undecided with the text `what`
+    and time `near`.
     """
     sign = sure_sign(value)
     if sign == 0:
@@ -159,7 +162,9 @@ class StateSet:
         return [c + _dot(row, self.box) for c, row in zip(self.centre, self.matrix, strict=True)]
 
     def image(self, value: Sequence[Ball], jacobian: Matrix) -> StateSet:
-        """Return a set that contains the image under a map, by its `value` at the centre and `jacobian` over all."""
+        """Return a set that contains the image under a map, by its `value` at the centre and
+        `jacobian` over all.
+        """
         carried, slopes = (
             [[_dot(row, column) for column in zip(*each, strict=True)] for row in jacobian]
             for each in (self.matrix, self.slopes)
@@ -180,7 +185,9 @@ def _dot(row: Sequence[Ball], column: Sequence[Ball]) -> Ball:
 
 
 def _direction(carried: Matrix, box: Sequence[Ball]) -> tuple[Ball, Ball]:
-    """Return a vector of two exact balls along the longest side of the parallelogram `carried` y, y in `box`."""
+    """Return a vector of two exact balls along the longest side of the parallelogram `carried` y, y
+    in `box`.
+    """
     sides = [(a.mid() * y.rad(), b.mid() * y.rad()) for a, b, y in zip(*carried, box, strict=True)]
     a, b = max(sides, key=lambda side: (abs(side[0]) + abs(side[1])).mid())
     length = (abs(a) + abs(b)).mid()

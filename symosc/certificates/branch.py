@@ -1,4 +1,5 @@
-"""A branch of orbits, proven for every value of a parameter between two, and up to the ends of the branch.
+"""A branch of orbits, proven for every value of a parameter between two, and up to the ends of the
+branch.
 
 It is Krawczyk's proof about a curve instead of a point. Let delta be the change of the parameter
 from the middle of an interval, and c(delta) a polynomial near the curve of roots (Newton's method
@@ -64,16 +65,18 @@ GivenEnd = tuple[str, Fraction, Values]
 
 
 class Family:
-    """All orbits of one word for an interval of one parameter.
-
-    Closing equations, and enclosures of their roots.
+    """All orbits of one word for an interval of one parameter: closing equations, and enclosures of
+    their roots.
 
     The constructor proves that there is one root for every value of the parameter; it raises
     Undecided if it cannot.
     """
 
     def __init__(self, prover: BranchProver, low: Fraction, high: Fraction, near: Values) -> None:
-        self.prover, self.low, self.high, self.middle = prover, low, high, ball((low + high) / 2)
+        self.prover = prover
+        self.low = low
+        self.high = high
+        self.middle = ball((low + high) / 2)
         every = ball(low).union(ball(high))
         change = every - self.middle
         thin = prover.at((low + high) / 2)
@@ -107,10 +110,8 @@ class Family:
             turned = ((unit_matrix(len(start)) - Y * J) * column(box)).entries()
             image = [a + b for a, b in zip(pushed, turned, strict=True)]
             if all(r.contains_interior(each) for r, each in zip(box, image, strict=True)):
-                self.tube, self.points = (
-                    box,
-                    [c + each for c, each in zip(along, image, strict=True)],
-                )
+                self.tube = box
+                self.points = [c + each for c, each in zip(along, image, strict=True)]
                 events = switchings(self.wide, [_scaled(each, STATED_WIDTH) for each in whole], 0)
                 #: The enclosures of t and x at all events, as decimals for the file.
                 self.row: Record = {
@@ -124,7 +125,9 @@ class Family:
         raise Undecided("one root for every value of the parameter")
 
     def _coefficients(self, value: Ball, curve: list[arb_mat], order: int) -> list[arb_mat]:
-        """Return the first `order` Taylor coefficients of the residuals along a `curve` of unknowns, about `value`."""
+        """Return the first `order` Taylor coefficients of the residuals along a `curve` of
+        unknowns, about `value`.
+        """
         ctx.cap = max(ctx.cap, order)
         wide = self.wide
         series = Oscillator(
@@ -138,18 +141,24 @@ class Family:
         return [column([each[j] for each in found]) for j in range(order)]
 
     def near(self, value: Fraction) -> Values:
-        """Return the approximate root at a parameter value, even outside the interval, by the family's polynomial."""
+        """Return the approximate root at a parameter value, even outside the interval, by the
+        family's polynomial.
+        """
         return list(_horner(self.curve, ball(value) - self.middle).entries())
 
     def holds(self, value: Fraction, points: Values) -> bool:
-        """Return whether `points` are in the box, about the approximate root at `value`, that has exactly one root."""
+        """Return whether `points` are in the box, about the approximate root at `value`, that has
+        exactly one root.
+        """
         return all(
             (c + r).contains(each)
             for c, r, each in zip(self.near(value), self.tube, points, strict=True)
         )
 
     def root(self, value: Fraction) -> tuple[ClosingBalls, Values]:
-        """Return the closing equations at a value of the parameter, and a narrow enclosure of their root."""
+        """Return the closing equations at a value of the parameter, and a narrow enclosure of their
+        root.
+        """
         thin = self.prover.at(value)
         for _, points in thin.roots(thin.polished([each.mid() for each in self.near(value)])):
             if self.holds(value, points):
@@ -201,7 +210,9 @@ def violated(closing: ClosingBalls, values: Values) -> tuple[str, Ball, str] | N
 
 
 def _below(margin: Margin, span: Ball) -> Ball | None:
-    """Return a time (0 to `span`) after a piece's start at which its `margin` is certainly < 0, None if not found."""
+    """Return a time (0 to `span`) after a piece's start at which its `margin` is certainly < 0,
+    None if not found.
+    """
     last = span.lower().mid()
     curve = margin.curve
     tau = min(
@@ -246,7 +257,9 @@ def prove_branch(
 
 
 class BranchProver:
-    """A prover of a word's orbits for all values of the parameter `name` between both `ends`, the lower one first."""
+    """A prover of a word's orbits for all values of the parameter `name` between both `ends`, the
+    lower one first.
+    """
 
     def __init__(
         self,
@@ -256,8 +269,13 @@ class BranchProver:
         periods: int,
         ends: tuple[GivenEnd, GivenEnd],
     ) -> None:
-        self.p, self.name, self.word, self.periods, self.ends = p, name, Word(labels), periods, ends
-        self.pieces, self.families = pieces_of(self.word), list[Family]()
+        self.p = p
+        self.name = name
+        self.word = Word(labels)
+        self.periods = periods
+        self.ends = ends
+        self.pieces = pieces_of(self.word)
+        self.families = list[Family]()
 
     def at(self, value: Fraction) -> ClosingBalls:
         """Return the closing equations at one value of the parameter."""
@@ -330,7 +348,9 @@ class BranchProver:
     def _cover(
         self, low: Fraction, high: Fraction, progress: Callable[[float], None] | None
     ) -> None:
-        """Prove the orbits for all values from `low` to `high` by intervals, and that the roots of neighbours join."""
+        """Prove the orbits for all values from `low` to `high` by intervals, and that the roots of
+        neighbours join.
+        """
         whole = high - low
         (kind, value, near) = self.ends[0]
         at = low

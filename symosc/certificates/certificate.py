@@ -1,6 +1,5 @@
-"""The result of a proof.
-
-An object with a short repr, and a JSON file that `symosc verify` proves again.
+"""The result of a proof: an object with a short repr, and a JSON file that `symosc verify` proves
+again.
 """
 
 from __future__ import annotations
@@ -25,7 +24,9 @@ STARTS = ("t0", "x0", "v0")
 
 
 def provable(p: Parameters, v0: Fraction) -> tuple[str, ...]:
-    """Return the parameters and start values by which `certify` can prove derivatives (`wrt`), if `v0` is as given."""
+    """Return the parameters and start values by which `certify` can prove derivatives (`wrt`), if
+    `v0` is as given.
+    """
     left_out = [name for n in (1, 2) if v0 == p.belt(n) for name in (f"v{n}", "v0")]
     if p.k == 0:
         if p.c == 0:
@@ -108,7 +109,10 @@ class Certificate(Drawable):
             article = "an"
         else:
             article = "a"
-        return f"<Certificate of {article} {self.kind}: {'proven' if self.proven else 'not proven'}{count}>"
+        return (
+            f"<Certificate of {article} {self.kind}: "
+            f"{'proven' if self.proven else 'not proven'}{count}>"
+        )
 
 
 def stated(
@@ -158,9 +162,8 @@ def proven_rows(statement: Record) -> list[Record]:
 
 
 def common_digits(low: str, high: str) -> str:
-    """Round both ends of an enclosure to the most digits that give one text, and return it.
-
-    Else "low … high".
+    """Round both ends of an enclosure to the most digits that give one text, and return it; else
+    "low … high".
     """
     for digits in range(SHOWN_DIGITS, 0, -1):
         shown = {f"{Decimal(end):.{digits}g}" for end in (low, high)}

@@ -53,7 +53,9 @@ def entire_0f1(b: Ball, z: Ball) -> Ball:
 
 
 class Oscillator:
-    """The constants of an oscillator as balls, with its damping regime and whether it is at resonance."""
+    """The constants of an oscillator as balls, with its damping regime and whether it is at
+    resonance.
+    """
 
     # `ranges` replaces parameters of `p` by a ball, or by a power series in a change of one
     # parameter (arb_series), whose first coefficient may be a ball: a family of oscillators.
@@ -66,7 +68,9 @@ class Oscillator:
         self.B0, self.c, self.k, self.m, self.Omega = (
             b[name] for name in ("B0", "c", "k", "m", "Omega")
         )
-        self.h, self.cm, self.km = self.c / (2 * self.m), self.c / self.m, self.k / self.m
+        self.h = self.c / (2 * self.m)
+        self.cm = self.c / self.m
+        self.km = self.k / self.m
         self.drive = self.B0 * self.Omega / self.m
         #: The sign of (c/2m)^2 - k/m, 0 if undecided, and the root of its size: the damped
         #: frequency or its twin.
@@ -76,7 +80,8 @@ class Oscillator:
             self.damping = sure_sign(coefficient(self.kappa))
         else:
             exact = p.c * p.c / (4 * p.m * p.m) - p.k / p.m
-            self.damping, self.kappa = (exact > 0) - (exact < 0), ball(exact)
+            self.damping = (exact > 0) - (exact < 0)
+            self.kappa = ball(exact)
         self.omega_d = (self.kappa if self.damping >= 0 else -self.kappa).sqrt()
         frequency = coefficient(self.omega_d)
         if not frequency > ROUGH * frequency.rad():  # it is critical, or nearly so in the family
@@ -100,7 +105,8 @@ class Oscillator:
             pull = p.k / p.m - p.Omega**2
             drag = p.c * p.Omega / p.m
             gain = p.B0 * p.Omega / p.m / (pull * pull + drag * drag)
-            self.steady_c, self.steady_s = ball(gain * drag), ball(-gain * pull)
+            self.steady_c = ball(gain * drag)
+            self.steady_s = ball(-gain * pull)
         else:
             pull = self.km - self.Omega * self.Omega
             drag = self.cm * self.Omega
@@ -108,13 +114,13 @@ class Oscillator:
             if not coefficient(square) > 0:
                 raise Undecided("whether the family is at resonance")
             gain = self.drive / square
-            self.steady_c, self.steady_s = gain * drag, -gain * pull
+            self.steady_c = gain * drag
+            self.steady_s = -gain * pull
         self.turns = cache(lambda boundary: Turns(p, boundary))
 
     def entire(self, tau: Ball) -> tuple[Ball, Ball, Ball]:
-        """Return E, E' and phi = E' + (c/m) E at the time `tau`.
-
-        E is the free motion with E(0) = 0 and E'(0) = 1.
+        """Return E, E' and phi = E' + (c/m) E at the time `tau`: E is the free motion with E(0) = 0
+        and E'(0) = 1.
         """
         if self.damping > 0:
             fast = (self.fast * tau).exp()
@@ -148,14 +154,18 @@ class Oscillator:
         return P * c + R * s, Omega * (R * c - P * s)
 
     def force(self, domain: int, t: Ball, x: Ball, v: Ball) -> Ball:
-        """Return the force per mass, which is the acceleration, in a domain at time t, position x and velocity v."""
+        """Return the force per mass, which is the acceleration, in a domain at time t, position x
+        and velocity v.
+        """
         return (
             self.A[domain] + self.B0 * (self.Omega * t).cos() - self.k * x - self.c * v
         ) / self.m
 
 
 class Jet(NamedTuple):
-    """The value g of a function at a time tau after a start, with its first two derivatives dg and ddg."""
+    """The value g of a function at a time tau after a start, with its first two derivatives dg and
+    ddg.
+    """
 
     tau: Ball
     g: Ball
@@ -167,9 +177,8 @@ Curve = Callable[[Ball], Jet]
 
 
 class FlightPoint(NamedTuple):
-    """A point of a flight, a time tau after its start.
-
-    V, a, sine s and cosine c of the phase, E, E1 = E' and phi.
+    """A point of a flight, a time tau after its start: v, a, sine s and cosine c of the phase, E,
+    E1 = E' and phi.
 
     E and phi are the motions without drive of `Oscillator.entire`.
     """
@@ -185,14 +194,21 @@ class FlightPoint(NamedTuple):
 
 
 class Flight:
-    """The motion in one domain that starts at time `t` with position `x` and velocity `v`, which may be wide balls."""
+    """The motion in one domain that starts at time `t` with position `x` and velocity `v`, which
+    may be wide balls.
+    """
 
     def __init__(self, oscillator: Oscillator, domain: int, t: Ball, x: Ball, v: Ball) -> None:
-        self.oscillator, self.domain, self.t0, self.x0, self.v0 = oscillator, domain, t, x, v
+        self.oscillator = oscillator
+        self.domain = domain
+        self.t0 = t
+        self.x0 = x
+        self.v0 = v
         self.s0, self.c0 = (oscillator.Omega * t).sin_cos()
         self.a0 = oscillator.force(domain, t, x, v)
         steady_v, steady_a = oscillator.steady(arb(0), self.s0, self.c0)
-        self.free_v, self.free_a = v - steady_v, self.a0 - steady_a
+        self.free_v = v - steady_v
+        self.free_a = self.a0 - steady_a
 
     def at(self, tau: Ball) -> FlightPoint:
         """Return the point of the flight a time tau after its start."""
@@ -210,7 +226,9 @@ class Flight:
         return -o.cm * there.a - o.km * there.v - o.drive * there.s
 
     def x(self, there: FlightPoint) -> Ball:
-        """Return the position at a point of the flight, by the balance of forces or, if k = 0, that of momentum."""
+        """Return the position at a point of the flight, by the balance of forces or, if k = 0, that
+        of momentum.
+        """
         o = self.oscillator
         p = self.oscillator.p
         if p.k > 0:
@@ -226,7 +244,9 @@ class Flight:
         return self.x0 + self.v0 * there.tau + way / o.m
 
     def moved(self, there: FlightPoint, change: Sequence[Ball]) -> tuple[Ball, Ball]:
-        """Return the derivatives of x and v at a point, at a fixed time, by a `change` (dt, dx, dv) of the start."""
+        """Return the derivatives of x and v at a point, at a fixed time, by a `change` (dt, dx, dv)
+        of the start.
+        """
         # A later start by dt is one at the same time with x lower by v dt and v lower by a dt.
         dt, dx, *rest = change
         x = dx - self.v0 * dt
@@ -249,13 +269,17 @@ class Flight:
         return free + (o.steady_c * o.steady_c + o.steady_s * o.steady_s).sqrt()
 
     def side(self, boundary: int) -> int:
-        """Return 1 if the flight is in a domain above the speed of a belt (`boundary`), -1 if it is in one below."""
+        """Return 1 if the flight is in a domain above the speed of a belt (`boundary`), -1 if it is
+        in one below.
+        """
         if self.domain > boundary:
             return 1
         return -1
 
     def gap(self, boundary: int) -> Curve:
-        """Return the gap to a belt, which is how far v is from its speed, as a function from the time to a `Jet`."""
+        """Return the gap to a belt, which is how far v is from its speed, as a function from the
+        time to a `Jet`.
+        """
         speed = self.oscillator.speed[boundary]
         side = self.side(boundary)
 
@@ -267,7 +291,8 @@ class Flight:
 
 
 def holding_force(o: Oscillator, boundary: int, domain: int, t: Ball, x: Ball) -> Curve:
-    """Return a function from a time after (t, x), where a stick begins, to the `Jet` of a force per mass that holds it.
+    """Return a function from a time after (t, x), where a stick begins, to the `Jet` of a force per
+    mass that holds it.
 
     While that force is > 0, the mass does not slip from the belt into `domain`.
     """
@@ -288,7 +313,8 @@ def holding_force(o: Oscillator, boundary: int, domain: int, t: Ball, x: Ball) -
 
 
 class Turns:
-    """The times (turns) at which the drift of a belt's forces, m dF/dt = -(k v + B0 Omega sin(Omega t)), changes sign.
+    """The times (turns) at which the drift of a belt's forces, m dF/dt = -(k v + B0 Omega sin(Omega
+    t)), changes sign.
 
     If the drift never changes its sign, there are no turns, and `constant` is that sign; otherwise
     `constant` is None.
@@ -297,7 +323,9 @@ class Turns:
     def __init__(self, p: Parameters, boundary: int) -> None:
         bias = p.k * p.belt(boundary)
         amplitude = p.B0 * p.Omega
-        self.Omega, self.constant, self.rising = ball(p.Omega), None, (p.B0 > 0) - (p.B0 < 0)
+        self.Omega = ball(p.Omega)
+        self.constant = None
+        self.rising = (p.B0 > 0) - (p.B0 < 0)
         #: Whether the forces on the belt repeat with the drive.
         self.repeats = bias == 0
         if abs(bias) >= abs(amplitude):
@@ -319,9 +347,8 @@ class Turns:
         return (angle + 2 * turn * arb.pi()) / self.Omega
 
     def after(self, t: Ball) -> Iterator[tuple[Ball | None, int]]:
-        """Yield the time of each turn after t and the drift's sign before it.
-
-        Without turns, (None, its sign) once.
+        """Yield the time of each turn after t and the drift's sign before it; without turns, (None,
+        its sign) once.
         """
         if self.constant is not None:
             yield None, self.constant

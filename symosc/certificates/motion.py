@@ -1,6 +1,5 @@
-"""Proven steps from event to event.
-
-The next belt, the time, and the continuation (Theorems 4 and 5).
+"""Proven steps from event to event: the next belt, the time, and the continuation (Theorems 4 and
+5).
 
 No sign is guessed: a ball that contains 0 raises `Undecided`. The lemmas are proven in `symosc
 derive certificates`.
@@ -51,13 +50,12 @@ LONGEST_DIP = 1.4
 MOST_PIECES = 20_000
 
 
-# -- the next contact of a flight, and the end of a stick --------------------------------------------------------------
+# -- the next contact of a flight, and the end of a stick ------------------------------------------
 
 
 def first_zero(flight: Flight, boundary: int, stop: Ball, on_it: bool) -> tuple[Jet, Jet] | None:
-    """Return jets of a flight's gap to a belt before and after its first zero.
-
-    None if it has none until `stop`.
+    """Return jets of a flight's gap to a belt before and after its first zero; None if it has none
+    until `stop`.
 
     `on_it` says that the flight starts on that belt, from where it is known to leave it.
     """
@@ -91,7 +89,9 @@ def first_zero(flight: Flight, boundary: int, stop: Ball, on_it: bool) -> tuple[
 
 
 def _ends_of_pieces(flight: Flight, boundary: int, stop: Ball) -> Iterator[tuple[Ball, bool, bool]]:
-    """Yield each piece's end, and whether m g'' + c g' + k g (g: the gap to the belt) is >= 0, and is <= 0, on it."""
+    """Yield each piece's end, and whether m g'' + c g' + k g (g: the gap to the belt) is >= 0, and
+    is <= 0, on it.
+    """
     o = flight.oscillator
     begin = flight.t0
     at = arb(0)
@@ -151,9 +151,8 @@ def _dip(flight: Flight, boundary: int, gap: Curve, low: Jet, high: Jet) -> tupl
 
 
 def _where_to_cut(o: Oscillator, low: Jet, high: Jet, u: Ball, cut: int) -> Ball | None:
-    """Return when to cut a flight from its gap `low` to the gap `high`, `u` later.
-
-    None if the gap stays > 0.
+    """Return when to cut a flight from its gap `low` to the gap `high`, `u` later; None if the gap
+    stays > 0.
 
     `cut` is how many times the flight was cut before.
     """
@@ -264,7 +263,8 @@ def sharper(gap: Curve, found: Ball, slope: Ball) -> Ball:
 def end_of_stick(
     o: Oscillator, boundary: int, t: Ball, x: Ball, stop: Ball
 ) -> tuple[int, Ball, Ball] | None:
-    """Return the domain into which a stick from (t, x) slips, its duration, and the derivative of the force at its end.
+    """Return the domain into which a stick from (t, x) slips, its duration, and the derivative of
+    the force at its end.
 
     Return None if it lasts at least for a time `stop`. The caller has proven that the forces hold
     the mass at the start of the stick, or right after it.
@@ -295,14 +295,11 @@ def end_of_stick(
     return None
 
 
-# -- from event to event -----------------------------------------------------------------------------------------------
+# -- from event to event ---------------------------------------------------------------------------
 
 
 class Moving(NamedTuple):
-    """A set of states in one mode.
-
-    Of (t, x, v), or only of (t, x) where v is the speed of a belt.
-    """
+    """A set of states in one mode: of (t, x, v), or only of (t, x) where v is the speed of a belt."""
 
     mode: int  # a code of `symosc.model.MODE_NAMES`
     boundary: (
@@ -314,9 +311,8 @@ class Moving(NamedTuple):
     circle: tuple[Fraction, Fraction] | None = None
 
     def flight(self, o: Oscillator, values: list[Ball]) -> Flight:
-        """Return the flight that starts with `values`.
-
-        T, x and v, or only t and x, if v is the speed of a belt.
+        """Return the flight that starts with `values`: t, x and v, or only t and x, if v is the
+        speed of a belt.
         """
         return Flight(
             o,
@@ -338,14 +334,15 @@ class ProvenEvent(NamedTuple):
     x: Ball
 
     def named(self) -> Record:
-        """Return a dict with the kind, the belt (`boundary`), and the modes before (`source`) and after (`target`)."""
+        """Return a dict with the kind, the belt (`boundary`), and the modes before (`source`) and
+        after (`target`).
+        """
         return dict(zip(self._fields[:4], self[:4], strict=True))
 
 
 def goes_round(p: Parameters) -> bool:
-    """Return whether flights have a spring, no damping and no drive.
-
-    Then (v, a/omega_0) moves on a circle.
+    """Return whether flights have a spring, no damping and no drive: then (v, a/omega_0) moves on a
+    circle.
     """
     return p.c == 0 and p.B0 == 0 and p.k > 0
 
@@ -356,7 +353,9 @@ def belts_around(domain: int) -> list[int]:
 
 
 def begin(o: Oscillator, start: tuple[Fraction, ...], errors: tuple[Fraction, ...]) -> Moving:
-    """Return the initial mode and the set of initial states, given t0, x0, v0 and their half-widths."""
+    """Return the initial mode and the set of initial states, given t0, x0, v0 and their
+    half-widths.
+    """
     p = o.p
     (t0, x0, v0) = start
     values = [around(ball(each), ball(error)) for each, error in zip(start, errors, strict=True)]
@@ -397,16 +396,17 @@ def begin(o: Oscillator, start: tuple[Fraction, ...], errors: tuple[Fraction, ..
 
 
 def next_event(o: Oscillator, state: Moving, t_end: Ball) -> tuple[ProvenEvent, Moving] | None:
-    """Return the next event and the states after it, None if there is none until t_end, or raise Undecided."""
+    """Return the next event and the states after it, None if there is none until t_end, or raise
+    Undecided.
+    """
     return (_slip if state.mode > ON_A_BELT else _contact)(o, state, t_end)
 
 
 def _first_contact(
     flight: Flight, belts: list[int], on: int, t_end: Ball
 ) -> tuple[int, Ball] | None:
-    """Return the belt that a flight from belt `on` (0: from none) meets first, and when.
-
-    None if none until t_end.
+    """Return the belt that a flight from belt `on` (0: from none) meets first, and when; None if
+    none until t_end.
     """
     best = None
     stop = t_end - flight.t0
@@ -425,9 +425,8 @@ def _first_contact(
 
 
 def _contact(o: Oscillator, state: Moving, t_end: Ball) -> tuple[ProvenEvent, Moving] | None:
-    """Return the event at the first contact of a flight and the states after it.
-
-    None if none until t_end.
+    """Return the event at the first contact of a flight and the states after it; None if none until
+    t_end.
     """
     flight = state.flight(o, state.states.hull())
     belts = belts_around(state.mode)
@@ -493,7 +492,9 @@ def _contact(o: Oscillator, state: Moving, t_end: Ball) -> tuple[ProvenEvent, Mo
 
 
 def _exact_grazes(p: Parameters, v0: Fraction, a0: Fraction, belts: list[int]) -> dict[int, Ball]:
-    """Return the belts that a flight from v0, a0 without damping and drive just touches, and after how much time."""
+    """Return the belts that a flight from v0, a0 without damping and drive just touches, and after
+    how much time.
+    """
     square = v0**2 + a0**2 * p.m / p.k
     found = {}
     for boundary in belts:
@@ -521,10 +522,7 @@ def _exact_grazes(p: Parameters, v0: Fraction, a0: Fraction, belts: list[int]) -
 
 
 def _slip(o: Oscillator, state: Moving, t_end: Ball) -> tuple[ProvenEvent, Moving] | None:
-    """Return the event at the end of a stick and the states after it.
-
-    None if it lasts until t_end.
-    """
+    """Return the event at the end of a stick and the states after it; None if it lasts until t_end."""
     (t, x) = state.states.hull()
     speed = o.speed[state.boundary]
     boundary = state.boundary

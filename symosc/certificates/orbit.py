@@ -1,6 +1,5 @@
-"""A periodic orbit, proven.
-
-It exists, is alone in a box, has its word, and its multipliers are enclosed.
+"""A periodic orbit, proven: it exists, is alone in a box, has its word, and its multipliers are
+enclosed.
 
 The unknowns are all switching points t_0, x_0, t_1, x_1, ..., and the equations f those of
 `symosc.orbits`. Let c be the middle of a box X, J an enclosure of the Jacobian over X, Y any
@@ -72,7 +71,9 @@ def column(values: Sequence[Ball]) -> arb_mat:
 
 
 def krawczyk(box: Values, middle: Values, residuals: Values, J: arb_mat) -> Values | None:
-    """Return the image of a box under Krawczyk's operator if it is inside the box, which proves one root; else None."""
+    """Return the image of a box under Krawczyk's operator if it is inside the box, which proves one
+    root; else None.
+    """
     try:
         Y = J.mid().inv().mid()
     except ZeroDivisionError:
@@ -85,9 +86,8 @@ def krawczyk(box: Values, middle: Values, residuals: Values, J: arb_mat) -> Valu
 
 
 class Margin(NamedTuple):
-    """A quantity that must be > 0 for an orbit.
-
-    A number, or a function of the time since a piece's start.
+    """A quantity that must be > 0 for an orbit: a number, or a function of the time since a piece's
+    start.
     """
 
     what: str
@@ -106,8 +106,10 @@ class ClosingBalls:
     def __init__(
         self, oscillator: Oscillator, pieces: tuple[OrbitPiece, ...], periods: int
     ) -> None:
-        self.oscillator, self.pieces = oscillator, pieces
-        self.periods, self.turn = periods, 2 * periods * arb.pi() / oscillator.Omega
+        self.oscillator = oscillator
+        self.pieces = pieces
+        self.periods = periods
+        self.turn = 2 * periods * arb.pi() / oscillator.Omega
 
     def ends(self, values: Values) -> Values:
         """Return [t_1, x_1, ..., t_0 + period, x_0], where pieces 0, 1, ...
@@ -127,7 +129,9 @@ class ClosingBalls:
         return self.pieces[i].start + (self.pieces[i].side > 0)
 
     def residuals(self, values: Values) -> Values:
-        """Return the residuals f of the closing equations, two for each piece, as balls or power series."""
+        """Return the residuals f of the closing equations, two for each piece, as balls or power
+        series.
+        """
         o = self.oscillator
         end = self.ends(values)
         found = list[Ball]()
@@ -144,7 +148,9 @@ class ClosingBalls:
         return found
 
     def _slopes(self, i: int, values: Values) -> tuple[Sequence[Ball], Sequence[Ball]]:
-        """Return for both residuals of piece i their derivatives by t and x at its start, and by t and x at its end."""
+        """Return for both residuals of piece i their derivatives by t and x at its start, and by t
+        and x at its end.
+        """
         o = self.oscillator
         piece = self.pieces[i]
         t0 = values[2 * i]
@@ -178,13 +184,15 @@ class ClosingBalls:
         return J
 
     def end_by_start(self, i: int, values: Values) -> arb_mat:
-        """Return approximate derivatives of t and x at the end of piece i by t and x at its start, a 2 x 2 matrix."""
+        """Return approximate derivatives of t and x at the end of piece i by t and x at its start,
+        a 2 x 2 matrix.
+        """
         rows = self._slopes(i, values)
         return -arb_mat([list(row[2:]) for row in rows]).solve(
             arb_mat([list(row[:2]) for row in rows])
         )
 
-    # -- roots ---------------------------------------------------------------------------------------------------------
+    # -- roots -------------------------------------------------------------------------------------
 
     def polished(self, values: Values) -> Values:
         """Return numbers (exact balls) near a root, by Newton's method without proof.
@@ -209,11 +217,15 @@ class ClosingBalls:
         raise Undecided("a root of the closing equations, which are singular or nearly so")
 
     def krawczyk(self, box: Values, middle: Values) -> Values | None:
-        """Return the Krawczyk image of a box about `middle`, if it proves that one root is in the box; else None."""
+        """Return the Krawczyk image of a box about `middle`, if it proves that one root is in the
+        box; else None.
+        """
         return krawczyk(box, middle, self.residuals(middle), self.jacobian(box))
 
     def roots(self, middle: Values) -> Iterator[tuple[Values, Values]]:
-        """Yield boxes around `middle` with exactly one root, the widest first, each with an enclosure of the root."""
+        """Yield boxes around `middle` with exactly one root, the widest first, each with an
+        enclosure of the root.
+        """
         sizes = self.turn.mid(), max(map(abs, middle[1::2]), key=float) + 1
         for part in BOXES:
             box = [value + arb(0, (part * sizes[j % 2]).mid()) for j, value in enumerate(middle)]
@@ -230,12 +242,11 @@ class ClosingBalls:
                     break
             yield box, root
 
-    # -- the course of the word ----------------------------------------------------------------------------------------
+    # -- the course of the word --------------------------------------------------------------------
 
     def margins(self, i: int, values: Values) -> list[Margin]:
-        """Return what must be > 0 on piece i.
-
-        Its duration, forces that decide its mode, and inequalities during it.
+        """Return what must be > 0 on piece i: its duration, forces that decide its mode, and
+        inequalities during it.
         """
         # None is needed at a start behind a stick: one force is 0 there, the other one is a margin
         # of the stick.
@@ -296,7 +307,9 @@ class ClosingBalls:
         return found
 
     def prove_course(self, values: Values) -> None:
-        """Prove that all margins of the root in `values` are > 0, so that it follows its word, or raise Undecided."""
+        """Prove that all margins of the root in `values` are > 0, so that it follows its word, or
+        raise Undecided.
+        """
         for i in range(len(self.pieces)):
             span, *others = self.margins(i, values)
             for margin in (span, *others):
@@ -305,7 +318,7 @@ class ClosingBalls:
                 elif not margin.curve > 0:
                     raise Undecided(margin.what, values[2 * i])
 
-    # -- multipliers ---------------------------------------------------------------------------------------------------
+    # -- multipliers -------------------------------------------------------------------------------
 
     def stability(self, values: Values) -> Stability:
         """Return trace and determinant of the monodromy matrix of the root in `values`."""
@@ -372,7 +385,9 @@ class Stability(NamedTuple):
 
     @property
     def stable(self) -> bool | None:
-        """True if both multipliers are certainly inside the unit circle, False if one is outside, None if undecided."""
+        """True if both multipliers are certainly inside the unit circle, False if one is outside,
+        None if undecided.
+        """
         T = self.trace
         D = self.determinant
         if abs(D) < 1 and abs(T) < 1 + D:
@@ -406,7 +421,7 @@ class Stability(NamedTuple):
         return (large, zero), (self.determinant / large, zero)
 
 
-# -- the proof ---------------------------------------------------------------------------------------------------------
+# -- the proof -------------------------------------------------------------------------------------
 
 
 def certify_orbit(
@@ -454,7 +469,9 @@ def _prove_with_word(closing: ClosingBalls, near: Values) -> tuple[Values, Value
 
 
 def _marginal(closing: ClosingBalls, near: Values) -> str:
-    """Return a remark for a message if the orbit `near` has a multiplier that is 1 to about 12 digits, otherwise ""."""
+    """Return a remark for a message if the orbit `near` has a multiplier that is 1 to about 12
+    digits, otherwise "".
+    """
     try:
         T, D = closing.stability(near)
     except Undecided:
@@ -463,19 +480,25 @@ def _marginal(closing: ClosingBalls, near: Values) -> str:
         not abs(float((1 - T + D).mid())) < 1e-12
     ):  # a multiplier that is 1 to this part makes it singular
         return ""
-    return "; it is marginal (a multiplier is 1, as nearly as can be seen), and need not be isolated: there may be many"
+    return (
+        "; it is marginal (a multiplier is 1, as nearly as can be seen), and need not be isolated: "
+        "there may be many"
+    )
 
 
-# -- the certificate ---------------------------------------------------------------------------------------------------
+# -- the certificate -------------------------------------------------------------------------------
 
 
 def switchings(closing: ClosingBalls, values: Values, begin: int) -> list[ProvenEvent]:
-    """Return all events of one period from event `begin` on, and at the end event `begin` again, a period later."""
+    """Return all events of one period from event `begin` on, and at the end event `begin` again, a
+    period later.
+    """
     rows = []
     n = len(closing.pieces)
     pieces = closing.pieces
     for j in range(begin, begin + n + 1):
-        (before, piece) = (pieces[j % n - 1], pieces[j % n])
+        before = pieces[j % n - 1]
+        piece = pieces[j % n]
         (t, x) = values[2 * (j % n) : 2 * (j % n) + 2]
         if before.sticks:
             kind = "slip"

@@ -1,6 +1,5 @@
-"""A box of two parameters, proven.
-
-For all of its values one word has an orbit, which is the attracting motion.
+"""A box of two parameters, proven: for all of its values one word has an orbit, which is the
+attracting motion.
 
 The equations are those of `symosc.certificates.orbit` with as few unknowns as possible: of each
 flight its phase at the start, its duration, and its position if it starts with a crossing; where a
@@ -86,12 +85,15 @@ class NotInBox(Exception):
     """
 
     def __init__(self, what: str, along: int | None = None, excess: float = 1) -> None:
-        self.along, self.excess = along, excess
+        self.along = along
+        self.excess = excess
         super().__init__(what)
 
 
 class Leg(NamedTuple):
-    """A flight of a word, the indices of its phase and duration in the unknowns, and the stick after it, if any."""
+    """A flight of a word, the indices of its phase and duration in the unknowns, and the stick
+    after it, if any.
+    """
 
     piece: OrbitPiece
     at: int
@@ -107,7 +109,9 @@ class Leg(NamedTuple):
 
 
 def mirrors(p: Parameters, names: Sequence[str] = ()) -> dict[int, int]:
-    """Return the mirror image of each mode if, for any `names`, x = A0/k and v = 0 is a centre of symmetry; else {}."""
+    """Return the mirror image of each mode if, for any `names`, x = A0/k and v = 0 is a centre of
+    symmetry; else {}.
+    """
     # It is symmetric if the belts are alike with opposite speeds, or if one has no friction and the
     # other no speed.
     if not {"v1", "v2", "mu1", "mu2"} & set(names) and p.v1 == -p.v2 and p.mu1 == p.mu2:
@@ -156,7 +160,8 @@ class Flown:
             quotient = times_i(2 * o.omega_d)
             Z = (X - Y) / quotient
             Z1 = (root * X - other * Y) / quotient
-            self.E, self.E1 = component(free, 1) / o.omega_d, component(root * free, 1) / o.omega_d
+            self.E = component(free, 1) / o.omega_d
+            self.E1 = component(root * free, 1) / o.omega_d
         else:
             self.E, self.E1, _ = o.entire(tau)
             pull = complexed(o.km - o.Omega * o.Omega) + times_i(o.cm * o.Omega)
@@ -168,14 +173,13 @@ class Flown:
         self.phi = self.E1 + o.cm * self.E
         Z = begins * Z
         Z1 = begins * Z1
-        sine, self.cosine, sine1, self.cosine1 = (
-            component(Z, 1),
-            component(Z, 0),
-            component(Z1, 1),
-            component(Z1, 0),
-        )
+        sine = component(Z, 1)
+        self.cosine = component(Z, 0)
+        sine1 = component(Z1, 1)
+        self.cosine1 = component(Z1, 0)
         if leg.piece.after_stick:  # the force says the position
-            self.x0, self.a0 = (A + o.B0 * phase.cos() - o.c * speed) / o.k, arb(0)
+            self.x0 = (A + o.B0 * phase.cos() - o.c * speed) / o.k
+            self.a0 = arb(0)
         else:
             self.x0 = u[leg.at + 1]
             self.a0 = (A + o.B0 * phase.cos() - o.k * self.x0 - o.c * speed) / o.m
@@ -212,7 +216,8 @@ class Flights:
             used = self.pieces[:half]
         else:
             used = self.pieces
-        self.legs, self.count = list[Leg](), 0
+        self.legs = list[Leg]()
+        self.count = 0
         for piece, after in zip(used, [*used[1:], None], strict=True):
             if not piece.sticks:
                 tau = self.count + 2 - piece.after_stick
@@ -222,7 +227,9 @@ class Flights:
                 self.count = tau + 1
 
     def unknowns(self, Omega: float, points: Sequence[tuple[float, float]]) -> list[float]:
-        """Return the unknowns of an orbit from its switching points (phase, x), one for each label of the word."""
+        """Return the unknowns of an orbit from its switching points (phase, x), one for each label
+        of the word.
+        """
         times = [phase for phase, _ in points]
         found = list[float]()
         period = 2 * float(arb.pi())
@@ -237,7 +244,9 @@ class Flights:
         return found
 
     def points(self, o: Oscillator, u: Values) -> list[tuple[float, float]]:
-        """Return phase and position of the switching point at which each label begins, from the unknowns `u`."""
+        """Return phase and position of the switching point at which each label begins, from the
+        unknowns `u`.
+        """
         found = list[tuple[float, float]]()
         for leg, there in zip(self.legs, self.flown(o, u), strict=True):
             found.append((float(u[leg.at]), float(there.x0)))
@@ -249,7 +258,9 @@ class Flights:
         return found
 
     def flown(self, o: Oscillator, u: Values) -> list[Flown]:
-        """Return all flights of the oscillator `o`, with the unknowns `u` of an orbit, followed to their ends."""
+        """Return all flights of the oscillator `o`, with the unknowns `u` of an orbit, followed to
+        their ends.
+        """
         return [Flown(o, leg, u, u[leg.tau]) for leg in self.legs]
 
     def next_start(
@@ -282,9 +293,8 @@ class Flights:
         return flown, found
 
     def slopes(self, o: Oscillator, leg: Leg, u: Values, share: float = 1) -> dict[str, Values]:
-        """Return a dict of derivatives by a flight's unknowns.
-
-        Of x0, and of x, v, a after a `share` of its time.
+        """Return a dict of derivatives by a flight's unknowns: of x0, and of x, v, a after a
+        `share` of its time.
         """
         tau = u[leg.tau] * share
         d = Flown(o, leg, u, tau)
@@ -292,9 +302,11 @@ class Flights:
         s1 = (u[leg.at] + o.Omega * tau).sin()
         crossed = not leg.piece.after_stick
         if crossed:
-            x0, a0 = (arb(0), -o.B0 * s0 / o.m)
+            x0 = arb(0)
+            a0 = -o.B0 * s0 / o.m
         else:
-            x0, a0 = (-o.B0 * s0 / o.k, arb(0))
+            x0 = -o.B0 * s0 / o.k
+            a0 = arb(0)
         v = a0 * d.E - o.drive * d.cosine
         a = a0 * d.E1 - o.drive * d.cosine1
         x = x0 - (o.B0 * (s1 - s0) + o.c * v + o.m * (a - a0)) / o.k
@@ -318,7 +330,8 @@ class Flights:
             else:
                 sign = 1
             meets, joins, meeting = ([arb(0)] * self.count for _ in range(3))
-            meets[leg.at : leg.tau + 1], joins[leg.at : leg.tau + 1] = by["v"], by["x"]
+            meets[leg.at : leg.tau + 1] = by["v"]
+            joins[leg.at : leg.tau + 1] = by["x"]
             for j, entry in enumerate(slopes[follows]["x0"], then):
                 joins[j] -= sign * entry
             rows += [meets, joins]
@@ -336,7 +349,7 @@ class Flights:
                 rows.append(meeting)
         return slopes, rows
 
-    # -- the inequalities ----------------------------------------------------------------------------------------------
+    # -- the inequalities --------------------------------------------------------------------------
 
     def turn(self, o: Oscillator, belt: int, index: int) -> Ball:
         """Return a phase at which k v + B0 Omega sin theta = 0 on a belt.
@@ -347,7 +360,9 @@ class Flights:
         return index * arb.pi() + (-angle if index % 2 else angle)
 
     def turns_between(self, o: Oscillator, belt: int, low: Ball, high: Ball) -> list[int]:
-        """Return the indices of all turns of the forces on a belt that may lie between the phases `low` and `high`."""
+        """Return the indices of all turns of the forces on a belt that may lie between the phases
+        `low` and `high`.
+        """
         bias = abs(o.k * o.speed[belt])
         swing = abs(o.B0 * o.Omega)
         if bias > swing:
@@ -360,7 +375,9 @@ class Flights:
         return [index for index, phase in turns if not phase < low and not phase > high]
 
     def drift(self, o: Oscillator, belt: int, phase: Ball) -> Ball:
-        """Return k v + B0 Omega sin(theta), that is -m dF/dt of both forces on a belt of speed v, at a phase theta."""
+        """Return k v + B0 Omega sin(theta), that is -m dF/dt of both forces on a belt of speed v,
+        at a phase theta.
+        """
         return o.k * o.speed[belt] + o.B0 * o.Omega * phase.sin()
 
     def sections(self, o: Oscillator, leg: Leg, u: Values) -> list[tuple[int, Ball, Ball]] | None:
@@ -386,9 +403,8 @@ class Flights:
         return found
 
     def plan(self, o: Oscillator, u: Values) -> Plan:
-        """Return how to prove the word for all unknowns in the balls u.
-
-        Turns in each stick, and cuts of each flight.
+        """Return how to prove the word for all unknowns in the balls u: turns in each stick, and
+        cuts of each flight.
 
         A cut is a point of a flight at which the gap is shown to be > 0; a flight that needs short
         steps has None.
@@ -404,9 +420,8 @@ class Flights:
         return turns, cuts
 
     def cuts(self, o: Oscillator, leg: Leg, u: Values) -> list[Cut] | None:
-        """Return the points (`Cut`) of a flight at which to show that its gap is > 0.
-
-        None if it needs short steps.
+        """Return the points (`Cut`) of a flight at which to show that its gap is > 0; None if it
+        needs short steps.
         """
         found = self.sections(o, leg, u)
         longest = longest_part(o)
@@ -434,7 +449,9 @@ class Flights:
         return [(round(at / tau * 1024) / 1024, reach) for at, reach in cuts]
 
     def stays(self, o: Oscillator, leg: Leg, u: Values, cuts: list[Cut]) -> bool:
-        """Return whether the gap of a flight back to its belt is > 0 all the time, if it is > 0 at the `cuts`."""
+        """Return whether the gap of a flight back to its belt is > 0 all the time, if it is > 0 at
+        the `cuts`.
+        """
         found = self.sections(o, leg, u)
         longest = longest_part(o)
         tau = u[leg.tau]
@@ -475,9 +492,8 @@ class Flights:
         plan: Plan,
         slopes: Sequence[dict[str, Values]] = (),
     ) -> list[Inequality]:
-        """Return the margins, which must be > 0 for the word.
-
-        Each one's text, value, and derivatives by the unknowns.
+        """Return the margins, which must be > 0 for the word: each one's text, value, and
+        derivatives by the unknowns.
 
         `flown` has the flights, and `plan` the turns and cuts at which to look. Without `slopes`
         the derivatives are 0.
@@ -578,7 +594,9 @@ class Flights:
                 prove_positive(Margin(piece.label, gap, zeros, belt == piece.end), u[leg.tau])
 
     def gap(self, o: Oscillator, leg: Leg, u: Values, side: int, speed: Ball, tau: Ball) -> Jet:
-        """Return how far a flight is above (side 1) or below (side -1) a velocity `speed` at a time after its start."""
+        """Return how far a flight is above (side 1) or below (side -1) a velocity `speed` at a time
+        after its start.
+        """
         there = Flown(o, leg, u, tau)
         jerk = there.jerk(o, (u[leg.at] + o.Omega * tau).sin())
         return Jet(tau, side * (there.v - speed), side * there.a, side * jerk)
@@ -608,7 +626,9 @@ def component(value: Ball, imaginary: int) -> Ball:
 
 
 def longest_part(o: Oscillator) -> float:
-    """Return a time that is just less than half a period of the motion without drive (infinity if it has no period)."""
+    """Return a time that is just less than half a period of the motion without drive (infinity if
+    it has no period).
+    """
     square = (-o.kappa).upper()
     if square > 0:
         return float((arb.pi() / square.sqrt()).lower()) * (1 - 1e-12)
@@ -617,9 +637,8 @@ def longest_part(o: Oscillator) -> float:
 
 @contextmanager
 def box_arithmetic() -> Iterator[None]:
-    """Set the precision for boxes in a with block.
-
-    If Undecided or a division by 0 occurs in it, raise NotInBox.
+    """Set the precision for boxes in a with block; if Undecided or a division by 0 occurs in it,
+    raise NotInBox.
     """
     before = ctx.cap
     try:
@@ -649,12 +668,15 @@ class Surface:
         flights: Flights,
         near: Sequence[float],
     ) -> None:
-        self.p, self.names, self.flights = p, names, flights
+        self.p = p
+        self.names = names
+        self.flights = flights
         self.fixed = by_name(p, ball)
         self.middle = [ball((low + high) / 2) for low, high in box]
         self.half = [ball((high - low) / 2) for low, high in box]
         self.range = [ball(low).union(ball(high)) for low, high in box]
-        self.u, self.slopes = column([arb(value) for value in near]), list[arb_mat]()
+        self.u = column([arb(value) for value in near])
+        self.slopes = list[arb_mat]()
         o = self.oscillator(self.middle)
         for _ in range(MOST_NEWTON):
             u = self.u.entries()
@@ -683,7 +705,8 @@ class Surface:
     def directed(
         self, d: tuple[int, int], rows: Sequence[arb_mat], count: int, wide: bool
     ) -> tuple[Oscillator, Values]:
-        """Return oscillator and unknowns as power series of `count` terms along the direction `d` in the box.
+        """Return oscillator and unknowns as power series of `count` terms along the direction `d`
+        in the box.
 
         `rows` has the coefficients of the unknowns. The series begin at the middle or, if `wide`,
         at all of the box.
@@ -701,7 +724,9 @@ class Surface:
         return tuple(map(float, (self.at(arb(a), arb(b)) if self.slopes else self.u).entries()))
 
     def points(self) -> list[tuple[float, float]]:
-        """Return phase and position of all switching points for the parameters at the middle of the box."""
+        """Return phase and position of all switching points for the parameters at the middle of the
+        box.
+        """
         return self.flights.points(self.oscillator(self.middle), self.u.entries())
 
     def at(self, a: Ball, b: Ball) -> arb_mat:
@@ -731,7 +756,8 @@ class Surface:
                     each + 3 * abs(more) for each, more in zip(rest, values.entries(), strict=True)
                 ]
         aa, bb, both = bends
-        self.slopes, self.squares = [da, db], (aa, both - aa - bb, bb)
+        self.slopes = [da, db]
+        self.squares = (aa, both - aa - bb, bb)
         wide = self.oscillator(self.range)
         surface = self.at(place, place)
         plan = flights.plan(wide, surface.entries())
@@ -783,13 +809,17 @@ class Surface:
     def _coefficients(
         self, d: tuple[int, int], rows: Sequence[arb_mat], count: int, wide: bool
     ) -> tuple[list[arb_mat], tuple[Oscillator, Values, list[Flown]]]:
-        """Return coefficients of Y f (f: residuals, Y: nearly J^-1), and series of oscillator, unknowns, flights."""
+        """Return coefficients of Y f (f: residuals, Y: nearly J^-1), and series of oscillator,
+        unknowns, flights.
+        """
         o, u = self.directed(d, rows, count, wide)
         flown, r = self.flights.residuals(o, u)
         return [self.Y * column([each[k] for each in r]) for k in range(count)], (o, u, flown)
 
     def _derivatives(self, d: tuple[int, int], place: Ball) -> tuple[arb_mat, arb_mat]:
-        """Return first and second Taylor coefficients of the unknowns u(a, b) along `d`, for all a and b in `place`."""
+        """Return first and second Taylor coefficients of the unknowns u(a, b) along `d`, for all a
+        and b in `place`.
+        """
         (da, db) = self.slopes
         (aa, ab, bb) = self.squares
         (i, j) = d
@@ -799,7 +829,9 @@ class Surface:
     def _root_distances(
         self, surface: arb_mat, pushed: Values, along: int
     ) -> tuple[Values, list[dict[str, Values]]]:
-        """Return for each unknown a bound on how far roots are from `surface`, where |Y f| <= `pushed`; and slopes."""
+        """Return for each unknown a bound on how far roots are from `surface`, where |Y f| <=
+        `pushed`; and slopes.
+        """
         # `along` is the side to cut if there is no proof.
         flights = self.flights
         tube = [INFLATION * each for each in pushed]

@@ -104,7 +104,9 @@ Change: TypeAlias = tuple[Ball, Ball]
 
 
 class ToProve(NamedTuple):
-    """The motion to prove: parameters, start (t0, x0, v0), errors, t_end, digits, and names for derivatives (`wrt`)."""
+    """The motion to prove: parameters, start (t0, x0, v0), errors, t_end, digits, and names for
+    derivatives (`wrt`).
+    """
 
     p: Parameters
     start: tuple[Fraction, Fraction, Fraction]
@@ -119,7 +121,9 @@ class ToProve(NamedTuple):
         return not any(self.errors)
 
     def precise(self, *values: Ball) -> bool:
-        """Return whether balls are known to the task's digits, relative to the value or, if |value| < 1, to 1."""
+        """Return whether balls are known to the task's digits, relative to the value or, if |value|
+        < 1, to 1.
+        """
         return all(
             size(each.rad()) < 10.0 ** (-self.digits - 1) * max(1.0, size(each)) for each in values
         )
@@ -183,7 +187,9 @@ def _log2(number: Fraction) -> int:
 
 
 def _follow(task: ToProve) -> Proof:
-    """Prove events with the working precision until t_end, or up to the first sign that is undecided."""
+    """Prove events with the working precision until t_end, or up to the first sign that is
+    undecided.
+    """
     mode = ""
     events = []
     o = Oscillator(task.p)
@@ -224,11 +230,13 @@ def _followed(
         state = following[1]
 
 
-# -- derivatives -------------------------------------------------------------------------------------------------------
+# -- derivatives -----------------------------------------------------------------------------------
 
 
 def _differentiated(task: ToProve, proof: Proof) -> Proof:
-    """Return `proof` with the derivatives by `task.wrt` added or, if one is undecided, the exception that says so."""
+    """Return `proof` with the derivatives by `task.wrt` added or, if one is undecided, the
+    exception that says so.
+    """
     try:
         changes = [
             _changes(task, MODE_NUMBERS[proof.mode], proof.events, name) for name in task.wrt
@@ -298,11 +306,13 @@ def _changes(task: ToProve, mode: int, events: Sequence[ProvenEvent], name: str)
     raise Undecided(f"a derivative by {name} at critical damping")
 
 
-# -- a graze of some start ---------------------------------------------------------------------------------------------
+# -- a graze of some start -------------------------------------------------------------------------
 
 
 def _with_a_graze(task: ToProve, proof: Proof, graze: tuple[int, Ball]) -> Proof:
-    """Return a proof that one start within the error grazes, after the events of `proof`, near `graze` (belt, time)."""
+    """Return a proof that one start within the error grazes, after the events of `proof`, near
+    `graze` (belt, time).
+    """
     o = Oscillator(task.p)
     before = len(proof.events)
     (boundary, near) = graze
@@ -310,12 +320,15 @@ def _with_a_graze(task: ToProve, proof: Proof, graze: tuple[int, Ball]) -> Proof
     events: list[ProvenEvent] = []
 
     def arrive(value: Ball) -> Moving:
-        """Return the states before the grazing flight, from all starts whose t0, x0 or v0 (`name`) is in `value`."""
+        """Return the states before the grazing flight, from all starts whose t0, x0 or v0 (`name`)
+        is in `value`.
+        """
         events.clear()
         low, high = exact_ends(value)
         start = list(task.start)
         errors = list(EXACT)
-        start[place], errors[place] = (low + high) / 2, (high - low) / 2
+        start[place] = (low + high) / 2
+        errors[place] = (high - low) / 2
         state = begin(o, tuple(start), tuple(errors))
         for event, after in islice(_events(o, state, task), before):
             events.append(event)
@@ -363,7 +376,8 @@ def _grazing_interval(
     error: Fraction,
     near: Ball,
 ) -> tuple[Fraction, Fraction]:
-    """Estimate, by the secant method, two values of t0, x0 or v0 between which one leads to a graze; no proof.
+    """Estimate, by the secant method, two values of t0, x0 or v0 between which one leads to a
+    graze; no proof.
 
     `arrive` returns the states before the flight that grazes, about a time `near` after its start.
     The values differ from the `given` one by `error` at most.
@@ -393,7 +407,9 @@ def _grazing_interval(
 
 
 def _lowest(o: Oscillator, state: Moving, boundary: int, near: Ball) -> tuple[Flight, Jet]:
-    """Return the flight, and the jet of its gap to a belt at the time when the gap is least, near `near`."""
+    """Return the flight, and the jet of its gap to a belt at the time when the gap is least, near
+    `near`.
+    """
     flight = state.flight(o, state.states.hull())
     gap = flight.gap(boundary)
 
@@ -419,7 +435,9 @@ def _lowest(o: Oscillator, state: Moving, boundary: int, near: Ball) -> tuple[Fl
 
 
 def _only_contact(o: Oscillator, state: Moving, flight: Flight, there: Jet, boundary: int) -> None:
-    """Prove that a flight has no contact before its graze, which is at the jet `there`, or raise Undecided."""
+    """Prove that a flight has no contact before its graze, which is at the jet `there`, or raise
+    Undecided.
+    """
     width = there.tau.mid() / 4
     for _ in range(MOST_NARROWINGS):
         if abs(flight.jerk(flight.at(around(there.tau, width)))) > 0:
@@ -436,13 +454,12 @@ def _only_contact(o: Oscillator, state: Moving, flight: Flight, there: Jet, boun
             raise Undecided("a contact before a touch", flight.t0 + there.tau)
 
 
-# -- the certificate ---------------------------------------------------------------------------------------------------
+# -- the certificate -------------------------------------------------------------------------------
 
 
 def _certificate(task: ToProve, proof: Proof, bits: int) -> Certificate:
-    """Return the certificate of a motion.
-
-    With the checker's verdict, or with what `bits` bits leave undecided.
+    """Return the certificate of a motion: with the checker's verdict, or with what `bits` bits
+    leave undecided.
     """
     rows = []
     before = ball(task.start[0])
@@ -482,9 +499,8 @@ def _certificate(task: ToProve, proof: Proof, bits: int) -> Certificate:
 
 
 def first_entries(task: ToProve, bits: int) -> Record:
-    """Return the first entries of a motion's file.
-
-    The program, and parameters and start as rational numbers.
+    """Return the first entries of a motion's file: the program, and parameters and start as
+    rational numbers.
     """
     return made_by(bits) | {
         "parameters": task.p.as_dict(),
@@ -508,11 +524,13 @@ def decimals(value: Ball, digits: int) -> list[str]:
     return list(outward(value, digits))
 
 
-# -- motions that settle -----------------------------------------------------------------------------------------------
+# -- motions that settle ---------------------------------------------------------------------------
 
 
 class Cycle(NamedTuple):
-    """A box of t and x at an arrival on a belt, into which all motions from it come back after `turns` periods."""
+    """A box of t and x at an arrival on a belt, into which all motions from it come back after
+    `turns` periods.
+    """
 
     place: int  # the orbit's switching point in it
     middle: list[Fraction]
@@ -554,7 +572,9 @@ def prove_settled(task: ToProve, orbit: PeriodicOrbit) -> Certificate:
 
 
 def _start(o: Oscillator, task: ToProve) -> tuple[Moving, Fraction | None]:
-    """Return the initial states and None or, if the mass may stick first, the states as it slips and a later time."""
+    """Return the initial states and None or, if the mass may stick first, the states as it slips
+    and a later time.
+    """
     p = task.p
     (t0, x0, v0) = task.start
     try:
@@ -572,9 +592,11 @@ def _start(o: Oscillator, task: ToProve) -> tuple[Moving, Fraction | None]:
     if not ((slope < 0 and high < 0) or (slope > 0 and low > 0)):
         raise Undecided("a force on the belt at the start", t)
     if slope < 0:
-        domain, force = (boundary, low)
+        domain = boundary
+        force = low
     else:
-        domain, force = (boundary + 1, high)
+        domain = boundary + 1
+        force = high
     longest = exact_ends(2 * abs(force).upper() / abs(slope).lower())[1]
     lasts = task.errors[0] + Fraction(
         floor(longest * 10**60) + 2, 10**60
@@ -586,9 +608,8 @@ def _start(o: Oscillator, task: ToProve) -> tuple[Moving, Fraction | None]:
 
 
 def _arrival(closing: ClosingBalls, points: Values, event: ProvenEvent) -> int | None:
-    """Return the index of the orbit's switching point (after a flight) that is near an event.
-
-    None if none is.
+    """Return the index of the orbit's switching point (after a flight) that is near an event; None
+    if none is.
     """
     for i, row in enumerate(switchings(closing, points, 0)[:-1]):
         turns = float((event.t - row.t) / closing.turn)
@@ -601,7 +622,9 @@ def _arrival(closing: ClosingBalls, points: Values, event: ProvenEvent) -> int |
 
 
 def _invariant_box(closing: ClosingBalls, points: Values, i: int, state: Moving) -> Cycle | None:
-    """Return a box around the orbit's point i that has `state` in it and into which its motions return, or None."""
+    """Return a box around the orbit's point i that has `state` in it and into which its motions
+    return, or None.
+    """
     n = len(closing.pieces)
     turns = 1
     once = unit_matrix(2)
@@ -645,7 +668,9 @@ def _invariant_box(closing: ClosingBalls, points: Values, i: int, state: Moving)
 
 
 def _contracted_box(D: arb_mat) -> tuple[Fraction, Fraction] | None:
-    """Return sides (the larger is 1) of a box about 0 that the matrix D maps into a smaller copy of it, or None."""
+    """Return sides (the larger is 1) of a box about 0 that the matrix D maps into a smaller copy of
+    it, or None.
+    """
     sizes = [[abs(float(D[i, j])) for j in (0, 1)] for i in (0, 1)]
     e = [1.0, 1.0]
     for _ in range(60):  # towards the eigenvector of |D|

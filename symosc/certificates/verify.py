@@ -93,16 +93,15 @@ def require(value, what):
 
 
 def inside(value, ends):
-    """Raise Stop unless a ball is between the two `ends` that a file states.
-
-    If both are 0, it must be exactly 0.
+    """Raise Stop unless a ball is between the two `ends` that a file states; if both are 0, it must
+    be exactly 0.
     """
     if not (ends[0] == ends[1] == 0 and value.is_zero()):
         require(value - arb(ends[0]), "a number is not above the lower end stated")
         require(arb(ends[1]) - value, "a number is not below the upper end stated")
 
 
-# -- the shape of a file -----------------------------------------------------------------------------------------------
+# -- the shape of a file ---------------------------------------------------------------------------
 
 
 def number(value, where):
@@ -156,7 +155,10 @@ def read(value, shape, where):
     if isinstance(shape, list | tuple):
         right = type(value) is list and (isinstance(shape, list) or len(value) == len(shape))
         check(right, f"{where} is no list, or not as long as it must be", BAD)
-        parts = shape * len(value) if isinstance(shape, list) else shape
+        if isinstance(shape, list):
+            parts = shape * len(value)
+        else:
+            parts = shape
         return [
             read(each, part, f"{where}[{i}]")
             for i, (each, part) in enumerate(zip(value, parts, strict=True))
@@ -210,17 +212,21 @@ CHANGES = {"wrt": [{*NAMES, *START}], "derivatives": [{"dt": [interval], "dx": [
 SHAPES["derivatives"] = SHAPES["trajectory"] | CHANGES
 
 
-# -- motions -----------------------------------------------------------------------------------------------------------
+# -- motions ---------------------------------------------------------------------------------------
 
 
 class Problem:
-    """An oscillator: its parameters `p`, its modes by their number, and the limits of the work spent on a proof."""
+    """An oscillator: its parameters `p`, its modes by their number, and the limits of the work
+    spent on a proof.
+    """
 
     def __init__(self, p, limits):
         least = min(p[each] for each in ("c", "k", "mu1", "mu2", "FN"))
         right = min(p["m"], p["Omega"], p["v2"] - p["v1"]) > 0 <= least
         check(right, "parameters out of range: m, Omega > 0; c, k, mu1, mu2, FN >= 0; v1 < v2", BAD)
-        self.p, self.limits, self.mode = p, limits, cache(lambda i: Mode(p, i))
+        self.p = p
+        self.limits = limits
+        self.mode = cache(lambda i: Mode(p, i))
 
     def step(self, count=1):
         """Add `count` steps to the work done; raise Stop if that is more than the limit."""
@@ -229,7 +235,8 @@ class Problem:
 
 
 class Mode:
-    """A mode of motion: the state z = (x, v, 1, cos Omega t, sin Omega t) solves z' = M z, until a function f is 0.
+    """A mode of motion: the state z = (x, v, 1, cos Omega t, sin Omega t) solves z' = M z, until a
+    function f is 0.
 
     Each f is a row times z: the distance of v from a belt or, on a belt, the force F below it or -F
     above it. The products rows[n] z are the n-th derivatives of all f.
@@ -243,7 +250,8 @@ class Mode:
         m, c, k, A0, B0, Om, *_, mu1, mu2, FN = (p[name] for name in NAMES)
         friction = {1: mu1 + mu2, 2: mu2 - mu1, 3: -mu1 - mu2}
         F = {i: [-k / m, -c / m, (A0 + friction[i] * FN) / m, B0 / m, fmpq(0)] for i in friction}
-        self.number, self.flies = number, number < 4
+        self.number = number
+        self.flies = number < 4
         if self.flies:  # the distance from each belt around the domain
             sides = ((number - 1, 1), (number, -1))
             rows = {
@@ -253,13 +261,18 @@ class Mode:
             }
         else:  # F below the belt, and -F above it
             rows = {number - 3: F[number - 3], number - 2: [-each for each in F[number - 2]]}
-        self.ends, self.row = list(rows), fmpq_mat(list(rows.values()))
+        self.ends = list(rows)
+        self.row = fmpq_mat(list(rows.values()))
         self.exact = fmpq_mat(
             [[0, 1, 0, 0, 0], F.get(number, [0] * 5), [0] * 5, [0, 0, 0, 0, -Om], [0, 0, 0, Om, 0]]
         )
         self.M = arb_mat(self.exact)
         self.rows = [arb_mat(self.row * self.exact**order) for order in range(ORDERS)]
-        self.km, self.lag = arb(k / m), arb(m / c) if c else arb.pos_inf()
+        self.km = arb(k / m)
+        if c:
+            self.lag = arb(m / c)
+        else:
+            self.lag = arb.pos_inf()
         self.drive = [arb(abs(B0) * Om**order / m) for order in range(ORDERS + 1)]
         pull = k - m * Om * Om
         drag = c * Om
@@ -271,7 +284,9 @@ class Mode:
             )
 
     def bound(self, z, n, h):
-        """Return a number that |f^(n)|, n > 1, does not exceed for a time `h` after the state z, for each f."""
+        """Return a number that |f^(n)|, n > 1, does not exceed for a time `h` after the state z,
+        for each f.
+        """
         u, w = (abs((rows * z)[0, 0]).upper() for rows in self.rows[n : n + 2])
         D = self.drive[n + 1]
         lag = h.min(self.lag)
@@ -286,7 +301,9 @@ class Mode:
         return energy
 
     def settles(self, z):
-        """Return whether a flight certainly never meets a belt after the state z, by a bound of its velocity."""
+        """Return whether a flight certainly never meets a belt after the state z, by a bound of its
+        velocity.
+        """
         if self.steady is None:
             return False
         w, rate = (abs((row * z)[0, 0]).upper() for row in (self.free, self.free * self.M))
@@ -294,7 +311,8 @@ class Mode:
         return all(arb(self.row[i, 2]) - most > 0 for i in range(len(self.ends)))
 
     def stays(self, z, h, orders, after=None):
-        """Return whether the mode certainly lasts for a time `h` after the state z, as all its f stay > 0.
+        """Return whether the mode certainly lasts for a time `h` after the state z, as all its f
+        stay > 0.
 
         `orders` has, by the ends of the mode, the order of the first derivative that is not 0 of
         each f that is 0 at z. `after` is the state at the end of that time, if it is known.
@@ -324,9 +342,10 @@ class Mode:
 
 
 class Motion:
-    """The motions in one mode from a set of starts (t, x, v).
+    """The motions in one mode from a set of starts (t, x, v): `centre` plus each side times any
+    number in [-1, 1].
 
-    `centre` plus each side times any number in [-1, 1].
+    ].
     """
 
     # The sides are vectors: `columns` contain the derivatives with respect to the first start; or,
@@ -338,12 +357,20 @@ class Motion:
     def __init__(
         self, problem, mode, belt, centre, columns=(), leaves=None, amplitude=None, rest=None
     ):
-        self.problem, self.mode, self.belt, self.centre = problem, problem.mode(mode), belt, centre
-        self.columns, self.rest, sides = columns, rest, [*columns, *(rest or ())]
+        self.problem = problem
+        self.mode = problem.mode(mode)
+        self.belt = belt
+        self.centre = centre
+        self.columns = columns
+        self.rest = rest
+        sides = [*columns, *(rest or ())]
         self.t, x, v = (
             c + sum((side[i] * arb(0, 1) for side in sides), arb(0)) for i, c in enumerate(centre)
         )
-        self.x, self.leaves, self.origin, p = x, leaves or {}, self.t.lower(), problem.p
+        p = problem.p
+        self.origin = self.t.lower()
+        self.leaves = leaves or {}
+        self.x = x
         cosine, sine = (arb(p["Omega"]) * self.t).sin_cos()[::-1]
         self.first = arb_mat([[x], [v], [1], [cosine], [sine]])
         back = (self.origin - self.t).union(arb(0))
@@ -359,7 +386,9 @@ class Motion:
             self.amplitude = amplitude
 
     def at(self, t):
-        """Return the state z = (x, v, 1, cos, sin) at a time, or an enclosure of it for a ball of times."""
+        """Return the state z = (x, v, 1, cos, sin) at a time, or an enclosure of it for a ball of
+        times.
+        """
         self.problem.step()
         z = (self.mode.M * (t.mid() - self.origin)).exp() * self.z0
         if t.is_exact():
@@ -367,7 +396,9 @@ class Motion:
         return (self.mode.M * (t - t.mid())).exp() * z
 
     def f(self, end, t):
-        """Return f (0 where the mode ends at `end`), f' and f'' at a time or, by Taylor's theorem, on a ball."""
+        """Return f (0 where the mode ends at `end`), f' and f'' at a time or, by Taylor's theorem,
+        on a ball.
+        """
         i = self.mode.ends.index(end)
         z = self.at(t.mid())
         change = t - t.mid()
@@ -385,7 +416,9 @@ class Motion:
         return [f[n] + f[n + 1] * change + bend[n] for n in range(3)]
 
     def positive(self, until):
-        """Prove that the mode lasts from the start until a time, as all f (distances or forces) are > 0."""
+        """Prove that the mode lasts from the start until a time, as all f (distances or forces) are
+        > 0.
+        """
         require(until - self.t, "an event or the end is not after the event before it")
         a = self.origin
         orders = self.leaves
@@ -417,7 +450,9 @@ class Motion:
             a = b
 
     def zero(self, end, order, found):
-        """Narrow the enclosure `found` of a time at which f (order 0) or f' (order 1) of an end of the mode is 0."""
+        """Narrow the enclosure `found` of a time at which f (order 0) or f' (order 1) of an end of
+        the mode is 0.
+        """
         while True:
             step = found.mid() - self.f(end, found.mid())[order] / self.f(end, found)[order + 1]
             check(step.overlaps(found), "where an event is", OPEN)
@@ -427,7 +462,9 @@ class Motion:
                 return found
 
     def moved(self, t, sides):
-        """Return how the state z at a time changes if the start moves along each of `sides`, vectors (dt, dx, dv)."""
+        """Return how the state z at a time changes if the start moves along each of `sides`,
+        vectors (dt, dx, dv).
+        """
         e = (self.mode.M * (t - self.t)).exp()
         rate = self.mode.M * self.first
         # A later start is one at the same time with another x and v.
@@ -449,7 +486,8 @@ class Motion:
         if flies:
             end, belt = (row["boundary"],) * 2
         else:
-            end, belt = (row["target"], self.belt)
+            end = row["target"]
+            belt = self.belt
         if flies:
             check(end in mode.ends, "an event at a belt that is not beside the domain")
         else:
@@ -475,14 +513,19 @@ class Motion:
             both = F * (F - jump if mode.number == end else F + jump)
             require(abs(both), "F at a belt, and behind it")
             if both > 0:
-                kind, then, leaves = ("cross", 2 * end + 1 - mode.number, {end: 1})
+                kind = "cross"
+                then = 2 * end + 1 - mode.number
+                leaves = {end: 1}
             else:
-                kind, then, leaves = ("stick", 3 + end, {})
+                kind = "stick"
+                then = 3 + end
+                leaves = {}
         self.require_row(row, kind, then)
         return type(self)(self.problem, then, belt, centre, columns, leaves, None, rest)
 
     def around(self, end, row, turn):
-        """Return a ball of times around an event, and f, f', f'' at its lower end, at its upper end, and on all of it.
+        """Return a ball of times around an event, and f, f', f'' at its lower end, at its upper
+        end, and on all of it.
 
         The event is where f of the mode's `end` is 0. f > 0 is proven before it, and turn * f > 0
         after it.
@@ -501,9 +544,8 @@ class Motion:
         return low.union(high), first, last, self.f(end, low.union(high))
 
     def arrive(self, end, belt, when):
-        """Return the states (t, x, v), at times in `when`, in which the mode ends.
-
-        The function f of that end is 0.
+        """Return the states (t, x, v), at times in `when`, in which the mode ends: the function f
+        of that end is 0.
         """
         v = arb(self.problem.p[f"v{belt}"])
         sides = []
@@ -565,12 +607,16 @@ class Motion:
         return Motion(self.problem, mode.number, end, place, columns, {end: 2}, None, [])
 
     def least(self, end, times):
-        """Return the least distance f of v from the belt `end`, which is reached at a time in `times`."""
+        """Return the least distance f of v from the belt `end`, which is reached at a time in
+        `times`.
+        """
         found = self.zero(end, 1, times)
         return self.f(end, found.mid())[0] + self.f(end, found)[1] * (found - found.mid())
 
     def require_row(self, row, kind, then):
-        """Raise Stop unless a row of the file states an event of this kind, from this mode to the mode `then`."""
+        """Raise Stop unless a row of the file states an event of this kind, from this mode to the
+        mode `then`.
+        """
         found = row["kind"], row["source"], row["target"]
         check(
             found == (kind, self.mode.number, then),
@@ -587,9 +633,8 @@ class Motion:
         return self
 
     def from_centre(self, parts):
-        """Return t and x of one start.
-
-        The centre plus each of the columns, multiplied by its factor in `parts`.
+        """Return t and x of one start: the centre plus each of the columns, multiplied by its
+        factor in `parts`.
         """
         moved = [
             [part * each for each in column]
@@ -599,7 +644,9 @@ class Motion:
 
 
 def frame(sides):
-    """Return two orthogonal sides of a rectangle that contains all sums of `sides`, each times a number in [-1, 1]."""
+    """Return two orthogonal sides of a rectangle that contains all sums of `sides`, each times a
+    number in [-1, 1].
+    """
     p, q, _ = (
         each.mid() for each in max(sides, key=lambda side: (abs(side[0]) + abs(side[1])).upper())
     )
@@ -654,9 +701,11 @@ def begin(problem, start, errors, rest=None):
         leaves = {at + i: n for i, (_, n) in enumerate(found) if n}
         return Motion(problem, 3 + at, at, centre, columns, leaves, None, rest)
     if not below:
-        domain, order = (at, first)
+        domain = at
+        order = first
     else:
-        domain, order = (at + 1, second)
+        domain = at + 1
+        order = second
     return Motion(problem, domain, at, centre, columns, {at: order + 1}, None, rest)
 
 
@@ -678,7 +727,9 @@ def leave(problem, start, errors, until):
     )
 
     def motion(mode, t, x, leaves=None):
-        """Return the motion in a mode from all starts within a time `t` and a distance `x` of `start`."""
+        """Return the motion in a mode from all starts within a time `t` and a distance `x` of
+        `start`.
+        """
         columns = [(arb(t), arb(0), arb(0)), (arb(0), arb(x), arb(0))]
         return Motion(problem, mode, at, [arb(value) for value in start], columns, leaves)
 
@@ -700,13 +751,12 @@ def leave(problem, start, errors, until):
     return motion(at + i, *wide, {at: 2})
 
 
-# -- what the files state ----------------------------------------------------------------------------------------------
+# -- what the files state --------------------------------------------------------------------------
 
 
 def about(p, *more):
-    """Return the line of the answer that says what a proof is about.
-
-    The parameters `p`, and the texts in `more`.
+    """Return the line of the answer that says what a proof is about: the parameters `p`, and the
+    texts in `more`.
     """
     return ", ".join([f"{name} = {p[name]}" for name in NAMES] + list(more))
 
@@ -740,21 +790,26 @@ def read_start(data, source):
 
 
 def varied(problem, number, name):
-    """Return the derivatives by `name` of M and of the rows of mode `number`, where z' = M z and f = row z."""
+    """Return the derivatives by `name` of M and of the rows of mode `number`, where z' = M z and f
+    = row z.
+    """
     if name in START:
         return fmpq_mat(5, 5), fmpq_mat(2, 5)
     p = problem.p
     if name == "m":
-        by, factor = (p["m"], 2 / p["m"])
+        by = p["m"]
+        factor = 2 / p["m"]
     else:
-        by, factor = (fmpq(1), fmpq(1))
+        by = fmpq(1)
+        factor = fmpq(1)
     mode = problem.mode(number)
     other = Mode(p | {name: p[name] + by}, number)
     return (other.exact - mode.exact) * factor, (other.row - mode.row) * factor
 
 
 def changes(problem, motions, rows, name):
-    """Return enclosures of the derivatives dt and dx of all events with respect to `name`, a parameter or start value.
+    """Return enclosures of the derivatives dt and dx of all events with respect to `name`, a
+    parameter or start value.
 
     `rows` has the events in the file, `motions` the motions before, between and after them.
     """
@@ -799,7 +854,9 @@ def changes(problem, motions, rows, name):
 
 
 def differentiated(problem, data, motions):
-    """Prove that the derivatives of all events lie between the ends that the file states, or raise Stop."""
+    """Prove that the derivatives of all events lie between the ends that the file states, or raise
+    Stop.
+    """
     first = motions[0]
     names = data["wrt"]
     stated = data["derivatives"]
@@ -906,7 +963,9 @@ def period(problem, rows, centre, widths, turn, kind=Motion):
 
 
 def settled(data, source, limits):
-    """Prove that a motion has its first events, then a cycle of events again and again, and the last events stated."""
+    """Prove that a motion has its first events, then a cycle of events again and again, and the
+    last events stated.
+    """
     problem = Problem(data["parameters"], limits)
     until = data["may_stick_until"]
     start, errors, shown = read_start(data, source)
@@ -964,7 +1023,10 @@ def settled(data, source, limits):
         t, x = motions[j].from_centre(parts)
         inside(t + gone * turn, row["t"])
         inside(x, row["x"])
-    first = f"{data['count']} events until t = {source['t_end']}, the last {k} of them on a cycle of {n}"
+    first = (
+        f"{data['count']} events until t = {source['t_end']}, the last {k} of them on a cycle of "
+        f"{n}"
+    )
     lines = [
         line for name in ("events", "cycle", "last") for line in [f"{name}:", *table(source[name])]
     ]
@@ -976,7 +1038,9 @@ def settled(data, source, limits):
 
 
 def keeps(bias, swing, low, high):
-    """Raise Stop unless s = bias + swing sin theta is > 0 for all phases theta from `low` to `high`."""
+    """Raise Stop unless s = bias + swing sin theta is > 0 for all phases theta from `low` to
+    `high`.
+    """
     # s falls to its least value, bias - |swing|, and rises from there, once a turn: between two
     # phases of its least value it is least at an end.
     if bias > abs(swing):
@@ -1053,8 +1117,6 @@ def window(data, source, limits):
         )
     if ends:
         first += f", the sine being {shown[0]['sine']} there"
-    else:
-        first += ""
     phases = [
         f"{i}: {end['phase'][0]} < theta < {end['phase'][1]}" for i, end in enumerate(shown, 1)
     ]
@@ -1065,7 +1127,7 @@ KINDS = {"trajectory": trajectory, "settled": settled, "window": window}
 BESIDE = ("orbit", "branch", "atlas")
 
 
-# -- the answer --------------------------------------------------------------------------------------------------------
+# -- the answer ------------------------------------------------------------------------------------
 
 
 def unique(pairs):
@@ -1177,7 +1239,10 @@ def verify(path, **limits):
 
 
 def say(text, stream, name):
-    """Write a line to a stream, whose name is for messages; return why it cannot be written, or ""."""
+    """Write a line to a stream, whose name is for messages.
+
+    Return why it cannot be written, or "".
+    """
     if stream is None:
         return f"{name} is closed"
     try:
@@ -1185,7 +1250,9 @@ def say(text, stream, name):
     except OSError as error:
         os.dup2(os.open(os.devnull, os.O_WRONLY), stream.fileno())  # else it fails again at exit
         # A reader that has seen enough closes the pipe.
-        return "" if isinstance(error, BrokenPipeError) else f"{name}: {error.strerror}"
+        if isinstance(error, BrokenPipeError):
+            return ""
+        return f"{name}: {error.strerror}"
     return ""
 
 

@@ -1,7 +1,6 @@
 #!/usr/bin/env python3
-"""Prove a certificate of an orbit, of a branch of orbits or of an atlas once more.
-
-``python verify_orbits.py FILE``.
+"""Prove a certificate of an orbit, of a branch of orbits or of an atlas once more: ``python
+verify_orbits.py FILE``.
 
 It needs verify.py beside it, python-flint, and nothing of symosc; it proves all kinds. verify.py
 has the equation and how a motion is followed from event to event, for all starts of a box at once.
@@ -139,9 +138,8 @@ SIDES = ((1, 0), (0, 1), (1, 1), (1, -1))
 
 
 def end_of_branch(value, where):
-    """Read an end of a branch.
-
-    Its kind, the parameter just inside and just outside, and what fails outside.
+    """Read an end of a branch: its kind, the parameter just inside and just outside, and what fails
+    outside.
     """
     shape = {"kind": {RANGE_END}, "inside": number, "outside": number}
     if not (type(value) is dict and value.get("kind") == RANGE_END):
@@ -204,7 +202,7 @@ base.SHAPES["atlas"] = {
 }
 
 
-# -- orbits ------------------------------------------------------------------------------------------------------------
+# -- orbits ----------------------------------------------------------------------------------------
 
 
 def course(data):
@@ -257,7 +255,9 @@ def least(events, periods, apart):
 
 
 def eigenvalues(T, d):
-    """Return real and imaginary parts of both eigenvalues of a matrix with trace T and determinant d, largest first."""
+    """Return real and imaginary parts of both eigenvalues of a matrix with trace T and determinant
+    d, largest first.
+    """
     zero = arb(0)
     square = T * T / 4 - d
     if d.is_zero():
@@ -321,7 +321,9 @@ def orbit(data, source, limits):
         inside(x, row["x"])
 
     def apart(i, later):
-        """Return whether t or x of event i surely differs from that of event 0, `later` forcing periods later."""
+        """Return whether t or x of event i surely differs from that of event 0, `later` forcing
+        periods later.
+        """
         (t, x) = points[i]
         (t0, x0) = points[0]
         return not ((t - t0) * periods).overlaps(later * turn) or not x.overlaps(x0)
@@ -341,7 +343,10 @@ def orbit(data, source, limits):
         stable = all(margin > 0 for margin in margins)
         check(data["stable"] is stable, "an orbit that is not as stable as it is said to be")
     kind = {True: "a stable orbit", False: "an unstable orbit", None: "an orbit"}[data["stable"]]
-    first = f"{kind} {data['word']} of {periods} forcing period{'s' * (periods != 1)}, the only one within"
+    first = (
+        f"{kind} {data['word']} of {periods} forcing period{'s' * (periods != 1)}, the only one "
+        "within"
+    )
     first += " {} in t and {} in x".format(*source["alone_within"])
     shown = [
         f"multiplier: {' .. '.join(each['re'])} + i ({' .. '.join(each['im'])})"
@@ -350,7 +355,7 @@ def orbit(data, source, limits):
     return [first, base.about(source["parameters"]), *base.table(source["events"]), *shown]
 
 
-# -- the oscillator with parameters that vary --------------------------------------------------------------------------
+# -- the oscillator with parameters that vary ------------------------------------------------------
 
 
 def column(values):
@@ -421,21 +426,19 @@ class Oscillator:
         self.m, self.c, self.k, A0, self.B0, self.Om, *belts, mu1, mu2, FN = (
             q[each] for each in base.NAMES
         )
-        self.A, self.belts = (
-            [A0 + each * FN for each in (0, mu1 + mu2, mu2 - mu1, -mu1 - mu2)],
-            [None, *belts],
-        )
+        self.A = [A0 + each * FN for each in (0, mu1 + mu2, mu2 - mu1, -mu1 - mu2)]
+        self.belts = [None, *belts]
         self.jump = [None, *(2 * mu * FN / self.m for mu in (mu1, mu2))]
-        self.h, self.km, self.drive = (
-            self.c / (2 * self.m),
-            self.k / self.m,
-            self.B0 * self.Om / self.m,
-        )
+        self.h = self.c / (2 * self.m)
+        self.km = self.k / self.m
+        self.drive = self.B0 * self.Om / self.m
         self.square = self.h * self.h - self.km
 
     @cached_property
     def steady(self):
-        """Return a and b of the steady motion, whose x is a cos(Omega t) + b sin(Omega t) and a constant."""
+        """Return a and b of the steady motion, whose x is a cos(Omega t) + b sin(Omega t) and a
+        constant.
+        """
         pull = self.k - self.m * self.Om * self.Om
         drag = self.c * self.Om
         size = pull * pull + drag * drag
@@ -443,15 +446,16 @@ class Oscillator:
 
     @cached_property
     def frequency(self):
-        """Return whether w^2 = (c/(2m))^2 - k/m is > 0, the root of |w^2|, and whether that root may be 0 or nearly."""
+        """Return whether w^2 = (c/(2m))^2 - k/m is > 0, the root of |w^2|, and whether that root
+        may be 0 or nearly.
+        """
         over = coefficient(self.square) > 0
         w = (self.square if over else -self.square).sqrt()
         return over, w, not coefficient(w) > 32 * coefficient(w).rad()
 
     def free(self, s):
-        """Return C and S at a time s.
-
-        A motion without drive or friction is y(s) = y(0) C + (y'(0) + h y(0)) S.
+        """Return C and S at a time s: a motion without drive or friction is y(s) = y(0) C + (y'(0)
+        + h y(0)) S.
         """
         decay = (-self.h * s).exp()
         (over, w, critical) = self.frequency
@@ -460,11 +464,14 @@ class Oscillator:
             return decay * entire(arb(0.5), z), decay * s * entire(arb(1.5), z)
         ws = w * s
         if over:
-            up, down = (ws.exp(), (-ws).exp())
+            up = ws.exp()
+            down = (-ws).exp()
         else:
-            up, down = (ws, ws)
+            up = ws
+            down = ws
         if over:
-            sine, cosine = ((up - down) / 2, (up + down) / 2)
+            sine = (up - down) / 2
+            cosine = (up + down) / 2
         else:
             sine, cosine = ws.sin_cos()
         return decay * cosine, decay * sine / w
@@ -485,7 +492,9 @@ class Oscillator:
         drive = times_i(self.Om)
 
         def X(a, b):
-            """Return (exp(a s) - exp(b s))/(a - b) at the time s of `driven`, also where a and b are close."""
+            """Return (exp(a s) - exp(b s))/(a - b) at the time s of `driven`, also where a and b
+            are close.
+            """
             half = (a - b) * s / 2
             if abs(half[0] if isinstance(half, acb_series) else half) > 1:
                 return ((a * s).exp() - (b * s).exp()) / (a - b)
@@ -513,7 +522,9 @@ class Oscillator:
 
 
 class Margin(NamedTuple):
-    """A function f of time that must be > 0 on a piece of an orbit, and the `kind` of branch end at which f = 0."""
+    """A function f of time that must be > 0 on a piece of an orbit, and the `kind` of branch end at
+    which f = 0.
+    """
 
     text: str
     kind: str
@@ -524,7 +535,9 @@ class Margin(NamedTuple):
 
 
 def positive(margin, until, problem):
-    """Prove that a margin's f > 0 between the times 0 and `until`, step by step with Taylor's theorem."""
+    """Prove that a margin's f > 0 between the times 0 and `until`, step by step with Taylor's
+    theorem.
+    """
     a = arb(0)
     step = until / 8
     order = margin.order
@@ -551,9 +564,11 @@ def positive(margin, until, problem):
         if sure and last:
             return
         if sure:
-            a, order, step = (b, 0, step * 3 / 2)
+            a = b
+            order = 0
+            step = step * 3 / 2
         else:
-            a, order, step = (a, order, h)
+            step = h
         check(step > until * arb(2) ** -ctx.prec, margin.text, OPEN)
 
 
@@ -589,29 +604,28 @@ def in_parts(prove, whole, most, what):
     return found
 
 
-# -- branches ----------------------------------------------------------------------------------------------------------
+# -- branches --------------------------------------------------------------------------------------
 
 
 class Piece:
-    """The motion in one mode that starts on a belt at t and x, and the functions f that are > 0 while it lasts."""
+    """The motion in one mode that starts on a belt at t and x, and the functions f that are > 0
+    while it lasts.
+    """
 
     def __init__(self, e, mode, belt, t, x, late):
-        self.e, self.mode, self.t, self.x, self.v, self.ends = (
-            e,
-            mode,
-            t,
-            x,
-            e.belts[belt],
-            {belt: 1, belt + 1: -1},
-        )
+        self.e = e
+        self.mode = mode
+        self.t = t
+        self.x = x
+        self.v = e.belts[belt]
+        self.ends = {belt: 1, belt + 1: -1}
         if mode < 4:
             self.a = self.force(mode, 0, t)[0]
         else:
             self.a = arb(0)
-        self.x, self.v = (
-            x - self.v * late,
-            self.v - self.a * late,
-        )  # a later start is one with another x and v
+        # a later start is one with another x and v
+        self.x = x - self.v * late
+        self.v = self.v - self.a * late
         if mode < 4:
             self.ends = {i: 1 if mode > i else -1 for i in (1, 2) if mode - i in (0, 1)}
             (a, b) = e.steady
@@ -653,9 +667,8 @@ class Piece:
         return F, -e.drive * sine - e.km * self.v, -e.drive * e.Om * cosine
 
     def f(self, end, s):
-        """Return f, f' and f'' a time s after the start, for an `end` of the mode.
-
-        The mode ends there where f = 0.
+        """Return f, f' and f'' a time s after the start, for an `end` of the mode: the mode ends
+        there where f = 0.
         """
         if self.mode > 3:
             first, *others = self.force(end, s, self.t + s)
@@ -668,19 +681,21 @@ class Piece:
 
 
 class Course:
-    """The equations r(u) = 0 that an orbit with given events solves, and the inequalities that a root must satisfy."""
+    """The equations r(u) = 0 that an orbit with given events solves, and the inequalities that a
+    root must satisfy.
+    """
 
     def __init__(self, events, periods, e):
-        self.events, self.e, self.count, self.forcing = (
-            events,
-            e,
-            len(events) - 1,
-            2 * arb.pi() / e.Om,
-        )
+        self.events = events
+        self.e = e
+        self.count = len(events) - 1
+        self.forcing = 2 * arb.pi() / e.Om
         self.turn = periods * self.forcing
 
     def piece(self, i, u, late=0):
-        """Return the motion from event i, begun `late` later, its duration, and when it ends, from the unknowns u."""
+        """Return the motion from event i, begun `late` later, its duration, and when it ends, from
+        the unknowns u.
+        """
         if i + 1 < self.count:
             until = u[2 * i + 2]
         else:
@@ -693,16 +708,16 @@ class Course:
         )
 
     def residual(self, i, u, late=0):
-        """Return two residuals of the motion from event i (begun `late` later).
-
-        Of x, and of v or, after a stick, F.
+        """Return two residuals of the motion from event i (begun `late` later): of x, and of v or,
+        after a stick, F.
         """
         (piece, s, until) = self.piece(i, u, late)
         (_, belt, _, target) = self.events[i + 1]
         sticks = piece.mode > 3
         onto = u[(2 * i + 3) % len(u)]
         if sticks:
-            x, f = (piece.x + piece.v * s, piece.force(target, s, until)[0])
+            x = piece.x + piece.v * s
+            f = piece.force(target, s, until)[0]
         else:
             x, f = piece.at(s, until)[:2]
         return x - onto, f if sticks else f - self.e.belts[belt]
@@ -728,9 +743,8 @@ class Course:
         return J
 
     def margins(self, i, u):
-        """Return the margins after event i.
-
-        Functions that must be > 0 at the event, or from it to the next one.
+        """Return the margins after event i: functions that must be > 0 at the event, or from it to
+        the next one.
         """
         (piece, s, _) = self.piece(i, u)
         ((made, belt, source, mode), after) = self.events[i : i + 2]
@@ -774,7 +788,9 @@ class Course:
         return found
 
     def prove(self, u, stable, problem):
-        """Prove all margins for all unknowns in u and, if `stable`, that the multipliers are inside the unit circle."""
+        """Prove all margins for all unknowns in u and, if `stable`, that the multipliers are inside
+        the unit circle.
+        """
         period = arb_mat([[1, 0], [0, 1]])
         D = arb(1)
         J = self.jacobian(u)
@@ -795,7 +811,8 @@ class Course:
 
 
 class Family:
-    """A family of orbits, one for each parameter value from `low` to `high`, proven by interval Newton.
+    """A family of orbits, one for each parameter value from `low` to `high`, proven by interval
+    Newton.
 
     The unknowns of each are the only root of the equations r(u) = 0 in the box that a row of the
     file states.
@@ -816,7 +833,9 @@ class Family:
             arb(low).union(arb(high)),
             column(self.box).mid(),
         )
-        thin, self.all, change = self.course(self.middle), self.course(every), every - self.middle
+        thin = self.course(self.middle)
+        self.all = self.course(every)
+        change = every - self.middle
         for _ in range(NEWTON_STEPS):  # it finds c and proves nothing
             self.Y = thin.jacobian(c.entries()).mid().inv().mid()
             c = (c - self.Y * column(thin.r(c.entries()))).mid()
@@ -828,11 +847,14 @@ class Family:
         moved = [[comb(k, j) * curve[k] for k in range(j, ORDER)] for j in range(ORDER)]
         last = self.coefficients(every, [horner(rows, change) for rows in moved], ORDER + 1)[-1]
         r = horner([*self.coefficients(self.middle, curve, ORDER), last], change)
-        self.curve, self.points = curve, self.newton(horner(curve, change), r)
+        self.points = self.newton(horner(curve, change), r)
+        self.curve = curve
         self.within(row, self.points, self.all)
 
     def coefficients(self, value, curve, count):
-        """Return the first `count` Taylor coefficients of the residuals r along a curve of unknowns, about `value`."""
+        """Return the first `count` Taylor coefficients of the residuals r along a curve of
+        unknowns, about `value`.
+        """
         ctx.cap = max(ctx.cap, count)
         points = [
             arb_series(list(each), prec=count)
@@ -851,19 +873,25 @@ class Family:
         return (c - self.YJ.solve(self.Y * r)).entries()
 
     def root(self, value):
-        """Return an enclosure of the root at one value of the parameter, and the equations (a Course) there."""
+        """Return an enclosure of the root at one value of the parameter, and the equations (a
+        Course) there.
+        """
         c = horner(self.curve, arb(value) - self.middle).mid()
         course = self.course(arb(value))
         return self.newton(c, column(course.r(c.entries()))), course
 
     def within(self, row, u, course):
-        """Prove that t and x of all events, from the unknowns u, lie within those stated in a row of the file."""
+        """Prove that t and x of all events, from the unknowns u, lie within those stated in a row
+        of the file.
+        """
         for name, values in (("t", [*u[::2], u[0] + course.turn]), ("x", [*u[1::2], u[1]])):
             for value, ends in zip(values, row[name], strict=True):
                 inside(value, ends)
 
     def apart(self, i, later):
-        """Return whether t or x of event i surely differs from that of event 0, `later` forcing periods later."""
+        """Return whether t or x of event i surely differs from that of event 0, `later` forcing
+        periods later.
+        """
         (t, x) = self.points[2 * i : 2 * i + 2]
         (t0, x0) = self.points[:2]
         return not (t - t0).overlaps(later * self.all.forcing) or not x.overlaps(x0)
@@ -935,7 +963,10 @@ def branch(data, source, limits):
         what = "for all values from {} to {}".format(*row["value"])
         tried.append(in_parts(partial(family, problem, data, events, row), box, MOST_PARTS, what))
     least(events, periods, lambda *shift: any(each.apart(*shift) for each in tried))
-    first = f"an orbit {data['word']} for every {name} from {source['range'][0]} to {source['range'][1]}"
+    first = (
+        f"an orbit {data['word']} for every {name} from {source['range'][0]} to "
+        f"{source['range'][1]}"
+    )
     first += f", by {len(rows)} intervals"
     sides = data["ends"], (rows[0], rows[-1]), span, (-1, 1), source["ends"]
     for end, row, inner, side, shown in zip(*sides, strict=True):
@@ -974,31 +1005,40 @@ def pairs(row):
     )
 
 
-# -- atlases -----------------------------------------------------------------------------------------------------------
+# -- atlases ---------------------------------------------------------------------------------------
 
 
 class Flight:
-    """A flight of a word: mode, belts at its start and end, whether it follows a stick, and what comes after it.
+    """A flight of a word: mode, belts at its start and end, whether it follows a stick, and what
+    comes after it.
 
     If a stick follows, `stick` is the domain into which the mass slips after it; otherwise `stick`
     is 0.
     """
 
     def __init__(self, piece, at, slips, stick):
-        (self.belt, self.mode, self.onto), self.at, self.slips, self.stick = piece, at, slips, stick
-        self.tau, self.side = at + 2 - slips, 1 if self.mode > self.onto else -1
+        (self.belt, self.mode, self.onto) = piece
+        self.at = at
+        self.slips = slips
+        self.stick = stick
+        self.tau = at + 2 - slips
+        if self.mode > self.onto:
+            self.side = 1
+        else:
+            self.side = -1
 
     def start(self, e, u):
-        """Return x at the start of the flight.
-
-        One of the unknowns u or, after a stick, the x where the force is 0.
+        """Return x at the start of the flight: one of the unknowns u or, after a stick, the x where
+        the force is 0.
         """
         if not self.slips:
             return u[self.at + 1]
         return (e.A[self.mode] + e.B0 * u[self.at].cos() - e.c * e.belts[self.belt]) / e.k
 
     def after(self, e, u, s):
-        """Return x, v and v' of a flight of the oscillator `e`, a time s after its start, from the unknowns u."""
+        """Return x, v and v' of a flight of the oscillator `e`, a time s after its start, from the
+        unknowns u.
+        """
         x = self.start(e, u)
         v = e.belts[self.belt]
         A = e.A[self.mode]
@@ -1011,7 +1051,9 @@ class Flight:
         return there, speed, (A + e.B0 * (phase + e.Om * s).cos() - e.k * there - e.c * speed) / e.m
 
     def end(self, e, u):
-        """Return the phase at the end of a flight of the oscillator `e`, from the unknowns u of the orbit."""
+        """Return the phase at the end of a flight of the oscillator `e`, from the unknowns u of the
+        orbit.
+        """
         return u[self.at] + e.Om * u[self.tau]
 
     def parts(self, e, u):
@@ -1037,7 +1079,9 @@ class Flight:
         return found
 
     def stays_off(self, e, u, cuts):
-        """Return whether a flight back to its belt surely stays off it until its end, if it is off it at all `cuts`."""
+        """Return whether a flight back to its belt surely stays off it until its end, if it is off
+        it at all `cuts`.
+        """
         found = self.parts(e, u)
         most = e.longest_part()
         at = [(u[self.tau] * part, reach) for part, reach in cuts]
@@ -1067,12 +1111,16 @@ class Flight:
 
 
 def turning(e, belt, n):
-    """Return the n-th phase at which the forces on a belt of the oscillator `e` begin to fall or to rise."""
+    """Return the n-th phase at which the forces on a belt of the oscillator `e` begin to fall or to
+    rise.
+    """
     return n * arb.pi() + (-1) ** (n % 2) * (-e.k * e.belts[belt] / (e.B0 * e.Om)).asin()
 
 
 def between(e, belt, low, high):
-    """Return the numbers n of all turns of a belt's forces (`turning`) that may lie between two phases."""
+    """Return the numbers n of all turns of a belt's forces (`turning`) that may lie between two
+    phases.
+    """
     bias = abs(e.k * e.belts[belt])
     swing = abs(e.B0 * e.Om)
     if bias > swing:
@@ -1097,11 +1145,16 @@ def marks(parts, most):
     for i, (up, *ends) in enumerate(parts):
         a, b = map(float, ends)
         if up:
-            a, b = (a + most * (i == 0), b - most * (i + 1 == len(parts)))
+            a = a + most * (i == 0)
+            b = b - most * (i + 1 == len(parts))
         else:
-            a, b = (a, b)
+            a = a
+            b = b
         if up:
-            count = int(4 * (b - a) / most) + 1 if a < b else 0
+            if a < b:
+                count = int(4 * (b - a) / most) + 1
+            else:
+                count = 0
         else:
             count = int((b - a) / most)
         count = min(count, MOST_CUTS + 1)  # else there are too many
@@ -1117,7 +1170,9 @@ def marks(parts, most):
 
 
 class Word:
-    """A word: its flights, and the equations r(u) = 0 for the unknowns u of its orbit (phases, x, durations)."""
+    """A word: its flights, and the equations r(u) = 0 for the unknowns u of its orbit (phases, x,
+    durations).
+    """
 
     def __init__(self, text, mirror):
         digits = text[1:]
@@ -1132,17 +1187,17 @@ class Word:
         for (_, mode, end), (start, after, _) in zip(pieces, pieces[1:] + pieces[:1], strict=True):
             near = {mode, after} <= {start, start + 1, start + 3} and mode != after
             check(end == start and near, f"{what}, whose maps do not follow each other", BAD)
-        self.text, self.count, half, modes = (
-            text,
-            len(pieces),
-            len(pieces) // 2,
-            [mode for _, mode, _ in pieces],
-        )
+        self.text = text
+        self.count = len(pieces)
+        half = len(pieces) // 2
+        modes = [mode for _, mode, _ in pieces]
         self.half = (
             len(modes) % 2 == 0 and [mirror.get(mode) for mode in modes[:half]] == modes[half:]
         )
         self.alone = mirror.get(1) != 3  # one belt is at rest, and v = 0 divides the modes
-        self.flights, self.rows, self.size = [], [], 0
+        self.flights = []
+        self.rows = []
+        self.size = 0
         for i in range(half if self.half else self.count):
             if modes[i] < 4:
                 slips = modes[i - 1] > 3
@@ -1169,7 +1224,9 @@ class Word:
         return [arb(each) for each in found]
 
     def next(self, e, i, u):
-        """Return phase and x at the start of the flight after flight i, for the oscillator `e` and the unknowns u."""
+        """Return phase and x at the start of the flight after flight i, for the oscillator `e` and
+        the unknowns u.
+        """
         if i + 1 < len(self.flights):
             return u[self.flights[i + 1].at], self.flights[i + 1].start(e, u)
         x = self.flights[0].start(e, u)
@@ -1178,7 +1235,9 @@ class Word:
         return (u[0] + 2 * arb.pi(), x)
 
     def r(self, e, u, plan=None):
-        """Return the residuals r of oscillator `e` at unknowns u and, with a `plan` of turns and cuts, the margins."""
+        """Return the residuals r of oscillator `e` at unknowns u and, with a `plan` of turns and
+        cuts, the margins.
+        """
         # the margins by which a flight is looked at, and its number
         found = []
         margins = []
@@ -1221,7 +1280,9 @@ class Word:
         return found, margins
 
     def plan(self, e, u):
-        """Return, for the unknowns `u`, the turns of the forces in each stick and each flight's cuts or None."""
+        """Return, for the unknowns `u`, the turns of the forces in each stick and each flight's
+        cuts or None.
+        """
         turns = list[Any]()
         cuts = list[Any]()
         for i, flight in enumerate(self.flights):
@@ -1239,7 +1300,9 @@ class Word:
         return turns, cuts
 
     def stays(self, e, u, plan, problem):
-        """Prove that no flight meets a belt before its end, for all unknowns in u, if all margins are > 0."""
+        """Prove that no flight meets a belt before its end, for all unknowns in u, if all margins
+        are > 0.
+        """
         for flight, cuts in zip(self.flights, plan[1], strict=True):
             near = {flight.mode - 1, flight.mode} & {1, 2}
             sides = {belt: (1 if flight.mode > belt else -1, e.belts[belt]) for belt in near}
@@ -1260,7 +1323,9 @@ class Word:
                     continue
 
                 def f(s, flight=flight, side=side, speed=speed):
-                    """Return the distance of v from a belt a time s after the start, and its first two derivatives."""
+                    """Return the distance of v from a belt a time s after the start, and its first
+                    two derivatives.
+                    """
                     _, v, a = flight.after(e, u, s)
                     jerk = -2 * e.h * a - e.km * v - e.drive * (u[flight.at] + e.Om * s).sin()
                     return side * (v - speed), side * a, side * jerk
@@ -1279,7 +1344,11 @@ class Box:
     """
 
     def __init__(self, p, over, word, box, u, problem):
-        self.p, self.over, self.word, self.u, self.problem = p, over, word, column(u), problem
+        self.p = p
+        self.over = over
+        self.word = word
+        self.u = column(u)
+        self.problem = problem
         self.middle = [arb((low + high) / 2) for low, high in box]
         self.half = [arb((high - low) / 2) for low, high in box]
         self.wide = [arb(low).union(arb(high)) for low, high in box]
@@ -1292,7 +1361,8 @@ class Box:
         return Oscillator(self.p | dict(zip(self.over, values, strict=True)))
 
     def series(self, side, rows, count, wide=False, plan=None):
-        """Return the first `count` Taylor coefficients of Y r in the direction `side`, and all margins as series.
+        """Return the first `count` Taylor coefficients of Y r in the direction `side`, and all
+        margins as series.
 
         r are the residuals, Y is near the inverse of their Jacobian, and `rows` has the
         coefficients of the unknowns as a series. All series begin at the middle of the box or, if
@@ -1317,7 +1387,9 @@ class Box:
         return [self.Y * column([each[k] for each in r]) for k in range(count)], margins
 
     def columns(self, e, u, plan=None):
-        """Return for each unknown the derivatives by it of the residuals r and, given a `plan`, of the margins."""
+        """Return for each unknown the derivatives by it of the residuals r and, given a `plan`, of
+        the margins.
+        """
         found = []
         u = u.entries()
         ctx.cap = 2
@@ -1328,7 +1400,9 @@ class Box:
         return found
 
     def newton(self):
-        """Find the unknowns u of the orbit at the box's middle, the Jacobian J, and Y near its inverse; no proof."""
+        """Find the unknowns u of the orbit at the box's middle, the Jacobian J, and Y near its
+        inverse; no proof.
+        """
         e = self.plane(self.middle)
         for _ in range(BOX_NEWTON_STEPS):
             self.J = arb_mat([column[0] for column in self.columns(e, self.u)]).transpose()
@@ -1345,7 +1419,9 @@ class Box:
         raise Stop(OPEN, "a root at the middle of a box")
 
     def surface(self):
-        """Prove that for all places d in the box the word has one orbit, whose unknowns are near a polynomial u(d)."""
+        """Prove that for all places d in the box the word has one orbit, whose unknowns are near a
+        polynomial u(d).
+        """
         word, p, second, thin, d, zero = (
             self.word,
             [arb(0)] * self.word.size,
@@ -1367,7 +1443,9 @@ class Box:
         u = self.u + d * (a + d * aa + d * ab) + d * (b + d * bb)
 
         def slopes(i, j):
-            """Return first and second Taylor coefficients of u(d) in the direction (i, j), for all d in the box."""
+            """Return first and second Taylor coefficients of u(d) in the direction (i, j), for all
+            d in the box.
+            """
             first = i * (a + 2 * d * aa + d * ab) + j * (b + 2 * d * bb + d * ab)
             return first, i * i * aa + j * j * bb + i * j * ab
 
@@ -1409,7 +1487,9 @@ class Box:
         word.stays(e, around.entries(), plan, self.problem)
 
     def contract(self, p, u, slopes):
-        """Return how far, for each unknown, a root is from u(d) at most, for all places d in the box (Krawczyk)."""
+        """Return how far, for each unknown, a root is from u(d) at most, for all places d in the
+        box (Krawczyk).
+        """
         size = range(self.word.size)
         tube = [arb(1.1) * each for each in p]
         sizes = zip(*(each.entries() for each in slopes), tube, strict=True)
@@ -1443,14 +1523,16 @@ class Box:
         raise Stop(OPEN, "one root for all parameters of a box")
 
     def squares(self, side, u, slope):
-        """Return second Taylor coefficients of Y r along `side`, all over the box, if u changes at the rate `slope`."""
+        """Return second Taylor coefficients of Y r along `side`, all over the box, if u changes at
+        the rate `slope`.
+        """
         return self.series(side, [u, slope, 0 * slope], 3, True)[0][2]
 
 
 def rests(p, over, box):
-    """Prove that the mass may rest on a belt for all parameters of a box.
+    """Prove that the mass may rest on a belt for all parameters of a box: v = 0 and mu FN >= |B0|.
 
-    V = 0 and mu FN >= |B0|.
+    |.
     """
     ends = {name: (p[name], p[name]) for name in base.NAMES} | dict(zip(over, box, strict=True))
     drive = max(abs(each) for each in ends["B0"])
@@ -1462,9 +1544,8 @@ def rests(p, over, box):
 
 
 def check_disjoint(boxes):
-    """Prove that no two boxes overlap.
-
-    A vertical line moves across, and the boxes that it cuts are compared.
+    """Prove that no two boxes overlap: a vertical line moves across, and the boxes that it cuts are
+    compared.
     """
     events = sorted((box[0][side], side == 0, i) for i, box in enumerate(boxes) for side in (0, 1))
     there = list[Any]()
@@ -1494,7 +1575,9 @@ def clear(boxes, points, whole):
 
 
 def mirror_of(p, over):
-    """Return the mirror image of each mode if, for any `over`, x = A0/k and v = 0 is a centre of symmetry; else {}."""
+    """Return the mirror image of each mode if, for any `over`, x = A0/k and v = 0 is a centre of
+    symmetry; else {}.
+    """
     if not {"v1", "v2", "mu1", "mu2"} & set(over) and p["v1"] == -p["v2"] and p["mu1"] == p["mu2"]:
         return {1: 3, 2: 2, 3: 1, 4: 5, 5: 4}
     for belt, other in ((1, 2), (2, 1)):

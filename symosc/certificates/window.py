@@ -1,6 +1,5 @@
-"""A grazing window, proven for all phases.
-
-Where a motion that meets a belt with F = 0 turns back, and where not.
+"""A grazing window, proven for all phases: where a motion that meets a belt with F = 0 turns back,
+and where not.
 
 At the contact g = g' = 0 for the distance g from the belt, and m g'' = s = side (k v + B0 Omega sin
 theta), side = 1 below the belt and -1 above it. It grazes where s > 0, and leaves its domain where
@@ -54,7 +53,9 @@ def prove_window(window: GrazingWindow) -> Certificate:
 def _positive_phases(
     bias: Fraction, swing: Fraction, full: bool
 ) -> tuple[str, list[tuple[Ball, Fraction, int]]]:
-    """Return in words where bias + swing sin(theta) > 0 (`full`: a lone zero is no exception), and the ends of it."""
+    """Return in words where bias + swing sin(theta) > 0 (`full`: a lone zero is no exception), and
+    the ends of it.
+    """
     # An arc reaches from its first end, with growing theta, to its second.
     if abs(bias) > abs(swing) or swing == 0:
         return (ALL_PHASES if bias > 0 else NO_PHASE), []
@@ -66,9 +67,11 @@ def _positive_phases(
     rising = ball(sine).asin()
     falling = arb.pi() - ball(sine).asin()
     if swing > 0:
-        low, high = ((rising, 1), (falling, -1))
+        low = (rising, 1)
+        high = (falling, -1)
     else:
-        low, high = ((falling, -1), (rising, 1))
+        low = (falling, -1)
+        high = (rising, 1)
     first = low[0]
     second = high[0]
     if first < 0:

@@ -64,7 +64,9 @@ class CommandLine(click.Group):
         return sorted(COMMANDS)
 
     def get_command(self, ctx: click.Context, cmd_name: str) -> click.Command | None:
-        """Import the module of a command and return the command, with the options --quiet and --verbose."""
+        """Import the module of a command and return the command, with the options --quiet and
+        --verbose.
+        """
         if cmd_name not in COMMANDS:
             return None
         command: click.Command = getattr(
@@ -88,9 +90,8 @@ class CommandLine(click.Group):
             formatter.write_dl(rows)
 
     def resolve_command(self, ctx: click.Context, args: list[str]) -> Any:
-        """Return the name, the command and the other arguments from `args`.
-
-        For a wrong name suggest a right one.
+        """Return the name, the command and the other arguments from `args`; for a wrong name
+        suggest a right one.
         """
         if (
             not ctx.resilient_parsing
@@ -197,7 +198,9 @@ _as_python_does = warnings.showwarning
 
 
 def _warn(message: Any, category: type[Warning], *where: Any, **more: Any) -> None:
-    """Print a warning about the cache of compiled code as a one-line note, and any other as Python does."""
+    """Print a warning about the cache of compiled code as a one-line note, and any other as Python
+    does.
+    """
     if issubclass(category, CodeCacheWarning):
         note(str(message))
     else:

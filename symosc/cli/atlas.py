@@ -26,9 +26,8 @@ from symosc.cli.options import Settings, Text, option
 def atlas(
     scene: str, over: tuple[str, ...], settings: Settings, path: Text, plot: Text, **how: Any
 ) -> None:
-    """Map a plane of two parameters.
-
-    Words, borders, special points, and boxes in which the word is proven.
+    """Map a plane of two parameters: words, borders, special points, and boxes in which the word is
+    proven.
 
     `symosc verify` proves again the file that -o writes.
 

@@ -1,6 +1,5 @@
-"""`symosc certify` and `symosc verify`.
-
-Prove events, orbits, branches and windows, and prove them again.
+"""`symosc certify` and `symosc verify`: prove events, orbits, branches and windows, and prove them
+again.
 """
 
 from __future__ import annotations
@@ -33,9 +32,8 @@ from symosc.errors import MissingExtraError
 )
 @options.json_option
 def certify(scene: Text, settings: Settings, t_end: Text, path: Text, **asked: Any) -> int:
-    """Prove all events of a scene.
-
-    None is missed, and each has its kind, and time and position within bounds.
+    """Prove all events of a scene: none is missed, and each has its kind, and time and position
+    within bounds.
 
     Or prove its periodic orbit, a branch of such orbits up to its ends, or a grazing window. With
     --branch the structure is that of --orbit, or the scene's. The table rounds an enclosure to the
@@ -71,7 +69,9 @@ def certify(scene: Text, settings: Settings, t_end: Text, path: Text, **asked: A
 def _proof(
     problem: symosc.Scene, start_error: Any, wrt: Text, word: Text, span: Text, mapping: Text
 ) -> symosc.Certificate:
-    """Return the certificate of a motion, of an orbit (`word`), a branch (`span`) or a window (`mapping`)."""
+    """Return the certificate of a motion, of an orbit (`word`), a branch (`span`) or a window
+    (`mapping`).
+    """
     if mapping is not None:
         return symosc.certify(symosc.grazing_window(problem.parameters, mapping))
     if word is None and span is None:
@@ -124,7 +124,8 @@ def _print_certificate(certificate: symosc.Certificate) -> None:
 @option("--events N", "Most events and boxes. Default: 50,000.", type=options.WholeNumber(1))
 @option("--steps N", "Most steps of the proof. Default: 2,000,000.", type=options.WholeNumber(1))
 def verify(file: str, **limits: int | None) -> int:
-    """Prove a certificate file once more, by other means than `symosc certify`, and print what is proven.
+    """Prove a certificate file once more, by other means than `symosc certify`, and print what is
+    proven.
 
     The checker is symosc/certificates/verify.py, with verify_orbits.py beside it for orbits,
     branches and atlases. They need python-flint and nothing of symosc: copy them, read them, and

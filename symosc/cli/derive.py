@@ -1,6 +1,5 @@
-"""`symosc derive` and `symosc codegen`.
-
-Derivations with every step checked, and code printed from them.
+"""`symosc derive` and `symosc codegen`: derivations with every step checked, and code printed from
+them.
 """
 
 from __future__ import annotations
@@ -56,14 +55,16 @@ Examples:
 @options.set_option
 @option(
     "-o, --output PATH",
-    "Chapters: folder for the files (made if needed), here by default. Fragments: a file. -: print.",
+    "Chapters: folder for the files (made if needed), here by default. Fragments: a file. -: "
+    "print.",
     "path",
 )
 @flag("--pdf", "Compile the LaTeX of chapters to derivations.pdf as well.")
 @option("--format", "Chapters: LaTeX, or one HTML page. Fragments are LaTeX.", **FORMATS)
 @option(
     "--form",
-    "Fragments: the motion by functions for all regimes of damping, or by e^(-ct/2m) cos omega_d t.",
+    "Fragments: the motion by functions for all regimes of damping, or by e^(-ct/2m) cos omega_d "
+    "t.",
     type=click.Choice(["entire", "paper"]),
 )
 @option("--digits", "Fragments: round numbers to so many digits.", type=options.WholeNumber(1, 50))
@@ -81,7 +82,10 @@ def derive(
     from symosc.derive.fragments import FRAGMENTS
 
     if subject not in subjects():
-        known = f"must be one of all, {', '.join(CHAPTERS)} (chapters) or {', '.join(FRAGMENTS)} (fragments)"
+        known = (
+            f"must be one of all, {', '.join(CHAPTERS)} (chapters) or {', '.join(FRAGMENTS)} "
+            "(fragments)"
+        )
         raise ParameterError("subject", subject, known + meant(subject, subjects()))
     if subject in FRAGMENTS:
         if pdf or format == "html":
@@ -279,7 +283,9 @@ def _export_code(word: str, language: str, name: Text, folder: str, force: bool)
 
 
 def _kernels(regenerate: bool) -> int:
-    """Write the file of symosc's own kernels (`regenerate`), or check that it is what sympy's formulas give."""
+    """Write the file of symosc's own kernels (`regenerate`), or check that it is what sympy's
+    formulas give.
+    """
     from symosc.symbolic import codegen as generator
 
     if regenerate:
@@ -289,7 +295,8 @@ def _kernels(regenerate: bool) -> int:
     if difference:
         output.write(difference)
         output.fail(
-            "the committed kernels differ from the generated ones; accept: symosc codegen --regenerate"
+            "the committed kernels differ from the generated ones; accept: symosc codegen "
+            "--regenerate"
         )
     output.write(f"{Path(generator.PATH).name} is what the formulas print")
     return 0

@@ -1,4 +1,6 @@
-"""`symosc grazing`: Theorem 7's windows of a scene, exactly, and for which parameters they have a property."""
+"""`symosc grazing`: Theorem 7's windows of a scene, exactly, and for which parameters they have a
+property.
+"""
 
 from __future__ import annotations
 
@@ -53,9 +55,8 @@ def grazing(
     plot: Text,
     **asked: Any,
 ) -> int:
-    """Print the grazing windows of a scene.
-
-    At which phases Omega t mod 2 pi a touching flow turns back (Theorem 7).
+    """Print the grazing windows of a scene: at which phases Omega t mod 2 pi a touching flow turns
+    back (Theorem 7).
 
     Columns: the map; the case; gamma = k v/m; B0 Omega/m; Theta_cr; the window. Case (55.1) is the
     first of the paper's (55); cases with a letter a, b or c, or shifted by pi, are missing in the
@@ -107,7 +108,8 @@ def grazing(
     )
     in_letters = solve is not None and scene is None and not settings
     if in_letters:
-        name, p = (None, None)
+        name = None
+        p = None
     else:
         name, p = _parameters(scene, settings)
     chosen = list(dict.fromkeys(mappings))
@@ -139,8 +141,6 @@ def grazing(
     data = {"scene": name, "parameters": p.as_dict(), "order": order}
     if reports:
         data |= {"checks": [report.to_dict() for report in reports]}
-    else:
-        data |= {}
     printed = partial(_print_windows, windows, reports, latex)
     output.report(
         lambda: data | {"windows": list(map(_window_data, windows))}, printed
@@ -172,7 +172,9 @@ def _print_windows(windows: list[symosc.GrazingWindow], reports: list[Any], late
 
 
 def _parameters(scene: Text, settings: Settings) -> tuple[Text, Parameters]:
-    """Return the scene's name and parameters, or None and the parameters that were all given by --set."""
+    """Return the scene's name and parameters, or None and the parameters that were all given by
+    --set.
+    """
     changes = options.read_parameters(settings)
     problem = options.reduced_scene(load_scene(scene or "fig5").changed(**changes))
     missing = [name for name in PARAMETER_NAMES if name not in changes and scene is None]
@@ -204,7 +206,9 @@ def _window_data(window: symosc.GrazingWindow) -> Record:
 
 
 def _draw_windows(windows: list[symosc.GrazingWindow], against: Text) -> Any:
-    """Return the figure of all windows or, if `against` names a parameter, of the first one as that changes."""
+    """Return the figure of all windows or, if `against` names a parameter, of the first one as that
+    changes.
+    """
     from symosc.plot.windows import draw_plane, sweep_figure, window_figure
 
     def plane(axes: Any, window: symosc.GrazingWindow) -> None:
@@ -216,14 +220,17 @@ def _draw_windows(windows: list[symosc.GrazingWindow], against: Text) -> Any:
     if "=" in against:
         name, (low, high) = options.read_span(against, "--against")
     else:
-        name, (low, high) = (against, (None, None))
+        name = against
+        low = None
+        high = None
     return sweep_figure(window.parameters, window.mapping, name, low, high, window.order)
 
 
 def _solve(
     p: Parameters | None, mappings: list[str], names: str, phases: Text, order: Order, plot: Text
 ) -> list[Any]:
-    """Return for which values of the parameters `names` each mapping's window contains a phase, or all in an interval.
+    """Return for which values of the parameters `names` each mapping's window contains a phase, or
+    all in an interval.
 
     `names` is NAME or NAME,NAME, and `phases` is PHASE or LOW:HIGH; without `phases` two questions
     are answered: for which values is the window empty, and for which is it all phases? The answers

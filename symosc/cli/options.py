@@ -1,6 +1,5 @@
-"""Arguments and options of the commands, and what is read from them.
-
-Scenes, parameters, numbers, names of files.
+"""Arguments and options of the commands, and what is read from them: scenes, parameters, numbers,
+names of files.
 """
 
 from __future__ import annotations
@@ -28,7 +27,9 @@ Completion: TypeAlias = Callable[[click.Context, click.Parameter, str], list[Com
 
 
 def complete(names: Callable[[], Iterable[str]], end: str = "") -> Completion:
-    """Return a shell completion of the last of comma-separated names by those of `names()`, with `end` appended."""
+    """Return a shell completion of the last of comma-separated names by those of `names()`, with
+    `end` appended.
+    """
 
     def matching(
         context: click.Context, argument: click.Parameter, text: str
@@ -46,9 +47,8 @@ def complete(names: Callable[[], Iterable[str]], end: str = "") -> Completion:
 def complete_scene(
     context: click.Context, argument: click.Parameter, text: str
 ) -> list[CompletionItem]:
-    """Return the shipped scenes whose names begin with `text`.
-
-    If there are none, the shell completes file names.
+    """Return the shipped scenes whose names begin with `text`; if there are none, the shell
+    completes file names.
     """
     return complete(scene_names)(context, argument, text) or [CompletionItem(text, type="file")]
 
@@ -92,7 +92,9 @@ class WholeNumber(click.IntRange):
         return super().convert(value, param, ctx)
 
     def _describe_range(self) -> str:
-        """Return the range of allowed numbers as --help shows it, or an empty text if there is no limit."""
+        """Return the range of allowed numbers as --help shows it, or an empty text if there is no
+        limit.
+        """
         if self.min is None and self.max is None:
             return ""
         return super()._describe_range()
@@ -112,7 +114,8 @@ KINDS: dict[str, dict[str, Any]] = {
 
 
 def option(form: str, about: str, *names: str, **settings: Any) -> Callable[[Any], Any]:
-    """Return a click option from its `form`, such as "-o, --output FILE", and its help text `about`.
+    """Return a click option from its `form`, such as "-o, --output FILE", and its help text
+    `about`.
 
     The last word of the form (FILE) says how values are read and completed (`KINDS`); the rest is
     for click.option.
@@ -153,7 +156,9 @@ start_error_option = option(
 
 
 def refuse(*rules: tuple[object, str]) -> None:
-    """Raise UsageError with the first text in these pairs (condition, text) whose condition is true."""
+    """Raise UsageError with the first text in these pairs (condition, text) whose condition is
+    true.
+    """
     for broken, text in rules:
         if broken:
             raise click.UsageError(text)
@@ -253,14 +258,12 @@ def scene_with(scene: str | Scene, settings: Settings, **start: Text) -> Scene:
 
 
 def reduced_scene(scene: Scene) -> Scene:
-    """Return a scene in the coordinates of symosc's model.
-
-    For one of another model, print a note.
-    """
+    """Return a scene in the coordinates of symosc's model; for one of another model, print a note."""
     if scene.original is not None:
         drive = scene.parameters.as_dict()["B0"]
         note(
-            f"{scene.name}: of another model; this is about the oscillator that it is, with B0 = {drive}"
+            f"{scene.name}: of another model; this is about the oscillator that it is, with B0 = "
+            f"{drive}"
         )
     return scene.reduced()
 

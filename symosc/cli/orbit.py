@@ -46,7 +46,8 @@ def orbit(
     picture: Text,
     **exact: int | None,
 ) -> int:
-    """Find the periodic orbit of a mapping structure, or the one that a motion settles to, and its stability.
+    """Find the periodic orbit of a mapping structure, or the one that a motion settles to, and its
+    stability.
 
     Prints the switching points, the multipliers, and how far the scene's start is from the orbit.
     With --continue the orbit is followed both ways until it ends or leaves the range. Each end is
@@ -63,12 +64,18 @@ def orbit(
     problem = options.scene_with(scene, settings)
     if response is not None:
         if structure or span or any(exact.values()):
-            reason = "it is that of the settled motion: leave out --structure, --continue, --periods and --digits"
+            reason = (
+                "it is that of the settled motion: leave out --structure, --continue, --periods "
+                "and --digits"
+            )
             raise click.BadParameter(reason, param_hint="--response")
         _print_response(problem, response, picture)
         return 0
     if span is not None and problem.original is not None:
-        reason = f"{problem.name} is of another model, whose drive changes with its parameters: no branch is followed"
+        reason = (
+            f"{problem.name} is of another model, whose drive changes with its parameters: no "
+            "branch is followed"
+        )
         raise click.BadParameter(reason, param_hint="--continue")
     problem = options.reduced_scene(problem)
     with output.failing(symosc.ConvergenceError):
@@ -90,7 +97,9 @@ def orbit(
 
 
 def _print_response(problem: symosc.Scene, over: str, picture: Text) -> None:
-    """Print and draw the frequency response of a scene over the parameter in `over`, NAME=LOW:HIGH:N."""
+    """Print and draw the frequency response of a scene over the parameter in `over`,
+    NAME=LOW:HIGH:N.
+    """
     name, values = options.split_setting(
         over, "--response", "NAME=LOW:HIGH:N, such as Omega=1:5:80"
     )
@@ -158,7 +167,10 @@ def _report_text(
 
 def _start_text(scene: symosc.Scene, found: symosc.PeriodicOrbit) -> str:
     near = found.approach(scene)
-    place = f"the start of {scene.name} (t = {show(scene.t0)}) differs from the orbit by {near.offset_x:.3g} in x and"
+    place = (
+        f"the start of {scene.name} (t = {show(scene.t0)}) differs from the orbit by "
+        f"{near.offset_x:.3g} in x and"
+    )
     place += f" {near.offset_v:.3g} in v"
     if near.dt == near.dt:
         place += f", from its nearest switching by {near.dt:.3g} in t and {near.dx:.3g} in x"

@@ -41,7 +41,8 @@ _PRINTING = f"{__name__}.printing"
 
 
 def claim_stdout(context: click.Context, option: click.Parameter, value: Any) -> Any:
-    """Return the value of an option, and record in the context if this option prints to standard output.
+    """Return the value of an option, and record in the context if this option prints to standard
+    output.
 
     Raise BadParameter if a file and other output would be mixed on standard output.
     """
@@ -104,7 +105,9 @@ def fail(text: str) -> NoReturn:
 
 @contextmanager
 def failing(kind: type[Exception], before: str = "") -> Iterator[None]:
-    """End the command with exit code 1 at an error of this kind, and print `before` and the text of the error."""
+    """End the command with exit code 1 at an error of this kind, and print `before` and the text of
+    the error.
+    """
     try:
         yield
     except kind as error:

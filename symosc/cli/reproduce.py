@@ -52,7 +52,9 @@ def reproduce(name: str, only: str | None) -> int:
 
 
 def carry_out(plan: Plan, folder: Path, as_json: bool = False, workers: int | None = None) -> int:
-    """Judge the claims and draw the figures of a plan, write and print the report, and return the exit code."""
+    """Judge the claims and draw the figures of a plan, write and print the report, and return the
+    exit code.
+    """
     from symosc.paper import report
     from symosc.paper.run import run
 
@@ -96,7 +98,8 @@ def _print_summary(results: Results, folder: Path) -> None:
     lines.append(f"{len(results.judged)} claim{'s' if len(results.judged) > 1 else ''}: {counts}")
     if errata:
         lines.append(
-            f"{errata.total()} distinct {'errata' if errata.total() > 1 else 'erratum'}: {severities}"
+            f"{errata.total()} distinct {'errata' if errata.total() > 1 else 'erratum'}: "
+            f"{severities}"
         )
     figures = f"{drawn} figure{'s' if drawn != 1 else ''}"
     lines.append(f"{figures}, {steps} steps of derivations checked; {results.seconds:.0f} s")

@@ -76,9 +76,8 @@ def _scene_data(scene: Scene) -> Record:
 )
 @options.flag("--force", "Replace a file that is there.")
 def new(file: str, like: str, force: bool) -> None:
-    """Write a scene file of your own to begin with.
-
-    Each number with what it is, its unit and what is allowed.
+    """Write a scene file of your own to begin with: each number with what it is, its unit and what
+    is allowed.
 
     All commands take such a file in place of a scene's name.
 

@@ -1,6 +1,5 @@
-"""`symosc simulate`, `figure` and `explore`.
-
-One motion as a table, a figure and an interactive page.
+"""`symosc simulate`, `figure` and `explore`: one motion as a table, a figure and an interactive
+page.
 """
 
 from __future__ import annotations
@@ -75,9 +74,8 @@ def _print_events(trajectory: symosc.Trajectory) -> None:
 
 
 def _cell(name: str, row: Record) -> str:
-    """Return the text of an event in the column `name` of the table.
-
-    In "source" it is both modes, as A -> B.
+    """Return the text of an event in the column `name` of the table; in "source" it is both modes,
+    as A -> B.
     """
     value = row[name]
     if name == "source":

@@ -119,9 +119,8 @@ def reference_list(keys: list[str]) -> str:
 
 
 def plain_line(key: str) -> str:
-    """Return a reference for HTML and Markdown.
-
-    Its LaTeX line with accented letters instead of accent commands.
+    """Return a reference for HTML and Markdown: its LaTeX line with accented letters instead of
+    accent commands.
     """
     return re.sub(r"\{([A-Z])\}", r"\1", plain_text(reference_line(key)))
 

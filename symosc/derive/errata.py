@@ -1,6 +1,5 @@
-"""The errors and gaps of the paper, each once.
-
-The list behind the supplement, the report and the letter.
+"""The errors and gaps of the paper, each once: the list behind the supplement, the report and the
+letter.
 """
 
 from __future__ import annotations
@@ -37,7 +36,9 @@ class Erratum:
     shown: str = ""  # what of the supplement shows it (LaTeX, may be empty)
 
     def in_unicode(self) -> Erratum:
-        """Return the erratum with its texts as Unicode instead of LaTeX, for the report and the letter."""
+        """Return the erratum with its texts as Unicode instead of LaTeX, for the report and the
+        letter.
+        """
         texts: dict[str, Any] = {name: latex_to_unicode(getattr(self, name)) for name in TEXTS}
         return replace(self, **texts)
 
@@ -68,7 +69,8 @@ class RecordsError(SymoscError, ValueError):
     """Raised for a TOML file that cannot be used; `where` names the file, and the record in it."""
 
     def __init__(self, where: str, reason: str) -> None:
-        self.where, self.reason = where, reason
+        self.where = where
+        self.reason = reason
         super().__init__(f"{where}: {reason}")
 
 
@@ -81,13 +83,17 @@ def read_toml(path: Path) -> dict[str, Any]:
 
 
 def kebab(where: str, name: str) -> None:
-    """Raise RecordsError, with `where` for the place, unless a name is in kebab case, such as "wrong-sign"."""
+    """Raise RecordsError, with `where` for the place, unless a name is in kebab case, such as
+    "wrong-sign".
+    """
     if not re.fullmatch(r"[a-z0-9]+(-[a-z0-9]+)*", name):
         raise RecordsError(where, f"id = {name!r}: must be kebab case")
 
 
 def one_of(where: str, what: str, value: str, allowed: Collection[str]) -> None:
-    """Raise RecordsError, with `where` for the place and `what` for the key, unless a value is one of those allowed."""
+    """Raise RecordsError, with `where` for the place and `what` for the key, unless a value is one
+    of those allowed.
+    """
     if value not in allowed:
         raise RecordsError(where, f"{what} = {value!r}: must be one of {', '.join(allowed)}")
 
@@ -159,7 +165,9 @@ def _unicode(text: str) -> str:
 
 
 def _script(place: str, script: str) -> str:
-    """Return an index or power in lowered or raised characters or, if Unicode lacks one, behind "_" or "^"."""
+    """Return an index or power in lowered or raised characters or, if Unicode lacks one, behind "_"
+    or "^".
+    """
     if place == "^":
         table = _RAISED
     else:

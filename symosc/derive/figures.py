@@ -71,9 +71,8 @@ def stick_exits(axes: Axes) -> None:
 
 
 def windows(axes: Axes) -> None:
-    """Draw where sin theta lies above and below its critical value.
-
-    Theorem 7's windows for one gamma of each kind.
+    """Draw where sin theta lies above and below its critical value: Theorem 7's windows for one
+    gamma of each kind.
     """
     theta = np.linspace(0, 2 * np.pi, 721)
     sine = np.sin(theta)

@@ -1,6 +1,5 @@
-"""Fragments for users' papers.
-
-One map, theorem or formula each, with all that it needs, as LaTeX that needs amsmath.
+"""Fragments for users' papers: one map, theorem or formula each, with all that it needs, as LaTeX
+that needs amsmath.
 
 Each step is checked before it is printed, as in the chapters, whose sections they share; numbers
 are put in after that.
@@ -65,7 +64,8 @@ PREFIX = "symosc"
 POSITION = named(r"x(\tau)")
 VELOCITY = named(r"\dot{x}(\tau)")
 BASIS_TEXT = (
-    r"Here $E_1(\tau)$ is the response of $\ddot{y} + (c/m)\dot{y} + (k/m)y$ to an impulse: the solution of the "
+    r"Here $E_1(\tau)$ is the response of $\ddot{y} + (c/m)\dot{y} + (k/m)y$ to an impulse: the "
+    r"solution of the "
     r"unforced equation with $E_1(0) = 0$ and $\dot{E}_1(0) = 1$; further $E_0 = \dot{E}_1$, "
     r"$E_2(\tau) = \int_0^\tau E_1(u)\,du$ and "
     r"$R_2(\tau) + i I_2(\tau) = \int_0^\tau E_1(u)\, e^{i\Omega(\tau - u)}\,du$"
@@ -73,9 +73,8 @@ BASIS_TEXT = (
 
 
 class Fragment(NamedTuple):
-    """A piece of theory for users' papers.
-
-    Title, function that returns its items, and the paper's equation numbers.
+    """A piece of theory for users' papers: title, function that returns its items, and the paper's
+    equation numbers.
     """
 
     title: str
@@ -108,7 +107,8 @@ def as_latex(
     paper_tags: bool = False,
     alone: bool = False,
 ) -> str:
-    """Return a fragment as LaTeX, in which labels begin with `prefix` and a colon, as in symosc:P3-f1.
+    """Return a fragment as LaTeX, in which labels begin with `prefix` and a colon, as in
+    symosc:P3-f1.
 
     `scope` has the numbers and the form of the fragment. If `paper_tags`, equations get their
     numbers in the paper; if `alone`, a complete document is made.
@@ -129,15 +129,12 @@ def as_latex(
     ]
     if scope.form != "entire":
         command += [f"--form {scope.form}"]
-    else:
-        command += []
     if scope.digits is not None:
         command += [f"--digits {scope.digits}"]
-    else:
-        command += []
     out = [
         f"% {fragment.title.replace('$', '')}: {' '.join(command)} (symosc {symosc.__version__}).\n"
-        "% Needs \\usepackage{amsmath}. Every formula was checked by machine before it was printed.\n"
+        "% Needs \\usepackage{amsmath}. Every formula was checked by machine before it was "
+        "printed.\n"
     ]
 
     def end(each: Part) -> str:
@@ -200,11 +197,16 @@ def _acceleration() -> list[Step]:
 
 def _friction(scope: FragmentScope) -> Items:
     return (
-        r"A mass $m$ on a spring $k$ and a damper $c$ is driven by $A_0 + B_0\cos\Omega t$ and pressed with the force "
-        r"$F_N$ between two belts with the speeds $v_1 < v_2$ and the friction coefficients $\mu_1$ and $\mu_2$. With "
-        r"$\operatorname{Sgn}(s) = \operatorname{sgn}(s)$ for $s \ne 0$ and $\operatorname{Sgn}(0) = [-1, 1]$, "
-        r"$m\ddot{x} + c\dot{x} + k x - A_0 - B_0\cos\Omega t \in -\mu_1 F_N\operatorname{Sgn}(\dot{x} - v_1) - \mu_2 "
-        r"F_N\operatorname{Sgn}(\dot{x} - v_2)$. In the domains $\Omega_1$ ($\dot{x} < v_1$), $\Omega_2$ "
+        r"A mass $m$ on a spring $k$ and a damper $c$ is driven by $A_0 + B_0\cos\Omega t$ and "
+        r"pressed with the force "
+        r"$F_N$ between two belts with the speeds $v_1 < v_2$ and the friction coefficients "
+        r"$\mu_1$ and $\mu_2$. With "
+        r"$\operatorname{Sgn}(s) = \operatorname{sgn}(s)$ for $s \ne 0$ and "
+        r"$\operatorname{Sgn}(0) = [-1, 1]$, "
+        r"$m\ddot{x} + c\dot{x} + k x - A_0 - B_0\cos\Omega t \in -\mu_1 "
+        r"F_N\operatorname{Sgn}(\dot{x} - v_1) - \mu_2 "
+        r"F_N\operatorname{Sgn}(\dot{x} - v_2)$. In the domains $\Omega_1$ ($\dot{x} < v_1$), "
+        r"$\Omega_2$ "
         r"($v_1 < \dot{x} < v_2$) and $\Omega_3$ ($\dot{x} > v_2$)",
         "the acceleration is",
         _acceleration(),
@@ -213,7 +215,8 @@ def _friction(scope: FragmentScope) -> Items:
 
 def _flow(scope: FragmentScope) -> Items:
     return (
-        r"Where $m\ddot{x} + c\dot{x} + k x = A_\alpha + B_0\cos\Omega t$, take the motion from $(x_i, \dot{x}_i)$ at "
+        r"Where $m\ddot{x} + c\dot{x} + k x = A_\alpha + B_0\cos\Omega t$, take the motion from "
+        r"$(x_i, \dot{x}_i)$ at "
         r"the time $t_i$ with the phase $\theta_i = \Omega t_i$, at $\tau = t - t_i$ later.",
         _motion(scope),
     )
@@ -221,10 +224,14 @@ def _flow(scope: FragmentScope) -> Items:
 
 def _stick(scope: FragmentScope) -> Items:
     return (
-        r"While the mass moves with belt $\lambda$, $\dot{x} = v_\lambda$ and $\ddot{x} = 0$. The stick lasts as long "
-        r"as $F^{(\lambda)} \ge 0 \ge F^{(\lambda+1)}$, where $m F^{(\alpha)}$ is what all forces would sum up to if "
-        r"friction were that of the domain below ($\alpha = \lambda$) or above ($\alpha = \lambda + 1$) the belt's "
-        r"speed. It ends where the first of the two changes its sign, and the mass slips into that domain. On belt 1",
+        r"While the mass moves with belt $\lambda$, $\dot{x} = v_\lambda$ and $\ddot{x} = 0$. "
+        r"The stick lasts as long "
+        r"as $F^{(\lambda)} \ge 0 \ge F^{(\lambda+1)}$, where $m F^{(\alpha)}$ is what all "
+        r"forces would sum up to if "
+        r"friction were that of the domain below ($\alpha = \lambda$) or above ($\alpha = "
+        r"\lambda + 1$) the belt's "
+        r"speed. It ends where the first of the two changes its sign, and the mass slips into "
+        r"that domain. On belt 1",
         [sticks.force(1, alpha, f"belt1-F{alpha}") for alpha in (1, 2)],
         "and on belt 2",
         [sticks.force(2, alpha, f"belt2-F{alpha}") for alpha in (2, 3)],
@@ -235,7 +242,8 @@ def _stick(scope: FragmentScope) -> Items:
 
 def _g_functions(scope: FragmentScope) -> Items:
     return (
-        r"The G-functions of the domain $\Omega_\alpha$ at a boundary $\dot{x} = v_\lambda$ are the derivatives of the "
+        r"The G-functions of the domain $\Omega_\alpha$ at a boundary $\dot{x} = v_\lambda$ are "
+        r"the derivatives of the "
         r"acceleration $F^{(\alpha)}$ along its flow; $\theta = \Omega t$ is the phase:",
         _relabelled(switching.g_functions(), "G"),
     )
@@ -243,12 +251,17 @@ def _g_functions(scope: FragmentScope) -> Items:
 
 #: What Theorems 4 to 6 say about a motion at a boundary.
 AT_BOUNDARY = {
-    "theorem4": r"the motion sticks to belt $\lambda$ if $F^{(\lambda)} > 0$ and $F^{(\lambda+1)} < 0$",
-    "theorem5": r"the motion passes if $F^{(\lambda)} F^{(\lambda+1)} > 0$: upward, into $\Omega_{\lambda+1}$, if both "
+    "theorem4": r"the motion sticks to belt $\lambda$ if $F^{(\lambda)} > 0$ and "
+    r"$F^{(\lambda+1)} < 0$",
+    "theorem5": r"the motion passes if $F^{(\lambda)} F^{(\lambda+1)} > 0$: upward, into "
+    r"$\Omega_{\lambda+1}$, if both "
     r"are positive, downward, into $\Omega_\lambda$, if both are negative",
-    "theorem6": r"a flow that comes in $\Omega_\lambda$ grazes if $F^{(\lambda)} = 0$ and $G^{(1,\lambda)} < 0$, one "
-    r"that comes in $\Omega_{\lambda+1}$ if $F^{(\lambda+1)} = 0$ and $G^{(1,\lambda+1)} > 0$; where "
-    r"$G^{(1,\alpha)} = 0$ too, the first derivative of $F^{(\alpha)}$ along the flow that does not vanish decides, "
+    "theorem6": r"a flow that comes in $\Omega_\lambda$ grazes if $F^{(\lambda)} = 0$ and "
+    r"$G^{(1,\lambda)} < 0$, one "
+    r"that comes in $\Omega_{\lambda+1}$ if $F^{(\lambda+1)} = 0$ and $G^{(1,\lambda+1)} > 0$; "
+    r"where "
+    r"$G^{(1,\alpha)} = 0$ too, the first derivative of $F^{(\alpha)}$ along the flow that does "
+    r"not vanish decides, "
     r"and grazes iff its order is odd",
 }
 
@@ -256,7 +269,8 @@ AT_BOUNDARY = {
 def _theorem(name: str, scope: FragmentScope) -> Items:
     """Return the fragment of Theorem 4, 5 or 6."""
     return (
-        r"At the boundary $\dot{x} = v_\lambda$ between $\Omega_\lambda$ below and $\Omega_{\lambda+1}$ above it, "
+        r"At the boundary $\dot{x} = v_\lambda$ between $\Omega_\lambda$ below and "
+        r"$\Omega_{\lambda+1}$ above it, "
         rf"{AT_BOUNDARY[name]}.",
         r"Here the acceleration in $\Omega_\alpha$ is",
         _acceleration(),
@@ -271,20 +285,28 @@ def _theorem7(scope: FragmentScope) -> Items:
     table = grazing.windows_table("theorem7")
     windows = list(_windows_in_numbers(scope))
     contact = (
-        r"Where $m\ddot{x} + c\dot{x} + k x = A_\alpha + B_0\cos\Omega t$ in $\Omega_\alpha$, the contact is at",
+        r"Where $m\ddot{x} + c\dot{x} + k x = A_\alpha + B_0\cos\Omega t$ in $\Omega_\alpha$, "
+        r"the contact is at",
         place,
     )
     return (
-        r"Let the flow of $\Omega_\alpha$ have $\dot{x} = v_\lambda$ and $\ddot{x} = 0$ at the time $t_m$, with the "
-        r"phase $\theta_m = \Omega t_m$ modulo $2\pi$: $P_2$ has $(\alpha, \lambda) = (1, 1)$, $P_3$ $(2, 1)$, $P_5$ "
-        r"$(2, 2)$ and $P_6$ $(3, 2)$, with $\sigma = 1$ where the boundary is above the domain, and $\sigma = -1$ "
+        r"Let the flow of $\Omega_\alpha$ have $\dot{x} = v_\lambda$ and $\ddot{x} = 0$ at the "
+        r"time $t_m$, with the "
+        r"phase $\theta_m = \Omega t_m$ modulo $2\pi$: $P_2$ has $(\alpha, \lambda) = (1, 1)$, "
+        r"$P_3$ $(2, 1)$, $P_5$ "
+        r"$(2, 2)$ and $P_6$ $(3, 2)$, with $\sigma = 1$ where the boundary is above the domain, "
+        r"and $\sigma = -1$ "
         r"where it is below. With",
         letters,
-        r"and $\Theta^{\mathrm{cr}} = \arcsin(-\gamma/a)$, the flow grazes the boundary to first order iff $\theta_m$ "
-        r"is in the set below, for $a \ge 0$; for $a < 0$ the sets are those of $-a$, moved by $\pi$.",
+        r"and $\Theta^{\mathrm{cr}} = \arcsin(-\gamma/a)$, the flow grazes the boundary to first "
+        r"order iff $\theta_m$ "
+        r"is in the set below, for $a \ge 0$; for $a < 0$ the sets are those of $-a$, moved by "
+        r"$\pi$.",
         Table(table.label, "The phases at which a contact grazes.", table.heads, table.rows),
-        r"A single point that is taken out, for $|\gamma| = a$, is a tangency of fourth order, at which the flow "
-        r"returns as well: to full order these two sets are the whole circle, and the others stay as they are.",
+        r"A single point that is taken out, for $|\gamma| = a$, is a tangency of fourth order, "
+        r"at which the flow "
+        r"returns as well: to full order these two sets are the whole circle, and the others "
+        r"stay as they are.",
         contact if dict(scope.values).get("k") != 0 else (),
         ("With the numbers of this paper", windows) if windows else (),
     )
@@ -295,11 +317,14 @@ def _saltation(scope: FragmentScope) -> Items:
         each for each in flat(jacobians.saltation()) if isinstance(each, Step) and each.op != "="
     ]
     return (
-        r"Where a motion crosses $\dot{x} = v_\lambda$ with the accelerations $F^{-} \ne 0$ before and $F^{+} \ne 0$ "
-        r"after, a small change $(\delta x, \delta\dot{x})$ of its state is multiplied by the saltation matrix "
+        r"Where a motion crosses $\dot{x} = v_\lambda$ with the accelerations $F^{-} \ne 0$ "
+        r"before and $F^{+} \ne 0$ "
+        r"after, a small change $(\delta x, \delta\dot{x})$ of its state is multiplied by the "
+        r"saltation matrix "
         r"$S = \operatorname{diag}(1, F^{+}/F^{-})$, where",
         _relabelled(ratios, "ratio"),
-        r"At the onset of a stick the matrix is $\operatorname{diag}(1, 0)$, at its end the identity. Between events "
+        r"At the onset of a stick the matrix is $\operatorname{diag}(1, 0)$, at its end the "
+        r"identity. Between events "
         r"it is multiplied by $\Phi(\tau)$ with the entries",
         _relabelled(jacobians.perturbations(), "phi")[:4],
         BASIS_TEXT + ".",
@@ -330,7 +355,9 @@ def _windows_in_numbers(scope: FragmentScope) -> Iterator[Step]:
 
 
 def _motion(scope: FragmentScope) -> Items:
-    """Return the items that state the motion from (x_i, v_i) at t_i, in the form that the scope asks for."""
+    """Return the items that state the motion from (x_i, v_i) at t_i, in the form that the scope
+    asks for.
+    """
     regime = scope.regimes[0]
     name, condition = domains.REGIME_WORDS[regime.name]
     letters = {letter: domains.true_letters()[letter] for letter in regime.letters}
@@ -380,10 +407,13 @@ def _flight_map(label: str, scope: FragmentScope) -> Items:
     flow = solution.flow()
     residual = maps.flight_residual()
     return (
-        rf"The mapping $P_{label[1]}\colon {planes[0]} \to {planes[1]}$ leads from $(x_i, \theta_i)$ on "
-        rf"$\dot{{x}} = {latex(start)}$ through $\Omega_{row.domain}$ to $(x_{{i+1}}, \theta_{{i+1}})$ on "
+        rf"The mapping $P_{label[1]}\colon {planes[0]} \to {planes[1]}$ leads from $(x_i, "
+        r"\theta_i)$ on "
+        rf"$\dot{{x}} = {latex(start)}$ through $\Omega_{row.domain}$ to $(x_{{i+1}}, "
+        rf"\theta_{{i+1}})$ on "
         rf"$\dot{{x}} = {latex(end)}$; $\theta = \Omega t$ modulo $2\pi$ is the phase, and "
-        r"$\Sigma^{1}_{(\lambda)}$ and $\Sigma^{2}_{(\lambda)}$ are the points of motions below and above "
+        r"$\Sigma^{1}_{(\lambda)}$ and $\Sigma^{2}_{(\lambda)}$ are the points of motions below "
+        r"and above "
         r"$\dot{x} = v_\lambda$. With the duration",
         equation(
             tau, (maps.theta_j - theta_i) / Omega, {maps.theta_j: theta_i + Omega * tau}, "tau"
@@ -394,7 +424,8 @@ def _flight_map(label: str, scope: FragmentScope) -> Items:
         r"where $\tau$ is the first positive time at which the motion meets the speed of a belt.",
         _motion(scope),
         rf"In the domain $\Omega_{row.domain}$ ({motion.VELOCITIES[row.domain]}) the motion obeys "
-        rf"$m\ddot{{x}} + c\dot{{x}} + k x = A_{row.domain} + B_0\cos\Omega t$, and the constant part of the forces is",
+        rf"$m\ddot{{x}} + c\dot{{x}} + k x = A_{row.domain} + B_0\cos\Omega t$, and the constant "
+        r"part of the forces is",
         _constant(row.domain),
     )
 
@@ -415,13 +446,15 @@ def _stick_map(label: str, scope: FragmentScope) -> Items:
             way = "rises above"
         force = m * motion.acceleration(alpha)
         exits += [
-            rf"and with $f_2 = f_2^{{({alpha})}}$ if the mass slips into $\Omega_{alpha}$, where this {way} 0:",
+            rf"and with $f_2 = f_2^{{({alpha})}}$ if the mass slips into $\Omega_{alpha}$, where "
+            rf"this {way} 0:",
             equation(
                 f2, sp.expand(force.subs(at)), m * motion.newton(alpha).subs(at), f"f2-{alpha}"
             ),
         ]
     return (
-        rf"The mapping $P_{label[1]}\colon {plane} \to {plane}$, the points with $\dot{{x}} = v_{belt}$ of motions on "
+        rf"The mapping $P_{label[1]}\colon {plane} \to {plane}$, the points with $\dot{{x}} = "
+        rf"v_{belt}$ of motions on "
         rf"the belt, is a stick on belt {belt} from $(x_i, \theta_i)$ to "
         r"$(x_{i+1}, \theta_{i+1})$, with the phase $\theta = \Omega t$ modulo $2\pi$ and "
         r"$\tau = (\theta_{i+1} - \theta_i)/\Omega$. It solves $f_1 = f_2 = 0$ with",

@@ -1,6 +1,5 @@
-"""What stands before the chapters.
-
-Preamble, title, abstract, how to cite, and the table of notation.
+"""What stands before the chapters: preamble, title, abstract, how to cite, and the table of
+notation.
 """
 
 from __future__ import annotations
@@ -12,22 +11,33 @@ from symosc.mappings.numbers import latex_text
 
 TITLE = "The double-belt friction oscillator: theory, proofs and errata"
 ABSTRACT = (
-    r"A mass on a spring and a damper is driven periodically and pressed between two belts that run at different "
-    r"speeds. This supplement derives its motion from the balance of forces and the set-valued law of friction: the "
-    r"closed form in every regime of damping, what happens at a belt's speed, sticks and their two ends, the mappings "
-    r"between the switching planes and their derivatives, grazing with all of its cases, an event search that misses "
-    r"nothing, the one periodic motion that attracts, why there is no chaos, what motions do without a damper, "
-    r"and where the word of a motion changes: the maps, the multipliers and all points of codimension two. "
+    r"A mass on a spring and a damper is driven periodically and pressed between two belts that "
+    r"run at different "
+    r"speeds. This supplement derives its motion from the balance of forces and the set-valued "
+    r"law of friction: the "
+    r"closed form in every regime of damping, what happens at a belt's speed, sticks and their "
+    r"two ends, the mappings "
+    r"between the switching planes and their derivatives, grazing with all of its cases, an "
+    r"event search that misses "
+    r"nothing, the one periodic motion that attracts, why there is no chaos, what motions do "
+    r"without a damper, "
+    r"and where the word of a motion changes: the maps, the multipliers and all points of "
+    r"codimension two. "
     r"It restates, proves and where needed corrects what is in the paper \cite{chen2016}: "
     + paper_reference(r"\emph{{{}}}", "~", "--")
     + "."
 )
 LEGEND = (
-    "Each displayed formula was checked by machine before it was printed, and the letter behind its number says how: "
-    r"\textsc{e}, exactly, by computer algebra; \textsc{s}, an inequality decided from the signs of its letters "
-    r"or from exact numbers; \textsc{n}, numerically with 50 digits, at the root that is meant or to the last printed "
-    r"decimal. The same letters, raised, stand behind sentences and captions whose facts were checked. "
-    r"Where the text says \emph{the paper}, it is \cite{chen2016}, and equation numbers with \emph{the paper's} are "
+    "Each displayed formula was checked by machine before it was printed, and the letter behind "
+    "its number says how: "
+    r"\textsc{e}, exactly, by computer algebra; \textsc{s}, an inequality decided from the signs "
+    r"of its letters "
+    r"or from exact numbers; \textsc{n}, numerically with 50 digits, at the root that is meant "
+    r"or to the last printed "
+    r"decimal. The same letters, raised, stand behind sentences and captions whose facts were "
+    r"checked. "
+    r"Where the text says \emph{the paper}, it is \cite{chen2016}, and equation numbers with "
+    r"\emph{the paper's} are "
     r"its numbers."
 )
 #: What a chapter that is printed alone says.
@@ -172,9 +182,11 @@ def how_to_cite() -> str:
     """Return the LaTeX text that says how to cite symosc and this document."""
     return (
         rf"symosc {symosc.__version__}, {SYMOSC['year']}. Cite as: {SYMOSC['author'].strip('{}')}, "
-        rf"\emph{{{SYMOSC['title']}}}, version {symosc.__version__}, {SYMOSC['year']} \cite{{symosc}}; the supplement "
+        rf"\emph{{{SYMOSC['title']}}}, version {symosc.__version__}, {SYMOSC['year']} "
+        rf"\cite{{symosc}}; the supplement "
         rf"as \emph{{{TITLE}}}, supplement to symosc {symosc.__version__}. "
-        r"\texttt{symosc -{}-cite} prints BibTeX of symosc and the paper; \texttt{references.bib} has all references."
+        r"\texttt{symosc -{}-cite} prints BibTeX of symosc and the paper; "
+        r"\texttt{references.bib} has all references."
     )
 
 
@@ -198,4 +210,7 @@ def scene_numbers(scope: Scope) -> str:
     """Return a sentence that lists the parameters of the scope's scene, or "" without a scene."""
     if scope.scene is None:
         return ""
-    return rf"Scene \texttt{{{latex_text(scope.scene.name)}}}, its numbers put in exactly: {', '.join(scope.given())}."
+    return (
+        rf"Scene \texttt{{{latex_text(scope.scene.name)}}}, its numbers put in exactly: "
+        rf"{', '.join(scope.given())}."
+    )

@@ -135,9 +135,10 @@ class PaperPrinter(LatexPrinter):
 
     def _print_Mul(self, expr: Expr) -> str:
         if expr.could_extract_minus_sign() and expr.as_coeff_Mul()[0] < 0:
-            sign, expr = ("- ", -expr)
+            sign = "- "
+            expr = -expr
         else:
-            sign, expr = ("", expr)
+            sign = ""
         for drag in DRAGS.intersection(sp.Mul.make_args(expr)):
             if sign:
                 sign = ""
@@ -159,9 +160,11 @@ class PaperPrinter(LatexPrinter):
             if factor.is_Rational:
                 decimal = self.decimals and "/" not in show(Fraction(int(factor.p), int(factor.q)))
                 if decimal:
-                    top, bottom = (factor, 1)
+                    top = factor
+                    bottom = 1
                 else:
-                    top, bottom = (sp.Integer(factor.p), sp.Integer(factor.q))
+                    top = sp.Integer(factor.p)
+                    bottom = sp.Integer(factor.q)
                 above += [top] * (top != 1)
                 below += [bottom] * (bottom != 1)
             elif power.is_Rational and power < 0 and not factor.has(sp.exp):
@@ -182,7 +185,9 @@ class PaperPrinter(LatexPrinter):
         return f"{sign}{self._fraction(above, below)} {self._product(rest_above, alone=False)}"
 
     def _fraction(self, above: list[Expr], below: list[Expr]) -> str:
-        """Return the LaTeX of a quotient of two products of factors, without fractions in fractions."""
+        """Return the LaTeX of a quotient of two products of factors, without fractions in
+        fractions.
+        """
         if not below:
             return self._product(above)
         top, bottom = (
@@ -194,9 +199,8 @@ class PaperPrinter(LatexPrinter):
         return rf"\frac{{{top}}}{{{bottom}}}"
 
     def _product(self, factors: list[Expr], alone: bool = True) -> str:
-        """Return the LaTeX of a product in the paper's order.
-
-        If it is not `alone`, a single sum has parentheses.
+        """Return the LaTeX of a product in the paper's order; if it is not `alone`, a single sum
+        has parentheses.
         """
         parts: list[str] = []
         for factor in sorted(factors, key=_factor_key):
@@ -290,9 +294,8 @@ class PaperPrinter(LatexPrinter):
 
 
 def _factor_key(factor: Expr) -> tuple[int, int, Any]:
-    """Return the key by which factors are sorted.
-
-    Numbers, parameters, other symbols, functions, sums.
+    """Return the key by which factors are sorted: numbers, parameters, other symbols, functions,
+    sums.
     """
     base = factor.as_base_exp()[0]
     letters = {symbol.name for symbol in base.free_symbols}
@@ -301,7 +304,10 @@ def _factor_key(factor: Expr) -> tuple[int, int, Any]:
     elif isinstance(factor, sp.exp):
         rank = 3, 0
     elif base.is_Add:
-        place = 2 if factor.is_Pow else 3
+        if factor.is_Pow:
+            place = 2
+        else:
+            place = 3
         if letters <= {"mu_1", "mu_2"}:
             place = 0
         rank = place, 1
@@ -315,9 +321,8 @@ def _factor_key(factor: Expr) -> tuple[int, int, Any]:
 
 
 def _place(letters: set[str]) -> int:
-    """Return the place in `ORDER` of the first letter that is in `letters`.
-
-    If none is, the length of `ORDER`.
+    """Return the place in `ORDER` of the first letter that is in `letters`; if none is, the length
+    of `ORDER`.
     """
     return next((place for place, name in enumerate(ORDER) if name in letters), len(ORDER))
 
@@ -403,9 +408,8 @@ def width(text: str) -> float:
 
 
 def lines(statement: Step, decimals: bool = False, left_width: float | None = None) -> list[str]:
-    """Return a statement as rows of an align environment.
-
-    `left &= right`, broken before + and - where needed.
+    """Return a statement as rows of an align environment: `left &= right`, broken before + and -
+    where needed.
 
     `decimals` asks for decimals, not fractions; `left_width` is the left column's width if other
     statements share it.

@@ -35,10 +35,15 @@ FONT_FILE = Path(__file__).parent / "fonts" / "symosc-math.woff2"
 
 @cache
 def font_style() -> str:
-    """Return CSS that embeds the math font shipped with the package, so that a page needs no other file."""
+    """Return CSS that embeds the math font shipped with the package, so that a page needs no other
+    file.
+    """
     data = b64encode(FONT_FILE.read_bytes()).decode()
     face = f'font-family: "{FONT_NAME}"; src: url("data:font/woff2;base64,{data}") format("woff2");'
-    return f'@font-face {{ {face} }}\nmath {{ font-family: "{FONT_NAME}", math; font-size: 1.15em; }}\n'
+    return (
+        f'@font-face {{ {face} }}\nmath {{ font-family: "{FONT_NAME}", math; font-size: 1.15em; '
+        f"}}\n"
+    )
 
 
 def words(text: str) -> str:

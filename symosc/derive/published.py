@@ -1,6 +1,5 @@
-"""Published results that the model contains, each computed twice.
-
-By its formula, and by running this package.
+"""Published results that the model contains, each computed twice: by its formula, and by running
+this package.
 
 The parameters are A0 = 0, B0 = P, v1 = 0, mu1 FN = F, mu2 = 0 and a v2 that no velocity reaches: an
 oscillator that rubs on a wall. Formulas (`symosc.symbolic.coulomb`) have 50 digits; the package's
@@ -62,13 +61,17 @@ class Flight:
         }
 
     def value(self, expr: Any, more: dict[Any, Any] | None = None) -> Any:
-        """Evaluate an expression with the numbers of this flight's symbols, and with those that `more` gives."""
+        """Evaluate an expression with the numbers of this flight's symbols, and with those that
+        `more` gives.
+        """
         known = self.numbers | (more or {})
         letters = tuple(sorted(sp.sympify(expr).free_symbols, key=str))
         return _as_function(expr, letters)(*(known[letter] for letter in letters))
 
     def basis(self, time: Any) -> dict[Any, Any]:
-        """Return the response to a unit impulse (E1), its derivative (E0) and its integral (E2) at a time."""
+        """Return the response to a unit impulse (E1), its derivative (E0) and its integral (E2) at
+        a time.
+        """
         return {name: self.value(self.regime.basis()[name], {tau: time}) for name in BASIS[:3]}
 
 
@@ -97,7 +100,9 @@ class Formulas(Flight):
         self.steady = known[x_0] + known[G] * known[x_f], known[H] * known[x_f]  # p_0 and q_0
 
     def trace_and_determinant(self) -> tuple[Any, Any]:
-        """Return trace and determinant of the monodromy matrix, the square of the matrix of half a period."""
+        """Return trace and determinant of the monodromy matrix, the square of the matrix of half a
+        period.
+        """
         matrix = coulomb.half_period_matrix(coulomb.ratio())
         trace, determinant = (
             self.value(part, self.half) for part in (matrix.trace(), matrix.det())
@@ -105,7 +110,8 @@ class Formulas(Flight):
         return trace**2 - 2 * determinant, determinant**2
 
     def slide_bound(self, angle: Any) -> Any:
-        """Return the bound B: at an angle after the highest point the mass moves down if and only if p_0 > B F/k.
+        """Return the bound B: at an angle after the highest point the mass moves down if and only
+        if p_0 > B F/k.
 
         p_0 is the value of the steady response to the drive at the highest point.
         """
@@ -116,7 +122,9 @@ class Formulas(Flight):
         )
 
     def largest_slide_bound(self) -> tuple[Any, Any]:
-        """Return the supremum of `slide_bound` over the angles (0, pi), and the angle where it is reached."""
+        """Return the supremum of `slide_bound` over the angles (0, pi), and the angle where it is
+        reached.
+        """
         # A maximum inside counts if it is above that limit by 1e-10, relative to it: far above
         # rounding errors.
         slope = partial(MP.diff, self.slide_bound)
@@ -135,7 +143,9 @@ class Formulas(Flight):
         return self.slide_bound(angle), angle
 
     def largest_force_ratio(self) -> Any:
-        """Return the largest ratio F/P of friction to drive for which the symmetric motion has no stops."""
+        """Return the largest ratio F/P of friction to drive for which the symmetric motion has no
+        stops.
+        """
         largest = sp.Symbol("largest")
         return self.value(
             coulomb.largest_force_ratio(largest), {largest: self.largest_slide_bound()[0]}
@@ -154,7 +164,9 @@ def _as_function(expr: Any, letters: tuple[Any, ...]) -> Callable[..., Any]:
 
 @cache
 def _slide_bounds(regime: solution.Regime) -> tuple[Callable[..., Any], list[Any]]:
-    """Return `slide_bound` in a damping regime as a numpy function of the angle and some symbols, and these symbols."""
+    """Return `slide_bound` in a damping regime as a numpy function of the angle and some symbols,
+    and these symbols.
+    """
     closed = coulomb.closed(coulomb.slide_function(), regime, phi / solution.Omega)
     letters = sorted(closed.free_symbols - {phi}, key=str)
     return sp.lambdify([phi, *letters], closed, "numpy"), letters
@@ -197,7 +209,9 @@ def resonance_growth(F: Any, P: Any, digits: int = 30) -> list[Any]:
 
 
 def one_sided_orbit(F: Any, n: int, middle: Fraction) -> PeriodicOrbit:
-    """Return the orbit without stops, c = 0, Omega = 1/(2 n), friction F, whose turning points have mean `middle`."""
+    """Return the orbit without stops, c = 0, Omega = 1/(2 n), friction F, whose turning points have
+    mean `middle`.
+    """
     # In doubles only: neighbouring motions are orbits too, so the equations are singular, which
     # more digits would show.
     guess = [
@@ -213,7 +227,9 @@ def _free_amplitude(n: int) -> Fraction:
 
 
 def one_sided_path(F: Any, n: int, middle: Fraction, cycles: Fraction) -> Trajectory:
-    """Simulate `cycles` periods of the motion of `one_sided_orbit`, which starts at its highest point."""
+    """Simulate `cycles` periods of the motion of `one_sided_orbit`, which starts at its highest
+    point.
+    """
     t_end = cycles * Fraction(4 * pi * n)
     return simulate(
         wall(F, Fraction(1, 2 * n)),
@@ -226,26 +242,32 @@ def one_sided_path(F: Any, n: int, middle: Fraction, cycles: Fraction) -> Trajec
 
 
 def one_sided_end(F: Any, n: int) -> float:
-    """Return the largest `middle` with which the motion of `one_sided_orbit` has no stops, found by bisection."""
+    """Return the largest `middle` with which the motion of `one_sided_orbit` has no stops, found by
+    bisection.
+    """
     return _largest_without_stops(lambda middle: (F, n, middle))
 
 
 def last_friction(n: int) -> float:
-    """Return the largest friction F with which the symmetric motion at Omega = 1/(2 n), c = 0 has no stops."""
+    """Return the largest friction F with which the symmetric motion at Omega = 1/(2 n), c = 0 has
+    no stops.
+    """
     return _largest_without_stops(lambda F: (F, n, Fraction(0)))
 
 
 def _largest_without_stops(motion: Callable[[Fraction], tuple[Any, int, Fraction]]) -> float:
-    """Return the largest z in (0, 1) for which `one_sided_path` with (F, n, middle) = motion(z) has no stops."""
+    """Return the largest z in (0, 1) for which `one_sided_path` with (F, n, middle) = motion(z) has
+    no stops.
+    """
     low = Fraction(0)
     high = Fraction(1)
     while high - low > 1e-9:
         middle = (low + high) / 2
         events = one_sided_path(*motion(middle), Fraction(9, 4)).events
         if [event.kind for event in events] == ["cross"] * 4:
-            low, high = (middle, high)
+            low = middle
         else:
-            low, high = (low, middle)
+            high = middle
     return float(low + high) / 2
 
 
@@ -253,7 +275,9 @@ def _largest_without_stops(motion: Callable[[Fraction], tuple[Any, int, Fraction
 
 
 def meeting_point(c: Any, guess: tuple[float, float]) -> tuple[Any, Any]:
-    """Return (Omega, F) at which the mass turns without acceleration just when the drive has its peak."""
+    """Return (Omega, F) at which the mass turns without acceleration just when the drive has its
+    peak.
+    """
 
     def conditions(Omega: Any, F: Any) -> tuple[Any, Any]:
         formulas = Formulas(wall(MP.nstr(F, 55), MP.nstr(Omega, 55), c))
@@ -267,7 +291,9 @@ def meeting_point(c: Any, guess: tuple[float, float]) -> tuple[Any, Any]:
 
 
 def meeting_point_by_running(c: Any, guess: tuple[float, float]) -> tuple[float, float]:
-    """Return (Omega, F) of `meeting_point`, solved for with orbits P32 from `find_orbit` instead of formulas."""
+    """Return (Omega, F) of `meeting_point`, solved for with orbits P32 from `find_orbit` instead of
+    formulas.
+    """
 
     def conditions(where: Any) -> tuple[float, float]:
         t, x = max(find_orbit(wall(where[1], where[0], c), "P32").points, key=lambda point: point.x)
@@ -278,7 +304,9 @@ def meeting_point_by_running(c: Any, guess: tuple[float, float]) -> tuple[float,
 
 
 def end_without_stops(c: Any, P: Any, near: float) -> tuple[Any, Any]:
-    """Return the Omega next to `near` at which the motion without stops ends for friction F = 1, and its amplitude."""
+    """Return the Omega next to `near` at which the motion without stops ends for friction F = 1,
+    and its amplitude.
+    """
 
     def formulas(Omega: Any) -> Formulas:
         return Formulas(wall(1, MP.nstr(Omega, 55), c, P=P))
@@ -294,12 +322,16 @@ def end_without_stops(c: Any, P: Any, near: float) -> tuple[Any, Any]:
 
 
 def base_and_wall(F: Any, Omega: Any) -> Parameters:
-    """Return parameters for the mass's motion relative to base and wall, which both move as cos(Omega t); m = k = 1."""
+    """Return parameters for the mass's motion relative to base and wall, which both move as
+    cos(Omega t); m = k = 1.
+    """
     return wall(F, Omega, P=Fraction(Omega) ** 2)
 
 
 def transmissibility(F: Any, Omega: Any) -> Any:
-    """Return the mass's largest absolute displacement if base and wall move as cos(Omega t), by formula; c = 0."""
+    """Return the mass's largest absolute displacement if base and wall move as cos(Omega t), by
+    formula; c = 0.
+    """
     formulas = Formulas(base_and_wall(F, Omega))
     known = formulas.numbers
     r = formulas.numbers[solution.Omega]
@@ -316,9 +348,8 @@ def transmissibility(F: Any, Omega: Any) -> Any:
 
 
 def transmissibility_by_running(F: Any, Omega: Any) -> float:
-    """Return the same as `transmissibility` by simulation.
-
-    Motion on P32 relative to the base, plus cos(Omega t).
+    """Return the same as `transmissibility` by simulation: motion on P32 relative to the base, plus
+    cos(Omega t).
     """
     p = base_and_wall(F, Omega)
     (t0, x0), _ = slide_orbit(p).points
@@ -345,7 +376,9 @@ def transmissibility_by_running(F: Any, Omega: Any) -> float:
 
 
 def inversion(F: Any, height: Callable[[Any, Any], Any]) -> float:
-    """Return the frequency ratio Omega at which the amplitude ``height(F, Omega)`` is as large as without friction."""
+    """Return the frequency ratio Omega at which the amplitude ``height(F, Omega)`` is as large as
+    without friction.
+    """
     return float(
         optimize.brentq(
             lambda r: float(height(F, Fraction(r))) * (r * r - 1) - 1, 1.38, 1.6, xtol=1e-13
@@ -358,10 +391,7 @@ def inversion(F: Any, height: Callable[[Any, Any], Any]) -> float:
 
 @cache
 def stops(parameters: Parameters) -> int | None:
-    """Count the stops per cycle of the settled motion from rest at 0.
-
-    None if it does not settle.
-    """
+    """Count the stops per cycle of the settled motion from rest at 0; None if it does not settle."""
     turn = 2 * pi / float(parameters.Omega)
     for cycles in (8, 30, 120, 480, 1920):
         path = from_rest(parameters, cycles + 2)
@@ -381,7 +411,9 @@ def from_rest(p: Parameters, cycles: int) -> Trajectory:
 
 
 class Border(NamedTuple):
-    """Two values of F/P between which the number of stops per cycle changes, their mean, and the numbers of stops."""
+    """Two values of F/P between which the number of stops per cycle changes, their mean, and the
+    numbers of stops.
+    """
 
     low: float
     high: float
@@ -392,7 +424,9 @@ class Border(NamedTuple):
 
 @cache
 def find_border(low: Any, high: Any, Omega: Any, c: Any = 0) -> Border:
-    """Return a border between two values of F/P with different numbers of stops per cycle, found by bisection."""
+    """Return a border between two values of F/P with different numbers of stops per cycle, found by
+    bisection.
+    """
 
     def count(ratio: Fraction) -> int:
         found = stops(wall(1, Omega, c, P=1 / ratio))
@@ -423,9 +457,8 @@ def find_border(low: Any, high: Any, Omega: Any, c: Any = 0) -> Border:
 
 
 def solve_border(Omega: Any, border: Border) -> tuple[Any, str]:
-    """Return F/P at `border`, c = 0, by equations, and its kind.
-
-    "graze" (a stop of length 0) or "birth" (a slide).
+    """Return F/P at `border`, c = 0, by equations, and its kind: "graze" (a stop of length 0) or
+    "birth" (a slide).
     """
     # With P = k = 1 half a cycle is n slides down. Each starts where a stop ends, x = cos(theta) + F, and ends at rest,
     # the last one at minus the first one's start: 2 n equations for n phases and n durations. The border is where
@@ -470,9 +503,8 @@ def solve_stop_positions(p: Parameters) -> list[Any]:
 
 
 def _half_cycle(p: Parameters, F: Any, phases: Any, times: Any) -> list[Any]:
-    """Return the residuals of half a cycle.
-
-    All are 0 if each slide ends at rest where the next one starts.
+    """Return the residuals of half a cycle: all are 0 if each slide ends at rest where the next one
+    starts.
     """
     x, v, _ = _slide(p)
     rows = list(zip(phases, times, _slide_ends(F, phases), strict=True))
@@ -481,9 +513,8 @@ def _half_cycle(p: Parameters, F: Any, phases: Any, times: Any) -> list[Any]:
 
 
 def _slide_ends(F: Any, phases: Any) -> list[Any]:
-    """Return where each slide of half a cycle ends, which is where the next one starts.
-
-    At x = cos(phase) + F.
+    """Return where each slide of half a cycle ends, which is where the next one starts: at x =
+    cos(phase) + F.
     """
     starts = [MP.cos(phase) + F for phase in phases]
     return [*starts[1:], -starts[0]]
@@ -491,7 +522,9 @@ def _slide_ends(F: Any, phases: Any) -> list[Any]:
 
 @cache
 def _slide(p: Parameters) -> tuple[Callable[..., Any], ...]:
-    """Return the functions x(theta_i, tau, x_i), v(theta_i, tau), a(theta_i, tau) of a slide from rest with a = 0."""
+    """Return the functions x(theta_i, tau, x_i), v(theta_i, tau), a(theta_i, tau) of a slide from
+    rest with a = 0.
+    """
     flight = Flight(p)
     known = {solution.v_i: 0, solution.a_i: 0, solution.f0: 1}
 
@@ -502,7 +535,9 @@ def _slide(p: Parameters) -> tuple[Callable[..., Any], ...]:
 
 
 def _slides_near_border(p: Parameters, count: int) -> tuple[list[tuple[float, float]], list[Any]]:
-    """Return phase, duration of `count` simulated slides, and candidates (distance, kind, slide, time) for a border."""
+    """Return phase, duration of `count` simulated slides, and candidates (distance, kind, slide,
+    time) for a border.
+    """
     path = from_rest(p, 22)
     late = [event for event in path.events if event.t > 40 * pi / float(p.Omega)]
     pairs = [(a, b) for a, b in pairwise(late) if a.kind == "slip"]
@@ -520,7 +555,9 @@ def _slides_near_border(p: Parameters, count: int) -> tuple[list[tuple[float, fl
 
 
 def largest_exponent(count: int, seed: int = 0) -> float:
-    """Return the largest Lyapunov exponent found in `count` random oscillators (m = k = 1) over 60 periods each."""
+    """Return the largest Lyapunov exponent found in `count` random oscillators (m = k = 1) over 60
+    periods each.
+    """
     dice = random.Random(seed)
     largest = -np.inf
     for _ in range(count):
@@ -582,7 +619,9 @@ TABLES: dict[str, tuple[str, tuple[str, ...], Callable[[], Iterator[Value]]]] = 
 
 
 def _compared(key: str, title: str, *sources: str) -> Callable[..., Any]:
-    """Return a decorator that registers a function, which yields a table's rows, with key, title and `sources`."""
+    """Return a decorator that registers a function, which yields a table's rows, with key, title
+    and `sources`.
+    """
     return lambda rows: TABLES.setdefault(key, (title, sources, rows))
 
 
@@ -608,7 +647,9 @@ def _amplitudes() -> Iterator[Value]:
 
 @_compared("stability", "Its multipliers", "shaw1986")
 def _multipliers() -> Iterator[Value]:
-    """Yield sum and product of the multipliers of the motion without stops (P32), except products too small to show."""
+    """Yield sum and product of the multipliers of the motion without stops (P32), except products
+    too small to show.
+    """
     for case, p in DAMPED:
         one, other = slide_orbit(p, 30).multipliers
         total, product = Formulas(p).trace_and_determinant()
@@ -618,9 +659,8 @@ def _multipliers() -> Iterator[Value]:
 
 
 def _border(case: str, formula: Any, border: Border) -> Value:
-    """Return a table row for F/P at a border.
-
-    Its value by formula, and by bisection of simulations.
+    """Return a table row for F/P at a border: its value by formula, and by bisection of
+    simulations.
     """
     return Value(
         "F/P",
@@ -668,7 +708,9 @@ def _points() -> Iterator[Value]:
 
 @_compared("ends", "The ends of a branch", "iklodi2024")
 def _ends() -> Iterator[Value]:
-    """Yield the frequencies at which the branch of motions without stops ends, and its highest points there."""
+    """Yield the frequencies at which the branch of motions without stops ends, and its highest
+    points there.
+    """
     c, P, F = GIVEN["ends"].values()
     for end in continue_orbit(wall(F, 1, c, P=P), "P32", "Omega", ("0.6", "1.5")).ends:
         Omega, amplitude = end_without_stops(c, P, end.value)
@@ -678,7 +720,9 @@ def _ends() -> Iterator[Value]:
 
 @_compared("resonance", "Growth per cycle at resonance", "denhartog1930", "butikov2015")
 def _growth() -> Iterator[Value]:
-    """Yield the rise of the highest point per cycle by formula, and the simulated rise that is farthest from it."""
+    """Yield the rise of the highest point per cycle by formula, and the simulated rise that is
+    farthest from it.
+    """
     for F, P in (("0.5", "1"), ("0.3", "0.5")):
         formula = MP.pi * MP.mpf(P) - 4 * MP.mpf(F)
         rises = resonance_growth(F, P)
@@ -736,7 +780,9 @@ def _slow() -> Iterator[Value]:
 
 @_compared("cycles", "Two limit cycles", "murari2026")
 def _cycles() -> Iterator[Value]:
-    """Yield the positions at which the mass stops in two limit cycles, by their equations and by simulation."""
+    """Yield the positions at which the mass stops in two limit cycles, by their equations and by
+    simulation.
+    """
     for Omega in ("0.3", "0.15"):
         p = wall(GIVEN["cycles"]["F"], Omega, GIVEN["cycles"]["c"])
         run = sorted(
@@ -755,9 +801,8 @@ def _cycles() -> Iterator[Value]:
 
 @_compared("continuum", r"Motions around a middle $\bar{x}$", "csernak2007", "butikov2015")
 def _continuum() -> Iterator[Value]:
-    """Yield turning points and the second multiplier of some orbits that fill a continuum.
-
-    Omega = 1/(2 n), c = 0.
+    """Yield turning points and the second multiplier of some orbits that fill a continuum: Omega =
+    1/(2 n), c = 0.
     """
     for n, F, middles in CONTINUA:
         half = _free_amplitude(n)
@@ -778,7 +823,9 @@ def _continuum() -> Iterator[Value]:
 
 @_compared("inversion", "Where friction begins to amplify", "marino2019", "marino2020")
 def _inversions() -> Iterator[Value]:
-    """Yield the frequency ratio beyond which friction amplifies the absolute motion, base and wall moving together."""
+    """Yield the frequency ratio beyond which friction amplifies the absolute motion, base and wall
+    moving together.
+    """
     for F in ("0.1", "0.5", "1"):
         formula, run = (
             inversion(F, height) for height in (transmissibility, transmissibility_by_running)
@@ -788,7 +835,9 @@ def _inversions() -> Iterator[Value]:
 
 @_compared("rests", "Rest positions on a belt at rest")
 def _rests() -> Iterator[Value]:
-    """Yield the ends of the interval of rests, and the positions at t = 60 of motions that start inside it."""
+    """Yield the ends of the interval of rests, and the positions at t = 60 of motions that start
+    inside it.
+    """
     p = RESTING
     ends = rest_positions(RESTING, 1)
     assert ends is not None
@@ -802,8 +851,7 @@ def _rests() -> Iterator[Value]:
 
 @cache
 def table(key: str) -> tuple[Value, ...]:
-    """Return the rows of the table with a key.
-
-    Numbers, each computed by a formula and by this package.
+    """Return the rows of the table with a key: numbers, each computed by a formula and by this
+    package.
     """
     return tuple(TABLES[key][2]())

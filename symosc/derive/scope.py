@@ -1,6 +1,5 @@
-"""The scope of a derivation.
-
-The general oscillator, one scene, or numbers for some symbols of a fragment.
+"""The scope of a derivation: the general oscillator, one scene, or numbers for some symbols of a
+fragment.
 """
 
 from __future__ import annotations
@@ -48,9 +47,8 @@ def G(order: int | str, alpha: int | str = r"\alpha") -> Expr:
 
 @dataclass(frozen=True)
 class Scope:
-    """The subject of a derivation.
-
-    A scene or, if `scene` is None, the oscillator with symbols for all parameters.
+    """The subject of a derivation: a scene or, if `scene` is None, the oscillator with symbols for
+    all parameters.
     """
 
     scene: Scene | None = None
@@ -95,9 +93,8 @@ class Scope:
 
     @cached_property
     def numbers(self) -> dict[Expr, Expr]:
-        """The known numbers by their symbols.
-
-        For a scene also those of cm = c/m, w0sq = k/m and f0 = B0/m.
+        """The known numbers by their symbols; for a scene also those of cm = c/m, w0sq = k/m and f0
+        = B0/m.
         """
         found = {LETTERS[name]: rational(value) for name, value in self.values}
         if self.scene:
@@ -108,9 +105,8 @@ class Scope:
 
     @cached_property
     def display(self) -> dict[Expr, Expr]:
-        """What to substitute before printing.
-
-        Numbers or, without a scene, the paper's symbols, such as c/m for cm.
+        """What to substitute before printing: numbers or, without a scene, the paper's symbols,
+        such as c/m for cm.
         """
         if self.scene is None:
             return PAPER_LETTERS
@@ -129,9 +125,8 @@ class Scope:
 
 @dataclass(frozen=True)
 class FragmentScope(Scope):
-    """The subject of a fragment.
-
-    Numbers for some of its symbols, and the form in which the motion is written.
+    """The subject of a fragment: numbers for some of its symbols, and the form in which the motion
+    is written.
     """
 
     values: tuple[tuple[str, Any], ...] = ()
@@ -144,9 +139,8 @@ class FragmentScope(Scope):
     instances: dict[Expr, Expr] = field(default_factory=dict, hash=False, compare=False)
 
     def shown(self, expr: Expr) -> Expr:
-        """Return an expression as printed.
-
-        With the letters in `instances` and numbers put in, rounded to `digits`.
+        """Return an expression as printed: with the letters in `instances` and numbers put in,
+        rounded to `digits`.
         """
         expr = (
             sp.sympify(expr)
@@ -161,12 +155,16 @@ class FragmentScope(Scope):
 
 
 def stated(p: Parameters, *names: str) -> tuple[str, tuple[Step, ...]]:
-    """Return some parameters as LaTeX, such as "$m = k = 1$, $c = 2$", and the steps that check the numbers in it."""
+    """Return some parameters as LaTeX, such as "$m = k = 1$, $c = 2$", and the steps that check the
+    numbers in it.
+    """
     return valued({LETTERS[name]: rational(getattr(p, name)) for name in names})
 
 
 def valued(values: dict[Expr, Expr]) -> tuple[str, tuple[Step, ...]]:
-    """Return letters with their exact numbers as LaTeX, and the steps that check the numbers, as `stated` does."""
+    """Return letters with their exact numbers as LaTeX, and the steps that check the numbers, as
+    `stated` does.
+    """
     groups: dict[Expr, list[str]] = {}
     for letter, value in values.items():
         groups.setdefault(value, []).append(latex(letter))

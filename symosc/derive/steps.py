@@ -44,12 +44,15 @@ class StepError(SymoscError):
     """Raised if the check of a step fails or cannot decide; `statement` is what was to be shown."""
 
     def __init__(self, statement: str, reason: str) -> None:
-        self.statement, self.reason = statement, reason
+        self.statement = statement
+        self.reason = reason
         super().__init__(f"{statement}: {reason}")
 
 
 class StepEvidence(NamedTuple):
-    """How a step was shown: kind ("exact", "sign", "numeric"), difference or reason, points tried (0: a proof)."""
+    """How a step was shown: kind ("exact", "sign", "numeric"), difference or reason, points tried
+    (0: a proof).
+    """
 
     kind: str
     margin: str
@@ -58,7 +61,9 @@ class StepEvidence(NamedTuple):
 
 @dataclass(frozen=True)
 class Step:
-    """One displayed line: a statement, its check, its name for references in the chapter, and LaTeX text after it."""
+    """One displayed line: a statement, its check, its name for references in the chapter, and LaTeX
+    text after it.
+    """
 
     left: Expr
     op: str  # one of = > < >= <= in
@@ -81,7 +86,10 @@ def step(
 ) -> Step:
     """Return the step ``left op right``, which has to pass a check."""
     if not isfunction(check):
-        meanings = check if isinstance(check, dict) else {left: check}
+        if isinstance(check, dict):
+            meanings = check
+        else:
+            meanings = {left: check}
         check = exact({} if check is None else meanings)
     return Step(sp.sympify(left), op, sp.sympify(right), check, label, **options)
 
@@ -103,7 +111,9 @@ _MARKUP = re.compile(
 
 
 class Markup(NamedTuple):
-    """A LaTeX command: a subsection with its title, or the beginning or end of an environment such as a theorem."""
+    """A LaTeX command: a subsection with its title, or the beginning or end of an environment such
+    as a theorem.
+    """
 
     command: str
     name: str
@@ -119,7 +129,9 @@ class Prose(NamedTuple):
 
 
 def facts(*steps: Step) -> Prose:
-    """Return an item that attaches steps to the preceding paragraph, as checks of what it states in words."""
+    """Return an item that attaches steps to the preceding paragraph, as checks of what it states in
+    words.
+    """
     return Prose("", steps)
 
 
@@ -138,7 +150,9 @@ class Table(NamedTuple):
 
 
 class Illustration(NamedTuple):
-    """A figure: its key in `symosc.derive.figures.FIGURES`, label, caption, and width as a part of the text's width."""
+    """A figure: its key in `symosc.derive.figures.FIGURES`, label, caption, and width as a part of
+    the text's width.
+    """
 
     key: str
     label: str
@@ -147,7 +161,9 @@ class Illustration(NamedTuple):
 
 
 def flat(parts: Items) -> list[Any]:
-    """Return the parts of a chapter as one flat list, with texts split into headings, environments and paragraphs."""
+    """Return the parts of a chapter as one flat list, with texts split into headings, environments
+    and paragraphs.
+    """
     found: list[Any] = []
     for part in parts:
         if isinstance(part, str):
@@ -194,7 +210,8 @@ def exact(
     tidy: Callable[[Expr], Expr] = sp.expand,
     independent: bool = True,
 ) -> Check:
-    """Return the check that both sides are equal once `meaning` has been put in for the symbols that it defines.
+    """Return the check that both sides are equal once `meaning` has been put in for the symbols
+    that it defines.
 
     `tidy` rewrites the difference, which has to become 0. Unless the symbols that are left are not
     `independent`, random values first try to refute the equality: of these symbols, and with a
@@ -214,7 +231,9 @@ def exact(
 
 
 def cases(*checks: Check) -> Check:
-    """Return a check that runs several checks, one for each meaning of the symbols, such as belt 1 and belt 2."""
+    """Return a check that runs several checks, one for each meaning of the symbols, such as belt 1
+    and belt 2.
+    """
 
     def check(statement: Step) -> StepEvidence:
         kinds = {each(statement).kind for each in checks}
@@ -232,7 +251,9 @@ def solves(
     w0sq: Expr = solution.w0sq,
     meaning: Any = None,
 ) -> Check:
-    """Return the check that y = right side solves y'' + cm y' + w0sq y = `force`, y(0) = `start`, y'(0) = `rate`."""
+    """Return the check that y = right side solves y'' + cm y' + w0sq y = `force`, y(0) = `start`,
+    y'(0) = `rate`.
+    """
     # Only one function does this, so every sign is checked. `meaning` is as for `exact`.
 
     def check(statement: Step) -> StepEvidence:
@@ -266,7 +287,9 @@ def solves(
 
 
 def modes(expr: Expr) -> Expr:
-    """Return a function of tau as a sum of modes (products of tau, exp, sin, ...), or 0 if it always vanishes."""
+    """Return a function of tau as a sum of modes (products of tau, exp, sin, ...), or 0 if it
+    always vanishes.
+    """
     expr = sp.expand_trig(expr)
     found = sorted(expr.atoms(sp.exp, sp.sin, sp.cos, sp.sinh, sp.cosh), key=sp.default_sort_key)
     # Modes count as independent symbols here: the expression vanishes for all their values if its
@@ -280,7 +303,9 @@ def modes(expr: Expr) -> Expr:
 
 
 def sign(meaning: Meaning | None = None) -> Check:
-    """Return the check of an inequality that follows from the signs of its symbols, or holds between exact numbers."""
+    """Return the check of an inequality that follows from the signs of its symbols, or holds
+    between exact numbers.
+    """
 
     def check(statement: Step) -> StepEvidence:
         difference = resolve(statement.left, meaning) - resolve(statement.right, meaning)
@@ -302,7 +327,9 @@ def sign(meaning: Meaning | None = None) -> Check:
 
 
 def close(value: Callable[[], Any], decimals: int) -> Check:
-    """Return the check that the decimal on the right is a computed value, up to half a unit of its last digit."""
+    """Return the check that the decimal on the right is a computed value, up to half a unit of its
+    last digit.
+    """
 
     def check(statement: Step) -> StepEvidence:
         off = abs(CONTEXT.mpf(value()) - CONTEXT.mpf(statement.right.p) / statement.right.q)
@@ -322,7 +349,9 @@ def decimal(
 
 
 def at_root(meaning: Callable[[], Meaning], tolerance: Any = STEP_AGREEMENT) -> Check:
-    """Return the check that a statement holds with 50 digits at the numbers that `meaning` returns, such as a root."""
+    """Return the check that a statement holds with 50 digits at the numbers that `meaning` returns,
+    such as a root.
+    """
 
     def check(statement: Step) -> StepEvidence:
         values = meaning()
@@ -339,9 +368,8 @@ def at_root(meaning: Callable[[], Meaning], tolerance: Any = STEP_AGREEMENT) -> 
 
 
 def _within(statement: Step, off: Any, tolerance: Any) -> StepEvidence:
-    """Return evidence if `off`, the difference of both sides, is within a tolerance.
-
-    Else raise StepError.
+    """Return evidence if `off`, the difference of both sides, is within a tolerance; else raise
+    StepError.
     """
     if not off <= tolerance:
         raise StepError(str(statement), f"the sides differ by {CONTEXT.nstr(off, 3)}")
@@ -365,7 +393,9 @@ def resolve(expr: Expr, meaning: Meaning | None) -> Expr:
 
 
 def points(expr: Expr, count: int) -> Iterator[dict[Expr, Any]]:
-    """Yield random values of an expression's symbols that their assumptions allow, the same in every run."""
+    """Yield random values of an expression's symbols that their assumptions allow, the same in
+    every run.
+    """
     letters = sorted(expr.free_symbols, key=str)
     dice = random.Random(20161031)
     for _ in range(count):
@@ -406,9 +436,8 @@ def _vanish(statement: Step, rest: Expr, complaint: str) -> None:
 
 
 def _refute(statement: Step, difference: Expr) -> None:
-    """Raise StepError if a difference that should vanish is not 0 at one random point.
-
-    0 there proves nothing.
+    """Raise StepError if a difference that should vanish is not 0 at one random point; 0 there
+    proves nothing.
     """
     difference = _sampled(difference)
     if (
@@ -424,7 +453,9 @@ def _refute(statement: Step, difference: Expr) -> None:
 
 @cache
 def generic_basis() -> dict[Expr, Expr]:
-    """Return the five basis functions of a flight, by their symbols, for two different characteristic roots."""
+    """Return the five basis functions of a flight, by their symbols, for two different
+    characteristic roots.
+    """
     mean = sp.Symbol("r", positive=True)
     half = sp.Symbol("q", positive=True)
     regime = solution.Regime("two roots", sp.true, -mean, half, {})
@@ -433,7 +464,9 @@ def generic_basis() -> dict[Expr, Expr]:
 
 @cache
 def _motion_sample() -> dict[Expr, Expr]:
-    """Return numbers for the basis functions and the letters that they depend on, all from one motion."""
+    """Return numbers for the basis functions and the letters that they depend on, all from one
+    motion.
+    """
     mean = sp.Symbol("r", positive=True)
     half = sp.Symbol("q", positive=True)
     letters = {mean: 37, half: 23, solution.tau: 11, solution.Omega: 29, solution.m: 17}
@@ -446,7 +479,10 @@ def _motion_sample() -> dict[Expr, Expr]:
 
 
 def _sampled(expr: Expr) -> Expr:
-    """Return an expression with functions in place of their names: what holds for all holds for these."""
+    """Return an expression with functions in place of their names.
+
+    What holds for all holds for these.
+    """
     if expr.has(*solution.BASIS):
         expr = expr.xreplace(_motion_sample())
     names = sorted(expr.atoms(AppliedUndef), key=str)
@@ -457,4 +493,6 @@ def _sampled(expr: Expr) -> Expr:
         for n, name in enumerate(names)
         if name.args[0].is_Symbol
     }
-    return expr.subs(cubics).doit() if cubics else expr
+    if cubics:
+        return expr.subs(cubics).doit()
+    return expr

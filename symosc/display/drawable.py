@@ -38,9 +38,8 @@ def register(
 
 
 def _found(result: object, what: str) -> Callable[..., Any] | None:
-    """Return the function that `register` got for the class of a result and for `what`.
-
-    None if there is none.
+    """Return the function that `register` got for the class of a result and for `what`; None if
+    there is none.
     """
     import_module(MODULES[what])
     names = (f"{kind.__module__}.{kind.__qualname__}" for kind in type(result).__mro__)
@@ -95,9 +94,8 @@ class Drawable:
 
 
 class Comparable:
-    """A base class for dataclasses.
-
-    Instances are equal if all their public fields are, and NaN equals NaN.
+    """A base class for dataclasses: instances are equal if all their public fields are, and NaN
+    equals NaN.
     """
 
     __slots__ = ()
@@ -111,9 +109,8 @@ class Comparable:
 
 
 def _same(one: Any, other: Any) -> bool:
-    """Return whether two values are equal.
-
-    Arrays as a whole (NaN equals NaN), others by ==, or else by their repr.
+    """Return whether two values are equal: arrays as a whole (NaN equals NaN), others by ==, or
+    else by their repr.
     """
     if hasattr(one, "dtype"):
         from numpy import array_equal

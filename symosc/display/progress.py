@@ -40,9 +40,8 @@ def shows_bars() -> bool:
 
 
 def delay() -> float:
-    """Return after how many seconds a progress bar appears.
-
-    By the environment variable SYMOSC_PROGRESS_DELAY.
+    """Return after how many seconds a progress bar appears: by the environment variable
+    SYMOSC_PROGRESS_DELAY.
     """
     try:
         seconds = float(os.environ.get("SYMOSC_PROGRESS_DELAY", USUAL_DELAY))
@@ -72,15 +71,16 @@ def reporting(
 
 
 def bar(label: str, total: float, unit: str = "steps") -> AbstractContextManager[Report]:
-    """Return a context that shows a progress bar, and gives a function to call with the amount done and the total."""
+    """Return a context that shows a progress bar, and gives a function to call with the amount done
+    and the total.
+    """
     return reporting(True, 0, total, label, unit)
 
 
 @contextmanager
 def late_bar(progress: Any, label: str, unit: str) -> Iterator[Advance]:
-    """Yield a function to call with the fraction done (0 to 1) and the number of steps done.
-
-    None if no bar is shown.
+    """Yield a function to call with the fraction done (0 to 1) and the number of steps done; None
+    if no bar is shown.
 
     It is for work whose number of steps is not known in advance; the bar calls the steps `unit`.
     """
@@ -97,7 +97,9 @@ def late_bar(progress: Any, label: str, unit: str) -> Iterator[Advance]:
 def _bar_drawer(
     label: str, unit: str, total: float = 1.0, there: float = 0.0, counted: bool = False
 ) -> Iterator[Callable[[float, float, float], None]]:
-    """Yield show(done, total, count), which after some seconds draws a bar with the rate of `count` per second."""
+    """Yield show(done, total, count), which after some seconds draws a bar with the rate of `count`
+    per second.
+    """
     begin = since = monotonic()
     last = there
     drawn = -LEAST_PAUSE

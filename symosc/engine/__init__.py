@@ -1,6 +1,5 @@
-"""One motion, event by event.
-
-Exact flights and sticks, the search for their ends, and what happens there.
+"""One motion, event by event: exact flights and sticks, the search for their ends, and what happens
+there.
 
 The inner loop is plain scalar Python on numbers: `flow` (constants and closed form), `first_exit`
 (where a flight or a stick ends), `next_event` (what happens there), `events` (what is recorded of

@@ -1,6 +1,5 @@
-"""The engine for each kind of numbers (doubles, pairs, many digits).
-
-Its functions, bound to their arithmetic.
+"""The engine for each kind of numbers (doubles, pairs, many digits): its functions, bound to their
+arithmetic.
 
 The inner loop (SOURCES) is plain functions on numbers. `bind` copies a function so that it sees
 other globals (mpmath's sin, cos and precision, or compiled functions), `compile_modules` lets numba
@@ -110,7 +109,8 @@ def bind(
     wrap: Callable[[Any], Any] | None = None,
     literal: Callable[[float], Any] | None = None,
 ) -> dict[str, Any]:
-    """Copy the functions of `modules` so that they call each other, and use `replaced[name]` for a global `name`.
+    """Copy the functions of `modules` so that they call each other, and use `replaced[name]` for a
+    global `name`.
 
     `wrap`, such as a compiler, is applied to each copy; `literal` converts each float that is
     written in the source, such as 0.5.
@@ -253,7 +253,9 @@ def converted(value: Any, number: Callable[[Any], Any]) -> Any:
 
 
 def interpreted(function: Callable[..., Any]) -> Callable[..., Any]:
-    """Wrap an interpreted event loop so that any argument may be a numpy table of constants (dtype `ROW`)."""
+    """Wrap an interpreted event loop so that any argument may be a numpy table of constants (dtype
+    `ROW`).
+    """
 
     def readable(given: Any) -> Any:
         if getattr(given, "dtype", None) == ROW:
@@ -264,7 +266,9 @@ def interpreted(function: Callable[..., Any]) -> Callable[..., Any]:
 
 
 def product_and_zero(a, b):
-    """Return (a b, 0.0) for pairs or many digits, in place of the exact product `two_product` of two doubles."""
+    """Return (a b, 0.0) for pairs or many digits, in place of the exact product `two_product` of
+    two doubles.
+    """
     return a * b, 0.0 * a
 
 
@@ -293,10 +297,13 @@ class Arithmetic:
     namespace = IN_DOUBLES
 
     def __init__(self, parameters: Parameters) -> None:
-        self.parameters, self.K = parameters, _float_constants(parameters)
+        self.parameters = parameters
+        self.K = _float_constants(parameters)
 
     def phase(self, t: Fraction) -> tuple[Number, Number]:
-        """Return the phase Omega t mod 2 pi, in [0, 2 pi), of an exact time in two parts: rounded, and the rest."""
+        """Return the phase Omega t mod 2 pi, in [0, 2 pi), of an exact time in two parts: rounded,
+        and the rest.
+        """
         theta = _angle_in_turn(self.parameters.Omega * t, self.digits)
         if theta is None:
             return self.number(Fraction(0)), self.number(Fraction(0))
@@ -309,9 +316,8 @@ class Arithmetic:
         return high, float(t - Fraction(high))
 
     def advance(self, state: State, t_end: Number, t_end_low: Number) -> NextEvent:
-        """Return the NextEvent after `state`.
-
-        The next event up to t_end + t_end_low, or why there is none yet.
+        """Return the NextEvent after `state`: the next event up to t_end + t_end_low, or why there
+        is none yet.
         """
         found: NextEvent = next_event.advance(state, t_end, t_end_low, self.K)
         return found
@@ -319,9 +325,8 @@ class Arithmetic:
 
 @lru_cache(maxsize=1024)
 def _float_constants(parameters: Parameters) -> Constants:
-    """Return the constants of `parameters` as floats, from a cache.
-
-    To derive them exactly takes long.
+    """Return the constants of `parameters` as floats, from a cache: to derive them exactly takes
+    long.
     """
     return with_march(constants(parameters), entire.basis)
 
@@ -366,7 +371,9 @@ def compiled(width: int = 0) -> dict[str, Any]:
 
 
 def loaded_loop() -> dict[str, Any] | None:
-    """Return the compiled engine if its event loop `follow_all` has already run in this process, else None."""
+    """Return the compiled engine if its event loop `follow_all` has already run in this process,
+    else None.
+    """
     if compiled.cache_info().currsize:
         functions = compiled()
     else:
@@ -394,7 +401,9 @@ def compiled_tangents() -> dict[str, Any]:
 
 @lru_cache(maxsize=1)
 def column_functions() -> dict[str, Any]:
-    """Return sine, cosine, exp, expm1 and the basis (E0 to I2) for numpy arrays, the same bits on every processor."""
+    """Return sine, cosine, exp, expm1 and the basis (E0 to I2) for numpy arrays, the same bits on
+    every processor.
+    """
     powers = {"select": np.where, "power_of_two": lambda n: np.ldexp(1.0, n.astype(np.int64))}
     own = bind((elementary,), powers)
     short_sin = own["short_sin"]
@@ -426,7 +435,10 @@ class MpArithmetic(Arithmetic):
         from symosc.kernels.multiprecision import BasisMP
 
         context = mp_context(digits)
-        self.parameters, self.context, self.digits, self.fast = parameters, context, digits, fast
+        self.parameters = parameters
+        self.context = context
+        self.digits = digits
+        self.fast = fast
         self.rounded = context.mpf
         basis = BasisMP(context, parameters)
         K = with_march(
@@ -463,9 +475,8 @@ class MpArithmetic(Arithmetic):
 
     @cached_property
     def _inner(self) -> Any:
-        """The context that computes the motion.
-
-        Of MPFR if gmpy2 is installed and `fast` is set, else of mpmath.
+        """The context that computes the motion: of MPFR if gmpy2 is installed and `fast` is set,
+        else of mpmath.
         """
         try:
             from symosc.kernels.mpfr import mpfr_context
@@ -477,7 +488,9 @@ class MpArithmetic(Arithmetic):
 
     @cached_property
     def following(self) -> dict[str, Any]:
-        """The engine's functions by name, for numbers of MPFR if these follow the motion, else of mpmath."""
+        """The engine's functions by name, for numbers of MPFR if these follow the motion, else of
+        mpmath.
+        """
         inner = self._inner
         if inner is self.context:
             return self.namespace
@@ -493,9 +506,8 @@ class MpArithmetic(Arithmetic):
 
     @contextmanager
     def precision(self) -> Iterator[None]:
-        """Return a context manager.
-
-        Within its block MPFR rounds to this precision, as the event loop needs.
+        """Return a context manager: within its block MPFR rounds to this precision, as the event
+        loop needs.
         """
         before = self._inner.enter()
         try:
@@ -504,9 +516,8 @@ class MpArithmetic(Arithmetic):
             self._inner.leave(before)
 
     def advance(self, state: State, t_end: Number, t_end_low: Number) -> NextEvent:
-        """Return the NextEvent after `state`.
-
-        The next event up to t_end + t_end_low, or why there is none yet.
+        """Return the NextEvent after `state`: the next event up to t_end + t_end_low, or why there
+        is none yet.
         """
         with self.precision():
             given = self.inward((state, t_end, t_end_low))
@@ -514,7 +525,9 @@ class MpArithmetic(Arithmetic):
             return found
 
     def inward(self, value: Any) -> Any:
-        """Convert an mpmath number, or all in a tuple, to the numbers that the event loop computes with (MPFR's)."""
+        """Convert an mpmath number, or all in a tuple, to the numbers that the event loop computes
+        with (MPFR's).
+        """
         inner = self._inner
         if inner is self.context:
             return value
@@ -525,12 +538,16 @@ class MpArithmetic(Arithmetic):
 
     @cached_property
     def inner_K(self) -> Constants:
-        """The constants K as the numbers that the event loop computes with (MPFR's if gmpy2 is installed)."""
+        """The constants K as the numbers that the event loop computes with (MPFR's if gmpy2 is
+        installed).
+        """
         found: Constants = self.inward(self.K)
         return found
 
     def outward(self, value: Any, context: Any = None) -> Any:
-        """Convert a number, or all in a tuple, to mpmath numbers of `context` (None: this arithmetic's own)."""
+        """Convert a number, or all in a tuple, to mpmath numbers of `context` (None: this
+        arithmetic's own).
+        """
         context = context or self.context
         inner = self._inner
         if inner is self.context:
@@ -548,9 +565,8 @@ class MpArithmetic(Arithmetic):
 
 @lru_cache(maxsize=64)
 def many_digits(parameters: Parameters, digits: int) -> MpArithmetic:
-    """Return the arithmetic with `digits` decimal digits, from a cache.
-
-    Its constants take long to derive.
+    """Return the arithmetic with `digits` decimal digits, from a cache: its constants take long to
+    derive.
     """
     return MpArithmetic(parameters, digits)
 
@@ -586,7 +602,9 @@ PLAIN_IN_PAIRS = {
 
 
 class PairLoops(NamedTuple):
-    """The two functions that start (`first_pairs`) and follow (`follow_pairs`) motions in double-double numbers."""
+    """The two functions that start (`first_pairs`) and follow (`follow_pairs`) motions in
+    double-double numbers.
+    """
 
     first_pairs: Any
     follow_pairs: Any
@@ -611,7 +629,9 @@ def _pair_constants() -> dict[str, Any]:
 
 @lru_cache(maxsize=1)
 def compiled_pairs() -> PairLoops:
-    """Return the loops of double-double numbers compiled by numba, each at its first call, cached on disk."""
+    """Return the loops of double-double numbers compiled by numba, each at its first call, cached
+    on disk.
+    """
     import numba
 
     from symosc.kernels import pairs
@@ -663,7 +683,9 @@ def pairs_are_compiled() -> bool:
 
 
 def pairs_are_loaded() -> bool:
-    """Return whether the loops of pairs are compiled, and the compiled loop of doubles has run in this process."""
+    """Return whether the loops of pairs are compiled, and the compiled loop of doubles has run in
+    this process.
+    """
     return loaded_loop() is not None and pairs_are_compiled()
 
 
@@ -685,5 +707,7 @@ def pairs_as_complex(value: Any) -> Any:
 
 @lru_cache(maxsize=1024)
 def pair_constants(parameters: Parameters) -> Constants:
-    """Return the constants as pairs, each stored as a complex number hi + i lo and rounded once, from 50 digits."""
+    """Return the constants as pairs, each stored as a complex number hi + i lo and rounded once,
+    from 50 digits.
+    """
     return pairs_as_complex(many_digits(parameters, ROUNDED_FROM).K)

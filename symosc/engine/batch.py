@@ -55,9 +55,8 @@ PAGE = 1 << 21  # bytes of a large page
 
 
 class Batch(NamedTuple):
-    """Many trajectories, a row each.
-
-    Current state, index of the parameter set, count of events, and end code.
+    """Many trajectories, a row each: current state, index of the parameter set, count of events,
+    and end code.
     """
 
     states: np.ndarray  # (n, STATE_WIDTH), rows as `row_of` makes them
@@ -67,9 +66,8 @@ class Batch(NamedTuple):
 
 
 class EventRows(NamedTuple):
-    """A buffer with a column per event.
-
-    `floats` has the numbers (t, x ...), `ints` the trajectory and codes.
+    """A buffer with a column per event: `floats` has the numbers (t, x ...), `ints` the trajectory
+    and codes.
     """
 
     floats: np.ndarray  # (columns, rows)
@@ -83,9 +81,8 @@ NO_PIECES = np.empty((len(PIECE_COLUMNS), 0))
 
 
 class PairLimits(NamedTuple):
-    """The limits of a run in double-double numbers: events, accuracy, buffer space.
-
-    And tables of constants.
+    """The limits of a run in double-double numbers: events, accuracy, buffer space; and tables of
+    constants.
     """
 
     most: int  # events after which a trajectory is FULL
@@ -163,14 +160,15 @@ def joined(parts: Iterable[EventRows]) -> EventRows:
 
 
 def piece_buffer(pieces: int) -> np.ndarray:
-    """Return an empty buffer with room for so many `pieces` of a motion, a column each (see PIECE_COLUMNS)."""
+    """Return an empty buffer with room for so many `pieces` of a motion, a column each (see
+    PIECE_COLUMNS).
+    """
     return np.empty((len(PIECE_COLUMNS), pieces))
 
 
 def row_of(state: State, t_end: Number, t_end_low: Number) -> list[Number]:
-    """Return the batch row of a motion that starts in `state`.
-
-    This state, t_end in two parts, and t0.
+    """Return the batch row of a motion that starts in `state`: this state, t_end in two parts, and
+    t0.
     """
     return [*state[:8], *state.S, state.t, state.t_low, t_end, t_end_low, state.t, *state[11:]]
 
@@ -205,19 +203,30 @@ def state_of(states, i):
 
 def keep_state(states, i, state):
     """Write `state` into row `i` of a table of states."""
-    states[i, 0], states[i, 1], states[i, 2] = state.mode, state.at, state.n
-    states[i, 3], states[i, 4], states[i, 5] = state.theta, state.x, state.v
-    states[i, 6], states[i, 7] = state.Fb, state.Fa
-    states[i, 8], states[i, 9], states[i, 10] = state.S.S11, state.S.S12, state.S.S22
-    states[i, 11], states[i, 12] = state.t, state.t_low
-    states[i, 16], states[i, 17], states[i, 18] = state.s, state.c, state.theta_low
+    states[i, 0] = state.mode
+    states[i, 1] = state.at
+    states[i, 2] = state.n
+    states[i, 3] = state.theta
+    states[i, 4] = state.x
+    states[i, 5] = state.v
+    states[i, 6] = state.Fb
+    states[i, 7] = state.Fa
+    states[i, 8] = state.S.S11
+    states[i, 9] = state.S.S12
+    states[i, 10] = state.S.S22
+    states[i, 11] = state.t
+    states[i, 12] = state.t_low
+    states[i, 16] = state.s
+    states[i, 17] = state.c
+    states[i, 18] = state.theta_low
 
 
 # --- doubles ---
 
 
 def follow_all(begin, batch, most, accuracy, out, pieces, tally, table):
-    """Follow the trajectories of `batch` from number `begin` on, until all have ended or a buffer is full.
+    """Follow the trajectories of `batch` from number `begin` on, until all have ended or a buffer
+    is full.
 
     Return the number of the first that has not ended, and how many events and pieces are in the
     buffers.
@@ -292,7 +301,9 @@ def follow_one(i, once, rows, parts, batch, most, accuracy, out, pieces, tally, 
 
 
 def is_inexact(t, t_error, x, x_error, t0, accuracy):
-    """Return whether t_error > accuracy max(1, |t|, |t0|) or x_error > accuracy max(1, |x|) for an event."""
+    """Return whether t_error > accuracy max(1, |t|, |t0|) or x_error > accuracy max(1, |x|) for an
+    event.
+    """
     late = (t_error > accuracy) & (t_error > accuracy * abs(t)) & (t_error > accuracy * abs(t0))
     return late | ((x_error > accuracy) & (x_error > accuracy * abs(x)))
 
@@ -335,14 +346,18 @@ def search_row(states, table):
 
 
 def open_free_time(found, state, K):
-    """Return how long the flight from `state` surely meets no wall if its contact `found` is undecided, else 0."""
+    """Return how long the flight from `state` surely meets no wall if its contact `found` is
+    undecided, else 0.
+    """
     if found.boundary > 0 and not found.decided:
         return free_time(state, K)
     return 0.0
 
 
 def doubt_row(states, count, most, accuracy, table):
-    """Return what `next_undecided` does for the state in row 0 of `states` and constants in row 0 of `table`."""
+    """Return what `next_undecided` does for the state in row 0 of `states` and constants in row 0
+    of `table`.
+    """
     return next_undecided(state_of(states, 0), count, states[0], most, accuracy, table[0])
 
 
@@ -387,10 +402,19 @@ def write_event(out, row, i, before, found, clock, K):
 
 
 def write_piece(pieces, row, state, elapsed):
-    """Write a motion's piece that begins at `state`, a time `elapsed` after t0, into column `row` of `pieces`."""
-    pieces[0, row], pieces[1, row], pieces[2, row] = state.n, state.theta, state.mode
-    pieces[3, row], pieces[4, row] = state.x, state.v
-    pieces[5, row], pieces[6, row] = (state.Fb if state.mode <= ON_BELT else 0.0), elapsed
+    """Write a motion's piece that begins at `state`, a time `elapsed` after t0, into column `row`
+    of `pieces`.
+    """
+    pieces[0, row] = state.n
+    pieces[1, row] = state.theta
+    pieces[2, row] = state.mode
+    pieces[3, row] = state.x
+    pieces[4, row] = state.v
+    if state.mode <= ON_BELT:
+        pieces[5, row] = state.Fb
+    else:
+        pieces[5, row] = 0.0
+    pieces[6, row] = elapsed
 
 
 # --- double-double numbers, where doubles cannot decide ---
@@ -414,9 +438,8 @@ def from_complex(value):
 
 
 def first_pairs(pairs, K):
-    """Fill in forces, sine, cosine and errors of start states in pairs.
-
-    None may be on a belt with a force near 0.
+    """Fill in forces, sine, cosine and errors of start states in pairs; none may be on a belt with
+    a force near 0.
     """
     K = from_complex(K)
     for i in range(pairs.shape[0]):
@@ -432,19 +455,24 @@ def first_pairs(pairs, K):
                 v = K.belt2.v
         s = sin(theta)
         c = cos(theta)
-        pairs[i, 5], pairs[i, 16], pairs[i, 17] = v, s, c
+        pairs[i, 5] = v
+        pairs[i, 16] = s
+        pairs[i, 17] = c
         F = acceleration(x, v, c, constant_force(mode, K), K.cm, K.w0sq, K.f0)
         if mode > ON_BELT:
             pairs[i, 6], pairs[i, 7] = belt_forces(at, x, c, K)
         else:
-            pairs[i, 6], pairs[i, 7] = (F, F)
+            pairs[i, 6] = F
+            pairs[i, 7] = F
         pairs[i, 8] = (EPS * x) * (EPS * x)
         if at == 0:
             pairs[i, 10] = (EPS * v) * (EPS * v)
 
 
 def follow_pairs(chosen, wanted, pairs, batch, out, pieces, K, tally, limits):
-    """Follow the `chosen` trajectories in double-double numbers until each has `wanted` events or has ended."""
+    """Follow the `chosen` trajectories in double-double numbers until each has `wanted` events or
+    has ended.
+    """
     # Doubles search for each event as far as they are sure (`advance_near`). A motion that doubles could soon not
     # decide again is followed farther, as long as the buffer holds its events.
     #   chosen : (m,) numbers of the trajectories to follow, in order.
@@ -569,14 +597,15 @@ def in_doubles(state, t0, K):
 
 
 def is_below(part, error, value):
-    """Return whether `error` is at most the fraction `part` of the error of rounding `value` to a double."""
+    """Return whether `error` is at most the fraction `part` of the error of rounding `value` to a
+    double.
+    """
     return error <= part * (EPS * abs(value))
 
 
 def rounding_error(error, value):
-    """Return the error of `value` rounded to a double.
-
-    The rounding, plus `error` unless that is negligible.
+    """Return the error of `value` rounded to a double: the rounding, plus `error` unless that is
+    negligible.
     """
     rounding = EPS * abs(value)
     if is_below(NEGLIGIBLE, error, value):

@@ -34,7 +34,9 @@ _warned: set[str] = set()
 
 
 def _warn(problem: str, reason: str) -> None:
-    """Warn of a problem of the cache, only once per program although it concerns dozens of functions."""
+    """Warn of a problem of the cache, only once per program although it concerns dozens of
+    functions.
+    """
     if problem not in _warned:
         _warned.add(problem)
         if problem == NOT_KEPT:
@@ -88,9 +90,8 @@ class _BesideSource(InTreeCacheLocator):
 
 
 class _Places(CompileResultCacheImpl):
-    """Chooser of a function's cache folder.
-
-    Tries numba's standard folders first, then the one next to the source.
+    """Chooser of a function's cache folder: tries numba's standard folders first, then the one next
+    to the source.
     """
 
     _locator_classes = [*CompileResultCacheImpl._locator_classes, _BesideSource]  # noqa: RUF012

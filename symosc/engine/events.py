@@ -71,7 +71,9 @@ def event_numbers(before, found, clock, K):
 
 
 def event_codes(before, found):
-    """Return kind, boundary, source and target of an event as codes, from the state before and the NextEvent found."""
+    """Return kind, boundary, source and target of an event as codes, from the state before and the
+    NextEvent found.
+    """
     return found.code, found.boundary, before.mode, found.state.mode
 
 

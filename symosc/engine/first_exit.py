@@ -119,7 +119,9 @@ MOST_STALLS = 150
 
 
 def fourth_derivative_bound(G2, G3, s, c, K):
-    """Return a bound M4 of |v''''| from now on (if not `K.steady`: for 1/Omega), given G2 = v''', G3 = v'''', phase."""
+    """Return a bound M4 of |v''''| from now on (if not `K.steady`: for 1/Omega), given G2 = v''',
+    G3 = v'''', phase.
+    """
     if not K.steady:
         return sqrt(G3 * G3 + K.w0sq * G2 * G2) + abs(K.fB) * K.Om * K.Om
     Om3 = K.Om * K.Om * K.Om
@@ -147,7 +149,8 @@ def positive_on(s, P):
 
 
 def safe_step(cap, P):
-    """Return (s, root): a step s <= cap on which the polynomial `P` stays positive, and an estimate of its first root.
+    """Return (s, root): a step s <= cap on which the polynomial `P` stays positive, and an estimate
+    of its first root.
 
     `P` holds the coefficients p0 to p4; the estimate is at most cap.
     """
@@ -191,12 +194,16 @@ def safe_step(cap, P):
 
 
 def gap_to(side, now, walls):
-    """Return the distance of v at point `now` from the lower (`side` -1) or upper (1) of the `walls` of a flight."""
+    """Return the distance of v at point `now` from the lower (`side` -1) or upper (1) of the
+    `walls` of a flight.
+    """
     return select(side < 0, walls.below + now.dv, walls.above - now.dv)
 
 
 def gap_bound(side, now, M4, margin, walls):
-    """Return (P, degree): a polynomial in the time after `now` below the gap on `side`, over time^(4 - degree)."""
+    """Return (P, degree): a polynomial in the time after `now` below the gap on `side`, over
+    time^(4 - degree).
+    """
     # The margin for the error of the start is held back from the gap, or half the gap if that is
     # not much larger. At a start on the wall P is divided by its root there.
     g = gap_to(side, now, walls)
@@ -220,9 +227,8 @@ def gap_bound(side, now, M4, margin, walls):
 
 
 def is_near(root, P, degree, M4, size, K):
-    """Return three flags of the gap beside the `root` of its bound `P`: just one root; very near.
-
-    And no touch.
+    """Return three flags of the gap beside the `root` of its bound `P`: just one root; very near;
+    and no touch.
     """
     # One root near `root`, and only one: the gap there is known to be within `missing` of 0, and
     # its slope keeps its sign up to there and over what makes up for `missing` (Kantorovich).
@@ -246,7 +252,9 @@ def is_near(root, P, degree, M4, size, K):
 
 
 def local_root(over, F, G1, G2, G3, resolution):
-    """Return the root s near 0 of over + F s + G1 s^2/2 + G2 s^3/6 + G3 s^4/24 (FAR if none), to `resolution`."""
+    """Return the root s near 0 of over + F s + G1 s^2/2 + G2 s^3/6 + G3 s^4/24 (FAR if none), to
+    `resolution`.
+    """
     # The inverted series places a near simple root to `resolution`; from there on Newton's method.
     s = 0.0 * resolution
     if abs(over * G1) < 0.1 * F * F:
@@ -292,9 +300,8 @@ def newton_root(s, over, F, G1, G2, G3, resolution):
 
 
 class Marched(NamedTuple):
-    """The result of a march in fixed steps.
-
-    Where it ended, and which wall the next step surely meets, if any.
+    """The result of a march in fixed steps: where it ended, and which wall the next step surely
+    meets, if any.
     """
 
     now: Flown  # up to there no wall is met; without dx and the entire functions
@@ -376,7 +383,9 @@ def march(tau_max, v0, now, walls, margin, K):
 
 
 def free_motion(v0, now, walls, margin, K):
-    """Return v and v' of the transient at `now`, the `slack` that gaps must exceed, which walls are out of reach."""
+    """Return v and v' of the transient at `now`, the `slack` that gaps must exceed, which walls are
+    out of reach.
+    """
     v_free = v0 - (K.Ss * now.s + K.Sc * now.c)
     F_free = now.F - K.Om * (K.Ss * now.c - K.Sc * now.s)
     slack = MARCH_SLACK * (abs(v0) + K.V0 + abs(v_free) + abs(F_free) * K.swing) + margin
@@ -408,12 +417,16 @@ def marched(v_free, F_free, v0, now, M, K):
 
 
 def lifted(h, M4, slack):
-    """Return what a gap's middle Bernstein coefficient must exceed in a step `h` so that the gap exceeds `slack`."""
+    """Return what a gap's middle Bernstein coefficient must exceed in a step `h` so that the gap
+    exceeds `slack`.
+    """
     return 0.25 * SIXTH * SIXTH * (h * h) * (h * h) * M4 + slack
 
 
 def with_derivatives(now, v0, K):
-    """Return the point `now` with v'', v''' and v'''' computed, except at tau = 0, where they are known."""
+    """Return the point `now` with v'', v''' and v'''' computed, except at tau = 0, where they are
+    known.
+    """
     if now.tau == 0.0:
         return now
     tau, dx, dv, F, _, _, _, s, c, E0, E1, E2 = now
@@ -422,7 +435,9 @@ def with_derivatives(now, v0, K):
 
 
 def gaps_exceed(least, dv, walls):
-    """Return whether the gaps to all `walls` exceed `least` when the velocity has grown by `dv` since the launch."""
+    """Return whether the gaps to all `walls` exceed `least` when the velocity has grown by `dv`
+    since the launch.
+    """
     return (not walls.has_below or walls.below + dv > least) and (
         not walls.has_above or walls.above - dv > least
     )
@@ -454,7 +469,8 @@ def is_free(side, now, there, lift, slack, walls):
 
 
 def stays_open(g0, d0, g1, d1, lift, slack):
-    """Return whether a gap exceeds `slack` in a whole step, given its values g0, g1 and slopes d0, d1 at the ends.
+    """Return whether a gap exceeds `slack` in a whole step, given its values g0, g1 and slopes d0,
+    d1 at the ends.
 
     Slopes are multiplied by the length of the step, and `lift` is what `lifted` returns for it.
     """
@@ -463,14 +479,18 @@ def stays_open(g0, d0, g1, d1, lift, slack):
 
 
 def opens(d0, b0, g1, d1, lift, slack):
-    """Return what `stays_open` does after the start of a step where the gap is 0, with slope d0 and bend b0."""
+    """Return what `stays_open` does after the start of a step where the gap is 0, with slope d0 and
+    bend b0.
+    """
     steep = (d0 >= 0.0) & (g1 - 0.25 * d1 > slack) & (0.5 * g1 + SIXTH * (d0 - d1) > lift)
     flat = (d0 == 0.0) & (b0 >= 0.0) & (0.125 * b0 + 0.25 * g1 > 1.5 * lift)
     return (g1 > slack) & (steep | flat)
 
 
 def meets_once(side, now, there, M4, slack, walls):
-    """Return whether the gap on `side` is > `slack` at `now`, < -`slack` at `there`, and surely 0 only once between."""
+    """Return whether the gap on `side` is > `slack` at `now`, < -`slack` at `there`, and surely 0
+    only once between.
+    """
     # It is if its slope, d0 and d1 at the ends, is negative all the way, or if its bend, b0 and b1,
     # keeps its sign.
     meets = (gap_to(side, there, walls) < -slack) & (gap_to(side, now, walls) > slack)
@@ -494,7 +514,9 @@ def meets_once(side, now, there, M4, slack, walls):
 
 
 def tolerance(side, now, start, walls, S, K):
-    """Return how far the gap on `side` may be wrong at point `now`, by rounding and the covariance `S` at launch."""
+    """Return how far the gap on `side` may be wrong at point `now`, by rounding and the covariance
+    `S` at launch.
+    """
     if side < 0:
         start_gap = walls.below
     else:
@@ -561,9 +583,8 @@ def closest_approach(tau, earliest, side, M4, start, walls, S, K):
 
 
 def gap_reopens(tau, side, start, walls, S, K):
-    """Return whether a gap that is 0 within its error at `tau` is clearly not 0 soon after.
-
-    The contact is a touch.
+    """Return whether a gap that is 0 within its error at `tau` is clearly not 0 soon after: the
+    contact is a touch.
     """
     for rate in (K.rate, K.beat):
         now = state_at(tau + 0.5 / rate, start, K)
@@ -573,14 +594,18 @@ def gap_reopens(tau, side, start, walls, S, K):
 
 
 def gap_stays_zero(tau, side, start, walls, S, K):
-    """Return whether a gap is 0 within its error at `tau`, and so slow that it stays so for 0.01/`K.rate`."""
+    """Return whether a gap is 0 within its error at `tau`, and so slow that it stays so for
+    0.01/`K.rate`.
+    """
     now = state_at(tau, start, K)
     allowed = tolerance(side, now, start, walls, S, K)
     return gap_to(side, now, walls) <= allowed and abs(now.F) <= allowed * K.rate / SOON
 
 
 def side_of_zero_gap(now, thin, start, walls, S, K):
-    """Return the side (-1, 1) on which a gap with a square below `thin` is and stays 0 within its error; else 0."""
+    """Return the side (-1, 1) on which a gap with a square below `thin` is and stays 0 within its
+    error; else 0.
+    """
     below = walls.below + now.dv
     above = walls.above - now.dv
     away = now.tau > 0.0
@@ -625,9 +650,8 @@ def first_exit(tau_max, start, walls, S, K):
 
 
 def search_begin(tau_max, start, walls, S, K):
-    """Return (now, flat, thin, margin).
-
-    The point up to which there is no contact, and limits for the search after it.
+    """Return (now, flat, thin, margin): the point up to which there is no contact, and limits for
+    the search after it.
 
     `flat`: a gap grows only as tau^4 from the launch, and `now` is later. `margin` is what the
     start's error can do to a gap; a gap is compared with its own error if its square is below
@@ -658,7 +682,9 @@ def search_begin(tau_max, start, walls, S, K):
 
 
 def behind_flat_start(tau_max, G2, G3, start, K):
-    """Return the point of a flight up to which a gap that grows like tau^4 from 0 surely has no other root."""
+    """Return the point of a flight up to which a gap that grows like tau^4 from 0 surely has no
+    other root.
+    """
     Om4 = K.Om * K.Om * K.Om * K.Om
     fifth = fifth_derivative(G3, G2, start.c, K)
     if K.steady:
@@ -683,7 +709,9 @@ def behind_flat_start(tau_max, G2, G3, start, K):
 
 
 def stepped(tau_max, now, M4, thin, margin, start, walls, S, K):
-    """Find the first contact after `now` by steps that surely meet no wall, given what `search_begin` returns."""
+    """Find the first contact after `now` by steps that surely meet no wall, given what
+    `search_begin` returns.
+    """
     # what was found, where, and in which bracket
     high = now.tau
     low = now.tau
@@ -766,9 +794,14 @@ def stepped(tau_max, now, M4, thin, margin, start, walls, S, K):
             if crossing != side:
                 verdict, tau_min = closest_approach(high, low, side, M4, start, walls, S, K)
                 if verdict == TANGENCY:
-                    code, tau = (TANGENCY, tau_min)
+                    code = TANGENCY
+                    tau = tau_min
                 else:
-                    code, tau = (STALLED if verdict == LOST else HIT, high)
+                    if verdict == LOST:
+                        code = STALLED
+                    else:
+                        code = HIT
+                    tau = high
             break
     if code == TANGENCY:
         return FlightEnd(TANGENCY, side, state_at(tau, start, K))
@@ -778,7 +811,9 @@ def stepped(tau_max, now, M4, thin, margin, start, walls, S, K):
 
 
 def nearest_root(cap, now, M4, margin, walls):
-    """Return the side of the wall with the shorter safe step, and what `safe_step` and `gap_bound` return for it."""
+    """Return the side of the wall with the shorter safe step, and what `safe_step` and `gap_bound`
+    return for it.
+    """
     if walls.has_below:
         side = -1
     else:
@@ -798,7 +833,9 @@ def nearest_root(cap, now, M4, margin, walls):
 
 
 def graze_ahead(now, side, step, M4, start, walls, S, K):
-    """Return what `closest_approach` does for the gap on `side`, but STALLED if the other wall may be met first."""
+    """Return what `closest_approach` does for the gap on `side`, but STALLED if the other wall may
+    be met first.
+    """
     verdict, tau_min = closest_approach(now.tau, now.tau, side, M4, start, walls, S, K)
     reach = tau_min - now.tau
     if walls.has_below and walls.has_above and verdict != STALLED and reach > step:
@@ -809,7 +846,9 @@ def graze_ahead(now, side, step, M4, start, walls, S, K):
 
 
 def part_to_root(now, there, side, walls):
-    """Estimate at which fraction of the time from point `now` to `there` the gap on `side` vanishes."""
+    """Estimate at which fraction of the time from point `now` to `there` the gap on `side`
+    vanishes.
+    """
     h = there.tau - now.tau
     gap = gap_to(side, now, walls)
     beyond = -gap_to(side, there, walls)
@@ -823,7 +862,9 @@ def part_to_root(now, there, side, walls):
 
 
 def sharpened(root, side, now, walls, K):
-    """Improve the estimate `root`, the time from `now` until the gap on `side` is 0, by one step of Halley's method."""
+    """Improve the estimate `root`, the time from `now` until the gap on `side` is 0, by one step of
+    Halley's method.
+    """
     # So one evaluation of the flow is enough to make it exact. The root is counted from `now`.
     half = 0.5 * now.G1
     third = SIXTH * now.G2
@@ -845,7 +886,9 @@ def sharpened(root, side, now, walls, K):
 
 
 def polish(tau, low, high, side, start, walls, K):
-    """Refine the time `tau` in [low, high] of a contact with the wall on `side` to full precision, as a `FlightEnd`."""
+    """Refine the time `tau` in [low, high] of a contact with the wall on `side` to full precision,
+    as a `FlightEnd`.
+    """
     # The gap is positive at `low`. A step that leaves the bracket is replaced by halving it; it
     # narrows. Mostly the first point is near enough.
     now = state_at(tau, start, K)
@@ -870,7 +913,9 @@ def polish(tau, low, high, side, start, walls, K):
 
 
 def shifted(now, shift, v0, K):
-    """Return the point `now` of a flight moved by a time `shift` that is short enough for Taylor's formula."""
+    """Return the point `now` of a flight moved by a time `shift` that is short enough for Taylor's
+    formula.
+    """
     _, dx, dv, F, G1, G2, G3, s, c, E0, E1, E2 = now
     square = shift * shift
     last = 0.25 * SIXTH * (G2 + 0.2 * G3 * shift)  # short flights need the fifth power too
@@ -885,7 +930,9 @@ def shifted(now, shift, v0, K):
 
 
 def force_gain(tau, s0, c0, belt, K):
-    """Return Delta, the gain of both forces in a stick of length `tau` from phase s0, c0, and the phase's s, c then."""
+    """Return Delta, the gain of both forces in a stick of length `tau` from phase s0, c0, and the
+    phase's s, c then.
+    """
     half = 0.5 * K.Om * tau
     return force_gain_at(tau, sin(half), cos(half), s0, c0, belt, K)
 
@@ -903,7 +950,9 @@ def force_gain_at(tau, s, c, s0, c0, belt, K):
 
 
 def force_slopes(s, c, belt, K):
-    """Return the first and second time derivative of the force on a belt at the phase with sine `s`, cosine `c`."""
+    """Return the first and second time derivative of the force on a belt at the phase with sine
+    `s`, cosine `c`.
+    """
     return belt.drift - K.fB * s, -K.fB * K.Om * c
 
 
@@ -915,7 +964,9 @@ def wrap_phase(angle):
 
 
 def phase_ahead(angle):
-    """Return a phase difference moved into [0, 2 pi); one within rounding of a whole turn becomes 0."""
+    """Return a phase difference moved into [0, 2 pi); one within rounding of a whole turn becomes
+    0.
+    """
     angle = wrap_phase(angle)
     return select(
         (angle < SAME_PHASE * EPS) | (2.0 * PI - angle < SAME_PHASE * EPS), 0.0 * angle, angle
@@ -972,9 +1023,11 @@ def belt_exit(tau_max, held, belt, K):
             continue
         rising = Delta_end > Delta
         if rising:
-            force, side = (held.Fa, 1)
+            force = held.Fa
+            side = 1
         else:
-            force, side = (held.Fb, -1)
+            force = held.Fb
+            side = -1
         if rising:
             over = force + Delta_end
         else:
@@ -992,15 +1045,16 @@ def belt_exit(tau_max, held, belt, K):
 
 
 def force_noise(F_below, tau, S11, belt, K):
-    """Return how wrong a force may be `tau` after a stick began with the force F_below and the variance S11 of x."""
+    """Return how wrong a force may be `tau` after a stick began with the force F_below and the
+    variance S11 of x.
+    """
     size = abs(F_below) + abs(belt.drift) * tau + 2.0 * abs(K.f0)
     return ROUNDING * EPS * size + K.sigmas * K.w0sq * sqrt(S11)
 
 
 def exit_root(force, side, low, high, Delta, s, c, held, belt, K):
-    """Find the end of a stick.
-
-    The only time from `low` to `high` at which force + Delta = 0, with Delta monotone.
+    """Find the end of a stick: the only time from `low` to `high` at which force + Delta = 0, with
+    Delta monotone.
     """
     # Delta, s and c are those at `low`. Steps to the root of the local parabola (Euler's method,
     # which needs no slope), corrected for the third derivative, and `local_root` from nearby.
@@ -1070,7 +1124,9 @@ def exit_root(force, side, low, high, Delta, s, c, held, belt, K):
 
 
 def is_beside(over, slope, bend, K):
-    """Return whether a force `over`, with derivatives `slope`, `bend`, is so near 0 that its root needs no search."""
+    """Return whether a force `over`, with derivatives `slope`, `bend`, is so near 0 that its root
+    needs no search.
+    """
     return (abs(over * bend) < 0.1 * slope * slope) & (abs(over) * K.beat < 2.0 * NEAR * abs(slope))
 
 

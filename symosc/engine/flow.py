@@ -1,6 +1,5 @@
-"""Motion within one domain, and on a belt.
-
-The constants of parameter sets and the evaluation of the flow.
+"""Motion within one domain, and on a belt: the constants of parameter sets and the evaluation of
+the flow.
 
 Everything is divided by the mass. A flight starts at the phase theta with position x0, velocity v0
 and acceleration F0; the displacement dx, the gain in velocity dv and the acceleration F after a
@@ -85,7 +84,9 @@ class BeltConstants(NamedTuple):
 
 
 class MarchConstants(NamedTuple):
-    """The coefficients that carry the transient and the steady state of a flight over one fixed step."""
+    """The coefficients that carry the transient and the steady state of a flight over one fixed
+    step.
+    """
 
     step: Number
     C: Number  # transient velocity from transient velocity: 1 - (k/m) E2
@@ -97,9 +98,8 @@ class MarchConstants(NamedTuple):
 
 
 class Constants(NamedTuple):
-    """The numbers that the engine computes from a parameter set, correctly rounded.
-
-    Floats or mpmath numbers.
+    """The numbers that the engine computes from a parameter set, correctly rounded: floats or
+    mpmath numbers.
     """
 
     # Units: 1/time for cm, h, omega_d, w0, Om and the roots; acceleration for f0 and A1 to A3;
@@ -272,9 +272,8 @@ def constants(
 
 
 def with_march(K: Constants, basis: Callable[[Number, Constants], tuple[Number, ...]]) -> Constants:
-    """Return K with the coefficients that carry a flight over a fixed step.
-
-    `march`, and the longer `stride`.
+    """Return K with the coefficients that carry a flight over a fixed step: `march`, and the longer
+    `stride`.
     """
     march, stride = (
         MarchConstants(*march_constants(step, basis(step, K), K)) for step in march_steps(K)
@@ -283,15 +282,14 @@ def with_march(K: Constants, basis: Callable[[Number, Constants], tuple[Number, 
 
 
 def march_steps(K):
-    """Return the lengths of both fixed steps along a flight.
-
-    The usual step, and the longer stride.
-    """
+    """Return the lengths of both fixed steps along a flight: the usual step, and the longer stride."""
     return MARCH_STEP / K.rate, (SLOW_STRIDE if K.rate > SLOW * K.beat else STRIDE) / K.rate
 
 
 def march_rows(table, out):
-    """Write the coefficients of both fixed steps for each parameter set of `table` into `out`, (sets, 2, fields)."""
+    """Write the coefficients of both fixed steps for each parameter set of `table` into `out`,
+    (sets, 2, fields).
+    """
     for i in range(out.shape[0]):
         K = table[i]
         for which in range(2):
@@ -349,9 +347,8 @@ def _belt_constants(
 
 
 class ConstantRows(Sequence[Constants]):
-    """A table of constants for interpreted code.
-
-    Indexing returns a row as `Constants` with Python's floats.
+    """A table of constants for interpreted code: indexing returns a row as `Constants` with
+    Python's floats.
     """
 
     def __init__(self, table: np.ndarray) -> None:
@@ -381,7 +378,8 @@ def constant_table(
     alone: Callable[[int], Constants],
     march_rows: Callable[..., None],
 ) -> np.ndarray:
-    """Return a table of the constants of `count` parameter sets, computed from columns of double-double numbers.
+    """Return a table of the constants of `count` parameter sets, computed from columns of
+    double-double numbers.
 
     `alone` returns the constants of a set that needs more digits; `march_rows` is that function,
     compiled or not.
@@ -406,7 +404,9 @@ def constant_table(
 
 
 def _fill(table: np.ndarray, values: Any) -> None:
-    """Write the fields of a named tuple of columns, and of the tuples in it, into the fields of the same names."""
+    """Write the fields of a named tuple of columns, and of the tuples in it, into the fields of the
+    same names.
+    """
     for name, value in zip(values._fields, values, strict=True):
         if name in NESTED:
             _fill(table[name], value)
@@ -418,9 +418,8 @@ def _fill(table: np.ndarray, values: Any) -> None:
 
 
 def clock_time(t, t_low, t0, K):
-    """Return the time of a state with its true Omega.
-
-    `t` + `t_low` is phase/Omega with Omega rounded to a double.
+    """Return the time of a state with its true Omega: `t` + `t_low` is phase/Omega with Omega
+    rounded to a double.
     """
     return t + (t_low + (t - t0) * K.Om_gain)
 
@@ -431,7 +430,9 @@ def constant_force(domain, K):
 
 
 def belt_forces(boundary, x, c, K):
-    """Return F^(below) and F^(above), the accelerations on both sides of a belt, at `x` and the cosine `c`."""
+    """Return F^(below) and F^(above), the accelerations on both sides of a belt, at `x` and the
+    cosine `c`.
+    """
     if boundary == 1:
         v = K.belt1.v
     else:
@@ -469,7 +470,9 @@ def state_at(tau, start, K):
 
 
 def turned(s, c, angle):
-    """Return the sine `s` and cosine `c` of a phase after it has moved by a small `angle`, by Taylor's formula."""
+    """Return the sine `s` and cosine `c` of a phase after it has moved by a small `angle`, by
+    Taylor's formula.
+    """
     half = 0.5 * angle
     sixth = SIXTH * angle * angle
     last = 0.25 * angle * sixth
@@ -484,14 +487,18 @@ def sine_and_cosine(theta, theta_low):
 
 
 def corrected(s, c, theta_low):
-    """Return sine and cosine of the phase theta + theta_low, given those of theta, which is rounded."""
+    """Return sine and cosine of the phase theta + theta_low, given those of theta, which is
+    rounded.
+    """
     # Left alone this rounding would be the largest error of the force B0 cos(theta): up to 4 EPS
     # |B0|.
     return s + c * theta_low, c - s * theta_low
 
 
 def derivatives(v, F, s, c, K):
-    """Return v'', v''' and v'''' (the paper's G^(1) to G^(3)) from v, F = v', and sine and cosine of the phase."""
+    """Return v'', v''' and v'''' (the paper's G^(1) to G^(3)) from v, F = v', and sine and cosine
+    of the phase.
+    """
     G1 = next_derivative(F, v, K.fB * s, K.cm, K.w0sq)
     G2 = next_derivative(G1, F, K.fB * K.Om * c, K.cm, K.w0sq)
     G3 = next_derivative(G2, G1, -K.fB * K.Om * K.Om * s, K.cm, K.w0sq)
@@ -499,7 +506,9 @@ def derivatives(v, F, s, c, K):
 
 
 def stiff_derivatives(tau, start, s, c, K):
-    """Return v'', v''' and v'''' at `tau` after launch, for strong damping, as sums over decaying and steady terms."""
+    """Return v'', v''' and v'''' at `tau` after launch, for strong damping, as sums over decaying
+    and steady terms.
+    """
     # `derivatives` multiplies what rounding left of F by the fast root once per order; here it has
     # died away.
     v0, F0, s0, c0 = start
@@ -519,12 +528,16 @@ def stiff_derivatives(tau, start, s, c, K):
 
 
 def fifth_derivative(G3, G2, c, K):
-    """Return the fifth derivative of v from the fourth, G3, the third, G2, and the cosine `c` of the phase."""
+    """Return the fifth derivative of v from the fourth, G3, the third, G2, and the cosine `c` of
+    the phase.
+    """
     return next_derivative(G3, G2, -K.fB * K.Om * K.Om * K.Om * c, K.cm, K.w0sq)
 
 
 def velocity_scale(tau, v0, F0, K):
-    """Return the size of the terms of v - v0, at `tau` after a launch with velocity `v0` and acceleration `F0`."""
+    """Return the size of the terms of v - v0, at `tau` after a launch with velocity `v0` and
+    acceleration `F0`.
+    """
     # Not the terms themselves: they come back to 0 after a period of a free oscillation, their
     # errors do not.
     rise = 0.5 * tau * tau

@@ -110,9 +110,8 @@ MOST_EVALUATIONS = 3
 
 
 def belts(boundary, K):
-    """Return the BeltConstants for several motions at once, lane by lane.
-
-    Of belt 1 or 2 as `boundary` says.
+    """Return the BeltConstants for several motions at once, lane by lane: of belt 1 or 2 as
+    `boundary` says.
     """
     first = boundary == 1
     one = K.belt1
@@ -130,9 +129,8 @@ def belts(boundary, K):
 
 
 def suits_lanes(K):
-    """Return whether motions with constants K suit lanes.
-
-    Underdamped, far from resonance, and no slow drive.
+    """Return whether motions with constants K suit lanes: underdamped, far from resonance, and no
+    slow drive.
     """
     return K.apart != 0 and K.slow_drive == 0 and (K.omega_d + K.Om) * K.chunk < 0.5 * WIDEST
 
@@ -336,7 +334,9 @@ def chosen(which, one, other):
 
 
 def polish_side_by_side(good, now, there, side, v0, F0, s0, c0, walls, K):
-    """Return (good, point): in `good` lanes, the contact with the wall on `side` between points `now` and `there`."""
+    """Return (good, point): in `good` lanes, the contact with the wall on `side` between points
+    `now` and `there`.
+    """
     low = now.tau
     high = there.tau
     slack = 4.0 * EPS * high
@@ -441,7 +441,9 @@ def slip(state, remaining, K):
 
 
 def end_of_stick(held, belt, K):
-    """Find for each lane the piece, from `low` to `high`, in which a force on the belt changes monotonically to 0."""
+    """Find for each lane the piece, from `low` to `high`, in which a force on the belt changes
+    monotonically to 0.
+    """
     zero = 0.0 * held.theta
     period = K.period
     first = phase_ahead(belt.angle - held.theta) / K.Om
@@ -497,9 +499,8 @@ def end_of_stick(held, belt, K):
 
 
 def slip_side_by_side(good, force, side, low, high, Delta, s, c, held, belt, K):
-    """Return (good, tau, slope, bend, s, c).
-
-    In `good` lanes, when a stick ends, the force's derivatives, the phase.
+    """Return (good, tau, slope, bend, s, c): in `good` lanes, when a stick ends, the force's
+    derivatives, the phase.
     """
     tau = low
     over = force + Delta
@@ -566,7 +567,9 @@ def slip_side_by_side(good, force, side, low, high, Delta, s, c, held, belt, K):
 
 
 def force_gain_in_lanes(tau, s0, c0, belt, K):
-    """Return for each lane Delta, the gain of both forces after `tau` of stick, and sine and cosine of the phase."""
+    """Return for each lane Delta, the gain of both forces after `tau` of stick, and sine and cosine
+    of the phase.
+    """
     s, c = sine_cosine(0.5 * K.Om * tau)
     return force_gain_at(tau, s, c, s0, c0, belt, K)
 
@@ -583,7 +586,9 @@ def block(flights, given, found, accuracy, K):
 
 
 def block_of_sets(flights, given, found, accuracy, constants):
-    """Advance all lanes as `block` does, but each with its own parameter set, a column of the array `constants`."""
+    """Advance all lanes as `block` does, but each with its own parameter set, a column of the array
+    `constants`.
+    """
     return advance_side_by_side(flights, given, found, accuracy, load_constants(constants))
 
 
@@ -638,7 +643,9 @@ def advance_side_by_side(flights, given, found, accuracy, K):
 
 
 def keep_lanes(found, state):
-    """Store the State of all lanes in the array `found`, a row for each number and a column for each lane."""
+    """Store the State of all lanes in the array `found`, a row for each number and a column for
+    each lane.
+    """
     store(found, 0, state.mode)
     store(found, 1, state.at)
     store(found, 2, state.n)
@@ -658,7 +665,9 @@ def keep_lanes(found, state):
 
 
 def follow_lanes(begin, batch, most, accuracy, out, pieces, tally, table):
-    """Follow the trajectories of `batch` as `follow_all` does, with motions side by side where that is possible."""
+    """Follow the trajectories of `batch` as `follow_all` does, with motions side by side where that
+    is possible.
+    """
     # Not in order: where a buffer is full, a trajectory may have ended before one of a smaller
     # number.
     rows = 0
@@ -675,7 +684,8 @@ def follow_lanes(begin, batch, most, accuracy, out, pieces, tally, table):
         if side_by_side:
             end, alike = end_of_group(begin, sets, table)
         else:
-            end, alike = (begin + 1, True)
+            end = begin + 1
+            alike = True
         if end - begin >= LANES // LEAST_PART:
             rows = follow_group(
                 begin, end, alike, rows, batch, most, accuracy, out, pieces, tally, table, space
@@ -782,7 +792,9 @@ def follow_group(begin, end, alike, rows, batch, most, accuracy, out, pieces, ta
 
 
 def tally_lanes(good, taken, members, found, batch, most, tally, table):
-    """Add the steps of the first `taken` lanes, if their bits in `good` are set, to tallies of motions `members`."""
+    """Add the steps of the first `taken` lanes, if their bits in `good` are set, to tallies of
+    motions `members`.
+    """
     members, found, table, batch, tally = borrowed((members, found, table, batch, tally))
     states, sets, counts, _ = batch
     for lane in range(taken):

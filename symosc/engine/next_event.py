@@ -1,6 +1,5 @@
-"""One step of a trajectory.
-
-Find the next event, move there, and decide what happens (Theorems 4, 5 and 6).
+"""One step of a trajectory: find the next event, move there, and decide what happens (Theorems 4, 5
+and 6).
 
 At a point of the boundary with domain `below` and domain `above` (n = (0, 1), so that G^(0) is the
 acceleration)
@@ -150,7 +149,9 @@ def advance(state, t_end, t_end_low, K):
 
 
 def launched(state, K):
-    """Return the Launch of a flight that begins in `state`, and its Walls (the gaps to the belts beside it)."""
+    """Return the Launch of a flight that begins in `state`, and its Walls (the gaps to the belts
+    beside it).
+    """
     mode = state.mode
     at = state.at
     v = state.v
@@ -160,9 +161,8 @@ def launched(state, K):
 
 
 def past_end(tau_max, remaining):
-    """Return how far to search.
-
-    `tau_max` or, if a motion ends before, to just behind its end in `remaining` time.
+    """Return how far to search: `tau_max` or, if a motion ends before, to just behind its end in
+    `remaining` time.
     """
     if tau_max >= remaining:
         if remaining > 0.0:
@@ -186,7 +186,9 @@ def apart_from_walls(end, tau_max, remaining, state, start, walls, K):
 
 
 def ends_beside_wall(state, now, K):
-    """Return whether point `now` of the flight from `state` is so near a wall that a graze is possible there."""
+    """Return whether point `now` of the flight from `state` is so near a wall that a graze is
+    possible there.
+    """
     v = state.v
     (lower, upper) = speeds_around(state.mode, K)
     size = abs(v) + abs(now.dv) + (abs(state.Fb) + abs(K.f0)) * K.moment
@@ -194,7 +196,9 @@ def ends_beside_wall(state, now, K):
 
 
 def after_flight(state, end, start, remaining, K):
-    """Return the NextEvent that follows from `end`, the FlightEnd found for the flight from `state`."""
+    """Return the NextEvent that follows from `end`, the FlightEnd found for the flight from
+    `state`.
+    """
     mode, at, n, theta, x, v, F, _, S, t, t_low, s, c, theta_low = state
     if end.now.tau > remaining and end.code != STALLED:
         end = FlightEnd(NOTHING, 0, point_at_end(remaining, start, K))
@@ -245,7 +249,9 @@ def point_at_end(remaining, start, K):
 
 
 def no_contact(state, there, now, remaining, K):
-    """Return the NextEvent of a flight from `state` that met no wall up to the state `there` (the point `now`)."""
+    """Return the NextEvent of a flight from `state` that met no wall up to the state `there` (the
+    point `now`).
+    """
     mode, _, n, theta, x, v, F, _, S, t, t_low, _, _, theta_low = there
     # Whether a motion without a drive settles must not depend on when the search was over.
     ends = now.tau >= remaining
@@ -264,7 +270,9 @@ def no_contact(state, there, now, remaining, K):
 
 
 def never_leaves(start, S, lower, upper, domain, K):
-    """Return whether v stays between two speeds forever, by the amplitudes of the steady motion and the transient."""
+    """Return whether v stays between two speeds forever, by the amplitudes of the steady motion and
+    the transient.
+    """
     # `lower` and `upper` are the speeds of the belts around the domain, -inf and inf where there is
     # none; S is the covariance of the errors of `start`.
     if not K.steady or (K.w0 == 0.0 and K.cm == 0.0):
@@ -353,7 +361,9 @@ def flight_noise(state, now, K):
 
 
 def carried_error(S, now, x_noise, v_noise, K):
-    """Carry the covariance S of (x, v) from launch to point `now`, and add the rounding errors x_noise and v_noise."""
+    """Carry the covariance S of (x, v) from launch to point `now`, and add the rounding errors
+    x_noise and v_noise.
+    """
     # Perturbations obey the unforced equation in every domain, so the entire functions carry them:
     # dx gains E1 dv, dv gains -(k/m) E1 dx. The rounding errors of the step are added.
     E0 = now.E0
@@ -374,9 +384,8 @@ def carried_error(S, now, x_noise, v_noise, K):
 
 
 def meet_belt(there, end, v_noise, remaining, K):
-    """Return the NextEvent of a flight that meets a belt in state `there`.
-
-    A graze, stick or crossing.
+    """Return the NextEvent of a flight that meets a belt in state `there`: a graze, stick or
+    crossing.
     """
     # `there` is the State at the contact, in the domain that the flight comes from, `end` its
     # FlightEnd, v_noise the rounding error of the velocity, and `remaining` the time to the end
@@ -401,9 +410,11 @@ def meet_belt(there, end, v_noise, remaining, K):
     if vague:
         F = 0.0 * F
     if upward:
-        Fb, Fa = (F, F - belt.J)
+        Fb = F
+        Fa = F - belt.J
     else:
-        Fb, Fa = (F + belt.J, F)
+        Fb = F + belt.J
+        Fa = F
     decided = not vague
     if upward:
         other = Fa
@@ -415,9 +426,9 @@ def meet_belt(there, end, v_noise, remaining, K):
     ):
         decided = False
         if upward:
-            Fb, Fa = (Fb, 0.0 * Fa)
+            Fa = 0.0 * Fa
         else:
-            Fb, Fa = (0.0 * Fb, Fa)
+            Fb = 0.0 * Fb
     if vague:
         if belt.J > 0.0:
             where = BELT
@@ -488,9 +499,8 @@ def graze_belt(there, G1, G2, G3, v_noise, tau, remaining, K):
 
 
 def resolve(v, F_below, F_above, s, c, K):
-    """Return where a motion goes on from a belt.
-
-    DOMAIN_BELOW, BELT or DOMAIN_ABOVE (Theorems 4, 5).
+    """Return where a motion goes on from a belt: DOMAIN_BELOW, BELT or DOMAIN_ABOVE (Theorems 4,
+    5).
     """
     # F_below - F_above = 2 mu FN/m >= 0 always, so the flow cannot leave on both sides at once.
     if following_sign(v, F_above, s, c, K) > 0:
@@ -501,7 +511,9 @@ def resolve(v, F_below, F_above, s, c, K):
 
 
 def following_sign(v, F, s, c, K):
-    """Return the sign of the force F on a belt or, if F = 0, of its first time derivative that is not 0; else 0."""
+    """Return the sign of the force F on a belt or, if F = 0, of its first time derivative that is
+    not 0; else 0.
+    """
     # v is the velocity of the belt, F the acceleration, which is exact (F = 0 means that it
     # vanishes), and s, c are sine and cosine of the phase.
     if F != 0.0:
@@ -532,7 +544,9 @@ def following_sign(v, F, s, c, K):
 
 
 def after_stick(state, end, remaining, K):
-    """Return the NextEvent that follows from `end`, the StickEnd found for the stick that begins in `state`."""
+    """Return the NextEvent that follows from `end`, the StickEnd found for the stick that begins in
+    `state`.
+    """
     mode, boundary, n, theta, x, v, Fb, Fa, S, t, t_low, _, _, theta_low = state
     boundary = mode - ON_BELT
     zero = 0.0 * Fb
@@ -566,9 +580,11 @@ def after_stick(state, end, remaining, K):
         return NextEvent(END if tau >= remaining else MOVED, 0, True, 0.0, held)
     if code != HIT:
         if side < 0:
-            Fb, Fa = (zero, -belt.J)
+            Fb = zero
+            Fa = -belt.J
         else:
-            Fb, Fa = (belt.J, zero)
+            Fb = belt.J
+            Fa = zero
         held = State(mode, boundary, n, theta, x, v, Fb, Fa, S, t, t_low, s, c, theta_low)
         return NextEvent(
             MOVED if code == TANGENCY else FAILED,
@@ -611,7 +627,9 @@ def advance_phase(n, theta, theta_low, tau, K):
 
 
 def phase_after(theta, theta_low, tau, K):
-    """Return the phase theta + theta_low advanced by the time `tau`, in two parts and not reduced modulo 2 pi."""
+    """Return the phase theta + theta_low advanced by the time `tau`, in two parts and not reduced
+    modulo 2 pi.
+    """
     turn = K.Om * tau
     total = theta + turn
     part = total - theta
@@ -645,14 +663,18 @@ def advance_time(t, t_low, tau, K):
 
 
 def passing_time(error, first, second, third, K):
-    """Return how uncertain the time is when a quantity with `error` and derivatives `first` to `third` passes 0."""
+    """Return how uncertain the time is when a quantity with `error` and derivatives `first` to
+    `third` passes 0.
+    """
     if passes_at_once(error, abs(first), second, third):
         return error / abs(first)
     return slow_passing_time(error, first, second, third, K)
 
 
 def passes_at_once(error, speed, second, third):
-    """Return whether `passing_time` is just error/speed, since the derivatives `second` and `third` are too small."""
+    """Return whether `passing_time` is just error/speed, since the derivatives `second` and `third`
+    are too small.
+    """
     limit = 1e-3 * speed * speed
     return (error * abs(second) < limit) & (error * error * abs(third) < limit * speed)
 
@@ -675,7 +697,9 @@ def slow_passing_time(error, first, second, third, K):
 
 
 def time_with_errors(t, t_low, t0, x, v, t_error, S11, K):
-    """Return the true time of an event (`clock_time`), and the standard errors of t and x, rounding included."""
+    """Return the true time of an event (`clock_time`), and the standard errors of t and x, rounding
+    included.
+    """
     # What a motion is locked to is the phase: the rounding of Omega is taken back in the time that
     # it stands for.
     out = clock_time(t, t_low, t0, K)
@@ -690,7 +714,8 @@ def time_with_errors(t, t_low, t0, x, v, t_error, S11, K):
 
 
 def advance_near(state, rough, found, free, t_end, t_end_low, K):
-    """Advance `state` to its next event with many digits, beside the event `found` by doubles from `rough`.
+    """Advance `state` to its next event with many digits, beside the event `found` by doubles from
+    `rough`.
 
     `rough` is `state` in doubles. If `found` is undecided, no wall is met for the time `free` after
     `rough`.
@@ -740,9 +765,8 @@ def advance_near(state, rough, found, free, t_end, t_end_low, K):
 
 
 def free_time(state, K):
-    """Return a time during which the flight from `state` surely meets no wall, by fixed steps.
-
-    0 if they fail.
+    """Return a time during which the flight from `state` surely meets no wall, by fixed steps; 0 if
+    they fail.
     """
     if state.mode > ON_BELT or not K.apart:
         return 0.0 * state.v

@@ -60,7 +60,9 @@ class Start:
 
     @property
     def spare_digits(self) -> int:
-        """The number of digits beyond the usual that resolve v0 - v1, v0 - v2 and the errors of the start."""
+        """The number of digits beyond the usual that resolve v0 - v1, v0 - v2 and the errors of the
+        start.
+        """
         p = self.parameters
         small = [
             abs(value)
@@ -71,9 +73,8 @@ class Start:
 
 
 class BeltStart(NamedTuple):
-    """How a motion goes on from a point of a belt (Theorems 4 and 5).
-
-    Its mode, and both accelerations.
+    """How a motion goes on from a point of a belt (Theorems 4 and 5): its mode, and both
+    accelerations.
     """
 
     boundary: int
@@ -83,9 +84,8 @@ class BeltStart(NamedTuple):
 
     @property
     def forces(self) -> tuple[Number, Number]:
-        """Both accelerations in the first state.
-
-        Those on either side in a stick, else one value for both.
+        """Both accelerations in the first state: those on either side in a stick, else one value
+        for both.
         """
         if self.mode > ON_BELT:
             return self.below, self.above
@@ -127,7 +127,9 @@ def belt_state(
     S: Covariance,
     K: Constants,
 ) -> State:
-    """Return the State at time 0 of a start on a belt, from `clock` (periods, theta) and `phase` (sine, cosine)."""
+    """Return the State at time 0 of a start on a belt, from `clock` (periods, theta) and `phase`
+    (sine, cosine).
+    """
     v = (K.belt1 if start.boundary == 1 else K.belt2).v
     zero = 0 * x
     return State(
@@ -143,7 +145,8 @@ def start_rows(
     times: Sequence[Any],
     K: Any,
 ) -> tuple[np.ndarray, np.ndarray]:
-    """Return batch rows for columns of starts, and flags of starts on a belt where a force may be 0 in doubles.
+    """Return batch rows for columns of starts, and flags of starts on a belt where a force may be 0
+    in doubles.
 
     `at` is the belt or 0, `phase` holds theta and theta_low, and `times` t, t_low, t_end, t_end_low
     and t0; `K` has the constants, for all rows or one for each.
@@ -250,7 +253,9 @@ def reach_of_error(start: Start, arithmetic: Arithmetic) -> Number:
 
 
 def _decided_start(start: Start, boundary: int) -> BeltStart:
-    """Decide whether a motion sticks or leaves at its start on a belt, with enough digits to tell a force from 0."""
+    """Decide whether a motion sticks or leaves at its start on a belt, with enough digits to tell a
+    force from 0.
+    """
     p = start.parameters
     numbers = [start.t0, start.x0, start.v0, *by_name(p).values()]
     parts = (part for q in numbers for part in (q.numerator, q.denominator))
@@ -313,7 +318,9 @@ def is_steady(start: Start) -> bool:
 
 
 def settles(start: Start) -> bool:
-    """Return whether a start off the belts comes to rest without a contact, decided in rational numbers."""
+    """Return whether a start off the belts comes to rest without a contact, decided in rational
+    numbers.
+    """
     # The conditions are those of `symosc.engine.next_event`. The sign of u = g' + (h + w) g >= 0
     # follows from the squares of its two parts.
     p = start.parameters
@@ -356,7 +363,9 @@ def rounded(state: State, t0: float, gain: float) -> State:
 
 
 def continued(state: State, eps: Fraction, arithmetic: MpArithmetic) -> State:
-    """Convert a state to the digits of `arithmetic`, and add its earlier relative rounding `eps` to its error."""
+    """Convert a state to the digits of `arithmetic`, and add its earlier relative rounding `eps` to
+    its error.
+    """
     # Phase and time have the rounding too: it is an error of x and v that such a part of a period
     # makes. Where the force is 0, at the end of a stick or a touch, the time is made right to all
     # digits: else a force would act for ever.

@@ -50,9 +50,8 @@ class Covariance(NamedTuple):
 
 
 class State(NamedTuple):
-    """The state of a motion at an event or between events.
-
-    Mode, phase, x, v, accelerations, error and time.
+    """The state of a motion at an event or between events: mode, phase, x, v, accelerations, error
+    and time.
     """
 
     # Phase and time are both carried, each in two parts: Omega t loses no digits however large t
@@ -78,9 +77,8 @@ class State(NamedTuple):
 
 
 class NextEvent(NamedTuple):
-    """The result of one step.
-
-    Code (event, END, REST: none to come, MOVED: none yet, FAILED), belt or 0, new state.
+    """The result of one step: code (event, END, REST: none to come, MOVED: none yet, FAILED), belt
+    or 0, new state.
     """
 
     code: int
@@ -100,9 +98,8 @@ class Launch(NamedTuple):
 
 
 class Flown(NamedTuple):
-    """A point of a flight at `tau` after its launch.
-
-    Gains of x and v, derivatives of v, phase, and E0, E1, E2.
+    """A point of a flight at `tau` after its launch: gains of x and v, derivatives of v, phase, and
+    E0, E1, E2.
     """
 
     tau: Number
@@ -131,9 +128,8 @@ class Walls(NamedTuple):
 
 
 class FlightEnd(NamedTuple):
-    """The result of a search along a flight.
-
-    Code (NOTHING, HIT, TANGENCY, STALLED), side of the wall, point.
+    """The result of a search along a flight: code (NOTHING, HIT, TANGENCY, STALLED), side of the
+    wall, point.
     """
 
     code: int
@@ -142,9 +138,8 @@ class FlightEnd(NamedTuple):
 
 
 class StickEnd(NamedTuple):
-    """The result of a search along a stick.
-
-    Code (NOTHING, HIT, TANGENCY, STALLED), side of the slip, and time.
+    """The result of a search along a stick: code (NOTHING, HIT, TANGENCY, STALLED), side of the
+    slip, and time.
     """
 
     code: int

@@ -101,9 +101,8 @@ MAP_OF = np.array(
 
 
 class Kept(NamedTuple):
-    """What a tally (the running summary of a motion) keeps beside events.
-
-    Time on belts, extremes, sections, words.
+    """What a tally (the running summary of a motion) keeps beside events: time on belts, extremes,
+    sections, words.
     """
 
     stuck: bool  # the time on belts
@@ -114,7 +113,9 @@ class Kept(NamedTuple):
 
 
 class Tally(NamedTuple):
-    """The running summaries of many motions, a row each, with ring buffers of the last sections, words and flights."""
+    """The running summaries of many motions, a row each, with ring buffers of the last sections,
+    words and flights.
+    """
 
     asked: Kept
     floats: np.ndarray  # (n, 13)
@@ -135,9 +136,8 @@ class Extremes(NamedTuple):
 
 
 class Open(NamedTuple):
-    """Flags of the extremes that a flight may still exceed.
-
-    The least v, the largest v, and both of x.
+    """Flags of the extremes that a flight may still exceed: the least v, the largest v, and both of
+    x.
     """
 
     v_min: bool
@@ -163,9 +163,11 @@ def new_tally(states: np.ndarray, skipped: np.ndarray, asked: Kept) -> Tally:
     floats = np.zeros((count, 13))
     ints = np.zeros((count, 11), np.int64)
     floats[:, SKIPPED] = skipped
-    floats[:, [X_MIN, V_MIN, X_LOW, V_LOW]], floats[:, [X_MAX, V_MAX, X_HIGH, V_HIGH]] = inf, -inf
+    floats[:, [X_MIN, V_MIN, X_LOW, V_LOW]] = inf
+    floats[:, [X_MAX, V_MAX, X_HIGH, V_HIGH]] = -inf
     floats[:, [T_LAST, X_LAST, V_LAST]] = states[:, [11, 4, 5]]
-    ints[:, PLANE], ints[:, WHOLE] = states[:, 1], states[:, 3] == 0.0
+    ints[:, PLANE] = states[:, 1]
+    ints[:, WHOLE] = states[:, 3] == 0.0
     # Places of sections that were not reached are never read.
     sections = np.empty((count, asked.ring, 8))
     words = np.full((count, asked.ring), -1, np.int64)
@@ -182,7 +184,9 @@ def select_tallies(tally: Tally, rows: Any) -> Tally:
 
 
 def store_tallies(tally: Tally, rows: Any, own: Tally) -> None:
-    """Write `own`, the tally of some motions from `select_tallies`, back into `rows` of the tally of all."""
+    """Write `own`, the tally of some motions from `select_tallies`, back into `rows` of the tally
+    of all.
+    """
     if len(tally.floats):
         for column, part in zip(tally[1:], own[1:], strict=True):
             column[rows] = part
@@ -229,7 +233,9 @@ def launch_of(state):
 
 
 def tally_stretch(i, before, after, tau, t0, tally, K):
-    """Add stick time and extremes between two states, `tau` apart, to motion i's tally, without skipped time."""
+    """Add stick time and extremes between two states, `tau` apart, to motion i's tally, without
+    skipped time.
+    """
     floats = tally.floats
     asked = tally.asked
     begin = floats[i, SKIPPED] - ((before.t - t0) + before.t_low)
@@ -271,17 +277,23 @@ def tally_stretch(i, before, after, tau, t0, tally, K):
 
 
 def keep_flight(i, state, tau, own, tally):
-    """Store a flight (start `state`, duration `tau`, extremes `own`) in the tally, to compare later flights with."""
+    """Store a flight (start `state`, duration `tau`, extremes `own`) in the tally, to compare later
+    flights with.
+    """
     flights = tally.flights
     n = tally.ints[i, SEARCHED] % KEPT_FLIGHTS
     tally.ints[i, SEARCHED] += 1
-    flights[i, n, MODE], flights[i, n, THETA], flights[i, n, X] = state.mode, state.theta, state.x
-    flights[i, n, V], flights[i, n, DURATION] = state.v, tau
+    flights[i, n, MODE] = state.mode
+    flights[i, n, THETA] = state.theta
+    flights[i, n, X] = state.x
+    flights[i, n, V] = state.v
+    flights[i, n, DURATION] = tau
     flights[i, n, OWN], flights[i, n, OWN + 1], flights[i, n, OWN + 2], flights[i, n, OWN + 3] = own
 
 
 def lies_within(i, state, tau, seen, open_ends, tally, K):
-    """Return whether a flight from `state` surely stays within the extremes `seen`, as a similar earlier flight did.
+    """Return whether a flight from `state` surely stays within the extremes `seen`, as a similar
+    earlier flight did.
 
     `open_ends` says which extremes are in question. Two flights in one domain differ, at equal
     times since their launch, by a steady motion, driven by the difference of their drives, plus a
@@ -324,7 +336,9 @@ def lies_within(i, state, tau, seen, open_ends, tally, K):
 
 
 def tally_sections(i, before, last, S, tally, K):
-    """Store the Poincaré sections from the state `before` to the end of period number `last` in the tally."""
+    """Store the Poincaré sections from the state `before` to the end of period number `last` in the
+    tally.
+    """
     ring = tally.words.shape[1]
     first = before.n + 1
     if last - first >= ring:  # a long way without an event: all but the last words are empty
@@ -348,20 +362,25 @@ def keep_section(i, before, tau, S_x, S_v, tally):
     if ints[i, EARLY] == 0:
         close_word(i, tally)
     kept = tally.sections[i, ints[i, SECTIONS] % tally.words.shape[1]]
-    kept[FLIES], kept[SINCE] = 1.0 if before.mode <= ON_BELT and tau > 0.0 else 0.0, tau
-    kept[FROM_THETA], kept[FROM_X], kept[FROM_V], kept[FROM_F] = (
-        before.theta,
-        before.x,
-        before.v,
-        before.Fb,
-    )
-    kept[S11_THERE], kept[S22_THERE] = S_x, S_v
+    if before.mode <= ON_BELT and tau > 0.0:
+        kept[FLIES] = 1.0
+    else:
+        kept[FLIES] = 0.0
+    kept[SINCE] = tau
+    kept[FROM_THETA] = before.theta
+    kept[FROM_X] = before.x
+    kept[FROM_V] = before.v
+    kept[FROM_F] = before.Fb
+    kept[S11_THERE] = S_x
+    kept[S22_THERE] = S_v
     ints[i, SECTIONS] += 1
     ints[i, EARLY] = 0
 
 
 def close_word(i, tally):
-    """Store the word of the period that ends now, if its beginning was seen, and begin the word of the next."""
+    """Store the word of the period that ends now, if its beginning was seen, and begin the word of
+    the next.
+    """
     ints = tally.ints
     labels = tally.labels
     ring = tally.words.shape[1]
@@ -373,11 +392,15 @@ def close_word(i, tally):
         ints[i, LAST_LENGTH] = length
     else:
         tally.words[i, ints[i, SECTIONS] % ring] = -1
-    ints[i, WHOLE], ints[i, LENGTH], ints[i, CODE] = 1, 0, 0
+    ints[i, WHOLE] = 1
+    ints[i, LENGTH] = 0
+    ints[i, CODE] = 0
 
 
 def finish_tally(i, last, code, remaining, t0, tally, K):
-    """Store the `last` state of motion `i` in its tally, moved on by `remaining` if no more events come (REST)."""
+    """Store the `last` state of motion `i` in its tally, moved on by `remaining` if no more events
+    come (REST).
+    """
     n = last.n
     theta = last.theta
     t = clock_time(last.t, last.t_low, t0, K)
@@ -396,7 +419,9 @@ def finish_tally(i, last, code, remaining, t0, tally, K):
         if last.mode <= ON_BELT:
             turn = theta - last.theta
             x, v = flown(last.x, launch_of(last), remaining, sin(turn), cos(turn), K)
-    tally.floats[i, T_LAST], tally.floats[i, X_LAST], tally.floats[i, V_LAST] = t, x, v
+    tally.floats[i, T_LAST] = t
+    tally.floats[i, X_LAST] = x
+    tally.floats[i, V_LAST] = v
     if (
         code in (END, REST) and tally.asked.ring > 0 and TWO_PI - theta < AT_SECTION
     ):  # a section that is just ahead
@@ -418,7 +443,9 @@ def rest_of(tau, K):
 
 
 def rest_stretches(i, state, remaining, t0, tally, K):
-    """Add stick time and extremes of the motion after its last event, for the `remaining` time, to its tally."""
+    """Add stick time and extremes of the motion after its last event, for the `remaining` time, to
+    its tally.
+    """
     # Its extremes are searched piece by piece, until the transient is over; then one period shows
     # all that is to come.
     if K.under:
@@ -468,7 +495,9 @@ def flown(x, start, tau, s_Om, c_Om, K):
 
 
 def settle(tally, sets, table, sections, repeats):
-    """Fill `sections`, (n, m, 2), with x and v at the last m sections of motions, `repeats` with their multiplicity."""
+    """Fill `sections`, (n, m, 2), with x and v at the last m sections of motions, `repeats` with
+    their multiplicity.
+    """
     # `sets` (n,) are the parameter sets of the motions, `table` their constants. `sections` (n, m,
     # 2) is filled with x and v at the last m sections in order of time, as far as they were
     # reached, and `repeats`, (n,) or (0,), with the periods, 0 for a motion that does not repeat.
@@ -478,18 +507,15 @@ def settle(tally, sets, table, sections, repeats):
         there = tally.ints[i, SECTIONS]
         for n in range(wanted if wanted < there else there):
             kept = section(i, there - 1 - n, tally, K)
-            sections[i, wanted - 1 - n, 0], sections[i, wanted - 1 - n, 1] = (
-                kept[FROM_X],
-                kept[FROM_V],
-            )
+            sections[i, wanted - 1 - n, 0] = kept[FROM_X]
+            sections[i, wanted - 1 - n, 1] = kept[FROM_V]
         if repeats.shape[0] > 0:
             repeats[i] = periods(i, tally, K)
 
 
 def periods(i, tally, K):
-    """Return the number of periods after which words and sections repeat, twice in a row.
-
-    0 if they do not.
+    """Return the number of periods after which words and sections repeat, twice in a row; 0 if they
+    do not.
     """
     there = tally.ints[i, SECTIONS]
     for m in range(1, LONGEST_REPEAT + 1):
@@ -513,7 +539,9 @@ def same_words(i, m, tally):
 
 
 def same_sections(i, m, tally, K):
-    """Return whether the last m sections equal the m before, up to 1e-6 of the ranges of x and v, plus 8 errors."""
+    """Return whether the last m sections equal the m before, up to 1e-6 of the ranges of x and v,
+    plus 8 errors.
+    """
     floats = tally.floats
     there = tally.ints[i, SECTIONS]
     x_extent = floats[i, X_HIGH] - floats[i, X_LOW]
@@ -548,7 +576,10 @@ def section(i, n, tally, K):
         x, v = flown(x, Launch(v, kept[FROM_F], s, c), tau, -s, c, K)
     else:
         x = x + v * tau
-    kept[FLIES], kept[SINCE], kept[FROM_X], kept[FROM_V] = 0.0, 0.0, x, v
+    kept[FLIES] = 0.0
+    kept[SINCE] = 0.0
+    kept[FROM_X] = x
+    kept[FROM_V] = v
     return kept
 
 
@@ -566,7 +597,8 @@ def widened(seen, x, v):
 
 
 def flight_extremes(begin, last, start, x0, own, open_ends, K):
-    """Extend `own`, the extremes of the ends of a flight, to those of the flight from time `begin` to point `last`.
+    """Extend `own`, the extremes of the ends of a flight, to those of the flight from time `begin`
+    to point `last`.
 
     `start` is its Launch, `x0` the position there, and `open_ends` says which extremes are in
     question.
@@ -597,7 +629,9 @@ def flight_extremes(begin, last, start, x0, own, open_ends, K):
 
 
 def end_of_flight(before, after, tau, K):
-    """Return the end of a flight as a point (`Flown`, without its E0, E1, E2) from the states before and after it."""
+    """Return the end of a flight as a point (`Flown`, without its E0, E1, E2) from the states
+    before and after it.
+    """
     if K.stiff:
         return state_at(tau, launch_of(before), K)
     F = acceleration(after.x, after.v, after.c, constant_force(before.mode, K), K.cm, K.w0sq, K.f0)
@@ -617,7 +651,9 @@ def point(tau, dx, dv, there, K):
 
 
 def cell_extremes(now, then, M4, start, x0, own, open_ends, K):
-    """Extend the extremes `own` by those of a flight between the points `now` and `then`, which `own` includes."""
+    """Extend the extremes `own` by those of a flight between the points `now` and `then`, which
+    `own` includes.
+    """
     while (then.tau - now.tau) * K.rate > SHORTEST_CELL and not cell_within(
         now, then, M4, start.v, x0, own, open_ends
     ):
@@ -629,7 +665,9 @@ def cell_extremes(now, then, M4, start, x0, own, open_ends, K):
 
 
 def cell_within(now, then, M4, v0, x0, seen, open_ends):
-    """Return whether bounds from both ends prove that a flight between points `now` and `then` stays within `seen`."""
+    """Return whether bounds from both ends prove that a flight between points `now` and `then`
+    stays within `seen`.
+    """
     half = 0.5 * (then.tau - now.tau)
     return within(half, 1.0, now, M4, v0, x0, seen, open_ends) and within(
         half, -1.0, then, M4, v0, x0, seen, open_ends
@@ -637,7 +675,9 @@ def cell_within(now, then, M4, v0, x0, seen, open_ends):
 
 
 def within(reach, way, now, M4, v0, x0, seen, open_ends):
-    """Return whether a flight stays in the extremes `seen` for a time `reach` after point `now` (or before: way -1)."""
+    """Return whether a flight stays in the extremes `seen` for a time `reach` after point `now` (or
+    before: way -1).
+    """
     v = v0 + now.dv
     x = x0 + now.dx
     if open_ends.v_max or open_ends.v_min:
@@ -680,9 +720,8 @@ def stays_positive(reach, p0, p1, p2, p3, p4):
 
 
 def cut_at(now, then, start, open_ends, K):
-    """Return the point at which to divide a part of a flight.
-
-    One where v or x is stationary, else the middle.
+    """Return the point at which to divide a part of a flight: one where v or x is stationary, else
+    the middle.
     """
     width = then.tau - now.tau
     for of_v in (True, False):
@@ -710,7 +749,9 @@ def rates(now, of_v, start):
 
 
 def stationary(now, then, of_v, start, K):
-    """Return the point between `now` and `then` where v (if `of_v`) or x is stationary, by Halley's method."""
+    """Return the point between `now` and `then` where v (if `of_v`) or x is stationary, by Halley's
+    method.
+    """
     low = now.tau
     high = then.tau
     width = then.tau - now.tau
@@ -755,7 +796,9 @@ def stationary(now, then, of_v, start, K):
 
 
 def parabola_root(f0, slope, f1, width):
-    """Return the root in (0, width) of a parabola with value f0 and `slope` at 0 and value f1 at `width`; f0 f1 < 0."""
+    """Return the root in (0, width) of a parabola with value f0 and `slope` at 0 and value f1 at
+    `width`; f0 f1 < 0.
+    """
     bend = (f1 - f0 - slope * width) / (width * width)
     square = slope * slope - 4.0 * bend * f0
     if square > 0.0:

@@ -1,6 +1,5 @@
-"""The linearised motion.
-
-Derivatives of events with respect to parameters and the start, for every kind of number.
+"""The linearised motion: derivatives of events with respect to parameters and the start, for every
+kind of number.
 
 Between two events the end of a flight is a function of its launch, of both phases and of the
 parameters; the generated kernels have its partial derivatives in closed form. What ends it (a
@@ -61,9 +60,8 @@ DT, DX, DV, END_X, END_V, SIZE, BY_X, BY_V = range(8)
 
 
 class Launch(NamedTuple):
-    """The start of a piece of a motion.
-
-    Mode, time, phase with its sine and cosine, position and velocity.
+    """The start of a piece of a motion: mode, time, phase with its sine and cosine, position and
+    velocity.
     """
 
     mode: int
@@ -76,9 +74,8 @@ class Launch(NamedTuple):
 
 
 class Letters(NamedTuple):
-    """The parameters by which forces are differentiated and that `Constants` lacks.
-
-    M, mu1, mu2 and FN.
+    """The parameters by which forces are differentiated and that `Constants` lacks: m, mu1, mu2 and
+    FN.
     """
 
     m: Number
@@ -98,23 +95,35 @@ def letters_of(row):
 
 
 def phase_between(start, t, theta, K):
-    """Return the phase gained, whole turns included, from `start` to the time `t`, at which the phase is `theta`."""
+    """Return the phase gained, whole turns included, from `start` to the time `t`, at which the
+    phase is `theta`.
+    """
     turn = theta - start.theta
     return turn + TWO_PI * floor((K.Om * (t - start.t) - turn) / TWO_PI + 0.5)
 
 
 def fill_parameters(work, row, domain, letters, by_m, by_c, by_k, by_A, by_B, by_Om):
-    """Write a quantity's derivatives by all 11 parameters into a row of `work`, from those by m, c, k, A, B0, Omega."""
+    """Write a quantity's derivatives by all 11 parameters into a row of `work`, from those by m, c,
+    k, A, B0, Omega.
+    """
     drag1, drag2 = friction_signs(domain)
-    work[row, M], work[row, C], work[row, K_] = by_m, by_c, by_k
-    work[row, A0], work[row, B0], work[row, OMEGA] = by_A, by_B, by_Om
-    work[row, V1], work[row, V2] = 0.0 * by_A, 0.0 * by_A
-    work[row, MU1], work[row, MU2] = drag1 * letters.FN * by_A, drag2 * letters.FN * by_A
+    work[row, M] = by_m
+    work[row, C] = by_c
+    work[row, K_] = by_k
+    work[row, A0] = by_A
+    work[row, B0] = by_B
+    work[row, OMEGA] = by_Om
+    work[row, V1] = 0.0 * by_A
+    work[row, V2] = 0.0 * by_A
+    work[row, MU1] = drag1 * letters.FN * by_A
+    work[row, MU2] = drag2 * letters.FN * by_A
     work[row, FN] = (drag1 * letters.mu1 + drag2 * letters.mu2) * by_A
 
 
 def piece_changes(start, t, turn, codes, deep, letters, K, work):
-    """Write derivatives by `codes` of x and v at time `t`, a phase `turn` after `start`, into `work`; return v'."""
+    """Write derivatives by `codes` of x and v at time `t`, a phase `turn` after `start`, into
+    `work`; return v'.
+    """
     # The phase has gone on by `turn`. `deep` says whether any column needs the functions of
     # repeated roots: those for m, c, k and Omega. `codes` are the numbers of the parameters and
     # start values, one for each column.
@@ -176,7 +185,9 @@ def piece_changes(start, t, turn, codes, deep, letters, K, work):
 
 
 def force(domain, now, K):
-    """Return F, the acceleration (force/m) in a domain at a point (a Launch), and the size of its rounding error."""
+    """Return F, the acceleration (force/m) in a domain at a point (a Launch), and the size of its
+    rounding error.
+    """
     A = constant_force(domain, K)
     F = acceleration(now.x, now.v, now.c, A, K.cm, K.w0sq, K.f0)
     return F, EPS * (abs(A) + abs(K.cm * now.v) + abs(K.w0sq * now.x) + abs(K.f0))
@@ -274,7 +285,9 @@ def kinks(above, belt, codes, marks, n, regular, before, work):
 
 
 def tangents(motions, cuts, starts, sets, rows, codes, deep, letters, table, out, work):
-    """Write derivatives of t and x at all events of `motions` into `out`, by the parameters and starts in `codes`."""
+    """Write derivatives of t and x at all events of `motions` into `out`, by the parameters and
+    starts in `codes`.
+    """
     # `cuts` are the first rows of the motions and the end of the last one, `starts` rows of mode,
     # t, theta, x, v. `rows` are t, theta, x, v of the events and their kind, boundary and target.
     # `out` has dt, dx, marks and reasons of the events, and for each motion the logarithms of what
@@ -331,7 +344,8 @@ def tangents(motions, cuts, starts, sets, rows, codes, deep, letters, table, out
                     work[DV, j] = 0.0 * now.t
             for j in range(count):
                 regular[j] = regular[j] and why <= ROUGH
-                dts[n, j], dxs[n, j] = work[DT, j], work[DX, j]
+                dts[n, j] = work[DT, j]
+                dxs[n, j] = work[DX, j]
                 if not touched or marks[n, j] == 0:
                     if regular[j]:
                         marks[n, j] = 1
@@ -346,7 +360,9 @@ def tangents(motions, cuts, starts, sets, rows, codes, deep, letters, table, out
 
 
 def changes_at(times, pieces, starts, launched, codes, deep, letters, table, out, work):
-    """Write derivatives of x and v at fixed `times` by `codes` into `out`, from those where pieces are `launched`."""
+    """Write derivatives of x and v at fixed `times` by `codes` into `out`, from those where pieces
+    are `launched`.
+    """
     # `pieces` are the numbers of the pieces in which the times lie. Pieces begin at `starts`, rows
     # as in `tangents`; `launched` (3, pieces, columns) are the derivatives of t, x and v where they
     # begin.
@@ -360,7 +376,8 @@ def changes_at(times, pieces, starts, launched, codes, deep, letters, table, out
                 work[row, j] = launched[row, i, j]
         piece_changes(start, times[n], K.Om * (times[n] - start.t), codes, deep, mine, K, work)
         for j in range(len(codes)):
-            out[0, n, j], out[1, n, j] = work[END_X, j], work[END_V, j]
+            out[0, n, j] = work[END_X, j]
+            out[1, n, j] = work[END_V, j]
 
 
 def begin(start, codes, count, letters, K, work):
@@ -386,7 +403,8 @@ def begin(start, codes, count, letters, K, work):
             if not vanishes(domain, start, K):
                 continue
             for j in range(count):
-                work[END_X, j], work[END_V, j] = work[DX, j], 0.0 * start.t
+                work[END_X, j] = work[DX, j]
+                work[END_V, j] = 0.0 * start.t
             of_way, of_drive = force_changes(domain, start, codes[:count], letters, K, work)
             turns = abs(of_drive) <= UNMOVED * abs(
                 K.f0 * K.Om

@@ -1,6 +1,5 @@
-"""The origin of a flow into a tangency.
-
-Integration backward in time to its first contact, missing none.
+"""The origin of a flow into a tangency: integration backward in time to its first contact, missing
+none.
 
 Why nothing can be missed in real arithmetic
 --------------------------------------------
@@ -83,9 +82,8 @@ CUT = 0.4831  # where an interval is divided: not a fraction at which roots are 
 
 
 def first_root(p: list[Number], noise: Number, eps: Number) -> tuple[bool, Number]:
-    """Return (touch, sigma).
-
-    The first root sigma in (0, 1] of a polynomial whose values are known within `noise`.
+    """Return (touch, sigma): the first root sigma in (0, 1] of a polynomial whose values are known
+    within `noise`.
 
     `touch` is true if the polynomial comes within `noise` of 0 at sigma, so that it is undecided
     whether there is a root. If there is neither a root nor a touch, sigma is None.
@@ -198,9 +196,8 @@ def _newton(p: list[Number], slope: list[Number], low: Number, high: Number, eps
 
 
 class Boundary(NamedTuple):
-    """A boundary of the domain of a flight.
-
-    Number, velocity, and direction into this domain (1 up, -1 down).
+    """A boundary of the domain of a flight: number, velocity, and direction into this domain (1 up,
+    -1 down).
     """
 
     number: int
@@ -233,7 +230,9 @@ BackwardHit: TypeAlias = tuple[bool, Number, Boundary]
 
 
 class BackwardStep(NamedTuple):
-    """A backward step: first state (with the error bounds of its end), Taylor coefficients T of v, first contact."""
+    """A backward step: first state (with the error bounds of its end), Taylor coefficients T of v,
+    first contact.
+    """
 
     begin: BackwardState
     T: list[Number]
@@ -260,7 +259,10 @@ class BackwardSteps:
         eps: Number = EPS,
         step: float = STEP,
     ) -> None:
-        self.K, self.functions, self.eps, self.H = K, functions, eps, step / K.rate
+        self.K = K
+        self.functions = functions
+        self.eps = eps
+        self.H = step / K.rate
         numbers = {1: ((1, -1),), 2: ((1, 1), (2, -1)), 3: ((2, 1),)}[domain]
         self.boundaries = [
             Boundary(n, (K.belt1 if n == 1 else K.belt2).v, inward) for n, inward in numbers
@@ -360,12 +362,16 @@ class BackwardSteps:
         )
 
     def wave(self, theta: Number, tau: Number) -> tuple[Number, Number]:
-        """Return sine and cosine of the drive's phase at the time tau before the tangency at the phase theta."""
+        """Return sine and cosine of the drive's phase at the time tau before the tangency at the
+        phase theta.
+        """
         angle = theta - self.K.Om * tau
         return self.functions.sin(angle), self.functions.cos(angle)
 
     def moved(self, step: BackwardStep, sigma: Number = None) -> BackwardState:
-        """Return the state at the fraction `sigma` of a step (None: 1), with the error bounds at the step's end."""
+        """Return the state at the fraction `sigma` of a step (None: 1), with the error bounds at
+        the step's end.
+        """
         state = step.begin
         if sigma is None:
             tau = self.H
@@ -403,7 +409,9 @@ class BackwardSteps:
 
 
 def _changes_over(T: list[Number], sigma: Number) -> tuple[Number, Number, Number]:
-    """Return the change of the polynomial T from 0 to sigma, its slope at sigma, and its integral from 0 to sigma."""
+    """Return the change of the polynomial T from 0 to sigma, its slope at sigma, and its integral
+    from 0 to sigma.
+    """
     change = slope = area = 0 * sigma
     for k in range(len(T) - 1, -1, -1):
         slope = slope * sigma + change
@@ -440,9 +448,12 @@ class Flights:
     """The flights of one mapping into its tangencies, computed with `digits` decimal digits."""
 
     def __init__(self, p: Parameters, mapping: str, digits: int) -> None:
-        self.p, self.place, self.digits = p, place(mapping), digits
+        self.p = p
+        self.place = place(mapping)
+        self.digits = digits
         self.arithmetic = MpArithmetic(p, digits)
-        self.context, self.K = self.arithmetic.context, self.arithmetic.K
+        self.context = self.arithmetic.context
+        self.K = self.arithmetic.K
         self.v = self.number(p.belt(self.place.boundary))  # of the belt that is touched
         self._basis = self.arithmetic.namespace["basis"]
         self._steps: dict[float, BackwardSteps] = {}
@@ -456,7 +467,9 @@ class Flights:
         return self.context.mpf(value)
 
     def contact(self, theta: Number) -> Number:
-        """Return the position x_m(theta) of a tangency at the phase theta, at which F = 0 on the belt."""
+        """Return the position x_m(theta) of a tangency at the phase theta, at which F = 0 on the
+        belt.
+        """
         rest = self.number(
             (self.p.A(self.place.domain) - self.p.c * self.p.belt(self.place.boundary)) / self.p.k
         )
@@ -482,16 +495,17 @@ class Flights:
         return Instant(dx, v, a, b, w, v_theta, x_theta, noise * v_size, noise * x_size)
 
     def state(self, theta: Number, tau: Number) -> BackwardState:
-        """Return the state from which a search backward can start at the time tau before the tangency."""
+        """Return the state from which a search backward can start at the time tau before the
+        tangency.
+        """
         now = self.instant(theta, tau)
         return BackwardState(
             tau, now.dx, now.v, now.a, now.v_error, now.x_error, now.v_error * self.K.rate
         )
 
     def refined(self, theta: Number, found: BackwardState, tau_max: Number) -> BackwardState | None:
-        """Refine the result `found` of a search back to `tau_max` to all digits.
-
-        None if Newton's method fails.
+        """Refine the result `found` of a search back to `tau_max` to all digits; None if Newton's
+        method fails.
         """
         if found.kind in (NEVER, LARGE, LONG):
             return found
@@ -518,14 +532,18 @@ class Flights:
         )
 
     def _contact_time(self, theta: Number, tau: Number, speed: Number, touch: bool) -> Number:
-        """Find the time near `tau` at which v = `speed`, or, with `touch`, at which v is nearest to `speed`."""
+        """Find the time near `tau` at which v = `speed`, or, with `touch`, at which v is nearest to
+        `speed`.
+        """
         before = None
         for _ in range(200):
             now = self.instant(theta, tau)
             if not touch:
-                top, slope = (now.v - speed, now.a)
+                top = now.v - speed
+                slope = now.a
             else:
-                top, slope = (now.a, now.b)
+                top = now.a
+                slope = now.b
             if touch and abs(now.b) * float(self.K.rate) < 1e-6 * abs(now.w):
                 # a touch of fourth order
                 top = now.b
@@ -582,7 +600,8 @@ def rounded(state: BackwardState) -> BackwardState:
 
 
 class Origins:
-    """A search backward from the tangencies of one mapping for the contacts that their flows come from.
+    """A search backward from the tangencies of one mapping for the contacts that their flows come
+    from.
 
     It raises ParameterError for a mapping that cannot graze, and for k = 0.
     """
@@ -595,7 +614,10 @@ class Origins:
                 "0",
                 "must be > 0 here: without a spring F = 0 fixes the phase, not the contact",
             )
-        self.p, self.mapping, self.place, self.K = p, mapping, where, constants(p)
+        self.p = p
+        self.mapping = mapping
+        self.place = where
+        self.K = constants(p)
         self.steps = BackwardSteps(self.K, where.boundary, where.domain)
         self._flights: dict[int, Flights] = {}
 
@@ -617,7 +639,8 @@ class Origins:
         repeats: int = len(REPEATED_STEPS),
         most_steps: int = MOST_BACKWARD_STEPS,
     ) -> BackwardState:
-        """Follow the flow back from the tangency at a phase, in doubles, to the first contact or to the time `far`.
+        """Follow the flow back from the tangency at a phase, in doubles, to the first contact or to
+        the time `far`.
 
         `order` is that of the first G-function that does not vanish at the tangency. A step with an
         undecided contact is repeated up to `repeats` times, with `digits`, then with twice as many.
@@ -663,14 +686,15 @@ class Origins:
     def _state_at_limit(
         self, theta: float, order: int, state: BackwardState, far: float
     ) -> BackwardState:
-        """Return the state of the flow at the time `far`, which lies in the backward step that begins at `state`."""
+        """Return the state of the flow at the time `far`, which lies in the backward step that
+        begins at `state`.
+        """
         step = self.steps.take(theta, order, state)
         return self.steps.moved(step, (far - state.tau) / self.steps.H)._replace(kind=REACHED)
 
     def _never_came(self, theta: float, state: BackwardState) -> bool:
-        """Return whether the flow back from `state` surely meets no boundary.
-
-        It runs away from its only one.
+        """Return whether the flow back from `state` surely meets no boundary: it runs away from its
+        only one.
         """
         K = self.K
         if K.under or self.place.domain == 2:

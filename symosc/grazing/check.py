@@ -75,7 +75,8 @@ WHY_UNDECIDED = {
 
 @dataclass(frozen=True)
 class GrazingReport:
-    """The results of `check_grazing`, which compares the window of Theorem 7 with three numerical ways of deciding.
+    """The results of `check_grazing`, which compares the window of Theorem 7 with three numerical
+    ways of deciding.
 
     The ways are the signs of the G-functions, the exact flow around the contact, and the solver
     DOP853.
@@ -133,7 +134,9 @@ class GrazingReport:
 
     @property
     def ok(self) -> bool:
-        """Whether nothing contradicts the window, and G-functions and exact flow both decided every phase."""
+        """Whether nothing contradicts the window, and G-functions and exact flow both decided every
+        phase.
+        """
         return (
             not self.mismatches and not self.undecided[G_SIGNS] and not self.undecided[EXACT_FLOW]
         )
@@ -148,10 +151,14 @@ class GrazingReport:
         lines = [
             f"{self.mapping} {self.case}: {self.window}",
             f"{'ok' if self.ok else 'FAILED'}: {len(self.mismatches)} mismatches at {total} phases "
-            f"({self.n_random} random, seed {self.seed}; {self.n_adversarial} adversarial); {self.n_grazing} graze",
+            f"({self.n_random} random, seed {self.seed}; {self.n_adversarial} adversarial); "
+            f"{self.n_grazing} graze",
         ]
         for way in (G_SIGNS, EXACT_FLOW, DOP853):
-            line = f"  {way:11s} agrees at {self.agreements[way]}, down to |G1|/size = {self.closest[way]:.1e}"
+            line = (
+                f"  {way:11s} agrees at {self.agreements[way]}, down to |G1|/size = "
+                f"{self.closest[way]:.1e}"
+            )
             lines.append(
                 line
                 + "".join(f"; cannot decide {n}: {why}" for why, n in self.undecided[way].items())
@@ -310,10 +317,8 @@ def _decide_random(
     finely = (signs == NOT_DECIDED) | (flow == NOT_DECIDED)
     for i in np.nonzero(finely)[0]:
         value = ways.fine.context.mpf(float(theta[i]))
-        (signs[i], orders[i]), flow[i] = (
-            ways.verdict_by_intervals(value, False),
-            ways.verdict_by_fine_flow(value),
-        )
+        (signs[i], orders[i]) = ways.verdict_by_intervals(value, False)
+        flow[i] = ways.verdict_by_fine_flow(value)
     columns = (
         theta.astype(object),
         inside,
@@ -367,9 +372,8 @@ def _decide_special(ways: Ways) -> tuple[np.ndarray, ...]:
 
 
 class Ways:
-    """The three ways to decide whether a contact at a phase grazes.
-
-    G-functions, exact flow, and DOP853.
+    """The three ways to decide whether a contact at a phase grazes: G-functions, exact flow, and
+    DOP853.
     """
 
     # They use the parameters and the map of the window, but neither its place nor its phases.
@@ -399,10 +403,12 @@ class Ways:
         self._intervals = MPIntervalContext()
         self._intervals.dps = INTERVAL_DIGITS
 
-    # -- G-functions -------------------------------------------------------------------------------------------------
+    # -- G-functions -------------------------------------------------------------------------------
 
     def slope(self, theta: Numbers) -> Any:
-        """Return G^(1), scaled by the sizes of its terms and with the sign that makes it positive for a graze."""
+        """Return G^(1), scaled by the sizes of its terms and with the sign that makes it positive
+        for a graze.
+        """
         if isinstance(theta, np.ndarray):
             return self.side * (self.K.w0sq * self.v + self.K.fB * np.sin(theta)) / self.size
         slope = self.fine.K.w0sq * self.v_fine + self.fine.K.fB * self.fine.context.sin(theta)
@@ -454,7 +460,7 @@ class Ways:
                 return (YES if order % 2 == 1 and bool(-self.side * G.a > 0) else NO), order
         return NOT_DECIDED, 0
 
-    # -- the exact flow ----------------------------------------------------------------------------------------------
+    # -- the exact flow ----------------------------------------------------------------------------
 
     def verdicts_by_flow(self, theta: np.ndarray) -> np.ndarray:
         """Decide which phases graze by the exact flow shortly before and after.
@@ -499,7 +505,9 @@ class Ways:
     def _velocity_gap(
         self, basis: Sequence[Numbers], s: Numbers, c: Numbers, v: Number, K: Constants
     ) -> Any:
-        """Return the distance of v from the belt's speed (> 0: in the domain) at the time tau that `basis` is for."""
+        """Return the distance of v from the belt's speed (> 0: in the domain) at the time tau that
+        `basis` is for.
+        """
         _, dv, _ = motion(v, 0.0 * v, s, c, K.cm, K.w0sq, K.f0, K.Om, *basis)
         return -self.side * dv
 
@@ -514,7 +522,7 @@ class Ways:
             / 3.0
         )
 
-    # -- DOP853 ------------------------------------------------------------------------------------------------------
+    # -- DOP853 ------------------------------------------------------------------------------------
 
     def verdicts_by_solver(self, theta: np.ndarray) -> np.ndarray:
         """Decide which phases graze by DOP853, run for all at once.
@@ -532,7 +540,9 @@ class Ways:
         return verdicts
 
     def gap_by_solver(self, theta: np.ndarray, tau: float) -> np.ndarray:
-        """Return v's distance from the belt's speed at the time tau by DOP853, over size tau^2 (> 0: in the domain)."""
+        """Return v's distance from the belt's speed at the time tau by DOP853, over size tau^2 (>
+        0: in the domain).
+        """
         # The unknowns are y = (x - x_m)/tau and u = (v - v_lambda)/(size tau^2), as functions of
         # time/tau. The force is the difference from its value 0 at the contact, where a difference
         # of cosines is written as a product.

@@ -1,6 +1,5 @@
-"""The grazing curve on the switching plane.
-
-All starts (x_i, Omega t_i) of a mapping from which the flow grazes.
+"""The grazing curve on the switching plane: all starts (x_i, Omega t_i) of a mapping from which the
+flow grazes.
 
 Theorem 7's window gives the phases theta_m of the tangencies, and the flow back from each gives the
 start (`symosc.grazing.backward`). That is done in double precision with error bounds, and with more
@@ -86,13 +85,17 @@ class CurveEnd(LatexAnswer):
 
     def latex(self) -> str:
         """Return the end as LaTeX (no dollar signs)."""
-        start = rf"{latex_point('i', self.theta, self.x)},\quad \Omega t_m = {latex_number(self.theta_m)}"
+        start = (
+            rf"{latex_point('i', self.theta, self.x)},\quad \Omega t_m = "
+            rf"{latex_number(self.theta_m)}"
+        )
         return rf"{start}\quad {latex_words(f'({self.reason})')}"
 
 
 @dataclass(frozen=True, eq=False)
 class CurvePiece:
-    """A piece of the grazing curve, along which the start of the flight moves continuously with theta_m.
+    """A piece of the grazing curve, along which the start of the flight moves continuously with
+    theta_m.
 
     Attributes
     ----------
@@ -136,9 +139,8 @@ class CurvePiece:
 
 @dataclass(frozen=True, repr=False)
 class GrazingCurve(Drawable, LatexAnswer):
-    """The grazing curve of a mapping.
-
-    The starts whose flights graze, in pieces over the phase theta_m of the graze.
+    """The grazing curve of a mapping: the starts whose flights graze, in pieces over the phase
+    theta_m of the graze.
 
     Attributes
     ----------
@@ -171,9 +173,8 @@ class GrazingCurve(Drawable, LatexAnswer):
         return f"<GrazingCurve of {self.mapping}: pieces {len(self.pieces)}, gaps {len(self.gaps)}>"
 
     def latex(self) -> str:
-        """Return the ends of the pieces as a LaTeX table.
-
-        (Omega t_i, x_i), Omega t_m and the reason.
+        """Return the ends of the pieces as a LaTeX table: (Omega t_i, x_i), Omega t_m and the
+        reason.
         """
         ends = [end for piece in self.pieces for end in (piece.low, piece.high)]
         rows = [
@@ -184,7 +185,9 @@ class GrazingCurve(Drawable, LatexAnswer):
 
     @public
     def sample(self, theta_m: NumberLike) -> Sample:
-        """Compute the tangency at theta_m, the start of the flow into it, and the derivatives of the start."""
+        """Compute the tangency at theta_m, the start of the flow into it, and the derivatives of
+        the start.
+        """
         return self._source.sample(float(read_exact("theta_m", theta_m)))
 
 
@@ -225,7 +228,8 @@ def grazing_curve(
     if window.kind == EMPTY:
         return GrazingCurve(p, mapping, (), (), (), tracer)
     if window.kind == EVERYTHING:
-        low, high = (0.0, 2 * pi)
+        low = 0.0
+        high = 2 * pi
     else:
         low, high = window.ends
     low -= (
@@ -246,7 +250,9 @@ def grazing_curve(
 
 
 def _piece(tracer: Tracer, run: PhaseRun) -> CurvePiece:
-    """Return a run of samples as a piece of the curve, with PIECE_POINTS more samples if it has few inner ones."""
+    """Return a run of samples as a piece of the curve, with PIECE_POINTS more samples if it has few
+    inner ones.
+    """
     samples = run.samples
     first = samples[0].theta_m
     last = samples[-1].theta_m
@@ -270,9 +276,8 @@ def _piece(tracer: Tracer, run: PhaseRun) -> CurvePiece:
 
 @dataclass(frozen=True)
 class Sample:
-    """A tangency at theta_m and where its flow starts.
-
-    On which belt (`origin`), x, and theta = theta_m - Omega tau.
+    """A tangency at theta_m and where its flow starts: on which belt (`origin`), x, and theta =
+    theta_m - Omega tau.
     """
 
     theta_m: float
@@ -296,10 +301,7 @@ class Tracer(Origins):
         self.steps_left = 40_000  # of all searches; when they are used up, each search has 50 left
 
     def sample(self, theta_m: float, careful: bool = True) -> Sample:
-        """Return the sample at theta_m.
-
-        Without `careful` an undecided contact counts as a graze.
-        """
+        """Return the sample at theta_m; without `careful` an undecided contact counts as a graze."""
         top = abs(self.p.B0 * self.p.Omega)
         level = self.K.w0sq * self.v
         K = self.K
@@ -357,7 +359,9 @@ def _phases_of(low: float, high: float, closed: bool, n: int) -> np.ndarray:
 
 @dataclass
 class PhaseRun:
-    """Neighbouring samples whose flows come from one belt without a jump, and their interval of theta_m."""
+    """Neighbouring samples whose flows come from one belt without a jump, and their interval of
+    theta_m.
+    """
 
     samples: list[Sample]
     span: tuple[float, float]
@@ -365,15 +369,16 @@ class PhaseRun:
 
     @property
     def origin(self) -> str:
-        """Where the flow backward from these tangencies ends.
-
-        Own belt, other belt, no belt, or not found.
+        """Where the flow backward from these tangencies ends: own belt, other belt, no belt, or not
+        found.
         """
         return self.samples[0].origin
 
 
 def _cut(tracer: Tracer, samples: list[Sample], arc: tuple[float, float, bool]) -> list[PhaseRun]:
-    """Split the samples of an arc into runs where the origin of the flow changes or the start jumps."""
+    """Split the samples of an arc into runs where the origin of the flow changes or the start
+    jumps.
+    """
     low, high, closed = arc
     if closed:
         limit = "closed"
@@ -425,9 +430,8 @@ def _cut(tracer: Tracer, samples: list[Sample], arc: tuple[float, float, bool]) 
 
 
 def _continuous(left: Sample, right: Sample) -> bool:
-    """Return whether the start's phase does not jump between two samples.
-
-    It changes by little or as its slope says.
+    """Return whether the start's phase does not jump between two samples: it changes by little or
+    as its slope says.
     """
     change = right.theta - left.theta
     expected = 0.5 * (left.slope_theta + right.slope_theta) * (right.theta_m - left.theta_m)
@@ -437,9 +441,8 @@ def _continuous(left: Sample, right: Sample) -> bool:
 def _edge(
     tracer: Tracer, left: Sample, right: Sample
 ) -> tuple[list[Sample], list[Sample], float] | None:
-    """Locate the change of origin, or the jump of the start, between two samples.
-
-    None if there is none.
+    """Locate the change of origin, or the jump of the start, between two samples; None if there is
+    none.
 
     Return the new samples on the left, those on the right (`right` first, then to the left), and
     theta_m of the change.
@@ -487,7 +490,10 @@ def _end_reason(tracer: Tracer, here: Sample, beyond: Sample) -> str:
     if beyond.origin == OTHER:
         return f"beyond, the flow comes from belt {3 - own}"
     if beyond.origin in (NOWHERE, UNKNOWN):
-        return f"beyond, the flow met no belt before{' (within the search)' if beyond.origin == UNKNOWN else ''}"
+        return (
+            "beyond, the flow met no belt "
+            f"before{' (within the search)' if beyond.origin == UNKNOWN else ''}"
+        )
     if here.origin != OWN:
         return f"beyond, the flow comes from belt {own}"
     return f"the flow touches belt {own} on the way"

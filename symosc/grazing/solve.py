@@ -1,4 +1,5 @@
-"""Solve the grazing conditions, equations (54) with F = 0 at the end of the map, for one given unknown.
+"""Solve the grazing conditions, equations (54) with F = 0 at the end of the map, for one given
+unknown.
 
 Three equations and an inequality have four unknowns (x_i, Omega t_i, x_j, Omega t_j), the start of
 a map and its end, which is the tangency. A given theta_j or x_j fixes the tangency in closed form.
@@ -87,7 +88,8 @@ class GrazingSolutions(list[GrazingStart], LatexAnswer):
         self, starts: Iterable[GrazingStart] = (), complete: bool = True, message: str = ""
     ) -> None:
         super().__init__(starts)
-        self.complete, self.message = complete, message
+        self.complete = complete
+        self.message = message
 
     def latex(self) -> str:
         """Return the solutions as a table in LaTeX (an array, no dollar signs).
@@ -234,7 +236,9 @@ def _phases_of_contact(window: GrazingWindow, value: Fraction) -> list[Angle]:
 
 
 def _has_value(start: GrazingStart, p: Parameters, name: str, value: Any, digits: int) -> bool:
-    """Return whether the unknown `name` (x_i or theta_i) of a start is `value`, to 100 units of the last digit."""
+    """Return whether the unknown `name` (x_i or theta_i) of a start is `value`, to 100 units of the
+    last digit.
+    """
     context = mp_context(digits + 30)
     if name == "x_i":
         gap = number_of(Fraction(start.start["x0"]) - value, context)
@@ -251,9 +255,8 @@ def _has_value(start: GrazingStart, p: Parameters, name: str, value: Any, digits
 
 
 class Point(NamedTuple):
-    """A point of the grazing curve.
-
-    Phase theta_m, x_i or theta_i, its derivative by theta_m, and flight time tau.
+    """A point of the grazing curve: phase theta_m, x_i or theta_i, its derivative by theta_m, and
+    flight time tau.
     """
 
     theta_m: float
@@ -263,13 +266,15 @@ class Point(NamedTuple):
 
 
 class Candidates:
-    """A search for solutions on a grazing curve.
-
-    `phases` collects their theta_m, `notes` says what was omitted.
+    """A search for solutions on a grazing curve: `phases` collects their theta_m, `notes` says what
+    was omitted.
     """
 
     def __init__(self, curve: GrazingCurve, name: str, value: Number, digits: int) -> None:
-        self.curve, self.source, self.name, self.K = curve, curve._source, name, curve._source.K
+        self.curve = curve
+        self.source = curve._source
+        self.name = name
+        self.K = curve._source.K
         # With so many digits more than wanted slopes up to 1e15 can be distinguished from a jump in
         # doubles.
         self.flights: Flights = self.source.flights(digits + 40)
@@ -304,7 +309,7 @@ class Candidates:
             unwrapped = ""
         return f"{self.name} goes over {reach} on the grazing curve{unwrapped}"
 
-    # -- stretches between samples -----------------------------------------------------------------------------------
+    # -- stretches between samples -----------------------------------------------------------------
 
     def _on_piece(self, piece: CurvePiece) -> None:
         """Find the solutions on a piece of the curve and store them."""
@@ -382,17 +387,20 @@ class Candidates:
         return points
 
     def _columns(self, of: CurvePiece | Sample) -> tuple[Any, Any, Any, Any]:
-        """Return theta_m, the unknown (x_i or theta_i), its slope by theta_m, and the flight time of `of`."""
+        """Return theta_m, the unknown (x_i or theta_i), its slope by theta_m, and the flight time
+        of `of`.
+        """
         if self.name == "x_i":
-            value, slope = (of.x, of.slope_x)
+            value = of.x
+            slope = of.slope_x
         else:
-            value, slope = (of.theta, of.slope_theta)
+            value = of.theta
+            slope = of.slope_theta
         return of.theta_m, value, slope, (of.theta_m - of.theta) / self.K.Om
 
     def _extremum(self, first: Point, last: Point) -> Point | None:
-        """Return the point between two points where the unknown is extreme.
-
-        None at a break of the curve.
+        """Return the point between two points where the unknown is extreme; None at a break of the
+        curve.
         """
         for _ in range(NEWTON_HALVINGS):
             middle = self._sampled(0.5 * (first.theta_m + last.theta_m))
@@ -403,9 +411,9 @@ class Candidates:
             ):
                 return middle
             if middle.slope * last.slope > 0:
-                first, last = (first, middle)
+                last = middle
             else:
-                first, last = (middle, last)
+                first = middle
             if abs(first.slope) * (last.theta_m - first.theta_m) < 1e-15 * max(
                 1.0, abs(first.value)
             ):
@@ -413,19 +421,20 @@ class Candidates:
         return first
 
     def _sampled(self, theta_m: float) -> Point | None:
-        """Return the point of the curve at theta_m.
-
-        None if no flight from the mapping's belt grazes there.
+        """Return the point of the curve at theta_m; None if no flight from the mapping's belt
+        grazes there.
         """
         sample = self.curve.sample(theta_m)
         if sample.origin == OWN:
             return Point(*self._columns(sample))
         return None
 
-    # -- Newton's method ---------------------------------------------------------------------------------------------
+    # -- Newton's method ---------------------------------------------------------------------------
 
     def _between(self, first: Point, last: Point, target: Number) -> None:
-        """Store the solution between points with unknowns on both sides of `target`, or add a note if none is found."""
+        """Store the solution between points with unknowns on both sides of `target`, or add a note
+        if none is found.
+        """
         wanted = float(target)
         for _ in range(NEWTON_HALVINGS):
             if first in self._broken:
@@ -447,9 +456,9 @@ class Candidates:
             if middle is None:
                 break
             if (middle.value >= wanted) == (first.value >= wanted):
-                first, last = (middle, last)
+                first = middle
             else:
-                first, last = (first, middle)
+                last = middle
         is_touch = self.curve.sample(theta_m).slope_theta == 1.0
         if is_touch and self._store_if_between(
             self._solve_among_grazes(theta_m, target), first, last
@@ -462,9 +471,8 @@ class Candidates:
     def _equation(
         self, theta: Number, tau: Number, now: Instant, target: Number
     ) -> tuple[Number, Number, Number]:
-        """Return x_i or theta_i at the start `now` of a flight, minus `target`.
-
-        And the derivatives by theta, tau.
+        """Return x_i or theta_i at the start `now` of a flight, minus `target`; and the derivatives
+        by theta, tau.
         """
         if self.name == "x_i":
             return self.flights.contact(theta) + now.dx - target, now.x_theta, -now.v
@@ -472,7 +480,9 @@ class Candidates:
         return theta - Om * tau - target, 1, -Om
 
     def _newton(self, theta_m: float, tau: float, target: Number) -> tuple[Number, Number] | None:
-        """Find (theta_m, tau) of the flight with x_i or theta_i = `target` by Newton's method from a guess; or None."""
+        """Find (theta_m, tau) of the flight with x_i or theta_i = `target` by Newton's method from
+        a guess; or None.
+        """
         context = self.flights.context
         K = self.flights.K
         theta = context.mpf(theta_m)
@@ -500,9 +510,8 @@ class Candidates:
         return None
 
     def _solve_among_grazes(self, theta_m: float, target: Number) -> tuple[Number, Number] | None:
-        """Find the solution among flights that start at a graze too, and so all take one time.
-
-        None if not found.
+        """Find the solution among flights that start at a graze too, and so all take one time; None
+        if not found.
         """
         flights = self.flights
         phase = Fraction(theta_m)
@@ -552,7 +561,9 @@ class Candidates:
         return True
 
     def _note_endless(self, end: CurveEnd, point: Point, index: int, piece: CurvePiece) -> None:
-        """Add a note if solutions past the outermost sample `point` may be nearer to `end` than doubles resolve."""
+        """Add a note if solutions past the outermost sample `point` may be nearer to `end` than
+        doubles resolve.
+        """
         if end.reason in ("end of the window", "closed"):
             return
         if end.reason.endswith("(within the search)"):

@@ -99,7 +99,9 @@ class GrazingStart(LatexAnswer):
     undecided: bool = False
 
     def latex(self) -> str:
-        """Return start and tangency as LaTeX, or the reason why there is no start (no dollar signs)."""
+        """Return start and tangency as LaTeX, or the reason why there is no start (no dollar
+        signs).
+        """
         name = f"P_{{{self.mapping.removeprefix('P')}}}"
         tangency = latex_point("m", self.theta_m, self.x_m)
         if not self.found:
@@ -193,7 +195,9 @@ def start_of(
     digits: int | None = None,
     periods: float = SEARCH_PERIODS,
 ) -> GrazingStart:
-    """Return the result of `grazing_start` for a tangency at the exact `time` and phase `angle`, with t0 = `until`."""
+    """Return the result of `grazing_start` for a tangency at the exact `time` and phase `angle`,
+    with t0 = `until`.
+    """
     p = origins.p
     mapping = origins.mapping
     decimals = digits or DEFAULT_DIGITS
@@ -245,11 +249,15 @@ def start_of(
     since = f"backward from t = {float(t):.6g}"
     ended = f"the search ended at t = {float(t):.6g}"
     reasons = {
-        backward.NEVER: f"the flow never met a belt before: {since} its velocity runs away from belt {belt}",
-        backward.REACHED: f"the flow met no belt in the {periods:g} periods before; ask for more with periods=",
-        backward.LARGE: f"{ended}: before that the velocity exceeds {backward.HUGE:g}, and no belt was met",
+        backward.NEVER: f"the flow never met a belt before: {since} its velocity runs away from "
+        f"belt {belt}",
+        backward.REACHED: f"the flow met no belt in the {periods:g} periods before; ask for more "
+        "with periods=",
+        backward.LARGE: f"{ended}: before that the velocity exceeds {backward.HUGE:g}, and no "
+        "belt was met",
         backward.LONG: f"{ended}, after as many steps as it may take; until there no belt was met",
-        backward.UNDECIDED: f"whether the flow meets belt {boundary} at t = {float(t):.12g} could not be decided",
+        backward.UNDECIDED: f"whether the flow meets belt {boundary} at t = {float(t):.12g} "
+        "could not be decided",
     }
     shown = mp_context(decimals)
 
@@ -359,9 +367,10 @@ def is_grazing(
     *,
     tolerance: NumberLike = 1e-12,
 ) -> GrazingVerdict:
-    """Decide Theorem 6 for a state on the belt of a mapping.
+    """Decide Theorem 6 for a state on the belt of a mapping: does the flow of its domain graze the
+    belt there?
 
-    Does the flow of its domain graze the belt there?
+    ?
 
     The flow grazes if F = 0, and the first G-function that does not vanish has odd order and the
     sign that leads back into the domain. (Order 1 is the theorem as printed.) Values are computed
@@ -430,7 +439,10 @@ def is_grazing(
             if order == 0:
                 reason = "F does not vanish: the flow is transversal"
             elif order % 2 == 0:
-                reason = f"the first G-function that does not vanish has even order {order}: the flow passes with an"
+                reason = (
+                    f"the first G-function that does not vanish has even order {order}: the flow "
+                    "passes with an"
+                )
                 reason += " inflection"
             elif grazing:
                 reason = f"F = 0 and G^({order}) leads back into the domain"

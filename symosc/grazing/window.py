@@ -95,12 +95,16 @@ class GrazingWindow(Drawable, LatexAnswer):
 
     @cached_property
     def gamma(self) -> Fraction:
-        """gamma = (c/m) x'' + (k/m) x' at a contact, which is k v_lambda/m for a belt with the speed v_lambda."""
+        """gamma = (c/m) x'' + (k/m) x' at a contact, which is k v_lambda/m for a belt with the
+        speed v_lambda.
+        """
         return self.parameters.k * self.speed / self.parameters.m
 
     @cached_property
     def amplitude(self) -> Fraction:
-        """B0 Omega/m, the amplitude of the time derivative of the drive, to which gamma is compared."""
+        """B0 Omega/m, the amplitude of the time derivative of the drive, to which gamma is
+        compared.
+        """
         return self.parameters.B0 * self.parameters.Omega / self.parameters.m
 
     @property
@@ -116,7 +120,9 @@ class GrazingWindow(Drawable, LatexAnswer):
 
     @cached_property
     def kind(self) -> int:
-        """The kind of window: EMPTY, EVERYTHING, ALL_BUT_ONE (phase), ARC or WRAPPED_ARC of `theorem7_cases`."""
+        """The kind of window: EMPTY, EVERYTHING, ALL_BUT_ONE (phase), ARC or WRAPPED_ARC of
+        `theorem7_cases`.
+        """
         return cases.window_kind(self.place.side, *self.signs, self.order == "full")
 
     @property
@@ -131,14 +137,19 @@ class GrazingWindow(Drawable, LatexAnswer):
 
     @property
     def not_as_printed(self) -> str:
-        """Why this window, in the paper's order, is not in the paper; "" if it is, or in full order."""
+        """Why this window, in the paper's order, is not in the paper.
+
+        "" if it is, or in full order.
+        """
         if self.order == "full" or self.amplitude > 0:
             return ""
         return "not as printed: the paper supposes B0 > 0"
 
     @cached_property
     def phases(self) -> Expr:
-        """The phases theta = Omega t mod 2 pi in [0, 2 pi) at which a contact grazes: an exact sympy set."""
+        """The phases theta = Omega t mod 2 pi in [0, 2 pi) at which a contact grazes: an exact
+        sympy set.
+        """
         from symosc.symbolic.theorem7 import rational, window_phases
 
         return window_phases(
@@ -147,9 +158,8 @@ class GrazingWindow(Drawable, LatexAnswer):
 
     @cached_property
     def theta_cr(self) -> Expr:
-        """Theta_cr = asin(-k v_lambda/(B0 Omega)) in [-pi/2, pi/2], exactly.
-
-        None where it does not exist.
+        """Theta_cr = asin(-k v_lambda/(B0 Omega)) in [-pi/2, pi/2], exactly; None where it does not
+        exist.
         """
         from symosc.symbolic.theorem7 import critical_phase, rational
 
@@ -157,7 +167,8 @@ class GrazingWindow(Drawable, LatexAnswer):
 
     @cached_property
     def intervals(self) -> tuple[tuple[float, float, bool, bool], ...]:
-        """The window as (low, high, low_closed, high_closed) in double precision, each end the nearest double.
+        """The window as (low, high, low_closed, high_closed) in double precision, each end the
+        nearest double.
 
         Points of the circle: an arc through 0 is two intervals, one from 0 (closed) and one up to 2
         pi (open).
@@ -246,7 +257,8 @@ class GrazingWindow(Drawable, LatexAnswer):
 
     @public
     def contact(self, theta: NumberLike | np.ndarray) -> Any:
-        """Return the position x_m = (A_alpha + B0 cos theta - c v_lambda)/k of a grazing contact at `theta`.
+        """Return the position x_m = (A_alpha + B0 cos theta - c v_lambda)/k of a grazing contact at
+        `theta`.
 
         Parameters
         ----------
@@ -291,9 +303,8 @@ class GrazingWindow(Drawable, LatexAnswer):
 
     @cached_property
     def contact_phases(self) -> Expr:
-        """The phases at which a contact exists and grazes.
-
-        All of `phases`, but for k = 0 only the one with F = 0.
+        """The phases at which a contact exists and grazes: all of `phases`, but for k = 0 only the
+        one with F = 0.
 
         Without a spring F does not depend on x: B0 cos theta = c v_lambda - A_alpha leaves at most
         one phase.
@@ -312,9 +323,8 @@ class GrazingWindow(Drawable, LatexAnswer):
         return sp.FiniteSet(theta if self.place.side * p.B0 > 0 else 2 * sp.pi - theta)
 
     def _sign_at(self, theta: NumberLike) -> int:
-        """Decide exactly whether a contact at theta grazes.
-
-        1 if it does, -1 if not, 0 at an end of the window.
+        """Decide exactly whether a contact at theta grazes: 1 if it does, -1 if not, 0 at an end of
+        the window.
         """
         # an array of dimension 0
         if isinstance(theta, np.ndarray):
@@ -352,7 +362,8 @@ class GrazingWindow(Drawable, LatexAnswer):
         return (
             rf"P_{{{number}}}:\quad \gamma_{{{number}}} = \frac{{k}}{{m}} v_{{{belt}}} = "
             rf"{gamma},\quad |\gamma_{{{number}}}| = {size} {'=><'[self.signs[2]]} {amplitude} = "
-            rf"\frac{{|B_0|}}{{m}}\,\Omega:\quad \mathrm{{mod}}(\Omega t_m, 2\pi) \in {latex(self.phases)}"
+            rf"\frac{{|B_0|}}{{m}}\,\Omega:\quad \mathrm{{mod}}(\Omega t_m, 2\pi) \in "
+            rf"{latex(self.phases)}"
         )
 
     def __repr__(self) -> str:
@@ -419,7 +430,8 @@ def phases_text(window: GrazingWindow) -> str:
         low = angle_text(1, sine, 2 * later)
         high = angle_text(-1, sine, 1)
         if above:
-            low, high = (low, high)
+            low = low
+            high = high
         else:
             low, high = (high, low)
     if window.kind == cases.ARC:
@@ -536,9 +548,11 @@ def grazing_windows(
     for i in np.flatnonzero(columns.kind == cases.EQUALITY_UNDECIDED):
         values = {name: Fraction(float(each.flat[i])) for name, each in arrays.items()}
         exact = grazing_window(p.replace(**values), mapping, order)
-        columns.kind[i], columns.theta_cr[i] = exact.kind, float(exact.critical_phase())
+        columns.kind[i] = exact.kind
+        columns.theta_cr[i] = float(exact.critical_phase())
         if exact.kind in (EMPTY, EVERYTHING):
-            columns.low[i], columns.high[i] = (math.nan, math.nan)
+            columns.low[i] = math.nan
+            columns.high[i] = math.nan
         else:
             columns.low[i], columns.high[i] = exact.ends
     return WindowColumns(*(column.reshape(shape) for column in columns))
@@ -546,7 +560,9 @@ def grazing_windows(
 
 @lru_cache(maxsize=1)
 def _window_loop() -> Callable[..., None]:
-    """Return `theorem7_cases.windows`, which computes many windows at once, compiled if numba is installed."""
+    """Return `theorem7_cases.windows`, which computes many windows at once, compiled if numba is
+    installed.
+    """
     try:
         return compile_modules((double_double, cases), {"windows"})["windows"]
     except MissingExtraError:

@@ -40,7 +40,9 @@ def fast_sum(a, b):
 
 
 def two_product(a, b):
-    """Return (p, e): the rounded product p of the doubles a and b, and its rounding error e (Dekker)."""
+    """Return (p, e): the rounded product p of the doubles a and b, and its rounding error e
+    (Dekker).
+    """
     p = a * b
     big = SPLITTER * a
     ah = big - (big - a)
@@ -88,7 +90,9 @@ def pair_root(ah, al):
 
 
 def pair_atan(yh, yl, xh, xl):
-    """Return atan(y/x) for pairs 0 <= y <= x, by atan(j/8) with j/8 near y/x and a series for the difference."""
+    """Return atan(y/x) for pairs 0 <= y <= x, by atan(j/8) with j/8 near y/x and a series for the
+    difference.
+    """
     j = int(8.0 * (yh / xh) + 0.5)
     node = 0.125 * j
     # atan(y/x) - atan(node) = atan((y - node x)/(x + node y))
@@ -117,9 +121,8 @@ def pair_asin(yh, yl, rh, rl):
 
 
 def scaled_product(ah, al, bh, bl):
-    """Return a b for pairs as (hi, lo, exponent).
-
-    The product is (hi + lo) 2^exponent, 1/4 <= |hi| <= 1 or hi = 0.
+    """Return a b for pairs as (hi, lo, exponent): the product is (hi + lo) 2^exponent, 1/4 <= |hi|
+    <= 1 or hi = 0.
     """
     ah, ae = frexp(ah)
     bh, be = frexp(bh)

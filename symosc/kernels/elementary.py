@@ -1,6 +1,5 @@
-"""Sine, cosine, exp and expm1 as arithmetic.
-
-The same bits in CPython, in compiled loops and in lanes, everywhere.
+"""Sine, cosine, exp and expm1 as arithmetic: the same bits in CPython, in compiled loops and in
+lanes, everywhere.
 
 The C library's functions differ from system to system, and are calls, which no compiler turns into
 vector instructions. These have no branch (`sin` and `cos` one, for angles beyond WIDEST). The
@@ -81,7 +80,9 @@ def power_of_two(n):
 
 
 def sine_cosine(x):
-    """Return the sine and the cosine of an angle in radians, accurate for angles up to 1.6e6 (WIDEST)."""
+    """Return the sine and the cosine of an angle in radians, accurate for angles up to 1.6e6
+    (WIDEST).
+    """
     n = (x * TWO_OVER_PI + TO_INTEGER) - TO_INTEGER
     rest = x - n * HALF_PI_HIGH
     part = n * HALF_PI_MIDDLE

@@ -1,4 +1,5 @@
-"""The entire functions that the generated kernels take as arguments, in double precision and in every regime.
+"""The entire functions that the generated kernels take as arguments, in double precision and in
+every regime.
 
 With the characteristic roots l1, l2 of D^2 + (c/m) D + k/m, and e[...] the divided differences of
 exp,
@@ -38,13 +39,18 @@ INVERSES = (0.0, *(1.0 / n for n in range(1, 40)))
 
 
 def basis(tau, K):
-    """Return E0, E1, E2, R2, I2 (responses to an impulse and to the drive) and sin, cos of Omega tau, at tau >= 0."""
+    """Return E0, E1, E2, R2, I2 (responses to an impulse and to the drive) and sin, cos of Omega
+    tau, at tau >= 0.
+    """
     if K.apart and K.rate * tau >= SERIES_BELOW and K.w0 * tau >= APART_ABOVE:
         # The drive comes last, since it is needed last: a processor goes on with the rest
         # meanwhile.
         w_tau = K.omega_d * tau
-        decay, s_w, c_w = exp(-K.h * tau), sin(w_tau), cos(w_tau)
-        s, c = sin(K.Om * tau), cos(K.Om * tau)
+        decay = exp(-K.h * tau)
+        s_w = sin(w_tau)
+        c_w = cos(w_tau)
+        s = sin(K.Om * tau)
+        c = cos(K.Om * tau)
         E0, E1, E2, R2, I2 = basis_apart(
             decay, s_w, c_w, s, c, K.h, K.omega_d, K.w0sq, K.Om, K.p, K.q
         )
@@ -53,7 +59,9 @@ def basis(tau, K):
 
 
 def basis_with_drive(tau, s, c, K):
-    """Return what `basis` does, the responses E0 to I2 and s, c, with s, c = sin, cos(Omega tau) given."""
+    """Return what `basis` does, the responses E0 to I2 and s, c, with s, c = sin, cos(Omega tau)
+    given.
+    """
     if K.rate * tau < SERIES_BELOW:
         E0, E1, E2, R2, I2 = series(tau, K.cm, K.w0sq, K.beat)
     elif K.apart and K.w0 * tau >= APART_ABOVE:
@@ -64,7 +72,9 @@ def basis_with_drive(tau, s, c, K):
 
 
 def closed_form(tau, s, c, K):
-    """Return the responses E0, E1, E2, R2, I2 of `basis` in closed form, for a system far from resonance."""
+    """Return the responses E0, E1, E2, R2, I2 of `basis` in closed form, for a system far from
+    resonance.
+    """
     w_tau = K.omega_d * tau
     return basis_apart(
         exp(-K.h * tau), sin(w_tau), cos(w_tau), s, c, K.h, K.omega_d, K.w0sq, K.Om, K.p, K.q
@@ -78,14 +88,22 @@ def series(tau, cm, w0sq, Om):
     """
     # The n-th derivatives at 0 obey s[n+1] = -cm s[n] - w0sq s[n-1] (for S) and z[n+1] = s[n] + i
     # Omega z[n] (for Z).
-    before, term = 0.0, tau  # s[n] tau^n / n! for n = 0 and 1: the terms of E1
-    E0, E1, E2 = 1.0, tau, 0.5 * tau * tau
-    r, i = E2, 0.0  # z[n+1] tau^(n+1) / (n+1)!
-    R2, I2 = r, i
+    # s[n] tau^n / n! for n = 0 and 1: the terms of E1
+    before = 0.0
+    term = tau
+    E0 = 1.0
+    E1 = tau
+    E2 = 0.5 * tau * tau
+    # z[n+1] tau^(n+1) / (n+1)!
+    r = E2
+    i = 0.0
+    R2 = r
+    I2 = i
     small_before = False
     for n in range(1, 38):
         slope = -cm * term - w0sq * tau * INVERSES[n] * before  # s[n+1] tau^n / n!: a term of E0
-        before, term = term, slope * tau * INVERSES[n + 1]
+        before = term
+        term = slope * tau * INVERSES[n + 1]
         shorter = tau * INVERSES[n + 2]
         r, i = (term - Om * i) * shorter, Om * r * shorter
         E0 += slope
@@ -103,7 +121,9 @@ def series(tau, cm, w0sq, Om):
 
 
 def careful(tau, s, c, K):
-    """Return the responses E0, E1, E2, R2, I2 of `basis` by divided differences, where others lose digits."""
+    """Return the responses E0, E1, E2, R2, I2 of `basis` by divided differences, where others lose
+    digits.
+    """
     if (
         K.rate0 * tau < SERIES_BELOW
     ):  # a fast drive on a slow oscillator: only Z needs divided differences
@@ -123,7 +143,10 @@ def impulse(tau, K):
         E0 = decay * cos(K.omega_d * tau) - K.h * E1
     else:
         gap = 2.0 * K.omega_d
-        spread = -expm1(-gap * tau) / gap if gap > 0.0 else tau
+        if gap > 0.0:
+            spread = -expm1(-gap * tau) / gap
+        else:
+            spread = tau
         decay = exp(K.l1 * tau)
         E1 = decay * spread
         E0 = decay * (K.l1 * spread + exp(-gap * tau))
@@ -147,8 +170,10 @@ def wave_integrals(tau, s, c, E1, K):
     """
     real1, _, real2, imag2 = roots(K)
     real, imag = expm1_over(real1, K.detuning, tau)  # over l1 - i Om
-    top_real, top_imag = c * real - s * imag - E1, c * imag + s * real
-    real2, imag2 = -real2, K.Om - imag2
+    top_real = c * real - s * imag - E1
+    top_imag = c * imag + s * real
+    real2 = -real2
+    imag2 = K.Om - imag2
     size = real2 * real2 + imag2 * imag2
     return (top_real * real2 + top_imag * imag2) / size, (
         top_imag * real2 - top_real * imag2
@@ -156,7 +181,9 @@ def wave_integrals(tau, s, c, E1, K):
 
 
 def roots(K):
-    """Return real and imaginary parts of both characteristic roots, the slow (or upper complex) one first."""
+    """Return real and imaginary parts of both characteristic roots, the slow (or upper complex) one
+    first.
+    """
     if K.under:
         return -K.h, K.omega_d, -K.h, -K.omega_d
     return K.l1, 0.0, K.l2, 0.0

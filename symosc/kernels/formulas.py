@@ -1,6 +1,5 @@
-"""The entire functions of `symosc.kernels.entire` without a branch.
-
-A function for each formula, for SIMD loops.
+"""The entire functions of `symosc.kernels.entire` without a branch: a function for each formula,
+for SIMD loops.
 
 Each is good where `symosc.kernels.entire.basis` uses it. `symosc.mappings.compiled` sorts the
 points and compiles the loops of `symosc.kernels.mapping` once for each of the four, as their
@@ -17,9 +16,8 @@ all_terms = entire_array.series  # with a fixed number of terms
 
 
 def by_closed_form(tau, K):
-    """Return what `entire.basis` does (E0 to I2, sin, cos) in closed form.
-
-    Far from resonance, tau not short.
+    """Return what `entire.basis` does (E0 to I2, sin, cos) in closed form: far from resonance, tau
+    not short.
     """
     s = sin(K.Om * tau)
     c = cos(K.Om * tau)
@@ -28,7 +26,9 @@ def by_closed_form(tau, K):
 
 
 def by_division(tau, K):
-    """Return what `entire.basis` does (E0 to I2, sin, cos) by divided differences, for a tau that is not short."""
+    """Return what `entire.basis` does (E0 to I2, sin, cos) by divided differences, for a tau that
+    is not short.
+    """
     s = sin(K.Om * tau)
     c = cos(K.Om * tau)
     E0, E1 = impulse(tau, K)
@@ -37,7 +37,9 @@ def by_division(tau, K):
 
 
 def by_division_and_series(tau, K):
-    """Return what `entire.basis` does, for a tau that is short for the free oscillation, not for the drive."""
+    """Return what `entire.basis` does, for a tau that is short for the free oscillation, not for
+    the drive.
+    """
     s = sin(K.Om * tau)
     c = cos(K.Om * tau)
     E0, E1, E2, _, _ = all_terms(tau, K.cm, K.w0sq, 0.0)
@@ -46,6 +48,8 @@ def by_division_and_series(tau, K):
 
 
 def by_series(tau, K):
-    """Return what `entire.basis` does, by Taylor series, for a tau short for the free oscillation and for the drive."""
+    """Return what `entire.basis` does, by Taylor series, for a tau short for the free oscillation
+    and for the drive.
+    """
     E0, E1, E2, R2, I2 = all_terms(tau, K.cm, K.w0sq, K.beat)
     return E0, E1, E2, R2, I2, sin(K.Om * tau), cos(K.Om * tau)

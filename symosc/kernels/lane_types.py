@@ -33,13 +33,13 @@ PLACE = ir.IntType(32)
 
 
 class LanesType(types.Type):
-    """The numba type of lanes, a SIMD register.
-
-    `width` doubles or flags that are computed together.
+    """The numba type of lanes, a SIMD register: `width` doubles or flags that are computed
+    together.
     """
 
     def __init__(self, width: int, flags: bool = False) -> None:
-        self.width, self.flags = width, flags
+        self.width = width
+        self.flags = flags
         super().__init__(name=f"lanes({width}, {'flags' if flags else 'doubles'})")
 
     def holds(self, other: Any) -> bool:
@@ -47,13 +47,17 @@ class LanesType(types.Type):
         return isinstance(other, types.Boolean if self.flags else (types.Float, types.Integer))
 
     def can_convert_from(self, typingctx: Any, other: Any) -> Any:
-        """Tell numba whether a value of type `other` may be passed where lanes are expected (None: no)."""
+        """Tell numba whether a value of type `other` may be passed where lanes are expected (None:
+        no).
+        """
         if self.holds(other):
             return Conversion.promote
         return None
 
     def unify(self, typingctx: Any, other: Any) -> Any:
-        """Tell numba the type of a variable that is lanes in one branch and of type `other` in another."""
+        """Tell numba the type of a variable that is lanes in one branch and of type `other` in
+        another.
+        """
         if self.holds(other):
             return self
         return None
@@ -83,7 +87,9 @@ def _spread(context: Any, builder: Any, given: Any, wanted: Any, value: Any) -> 
 
 
 def lanes_among(arguments: Any, flags: bool) -> Any:
-    """Return the type of lanes (of flags if `flags`) in which an operation on `arguments` is computed, else None."""
+    """Return the type of lanes (of flags if `flags`) in which an operation on `arguments` is
+    computed, else None.
+    """
     found = [each for each in arguments if isinstance(each, LanesType)]
     if not found or found[0].flags is not flags:
         return None
@@ -239,7 +245,9 @@ def bits_of(typingctx: Any, flags: Any) -> Any:
 
 
 def _row_address(context: Any, builder: Any, array: Any, kind: Any, value: Any, row: Any) -> Any:
-    """Return LLVM code for the address of row `row` of `array` (its value `value`), read as a vector of type `kind`."""
+    """Return LLVM code for the address of row `row` of `array` (its value `value`), read as a
+    vector of type `kind`.
+    """
     data = context.make_array(array)(context, builder, value=value).data
     begin = builder.mul(row, ir.Constant(LONG, kind.count))
     return builder.bitcast(builder.gep(data, [begin]), kind.as_pointer())
@@ -283,7 +291,8 @@ def number_in(typingctx: Any, table: Any, row: Any, n: Any) -> Any:
 
 
 def tuple_loader(width: int, kind: Any, nested: dict[str, Any], alike: frozenset[str]) -> Any:
-    """Return the function that loads a NamedTuple of type `kind` in lanes from an array, a row for each number.
+    """Return the function that loads a NamedTuple of type `kind` in lanes from an array, a row for
+    each number.
 
     The fields `nested` are tuples themselves; those in `alike`, the same in all lanes, become
     single numbers.
@@ -358,10 +367,7 @@ def borrowed(arrays):
 
 
 def usual_width() -> int:
-    """Return the number of lanes with which this processor is fastest.
-
-    0 where lanes are of no use.
-    """
+    """Return the number of lanes with which this processor is fastest; 0 where lanes are of no use."""
     features = get_host_cpu_features().split(",")
     if "+avx512f" in features:
         return 16

@@ -132,11 +132,9 @@ def _mirrored(vector: list[float], normal: list[float], weight: float) -> list[f
     `weight` is 2 over the normal's length squared.
     """
     part = weight * _product(normal, vector)
-    return (
-        [value - part * step for value, step in zip(vector, normal, strict=True)]
-        if part
-        else vector
-    )
+    if part:
+        return [value - part * step for value, step in zip(vector, normal, strict=True)]
+    return vector
 
 
 def triangle(columns: list[list[float]]) -> Triangle:
@@ -152,7 +150,10 @@ def triangle(columns: list[list[float]]) -> Triangle:
         order[k], order[largest] = order[largest], order[k]
         normal = columns[k][k:]
         normal[0] += copysign(sqrt(size), normal[0])
-        weight = 2.0 / _product(normal, normal) if size > 0.0 else 0.0
+        if size > 0.0:
+            weight = 2.0 / _product(normal, normal)
+        else:
+            weight = 0.0
         reflections.append((normal, weight))
         for column in columns[k:]:
             column[k:] = _mirrored(column[k:], normal, weight)
@@ -183,7 +184,10 @@ class Shortest:
             [column[k] if j >= k else 0.0 for j, column in enumerate(self.first.columns)]
             for k in range(self.rank)
         ]
-        self.second = triangle(rows) if rows else None
+        if rows:
+            self.second = triangle(rows)
+        else:
+            self.second = None
 
     def solve(self, right: np.ndarray) -> np.ndarray:
         """Return the shortest solution."""

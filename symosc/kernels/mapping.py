@@ -1,6 +1,5 @@
-"""Residuals and derivatives of one map between two points.
-
-Scalar source for every kind of number, and loops.
+"""Residuals and derivatives of one map between two points: scalar source for every kind of number,
+and loops.
 
 `symosc.mappings.equations` binds these functions to numpy's and mpmath's sin, cos and entire
 functions; numba compiles them; `symosc.symbolic.export` prints them in other languages. A flight
@@ -61,11 +60,11 @@ KINDS = 6
 
 
 def flight(x_i, theta_i, x_j, theta_j, v_i, v_j, A, K):
-    """Return the residuals of a flight, eq.
-
-    (54): at its end, f1 = position - x_j and f2 = velocity - v_j.
+    """Return the residuals of a flight, eq. (54): at its end, f1 = position - x_j and f2 = velocity
+    - v_j.
     """
-    s0, c0 = sin(theta_i), cos(theta_i)
+    s0 = sin(theta_i)
+    c0 = cos(theta_i)
     E0, E1, E2, R2, I2, _, _ = basis((theta_j - theta_i) / K.Om, K)
     a0 = acceleration(x_i, v_i, c0, A, K.cm, K.w0sq, K.f0)
     return flight_residual(
@@ -74,8 +73,11 @@ def flight(x_i, theta_i, x_j, theta_j, v_i, v_j, A, K):
 
 
 def flight_slopes(x_i, theta_i, theta_j, v_i, A, K):
-    """Return the derivatives of a flight's residuals f1 (position), then f2 (velocity), by x_i, theta_i, theta_j."""
-    s0, c0 = sin(theta_i), cos(theta_i)
+    """Return the derivatives of a flight's residuals f1 (position), then f2 (velocity), by x_i,
+    theta_i, theta_j.
+    """
+    s0 = sin(theta_i)
+    c0 = cos(theta_i)
     E0, E1, E2, R2, I2, _, _ = basis((theta_j - theta_i) / K.Om, K)
     a0 = acceleration(x_i, v_i, c0, A, K.cm, K.w0sq, K.f0)
     _, dv, a = motion(v_i, a0, s0, c0, K.cm, K.w0sq, K.f0, K.Om, E0, E1, E2, R2, I2)
@@ -83,8 +85,12 @@ def flight_slopes(x_i, theta_i, theta_j, v_i, A, K):
 
 
 def flight_by_parameters(x_i, theta_i, theta_j, v_i, A, m, K):
-    """Return derivatives of a flight's final x, v - v_i by m, then by c, k, A_alpha, B0, Omega, v_i; A is A_alpha/m."""
-    s0, c0, tau = sin(theta_i), cos(theta_i), (theta_j - theta_i) / K.Om
+    """Return derivatives of a flight's final x, v - v_i by m, then by c, k, A_alpha, B0, Omega,
+    v_i; A is A_alpha/m.
+    """
+    s0 = sin(theta_i)
+    c0 = cos(theta_i)
+    tau = (theta_j - theta_i) / K.Om
     E0, E1, E2, R2, I2, s, c = basis(tau, K)
     U0, U1, U2, V, W, P, Q = repeated(tau, E0, E1, E2, R2, I2, s, c, K)
     a0 = acceleration(x_i, v_i, c0, A, K.cm, K.w0sq, K.f0)
@@ -97,9 +103,8 @@ def flight_by_parameters(x_i, theta_i, theta_j, v_i, A, m, K):
 
 
 def stick(x_i, theta_i, x_j, theta_j, v, A, K):
-    """Return the residuals of a stick at belt speed v.
-
-    F1 = position - x_j at its end, and f2, the force there.
+    """Return the residuals of a stick at belt speed v: f1 = position - x_j at its end, and f2, the
+    force there.
     """
     return stick_residual(
         x_i, v, (theta_j - theta_i) / K.Om, x_j, cos(theta_j), A, K.cm, K.w0sq, K.f0
@@ -107,12 +112,16 @@ def stick(x_i, theta_i, x_j, theta_j, v, A, K):
 
 
 def stick_slopes(theta_j, v, K):
-    """Return df1/dtheta_i, df1/dtheta_j, df2/dx_j, df2/dtheta_j for the residuals f1, f2 of a stick (x, force)."""
+    """Return df1/dtheta_i, df1/dtheta_j, df2/dx_j, df2/dtheta_j for the residuals f1, f2 of a stick
+    (x, force).
+    """
     return stick_jacobian(v, sin(theta_j), K.w0sq, K.f0, K.Om)
 
 
 def stick_by_parameters(x_j, theta_i, theta_j, v, F, m, K):
-    """Return derivatives of a stick's final force F by c, k, A_alpha, B0, v, m, then of its position by Omega, v."""
+    """Return derivatives of a stick's final force F by c, k, A_alpha, B0, v, m, then of its
+    position by Omega, v.
+    """
     return stick_parameters(v, (theta_j - theta_i) / K.Om, x_j, cos(theta_j), F, m, K.cm, K.Om)
 
 
@@ -120,17 +129,22 @@ def stick_by_parameters(x_j, theta_i, theta_j, v, F, m, K):
 
 
 def repeated(tau, E0, E1, E2, R2, I2, s, c, K):
-    """Return the divided differences U0, U1, U2, V, W, P, Q at `tau` that derivatives by parameters are made of."""
+    """Return the divided differences U0, U1, U2, V, W, P, Q at `tau` that derivatives by parameters
+    are made of.
+    """
     if K.apart and K.omega_d * tau >= FAR_APART:
         return repeated_apart(
             tau, K.h, K.omega_d, K.cm, K.w0sq, K.Om, K.p, K.q, E0, E1, E2, R2, I2, s, c
         )
     zero = 0.0 * K.Om
     if K.under:
-        l1, l2 = complex(-K.h, K.omega_d), complex(-K.h, -K.omega_d)
+        l1 = complex(-K.h, K.omega_d)
+        l2 = complex(-K.h, -K.omega_d)
     else:
-        l1, l2 = complex(K.l1, zero), complex(K.l2, zero)
-    nodes, known = (complex(zero, zero), complex(zero, K.Om), l1, l2), [complex(zero, zero)] * 54
+        l1 = complex(K.l1, zero)
+        l2 = complex(K.l2, zero)
+    nodes = (complex(zero, zero), complex(zero, K.Om), l1, l2)
+    known = [complex(zero, zero)] * 54
     there = [False] * 54
     U1 = divided_difference(0, 0, 2, 2, nodes, tau, known, there)
     U0 = l1 * U1 + divided_difference(
@@ -154,8 +168,10 @@ def divided_difference(n0, n1, n2, n3, nodes, tau, known, there):
         counts = stack[-1]
         far, first, last = farthest(counts, nodes)
         # One node less: the last one, then the first one.
-        without_last, without_first = one_less(counts, last), one_less(counts, first)
-        one, other = key_of(without_last), key_of(without_first)
+        without_last = one_less(counts, last)
+        without_first = one_less(counts, first)
+        one = key_of(without_last)
+        other = key_of(without_first)
         if far * tau < FAR_NODES:
             known[key_of(counts)] = difference_by_series(counts, nodes, tau)
         elif not there[one]:
@@ -180,36 +196,53 @@ def key_of(counts):
 
 
 def one_less(counts, i):
-    """Return `counts`, how often a divided difference takes each of four nodes, with node `i` taken once less."""
+    """Return `counts`, how often a divided difference takes each of four nodes, with node `i` taken
+    once less.
+    """
     return counts[0] - (i == 0), counts[1] - (i == 1), counts[2] - (i == 2), counts[3] - (i == 3)
 
 
 def farthest(counts, nodes):
-    """Return the distance and the numbers of the two farthest `nodes` among those whose `counts` are not 0."""
-    far, first, last = -1.0, 0, 3
+    """Return the distance and the numbers of the two farthest `nodes` among those whose `counts`
+    are not 0.
+    """
+    far = -1.0
+    first = 0
+    last = 3
     for i in range(4):
         for j in range(i):
             if counts[i] > 0 and counts[j] > 0:
                 gap = abs(nodes[i] - nodes[j])
                 if gap > far:
-                    far, first, last = gap, j, i
+                    far = gap
+                    first = j
+                    last = i
     return far, first, last
 
 
 def difference_by_series(counts, nodes, tau):
-    """Return the divided difference of exp(z tau) over `nodes` near each other, node i taken counts[i] times."""
+    """Return the divided difference of exp(z tau) over `nodes` near each other, node i taken
+    counts[i] times.
+    """
     # h_j is the complete homogeneous symmetric polynomial of degree j of the nodes, which are n +
     # 1.
-    size, largest, total = 0, 0.0 * tau, 0.0 * nodes[0]
+    size = 0
+    largest = 0.0 * tau
+    total = 0.0 * nodes[0]
     for i in range(4):
         if counts[i] > 0:
             size = size + counts[i]
             total = total + nodes[i] * counts[i]
             largest = max(largest, abs(nodes[i]))
     n = size - 1
-    centre = total / size if largest * tau > NEAR_ZERO else 0.0 * total
-    offsets, radius = [0.0 * centre] * 5, 0.0 * tau
-    scale, at = exp(centre * tau), 0
+    if largest * tau > NEAR_ZERO:
+        centre = total / size
+    else:
+        centre = 0.0 * total
+    offsets = [0.0 * centre] * 5
+    radius = 0.0 * tau
+    scale = exp(centre * tau)
+    at = 0
     for i in range(4):
         for _ in range(counts[i]):
             offsets[at] = (nodes[i] - centre) * tau
@@ -221,7 +254,8 @@ def difference_by_series(counts, nodes, tau):
     # j)! by k.
     partial = [1.0 + 0.0 * centre] * 5
     total = partial[n]
-    bound, j = 1.0 + 0.0 * radius, 0
+    bound = 1.0 + 0.0 * radius
+    j = 0
     while bound > EPS:
         j = j + 1
         bound = bound * radius / j  # radius^j / j! bounds the term
@@ -237,9 +271,14 @@ def difference_by_series(counts, nodes, tau):
 
 
 def kinds_of(theta_i, theta_j, K, kinds):
-    """Write the number of the formula that suits each flight (0 CLOSED_FORM to 5 BACKWARD) into `kinds`; count them."""
+    """Write the number of the formula that suits each flight (0 CLOSED_FORM to 5 BACKWARD) into
+    `kinds`; count them.
+    """
     counts = np.zeros(KINDS, dtype=np.int64)
-    fastest = K.Om + K.omega_d if K.under else K.Om
+    if K.under:
+        fastest = K.Om + K.omega_d
+    else:
+        fastest = K.Om
     for n in range(len(theta_i)):
         tau = (theta_j[n] - theta_i[n]) / K.Om
         if tau < 0.0:
@@ -251,7 +290,10 @@ def kinds_of(theta_i, theta_j, K, kinds):
         elif K.apart and K.w0 * tau >= APART_ABOVE:
             kind = CLOSED_FORM
         else:
-            kind = MIXED if K.rate0 * tau < SERIES_BELOW else DIVISION
+            if K.rate0 * tau < SERIES_BELOW:
+                kind = MIXED
+            else:
+                kind = DIVISION
         kinds[n] = kind
         counts[kind] += 1
     return counts
@@ -273,7 +315,9 @@ def load(block, points, begin):
 
 
 def pair(block, n):
-    """Return x_i, theta_i, x_j, theta_j of the n-th pair of points in `block`, which `load` has filled."""
+    """Return x_i, theta_i, x_j, theta_j of the n-th pair of points in `block`, which `load` has
+    filled.
+    """
     return block[n], block[BLOCK + n], block[2 * BLOCK + n], block[3 * BLOCK + n]
 
 
@@ -284,7 +328,9 @@ def store(column, begin, count, block, row):
 
 
 def flights(points, speeds, A, K, f):
-    """Fill f (2, n) with the residuals (position, velocity) of flights between belts with the two `speeds`."""
+    """Fill f (2, n) with the residuals (position, velocity) of flights between belts with the two
+    `speeds`.
+    """
     v_i, v_j = speeds
     block = np.empty(6 * BLOCK)
     for begin in range(0, len(points[0]), BLOCK):
@@ -292,29 +338,37 @@ def flights(points, speeds, A, K, f):
         for n in range(BLOCK):
             x_i, theta_i, x_j, theta_j = pair(block, n)
             f1, f2 = flight(x_i, theta_i, x_j, theta_j, v_i, v_j, A, K)
-            block[4 * BLOCK + n], block[5 * BLOCK + n] = f1, f2
+            block[4 * BLOCK + n] = f1
+            block[5 * BLOCK + n] = f2
         for equation in range(2):
             store(f[equation], begin, count, block, 4 + equation)
 
 
 def flights_and_slopes(points, speeds, A, K, f, J):
-    """Fill f (2, n) with the residuals (x, v) of flights, J (2, 4, n) with derivatives by x_i, theta_i, x_j, theta_j.
+    """Fill f (2, n) with the residuals (x, v) of flights, J (2, 4, n) with derivatives by x_i,
+    theta_i, x_j, theta_j.
 
     `points` are the arrays x_i, theta_i, x_j, theta_j, `speeds` the speeds of both belts, and A is
     A_alpha/m.
     """
     v_i, v_j = speeds
     block = np.empty(12 * BLOCK)
-    J[0, 2], J[1, 2] = -1.0, 0.0
+    J[0, 2] = -1.0
+    J[1, 2] = 0.0
     for begin in range(0, len(points[0]), BLOCK):
         count = load(block, points, begin)
         for n in range(BLOCK):
             x_i, theta_i, x_j, theta_j = pair(block, n)
             f1, f2 = flight(x_i, theta_i, x_j, theta_j, v_i, v_j, A, K)
             x_x0, x_th0, x_th1, v_x0, v_th0, v_th1 = flight_slopes(x_i, theta_i, theta_j, v_i, A, K)
-            block[4 * BLOCK + n], block[5 * BLOCK + n] = f1, f2
-            block[6 * BLOCK + n], block[7 * BLOCK + n], block[8 * BLOCK + n] = x_x0, x_th0, x_th1
-            block[9 * BLOCK + n], block[10 * BLOCK + n], block[11 * BLOCK + n] = v_x0, v_th0, v_th1
+            block[4 * BLOCK + n] = f1
+            block[5 * BLOCK + n] = f2
+            block[6 * BLOCK + n] = x_x0
+            block[7 * BLOCK + n] = x_th0
+            block[8 * BLOCK + n] = x_th1
+            block[9 * BLOCK + n] = v_x0
+            block[10 * BLOCK + n] = v_th0
+            block[11 * BLOCK + n] = v_th1
         for equation in range(2):
             store(f[equation], begin, count, block, 4 + equation)
             store(J[equation, 0], begin, count, block, 6 + 3 * equation)
@@ -323,9 +377,8 @@ def flights_and_slopes(points, speeds, A, K, f, J):
 
 
 def sticks(points, v, sides, K, f):
-    """Fill f (2, n) with the residuals of sticks at belt speed v.
-
-    X, and the smaller force of `sides` (A_alpha/m).
+    """Fill f (2, n) with the residuals of sticks at belt speed v: x, and the smaller force of
+    `sides` (A_alpha/m).
     """
     # `sides` has A_alpha/m of the domains that a stick may slip into; of f2 the smaller counts.
     below, above = sides
@@ -336,15 +389,24 @@ def sticks(points, v, sides, K, f):
             x_i, theta_i, x_j, theta_j = pair(block, n)
             f1, force_below = stick(x_i, theta_i, x_j, theta_j, v, below, K)
             _, force_above = stick(x_i, theta_i, x_j, theta_j, v, above, K)
-            smaller = force_below if abs(force_below) <= abs(force_above) else force_above
-            block[4 * BLOCK + n], block[5 * BLOCK + n] = f1, smaller
+            if abs(force_below) <= abs(force_above):
+                smaller = force_below
+            else:
+                smaller = force_above
+            block[4 * BLOCK + n] = f1
+            block[5 * BLOCK + n] = smaller
         for equation in range(2):
             store(f[equation], begin, count, block, 4 + equation)
 
 
 def sticks_and_slopes(points, v, sides, K, f, J):
-    """Fill f (2, n) with the residuals of sticks, J (2, 4, n) with derivatives by x_i, theta_i, x_j, theta_j."""
+    """Fill f (2, n) with the residuals of sticks, J (2, 4, n) with derivatives by x_i, theta_i,
+    x_j, theta_j.
+    """
     sticks(points, v, sides, K, f)
-    J[0, 0], J[0, 2], J[1, 0], J[1, 1] = 1.0, -1.0, 0.0, 0.0
+    J[0, 0] = 1.0
+    J[0, 2] = -1.0
+    J[1, 0] = 0.0
+    J[1, 1] = 0.0
     for n in range(len(points[0])):
         J[0, 1, n], J[0, 3, n], J[1, 2, n], J[1, 3, n] = stick_slopes(points[3][n], v, K)

@@ -1,4 +1,5 @@
-"""Numbers of any fixed precision by MPFR (gmpy2), with the methods of an mpmath context that the kernels need.
+"""Numbers of any fixed precision by MPFR (gmpy2), with the methods of an mpmath context that the
+kernels need.
 
 gmpy2 rounds to the precision of its current context, which each thread has for itself. Here a
 precision is current only between `enter` and `leave`, and what was current before comes back. A
@@ -63,7 +64,6 @@ class MpfrContext:
         staticmethod(getattr(gmpy2, name)) for name in ("sin", "cos", "exp", "sqrt")
     )
     mpf = mpfr
-    mpc = mpc
     from_mpf = staticmethod(from_mpf)
     to_mpf = staticmethod(to_mpf)
     with_bits = staticmethod(mpfr_context)
@@ -75,7 +75,9 @@ class MpfrContext:
             precision=prec, trap_divzero=True, trap_invalid=True, **largest
         )
         before = self.enter()
-        self.zero, self.one, self.eps = mpfr(0), mpfr(1), gmpy2.div_2exp(mpfr(1), prec - 1)
+        self.zero = mpfr(0)
+        self.one = mpfr(1)
+        self.eps = gmpy2.div_2exp(mpfr(1), prec - 1)
         self.pi = gmpy2.const_pi()
         self.leave(before)
 
@@ -95,10 +97,7 @@ class MpfrContext:
 
     @staticmethod
     def own(number: Any) -> Any:
-        """Return `number` unchanged.
-
-        Unlike one of mpmath, a number of MPFR belongs to no context.
-        """
+        """Return `number` unchanged: unlike one of mpmath, a number of MPFR belongs to no context."""
         return number
 
     @staticmethod

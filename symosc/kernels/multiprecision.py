@@ -1,6 +1,5 @@
-"""Numbers with any number of digits by mpmath.
-
-Contexts of fixed precision, and the entire functions in them.
+"""Numbers with any number of digits by mpmath: contexts of fixed precision, and the entire
+functions in them.
 
 An mpmath context keeps its precision in one place for all threads, and raising it for a while, as
 ``workdps`` does, raises it for everybody. So nothing here changes a precision: code that needs more
@@ -90,14 +89,17 @@ class FixedContext(MPContext):
     def _refuse(self, value: int) -> None:
         """Raise an error: the precision of this context is fixed."""
         raise AttributeError(
-            "the precision of this context is fixed, as others share it; change that of its .clone()"
+            "the precision of this context is fixed, as others share it; change that of its "
+            ".clone()"
         )
 
     prec = property(lambda self: self._prec, _refuse)
     dps = property(lambda self: self._dps, _refuse)
 
     def enter(self) -> None:
-        """Do nothing: here mpmath keeps its precision per context, where MPFR has to set a current one."""
+        """Do nothing: here mpmath keeps its precision per context, where MPFR has to set a current
+        one.
+        """
 
     leave = staticmethod(lambda before: None)
 
@@ -139,7 +141,9 @@ def _complex(digits: int, real: object, imag: object) -> Number:
 
 
 class BasisMP:
-    """The responses E0, E1, E2 (to an impulse), R2, I2 (to the drive) in many digits, as a function of time tau."""
+    """The responses E0, E1, E2 (to an impulse), R2, I2 (to the drive) in many digits, as a function
+    of time tau.
+    """
 
     # Close roots cost digits in divided differences, and so do short times. How many is known
     # beforehand, so they are computed with as many more, in contexts of their own; coinciding roots
@@ -163,7 +167,10 @@ class BasisMP:
         self.for_differences = more(context.prec + SHORT_TIME_BITS + guard_bits)
         before = self.for_series.enter()
         # Without a drive its response is of no use, and the series would be long.
-        wave = self.Om if parameters.B0 != 0 else Fraction(0)
+        if parameters.B0 != 0:
+            wave = self.Om
+        else:
+            wave = Fraction(0)
         self.constants = tuple(_number(q, self.for_series) for q in (2 * self.h, self.w0sq, wave))
         self.for_differences.enter()
         l1, l2, i_Om = self.roots = self._roots(self.for_differences)
@@ -199,13 +206,16 @@ class BasisMP:
             return context.mpc(0, Om), context.mpc(0, -Om), context.mpc(0, Om)
         if (
             square == 0
-            # so is critical damping: roots that differ by rounding would be divided by their difference
+            # so is critical damping: roots that differ by rounding would be divided by their
+            # difference
         ):
             return -h, -h, context.mpc(0, Om)
         return l1, l2, context.mpc(0, Om)
 
     def __call__(self, tau: Mpf, K: Any) -> tuple[Mpf, ...]:
-        """Return E0, E1, E2, R2, I2 (responses to an impulse and to the drive) and sin, cos of Omega tau."""
+        """Return E0, E1, E2, R2, I2 (responses to an impulse and to the drive) and sin, cos of
+        Omega tau.
+        """
         tau = self.context.convert(tau)
         short = K.rate * abs(tau) < MP_SERIES_BELOW
         if short:
@@ -263,7 +273,9 @@ class BasisMP:
             small_before = small  # single terms may be 0 by accident
 
     def _closed_form(self, tau: Mpf) -> tuple[Mpf, ...]:
-        """Return E0, E1, E2, R2, I2 and sine, cosine of Omega tau, by the closed form that sympy generated."""
+        """Return E0, E1, E2, R2, I2 and sine, cosine of Omega tau, by the closed form that sympy
+        generated.
+        """
         context = self.for_differences
         (h, w, _, Om, _, _) = self.closed
         c_w, s_w = context.cos_sin(w * tau)

@@ -1,6 +1,5 @@
-"""Columns of numbers in pairs of doubles, about 30 digits.
-
-Rational formulas for thousands of numbers at once.
+"""Columns of numbers in pairs of doubles, about 30 digits: rational formulas for thousands of
+numbers at once.
 
 A difference that cancels almost all digits, but not all, may be 0 in truth: such rows are noted for
 exact arithmetic.
@@ -37,7 +36,9 @@ class PairColumn:
     __slots__ = ("doubts", "hi", "lo")
 
     def __init__(self, hi: Any, lo: Any = 0.0, doubts: np.ndarray | None = None) -> None:
-        self.hi, self.lo, self.doubts = np.asarray(hi), lo, doubts
+        self.hi = np.asarray(hi)
+        self.lo = lo
+        self.doubts = doubts
 
     @staticmethod
     def _as_column(other: Any) -> PairColumn:
@@ -49,7 +50,9 @@ class PairColumn:
         return PairColumn(np.asarray(other, dtype=float))
 
     def _with_doubts(self, other: PairColumn, hi: Any, lo: Any) -> PairColumn:
-        """Return hi + lo, computed from this column and `other`, as a column with the doubts of both."""
+        """Return hi + lo, computed from this column and `other`, as a column with the doubts of
+        both.
+        """
         return PairColumn(hi, lo, self.doubts if other.doubts is None else other.doubts)
 
     def __neg__(self) -> PairColumn:
@@ -104,7 +107,9 @@ def as_double(value: Any) -> Any:
 
 
 def exactly(value: Any) -> Any:
-    """Convert a double to a Fraction, or an array of doubles to a column of pairs, without rounding."""
+    """Convert a double to a Fraction, or an array of doubles to a column of pairs, without
+    rounding.
+    """
     if isinstance(value, np.ndarray):
         return PairColumn(value)
     return Fraction(value)

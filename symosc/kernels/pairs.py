@@ -1,6 +1,5 @@
-"""Double-double numbers.
-
-A class for CPython and a type for numba, whose operators and functions give the same bits.
+"""Double-double numbers: a class for CPython and a type for numba, whose operators and functions
+give the same bits.
 
 A pair is the unevaluated sum hi + lo with |lo| at most half a unit of hi: 106 bits. The operators
 are the usual ones (Joldes, Muller and Popescu, ACM TOMS 44 (2017)): those of `Pair` by
@@ -51,9 +50,8 @@ DOUBLE = ir.DoubleType()
 
 
 def _compared(name: str) -> Callable[[Any, Any], bool]:
-    """Return the method of `Pair` for the comparison `name`, such as "lt".
-
-    By hi, and by lo where hi is equal.
+    """Return the method of `Pair` for the comparison `name`, such as "lt": by hi, and by lo where
+    hi is equal.
     """
     compare = getattr(operator, name)
     return lambda number, other: compare((number.hi, number.lo), _parts_of(other))
@@ -124,7 +122,8 @@ class Pair:
 def pair_of(hi: float, lo: float) -> Pair:
     """Return the pair hi + lo of two non-overlapping floats, as `pair` does in compiled code."""
     made = Pair.__new__(Pair)
-    made.hi, made.lo = hi, lo
+    made.hi = hi
+    made.lo = lo
     return made
 
 
@@ -145,13 +144,17 @@ class PairType(types.Type):
         super().__init__(name="Pair")
 
     def can_convert_from(self, typingctx: Any, other: Any) -> Any:
-        """Tell numba whether a value of type `other` may be passed where a pair is expected (None: no)."""
+        """Tell numba whether a value of type `other` may be passed where a pair is expected (None:
+        no).
+        """
         if isinstance(other, (types.Float, types.Integer)):
             return Conversion.promote
         return None
 
     def unify(self, typingctx: Any, other: Any) -> Any:
-        """Tell numba the type of a variable that is a pair in one branch and of type `other` in another."""
+        """Tell numba the type of a variable that is a pair in one branch and of type `other` in
+        another.
+        """
         if isinstance(other, (types.Float, types.Integer)):
             return self
         return None
@@ -176,7 +179,8 @@ make_attribute_wrapper(PairType, "lo", "lo")
 def _packed(context: Any, builder: Any, hi: Any, lo: Any) -> Any:
     """Return LLVM code for the pair hi + lo."""
     made = cgutils.create_struct_proxy(pair_type)(context, builder)
-    made.hi, made.lo = hi, lo
+    made.hi = hi
+    made.lo = lo
     return made._getvalue()
 
 
@@ -254,7 +258,9 @@ def _quotient(b: Any, xh: Any, xl: Any, yh: Any, yl: Any) -> tuple[Any, Any]:
 
 
 def _comparison(sign: str) -> Callable[..., Any]:
-    """Return a function that builds LLVM code to compare high parts and, where they are equal, low parts."""
+    """Return a function that builds LLVM code to compare high parts and, where they are equal, low
+    parts.
+    """
 
     def code(b: Any, xh: Any, xl: Any, yh: Any, yl: Any) -> Any:
         low = b.fcmp_ordered(sign, xl, yl)
@@ -330,9 +336,8 @@ def _with_pairs(declared: Any) -> Any:
 
 
 def _from_complex(typingctx: Any, value: Any) -> Any:
-    """Convert complex numbers, also in a named tuple, to pairs.
-
-    Hi is the real, lo the imaginary part.
+    """Convert complex numbers, also in a named tuple, to pairs: hi is the real, lo the imaginary
+    part.
     """
     wanted = _with_pairs(value)
 
@@ -484,9 +489,8 @@ def root(x):
 
 @register_jitable
 def turned_sine(x, quarters):
-    """Return the sine of an angle plus quarter turns.
-
-    Absolute error at most 1.8e-32 for angles up to 1e6.
+    """Return the sine of an angle plus quarter turns: absolute error at most 1.8e-32 for angles up
+    to 1e6.
     """
     # The angle is a multiple j of pi/1024, which the table has, and a rest of at most pi/2048, for
     # which Taylor's series takes five terms; only their first coefficients need two doubles.
@@ -517,15 +521,16 @@ def sine(x):
 
 @register_jitable
 def cosine(x):
-    """Return the cosine of an angle in radians, with an absolute error of at most 1.8e-32 up to 1e6."""
+    """Return the cosine of an angle in radians, with an absolute error of at most 1.8e-32 up to
+    1e6.
+    """
     return turned_sine(x, 1)
 
 
 @register_jitable
 def small_expm1(x):
-    """Return exp(x) - 1 for |x| up to log(2)/2.
-
-    Taylor's series at x/2^9, then nine doublings of the argument.
+    """Return exp(x) - 1 for |x| up to log(2)/2: Taylor's series at x/2^9, then nine doublings of
+    the argument.
     """
     m = pair(x.hi * PART, x.lo * PART)
     q = m.hi

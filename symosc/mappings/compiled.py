@@ -110,13 +110,12 @@ class CompiledResidual:
     def __init__(
         self, p: Parameters, rows: tuple[Map, ...], jacobian: bool, exit: str | None
     ) -> None:
-        self.parameters, self.maps, self.jacobian, self.exit = (
-            p,
-            tuple(row.label for row in rows),
-            jacobian,
-            exit,
-        )
-        self._rows, self._K = rows, constants(p)
+        self.parameters = p
+        self.maps = tuple(row.label for row in rows)
+        self.jacobian = jacobian
+        self.exit = exit
+        self._rows = rows
+        self._K = constants(p)
 
     def __repr__(self) -> str:
         return f"CompiledResidual(maps={self.maps}, jacobian={self.jacobian})"
@@ -151,13 +150,17 @@ class CompiledResidual:
 
     @cached_property
     def scalar(self) -> Any:
-        """The compiled function for the residual at one pair of points, which other compiled code can call."""
+        """The compiled function for the residual at one pair of points, which other compiled code
+        can call.
+        """
         if len(self._rows) > 1:
             raise ParameterError("map", self.maps, "is a word; `scalar` is of one map")
         return _scalar(self._rows[0], self._K, self.jacobian, self.exit)
 
     def _fill(self, row: Map, points: Any) -> tuple[np.ndarray, np.ndarray | None]:
-        """Compute the residuals (2, n) of the map `row` at n pairs of points, and its Jacobians (2, 4, n) or None."""
+        """Compute the residuals (2, n) of the map `row` at n pairs of points, and its Jacobians (2,
+        4, n) or None.
+        """
         n = len(points[0])
         K = self._K
         f = np.empty((2, n))
@@ -201,7 +204,9 @@ class CompiledResidual:
 def _read(
     columns: tuple[Any, ...], names: tuple[str, ...], dimensions: int
 ) -> tuple[np.ndarray, ...]:
-    """Return the given columns as arrays of floats, checked for equal shapes but not for finite entries."""
+    """Return the given columns as arrays of floats, checked for equal shapes but not for finite
+    entries.
+    """
     if len(columns) != len(names):
         raise ParameterError("points", f"{len(columns)} arrays", f"must be {', '.join(names)}")
     given = [unmasked(name, column) for name, column in zip(names, columns, strict=True)]
@@ -251,7 +256,9 @@ def _loops(kind: int) -> dict[str, Any]:
 
 
 def _scalar(row: Map, K: Constants, jacobian: bool, exit: str | None) -> Any:
-    """Return a compiled function for the residual (and Jacobian) of the map `row` at one pair of points."""
+    """Return a compiled function for the residual (and Jacobian) of the map `row` at one pair of
+    points.
+    """
     import numba
 
     flight, flight_slopes, stick, stick_slopes = (

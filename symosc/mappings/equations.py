@@ -1,6 +1,5 @@
-"""The mappings P1 to P8.
-
-Residuals f1, f2 (eq. (54)), their derivatives, and the next switching point.
+"""The mappings P1 to P8: residuals f1, f2 (eq. (54)), their derivatives, and the next switching
+point.
 
 A map takes a switching point (x_i, theta_i) to the next one (x_j, theta_j), theta = Omega t. Phases
 are *unwrapped*: the motion takes tau = (theta_j - theta_i)/Omega, so a return after a period and a
@@ -136,7 +135,8 @@ def jacobian(
 def parameter_jacobian(
     p: ParametersLike, label: str, start: Pair, end: Pair, exit: str | None = None
 ) -> np.ndarray:
-    """Return the derivatives of f1, f2 with respect to the parameters, at fixed x_i, theta_i, x_j and theta_j.
+    """Return the derivatives of f1, f2 with respect to the parameters, at fixed x_i, theta_i, x_j
+    and theta_j.
 
     The columns are those of `symosc.model.PARAMETER_NAMES`: m, c, k, A0, B0, Omega, v1, v2, mu1,
     mu2, FN. Arrays are done point by point (about 0.2 ms each). Parameters, shape and errors are
@@ -161,9 +161,8 @@ def parameter_jacobian(
 
 
 class MapArithmetic(NamedTuple):
-    """What maps need in one kind of numbers.
-
-    Constants `K`, kernel functions by name, and conversion from Fractions.
+    """What maps need in one kind of numbers: constants `K`, kernel functions by name, and
+    conversion from Fractions.
     """
 
     K: Constants
@@ -172,7 +171,9 @@ class MapArithmetic(NamedTuple):
 
 
 def flight_arguments(row: Map, K: Constants) -> tuple[Number, Number, Number]:
-    """Return the belt speeds at both ends of a flight, and the constant force A_alpha/m in its domain."""
+    """Return the belt speeds at both ends of a flight, and the constant force A_alpha/m in its
+    domain.
+    """
     v_i, v_j = ((K.belt1 if plane.boundary == 1 else K.belt2).v for plane in (row.start, row.end))
     return v_i, v_j, constant_force(row.domain, K)
 
@@ -180,7 +181,9 @@ def flight_arguments(row: Map, K: Constants) -> tuple[Number, Number, Number]:
 def stick_arguments(
     row: Map, K: Constants, exit: str | None
 ) -> tuple[Number, tuple[Number, Number]]:
-    """Return a stick's belt speed, and A_alpha/m of the domains below and above (both of `exit` if it is given)."""
+    """Return a stick's belt speed, and A_alpha/m of the domains below and above (both of `exit` if
+    it is given).
+    """
     below, above = (constant_force(domain, K) for domain in NEIGHBOURS[row.start.boundary])
     sides = {None: (below, above), "below": (below, below), "above": (above, above)}[exit]
     return (K.belt1 if row.start.boundary == 1 else K.belt2).v, sides
@@ -266,9 +269,8 @@ def _parameter_jacobian(
 
 
 def map_arithmetic(p: Parameters, context: Context | None = None) -> MapArithmetic:
-    """Return constants and kernel functions for maps of single numbers.
-
-    Doubles, or numbers of an mpmath context.
+    """Return constants and kernel functions for maps of single numbers: doubles, or numbers of an
+    mpmath context.
     """
     if context is None:
         return _doubles(p)
@@ -277,7 +279,9 @@ def map_arithmetic(p: Parameters, context: Context | None = None) -> MapArithmet
 
 @lru_cache(maxsize=128)
 def _doubles(p: Parameters, arrays: bool = False) -> MapArithmetic:
-    """Return constants and kernel functions for maps in doubles, of single numbers or of numpy arrays."""
+    """Return constants and kernel functions for maps in doubles, of single numbers or of numpy
+    arrays.
+    """
     if not arrays:
         return MapArithmetic(constants(p), vars(mapping) | vars(tangent), float)
     names = {name: column_functions()[name] for name in ("sin", "cos", "basis")}
@@ -286,7 +290,9 @@ def _doubles(p: Parameters, arrays: bool = False) -> MapArithmetic:
 
 @lru_cache(maxsize=16)
 def _mp_numbers(p: Parameters, context: Context, precision: int) -> MapArithmetic:
-    """Return constants and kernel functions for maps of mpmath numbers with the context's `precision` in bits."""
+    """Return constants and kernel functions for maps of mpmath numbers with the context's
+    `precision` in bits.
+    """
     from symosc.kernels.multiprecision import BasisMP
 
     number = partial(number_of, context=context)
@@ -404,7 +410,11 @@ class MapError(SymoscError, ValueError):
     def __init__(
         self, label: str, x: Number, theta: Number, reason: str, actual: str | None = None
     ) -> None:
-        self.label, self.x, self.theta, self.reason, self.actual = label, x, theta, reason, actual
+        self.label = label
+        self.x = x
+        self.theta = theta
+        self.reason = reason
+        self.actual = actual
         super().__init__(f"{label} from x = {float(x)!r}, theta = {float(theta)!r}: {reason}")
 
 
@@ -444,7 +454,8 @@ class MapPoint:
 
 @public
 def solve_map(p: ParametersLike, label: str, x_i: Number, theta_i: Number) -> MapPoint:
-    """Follow a mapping from a switching point to the next one, by the event search that simulations use.
+    """Follow a mapping from a switching point to the next one, by the event search that simulations
+    use.
 
     Parameters
     ----------
@@ -514,9 +525,8 @@ def solve_map(p: ParametersLike, label: str, x_i: Number, theta_i: Number) -> Ma
 
 @lru_cache(maxsize=64)
 def _search_arithmetic(p: Parameters, digits: int | None) -> Arithmetic:
-    """Return the arithmetic in which to search events.
-
-    With so many decimal `digits` or, for None, in doubles.
+    """Return the arithmetic in which to search events: with so many decimal `digits` or, for None,
+    in doubles.
     """
     if digits:
         return many_digits(p, digits)

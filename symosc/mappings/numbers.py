@@ -72,9 +72,8 @@ def point_columns(given: list[object]) -> list[np.ndarray]:
 
 
 def real_array(name: str, value: object, allowed: str) -> np.ndarray:
-    """Return finite real numbers as an array of floats.
-
-    For others raise ParameterError with the text `allowed`.
+    """Return finite real numbers as an array of floats; for others raise ParameterError with the
+    text `allowed`.
     """
     unmasked(name, value)
     try:
@@ -233,14 +232,17 @@ def sine_sign(level: Fraction, amplitude: Fraction, phase: ExactPhase) -> int:
 
 
 def read_phase(name: str, value: object) -> Angle:
-    """Read a phase like `read_angle`, but take a float as its exact binary value, not as the decimal it prints as."""
+    """Read a phase like `read_angle`, but take a float as its exact binary value, not as the
+    decimal it prints as.
+    """
     if isinstance(value, float | np.floating) and math.isfinite(value):
         value = Fraction(float(value))
     return read_angle(name, value)
 
 
 def read_angle(name: str, value: Any) -> Angle:
-    """Read a number, a text such as "3*pi/2" or a sympy expression as a Fraction or a sympy constant.
+    """Read a number, a text such as "3*pi/2" or a sympy expression as a Fraction or a sympy
+    constant.
 
     A float is read as the decimal that it prints as.
     """
@@ -324,8 +326,8 @@ _NO_PLAIN_LETTER = re.compile(r"[^A-Za-z0-9 .,:;!?()\[\]/+*=@\-À-ÖØ-öø-ÿ]|
 def latex_text(text: str) -> str:
     r"""Return a text of a user's, such as the name of a scene, for LaTeX to set letter by letter.
 
-    It is set in ``\texttt``. The document needs a command ``\letter``: what has no place in fonts of
-    LaTeX is printed by its number.
+    It is set in ``\texttt``. The document needs a command ``\letter``: what has no place in fonts
+    of LaTeX is printed by its number.
     """
 
     def plain(sign: re.Match[str]) -> str:

@@ -1,6 +1,5 @@
-"""The cases of Theorem 7.
-
-The boundary that a map's flow can graze, and the kind and ends of its window.
+"""The cases of Theorem 7: the boundary that a map's flow can graze, and the kind and ends of its
+window.
 
 A flow that touches a boundary at the phase theta grazes it iff side (k v + B0 Omega sin theta) > 0.
 The side is 1 for the boundary above the domain (a contact from below) and -1 for the one below. The
@@ -98,7 +97,8 @@ def place(mapping: str) -> Place:
 def window_kind(
     side: int, gamma_sign: int, amplitude_sign: int, excess_sign: int, full: bool
 ) -> int:
-    """Return the kind of window from the signs of gamma, of the amplitude and of |gamma| - |amplitude| (the excess).
+    """Return the kind of window from the signs of gamma, of the amplitude and of |gamma| -
+    |amplitude| (the excess).
 
     Here gamma is k v_lambda/m, the amplitude B0 Omega/m, and the kind a code such as ARC. With
     `full`, the order "full" of `symosc.grazing_window`, a tangency of fourth order counts as a
@@ -125,9 +125,8 @@ def window_kind(
 
 
 def case_label(place: Place, gamma_sign: int, amplitude_sign: int, excess_sign: int) -> str:
-    """Return the label of the case with these signs: (55.1) is the first of eq.
-
-    (55), (55.a) is not in the paper.
+    """Return the label of the case with these signs: (55.1) is the first of eq. (55), (55.a) is not
+    in the paper.
     """
     # a: gamma has the wrong sign and |gamma| = |amplitude|; b, c: B0 = 0, everything and nothing.
     # B0 < 0 is B0 > 0 half a period later.

@@ -94,9 +94,8 @@ ARRIVAL, STICK_LASTS, STICK_END, PASSING, HOLD, STAYS_INSIDE, FLIGHT_LASTS, ENGI
 
 
 class Extremum(NamedTuple):
-    """An extremum of v in a flight.
-
-    The time `tau` since the flight's start, the velocity `v`, and `b` = v''.
+    """An extremum of v in a flight: the time `tau` since the flight's start, the velocity `v`, and
+    `b` = v''.
     """
 
     tau: Number
@@ -113,7 +112,9 @@ class Scales(NamedTuple):
 
 
 def scales(equations: ClosingEquations, points: Points) -> Scales:
-    """Return the magnitudes of times, velocities and accelerations on an orbit, as a scale for rounding errors."""
+    """Return the magnitudes of times, velocities and accelerations on an orbit, as a scale for
+    rounding errors.
+    """
     K = equations.K
     belts = [abs(float(equations.belt(piece.start).v)) for piece in equations.pieces]
     a = max(abs(float(A)) for A in (K.A1, K.A2, K.A3)) + abs(float(K.f0)) + float(K.cm) * max(belts)
@@ -122,7 +123,9 @@ def scales(equations: ClosingEquations, points: Points) -> Scales:
 
 
 def conditions(equations: ClosingEquations, points: Points) -> list[Condition]:
-    """Return each inequality that a root of the closing equations must satisfy, with its margin, piece by piece."""
+    """Return each inequality that a root of the closing equations must satisfy, with its margin,
+    piece by piece.
+    """
     points = [(equations.number(x), equations.number(theta)) for x, theta in points]
     sizes = scales(equations, points)
     found = list[Condition]()
@@ -173,7 +176,8 @@ def _flight(
     size = sizes.a
     if (
         piece.zeros == 2
-        # at the end of a short slip the force is lost in rounding, its change since the start is not
+        # at the end of a short slip the force is lost in rounding, its change since the start is
+        # not
     ):
         arrival = (
             side
@@ -240,7 +244,9 @@ def _stick(equations: ClosingEquations, span: Span, sizes: Scales) -> Iterator[M
 
 
 def clearances(equations: ClosingEquations, span: Span) -> Iterator[tuple[Number, Number, int]]:
-    """Yield (gap, phase, belt) at each minimum of v in a flight above a belt, and at each maximum below a belt."""
+    """Yield (gap, phase, belt) at each minimum of v in a flight above a belt, and at each maximum
+    below a belt.
+    """
     piece, start, _, tau = span
     flight = equations.start_of_flight(piece, start)
     for extremum in extrema(0 * tau, tau, flight, piece.after_stick, equations) if tau > 0 else ():
@@ -259,9 +265,8 @@ def clearances(equations: ClosingEquations, span: Span) -> Iterator[tuple[Number
 
 
 def holding_forces(equations: ClosingEquations, span: Span) -> Iterator[tuple[Number, Number, int]]:
-    """Yield (margin, phase, domain) where both forces are extremal in a stick.
-
-    F^(below) or -F^(above), the smaller.
+    """Yield (margin, phase, domain) where both forces are extremal in a stick: F^(below) or
+    -F^(above), the smaller.
     """
     (piece, start, _, tau) = span
     K = equations.K
@@ -282,9 +287,8 @@ def holding_forces(equations: ClosingEquations, span: Span) -> Iterator[tuple[Nu
 def extrema(
     begin: Number, tau: Number, flight: Launch, skip: bool, equations: ClosingEquations
 ) -> list[Extremum]:
-    """Return the extrema of v between the times `begin` and `tau` of a flight.
-
-    With `skip`, without one at `begin`.
+    """Return the extrema of v between the times `begin` and `tau` of a flight; with `skip`, without
+    one at `begin`.
     """
     # They are bracketed in doubles, and then located in the arithmetic of the equations.
     coarse = equations.coarse.K
@@ -308,7 +312,9 @@ def extrema(
 def _extremum(
     low: float, high: float, maximum: bool, flight: Launch, equations: ClosingEquations
 ) -> Extremum:
-    """Find the minimum or `maximum` of v between the times `low` and `high` of a flight by bracketed Newton steps."""
+    """Find the minimum or `maximum` of v between the times `low` and `high` of a flight by
+    bracketed Newton steps.
+    """
     states = equations.arithmetic.namespace["state_at"]
     K = equations.K
     number = equations.number
@@ -325,9 +331,9 @@ def _extremum(
         if a == 0:
             break
         if (a > 0) == maximum:
-            low, high = (tau, high)
+            low = tau
         else:
-            low, high = (low, tau)
+            high = tau
         before = tau
         if b != 0:
             tau = tau - a / b
@@ -342,7 +348,9 @@ def _extremum(
 
 
 def grazing_distance(equations: ClosingEquations, points: Points) -> float:
-    """Return the least gap in velocity between a belt and an extremum of a flight or its continuation; inf if none."""
+    """Return the least gap in velocity between a belt and an extremum of a flight or its
+    continuation; inf if none.
+    """
     # At an extremum inside a flight that is the gap to the belt. At a flight's end it is how far
     # the flight would go past the belt if the motion of its domain went on. Both are 0 where the
     # orbit grazes, seen from below and from above.
@@ -359,7 +367,9 @@ def grazing_distance(equations: ClosingEquations, points: Points) -> float:
 
 
 def concerns_whole_piece(condition: Condition) -> bool:
-    """Return whether a condition is about all times of a piece (gaps, forces in a stick), not its end or duration."""
+    """Return whether a condition is about all times of a piece (gaps, forces in a stick), not its
+    end or duration.
+    """
     return " stays in " in condition.text or " during " in condition.text
 
 
@@ -368,7 +378,7 @@ def failing(found: list[Condition]) -> list[Condition]:
     return sorted((c for c in found if not c.value > 0), key=lambda c: c.rank)
 
 
-# -- the verdict -------------------------------------------------------------------------------------------------------
+# -- the verdict -----------------------------------------------------------------------------------
 
 
 def failures(equations: ClosingEquations, points: Points) -> list[Condition]:
@@ -425,7 +435,9 @@ def failures(equations: ClosingEquations, points: Points) -> list[Condition]:
 
 
 def ill_conditioned(equations: ClosingEquations, points: Points) -> bool:
-    """Return whether rounding in the closing equations may move a root's switching phases by more than `MARGINAL`."""
+    """Return whether rounding in the closing equations may move a root's switching phases by more
+    than `MARGINAL`.
+    """
     sizes = scales(equations, points)
     rows = []
     x_size = max(abs(float(x)) for x, _ in points)

@@ -1,4 +1,5 @@
-"""Borders: the curves in a plane of two parameters on which branches end, and the points where they meet.
+"""Borders: the curves in a plane of two parameters on which branches end, and the points where they
+meet.
 
 A border is followed by pseudo-arclength continuation of the equations in
 `symosc.orbits.border_system`. It ends where another inequality of its orbit vanishes, where its own
@@ -145,7 +146,8 @@ class SpecialPoint(NamedTuple):
 
 
 class Border(Drawable):
-    """A border: the curve in a plane of two parameters on which the word of the settled motion changes.
+    """A border: the curve in a plane of two parameters on which the word of the settled motion
+    changes.
 
     Attributes
     ----------
@@ -184,13 +186,13 @@ class Border(Drawable):
     """
 
     def __init__(self, system: BorderSystem, nodes: list[Node], ends: Any, special: Any) -> None:
-        self._plane, self._system, self._nodes = system.plane, system, nodes
-        self.parameters, self.fixed, self.ends, self.special = (
-            system.names,
-            system.plane.fixed,
-            ends,
-            tuple(special),
-        )
+        self._plane = system.plane
+        self._system = system
+        self._nodes = nodes
+        self.parameters = system.names
+        self.fixed = system.plane.fixed
+        self.ends = ends
+        self.special = tuple(special)
         self.points = np.array([system.values(node.z) for node in nodes])
         self.errors = np.array([node.error for node in nodes])
         self.kind, self.sliding = names_of(system)
@@ -211,7 +213,8 @@ class Border(Drawable):
 
     @public
     def words_beside(self, i: int, distance: NumberLike = 1e-6) -> tuple[str | None, str | None]:
-        """Return the words of the motions at the two parameter sets that ``beside(i, distance)`` returns, in its order.
+        """Return the words of the motions at the two parameter sets that ``beside(i, distance)``
+        returns, in its order.
 
         Each is the word of an orbit that was found at these parameters and confirmed by a
         simulation; with c > 0 all motions settle to this orbit. The word is "rest" where the mass
@@ -231,7 +234,9 @@ class Border(Drawable):
 
     @public
     def orbit(self, i: int) -> Orbit:
-        """Return the orbit at the border's i-th point, with the shorter one of the words on its two sides."""
+        """Return the orbit at the border's i-th point, with the shorter one of the words on its two
+        sides.
+        """
         return self._system.orbit(self._nodes[whole_number("i", i, -len(self), len(self) - 1)].z)
 
     @public
@@ -293,8 +298,7 @@ class Border(Drawable):
 
     @public
     def at(self, **value: NumberLike) -> tuple[float, ...]:
-        """Return all values of one parameter where the other has a given value on the curve.
-
+        """Return all values of one parameter where the other has a given value on the curve:
         ``border.at(FN="0.4")``.
 
         They are in ascending order. Each is found with 50 digits between two points of the curve
@@ -320,15 +324,17 @@ class Border(Drawable):
         for i in np.flatnonzero(places[:-1] * places[1:] <= 0).tolist():
             a, b = self._nodes[i : i + 2]
             if places[i] <= places[i + 1]:
-                low, high = (0.0, 1.0)
+                low = 0.0
+                high = 1.0
             else:
-                low, high = (1.0, 0.0)
+                low = 1.0
+                high = 0.0
             for _ in range(MOST_HALVINGS):  # next to a fold the curve is far from its chord
                 part = (low + high) / 2
                 if between(a, b, part)[-2 + j] < target:
-                    low, high = (part, high)
+                    low = part
                 else:
-                    low, high = (low, part)
+                    high = part
             guess = between(a, b, low)
             guess[-2 + j] = target
             polished = system.polish(guess, (len(guess) - 2 + j, exact))
@@ -361,7 +367,10 @@ class Border(Drawable):
         )
         name = self.sliding or self.kind
         axes = ", ".join(self.parameters)
-        return f"<Border {a} | {b or 'no word'} ({name}) over ({axes}), {len(self.points)} points, {ends}>"
+        return (
+            f"<Border {a} | {b or 'no word'} ({name}) over ({axes}), {len(self.points)} points, "
+            f"{ends}>"
+        )
 
     def as_dict(self) -> Record:
         """Return the border as a dict of plain values: numbers, text and lists."""
@@ -379,7 +388,9 @@ class Border(Drawable):
 
 
 def between(a: Node, b: Node, part: float) -> np.ndarray:
-    """Return the point at the fraction `part` of the way from a to b, on the cubic through both with their tangents."""
+    """Return the point at the fraction `part` of the way from a to b, on the cubic through both
+    with their tangents.
+    """
     length = linear.norm(b.z - a.z)
     r = part
     first = (1 - r) ** 2 * (1 + 2 * r)
@@ -389,9 +400,8 @@ def between(a: Node, b: Node, part: float) -> np.ndarray:
 
 
 def motion_at(parameters: Parameters, *near: Orbit) -> Orbit | None:
-    """Find an admissible orbit at `parameters`, starting from each orbit of `near` in turn.
-
-    None if none is found.
+    """Find an admissible orbit at `parameters`, starting from each orbit of `near` in turn; None if
+    none is found.
 
     The word of the orbit in `near` is tried first, then the words of the motion that is simulated
     from this orbit. With c > 0 all other motions settle to an admissible orbit
@@ -410,20 +420,18 @@ def motion_at(parameters: Parameters, *near: Orbit) -> Orbit | None:
     return None
 
 
-# -- along a border ----------------------------------------------------------------------------------------------------
+# -- along a border --------------------------------------------------------------------------------
 
 
 class Tracer:
     """One run along a border, from a first node in both directions, to an end or to `most` points."""
 
     def __init__(self, system: BorderSystem, first: Node, step: float, most: int) -> None:
-        self.plane, self.system, self.first, self.longest, self.most = (
-            system.plane,
-            system,
-            first,
-            step,
-            most,
-        )
+        self.plane = system.plane
+        self.system = system
+        self.first = first
+        self.longest = step
+        self.most = most
         self.low, self.high = (
             bound / self.plane.widths for bound in (self.plane.low, self.plane.high)
         )
@@ -526,7 +534,8 @@ class Tracer:
                 j, bound = outside
                 return end(
                     RANGE,
-                    f"{self.plane.names[j]} = {bound * self.plane.widths[j]:.10g}; the border goes on",
+                    f"{self.plane.names[j]} = {bound * self.plane.widths[j]:.10g}; the border "
+                    "goes on",
                 )
             if len(path) > self.most:
                 return end(MOST, f"stopped after {self.most} points")
@@ -541,7 +550,9 @@ class Tracer:
         )
 
     def _first_failure(self, path: list[Node], checked: int) -> int | None:
-        """Return the index of the first node in `path` after `checked` at which an inequality fails, or None."""
+        """Return the index of the first node in `path` after `checked` at which an inequality
+        fails, or None.
+        """
         low = checked
         high = len(path) - 1
         before = self.margins
@@ -561,15 +572,14 @@ class Tracer:
         while high - low > 1:
             middle = (low + high) // 2
             if self._failing(path[middle]) is None:
-                low, high = (middle, high)
+                low = middle
             else:
-                low, high = (low, middle)
+                high = middle
         return high
 
     def _fold(self, here: Node, node: Node, j: int) -> tuple[Node, SpecialPoint] | None:
-        """Locate the fold between two nodes.
-
-        The point of the border at which parameter j is largest or smallest.
+        """Locate the fold between two nodes: the point of the border at which parameter j is
+        largest or smallest.
         """
         system = self.system
         other = 1 - j
@@ -581,9 +591,9 @@ class Tracer:
                 return None
             z = middle.z
             if middle.tangent[-2 + j] * here.tangent[-2 + j] > 0:
-                here, node = (middle, node)
+                here = middle
             else:
-                here, node = (here, middle)
+                node = middle
         tried: list[tuple[float, float]] = []
         q = float(z[-2 + other] * system.scale[-2 + other])
         for _ in range(8):
@@ -606,11 +616,16 @@ class Tracer:
         values = system.values(z)
         tangent = tangent * float(np.sign(linear.dot(tangent, here.tangent)))
         error = max(abs(change), *(2 * EPS * abs(value) for value in values))
-        message = f"{self.plane.names[j]} is {'largest' if here.tangent[-2 + j] > 0 else 'smallest'} along the border"
+        message = (
+            f"{self.plane.names[j]} is {'largest' if here.tangent[-2 + j] > 0 else 'smallest'} "
+            "along the border"
+        )
         return Node(z, tangent, np.full(2, error)), SpecialPoint(FOLD, values, message, error)
 
     def _codimension_two(self, good: Node, bad: Node) -> tuple[Node, SpecialPoint]:
-        """Locate the border's end between `good`, where all inequalities hold, and `bad`, as Node and SpecialPoint."""
+        """Locate the border's end between `good`, where all inequalities hold, and `bad`, as Node
+        and SpecialPoint.
+        """
         system = self.system
         condition = self._failing(bad)
         for _ in range(MOST_HALVINGS):
@@ -621,9 +636,10 @@ class Tracer:
                 break
             failed = self._failing(middle)
             if failed is None:
-                good, bad, condition = (middle, bad, condition)
+                good = middle
             else:
-                good, bad, condition = (good, middle, failed)
+                bad = middle
+                condition = failed
         values = system.values(good.z)
         closed = isinstance(system, ClosedForm)
         if closed:
@@ -651,12 +667,11 @@ def _scaled_margin(condition: Condition) -> float:
     return condition.value / condition.scale
 
 
-# -- points of codimension two -----------------------------------------------------------------------------------------
+# -- points of codimension two ---------------------------------------------------------------------
 
 
 def meeting(plane: Plane, orbit: Orbit, values: tuple[float, float]) -> SpecialPoint | None:
-    """Find the point near the parameters `values` at which two inequalities of one word vanish.
-
+    """Find the point near the parameters `values` at which two inequalities of one word vanish;
     None if not found.
 
     The word is that of `orbit` or, if no point is found with it, the shortest one among the motions
@@ -683,7 +698,9 @@ Motion = tuple[np.ndarray, Orbit]
 
 
 def _circle(plane: Plane, values: Sequence[float], orbit: Orbit) -> list[Motion]:
-    """Return points of the plane on a small circle around the point `values`, each with the orbit found there."""
+    """Return points of the plane on a small circle around the point `values`, each with the orbit
+    found there.
+    """
     found = []
     for i in range(24):
         angle = 2 * pi * (i + 0.5) / 24
@@ -699,7 +716,9 @@ def _circle(plane: Plane, values: Sequence[float], orbit: Orbit) -> list[Motion]
 
 
 def _two_zeros(plane: Plane, orbit: Orbit, values: tuple[float, float]) -> SpecialPoint | None:
-    """Find the point near the parameters `values` at which two inequalities of the orbit's word vanish, or None."""
+    """Find the point near the parameters `values` at which two inequalities of the orbit's word
+    vanish, or None.
+    """
     equations = ClosingEquations(plane.parameters(values), orbit.word, orbit.periods)
     solution = solve(equations, orbit.points)
     if solution.converged:
@@ -771,7 +790,9 @@ def _two_zeros(plane: Plane, orbit: Orbit, values: tuple[float, float]) -> Speci
 
 
 def closed_form(plane: Plane, place: np.ndarray, orbit: Orbit) -> tuple[ClosedForm, Node] | None:
-    """Return the border through `place` beyond which the motion of `orbit` rests or meets no belt, and its node."""
+    """Return the border through `place` beyond which the motion of `orbit` rests or meets no belt,
+    and its node.
+    """
     p = plane.parameters(place)
     system = ClosedForm(plane, p, orbit)
     holds, drives = system.terms(place)
@@ -787,13 +808,15 @@ def closed_form(plane: Plane, place: np.ndarray, orbit: Orbit) -> tuple[ClosedFo
     return None
 
 
-# -- finding borders ---------------------------------------------------------------------------------------------------
+# -- finding borders -------------------------------------------------------------------------------
 
 
 def crossed_borders(
     plane: Plane, place: np.ndarray, orbit: Orbit, direction: np.ndarray
 ) -> Iterator[tuple[BorderSystem, Node]]:
-    """Yield the borders of the word of `orbit`, found at `place`, that the line along `direction` crosses there."""
+    """Yield the borders of the word of `orbit`, found at `place`, that the line along `direction`
+    crosses there.
+    """
     equations = ClosingEquations(plane.parameters(place), orbit.word, orbit.periods)
     points = orbit.points
     nearest = sorted(conditions(equations, points), key=lambda c: abs(_scaled_margin(c)))[:6]
@@ -819,9 +842,8 @@ def crossed_borders(
 
 
 def first_crossing(plane: Plane, start: Motion, stop: Motion) -> tuple[BorderSystem, Node] | None:
-    """Return the first border that crosses the segment from `start` to `stop` in the plane.
-
-    None if none is found.
+    """Return the first border that crosses the segment from `start` to `stop` in the plane; None if
+    none is found.
     """
     whole = float(np.abs((stop[0] - start[0]) / plane.widths).max())
     word = start[1].cycle
@@ -844,14 +866,16 @@ def first_crossing(plane: Plane, start: Motion, stop: Motion) -> tuple[BorderSys
         if middle is None:
             break
         if middle.cycle == word:
-            low, high = ((place, middle), high)
+            low = (place, middle)
         else:
-            low, high = (low, (place, middle))
+            high = (place, middle)
     return None
 
 
 def all_crossings(plane: Plane, start: Motion, stop: Motion) -> Iterator[tuple[BorderSystem, Node]]:
-    """Yield, in order, the borders at which the word of the motion changes along the segment from `start` to `stop`."""
+    """Yield, in order, the borders at which the word of the motion changes along the segment from
+    `start` to `stop`.
+    """
     found = first_crossing(plane, start, stop)
     if found is None:
         return
@@ -885,7 +909,8 @@ def borders_between(
     range: Mapping[str, tuple[NumberLike, NumberLike]],
     **how: Any,
 ) -> list[Border]:
-    """Return the borders between the parameter sets `a` and `b`, found where the word changes on the way from a to b.
+    """Return the borders between the parameter sets `a` and `b`, found where the word changes on
+    the way from a to b.
 
     `a` and `b` may differ in the two named parameters only; `how` holds `step` and `max_points` of
     `continue_border`.
@@ -895,9 +920,11 @@ def borders_between(
     begun = list[Any]()
     if (first[1] is None) != (second[1] is None):  # one of them has no word
         if first[1] is None:
-            inside, outside = (second, first)
+            inside = second
+            outside = first
         else:
-            inside, outside = (first, second)
+            inside = first
+            outside = second
         found = _loss_of_word(plane, inside, outside[0])
         if found is None:
             return []
@@ -910,7 +937,9 @@ def borders_between(
 
 
 def _settled(plane: Plane, p: Parameters) -> tuple[np.ndarray, Orbit | None]:
-    """Return the point of the plane that belongs to the parameters `p`, and the orbit of the settled motion, if any."""
+    """Return the point of the plane that belongs to the parameters `p`, and the orbit of the
+    settled motion, if any.
+    """
     place = np.array([float(getattr(p, name)) for name in plane.names])
     try:
         orbit = find_orbit(p)
@@ -937,9 +966,9 @@ def _loss_of_word(plane: Plane, inside: Any, place: np.ndarray) -> tuple[Motion,
     for _ in range(MOST_HALVINGS):
         middle = (low + high) / 2
         if word(middle):
-            low, high = (low, middle)
+            high = middle
         else:
-            low, high = (middle, high)
+            low = middle
     at, near = (
         place + part * (inside[0] - place) for part in (high, high + (1 - high) * BESIDE[1])
     )
@@ -954,7 +983,9 @@ def _loss_of_word(plane: Plane, inside: Any, place: np.ndarray) -> tuple[Motion,
 
 
 def _distinct(begun: Iterable[tuple[BorderSystem, Node]], step: float, most: int) -> list[Border]:
-    """Return the borders through the nodes of `begun`, each once, followed by steps up to `step` to `most` points."""
+    """Return the borders through the nodes of `begun`, each once, followed by steps up to `step` to
+    `most` points.
+    """
     found = list[Border]()
     for system, node in begun:
         border = Tracer(system, node, step, most).border()
@@ -966,7 +997,9 @@ def _distinct(begun: Iterable[tuple[BorderSystem, Node]], step: float, most: int
 
 
 def passes(border: Border, values: Sequence[float] | np.ndarray, words: Any) -> bool:
-    """Return whether `border` has `words` on its sides and passes the point `values` within 1e-4 of the ranges."""
+    """Return whether `border` has `words` on its sides and passes the point `values` within 1e-4 of
+    the ranges.
+    """
     if set(border.words) != set(words):
         return False
     # The chords of long steps are farther from the curve than that: the cubics between the points
@@ -992,7 +1025,8 @@ def continue_border(
     step: NumberLike = STEP,
     max_points: int = MOST_POINTS,
 ) -> Border:
-    """Follow the border at the end of a branch through the plane of the branch's and a second parameter, both ways.
+    """Follow the border at the end of a branch through the plane of the branch's and a second
+    parameter, both ways.
 
     The border ends where another inequality of its orbit vanishes, or at the end of a range.
 
@@ -1029,7 +1063,10 @@ def continue_border(
     which = whole_number("end", end, 0, 1)
     reason = branch.ends[which]
     if reason.kind in (RANGE, NO_CONVERGENCE, MOST):
-        known = f"must be an end at a border; the branch ends there with {reason.kind!r}: {reason.message}"
+        known = (
+            f"must be an end at a border; the branch ends there with {reason.kind!r}: "
+            f"{reason.message}"
+        )
         raise ParameterError("end", end, known)
     if abs(reason.value) > 1e-12 * np.abs(branch.values).max():
         value = reason.value
@@ -1060,14 +1097,13 @@ def continue_border(
         if found is not None:
             border = Tracer(*found, longest, most).border()
             if border.words[1] == cycle(branch.word):
-                border.words, border._side, border.kind = (
-                    border.words[::-1],
-                    -border._side,
-                    reason.kind,
-                )
+                border.words = border.words[::-1]
+                border._side = -border._side
+                border.kind = reason.kind
             return border
     raise BorderError(
-        f"the border of {branch.word} at {branch.parameter} = {reason.value:.8g} was not found: {reason.message}"
+        f"the border of {branch.word} at {branch.parameter} = {reason.value:.8g} was not found: "
+        f"{reason.message}"
     )
 
 

@@ -1,6 +1,5 @@
-"""The equations of a border.
-
-The closing equations of one word, and the inequalities that are 0 on it.
+"""The equations of a border: the closing equations of one word, and the inequalities that are 0 on
+it.
 
 A border is followed with the word of its two that has fewer pieces: on the other side some piece is
 added, which has no length on the border. Its inequality vanishes in one of four ways (`Zero`). The
@@ -66,9 +65,8 @@ POINTS_WEIGHT = 4.0  # by which switching points count less than the parameters 
 
 
 class Zero(NamedTuple):
-    """A margin that is 0 on a border.
-
-    Its kind, its piece, and `place`, the belt of a gap or the domain of a force.
+    """A margin that is 0 on a border: its kind, its piece, and `place`, the belt of a gap or the
+    domain of a force.
     """
 
     kind: str
@@ -77,14 +75,15 @@ class Zero(NamedTuple):
 
     @property
     def bend(self) -> Zero:
-        """The `Zero` of this margin's next time derivative, which vanishes too where the zero is not a simple one."""
+        """The `Zero` of this margin's next time derivative, which vanishes too where the zero is
+        not a simple one.
+        """
         return self._replace(kind=AT_BEND if self.kind in TIMED else AT_FLAT)
 
 
 class Plane(NamedTuple):
-    """A plane of two parameters.
-
-    The parameter set that fixes the others, the names of the two, and their ranges.
+    """A plane of two parameters: the parameter set that fixes the others, the names of the two, and
+    their ranges.
     """
 
     fixed: Parameters
@@ -97,7 +96,9 @@ class Plane(NamedTuple):
         return self.fixed.replace(**dict(zip(self.names, map(float, values), strict=True)))
 
     def near(self, a: Sequence[float], b: Sequence[float]) -> bool:
-        """Return whether two points of the plane differ by less than 1e-6 of the range in each parameter."""
+        """Return whether two points of the plane differ by less than 1e-6 of the range in each
+        parameter.
+        """
         return bool((np.abs(np.subtract(a, b)) < 1e-6 * self.widths).all())
 
     @property
@@ -107,7 +108,9 @@ class Plane(NamedTuple):
 
 
 class Node(NamedTuple):
-    """A point of a border: the unknowns `z` of a `BorderSystem`, the unit tangent, and errors of the two parameters."""
+    """A point of a border: the unknowns `z` of a `BorderSystem`, the unit tangent, and errors of
+    the two parameters.
+    """
 
     z: np.ndarray
     tangent: np.ndarray
@@ -129,7 +132,8 @@ class QuickArithmetic(Arithmetic):
 
 
 class BorderSystem:
-    """The closing equations of a word together with the margins that have to vanish on a border, `zeros`.
+    """The closing equations of a word together with the margins that have to vanish on a border,
+    `zeros`.
 
     The unknowns u are x and theta of each switching point, the phase of each extremum at which a
     margin has to vanish, and the two parameters. If one margin vanishes the roots form a curve, the
@@ -138,12 +142,10 @@ class BorderSystem:
 
     def __init__(self, plane: Plane, orbit: Orbit, zeros: Sequence[Zero]) -> None:
         self.word, self.periods, points = orbit
-        self.plane, self.fixed, self.names, self.zeros = (
-            plane,
-            plane.fixed,
-            plane.names,
-            tuple(zeros),
-        )
+        self.plane = plane
+        self.fixed = plane.fixed
+        self.names = plane.names
+        self.zeros = tuple(zeros)
         self.timed = [zero for zero in self.zeros if zero.kind in TIMED]
         self.given = by_name(plane.fixed, float)
         self.pieces = pieces_of(self.word)
@@ -173,10 +175,12 @@ class BorderSystem:
             pieces[j] = replace(pieces[j], after_stick=not pieces[j].sticks)
         return tuple(pieces)
 
-    # -- the equations -------------------------------------------------------------------------------------------------
+    # -- the equations -----------------------------------------------------------------------------
 
     def at(self, u: Any, digits: int | None = None) -> tuple[ClosingEquations, Any, Any]:
-        """Return the closing equations, the switching points and the phases of extrema for the unknowns u."""
+        """Return the closing equations, the switching points and the phases of extrema for the
+        unknowns u.
+        """
         changed = dict(zip(self.names, u[-2:], strict=True))
         if digits is None:
             values: Any = OtherNumbers(self.given | changed)
@@ -205,9 +209,8 @@ class BorderSystem:
         return Orbit(self.word, self.periods, (z * self.scale)[: 2 * self.n].reshape(-1, 2))
 
     def residuals(self, u: Any, digits: int | None = None) -> list[Number]:
-        """Return what must be 0 at u: closing equations, then margins that vanish.
-
-        In floats, or with `digits`.
+        """Return what must be 0 at u: closing equations, then margins that vanish; in floats, or
+        with `digits`.
         """
         equations, points, phases = self.at(u, digits)
         return equations.residuals(points) + self._zeros(equations, points, phases)
@@ -247,7 +250,9 @@ class BorderSystem:
         return values, found
 
     def fine_tangent(self, u: Sequence[Any]) -> np.ndarray:
-        """Return the border's unit tangent at the mpmath numbers u, in scaled unknowns, to nearly double precision."""
+        """Return the border's unit tangent at the mpmath numbers u, in scaled unknowns, to nearly
+        double precision.
+        """
         step = u[0].context.mpf(10) ** -20
         (equations, _, _) = self.at(u, FINE_DIGITS)
 
@@ -266,7 +271,7 @@ class BorderSystem:
         ]
         return linear.null_vector(np.array(columns).T * self.scale)
 
-    # -- Newton's method -----------------------------------------------------------------------------------------------
+    # -- Newton's method ---------------------------------------------------------------------------
 
     def correct(
         self, z: np.ndarray, row: np.ndarray | None
@@ -338,7 +343,10 @@ class BorderSystem:
                 values = [float(value) for value in self.residuals(u, FINE_DIGITS)]
                 if not np.isfinite(values).all():
                     return None
-                right = values if fixed is None else [*values, 0.0]
+                if fixed is None:
+                    right = values
+                else:
+                    right = [*values, 0.0]
                 step = linear.product(got[1], np.array(right))
                 size = float(np.abs(step).max())
                 changes = (step * self.scale).tolist()
@@ -354,7 +362,8 @@ class BorderSystem:
         return None
 
     def node(self, z: np.ndarray, along: np.ndarray, row: np.ndarray | None = None) -> Node | None:
-        """Find the border's point in the hyperplane through z with the normal `row` or else `along`; None if not found.
+        """Find the border's point in the hyperplane through z with the normal `row` or else
+        `along`; None if not found.
 
         The node's tangent is oriented like `along`. Its errors come from rounding and from the last
         correction.
@@ -371,7 +380,9 @@ class BorderSystem:
         return Node(z, tangent / linear.norm(tangent), (rounding + left) * self.scale[-2:])
 
     def _sizes(self, u: Sequence[float]) -> np.ndarray:
-        """Return the sizes of the terms of all residuals, by which their rounding errors are measured."""
+        """Return the sizes of the terms of all residuals, by which their rounding errors are
+        measured.
+        """
         equations, points, _ = self.at(u)
         size = scales(equations, points)
         rows = []
@@ -388,10 +399,12 @@ class BorderSystem:
                 rows += [size.a] * (2 if zero.kind in TIMED else 1)
         return np.array(rows)
 
-    # -- the inequalities along the border -----------------------------------------------------------------------------
+    # -- the inequalities along the border ---------------------------------------------------------
 
     def hide(self, curve: Sequence[np.ndarray]) -> None:
-        """Make `margins` ignore the inequalities that are 0 all along the border, at all its points z in `curve`."""
+        """Make `margins` ignore the inequalities that are 0 all along the border, at all its points
+        z in `curve`.
+        """
         flags = list[list[bool]]()
         shift = 0
         for z in curve:
@@ -417,7 +430,9 @@ class BorderSystem:
         self.symmetric_pieces = self._unaccelerated_after(crossings)
 
     def margins(self, z: np.ndarray) -> list[Condition]:
-        """Return the inequalities that must hold on the border, and those by which the zeros on it are simple ones."""
+        """Return the inequalities that must hold on the border, and those by which the zeros on it
+        are simple ones.
+        """
         equations, points, phases = self.at((z * self.scale).tolist())
         equations.pieces = self.symmetric_pieces
         found = conditions(equations, points)
@@ -448,9 +463,8 @@ class BorderSystem:
     def _simple_zero_margins(
         self, equations: ClosingEquations, points: Any, zero: Zero, theta: float, size: float
     ) -> Iterator[Condition]:
-        """Yield the inequalities that hold as long as `zero` is a simple one.
-
-        Where one of them fails, the border ends.
+        """Yield the inequalities that hold as long as `zero` is a simple one; where one of them
+        fails, the border ends.
 
         `theta` is the phase of the extremum at which the margin vanishes; `size` becomes the
         `Condition.scale`.
@@ -482,9 +496,8 @@ class BorderSystem:
 
 
 class ClosedForm(BorderSystem):
-    """A border beyond which the motion has no word (it rests, or meets no belt).
-
-    One equation in both parameters.
+    """A border beyond which the motion has no word (it rests, or meets no belt): one equation in
+    both parameters.
 
     The equation is about the slower belt. If this belt is at rest, the mass may rest on it where mu
     FN >= |B0|. If the speed of this belt is one of the two parameters, the border is the line of
@@ -499,19 +512,26 @@ class ClosedForm(BorderSystem):
         else:
             belt = 2
         super().__init__(plane._replace(fixed=fixed), orbit, [Zero(AT_TOUCH, 0, belt)])
-        self.plane, self.belt, self.n, self.near, self.scale = (
-            plane,
-            belt,
-            0,
-            orbit.points,
-            plane.widths,
-        )
+        self.plane = plane
+        self.belt = belt
+        self.n = 0
+        self.near = orbit.points
+        self.scale = plane.widths
         self.rests = fixed.belt(belt) == 0
         self.line = self.rests and f"v{belt}" in plane.names
-        self.up, self.push = 1 if fixed.belt(belt) > 0 else -1, 1 if fixed.B0 > 0 else -1
+        if fixed.belt(belt) > 0:
+            self.up = 1
+        else:
+            self.up = -1
+        if fixed.B0 > 0:
+            self.push = 1
+        else:
+            self.push = -1
 
     def _numbers(self, u: Any, digits: int | None = None) -> Any:
-        """Return all parameters, with the values `u` of the plane's two, as floats or, with `digits`, in mpmath."""
+        """Return all parameters, with the values `u` of the plane's two, as floats or, with
+        `digits`, in mpmath.
+        """
         changed = dict(zip(self.names, u, strict=True))
         if digits is None:
             return OtherNumbers(self.given | changed)
@@ -520,9 +540,8 @@ class ClosedForm(BorderSystem):
         )
 
     def terms(self, u: Any, digits: int | None = None) -> tuple[Number, Number]:
-        """Return the two terms that are equal on the border.
-
-        Where the first is larger the motion has no word.
+        """Return the two terms that are equal on the border; where the first is larger the motion
+        has no word.
         """
         p = self._numbers(u, digits)
         if self.rests:
@@ -531,9 +550,8 @@ class ClosedForm(BorderSystem):
         return self.up * p.belt(self.belt) * resisted**0.5, self.push * p.B0 * p.Omega
 
     def residuals(self, u: Any, digits: int | None = None) -> list[Number]:
-        """Return what is 0 on the border, in a list.
-
-        The difference of `terms`, or the speed of a belt at rest.
+        """Return what is 0 on the border, in a list: the difference of `terms`, or the speed of a
+        belt at rest.
         """
         holds, drives = self.terms(u, digits)
         return [self._numbers(u, digits).belt(self.belt) if self.line else holds - drives]
@@ -554,9 +572,8 @@ class ClosedForm(BorderSystem):
         return np.array([b, -a]) / linear.norm(np.array([a, b]))
 
     def margins(self, z: np.ndarray) -> list[Condition]:
-        """Return the conditions of the border.
-
-        A moving belt is met before the other, a belt at rest holds the mass.
+        """Return the conditions of the border: a moving belt is met before the other, a belt at
+        rest holds the mass.
         """
         p = self._numbers(z * self.scale)
         found = []
@@ -572,9 +589,8 @@ class ClosedForm(BorderSystem):
         return [Condition(0, text, float(value), 0.0, "", -1, 1.0) for text, value in found]
 
     def orbit(self, z: np.ndarray) -> Orbit:
-        """Return the limit of orbits at the border.
-
-        Flights of no duration, or a steady motion that grazes belts.
+        """Return the limit of orbits at the border: flights of no duration, or a steady motion that
+        grazes belts.
         """
         p = self.fixed.replace(**dict(zip(self.names, (z * self.scale).tolist(), strict=True)))
         points = self.near.copy()
@@ -608,9 +624,8 @@ def _slope(function: Any, u: Sequence[Any], values: np.ndarray, j: int, step: An
 def extrema_of(
     equations: ClosingEquations, points: Any, i: int, kind: str
 ) -> list[tuple[Number, Number, int]]:
-    """Return the extrema in piece i.
-
-    From `clearances` if `kind` is that of a graze, else from `holding_forces`.
+    """Return the extrema in piece i: from `clearances` if `kind` is that of a graze, else from
+    `holding_forces`.
     """
     return list(
         (clearances if kind == AT_TOUCH else holding_forces)(equations, equations.spans(points)[i])
@@ -620,9 +635,8 @@ def extrema_of(
 def zero_values(
     equations: ClosingEquations, points: Any, zero: Zero, theta: Number
 ) -> list[Number]:
-    """Return what is 0 where `zero` is.
-
-    Its margin and, if this has an extremum, of phase `theta`, its derivative.
+    """Return what is 0 where `zero` is: its margin and, if this has an extremum, of phase `theta`,
+    its derivative.
     """
     start = points[zero.piece]
     piece = equations.pieces[zero.piece]
@@ -655,7 +669,9 @@ def zero_values(
 
 
 def is_symmetric(points: np.ndarray, part: float = NOTHING) -> bool:
-    """Return whether x(t + T/2) + x(t) is constant on the orbit through `points`, to the relative accuracy `part`."""
+    """Return whether x(t + T/2) + x(t) is constant on the orbit through `points`, to the relative
+    accuracy `part`.
+    """
     if len(points) % 2:
         return False
     away = symmetrised(points) - points
@@ -666,7 +682,9 @@ def is_symmetric(points: np.ndarray, part: float = NOTHING) -> bool:
 
 
 def symmetrised(points: np.ndarray) -> np.ndarray:
-    """Return the switching points of the symmetric orbit nearest to an orbit with an even number of points."""
+    """Return the switching points of the symmetric orbit nearest to an orbit with an even number of
+    points.
+    """
     half = len(points) // 2
     x = points[:half, 0] - points[half:, 0]
     theta = points[:half, 1] + points[half:, 1]
@@ -694,7 +712,8 @@ def kind_of(condition: Condition) -> str:
 def zeros_of(
     equations: ClosingEquations, points: Any, condition: Condition
 ) -> list[tuple[Zero, list[float]]]:
-    """Return each `Zero` that a condition near 0 can mean, with a list that has the phase of its extremum, if any.
+    """Return each `Zero` that a condition near 0 can mean, with a list that has the phase of its
+    extremum, if any.
 
     There are two at a crossing after which the flight turns back at once: that of the force, and
     that of a graze.
@@ -728,7 +747,9 @@ def zeros_of(
 
 
 def names_of(system: BorderSystem, zero: Zero | None = None) -> tuple[str, str]:
-    """Return (kind of a branch's end, name in the literature) for what happens at a border, or at its given `zero`."""
+    """Return (kind of a branch's end, name in the literature) for what happens at a border, or at
+    its given `zero`.
+    """
     zero = zero or system.zeros[0]
     if isinstance(system, ClosedForm) and system.rests:
         return admissibility.FLIGHT_VANISHING, ""

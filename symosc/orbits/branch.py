@@ -188,12 +188,10 @@ class Branch(Drawable):
         ends: tuple[BranchEnd, BranchEnd],
     ) -> None:
         self._orbit = orbit
-        self.word, self.labels, self.periods, self.parameter = (
-            orbit.word,
-            orbit.labels,
-            orbit.periods,
-            parameter,
-        )
+        self.word = orbit.word
+        self.labels = orbit.labels
+        self.periods = orbit.periods
+        self.parameter = parameter
         self.ends = ends
         self.values = np.array([point.value for point in path])
         if parameter == "Omega":
@@ -301,7 +299,8 @@ def continue_orbit(
     max_points: int = 2000,
     progress: Progress = False,
 ) -> Branch:
-    """Follow a periodic orbit as one parameter changes, both ways, until it ends or leaves the range.
+    """Follow a periodic orbit as one parameter changes, both ways, until it ends or leaves the
+    range.
 
     Parameters
     ----------
@@ -367,12 +366,14 @@ def read_range(parameters: Parameters, parameter: str, limits: Any) -> tuple[flo
     return float(low), float(high)
 
 
-# -- along the curve ---------------------------------------------------------------------------------------------------
+# -- along the curve -------------------------------------------------------------------------------
 
 
 @dataclass(frozen=True)
 class BranchPoint:
-    """An orbit of a branch at one `value` of the parameter, with its scaled unknowns `z` and tangent on the `Curve`."""
+    """An orbit of a branch at one `value` of the parameter, with its scaled unknowns `z` and
+    tangent on the `Curve`.
+    """
 
     value: float
     points: np.ndarray
@@ -394,9 +395,13 @@ class Curve:
     # changes nothing else and needs no steps. So lengths and angles are those of `level(z)`.
 
     def __init__(self, orbit: PeriodicOrbit, parameter: str, low: float, high: float) -> None:
-        self.orbit, self.parameter, self.low, self.high = orbit, parameter, low, high
+        self.orbit = orbit
+        self.parameter = parameter
+        self.low = low
+        self.high = high
         self.word = orbit.equations().word
-        self.start, self.value = orbit.phases(), float(getattr(orbit.parameters, parameter))
+        self.start = orbit.phases()
+        self.value = float(getattr(orbit.parameters, parameter))
         n = len(self.start)
         # Switching points may lie close together on an orbit that moves far.
         size = max(np.ptp(self.start[:, 0]), 0.1 * largest_displacement(orbit.equations())[1])
@@ -404,7 +409,7 @@ class Curve:
         self.scale = np.append(np.tile([size, 1.0], n) * np.sqrt(n), high - low)
         self._equations: dict[float, ClosingEquations] = {}
 
-    # -- one point -----------------------------------------------------------------------------------------------------
+    # -- one point ---------------------------------------------------------------------------------
 
     def equations(self, value: float) -> ClosingEquations:
         """Return the closing equations for a value of the parameter."""
@@ -416,7 +421,9 @@ class Curve:
         return self._equations[value]
 
     def split(self, z: np.ndarray) -> tuple[np.ndarray, float]:
-        """Return the switching points (n, 2) and the parameter that belong to the scaled unknowns z."""
+        """Return the switching points (n, 2) and the parameter that belong to the scaled unknowns
+        z.
+        """
         unscaled = z * self.scale
         # An end of the range stays what it is: the product may miss it by an ulp.
         value = float(unscaled[-1])
@@ -431,9 +438,8 @@ class Curve:
 
     @staticmethod
     def level(z: np.ndarray) -> np.ndarray:
-        """Return z with positions counted from their mean.
-
-        A shift of the whole orbit then has length 0.
+        """Return z with positions counted from their mean: a shift of the whole orbit then has
+        length 0.
         """
         found = z.copy()
         found[:-1:2] -= found[:-1:2].mean()
@@ -444,7 +450,9 @@ class Curve:
         return linear.norm(self.level(b.z - a.z))
 
     def slope(self, z: np.ndarray) -> np.ndarray:
-        """Return the derivatives of the closing equations' residuals by the parameter, as finite differences."""
+        """Return the derivatives of the closing equations' residuals by the parameter, as finite
+        differences.
+        """
         points, value = self.split(z)
         change = 1e-6 * (self.high - self.low)  # Newton's method needs no more
         # One-sided at the ends of the range: there may be no such system beyond.
@@ -470,9 +478,8 @@ class Curve:
         return np.column_stack([self.equations(value).matrix(points), slope]) * self.scale
 
     def correct(self, guess: np.ndarray, normal: np.ndarray) -> np.ndarray | None:
-        """Return the curve's point in the hyperplane through `guess` with that normal.
-
-        None if it is not found.
+        """Return the curve's point in the hyperplane through `guess` with that normal; None if it
+        is not found.
         """
         z = guess
         before = np.inf
@@ -518,9 +525,8 @@ class Curve:
         )
 
     def accepted(self, z: np.ndarray | None, before: BranchPoint) -> BranchPoint | None:
-        """Return the branch point at z.
-
-        None if z is None or singular, or if the curve turns sharply after `before`.
+        """Return the branch point at z; None if z is None or singular, or if the curve turns
+        sharply after `before`.
         """
         if z is None:
             return None
@@ -533,9 +539,8 @@ class Curve:
         return None
 
     def step(self, current: BranchPoint, length: float) -> BranchPoint | None:
-        """Return the curve's point `length` further on, or at the end of the range if nearer.
-
-        None if not found.
+        """Return the curve's point `length` further on, or at the end of the range if nearer; None
+        if not found.
         """
         ahead = current.z + length * current.tangent
         value = self.split(ahead)[1]
@@ -558,17 +563,16 @@ class Curve:
         return None
 
     def halfway(self, a: BranchPoint, b: BranchPoint) -> np.ndarray:
-        """Return the midpoint of the cubic through a and b with their tangents, which is near the curve."""
+        """Return the midpoint of the cubic through a and b with their tangents, which is near the
+        curve.
+        """
         return 0.5 * (a.z + b.z) + 0.125 * self.distance(a, b) * (a.tangent - b.tangent)
 
     def middle(self, a: BranchPoint, b: BranchPoint) -> BranchPoint | None:
-        """Return the point of the curve midway between two of its points.
-
-        None if it is not found.
-        """
+        """Return the point of the curve midway between two of its points; None if it is not found."""
         return self.accepted(self.correct(self.halfway(a, b), b.z - a.z), a)
 
-    # -- all points ----------------------------------------------------------------------------------------------------
+    # -- all points --------------------------------------------------------------------------------
 
     def follow(
         self, direction: float, most: int, advance: Advance, before: int = 0
@@ -624,9 +628,15 @@ class Curve:
                     continue
                 nearest = min(current.conditions, key=lambda condition: condition.value)
                 if (belt := _begins_to_rest(self.equations(current.value).parameters)) is not None:
-                    message = f"the flights vanish at mu{belt} FN = |B0|; beyond it the mass may rest on belt {belt}"
+                    message = (
+                        f"the flights vanish at mu{belt} FN = |B0|; beyond it the mass may rest on "
+                        f"belt {belt}"
+                    )
                     return end(admissibility.FLIGHT_VANISHING, f"{message} for ever", nearest)
-                message = f"the steps became too short; nearest to failing: {nearest.text} (by {nearest.value:.3g})"
+                message = (
+                    f"the steps became too short; nearest to failing: {nearest.text} (by "
+                    f"{nearest.value:.3g})"
+                )
                 return end(NO_CONVERGENCE, message, nearest)
             points, failed = scanned
             path += points
@@ -662,9 +672,9 @@ class Curve:
                 self.distance(good, bad) > RESOLUTION and (m := self.middle(good, bad)) is not None
             ):
                 if m.failures:
-                    good, bad = (good, m)
+                    bad = m
                 else:
-                    good, bad = (m, bad)
+                    good = m
             return ([] if good is a else [good]), bad
         m = self.middle(a, b)
         if m is None:
@@ -725,10 +735,12 @@ class Curve:
         )
 
     def _verified(self, point: BranchPoint) -> BranchPoint:
-        """Return the point with its failing conditions decided anew, with more digits and by following the orbit."""
+        """Return the point with its failing conditions decided anew, with more digits and by
+        following the orbit.
+        """
         return replace(point, failures=tuple(failures(self.equations(point.value), point.points)))
 
-    # -- the end -------------------------------------------------------------------------------------------------------
+    # -- the end -----------------------------------------------------------------------------------
 
     def _end_at(self, path: list[BranchPoint], failed: BranchPoint, direction: float) -> BranchEnd:
         """Return the end of the branch before the point `failed`.
@@ -758,14 +770,11 @@ class Curve:
         )
         if instead:
             message += f"; beyond it {instead}"
-        else:
-            message += ""
         return BranchEnd(zero[0].event, last.value, message, self._switchings(last), reasons, word)
 
     def _inside(self, last: BranchPoint) -> BranchPoint:
-        """Return the last point of a branch that more digits confirm as an orbit.
-
-        `last`, or one just before it.
+        """Return the last point of a branch that more digits confirm as an orbit: `last`, or one
+        just before it.
         """
         for back in (0.0, *(RESOLUTION * 4.0**j for j in range(12))):
             z = last.z - back * last.tangent
@@ -781,9 +790,8 @@ class Curve:
         return last
 
     def _word_beyond(self, point: BranchPoint, direction: float) -> tuple[str | None, str]:
-        """Return the word of the orbit just beyond an end and "".
-
-        Without one, None and a text on the motion there.
+        """Return the word of the orbit just beyond an end and ""; without one, None and a text on
+        the motion there.
         """
         # The motion is simulated there from the orbit at the end, and the words that it goes
         # through are solved for. One with an admissible orbit is the answer: with c > 0 there is no
@@ -817,9 +825,8 @@ class Curve:
 
 
 def _begins_to_rest(p: Parameters) -> int | None:
-    """Return the belt with speed 0 and mu FN nearly |B0|, on which the mass can just rest.
-
-    None if there is none.
+    """Return the belt with speed 0 and mu FN nearly |B0|, on which the mass can just rest; None if
+    there is none.
     """
     near = 1e-6 * abs(p.B0)  # flights are too short for steps
     return next(
@@ -828,14 +835,16 @@ def _begins_to_rest(p: Parameters) -> int | None:
     )
 
 
-# -- between two points ------------------------------------------------------------------------------------------------
+# -- between two points ----------------------------------------------------------------------------
 
 
 Node = tuple[ClosingEquations, np.ndarray]
 
 
 def _largest_bends(values: np.ndarray, axis: int) -> np.ndarray:
-    """Return, for each column of (5, n) values, the largest second difference along `axis` in it or a neighbour."""
+    """Return, for each column of (5, n) values, the largest second difference along `axis` in it or
+    a neighbour.
+    """
     bend = np.abs(np.diff(values, 2, axis=axis)).max(axis=0)
     if axis != 0:
         bend = np.concatenate([bend[:1], bend, bend[-1:]])
@@ -844,7 +853,8 @@ def _largest_bends(values: np.ndarray, axis: int) -> np.ndarray:
 
 
 def _proven_positive(values: np.ndarray, deficit: float | np.ndarray = 0.0) -> np.ndarray:
-    """Return, for each column of margins at five points of a branch, whether they stay > 0 between the points.
+    """Return, for each column of margins at five points of a branch, whether they stay > 0 between
+    the points.
 
     The criterion is sqrt(f0) + sqrt(f1) > sqrt(C), as derived at the top of the module. `deficit`
     is by how much a margin may be smaller between neighbouring columns than in these.
@@ -857,7 +867,8 @@ def _proven_positive(values: np.ndarray, deficit: float | np.ndarray = 0.0) -> n
 
 
 def _stay_positive(nodes: list[Node], i: int, u: np.ndarray, depth: int) -> bool:
-    """Return whether the margins of piece i stay positive all through it and between five points of a branch.
+    """Return whether the margins of piece i stay positive all through it and between five points of
+    a branch.
 
     `nodes` has the equations and switching points at the five points, `u` the fractions (0 to 1) of
     the piece's duration at which margins are computed. Where these are not enough, `u` is refined,
@@ -891,9 +902,8 @@ def _stay_positive(nodes: list[Node], i: int, u: np.ndarray, depth: int) -> bool
 def piece_margins(
     equations: ClosingEquations, points: Points, i: int, u: np.ndarray
 ) -> list[np.ndarray]:
-    """Return the margins of piece i at the fractions u of its duration.
-
-    Gaps to belts in flights, forces in sticks.
+    """Return the margins of piece i at the fractions u of its duration: gaps to belts in flights,
+    forces in sticks.
     """
     piece, start, end, tau = equations.spans(points)[i]
     K = equations.K

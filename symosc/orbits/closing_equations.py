@@ -72,13 +72,11 @@ class ConvergenceError(SymoscError, ArithmeticError):
     def __init__(
         self, word: str, best: tuple[object, ...], periods: int, residual: float, reason: str
     ) -> None:
-        self.word, self.best, self.periods, self.residual, self.reason = (
-            word,
-            best,
-            periods,
-            residual,
-            reason,
-        )
+        self.word = word
+        self.best = best
+        self.periods = periods
+        self.residual = residual
+        self.reason = reason
         if residual < inf:
             about = f" (smallest residual {residual:.1e})"
         else:
@@ -88,9 +86,8 @@ class ConvergenceError(SymoscError, ArithmeticError):
 
 @dataclass(frozen=True)
 class OrbitPiece:
-    """A piece of an orbit, one mapping of its word.
-
-    Belts of start and end, mode, and the side that it leaves to.
+    """A piece of an orbit, one mapping of its word: belts of start and end, mode, and the side that
+    it leaves to.
     """
 
     label: str
@@ -106,9 +103,8 @@ class OrbitPiece:
         return self.mode > 3
 
     def roots(self, boundary: int) -> int:
-        """Return the order of v - v_boundary = 0 at a flight's start.
-
-        1 on this belt, 2 there after a stick, else 0.
+        """Return the order of v - v_boundary = 0 at a flight's start: 1 on this belt, 2 there after
+        a stick, else 0.
         """
         if self.sticks or boundary != self.start:
             return 0
@@ -118,10 +114,7 @@ class OrbitPiece:
 
     @property
     def zeros(self) -> int:
-        """The multiplicity of the root tau = 0 of f2 of eq.
-
-        (54), by which `residuals` divides f2.
-        """
+        """The multiplicity of the root tau = 0 of f2 of eq. (54), by which `residuals` divides f2."""
         return self.roots(self.end)
 
 
@@ -140,10 +133,7 @@ def pieces_of(word: Word) -> tuple[OrbitPiece, ...]:
 
 
 class Span(NamedTuple):
-    """A piece between two points.
-
-    Start and end (x, theta), phases not wrapped, and duration `tau`.
-    """
+    """A piece between two points: start and end (x, theta), phases not wrapped, and duration `tau`."""
 
     piece: OrbitPiece
     start: Point
@@ -152,7 +142,9 @@ class Span(NamedTuple):
 
 
 class Orbit(NamedTuple):
-    """An orbit, given by its word, its number of forcing periods, and its points (x, theta), an (n, 2) array."""
+    """An orbit, given by its word, its number of forcing periods, and its points (x, theta), an (n,
+    2) array.
+    """
 
     word: Word
     periods: int
@@ -165,9 +157,8 @@ class Orbit(NamedTuple):
 
 
 class ClosingEquations:
-    """The closing equations of an orbit.
-
-    Of one word, number of periods and parameter set, in one arithmetic.
+    """The closing equations of an orbit: of one word, number of periods and parameter set, in one
+    arithmetic.
     """
 
     def __init__(
@@ -178,16 +169,15 @@ class ClosingEquations:
         digits: int | None = None,
         arithmetic: Any = None,
     ) -> None:
-        self.parameters, self.word, self.periods, self.pieces = (
-            parameters,
-            word,
-            periods,
-            pieces_of(word),
-        )
+        self.parameters = parameters
+        self.word = word
+        self.periods = periods
+        self.pieces = pieces_of(word)
         self.arithmetic = arithmetic or (
             Arithmetic(parameters) if digits is None else MpArithmetic(parameters, digits)
         )
-        self.K, self.basis = self.arithmetic.K, self.arithmetic.namespace["basis"]
+        self.K = self.arithmetic.K
+        self.basis = self.arithmetic.namespace["basis"]
         self.context: Any = getattr(self.arithmetic, "context", None)  # of mpmath; None: doubles
         if self.context:
             self.number: Any = self.context.convert
@@ -212,9 +202,8 @@ class ClosingEquations:
         return ClosingEquations(self.parameters, self.word, self.periods, digits)
 
     def ends(self, points: Points) -> list[Point]:
-        """Return the end (x, theta) of each piece: the next of `points`.
-
-        For the last, the first one a period later.
+        """Return the end (x, theta) of each piece: the next of `points`; for the last, the first
+        one a period later.
         """
         x, theta = points[0]
         return [*points[1:], (x, theta + self.turn)]
@@ -227,9 +216,8 @@ class ClosingEquations:
         ]
 
     def residuals(self, points: Points) -> list[Number]:
-        """Return f1 and f2 of eq.
-
-        (54) for each piece; f2 is divided by tau^n where tau = 0 is an n-fold root of it.
+        """Return f1 and f2 of eq. (54) for each piece; f2 is divided by tau^n where tau = 0 is an
+        n-fold root of it.
         """
         values = []
         for span in self.spans(points):
@@ -255,9 +243,8 @@ class ClosingEquations:
         return self.K.belt2
 
     def start_of_flight(self, piece: OrbitPiece, start: Point) -> Launch:
-        """Return what a flight begins with at `start`.
-
-        Velocity, acceleration, sine and cosine of the phase.
+        """Return what a flight begins with at `start`: velocity, acceleration, sine and cosine of
+        the phase.
         """
         v = self.belt(piece.start).v
         if piece.after_stick:
@@ -267,9 +254,8 @@ class ClosingEquations:
         return Launch(v, a, self.sin(start[1]), self.cos(start[1]))
 
     def _residual(self, span: Span) -> tuple[Number, Number]:
-        """Return f1 and f2 of eq.
-
-        (54) for one piece, without the division of f2 by tau^n as in `residuals`.
+        """Return f1 and f2 of eq. (54) for one piece, without the division of f2 by tau^n as in
+        `residuals`.
         """
         v_end = self.belt(span.piece.end).v
         K = self.K
@@ -288,7 +274,9 @@ class ClosingEquations:
         )
 
     def _jacobian(self, span: Span) -> Any:
-        """Return the 2x4 Jacobian of f1 and f2, as in `residuals`, by x and theta of the piece's start and end."""
+        """Return the 2x4 Jacobian of f1 and f2, as in `residuals`, by x and theta of the piece's
+        start and end.
+        """
         (piece, start, end, tau) = span
         K = self.K
         if piece.sticks:
@@ -316,9 +304,8 @@ class ClosingEquations:
         return (x_x0, x_th0, -1, x_th1), (v_x0, v_th0, 0, v_th1)
 
     def matrix(self, points: Points) -> Any:
-        """Return the block-cyclic Jacobian of `residuals` by all x and theta.
-
-        A (2n, 2n) array or an mpmath matrix.
+        """Return the block-cyclic Jacobian of `residuals` by all x and theta: a (2n, 2n) array or
+        an mpmath matrix.
         """
         size = 2 * len(self.pieces)
         if self.context:
@@ -337,14 +324,13 @@ class ClosingEquations:
         return np.append(theta[1:], theta[0] + float(self.turn)) - theta
 
 
-# -- Newton's methods --------------------------------------------------------------------------------------------------
+# -- Newton's methods ------------------------------------------------------------------------------
 
 
 @dataclass
 class Solution:
-    """The result of Newton's method.
-
-    Points (n, 2) of (x, theta), largest |residual|, steps, and stop reason.
+    """The result of Newton's method: points (n, 2) of (x, theta), largest |residual|, steps, and
+    stop reason.
     """
 
     points: Any
@@ -433,7 +419,9 @@ def solve(equations: ClosingEquations, guess: np.ndarray) -> Solution:
 
 
 def _largest_part(equations: ClosingEquations, points: np.ndarray, step: np.ndarray) -> float:
-    """Return the largest fraction of a Newton step that takes no more than the part MOST_SHORTENING off any flight."""
+    """Return the largest fraction of a Newton step that takes no more than the part MOST_SHORTENING
+    off any flight.
+    """
     # A stick may shrink to nothing and beyond: its equations have roots of negative duration, which
     # are inadmissible.
     durations = equations.durations(points)

@@ -161,7 +161,9 @@ def find_orbit(
 def settled_orbit(
     parameters: Parameters, digits: int | None = None, most: int = SETTLING_PERIODS[-1]
 ) -> PeriodicOrbit:
-    """Return the orbit to which the motion from t = x = v = 0 settles in `most` periods, or raise ConvergenceError."""
+    """Return the orbit to which the motion from t = x = v = 0 settles in `most` periods, or raise
+    ConvergenceError.
+    """
     reason = f"the motion from rest does not settle within {most:,} forcing periods"
     tried = [""]
     for periods in (each for each in SETTLING_PERIODS if each <= most):
@@ -170,7 +172,10 @@ def settled_orbit(
             parameters, (0, 0, 0), end, record=("status", "t", "word", "multiplicity")
         )
         if summary.status[0] == "undecidable":
-            reason = f"the motion from rest comes too near to a graze for doubles, at t = {summary.t[0]:.6g}"
+            reason = (
+                "the motion from rest comes too near to a graze for doubles, at t = "
+                f"{summary.t[0]:.6g}"
+            )
             break
         if summary.multiplicity[0]:
             word = str(summary.word[0])
@@ -188,7 +193,10 @@ def settled_orbit(
             last = simulate_many(parameters, (0, 0, 0), end).t[-len(word) :]
             # Events that are nearer to each other than this part of the time are one in doubles.
             if np.diff(last).min(initial=inf) <= 2.0**-50 * end:
-                reason = f"the motion from rest comes too near to a graze: no stick has a length from t = {last[0]:.6g}"
+                reason = (
+                    "the motion from rest comes too near to a graze: no stick has a length from t "
+                    f"= {last[0]:.6g}"
+                )
                 break
             found = find_orbit(parameters, word, digits=digits)
             if found.admissible:
@@ -251,7 +259,10 @@ def _best_root(
 
 
 def _first_root(roots: Sequence[Root]) -> tuple[ClosingEquations, Solution]:
-    """Return the root nearest to an orbit; of roots that are equally near, the one that begins first."""
+    """Return the root nearest to an orbit.
+
+    Of roots that are equally near, the one that begins first.
+    """
     # A symmetric oscillator has roots in pairs, whose conditions fail by the same but for rounding.
     failed, repeats, worst = min((root.failed, root.repeats, root.worst) for root in roots)
     near = [root for root in roots if (root.failed, root.repeats) == (failed, repeats)]
@@ -348,10 +359,16 @@ def orbit_at(
                 how = f"fails by {-c.value:.3g}"
             texts.append(f"{c.text}: {how} at t = {c.t:.6g}")
             resting = resting or lasts
-        message = f"a root that is not an orbit ({'; '.join(texts)}){_other_motion_text(equations, resting)}"
+        message = (
+            "a root that is not an orbit "
+            f"({'; '.join(texts)}){_other_motion_text(equations, resting)}"
+        )
     else:
         kind = {True: "a stable", False: "an unstable", None: "a marginal"}[stable]
-        message = f"{kind} orbit of {equations.periods} forcing period{'s' if equations.periods > 1 else ''}"
+        message = (
+            f"{kind} orbit of {equations.periods} forcing "
+            f"period{'s' if equations.periods > 1 else ''}"
+        )
         # The largest multiplier is 1 - gap, written so that it differs from 1.
         near_one = gap is not None and abs(gap) <= 1e-5
         if gap is None:
@@ -363,16 +380,10 @@ def orbit_at(
         message += f", largest |multiplier| {size}"
         if stable is None:
             message += " (no neighbour need come nearer)"
-        else:
-            message += ""
         if near < inf:
             message += f", {near:.3g} in velocity away from grazing"
-        else:
-            message += ""
         if repeated > 1:
             message += f"; it runs {repeated} times through a shorter orbit"
-        else:
-            message += ""
     return PeriodicOrbit(
         parameters=equations.parameters,
         word=word,
@@ -419,9 +430,8 @@ def _begun_at(points: np.ndarray, first: int, turn: float) -> np.ndarray:
 
 
 def _other_motion_text(equations: ClosingEquations, resting: bool = False) -> str:
-    """Describe the motion that exists instead of the orbit.
-
-    With `resting`, look for positions of rest first.
+    """Describe the motion that exists instead of the orbit; with `resting`, look for positions of
+    rest first.
     """
     for boundary in {piece.start for piece in equations.pieces if piece.sticks and resting}:
         if rest_positions(equations.parameters, boundary) is not None:
@@ -491,7 +501,7 @@ def _read_guess(guess: Any, equations: ClosingEquations, periods: int | None) ->
     return Guess(np.column_stack([values[:, 1], theta]), count, inf)
 
 
-# -- guesses -----------------------------------------------------------------------------------------------------------
+# -- guesses ---------------------------------------------------------------------------------------
 
 
 class Run(NamedTuple):
@@ -507,7 +517,9 @@ class Run(NamedTuple):
 
 
 class Guess(NamedTuple):
-    """A guess of an orbit: points (x, theta), the number of periods after which they close, and the closing error."""
+    """A guess of an orbit: points (x, theta), the number of periods after which they close, and the
+    closing error.
+    """
 
     points: np.ndarray
     periods: int
@@ -559,7 +571,9 @@ def settling(
 
 
 def _words_of_a_period(equations: ClosingEquations, run: Run) -> list[Word]:
-    """Return the words that a simulated motion runs through in one period of an orbit, the latest first."""
+    """Return the words that a simulated motion runs through in one period of an orbit, the latest
+    first.
+    """
     begin = equations.word.labels[0]
     found = list[Word]()
     phases = run.points[:, 1]
@@ -583,17 +597,14 @@ def _words_of_a_period(equations: ClosingEquations, run: Run) -> list[Word]:
             word = read_word(Word(part[i:] + part[:i]))
             if word not in found:
                 found += [word]
-            else:
-                found += []
         if len(found) >= 6:
             break
     return found
 
 
 def resting_text(parameters: Parameters, mode: int, what: str = "the motion comes to rest") -> str:
-    """Describe where a motion ends that stays in `mode` for ever.
-
-    If it can rest in an interval, begin with `what`.
+    """Describe where a motion ends that stays in `mode` for ever; if it can rest in an interval,
+    begin with `what`.
     """
     if mode <= 3:
         return f"the motion ends up in Omega{mode} and meets no belt any more"
@@ -607,7 +618,9 @@ def resting_text(parameters: Parameters, mode: int, what: str = "the motion come
 def guesses_of_word(
     run: Run, labels: tuple[str, ...], periods: int | None, size: float
 ) -> list[Guess]:
-    """Return a guess from each part of the motion `run` that follows the mappings `labels`, with its closing error."""
+    """Return a guess from each part of the motion `run` that follows the mappings `labels`, with
+    its closing error.
+    """
     n = len(labels)
     found = []
     for k in range(len(run.labels) - n + 1):
@@ -625,16 +638,17 @@ def guesses_of_word(
 
 
 def largest_displacement(equations: ClosingEquations) -> tuple[float, float]:
-    """Return the centre of the motion, and the largest displacement that forces or resonance can cause (k > 0)."""
+    """Return the centre of the motion, and the largest displacement that forces or resonance can
+    cause (k > 0).
+    """
     K = equations.K
     reach = (abs(K.f0) + max(abs(K.A1 - K.A3), K.cm * max(abs(K.belt1.v), abs(K.belt2.v)))) / K.w0sq
     return 0.5 * (K.A1 + K.A3) / K.w0sq, float(max(reach, K.V0 / K.Om))
 
 
 def from_simulations(equations: ClosingEquations, periods: int | None) -> Iterator[Guess]:
-    """Yield guesses from simulated motions that start on the word's belts.
-
-    Of every eight starts the four best.
+    """Yield guesses from simulated motions that start on the word's belts: of every eight starts
+    the four best.
     """
     # They start at 7 positions, in units of the largest displacement expected, at 8 phases.
     centre, size = largest_displacement(equations)
@@ -650,9 +664,8 @@ def from_simulations(equations: ClosingEquations, periods: int | None) -> Iterat
 
 
 def evenly_spaced(equations: ClosingEquations, periods: int) -> Iterator[Guess]:
-    """Yield guesses for a word that no simulation follows.
-
-    Equally spaced phases on a harmonic motion.
+    """Yield guesses for a word that no simulation follows: equally spaced phases on a harmonic
+    motion.
     """
     (centre, size) = largest_displacement(equations)
     n = len(equations.pieces)

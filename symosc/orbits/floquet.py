@@ -54,7 +54,9 @@ NEAR_ONE = 1e-9  # a multiplier this near to the unit circle is computed again w
 
 
 def multipliers_of(equations: ClosingEquations, points: Points) -> tuple[Number, Number]:
-    """Return the multipliers of the orbit through `points` (x, theta), in the arithmetic of `equations`."""
+    """Return the multipliers of the orbit through `points` (x, theta), in the arithmetic of
+    `equations`.
+    """
     # The matrix is that of perturbations (dx, dv) just after the first switching point.
     K = equations.K
     pieces = equations.pieces
@@ -110,9 +112,8 @@ def multipliers(
 def stability_margin(
     equations: ClosingEquations, points: Points, values: tuple[Number, Number]
 ) -> float | None:
-    """Return 1 - max |value|, > 0 if the orbit with the multipliers `values` is stable.
-
-    None if marginal (< 1e-25).
+    """Return 1 - max |value|, > 0 if the orbit with the multipliers `values` is stable; None if
+    marginal (< 1e-25).
     """
     gap = float(1 - max(abs(value) for value in values))
     if abs(gap) > NEAR_ONE:
@@ -128,7 +129,9 @@ def stability_margin(
 
 
 def rest_positions(parameters: Parameters, boundary: int) -> tuple[Fraction, Fraction] | None:
-    """Return the lowest and highest x at which the mass may rest on a belt forever, or None if it cannot."""
+    """Return the lowest and highest x at which the mass may rest on a belt forever, or None if it
+    cannot.
+    """
     # The belt has to be at rest, and F^(below) >= 0 >= F^(above) has to hold at every phase.
     if parameters.belt(boundary) != 0 or parameters.k == 0:
         return None

@@ -241,7 +241,8 @@ class PeriodicOrbit(Drawable):
 
     @public
     def sensitivities(self, wrt: str | Sequence[str]) -> OrbitSensitivities:
-        """Return the derivatives of the switching points and multipliers with respect to parameters.
+        """Return the derivatives of the switching points and multipliers with respect to
+        parameters.
 
         They are difference quotients of orbits whose parameter is larger and smaller by 1e-15 of
         its size. These orbits are found with 50 digits, so the quotients are right to about 20
@@ -300,7 +301,8 @@ class PeriodicOrbit(Drawable):
 
     @public
     def approach(self, scene: Scene | SceneName, within: NumberLike = 1e-6) -> Approach:
-        """Return how far a scene's start is from the orbit, and when its motion comes within `within` of the orbit.
+        """Return how far a scene's start is from the orbit, and when its motion comes within
+        `within` of the orbit.
 
         Raises
         ------
@@ -371,7 +373,9 @@ class PeriodicOrbit(Drawable):
 
 
 def _neighbour(orbit: PeriodicOrbit, name: str, value: Fraction) -> list[Any]:
-    """Return times, positions and multipliers, in one list, of the word's orbit at another value of `name`."""
+    """Return times, positions and multipliers, in one list, of the word's orbit at another value of
+    `name`.
+    """
     parameters = orbit.parameters.replace(**{name: value})
     equations = ClosingEquations(parameters, Word(orbit.labels), orbit.periods, 50)
     solution = polish(

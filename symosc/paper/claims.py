@@ -1,4 +1,6 @@
-"""The paper's statements as data (claims.toml), the evidence of their checks, and the numbered parts of the paper."""
+"""The paper's statements as data (claims.toml), the evidence of their checks, and the numbered
+parts of the paper.
+"""
 
 from __future__ import annotations
 
@@ -40,9 +42,8 @@ OPTIONAL = ("check", "see", "verdict", "correction", "remark")
 
 @dataclass(frozen=True)
 class Evidence:
-    """The result of a check.
-
-    A verdict computed from its numbers, one or two sentences, and the numbers as text.
+    """The result of a check: a verdict computed from its numbers, one or two sentences, and the
+    numbers as text.
     """
 
     verdict: str
@@ -60,7 +61,9 @@ class Evidence:
 
 
 def verdict(as_printed: object, corrected: object = False) -> str:
-    """Return CONFIRMED if a statement holds as printed, CORRECTED if it holds when corrected, else NOT_AS_PRINTED."""
+    """Return CONFIRMED if a statement holds as printed, CORRECTED if it holds when corrected, else
+    NOT_AS_PRINTED.
+    """
     if as_printed:
         return CONFIRMED
     if corrected:
@@ -71,7 +74,9 @@ def verdict(as_printed: object, corrected: object = False) -> str:
 def evidence(
     right: object, finding: str, numbers: dict[str, Any], if_right: str = CONFIRMED
 ) -> Evidence:
-    """Return evidence with the verdict `if_right` and this finding if `right` is true, else with NOT_AS_PRINTED."""
+    """Return evidence with the verdict `if_right` and this finding if `right` is true, else with
+    NOT_AS_PRINTED.
+    """
     if right:
         return Evidence(if_right, finding, numbers)
     return Evidence(NOT_AS_PRINTED, "Its numbers refute it.", numbers)
@@ -105,9 +110,8 @@ class Claim(NamedTuple):
 
 
 class Unjudged(NamedTuple):
-    """A part of the paper without a verdict.
-
-    Its place, its content, and why no verdict is possible.
+    """A part of the paper without a verdict: its place, its content, and why no verdict is
+    possible.
     """
 
     source: str
@@ -178,7 +182,9 @@ def read_claims(
 
 
 def _check_texts(where: str, table: dict[str, Any]) -> None:
-    """Raise RecordsError if a claim's table lacks a required entry, has an unknown one, or one that is not text."""
+    """Raise RecordsError if a claim's table lacks a required entry, has an unknown one, or one that
+    is not text.
+    """
     if not set(REQUIRED) <= set(table) <= {*REQUIRED, *OPTIONAL}:
         said = f"must have {', '.join(REQUIRED)}, and may have {', '.join(OPTIONAL)}"
         raise RecordsError(where, f"has {', '.join(table)}; {said}")
@@ -196,7 +202,9 @@ def _check_texts(where: str, table: dict[str, Any]) -> None:
 
 
 def _check_call(where: str, package: str, text: str) -> Callable[[], Evidence]:
-    """Return the function call that a text such as "motions.together(FIG5, 1)" describes, ready to be run."""
+    """Return the function call that a text such as "motions.together(FIG5, 1)" describes, ready to
+    be run.
+    """
     name, _, arguments = text.partition("(")
     module, _, function = name.rpartition(".")
     try:
@@ -256,9 +264,8 @@ _NUMBER = r"(,? and |, | to | )[(]?(\d+)(?:[.]\d+)?[)]?"
 
 
 def items_of(source: str) -> list[str]:
-    """Return the sections, equations, lemmas, theorems and figures that a text like "eqs.
-
-    (26), (32) to (34)" names.
+    """Return the sections, equations, lemmas, theorems and figures that a text like "eqs. (26),
+    (32) to (34)" names.
     """
     if "Abstract" in source:
         found = ["Abstract"]

@@ -1,7 +1,4 @@
-"""The paper's Figs. 1 to 4.
-
-The model, the friction force, the phase plane and the eight mappings.
-"""
+"""The paper's Figs. 1 to 4: the model, the friction force, the phase plane and the eight mappings."""
 
 from __future__ import annotations
 
@@ -101,10 +98,7 @@ def _draw_arrow(
 
 
 def _draw_belt(ax: Axes, side: int, number: int) -> None:
-    """Draw a belt above (side 1) or below (-1) the mass.
-
-    Its strand at the mass moves to the right.
-    """
+    """Draw a belt above (side 1) or below (-1) the mass: its strand at the mass moves to the right."""
     contact = 0.9
     radius = 0.7
     centres = (3.6, 8.9)
@@ -143,7 +137,9 @@ def _draw_belt(ax: Axes, side: int, number: int) -> None:
 
 @rc_context(STYLE)
 def fig2() -> Figure:
-    """Return Fig. 2, the friction force F_f against the velocity, an interval at each belt's speed (eq. (1))."""
+    """Return Fig. 2, the friction force F_f against the velocity, an interval at each belt's speed
+    (eq. (1)).
+    """
     p = load_scene("fig5").parameters
     v1 = float(p.v1)
     v2 = float(p.v2)
@@ -196,7 +192,9 @@ def fig2() -> Figure:
 
 @rc_context(STYLE)
 def fig3() -> Figure:
-    """Return Fig. 3, the phase plane with its domains and boundaries, and the direction of motion at t = 0."""
+    """Return Fig. 3, the phase plane with its domains and boundaries, and the direction of motion
+    at t = 0.
+    """
     p = load_scene("fig5").parameters
     v1 = float(p.v1)
     v2 = float(p.v2)
@@ -252,7 +250,9 @@ def fig3() -> Figure:
 
 
 def sticking_interval(p: Parameters, belt: int) -> tuple[float, float]:
-    """Return the ends of the interval of x in which the mass sticks to a belt at phase 0 (Theorem 4)."""
+    """Return the ends of the interval of x in which the mass sticks to a belt at phase 0 (Theorem
+    4).
+    """
     ends = [(p.A(alpha) + p.B0 - p.c * p.belt(belt)) / p.k for alpha in reversed(NEIGHBOURS[belt])]
     return float(ends[0]), float(ends[1])
 
@@ -283,9 +283,8 @@ ENDS = (("o", ONSET_COLOR), ("s", END_COLOR))
 
 
 def mapping_motion(label: str) -> Trajectory:
-    """Return the motion of Fig.
-
-    4 that is one mapping: it starts on the mapping's plane and ends at its first event.
+    """Return the motion of Fig. 4 that is one mapping: it starts on the mapping's plane and ends at
+    its first event.
     """
     x, t, _ = MAPPINGS[label]
     speed = MAPPING_PARAMETERS.belt(MAPS[label].start.boundary)
@@ -294,7 +293,9 @@ def mapping_motion(label: str) -> Trajectory:
 
 @rc_context(STYLE)
 def fig4() -> Figure:
-    """Return Fig. 4, the basic mappings P1 to P8 in the phase plane, each a motion of the same oscillator."""
+    """Return Fig. 4, the basic mappings P1 to P8 in the phase plane, each a motion of the same
+    oscillator.
+    """
     p = MAPPING_PARAMETERS
     v1 = float(p.v1)
     v2 = float(p.v2)

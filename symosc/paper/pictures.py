@@ -1,6 +1,5 @@
-"""The pictures of the report, with their texts.
-
-The paper's figures, as printed and corrected, and its Theorem 7.
+"""The pictures of the report, with their texts: the paper's figures, as printed and corrected, and
+its Theorem 7.
 
 Figs. 5 to 10 have the paper's panels, order and colours, with dots where its text puts them: belts
 are black and the mass is red; blue circles and green squares are onset and end of a stick (in Fig.
@@ -75,7 +74,9 @@ POWERS = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
 
 
 class Picture(NamedTuple):
-    """A figure of the report, with its heading and a sentence (`alt`) for readers who do not see it."""
+    """A figure of the report, with its heading and a sentence (`alt`) for readers who do not see
+    it.
+    """
 
     key: str
     title: str
@@ -90,9 +91,8 @@ class Picture(NamedTuple):
 
 
 def number(value: float, digits: int = 5) -> str:
-    """Return a number as captions show it.
-
-    Rounded to `digits` digits, with a minus sign and a power of ten.
+    """Return a number as captions show it: rounded to `digits` digits, with a minus sign and a
+    power of ten.
     """
     mantissa, _, exponent = f"{value:.{digits}g}".partition("e")
     mantissa = mantissa.replace("-", "−")
@@ -140,25 +140,33 @@ def _span(contact: Contact) -> str:
 
 
 MODEL = (
-    "The mass m on a spring k and a damper c is driven by A0 + B0 cos Ωt and pressed with the force FN between "
-    "belt 1, which moves with v1, and belt 2, which moves with v2 > v1. The friction coefficients are μ1 and μ2."
+    "The mass m on a spring k and a damper c is driven by A0 + B0 cos Ωt and pressed with the "
+    "force FN between "
+    "belt 1, which moves with v1, and belt 2, which moves with v2 > v1. The friction "
+    "coefficients are μ1 and μ2."
 )
 FRICTION = (
-    "The friction force of both belts against the velocity of the mass: it jumps by 2 μ1 FN at v1 and by 2 μ2 FN "
+    "The friction force of both belts against the velocity of the mass: it jumps by 2 μ1 FN at "
+    "v1 and by 2 μ2 FN "
     "at v2, where it takes any value in between while the mass sticks (blue)."
 )
 DOMAINS = (
-    "The phase plane with the domains Ω1 (ẋ < v1), Ω2 (v1 < ẋ < v2) and Ω3 (ẋ > v2), and the boundaries ∂Ω12 "
-    "(ẋ = v1) and ∂Ω23 (ẋ = v2). Arrows: the direction of the motion at t = 0; blue: where the mass then sticks to "
+    "The phase plane with the domains Ω1 (ẋ < v1), Ω2 (v1 < ẋ < v2) and Ω3 (ẋ > v2), and the "
+    "boundaries ∂Ω12 "
+    "(ẋ = v1) and ∂Ω23 (ẋ = v2). Arrows: the direction of the motion at t = 0; blue: where the "
+    "mass then sticks to "
     "a belt (Theorem 4)."
 )
 MAPPINGS = (
-    "The mappings from one switching (circle) to the next (square): P1 and P4 are sticks, P2 and P3 return to "
+    "The mappings from one switching (circle) to the next (square): P1 and P4 are sticks, P2 and "
+    "P3 return to "
     "belt 1, P5 and P6 to belt 2, P7 leads from belt 2 to belt 1 and P8 from belt 1 to belt 2."
 )
 PRODUCTS = (
-    "The product of the forces per mass on both sides of the belt that the motion switches at: (a) Fig. 5, belt 1, "
-    "(b) Fig. 6, belt 2, (c) Fig. 9, belt 1, (d) Fig. 10, belt 2. It is positive where the mass passes (triangle), "
+    "The product of the forces per mass on both sides of the belt that the motion switches at: "
+    "(a) Fig. 5, belt 1, "
+    "(b) Fig. 6, belt 2, (c) Fig. 9, belt 1, (d) Fig. 10, belt 2. It is positive where the mass "
+    "passes (triangle), "
     "negative while it sticks (shaded), and 0 where a stick ends (squares)."
 )
 
@@ -173,10 +181,7 @@ def start_and_period(name: str) -> tuple[float, float]:
 
 
 def printed_scene(name: str) -> str:
-    """Return the name of the printed scene for the name of a corrected one.
-
-    "fig7-exact" -> "fig7".
-    """
+    """Return the name of the printed scene for the name of a corrected one: "fig7-exact" -> "fig7"."""
     return name.partition("-")[0]
 
 
@@ -192,9 +197,8 @@ def printed_view(name: str) -> View:
 
 @lru_cache
 def several_periods_view(name: str) -> View:
-    """Return what Fig. 7(c), (d) show.
-
-    Several periods, with marks at both ends of period 1 and the first contact.
+    """Return what Fig. 7(c), (d) show: several periods, with marks at both ends of period 1 and the
+    first contact.
     """
     t0, T = start_and_period(name)
     view = view_of(simulate(name, t_end=t0 + SEVERAL_PERIODS * T), 1)
@@ -206,9 +210,8 @@ def several_periods_view(name: str) -> View:
 
 @lru_cache
 def grazing_view(name: str) -> View:
-    """Return what Fig. 8 shows.
-
-    A motion with a contact with belt 1, marked red, and a later stick on belt 1.
+    """Return what Fig. 8 shows: a motion with a contact with belt 1, marked red, and a later stick
+    on belt 1.
     """
     view = view_of(simulate(name, t_end=default_end(load_scene(printed_scene(name)))), 1)
     contact, *_, stick = _in_order(view)
@@ -222,7 +225,9 @@ def grazing_view(name: str) -> View:
 
 @lru_cache
 def orbit_view(name: str) -> View:
-    """Return a view of one period of the periodic orbit of scene `name`, from a little before the printed start on."""
+    """Return a view of one period of the periodic orbit of scene `name`, from a little before the
+    printed start on.
+    """
     t0, T = start_and_period(name)
     since = start_and_period(printed_scene(name))[0] - ORBIT_MARGIN * T
     # The orbit's own scene starts at a switching; with the period it is known at any time.
@@ -262,9 +267,8 @@ def _paper_form(panels: list[tuple[Panel, View]], columns: int, tall: int | None
 
 
 def printed_figure(name: str, columns: int = 2) -> Figure:
-    """Draw displacement, velocity, phase plane and forces; for Figs.
-
-    9 and 10 also forces against x and v.
+    """Draw displacement, velocity, phase plane and forces; for Figs. 9 and 10 also forces against x
+    and v.
     """
     if load_scene(name).structure:
         letters = "abcdef"
@@ -274,9 +278,8 @@ def printed_figure(name: str, columns: int = 2) -> Figure:
 
 
 def product_figure(columns: int = 2) -> Figure:
-    """Draw the products of both forces against time, of which section 6 speaks, for Figs.
-
-    5, 6, 9 and 10.
+    """Draw the products of both forces against time, of which section 6 speaks, for Figs. 5, 6, 9
+    and 10.
     """
     return _paper_form(
         [(PANELS["g"], printed_view(name)) for name in ("fig5", "fig6", "fig9", "fig10")], columns
@@ -299,8 +302,10 @@ def stick_caption(name: str) -> str:
         f"t = {_span(stick)} (ended by {force_names(into[stick.until])} = 0)" for stick in sticks
     ]
     return (
-        f"As printed. (a) Displacement, (b) velocity, (c) phase plane, (d) {_forces(view)}, shaded where the mass "
-        f"sticks to belt {view.boundary}. Red: the mass; black: the belts. {MARKS} The mass sticks from "
+        f"As printed. (a) Displacement, (b) velocity, (c) phase plane, (d) {_forces(view)}, "
+        "shaded where the mass "
+        f"sticks to belt {view.boundary}. Red: the mass; black: the belts. {MARKS} The mass "
+        "sticks from "
         f"{', '.join(spans)}. {stick_signs(view, sticks)} {parameters_and_start(name)}"
     )
 
@@ -320,7 +325,8 @@ def stick_signs(view: View, sticks: list[Contact]) -> str:
 def motion_caption(name: str) -> str:
     """Return the caption of Fig. 9 or 10 from the printed start."""
     return (
-        f"As printed. {_panels_text(printed_view(name))} The printed start is not on the periodic orbit: "
+        f"As printed. {_panels_text(printed_view(name))} The printed start is not on the "
+        "periodic orbit: "
         f"{_distance_text(f'{name}-orbit')} {parameters_and_start(name)}"
     )
 
@@ -328,7 +334,8 @@ def motion_caption(name: str) -> str:
 def _panels_text(view: View) -> str:
     sticks = any(event.kind == "stick" for event in view.trajectory.events)
     return (
-        f"(a) Displacement, (b) velocity, (c) phase plane, (d) to (f) {_forces(view)} against time, displacement and "
+        f"(a) Displacement, (b) velocity, (c) phase plane, (d) to (f) {_forces(view)} against "
+        "time, displacement and "
         f"velocity. {MARKS if sticks else 'Triangles: the mass passes a belt.'}"
     )
 
@@ -337,8 +344,10 @@ def _distance_text(orbit: str) -> str:
     scene = load_scene(orbit)
     away = find_orbit(scene.parameters, str(scene.structure)).approach(printed_scene(orbit))
     return (
-        f"it differs by {number(away.dt, 3)} in t and {number(away.dx, 3)} in x from the orbit's nearest switching "
-        f"point, and the motion from it is within {number(away.within)} of the orbit after {away.periods} periods."
+        f"it differs by {number(away.dt, 3)} in t and {number(away.dx, 3)} in x from the orbit's "
+        "nearest switching "
+        f"point, and the motion from it is within {number(away.within)} of the orbit after "
+        f"{away.periods} periods."
     )
 
 
@@ -346,7 +355,9 @@ def _distance_text(orbit: str) -> str:
 
 
 def grazing_figure_P2(name: str, columns: int = 2) -> Figure:
-    """Draw Fig. 7: (a) displacement and (b) velocity in the first period, (c) velocity later on, (d) phase plane."""
+    """Draw Fig. 7: (a) displacement and (b) velocity in the first period, (c) velocity later on,
+    (d) phase plane.
+    """
     several = several_periods_view(name)
     (t0, T) = start_and_period(name)
     magnified = _in_order(view_of(several.trajectory, 1))[:1]
@@ -357,9 +368,8 @@ def grazing_figure_P2(name: str, columns: int = 2) -> Figure:
 
 
 def _velocity_and_gap(ax: Axes, view: View) -> None:
-    """Draw panel (b), velocity over time.
-
-    If the mass never reaches a belt, a bar marks the gap that is left.
+    """Draw panel (b), velocity over time; if the mass never reaches a belt, a bar marks the gap
+    that is left.
     """
     PANELS["b"](ax, view)
     if view.trajectory.events:
@@ -381,9 +391,8 @@ def _velocity_and_gap(ax: Axes, view: View) -> None:
 
 
 def _velocity_of_periods(ax: Axes, view: View, start: float, period: float) -> None:
-    """Draw panel (c) of Fig.
-
-    7: the velocity over several periods, each beginning with a dotted line.
+    """Draw panel (c) of Fig. 7: the velocity over several periods, each beginning with a dotted
+    line.
     """
     _velocity_and_gap(ax, view)
     for time in np.arange(start, view.t[-1] + period / 2, period):
@@ -409,20 +418,26 @@ def grazing_P2_caption(name: str) -> str:
     if contacts:
         shift = number(float((printed.A0 - p.A0) / p.k))
         what = (
-            f"With A0 = {show(p.A0)} instead of {show(printed.A0)}. {_contact_text(view, contacts[0])} (The same "
+            f"With A0 = {show(p.A0)} instead of {show(printed.A0)}. "
+            f"{_contact_text(view, contacts[0])} (The same "
             f"motion, moved by {shift} in x, has A0 = {show(printed.A0)}.) {STAR}"
         )
     else:
         t, v = largest_velocity(view)
         what = (
-            f"As printed, with A0 = {show(p.A0)}: in {SEVERAL_PERIODS:g} periods the mass does not reach belt 1 and "
-            f"nothing grazes; its largest velocity is {number(v)} at t = {number(t)}, below v1 = {show(p.v1)}."
+            f"As printed, with A0 = {show(p.A0)}: in {SEVERAL_PERIODS:g} periods the mass does "
+            "not reach belt 1 and "
+            f"nothing grazes; its largest velocity is {number(v)} at t = {number(t)}, below v1 = "
+            f"{show(p.v1)}."
         )
     x, v = view.trajectory(t0 + T) - view.trajectory(t0)
     return (
-        f"{what} (a) Displacement of the mass (red) and of the points of belt 1 that it meets at the marks (black), "
-        f"(b) velocity, (c) velocity for several periods (dotted lines: one period apart), (d) phase plane. Circle and "
-        f"square: start and end of the first period, in which (x, ẋ) changes by ({number(x)}, {number(v)}). "
+        f"{what} (a) Displacement of the mass (red) and of the points of belt 1 that it meets at "
+        "the marks (black), "
+        "(b) velocity, (c) velocity for several periods (dotted lines: one period apart), (d) "
+        "phase plane. Circle and "
+        f"square: start and end of the first period, in which (x, ẋ) changes by ({number(x)}, "
+        f"{number(v)}). "
         f"{parameters_and_start(name)}"
     )
 
@@ -447,9 +462,12 @@ def grazing_P3_caption(name: str) -> str:
     view = grazing_view(name)
     contact, stick = view.contacts
     return (
-        f"{_contact_text(view, contact)} {STAR} (a) Displacement of the mass (red) and of the points of belt 1 "
-        f"that it meets (black), (b) velocity, (c) velocity near the later stick, (d) phase plane. {MARKS} The later "
-        f"stick lasts from t = {_span(stick)}. {stick_signs(view, [stick])} {parameters_and_start(name)}"
+        f"{_contact_text(view, contact)} {STAR} (a) Displacement of the mass (red) and of the "
+        "points of belt 1 "
+        "that it meets (black), (b) velocity, (c) velocity near the later stick, (d) phase "
+        f"plane. {MARKS} The later "
+        f"stick lasts from t = {_span(stick)}. {stick_signs(view, [stick])} "
+        f"{parameters_and_start(name)}"
     )
 
 
@@ -457,19 +475,20 @@ def _contact_text(view: View, contact: Contact) -> str:
     """Return a sentence about a contact with belt 1."""
     x = number(float(view.trajectory(contact.since)[0]), 7)
     if contact.since == contact.until:
-        return f"From the exact start the mass grazes belt 1 at t = {number(contact.since, 9)}, x = {x}."
+        return (
+            f"From the exact start the mass grazes belt 1 at t = {number(contact.since, 9)}, x = "
+            f"{x}."
+        )
     length = number(1e3 * (contact.until - contact.since), 3)
     return (
-        f"From the printed start the mass does not graze belt 1 but sticks to it at t = {number(contact.since, 7)}, "
+        "From the printed start the mass does not graze belt 1 but sticks to it at t = "
+        f"{number(contact.since, 7)}, "
         f"x = {x} for {length}·10⁻³."
     )
 
 
 def orbit_figure(name: str, columns: int = 2) -> Figure:
-    """Draw one period of the periodic orbit in the form of Figs.
-
-    9 and 10, with the printed start.
-    """
+    """Draw one period of the periodic orbit in the form of Figs. 9 and 10, with the printed start."""
     scene = load_scene(printed_scene(name))
     panels = dict(PANELS)
     t, x, v = (float(value) for value in (scene.t0, scene.x0, scene.v0))
@@ -479,9 +498,8 @@ def orbit_figure(name: str, columns: int = 2) -> Figure:
 
 
 def _draw_with_start(ax: Axes, view: View, panel: Panel, start: tuple[float, float]) -> None:
-    """Draw a panel with a diamond at the printed start.
-
-    If an event is close, panel (c) gets a magnified inset.
+    """Draw a panel with a diamond at the printed start; if an event is close, panel (c) gets a
+    magnified inset.
     """
     panel(ax, view)
     low, high = ax.get_ylim()
@@ -520,8 +538,10 @@ def orbit_caption(orbit: str) -> str:
         f"({number(float(event.t), 7)}, {number(float(event.x), 7)})" for event in once
     )
     return (
-        f"The periodic orbit {load_scene(orbit).structure} with its period T = {number(T, 7)}. {_panels_text(view)} It "
-        f"switches at (t, x) = {points}. Diamond: the start printed in the paper; {_distance_text(orbit)} "
+        f"The periodic orbit {load_scene(orbit).structure} with its period T = {number(T, 7)}. "
+        f"{_panels_text(view)} It "
+        f"switches at (t, x) = {points}. Diamond: the start printed in the paper; "
+        f"{_distance_text(orbit)} "
         f"{parameters_and_start(orbit)}"
     )
 
@@ -534,7 +554,9 @@ WINDOW_SCENES = {"P2": "fig7-exact", "P3": "fig8-exact", "P5": "fig10", "P6": "f
 
 
 def window_parameters(mapping: str) -> tuple[Parameters, Fraction, Parameters]:
-    """Return a mapping's parameters, the belt speed with |gamma| = B0 Omega/m, and parameters to sweep this speed."""
+    """Return a mapping's parameters, the belt speed with |gamma| = B0 Omega/m, and parameters to
+    sweep this speed.
+    """
     p = load_scene(WINDOW_SCENES[mapping]).parameters
     equality = abs(p.B0) * p.Omega / p.k
     far = 2 * equality + 1  # the window is independent of the other belt's speed
@@ -542,9 +564,8 @@ def window_parameters(mapping: str) -> tuple[Parameters, Fraction, Parameters]:
 
 
 def window_graze(mapping: str) -> Event | None:
-    """Return the first graze in a mapping's scene at the mapping's belt and from its domain.
-
-    None if there is none.
+    """Return the first graze in a mapping's scene at the mapping's belt and from its domain; None
+    if there is none.
     """
     where = place(mapping)
     events = simulate(WINDOW_SCENES[mapping]).events
@@ -555,7 +576,9 @@ def window_graze(mapping: str) -> Event | None:
 
 
 def window_sweep(mapping: str) -> Figure:
-    """Draw the grazing phases of a mapping against the belt's speed, and mark those that Theorem 7 leaves out."""
+    """Draw the grazing phases of a mapping against the belt's speed, and mark those that Theorem 7
+    leaves out.
+    """
     where = place(mapping)
     (p, equality, free) = window_parameters(mapping)
     drawing = sweep_figure(
@@ -567,7 +590,8 @@ def window_sweep(mapping: str) -> Figure:
     for area in axes.collections:
         area.set_linewidth(1.0)  # no seam where two areas meet
     names = {
-        "given value": f"$v_{where.boundary}$ in Fig. {printed_scene(WINDOW_SCENES[mapping]).removeprefix('fig')}",
+        "given value": f"$v_{where.boundary}$ in Fig. "
+        f"{printed_scene(WINDOW_SCENES[mapping]).removeprefix('fig')}",
         "belongs to it": f"grazes, not in ({where.equation})",
         "does not belong to it": "does not graze",
     }
@@ -598,7 +622,9 @@ def window_sweep(mapping: str) -> Figure:
 
 
 def window_caption(mapping: str) -> str:
-    """Return the caption of the figure of a mapping's grazing phases against the belt's speed (Theorem 7)."""
+    """Return the caption of the figure of a mapping's grazing phases against the belt's speed
+    (Theorem 7).
+    """
     where = place(mapping)
     graze = window_graze(mapping)
     p, equality, free = window_parameters(mapping)
@@ -611,10 +637,14 @@ def window_caption(mapping: str) -> str:
     critical = "Θ^{cr}"
     figure = printed_scene(WINDOW_SCENES[mapping]).removeprefix("fig")
     caption = (
-        f"Theorem 7, eq. ({where.equation}): the phases mod(Ωtₘ, 2π) at which {mapping}, a motion in domain "
-        f"{where.domain}, grazes belt {where.boundary} (shaded), against the belt's speed {speed}, which makes "
-        f"γ = k {speed}/m and so the case of the theorem. Dashed: {critical} = arcsin(−γ m/(B0 Ω)) and π − {critical}, "
-        f"which do not belong to it; dots: |γ| = B0 Ω/m, where a full one grazes and an open one does not. "
+        f"Theorem 7, eq. ({where.equation}): the phases mod(Ωtₘ, 2π) at which {mapping}, a "
+        "motion in domain "
+        f"{where.domain}, grazes belt {where.boundary} (shaded), against the belt's speed "
+        f"{speed}, which makes "
+        f"γ = k {speed}/m and so the case of the theorem. Dashed: {critical} = arcsin(−γ m/(B0 "
+        f"Ω)) and π − {critical}, "
+        "which do not belong to it; dots: |γ| = B0 Ω/m, where a full one grazes and an open one "
+        "does not. "
         f"Dotted: {speed} in Fig. {figure}, case {case} of ({where.equation}){red}. "
     )
     at_equality = free.replace(**{speed: where.side * equality})
@@ -624,8 +654,10 @@ def window_caption(mapping: str) -> str:
         quarters = Fraction(printed.ends[0] / pi).limit_denominator(4)
         phase = f"{quarters.numerator if quarters.numerator > 1 else ''}π/{quarters.denominator}"
         caption += (
-            f"At the full dot, {speed} = {number(float(where.side * equality))}, {phase}, the force and its first two "
-            f"derivatives vanish and the third decides: it grazes, though ({where.equation}) as printed leaves it out. "
+            f"At the full dot, {speed} = {number(float(where.side * equality))}, {phase}, the "
+            "force and its first two "
+            f"derivatives vanish and the third decides: it grazes, though ({where.equation}) as "
+            "printed leaves it out. "
         )
     return f"{caption}{listed_parameters(p)}."
 
@@ -638,7 +670,8 @@ FORMS = {"": "", "corrected": ", corrected", "exact": ", exact start", "orbit": 
 #: do not see it. From Fig. 5 on the key is the scene that is drawn.
 FIGURES: list[tuple[str, str, Callable[..., Figure], Callable[..., str], str]] = [
     ("fig1", "physical model", fig1, partial(str, MODEL),
-     "A block on a spring and a damper is pressed between two belts that move at different speeds."),
+     "A block on a spring and a damper is pressed between two belts that move at different "
+     "speeds."),
     ("fig2", "friction force", fig2, partial(with_parameters, FRICTION, "fig5"),
      "The friction force is a staircase of three levels with a vertical jump at each belt speed."),
     ("fig3", "domains and boundaries", fig3, partial(with_parameters, DOMAINS, "fig5"),
@@ -648,25 +681,31 @@ FIGURES: list[tuple[str, str, Callable[..., Figure], Callable[..., str], str]] =
     ("fig5", "stick on belt 1", printed_figure, stick_caption,
      "The mass starts at rest, sticks to belt 1 three times and slips off it in between."),
     ("fig6", "stick on belt 2", printed_figure, stick_caption,
-     "The mass sticks to belt 2 from the start, slips, slows down between the belts and sticks to belt 1."),
+     "The mass sticks to belt 2 from the start, slips, slows down between the belts and sticks "
+     "to belt 1."),
     ("fig7", "grazing of P2", grazing_figure_P2, grazing_P2_caption,
      "With the printed parameters the velocity of the mass stays below both belts."),
     ("fig7-corrected", "with A0 = 10", grazing_figure_P2, grazing_P2_caption,
-     "The velocity rises to belt 1, where an inset shows a very short stick, and stays below it from then on."),
+     "The velocity rises to belt 1, where an inset shows a very short stick, and stays below it "
+     "from then on."),
     ("fig7-exact", "the graze, with A0 = 10", grazing_figure_P2, grazing_P2_caption,
      "The velocity touches belt 1 from below in one point and stays below it from then on."),
     ("fig8", "grazing of P3, then a stick", grazing_figure_P3, grazing_P3_caption,
-     "The velocity falls to belt 1, where an inset shows a very short stick, swings up and falls to it again."),
+     "The velocity falls to belt 1, where an inset shows a very short stick, swings up and falls "
+     "to it again."),
     ("fig8-exact", "the graze, then a stick", grazing_figure_P3, grazing_P3_caption,
-     "The velocity touches belt 1 from above in one point, swings up and falls to it again, where it sticks."),
+     "The velocity touches belt 1 from above in one point, swings up and falls to it again, "
+     "where it sticks."),
     ("fig9", "non-stick periodic motion P32", printed_figure, motion_caption,
-     "The mass passes belt 1 upward and downward; its phase curve starts outside of the loop that it joins."),
+     "The mass passes belt 1 upward and downward; its phase curve starts outside of the loop "
+     "that it joins."),
     ("fig9-orbit", "the periodic orbit P32", orbit_figure, orbit_caption,
      "The orbit is a closed loop through belt 1; the printed start lies outside of it."),
     ("fig10", "stick periodic motion P4645", printed_figure, motion_caption,
      "The mass sticks to belt 2 twice in each period, between a swing below and a swing above it."),
     ("fig10-orbit", "the periodic orbit P4645", orbit_figure, orbit_caption,
-     "The orbit is a closed loop with two straight pieces on belt 2; the printed start lies close to it."),
+     "The orbit is a closed loop with two straight pieces on belt 2; the printed start lies "
+     "close to it."),
 ]  # fmt: skip
 
 
@@ -686,14 +725,20 @@ def _pictures() -> Iterator[Picture]:
             yield Picture(
                 *about, partial(build, key), partial(describe, key), partial(build, key, columns=1)
             )
-    alt = "Four curves of products, positive where the mass passes a belt and negative while it sticks to one."
+    alt = (
+        "Four curves of products, positive where the mass passes a belt and negative while it "
+        "sticks to one."
+    )
     about = "force-product", "Section 6: product of the forces", alt, None
     yield Picture(
         *about, product_figure, partial(str, PRODUCTS), partial(product_figure, columns=1)
     )
     for mapping in WINDOW_SCENES:
         title = f"Theorem 7, eq. ({place(mapping).equation}): when {mapping} grazes"
-        alt = f"The phases at which {mapping} grazes, against the belt's speed, lie between the two branches"
+        alt = (
+            f"The phases at which {mapping} grazes, against the belt's speed, lie between the two "
+            "branches"
+        )
         about = f"theorem7-{mapping.lower()}", title, f"{alt} of an arcsine.", None
         yield Picture(*about, partial(window_sweep, mapping), partial(window_caption, mapping))
 

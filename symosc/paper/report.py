@@ -44,17 +44,24 @@ BADGES = {
 }
 #: Words and symbols that the findings use without explaining them each time.
 NUMBER_MEANINGS = {
-    "F(1), F(2), F(3)": "The acceleration in each domain, eq. (9); F⁽ˡᵒ⁾ and F⁽ʰⁱ⁾ are those below and above a belt.",
-    "G⁽⁰⁾, G⁽¹⁾, G⁽²⁾, …": "F and its derivatives along the flow; G(1,2) is the first one in domain 2.",
+    "F(1), F(2), F(3)": "The acceleration in each domain, eq. (9); F⁽ˡᵒ⁾ and F⁽ʰⁱ⁾ are those "
+    "below and above a belt.",
+    "G⁽⁰⁾, G⁽¹⁾, G⁽²⁾, …": "F and its derivatives along the flow; G(1,2) is the first one in "
+    "domain 2.",
     "P1 to P8": "The motions from one contact with a belt to the next, Fig. 4. P32 is P2, then P3.",
-    "stick, slip, graze": "The mass begins to move with a belt; it leaves that belt; its velocity touches a belt's and "
+    "stick, slip, graze": "The mass begins to move with a belt; it leaves that belt; its "
+    "velocity touches a belt's and "
     "returns.",
-    "rational or exact contact": "Parameters, place and the sine and cosine of the phase are rational numbers: what "
+    "rational or exact contact": "Parameters, place and the sine and cosine of the phase are "
+    "rational numbers: what "
     "happens there is decided exactly, without rounding.",
-    "exact start": "A start with 40 digits from which the motion grazes at a round phase; it rounds to the printed one "
+    "exact start": "A start with 40 digits from which the motion grazes at a round phase; it "
+    "rounds to the printed one "
     "(in Fig. 8 up to the last digit).",
-    "by definition": "The paper lays it down, and this program as well: there is nothing to find out.",
-    "flown again": "Every stretch of a motion computed once more by another closed form in doubles, and what follows "
+    "by definition": "The paper lays it down, and this program as well: there is nothing to find "
+    "out.",
+    "flown again": "Every stretch of a motion computed once more by another closed form in "
+    "doubles, and what follows "
     "each contact decided by Theorems 4 and 5.",
     "residual": "What is left of an equation, 0 in theory, where computed numbers are put in.",
     "DOP853": "A Runge-Kutta method of order 8 in SciPy, as a second opinion.",
@@ -151,7 +158,9 @@ def write(folder: Path, texts: Mapping[str, str]) -> None:
 
 
 def render(template: str, context: Mapping[str, Any]) -> str:
-    """Return the text of a template in the folder `templates`, filled in with the values of `context`."""
+    """Return the text of a template in the folder `templates`, filled in with the values of
+    `context`.
+    """
     environment = Environment(
         loader=PackageLoader("symosc.paper"),
         autoescape=lambda name: name is not None and ".html" in name,

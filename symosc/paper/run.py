@@ -40,9 +40,8 @@ POOLS = 3
 
 
 class Done(NamedTuple):
-    """The result of a task: its value, or its error as text.
-
-    And the seconds of processor time that it took.
+    """The result of a task: its value, or its error as text; and the seconds of processor time that
+    it took.
     """
 
     value: Any = None
@@ -51,9 +50,8 @@ class Done(NamedTuple):
 
 
 class Drawn(NamedTuple):
-    """A picture as SVG text, its caption, and SVG text for phones.
-
-    If that is "", the first one serves for both.
+    """A picture as SVG text, its caption, and SVG text for phones; if that is "", the first one
+    serves for both.
     """
 
     svg: str
@@ -63,7 +61,9 @@ class Drawn(NamedTuple):
 
 @dataclass(frozen=True)
 class Plan:
-    """What a run does: the claims, pictures by key, chapters of the derivations, and the errata that claims show."""
+    """What a run does: the claims, pictures by key, chapters of the derivations, and the errata
+    that claims show.
+    """
 
     claims: tuple[Claim, ...]
     pictures: Mapping[str, Picture]
@@ -76,9 +76,8 @@ class Plan:
         return len(self.claims) + len(self.pictures) + len(self.chapters)
 
     def only(self, prefix: str) -> Plan:
-        """Return the plan for the claims whose ids begin with `prefix`, and their pictures.
-
-        Without derivations.
+        """Return the plan for the claims whose ids begin with `prefix`, and their pictures; without
+        derivations.
         """
         claims = tuple(claim for claim in self.claims if prefix and claim.id.startswith(prefix))
         if not claims:
@@ -96,9 +95,8 @@ class Plan:
 
 
 class Judged(NamedTuple):
-    """A claim and the result of its check.
-
-    A verdict (or ERROR), the finding (or the error), and the numbers.
+    """A claim and the result of its check: a verdict (or ERROR), the finding (or the error), and
+    the numbers.
     """
 
     claim: Claim
@@ -110,7 +108,9 @@ class Judged(NamedTuple):
 
 @dataclass(frozen=True)
 class Results:
-    """The results of a run: judged claims, pictures (each value a Drawn), and chapters (number of steps, HTML)."""
+    """The results of a run: judged claims, pictures (each value a Drawn), and chapters (number of
+    steps, HTML).
+    """
 
     plan: Plan
     judged: tuple[Judged, ...]
@@ -179,9 +179,13 @@ def run(
     for claim in plan.claims:
         found, error, seconds = done["claim", claim.id]
         if error:
-            verdict, finding, numbers = (ERROR, error, {})
+            verdict = ERROR
+            finding = error
+            numbers = {}
         else:
-            verdict, finding, numbers = (found.verdict, found.finding, found.numbers)
+            verdict = found.verdict
+            finding = found.finding
+            numbers = found.numbers
         judged.append(Judged(claim, verdict, finding, numbers, seconds))
     drawn = {key: done["picture", key] for key in plan.pictures}
     chapters = {subject: done["chapter", subject] for subject in plan.chapters}
@@ -234,7 +238,8 @@ def timed(task: Callable[[], Any]) -> Done:
     except Exception as error:
         last = traceback.extract_tb(error.__traceback__)[-1]
         done = Done(
-            error=f"{type(error).__name__}: {error} ({Path(last.filename).name}, line {last.lineno})"
+            error=f"{type(error).__name__}: {error} ({Path(last.filename).name}, line "
+            f"{last.lineno})"
         )
     return done._replace(seconds=process_time() - begin)
 

@@ -1,4 +1,5 @@
-"""Figures: of motions in the paper's panels (`figure`), branches, windows, grazing curves, cross-checks and so on.
+"""Figures: of motions in the paper's panels (`figure`), branches, windows, grazing curves,
+cross-checks and so on.
 
 May import: everything up to reference. matplotlib is loaded with a figure's module, not earlier.
 
@@ -71,7 +72,9 @@ DRAWN_BY = {
 
 
 def _draw(figure_name: str, answer: object, /, *given: Any, **options: Any) -> Any:
-    """Draw the result `answer` by the function `figure_name` of `symosc.plot`, with arguments `given`, `options`."""
+    """Draw the result `answer` by the function `figure_name` of `symosc.plot`, with arguments
+    `given`, `options`.
+    """
     return __getattr__(figure_name)(answer, *given, **options)
 
 

@@ -1,6 +1,5 @@
-"""Common parts of all figures.
-
-Style, a figure class for notebooks, axes given by the user, and files.
+"""Common parts of all figures: style, a figure class for notebooks, axes given by the user, and
+files.
 
 A figure is built without pyplot, so that nothing global changes and nothing stays open.
 """
@@ -62,7 +61,9 @@ class Drawing(Figure):
     """A matplotlib Figure that notebooks display."""
 
     def draw(self, renderer: Any) -> None:
-        """Draw the figure; in the first of the two passes that saving makes, only compute the layout."""
+        """Draw the figure; in the first of the two passes that saving makes, only compute the
+        layout.
+        """
         layout = self.get_layout_engine()
         if isinstance(layout, ConstrainedLayoutEngine) and self.canvas.is_saving():
             layout.execute(self)
@@ -79,7 +80,9 @@ class Drawing(Figure):
 
 @contextmanager
 def own_style() -> Iterator[None]:
-    """Apply STYLE to figures made in a `with` block, except for settings that the user has changed in rcParams."""
+    """Apply STYLE to figures made in a `with` block, except for settings that the user has changed
+    in rcParams.
+    """
     with rc_context(
         {name: value for name, value in STYLE.items() if rcParams[name] == rcParamsDefault[name]}
     ):
@@ -95,9 +98,8 @@ def axes_for(
     columns: int | None = None,
     letter_at: float | None = None,
 ) -> Iterator[tuple[Figure, Any]]:
-    """Yield a figure and a list of its axes.
-
-    New ones in the style of symosc or, if `ax` is given, its figure and `ax`.
+    """Yield a figure and a list of its axes: new ones in the style of symosc or, if `ax` is given,
+    its figure and `ax`.
 
     `size` in inches, `count`, `columns` and `letter_at` are for a new figure. It has `count` axes:
     in one row, or in `columns` with one common horizontal axis below. If they are several, letters
@@ -140,7 +142,8 @@ def panels_for(
     columns: int | None = None,
     letter_at: float | None = None,
 ) -> Iterator[tuple[Figure, Any]]:
-    """Make axes for the panels, call ``draw[letter](axes, answer)`` for each, and yield the figure and its axes.
+    """Make axes for the panels, call ``draw[letter](axes, answer)`` for each, and yield the figure
+    and its axes.
 
     `answer` is the result to draw. `panels` has the letters; None means all or, if the user gives
     `ax`, only the panel `alone`. A panel has this `size` in inches; `more` inches are added to the
@@ -160,7 +163,10 @@ def panels_for(
 
 
 def shown_name(name: str) -> str:
-    """Return a name that a user chose for a figure: no part of it is a formula, or a command of TeX."""
+    """Return a name that a user chose for a figure.
+
+    No part of it is a formula, or a command of TeX.
+    """
     if rcParams["text.usetex"]:
         letters = re.sub(r"\\letter\{\d+\}", r"\\symbol{92}", latex_text(name))
         return rf"\texttt{{{letters}}}"
@@ -193,7 +199,10 @@ def read_style(style: Any, figure: Callable[..., object]) -> Record:
             Line2D([], []).set(**{name: value})
         except AttributeError:
             known = [*signature(figure).parameters, *ArtistInspector(Line2D).get_setters()]
-            allowed = f"is no argument of this figure, and no property of matplotlib's lines{meant(name, known)}"
+            allowed = (
+                "is no argument of this figure, and no property of matplotlib's "
+                f"lines{meant(name, known)}"
+            )
             raise ParameterError(name, value, allowed) from None
         except (TypeError, ValueError) as error:
             raise ParameterError(
@@ -222,7 +231,9 @@ def write_above(ax: Axes, x: float, text: str, up: float = 4.0) -> None:
 
 
 def draw_belts(ax: Axes, speeds: Iterable[Any], low: float, high: float) -> None:
-    """Draw dashed lines, with names on the right, at those belt speeds that lie between `low` and `high`."""
+    """Draw dashed lines, with names on the right, at those belt speeds that lie between `low` and
+    `high`.
+    """
     for belt, speed in enumerate(map(float, speeds), 1):
         if low < speed < high:
             ax.axhline(speed, color="black", lw=0.8, ls=(0, (4, 2)))
@@ -237,9 +248,8 @@ def draw_belts(ax: Axes, speeds: Iterable[Any], low: float, high: float) -> None
 
 
 def legend_entries(axes: Iterable[Axes]) -> dict[str, Any]:
-    """Return what several axes show in a legend.
-
-    The drawn objects by their labels, each label once.
+    """Return what several axes show in a legend: the drawn objects by their labels, each label
+    once.
     """
     entries: dict[str, Any] = {}
     for ax in axes:
@@ -251,7 +261,9 @@ def legend_entries(axes: Iterable[Axes]) -> dict[str, Any]:
 def add_legend(
     drawing: Figure, ax: Axes | None, shown: dict[str, Any] | Iterable[Axes], columns: int
 ) -> None:
-    """Add a legend of `shown` (entries, or axes with them) to `ax` or, if None, in `columns` below the figure."""
+    """Add a legend of `shown` (entries, or axes with them) to `ax` or, if None, in `columns` below
+    the figure.
+    """
     if isinstance(shown, dict):
         entries = shown
     else:
@@ -269,9 +281,8 @@ def add_legend(
 
 
 def read_panels(panels: Any, known: Iterable[str], ax: Any = None, alone: str = "a") -> str:
-    """Return the letters of the panels.
-
-    None means all, or the panel `alone` for axes given by the user.
+    """Return the letters of the panels; None means all, or the panel `alone` for axes given by the
+    user.
 
     ParameterError unless they are different letters out of `known`, and a single one where axes are
     given.

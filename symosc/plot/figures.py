@@ -1,6 +1,5 @@
-"""Figures of motions and periodic orbits in the form of the paper's Figs.
-
-5 to 10, of branches and of borders.
+"""Figures of motions and periodic orbits in the form of the paper's Figs. 5 to 10, of branches and
+of borders.
 """
 
 from __future__ import annotations
@@ -173,7 +172,9 @@ def figure(
 
 
 def simulated(scene: Scene, t_end: NumberLike | None = None) -> Trajectory:
-    """Return the motion of a scene up to `t_end` or, if that is None, to the default end of its figure."""
+    """Return the motion of a scene up to `t_end` or, if that is None, to the default end of its
+    figure.
+    """
     if t_end is None:
         end = default_end(scene)
     else:
@@ -226,7 +227,9 @@ def orbit_figure(
 
 
 def simulate_orbit(orbit: PeriodicOrbit, periods: float) -> Trajectory:
-    """Return the motion on an orbit, simulated from its first switching point for `periods` of its periods."""
+    """Return the motion on an orbit, simulated from its first switching point for `periods` of its
+    periods.
+    """
     (t0, x0) = orbit.points[0]
     belt = orbit.equations().pieces[0].start
     t_end = float(t0) + periods * float(orbit.period)
@@ -254,7 +257,8 @@ def default_panels(scene: Scene) -> str:
 def assemble(
     panels: Sequence[tuple[Panel, View]], columns: int, width: float, *, tall: int | None = None
 ) -> Figure:
-    """Draw panels into one figure of this width in inches, with a letter for each and one legend below them.
+    """Draw panels into one figure of this width in inches, with a letter for each and one legend
+    below them.
 
     The panels stand in as many columns as `columns` says. If `tall` is given, the panel with this
     index is made taller, and the insets of its view stand above it.
@@ -296,7 +300,7 @@ def assemble(
     return drawing
 
 
-# -- branches ----------------------------------------------------------------------------------------------------------
+# -- branches --------------------------------------------------------------------------------------
 
 # Colours that differ with any colour vision (Okabe and Ito), one for each switching point.
 CURVE_COLORS = ("#0072b2", "#d55e00", "#009e73", "#cc79a7", "#e69f00", "#56b4e9", "#000000")
@@ -411,9 +415,8 @@ BRANCH_PANELS = {"a": _positions, "b": _multipliers}
 
 
 def multiplier_curves(values: np.ndarray, multipliers: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Interpolate part of a branch.
-
-    Return many parameter values, and at each the moduli of both multipliers.
+    """Interpolate part of a branch: return many parameter values, and at each the moduli of both
+    multipliers.
     """
     # Trace and determinant of the monodromy matrix are smooth along a branch and are interpolated;
     # the multipliers are not where a real pair turns complex, and follow from them.
@@ -437,7 +440,9 @@ def multiplier_curves(values: np.ndarray, multipliers: np.ndarray) -> tuple[np.n
 
 
 def _mark_ends(ax: Axes, branch: Branch, heights: Sequence[Any], color: str) -> None:
-    """Mark both ends of the branch, at the `heights` given for each end, with symbols for why it ends."""
+    """Mark both ends of the branch, at the `heights` given for each end, with symbols for why it
+    ends.
+    """
     style: Record = {
         "ms": 5.0,
         "mfc": color,
@@ -452,7 +457,9 @@ def _mark_ends(ax: Axes, branch: Branch, heights: Sequence[Any], color: str) -> 
 
 
 def _write_words(ax: Axes, branch: Branch) -> None:
-    """Write above the axes the word of the branch, over its middle, and at its ends the words of the orbits beyond."""
+    """Write above the axes the word of the branch, over its middle, and at its ends the words of
+    the orbits beyond.
+    """
     from symosc.orbits.branch import MOST, NO_CONVERGENCE
 
     words: list[Any] = [(0.5 * (branch.values.min() + branch.values.max()), branch.word)]
@@ -466,7 +473,9 @@ def _write_words(ax: Axes, branch: Branch) -> None:
 
 
 def stability(branch: Branch) -> np.ndarray:
-    """Return for each orbit of a branch "stable", "marginal" or "not stable", the keys of `STABILITY_STYLES`."""
+    """Return for each orbit of a branch "stable", "marginal" or "not stable", the keys of
+    `STABILITY_STYLES`.
+    """
     # What is not stable is marginal if no multiplier is outside the unit circle by more than
     # rounding.
     from symosc.orbits.floquet import NEAR_ONE
@@ -478,7 +487,9 @@ def stability(branch: Branch) -> np.ndarray:
 
 
 def _stretches(branch: Branch) -> list[tuple[slice, Any]]:
-    """Return for each stretch of equal stability its slice of the branch's points, and its line style."""
+    """Return for each stretch of equal stability its slice of the branch's points, and its line
+    style.
+    """
     states = stability(branch)
     cuts = [0, *(np.flatnonzero(states[1:] != states[:-1]) + 1), len(states)]
     return [
@@ -487,7 +498,7 @@ def _stretches(branch: Branch) -> list[tuple[slice, Any]]:
     ]
 
 
-# -- borders -----------------------------------------------------------------------------------------------------------
+# -- borders ---------------------------------------------------------------------------------------
 
 #: Line styles of borders by their names: they differ without colours.
 BORDER_STYLES: Record = {
@@ -503,7 +514,8 @@ WORD_OFFSET = 11.0  # of the words beside a border, in points
 def border_figure(
     border: Border | Sequence[Border], *, ax: Axes | None = None, **style: Any
 ) -> Figure:
-    """Draw borders in their plane of two parameters, with the special points, and the words on both sides.
+    """Draw borders in their plane of two parameters, with the special points, and the words on both
+    sides.
 
     The words stand beside a single border, and in the legend where there are several.
 
@@ -558,9 +570,11 @@ def border_figure(
         }.values():
             place = [point.values[of.parameters.index(name)] for name in names]
             if point.kind == "fold":
-                face, label = ("white", "fold")
+                face = "white"
+                label = "fold"
             else:
-                face, label = ("k", "codimension two")
+                face = "k"
+                label = "codimension two"
             style = {
                 "ms": 4.5,
                 "mfc": face,
@@ -575,7 +589,9 @@ def border_figure(
 
 
 def _write_words_beside(ax: Axes, border: Border) -> None:
-    """Write the words that hold on both sides of a border beside it, where it is farthest from the axes' frame."""
+    """Write the words that hold on both sides of a border beside it, where it is farthest from the
+    axes' frame.
+    """
 
     def room(i: int) -> float:
         within = ax.transAxes.inverted().transform(ax.transData.transform(border.points[i]))

@@ -95,7 +95,9 @@ def crosscheck_figure(
 
 
 def _errors(ax: Axes, check: CrossCheck, of_steps: bool) -> None:
-    """Draw the errors against time, or the defects if `of_steps` is true, and the limits that they must not exceed."""
+    """Draw the errors against time, or the defects if `of_steps` is true, and the limits that they
+    must not exceed.
+    """
     if of_steps:
         t = check.t[1:]
         errors = check.defects
@@ -213,9 +215,8 @@ FIT_PANELS = {"a": _motion_and_data, "b": _residuals}
 def step_figure(
     check: CrossCheck, step: int | None = None, panels: str | None = None, *, ax: Axes | None = None
 ) -> Figure:
-    """Draw one step of a cross-check.
-
-    The exact motion from its first sample on, and the samples about it.
+    """Draw one step of a cross-check: the exact motion from its first sample on, and the samples
+    about it.
 
     Parameters
     ----------
@@ -255,9 +256,13 @@ def step_figure(
 def _step_panel(ax: Axes, check: CrossCheck, step: int, of_velocity: bool) -> None:
     """Draw the velocity or the position in a step, with the exact motion from its first sample on."""
     if of_velocity:
-        values, name, color = (check.v, "$v$", VELOCITY)
+        values = check.v
+        name = "$v$"
+        color = VELOCITY
     else:
-        values, name, color = (check.x, "$x$", POSITION)
+        values = check.x
+        name = "$x$"
+        color = POSITION
     around = slice(max(0, step - 3), step + 2 + 3)
     p = check.trajectory.parameters
     shown = values[around]
@@ -312,7 +317,7 @@ def _step_panel(ax: Axes, check: CrossCheck, step: int, of_velocity: bool) -> No
     ax.set(ylim=(low, high), ylabel=name)
 
 
-# -- the page of a cross-check -----------------------------------------------------------------------------------------
+# -- the page of a cross-check ---------------------------------------------------------------------
 
 MOST_ROWS = 200  # of a table
 
@@ -355,7 +360,10 @@ def write_page(check: CrossCheck, path: str | Path) -> Path:
 def _verdict(check: CrossCheck) -> str:
     """Return a sentence that says whether the solution is right, and what is wrong with it."""
     if check.ok:
-        return f"Right: every step agrees with the exact motion, to a tolerance of {check.tolerance:g}."
+        return (
+            "Right: every step agrees with the exact motion, to a tolerance of "
+            f"{check.tolerance:g}."
+        )
     wrong = f"wrong steps: {len(check.wrong_steps)} of {len(check.defects)}"
     events = f"events missed: {len(check.missed)}, invented: {len(check.invented)}"
     beside = "".join(
@@ -365,9 +373,8 @@ def _verdict(check: CrossCheck) -> str:
 
 
 def _events(check: CrossCheck) -> list[tuple[Any, ...]]:
-    """Return the rows of the page's table of events in order of time.
-
-    Verdicts, and the errors of right events.
+    """Return the rows of the page's table of events in order of time: verdicts, and the errors of
+    right events.
     """
     rows: list[tuple[str, str, Any]] = [
         ("right", f"{match.error:+.1e}", match.event) for match in check.matched
@@ -396,8 +403,10 @@ CAPTIONS = (
     (
         "b",
         "Errors of the steps",
-        "The exact motion from each sample over one step, minus the next sample, in units of the largest |x| and |v|. "
-        "Crosses are wrong steps. Vertical lines are events: grey matched, red missed, orange invented.",
+        "The exact motion from each sample over one step, minus the next sample, in units of the "
+        "largest |x| and |v|. "
+        "Crosses are wrong steps. Vertical lines are events: grey matched, red missed, orange "
+        "invented.",
     ),
     ("a", "Global error", "The samples minus the exact motion from the start, in the same units."),
     ("c", "Velocity", "The samples' velocity; dashed lines are the belts' speeds."),
@@ -405,15 +414,17 @@ CAPTIONS = (
 
 
 def _pictures(check: CrossCheck) -> Iterator[Record]:
-    """Yield the pictures of a cross-check's page, as from `_picture`.
-
-    The first wrong step, if any, then all panels.
+    """Yield the pictures of a cross-check's page, as from `_picture`: the first wrong step, if any,
+    then all panels.
     """
     # as lines they would be megabytes
     first = check.first_wrong
     many = len(check.t) > 4_000
     if first:
-        said = f"The step from sample {first.step} (t = {first.t:.8g}) to the next one. The line is the exact motion "
+        said = (
+            f"The step from sample {first.step} (t = {first.t:.8g}) to the next one. The line is "
+            "the exact motion "
+        )
         said += "from that sample on; it should end at the cross. Grey lines are its events."
         yield _picture(step_figure(check), False, "First wrong step", said)
     for letter, title, said in CAPTIONS:
@@ -422,9 +433,8 @@ def _pictures(check: CrossCheck) -> Iterator[Record]:
 
 @rc_context(STYLE)
 def _picture(drawing: Figure, pixels: bool, title: str, caption: str) -> Record:
-    """Return a dict of title, caption and image of a figure for the page's template.
-
-    PNG if `pixels`, else SVG.
+    """Return a dict of title, caption and image of a figure for the page's template: PNG if
+    `pixels`, else SVG.
     """
     width, height = drawing.get_size_inches()
     for legend in drawing.legends:  # two columns fit the width
@@ -447,7 +457,7 @@ def _picture(drawing: Figure, pixels: bool, title: str, caption: str) -> Record:
     return {"title": title, "caption": caption, "source": source}
 
 
-# -- certificates ------------------------------------------------------------------------------------------------------
+# -- certificates ----------------------------------------------------------------------------------
 
 
 @public
@@ -484,7 +494,7 @@ def certificate_figure(certificate: Certificate, *, ax: Axes | None = None) -> F
     return drawing
 
 
-# -- scores ------------------------------------------------------------------------------------------------------------
+# -- scores ----------------------------------------------------------------------------------------
 
 SOLVER_COLOURS = (
     "#2166ac",
@@ -567,9 +577,8 @@ def score_figure(scores: Sequence[Score]) -> Figure:
 
 
 def _height(case: CaseScore) -> float | None:
-    """Return the ordinate of a case in a figure of scores.
-
-    None if it has no event whose error could be measured.
+    """Return the ordinate of a case in a figure of scores; None if it has no event whose error
+    could be measured.
     """
     if not case.given:
         return ABSENT

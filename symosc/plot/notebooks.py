@@ -1,6 +1,5 @@
-"""Notebook pages of the results.
-
-A line, a short table, and a small picture if it can be drawn in milliseconds.
+"""Notebook pages of the results: a line, a short table, and a small picture if it can be drawn in
+milliseconds.
 
 All content is escaped. Colours are those of the notebook, light or dark; no style affects the rest
 of the notebook. Figures are what ``.plot()`` is for. One more answer: a function that returns a
@@ -49,22 +48,24 @@ PICTURE_HEIGHT = 130
 PICTURE_MARGIN = 6
 #: Of a width and height: the size of its frame, what it shows, the path of a curve, and dots on it.
 PICTURE = Markup(
-    '<svg xmlns="http://www.w3.org/2000/svg" role="img" width="{0}" height="{1}" viewBox="0 0 {0} {1}">'
-    '<title>{4}</title><rect x="0.5" y="0.5" width="{2}" height="{3}" fill="none" stroke="currentColor" '
-    'stroke-opacity="0.25"/><path d="{5}" fill="none" stroke="currentColor" stroke-width="1.2"/>{6}</svg>'
+    '<svg xmlns="http://www.w3.org/2000/svg" role="img" width="{0}" height="{1}" viewBox="0 0 '
+    '{0} {1}">'
+    '<title>{4}</title><rect x="0.5" y="0.5" width="{2}" height="{3}" fill="none" '
+    'stroke="currentColor" '
+    'stroke-opacity="0.25"/><path d="{5}" fill="none" stroke="currentColor" '
+    'stroke-width="1.2"/>{6}</svg>'
 )
 #: Points of a curve, at most.
 MOST_POINTS = 600
 CELL = "text-align:left;padding:1px 12px 1px 0;white-space:nowrap"
 
 
-# -- parts of pages ---------------------------------------------------------------------------------------------------
+# -- parts of pages --------------------------------------------------------------------------------
 
 
 def page(kind: str, line: str, *parts: str) -> Markup:
-    """Return the HTML of a notebook page.
-
-    A bold `kind`, the text `line`, then tables and pictures side by side.
+    """Return the HTML of a notebook page: a bold `kind`, the text `line`, then tables and pictures
+    side by side.
     """
     shown = Markup("").join(Markup("<div>{}</div>").format(part) for part in parts if part)
     head = Markup('<div style="margin-bottom:4px"><strong>{}</strong> {}</div>').format(kind, line)
@@ -77,7 +78,9 @@ def page(kind: str, line: str, *parts: str) -> Markup:
 
 
 def table(heads: Sequence[str], count: int, row: Callable[[int], Sequence[Any]]) -> Markup:
-    """Return an HTML table with headings `heads` and `count` rows row(i), the middle ones left out if many, or ""."""
+    """Return an HTML table with headings `heads` and `count` rows row(i), the middle ones left out
+    if many, or "".
+    """
     some = rows_to_show(count)
     rows = [_table_row("td", map(shown, row(i))) for i in some]
     if len(some) < count:
@@ -90,9 +93,8 @@ def table(heads: Sequence[str], count: int, row: Callable[[int], Sequence[Any]])
 
 
 def rows_to_show(count: int) -> list[int]:
-    """Return the numbers of the rows to show of a table of `count` rows.
-
-    All, or the first and the last ones.
+    """Return the numbers of the rows to show of a table of `count` rows: all, or the first and the
+    last ones.
     """
     every = range(count)
     if count <= HEAD_ROWS + TAIL_ROWS:
@@ -106,9 +108,8 @@ def _table_row(tag: str, cells: Iterable[Any]) -> Markup:
 
 
 def shown(value: Any) -> Any:
-    """Return what to show of a value in a cell.
-
-    A float with ten digits, None as "", anything else unchanged.
+    """Return what to show of a value in a cell: a float with ten digits, None as "", anything else
+    unchanged.
     """
     if isinstance(value, (float, np.floating)):
         return f"{float(value):.10g}"
@@ -162,7 +163,9 @@ def curve(says: str, x: Any, y: Any, marks: Iterable[tuple[float, float]] = ()) 
 
 
 def _scale(values: np.ndarray, size: int) -> Callable[[float], float]:
-    """Return the function that maps values to coordinates in a picture of this size, with room at its edges."""
+    """Return the function that maps values to coordinates in a picture of this size, with room at
+    its edges.
+    """
     low = float(values.min())
     high = float(values.max())
     middle = low / 2 + high / 2
@@ -174,7 +177,7 @@ def _scale(values: np.ndarray, size: int) -> Callable[[float], float]:
     return lambda value: size / 2 + (value - middle) * gain
 
 
-# -- pages -------------------------------------------------------------------------------------------------------------
+# -- pages -----------------------------------------------------------------------------------------
 
 
 def trajectory_page(path: Trajectory) -> str:
@@ -234,8 +237,6 @@ def summary_page(summary: Summary) -> str:
         words = ", ".join(f"{cut(str(names[i])) or 'no event'} ({counts[i]:,})" for i in order)
         if len(names) > 5:
             words += f", and {len(names) - 5} more"
-        else:
-            words += ""
     if len(summary.status):
         ended = statuses(summary.status)
     else:
@@ -261,9 +262,8 @@ def cut(text: str) -> str:
 
 
 def orbit_page(orbit: PeriodicOrbit) -> str:
-    """Return the page of a periodic orbit.
-
-    Its switching points, its multipliers, and its loop in the phase plane.
+    """Return the page of a periodic orbit: its switching points, its multipliers, and its loop in
+    the phase plane.
     """
     rows = [
         [label, shown(float(t)), shown(float(x))]
@@ -296,9 +296,8 @@ def complex_text(value: complex) -> str:
 
 
 def branch_page(branch: Branch) -> str:
-    """Return the page of a branch.
-
-    Some of its points, why it ends, and the position of its first switching.
+    """Return the page of a branch: some of its points, why it ends, and the position of its first
+    switching.
     """
     sizes = np.abs(branch.multipliers).max(axis=1)
     x = branch.points[:, 0, 1]
@@ -318,9 +317,8 @@ def branch_page(branch: Branch) -> str:
 
 
 def border_page(border: Border) -> str:
-    """Return the page of a border.
-
-    Some of its points, its special points, why it ends, and its curve.
+    """Return the page of a border: some of its points, its special points, why it ends, and its
+    curve.
     """
     first, second = border.parameters
 
@@ -335,7 +333,10 @@ def border_page(border: Border) -> str:
     drawn = curve(f"{second} against {first}", border.points[:, 0], border.points[:, 1], marks)
     about = dict(zip(END_NAMES, map(where, border.ends), strict=True))
     about |= {f"special point {i}": where(point) for i, point in enumerate(border.special, 1)}
-    line = f"{border.words[0]} | {border.words[1] or 'no word'}: {border.sliding or border.kind}, {len(border)} points"
+    line = (
+        f"{border.words[0]} | {border.words[1] or 'no word'}: {border.sliding or border.kind}, "
+        f"{len(border)} points"
+    )
     return page("Border", line, points, drawn, facts(about))
 
 
@@ -385,9 +386,8 @@ def atlas_page(atlas: Atlas) -> str:
 
 
 def window_page(window: GrazingWindow) -> str:
-    """Return the page of a grazing window.
-
-    Its intervals of phases and its case of the paper's (55) to (58).
+    """Return the page of a grazing window: its intervals of phases and its case of the paper's (55)
+    to (58).
     """
     rows = [
         ["(["[low_in], low, high, ")]"[high_in]] for low, high, low_in, high_in in window.intervals
@@ -398,10 +398,11 @@ def window_page(window: GrazingWindow) -> str:
         "B₀Ω/m": str(window.amplitude),
         "order": window.order,
     }
-    line = f"{window.mapping}: domain {window.place.domain} at belt {window.place.boundary}, Ω t mod 2π"
-    if window.intervals:
-        line += ""
-    else:
+    line = (
+        f"{window.mapping}: domain {window.place.domain} at belt {window.place.boundary}, Ω t mod "
+        "2π"
+    )
+    if not window.intervals:
         line += ": empty, no phase grazes"
     return page(
         "GrazingWindow",
@@ -453,7 +454,10 @@ def certificate_page(certificate: Certificate) -> str:
         name: certificate.statement.get(key)
         for name, key in (("made by", "made_by"), ("map", "map"))
     }
-    line = f"{certificate.kind}, {'proven' if certificate.proven else 'not proven'}: {certificate.message}"
+    line = (
+        f"{certificate.kind}, {'proven' if certificate.proven else 'not proven'}: "
+        f"{certificate.message}"
+    )
     return page("Certificate", line, table(heads, count, row), facts(about))
 
 
@@ -483,9 +487,8 @@ def scene_page(scene: Scene) -> str:
 
 
 def listing_page(listing: Listing[Any]) -> str | None:
-    """Return the page of a long tuple of records, such as events, a row for each.
-
-    None if it holds other things.
+    """Return the page of a long tuple of records, such as events, a row for each; None if it holds
+    other things.
     """
     if not (listing and is_dataclass(listing[0])):
         return None

@@ -55,7 +55,9 @@ MOST_INSETS = 2
 
 
 class Mark(NamedTuple):
-    """A mark on the curves: its label and colour, its time, and the belt of its event (None if it has none)."""
+    """A mark on the curves: its label and colour, its time, and the belt of its event (None if it
+    has none).
+    """
 
     label: str
     color: str
@@ -64,9 +66,8 @@ class Mark(NamedTuple):
 
 
 class Contact(NamedTuple):
-    """A contact with a belt.
-
-    A stick from `since` to `until`, or a graze, for which these times are equal.
+    """A contact with a belt: a stick from `since` to `until`, or a graze, for which these times are
+    equal.
     """
 
     since: float
@@ -76,7 +77,8 @@ class Contact(NamedTuple):
 
 @dataclass(frozen=True)
 class View:
-    """What the panels draw: samples t, x, v of a trajectory, marks for its events, and its contacts with the belts.
+    """What the panels draw: samples t, x, v of a trajectory, marks for its events, and its contacts
+    with the belts.
 
     The forces are those on both sides of `boundary`, the belt 1 or 2. Panel (a) shows the path of a
     point of the belt at each of the `contacts`. The path goes beyond the contact by the fractions
@@ -114,9 +116,8 @@ class View:
         )
 
     def belts(self) -> list[int]:
-        """Return the belts to draw.
-
-        `boundary`, and any belt with a speed near the velocities drawn.
+        """Return the belts to draw: `boundary`, and any belt with a speed near the velocities
+        drawn.
         """
         low = self.v.min()
         high = self.v.max()
@@ -128,9 +129,8 @@ class View:
 
 
 class Sampling(NamedTuple):
-    """The density of a curve's points.
-
-    How many in a period, at least between two events, and at most in all.
+    """The density of a curve's points: how many in a period, at least between two events, and at
+    most in all.
     """
 
     per_period: int  # of the drive, or of the free oscillation if that is shorter
@@ -215,7 +215,9 @@ AXIS_LABELS = {"t": "time $t$", "x": "displacement $x$", "v": r"velocity $\dot{x
 
 
 def _motion_panel(ax: Axes, view: View, across: str, up: str) -> None:
-    """Draw `up` ("x" or "v") against `across` ("t", "x" or "v"), with marks, and paths or speeds of the belts."""
+    """Draw `up` ("x" or "v") against `across` ("t", "x" or "v"), with marks, and paths or speeds of
+    the belts.
+    """
     style: Record = {
         "color": MASS_COLOR,
         "linewidth": 1.3 * max(view.scale, 0.5),
@@ -232,7 +234,9 @@ def _motion_panel(ax: Axes, view: View, across: str, up: str) -> None:
 
 
 def _force_panel(ax: Axes, view: View, across: str) -> None:
-    """Draw the forces on both sides of the boundary over t (with sticks shaded), x, or v (with the belts)."""
+    """Draw the forces on both sides of the boundary over t (with sticks shaded), x, or v (with the
+    belts).
+    """
     force = view.trajectory.force
     marks = _marks_of_forces(view)
     (below, above) = view.domains
@@ -279,9 +283,8 @@ def _force_panel(ax: Axes, view: View, across: str) -> None:
 
 
 def _product_panel(ax: Axes, view: View) -> None:
-    """Draw the product of both forces at the boundary.
-
-    > 0 where the mass would cross it, < 0 where it would stick.
+    """Draw the product of both forces at the boundary: > 0 where the mass would cross it, < 0 where
+    it would stick.
     """
     force = view.trajectory.force
     (below, above) = view.domains
@@ -322,7 +325,9 @@ def _horizontal_axis(ax: Axes, view: View, across: str) -> None:
 
 
 def _belt_points(ax: Axes, view: View) -> None:
-    """Draw, for each contact, the position over time of the point of the belt that the mass touches."""
+    """Draw, for each contact, the position over time of the point of the belt that the mass
+    touches.
+    """
     low, high = ax.get_ylim()
     reaches = view.belt_reach[0] * (view.t[-1] - view.t[0]), view.belt_reach[1] * (high - low)
     for contact in view.contacts:
@@ -364,9 +369,8 @@ def _belt_speeds(ax: Axes, view: View) -> None:
 
 
 def _marks_of_forces(view: View) -> list[Mark]:
-    """Return the marks for the panels of forces.
-
-    All but the start and events at the belt that is not `boundary`.
+    """Return the marks for the panels of forces: all but the start and events at the belt that is
+    not `boundary`.
     """
     return [
         mark for mark in view.marks if mark.label != "start" and mark.belt in (view.boundary, None)
@@ -398,9 +402,13 @@ def mark_style(label: str, color: str, scale: float = 1.0) -> Record:
     """Return shape, colours and size of a mark as matplotlib's options of a line."""
     marker, size = SHAPES[label]
     if label == "start":
-        edge, width, level = ("black", 0.8, 4)
+        edge = "black"
+        width = 0.8
+        level = 4
     else:
-        edge, width, level = ("white", 0.4, 5)
+        edge = "white"
+        width = 0.4
+        level = 5
     level += color == END_COLOR
     return {
         "marker": marker,
@@ -458,9 +466,8 @@ def draw_insets(ax: Axes, view: View) -> None:
 
 
 def _inset(ax: Axes, view: View, contact: Contact, box: tuple[float, float, float, float]) -> None:
-    """Draw an inset in the rectangle `box`.
-
-    The velocity relative to the belt, shortly before and after a contact.
+    """Draw an inset in the rectangle `box`: the velocity relative to the belt, shortly before and
+    after a contact.
     """
     since, until, belt = contact
     path = partial(belt_path, view.trajectory, belt)

@@ -1,6 +1,5 @@
-"""Figures of many motions.
-
-Sweeps over one or two axes, frequency responses, events and summaries, and atlases.
+"""Figures of many motions: sweeps over one or two axes, frequency responses, events and summaries,
+and atlases.
 
 In maps every class has its own lightness, a line around it, and its name in its largest place where
 there is room. So a map can be read in greyscale.
@@ -125,7 +124,7 @@ def label(name: str) -> str:
     return LABELS.get(name) or shown_name(name.replace("_", " "))
 
 
-# -- sweeps over one axis ----------------------------------------------------------------------------------------------
+# -- sweeps over one axis --------------------------------------------------------------------------
 
 
 @public
@@ -204,9 +203,8 @@ def bifurcation_figure(
 
 
 def _mark_changes(axes: Axes, values: np.ndarray, words: np.ndarray, named: bool = True) -> None:
-    """Mark where the word changes between increasing values.
-
-    If `named` write each above its stretch where it fits.
+    """Mark where the word changes between increasing values; if `named` write each above its
+    stretch where it fits.
     """
     cuts = [0, *(np.flatnonzero(words[1:] != words[:-1]) + 1), len(words)]
     low, high = axes.get_xlim()
@@ -261,7 +259,7 @@ def _scatter(axes: Axes, x: np.ndarray, y: np.ndarray) -> None:
     axes.scatter(x, y, s=size, color="black", linewidths=0, rasterized=True)
 
 
-# -- frequency responses ----------------------------------------------------------------------------------------------
+# -- frequency responses ---------------------------------------------------------------------------
 
 BALANCE_COLOR = "#d55e00"
 #: Styles of the columns of a frequency response, and their labels; others are black lines without a
@@ -385,14 +383,16 @@ def _fit_height(axes: Axes, found: FrequencyResponse, drawn: np.ndarray) -> None
 
 
 def _cyclic_word(word: str) -> str:
-    """Return the same word for all words of one cycle of mappings, whichever mapping they begin with."""
+    """Return the same word for all words of one cycle of mappings, whichever mapping they begin
+    with.
+    """
     letters = word.removeprefix("P")
     if letters:
         return "P" + max(letters[i:] + letters[:i] for i in range(len(letters)))
     return ""
 
 
-# -- sweeps over two axes ----------------------------------------------------------------------------------------------
+# -- sweeps over two axes --------------------------------------------------------------------------
 
 
 #: The name of a class of cells of a map, its colour and its hatch.
@@ -481,7 +481,9 @@ def basin_figure(
 
 
 def classes_of(values: np.ndarray, undecidable: np.ndarray) -> tuple[np.ndarray, list[Look]]:
-    """Return for each cell the number of its class, and for each class its name, colour and hatching."""
+    """Return for each cell the number of its class, and for each class its name, colour and
+    hatching.
+    """
     words = values.dtype.kind in "UO"
     if words:
         texts = np.where(values == "", "no event", values).astype(str)
@@ -514,9 +516,8 @@ def classes_of(values: np.ndarray, undecidable: np.ndarray) -> tuple[np.ndarray,
 def _draw_classes(
     axes: Axes, edges: tuple[np.ndarray, np.ndarray], codes: Any, looks: list[Look], new: bool
 ) -> None:
-    """Draw cells between `edges` by the `looks` of their classes `codes`, with a legend.
-
-    Beside all axes if `new`.
+    """Draw cells between `edges` by the `looks` of their classes `codes`, with a legend: beside all
+    axes if `new`.
     """
     x, y = edges
     colors = ListedColormap([color for _, color, _ in looks])
@@ -555,7 +556,9 @@ def _draw_classes(
 
 
 def _label_class(axes: Axes, edges: Any, inside: np.ndarray, name: str, color: Any) -> None:
-    """Write the name of a class at the point deepest within its cells, where `inside` is true, if there is room."""
+    """Write the name of a class at the point deepest within its cells, where `inside` is true, if
+    there is room.
+    """
     from scipy.ndimage import (
         distance_transform_edt,
     )  # takes longer to load than most figures to draw
@@ -576,9 +579,8 @@ def _label_class(axes: Axes, edges: Any, inside: np.ndarray, name: str, color: A
 
 
 def borders(x: np.ndarray, y: np.ndarray, codes: np.ndarray) -> list[list[tuple[float, float]]]:
-    """Return the lines between cells of different classes.
-
-    `codes` numbers the classes, `x` and `y` are cell edges.
+    """Return the lines between cells of different classes: `codes` numbers the classes, `x` and `y`
+    are cell edges.
     """
     upright = [
         [(x[i + 1], y[j]), (x[i + 1], y[j + 1])] for i, j in np.argwhere(codes[1:] != codes[:-1])
@@ -605,22 +607,20 @@ def _draw_shades(
 
 
 def _cell_edges(values: np.ndarray) -> np.ndarray:
-    """Return the edges of cells around increasing values.
-
-    The middles between them, and one edge at each end.
+    """Return the edges of cells around increasing values: the middles between them, and one edge at
+    each end.
     """
     middles = (values[1:] + values[:-1]) / 2
     return np.concatenate([[2 * values[0] - middles[0]], middles, [2 * values[-1] - middles[-1]]])
 
 
-# -- ensembles ---------------------------------------------------------------------------------------------------------
+# -- ensembles -------------------------------------------------------------------------------------
 
 
 @public
 def events_figure(events: EventTable, *, ax: Axes | None = None) -> Figure:
-    """Draw the events that `symosc.simulate_many` returns.
-
-    Time across, one line of marks for each motion.
+    """Draw the events that `symosc.simulate_many` returns: time across, one line of marks for each
+    motion.
 
     Examples
     --------
@@ -700,7 +700,9 @@ def summary_figure(summary: Summary, name: str | None = None, *, ax: Axes | None
 
 
 def _bars(axes: Axes, values: np.ndarray, name: str) -> None:
-    """Draw how often each value occurs as bars, the most frequent on top, the rare ones together in one bar."""
+    """Draw how often each value occurs as bars, the most frequent on top, the rare ones together in
+    one bar.
+    """
     kinds, counts = np.unique(values, return_counts=True)
     order = np.argsort(-counts, kind="stable")
     names = [typeset(str(kinds[i])) if name == "word" else str(kinds[i]) for i in order]
@@ -718,7 +720,7 @@ def _bars(axes: Axes, values: np.ndarray, name: str) -> None:
     axes.set(xlabel="motions", ylabel=label(name))
 
 
-# -- atlases -----------------------------------------------------------------------------------------------------------
+# -- atlases ---------------------------------------------------------------------------------------
 
 #: Colours that differ in grey too, light enough for black lines on them; the last one is for all
 #: further words.
@@ -727,7 +729,8 @@ ATLAS_COLORS = (*WORD_COLORS[:6], "#e0e0e0")
 
 @public
 def atlas_figure(atlas: Atlas, *, ax: Axes | None = None) -> Figure:
-    """Draw an atlas: proven boxes in colours, what is not proven hatched, borders by kind, and special points.
+    """Draw an atlas: proven boxes in colours, what is not proven hatched, borders by kind, and
+    special points.
 
     Examples
     --------

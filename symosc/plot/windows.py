@@ -1,4 +1,5 @@
-"""Figures of grazing: windows on the circle of phases, their contacts, windows against a parameter, regions and curves.
+"""Figures of grazing: windows on the circle of phases, their contacts, windows against a parameter,
+regions and curves.
 
 A full dot or line belongs to a window or region, an open dot or broken line does not.
 """
@@ -52,7 +53,7 @@ PHASE_TICKS = ["$0$", r"$\pi/2$", r"$\pi$", r"$3\pi/2$", r"$2\pi$"]
 PHASE_LABEL = r"$\mathrm{mod}(\Omega t_m, 2\pi)$"
 CIRCLE_POINTS = 1441
 
-# -- windows: the circle of phases, and the contacts -----------------------------------------------------------------
+# -- windows: the circle of phases, and the contacts -----------------------------------------------
 
 
 @public
@@ -115,7 +116,9 @@ def window_figure(
 
 
 def _circle(axes: Axes, window: GrazingWindow) -> None:
-    """Draw the circle of phases, on it the window as a thick arc, and the phases Theta_cr and pi - Theta_cr."""
+    """Draw the circle of phases, on it the window as a thick arc, and the phases Theta_cr and pi -
+    Theta_cr.
+    """
 
     def arc(low: float, high: float, **style: Any) -> None:
         theta = np.linspace(low, high, max(2, int(CIRCLE_POINTS * (high - low) / TURN)))
@@ -165,7 +168,9 @@ def _circle(axes: Axes, window: GrazingWindow) -> None:
 
 
 def critical_phases(window: GrazingWindow) -> list[tuple[float, bool]]:
-    """Return Theta_cr and pi - Theta_cr modulo 2 pi (one if equal), each with whether it is in the window."""
+    """Return Theta_cr and pi - Theta_cr modulo 2 pi (one if equal), each with whether it is in the
+    window.
+    """
     gamma_sign, amplitude_sign, excess_sign = window.signs
     if amplitude_sign == 0 or excess_sign > 0:
         return []
@@ -191,7 +196,9 @@ def draw_dot(axes: Axes, x: float, y: float, belongs: bool, label: str | None = 
 
 
 def _contacts(axes: Axes, window: GrazingWindow) -> None:
-    """Draw the positions of possible grazes, (A_alpha + B0 cos theta - c v_lambda)/k, over the phase theta."""
+    """Draw the positions of possible grazes, (A_alpha + B0 cos theta - c v_lambda)/k, over the
+    phase theta.
+    """
     p = window.parameters
     where = window.place
     axes.set(xlim=(0, TURN), xlabel=PHASE_LABEL, ylabel="$x_m$")
@@ -228,7 +235,7 @@ def _contacts(axes: Axes, window: GrazingWindow) -> None:
             draw_dot(axes, shown, middle + amplitude * float(np.cos(theta)), belongs)
 
 
-# -- windows against one parameter -------------------------------------------------------------------------------------
+# -- windows against one parameter -----------------------------------------------------------------
 
 
 @public
@@ -242,9 +249,8 @@ def sweep_figure(
     *,
     ax: Axes | None = None,
 ) -> Figure:
-    """Draw the grazing window of a mapping against one parameter.
-
-    The phases between Theta_cr and pi - Theta_cr.
+    """Draw the grazing window of a mapping against one parameter: the phases between Theta_cr and
+    pi - Theta_cr.
 
     Parameters
     ----------
@@ -324,7 +330,9 @@ def sweep_figure(
 def _sweep_range(
     p: Parameters, mapping: str, name: str, low: Any, high: Any
 ) -> tuple[float, float]:
-    """Return the range of a parameter to draw, by default one that shows where the window changes its kind."""
+    """Return the range of a parameter to draw, by default one that shows where the window changes
+    its kind.
+    """
     names = ("Omega", "B0", "k", f"v{place(mapping).boundary}")
     if name not in names:
         raise ParameterError(
@@ -381,7 +389,8 @@ def _equalities(p: Parameters, mapping: str, name: str) -> list[Fraction]:
 
 
 def _window_areas(axes: Axes, values: np.ndarray, found: WindowColumns, above: Any) -> None:
-    """Shade the grazing window `found`, between its lower and upper phases, over the values of a parameter.
+    """Shade the grazing window `found`, between its lower and upper phases, over the values of a
+    parameter.
 
     `above` is positive where the window is above the line of its critical phases. A window that is
     the full circle begins and ends at 3 pi/2 where `above` > 0, and at pi/2 elsewhere.
@@ -410,7 +419,7 @@ def _window_areas(axes: Axes, values: np.ndarray, found: WindowColumns, above: A
             label = "_"  # no second entry in the legend
 
 
-# -- regions of two parameters -----------------------------------------------------------------------------------------
+# -- regions of two parameters ---------------------------------------------------------------------
 
 FORBIDDEN: Record = {"facecolor": "0.93", "hatch": "xxx", "edgecolor": "0.6", "linewidth": 0}
 INSIDE: Record = {"facecolor": SHADE_COLOR, "edgecolor": "0.35", "linewidth": 0}
@@ -474,9 +483,8 @@ def region_figure(
 def _margin(
     condition: Any, letters: tuple[Any, Any], x: np.ndarray, y: np.ndarray, more: float = 0.0
 ) -> np.ndarray:
-    """Return by how much a sympy condition on two symbols holds at points.
-
-    > 0 where it holds, 0 at its border.
+    """Return by how much a sympy condition on two symbols holds at points: > 0 where it holds, 0 at
+    its border.
 
     `more` is added to the margin of every inequality >= or <=, which also holds at its border.
     """
@@ -492,9 +500,8 @@ def _margin(
 
 
 def _axis_range(region: ParameterRegion, name: str, given: Any) -> tuple[float, float]:
-    """Return the range of an axis.
-
-    `given`, or one with the parameter's value in it, and both belts for v1 or v2.
+    """Return the range of an axis: `given`, or one with the parameter's value in it, and both belts
+    for v1 or v2.
     """
     p = region.parameters
     if given is not None:
@@ -516,7 +523,9 @@ def _axis_range(region: ParameterRegion, name: str, given: Any) -> tuple[float, 
 def _region_areas(
     axes: Axes, x: np.ndarray, y: np.ndarray, inside: np.ndarray, allowed: np.ndarray
 ) -> list[Any]:
-    """Shade where `inside` > 0, hatch where `allowed` < 0, at the points (x, y), and return the legend entries."""
+    """Shade where `inside` > 0, hatch where `allowed` < 0, at the points (x, y), and return the
+    legend entries.
+    """
     shown = []
     both = np.minimum(inside, allowed)
     if not (both > 0).any():
@@ -536,7 +545,9 @@ def _region_areas(
 def _region_borders(
     axes: Axes, x: np.ndarray, y: np.ndarray, inside: np.ndarray, closed: np.ndarray
 ) -> list[Any]:
-    """Draw the border where `inside` is 0, full where `closed`, else broken, and return the legend entries."""
+    """Draw the border where `inside` is 0, full where `closed`, else broken, and return the legend
+    entries.
+    """
     shown: list[Any] = []
     for style, hidden, label in (
         (SOLID, ~closed, "border, inside"),
@@ -580,7 +591,7 @@ def _mark_given(axes: Axes, region: ParameterRegion, spans: list[tuple[float, fl
     )
 
 
-# -- grazing curves ----------------------------------------------------------------------------------------------------
+# -- grazing curves --------------------------------------------------------------------------------
 
 #: Shapes of the ends inside a window, by how the reason begins; others are diamonds.
 END_SHAPES = {"end of the window": "o", "beyond": "o", "the flow touches": "s"}

@@ -183,9 +183,8 @@ class ReferenceCase:
 
     @cached_property
     def certificate(self) -> Certificate:
-        """The certificate of the events and of all provable derivatives.
-
-        If nothing is proven, it says why.
+        """The certificate of the events and of all provable derivatives; if nothing is proven, it
+        says why.
         """
         if not self.open and not self.periods and not any(self.scene.start_error or ()):
             wrt = provable(self.parameters, self.v0)
@@ -201,7 +200,10 @@ class ReferenceCase:
 
     @property
     def expected_status(self) -> str:
-        """The status as it stands in the list of cases, without a proof: a test compares the two."""
+        """The status as it stands in the list of cases, without a proof.
+
+        A test compares the two.
+        """
         if self.open:
             return COMPUTED
         return PROVEN
@@ -215,9 +217,8 @@ class ReferenceCase:
 
     @cached_property
     def events(self) -> tuple[KnownEvent, ...]:
-        """All events, in order of time.
-
-        If `periods` is not 0, those of the last forcing period only.
+        """All events, in order of time; if `periods` is not 0, those of the last forcing period
+        only.
         """
         names = KnownEvent._fields[:-1]
         rows = list[dict[str, Any]]()
@@ -240,9 +241,8 @@ class ReferenceCase:
 
     @cached_property
     def derivatives(self) -> tuple[dict[str, KnownChange], ...]:
-        """For each event its existing derivatives, by the name of the parameter or start value.
-
-        None in a long run.
+        """For each event its existing derivatives, by the name of the parameter or start value;
+        none in a long run.
         """
         if self.periods:
             return ({},) * len(self.events)
@@ -266,7 +266,9 @@ class ReferenceCase:
 
     @property
     def count(self) -> int:
-        """The number of events of the whole motion, also where only those of its last period are given."""
+        """The number of events of the whole motion, also where only those of its last period are
+        given.
+        """
         return len(self.events) * max(self.periods, 1)
 
     @cached_property
@@ -300,7 +302,9 @@ class ReferenceCase:
 
 
 def with_known(case: ReferenceCase, **known: Any) -> ReferenceCase:
-    """Return a copy of a case for which events, conditions or derivatives are known already and not computed."""
+    """Return a copy of a case for which events, conditions or derivatives are known already and not
+    computed.
+    """
     found = copy(case)
     vars(found).update(known)
     return found
@@ -316,7 +320,9 @@ def _enclosed(value: Any) -> tuple[str, str]:
 
 
 def last_period(scene: Scene, digits: int) -> Sequence[Event]:
-    """Return the events of the last forcing period before t_end on the orbit that attracts the scene's motion."""
+    """Return the events of the last forcing period before t_end on the orbit that attracts the
+    scene's motion.
+    """
     # They are those of a period on the orbit, a whole number of periods later. A long run must end
     # with them even if its start is not exactly on the orbit: every period multiplies the distance
     # by the orbit's multipliers, 0.56 and less.
@@ -338,11 +344,12 @@ def last_period(scene: Scene, digits: int) -> Sequence[Event]:
     return sorted(shifted, key=lambda event: event.t)
 
 
-# -- condition numbers -------------------------------------------------------------------------------------------------
+# -- condition numbers -----------------------------------------------------------------------------
 
 
 def conditions(scene: Scene, events: Callable[[Scene, int], Sequence[Event]]) -> list[float]:
-    """Return the condition number of every event of a scene, with respect to all parameters and start values.
+    """Return the condition number of every event of a scene, with respect to all parameters and
+    start values.
 
     ``events(scene, digits)`` has to return the events of a scene, computed with this number of
     digits.
@@ -402,7 +409,9 @@ def shifted(scene: Scene, name: str, step: Fraction) -> Scene:
 
 
 def _count_equal(events: Sequence[Event], others: Sequence[Event]) -> int:
-    """Return for how many events from the start two lists agree in kind, boundary and the mode that follows."""
+    """Return for how many events from the start two lists agree in kind, boundary and the mode that
+    follows.
+    """
     for i, (event, other) in enumerate(zip(events, others, strict=False)):
         if (event.kind, event.boundary, event.target) != (other.kind, other.boundary, other.target):
             return i

@@ -1,4 +1,5 @@
-"""All reference cases: scenes of the paper, hard cases, exact grazes, rests, Coulomb oscillators, long runs.
+"""All reference cases: scenes of the paper, hard cases, exact grazes, rests, Coulomb oscillators,
+long runs.
 
 All numbers of the hard cases are decimals of at most 17 digits, except for the periodic orbits of
 the long runs: every solver gets the same problem, up to the rounding of a decimal to a double,
@@ -42,12 +43,15 @@ LONG_RUNS = "long run"
 #: The difficulty of each group of hard cases, in order of the table.
 GROUPS = {
     "easy": "nothing: a scene of the paper, for comparison",
-    "peak beyond a belt": "two roots of the velocity so close that a step sees neither; then a short stick",
+    "peak beyond a belt": "two roots of the velocity so close that a step sees neither; then a "
+    "short stick",
     "peak short of a belt": "no root, but only just: nothing may happen",
-    "short stick or flight": "a contact that ends at once, or a force that dips through zero on a belt, or just not",
+    "short stick or flight": "a contact that ends at once, or a force that dips through zero on "
+    "a belt, or just not",
     "fig8's sticks": "at resonance each stick is 3/8 as long as the one before",
     "near-critical damping": "two characteristic roots merge: differences of exponentials cancel",
-    "resonance": "k = m Omega^2 and c -> 0: steady state and transient grow without bound and cancel",
+    "resonance": "k = m Omega^2 and c -> 0: steady state and transient grow without bound and "
+    "cancel",
     "weak spring": "k -> 0: nothing bounds the position",
     "light mass": "m -> 0: stiff",
     "fast and slow drive": "rates that differ by a factor of 1000 and more",
@@ -57,11 +61,14 @@ GROUPS = {
 }
 #: The difficulty of each group, in order.
 CASE_GROUPS = {
-    PAPER_SCENES: "the scenes of Chen and Fan (2016), and the orbits and exact grazes that belong to them",
+    PAPER_SCENES: "the scenes of Chen and Fan (2016), and the orbits and exact grazes that "
+    "belong to them",
     **GROUPS,
-    GRAZES: "double roots of the velocity, in each regime of damping, at each belt and from each side",
+    GRAZES: "double roots of the velocity, in each regime of damping, at each belt and from each "
+    "side",
     RESTS: "velocities that creep to a belt's speed, and rest on a belt",
-    COULOMB: "published closed forms: amplitudes, growth and decay, the border of motions without stops",
+    COULOMB: "published closed forms: amplitudes, growth and decay, the border of motions "
+    "without stops",
     CONTINUUM: "orbits that no motion returns to after an error",
     LONG_RUNS: "hundreds of events: errors that add up",
 }
@@ -114,11 +121,14 @@ def chosen(group: str | None) -> Sequence[ReferenceCase]:
     return [case for case in reference_cases() if group in (None, case.group)]
 
 
-# -- the paper's scenes ------------------------------------------------------------------------------------------------
+# -- the paper's scenes ----------------------------------------------------------------------------
 
 
 def _paper_cases() -> Iterator[ReferenceCase]:
-    at_a_slip = "the start is the end of a stick to all its digits: within its error the mass may stick or slip"
+    at_a_slip = (
+        "the start is the end of a stick to all its digits: within its error the mass may stick or "
+        "slip"
+    )
     for name in filter(figure_of, scene_names()):
         scene = load_scene(name)
         if name == "fig10-orbit":
@@ -130,7 +140,7 @@ def _paper_cases() -> Iterator[ReferenceCase]:
         )
 
 
-# -- cases that are hard for solvers -----------------------------------------------------------------------------------
+# -- cases that are hard for solvers ---------------------------------------------------------------
 
 DIGITS_OF_A_NUMBER = 17
 LATE_PERIODS = 100_000
@@ -167,7 +177,9 @@ def hard_cases() -> tuple[ReferenceCase, ...]:
 def _hard(
     group: str, name: str, scene: Scene, quick: bool = False, periods: int = 0
 ) -> ReferenceCase:
-    """Return a hard case of a group, named by the group and by `name`, which must be unique in the group."""
+    """Return a hard case of a group, named by the group and by `name`, which must be unique in the
+    group.
+    """
     own = f"{group} {name}"  # in letters, digits and single hyphens
     for sign, word in {"+": " plus ", "=": " ", "^": "", "'": "", "- ": "minus "}.items():
         own = own.replace(sign, word)
@@ -195,9 +207,8 @@ def short(value: Number | Fraction) -> str:
 def _scene(
     p: Parameters | str, start: Start, t_end: NumberLike, name: str = "case", **changes: NumberLike
 ) -> Scene:
-    """Return a scene with the parameters p.
-
-    If p names a shipped scene, with that scene's parameters and `changes`.
+    """Return a scene with the parameters p; if p names a shipped scene, with that scene's
+    parameters and `changes`.
     """
     if isinstance(p, str):
         p = load_scene(p).parameters.replace(**changes)
@@ -241,9 +252,8 @@ def start_with_force(
 
 
 def start_before_a_dip(p: Parameters, height: str, t0: str) -> tuple[str, str, str]:
-    """Return t0, x0, v0 of a start on belt 1.
-
-    In the stick that follows, the minimum of the force F^(1) is `height`.
+    """Return t0, x0, v0 of a start on belt 1; in the stick that follows, the minimum of the force
+    F^(1) is `height`.
     """
     # It is least at the phase pi + asin(k v1/(B0 Omega)), where its slope -(k v1 + B0 Omega
     # sin(theta))/m turns positive.
@@ -340,7 +350,7 @@ def _changed_scenes() -> Iterator[ReferenceCase]:
         yield _hard("1e5 periods", name, scene, name == "fig10-orbit", LATE_PERIODS)
 
 
-# -- exact grazes ------------------------------------------------------------------------------------------------------
+# -- exact grazes ----------------------------------------------------------------------------------
 
 GRAZE_HARD = (
     "a double root of the velocity: a step sees no change of sign, "
@@ -387,10 +397,16 @@ def grazes() -> Iterator[ReferenceCase]:
             yield _case(GRAZES, scene, hard, GRAZE_SOURCE, (f"t[0] = {t_m}",))
 
 
-# -- creeping and rest -------------------------------------------------------------------------------------------------
+# -- creeping and rest -----------------------------------------------------------------------------
 
-UNIQUENESS = "uniqueness of the periodic motion and its exception (symosc derive literature): rests form an interval"
-AT_THE_EDGE = "the force on the belt is 0 where it turns; it is never beyond, by elementary reasons: min of A + B0 cos"
+UNIQUENESS = (
+    "uniqueness of the periodic motion and its exception (symosc derive literature): rests form an "
+    "interval"
+)
+AT_THE_EDGE = (
+    "the force on the belt is 0 where it turns; it is never beyond, by elementary reasons: min of "
+    "A + B0 cos"
+)
 ELEMENTARY = "the solution of the linear equation in one domain"
 
 #: Overdamped, no drive, belt 1 at rest, far from belt 2; the roots are -1 and -3.
@@ -409,7 +425,9 @@ def _case(
 
 
 def _creeping_cases() -> Iterator[ReferenceCase]:
-    """Yield flights without a drive whose velocity creeps to 0, the speed of the belt, and reaches it late or never."""
+    """Yield flights without a drive whose velocity creeps to 0, the speed of the belt, and reaches
+    it late or never.
+    """
     # With decay rates r1 <= r2 the gap g = -v closes only if u = g' + r2 g < 0 at the start: at the
     # time log(1 + (r2 - r1) g/|u|)/(r2 - r1), or g/|u| if the two rates are equal.
     for number, push in enumerate(
@@ -431,7 +449,10 @@ def _creeping_cases() -> Iterator[ReferenceCase]:
                 closed: tuple[str, ...] = (f"t[0] = {expression % show(-u)}",)
             else:
                 closed = ()
-            hard = f"the velocity creeps to the belt's, and {'meets it late' if u < 0 else 'never meets it'}: "
+            hard = (
+                "the velocity creeps to the belt's, and "
+                f"{'meets it late' if u < 0 else 'never meets it'}: "
+            )
             hard += roots.replace("-", " ")
             if r1 == r2 and u < 0:
                 t_end = 150
@@ -447,7 +468,9 @@ def _creeping_cases() -> Iterator[ReferenceCase]:
 
 
 def _limit_speed_cases() -> Iterator[ReferenceCase]:
-    """Yield flights without spring and drive whose velocity tends to a limit at, or close to, the belt's speed 1."""
+    """Yield flights without spring and drive whose velocity tends to a limit at, or close to, the
+    belt's speed 1.
+    """
     for number, beyond in enumerate(("1e-3", "1e-12", "0", "-1e-12"), 1):
         b = Fraction(beyond)
         p = CREEPER.replace(c=2, k=0, v1=1, A0=2 + 2 * b - Fraction("0.3"))
@@ -482,11 +505,14 @@ def _belt_start_cases() -> Iterator[ReferenceCase]:
     for name, x0 in (("slips", "1.000000001"), ("stays", "0.999999999")):  # A1 - |B0| = 1
         yield _case(RESTS, _scene(p, (0, x0, 0), 60, f"rest-edge-{name}"), hard, UNIQUENESS)
     fast = p.replace(v1=1, B0=0)
-    hard = "one stick, one flight, then a slow approach to rest between the belts' speeds, with nothing more to find"
+    hard = (
+        "one stick, one flight, then a slow approach to rest between the belts' speeds, with "
+        "nothing more to find"
+    )
     yield _case(RESTS, _scene(fast, (0, 0, 1), 60, "stick-then-settling"), hard, ELEMENTARY)
 
 
-# -- the Coulomb oscillator and its continuum of orbits ----------------------------------------------------------------
+# -- the Coulomb oscillator and its continuum of orbits --------------------------------------------
 
 DEN_HARTOG = "Den Hartog, Phil. Mag. 9 (1930) and Trans. ASME 53 (1931)"
 BORDER_SOURCE = "Den Hartog (1931); Hong and Liu, J. Sound Vib. 229 (2000)"
@@ -503,15 +529,16 @@ ORBIT_DIGITS = 60
 
 
 def wall(F: NumberLike, Omega: NumberLike, c: NumberLike = 0, P: NumberLike = 1) -> Parameters:
-    """Return the parameters of a mass on a spring that rubs on a wall.
-
-    Friction F, damping c, drive P cos(Omega t).
+    """Return the parameters of a mass on a spring that rubs on a wall: friction F, damping c, drive
+    P cos(Omega t).
     """
     return Parameters(m=1, c=c, k=1, A0=0, B0=P, Omega=Omega, v1=0, v2=10**6, mu1=F, mu2=0, FN=1)
 
 
 def _slide_cases() -> Iterator[ReferenceCase]:
-    """Yield motions without stops that start at their highest point and have the amplitude of Den Hartog's formula."""
+    """Yield motions without stops that start at their highest point and have the amplitude of Den
+    Hartog's formula.
+    """
     for number, (c, F, Omega) in enumerate(
         (("0", "0.4", "1.5"), ("0.2", "0.4", "1.5"), ("0.1", "0.25", "0.6")), 1
     ):
@@ -526,14 +553,19 @@ def _slide_cases() -> Iterator[ReferenceCase]:
             for i in range(2 * cycles)
         ]
         t_end = Fraction(f"{float(t0) + (cycles + 0.25) * period:.6g}")
-        hard = "a start and events at velocity 0, on the belt at rest; the motion passes it and does not stop"
+        hard = (
+            "a start and events at velocity 0, on the belt at rest; the motion passes it and does "
+            "not stop"
+        )
         yield _case(
             COULOMB, _scene(p, (t0, x0, 0), t_end, f"den-hartog-{number}"), hard, DEN_HARTOG, closed
         )
 
 
 def amplitude(c: str, F: str, Omega: str) -> str:
-    """Return Den Hartog's amplitude for m = k = P = FN = 1 and friction F, as the text of an expression."""
+    """Return Den Hartog's amplitude for m = k = P = FN = 1 and friction F, as the text of an
+    expression.
+    """
     if Fraction(c) == 0:
         return f"sqrt((1/(1 - ({Omega})**2))**2 - ({F})**2*(tan(pi/(2*({Omega})))/({Omega}))**2)"
     zeta = f"(({c})/2)"
@@ -548,7 +580,9 @@ def amplitude(c: str, F: str, Omega: str) -> str:
 
 
 def _first_stop_cases() -> Iterator[ReferenceCase]:
-    """Yield motions whose friction is just below or just above the least friction with which the mass stops."""
+    """Yield motions whose friction is just below or just above the least friction with which the
+    mass stops.
+    """
     # The mass stops in each cycle if F > 0.64657909 P (Omega = 1.5), or F > 0.81740639 P (Omega =
     # 0.8).
     for Omega, below, above in (("1.5", "0.64", "0.65"), ("0.8", "0.81", "0.82")):
@@ -562,7 +596,9 @@ def _first_stop_cases() -> Iterator[ReferenceCase]:
 
 
 def _resonance_cases() -> Iterator[ReferenceCase]:
-    """Yield undamped motions at resonance, which turn at the times pi/2, 3 pi/2, ..., each time farther out."""
+    """Yield undamped motions at resonance, which turn at the times pi/2, 3 pi/2, ..., each time
+    farther out.
+    """
     for number, F in enumerate(("0.1", "0.4", "0.75"), 1):
         p = wall(F, 1)
         closed = [f"t[{i}] = pi/2 + {i}*pi" for i in range(12)]
@@ -577,7 +613,9 @@ def _resonance_cases() -> Iterator[ReferenceCase]:
 
 
 def _decay_cases() -> Iterator[ReferenceCase]:
-    """Yield motions without a drive that lose 2 F/k per half cycle and stop at the first turning point within F/k."""
+    """Yield motions without a drive that lose 2 F/k per half cycle and stop at the first turning
+    point within F/k.
+    """
     for number, (x0, F) in enumerate((("10", "0.3"), ("1", "0.07"), ("100", "0.9")), 1):
         last = next(
             i for i in range(1000) if abs(Fraction(x0) - 2 * i * Fraction(F)) <= Fraction(F)
@@ -586,15 +624,17 @@ def _decay_cases() -> Iterator[ReferenceCase]:
         closed += [
             f"x[{i}] = {'-' if i % 2 == 0 else ''}({x0} - {2 * (i + 1)}*{F})" for i in range(last)
         ]
-        hard = "free decay: all turning points are on the belt at rest, and the last one is a stop for ever"
+        hard = (
+            "free decay: all turning points are on the belt at rest, and the last one is a stop "
+            "for ever"
+        )
         scene = _scene(wall(F, 1, P=0), (0, x0, 0), int(pi * last) + 20, f"free-decay-{number}")
         yield _case(COULOMB, scene, hard, BALANCE, closed)
 
 
 def continuum() -> Iterator[ReferenceCase]:
-    """Yield undamped motions at Omega = 1/(2 n).
-
-    The middle d of the oscillation may be any value of an interval.
+    """Yield undamped motions at Omega = 1/(2 n): the middle d of the oscillation may be any value
+    of an interval.
     """
     # They have the amplitude x_0 = 1/(1 - Omega^2) for all |d| < Omega^2 x_0 - F; beyond it they
     # stop.
@@ -614,9 +654,7 @@ def continuum() -> Iterator[ReferenceCase]:
             closed = [f"t[{i}] = {2 * n * (i + 1)}*pi" for i in range(count)]
             closed += [f"x[{i}] = {d} {'+' if i % 2 else '-'} {show(x_0)}" for i in range(count)]
             hard = "a continuum of orbits: nothing draws the motion back, so that errors stay"
-            if stays:
-                hard += ""
-            else:
+            if not stays:
                 hard += "; beyond its end, where the motion stops"
             t_end = Fraction(f"{(8 + 1 / 4) * 2 * n * pi:.6g}")
             start = (0, Fraction(d) + x_0, 0)
@@ -624,7 +662,7 @@ def continuum() -> Iterator[ReferenceCase]:
             yield _case(CONTINUUM, scene, hard, CSERNAK, closed, AT_A_TURN)
 
 
-# -- long runs ---------------------------------------------------------------------------------------------------------
+# -- long runs -------------------------------------------------------------------------------------
 
 
 def _long_run_cases() -> Iterator[ReferenceCase]:

@@ -64,7 +64,7 @@ EVENT_COLUMNS = ("t_low", "t_high", "x_low", "x_high", *KnownEvent._fields[2:], 
 CHANGE_COLUMNS = ("event", "wrt", "dt_low", "dt_high", "dx_low", "dx_high", "proven")
 
 
-# -- writing -----------------------------------------------------------------------------------------------------------
+# -- writing ---------------------------------------------------------------------------------------
 
 
 def write_cases(
@@ -125,9 +125,8 @@ def _case_files(case: ReferenceCase) -> tuple[dict[str, str], Record]:
 
 
 def exact_text(value: Fraction) -> str:
-    """Return a number as exact text.
-
-    All digits of a decimal that ends ("0.125"), else a quotient ("1/3").
+    """Return a number as exact text: all digits of a decimal that ends ("0.125"), else a quotient
+    ("1/3").
     """
     if "/" in show(value):
         exact = Context(prec=MOST_DIGITS, traps=[Inexact])
@@ -178,9 +177,8 @@ def _case_toml(case: ReferenceCase) -> str:
 
 
 def _samples(case: ReferenceCase) -> list[tuple[str, str, str, str]]:
-    """Return rows (t, x, v, mode) of a case's motion.
-
-    At equal steps, and before and after each event.
+    """Return rows (t, x, v, mode) of a case's motion: at equal steps, and before and after each
+    event.
     """
     scene = case.scene
     if case.periods:
@@ -256,7 +254,7 @@ def _files_of_earlier_run(folder: Path) -> set[str]:
         return set()
 
 
-# -- reading -----------------------------------------------------------------------------------------------------------
+# -- reading ---------------------------------------------------------------------------------------
 
 
 def read_set(path: str | Path) -> tuple[int, Sequence[ReferenceCase]]:

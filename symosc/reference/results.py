@@ -1,6 +1,5 @@
-"""Read a solver's events, from any kind of file that `symosc check` reads.
-
-One file per case, or one for all.
+"""Read a solver's events, from any kind of file that `symosc check` reads: one file per case, or
+one for all.
 
 `formats.txt` has the rules.
 """
@@ -62,10 +61,7 @@ class GivenEvent(NamedTuple):
 
 @dataclass
 class CaseResult:
-    """A solver's result for a case.
-
-    Its events in order of time, and the end time that it states.
-    """
+    """A solver's result for a case: its events in order of time, and the end time that it states."""
 
     events: list[GivenEvent] = field(default_factory=list)
     seconds: float | None = None
@@ -77,7 +73,9 @@ Results = dict[str, CaseResult]
 
 
 def read_results(path: str | Path, names: Container[str]) -> Results:
-    """Return results by case, from a folder with a file for each (NAME.csv, NAME/events.csv, ...), or from one file."""
+    """Return results by case, from a folder with a file for each (NAME.csv, NAME/events.csv, ...),
+    or from one file.
+    """
     source = Path(read_path(path))
     if not source.exists():
         raise ResultError(str(source), "does not exist")
@@ -142,7 +140,9 @@ def _wrong(what: str) -> ParameterError:
 
 
 def _names_by_meaning(names: Iterable[str]) -> dict[str, str]:
-    """Return which of a file's column names mean "t", "x", "kind" and so on, as a dictionary by meaning."""
+    """Return which of a file's column names mean "t", "x", "kind" and so on, as a dictionary by
+    meaning.
+    """
     found: dict[str, str] = {}
     there = list(map(str, names))
     for what, usual in EVENT_COLUMNS.items():
@@ -166,7 +166,9 @@ def _columns(names: list[str], needs_case: bool) -> dict[str, str]:
 
 
 def _entries(content: Any, name: str | None) -> Iterator[tuple[str, str, Record]]:
-    """Yield each event, or end of a run, as (its case, its place in the file, its entries by meaning)."""
+    """Yield each event, or end of a run, as (its case, its place in the file, its entries by
+    meaning).
+    """
     # `name` is the case that the file is for, None if the file itself names cases.
     if name is None:
         where = ""
@@ -224,9 +226,8 @@ def _entries(content: Any, name: str | None) -> Iterator[tuple[str, str, Record]
 
 
 def _cell(value: Any) -> Any:
-    """Return a table cell, perhaps of numpy or bytes, as a plain Python value.
-
-    None for an empty one.
+    """Return a table cell, perhaps of numpy or bytes, as a plain Python value; None for an empty
+    one.
     """
     if isinstance(value, np.generic | np.ndarray) and np.size(value) == 1:
         value = value.item()
@@ -240,9 +241,8 @@ def _cell(value: Any) -> Any:
 
 
 def _add_entry(where: str, result: CaseResult, entry: Record) -> None:
-    """Add an entry of a file to a result.
-
-    An event, the time where the run ended, or the seconds that it took.
+    """Add an entry of a file to a result: an event, the time where the run ended, or the seconds
+    that it took.
     """
     if "seconds" in entry:
         seconds = _number(where, entry, "seconds")
@@ -277,9 +277,8 @@ def _add_entry(where: str, result: CaseResult, entry: Record) -> None:
 
 
 def _number(where: str, entry: Record, name: str) -> Fraction | None:
-    """Return the number `name` of an event, or the middle of its name_low and name_high.
-
-    None if both are missing.
+    """Return the number `name` of an event, or the middle of its name_low and name_high; None if
+    both are missing.
     """
 
     def exact(value: Any) -> Fraction:

@@ -38,7 +38,9 @@ KIND_WINDOW = 0.005
 
 
 class Wrong(NamedTuple):
-    """A fault of a solver: its kind and time, the event wanted by the reference, and the one found ("": none)."""
+    """A fault of a solver: its kind and time, the event wanted by the reference, and the one found
+    ("": none).
+    """
 
     fault: str
     t: float
@@ -179,10 +181,14 @@ def judge_case(case: ReferenceCase, result: CaseResult | None, tolerance: float)
 
 
 class _Judge:
-    """Compares a solver's events with those of a case and writes errors and faults into the CaseScore `judged`."""
+    """Compares a solver's events with those of a case and writes errors and faults into the
+    CaseScore `judged`.
+    """
 
     def __init__(self, case: ReferenceCase, judged: CaseScore, tolerance: float) -> None:
-        self.case, self.judged, self.tolerance = case, judged, tolerance
+        self.case = case
+        self.judged = judged
+        self.tolerance = tolerance
         self.times = [float(event.middle[0]) for event in case.events]
         self.period = 2 * pi / float(case.parameters.Omega)
 
@@ -229,9 +235,8 @@ class _Judge:
             self._fault("invented", float(found[j].t), "", _event_text(found[j]))
 
     def _of_last_period(self, events: Sequence[GivenEvent]) -> Sequence[GivenEvent]:
-        """Return the events to judge one by one.
-
-        All, or those of the last period if the case knows no others.
+        """Return the events to judge one by one: all, or those of the last period if the case knows
+        no others.
         """
         uncompared = self.case.count - len(self.case.events)
         if not uncompared:
@@ -255,7 +260,9 @@ class _Judge:
         return last
 
     def _boundary(self, event: GivenEvent) -> int:
-        """Return the belt of a solver's event or, if not given, of the case's nearest event of the same kind."""
+        """Return the belt of a solver's event or, if not given, of the case's nearest event of the
+        same kind.
+        """
         same = [i for i, known in enumerate(self.case.events) if known.kind == event.kind]
         if event.boundary or not same:
             return event.boundary
@@ -297,7 +304,9 @@ class _Judge:
             self._fault("error", float(t), what, _event_text(event))
 
     def _derivatives(self, i: int, event: GivenEvent) -> None:
-        """Judge the derivatives that a solver gives of the case's event i, where the case has them too."""
+        """Judge the derivatives that a solver gives of the case's event i, where the case has them
+        too.
+        """
         judged = self.judged
         known = self.case.events[i]
         condition = self.case.conditions[i]
@@ -365,7 +374,7 @@ def by_group(cases: Sequence[CaseScore]) -> Iterator[tuple[str, list[CaseScore]]
         yield group, [case for case in cases if case.group == group]
 
 
-# -- text, Markdown and HTML: a row per group and a row per case, a column per solver ----------------------------------
+# -- text, Markdown and HTML: a row per group and a row per case, a column per solver --------------
 
 #: Faults of a solver that are listed one by one.
 MOST_LISTED_FAULTS = 40
@@ -373,9 +382,8 @@ NO_RESULT = "no result"
 
 
 def case_cell(case: CaseScore) -> str:
-    """Return a solver's result for a case as short text.
-
-    Its faults or, if there are none, its largest error.
+    """Return a solver's result for a case as short text: its faults or, if there are none, its
+    largest error.
     """
     if not case.given:
         return case.note or NO_RESULT
@@ -394,9 +402,8 @@ def case_cell(case: CaseScore) -> str:
 
 
 def group_cell(cases: Sequence[CaseScore]) -> str:
-    """Return a solver's result for a group as text.
-
-    How many cases are right, and their largest error.
+    """Return a solver's result for a group as text: how many cases are right, and their largest
+    error.
     """
     given = [case for case in cases if case.given]
     right = [case for case in cases if case.right]
@@ -513,11 +520,16 @@ def verdict(score: Score) -> str:
 def legend(score: Score) -> list[str]:
     """Return lines that explain the numbers of a score."""
     return [
-        "Numbers: the largest error of time, relative to max(1, t - t0), and of position, relative to max(1, |x|), in "
-        "units of max(1, condition) * 1e-16, which is what rounding the problem's numbers to doubles does. 'right': "
-        "nothing happens in the case, and nothing is reported. 'no x': positions are not given, and not judged.",
-        f"A case is right if no event is missed, invented or of a wrong kind, and no error is above {score.tolerance:g}"
-        f" or {UNITS_ALLOWED:g} units, if that is more; every event has its x, and the case is followed to its end. "
+        "Numbers: the largest error of time, relative to max(1, t - t0), and of position, "
+        "relative to max(1, |x|), in "
+        "units of max(1, condition) * 1e-16, which is what rounding the problem's numbers to "
+        "doubles does. 'right': "
+        "nothing happens in the case, and nothing is reported. 'no x': positions are not given, "
+        "and not judged.",
+        "A case is right if no event is missed, invented or of a wrong kind, and no error is "
+        f"above {score.tolerance:g}"
+        f" or {UNITS_ALLOWED:g} units, if that is more; every event has its x, and the case is "
+        "followed to its end. "
         "Grazes that are not reported are no faults.",
     ]
 
@@ -541,9 +553,8 @@ def _page(
     more: Sequence[str],
     with_faults: bool,
 ) -> Iterator[tuple[str, Any]]:
-    """Yield the parts of the page of scores as (HTML tag, content).
-
-    Text, lists of lines, tables made by tabulate.
+    """Yield the parts of the page of scores as (HTML tag, content): text, lists of lines, tables
+    made by tabulate.
     """
     yield "h1", title
     yield from (("p", line) for line in (f"Set of reference cases: version {version}.", *more))
@@ -565,7 +576,9 @@ def as_markdown(
     more: Sequence[str] = (),
     with_faults: bool = True,
 ) -> str:
-    """Return the page of scores in Markdown, with `more` lines below its title, and faults if `with_faults`."""
+    """Return the page of scores in Markdown, with `more` lines below its title, and faults if
+    `with_faults`.
+    """
     marks = {"h1": "# ", "h2": "## "}
     parts = [
         "\n".join(f"- {line}" for line in content) if tag == "ul" else marks.get(tag, "") + content
@@ -591,7 +604,10 @@ def as_html(scores: Sequence[Score], title: str, version: int) -> str:
         f'<meta charset="utf-8">\n<title>{escape(title)}</title>\n<style>\n{STYLE_SHEET}\n</style>'
     )
     body = "\n".join(parts)
-    return f'<!DOCTYPE html>\n<html lang="en">\n<head>\n{head}\n</head>\n<body>\n{body}\n</body>\n</html>\n'
+    return (
+        "<!DOCTYPE html>\n<html "
+        f'lang="en">\n<head>\n{head}\n</head>\n<body>\n{body}\n</body>\n</html>\n'
+    )
 
 
 def _tabulate_escaped(rows: Sequence[Sequence[str]], heads: Sequence[str], form: str) -> str:

@@ -216,18 +216,24 @@ class Scene(Drawable):
         return replace(self, parameters=self.parameters.replace(**changes))
 
     def reduced(self) -> Scene:
-        """Return the scene in the coordinates of symosc's oscillator, without an OtherModel as its `original`."""
+        """Return the scene in the coordinates of symosc's oscillator, without an OtherModel as its
+        `original`.
+        """
         return replace(self, original=None)
 
 
 def moved_scene(scene: Scene, original: Original, **changes: Any) -> Scene:
-    """Return a copy of another model's scene with some values changed, given in that model's coordinates."""
+    """Return a copy of another model's scene with some values changed, given in that model's
+    coordinates.
+    """
     start = original._asdict()
     return replace(scene, **{"parameters": start.pop("model")} | start | changes)
 
 
 def _reduced_problem(given: Original) -> tuple[dict[str, Fraction], StartErrors | None]:
-    """Return start and end of another model in symosc's coordinates, by name, and the `start_error` there."""
+    """Return start and end of another model in symosc's coordinates, by name, and the `start_error`
+    there.
+    """
     model, t0, x0, v0, t_end, error = given
     start, known = reduced_start(model, t0, x0, v0)
     if error is not None:  # an error of t0 moves the belts
@@ -239,8 +245,13 @@ def _reduced_problem(given: Original) -> tuple[dict[str, Fraction], StartErrors 
 
 
 def not_reduced_error(scene: Any) -> ParameterError:
-    """Return the error that `scene` is of another model, for a function that cannot give results in its coordinates."""
-    allowed = "is of another model, and this does not turn results back into its coordinates; give scene.reduced()"
+    """Return the error that `scene` is of another model, for a function that cannot give results in
+    its coordinates.
+    """
+    allowed = (
+        "is of another model, and this does not turn results back into its coordinates; give "
+        "scene.reduced()"
+    )
     return ParameterError("scene", scene.name if isinstance(scene, Scene) else str(scene), allowed)
 
 
@@ -314,9 +325,8 @@ def _shipped(name: str) -> Scene:
 
 
 def figure_of(name: str) -> int | None:
-    """Return the number of the paper's figure in a scene's name.
-
-    None if the scene is not from the paper.
+    """Return the number of the paper's figure in a scene's name; None if the scene is not from the
+    paper.
     """
     found = re.match(r"fig(\d+)(-|$)", name, re.ASCII)
     if found:
@@ -435,7 +445,10 @@ def as_toml(scene: Scene, explained: bool = False, file: str = "mine.toml") -> s
             return written
         meaning, _, _, allowed = QUANTITIES[name]
         unit = unit_of(name)
-        return f"{written:<15} # {meaning}{allowed and f', {allowed}'}{'' if unit == '1' else f' [{unit}]'}"
+        return (
+            f"{written:<15} # "
+            f"{meaning}{allowed and f', {allowed}'}{'' if unit == '1' else f' [{unit}]'}"
+        )
 
     if explained:
         lines = [INTRODUCTION.format(file=file)]
@@ -473,8 +486,6 @@ def as_toml(scene: Scene, explained: bool = False, file: str = "mine.toml") -> s
     ]
     if explained:
         lines += [START_COMMENT]
-    else:
-        lines += []
     lines += [line(name, show(getattr(own, name))) for name in STARTS]
     if own.start_error is not None:
         lines.append(

@@ -40,7 +40,9 @@ MOST_READ = 1_000_000
 
 
 class SceneFile(NamedTuple):
-    """A parsed scene file: its text, its name in messages, its values, and notes on numbers that are not exact."""
+    """A parsed scene file: its text, its name in messages, its values, and notes on numbers that
+    are not exact.
+    """
 
     text: str
     where: str
@@ -49,9 +51,8 @@ class SceneFile(NamedTuple):
 
     @property
     def tables(self) -> dict[str, tuple[tuple[str, ...], tuple[str, ...]]]:
-        """The tables that such a file may have, by name.
-
-        Their required keys, and their optional ones.
+        """The tables that such a file may have, by name: their required keys, and their optional
+        ones.
         """
         if "model" in self.data:
             return MODEL_TABLES
@@ -77,7 +78,9 @@ class SceneFile(NamedTuple):
 
 
 def line_of(text: str, path: Sequence[str]) -> int | None:
-    """Return the number of the last line of the value at a path of keys in a TOML text, None if it is not found."""
+    """Return the number of the last line of the value at a path of keys in a TOML text, None if it
+    is not found.
+    """
     # The lines up to it are the first ones that are TOML and have it: so strings of several lines,
     # inline tables and dotted keys are all read by the same rules as the file itself.
     begin = ""
@@ -179,9 +182,8 @@ def _check_keys(file: SceneFile, name: str) -> None:
 
 
 def _check_number(file: SceneFile, table: Record, name: str) -> None:
-    """Check a number that is given as text.
-
-    If it is read to 40 digits only, add a note on it to `file.notes`.
+    """Check a number that is given as text; if it is read to 40 digits only, add a note on it to
+    `file.notes`.
     """
     if isinstance(table[name], str):
         try:

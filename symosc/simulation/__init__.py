@@ -1,4 +1,5 @@
-"""Simulation of one motion (`simulate`) and of many (`ensemble`), with their results (`trajectory`, `tables`).
+"""Simulation of one motion (`simulate`) and of many (`ensemble`), with their results (`trajectory`,
+`tables`).
 
 `motion` follows one motion in more precise numbers where doubles do not suffice; `problems` reads
 columns of many and begins them; `batch` chooses loops and threads.

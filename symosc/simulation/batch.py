@@ -1,6 +1,5 @@
-"""Execution of many motions at once.
-
-Compiled or interpreted loops, threads, and compilation in advance.
+"""Execution of many motions at once: compiled or interpreted loops, threads, and compilation in
+advance.
 
 Interpreted and compiled loops give the same bits: only the time depends on which of them runs. What
 comes out does not depend on the number of threads either: each chunk is computed by itself, and put
@@ -57,7 +56,9 @@ MOST_WORKERS = 256
 
 @dataclass
 class InterpretBudget:
-    """How many events one kind of loop may still interpret in this process before it is compiled instead."""
+    """How many events one kind of loop may still interpret in this process before it is compiled
+    instead.
+    """
 
     events: int
 
@@ -83,7 +84,9 @@ INTERPRETED = Loops(interpreted(flow.march_rows), FOLLOW, interpreted(summary.se
 
 
 def chosen_loops(use_numba: Any) -> Loops:
-    """Return the loops: compiled (True), interpreted (False), or compiled if numba is installed (None)."""
+    """Return the loops: compiled (True), interpreted (False), or compiled if numba is installed
+    (None).
+    """
     if use_numba is not None and not use_numba:
         return INTERPRETED
     try:
@@ -106,7 +109,9 @@ def chosen_loops(use_numba: Any) -> Loops:
 
 
 def pair_loops(events: int) -> PairLoops:
-    """Return the loops for double-double numbers, compiled, or interpreted if that is quicker for so many `events`."""
+    """Return the loops for double-double numbers, compiled, or interpreted if that is quicker for
+    so many `events`.
+    """
     pays = events > PAIRS.events or arithmetic.pairs_are_compiled()
     if pays:
         return compiled_pairs()
@@ -114,7 +119,9 @@ def pair_loops(events: int) -> PairLoops:
 
 
 def _interpreted_first(compiled_one: Callable[..., Any]) -> Callable[..., tuple[int, int, int]]:
-    """Return an event loop, interpreted for up to 2048 events per call until `DOUBLES` is used up, then compiled."""
+    """Return an event loop, interpreted for up to 2048 events per call until `DOUBLES` is used up,
+    then compiled.
+    """
 
     def follow(
         begin: int, batch: Batch, most: int, accuracy: float, out: EventRows, *others: Any
@@ -177,9 +184,8 @@ class CancelToken(Event):
 
 
 def read_workers(workers: Any) -> int:
-    """Return the number of threads asked for.
-
-    If None, the number of cores available to this process.
+    """Return the number of threads asked for; if None, the number of cores available to this
+    process.
     """
     if workers is None:
         if hasattr(os, "sched_getaffinity"):

@@ -1,4 +1,5 @@
-"""`simulate_many`: many motions on all cores, from columns of problems to columns of events or summaries.
+"""`simulate_many`: many motions on all cores, from columns of problems to columns of events or
+summaries.
 
 Motions are followed in chunks, each in doubles first. A motion with an event that doubles do not
 decide, or do not know accurately enough, is followed again from its exact start in pairs of
@@ -203,9 +204,8 @@ def simulate_many(
 
 
 class Task(NamedTuple):
-    """What all chunks of a call share.
-
-    The problems, the loops, the most events of a motion, and the accuracy.
+    """What all chunks of a call share: the problems, the loops, the most events of a motion, and
+    the accuracy.
     """
 
     problems: Problems
@@ -228,20 +228,22 @@ class Chunk:
     def __init__(
         self, task: Task, rows: slice, buffer: EventRows, cancel: CancelToken, keep: Any = None
     ) -> None:
-        self.task, self._first, self._buffer, self._cancel = task, rows.start, buffer, cancel
+        self.task = task
+        self._first = rows.start
+        self._buffer = buffer
+        self._cancel = cancel
         self.batch, self.table = task.problems.begin(rows, task.loops.march_rows)
         if isinf(task.accuracy):
             self.table["sigmas"] = 0.0
-        self._keep, self._starts = keep, self.batch.states.copy()
+        self._starts = self.batch.states.copy()
+        self._keep = keep
         self._needed = attainable(task.accuracy, task.problems.start_error)
         if keep:
             self.tally = keep(rows, self._starts)
         else:
             self.tally = no_tally()
-        self.rows, self.alone = (
-            list(self._in_doubles(self.batch, self.tally)),
-            dict[int, Trajectory](),
-        )
+        self.rows = list(self._in_doubles(self.batch, self.tally))
+        self.alone = dict[int, Trajectory]()
         if task.loops.in_threads:
             again = self._in_pairs(self._reset_undecided())
         else:
@@ -266,7 +268,9 @@ class Chunk:
         return self.task.problems[self._first + i]
 
     def launches(self) -> tuple[np.ndarray, ...]:
-        """Return starts, indices of parameter sets, their m, mu1, mu2, FN, and their constants, for `event_changes`."""
+        """Return starts, indices of parameter sets, their m, mu1, mu2, FN, and their constants, for
+        `event_changes`.
+        """
         starts = self._starts[:, [0, 0, 3, 4, 5]]
         sets = self.task.problems.sets
         rows = slice(self._first, self._first + len(starts))
@@ -325,7 +329,9 @@ class Chunk:
         return found
 
     def _escalate(self, parameters: Parameters, members: list[int]) -> Iterator[EventRows]:
-        """Follow the motions `members`, of one parameter set, to the end, in pairs where doubles are in doubt."""
+        """Follow the motions `members`, of one parameter set, to the end, in pairs where doubles
+        are in doubt.
+        """
         # Pairs go on from their own last state where doubles are in doubt again: a double has 16
         # digits of it only.
         most = self.task.most
@@ -375,7 +381,9 @@ class Chunk:
         store_tallies(self.tally, members, tally)
 
     def _pair_rows(self, parameters: Parameters, members: list[int]) -> np.ndarray:
-        """Return the first states of the motions `members` in pairs hi + lo, stored as complex numbers hi + i lo."""
+        """Return the first states of the motions `members` in pairs hi + lo, stored as complex
+        numbers hi + i lo.
+        """
         starts = self._starts[members]
         numbers = self._first + np.array(members, np.int64)
         arithmetic = many_digits(parameters, ROUNDED_FROM)
@@ -416,7 +424,9 @@ class Chunk:
 
 
 def with_replaced(parts: Sequence[EventRows], again: dict[int, EventRows]) -> list[EventRows]:
-    """Return the event rows of `parts` in order of motion and time, with those of the motions in `again` replaced."""
+    """Return the event rows of `parts` in order of motion and time, with those of the motions in
+    `again` replaced.
+    """
     members = np.array(sorted(again), np.int64)
     pieces = list(again.values())
     for part in parts:
@@ -429,7 +439,9 @@ def with_replaced(parts: Sequence[EventRows], again: dict[int, EventRows]) -> li
 
 
 def careful_table(table: np.ndarray) -> np.ndarray:
-    """Return the constants such that an event counts as decided only if the error of a state cannot change it."""
+    """Return the constants such that an event counts as decided only if the error of a state cannot
+    change it.
+    """
     if len(table) and (table["sigmas"] == 0.0).any():
         table = table.copy()
         table["sigmas"] = float(SIGMAS)
@@ -460,9 +472,8 @@ def events_of(
 
 
 class SummaryRequest:
-    """What a caller asks of a summary.
-
-    Columns, the time to skip, and the number of Poincaré sections to keep.
+    """What a caller asks of a summary: columns, the time to skip, and the number of Poincaré
+    sections to keep.
     """
 
     def __init__(self, record: Any, skip: Any, sections: Any, problems: Problems) -> None:
@@ -495,7 +506,9 @@ class SummaryRequest:
         return name in self.names
 
     def start_tallies(self, longest: int, motions: Any, states: np.ndarray) -> Tally:
-        """Return new running summaries of `motions` that begin at `states`, for words of up to `longest` mappings."""
+        """Return new running summaries of `motions` that begin at `states`, for words of up to
+        `longest` mappings.
+        """
         repeats = "multiplicity" in self
         extremes = not EXTREMES.keys().isdisjoint(self.names)
         if repeats:
@@ -620,9 +633,8 @@ def tally_alone(i: int, trajectory: Trajectory, tally: Tally, table: np.ndarray,
 def _state_of_piece(
     n: float, theta: float, mode: float, x: float, v: float, a: float, elapsed: float
 ) -> State:
-    """Return the State at the start of a piece, without errors.
-
-    Period, phase, mode, x, v, acceleration, time.
+    """Return the State at the start of a piece, without errors: period, phase, mode, x, v,
+    acceleration, time.
     """
     if mode > ON_BELT:
         at = int(mode) - ON_BELT

@@ -1,6 +1,5 @@
-"""One motion in more precise numbers than doubles.
-
-With many digits, or until doubles decide its events again.
+"""One motion in more precise numbers than doubles: with many digits, or until doubles decide its
+events again.
 
 With many digits (`Motion`) doubles search for an event, and only the last step to it takes the
 digits. `FinerMotion` takes over from `symosc.simulation.simulate.in_doubles` where doubles are in
@@ -88,9 +87,8 @@ MOST_SHRINKING = 600
 
 
 class Limits(NamedTuple):
-    """How far a motion is followed in more precise numbers.
-
-    How many events, and how exact they must be.
+    """How far a motion is followed in more precise numbers: how many events, and how exact they
+    must be.
     """
 
     most: int  # events
@@ -101,12 +99,16 @@ class Limits(NamedTuple):
 
 
 def fits_pairs(start: Start) -> bool:
-    """Return whether double-double numbers (32 digits) are precise enough for a motion from this start."""
+    """Return whether double-double numbers (32 digits) are precise enough for a motion from this
+    start.
+    """
     return start.start_error is None and start.spare_digits <= PAIR_SPARE and not settles(start)
 
 
 def row_without_state(start: Start) -> np.ndarray:
-    """Return a row of a batch with the end time and the t0 of a motion in doubles, and zeros in place of its state."""
+    """Return a row of a batch with the end time and the t0 of a motion in doubles, and zeros in
+    place of its state.
+    """
     row = np.zeros((1, batch.STATE_WIDTH))
     row[0, 13:16] = *last_time(start, Arithmetic(start.parameters)), float(start.t0)
     return row
@@ -137,8 +139,7 @@ class SearchInDoubles:
         self._careful, self._K = (table_of([each]) if compiled else [each] for each in (careful, K))
 
     def next_event(self, state: State) -> tuple[NextEvent, float] | None:
-        """Return the event after `state` and, if undecided, a time before which no wall is met.
-
+        """Return the event after `state` and, if undecided, a time before which no wall is met;
         None on overflow.
         """
         keep_state(self._row, 0, state)
@@ -150,7 +151,9 @@ class SearchInDoubles:
             return None
 
     def next_doubt(self, state: State, count: int, limits: Limits) -> int:
-        """Return the number of the first event after number `count` that doubles cannot decide, 0 if none is near."""
+        """Return the number of the first event after number `count` that doubles cannot decide, 0
+        if none is near.
+        """
         keep_state(self._row, 0, state)
         SEARCHES.events -= batch.LOOK_AHEAD
         try:
@@ -177,28 +180,34 @@ class Motion:
             own = many_digits(start.parameters, digits)
         else:
             own = digits
-        self.start, self.arithmetic, self.digits, in_doubles = (
-            start,
-            own,
-            own.digits,
-            Arithmetic(start.parameters).K,
-        )
+        self.start = start
+        self.arithmetic = own
+        self.digits = own.digits
+        in_doubles = Arithmetic(start.parameters).K
         state = begin or first_state(start, own)
         (self.t0, t0_low) = own.time(start.t0)
-        self.first_at, self.K, self._begin = state.at, own.inner_K, own.inward((self.t0, t0_low))
+        self._begin = own.inward((self.t0, t0_low))
+        self.K = own.inner_K
+        self.first_at = state.at
         self._t0_low = own.inward(own.number(start.t0 - Fraction(float(start.t0))))
         if start.start_error:  # rounding is far below it, and it is no standard error
             self.K = self.K._replace(sigmas=own.inward(own.number(Fraction(1))))
-        self._state, self._end = own.inward(state), own.inward(last_time(start, own))
+        self._state = own.inward(state)
+        self._end = own.inward(last_time(start, own))
         if own.fast and not start.start_error:
             self._search: SearchInDoubles | None = SearchInDoubles(start, K or in_doubles)
         else:
             self._search = None
-        self._before, self._worst = self._state, 0.0
-        self._events, self._columns = list[tuple[Any, tuple[int, ...]]](), list[tuple[Any, ...]]()
-        self.code, self.decided, self.grazes_only = 0, True, True
+        self._before = self._state
+        self._worst = 0.0
+        self._events = list[tuple[Any, tuple[int, ...]]]()
+        self._columns = list[tuple[Any, ...]]()
+        self.code = 0
+        self.decided = True
+        self.grazes_only = True
         self._rough: State | None = None  # the state in doubles
-        self._rounded_t0, self._rounded_gain = float(start.t0), in_doubles.Om_gain
+        self._rounded_t0 = float(start.t0)
+        self._rounded_gain = in_doubles.Om_gain
         self._record_piece(0.0)
 
     def missing_digits(self, digits: int) -> int:
@@ -257,13 +266,16 @@ class Motion:
 
     def undo(self) -> None:
         """Take back the last step: its state, its piece, and its event if it had one."""
-        self._state, self._rough = self._before, None
+        self._state = self._before
+        self._rough = None
         del self._columns[-1]
         if self.code <= GRAZE:
             del self._events[-1]
 
     def _record_piece(self, elapsed: Number) -> None:
-        """Store the piece of the motion that begins now, a time `elapsed` after t0 (as a number of this precision)."""
+        """Store the piece of the motion that begins now, a time `elapsed` after t0 (as a number of
+        this precision).
+        """
         s = self._state
         if s.mode <= ON_BELT:
             a = s.Fb
@@ -273,8 +285,7 @@ class Motion:
         self._columns.append((s.n, *map(float, (s.theta, s.mode, s.x, s.v, a)), elapsed))
 
     def columns(self) -> np.ndarray:
-        """Return period number, theta, mode, x, v, acceleration, time at the start of each piece.
-
+        """Return period number, theta, mode, x, v, acceleration, time at the start of each piece:
         (7, pieces).
         """
         return np.array(self._columns, dtype=float).T
@@ -285,7 +296,9 @@ class Motion:
         with own.precision():
             before = self._before = self._state
             found = self._next_event(before)
-            self.code, self.decided, self._state = found.code, found.decided, found.state
+            self.code = found.code
+            self.decided = found.decided
+            self._state = found.state
             if found.code in (END, REST):
                 return
             self._record_piece(self._elapsed())
@@ -364,7 +377,8 @@ class MotionInPairs:
         exact = many_digits(start.parameters, arithmetic.ROUNDED_FROM)
         state = first_state(start, exact)
         tables = (table_of([each]) for each in (K, Arithmetic(start.parameters).K))
-        self._follow, self._K = loops.follow_pairs, arithmetic.pair_constants(start.parameters)
+        self._follow = loops.follow_pairs
+        self._K = arithmetic.pair_constants(start.parameters)
         self._limits = batch.PairLimits(
             limits.most, limits.accuracy, MOST_EVER, limits.noise, *tables
         )
@@ -373,7 +387,8 @@ class MotionInPairs:
         )
         self._batch = batch.batch_of(row_without_state(start))
         keep_state(self._batch.states, 0, rounded(state, float(start.t0), K.Om_gain))
-        self._events, self._pieces = list[EventRows](), list[np.ndarray]()
+        self._events = list[EventRows]()
+        self._pieces = list[np.ndarray]()
         self.goal = 0  # the number of events to come to
 
     code = property(
@@ -389,7 +404,9 @@ class MotionInPairs:
         return state_of(self._batch.states, 0)
 
     def last_sure(self, finer: MpArithmetic) -> State:
-        """Return the state before the first event that pairs cannot decide, in the more precise arithmetic `finer`."""
+        """Return the state before the first event that pairs cannot decide, in the more precise
+        arithmetic `finer`.
+        """
         number = finer.context.mpf
         row = [number(z.real) + number(z.imag) for z in self._pairs[0].tolist()]
         numbers: tuple[Any, ...] = (
@@ -421,9 +438,12 @@ class MotionInPairs:
                 return self.code != UNDECIDED
 
     def take(self) -> tuple[EventRows, np.ndarray]:
-        """Return the events and the pieces (parts between steps) found since the last call, as columns."""
+        """Return the events and the pieces (parts between steps) found since the last call, as
+        columns.
+        """
         found = joined(self._events), np.concatenate(self._pieces, axis=1)
-        self._events, self._pieces = [], []
+        self._events = []
+        self._pieces = []
         return found
 
 
@@ -448,13 +468,15 @@ class MotionInDigits(Motion):
         else:
             begin = None
         super().__init__(start, digits, begin, K)
-        self.from_start, self.is_known, self._skipped = (
-            other is None,
-            True,
-            other.count if other else 0,
-        )
+        self.from_start = other is None
+        self.is_known = True
+        if other:
+            self._skipped = other.count
+        else:
+            self._skipped = 0
         self.grazes_only = other is None or other.grazes_only
-        self._limits, self.goal = limits, 0
+        self._limits = limits
+        self.goal = 0
 
     @property
     def count(self) -> int:
@@ -507,18 +529,23 @@ class MotionInDigits(Motion):
         return continued(self.state, Fraction(1, 1 << self.arithmetic.context.prec), finer)
 
     def take(self) -> tuple[EventRows, np.ndarray]:
-        """Return the events and the pieces (parts between steps) found since the last call, as columns."""
+        """Return the events and the pieces (parts between steps) found since the last call, as
+        columns.
+        """
         rows = event_buffer(len(self._events))
         pieces = self.columns()[:, 1:]
         for n, (numbers, codes) in enumerate(self._events):
-            rows.floats[:, n], rows.ints[:, n] = numbers, (0, *codes)
+            rows.floats[:, n] = numbers
+            rows.ints[:, n] = (0, *codes)
         self._skipped = self.count
         del self._events[:], self._columns[1:]
         return rows, pieces
 
 
 class FinerMotion:
-    """A motion in pairs of doubles or in many digits, from its start on, followed until doubles suffice again."""
+    """A motion in pairs of doubles or in many digits, from its start on, followed until doubles
+    suffice again.
+    """
 
     # Pairs follow it, if `loops` are given or this process has them compiled, else FINER_DIGITS
     # digits. Past a contact that these leave undecided it goes on with as many digits as confirm a
@@ -533,12 +560,13 @@ class FinerMotion:
         self, start: Start, K: Constants, limits: Limits, loops: PairLoops | None = None
     ) -> None:
         self._problem = start, K, limits
-        self._least, self._asked_at = FINER_DIGITS + start.spare_digits, inf
-        self.events, self.pieces = list[EventRows](), list[np.ndarray]()
-        self.open_at, self.open_in = (
-            nan,
-            0,
-        )  # the time of a contact that cannot be decided, and with how many digits
+        self._least = FINER_DIGITS + start.spare_digits
+        self._asked_at = inf
+        self.events = list[EventRows]()
+        self.pieces = list[np.ndarray]()
+        # the time of a contact that cannot be decided, and with how many digits
+        self.open_at = nan
+        self.open_in = 0
         self.now: MotionInPairs | MotionInDigits
         if fits_pairs(start) and (loops or arithmetic.pairs_are_loaded()):
             self.now = MotionInPairs(*self._problem, loops or arithmetic.compiled_pairs())
@@ -585,7 +613,8 @@ class FinerMotion:
         if now.from_start and now.code != FAILED and now.digits >= needed:
             self._asked_at = inf
             return True
-        self.open_at, self.open_in = float(now.state.t), now.digits
+        self.open_at = float(now.state.t)
+        self.open_in = now.digits
         now.undo()
         if (
             now.code == FAILED
@@ -641,9 +670,11 @@ def digits_to_confirm_graze(
     start = motion.start
     K = Arithmetic(start.parameters).K
     if K.under:
-        fast, slow = (K.h, K.h)
+        fast = K.h
+        slow = K.h
     else:
-        fast, slow = (-K.l2, -K.l1)
+        fast = -K.l2
+        slow = -K.l1
     fast_digits, slow_digits = (ceil(float(elapsed) * rate / log(10)) for rate in (fast, slow))
     if is_steady(start) and motion.grazes_only:
         fast_digits = 0

@@ -47,9 +47,8 @@ DECIMAL_CONTEXT = Context(prec=800)
 
 
 class NumberColumn:
-    """A column of numbers as given, one per row or one for all.
-
-    Exact, and as doubles `hi` with remainders `lo`.
+    """A column of numbers as given, one per row or one for all: exact, and as doubles `hi` with
+    remainders `lo`.
     """
 
     def __init__(self, name: str, given: Any) -> None:
@@ -70,7 +69,9 @@ class NumberColumn:
             and all(type(value) is float for value in given)
         ):
             given = given.astype(float)
-        self.name, self._given, self._exact = name, given, dict[int, Fraction]()
+        self.name = name
+        self._given = given
+        self._exact = dict[int, Fraction]()
         plain = not self.single and given.dtype == np.float64
         if plain:
             self.hi, self.lo = self._split_doubles(given)
@@ -79,9 +80,8 @@ class NumberColumn:
         self.is_plain = plain or self.single  # then equal doubles are equal numbers
 
     def _split_doubles(self, given: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        """Return the doubles `given`, and what they lack to the numbers meant.
-
-        The decimals that they print as.
+        """Return the doubles `given`, and what they lack to the numbers meant: the decimals that
+        they print as.
         """
         largest = f"must be at most {float(LARGEST):g} in size"
         for bad, reason in (
@@ -187,9 +187,8 @@ def named(name: str, given: Any, wanted: tuple[str, ...]) -> Any:
 
 
 def decimal_rest(values: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Return the shortest decimal of each double minus the double, and flags.
-
-    False where this was not found.
+    """Return the shortest decimal of each double minus the double, and flags: False where this was
+    not found.
     """
     # The shortest decimal has 15, 16 or 17 digits: the first of them that is within half a unit of
     # the double. Scaled by a power of ten that is exact as a double, its distance from the double
@@ -218,14 +217,14 @@ def decimal_rest(values: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
 
 
 class ParameterSets:
-    """Parameter sets, read from Parameters, a sequence of them, or a mapping of all names to numbers or arrays."""
+    """Parameter sets, read from Parameters, a sequence of them, or a mapping of all names to
+    numbers or arrays.
+    """
 
     def __init__(self, given: Any) -> None:
-        self._known, self.columns, self._is_object = (
-            dict[int, Parameters](),
-            dict[str, NumberColumn](),
-            False,
-        )
+        self._known = dict[int, Parameters]()
+        self.columns = dict[str, NumberColumn]()
+        self._is_object = False
         if isinstance(given, Mapping):
             self._read_mapping(given)
             return
@@ -237,9 +236,14 @@ class ParameterSets:
         except TypeError:
             sets = [None]
         if not sets or not all(isinstance(p, Parameters) for p in sets):
-            hint = "give Parameters, a sequence of them, or a mapping of all their names to numbers or columns"
+            hint = (
+                "give Parameters, a sequence of them, or a mapping of all their names to numbers "
+                "or columns"
+            )
             raise ParameterError("parameters", given, hint)
-        self._known, self.count, self._is_object = dict(enumerate(sets)), len(sets), len(sets) == 1
+        self._known = dict(enumerate(sets))
+        self.count = len(sets)
+        self._is_object = len(sets) == 1
 
     def _read_mapping(self, given: Mapping[str, Any]) -> None:
         """Read a mapping of all parameters' names to numbers or columns."""
@@ -352,7 +356,9 @@ class Problems:
         return Start(self.sets[i], t0, x0, v0, end, self.start_error)
 
     def begin(self, rows: slice, march_rows: Callable[..., None]) -> tuple[Batch, np.ndarray]:
-        """Return the motions in `rows` as a batch at the start, and their constants (see `ParameterSets.table`)."""
+        """Return the motions in `rows` as a batch at the start, and their constants (see
+        `ParameterSets.table`).
+        """
         size = rows.stop - rows.start
         table = self.sets.table(rows if len(self.sets) != 1 else slice(0, 1), march_rows)
         if len(self.sets) > 1:
@@ -370,7 +376,9 @@ class Problems:
         return batch_of(states, sets), table
 
     def _start_rows(self, rows: slice, table: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        """Return the first states of the motions in `rows` in doubles, and flags of those to be begun one by one."""
+        """Return the first states of the motions in `rows` in doubles, and flags of those to be
+        begun one by one.
+        """
         size = rows.stop - rows.start
         unclear = np.zeros(size, dtype=bool)
         at = np.zeros(size, np.int64)
@@ -401,7 +409,9 @@ class Problems:
         return states, unclear | small_force | bool(self.start_error)
 
     def _at_belt(self, boundary: int, rows: slice) -> tuple[np.ndarray, np.ndarray]:
-        """Return the motions in `rows` whose v0 is the speed of belt `boundary`, and those that only round to it."""
+        """Return the motions in `rows` whose v0 is the speed of belt `boundary`, and those that
+        only round to it.
+        """
         speed = self.sets.column(f"v{boundary}")
         v = self.v0.pairs(rows)
         belt = speed.pairs(rows)
@@ -416,9 +426,8 @@ class Problems:
         return near[on_belt], near[~on_belt]
 
     def surely_fit_pairs(self, rows: np.ndarray, at: np.ndarray, gap: float) -> np.ndarray:
-        """Return which motions pairs surely suit.
-
-        B0 not 0, start exact, v0 more than `gap` off all belts but `at`.
+        """Return which motions pairs surely suit: B0 not 0, start exact, v0 more than `gap` off all
+        belts but `at`.
         """
         v = self.v0.pairs(rows).hi
         B0 = self.sets.column("B0").pairs(rows).hi
@@ -432,7 +441,8 @@ class Problems:
     def pair_rows(
         self, rows: np.ndarray, states: np.ndarray, phase: Callable[[Fraction], complex]
     ) -> np.ndarray:
-        """Return the starts of motions with equal parameters in pairs, stored as complex numbers hi + i lo.
+        """Return the starts of motions with equal parameters in pairs, stored as complex numbers hi
+        + i lo.
 
         `states` are the same starts in doubles, and `phase` returns the phase at a time as such a
         complex number.
@@ -442,8 +452,10 @@ class Problems:
         made[:, :2] = states[:, :2]
         for place, column in ((4, self.x0), (5, self.v0), (11, self.t0)):
             pairs = column.pairs(rows)
-            made[:, place].real, made[:, place].imag = pairs.hi, pairs.lo
-        made[:, 13].real, made[:, 13].imag = states[:, 13], states[:, 14]
+            made[:, place].real = pairs.hi
+            made[:, place].imag = pairs.lo
+        made[:, 13].real = states[:, 13]
+        made[:, 13].imag = states[:, 14]
         made[:, 15] = made[:, 11]
         known = {0j: 0j}
         for i, t0 in enumerate(made[:, 11].tolist()):
@@ -454,7 +466,9 @@ class Problems:
 
 
 def _start_columns(starts: Any) -> tuple[NumberColumn, NumberColumn, NumberColumn]:
-    """Return the columns t0, x0 and v0 of starts, given as rows of these or as a mapping of these names."""
+    """Return the columns t0, x0 and v0 of starts, given as rows of these or as a mapping of these
+    names.
+    """
     starts = named("starts", starts, START_COLUMNS)
     if isinstance(starts, Mapping):
         columns = [starts[name] for name in START_COLUMNS]
@@ -465,7 +479,10 @@ def _start_columns(starts: Any) -> tuple[NumberColumn, NumberColumn, NumberColum
         if rows.ndim == 1:
             rows = rows.reshape(1, -1)
         if rows.ndim != 2 or rows.shape[1] != 3:
-            hint = f"must have shape (n, 3), rows of t0, x0, v0, or be a mapping of these names; it has {rows.shape}"
+            hint = (
+                "must have shape (n, 3), rows of t0, x0, v0, or be a mapping of these names; it "
+                f"has {rows.shape}"
+            )
             raise ParameterError("starts", starts, hint)
         columns = list(rows.T)
     t0, x0, v0 = (

@@ -1,4 +1,5 @@
-"""`simulate`: one motion, in doubles with automatic precision escalation or with any number of digits.
+"""`simulate`: one motion, in doubles with automatic precision escalation or with any number of
+digits.
 
 Where a contact is undecided in doubles, or an event is known to less than `accuracy`, the same
 problem is followed with more digits from the exact start up to there, and on as long as doubles are
@@ -199,7 +200,9 @@ def read_start(
 def read_problem(
     scene: Any, given: dict[str, Any], start_error: Any
 ) -> tuple[Start, Original | None]:
-    """Return the initial value problem of a scene or of arguments, and the other model it stands for, if any."""
+    """Return the initial value problem of a scene or of arguments, and the other model it stands
+    for, if any.
+    """
     if isinstance(scene, Parameters | OtherModel):
         if given["t_end"] is None:
             if isinstance(scene, Parameters):
@@ -243,9 +246,8 @@ def read_accuracy(value: Any) -> float:
 
 
 def attainable(accuracy: float, start_error: tuple[Fraction, Fraction, Fraction] | None) -> float:
-    """Return the accuracy to demand of events.
-
-    `accuracy`, or inf (none) if the error of the start is larger.
+    """Return the accuracy to demand of events: `accuracy`, or inf (none) if the error of the start
+    is larger.
     """
     if start_error and max(start_error) > accuracy:
         return inf
@@ -316,7 +318,8 @@ def in_doubles(
             else:
                 code = RUNNING
             keep_state(batch.states, 0, now.rounded_state())
-            batch.counts[0], batch.codes[0] = count, code
+            batch.counts[0] = count
+            batch.codes[0] = code
             if not decided:
                 break
         if advance:
@@ -341,7 +344,9 @@ def in_doubles(
 
 
 def single_loop(count: int, K: Constants) -> tuple[Callable[..., tuple[int, int, int]], Any, int]:
-    """Return an event loop for a motion that has had `count` events, constants for it, and the most rows for events."""
+    """Return an event loop for a motion that has had `count` events, constants for it, and the most
+    rows for events.
+    """
     if functions := loaded_loop():
         return functions["follow_all"], table_of([K]), LARGEST_BLOCK
     if count < TURN:
@@ -351,12 +356,16 @@ def single_loop(count: int, K: Constants) -> tuple[Callable[..., tuple[int, int,
 
 
 def _part_done(start: Start, elapsed: Number, count: int, most: int) -> float:
-    """Return the completed part of a motion, from 0 to 1, by its time or by its events, whichever is larger."""
+    """Return the completed part of a motion, from 0 to 1, by its time or by its events, whichever
+    is larger.
+    """
     return min(1.0, max(float(elapsed) / float(start.t_end - start.t0), count / most))
 
 
 def in_digits(start: Start, most: int, digits: int, advance: Advance = None) -> Trajectory:
-    """Follow a motion, with ever more digits, until all contacts are decided and each event has `digits` digits."""
+    """Follow a motion, with ever more digits, until all contacts are decided and each event has
+    `digits` digits.
+    """
     working = digits + 10 + start.spare_digits
     # the number of the event before a contact that took more digits
     asked_at = inf
@@ -412,7 +421,8 @@ def in_digits(start: Start, most: int, digits: int, advance: Advance = None) -> 
 
 
 def check_reached(start: Start) -> None:
-    """Raise ParameterError for a motion that goes on, and whose t_end is later than any is followed.
+    """Raise ParameterError for a motion that goes on, and whose t_end is later than any is
+    followed.
 
     That is after 1e8 forcing periods or, without a drive, after as many searches.
     """
@@ -446,9 +456,8 @@ def end_status(code: int, mode: int, v: Number, force: Number, p: Parameters) ->
 
 
 def _ended(start: Start, code: int, state: State) -> tuple[str, str]:
-    """Return status and message of a motion that ended in `state`.
-
-    At its end (END) or with no event left (REST).
+    """Return status and message of a motion that ended in `state`: at its end (END) or with no
+    event left (REST).
     """
     if code != REST:
         check_reached(start)
@@ -471,7 +480,10 @@ def _open_contact(start: Start, t: float, used: int, asked: int | None = None) -
     """
     open_at = f"the contact near t = {t!r} cannot be decided"
     if start.start_error:
-        return f"{open_at} with this error of the start; give a smaller one, or else ask for more than {used} digits"
+        return (
+            f"{open_at} with this error of the start; give a smaller one, or else ask for more "
+            f"than {used} digits"
+        )
     return (
         f"{open_at} with {used} digits; ask for more digits, such as digits={2 * (asked or used)}"
     )

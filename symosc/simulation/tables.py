@@ -1,6 +1,5 @@
-"""The results of `simulate_many`.
-
-Events of many motions in columns, or a summary with a row per motion.
+"""The results of `simulate_many`: events of many motions in columns, or a summary with a row per
+motion.
 """
 
 from __future__ import annotations

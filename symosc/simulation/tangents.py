@@ -1,6 +1,5 @@
-"""Derivatives of the events of many motions.
-
-What `symosc.engine.tangent` needs, and which loop runs it.
+"""Derivatives of the events of many motions: what `symosc.engine.tangent` needs, and which loop
+runs it.
 """
 
 from __future__ import annotations
@@ -57,7 +56,9 @@ def is_deep(codes: np.ndarray) -> bool:
 
 
 def work_space(codes: np.ndarray, kind: Any = float) -> np.ndarray:
-    """Return scratch memory for derivatives by `codes`, for one motion at a time, with numbers of type `kind`."""
+    """Return scratch memory for derivatives by `codes`, for one motion at a time, with numbers of
+    type `kind`.
+    """
     return np.zeros((SIZE + 3, max(len(codes), PARAMETERS)), dtype=kind)
 
 
@@ -125,9 +126,8 @@ def tangent_loops(wanted: bool) -> dict[str, Any] | None:
 
 
 def chosen_tangents(events: int, in_threads: bool, use_numba: bool | None) -> Callable[..., None]:
-    """Return the loop for derivatives of so many `events`.
-
-    Compiled if `in_threads`, and if `use_numba` or quicker.
+    """Return the loop for derivatives of so many `events`: compiled if `in_threads`, and if
+    `use_numba` or quicker.
     """
     if not in_threads:
         return INTERPRETED

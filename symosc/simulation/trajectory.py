@@ -1,7 +1,4 @@
-"""The result of a simulation.
-
-Events, segments, dense output and files, in other coordinates too.
-"""
+"""The result of a simulation: events, segments, dense output and files, in other coordinates too."""
 
 from __future__ import annotations
 
@@ -117,15 +114,15 @@ class Trajectory(Drawable):
         first_at: int,
         digits: int | None = None,
     ) -> None:
-        self.parameters, self.status, self.message, self.digits = (
-            parameters,
-            status,
-            message,
-            digits,
-        )
+        self.parameters = parameters
+        self.status = status
+        self.message = message
+        self.digits = digits
         self.t_start, self.t_end = span
         self._rows: Any = events
-        self._pieces, self._first_at, self._t0 = pieces, first_at, float(self.t_start)
+        self._t0 = float(self.t_start)
+        self._first_at = first_at
+        self._pieces = pieces
         self._K = Arithmetic(parameters).K  # they are kept
 
     @cached_property
@@ -205,9 +202,8 @@ class Trajectory(Drawable):
 
     @public
     def force(self, alpha: int, t: ArrayLike) -> Any:
-        """Return F^(alpha) of eq.
-
-        (9), the acceleration that domain `alpha` = 1, 2 or 3 would give, at times `t`.
+        """Return F^(alpha) of eq. (9), the acceleration that domain `alpha` = 1, 2 or 3 would give,
+        at times `t`.
         """
         times = read_times(t)
         K = self._K
@@ -389,9 +385,8 @@ class Trajectory(Drawable):
         write_text(path, json.dumps(self.as_dict(), indent=1) + "\n")
 
     def __eq__(self, other: object) -> bool:
-        """Whether both are the same motion.
-
-        Parameters, digits, status, events, segments and dense output.
+        """Whether both are the same motion: parameters, digits, status, events, segments and dense
+        output.
         """
         if not isinstance(other, Trajectory):
             return NotImplemented
@@ -403,9 +398,8 @@ class Trajectory(Drawable):
         )
 
     def _content(self) -> tuple[Any, ...]:
-        """Return what must be equal in equal trajectories.
-
-        Parameters, status, events, segments and pieces.
+        """Return what must be equal in equal trajectories: parameters, status, events, segments and
+        pieces.
         """
         about = self.parameters, self.digits, self.status, self.message
         return *about, self.events, self.segments, self._pieces.tolist()
@@ -429,9 +423,8 @@ def read_times(t: Any) -> np.ndarray:
 
 
 class MovedTrajectory(Trajectory):
-    """The motion of another model.
-
-    The motion of symosc's oscillator, converted to the coordinates of the model.
+    """The motion of another model: the motion of symosc's oscillator, converted to the coordinates
+    of the model.
 
     Attributes
     ----------
@@ -448,13 +441,17 @@ class MovedTrajectory(Trajectory):
     """
 
     def __init__(self, reduced: Trajectory, original: Original) -> None:
-        self.model, self.reduced = original.model, reduced
+        self.model = original.model
+        self.reduced = reduced
         number = number_like(reduced.t_end)
         message = f"reached t_end = {show(original.t_end)}"
         delay = number(self.model.delay)
         end = number(original.t_end)
         if reduced.status != "t_end":
-            message = f"{reduced.message} (of the oscillator that the model is; its time is {float(delay):.6g} less)"
+            message = (
+                f"{reduced.message} (of the oscillator that the model is; its time is "
+                f"{float(delay):.6g} less)"
+            )
             if reduced.status != "equilibrium":
                 end = reduced.t_end + delay
         found = (
@@ -498,9 +495,8 @@ class MovedTrajectory(Trajectory):
 
     @public
     def force(self, alpha: int, t: ArrayLike) -> Any:
-        """Return F^(alpha) of eq.
-
-        (9) of the oscillator: the acceleration of x relative to the (oscillating) belts.
+        """Return F^(alpha) of eq. (9) of the oscillator: the acceleration of x relative to the
+        (oscillating) belts.
         """
         return self.reduced.force(alpha, self._times(t)[1])
 
@@ -513,7 +509,9 @@ class MovedTrajectory(Trajectory):
 
 
 def belt_path(trajectory: Trajectory, boundary: int, t: np.ndarray) -> np.ndarray:
-    """Return position and velocity, (2, n), of a point of a belt at times `t`, in the trajectory's coordinates."""
+    """Return position and velocity, (2, n), of a point of a belt at times `t`, in the trajectory's
+    coordinates.
+    """
     speed = float(trajectory.parameters.belt(boundary))
     path = np.stack([speed * t, np.full(t.shape, speed)])
     if isinstance(trajectory, MovedTrajectory):

@@ -1,6 +1,5 @@
-"""The result of a sweep as an xarray.Dataset, and its files.
-
-NetCDF, zarr and CSV, written whole with their plan.
+"""The result of a sweep as an xarray.Dataset, and its files: netCDF, zarr and CSV, written whole
+with their plan.
 
 Each file has a SHA-256 checksum of all its bytes, those of the checksum itself as zeros: after the
 netCDF file, in the attributes of the zarr group, in the first line of the CSV file. The columns in
@@ -84,7 +83,9 @@ class SweptDataset(Drawable):
 
 
 def dataset_of(plan: SweepPlan, columns: Columns) -> xarray.Dataset:
-    """Return the result of a sweep from columns with a row for each cell, in C order of the dimensions."""
+    """Return the result of a sweep from columns with a row for each cell, in C order of the
+    dimensions.
+    """
 
     def about(name: str, dimension: str) -> dict[str, str]:
         if dimension == "1":
@@ -137,7 +138,10 @@ def _call_text(plan: SweepPlan) -> str:
         axes.append(f"{name!r}: {repr(axis.text) if axis.text else values}")
     written = "{" + ", ".join(axes) + "}"
     if SET_AXIS in plan.sizes:
-        written = f"[{{name: float(dataset[name][i]) for name in {[*over]}}} for i in range(dataset.sizes['set'])]"
+        written = (
+            f"[{{name: float(dataset[name][i]) for name in {[*over]}}} for i in "
+            "range(dataset.sizes['set'])]"
+        )
     record = tuple(f"{name}:{plan.sections}" if name == "section" else name for name in plan.record)
     options = [f"record={record!r}", f"t_end={str(plan.t_end)!r}", f"skip={str(plan.skip)!r}"]
     if START_AXIS in plan.sizes:
@@ -147,7 +151,10 @@ def _call_text(plan: SweepPlan) -> str:
     start = ", ".join(f"{name}={show(getattr(scene, name))!r}" for name in START_NAMES)
     if scene.start_error is not None:
         start += f", start_error={[show(each) for each in scene.start_error]!r}"
-    return f"sweep(Scene({scene.name!r}, Parameters({parameters}), {start}), {written}, {', '.join(options)})"
+    return (
+        f"sweep(Scene({scene.name!r}, Parameters({parameters}), {start}), {written}, "
+        f"{', '.join(options)})"
+    )
 
 
 def output_path(path: Any) -> Path:
@@ -170,9 +177,8 @@ def output_path(path: Any) -> Path:
 
 
 def plan_of(path: Path, to_replace: bool = False) -> str | None:
-    """Return the plan's key (`SweepPlan.key`) that an output file states.
-
-    None if there is no such file.
+    """Return the plan's key (`SweepPlan.key`) that an output file states; None if there is no such
+    file.
 
     SweepError if the file is no output of a sweep or, if `to_replace`, is a folder that has other
     files too.
@@ -195,9 +201,8 @@ def plan_of(path: Path, to_replace: bool = False) -> str | None:
 
 
 def _text_file(path: Path) -> Path:
-    """Return the file with the plan and the checksum of an output.
-
-    The output itself or, in a folder, zarr.json.
+    """Return the file with the plan and the checksum of an output: the output itself or, in a
+    folder, zarr.json.
     """
     if path.is_dir():
         return path / "zarr.json"
@@ -221,7 +226,8 @@ def read_columns(path: Path) -> Columns:
     found, stated, _ = _checksum(path)
     if found != stated:
         raise SweepError(
-            f"{path} is damaged, or was changed after it was written: start anew, or name another file"
+            f"{path} is damaged, or was changed after it was written: start anew, or name "
+            "another file"
         )
     ending = path.suffix.lower()
     if ending == ".csv":
@@ -230,9 +236,8 @@ def read_columns(path: Path) -> Columns:
 
 
 def write_output(dataset: xarray.Dataset, path: Path, folder: Path) -> None:
-    """Write the result of a sweep atomically.
-
-    As a draft in `folder`, which is then moved to its place `path`.
+    """Write the result of a sweep atomically: as a draft in `folder`, which is then moved to its
+    place `path`.
     """
     # OutputError if that fails, SweepError if there is something in its place that is no output of
     # a sweep.
@@ -259,7 +264,9 @@ def write_output(dataset: xarray.Dataset, path: Path, folder: Path) -> None:
 
 
 def _to_disk(path: Path) -> None:
-    """Force a file, or the names of the files in a folder, out of the system's memory onto the disk."""
+    """Force a file, or the names of the files in a folder, out of the system's memory onto the
+    disk.
+    """
     with (
         suppress(OSError) if path.is_dir() else nullcontext()
     ):  # not every system does it for folders
@@ -271,7 +278,9 @@ def _to_disk(path: Path) -> None:
 
 
 def _checksum(path: Path) -> tuple[str, str, int]:
-    """Return the checksum of an output, the one that is stated in it ("" if none), and the stated one's position."""
+    """Return the checksum of an output, the one that is stated in it ("" if none), and the stated
+    one's position.
+    """
     place = _text_file(path)
     stated = ""
     begin = 0
@@ -289,7 +298,7 @@ def _checksum(path: Path) -> tuple[str, str, int]:
     return found.hexdigest(), stated, begin
 
 
-# -- formats -----------------------------------------------------------------------------------------------------------
+# -- formats ---------------------------------------------------------------------------------------
 
 
 def _write_netcdf(dataset: xarray.Dataset, draft: Path) -> None:
@@ -352,7 +361,9 @@ def _write_csv(dataset: xarray.Dataset, draft: Path) -> None:
 
 
 def _read_dataset(path: Path, engine: Any) -> Columns:
-    """Return the columns of a netCDF file or a zarr group, read by the backend of xarray with the name `engine`."""
+    """Return the columns of a netCDF file or a zarr group, read by the backend of xarray with the
+    name `engine`.
+    """
     columns: Columns = {}
     with need_xarray().open_dataset(path, engine=engine) as dataset:
         count = dataset["status"].ndim

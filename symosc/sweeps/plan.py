@@ -37,7 +37,10 @@ SET_AXIS = "set"
 START_AXIS = "start"
 MOST_SWEPT = MOST_FORCING_PERIODS = 10**9
 AXIS_FORM = "give numbers, or LO:HI:N such as '1:6:500'"
-OVER_FORM = "give names with their values, such as {'Omega': '1:6:500'}, or a table: a DataFrame or a list of dicts"
+OVER_FORM = (
+    "give names with their values, such as {'Omega': '1:6:500'}, or a table: a DataFrame or a list "
+    "of dicts"
+)
 #: Points of a section if nobody says how many.
 SECTION_POINTS = 32
 #: What decides the numbers of a motion: changed sources make another plan.
@@ -45,7 +48,9 @@ DECISIVE = ("kernels", "engine", "simulation", "exact.py", "model.py")
 
 
 class Coordinate(NamedTuple):
-    """The values of one parameter or start value along a dimension, and their text "LO:HI:N" if given so."""
+    """The values of one parameter or start value along a dimension, and their text "LO:HI:N" if
+    given so.
+    """
 
     dimension: str
     values: np.ndarray
@@ -57,7 +62,9 @@ Coordinates = dict[str, Coordinate]
 
 @dataclass(frozen=True)
 class Duration:
-    """A length of time, in units of time or in periods of the drive, which depend on the Omega of each motion."""
+    """A length of time, in units of time or in periods of the drive, which depend on the Omega of
+    each motion.
+    """
 
     value: Fraction
     periods: bool = False
@@ -107,9 +114,8 @@ class SweepPlan:
 
     @property
     def column_names(self) -> tuple[str, ...]:
-        """The names of the columns that are computed for each cell.
-
-        Those to record, and always the status.
+        """The names of the columns that are computed for each cell: those to record, and always the
+        status.
         """
         return tuple(dict.fromkeys((*self.record, "status")))
 
@@ -198,7 +204,7 @@ def kernels_hash() -> str:
     return digest.hexdigest()[:16]
 
 
-# -- reading the arguments of a sweep ----------------------------------------------------------------------------------
+# -- reading the arguments of a sweep --------------------------------------------------------------
 
 
 def read_plan(
@@ -281,9 +287,8 @@ def _known_name(name: Any) -> str:
 
 
 def read_axis(name: str, values: Any) -> np.ndarray:
-    """Return the values of an axis, all different.
-
-    Those that are given, or N evenly spaced ones of "LO:HI:N".
+    """Return the values of an axis, all different: those that are given, or N evenly spaced ones of
+    "LO:HI:N".
     """
     if isinstance(values, str):
         found = _evenly_spaced(name, values)
@@ -364,7 +369,9 @@ def _table_columns(over: Any) -> dict[str, np.ndarray] | None:
 
 
 def _start_rows(starts: Any) -> np.ndarray:
-    """Return starts, given as rows or as columns by name, as an array (n, 3) of rows t0, x0, v0, or (3,) if single."""
+    """Return starts, given as rows or as columns by name, as an array (n, 3) of rows t0, x0, v0, or
+    (3,) if single.
+    """
     columns = named("starts", starts, STARTS)
     if isinstance(columns, Mapping):
         each = [
@@ -391,9 +398,8 @@ def _start_rows(starts: Any) -> np.ndarray:
 
 
 def _check_values(scene: Scene, coordinates: Coordinates) -> None:
-    """Check that `Parameters` accepts the extreme swept values.
-
-    Then it accepts all values between them.
+    """Check that `Parameters` accepts the extreme swept values: then it accepts all values between
+    them.
     """
     swept = {name: each.values for name, each in coordinates.items() if name in PARAMETER_NAMES}
     belts = {name: swept.pop(name) for name in ("v1", "v2") if name in swept}
@@ -422,7 +428,8 @@ def read_duration(name: str, given: Any) -> Duration:
 
 
 def _read_record(record: Any) -> tuple[tuple[str, ...], int]:
-    """Return the names of the summary columns in `record`, and the number of points of a Poincaré section.
+    """Return the names of the summary columns in `record`, and the number of points of a Poincaré
+    section.
 
     A column "section:64" asks for a section with 64 points; without a section the number is 0.
     """

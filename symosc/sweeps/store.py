@@ -1,4 +1,5 @@
-"""Finished chunks on disk, each written atomically, so that a sweep may be interrupted at any moment.
+"""Finished chunks on disk, each written atomically, so that a sweep may be interrupted at any
+moment.
 
 A chunk is the result of successive cells of a sweep, from `begin` up to `end`. Its file ends with a
 checksum over its content, its range and its plan: what was changed since is computed anew.
@@ -47,9 +48,8 @@ class Store:
         self._key = ""
 
     def key(self) -> str | None:
-        """Return the key of the plan to which the chunks belong.
-
-        None if none is saved, "" if it cannot be read.
+        """Return the key of the plan to which the chunks belong; None if none is saved, "" if it
+        cannot be read.
         """
         try:
             found = json.loads((self.folder / PLAN_FILE).read_text(encoding="utf-8"))["key"]
@@ -62,9 +62,8 @@ class Store:
         return ""
 
     def open(self, key: str, content: Record, resume: bool = True) -> None:
-        """Lock the chunks' folder for the plan with this key and content.
-
-        Without `resume`, remove its old chunks.
+        """Lock the chunks' folder for the plan with this key and content; without `resume`, remove
+        its old chunks.
         """
         # SweepError if it belongs to another plan, is no folder of a sweep, or another program
         # works in it.
@@ -99,9 +98,8 @@ class Store:
         )
 
     def _clear(self, whole: bool) -> None:
-        """Remove half-written files that a killed program has left.
-
-        If `whole`, also the chunks and their plan.
+        """Remove half-written files that a killed program has left; if `whole`, also the chunks and
+        their plan.
         """
         for path in self.folder.iterdir():
             if DRAFT_FORM.fullmatch(path.name) or (
@@ -181,7 +179,9 @@ class Store:
                     path.unlink()
 
     def remove(self, key: str) -> None:
-        """Remove the chunks of the plan `key`, unless another program works on them, and release the lock."""
+        """Remove the chunks of the plan `key`, unless another program works on them, and release
+        the lock.
+        """
         with closing(self), suppress(OSError, SweepError):
             if self.key() != key:
                 return

@@ -1,4 +1,6 @@
-"""`sweep`: motions over parameters and starts as an xarray.Dataset, computed in chunks by threads or an executor."""
+"""`sweep`: motions over parameters and starts as an xarray.Dataset, computed in chunks by threads
+or an executor.
+"""
 
 from __future__ import annotations
 
@@ -58,7 +60,8 @@ def sweep(
     resume: bool = True,
     progress: Progress = False,
 ) -> xarray.Dataset:
-    """Follow one motion for each cell of a grid, or row of a table, of parameters and starts (extra `sweep`).
+    """Follow one motion for each cell of a grid, or row of a table, of parameters and starts (extra
+    `sweep`).
 
     The result is the same to the last bit for any workers and executor, however often the program
     was killed meanwhile.
@@ -131,7 +134,10 @@ def sweep(
             except SweepError as error:
                 if store is None:
                     raise
-                kept = f"{done} of {total} motions are kept in {store.folder}, and the same call goes on"
+                kept = (
+                    f"{done} of {total} motions are kept in {store.folder}, and the same call goes "
+                    "on"
+                )
                 raise SweepError(f"{error}; {kept}") from error.__cause__
         dataset = output.dataset_of(plan, columns)
         if store is not None:
@@ -141,7 +147,9 @@ def sweep(
 
 
 def _fill(columns: Columns, count: int, begin: int, end: int, chunk: Columns) -> None:
-    """Copy the columns of a chunk, with the cells from `begin` up to `end`, into columns of all `count` cells."""
+    """Copy the columns of a chunk, with the cells from `begin` up to `end`, into columns of all
+    `count` cells.
+    """
     for name, values in chunk.items():
         if name not in columns:
             columns[name] = np.zeros((count, *values.shape[1:]), values.dtype)
@@ -177,7 +185,8 @@ class Here(Executor):
 
 
 def read_executor(executor: Any, workers: Any) -> tuple[Executor, int]:
-    """Return the executor that computes chunks, and how many chunks may be under way in it at a time.
+    """Return the executor that computes chunks, and how many chunks may be under way in it at a
+    time.
 
     Without an `executor` this process computes them, on so many threads as `workers` says (default:
     all cores). With an executor, `workers` is the number of chunks under way.
@@ -201,7 +210,9 @@ def read_executor(executor: Any, workers: Any) -> tuple[Executor, int]:
 
 
 def dask_client(address: str) -> Any:
-    """Return a client of a dask cluster, by the address of its scheduler or the name of its scheduler file."""
+    """Return a client of a dask cluster, by the address of its scheduler or the name of its
+    scheduler file.
+    """
     Client = optional("distributed", "a dask cluster", "sweep").Client
     if address.endswith(".json"):
         if not Path(address).is_file():  # dask would wait for it
@@ -217,7 +228,9 @@ def dask_client(address: str) -> Any:
 def _carried_out(
     plan: SweepPlan, gaps: list[Range], executor: Executor, under_way: int
 ) -> Iterator[tuple[int, int, Columns]]:
-    """Compute the cells in the ranges `gaps` in chunks, and yield each chunk as soon as it is complete."""
+    """Compute the cells in the ranges `gaps` in chunks, and yield each chunk as soon as it is
+    complete.
+    """
     # At most `under_way` chunks are submitted and not finished. SweepError if a worker fails; what
     # was yielded stands.
     todo = gaps[::-1]
@@ -250,7 +263,9 @@ def _carried_out(
 
 
 def _next_chunk(todo: list[Range], size: int, under_way: int) -> Range:
-    """Take a chunk of about `size` cells off the ranges `todo`, less if too few are left for `under_way` chunks."""
+    """Take a chunk of about `size` cells off the ranges `todo`, less if too few are left for
+    `under_way` chunks.
+    """
     left = sum(end - begin for begin, end in todo)
     begin, end = todo.pop()
     middle = min(end, begin + max(min(size, -(-left // under_way)), 1))
@@ -263,7 +278,9 @@ def _next_chunk(todo: list[Range], size: int, under_way: int) -> Range:
 
 @contextmanager
 def _worker_errors() -> Iterator[None]:
-    """Turn an error of a worker or its pool into SweepError, except symosc's own errors and a lack of memory."""
+    """Turn an error of a worker or its pool into SweepError, except symosc's own errors and a lack
+    of memory.
+    """
     try:
         yield
     except (SymoscError, MemoryError):

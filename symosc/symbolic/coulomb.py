@@ -1,6 +1,5 @@
-"""The oscillator with Coulomb friction against a wall at rest.
-
-The closed forms of the literature, derived.
+"""The oscillator with Coulomb friction against a wall at rest: the closed forms of the literature,
+derived.
 
     m x'' + c x' + k x = P cos(theta) - F sgn(x'),    theta = Omega t
 
@@ -70,7 +69,9 @@ FREE_START = sp.ImmutableMatrix([x_0 - p_0 - x_f, -Omega * q_0])
 
 @cache
 def transition() -> Expr:
-    """Return the matrix, in the basis E0, E1, E2, that takes (x, v) of an unforced motion to (x, v) at tau later."""
+    """Return the matrix, in the basis E0, E1, E2, that takes (x, v) of an unforced motion to (x, v)
+    at tau later.
+    """
     flow = solution.flow()
     start = {a_i: solution.acceleration(x_i, v_i, solution.theta_i)}
     states = [solution.use_relations(expr.xreplace(start)) for expr in (flow.x, flow.v)]
@@ -88,9 +89,8 @@ def symmetry() -> Expr:
 
 @cache
 def half_period() -> tuple[Expr, Expr]:
-    """Solve `symmetry` for G and H.
-
-    The drive's response p_0 cos + q_0 sin has p_0 = x_0 + G F/k and q_0 = H F/k.
+    """Solve `symmetry` for G and H: the drive's response p_0 cos + q_0 sin has p_0 = x_0 + G F/k
+    and q_0 = H F/k.
     """
     found = sp.solve(list(symmetry()), [p_0, q_0], dict=True)[0]
     return sp.simplify((found[p_0] - x_0) / x_f), sp.simplify(found[q_0] / x_f)
@@ -98,9 +98,8 @@ def half_period() -> tuple[Expr, Expr]:
 
 @cache
 def amplitude() -> Expr:
-    """Return the highest point x_0 by the amplitude Q without friction.
-
-    The larger root of p_0^2 + q_0^2 = Q^2.
+    """Return the highest point x_0 by the amplitude Q without friction: the larger root of p_0^2 +
+    q_0^2 = Q^2.
     """
     roots = sp.solve((x_0 + G * x_f) ** 2 + (H * x_f) ** 2 - Q**2, x_0)
     return max(roots, key=lambda root: root.subs({G: 0, H: 0, Q: 1}))
@@ -110,13 +109,17 @@ def amplitude() -> Expr:
 
 
 def turning_acceleration(after: bool) -> Expr:
-    """Return the acceleration just after (or before) the highest point x_0, at which friction changes its sign."""
+    """Return the acceleration just after (or before) the highest point x_0, at which friction
+    changes its sign.
+    """
     return -(Omega**2) * p_0 + cm * Omega * q_0 - w0sq * (x_0 - p_0 - (x_f if after else -x_f))
 
 
 @cache
 def ratio() -> Expr:
-    """Return the ratio rho of the accelerations just after and before the highest point, for the steady motion."""
+    """Return the ratio rho of the accelerations just after and before the highest point, for the
+    steady motion.
+    """
     after, before = (_steady(turning_acceleration(side)) for side in (True, False))
     return after / before
 
@@ -130,13 +133,16 @@ def half_period_matrix(rho: Expr) -> Expr:
 
 
 def velocity() -> Expr:
-    """Return x'/Omega at the angle phi after the highest point, by the basis functions E0 and E1 at tau = phi/Omega."""
+    """Return x'/Omega at the angle phi after the highest point, by the basis functions E0 and E1 at
+    tau = phi/Omega.
+    """
     return _steady((transition() * FREE_START)[1] / Omega - p_0 * sp.sin(phi) + q_0 * sp.cos(phi))
 
 
 @cache
 def slide_function() -> Expr:
-    """Return B(phi): at the angle phi after its highest point the mass moves down iff p_0 > B(phi) F/k.
+    """Return B(phi): at the angle phi after its highest point the mass moves down iff p_0 > B(phi)
+    F/k.
 
     p_0 is the cosine part of the response to the drive.
     """
@@ -172,7 +178,9 @@ def largest_force_ratio(largest: Expr) -> Expr:
 
 
 def _steady(expr: Expr) -> Expr:
-    """Put p_0 = x_0 + G x_f and q_0 = H x_f (steady part of the motion, x_f = F/k) into an expression; expand it."""
+    """Put p_0 = x_0 + G x_f and q_0 = H x_f (steady part of the motion, x_f = F/k) into an
+    expression; expand it.
+    """
     return sp.expand(expr.subs({p_0: x_0 + G * x_f, q_0: H * x_f}))
 
 
@@ -181,9 +189,8 @@ def _steady(expr: Expr) -> Expr:
 
 @cache
 def resonance_growth() -> Expr:
-    """Return by how much the highest point x_0 rises in a period at resonance.
-
-    C = 0 and Omega^2 = k/m.
+    """Return by how much the highest point x_0 rises in a period at resonance: c = 0 and Omega^2 =
+    k/m.
     """
     # The highest point x_0 is at theta = pi/2, so that the drive pushes along with the velocity.
     regime = solution.REGIMES["resonance"]
@@ -200,7 +207,9 @@ def resonance_growth() -> Expr:
 
 @cache
 def free_decay() -> Expr:
-    """Return by how much nearer to 0 each turning point of a free motion without damping is than the one before."""
+    """Return by how much nearer to 0 each turning point of a free motion without damping is than
+    the one before.
+    """
     lowest = solution.flow(solution.REGIMES["undamped"]).x.subs(
         {v_i: 0, f0: 0, a_i: w0sq * (x_f - x_0), x_i: x_0}
     )
@@ -212,7 +221,9 @@ def free_decay() -> Expr:
 
 
 def closed(expr: Expr, regime: solution.Regime, time: Expr = HALF) -> Expr:
-    """Replace the basis functions E0, E1, E2 in an expression by their closed forms in a damping regime at `time`."""
+    """Replace the basis functions E0, E1, E2 in an expression by their closed forms in a damping
+    regime at `time`.
+    """
     basis = {
         name: form.subs(tau, time)
         for name, form in regime.basis().items()

@@ -89,7 +89,8 @@ def write_export(
 
     Replace other files there only if `force`.
     """
-    # OutputError if a file cannot be written, or, without `force`, already exists with different content.
+    # OutputError if a file cannot be written, or, without `force`, already exists with different
+    # content.
     folder = Path(read_path(folder))
     texts = {folder / name: text for name, text in export(*arguments, **options).items()}
     for path, text in texts.items():  # before the first of them is written
@@ -208,7 +209,9 @@ residual gives f1, f2 of each map, both 0 where it leads from (x_i, theta_i) to 
         return "\n".join(f"{mark}{line}".rstrip() for line in text.split("\n"))
 
     def example(self) -> tuple[list[float], dict[str, float]]:
-        """Return switching points (not an orbit) and parameters for the example call at the end of the source."""
+        """Return switching points (not an orbit) and parameters for the example call at the end of
+        the source.
+        """
         p = load_scene(EXAMPLE).parameters
         z = [
             each
@@ -363,7 +366,10 @@ class _C(ast.NodeTransformer):
         self.returns: dict[str, int] = {}
         for name, node in functions.items():
             value = next(leaf.value for leaf in ast.walk(node) if isinstance(leaf, ast.Return))
-            called = ast.unparse(value.func) if isinstance(value, ast.Call) else ""
+            if isinstance(value, ast.Call):
+                called = ast.unparse(value.func)
+            else:
+                called = ""
             if isinstance(value, ast.Tuple):
                 self.returns[name] = len(value.elts)
             else:
@@ -452,7 +458,8 @@ class _C(ast.NodeTransformer):
 
     def function(self, node: ast.FunctionDef) -> str:
         """Return the source of a function."""
-        self.current, self.count = node.name, 0
+        self.current = node.name
+        self.count = 0
         body = list(self.block(node.body))
         if body[-1] == "return;":
             body.pop()
@@ -489,7 +496,9 @@ class _C(ast.NodeTransformer):
         return "\n".join([*lines, *_indented(body), "}"])
 
     def unpack(self, targets: list[ast.expr], value: ast.expr) -> Iterator[str]:
-        """Yield C lines that assign several results one by one, through copies if a value uses an earlier target."""
+        """Yield C lines that assign several results one by one, through copies if a value uses an
+        earlier target.
+        """
         names = [self.expression(target) for target in targets]
         if isinstance(value, ast.Call):
             self.count += 1
@@ -536,7 +545,9 @@ class _C(ast.NodeTransformer):
             yield f"return {self.expression(value)};"
 
     def _call_into(self, call: ast.Call, target: str) -> str:
-        """Return a C call of a function with several results, which it writes to the array `target`."""
+        """Return a C call of a function with several results, which it writes to the array
+        `target`.
+        """
         return f"{self.expression(call)[:-1]}{', ' if call.args else ''}{target});"
 
 
@@ -561,7 +572,10 @@ def _indented(lines: Iterator[str] | list[str]) -> list[str]:
 def _python(program: _Program) -> str:
     """Return the Python source of a program, for numbers or for arrays."""
     used = set().union(*map(_names, program.functions.values())) | {"sqrt"}
-    library = "numpy" if program.arrays else "math"
+    if program.arrays:
+        library = "numpy"
+    else:
+        library = "math"
     imports = "from collections import namedtuple\n\n" + "import numpy as np\n" * program.arrays
     imports += f"from {library} import {', '.join(name for name in MATH if name in used)}"
     numbers = "\n".join(f"{name} = {value!r}" for name, value in program.numbers.items())
@@ -587,7 +601,10 @@ def _python(program: _Program) -> str:
     blocks = "\n".join(f"        {label}{MATRIX}({z})," for label, _, z in calls)
     if program.arrays:
         whats = [f": shape {shape} and that of the numbers in z" for shape in shapes]
-        frame = "    z, shape = flat(*z)\n    rows = [\n{}\n    ]\n    return np.array(rows).reshape(({}, *shape))"
+        frame = (
+            "    z, shape = flat(*z)\n    rows = [\n{}\n    ]\n    return "
+            "np.array(rows).reshape(({}, *shape))"
+        )
         bodies = [
             frame.format(each, shape[1:-1])
             for each, shape in zip((rows, blocks), shapes, strict=True)
@@ -624,7 +641,10 @@ def _c(program: _Program, name: str) -> dict[str, str]:
     jacobian = (
         f"void {name}_jacobian(const double z[{2 * count + 2}], {constants}double J[{count}][2][4])"
     )
-    setup = f"void {name}_setup({name}_constants *K, {', '.join(f'double {each}' for each in PARAMETER_NAMES)})"
+    setup = (
+        f"void {name}_setup({name}_constants *K, "
+        f"{', '.join(f'double {each}' for each in PARAMETER_NAMES)})"
+    )
     guard = f"{name.upper()}_H"
     example = f"{name.upper()}_EXAMPLE"
     public = "\n".join(

@@ -91,7 +91,9 @@ class PhaseInterval(NamedTuple):
         return extremes
 
     def _extreme(self, sign: int) -> Extreme:
-        """Return the phase with the largest (sign 1) or smallest sine (-1), and whether the interval contains it."""
+        """Return the phase with the largest (sign 1) or smallest sine (-1), and whether the
+        interval contains it.
+        """
         # sign * sin is largest at sign pi/2 + 2 pi n; the first of these phases after the low end
         # may be inside.
         top = sign * sp.pi / 2
@@ -140,7 +142,8 @@ def read_phases(name: str, value: Any) -> Expr | PhaseInterval:
 
 
 class GrazingQuestion(NamedTuple):
-    """The question for which parameter values a map's window contains phases, is empty or has all phases.
+    """The question for which parameter values a map's window contains phases, is empty or has all
+    phases.
 
     Attributes
     ----------
@@ -190,7 +193,10 @@ def interval_text(values: Expr) -> str:
     if values.is_empty:
         return "the empty set"
     if isinstance(values, sp.Interval):
-        return f"{'(' if values.left_open else '['}{values.start}, {values.end}{')' if values.right_open else ']'}"
+        return (
+            f"{'(' if values.left_open else '['}{values.start}, "
+            f"{values.end}{')' if values.right_open else ']'}"
+        )
     for kind, sign in ((sp.Union, " U "), (sp.Intersection, " & ")):
         if isinstance(values, kind):
             return sign.join(interval_text(part) for part in values.args)
@@ -236,9 +242,8 @@ class Answer(NamedTuple):
 
 
 class Answers(tuple[Answer, ...], LatexAnswer):
-    """The values of one parameter where the others are letters.
-
-    An Answer for each condition on those letters.
+    """The values of one parameter where the others are letters: an Answer for each condition on
+    those letters.
 
     Attributes
     ----------
@@ -293,7 +298,8 @@ class ParameterValues(LatexAnswer):
     """
 
     def __init__(self, question: GrazingQuestion, values: Expr) -> None:
-        self.question, self.values = question, values
+        self.question = question
+        self.values = values
 
     def text(self) -> str:
         """Return question and answer as text."""
@@ -365,7 +371,9 @@ class ParameterRegion(Drawable, LatexAnswer):
     """
 
     def __init__(self, question: GrazingQuestion, condition: Expr, parameters: Parameters) -> None:
-        self.question, self.condition, self.parameters = question, condition, parameters
+        self.question = question
+        self.condition = condition
+        self.parameters = parameters
 
     @property
     def allowed(self) -> Expr:
@@ -409,7 +417,10 @@ class ParameterRegion(Drawable, LatexAnswer):
     def text(self) -> str:
         """Return question and answer as text."""
         where = {sp.true: "everywhere", sp.false: "nowhere"}
-        return f"{self.question.text()} {where.get(self.condition) or f'where {condition_text(self.condition)}'}"
+        return (
+            f"{self.question.text()} "
+            f"{where.get(self.condition) or f'where {condition_text(self.condition)}'}"
+        )
 
     def latex(self) -> str:
         """Return the region as LaTeX (no dollar signs)."""
@@ -451,7 +462,8 @@ def values_containing(
     theta: NumberLike | tuple[NumberLike, NumberLike] | sp.Interval | None = None,
     order: Order = "full",
 ) -> Any:
-    """Return the values of one or two parameters for which a map's window contains a phase, or an interval.
+    """Return the values of one or two parameters for which a map's window contains a phase, or an
+    interval.
 
     Parameters
     ----------
@@ -542,7 +554,9 @@ def values_everything(
 
 
 def _read_names(mapping: str, given: Any, p: Any) -> tuple[str, ...]:
-    """Check the parameter names `given` and return them, the belt's speed as "v" if p is None, else "v1" or "v2"."""
+    """Check the parameter names `given` and return them, the belt's speed as "v" if p is None, else
+    "v1" or "v2".
+    """
     belt = f"v{place(mapping).boundary}"
     if isinstance(given, tuple | list):
         asked = tuple(given)
@@ -565,7 +579,9 @@ def _read_names(mapping: str, given: Any, p: Any) -> tuple[str, ...]:
 
 
 def _answer(p: Parameters | None, question: GrazingQuestion, full: bool) -> Any:
-    """Return the region of two parameters, or the allowed values of one, for which the question's property holds."""
+    """Return the region of two parameters, or the allowed values of one, for which the question's
+    property holds.
+    """
     where = place(question.mapping)
     name = question.names[0]
     if len(question.names) == 2:
@@ -651,9 +667,8 @@ def _containing(
 
 
 def _tangency_grazes(theta: Expr, level: Expr) -> Iterator[tuple[bool, Expr]]:
-    """Yield (grazes, condition) where G^(1) = 0.
-
-    A contact grazes iff cos(theta) = 0 and `level`, side k v, is > 0.
+    """Yield (grazes, condition) where G^(1) = 0: a contact grazes iff cos(theta) = 0 and `level`,
+    side k v, is > 0.
     """
     cosine = sp.cos(theta)
     if not cosine.free_symbols:
@@ -720,7 +735,9 @@ def _solve_for_all_phases(
 
 
 def _half_line(end: Expr, direction: int, closed: bool) -> Expr:
-    """Return the half line from `end` upwards (direction 1) or downwards (-1), with `end` if `closed`."""
+    """Return the half line from `end` upwards (direction 1) or downwards (-1), with `end` if
+    `closed`.
+    """
     if direction > 0:
         return sp.Interval(end, sp.oo, not closed, True)
     return sp.Interval(-sp.oo, end, True, not closed)
@@ -740,7 +757,9 @@ def _signs(expr: Expr) -> Iterator[tuple[int, Expr]]:
 
 
 def _positive(expr: Expr) -> Iterator[tuple[bool, Expr]]:
-    """Yield True with the condition under which an expression is > 0, and False with that under which it is not."""
+    """Yield True with the condition under which an expression is > 0, and False with that under
+    which it is not.
+    """
     if not expr.free_symbols:
         yield sign_of(expr) > 0, sp.true
         return

@@ -60,13 +60,17 @@ CONVOLVED = {sp.Integer(1): E2, E0: U0, E1: U1, E2: U2, R2: V, I2: W}
 
 
 def rate(expr: Expr) -> Expr:
-    """Differentiate by tau an expression in tau, the basis E0, E1, E2, R2, I2 and the convolutions U0 to Q."""
+    """Differentiate by tau an expression in tau, the basis E0, E1, E2, R2, I2 and the convolutions
+    U0 to Q.
+    """
     chain = (expr.diff(symbol) * value for symbol, value in REPEATED_RATES.items())
     return solution.time_derivative(expr) + sp.Add(*chain)
 
 
 def convolve(expr: Expr) -> Expr:
-    """Return the convolution of the impulse response with `expr`, a linear combination of 1 and the basis functions."""
+    """Return the convolution of the impulse response with `expr`, a linear combination of 1 and the
+    basis functions.
+    """
     expr = sp.expand(expr)
     parts = {symbol: expr.coeff(symbol) for symbol in solution.BASIS}
     constant = expr - sp.Add(*(sp.expand(factor * symbol) for symbol, factor in parts.items()))
@@ -76,7 +80,9 @@ def convolve(expr: Expr) -> Expr:
 
 
 def repeated_apart() -> dict[str, Expr]:
-    """Return formulas, by name, of U0 to Q in parameter derivatives, far from critical damping and resonance."""
+    """Return formulas, by name, of U0 to Q in parameter derivatives, far from critical damping and
+    resonance.
+    """
     # U1 = S*S is explicit; the others solve D f = g, which by their known rates has no derivatives
     # left. With p + i q = w0sq - Omega^2 + i cm Omega, the last two pairs are (u + i z)/(p + i q).
     first = (E1 - tau * (E0 + h * E1)) / (2 * solution.omega_d**2)
@@ -97,16 +103,17 @@ def repeated_apart() -> dict[str, Expr]:
 
 @cache
 def flight_residual() -> dict[str, Expr]:
-    """Return f1 and f2 of eq.
-
-    (54) for a flight, summed so that neither loses digits if start and end are close.
+    """Return f1 and f2 of eq. (54) for a flight, summed so that neither loses digits if start and
+    end are close.
     """
     flow = solution.flow()
     return {"f1": flow.x - x_j, "f2": flow.v - v_j}
 
 
 def by_start() -> dict[str, Expr]:
-    """Return the derivatives of x(tau) and v(tau) by x_i, v_i and theta_i with keys such as x_x0, x_v0, v_ph."""
+    """Return the derivatives of x(tau) and v(tau) by x_i, v_i and theta_i with keys such as x_x0,
+    x_v0, v_ph.
+    """
     flow = solution.flow()
     force = solution.acceleration(x_i, v_i, theta_i)
     pairs = product((("x", flow.x), ("v", flow.v)), (("x0", x_i), ("v0", v_i), ("ph", theta_i)))
@@ -117,9 +124,8 @@ def by_start() -> dict[str, Expr]:
 
 
 def flight_jacobian() -> dict[str, Expr]:
-    """Return the derivatives of f1 and f2 of a flight by x_i, theta_i, theta_j.
-
-    X_x0, x_th0, x_th1, v_x0 and so on.
+    """Return the derivatives of f1 and f2 of a flight by x_i, theta_i, theta_j: x_x0, x_th0, x_th1,
+    v_x0 and so on.
     """
     # The others are constants: with respect to x_j, f1 has the derivative -1 and f2 the derivative
     # 0.
@@ -139,7 +145,9 @@ def flight_jacobian() -> dict[str, Expr]:
 
 
 def flight_parameters() -> dict[str, Expr]:
-    """Return the derivatives of a flight's x(tau) and v(tau) - v_i by m, c, k, A_alpha, B0, Omega and v_i."""
+    """Return the derivatives of a flight's x(tau) and v(tau) - v_i by m, c, k, A_alpha, B0, Omega
+    and v_i.
+    """
     # At fixed x_i, theta_i and tau: where theta_j is fixed, a change of Omega moves the end as
     # well.
     flow = solution.flow()
@@ -153,17 +161,14 @@ def flight_parameters() -> dict[str, Expr]:
     found = {}
     start = by_start()
     for name, response in forcing.items():
-        found[f"x_{name}"], found[f"v_{name}"] = (
-            solution.collected(response),
-            solution.collected(rate(response)),
-        )
+        found[f"x_{name}"] = solution.collected(response)
+        found[f"v_{name}"] = solution.collected(rate(response))
     return found | {"x_v0": start["x_v0"], "v_v0": start["v_v0"] - 1}
 
 
 def _operator(expr: Expr) -> Expr:
-    """Return y'' + (c/m) y' + (k/m) y for an expression y in tau.
-
-    The left side of the equation of motion.
+    """Return y'' + (c/m) y' + (k/m) y for an expression y in tau: the left side of the equation of
+    motion.
     """
     first = rate(expr)
     return sp.expand(rate(first) + cm * first + w0sq * expr)
@@ -178,7 +183,9 @@ def stick_residual() -> dict[str, Expr]:
 
 
 def stick_jacobian() -> dict[str, Expr]:
-    """Return the derivatives of a stick's f1 (keys x_*) and f2 (v_*) by theta_i, theta_j, x_j, if not constant."""
+    """Return the derivatives of a stick's f1 (keys x_*) and f2 (v_*) by theta_i, theta_j, x_j, if
+    not constant.
+    """
     residual = stick_residual()
     # tau = (theta_j - theta_i)/Omega
     by_tau = residual["f1"].diff(tau) / Omega
@@ -191,7 +198,9 @@ def stick_jacobian() -> dict[str, Expr]:
 
 
 def stick_parameters() -> dict[str, Expr]:
-    """Return the derivatives of f1 and f2 of a stick by the parameters that they contain, and by v_i."""
+    """Return the derivatives of f1 and f2 of a stick by the parameters that they contain, and by
+    v_i.
+    """
     residual = stick_residual()
     A = solution.A
     B0 = solution.B0

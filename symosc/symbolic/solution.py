@@ -45,9 +45,8 @@ PAPER_LETTERS = {cm: c / m, w0sq: k / m, f0: B0 / m, A_m: A / m}
 
 
 class Flow(NamedTuple):
-    """The motion in a domain.
-
-    Displacement x, velocity v and acceleration a at the time tau after the start.
+    """The motion in a domain: displacement x, velocity v and acceleration a at the time tau after
+    the start.
     """
 
     x: Expr
@@ -65,26 +64,23 @@ def in_paper_letters(expr: Expr) -> Expr:
 
 
 def force_constant(alpha: int) -> Expr:
-    """Return A_alpha in domain alpha (1, 2 or 3).
-
-    A0 plus the friction of both belts, positive from a faster belt.
+    """Return A_alpha in domain alpha (1, 2 or 3): A0 plus the friction of both belts, positive from
+    a faster belt.
     """
     return A0 + {1: mu1 + mu2, 2: mu2 - mu1, 3: -mu1 - mu2}[alpha] * FN
 
 
 def acceleration(x: Expr = x, v: Expr = v, theta: Expr = theta) -> Expr:
-    """Return F^(alpha) of eq.
-
-    (9), the acceleration A_alpha/m + (B0/m) cos theta - (k/m) x - (c/m) v in a domain.
+    """Return F^(alpha) of eq. (9), the acceleration A_alpha/m + (B0/m) cos theta - (k/m) x - (c/m)
+    v in a domain.
     """
     return A_m + f0 * sp.cos(theta) - w0sq * x - cm * v
 
 
 @cache
 def g_function(order: int) -> Expr:
-    """Return the G-function G^(order) of eqs.
-
-    (18), (19): the derivative of F^(alpha) along the flow, `order` times.
+    """Return the G-function G^(order) of eqs. (18), (19): the derivative of F^(alpha) along the
+    flow, `order` times.
     """
     if order == 0:
         return acceleration()
@@ -93,15 +89,16 @@ def g_function(order: int) -> Expr:
 
 
 def next_derivative(y1: Expr, y0: Expr, forcing_n: Expr) -> Expr:
-    """Return the rate of change of y1 = dy0/dt, for v or a G-function y0.
-
-    -(c/m) y1 - (k/m) y0 - forcing_n.
+    """Return the rate of change of y1 = dy0/dt, for v or a G-function y0: -(c/m) y1 - (k/m) y0 -
+    forcing_n.
     """
     return -cm * y1 - w0sq * y0 - forcing_n
 
 
 def forcing(n: int) -> Expr:
-    """Return minus the n-th time derivative of the drive (B0/m) cos(Omega t), for `next_derivative`."""
+    """Return minus the n-th time derivative of the drive (B0/m) cos(Omega t), for
+    `next_derivative`.
+    """
     return -f0 * Omega**n * sp.cos(theta).diff(theta, n)
 
 
@@ -123,7 +120,9 @@ def stick_acceleration(start: Expr, cosines: Expr) -> Expr:
 
 @cache
 def rates() -> dict[Expr, Expr]:
-    """Return the derivatives of the basis functions E0, E1, E2, R2, I2 by tau, written in these functions."""
+    """Return the derivatives of the basis functions E0, E1, E2, R2, I2 by tau, written in these
+    functions.
+    """
     S = sp.Function("S")
     u = sp.Symbol("u", real=True)
     integrals = [S(u) * wave for wave in (1, sp.cos(Omega * (tau - u)), sp.sin(Omega * (tau - u)))]
@@ -142,10 +141,7 @@ def rates() -> dict[Expr, Expr]:
 
 
 def start_values() -> dict[Expr, Expr]:
-    """Return the values of the basis functions at tau = 0.
-
-    1 for E0, and 0 for E1, E2, R2 and I2.
-    """
+    """Return the values of the basis functions at tau = 0: 1 for E0, and 0 for E1, E2, R2 and I2."""
     return {symbol: sp.Integer(symbol == E0) for symbol in BASIS}
 
 
@@ -156,9 +152,8 @@ def time_derivative(expr: Expr) -> Expr:
 
 @cache
 def relations() -> tuple[Expr, Expr, Expr]:
-    """Return three expressions that are 0.
-
-    E2, R2 and I2 are the responses to 1, cos(Omega tau), sin(Omega tau).
+    """Return three expressions that are 0: E2, R2 and I2 are the responses to 1, cos(Omega tau),
+    sin(Omega tau).
     """
 
     def relation(response: Expr, force: Expr) -> Expr:
@@ -169,7 +164,9 @@ def relations() -> tuple[Expr, Expr, Expr]:
 
 
 def use_relations(expr: Expr) -> Expr:
-    """Remove E0, cos(Omega tau) and sin(Omega tau) from an expression by `relations`, and expand it."""
+    """Remove E0, cos(Omega tau) and sin(Omega tau) from an expression by `relations`, and expand
+    it.
+    """
     step, real, imaginary = relations()
     expr = sp.expand(expr, trig=True)
     for relation, unwanted in (
@@ -186,7 +183,9 @@ def use_relations(expr: Expr) -> Expr:
 
 @cache
 def flow(regime: Regime | None = None) -> Flow:
-    """Return the motion at tau after (t_i, x_i, v_i), in the basis functions or, for a regime, in closed form."""
+    """Return the motion at tau after (t_i, x_i, v_i), in the basis functions or, for a regime, in
+    closed form.
+    """
     # Variation of constants gives x up to two constants, the start fixes them. A is then eliminated
     # in favour of the acceleration a_i at the start: friction enters only there, and nothing
     # cancels when tau -> 0. Each result is sorted by cause (x_i, v_i, a_i, f0); x and v are the
@@ -215,7 +214,9 @@ def _force_at_start() -> Expr:
 
 
 def collected(expr: Expr) -> Expr:
-    """Return an expression that is linear in x_i, v_i, a_i and f0 = B0/m as a sum with one term for each of them."""
+    """Return an expression that is linear in x_i, v_i, a_i and f0 = B0/m as a sum with one term for
+    each of them.
+    """
     expr = sp.expand(expr)
     waves = [sp.cos(theta_i), sp.sin(theta_i)]
     causes = (x_i, v_i, a_i, f0)
@@ -228,7 +229,9 @@ def collected(expr: Expr) -> Expr:
 
 @dataclass(frozen=True)
 class Regime:
-    """One damping regime: its condition, and the characteristic roots from which the closed forms follow."""
+    """One damping regime: its condition, and the characteristic roots from which the closed forms
+    follow.
+    """
 
     name: str
     condition: Expr  # a Boolean in m, c, k, Omega
@@ -239,12 +242,16 @@ class Regime:
     letters: dict[Expr, Expr] = field(hash=False)  # what these letters are in m, c, k
 
     def parameters(self) -> dict[Expr, Expr]:
-        """Return c/m = -(l1 + l2) and k/m = l1 l2 for the regime's roots l1 and l2, in its own letters."""
+        """Return c/m = -(l1 + l2) and k/m = l1 l2 for the regime's roots l1 and l2, in its own
+        letters.
+        """
         return {cm: -2 * self.centre, w0sq: self.centre**2 - self.offset**2}
 
     @cache  # noqa: B019 (the table of regimes lives as long as the program)
     def basis(self) -> dict[Expr, Expr]:
-        """Return the closed forms in tau of the basis functions E0, E1, E2, R2, I2, with these symbols as keys."""
+        """Return the closed forms in tau of the basis functions E0, E1, E2, R2, I2, with these
+        symbols as keys.
+        """
         roots = self.centre + self.offset, self.centre - self.offset
         S = collect_modes(divided_difference(*roots))
         # Omega -> -Omega conjugates the response to exp(i Omega tau), since the operator is real.
@@ -255,7 +262,9 @@ class Regime:
 
 
 def divided_difference(*nodes: Expr) -> Expr:
-    """Return the divided difference of the function exp(z tau) of z over nodes, some of which may be equal."""
+    """Return the divided difference of the function exp(z tau) of z over nodes, some of which may
+    be equal.
+    """
     # Over the roots it is S; a further node z gives int_0^tau S(u) exp(z (tau - u)) du.
 
     def difference(z: list[Expr]) -> Expr:
@@ -267,7 +276,9 @@ def divided_difference(*nodes: Expr) -> Expr:
 
 
 def _exponential(z: Expr) -> Expr:
-    """Return exp(z tau), with cos and sin for the imaginary part of z, cosh and sinh for the overdamped rate eta."""
+    """Return exp(z tau), with cos and sin for the imaginary part of z, cosh and sinh for the
+    overdamped rate eta.
+    """
 
     def factor(part: Expr) -> Expr:
         if part.has(sp.I):
@@ -280,7 +291,9 @@ def _exponential(z: Expr) -> Expr:
 
 
 def collect_modes(expr: Expr) -> Expr:
-    """Write an expression as a sum of modes (products of tau, exp, sin, cos, sinh, cosh) with factored coefficients."""
+    """Write an expression as a sum of modes (products of tau, exp, sin, cos, sinh, cosh) with
+    factored coefficients.
+    """
     # Different modes are linearly independent functions, so what is 0 for all tau comes out as 0.
     modes = sorted(expr.atoms(sp.exp, sp.sin, sp.cos, sp.sinh, sp.cosh), key=sp.default_sort_key)
     stand_ins = [sp.Dummy() for _ in modes]
@@ -322,16 +335,17 @@ REGIMES = {regime.name: regime for regime in _table}
 
 
 def possible_regimes(numbers: dict[Expr, Expr]) -> tuple[Regime, ...]:
-    """Return the damping regimes that are possible if some of m, c, k and Omega have the values in `numbers`."""
+    """Return the damping regimes that are possible if some of m, c, k and Omega have the values in
+    `numbers`.
+    """
     holds = {regime: regime.condition.xreplace(numbers) for regime in REGIMES.values()}
     certain = tuple(regime for regime, condition in holds.items() if condition == sp.true)
     return certain or tuple(regime for regime, condition in holds.items() if condition != sp.false)
 
 
 class Join(NamedTuple):
-    """A limit of damping regimes.
-
-    With `path` inserted, `source`'s basis tends to `target`'s basis as `letter` -> 0.
+    """A limit of damping regimes: with `path` inserted, `source`'s basis tends to `target`'s basis
+    as `letter` -> 0.
     """
 
     source: str

@@ -1,4 +1,5 @@
-"""Theorem 7 exactly: the phases at which a flow that touches a boundary grazes it (eqs. (55) to (58)).
+"""Theorem 7 exactly: the phases at which a flow that touches a boundary grazes it (eqs. (55) to
+(58)).
 
 A contact at the phase theta has F = 0 and G^(1) = -(gamma + amplitude sin theta), with gamma =
 (c/m) x'' + (k/m) x' and amplitude = B0 Omega/m. From below (P2, P5) it grazes iff G^(1) < 0, from
@@ -66,7 +67,10 @@ class Case(NamedTuple):
 
     def latex(self) -> str:
         """Return "condition: phases" as LaTeX (no dollar signs)."""
-        return rf"{latex(self.condition)}:\quad \mathrm{{mod}}(\Omega t_m, 2\pi) \in {latex(self.phases)}"
+        return (
+            rf"{latex(self.condition)}:\quad \mathrm{{mod}}(\Omega t_m, 2\pi) \in "
+            rf"{latex(self.phases)}"
+        )
 
     def _repr_latex_(self) -> str:
         return f"${self.latex()}$"
@@ -105,7 +109,8 @@ def theorem7(
     amplitude: NumberLike = AMPLITUDE,
     order: Order = "full",
 ) -> Expr | Theorem7Cases:
-    """Return the phases at which a contact of `mapping` with its boundary grazes (Theorem 7, eqs. (55) to (58)).
+    """Return the phases at which a contact of `mapping` with its boundary grazes (Theorem 7, eqs.
+    (55) to (58)).
 
     Parameters
     ----------
@@ -218,9 +223,8 @@ def window_phases(
 
 
 def _through_zero(first: Expr, last: Expr) -> Expr:
-    """Return the open arc of phases through 0 as a union.
-
-    From 0 up to `first`, and from `last` up to 2 pi.
+    """Return the open arc of phases through 0 as a union: from 0 up to `first`, and from `last` up
+    to 2 pi.
     """
     # The two are disjoint, which sympy finds out slowly, and with symbols not at all: hence no
     # evaluation.
@@ -264,15 +268,18 @@ def all_cases(where: cases.Place, full: bool) -> tuple[Case, ...]:
             ((-1, 0), sp.Eq(g, -size)),
         ]
         if where.side < 0:
-            rows[5:], rows[1:3] = rows[:4:-1], [((1, 0), g >= size)]
+            rows[5:] = rows[:4:-1]
+            rows[1:3] = [((1, 0), g >= size)]
         found += [
             ((of_gamma, amplitude_sign, excess), condition & sign)
             for (of_gamma, excess), condition in rows
         ]
     if where.side > 0:
-        nothing, everything = (g <= 0, g > 0)
+        nothing = g <= 0
+        everything = g > 0
     else:
-        nothing, everything = (g >= 0, g < 0)
+        nothing = g >= 0
+        everything = g < 0
     for gamma_sign, condition in ((where.side, everything), (0, nothing)):
         found.append(((gamma_sign, 0, gamma_sign), condition & sp.Eq(a, 0)))
     return tuple(
@@ -380,9 +387,11 @@ class AnswerPrinter(LatexPrinter):
                 continue
             conditions.remove(other)
             if each.lhs == each.gts:
-                low, high = (each, other)
+                low = each
+                high = other
             else:
-                low, high = (other, each)
+                low = other
+                high = each
             ends = [self._print(part) for part in (low.rhs, low.lhs, high.rhs)]
             texts.append(
                 (False, f"{ends[0]} {LESS[low.rel_op]} {ends[1]} {LESS[high.rel_op]} {ends[2]}")
@@ -395,7 +404,9 @@ class AnswerPrinter(LatexPrinter):
 
 
 def _from_both_sides(one: Expr, other: Expr) -> bool:
-    """Return whether one condition bounds an expression from below and the other bounds the same one from above."""
+    """Return whether one condition bounds an expression from below and the other bounds the same
+    one from above.
+    """
     both = (
         isinstance(one, INEQUALITIES) and isinstance(other, INEQUALITIES) and one.lhs == other.lhs
     )

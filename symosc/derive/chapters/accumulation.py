@@ -64,9 +64,11 @@ def items(scope: Scope) -> Items:
         *_bound(),
         r"For $c > 0$ and $k > 0$ the settled motion stays in a fixed ball "
         r"(Theorem~\ref{thm:orbits-unique}), so its events per period are bounded, uniformly on "
-        r"each compact set of parameters with $v_1 < v_2$ and $\Omega > 0$: only finitely many words "
+        r"each compact set of parameters with $v_1 < v_2$ and $\Omega > 0$: only finitely many "
+        r"words "
         r"occur there. Over all times events may be infinitely many, and sticks may become shorter "
-        r"without end, as in the paper's Fig.~8. That is no accumulation, as they lie half a period "
+        r"without end, as in the paper's Fig.~8. That is no accumulation, as they lie half a "
+        r"period "
         r"apart.",
         r"\begin{remark}[what rests on it]\label{thm:accumulation-used} That a word is a finite "
         r"sequence and each motion has one (Definition~\ref{thm:borders-border}); that the "
@@ -262,7 +264,9 @@ def event_bound(p: Parameters, belts: set[int], changes: int) -> int:
     rest = number(p.k / p.m) - number(p.c / p.m) ** 2 / 4
     frequency = CONTEXT.sqrt(max(rest, CONTEXT.mpf(0)))
     cuts = floor(2 * frequency / number(p.Omega))
-    return 3 * (3 + cuts) if len(belts) == 1 else 3 * (5 + cuts + changes)
+    if len(belts) == 1:
+        return 3 * (3 + cuts)
+    return 3 * (5 + cuts + changes)
 
 
 def busiest_period(scene: str) -> tuple[int, set[int], int]:

@@ -363,7 +363,9 @@ WALL = wall(F=1, Omega=1, c="1/10")
 def _phase(falls: bool) -> Any:
     """Return the phase at which r = 0, where r falls or rises."""
     sine = -HERE.k * BELT / (HERE.B0 * HERE.Omega)
-    return CONTEXT.asin(sine) if falls else CONTEXT.pi - CONTEXT.asin(sine)
+    if falls:
+        return CONTEXT.asin(sine)
+    return CONTEXT.pi - CONTEXT.asin(sine)
 
 
 def _extrapolated(function: Callable[[Any], Any]) -> Any:

@@ -147,7 +147,10 @@ def _theorem() -> Items:
     """Return the theorem on the four maps, with its steps."""
     steps: list[Any] = []
     for n, border in enumerate(CORRECTIONS):
-        extra = -1 if border.piece == "stick" else 1
+        if border.piece == "stick":
+            extra = -1
+        else:
+            extra = 1
         area = sp.integrate(border.gap, (TIME, border.first, border.last))
         steps.append(rf"({'i' * (n + 1) if n < 3 else 'iv'}) {border.name}:")
         steps.append(equation(PLACE, border.place, {PLACE: extra * area}, f"x-{n + 1}"))
@@ -184,7 +187,8 @@ def _theorem() -> Items:
         r"and all that follows are analytic. $\delta x$ is the integral of the difference of both "
         r"velocities: of $-g$ in (i) and (ii), of $g$ in (iii) and (iv); and $\delta\dot{x}$ is "
         r"$-g$ at the end.\end{proof}",
-        r"The orders are 1 for grazing-sliding, 2 for crossing-sliding and adding-sliding, and 3 for "
+        r"The orders are 1 for grazing-sliding, 2 for crossing-sliding and adding-sliding, and 3 "
+        r"for "
         r"switching-sliding; compare the normal forms in \cite{dibernardo2002,dibernardo2008}.",
     )
 
@@ -201,7 +205,10 @@ def _gap(n: int) -> Any:
             sp.solve(force.subs(later, constant), constant), key=lambda root: root.is_positive
         )
         return sp.integrate(force, (later, start, TIME))
-    force = SMALL - BEND * later if n == 1 else -SMALL + BEND * later
+    if n == 1:
+        force = SMALL - BEND * later
+    else:
+        force = -SMALL + BEND * later
     return sp.integrate(force, (later, 0, TIME))
 
 
@@ -286,14 +293,18 @@ def phase(n: int) -> Any:
     """Return the phase of the event of a border in the comparison."""
     text, negative = PHASES[n]
     sine = CONTEXT.mpf(sp.Rational(text).p) / sp.Rational(text).q
-    return CONTEXT.pi - CONTEXT.asin(sine) if negative else CONTEXT.asin(sine)
+    if negative:
+        return CONTEXT.pi - CONTEXT.asin(sine)
+    return CONTEXT.asin(sine)
 
 
 def bend(n: int) -> Any:
     """Return b of a border in the comparison."""
     angle = phase(n)
     push = HERE.k * BELT + HERE.B0 * CONTEXT.sin(angle)
-    return abs(HERE.B0 * CONTEXT.cos(angle)) if n == 3 else abs(push)
+    if n == 3:
+        return abs(HERE.B0 * CONTEXT.cos(angle))
+    return abs(push)
 
 
 def zero(function: Callable[[Any], Any], near: Any) -> Any:
@@ -330,7 +341,10 @@ def changes(n: int, small: Any) -> tuple[Any, Any]:
         )
         place, velocity = flow(HERE, top, speed, angle, leaves)
         return met + BELT * (leaves - contact) - place, BELT - velocity
-    way = 1 if n == 1 else -1
+    if n == 1:
+        way = 1
+    else:
+        way = -1
     start = (HERE.B0 * CONTEXT.cos(angle) - HERE.c * BELT - way * small) / HERE.k
     if n == 1:
         leaves = zero(
@@ -338,12 +352,20 @@ def changes(n: int, small: Any) -> tuple[Any, Any]:
         )
         place, velocity = flow(HERE, start, BELT, angle, leaves)
         return start + BELT * leaves - place, BELT - velocity
-    first, last = (CONTEXT.mpf(0), 2 * small / curve) if n == 2 else (-root, 2 * root)
+    if n == 2:
+        first = CONTEXT.mpf(0)
+        last = 2 * small / curve
+    else:
+        first = -root
+        last = 2 * root
     if n == 3:
         first = zero(lambda time: pull(HERE, BELT, start + BELT * time, angle + time), first)
     left = start + BELT * first
     # g has a double zero at the start of the slip: it is divided out.
-    power = 1 if n == 2 else 2
+    if n == 2:
+        power = 1
+    else:
+        power = 2
 
     def rest(time: Any) -> Any:
         """Return g divided by the power of the time since the slip began."""
@@ -394,7 +416,10 @@ def _exact_factor(n: int, which: int, power: Any) -> Any:
     gap = _gap(n)
     start = CORRECTIONS[n].first
     stop = start + _length(n)
-    extra = -1 if n < 2 else 1
+    if n < 2:
+        extra = -1
+    else:
+        extra = 1
     change = extra * (
         sp.integrate(gap, (TIME, start, stop)) if which == 0 else gap.subs(TIME, stop)
     )

@@ -77,7 +77,9 @@ REGIME_WORDS = {
 
 
 def items(scope: Scope) -> Items:
-    """Yield the chapter: the closed form of a flight in every damping regime, and how the regimes join."""
+    """Yield the chapter: the closed form of a flight in every damping regime, and how the regimes
+    join.
+    """
     generic = generic_basis()
     rates = []
     for symbol, rate in solution.rates().items():
@@ -92,17 +94,23 @@ def items(scope: Scope) -> Items:
     yield (
         r"\subsection{Five functions that hold every motion}",
         r"\begin{definition}[basis functions]\label{thm:domains-basis} "
-        r"With $\tau = t - t_i$ the time since the start at $t_i$, let $L = d^2/d\tau^2 + (c/m)\, d/d\tau + k/m$. Let "
-        r"$E_1(\tau)$ be the response to an impulse: $L E_1 = 0$, $E_1(0) = 0$, $\dot{E}_1(0) = 1$. Further let "
+        r"With $\tau = t - t_i$ the time since the start at $t_i$, let $L = d^2/d\tau^2 + "
+        r"(c/m)\, d/d\tau + k/m$. Let "
+        r"$E_1(\tau)$ be the response to an impulse: $L E_1 = 0$, $E_1(0) = 0$, $\dot{E}_1(0) = "
+        r"1$. Further let "
         r"$E_0 = \dot{E}_1$, $E_2(\tau) = \int_0^\tau E_1(u)\,du$ and "
-        r"$R_2(\tau) + i I_2(\tau) = \int_0^\tau E_1(u)\, e^{i\Omega(\tau - u)}\,du$.\end{definition}",
-        r"\begin{lemma}[rates and relations]\label{thm:domains-relations} The basis functions have the derivatives",
+        r"$R_2(\tau) + i I_2(\tau) = \int_0^\tau E_1(u)\, e^{i\Omega(\tau - "
+        r"u)}\,du$.\end{definition}",
+        r"\begin{lemma}[rates and relations]\label{thm:domains-relations} The basis functions "
+        r"have the derivatives",
         rates,
         r"and obey, whatever the damping,",
         laws,
         r"\end{lemma}",
-        r"\begin{proof} The rates follow from $L E_1 = 0$ and Leibniz' rule. The relations are $L E_2 = 1$ and "
-        r"$L(R_2 + i I_2) = e^{i\Omega\tau}$, with all derivatives replaced by the rates: both sides have the same "
+        r"\begin{proof} The rates follow from $L E_1 = 0$ and Leibniz' rule. The relations are "
+        r"$L E_2 = 1$ and "
+        r"$L(R_2 + i I_2) = e^{i\Omega\tau}$, with all derivatives replaced by the rates: both "
+        r"sides have the same "
         r"rates, and are equal at $\tau = 0$.\end{proof}",
         solved_functions(generic),
     )
@@ -110,16 +118,21 @@ def items(scope: Scope) -> Items:
     yield (
         r"\subsection{The motion}",
         r"\begin{theorem}[the motion in a domain]\label{thm:domains-flow} "
-        r"A motion that starts in $\Omega_\alpha$, or goes into it, at $t_i$ with the phase $\theta_i = \Omega t_i$, "
-        r"the position $x_i$ and the velocity $\dot{x}_i$ is, as long as it stays in $\Omega_\alpha$,",
+        r"A motion that starts in $\Omega_\alpha$, or goes into it, at $t_i$ with the phase "
+        r"$\theta_i = \Omega t_i$, "
+        r"the position $x_i$ and the velocity $\dot{x}_i$ is, as long as it stays in "
+        r"$\Omega_\alpha$,",
         motion,
         r"where the acceleration at the start is",
         start,
         r"This holds in every regime of damping and at resonance.\end{theorem}",
-        r"\begin{proof} $L x = (A_\alpha + B_0\cos\theta)/m$ by \eqref{eq:motion-domain}. Variation of constants gives "
-        r"$x$ as a combination of $E_0$, $E_1$, $E_2$, $R_2$ and $I_2$. Then $A_\alpha$ is eliminated in favour of "
+        r"\begin{proof} $L x = (A_\alpha + B_0\cos\theta)/m$ by \eqref{eq:motion-domain}. "
+        r"Variation of constants gives "
+        r"$x$ as a combination of $E_0$, $E_1$, $E_2$, $R_2$ and $I_2$. Then $A_\alpha$ is "
+        r"eliminated in favour of "
         r"$\ddot{x}_i$, so that friction enters only there, and the derivatives are shortened by "
-        r"Lemma~\ref{thm:domains-relations}. That \eqref{eq:domains-x} solves the equation with the right start was "
+        r"Lemma~\ref{thm:domains-relations}. That \eqref{eq:domains-x} solves the equation with "
+        r"the right start was "
         r"checked with the relations alone.\end{proof}",
     )
     if scope.scene is None:
@@ -130,16 +143,23 @@ def items(scope: Scope) -> Items:
     (first, second) = REGIME_WORDS[name]
     yield (
         r"\subsection{The same motion as papers print it}",
-        r"The form with constants of integration, for $c^2 < 4km$ away from undamped resonance, with $h = c/(2m)$ and "
+        r"The form with constants of integration, for $c^2 < 4km$ away from undamped resonance, "
+        r"with $h = c/(2m)$ and "
         r"$\omega_d = \sqrt{k/m - h^2}$, is"
         if name == "underdamped"
-        else rf"The form with constants of integration, in the regime \emph{{{first}}} ({second}), is",
+        else (
+            rf"The form with constants of integration, in the regime \emph{{{first}}} "
+            rf"({second}), is"
+        ),
         equation(named(r"x(\tau)"), form.x, form.check, "paper"),
         "with",
         constants(form),
-        r"It is the same function as \eqref{eq:domains-x}, since both solve the same problem. It needs a case for "
-        r"every regime, and loses digits near the borders of the regimes and for short times, where "
-        r"\eqref{eq:domains-x} loses none if the basis functions are computed as divided differences "
+        r"It is the same function as \eqref{eq:domains-x}, since both solve the same problem. It "
+        r"needs a case for "
+        r"every regime, and loses digits near the borders of the regimes and for short times, "
+        r"where "
+        r"\eqref{eq:domains-x} loses none if the basis functions are computed as divided "
+        r"differences "
         r"\cite{mccurdy1984}.",
     )
     if scope.scene:
@@ -166,13 +186,15 @@ def items(scope: Scope) -> Items:
     letters = (solution.h, omega_d, eta, omega_0)
     yield (
         r"\subsection{The regimes of damping}",
-        r"In terms of the roots of $m z^2 + c z + k$ the basis functions are elementary. With the letters",
+        r"In terms of the roots of $m z^2 + c z + k$ the basis functions are elementary. With "
+        r"the letters",
         [equation(each, values[each], true_letters()[each], f"{each.name}") for each in letters],
         r"Table~\ref{tab:domains-regimes} gives $E_1$ and $E_0$; the other functions follow by "
         r"Corollary~\ref{thm:domains-solved}.",
         Table(
             "tab:domains-regimes",
-            r"The regimes of damping: their roots, and the two functions that the others follow from.",
+            r"The regimes of damping: their roots, and the two functions that the others follow "
+            r"from.",
             ("regime", "condition", "roots", "$E_1$", "$E_0$"),
             tuple(
                 (*REGIME_WORDS[r.name], roots(r), *(basis_function(f, r) for f in (E1, E0)))
@@ -208,15 +230,20 @@ def items(scope: Scope) -> Items:
     yield (
         r"\subsection{The regimes are limits of each other}",
         r"\begin{theorem}[one motion, no cases]\label{thm:domains-entire} "
-        r"For each $\tau$ the basis functions are entire functions of $c/m$, $k/m$ and $\Omega$. So at each border of "
+        r"For each $\tau$ the basis functions are entire functions of $c/m$, $k/m$ and $\Omega$. "
+        r"So at each border of "
         r"two regimes the functions of one turn into those of the other.\end{theorem}",
-        r"\begin{proof} $E_1$ solves a linear equation whose coefficients are polynomials of $c/m$ and $k/m$, with a "
-        r"fixed start; such a solution is an entire function of the coefficients, and so are $E_0$ and the integrals "
-        r"$E_2$ and $R_2 + i I_2$, the last one also of $\Omega$. Table~\ref{tab:domains-joins} goes over the borders: "
+        r"\begin{proof} $E_1$ solves a linear equation whose coefficients are polynomials of "
+        r"$c/m$ and $k/m$, with a "
+        r"fixed start; such a solution is an entire function of the coefficients, and so are "
+        r"$E_0$ and the integrals "
+        r"$E_2$ and $R_2 + i I_2$, the last one also of $\Omega$. Table~\ref{tab:domains-joins} "
+        r"goes over the borders: "
         r"along each path $c/m$ and $k/m$ of one regime tend to those of the other.\end{proof}",
         Table(
             "tab:domains-joins",
-            r"The borders of the regimes: how each is approached, and to what $c/m$ and $k/m$ tend there.",
+            r"The borders of the regimes: how each is approached, and to what $c/m$ and $k/m$ "
+            r"tend there.",
             ("from", "to", "with", "where", r"$c/m \to$", r"$k/m \to$"),
             tuple(borders),
             tuple(_sampled(join) for join in solution.JOINS),
@@ -225,9 +252,8 @@ def items(scope: Scope) -> Items:
 
 
 def flow() -> tuple[Step, ...]:
-    """Return the steps on a flight in a domain.
-
-    Its initial acceleration, and x, v and acceleration after tau.
+    """Return the steps on a flight in a domain: its initial acceleration, and x, v and acceleration
+    after tau.
     """
     flow = solution.flow()
     newton = {a_i: balance(x_i, v_i, theta_i), **solution.PAPER_LETTERS}
@@ -269,7 +295,8 @@ def solved_functions(generic: dict[Any, Any]) -> Items:
         equation(I2, (KAPPA * swing - cm * Omega * still) / DELTA, exact(meaning, modes), "I2"),
         r"\end{corollary}",
         r"\begin{proof} \eqref{eq:domains-step} is solved for $E_2$; \eqref{eq:domains-cosine} and "
-        r"\eqref{eq:domains-sine} are two linear equations for $R_2$ and $I_2$ with the determinant "
+        r"\eqref{eq:domains-sine} are two linear equations for $R_2$ and $I_2$ with the "
+        r"determinant "
         r"$\Delta$.\end{proof}",
     )
 
@@ -323,7 +350,9 @@ class PaperForm(NamedTuple):
 
 @cache
 def paper_form(regime: solution.Regime) -> PaperForm:
-    """Return the motion in a regime with the constants of integration C1, C2 and a steady part with D1, D2."""
+    """Return the motion in a regime with the constants of integration C1, C2 and a steady part with
+    D1, D2.
+    """
     first, second, below, steady, letters = MODES[regime.name]
     x = C1 * first + C2 * second + steady
     start = {tau: sp.Integer(0)}
@@ -352,7 +381,9 @@ def paper_form(regime: solution.Regime) -> PaperForm:
 
 
 def _one_exponential(v: Any, mode: Any) -> Any:
-    """Return the velocity v expanded and, if `mode`, the factor of C1 in x, decays, with e^{-ct/2m} factored out."""
+    """Return the velocity v expanded and, if `mode`, the factor of C1 in x, decays, with e^{-ct/2m}
+    factored out.
+    """
     if not mode.has(sp.exp):
         return sp.expand(v)
     v = sp.expand(v)
@@ -394,9 +425,8 @@ def basis_function(symbol: Any, regime: solution.Regime, **options: Any) -> Step
 
 
 def true_letters() -> dict[Any, Any]:
-    """Return the rates h, eta and the frequencies omega_d, omega_0 in m, c, k.
-
-    From the roots of m z^2 + c z + k.
+    """Return the rates h, eta and the frequencies omega_d, omega_0 in m, c, k: from the roots of m
+    z^2 + c z + k.
     """
     z = sp.Symbol("z")
     polynomial = sp.Poly(m * z**2 + c * z + k, z)
@@ -414,9 +444,8 @@ _WAVES = sp.sin, sp.cos, sp.sinh, sp.cosh
 
 
 def _times(wave: Any, row: Any) -> Any:
-    """Return the function `wave` times the sum `row`.
-
-    If all terms of `row` are negative, the minus comes first.
+    """Return the function `wave` times the sum `row`; if all terms of `row` are negative, the minus
+    comes first.
     """
     if wave != 1 and row.is_Add and all(term.could_extract_minus_sign() for term in row.args):
         return -wave * sp.Add(*(-term for term in row.args))
@@ -443,7 +472,9 @@ def tidy(expr: Any) -> Any:
 
 
 def _sampled(join: solution.Join) -> Step:
-    """Return the step that R2 in the regime `join.source`, next to `join.target`, agrees numerically with R2 there."""
+    """Return the step that R2 in the regime `join.source`, next to `join.target`, agrees
+    numerically with R2 there.
+    """
     source = solution.REGIMES[join.source].basis()
     target = solution.REGIMES[join.target].basis()
     values = {

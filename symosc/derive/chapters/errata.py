@@ -1,4 +1,6 @@
-"""Errata: each distinct error or gap of the paper, with its severity, the correction, and the evidence."""
+"""Errata: each distinct error or gap of the paper, with its severity, the correction, and the
+evidence.
+"""
 
 from __future__ import annotations
 
@@ -34,7 +36,9 @@ TITLE = "Errata"
 
 
 def items(scope: Scope) -> Items:
-    """Yield the chapter: the list of errors and gaps of the paper, and the computations behind some of them."""
+    """Yield the chapter: the list of errors and gaps of the paper, and the computations behind some
+    of them.
+    """
     errata = read_errata()
     counts = ", ".join(
         rf"{sum(each.severity == severity for each in errata)} are \emph{{{severity}}} ({meaning})"
@@ -42,12 +46,16 @@ def items(scope: Scope) -> Items:
     )
     yield (
         r"\subsection{The list}",
-        rf"These are the {len(errata)} distinct errors and gaps of the paper, in its order and each once: {counts}. "
-        r"Numbers of equations, theorems and figures in this list are the paper's, except those after \emph{See}. Its "
-        r"letters are the paper's too: $G^{(j)}$, $\Sigma^j$ and $x^{(i)}$ without the names of domain and belt, "
+        rf"These are the {len(errata)} distinct errors and gaps of the paper, in its order and "
+        rf"each once: {counts}. "
+        r"Numbers of equations, theorems and figures in this list are the paper's, except those "
+        r"after \emph{See}. Its "
+        r"letters are the paper's too: $G^{(j)}$, $\Sigma^j$ and $x^{(i)}$ without the names of "
+        r"domain and belt, "
         r"$\partial\Omega_{ij}$ for a boundary and $\varphi_{ij} = 0$ for its equation.",
         [
-            rf"\textbf{{{each.number}.}}~{each.where} ({each.severity}). \emph{{Printed:}} {each.printed} "
+            rf"\textbf{{{each.number}.}}~{each.where} ({each.severity}). \emph{{Printed:}} "
+            rf"{each.printed} "
             rf"\emph{{Right:}} {each.holds} \emph{{Proof.}} {each.proof}{f' See {each.shown}.' if each.shown else ''}"
             for each in errata
         ],
@@ -59,8 +67,10 @@ def items(scope: Scope) -> Items:
     difference = named(r"D_{\mathbf{x}^{(\alpha)}}F^{(\alpha)} - D_{\mathbf{x}^{(0)}}F^{(\alpha)}")
     yield (
         r"\subsection{The derivative in (47)}",
-        r"By its definition after (16), $D_{\mathbf{x}^{(0)}}$ differentiates along the boundary's flow, which has "
-        r"$\dot{\mathbf{x}}^{(0)} = (v_\lambda, 0)^T$. The result that (47) gives is along the flow of the domain, "
+        r"By its definition after (16), $D_{\mathbf{x}^{(0)}}$ differentiates along the "
+        r"boundary's flow, which has "
+        r"$\dot{\mathbf{x}}^{(0)} = (v_\lambda, 0)^T$. The result that (47) gives is along the "
+        r"flow of the domain, "
         r"$\dot{\mathbf{x}}^{(\alpha)} = (v_\lambda, F^{(\alpha)})^T$. They differ by",
         equation(
             difference,
@@ -78,7 +88,8 @@ def items(scope: Scope) -> Items:
         held = (newton(other) - newton(alpha)).subs(numbers)
         true = -2 * (MU[belt] * FN / m).subs(numbers)
         return (
-            rf"({51 + belt}) lets a stick on belt {belt} end by $F^{{({other})}} = 0$ only. {words} at the time below "
+            rf"({51 + belt}) lets a stick on belt {belt} end by $F^{{({other})}} = 0$ only. "
+            rf"{words} at the time below "
             rf"by $F^{{({alpha})}} = 0$, into $\Omega_{alpha}$,",
             decimal("t", time, 20, label=f"{scene}-slip"),
             r"where the acceleration of the paper's condition is still",
@@ -104,7 +115,8 @@ def items(scope: Scope) -> Items:
         r"\subsection{Figs.~9 and 10: the starts}",
         Table(
             "tab:errata-starts",
-            r"The printed starts of Figs.~9 and 10, and the switching points of the periodic motions, to which the "
+            r"The printed starts of Figs.~9 and 10, and the switching points of the periodic "
+            r"motions, to which the "
             r"motions from the printed starts tend (Theorem~\ref{thm:orbits-unique}).",
             ("figure", "orbit", "printed $t_0$, $x_0$", "$t_1$", "$x_1$"),
             tuple(rows),
@@ -125,7 +137,8 @@ def _up_to_slip(scene: str, digits: int, target: str) -> list[Any]:
 
 
 def _graze(scene: str, alpha: int, speed: Any, time: Any) -> tuple[Any, Any, Any]:
-    """Return x of the graze at `time`, and x, v at t0 = 2.5 on the flight in domain `alpha` that ends in this graze.
+    """Return x of the graze at `time`, and x, v at t0 = 2.5 on the flight in domain `alpha` that
+    ends in this graze.
 
     `speed` is the speed of the grazed belt.
     """
@@ -172,7 +185,9 @@ def _printed_start(scene: str) -> str:
 
 
 def _four_decimals(printed: str, value: Any) -> Step:
-    """Return the step that checks a number, which the paper prints with four decimals, against its exact value."""
+    """Return the step that checks a number, which the paper prints with four decimals, against its
+    exact value.
+    """
     return equation(named("z"), sp.Rational(printed), close(lambda: value, 4), decimals=True)
 
 
@@ -184,14 +199,17 @@ def _figure7() -> Items:
     other, x10, v10 = _graze("fig7-corrected", 1, sp.Integer(5), sp.pi)
     return (
         r"\subsection{Fig.~7: one number is misprinted}",
-        r"With the printed parameters the steady velocity in $\Omega_1$ does not reach $v_1 = 5$, whatever $A_0$ is: "
+        r"With the printed parameters the steady velocity in $\Omega_1$ does not reach $v_1 = "
+        r"5$, whatever $A_0$ is: "
         r"by \eqref{eq:events-V0} its amplitude has",
         equation(square, 20, amplitude, "V0"),
         step(square, "<", 25, sign({square: amplitude})),
-        r"so a graze can only be in the transient. The flow that touches $v_1$ at $t = \pi$, traced back to the "
+        r"so a graze can only be in the transient. The flow that touches $v_1$ at $t = \pi$, "
+        r"traced back to the "
         r"printed $t_0 = 2.5$, starts with the printed $A_0 = 5$ at",
         _start(x0, v0, "fig7-x0"),
-        rf"The printed start is {_printed_start('fig7')}: with a misprint in $x_0$, which would be $-5.6049$, all "
+        rf"The printed start is {_printed_start('fig7')}: with a misprint in $x_0$, which would "
+        r"be $-5.6049$, all "
         r"other numbers are right, and the contact is at $x_m = -3.0855$.",
         facts(
             *_start_of("fig7"),
@@ -201,7 +219,8 @@ def _figure7() -> Items:
         ),
         r"With $A_0 = 10$ in place of 5 the start is",
         _start(x10, v10, "fig7-x0-10"),
-        r"which is the printed one to all of its digits, with the contact at $x_m = -0.5855$. Either number explains "
+        r"which is the printed one to all of its digits, with the contact at $x_m = -0.5855$. "
+        r"Either number explains "
         r"the figure; the numbers alone do not tell which one is misprinted.",
         facts(equation(named("x_m"), sp.Rational("-0.5855"), other, decimals=True)),
     )
@@ -217,10 +236,12 @@ def _figure8() -> Items:
     short = step(named("t"), "<", sp.Rational(3, 1000), at_root(duration))
     return (
         r"\subsection{Fig.~8: no error, but four decimals do not graze}",
-        r"The starts at $t_0 = 2.5$ from which the flow grazes form a curve, with one point for each time $t_m$ of the "
+        r"The starts at $t_0 = 2.5$ from which the flow grazes form a curve, with one point for "
+        r"each time $t_m$ of the "
         r"contact. The point for $t_m = 3.14158$,",
         _start(x0, v0, "fig8-x0"),
-        rf"rounds to the printed start {_printed_start('fig8')}, so the print is right. From the rounded numbers the "
+        rf"rounds to the printed start {_printed_start('fig8')}, so the print is right. From the "
+        r"rounded numbers the "
         rf"velocity "
         r"goes beyond $v_1$, and the mass sticks for some milliseconds instead of grazing.",
         facts(*_start_of("fig8"), _four_decimals("5.898", x0), _four_decimals("2.258", v0), short),

@@ -1,7 +1,4 @@
-"""L g has a known sign, and why no event can be missed.
-
-The bounds behind symosc.engine.first_exit.
-"""
+"""L g has a known sign, and why no event can be missed: the bounds behind symosc.engine.first_exit."""
 
 from __future__ import annotations
 
@@ -24,7 +21,9 @@ C4 = sp.Symbol("C_4", nonnegative=True)
 
 
 def items(scope: Scope) -> Items:
-    """Yield the chapter: the equation of the gap to a belt, how often it vanishes, and the bounds of the search."""
+    """Yield the chapter: the equation of the gap to a belt, how often it vanishes, and the bounds
+    of the search.
+    """
     path = sp.Function("x")(t)
     newton = (A + B0 * sp.cos(Omega * t) - c * path.diff(t) - k * path) / m
     jerk = newton.diff(t).subs(path.diff(t, 2), newton)
@@ -33,14 +32,19 @@ def items(scope: Scope) -> Items:
     yield (
         r"\subsection{An equation for the gap}",
         r"\begin{lemma}[the gap]\label{thm:events-gap} "
-        r"Let $g = \dot{x} - v_\lambda$ be the gap between the velocity and a belt's speed. In \emph{every} domain, "
-        r"with $L$ as in Definition~\ref{thm:domains-basis} and $\gamma = k v_\lambda/m$, $a = B_0\Omega/m$,",
+        r"Let $g = \dot{x} - v_\lambda$ be the gap between the velocity and a belt's speed. In "
+        r"\emph{every} domain, "
+        r"with $L$ as in Definition~\ref{thm:domains-basis} and $\gamma = k v_\lambda/m$, $a = "
+        r"B_0\Omega/m$,",
         equation(LG, -(GAMMA + LETTER_A * sp.sin(theta)), meaning, "gap"),
         r"\end{lemma}",
-        r"\begin{proof} Differentiate \eqref{eq:motion-domain}: $A_\alpha$ goes, and friction with it. Subtract "
+        r"\begin{proof} Differentiate \eqref{eq:motion-domain}: $A_\alpha$ goes, and friction "
+        r"with it. Subtract "
         r"$k v_\lambda/m$.\end{proof}",
-        r"The right side is the function of Theorem~\ref{thm:grazing-theorem7}, and $\dot{F}^{(\alpha)}$ on a belt, "
-        r"\eqref{eq:sticks-rate}. It changes its sign only at the phases $\Theta^{\mathrm{cr}}$ and "
+        r"The right side is the function of Theorem~\ref{thm:grazing-theorem7}, and "
+        r"$\dot{F}^{(\alpha)}$ on a belt, "
+        r"\eqref{eq:sticks-rate}. It changes its sign only at the phases $\Theta^{\mathrm{cr}}$ "
+        r"and "
         r"$\pi - \Theta^{\mathrm{cr}}$, which are known in closed form.",
     )
     phi = sp.Function("phi")(tau)
@@ -62,32 +66,46 @@ def items(scope: Scope) -> Items:
     yield (
         r"\subsection{At most two zeros between critical phases}",
         r"\begin{theorem}[disconjugacy, after P\'olya]\label{thm:events-two} "
-        r"On an interval of time on which $\gamma + a\sin\theta$ does not change its sign, and which is shorter than "
-        r"$\pi/\omega_d$ if $c^2 < 4km$ (any length if not), $g$ has at most two zeros, or vanishes "
+        r"On an interval of time on which $\gamma + a\sin\theta$ does not change its sign, and "
+        r"which is shorter than "
+        r"$\pi/\omega_d$ if $c^2 < 4km$ (any length if not), $g$ has at most two zeros, or "
+        r"vanishes "
         r"identically.\end{theorem}",
-        r"\begin{proof} The interval lies in one on which a solution $\varphi > 0$ of $L\varphi = 0$ exists: $E_1$ of "
+        r"\begin{proof} The interval lies in one on which a solution $\varphi > 0$ of $L\varphi "
+        r"= 0$ exists: $E_1$ of "
         r"Table~\ref{tab:domains-regimes}, started shortly before the interval, is positive for "
         r"$0 < \tau < \pi/\omega_d$, or for all $\tau > 0$.",
         facts(*(equation(free, 0, exact({free: remains}, modes)) for remains in applied)),
         r"With $q = g/\varphi$",
         equation(LG, letter * curve + (2 * rate + cm * letter) * slope, factored, "factor"),
         r"which is P\'olya's factorisation \cite{polya1922} "
-        r"$L g = \frac{e^{-c\tau/m}}{\varphi} \frac{d}{d\tau}\bigl(\varphi^2 e^{c\tau/m}\dot{q}\bigr)$.",
+        r"$L g = \frac{e^{-c\tau/m}}{\varphi} \frac{d}{d\tau}\bigl(\varphi^2 "
+        r"e^{c\tau/m}\dot{q}\bigr)$.",
         facts(equation(true, inner, exact())),
-        r"By \eqref{eq:events-gap} $L g$ keeps its sign. If $\gamma$ and $a$ are not both 0, its zeros are isolated, "
-        r"so $\varphi^2 e^{c\tau/m}\dot{q}$ is strictly monotone and $\dot{q}$ has at most one zero; $q$, and with it "
-        r"$g$, has at most two. If $\gamma = a = 0$, $\varphi^2 e^{c\tau/m}\dot{q}$ is constant: $q$ is strictly "
+        r"By \eqref{eq:events-gap} $L g$ keeps its sign. If $\gamma$ and $a$ are not both 0, its "
+        r"zeros are isolated, "
+        r"so $\varphi^2 e^{c\tau/m}\dot{q}$ is strictly monotone and $\dot{q}$ has at most one "
+        r"zero; $q$, and with it "
+        r"$g$, has at most two. If $\gamma = a = 0$, $\varphi^2 e^{c\tau/m}\dot{q}$ is constant: "
+        r"$q$ is strictly "
         r"monotone and has at most one zero, or it is constant, and then $g$ has none or vanishes "
         r"identically.\end{proof}",
         r"\begin{corollary}[how many contacts there can be]\label{thm:events-count} "
-        r"In each interval of the length $2\pi/\Omega$ one flight, continued beyond its end, meets the speed of a belt "
-        r"at most $2(5 + 2\omega_d/\Omega)$ times ($\omega_d = 0$ if $c^2 \ge 4km$), unless it stays there for ever. "
-        r"Opposite signs of $g$ at the ends of a piece as in Theorem~\ref{thm:events-two} mean exactly one zero in it; "
-        r"equal signs mean none or two, and the one extremum of $g/\varphi$ tells which.\end{corollary}",
-        r"\begin{proof} Two critical phases cut the interval into at most three pieces, and cuts at distances just "
+        r"In each interval of the length $2\pi/\Omega$ one flight, continued beyond its end, "
+        r"meets the speed of a belt "
+        r"at most $2(5 + 2\omega_d/\Omega)$ times ($\omega_d = 0$ if $c^2 \ge 4km$), unless it "
+        r"stays there for ever. "
+        r"Opposite signs of $g$ at the ends of a piece as in Theorem~\ref{thm:events-two} mean "
+        r"exactly one zero in it; "
+        r"equal signs mean none or two, and the one extremum of $g/\varphi$ tells "
+        r"which.\end{corollary}",
+        r"\begin{proof} Two critical phases cut the interval into at most three pieces, and cuts "
+        r"at distances just "
         r"below $\pi/\omega_d$ add at most $2\omega_d/\Omega + 2$ more.\end{proof}",
-        r"So every flight has a first contact or none, its contacts do not accumulate, and a search that goes piece by "
-        r"piece ends. That flights and sticks do not accumulate either is Theorem~\ref{thm:accumulation-finite}. "
+        r"So every flight has a first contact or none, its contacts do not accumulate, and a "
+        r"search that goes piece by "
+        r"piece ends. That flights and sticks do not accumulate either is "
+        r"Theorem~\ref{thm:accumulation-finite}. "
         r"The bounds below need no pieces, and are what the program uses from step to step.",
     )
     yield r"\subsection{Two bounds for later times}"
@@ -107,7 +125,8 @@ def items(scope: Scope) -> Items:
     square = sp.simplify(response * sp.conjugate(response))
     yield (
         r"\begin{theorem}[a bound for ever]\label{thm:events-steady} "
-        r"Away from undamped resonance ($\Delta > 0$) let $V(t)$ be the steady velocity, which has the frequency "
+        r"Away from undamped resonance ($\Delta > 0$) let $V(t)$ be the steady velocity, which "
+        r"has the frequency "
         r"$\Omega$ and the amplitude $V_0$ with",
         equation(
             steady,
@@ -116,13 +135,15 @@ def items(scope: Scope) -> Items:
             "V0",
         ),
         r"and let $u = \dot{x} - V$ be the transient. Then at all later times of the flight "
-        r"$|g^{(4)}| \le C_4 = V_0\Omega^4 + \sqrt{(u^{(4)})^2 + (k/m)(u^{(3)})^2}$, with the derivatives of $u$ taken "
+        r"$|g^{(4)}| \le C_4 = V_0\Omega^4 + \sqrt{(u^{(4)})^2 + (k/m)(u^{(3)})^2}$, with the "
+        r"derivatives of $u$ taken "
         r"now.\end{theorem}",
         r"\begin{proof} $L u = 0$, so $L u^{(3)} = 0$, and",
         equation(energy, -2 * cm * fourth**2, rate, "energy"),
         r"which is never positive:",
         step(energy, "<=", 0, sign({energy: rate})),
-        r"so $|u^{(4)}|$ never exceeds the root of the present value, and $|V^{(4)}| \le V_0\Omega^4$.\end{proof}",
+        r"so $|u^{(4)}|$ never exceeds the root of the present value, and $|V^{(4)}| \le "
+        r"V_0\Omega^4$.\end{proof}",
     )
     z = sp.Function("z")(tau)
     w = named("w")
@@ -138,8 +159,10 @@ def items(scope: Scope) -> Items:
     )
     yield (
         r"\begin{theorem}[a bound for a while]\label{thm:events-while} "
-        r"In every regime, resonance included, $|g^{(4)}| \le C_4 = \sqrt{\dot{w}^2 + (k/m) w^2} + |a|\,\Omega^2$ for "
-        r"the next $1/\Omega$ of time, with $w = g^{(3)} = G^{(2,\alpha)}$ and $\dot{w} = G^{(3,\alpha)}$ taken "
+        r"In every regime, resonance included, $|g^{(4)}| \le C_4 = \sqrt{\dot{w}^2 + (k/m) w^2} "
+        r"+ |a|\,\Omega^2$ for "
+        r"the next $1/\Omega$ of time, with $w = g^{(3)} = G^{(2,\alpha)}$ and $\dot{w} = "
+        r"G^{(3,\alpha)}$ taken "
         r"now.\end{theorem}",
         r"\begin{proof} The third derivative of \eqref{eq:events-gap} is",
         equation(
@@ -150,7 +173,8 @@ def items(scope: Scope) -> Items:
         ),
         r"so that",
         equation(second, 2 * w_rate * (drive - cm * w_rate), pushed, "pushed"),
-        r"which is at most $2|a|\Omega^3\,|\dot{w}|$, and the root of $\dot{w}^2 + (k/m)w^2$ grows at most at the rate "
+        r"which is at most $2|a|\Omega^3\,|\dot{w}|$, and the root of $\dot{w}^2 + (k/m)w^2$ "
+        r"grows at most at the rate "
         r"$|a|\Omega^3$: in $1/\Omega$ by no more than $|a|\Omega^2 = |B_0|\Omega^3/m$.\end{proof}",
     )
     s = sp.Symbol("s", positive=True)
@@ -168,32 +192,50 @@ def items(scope: Scope) -> Items:
         r"Then $g(\tau + s) \ge p(s)$ for all later times for which $C_4$ is a bound, and",
         step(upper, "<=", C4 * s**4 / 12, sign({upper: 2 * remainder}), "excess"),
         r"\end{lemma}",
-        r"\begin{proof} Taylor's theorem with the remainder $\int_0^s (s - u)^3 g^{(4)}(\tau + u)\,du/6$, which is at "
+        r"\begin{proof} Taylor's theorem with the remainder $\int_0^s (s - u)^3 g^{(4)}(\tau + "
+        r"u)\,du/6$, which is at "
         r"most $C_4 s^4/24$ in size.\end{proof}",
         r"\begin{theorem}[no event is missed, and the search ends]\label{thm:events-search} "
-        r"Let the search go from $\tau$ to $\tau + s$ with the first positive zero $s$ of $p$, or as far as the bound "
-        r"holds if that is less, and so on. No zero of $g$ is passed. The search either passes every given time in "
-        r"finitely many steps, or its points converge to the first zero of $g$; and after each step that ends at a "
+        r"Let the search go from $\tau$ to $\tau + s$ with the first positive zero $s$ of $p$, "
+        r"or as far as the bound "
+        r"holds if that is less, and so on. No zero of $g$ is passed. The search either passes "
+        r"every given time in "
+        r"finitely many steps, or its points converge to the first zero of $g$; and after each "
+        r"step that ends at a "
         r"zero of $p$, $0 \le g \le C_4 s^4/12$.\end{theorem}",
-        r"\begin{proof} $g \ge p > 0$ before the zero of $p$: nothing is passed. The points increase. If they stay "
-        r"bounded, they converge to some $\tau^*$. If $g(\tau^*) \ne 0$, then $g \ge \delta > 0$ on the way for some "
-        r"$\delta$, while the steps shrink to 0. But $g$, its derivatives and $C_4$ are bounded by some $K$ on the "
-        r"way, so $p(s) \ge \delta - K(s + s^2/2 + s^3/6 + s^4/24) > 0$ for all $s$ below a positive number that does "
-        r"not depend on the step: a contradiction. The last statement is \eqref{eq:events-excess} with "
+        r"\begin{proof} $g \ge p > 0$ before the zero of $p$: nothing is passed. The points "
+        r"increase. If they stay "
+        r"bounded, they converge to some $\tau^*$. If $g(\tau^*) \ne 0$, then $g \ge \delta > 0$ "
+        r"on the way for some "
+        r"$\delta$, while the steps shrink to 0. But $g$, its derivatives and $C_4$ are bounded "
+        r"by some $K$ on the "
+        r"way, so $p(s) \ge \delta - K(s + s^2/2 + s^3/6 + s^4/24) > 0$ for all $s$ below a "
+        r"positive number that does "
+        r"not depend on the step: a contradiction. The last statement is "
+        r"\eqref{eq:events-excess} with "
         r"$p(s) = 0$.\end{proof}",
-        r"At a start on the boundary $g = 0$ is no event: the known zero is divided out of $p$, one factor $s$ for "
-        r"each derivative that vanishes, and the argument holds for the quotient. Near a simple zero the steps "
-        r"converge to fourth order, and \texttt{symosc.engine} changes to Newton's method once $p$ shows that there is "
-        r"one zero nearby. Near a tangency it looks for the minimum of $g$ ahead: positive, negative, or undecided "
+        r"At a start on the boundary $g = 0$ is no event: the known zero is divided out of $p$, "
+        r"one factor $s$ for "
+        r"each derivative that vanishes, and the argument holds for the quotient. Near a simple "
+        r"zero the steps "
+        r"converge to fourth order, and \texttt{symosc.engine} changes to Newton's method once "
+        r"$p$ shows that there is "
+        r"one zero nearby. Near a tangency it looks for the minimum of $g$ ahead: positive, "
+        r"negative, or undecided "
         r"with the digits at hand, which it then reports.",
-        r"This is a proof in real arithmetic. With rounded numbers each value of $g$ is known to a few units of its "
-        r"last digit only, and decisions leave margins for that, which are named in \texttt{symosc.engine}; that they "
+        r"This is a proof in real arithmetic. With rounded numbers each value of $g$ is known to "
+        r"a few units of its "
+        r"last digit only, and decisions leave margins for that, which are named in "
+        r"\texttt{symosc.engine}; that they "
         r"are wide enough in double precision was measured, not proven.",
     )
 
 
 def integrated(rate: Any, *starts: Any) -> Any:
-    """Return the function of s whose fourth derivative is `rate`; `starts` has its third to its own value at 0."""
+    """Return the function of s whose fourth derivative is `rate`.
+
+    `starts` has its third to its own value at 0.
+    """
     s = sp.Symbol("s", positive=True)
     for start in starts or (0, 0, 0, 0):
         rate = start + sp.integrate(rate, (s, 0, s))

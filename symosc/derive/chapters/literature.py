@@ -1,6 +1,5 @@
-"""Published results on the oscillator with Coulomb friction.
-
-Derived, and compared with what this package computes.
+"""Published results on the oscillator with Coulomb friction: derived, and compared with what this
+package computes.
 """
 
 from __future__ import annotations
@@ -38,9 +37,8 @@ UNDAMPED = {cm: 0, c: 0, G: 0, Omega: r * sp.sqrt(w0sq)}
 
 
 def items(scope: Scope) -> Items:
-    """Yield the items of the chapter on published results.
-
-    Symmetric motion, borders, stops, continua, moving bases.
+    """Yield the items of the chapter on published results: symmetric motion, borders, stops,
+    continua, moving bases.
     """
     u_0 = named("u_0")
     w_0 = named(r"\dot{u}_0")
@@ -50,25 +48,38 @@ def items(scope: Scope) -> Items:
     damping = c * Omega
     push = sp.sqrt((stiffness * p_0 + damping * q_0) ** 2 + (stiffness * q_0 - damping * p_0) ** 2)
     yield (
-        r"With $A_0 = 0$, $B_0 = P$, $v_1 = 0$, $\mu_1 F_N = F$, $\mu_2 = 0$ and a belt 2 that is faster than the mass "
-        r"ever gets, the model is the oscillator $m \ddot{x} + c \dot{x} + k x = P \cos\Omega t - F \operatorname{sgn} "
-        r"\dot{x}$ on which much has been published. In this chapter $x_f = F/k$ and $r = \Omega\sqrt{m/k}$; its other "
-        r"letters hold in this chapter only. Each number in its tables stands there twice: computed from a formula or "
-        r"from equations with 50 digits, and found by this package, which does not know the formula (\emph{run}). "
+        r"With $A_0 = 0$, $B_0 = P$, $v_1 = 0$, $\mu_1 F_N = F$, $\mu_2 = 0$ and a belt 2 that "
+        r"is faster than the mass "
+        r"ever gets, the model is the oscillator $m \ddot{x} + c \dot{x} + k x = P \cos\Omega t "
+        r"- F \operatorname{sgn} "
+        r"\dot{x}$ on which much has been published. In this chapter $x_f = F/k$ and $r = "
+        r"\Omega\sqrt{m/k}$; its other "
+        r"letters hold in this chapter only. Each number in its tables stands there twice: "
+        r"computed from a formula or "
+        r"from equations with 50 digits, and found by this package, which does not know the "
+        r"formula (\emph{run}). "
         r"Where nothing else is said, $m = k = P = F_N = 1$ and $c = 0$.",
         r"\subsection{The symmetric motion without stops}",
-        r"Den Hartog \cite{denhartog1930,denhartog1931} found this motion. Let $x(t + \pi/\Omega) = -x(t)$, let $x_0$ "
-        r"be its highest point and $\varphi$ the angle $\Omega t$ since then. For $0 < \varphi < \pi$ the mass moves "
-        r"down and friction is $+F$, so that $x = x_f + p_0 \cos\varphi + q_0 \sin\varphi + u$ with a free motion $u$. "
-        r"It starts at $u_0 = x_0 - p_0 - x_f$ with the velocity $\dot{u}_0 = -\Omega q_0$. The basis functions are "
-        r"those of Definition~\ref{thm:domains-basis}, taken at $\tau = \pi/\Omega$ unless another time is named.",
+        r"Den Hartog \cite{denhartog1930,denhartog1931} found this motion. Let $x(t + "
+        r"\pi/\Omega) = -x(t)$, let $x_0$ "
+        r"be its highest point and $\varphi$ the angle $\Omega t$ since then. For $0 < \varphi < "
+        r"\pi$ the mass moves "
+        r"down and friction is $+F$, so that $x = x_f + p_0 \cos\varphi + q_0 \sin\varphi + u$ "
+        r"with a free motion $u$. "
+        r"It starts at $u_0 = x_0 - p_0 - x_f$ with the velocity $\dot{u}_0 = -\Omega q_0$. The "
+        r"basis functions are "
+        r"those of Definition~\ref{thm:domains-basis}, taken at $\tau = \pi/\Omega$ unless "
+        r"another time is named.",
         r"By Theorem~\ref{thm:domains-flow} without forces,",
         equation(named(r"u(\tau)"), x_u, {named(r"u(\tau)"): x, **RELATION}),
         equation(named(r"\dot{u}(\tau)"), v_u, {named(r"\dot{u}(\tau)"): v, **RELATION}),
-        r"The steady part obeys the equation of motion without friction: $P\cos\Omega t$ is $(k - m\Omega^2) p_0 + "
-        r"c\Omega q_0$ at $\varphi = 0$ and $(k - m\Omega^2) q_0 - c\Omega p_0$ a quarter of a period later. So",
+        r"The steady part obeys the equation of motion without friction: $P\cos\Omega t$ is $(k "
+        r"- m\Omega^2) p_0 + "
+        r"c\Omega q_0$ at $\varphi = 0$ and $(k - m\Omega^2) q_0 - c\Omega p_0$ a quarter of a "
+        r"period later. So",
         equation(P**2, (stiffness**2 + damping**2) * (p_0**2 + q_0**2), {P: push}),
-        r"Call $Q = \sqrt{p_0^2 + q_0^2}$: the amplitude that the mass would have without friction.",
+        r"Call $Q = \sqrt{p_0^2 + q_0^2}$: the amplitude that the mass would have without "
+        r"friction.",
     )
     matrix = coulomb.transition()
     solved = dict(zip((G, H), coulomb.half_period(), strict=True))
@@ -114,7 +125,8 @@ def items(scope: Scope) -> Items:
     highest = {x_0: coulomb.amplitude().subs(G, 0), Q: P * sp.Abs(V) / k, H: U}
 
     yield (
-        r"For $0 < c^2 < 4 k m$ this is Den Hartog's form, with $h = c/(2m)$ and $\omega_d^2 = k/m - h^2$:",
+        r"For $0 < c^2 < 4 k m$ this is Den Hartog's form, with $h = c/(2m)$ and $\omega_d^2 = "
+        r"k/m - h^2$:",
         [
             equation(letter, shown, exact({letter: derived}, tidy))
             for letter, shown, derived in zip(
@@ -152,16 +164,21 @@ def items(scope: Scope) -> Items:
     turn = {T_h: (1 + RHO) * sp.cos(sp.pi / r), D_h: RHO}
     yield (
         r"\subsection{Its multipliers}",
-        r"At the highest point friction changes its sign, and with it the acceleration jumps from $\ddot{x}_-$ to "
-        r"$\ddot{x}_+$; see Shaw \cite{shaw1986}, and Theorem~\ref{thm:jacobians-saltation}. A motion beside the "
+        r"At the highest point friction changes its sign, and with it the acceleration jumps "
+        r"from $\ddot{x}_-$ to "
+        r"$\ddot{x}_+$; see Shaw \cite{shaw1986}, and Theorem~\ref{thm:jacobians-saltation}. A "
+        r"motion beside the "
         r"symmetric one, ahead by the velocity $\delta$, turns $\mathrm{d}t$ later.",
         r"From the equation of motion, and with the steady part written as $p_0$ and $q_0$:",
         equation(A_MINUS, coulomb.turning_acceleration(False), before),
         equation(A_PLUS, coulomb.turning_acceleration(True), after),
-        r"With $\delta + \ddot{x}_- \mathrm{d}t = 0$ the velocity behind the turn is, to first order,",
+        r"With $\delta + \ddot{x}_- \mathrm{d}t = 0$ the velocity behind the turn is, to first "
+        r"order,",
         equation(later, RHO * delta, turned, note=r"with $\chi = \ddot{x}_+/\ddot{x}_-$."),
-        r"So half a period takes a perturbation $(x, \dot{x})$ through the free motion and then multiplies its "
-        r"velocity by $\chi$. The other half does the same, so the multipliers $\rho_1$, $\rho_2$ are the squares of "
+        r"So half a period takes a perturbation $(x, \dot{x})$ through the free motion and then "
+        r"multiplies its "
+        r"velocity by $\chi$. The other half does the same, so the multipliers $\rho_1$, "
+        r"$\rho_2$ are the squares of "
         r"the eigenvalues of that matrix, whose trace and determinant are",
         equation(T_h, 1 - w0sq * E2 + RHO * E0, meaning),
         equation(D_h, RHO * D, meaning),
@@ -177,9 +194,12 @@ def items(scope: Scope) -> Items:
         ),
         equation(1 - T_h + D_h, (1 + RHO) * (1 - sp.cos(sp.pi / r)), turn),
         equation(1 + T_h + D_h, (1 + RHO) * (1 + sp.cos(sp.pi / r)), turn),
-        r"On an orbit $0 \le \chi < 1$, so that $D_h < 1$ too. If both sides above are positive, the eigenvalues lie "
-        r"inside the unit circle by the conditions of Jury, and so do the multipliers. They vanish at $r = 1/n$ only: "
-        r"for odd $n$ there $U$ is infinite and the motion does not exist; for even $n$ one multiplier is 1.",
+        r"On an orbit $0 \le \chi < 1$, so that $D_h < 1$ too. If both sides above are positive, "
+        r"the eigenvalues lie "
+        r"inside the unit circle by the conditions of Jury, and so do the multipliers. They "
+        r"vanish at $r = 1/n$ only: "
+        r"for odd $n$ there $U$ is infinite and the motion does not exist; for even $n$ one "
+        r"multiplier is 1.",
         _numbers(
             "stability",
             "The multipliers by these formulas, and from the monodromy matrix of $P_{32}$.",
@@ -201,20 +221,24 @@ def items(scope: Scope) -> Items:
     closed = coulomb.closed(coulomb.slide_function(), free, phi / Omega).subs(omega_0, Omega / r)
     yield (
         r"\subsection{Where the motions without stops end}",
-        r"For this border see \cite{denhartog1930,hongliu2000}. The mass has to move down at all angles "
-        r"$0 < \varphi < \pi$, and its velocity there is linear in $p_0$ and $x_f$: $\dot{x} < 0$ if and only if "
+        r"For this border see \cite{denhartog1930,hongliu2000}. The mass has to move down at all "
+        r"angles "
+        r"$0 < \varphi < \pi$, and its velocity there is linear in $p_0$ and $x_f$: $\dot{x} < "
+        r"0$ if and only if "
         r"$p_0 > B(\varphi)\, x_f$. With $E_0$, $E_1$ at $\tau = \varphi/\Omega$,",
         equation(B, coulomb.slide_function(), {B: least, **RELATION}),
         r"At the turning point the same is said by $\ddot{x}_+ < 0$, and $B$ has the limit",
         equation(B_0, (1 + G) * w0sq / Omega**2 + H * cm / Omega, start),
-        r"Let $B_*$ be the largest value of $B$ on $0 \le \varphi < \pi$. The motion exists for $p_0 > B_* x_f$, and "
+        r"Let $B_*$ be the largest value of $B$ on $0 \le \varphi < \pi$. The motion exists for "
+        r"$p_0 > B_* x_f$, and "
         r"ends where $p_0 = B_* x_f$, $q_0 = H x_f$:",
         equation(P**2 / F**2, stiffness * (LARGEST**2 + H**2) / k**2, at_border, "border"),
         r"For $c = 0$ and with $S = r^2 B$ this is $F/P < |V|/\sqrt{U^2 + S_*^2/r^4}$:",
         equation(S, coulomb.den_hartog_undamped()[S], {S: r**2 * closed.subs(G, 0), H: U}),
         _numbers(
             "border",
-            r"Where the motions without stops end: $B_*$ with 50 digits; and where the number of stops of the settled "
+            r"Where the motions without stops end: $B_*$ with 50 digits; and where the number of "
+            r"stops of the settled "
             r"motion changes, bisected in the forced amplitude.",
         ),
     )
@@ -229,18 +253,22 @@ def items(scope: Scope) -> Items:
     yield (
         r"\subsection{Where borders meet}",
         r"\begin{proposition}[points of codimension two]\label{thm:literature-points} "
-        r"For $c = 0$ and $n = 1, 2, \ldots$ the border of the motions without stops passes through the points "
+        r"For $c = 0$ and $n = 1, 2, \ldots$ the border of the motions without stops passes "
+        r"through the points "
         r"\cite{guardia2010}\begin{enumerate}"
-        r"\item[$A_n$:] $r = 1/(2n)$, $F/P = 1/(4 n^2 - 1)$, where $S_*$ is the limit at both turning points;"
+        r"\item[$A_n$:] $r = 1/(2n)$, $F/P = 1/(4 n^2 - 1)$, where $S_*$ is the limit at both "
+        r"turning points;"
         r"\item[$B_n$:] $r = 1/(2n + 1)$, $F/P = 0$.\end{enumerate}\end{proposition}",
-        r"\begin{proof} First, $|\sin j\varphi| \le j\sin\varphi$ for $0 < \varphi < \pi$, by induction with",
+        r"\begin{proof} First, $|\sin j\varphi| \le j\sin\varphi$ for $0 < \varphi < \pi$, by "
+        r"induction with",
         equation(
             next_sine,
             sp.sin(j * phi) * sp.cos(phi) + sp.cos(j * phi) * sp.sin(phi),
             sp.expand_trig(sp.sin(j * phi + phi)),
             "sine",
         ),
-        r"and the quotient tends to $j$ in size at $\varphi = 0$ and $\pi$. At $r = 1/(2n)$ one has $U = 0$, so that "
+        r"and the quotient tends to $j$ in size at $\varphi = 0$ and $\pi$. At $r = 1/(2n)$ one "
+        r"has $U = 0$, so that "
         r"$S = r\sin(2n\varphi)/\sin\varphi$ has the supremum $S_* = 1$, and the border is at",
         equation(
             ratio, 1 / (4 * n**2 - 1), {ratio: sp.sqrt(r**4) / ((1 - r**2) * LARGEST), **at}, "A"
@@ -248,19 +276,25 @@ def items(scope: Scope) -> Items:
         r"At $r = 1/(2n + 1)$",
         equation(inverse, 0, {inverse: odd}, "B"),
         r"and the border, which is not above $|V/U|$, is at 0.\end{proof}",
-        r"With damping $A_1$ becomes a point where crossing-sliding meets a graze next to the turning point: "
-        r"$\ddot{x}_+ = 0$ while the drive is largest, \eqref{eq:borders-rest}. In Table~\ref{tab:literature-points} "
+        r"With damping $A_1$ becomes a point where crossing-sliding meets a graze next to the "
+        r"turning point: "
+        r"$\ddot{x}_+ = 0$ while the drive is largest, \eqref{eq:borders-rest}. In "
+        r"Table~\ref{tab:literature-points} "
         r"it is near $A_1$ for $c = 0.001$.",
         _numbers(
             "points",
-            r"Where borders meet. $A_n$: bisected in the friction, by whether the symmetric motion stops. With "
-            r"damping: two equations in $\Omega$ and $F$, in the formulas of this chapter and in the switching points "
+            r"Where borders meet. $A_n$: bisected in the friction, by whether the symmetric "
+            r"motion stops. With "
+            r"damping: two equations in $\Omega$ and $F$, in the formulas of this chapter and in "
+            r"the switching points "
             r"of $P_{32}$.",
         ),
         _numbers(
             "ends",
-            rf"The ends in $\Omega$ of the branch $P_{{32}}$ for {_given('ends')}, the parameters of the "
-            r"demo of \cite{iklodi2024} but for its static friction: \eqref{eq:literature-border} with 50 digits, and "
+            rf"The ends in $\Omega$ of the branch $P_{{32}}$ for {_given('ends')}, the "
+            r"parameters of the "
+            r"demo of \cite{iklodi2024} but for its static friction: "
+            r"\eqref{eq:literature-border} with 50 digits, and "
             r"\texttt{continue\_orbit}.",
         ),
     )
@@ -276,9 +310,12 @@ def items(scope: Scope) -> Items:
     }
     yield (
         r"\subsection{Resonance and free decay}",
-        r"See \cite{butikov2015}. At $r = 1$, $c = 0$ let the highest point $x_0 > x_f$ be at $\Omega t = \pi/2$, so "
-        r"that the drive has the sign of the velocity. The flow of the regime \emph{resonance} then has its next "
-        r"turning point half a period later, at $-x_0 - \frac{1}{2} \Delta x$. So a cycle raises the highest point by",
+        r"See \cite{butikov2015}. At $r = 1$, $c = 0$ let the highest point $x_0 > x_f$ be at "
+        r"$\Omega t = \pi/2$, so "
+        r"that the drive has the sign of the velocity. The flow of the regime \emph{resonance} "
+        r"then has its next "
+        r"turning point half a period later, at $-x_0 - \frac{1}{2} \Delta x$. So a cycle raises "
+        r"the highest point by",
         equation(
             growth,
             (sp.pi * P - 4 * F) / k,
@@ -291,14 +328,17 @@ def items(scope: Scope) -> Items:
             rf"$x = ({latex(resonance_start(P, F))})/k$.",
             equation(named("kx"), P / 2 - F, resonance_start(P, F)),
         ),
-        r"Without a drive and for $c = 0$ half a cycle takes $x_0 > x_f$ to $-(x_0 - L)$, and the mass stays at the "
+        r"Without a drive and for $c = 0$ half a cycle takes $x_0 > x_f$ to $-(x_0 - L)$, and "
+        r"the mass stays at the "
         r"first turning point with $|x| \le x_f$:",
         equation(loss, 2 * F / k, {loss: coulomb.free_decay(), x_f: F / k}),
         _numbers(
             "decay",
-            rf"Turning points from {_given('decay')}; at the last one the package says \emph{{equilibrium}}.",
+            rf"Turning points from {_given('decay')}; at the last one the package says "
+            rf"\emph{{equilibrium}}.",
         ),
-        r"With a damper, $0 < c^2 < 4 k m$, half a cycle takes $\pi/\omega_d$ (compare \cite{feeny1996}), and from a "
+        r"With a damper, $0 < c^2 < 4 k m$, half a cycle takes $\pi/\omega_d$ (compare "
+        r"\cite{feeny1996}), and from a "
         r"highest point $x_i > x_f$, with $q = e^{-\pi h/\omega_d}$,",
         equation(
             above, -left * named("x_i") + (1 + left) * x_f, exact(decay, sp.simplify), "decrement"
@@ -308,23 +348,32 @@ def items(scope: Scope) -> Items:
             "Turning points from " + _given("decrements").replace(",", " for", 1) + ".",
         ),
         r"\subsection{Stops per cycle}",
-        r"Hong and Liu \cite{hongliu2000} sort the settled motions for $c = 0$ by their number of stops per cycle: 0, "
-        r"1, 2, 4, 6, $\ldots$, 14. Half a cycle with $n$ stops is $n$ slides down. Each starts where a stop ends, "
-        r"$P\cos\theta_j - k x_j + F = 0$, and ends at rest, the last one at $-x_1$: $2 n$ equations for $n$ phases "
-        r"and $n$ durations. The number changes where a slide comes to rest on its way for a moment, "
-        r"$\dot{x} = \ddot{x} = 0$ (a stop of no length is born), or where a stop lasts until the drive just reaches "
+        r"Hong and Liu \cite{hongliu2000} sort the settled motions for $c = 0$ by their number "
+        r"of stops per cycle: 0, "
+        r"1, 2, 4, 6, $\ldots$, 14. Half a cycle with $n$ stops is $n$ slides down. Each starts "
+        r"where a stop ends, "
+        r"$P\cos\theta_j - k x_j + F = 0$, and ends at rest, the last one at $-x_1$: $2 n$ "
+        r"equations for $n$ phases "
+        r"and $n$ durations. The number changes where a slide comes to rest on its way for a "
+        r"moment, "
+        r"$\dot{x} = \ddot{x} = 0$ (a stop of no length is born), or where a stop lasts until "
+        r"the drive just reaches "
         r"what would move it, $x_j = (F - P)/k$ at $\theta = \pi$ (a slide of no length is born).",
         _numbers(
             "stops",
-            r"Where the number of stops changes: these equations with 50 digits; and bisection of the forced "
+            r"Where the number of stops changes: these equations with 50 digits; and bisection "
+            r"of the forced "
             r"amplitude.",
         ),
-        r"The slower the drive, the more often the mass stops, while its highest point tends to that of a quasi-static "
-        r"motion, $(P - F)/k$ \cite{papangelo2015}; with critical damping it stops twice and is near to it. The same "
+        r"The slower the drive, the more often the mass stops, while its highest point tends to "
+        r"that of a quasi-static "
+        r"motion, $(P - F)/k$ \cite{papangelo2015}; with critical damping it stops twice and is "
+        r"near to it. The same "
         r"equations, in the basis functions of any regime, hold for $c > 0$.",
         _numbers(
             "slow",
-            rf"The highest point of slowly driven motions, {_given('slow')}: $(P - F)/k = {latex(slow.right, True)}$.",
+            rf"The highest point of slowly driven motions, {_given('slow')}: $(P - F)/k = "
+            rf"{latex(slow.right, True)}$.",
             slow,
         ),
         _numbers(
@@ -333,19 +382,28 @@ def items(scope: Scope) -> Items:
             rf"{_given('cycles')}.",
         ),
         r"\begin{proposition}[odd numbers of stops]\label{thm:literature-odd} "
-        r"Let $c = 0$. A periodic motion with the period of the drive that is not its own mirror image, and with it "
-        r"every motion of this period with an odd number of stops per cycle, needs $r = 1/(2n)$ with a whole number "
+        r"Let $c = 0$. A periodic motion with the period of the drive that is not its own mirror "
+        r"image, and with it "
+        r"every motion of this period with an odd number of stops per cycle, needs $r = 1/(2n)$ "
+        r"with a whole number "
         r"$n$. Its stops that its mirror image does not "
         r"share have no length.\end{proposition}",
-        r"\begin{proof} The mirror image $-x(t + \pi/\Omega)$ is a motion too. The difference of the two keeps its "
-        r"energy (proof of Theorem~\ref{thm:orbits-unique}): friction is the same in both whenever their velocities "
-        r"differ. While both rest the difference is constant, and as both leave with the same friction it is 0. So the "
-        r"difference $x(t) + x(t + \pi/\Omega)$, if it is not 0, is a free motion. As $x$ has the period "
-        r"$2\pi/\Omega$, it is the same after half a period of the drive, which therefore is $n$ periods of the free "
+        r"\begin{proof} The mirror image $-x(t + \pi/\Omega)$ is a motion too. The difference of "
+        r"the two keeps its "
+        r"energy (proof of Theorem~\ref{thm:orbits-unique}): friction is the same in both "
+        r"whenever their velocities "
+        r"differ. While both rest the difference is constant, and as both leave with the same "
+        r"friction it is 0. So the "
+        r"difference $x(t) + x(t + \pi/\Omega)$, if it is not 0, is a free motion. As $x$ has "
+        r"the period "
+        r"$2\pi/\Omega$, it is the same after half a period of the drive, which therefore is $n$ "
+        r"periods of the free "
         r"motion: $r = 1/(2n)$. While one of the two stops "
-        r"the other one stops too, or the friction of the first one would be constant: a stop that is alone has no "
+        r"the other one stops too, or the friction of the first one would be constant: a stop "
+        r"that is alone has no "
         r"length.\end{proof}",
-        r"At $r = 1/(2n)$ one stop per cycle is what is seen: it gets shorter from cycle to cycle, and its length "
+        r"At $r = 1/(2n)$ one stop per cycle is what is seen: it gets shorter from cycle to "
+        r"cycle, and its length "
         r"tends to 0.",
     )
     n = sp.Symbol("n", integer=True, positive=True)
@@ -364,14 +422,17 @@ def items(scope: Scope) -> Items:
     yield (
         r"\subsection{Continua of motions without stops}",
         r"\begin{proposition}[a continuum, and its death]\label{thm:literature-continuum} "
-        r"Let $c = 0$ and $r = 1/(2n)$. If $F/P < 1/(4n^2 - 1)$, the motions $x + d\cos(\varphi/r)$ have no stops for "
+        r"Let $c = 0$ and $r = 1/(2n)$. If $F/P < 1/(4n^2 - 1)$, the motions $x + "
+        r"d\cos(\varphi/r)$ have no stops for "
         r"all $|d| < d_*$, where $x$ is the symmetric one and",
         equation(
             d_end, P / (k * (4 * n**2 - 1)) - F / k, {d_end: r**2 * x_0 - x_f, **death}, "end"
         ),
-        r"If not, there is none. So the continuum dies at $F = P/(4n^2 - 1)$, which is the point $A_n$ of "
+        r"If not, there is none. So the continuum dies at $F = P/(4n^2 - 1)$, which is the point "
+        r"$A_n$ of "
         r"Proposition~\ref{thm:literature-points}.\end{proposition}",
-        r"\begin{proof} See \cite{csernak2007} for the orbits. Half a period is $n$ periods of the free motion, which "
+        r"\begin{proof} See \cite{csernak2007} for the orbits. Half a period is $n$ periods of "
+        r"the free motion, which "
         r"comes back:",
         equation(E0, 1, meaning),
         equation(E1, 0, meaning),
@@ -380,16 +441,20 @@ def items(scope: Scope) -> Items:
         equation(
             x_0, P / (k * (1 - r**2)), {x_0: P / (k - m * Omega**2), Omega: r * sp.sqrt(k / m)}
         ),
-        r"and a free motion $d \cos(\varphi/r)$ may be added to the symmetric one. Its turning points are then "
+        r"and a free motion $d \cos(\varphi/r)$ may be added to the symmetric one. Its turning "
+        r"points are then "
         r"$d + x_0$ and $d - x_0$, at the same times. On the way down",
         equation(
             rate, 2 * n * Omega * (x_f - d) * sp.sin(2 * n * phi) - Omega * x_0 * sp.sin(phi), down
         ),
-        r"and on the way up $-\dot{x}$ is the same with $x_f + d$ in place of $x_f - d$. As $|\sin 2 n\varphi| \le 2 n "
-        r"\sin\varphi$ by \eqref{eq:literature-sine}, with equality in the limit at the turning points only, there is "
+        r"and on the way up $-\dot{x}$ is the same with $x_f + d$ in place of $x_f - d$. As "
+        r"$|\sin 2 n\varphi| \le 2 n "
+        r"\sin\varphi$ by \eqref{eq:literature-sine}, with equality in the limit at the turning "
+        r"points only, there is "
         r"no stop if and only if $x_f + |d| < r^2 x_0$.\end{proof}",
         r"At the end of the continuum one of the two turning points is a stop of no length.",
-        r"One multiplier is 1, along the continuum. The other one is the product of the two ratios of accelerations:",
+        r"One multiplier is 1, along the continuum. The other one is the product of the two "
+        r"ratios of accelerations:",
         equation(
             LAMBDA[1],
             ((r**2 * x_0 - x_f) ** 2 - d**2) / ((r**2 * x_0 + x_f) ** 2 - d**2),
@@ -397,8 +462,10 @@ def items(scope: Scope) -> Items:
         ),
         _numbers(
             "continuum",
-            r"Members of the continua, which the package calls marginal: turning points and the second multiplier. "
-            r"Their middle $\bar{x}$ is $d$. The end $d_*$ is bisected in $d$, by whether the motion stops.",
+            r"Members of the continua, which the package calls marginal: turning points and the "
+            r"second multiplier. "
+            r"Their middle $\bar{x}$ is $d$. The end $d_*$ is bisected in $d$, by whether the "
+            r"motion stops.",
         ),
     )
     z = named(r"\ddot{z}")
@@ -418,7 +485,8 @@ def items(scope: Scope) -> Items:
     wave = shake * sp.cos(angle)
     yield (
         r"\subsection{Base and wall in joint motion}",
-        r"Let base and wall move with $Y\cos\theta$, and let $z = x - Y\cos\theta$ be the relative motion: spring and "
+        r"Let base and wall move with $Y\cos\theta$, and let $z = x - Y\cos\theta$ be the "
+        r"relative motion: spring and "
         r"friction know only $z$. As $\ddot{x} = \ddot{z} - \Omega^2 Y\cos\theta$,",
         equation(
             m * z + k * y,
@@ -426,19 +494,25 @@ def items(scope: Scope) -> Items:
             {z: (-k * y + force) / m + Omega**2 * wave},
             "base",
         ),
-        r"which is the model with $P = m\Omega^2 Y$. Marino, Cicirello and Hills \cite{marino2019,marino2020} found a "
-        r"frequency beyond which friction amplifies the absolute motion $x$. For $c = 0$ and weak friction let $s$ be "
-        r"the response to the square wave $\operatorname{sgn}\sin\theta$ per unit of $x_f$, in angles $\theta$ from a "
+        r"which is the model with $P = m\Omega^2 Y$. Marino, Cicirello and Hills "
+        r"\cite{marino2019,marino2020} found a "
+        r"frequency beyond which friction amplifies the absolute motion $x$. For $c = 0$ and "
+        r"weak friction let $s$ be "
+        r"the response to the square wave $\operatorname{sgn}\sin\theta$ per unit of $x_f$, in "
+        r"angles $\theta$ from a "
         r"peak of the base; it is odd, and $s'$ its slope at 0. The relative motion turns at",
         equation(lag, rub * slope / (r**2 * V * shake), {lag: turns}, "lag"),
-        r"and the friction changes there, so that near its peak $x = V Y (1 - \theta^2/2) + x_f s' (\theta - \delta)$ "
+        r"and the friction changes there, so that near its peak $x = V Y (1 - \theta^2/2) + x_f "
+        r"s' (\theta - \delta)$ "
         r"up to terms of third order in $x_f$. The peak is",
         equation(top, still + gain, {top: best, lag: turns}, "peak"),
-        r"So weak friction damps the absolute motion for $r < \sqrt{2}$ and amplifies it for $r > \sqrt{2}$; strong "
+        r"So weak friction damps the absolute motion for $r < \sqrt{2}$ and amplifies it for $r "
+        r"> \sqrt{2}$; strong "
         r"friction moves this point up.",
         _numbers(
             "inversion",
-            r"The $r$ at which friction leaves the absolute amplitude unchanged; $k Y$ is the unit of the forces.",
+            r"The $r$ at which friction leaves the absolute amplitude unchanged; $k Y$ is the "
+            r"unit of the forces.",
         ),
     )
     low = named("x_-")
@@ -453,16 +527,21 @@ def items(scope: Scope) -> Items:
     }
     yield (
         r"\subsection{Rest positions on a belt at rest}",
-        r"For $c > 0$ a periodic motion is the only one, except on a belt at rest (Theorem~\ref{thm:orbits-unique}). "
-        r"Let $v_1 = 0$. The mass stays at $x$ for ever if $F^{(1)} \ge 0 \ge F^{(2)}$ at all phases, "
-        r"$k x \le A_1 - |B_0|$ and $k x \ge A_2 + |B_0|$. These $x$ form an interval of the length",
+        r"For $c > 0$ a periodic motion is the only one, except on a belt at rest "
+        r"(Theorem~\ref{thm:orbits-unique}). "
+        r"Let $v_1 = 0$. The mass stays at $x$ for ever if $F^{(1)} \ge 0 \ge F^{(2)}$ at all "
+        r"phases, "
+        r"$k x \le A_1 - |B_0|$ and $k x \ge A_2 + |B_0|$. These $x$ form an interval of the "
+        r"length",
         equation(
             high - low, 2 * (mu * FN - sp.Abs(B0)) / k, ends, note=r"for $|B_0| \le \mu_1 F_N$."
         ),
-        r"The map over a period leaves every rest where it is, so that its multiplier along the interval is 1.",
+        r"The map over a period leaves every rest where it is, so that its multiplier along the "
+        r"interval is 1.",
         _numbers(
             "rests",
-            r"With the numbers of Example~\ref{thm:orbits-example}: the ends of the interval, and where motions from "
+            r"With the numbers of Example~\ref{thm:orbits-example}: the ends of the interval, "
+            r"and where motions from "
             rf"inside it are at {_given('rests')}.",
         ),
     )
@@ -487,7 +566,9 @@ def _given(key: str) -> str:
 
 
 def _numbers(key: str, caption: str, *more: Step) -> Table:
-    """Return the table of values that are computed twice: by the formula, and by running the package.
+    """Return the table of values that are computed twice.
+
+    By the formula, and by running the package.
 
     `more` has steps that check what the caption says besides what is given.
     """
@@ -513,7 +594,9 @@ def _numbers(key: str, caption: str, *more: Step) -> Table:
 
 
 def _free_motion(start: Any, rate: Any) -> tuple[Any, Any]:
-    """Return x and v of the motion without drive and friction, a time tau after x = `start`, v = `rate`."""
+    """Return x and v of the motion without drive and friction, a time tau after x = `start`, v =
+    `rate`.
+    """
     flow = solution.flow()
     at = {
         solution.x_i: start,

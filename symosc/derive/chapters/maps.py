@@ -23,12 +23,16 @@ F2 = named("f_2")
 
 
 def force(alpha: int, x: Any, v: Any, theta: Any) -> Any:
-    """Return the force per mass F^(alpha), the acceleration, at (x, v, theta), with the domain's A_alpha put in."""
+    """Return the force per mass F^(alpha), the acceleration, at (x, v, theta), with the domain's
+    A_alpha put in.
+    """
     return solution.acceleration(x, v, theta).xreplace({A_m: solution.force_constant(alpha) / m})
 
 
 def items(scope: Scope) -> Items:
-    """Yield the chapter: switching planes, the eight mappings, and the equations of flights and sticks."""
+    """Yield the chapter: switching planes, the eight mappings, and the equations of flights and
+    sticks.
+    """
     rows: list[Any] = []
     for label in scope.maps:
         row = MAPS[label]
@@ -45,21 +49,30 @@ def items(scope: Scope) -> Items:
             domain = " or ".join(map(str, NEIGHBOURS[belt]))
         rows.append((f"$P_{label[1]}$", *planes, motion, domain, belt, other))
     yield (
-        r"\begin{definition}[switching planes and mappings, the paper's (49) to (51)]\label{thm:maps-planes} "
-        r"On the boundary $\dot{x} = v_\lambda$ there are three \emph{switching planes}, sets of points $(x, \theta)$ "
-        r"with the phase $\theta = \Omega t$ modulo $2\pi$: $\Sigma^0_{(\lambda)}$ for a mass that rides on the belt, "
-        r"$\Sigma^1_{(\lambda)}$ for one that comes from $\Omega_\lambda$ or goes into it, and $\Sigma^2_{(\lambda)}$ "
-        r"for $\Omega_{\lambda+1}$. The eight \emph{basic mappings} take a switching point $(x_i, \theta_i)$ to the "
-        r"next one, $(x_{i+1}, \theta_{i+1})$; Table~\ref{tab:maps-maps} lists them.\end{definition}",
+        r"\begin{definition}[switching planes and mappings, the paper's (49) to "
+        r"(51)]\label{thm:maps-planes} "
+        r"On the boundary $\dot{x} = v_\lambda$ there are three \emph{switching planes}, sets of "
+        r"points $(x, \theta)$ "
+        r"with the phase $\theta = \Omega t$ modulo $2\pi$: $\Sigma^0_{(\lambda)}$ for a mass "
+        r"that rides on the belt, "
+        r"$\Sigma^1_{(\lambda)}$ for one that comes from $\Omega_\lambda$ or goes into it, and "
+        r"$\Sigma^2_{(\lambda)}$ "
+        r"for $\Omega_{\lambda+1}$. The eight \emph{basic mappings} take a switching point "
+        r"$(x_i, \theta_i)$ to the "
+        r"next one, $(x_{i+1}, \theta_{i+1})$; Table~\ref{tab:maps-maps} lists "
+        r"them.\end{definition}",
         Table(
             "tab:maps-maps",
-            r"The basic mappings. A flight goes through $\Omega_\alpha$ from $\dot{x} = v_\lambda$ to "
+            r"The basic mappings. A flight goes through $\Omega_\alpha$ from $\dot{x} = "
+            r"v_\lambda$ to "
             r"$\dot{x} = v_{\lambda'}$; a stick slips into $\Omega_\alpha$.",
             ("mapping", "from", "to", "motion", r"$\alpha$", r"$\lambda$", r"$\lambda'$"),
             tuple(rows),
         ),
-        r"A word such as $P_{32} = P_3 \circ P_2$ is read from right to left: $P_2$ is applied first. The paper's (49) "
-        r"distinguishes the planes by limits $v_\lambda^{\pm} = \lim_{\delta\to 0}(v_\lambda \pm \delta)$, which all "
+        r"A word such as $P_{32} = P_3 \circ P_2$ is read from right to left: $P_2$ is applied "
+        r"first. The paper's (49) "
+        r"distinguishes the planes by limits $v_\lambda^{\pm} = \lim_{\delta\to 0}(v_\lambda \pm "
+        r"\delta)$, which all "
         r"equal $v_\lambda$; what distinguishes them is the side, which is meant here.",
     )
     letters = {v_i: v_lambda, maps.v_j: V_END}
@@ -78,7 +91,8 @@ def items(scope: Scope) -> Items:
         r"\subsection{The governing equations}",
         r"\begin{theorem}[flights, the paper's (54)]\label{thm:maps-flight} "
         r"A flight through $\Omega_\alpha$ from $(x_i, \theta_i)$ on $\dot{x} = v_\lambda$ to "
-        r"$(x_{i+1}, \theta_{i+1})$ on $\dot{x} = v_{\lambda'}$ takes the time $\tau$ and satisfies $f_1 = f_2 = 0$ "
+        r"$(x_{i+1}, \theta_{i+1})$ on $\dot{x} = v_{\lambda'}$ takes the time $\tau$ and "
+        r"satisfies $f_1 = f_2 = 0$ "
         r"with",
         equation(
             tau, (maps.theta_j - theta_i) / Omega, {maps.theta_j: theta_i + Omega * tau}, "tau"
@@ -92,14 +106,20 @@ def items(scope: Scope) -> Items:
         equation(F2, second, exact(by_rate, solution.use_relations), "f2"),
         r"where the basis functions are taken at $\tau$, and",
         equation(a_i, solution.acceleration(x_i, v_lambda, theta_i), newton, "start"),
-        r"with $(\alpha, \lambda, \lambda')$ from Table~\ref{tab:maps-maps}. Conversely, a solution is a flight if the "
-        r"motion goes into $\Omega_\alpha$ at $\tau = 0$ and $\tau$ is the first positive time at which it meets a "
+        r"with $(\alpha, \lambda, \lambda')$ from Table~\ref{tab:maps-maps}. Conversely, a "
+        r"solution is a flight if the "
+        r"motion goes into $\Omega_\alpha$ at $\tau = 0$ and $\tau$ is the first positive time "
+        r"at which it meets a "
         r"boundary.\end{theorem}",
-        r"\begin{proof} $f_1$ and $f_2$ are the position and velocity of Theorem~\ref{thm:domains-flow} minus where "
+        r"\begin{proof} $f_1$ and $f_2$ are the position and velocity of "
+        r"Theorem~\ref{thm:domains-flow} minus where "
         r"the flight ends.\end{proof}",
-        r"The mappings differ in $A_\alpha$ and in the two speeds alone, so this is all six flights. It goes into "
-        r"$\Omega_\alpha$ at the start by the first G-function that does not vanish, Lemma~\ref{thm:switching-side}. "
-        r"That $\tau$ is the first time has to be checked for the other belt too: the equations of $P_3$ do not "
+        r"The mappings differ in $A_\alpha$ and in the two speeds alone, so this is all six "
+        r"flights. It goes into "
+        r"$\Omega_\alpha$ at the start by the first G-function that does not vanish, "
+        r"Lemma~\ref{thm:switching-side}. "
+        r"That $\tau$ is the first time has to be checked for the other belt too: the equations "
+        r"of $P_3$ do not "
         r"contain $v_2$. Chapter~\ref{sec:events} explains how.",
     )
     residual = maps.stick_residual()
@@ -107,12 +127,14 @@ def items(scope: Scope) -> Items:
     newton = {F2: balance(maps.x_j, v_lambda, maps.theta_j), **solution.PAPER_LETTERS}
     yield (
         r"\begin{theorem}[sticks, the paper's (52) and (53) with both exits]\label{thm:maps-stick} "
-        r"A stick on belt $\lambda$ that slips into $\Omega_\alpha$, $\alpha = \lambda$ or $\lambda + 1$, satisfies "
+        r"A stick on belt $\lambda$ that slips into $\Omega_\alpha$, $\alpha = \lambda$ or "
+        r"$\lambda + 1$, satisfies "
         r"$f_1 = f_2 = 0$ with",
         equation(F1, ride, x_i + sp.integrate(v_lambda, (tau, 0, tau)) - maps.x_j, "stick-f1"),
         equation(F2, end, newton, "stick-f2"),
         r"where $\tau = (\theta_{i+1} - \theta_i)/\Omega$. Conversely, a solution is a stick if "
-        r"$F^{(\lambda)} \ge 0 \ge F^{(\lambda+1)}$ from $\theta_i$ to $\theta_{i+1}$, and the force that vanishes "
+        r"$F^{(\lambda)} \ge 0 \ge F^{(\lambda+1)}$ from $\theta_i$ to $\theta_{i+1}$, and the "
+        r"force that vanishes "
         r"changes its sign there.\end{theorem}",
         r"\begin{proof} This is \eqref{eq:sticks-x} and Theorem~\ref{thm:sticks-exits}.\end{proof}",
     )
@@ -130,7 +152,8 @@ def _with_numbers(scope: Scope) -> Items:
         end = BELTS[row.end.boundary]
         if row.sticks:
             found.append(
-                rf"${letter}$ rides on belt {row.start.boundary} with the speed below, and slips into"
+                rf"${letter}$ rides on belt {row.start.boundary} with the speed below, and slips "
+                r"into"
             )
             for alpha in NEIGHBOURS[row.start.boundary]:
                 true = force(alpha, maps.x_j, start, maps.theta_j)

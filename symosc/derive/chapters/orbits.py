@@ -60,9 +60,8 @@ TITLE = "Periodic motions"
 
 
 def items(scope: Scope) -> Items:
-    """Yield the chapter: one attractor or an interval of rests, and the orbits of Figs.
-
-    9 and 10 in numbers.
+    """Yield the chapter: one attractor or an interval of rests, and the orbits of Figs. 9 and 10 in
+    numbers.
     """
     mu = sp.Symbol(r"\mu_\lambda", nonnegative=True)
     held = named(r"H_\lambda")
@@ -73,39 +72,61 @@ def items(scope: Scope) -> Items:
         r"\begin{theorem}[one attractor, or an interval of rests]\label{thm:orbits-unique} "
         r"Let $c > 0$ and $k > 0$.\begin{enumerate}"
         r"\item[(i)] There is a periodic motion with the period $2\pi/\Omega$."
-        r"\item[(ii)] Unless $v_\lambda = 0$ and $|B_0| < \mu_\lambda F_N$ for one of the belts, it is the only "
+        r"\item[(ii)] Unless $v_\lambda = 0$ and $|B_0| < \mu_\lambda F_N$ for one of the belts, "
+        r"it is the only "
         r"periodic motion, and every other motion tends to it."
-        r"\item[(iii)] If $v_\lambda = 0$ and $|B_0| < \mu_\lambda F_N$, the periodic motions are the rests on belt "
-        r"$\lambda$ at the positions of an interval, and every motion tends to one of them. Inside the interval each "
+        r"\item[(iii)] If $v_\lambda = 0$ and $|B_0| < \mu_\lambda F_N$, the periodic motions "
+        r"are the rests on belt "
+        r"$\lambda$ at the positions of an interval, and every motion tends to one of them. "
+        r"Inside the interval each "
         r"has the multiplier 1."
         r"\end{enumerate}",
         r"The interval of (iii) has the length",
         equation(named(r"\ell"), 2 * (mu * FN - sp.Abs(size)) / k, ends[0] - ends[1], "length"),
         r"\end{theorem}",
-        r"\begin{proof} Let $y$ be the difference of two motions and $W = \frac{m}{2}\dot{y}^2 + \frac{k}{2}y^2$. By "
-        r"\eqref{eq:motion-energy} and Lemma~\ref{thm:motion-monotone}, $\dot{W} \le -c\,\dot{y}^2 \le 0$.",
-        r"(i) A motion answers the bounded force $A_0 + B_0\cos\Omega t + T_1 + T_2$ in an oscillator whose unforced "
-        r"motions decay exponentially. So the map over one period takes a large ball, in a norm in which this linear "
-        r"oscillator contracts, into itself; it is continuous because $W$ does not grow, and has a fixed point by "
+        r"\begin{proof} Let $y$ be the difference of two motions and $W = \frac{m}{2}\dot{y}^2 + "
+        r"\frac{k}{2}y^2$. By "
+        r"\eqref{eq:motion-energy} and Lemma~\ref{thm:motion-monotone}, $\dot{W} \le "
+        r"-c\,\dot{y}^2 \le 0$.",
+        r"(i) A motion answers the bounded force $A_0 + B_0\cos\Omega t + T_1 + T_2$ in an "
+        r"oscillator whose unforced "
+        r"motions decay exponentially. So the map over one period takes a large ball, in a norm "
+        r"in which this linear "
+        r"oscillator contracts, into itself; it is continuous because $W$ does not grow, and has "
+        r"a fixed point by "
         r"Brouwer's theorem.",
-        r"(ii) Let $x^*$ be the motion of (i) and $x$ any other one; $W$ falls to some $W_\infty \ge 0$. The motions "
-        r"$x(t + 2\pi n/\Omega)$, $n = 1, 2, \ldots$, are bounded with their first two derivatives, so some of them "
-        r"converge, with the velocities, to a function $\tilde{x}$, which is a motion too because the right side of "
-        r"\eqref{eq:motion-newton} is closed and convex. Its difference to $x^*$ has the constant energy $W_\infty$. "
-        r"Then $\dot{y} = 0$ and $y = d$ for all times, and the two equations of motion leave $\tilde{T} - T^* = k d$ "
-        r"for the frictions of the two motions, which have the same velocity. If $d \ne 0$, this needs set-valued "
-        r"friction at almost all times: $\dot{x}^*$ is always $v_1$ or $v_2$, by continuity always the same "
-        r"$v_\lambda$, and since $x^*$ is bounded $v_\lambda = 0$. Both motions then rest on belt $\lambda$ for ever. "
+        r"(ii) Let $x^*$ be the motion of (i) and $x$ any other one; $W$ falls to some $W_\infty "
+        r"\ge 0$. The motions "
+        r"$x(t + 2\pi n/\Omega)$, $n = 1, 2, \ldots$, are bounded with their first two "
+        r"derivatives, so some of them "
+        r"converge, with the velocities, to a function $\tilde{x}$, which is a motion too "
+        r"because the right side of "
+        r"\eqref{eq:motion-newton} is closed and convex. Its difference to $x^*$ has the "
+        r"constant energy $W_\infty$. "
+        r"Then $\dot{y} = 0$ and $y = d$ for all times, and the two equations of motion leave "
+        r"$\tilde{T} - T^* = k d$ "
+        r"for the frictions of the two motions, which have the same velocity. If $d \ne 0$, this "
+        r"needs set-valued "
+        r"friction at almost all times: $\dot{x}^*$ is always $v_1$ or $v_2$, by continuity "
+        r"always the same "
+        r"$v_\lambda$, and since $x^*$ is bounded $v_\lambda = 0$. Both motions then rest on "
+        r"belt $\lambda$ for ever. "
         r"By Proposition~\ref{thm:motion-held} a rest at $x$ lasts iff "
         r"$|H_\lambda - k x + B_0\cos\theta| \le \mu_\lambda F_N$ at all phases, with the constant "
         r"$H_\lambda = A_0 \pm \mu_{3-\lambda}F_N$ ($+$ for $\lambda = 1$), that is iff "
-        r"$|H_\lambda - k x| \le \mu_\lambda F_N - |B_0|$. For $|B_0| = \mu_\lambda F_N$ this is one point, so "
-        r"$d \ne 0$ needs $|B_0| < \mu_\lambda F_N$. Without it $d = 0$ and $W_\infty = 0$: every motion tends to "
+        r"$|H_\lambda - k x| \le \mu_\lambda F_N - |B_0|$. For $|B_0| = \mu_\lambda F_N$ this is "
+        r"one point, so "
+        r"$d \ne 0$ needs $|B_0| < \mu_\lambda F_N$. Without it $d = 0$ and $W_\infty = 0$: "
+        r"every motion tends to "
         r"$x^*$, and no other one is periodic.",
-        r"(iii) The rests are motions by (ii), at the positions between $(H_\lambda \pm (\mu_\lambda F_N - |B_0|))/k$. "
-        r"If a motion is periodic, its difference to a rest has constant energy, so it is a rest by the argument of "
-        r"(ii), on the same belt because its velocity is 0. Every motion $x$ has a limit $\tilde{x}$ as in (ii) that "
-        r"is a rest, and its energy relative to that rest falls to 0. Moving a rest inside the interval changes "
+        r"(iii) The rests are motions by (ii), at the positions between $(H_\lambda \pm "
+        r"(\mu_\lambda F_N - |B_0|))/k$. "
+        r"If a motion is periodic, its difference to a rest has constant energy, so it is a rest "
+        r"by the argument of "
+        r"(ii), on the same belt because its velocity is 0. Every motion $x$ has a limit "
+        r"$\tilde{x}$ as in (ii) that "
+        r"is a rest, and its energy relative to that rest falls to 0. Moving a rest inside the "
+        r"interval changes "
         r"nothing else: the multiplier is 1.\end{proof}",
     )
     if scope.scene is None:
@@ -114,7 +135,8 @@ def items(scope: Scope) -> Items:
     middle = rational(RESTING.A0 + RESTING.mu2 * RESTING.FN)
     reach = rational(RESTING.mu1 * RESTING.FN - abs(RESTING.B0))
     stiff = rational(RESTING.k)
-    low, high = named("x_-"), named("x_+")
+    low = named("x_-")
+    high = named("x_+")
     places = (
         equation(named("H_1"), sp.Rational("1/10"), middle),
         equation(low, sp.Rational("-4/5"), {low: (middle - reach) / stiff}),
@@ -135,10 +157,13 @@ def items(scope: Scope) -> Items:
         facts(*places, *held, *at),
         r"\end{example}",
         r"\begin{remark}[no damping]\label{thm:orbits-undamped} "
-        r"For $c = 0$ no difference grows either, but nothing has to attract: a multiplier may be exactly 1, and the "
-        r"motion is then marginal, neither attracting nor repelling (Chapter~\ref{sec:undamped}). Such continua "
+        r"For $c = 0$ no difference grows either, but nothing has to attract: a multiplier may "
+        r"be exactly 1, and the "
+        r"motion is then marginal, neither attracting nor repelling "
+        r"(Chapter~\ref{sec:undamped}). Such continua "
         r"of marginal motions are known in "
-        r"the oscillator with one belt at rest \cite{csernak2007}; for its symmetric motions see also "
+        r"the oscillator with one belt at rest \cite{csernak2007}; for its symmetric motions see "
+        r"also "
         r"\cite{denhartog1931,hongliu2000,luogegg2006,shaw1986}.\end{remark}",
     )
     if scope.scene is None:
@@ -167,7 +192,8 @@ def how_far() -> Items:
     )
     return (
         r"\begin{proposition}[how far a motion goes]\label{thm:orbits-bound} "
-        r"Let $c > 0$, $k > 0$, $F_* = |A_0| + |B_0| + (\mu_1 + \mu_2) F_N$ and $N_E = \int_0^\infty |E_1|\,d\tau$. "
+        r"Let $c > 0$, $k > 0$, $F_* = |A_0| + |B_0| + (\mu_1 + \mu_2) F_N$ and $N_E = "
+        r"\int_0^\infty |E_1|\,d\tau$. "
         r"Every motion has $\limsup_{t\to\infty} |x(t)| \le F_* N_E/m$, where",
         equation(
             norm,
@@ -178,13 +204,18 @@ def how_far() -> Items:
         ),
         equation(norm, m / k, limit, "bound-overdamped", note=r"if $c^2 \ge 4km$."),
         r"\end{proposition}",
-        r"\begin{proof} The force $f = A_0 + B_0\cos\Omega t + T_1 + T_2$ is at most $F_*$ in size, and by variation "
-        r"of constants $x(t)$ is $\frac{1}{m}\int_0^{t - t_0} E_1(\tau) f(t - \tau)\,d\tau$ and a free motion, which "
-        r"decays. This gives the bound by $N_E$. If $c^2 < 4km$, $|E_1| = e^{-h\tau}|\sin\omega_d\tau|/\omega_d$ comes "
-        r"back after each $\pi/\omega_d$ with the factor $e^{-\pi h/\omega_d}$. So $N_E$ is a geometric series that "
+        r"\begin{proof} The force $f = A_0 + B_0\cos\Omega t + T_1 + T_2$ is at most $F_*$ in "
+        r"size, and by variation "
+        r"of constants $x(t)$ is $\frac{1}{m}\int_0^{t - t_0} E_1(\tau) f(t - \tau)\,d\tau$ and "
+        r"a free motion, which "
+        r"decays. This gives the bound by $N_E$. If $c^2 < 4km$, $|E_1| = "
+        r"e^{-h\tau}|\sin\omega_d\tau|/\omega_d$ comes "
+        r"back after each $\pi/\omega_d$ with the factor $e^{-\pi h/\omega_d}$. So $N_E$ is a "
+        r"geometric series that "
         r"begins with",
         equation(first, (1 + decay) / (h**2 + omega_d**2), {first: half}, "half-wave"),
-        r"and $h^2 + \omega_d^2 = k/m$. If $c^2 \ge 4km$, $E_1 > 0$ for $\tau > 0$, and $N_E$ is the limit of $E_2$ "
+        r"and $h^2 + \omega_d^2 = k/m$. If $c^2 \ge 4km$, $E_1 > 0$ for $\tau > 0$, and $N_E$ is "
+        r"the limit of $E_2$ "
         r"in \eqref{eq:domains-E2}, where $E_0$ and $E_1$ tend to 0.\end{proof}",
     )
 
@@ -193,9 +224,8 @@ def how_far() -> Items:
 
 
 class Piece(NamedTuple):
-    """One mapping of an orbit.
-
-    Its entry `row` and the previous one's, `before`, in `MAPS`, and its equations f1, f2.
+    """One mapping of an orbit: its entry `row` and the previous one's, `before`, in `MAPS`, and its
+    equations f1, f2.
 
     `letters` are the symbols of x and theta at its start; `meaning` defines the other symbols in f1
     and f2.
@@ -282,9 +312,8 @@ def _substituted(scope: Scope, expr: Any) -> Any:
 def _values(
     found: list[Piece], points: tuple[tuple[Any, Any], ...], meaning: dict[Any, Any]
 ) -> dict[Any, Any]:
-    """Return the values of all symbols.
-
-    X and theta at the switching `points`, and those that `meaning` defines.
+    """Return the values of all symbols: x and theta at the switching `points`, and those that
+    `meaning` defines.
     """
     letters = [letter for piece in found for letter in piece.letters]
     numbers = [CONTEXT.nstr(value, STEP_DIGITS + 8) for point in points for value in point]
@@ -298,9 +327,8 @@ def _values(
 
 
 def _orbit_section(scope: Scope, word: str, figure: str) -> Items:
-    """Yield the section on the orbit of a word, with `figure` in its title.
-
-    Equations, switching points, and checks.
+    """Yield the section on the orbit of a word, with `figure` in its title: equations, switching
+    points, and checks.
     """
     assert scope.scene is not None
     p = scope.scene.parameters
@@ -317,7 +345,8 @@ def _orbit_section(scope: Scope, word: str, figure: str) -> Items:
         else:
             turn = ""
         equations.append(
-            rf"$P_{row.label[1]}$ from point {i} to point {after}, with $\tau_{i} = (\theta_{after}{turn} - "
+            rf"$P_{row.label[1]}$ from point {i} to point {after}, with $\tau_{i} = "
+            rf"(\theta_{after}{turn} - "
             rf"\theta_{i})/\Omega${'' if row.sticks else start}:"
         )
         check = at_root(partial(_values, found, points, meaning), CONTEXT.mpf(10) ** -43)
@@ -326,8 +355,10 @@ def _orbit_section(scope: Scope, word: str, figure: str) -> Items:
     inner = r" \circ ".join(f"P_{digit}" for digit in word[1:])
     yield (
         rf"\subsection{{{figure}: $P_{{{word[1:]}}} = {inner}$}}",
-        rf"The numbers are {numbers}. The last map ends where the first one starts, one period of the drive later, so "
-        rf"there are {2 * len(found)} equations for the {2 * len(found)} unknowns $x_j$, $\theta_j$. A basis function "
+        rf"The numbers are {numbers}. The last map ends where the first one starts, one period "
+        r"of the drive later, so "
+        rf"there are {2 * len(found)} equations for the {2 * len(found)} unknowns $x_j$, "
+        r"$\theta_j$. A basis function "
         r"of the flight from point $j$ is taken at its duration $\tau_j$.",
         equations,
     )
@@ -343,7 +374,8 @@ def _orbit_section(scope: Scope, word: str, figure: str) -> Items:
     ]
     yield Table(
         f"tab:orbits-{word}",
-        rf"The switching points of $P_{{{word[1:]}}}$, to 20 decimals (half a unit of the last one).",
+        rf"The switching points of $P_{{{word[1:]}}}$, to 20 decimals (half a unit of the last "
+        r"one).",
         ("$j$", r"$\theta_j$", "$x_j$", "belt", "next"),
         tuple(rows),
     )
@@ -370,7 +402,8 @@ def _orbit_section(scope: Scope, word: str, figure: str) -> Items:
         rows.append((*signed, f"$P_{row.label[1]}$"))
     yield Table(
         f"tab:orbits-forces-{word}",
-        rf"The accelerations on both sides at the switching points of $P_{{{word[1:]}}}$. By their signs the next "
+        rf"The accelerations on both sides at the switching points of $P_{{{word[1:]}}}$. By "
+        r"their signs the next "
         r"mapping is the one that the word demands (Theorem~\ref{thm:switching-cases}).",
         ("$j$", "below", "above", "next"),
         tuple(rows),
@@ -391,9 +424,12 @@ def _orbit_section(scope: Scope, word: str, figure: str) -> Items:
     digits = named("P")
     limited.append(equation(digits, int(word[1:]), at_root(lambda: {digits: _followed(p, word)})))
     yield (
-        rf"Between the switching points nothing happens: Table~\ref{{tab:orbits-between-{word}}} has all extreme "
-        r"values of the velocity inside the flights, and the least favourable accelerations during the sticks. The "
-        r"motion that starts at point 1 was also followed with 30 digits for one period, by the search of "
+        rf"Between the switching points nothing happens: Table~\ref{{tab:orbits-between-{word}}} "
+        r"has all extreme "
+        r"values of the velocity inside the flights, and the least favourable accelerations "
+        r"during the sticks. The "
+        r"motion that starts at point 1 was also followed with 30 digits for one period, by the "
+        r"search of "
         rf"Chapter~\ref{{sec:events}}: its events are those of $P_{{{word[1:]}}}$ and no others.",
         Table(
             f"tab:orbits-between-{word}",
@@ -435,9 +471,8 @@ FUNCTIONS = [
 def _extremes(
     scope: Scope, piece: Piece, start: tuple[Any, Any], end: Any
 ) -> Iterator[tuple[str, Any, str, list[tuple[str, Any]]]]:
-    """Yield each extreme of v in a flight or of the forces in a stick.
-
-    Name, value, allowed range (LaTeX), bounds.
+    """Yield each extreme of v in a flight or of the forces in a stick: name, value, allowed range
+    (LaTeX), bounds.
     """
     belt = piece.row.start.boundary
     row = piece.row
@@ -445,7 +480,9 @@ def _extremes(
     duration = ((end - start[1]) % (2 * CONTEXT.pi)) / steps.evaluate(Omega, scope.numbers)
 
     def extremes(expr: Any, slope: Any) -> tuple[Any, list[Any]]:
-        """Return `expr` as a function of the time since the start, and the zeros of its time derivative `slope`."""
+        """Return `expr` as a function of the time since the start, and the zeros of its time
+        derivative `slope`.
+        """
         put = (_substituted(scope, each.xreplace(scope.display)) for each in (expr, slope))
         value, rate = (
             partial(sp.lambdify((x_i, theta_i, tau), each, FUNCTIONS), *start) for each in put
@@ -477,7 +514,9 @@ def _extremes(
 
 
 def _zeros(function: Any, duration: Any) -> list[Any]:
-    """Return the zeros of a function in (0, duration), one for each sign change between neighbours on a grid."""
+    """Return the zeros of a function in (0, duration), one for each sign change between neighbours
+    on a grid.
+    """
     grid = pairwise(duration * (n + CONTEXT.mpf("0.5")) / 120 for n in range(120))
     turns = [ends for ends in grid if (function(ends[0]) > 0) != (function(ends[1]) > 0)]
     return [CONTEXT.clone().findroot(function, ends, solver="anderson") for ends in turns]

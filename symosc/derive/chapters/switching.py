@@ -24,7 +24,8 @@ def items(scope: Scope) -> Items:
     second = named(r"G^{(1,\alpha)}")
 
     def product(normal: str, dot: str) -> Any:
-        """Return a symbol that prints the product n^T (x^(alpha) - x^(0)), also with derivatives of n or x.
+        """Return a symbol that prints the product n^T (x^(alpha) - x^(0)), also with derivatives of
+        n or x.
 
         `normal` is printed before n ("", "D" or "D^2"), and `dot` over each x: a LaTeX accent for
         time derivatives.
@@ -48,9 +49,12 @@ def items(scope: Scope) -> Items:
     ]
     yield (
         r"\subsection{G-functions}",
-        r"Luo's theory of flow switchability \cite{luo2008,luo2009} compares the flow $\mathbf{x}^{(\alpha)}(t)$ of a "
-        r"domain with the flow $\mathbf{x}^{(0)}(t)$ in its boundary, along the boundary's normal $\mathbf{n}$; a dot "
-        r"is the derivative along each flow, and $D$ the derivative of $\mathbf{n}$ along $\mathbf{x}^{(0)}$.",
+        r"Luo's theory of flow switchability \cite{luo2008,luo2009} compares the flow "
+        r"$\mathbf{x}^{(\alpha)}(t)$ of a "
+        r"domain with the flow $\mathbf{x}^{(0)}(t)$ in its boundary, along the boundary's "
+        r"normal $\mathbf{n}$; a dot "
+        r"is the derivative along each flow, and $D$ the derivative of $\mathbf{n}$ along "
+        r"$\mathbf{x}^{(0)}$.",
         r"\begin{definition}[Luo's G-functions]\label{thm:switching-G} "
         r"The G-functions of the orders 0 and 1 are (the paper's (15) and (16))",
         equation(first, product("D", "") + product("", r"\dot"), check, "G0"),
@@ -65,13 +69,17 @@ def items(scope: Scope) -> Items:
         r"\begin{lemma}[reduction]\label{thm:switching-reduction} "
         r"Where the flow meets a flat boundary that does not move, "
         r"$G^{(0,\alpha)} = \mathbf{n}^T\dot{\mathbf{x}}^{(\alpha)}$ and "
-        r"$G^{(1,\alpha)} = \mathbf{n}^T\ddot{\mathbf{x}}^{(\alpha)}$ (the paper's (18) and (19)). On the boundary "
-        r"$\dot{x} = v_\lambda$, with $\mathbf{x} = (x, \dot{x})^T$ and $\mathbf{n} = (0, 1)^T$ (the paper's (25)), "
+        r"$G^{(1,\alpha)} = \mathbf{n}^T\ddot{\mathbf{x}}^{(\alpha)}$ (the paper's (18) and "
+        r"(19)). On the boundary "
+        r"$\dot{x} = v_\lambda$, with $\mathbf{x} = (x, \dot{x})^T$ and $\mathbf{n} = (0, 1)^T$ "
+        r"(the paper's (25)), "
         r"$G^{(j,\alpha)} = d^{\,j} F^{(\alpha)}/dt^{\,j}$ for all $j \ge 0$, along the flow of "
         r"$\Omega_\alpha$.\end{lemma}",
         facts(*normal, *(_gap_derivative(order) for order in (1, 2))),
-        r"\begin{proof} $\mathbf{n}$ is constant, so its derivatives vanish, and $\mathbf{n}^T\mathbf{x}^{(0)}$ is "
-        r"constant because $\mathbf{x}^{(0)}$ stays in the boundary, so its derivatives vanish too. What is left is "
+        r"\begin{proof} $\mathbf{n}$ is constant, so its derivatives vanish, and "
+        r"$\mathbf{n}^T\mathbf{x}^{(0)}$ is "
+        r"constant because $\mathbf{x}^{(0)}$ stays in the boundary, so its derivatives vanish "
+        r"too. What is left is "
         r"$d^{\,j+1}(\mathbf{n}^T\mathbf{x}^{(\alpha)})/dt^{\,j+1}$, and here "
         r"$\mathbf{n}^T\mathbf{x}^{(\alpha)} = \dot{x}$ with $\ddot{x} = F^{(\alpha)}$.\end{proof}",
     )
@@ -83,63 +91,94 @@ def items(scope: Scope) -> Items:
     yield (
         r"\subsection{The first G-function that does not vanish}",
         r"\begin{lemma}[which side before, which side after]\label{thm:switching-side} "
-        r"Let the flow of $\Omega_\alpha$ have $\dot{x} = v_\lambda$ at $\tau = 0$, and let $G^{(n,\alpha)}$ be the "
-        r"first of its G-functions there that does not vanish. Shortly after the contact $\dot{x} - v_\lambda$ has the "
-        r"sign of $G^{(n,\alpha)}$, shortly before it that of $(-1)^{n+1} G^{(n,\alpha)}$. So for even $n$ the flow "
-        r"crosses, and for odd $n$ it touches and returns to the side that it came from.\end{lemma}",
-        r"\begin{proof} By Taylor's theorem, here from the equation of motion and up to terms of the order "
+        r"Let the flow of $\Omega_\alpha$ have $\dot{x} = v_\lambda$ at $\tau = 0$, and let "
+        r"$G^{(n,\alpha)}$ be the "
+        r"first of its G-functions there that does not vanish. Shortly after the contact "
+        r"$\dot{x} - v_\lambda$ has the "
+        r"sign of $G^{(n,\alpha)}$, shortly before it that of $(-1)^{n+1} G^{(n,\alpha)}$. So "
+        r"for even $n$ the flow "
+        r"crosses, and for odd $n$ it touches and returns to the side that it came "
+        r"from.\end{lemma}",
+        r"\begin{proof} By Taylor's theorem, here from the equation of motion and up to terms of "
+        r"the order "
         r"$\tau^5$,",
         equation(gap, taylor, meaning, "taylor"),
-        r"and the first term that does not vanish, $G^{(n,\alpha)}\tau^{n+1}/(n+1)!$, is larger than all that follow "
-        r"for small $|\tau|$; $\tau^{n+1}$ is positive before the contact iff $n$ is odd.\end{proof}",
-        r"If all G-functions vanish, the flow of $\Omega_\alpha$ stays in the boundary for ever. By "
-        r"\eqref{eq:switching-g1} this needs $k v_\lambda + B_0\Omega\sin\theta = 0$ at all times: $B_0 = 0$ and "
+        r"and the first term that does not vanish, $G^{(n,\alpha)}\tau^{n+1}/(n+1)!$, is larger "
+        r"than all that follow "
+        r"for small $|\tau|$; $\tau^{n+1}$ is positive before the contact iff $n$ is "
+        r"odd.\end{proof}",
+        r"If all G-functions vanish, the flow of $\Omega_\alpha$ stays in the boundary for ever. "
+        r"By "
+        r"\eqref{eq:switching-g1} this needs $k v_\lambda + B_0\Omega\sin\theta = 0$ at all "
+        r"times: $B_0 = 0$ and "
         r"$k v_\lambda = 0$.",
         Illustration(
             "quartic",
             "fig:switching-orders",
-            r"The gap $\dot{x} - v_\lambda$ near a contact with $G^{(n,\alpha)} < 0$ for the first $n$ that counts.",
+            r"The gap $\dot{x} - v_\lambda$ near a contact with $G^{(n,\alpha)} < 0$ for the "
+            r"first $n$ that counts.",
             0.8,
         ),
     )
     yield (
         r"\subsection{The paper's Lemmas 1 to 3 and Theorems 4 to 6}",
         r"\begin{theorem}[stick, passage, graze]\label{thm:switching-cases} "
-        r"Let a motion have $\dot{x} = v_\lambda$ at the time $t_m$, at the position $x_m$, and let $F^{(\lambda)}$ "
+        r"Let a motion have $\dot{x} = v_\lambda$ at the time $t_m$, at the position $x_m$, and "
+        r"let $F^{(\lambda)}$ "
         r"and $F^{(\lambda+1)}$ be taken there. \begin{enumerate}"
-        r"\item[(i)] It sticks after $t_m$ if $F^{(\lambda)} > 0$ and $F^{(\lambda+1)} < 0$ (Lemma 1, Theorem 4)."
-        r"\item[(ii)] It passes if $F^{(\lambda)} F^{(\lambda+1)} > 0$: into $\Omega_{\lambda+1}$ if both are "
+        r"\item[(i)] It sticks after $t_m$ if $F^{(\lambda)} > 0$ and $F^{(\lambda+1)} < 0$ "
+        r"(Lemma 1, Theorem 4)."
+        r"\item[(ii)] It passes if $F^{(\lambda)} F^{(\lambda+1)} > 0$: into "
+        r"$\Omega_{\lambda+1}$ if both are "
         r"positive, into $\Omega_\lambda$ if both are negative (Lemma 2, Theorem 5)."
-        r"\item[(iii)] A flow that comes to the boundary in $\Omega_\lambda$ returns into $\Omega_\lambda$ if "
-        r"$F^{(\lambda)} = 0$ and $G^{(1,\lambda)} < 0$; one that comes in $\Omega_{\lambda+1}$ returns if "
+        r"\item[(iii)] A flow that comes to the boundary in $\Omega_\lambda$ returns into "
+        r"$\Omega_\lambda$ if "
+        r"$F^{(\lambda)} = 0$ and $G^{(1,\lambda)} < 0$; one that comes in $\Omega_{\lambda+1}$ "
+        r"returns if "
         r"$F^{(\lambda+1)} = 0$ and $G^{(1,\lambda+1)} > 0$ (Lemma 3, Theorem 6)."
-        r"\item[(iv)] If $F^{(\alpha)}$ and $G^{(1,\alpha)}$ vanish, the first G-function that does not vanish takes "
-        r"their part: the flow of $\Omega_\lambda$ returns iff its order is odd and it is negative, that of "
+        r"\item[(iv)] If $F^{(\alpha)}$ and $G^{(1,\alpha)}$ vanish, the first G-function that "
+        r"does not vanish takes "
+        r"their part: the flow of $\Omega_\lambda$ returns iff its order is odd and it is "
+        r"negative, that of "
         r"$\Omega_{\lambda+1}$ iff its order is odd and it is positive."
         r"\end{enumerate}\end{theorem}",
-        r"\begin{proof} By Lemma~\ref{thm:switching-side} with $n = 0$, for $F^{(\lambda)} > 0$ no motion can go below "
-        r"the boundary: there $\ddot{x}$ is near $F^{(\lambda)}$, and $\dot{x}$ would grow back. For "
-        r"$F^{(\lambda+1)} < 0$ none can go above it. With both the mass stays, and by Theorem~\ref{thm:motion-unique} "
+        r"\begin{proof} By Lemma~\ref{thm:switching-side} with $n = 0$, for $F^{(\lambda)} > 0$ "
+        r"no motion can go below "
+        r"the boundary: there $\ddot{x}$ is near $F^{(\lambda)}$, and $\dot{x}$ would grow back. "
+        r"For "
+        r"$F^{(\lambda+1)} < 0$ none can go above it. With both the mass stays, and by "
+        r"Theorem~\ref{thm:motion-unique} "
         r"this is the motion: (i). If both are positive, it cannot go below, and cannot stay by "
-        r"Proposition~\ref{thm:motion-held}; so it follows the flow of $\Omega_{\lambda+1}$, which by "
-        r"Lemma~\ref{thm:switching-side} goes above. The mirror image is the other half of (ii). (iii) and (iv) are "
-        r"Lemma~\ref{thm:switching-side} with odd $n$; for $F^{(\lambda)} = 0$ Lemma~\ref{thm:motion-jump} has "
+        r"Proposition~\ref{thm:motion-held}; so it follows the flow of $\Omega_{\lambda+1}$, "
+        r"which by "
+        r"Lemma~\ref{thm:switching-side} goes above. The mirror image is the other half of (ii). "
+        r"(iii) and (iv) are "
+        r"Lemma~\ref{thm:switching-side} with odd $n$; for $F^{(\lambda)} = 0$ "
+        r"Lemma~\ref{thm:motion-jump} has "
         r"$F^{(\lambda+1)} \le 0$, so that the returning flow is the motion.\end{proof}",
         r"\begin{remark}[what ``iff'' needs]\label{thm:switching-iff} "
-        r"As conditions on strict signs the paper's Theorems 4 and 5 are necessary as well, but not where an "
-        r"acceleration vanishes. A flow that comes from below with $F^{(\lambda)} = 0$ has a first $n$ that is odd "
-        r"with $G^{(n,\lambda)} < 0$, and grazes, or even with $G^{(n,\lambda)} > 0$, and then it sticks if the belt "
-        r"has friction, since $F^{(\lambda+1)} < 0$ by Lemma~\ref{thm:motion-jump}; and so on. The ``iff'' of Lemma 3, "
-        r"with $n = 1$ alone, leaves out the tangencies of higher order; this is where Theorem 7 loses its case of "
+        r"As conditions on strict signs the paper's Theorems 4 and 5 are necessary as well, but "
+        r"not where an "
+        r"acceleration vanishes. A flow that comes from below with $F^{(\lambda)} = 0$ has a "
+        r"first $n$ that is odd "
+        r"with $G^{(n,\lambda)} < 0$, and grazes, or even with $G^{(n,\lambda)} > 0$, and then "
+        r"it sticks if the belt "
+        r"has friction, since $F^{(\lambda+1)} < 0$ by Lemma~\ref{thm:motion-jump}; and so on. "
+        r"The ``iff'' of Lemma 3, "
+        r"with $n = 1$ alone, leaves out the tangencies of higher order; this is where Theorem 7 "
+        r"loses its case of "
         r"equality (Theorem~\ref{thm:grazing-equality}).\end{remark}",
-        r"What (iii) asks for is at the boundary $\dot{x} = v_\lambda$, on either side of either belt,",
+        r"What (iii) asks for is at the boundary $\dot{x} = v_\lambda$, on either side of either "
+        r"belt,",
         at_belt("decides"),
         r"where the term with $F^{(\alpha)}$ vanishes at a graze.",
     )
 
 
 def along_flow(order: int) -> list[Any]:
-    """Return F and its derivatives up to an order along the flow, on a belt at x_i and theta_i, from Newton's law."""
+    """Return F and its derivatives up to an order along the flow, on a belt at x_i and theta_i,
+    from Newton's law.
+    """
     place, speed, phase = sp.symbols("x v theta", real=True)
     push = balance(place, speed, phase)
     found = [push]
@@ -151,8 +190,11 @@ def along_flow(order: int) -> list[Any]:
 
 
 def gap_series(order: int) -> Any:
-    """Return the gap to a belt up to tau^order, with the coefficients that the equation of motion asks for."""
-    # m g'' + c g' + k (g + v_lambda) = -B0 Omega sin(theta): the equation of motion, differentiated.
+    """Return the gap to a belt up to tau^order, with the coefficients that the equation of motion
+    asks for.
+    """
+    # m g'' + c g' + k (g + v_lambda) = -B0 Omega sin(theta): the equation of motion,
+    # differentiated.
     rates = sp.symbols(f"g_1:{order + 1}")
     gap = sp.Add(*(rate * tau**n for n, rate in enumerate(rates, 1)))
     drive = B0 * Omega * sp.sin(theta_i + Omega * tau)
@@ -165,7 +207,9 @@ def gap_series(order: int) -> Any:
 
 
 def _gap_derivative(order: int) -> Any:
-    """Return the step that n.(x - x0) and n.x have the same `order`-th derivative, for x0 on a straight boundary."""
+    """Return the step that n.(x - x0) and n.x have the same `order`-th derivative, for x0 on a
+    straight boundary.
+    """
     n1, n2, p1, p2 = sp.symbols("n_1 n_2 p_1 p_2", real=True)
     first, second, way = (sp.Function(name)(t) for name in ("X", "Y", "s"))
     gap = n1 * (first - p1 + n2 * way) + n2 * (second - p2 - n1 * way)
@@ -184,7 +228,9 @@ def at_belt(label: str) -> Step:
 
 
 def g_functions() -> Items:
-    """Return the lemma on G^(1) to G^(3), the derivatives of the acceleration F^(alpha) along its flow."""
+    """Return the lemma on G^(1) to G^(3), the derivatives of the acceleration F^(alpha) along its
+    flow.
+    """
     path = sp.Function("x")(t)
     newton = (solution.A + B0 * sp.cos(Omega * t) - c * path.diff(t) - k * path) / m
     lower = [v, F(r"\alpha")]
@@ -205,7 +251,8 @@ def g_functions() -> Items:
         r"Along the flow of $\Omega_\alpha$, with $\theta = \Omega t$,",
         rows,
         r"\end{lemma}",
-        r"\begin{proof} Differentiate \eqref{eq:motion-acceleration} along the motion. The first one is the paper's "
+        r"\begin{proof} Differentiate \eqref{eq:motion-acceleration} along the motion. The first "
+        r"one is the paper's "
         r"(47) and (48): $\nabla F^{(\alpha)}\cdot(\dot{x}, F^{(\alpha)})^T + \partial "
         r"F^{(\alpha)}/\partial t$.\end{proof}",
     )

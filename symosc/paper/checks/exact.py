@@ -1,6 +1,5 @@
-"""Ground truth independent of the engine.
-
-Rational contacts, a second closed form of the flow, and DOP853.
+"""Ground truth independent of the engine: rational contacts, a second closed form of the flow, and
+DOP853.
 """
 
 from __future__ import annotations
@@ -45,9 +44,8 @@ def friction_on_mass(p: Parameters, alpha: int) -> Fraction:
 
 @dataclass(frozen=True)
 class RationalContact:
-    """A contact of a motion with a boundary, in rational numbers.
-
-    X, and s and c, the sine and cosine of Omega t.
+    """A contact of a motion with a boundary, in rational numbers: x, and s and c, the sine and
+    cosine of Omega t.
     """
 
     p: Parameters
@@ -84,7 +82,9 @@ class RationalContact:
 
     @cached_property
     def _motion(self) -> dict[int, list[Fraction]]:
-        """For each domain at the belt, x and its time derivatives at the contact along the flow of this domain."""
+        """For each domain at the belt, x and its time derivatives at the contact along the flow of
+        this domain.
+        """
         p = self.p
         found = {}
         waves = (
@@ -103,7 +103,9 @@ class RationalContact:
         return found
 
     def side(self, alpha: int, after: bool) -> int:
-        """Return the sign of x' minus belt speed just before or `after` the contact, by the flow of domain `alpha`."""
+        """Return the sign of x' minus belt speed just before or `after` the contact, by the flow of
+        domain `alpha`.
+        """
         if after:
             t = SHORT
         else:
@@ -143,7 +145,9 @@ class RationalContact:
         return up or self.side(lo, after=True) < 0 < self.side(hi, after=False)
 
     def grazes(self, alpha: int) -> bool:
-        """Return whether the flow of domain `alpha` is in this domain both just before and just after the contact."""
+        """Return whether the flow of domain `alpha` is in this domain both just before and just
+        after the contact.
+        """
         if alpha == self.boundary:
             own = -1
         else:
@@ -201,7 +205,9 @@ def contacts(
 
 
 def tally(cases: Iterable[Any], questions: Mapping[str, Callable[[Any], Any]]) -> dict[str, Any]:
-    """Return for each of the `questions`, under its name, the number of `cases` for which its function returns true."""
+    """Return for each of the `questions`, under its name, the number of `cases` for which its
+    function returns true.
+    """
     cases = list(cases)
     return {
         name: sum(bool(question(case)) for case in cases) for name, question in questions.items()
@@ -218,9 +224,8 @@ DOP853_AGREEMENT = 1e-9
 
 
 def flow(p: Parameters, A: Any, start: Sequence[Any], t: Any) -> tuple[Any, Any]:
-    """Return x and x' at times t from start = (t0, x0, v0) by eq.
-
-    (5), with A for the sum of A0 and friction; k > 0.
+    """Return x and x' at times t from start = (t0, x0, v0) by eq. (5), with A for the sum of A0 and
+    friction; k > 0.
     """
     # In complex numbers, independent of the package's kernels; not for undamped resonance.
     m, c, k, B0, Omega = (float(getattr(p, name)) for name in ("m", "c", "k", "B0", "Omega"))
@@ -252,7 +257,8 @@ def dop853(
     state: Any,
     until_speed: float | None = None,
 ) -> Any:
-    """Return scipy's DOP853 solution over the times `span` from (x, v) = `state`, or until v is `until_speed`.
+    """Return scipy's DOP853 solution over the times `span` from (x, v) = `state`, or until v is
+    `until_speed`.
 
     It solves eq. (5) with `constant` for the sum of A0 and friction.
     """

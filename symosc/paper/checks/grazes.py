@@ -1,4 +1,6 @@
-"""Figs. 7 and 8: the grazes of belt 1 from below and from above, their printed starts, and what follows them."""
+"""Figs. 7 and 8: the grazes of belt 1 from below and from above, their printed starts, and what
+follows them.
+"""
 
 from __future__ import annotations
 
@@ -52,9 +54,8 @@ GRAZE_SAMPLES = 8000
 
 @dataclass(frozen=True)
 class Graze:
-    """What a figure of a grazing motion shows.
-
-    A scene, as printed and as corrected, and the mapping that grazes.
+    """What a figure of a grazing motion shows: a scene, as printed and as corrected, and the
+    mapping that grazes.
     """
 
     printed: Scene
@@ -63,9 +64,8 @@ class Graze:
     half_turns: int  # the phase of the grazing point in units of pi
 
     def flow_back(self, to_start: bool = True) -> GrazingStart:
-        """Return the start from which the flow grazes.
-
-        At t0 or, if not `to_start`, at the contact before the graze.
+        """Return the start from which the flow grazes: at t0 or, if not `to_start`, at the contact
+        before the graze.
         """
         theta = +mp_context(60).pi * self.half_turns
         return grazing_start(
@@ -79,7 +79,9 @@ class Graze:
 
     @property
     def print_is_right(self) -> bool:
-        """Whether a start from which the flow grazes rounds to the printed start, all parameters being as printed."""
+        """Whether a start from which the flow grazes rounds to the printed start, all parameters
+        being as printed.
+        """
         return bool(nearest_graze(self.printed, self.mapping).round_to_it)
 
 
@@ -91,7 +93,9 @@ FIG8 = Graze(_FIG8, _FIG8, "P3", 0)
 
 @cache
 def exact(figure: Graze, t_end: Any = None) -> Scene:
-    """Return a figure's corrected scene with the start from which it grazes, to 40 decimals, and the end `t_end`."""
+    """Return a figure's corrected scene with the start from which it grazes, to 40 decimals, and
+    the end `t_end`.
+    """
     start = figure.flow_back().start
     return replace(
         figure.scene, **(start | {"t0": figure.scene.t0, "t_end": t_end or figure.scene.t_end})
@@ -99,9 +103,8 @@ def exact(figure: Graze, t_end: Any = None) -> Scene:
 
 
 def reaches_belt(scene: Scene, belt: int) -> Evidence:
-    """Check whether a motion below a belt reaches it.
-
-    By the event search, and for all later times by a bound.
+    """Check whether a motion below a belt reaches it: by the event search, and for all later times
+    by a bound.
     """
     p = scene.parameters
     path = motion(scene, LATE)
@@ -127,7 +130,10 @@ def reaches_belt(scene: Scene, belt: int) -> Evidence:
         return Evidence(
             UNDECIDED, f"There is no contact until t = {LATE}; later is not known.", numbers
         )
-    finding = f"There is no contact, ever: until t = {LATE} the velocity rises to {text(v_max, 7)} ({speed} = "
+    finding = (
+        f"There is no contact, ever: until t = {LATE} the velocity rises to {text(v_max, 7)} "
+        f"({speed} = "
+    )
     finding += f"{text(p.belt(belt))}), and what it tends to has the amplitude √{text(square)} = "
     finding += f"{text(float(square) ** 0.5, 6)}, whatever A₀ is."
     return Evidence(NOT_AS_PRINTED, finding, numbers)
@@ -142,7 +148,9 @@ def steady_square(p: Parameters) -> Fraction:
 
 
 def highest_velocity(path: Trajectory, since: float | None = None) -> tuple[float, float]:
-    """Return the time and the value of the highest velocity of a flight in domain 1, from the time `since` on."""
+    """Return the time and the value of the highest velocity of a flight in domain 1, from the time
+    `since` on.
+    """
     times = np.linspace(
         float(path.t_start) if since is None else since, float(path.t_end), GRAZE_SAMPLES
     )
@@ -177,7 +185,9 @@ def contacts_text(path: Trajectory) -> str:
 
 
 def tangential(figure: Graze) -> Evidence:
-    """Check that the motion grazes the belt at the figure's red point, from the printed and from the exact start."""
+    """Check that the motion grazes the belt at the figure's red point, from the printed and from
+    the exact start.
+    """
     printed, scene, p = motion(figure.printed), exact(figure), figure.scene.parameters
     numbers = {"contacts as printed until the first slip": contacts_text(printed)}
     if p != figure.printed.parameters:
@@ -193,8 +203,14 @@ def tangential(figure: Graze) -> Evidence:
         f"{text(event.t, 25)}, {text(event.x, 12)}"
     )
     numbers[f"{name}, G⁽¹⁾ at the red point"] = f"{force_text(force)}, {text(order.values[-1], 12)}"
-    finding = f"From the start to 40 decimals the motion {'grazes' if grazes else 'does not graze'} belt {at.belt} at "
-    finding += f"t = {text(event.t, 12)}, with {name} = {force_text(force)} and G⁽¹⁾ = {text(order.values[-1], 6)}."
+    finding = (
+        f"From the start to 40 decimals the motion {'grazes' if grazes else 'does not graze'} belt "
+        f"{at.belt} at "
+    )
+    finding += (
+        f"t = {text(event.t, 12)}, with {name} = {force_text(force)} and G⁽¹⁾ = "
+        f"{text(order.values[-1], 6)}."
+    )
     usual = motion(figure.scene).events
     if len(usual) > 1 and usual[0].kind == "stick":
         lasts = usual[1].t - usual[0].t
@@ -222,8 +238,14 @@ def touches_once(figure: Graze) -> Evidence:
         f"contacts until t = {LATE} as printed": str(len(printed.events)),
         "highest velocity later": f"{text(v, 9)} at t = {text(t, 7)}",
     }
-    finding = f"From the exact start mass and belt {belt} have the same velocity at t = {text(path.events[0].t, 12)} "
-    finding += f"only, where the mass meets the red point's curve, and never again: later ẋ is at most {text(v, 5)}."
+    finding = (
+        f"From the exact start mass and belt {belt} have the same velocity at t = "
+        f"{text(path.events[0].t, 12)} "
+    )
+    finding += (
+        "only, where the mass meets the red point's curve, and never again: later ẋ is at most "
+        f"{text(v, 5)}."
+    )
     as_printed, once = (
         [event.kind for event in each.events] == ["graze"] for each in (printed, path)
     )
@@ -242,8 +264,14 @@ def of_mapping(figure: Graze) -> Evidence:
         "mappings that follow": subscripted(" ".join(word)) or "none",
         "last contact before: t, x, belt": f"{text((t, found.x), 12)}, {found.boundary}",
     }
-    finding = f"Flowing back, the motion came from belt {found.boundary} at t = {text(t, 9)}, x = {text(found.x, 9)}: "
-    finding += f"so {'a' if found.found else 'no'} {name} ends in it; {'a' if follows else 'no'} {name} begins at it."
+    finding = (
+        f"Flowing back, the motion came from belt {found.boundary} at t = {text(t, 9)}, x = "
+        f"{text(found.x, 9)}: "
+    )
+    finding += (
+        f"so {'a' if found.found else 'no'} {name} ends in it; {'a' if follows else 'no'} {name} "
+        "begins at it."
+    )
     either = found.found or follows
     return Evidence(
         verdict(either and figure.scene.parameters == figure.printed.parameters, either),
@@ -253,7 +281,9 @@ def of_mapping(figure: Graze) -> Evidence:
 
 
 def in_window(figure: Graze) -> Evidence:
-    """Check that the phase of the graze is in the window that Theorem 7 prints for its gamma and B0 Omega/m."""
+    """Check that the phase of the graze is in the window that Theorem 7 prints for its gamma and B0
+    Omega/m.
+    """
     p = figure.scene.parameters
     mapping = figure.mapping
     scene = exact(figure)
@@ -271,7 +301,10 @@ def in_window(figure: Graze) -> Evidence:
     finding = (
         f"γ = {text(window.gamma)} and B₀Ω/m = {text(window.amplitude)}, in rational numbers: case "
     )
-    finding += f"{window.case}. Its window contains Ωt = {'π' if figure.half_turns else '0'}, and the flow touches "
+    finding += (
+        f"{window.case}. Its window contains Ωt = {'π' if figure.half_turns else '0'}, and the "
+        "flow touches "
+    )
     finding += f"with order 1, G⁽¹⁾ = {touch.values[-1]:.6g}."
     return evidence(inside and touch.grazing and touch.order == 1, finding, numbers)
 
@@ -280,13 +313,17 @@ def in_window(figure: Graze) -> Evidence:
 
 
 def returns(scene: Scene, periods: int) -> list[tuple[float, float]]:
-    """Return the changes (dx, dv) of the state over each of the first `periods` periods of the drive."""
+    """Return the changes (dx, dv) of the state over each of the first `periods` periods of the
+    drive.
+    """
     times = float(scene.t0) + 2 * pi / float(scene.parameters.Omega) * np.arange(periods + 1)
     return [(float(dx), float(dv)) for dx, dv in np.diff(motion(scene, LATE)(times), axis=1).T]
 
 
 def same_point(figure: Graze) -> Evidence:
-    """Compare the states at the start (blue point) and one period later, from the exact and from the printed start."""
+    """Compare the states at the start (blue point) and one period later, from the exact and from
+    the printed start.
+    """
     path = motion(exact(figure), LATE)
     change = returns(exact(figure), 1)[0]
     printed = returns(figure.printed, 1)[0]
@@ -307,7 +344,9 @@ def same_point(figure: Graze) -> Evidence:
 
 
 def periodic(figure: Graze) -> Evidence:
-    """Check whether the motion is, or approaches, a periodic motion, and whether the latter can touch the belt."""
+    """Check whether the motion is, or approaches, a periodic motion, and whether the latter can
+    touch the belt.
+    """
     p = figure.scene.parameters
     scene = exact(figure)
     changes = [hypot(*each) for each in returns(scene, 4)]
@@ -335,17 +374,23 @@ def periodic(figure: Graze) -> Evidence:
         what = "not periodic"
     if approaches and not fixed:
         what += ", but approaching a periodic motion"
-    else:
-        what += ""
-    finding = f"(x, ẋ) changes by {text(changes[0], 6)} over the first period, by {text(changes[1], 6)} over the next: "
+    finding = (
+        f"(x, ẋ) changes by {text(changes[0], 6)} over the first period, by {text(changes[1], 6)} "
+        "over the next: "
+    )
     finding += f"{what}. The periodic motion has the velocity amplitude √{text(square)} = "
-    finding += f"{text(float(square) ** 0.5, 5)} and {'can' if square >= level else 'never can'} touch v₁ = "
+    finding += (
+        f"{text(float(square) ** 0.5, 5)} and {'can' if square >= level else 'never can'} touch v₁ "
+        "= "
+    )
     finding += f"{text(p.v1)}, whatever A₀ is."
     return Evidence(verdict(fixed, approaches), finding, numbers)
 
 
 def not_at_belt(figure: Graze) -> Evidence:
-    """Check that at the start, and one period later, x' is not the speed of the belt that the motion grazes."""
+    """Check that at the start, and one period later, x' is not the speed of the belt that the
+    motion grazes.
+    """
     numbers = {}
     gaps = []
     belt = figure.place.boundary
@@ -366,7 +411,9 @@ def not_at_belt(figure: Graze) -> Evidence:
 
 
 def sticks_later(figure: Graze) -> Evidence:
-    """Check, from the printed and the exact start, that the contact after the red point begins a stick on that belt."""
+    """Check, from the printed and the exact start, that the contact after the red point begins a
+    stick on that belt.
+    """
     belt = figure.place.boundary
     scenes = (figure.printed, exact(figure))
     contacts = [
@@ -381,13 +428,18 @@ def sticks_later(figure: Graze) -> Evidence:
         f"t, x of the next contact, {name} start": f"{text(each.t, 16)}, {text(each.x, 12)}"
         for name, each in (("printed", printed), ("exact", true))
     }
-    finding = f"The next contact is at t = {text(true.t, 11)} from the exact start ({text(printed.t, 11)} from the "
+    finding = (
+        f"The next contact is at t = {text(true.t, 11)} from the exact start "
+        f"({text(printed.t, 11)} from the "
+    )
     finding += f"printed one): there the mass sticks to belt {belt}."
     return evidence(held, finding, numbers)
 
 
 def stick_after(figure: Graze, check: str, *domains: int) -> Evidence:
-    """Run the check of `motions` named `check`, with `domains`, on the stick after the graze from the exact start."""
+    """Run the check of `motions` named `check`, with `domains`, on the stick after the graze from
+    the exact start.
+    """
     checks = {"together": together, "forces_hold": forces_hold, "flight_after": flight_after}
     return checks[check](
         exact(figure, Fraction(10) if domains else None), figure.place.boundary, *domains
@@ -395,9 +447,8 @@ def stick_after(figure: Graze, check: str, *domains: int) -> Evidence:
 
 
 def curves_meet(figure: Graze) -> Evidence:
-    """Check Fig. 8's paths of two belt points.
-
-    The mass meets them at the red and the blue point, and nowhere else.
+    """Check Fig. 8's paths of two belt points: the mass meets them at the red and the blue point,
+    and nowhere else.
     """
     # It does if it is never slower than the belt: then it never falls back to a point of it.
 
@@ -419,8 +470,15 @@ def curves_meet(figure: Graze) -> Evidence:
     ahead = blue.x - (red.x + number(p, p.v1) * (blue.t - red.t))
     numbers["mass minus the red point's curve, at the blue point"] = text(ahead, 12)
     held = as_described(path)
-    finding = f"From the exact start the mass gets ahead of the red point's curve, by {text(ahead, 6)} at the blue "
-    finding += f"point, and {'meets the curves as described only' if held else 'meets the curves elsewhere too'}. From "
+    finding = (
+        f"From the exact start the mass gets ahead of the red point's curve, by {text(ahead, 6)} "
+        "at the blue "
+    )
+    finding += (
+        "point, and "
+        f"{'meets the curves as described only' if held else 'meets the curves elsewhere too'}. "
+        "From "
+    )
     finding += f"the printed start there is a {printed.events[0].kind} at the red point."
     return Evidence(
         verdict(as_described(printed) or (held and figure.print_is_right), held), finding, numbers
@@ -435,9 +493,8 @@ PHASE = 1e-4
 
 
 def contact_or_misprint(figure: Graze) -> Evidence:
-    """Check that the motion as printed grazes.
-
-    If not, search for a change of a single number that makes it graze.
+    """Check that the motion as printed grazes; if not, search for a change of a single number that
+    makes it graze.
     """
     scene = figure.printed
     as_printed = reaches_belt(scene, figure.place.boundary)
@@ -456,7 +513,9 @@ def contact_or_misprint(figure: Graze) -> Evidence:
 
 
 def misprints(scene: Scene, found: Sequence[FreeValue]) -> str:
-    """Return as text which `found` values are as short as printed ones, first those that graze at a quarter period."""
+    """Return as text which `found` values are as short as printed ones, first those that graze at a
+    quarter period.
+    """
     # Those are likely with which the graze is at a quarter of the period, as it is in the figures.
     quarter = pi / (2 * float(scene.parameters.Omega))
     lists: tuple[list[str], list[str]] = ([], [])
@@ -477,7 +536,9 @@ def misprints(scene: Scene, found: Sequence[FreeValue]) -> str:
 
 
 def start_grazes(figure: Graze) -> Evidence:
-    """Check that the start that grazes nearest to the printed start, with the same t0, rounds to the printed start."""
+    """Check that the start that grazes nearest to the printed start, with the same t0, rounds to
+    the printed start.
+    """
     scene = figure.scene
     printed = figure.printed.parameters
     near = nearest_graze(scene, figure.mapping)
@@ -504,7 +565,10 @@ def start_grazes(figure: Graze) -> Evidence:
             how = "which rounds to it"
         else:
             how = "which rounds to it, but does not graze in many digits"
-    finding = f"{f'With {changed} the' if changed else 'The'} starts at t₀ = {text(scene.t0)} that graze are a curve, "
+    finding = (
+        f"{f'With {changed} the' if changed else 'The'} starts at t₀ = {text(scene.t0)} that graze "
+        "are a curve, "
+    )
     finding += "one for each time of the contact. The one next to the printed start is "
     finding += f"{max(abs(near.dx), abs(near.dv)):.2g} away, {how}."
     return Evidence(verdict(held and not changed, held), finding, numbers)
@@ -551,9 +615,8 @@ HALF_UNIT = float(LAST_HALF_UNIT)
 
 @dataclass(frozen=True)
 class NearestGraze:
-    """The start that grazes nearest to a printed start.
-
-    Dx, dv from the printed one, and the graze's time t_m.
+    """The start that grazes nearest to a printed start: dx, dv from the printed one, and the
+    graze's time t_m.
     """
 
     t_m: float
@@ -585,7 +648,9 @@ class FreeValue:
 
     @property
     def as_short_as_printed(self) -> bool:
-        """Whether the value has no more digits than the paper prints for this parameter or start value."""
+        """Whether the value has no more digits than the paper prints for this parameter or start
+        value.
+        """
         # That is one decimal of t0, three digits of a parameter, and for x0 and v0 as many as it
         # takes.
         if self.name == "t0":
@@ -606,7 +671,9 @@ def starts_that_graze(scene: Scene, mapping: str, t_m: np.ndarray) -> np.ndarray
 
 
 def nearest_graze(scene: Scene, mapping: str) -> NearestGraze:
-    """Return the start that grazes nearest to the printed start, and the times of grazes whose start rounds to it."""
+    """Return the start that grazes nearest to the printed start, and the times of grazes whose
+    start rounds to it.
+    """
     printed = np.array([[float(scene.x0)], [float(scene.v0)]])
 
     def away(t: float) -> float:
@@ -640,7 +707,9 @@ def nearest_graze(scene: Scene, mapping: str) -> NearestGraze:
 
 
 def values_that_graze(scene: Scene, mapping: str, name: str) -> list[FreeValue]:
-    """Return the values of one number of the scene (a parameter, t0, x0 or v0) with which the motion grazes."""
+    """Return the values of one number of the scene (a parameter, t0, x0 or v0) with which the
+    motion grazes.
+    """
     printed = float(getattr(scene if name in START else scene.parameters, name))
     # Times come back after a period.
     if name == "t0":
@@ -678,7 +747,8 @@ def values_that_graze(scene: Scene, mapping: str, name: str) -> list[FreeValue]:
 
 
 def _gap(scene: Scene, mapping: str, change: dict[str, float]) -> tuple[float, float, bool]:
-    """Return how far the flow's peak is beyond the belt (< 0: short of it), its time, and whether it can be a graze.
+    """Return how far the flow's peak is beyond the belt (< 0: short of it), its time, and whether
+    it can be a graze.
 
     For a graze the flow must be in the mapping's domain before. `change` gives some numbers of the
     scene new values.

@@ -1,4 +1,6 @@
-"""Sections 2, 3 and 5: the friction law, the equations of motion, domains, switching planes, and the eight mappings."""
+"""Sections 2, 3 and 5: the friction law, the equations of motion, domains, switching planes, and
+the eight mappings.
+"""
 
 from __future__ import annotations
 
@@ -43,10 +45,7 @@ def friction_force(p: Parameters, alpha: int) -> Fraction:
 
 
 def friction_interval(p: Parameters, boundary: int) -> tuple[Fraction, Fraction]:
-    """Return the interval of eq.
-
-    (1) in which the friction force F_f lies at the speed of a belt.
-    """
+    """Return the interval of eq. (1) in which the friction force F_f lies at the speed of a belt."""
     middle = (p.mu1 - p.mu2) * p.FN
     outer = (p.mu1 + p.mu2) * p.FN
     if boundary == 1:
@@ -60,9 +59,8 @@ def added_force(p: Parameters, alpha: int) -> Fraction:
 
 
 def vector_field(p: Parameters, alpha: int, x: Fraction, v: Fraction, cosine: Fraction) -> Fraction:
-    """Return the acceleration F^(alpha) of eq.
-
-    (9) in domain `alpha`, at x, v and `cosine` = cos(Omega t).
+    """Return the acceleration F^(alpha) of eq. (9) in domain `alpha`, at x, v and `cosine` =
+    cos(Omega t).
     """
     rest = {
         1: p.A0 + (p.mu1 + p.mu2) * p.FN,
@@ -73,9 +71,8 @@ def vector_field(p: Parameters, alpha: int, x: Fraction, v: Fraction, cosine: Fr
 
 
 def stick_force(p: Parameters, boundary: int, x: Fraction, cosine: Fraction) -> Fraction:
-    """Return the force of eq.
-
-    (2), or its counterpart on belt 2: all forces but the friction of that belt.
+    """Return the force of eq. (2), or its counterpart on belt 2: all forces but the friction of
+    that belt.
     """
     if boundary == 1:
         other = p.mu2 * p.FN
@@ -85,9 +82,8 @@ def stick_force(p: Parameters, boundary: int, x: Fraction, cosine: Fraction) -> 
 
 
 def domain_of(p: Parameters, v: Fraction) -> list[int]:
-    """Return the open domains (1, 2, 3) and the boundaries (12, 23) of eqs.
-
-    (6) and (7) that a velocity is in.
+    """Return the open domains (1, 2, 3) and the boundaries (12, 23) of eqs. (6) and (7) that a
+    velocity is in.
     """
     inside = {1: v < p.v1, 2: p.v1 < v < p.v2, 3: v > p.v2, 12: v == p.v1, 23: v == p.v2}
     return [name for name, yes in inside.items() if yes]
@@ -108,9 +104,8 @@ PLANES = {
 
 
 def stick_exit(p: Parameters, boundary: int, x: Any, cosine: Any) -> Any:
-    """Return left minus right side of the second equation of (52), or (53) for belt 2.
-
-    0 where a stick ends.
+    """Return left minus right side of the second equation of (52), or (53) for belt 2: 0 where a
+    stick ends.
     """
 
     def number(value: Fraction) -> Any:
@@ -168,14 +163,18 @@ def friction_between_the_jumps() -> Evidence:
     numbers["levels of Fig. 5"] = ", ".join(
         f"{float(friction_force(p, alpha)):g}" for alpha in (1, 2, 3)
     )
-    finding = "F_f is the friction of both belts as a resistance: it stands with a minus on the right of (5)"
+    finding = (
+        "F_f is the friction of both belts as a resistance: it stands with a minus on the right of "
+        "(5)"
+    )
     return evidence(not any(wrong), f"{finding}; {total} exact cases.", numbers)
 
 
 def friction_at_the_jumps() -> Evidence:
-    """Check eq. (1) at x' = v1 and v2.
+    """Check eq. (1) at x' = v1 and v2: is the friction force in its interval, or one of the values
+    on either side?
 
-    Is the friction force in its interval, or one of the values on either side?
+    ?
     """
     stuck = [
         (contact, friction_interval(contact.p, contact.boundary))
@@ -190,7 +189,10 @@ def friction_at_the_jumps() -> Evidence:
     }
     numbers = tally((of for of in stuck if of[0].sticks), questions)
     held, outside, at_an_end = numbers.values()
-    finding = f"The friction force that keeps ẍ = 0 is in the interval at all {held} contacts, and is neither of the "
+    finding = (
+        f"The friction force that keeps ẍ = 0 is in the interval at all {held} contacts, and is "
+        "neither of the "
+    )
     finding += f"single values at {held - at_an_end}: the intervals of these have to be open."
     return evidence(
         held and not outside, finding, numbers, verdict(at_an_end == held, corrected=True)
@@ -198,7 +200,9 @@ def friction_at_the_jumps() -> Evidence:
 
 
 def equations_of_motion() -> Evidence:
-    """Check eq. (5), integrated by scipy's DOP853 over flights in each domain, against the exact motion."""
+    """Check eq. (5), integrated by scipy's DOP853 over flights in each domain, against the exact
+    motion.
+    """
     errors: dict[int, list[float]] = {}
     for motion in (simulate(load_scene(name), max_events=40) for name in STATES):
         p = motion.parameters
@@ -218,12 +222,17 @@ def equations_of_motion() -> Evidence:
         for alpha, found in rows
     }
     worst = max(map(max, errors.values()))
-    finding = f"Flights by (5) as printed differ from the exact motion by {worst:.1g} at most, in all three domains."
+    finding = (
+        f"Flights by (5) as printed differ from the exact motion by {worst:.1g} at most, in all "
+        "three domains."
+    )
     return evidence(set(errors) == {1, 2, 3} and worst < DOP853_AGREEMENT, finding, numbers)
 
 
 def stick_if_friction_holds() -> Evidence:
-    """Check eq. (2) with |F_s1| <= mu1 FN, and its counterpart on belt 2, against Theorem 4 and the exact flow."""
+    """Check eq. (2) with |F_s1| <= mu1 FN, and its counterpart on belt 2, against Theorem 4 and the
+    exact flow.
+    """
 
     def excess(contact: RationalContact) -> Fraction:
         p = contact.p
@@ -244,29 +253,36 @@ def stick_if_friction_holds() -> Evidence:
     }
     numbers = tally(_both_boundaries(10), questions)
     total, differs, wrong, equal, _, leaves = numbers.values()
-    finding = f"|Fₛ| ≤ μ FN is F⁽ˡᵒ⁾ ≥ 0 ≥ F⁽ʰⁱ⁾, exactly; right at all {total - equal} contacts without equality. "
-    finding += f"At |Fₛ| = μ FN friction just holds; at {leaves} of {equal} such contacts the mass leaves right after."
+    finding = (
+        f"|Fₛ| ≤ μ FN is F⁽ˡᵒ⁾ ≥ 0 ≥ F⁽ʰⁱ⁾, exactly; right at all {total - equal} contacts without "
+        "equality. "
+    )
+    finding += (
+        f"At |Fₛ| = μ FN friction just holds; at {leaves} of {equal} such contacts the mass leaves "
+        "right after."
+    )
     return evidence(not differs and not wrong, finding, numbers)
 
 
 def stick_motion() -> Evidence:
-    """Check eqs. (3), (4), (11), (12).
-
-    X' = v_lambda, the belt's speed, and x'' = 0 while the mass sticks.
+    """Check eqs. (3), (4), (11), (12): x' = v_lambda, the belt's speed, and x'' = 0 while the mass
+    sticks.
     """
     import sympy as sp
 
     t, speed, place = sp.symbols("t v_lambda x_i")
     x = place + speed * t
     numbers = {"dx/dt, d²x/dt² of x = xᵢ + v_λ (t − tᵢ)": f"{x.diff(t)}, {x.diff(t, 2)}"}
-    finding = "Sticking to a belt means to have its speed; (3), (4) and (11), (12) say so in two forms; ẍ = 0 follows."
+    finding = (
+        "Sticking to a belt means to have its speed; (3), (4) and (11), (12) say so in two forms; "
+        "ẍ = 0 follows."
+    )
     return evidence((x.diff(t), x.diff(t, 2)) == (speed, 0), finding, numbers, DEFINITION)
 
 
 def friction_coefficients_in_order() -> Evidence:
-    """Check whether mu1 >= mu2 is needed.
-
-    Mirror images of motions, x -> -x, have mu1 and mu2 exchanged.
+    """Check whether mu1 >= mu2 is needed: mirror images of motions, x -> -x, have mu1 and mu2
+    exchanged.
     """
     gaps = [0.0]
     other = 0
@@ -294,15 +310,23 @@ def friction_coefficients_in_order() -> Evidence:
         "of them Theorem 4 wrong": wrong,
     }
     needless = not other and not wrong and max(gaps) < 1e-9 and reverse
-    finding = f"It can be assumed, and nothing needs it: Theorem 4 holds at all {len(reverse)} exact contacts with "
-    finding += f"μ₁ < μ₂, and the motions with μ₁ and μ₂ exchanged differ from the mirror images by {max(gaps):.1g}."
+    finding = (
+        f"It can be assumed, and nothing needs it: Theorem 4 holds at all {len(reverse)} exact "
+        "contacts with "
+    )
+    finding += (
+        "μ₁ < μ₂, and the motions with μ₁ and μ₂ exchanged differ from the mirror images by "
+        f"{max(gaps):.1g}."
+    )
     return Evidence(
         DEFINITION, finding if needless else "It is an assumption, and it is needed.", numbers
     )
 
 
 def friction_characteristics() -> Evidence:
-    """Check section 2: both belts have the same friction law, with coefficients that are listed for each figure."""
+    """Check section 2: both belts have the same friction law, with coefficients that are listed for
+    each figure.
+    """
     jumps = [
         (c.p, b, friction_interval(c.p, b)) for c in contacts(1, CASES, seed=3) for b in (1, 2)
     ]
@@ -314,7 +338,10 @@ def friction_characteristics() -> Evidence:
     for name in FIGURES:
         p = load_scene(name).parameters
         numbers[f"{name}: μ₁, μ₂"] = f"{float(p.mu1):g}, {float(p.mu2):g}"
-    finding = f"At both belts the force jumps by 2 μ FN, with the belt's own μ: one law, at all {len(jumps)} jumps."
+    finding = (
+        "At both belts the force jumps by 2 μ FN, with the belt's own μ: one law, at all "
+        f"{len(jumps)} jumps."
+    )
     return evidence(not wrong, finding, numbers)
 
 
@@ -331,7 +358,10 @@ def drive_frequency_ratio() -> Evidence:
         f"d/dt of the drive minus the term in (62), Ω as {words}"
         for words in ("angular frequency", "ratio to √(k/m)")
     )
-    finding = "(62) and (66) follow from (9) if Ω is the angular frequency; with a ratio they lack the factor √(k/m)."
+    finding = (
+        "(62) and (66) follow from (9) if Ω is the angular frequency; with a ratio they lack the "
+        "factor √(k/m)."
+    )
     return evidence(
         rests[0] == 0 != rests[1], finding, dict(zip(names, rests, strict=True)), CORRECTED
     )
@@ -394,14 +424,16 @@ def vector_fields() -> Evidence:
         "(9) not Newton's law with Coulomb's friction": wrong,
     }
     numbers["jumps that are not 2 μ FN/m"] = jumps
-    finding = f"(9) agrees with Newton's law and Coulomb's friction in {total - wrong} of {total} exact cases."
+    finding = (
+        f"(9) agrees with Newton's law and Coulomb's friction in {total - wrong} of {total} exact "
+        "cases."
+    )
     return evidence(not wrong and not jumps, finding, numbers)
 
 
 def forces_or_accelerations() -> Evidence:
-    """Check whether F, which section 6 shows as a force, is one.
-
-    Exactly, m F is the right side of (5).
+    """Check whether F, which section 6 shows as a force, is one: exactly, m F is the right side of
+    (5).
     """
     cases = [
         (contact, alpha) for contact in (*contacts(1), *contacts(2)) for alpha in contact.domains
@@ -418,7 +450,10 @@ def forces_or_accelerations() -> Evidence:
         "m F of (9) not the right side of (5)": wrong,
     }
     numbers |= {f"{name}: m": f"{float(mass):g}" for name, mass in masses.items()}
-    finding = f"m F⁽ᵅ⁾ is the force, F⁽ᵅ⁾ the acceleration; the two differ in {', '.join(apart) or 'no figure'}."
+    finding = (
+        "m F⁽ᵅ⁾ is the force, F⁽ᵅ⁾ the acceleration; the two differ in "
+        f"{', '.join(apart) or 'no figure'}."
+    )
     return evidence(not wrong, finding, numbers, verdict(not apart, corrected=True))
 
 
@@ -436,12 +471,18 @@ def switching_planes() -> Evidence:
         f"belt {belt}, {names[side]}: ends of mappings": count
         for (belt, side), count in ends.items()
     }
-    finding = f"{len(ends)} planes, three at each belt: what is there goes on below, on or above the belt's speed."
+    finding = (
+        f"{len(ends)} planes, three at each belt: what is there goes on below, on or above the "
+        "belt's speed."
+    )
     return evidence(len(ends) == 6, finding, numbers, DEFINITION)
 
 
 def planes_as_limits() -> Evidence:
-    """Check eq. (49) as printed: the limits v_lambda^- and v_lambda^+ name the sides of one plane."""
+    """Check eq. (49) as printed.
+
+    The limits v_lambda^- and v_lambda^+ name the sides of one plane.
+    """
     import sympy as sp
 
     speed, delta = sp.symbols("v_lambda delta", positive=True)
@@ -449,14 +490,16 @@ def planes_as_limits() -> Evidence:
     numbers = {
         f"limit that defines v_λ{sign}": limit for sign, limit in zip("⁻⁺", limits, strict=True)
     }
-    finding = "Both limits are v_λ: the signs say on which side of it the motion is, not which number it has."
+    finding = (
+        "Both limits are v_λ: the signs say on which side of it the motion is, not which number it "
+        "has."
+    )
     return evidence({speed} == {*limits}, finding, numbers, DEFINITION)
 
 
 def basic_mappings() -> Evidence:
-    """Check eqs. (50), (51).
-
-    Every way from plane to plane through one domain, or on one belt, is one of the eight.
+    """Check eqs. (50), (51): every way from plane to plane through one domain, or on one belt, is
+    one of the eight.
     """
     ways = {((belt, 0), (belt, 0)) for belt in NEIGHBOURS}
     for domain in (1, 2, 3):
@@ -486,12 +529,17 @@ def trajectories_in_domains() -> Evidence:
         between = ", ".join(f"Ω{domain}" for domain in start & end)
         numbers[f"{label}: in between"] = between or f"belt {planes[0][0]}"
     flights = sum(between.startswith("Ω") for between in numbers.values())
-    finding = f"The planes at its ends leave one domain to each of {flights} flights, and the belt to P₁ and P₄."
+    finding = (
+        f"The planes at its ends leave one domain to each of {flights} flights, and the belt to P₁ "
+        "and P₄."
+    )
     return evidence(flights == 6, finding, numbers, DEFINITION)
 
 
 def stick_exits(boundary: int) -> Evidence:
-    """Check eqs. (52), (53) at exact contacts where one force vanishes and a stick ends, and in Fig. 5 or 6."""
+    """Check eqs. (52), (53) at exact contacts where one force vanishes and a stick ends, and in
+    Fig. 5 or 6.
+    """
     equation = 51 + boundary
     (lo, hi) = NEIGHBOURS[boundary]
     exits: dict[int, list[bool]] = {lo: [], hi: []}
@@ -511,16 +559,21 @@ def stick_exits(boundary: int) -> Evidence:
         f"exact ends of sticks into Ω{alpha}; ({equation}) holds": f"{len(found)}; {sum(found)}"
         for alpha, found in exits.items()
     } | _first_exit(boundary, equation)
-    finding = f"({equation}) holds at {sum(exits[hi])} of {len(exits[hi])} exact ends of sticks with F({hi}) = 0, and "
+    finding = (
+        f"({equation}) holds at {sum(exits[hi])} of {len(exits[hi])} exact ends of sticks with "
+        f"F({hi}) = 0, and "
+    )
     finding += "at "
-    finding += f"{sum(exits[lo])} of {len(exits[lo])} with F({lo}) = 0, where the mass leaves as well, into Ω{lo}."
+    finding += (
+        f"{sum(exits[lo])} of {len(exits[lo])} with F({lo}) = 0, where the mass leaves as well, "
+        f"into Ω{lo}."
+    )
     return Evidence(verdict(exits[lo] + exits[hi] and all(exits[lo] + exits[hi])), finding, numbers)
 
 
 def _first_exit(boundary: int, equation: int) -> dict[str, str]:
-    """Return when the first stick of Fig.
-
-    5 or 6 begins and ends, and there the two sides' difference in `equation`.
+    """Return when the first stick of Fig. 5 or 6 begins and ends, and there the two sides'
+    difference in `equation`.
     """
     scene = load_scene(f"fig{4 + boundary}")
     name = f"Fig. {4 + boundary}"
@@ -563,7 +616,9 @@ def _first_exit(boundary: int, equation: int) -> dict[str, str]:
 
 
 def governing_equations() -> Evidence:
-    """Check eq. (54): f1 = f2 = 0 for both ends of simulated flights, and DOP853 takes each flight to the same end."""
+    """Check eq. (54): f1 = f2 = 0 for both ends of simulated flights, and DOP853 takes each flight
+    to the same end.
+    """
     rests: dict[str, list[float]] = {label: [] for label in FLIGHTS}
     other: dict[str, list[float]] = {label: [] for label in FLIGHTS}
     motions = [simulate(load_scene(name), max_events=40) for name in MAPPED_SCENES]
@@ -594,12 +649,18 @@ def governing_equations() -> Evidence:
         {label: max(each[label], default=1.0) for label in FLIGHTS} for each in (rests, other)
     )
     numbers = {
-        label: f"{len(found)} flights, largest |f₁|, |f₂| {worst[label]:.2g}, by DOP853 {by_dop853[label]:.2g}"
+        label: (
+            f"{len(found)} flights, largest |f₁|, |f₂| {worst[label]:.2g}, by DOP853 "
+            f"{by_dop853[label]:.2g}"
+        )
         for label, found in rests.items()
     }
     largest = max(worst.values())
     difference = max(by_dop853.values())
-    finding = f"f₁ = f₂ = 0 at the ends of {sum(map(len, rests.values()))} flights of six kinds, to {largest:.1g}"
+    finding = (
+        f"f₁ = f₂ = 0 at the ends of {sum(map(len, rests.values()))} flights of six kinds, to "
+        f"{largest:.1g}"
+    )
     finding += f"; by DOP853 to {difference:.1g}."
     return evidence(largest < 1e-11 and difference < DOP853_AGREEMENT, finding, numbers)
 
@@ -619,7 +680,10 @@ def four_grazes() -> Evidence:
         f"exact grazes of belt {belt} from Ω{domain}": grazes[domain, belt]
         for domain, belt in pairs
     }
-    finding = f"{len(pairs)} pairs of domain and boundary, one for each of P₂, P₃, P₅ and P₆; each of them can graze."
+    finding = (
+        f"{len(pairs)} pairs of domain and boundary, one for each of P₂, P₃, P₅ and P₆; each of "
+        "them can graze."
+    )
     return evidence(pairs == of_maps == sorted(grazes) and len(pairs) == 4, finding, numbers)
 
 
@@ -667,9 +731,15 @@ def bounded_motions() -> Evidence:
     ]
     swings = ", ".join(f"{value:.4g}" for value in growth)
     numbers["undamped at resonance, c = 0, Ω² = k/m: largest |x| in periods 10, 20, 40"] = swings
-    finding = f"{within} of {len(STATES)} motions of the figures stay within the bound that the damper gives, which "
+    finding = (
+        f"{within} of {len(STATES)} motions of the figures stay within the bound that the damper "
+        "gives, which "
+    )
     finding += "holds "
-    finding += "for every motion with c, k > 0 (one kind in each of three domains). Without a damper, at resonance, "
+    finding += (
+        "for every motion with c, k > 0 (one kind in each of three domains). Without a damper, at "
+        "resonance, "
+    )
     finding += "the "
     grows = growth[1] > 1.5 * growth[0] and growth[2] > 1.5 * growth[1]
     return evidence(within == len(STATES) and grows, f"{finding}swings grow: {swings}.", numbers)

@@ -1,6 +1,5 @@
-"""Motions in many digits with an independent recomputation, and their sticks: Figs.
-
-5 and 6, Section 6 on all.
+"""Motions in many digits with an independent recomputation, and their sticks: Figs. 5 and 6,
+Section 6 on all.
 """
 
 from __future__ import annotations
@@ -69,9 +68,8 @@ class Stick(NamedTuple):
 
 
 class Forces(NamedTuple):
-    """F^(below) and F^(above) of a belt at one instant, eq.
-
-    (9), and the time since the onset of the stick.
+    """F^(below) and F^(above) of a belt at one instant, eq. (9), and the time since the onset of
+    the stick.
     """
 
     below: Any
@@ -80,7 +78,9 @@ class Forces(NamedTuple):
 
     @property
     def product(self) -> Any:
-        """F^(below) F^(above): negative in a stick (Theorem 4), positive where the motion passes (Theorem 5)."""
+        """F^(below) F^(above): negative in a stick (Theorem 4), positive where the motion passes
+        (Theorem 5).
+        """
         return self.below * self.above
 
 
@@ -91,9 +91,8 @@ _SUPERSCRIPTS = str.maketrans("0123456789", "⁰¹²³⁴⁵⁶⁷⁸⁹")
 
 
 def text(value: Any, digits: int = 15) -> str:
-    """Return numbers of any kind as text.
-
-    A Fraction or an int exactly, others with `digits` digits.
+    """Return numbers of any kind as text: a Fraction or an int exactly, others with `digits`
+    digits.
     """
     if isinstance(value, Iterable):
         return ", ".join(text(each, digits) for each in value)
@@ -138,7 +137,9 @@ _seen: list[Trajectory | PeriodicOrbit] = []
 
 
 def recorded(found: Found) -> Found:
-    """Return the given motion or orbit after noting it for `judge`, which recomputes all that a check has used."""
+    """Return the given motion or orbit after noting it for `judge`, which recomputes all that a
+    check has used.
+    """
     _seen.append(found)
     return found
 
@@ -155,7 +156,9 @@ def _motion(scene: Scene, t_end: Any = None) -> Trajectory:
 
 @cache
 def arithmetic(p: Parameters) -> MpArithmetic:
-    """Return the arithmetic of 40 digits that holds the constants of a parameter set's closed forms."""
+    """Return the arithmetic of 40 digits that holds the constants of a parameter set's closed
+    forms.
+    """
     return MpArithmetic(p, CONTACT_DIGITS + 10)
 
 
@@ -190,9 +193,11 @@ def sticks(scene: Scene, t_end: Any = None) -> list[Stick]:
         if segment.mode.startswith("belt"):
             belt = int(segment.mode[-1])
             if i < len(at):
-                end, into = (at[i], path.events[i].target)
+                end = at[i]
+                into = path.events[i].target
             else:
-                end, into = (None, None)
+                end = None
+                into = None
             found.append(Stick(belt, at[i - 1] if i else start_contact(scene, belt), end, into))
     return found
 
@@ -256,9 +261,8 @@ def is_zero(force: Any) -> bool:
 
 
 def certificate_of(what: Scene | PeriodicOrbit) -> dict[str, str]:
-    """Return a line for the `numbers` of an Evidence.
-
-    What the certificate of a motion or orbit states.
+    """Return a line for the `numbers` of an Evidence: what the certificate of a motion or orbit
+    states.
     """
     try:
         proof = certify(what)
@@ -277,7 +281,9 @@ SAMPLES = 101
 
 
 class Stretch(NamedTuple):
-    """A part of a motion in one domain (1 to 3) or on one belt (-1, -2), from a state to the next contact."""
+    """A part of a motion in one domain (1 to 3) or on one belt (-1, -2), from a state to the next
+    contact.
+    """
 
     where: int
     start: tuple[float, ...]
@@ -351,7 +357,9 @@ def field(p: Parameters, alpha: int, t: Any, x: Any, v: Any) -> Any:
 
 
 def _follows(p: Parameters, end: tuple[float, ...], then: int) -> bool:
-    """Return whether by Theorems 4 and 5 domain `then`, or belt -`then`, may follow at `end` = (t, x, v) on a belt."""
+    """Return whether by Theorems 4 and 5 domain `then`, or belt -`then`, may follow at `end` = (t,
+    x, v) on a belt.
+    """
     if abs(end[2] - float(p.v1)) < abs(end[2] - float(p.v2)):
         belt = 1
     else:
@@ -382,7 +390,10 @@ def judge(check: Callable[[], Any]) -> Evidence:
         for each in {id(each): each for each in _seen}.values()
     ]
     differences, contradictions = zip(*(fly_again(*part) for part in parts), strict=True)
-    compared = f"{sum(len(part) for _, part in parts)} stretches, largest relative difference {max(differences):.1g}"
+    compared = (
+        f"{sum(len(part) for _, part in parts)} stretches, largest relative difference "
+        f"{max(differences):.1g}"
+    )
     found = replace(found, numbers=found.numbers | {"flown again in another closed form": compared})
     if max(differences) <= AGREEMENT and not any(contradictions):
         return found
@@ -406,7 +417,10 @@ def onset_later(scene: Scene, belt: int) -> Evidence:
     onset = first_stick(scene, belt).onset
     p = scene.parameters
     wait = text(onset.t - number(p, scene.t0), 11)
-    finding = f"The stick on belt {belt} starts {wait} after t₀ = {text(scene.t0)}, at x = {text(onset.x, 11)}."
+    finding = (
+        f"The stick on belt {belt} starts {wait} after t₀ = {text(scene.t0)}, at x = "
+        f"{text(onset.x, 11)}."
+    )
     numbers = {
         "t of the blue point": text(onset.t, 25),
         "x of the blue point": text(onset.x, 25),
@@ -418,9 +432,8 @@ def onset_later(scene: Scene, belt: int) -> Evidence:
 
 
 def together(scene: Scene, belt: int) -> Evidence:
-    """Check x = x_i + v (t - t_i) over the first stick, and that static friction suffices for it.
-
-    Eqs. (2) to (4).
+    """Check x = x_i + v (t - t_i) over the first stick, and that static friction suffices for it:
+    eqs. (2) to (4).
     """
     stick = first_stick(scene, belt)
     p = scene.parameters
@@ -437,7 +450,10 @@ def together(scene: Scene, belt: int) -> Evidence:
         used_up = "; it is used up at the green point"
     else:
         used_up = ""
-    finding = f"For {text(lasts, 11)} the mass moves with belt {belt}, both by {text(way, 11)}. The static friction "
+    finding = (
+        f"For {text(lasts, 11)} the mass moves with belt {belt}, both by {text(way, 11)}. The "
+        "static friction "
+    )
     finding += f"that this needs stays within μ{subscripted(belt)} F_N = {text(most)}{used_up}."
     numbers = {
         "t of the blue and of the green point": text((stick.onset.t, stick.end.t), 20),
@@ -461,9 +477,18 @@ def forces_hold(scene: Scene, belt: int) -> Evidence:
     held = held and last.below > -NO_FORCE and last.above < NO_FORCE
     lowest = min(each.below for each in along)
     highest = max(each.above for each in along)
-    finding = f"From t = {text(stick.onset.t, 11)} to {text(stick.end.t, 11)} {force_names(domains[0])} is at least "
-    finding += f"{force_text(lowest)}, {force_names(domains[1])} at most {force_text(highest)}, with 0 at the green "
-    finding += "point only. Both are monotone between the instants listed: this is decided for the whole stick, not at "
+    finding = (
+        f"From t = {text(stick.onset.t, 11)} to {text(stick.end.t, 11)} {force_names(domains[0])} "
+        "is at least "
+    )
+    finding += (
+        f"{force_text(lowest)}, {force_names(domains[1])} at most {force_text(highest)}, with 0 at "
+        "the green "
+    )
+    finding += (
+        "point only. Both are monotone between the instants listed: this is decided for the whole "
+        "stick, not at "
+    )
     finding += "samples."
     numbers = {
         f"{force_names(*domains)} at t = {text(stick.onset.t + each.elapsed)}": force_text(
@@ -475,20 +500,30 @@ def forces_hold(scene: Scene, belt: int) -> Evidence:
 
 
 def ends_below(scene: Scene, belt: int) -> Evidence:
-    """Check that F^(below) is 0 at the end of the first stick, while F^(above) < 0 would still hold the mass."""
+    """Check that F^(below) is 0 at the end of the first stick, while F^(above) < 0 would still hold
+    the mass.
+    """
     stick = first_stick(scene, belt)
     (lo, hi) = NEIGHBOURS[belt]
     at = forces(scene.parameters, stick.end)
     held = is_zero(at.below) and at.above < 0 and stick.into == f"Omega{lo}"
-    finding = f"At t = {text(stick.end.t, 13)} {force_names(lo)} = {force_text(at.below)}, {force_names(hi)} = "
-    finding += f"{text(at.above)}; the mass slips into {mode_text(stick.into)}. Eq. ({51 + belt}) of the paper wants "
+    finding = (
+        f"At t = {text(stick.end.t, 13)} {force_names(lo)} = {force_text(at.below)}, "
+        f"{force_names(hi)} = "
+    )
+    finding += (
+        f"{text(at.above)}; the mass slips into {mode_text(stick.into)}. Eq. ({51 + belt}) of the "
+        "paper wants "
+    )
     finding += f"{force_names(hi)} = 0 there."
     numbers = {"t of the green point": text(stick.end.t, 25), force_names(lo): force_text(at.below)}
     return Evidence(verdict(held), finding, numbers | {force_names(hi): text(at.above, 25)})
 
 
 def flight_after(scene: Scene, belt: int, *domains: int) -> Evidence:
-    """Check that a flight in one of the domains follows the first stick and obeys (5) up to the next contact."""
+    """Check that a flight in one of the domains follows the first stick and obeys (5) up to the
+    next contact.
+    """
     (_, _, end, into) = first_stick(scene, belt)
     at = scene_contacts(scene)
     p = scene.parameters
@@ -509,7 +544,10 @@ def flight_after(scene: Scene, belt: int, *domains: int) -> Evidence:
     finding = (
         f"For {text(lasts, 11)}, from t = {text(end.t, 11)} to {text(after.t, 11)}, the mass is in "
     )
-    finding += f"{mode_text(into)} ({subscripted(label)}) with the kinetic friction {text(drag)}; then it is at belt "
+    finding += (
+        f"{mode_text(into)} ({subscripted(label)}) with the kinetic friction {text(drag)}; then it "
+        "is at belt "
+    )
     finding += f"{after.belt}."
     numbers = {
         "t from, to": text((end.t, after.t), 20),
@@ -522,7 +560,9 @@ def flight_after(scene: Scene, belt: int, *domains: int) -> Evidence:
 
 
 def product_after(scene: Scene, belt: int) -> Evidence:
-    """Check the sign of the product of both forces from the end of the first stick up to the next contact."""
+    """Check the sign of the product of both forces from the end of the first stick up to the next
+    contact.
+    """
     end = first_stick(scene, belt).end
     path = motion(scene)
     (lo, hi) = NEIGHBOURS[belt]
@@ -552,9 +592,18 @@ def product_after(scene: Scene, belt: int) -> Evidence:
     if turn is not None:
         zero = brentq(product, times[turn - 1], times[turn], xtol=1e-14)
         numbers["the product changes its sign at t"] = f"{zero:.12g} (to 1e-12)"
-        finding = f"The product is positive only until t = {zero:.10g}, {zero - since:.7g} after the green point: "
-        finding += f"there ẋ has its extremum {path(zero)[1]:.7g} and {force_names(lo)} changes its sign. At the next "
-        finding += f"contact, t = {text(until, 8)}, the product is {'negative' if products[-1] < 0 else 'positive'}."
+        finding = (
+            f"The product is positive only until t = {zero:.10g}, {zero - since:.7g} after the "
+            "green point: "
+        )
+        finding += (
+            f"there ẋ has its extremum {path(zero)[1]:.7g} and {force_names(lo)} changes its sign. "
+            "At the next "
+        )
+        finding += (
+            f"contact, t = {text(until, 8)}, the product is "
+            f"{'negative' if products[-1] < 0 else 'positive'}."
+        )
     return Evidence(verdict(min(products) > 0, products[0] > 0), finding, numbers)
 
 
@@ -582,7 +631,10 @@ def sticks_at_start(scene: Scene, belt: int) -> Evidence:
     if first is None:
         return Evidence(NOT_AS_PRINTED, f"{finding}the mass does not stick, nor later.", numbers)
     numbers["t of the first stick"] = text(first.onset.t, 20)
-    finding += f"no stick at the start (Theorem 5), the mass leaves into {mode} and sticks to belt {belt} only "
+    finding += (
+        f"no stick at the start (Theorem 5), the mass leaves into {mode} and sticks to belt {belt} "
+        "only "
+    )
     return Evidence(CORRECTED, f"{finding}at t = {text(first.onset.t, 11)}.", numbers)
 
 
@@ -602,7 +654,10 @@ def hypotheses(scenes: tuple[Scene, ...]) -> Evidence:
         p = scene.parameters
         held = held and p.v1 < p.v2 and p.mu1 >= p.mu2 and min(p.m, p.FN, p.B0, p.Omega) > 0
         numbers[f"{_figure(scene)}: v₂ − v₁, μ₁ − μ₂"] = text((p.v2 - p.v1, p.mu1 - p.mu2))
-    finding = f"v₁ < v₂, μ₁ ≥ μ₂ and B₀ > 0, decided in rational numbers, holds in all {len(scenes)} figures."
+    finding = (
+        f"v₁ < v₂, μ₁ ≥ μ₂ and B₀ > 0, decided in rational numbers, holds in all {len(scenes)} "
+        "figures."
+    )
     return evidence(held, finding, numbers)
 
 
@@ -623,7 +678,9 @@ def weight(scenes: tuple[Scene, ...]) -> Evidence:
 
 
 def force_products(scenes: tuple[Scene, ...]) -> Evidence:
-    """Check that the product of both forces is < 0 where each stick of the scenes starts, and 0 where it ends."""
+    """Check that the product of both forces is < 0 where each stick of the scenes starts, and 0
+    where it ends.
+    """
     numbers = {}
     held = True
     count = 0

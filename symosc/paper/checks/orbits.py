@@ -1,4 +1,6 @@
-"""Figs. 9 and 10: periodic motions without sticks (P32) and with sticks (P4645), their starts, and Section 7."""
+"""Figs. 9 and 10: periodic motions without sticks (P32) and with sticks (P4645), their starts, and
+Section 7.
+"""
 
 from __future__ import annotations
 
@@ -86,8 +88,14 @@ def orbit_exists(scene: Scene) -> Evidence:
     found = orbit_of(scene)
     conditions = orbit_of(scene).conditions()
     margin = min(conditions, key=lambda condition: condition.value)
-    finding = f"{subscripted(scene.structure)} exists: it has the period of the excitation, {text(found.period, 10)}, "
-    finding += f"all {len(conditions)} inequalities hold, and it is {'stable' if found.stable else 'unstable'} "
+    finding = (
+        f"{subscripted(scene.structure)} exists: it has the period of the excitation, "
+        f"{text(found.period, 10)}, "
+    )
+    finding += (
+        f"all {len(conditions)} inequalities hold, and it is "
+        f"{'stable' if found.stable else 'unstable'} "
+    )
     finding += f"(largest |multiplier| {float(abs(found.multipliers[0])):.6g})."
     numbers = {
         f"{i}. {subscripted(label)} starts at t, x": text((point.t, point.x), 22)
@@ -106,14 +114,19 @@ def orbit_exists(scene: Scene) -> Evidence:
 
 
 def in_order(scene: Scene) -> Evidence:
-    """Check that the motion follows the scene's word, and by (54) that each mapping starts where the last one ended."""
+    """Check that the motion follows the scene's word, and by (54) that each mapping starts where
+    the last one ended.
+    """
     p = scene.parameters
     path = motion(scene)
     at = scene_contacts(scene)
     points = [start_contact(scene, path.events[0].boundary), *at]
     Omega = number(p, p.Omega)
     word = path.word
-    labels = read_word(scene.structure).labels if scene.structure else ()
+    if scene.structure:
+        labels = read_word(scene.structure).labels
+    else:
+        labels = ()
     # The start may be anywhere on the orbit.
     turns = [cycle(labels[i:] + labels[:i]) for i in range(len(labels))]
     ordered = bool(word) and any(all(map(eq, word, turn)) for turn in turns)
@@ -132,7 +145,10 @@ def in_order(scene: Scene) -> Evidence:
         "largest residual f₁, f₂ of (54) from each switching point to the next": text(worst, 2),
     }
     first = ", ".join(map(subscripted, word[:5]))
-    finding = f"From the start on the mappings are {first}, …: the structure {subscripted(scene.structure)}, "
+    finding = (
+        f"From the start on the mappings are {first}, …: the structure "
+        f"{subscripted(scene.structure)}, "
+    )
     finding += (
         f"{len(word)} mappings long. Each begins where the last one ends: x and ẋ are continuous"
     )
@@ -144,7 +160,9 @@ def in_order(scene: Scene) -> Evidence:
 
 
 def products_positive(scene: Scene, belt: int) -> Evidence:
-    """Check that both forces have one sign at every switching point (Theorem 5), of the motion and of the orbit."""
+    """Check that both forces have one sign at every switching point (Theorem 5), of the motion and
+    of the orbit.
+    """
     p = scene.parameters
     found = orbit_of(scene)
     if scene.v0 == p.belt(belt):
@@ -195,7 +213,10 @@ def passes(scene: Scene, belt: int) -> Evidence:
         for way, found in places.items()
         if found
     } | {"contacts": str(len(path.events))}
-    finding = f"All {len(path.events)} contacts are passages to the side that both forces point to: up where both are "
+    finding = (
+        f"All {len(path.events)} contacts are passages to the side that both forces point to: up "
+        "where both are "
+    )
     finding += (
         f"positive ({len(places['up'])}), down where both are negative ({len(places['down'])})."
     )
@@ -216,15 +237,21 @@ def never_sticks(scene: Scene) -> Evidence:
     numbers = {
         "modes of motion": ", ".join(map(mode_text, modes)),
         f"sticks, passages until t = {until}": f"{count}, {len(path.events)}",
-        "velocities of the periodic motion": f"{velocities.min():.6g} to {velocities.max():.6g} (sampled)",
+        "velocities of the periodic motion": f"{velocities.min():.6g} to {velocities.max():.6g} "
+        "(sampled)",
     }
-    finding = f"The motion has {count} sticks and {len(path.events)} passages of the boundary until t = {until}; it is "
+    finding = (
+        f"The motion has {count} sticks and {len(path.events)} passages of the boundary until t = "
+        f"{until}; it is "
+    )
     finding += f"in {' and '.join(map(mode_text, modes))} only."
     return Evidence(verdict(none), finding, numbers)
 
 
 def stick_parts(scene: Scene, label: str, count: int) -> Evidence:
-    """Count the sticks `label` (P1 or P4) in one period of the periodic motion, and measure how long they last."""
+    """Count the sticks `label` (P1 or P4) in one period of the periodic motion, and measure how
+    long they last.
+    """
     found = orbit_of(scene)
     ends = [*[point.t for point in found.points[1:]], found.points[0].t + found.period]
     lasts = [
@@ -237,13 +264,18 @@ def stick_parts(scene: Scene, label: str, count: int) -> Evidence:
     finding = (
         f"One period of {subscripted(found.word)} has {len(lasts)} parts {subscripted(label)}, "
     )
-    finding += f"{' and '.join(text(value, 8) for value in lasts)} long: {100 * float(sum(lasts) / found.period):.2f} "
+    finding += (
+        f"{' and '.join(text(value, 8) for value in lasts)} long: "
+        f"{100 * float(sum(lasts) / found.period):.2f} "
+    )
     finding += "% of the period."
     return Evidence(verdict(len(lasts) == count), finding, numbers)
 
 
 def onsets(scene: Scene, belt: int) -> Evidence:
-    """Check that the product of both forces is negative wherever the mass begins to stick, on the printed motion."""
+    """Check that the product of both forces is negative wherever the mass begins to stick, on the
+    printed motion.
+    """
     found = [stick.onset for stick in sticks(scene) if stick.belt == belt]
     both = [forces(scene.parameters, at) for at in found]
     products = [each.product for each in both]
@@ -254,7 +286,10 @@ def onsets(scene: Scene, belt: int) -> Evidence:
         f"{names} at t = {text(at.t, 14)}": text(each[:2], 12)
         for at, each in zip(found[:4], both[:4], strict=True)
     } | {"lowest and highest product": text((min(products), max(products)), 10)}
-    finding = f"At all {len(found)} blue points the product is negative; the highest is {text(max(products), 7)}."
+    finding = (
+        f"At all {len(found)} blue points the product is negative; the highest is "
+        f"{text(max(products), 7)}."
+    )
     return evidence(max(products) < 0, finding, numbers)
 
 
@@ -278,20 +313,25 @@ def ends(scene: Scene, belt: int) -> Evidence:
             )
     into = [stick.into for stick in found]
     ways = [
-        f"{into.count(f'Omega{domain}')} times {force_names(domain)}, into {mode_text(f'Omega{domain}')}"
+        (
+            f"{into.count(f'Omega{domain}')} times {force_names(domain)}, into "
+            f"{mode_text(f'Omega{domain}')}"
+        )
         for domain in NEIGHBOURS[belt]
     ]
     finding = (
         f"At all {len(found)} green points one force is 0 and the mass slips into its domain: "
     )
-    finding += f"{', and '.join(ways)}. Eq. ({51 + belt}) of the paper knows {force_names(NEIGHBOURS[belt][1])} only."
+    finding += (
+        f"{', and '.join(ways)}. Eq. ({51 + belt}) of the paper knows "
+        f"{force_names(NEIGHBOURS[belt][1])} only."
+    )
     return evidence(held, finding, numbers)
 
 
 def closing_conditions(scene: Scene, closed: bool = False) -> Evidence:
-    """Check whether eqs. (54) determine a periodic motion.
-
-    As printed or, if `closed`, with closing conditions.
+    """Check whether eqs. (54) determine a periodic motion: as printed or, if `closed`, with closing
+    conditions.
     """
     found = orbit_of(scene)
     p = scene.parameters
@@ -304,7 +344,8 @@ def closing_conditions(scene: Scene, closed: bool = False) -> Evidence:
         rows[2 * i : 2 * i + 2, 2 * i : 2 * i + 4] = jacobian(
             p, label, points[i], points[i + 1]
         ).astype(float)
-    rows[-2:, :2], rows[-2:, -2:] = -np.eye(2), np.eye(2)
+    rows[-2:, :2] = -np.eye(2)
+    rows[-2:, -2:] = np.eye(2)
     if closed:
         printed = rows
     else:
@@ -318,13 +359,17 @@ def closing_conditions(scene: Scene, closed: bool = False) -> Evidence:
     unknowns = printed.shape[1]
     free = printed.shape[1] - rank
     numbers = {
-        f"unknowns and equations of (54) for {subscripted(found.word)}": f"{unknowns}, {printed.shape[0]}",
+        f"unknowns and equations of (54) for {subscripted(found.word)}": f"{unknowns}, "
+        f"{printed.shape[0]}",
         "rank of its Jacobian at the orbit": str(rank),
         "rank with the closing conditions": str(full),
         "largest residual of (54) on the motion from the printed start": text(max(rest), 2),
         "x at the end of that motion's first round minus x₀": text(at[-1].x - at[0].x, 10),
     }
-    finding = f"(54) leaves {free} of {unknowns} unknowns open. The motion from the printed start of Fig. "
+    finding = (
+        f"(54) leaves {free} of {unknowns} unknowns open. The motion from the printed start of "
+        "Fig. "
+    )
     finding += f"{scene.name.removeprefix('fig')} fulfils it, and is not periodic."
     return Evidence(verdict(not free, full == unknowns), finding, numbers)
 
@@ -334,7 +379,9 @@ def closing_conditions(scene: Scene, closed: bool = False) -> Evidence:
 
 
 def start_on_orbit(scene: Scene) -> Evidence:
-    """Compare the printed start, which is on a belt, with the switching points of the periodic motion."""
+    """Compare the printed start, which is on a belt, with the switching points of the periodic
+    motion.
+    """
     found = orbit_of(scene)
     path = motion(scene)
     near = found.approach(scene, WITHIN)
@@ -346,7 +393,8 @@ def start_on_orbit(scene: Scene) -> Evidence:
     numbers = {
         "start minus nearest switching point: t, x": f"{near.dt:+.7f}, {near.dx:+.7f}",
         "half a unit of the last printed digit": f"{float(LAST_HALF_UNIT):g}",
-        "start minus periodic motion at the same time: x, ẋ": f"{near.offset_x:+.7f}, {near.offset_v:+.7f}",
+        "start minus periodic motion at the same time: x, ẋ": f"{near.offset_x:+.7f}, "
+        f"{near.offset_v:+.7f}",
         f"periods until x and ẋ are within {WITHIN:g} for good": str(near.periods),
         f"switching points of {name}: t, x": "; ".join(
             text((point.t, point.x), 9) for point in found.points
@@ -369,16 +417,21 @@ def start_on_orbit(scene: Scene) -> Evidence:
         higher = "higher"
     else:
         higher = "lower"
-    finding = f"The start is not on the periodic motion {name}, whose nearest switching point is {abs(near.dt):.6f} "
-    finding += f"{later} and {abs(near.dx):.6f} {higher} in x. The motion is within {WITHIN:g} of it after "
+    finding = (
+        f"The start is not on the periodic motion {name}, whose nearest switching point is "
+        f"{abs(near.dt):.6f} "
+    )
+    finding += (
+        f"{later} and {abs(near.dx):.6f} {higher} in x. The motion is within {WITHIN:g} of it "
+        "after "
+    )
     finding += f"{near.periods} period{'' if near.periods == 1 else 's'}."
     return Evidence(NOT_AS_PRINTED, finding, numbers)
 
 
 def start_or_misprint(scene: Scene) -> Evidence:
-    """Compare the printed start with the orbit.
-
-    If they differ, search for one misprinted number that explains it.
+    """Compare the printed start with the orbit; if they differ, search for one misprinted number
+    that explains it.
     """
     distance = start_on_orbit(scene)
     if distance.verdict == CONFIRMED:
@@ -397,27 +450,47 @@ def start_or_misprint(scene: Scene) -> Evidence:
             value += f"; searched {each.searched[0]:.5g} to {each.searched[1]:.5g}"
         numbers[f"{each.name} free"] = value
     numbers |= _end_of_stick(scene)
-    free = f"each of {len(parameters)} parameters and {len(start)} numbers of the start left free in turn"
+    free = (
+        f"each of {len(parameters)} parameters and {len(start)} numbers of the start left free in "
+        "turn"
+    )
     explaining = " or ".join(f"{each.name} = {each.value:.5g}" for each in found if each.explains)
     if explaining:
-        finding = f"{distance.finding} With {free}: {explaining} puts the start on the orbit, to all printed digits."
+        finding = (
+            f"{distance.finding} With {free}: {explaining} puts the start on the orbit, to all "
+            "printed digits."
+        )
         return Evidence(CORRECTED, finding, numbers)
     best = min(found, key=lambda each: each.distance)
-    finding = f"{distance.finding} No single number explains the start. With {free}, parameters up to {REACH} times "
-    finding += f"the printed value, the motion misses the start after one period by {best.distance:.4f} at least, in t "
-    finding += f"or x (with {best.name} = {best.value:.5g}); an orbit would have to go through it to within "
+    finding = (
+        f"{distance.finding} No single number explains the start. With {free}, parameters up to "
+        f"{REACH} times "
+    )
+    finding += (
+        f"the printed value, the motion misses the start after one period by {best.distance:.4f} "
+        "at least, in t "
+    )
+    finding += (
+        f"or x (with {best.name} = {best.value:.5g}); an orbit would have to go through it to "
+        "within "
+    )
     finding += f"{float(LAST_HALF_UNIT)}."
     for each in start:
         printed = f"{float(getattr(scene, each.name)):.4f}"
         orbit = f"{each.value:.4f}"
         if each.name != "v0" and [a == b for a, b in zip_longest(printed, orbit)].count(False) == 1:
-            finding += f" The orbit's {each.name} = {orbit} differs from the printed {printed} in one digit"
+            finding += (
+                f" The orbit's {each.name} = {orbit} differs from the printed {printed} in one "
+                "digit"
+            )
             finding += ", but the other number of the start does not agree."
     return Evidence(NOT_AS_PRINTED, finding, numbers)
 
 
 def _end_of_stick(scene: Scene) -> dict[str, str]:
-    """Return m F^(2), which is 0 where a stick ends, at a start on belt 2, with and without the damping force c v2."""
+    """Return m F^(2), which is 0 where a stick ends, at a start on belt 2, with and without the
+    damping force c v2.
+    """
     p = scene.parameters
     if scene.v0 != p.v2:
         return {}
@@ -425,7 +498,8 @@ def _end_of_stick(scene: Scene) -> dict[str, str]:
     known = float(p.A(2) - p.k * scene.x0) + float(p.B0) * cos(theta)
     spread = float(LAST_HALF_UNIT) * (float(p.k) + abs(float(p.B0 * p.Omega) * sin(theta)))
     return {
-        "m F⁽²⁾ at the start": f"{known - float(p.c * p.v2):+.4f} ± {spread:.4f} (0 at the end of a stick)",
+        "m F⁽²⁾ at the start": f"{known - float(p.c * p.v2):+.4f} ± {spread:.4f} (0 at the end "
+        "of a stick)",
         "m F⁽²⁾ without the damping c v₂": f"{known:+.4f} ± {spread:.4f}",
     }
 
@@ -448,7 +522,9 @@ FOLLOWED = Fraction(5, 4)
 
 @dataclass(frozen=True)
 class Nearest:
-    """The value of one number, all others as printed, with which the start comes nearest to a periodic motion."""
+    """The value of one number, all others as printed, with which the start comes nearest to a
+    periodic motion.
+    """
 
     name: str  # the parameter, or "t0", "x0", "v0", that is left free
     value: float
@@ -466,7 +542,9 @@ class Nearest:
 
     @property
     def explains(self) -> bool:
-        """Whether with this value an orbit goes through the printed start, to half a unit of the start's last digit."""
+        """Whether with this value an orbit goes through the printed start, to half a unit of the
+        start's last digit.
+        """
         # With v0 free, x is compared at the printed t0, whose own rounding moves x by v times half
         # a unit.
         allowed = float(LAST_HALF_UNIT) * (1 + abs(self.value) if self.name == "v0" else 1)
@@ -474,7 +552,9 @@ class Nearest:
 
 
 def search_start(scene: Scene) -> list[Nearest]:
-    """Return for each of t0, x0, v0 the value that alone brings the printed start nearest to the periodic orbit."""
+    """Return for each of t0, x0, v0 the value that alone brings the printed start nearest to the
+    periodic orbit.
+    """
     orbit = find_orbit(scene.parameters, str(scene.structure))
     t0 = float(scene.t0)
     x0 = float(scene.x0)
@@ -490,7 +570,9 @@ def search_start(scene: Scene) -> list[Nearest]:
 
 
 def search_parameters(scene: Scene, names: tuple[str, ...] = PARAMETER_NAMES) -> list[Nearest]:
-    """Return for each parameter the value with which an orbit is nearest to the printed start, nearest first."""
+    """Return for each parameter the value with which an orbit is nearest to the printed start,
+    nearest first.
+    """
     return sorted(
         (_search_parameter(scene, name) for name in names), key=lambda each: each.distance
     )
@@ -547,9 +629,8 @@ def _least(
 
 
 def range_of(p: Parameters, name: str) -> tuple[float, float]:
-    """Return the range to search for a parameter.
-
-    `REACH` times its size to both sides, but only values it may have.
+    """Return the range to search for a parameter: `REACH` times its size to both sides, but only
+    values it may have.
     """
     value = float(getattr(p, name))
     margin = LEAST * float(p.v2 - p.v1)
@@ -569,7 +650,9 @@ def range_of(p: Parameters, name: str) -> tuple[float, float]:
 
 
 def _misses(scene: Scene, name: str, values: np.ndarray) -> np.ndarray:
-    """Return, for each of a parameter's `values`, how far, (dt, dx), the motion misses its start after one period."""
+    """Return, for each of a parameter's `values`, how far, (dt, dx), the motion misses its start
+    after one period.
+    """
     if scene.v0 == scene.parameters.v1:
         boundary = 1
     else:

@@ -1,4 +1,6 @@
-"""Theorem 7: the printed cases (55) to (58) against the exact flow at rational contacts, and what its proof says."""
+"""Theorem 7: the printed cases (55) to (58) against the exact flow at rational contacts, and what
+its proof says.
+"""
 
 from __future__ import annotations
 
@@ -40,7 +42,9 @@ class Arc(NamedTuple):
 
 
 def printed_window(mapping: str, gamma: Any, amplitude: Any) -> list[tuple[int, list[Arc]]]:
-    """Return number and arcs of phases of each printed case that holds for gamma and `amplitude`, B0 Omega/m."""
+    """Return number and arcs of phases of each printed case that holds for gamma and `amplitude`,
+    B0 Omega/m.
+    """
     g = gamma
     a = amplitude
     # the sine of Theta_cr
@@ -80,7 +84,9 @@ def gamma_of(p: Parameters, acceleration: Fraction, velocity: Fraction) -> Fract
 
 
 def quarter_turns(s: Any, c: Any) -> Any:
-    """Convert an angle, given by sine and cosine, to a rational number in [0, 4) that grows with the angle."""
+    """Convert an angle, given by sine and cosine, to a rational number in [0, 4) that grows with
+    the angle.
+    """
     if s >= 0:
         if c > 0:
             return s / (s + c)
@@ -115,16 +121,20 @@ def is_inside(cases: list[tuple[int, list[Arc]]], where: Any) -> bool:
 def zero_force_contact(
     mapping: str, gamma: Fraction, amplitude: Fraction, s: Fraction, c: Fraction
 ) -> RationalContact:
-    """Return a contact with F = 0 in a mapping's domain, for gamma, B0 Omega/m (`amplitude`), sin and cos of theta."""
+    """Return a contact with F = 0 in a mapping's domain, for gamma, B0 Omega/m (`amplitude`), sin
+    and cos of theta.
+    """
     where = MAPS[mapping]
     m = Fraction(2)
     k = Fraction(3)
     Omega = Fraction(3, 2)
     speed = gamma * m / k
     if where.end.boundary == 1:
-        v1, v2 = (speed, speed + 5)
+        v1 = speed
+        v2 = speed + 5
     else:
-        v1, v2 = (speed - 5, speed)
+        v1 = speed - 5
+        v2 = speed
     drive = {"B0": amplitude * m / Omega, "Omega": Omega}
     p = Parameters(m=m, c=1, k=k, A0=1, **drive, v1=v1, v2=v2, mu1="1/2", mu2="1/3", FN=2)
     contact = RationalContact(p, where.end.boundary, Fraction(0), s, c)
@@ -140,9 +150,8 @@ PAIRS = [(ratio * size, size) for size in DRIVES for ratio in RATIOS]
 
 
 class Row(NamedTuple):
-    """A comparison at one contact.
-
-    Whether the exact flow grazes there, and whether a printed case agrees (`right`).
+    """A comparison at one contact: whether the exact flow grazes there, and whether a printed case
+    agrees (`right`).
     """
 
     case: int  # of the paper's equation, 0 if none holds
@@ -153,7 +162,9 @@ class Row(NamedTuple):
 
 @cache
 def rows_of(mapping: str, drives: tuple[Fraction, ...] = DRIVES) -> tuple[Row, ...]:
-    """Compare a mapping's printed cases with the flow at all exact contacts whose B0 Omega/m is one of `drives`."""
+    """Compare a mapping's printed cases with the flow at all exact contacts whose B0 Omega/m is one
+    of `drives`.
+    """
     found = []
     domain = MAPS[mapping].domain
     for amplitude in drives:
@@ -177,9 +188,8 @@ def rows_of(mapping: str, drives: tuple[Fraction, ...] = DRIVES) -> tuple[Row, .
 
 @cache
 def _zero_force_contacts() -> tuple[tuple[int, RationalContact], ...]:
-    """Return (domain, contact) for exact contacts with F = 0.
-
-    Of every mapping, with every gamma, at every phase.
+    """Return (domain, contact) for exact contacts with F = 0: of every mapping, with every gamma,
+    at every phase.
     """
     return tuple(
         (MAPS[mapping].domain, zero_force_contact(mapping, ratio * 3, Fraction(3), s, c))
@@ -190,7 +200,9 @@ def _zero_force_contacts() -> tuple[tuple[int, RationalContact], ...]:
 
 
 def window(mapping: str, *scenes: str) -> Evidence:
-    """Check a mapping's printed cases, (55) to (58), by the exact flow, and by `check_grazing` in shipped `scenes`."""
+    """Check a mapping's printed cases, (55) to (58), by the exact flow, and by `check_grazing` in
+    shipped `scenes`.
+    """
     rows = [row for row in rows_of(mapping) if row.case]
     wrong = [row for row in rows if not row.right]
     generic = sum(not row.fourth_order for row in wrong)
@@ -205,7 +217,8 @@ def window(mapping: str, *scenes: str) -> Evidence:
     numbers |= {
         "wrong, but for tangencies of fourth order": generic,
         "wrong at tangencies of fourth order": len(wrong) - generic,
-        "pairs (γ, B₀Ω/m) whose computed window has the printed ends": f"{sum(ends)} of {len(ends)}",
+        "pairs (γ, B₀Ω/m) whose computed window has the printed ends": f"{sum(ends)} of "
+        f"{len(ends)}",
     }
     mismatches = 0
     for name in scenes:
@@ -216,15 +229,23 @@ def window(mapping: str, *scenes: str) -> Evidence:
             f"{name}, case {report.case}: phases agreed on by {' / '.join(report.agreements)}"
         ] = agreed
     numbers["phases of these scenes that disagree"] = mismatches
-    finding = f"The six cases are right at {len(rows) - len(wrong)} of {len(rows)} exact contacts with F = 0"
+    finding = (
+        f"The six cases are right at {len(rows) - len(wrong)} of {len(rows)} exact contacts with F "
+        "= 0"
+    )
     if wrong:
-        finding += f"; at the other {len(wrong)} the flow grazes to fourth order, at the phase that they exclude"
+        finding += (
+            f"; at the other {len(wrong)} the flow grazes to fourth order, at the phase that they "
+            "exclude"
+        )
     right_elsewhere = not generic and not mismatches and all(counts.values()) and all(ends)
     return evidence(right_elsewhere, f"{finding}.", numbers, verdict(not wrong, corrected=True))
 
 
 def _same_ends(mapping: str) -> list[bool]:
-    """Say for each pair (gamma, B0 Omega/m) whether `grazing_window` computes the arcs that are printed."""
+    """Say for each pair (gamma, B0 Omega/m) whether `grazing_window` computes the arcs that are
+    printed.
+    """
     found = []
     for gamma, amplitude in PAIRS:
         p = zero_force_contact(mapping, gamma, amplitude, *RATIONAL_PHASES[0]).p
@@ -283,14 +304,18 @@ def negative_drive() -> Evidence:
         "a printed case holds and is wrong": wrong,
         "no printed case holds": without,
     }
-    finding = "With B₀ < 0 and B₀ = 0 there are cases that hold as printed and are wrong, and γ for which none holds."
+    finding = (
+        "With B₀ < 0 and B₀ = 0 there are cases that hold as printed and are wrong, and γ for "
+        "which none holds."
+    )
     return Evidence(verdict(not wrong and not without, corrected=True), finding, numbers)
 
 
 def equality() -> Evidence:
-    """Check gamma = +-B0 Omega/m.
+    """Check gamma = +-B0 Omega/m: does the flow graze at the phase that (55.2), (56.5), (57.2) and
+    (58.5) exclude?
 
-    Does the flow graze at the phase that (55.2), (56.5), (57.2) and (58.5) exclude?
+    ?
     """
     numbers: dict[str, Any] = {}
     excluded = returning = 0
@@ -330,9 +355,10 @@ TRACED = {"fig5": ("P2", "P3", "P5", "P6"), "fig8": ("P3", "P5"), "fig10": ("P5"
 
 
 def without_force() -> Evidence:
-    """Check Theorem 7 as printed, without the hypothesis F = 0.
+    """Check Theorem 7 as printed, without the hypothesis F = 0: does a phase in its set imply a
+    graze?
 
-    Does a phase in its set imply a graze?
+    ?
     """
     arrivals = inside = 0
     shown: dict[str, Any] = {}
@@ -363,15 +389,17 @@ def without_force() -> Evidence:
         "of them with the phase in the printed set": inside,
         "of these grazes": "0",
     } | shown
-    finding = "With F not 0 the flow of a domain goes straight through the boundary and cannot graze, but its phase "
+    finding = (
+        "With F not 0 the flow of a domain goes straight through the boundary and cannot graze, "
+        "but its phase "
+    )
     finding += "can be in the printed set, as at the exact contact given here."
     return Evidence(verdict(not inside, corrected=True), finding, numbers)
 
 
 def grazing_inequality() -> Evidence:
-    """Check eqs. (61), (62), (65), (66).
-
-    DF/dt along the flow is -(gamma + (B0 Omega/m) sin(Omega t_m)).
+    """Check eqs. (61), (62), (65), (66): dF/dt along the flow is -(gamma + (B0 Omega/m) sin(Omega
+    t_m)).
     """
     wrong = differs = 0
     cases = _zero_force_contacts()
@@ -404,15 +432,15 @@ def gamma_is_fixed() -> Evidence:
     ]
     other = sum(gamma_of(c.p, force, c.speed) != c.p.k * c.speed / c.p.m for c, force in grazes)
     numbers = {"exact grazes": len(grazes), "γ not k v_λ/m": other}
-    finding = f"At all {len(grazes)} exact grazes ẍ = 0 and γ = k v_λ/m: the parameters alone choose the case."
+    finding = (
+        f"At all {len(grazes)} exact grazes ẍ = 0 and γ = k v_λ/m: the parameters alone choose the "
+        "case."
+    )
     return evidence(not other, finding, numbers)
 
 
 def one_unknown_is_free() -> Evidence:
-    """Check what is said after (62).
-
-    Three equations have four unknowns, so that one must be given.
-    """
+    """Check what is said after (62): three equations have four unknowns, so that one must be given."""
     p = load_scene("fig9").parameters
     ranks = []
     starts = set()
@@ -434,16 +462,20 @@ def one_unknown_is_free() -> Evidence:
         )
         numbers[f"singular values at {theta}"] = ", ".join(f"{value:.3g}" for value in values)
     numbers |= {"equations, unknowns": "3 (f₁, f₂, F), 4", "rank": ", ".join(map(str, ranks))}
-    finding = f"The three equations have rank {min(ranks)} at {len(ranks)} grazes of Fig. 9's oscillator; each given "
+    finding = (
+        f"The three equations have rank {min(ranks)} at {len(ranks)} grazes of Fig. 9's "
+        "oscillator; each given "
+    )
     return evidence(
         set(ranks) == {3} and len(starts) == len(ranks), f"{finding}phase has its start.", numbers
     )
 
 
 def mappings_that_graze() -> Evidence:
-    """Flow back from grazes and simulate up to them.
+    """Flow back from grazes and simulate up to them: are the mappings that end there P2, P3, P5, P6
+    (Theorem 7)?
 
-    Are the mappings that end there P2, P3, P5, P6 (Theorem 7)?
+    ?
     """
     counts: dict[str, Counter[str]] = {mapping: Counter() for mapping in PLACES}
     case = "none"
@@ -462,8 +494,14 @@ def mappings_that_graze() -> Evidence:
                     label = "no graze"
                 counts[mapping][label] += 1
                 if case == "none" and label not in (mapping, "no graze"):
-                    begin = f"x = {float(start.x):.10g}, Ωt = {float(start.theta):.10g} on belt {start.boundary}"
-                    case = f"{name}: {label} from {begin} grazes belt {MAPS[mapping].end.boundary} at Ωt = {theta}"
+                    begin = (
+                        f"x = {float(start.x):.10g}, Ωt = {float(start.theta):.10g} on belt "
+                        f"{start.boundary}"
+                    )
+                    case = (
+                        f"{name}: {label} from {begin} grazes belt {MAPS[mapping].end.boundary} at "
+                        f"Ωt = {theta}"
+                    )
     numbers = {
         f"grazes that the paper calls {mapping}, by the mapping that ends there": ", ".join(
             f"{label} {count}" for label, count in sorted(found.items())
@@ -474,7 +512,10 @@ def mappings_that_graze() -> Evidence:
     lost = sum(found["no graze"] for found in counts.values())
     if lost or not all(counts.values()):
         return Evidence(UNDECIDED, f"{lost} of {total} grazes could not be followed.", numbers)
-    finding = "Flowing back from a graze, the flow comes from the planes of the mapping that the paper names"
+    finding = (
+        "Flowing back from a graze, the flow comes from the planes of the mapping that the paper "
+        "names"
+    )
     if any(found[mapping] < found.total() for mapping, found in counts.items()):
         finding += (
             "; in domain 2 also from the other belt, by P₇ or P₈, whose end is the graze then"

@@ -1,4 +1,5 @@
-"""Section 4: G-functions, Lemmas 1 to 3 and Theorems 4 to 6, against the exact flow near rational contacts.
+"""Section 4: G-functions, Lemmas 1 to 3 and Theorems 4 to 6, against the exact flow near rational
+contacts.
 
 The lemmas are on any discontinuous system. That their conditions are sufficient is Taylor's
 theorem; that they are not necessary one oscillator shows, by a single contact.
@@ -39,15 +40,16 @@ CONDITIONS: dict[str, Callable[[Fraction, Fraction], bool]] = {
 
 
 def grazing_condition(from_below: bool, force: Fraction, slope: Fraction) -> bool:
-    """Return whether (23), (24), (38) to (43) hold.
-
-    F = 0, and its slope G^(1) < 0 (domain below) or > 0 (above).
+    """Return whether (23), (24), (38) to (43) hold: F = 0, and its slope G^(1) < 0 (domain below)
+    or > 0 (above).
     """
     return force == 0 and (slope < 0 if from_below else slope > 0)
 
 
 def g_functions(n: Any, difference: Any, t: Any) -> tuple[Any, Any]:
-    """Return the right sides of (15) and (16) for a normal vector n(t) and `difference` = x^(alpha)(t) - x^(0)(t)."""
+    """Return the right sides of (15) and (16) for a normal vector n(t) and `difference` =
+    x^(alpha)(t) - x^(0)(t).
+    """
     first = (n.diff(t).T * difference + n.T * difference.diff(t))[0]
     second = (
         n.diff(t, 2).T * difference
@@ -68,7 +70,9 @@ def slope_of_field(contact: RationalContact, alpha: int) -> Fraction:
 
 
 def slope_along_boundary(contact: RationalContact, alpha: int) -> Fraction:
-    """Return the left side of (47), the derivative of F along the boundary, where (x', x'') is (v_lambda, 0)."""
+    """Return the left side of (47), the derivative of F along the boundary, where (x', x'') is
+    (v_lambda, 0).
+    """
     p = contact.p
     return -p.k / p.m * contact.speed - p.B0 * p.Omega * contact.s / p.m
 
@@ -99,7 +103,10 @@ def general_system() -> Evidence:
         "n for (10)": field.rows,
         "entries of ∂F/∂(x, ẋ) that depend on x or ẋ": "0" if linear else "some",
     }
-    finding = "(13) lays down the systems that are meant. (10) is one with n = 2, linear in each domain: its solutions "
+    finding = (
+        "(13) lays down the systems that are meant. (10) is one with n = 2, linear in each domain: "
+        "its solutions "
+    )
     return Evidence(
         DEFINITION, f"{finding}exist for all times, and are smooth as Lemmas 1 to 3 ask.", numbers
     )
@@ -123,7 +130,10 @@ def general_g_functions() -> Evidence:
         f"({14 + i}) minus derivative {i} of nᵀ(x⁽ᵅ⁾ − x⁽⁰⁾)": rest
         for i, rest in enumerate(rests, 1)
     }
-    finding = "(15) and (16) are the first and second derivative of nᵀ(x⁽ᵅ⁾ − x⁽⁰⁾) along the flows, for any n(x⁽⁰⁾, "
+    finding = (
+        "(15) and (16) are the first and second derivative of nᵀ(x⁽ᵅ⁾ − x⁽⁰⁾) along the flows, for "
+        "any n(x⁽⁰⁾, "
+    )
     finding += "t)."
     return evidence(not any(rests), finding, numbers, DEFINITION)
 
@@ -134,7 +144,10 @@ def normal_vector() -> Evidence:
 
     x, v, speed = sp.symbols("x v v_lambda")
     normal = tuple(sp.diff(v - speed, variable) for variable in (x, v))
-    finding = f"With φ = ẋ − v_λ from (7), (17) gives n = {normal} for both boundaries: it points to the domain above."
+    finding = (
+        f"With φ = ẋ − v_λ from (7), (17) gives n = {normal} for both boundaries: it points to the "
+        "domain above."
+    )
     numbers = {"gradient of φ = ẋ − v_λ by (x, ẋ)": normal, "(25)": "(0, 1)"}
     return evidence(normal == (0, 1), finding, numbers)
 
@@ -157,13 +170,18 @@ def reduced_g_functions() -> Evidence:
         for order, value in enumerate(g_functions(n, flow - boundary, t), 1)
     ]
     numbers = {f"({14 + i}) minus ({17 + i})": rest for i, rest in enumerate(rests, 1)}
-    finding = "With n constant (15) and (16) are nᵀ(ẋ⁽ᵅ⁾ − ẋ⁽⁰⁾) and nᵀ(ẍ⁽ᵅ⁾ − ẍ⁽⁰⁾); x⁽⁰⁾ stays in the plane nᵀx = "
+    finding = (
+        "With n constant (15) and (16) are nᵀ(ẋ⁽ᵅ⁾ − ẋ⁽⁰⁾) and nᵀ(ẍ⁽ᵅ⁾ − ẍ⁽⁰⁾); x⁽⁰⁾ stays in the "
+        "plane nᵀx = "
+    )
     finding += "const, so that nᵀẋ⁽⁰⁾ = nᵀẍ⁽⁰⁾ = 0, and (18) and (19) remain."
     return evidence(not any(rests), finding, numbers)
 
 
 def boundary_dimension() -> Evidence:
-    """Check eq. (14): in which space the boundary is, and its dimension, from points of the boundary (7)."""
+    """Check eq. (14): in which space the boundary is, and its dimension, from points of the
+    boundary (7).
+    """
     numbers = {}
     inside = True
     for boundary in (1, 2):
@@ -197,14 +215,16 @@ def time_before_and_after() -> Evidence:
         "the paper's name of the time before": BEFORE,
         "its name by t± = t ± 0, after (17)": ours,
     }
-    finding = f"The time before a contact is {ours} by the definition t± = t ± 0, {BEFORE} by the words after (19)."
+    finding = (
+        f"The time before a contact is {ours} by the definition t± = t ± 0, {BEFORE} by the words "
+        "after (19)."
+    )
     return Evidence(verdict(ours == BEFORE, corrected=True), finding, numbers)
 
 
 def g_functions_are_derivatives() -> Evidence:
-    """Check G^(0) = F, G^(1) = grad F . F + dF/dt of eqs.
-
-    (25), (30), (31), (46) to (48) by the power series of (5).
+    """Check G^(0) = F, G^(1) = grad F . F + dF/dt of eqs. (25), (30), (31), (46) to (48) by the
+    power series of (5).
     """
     values = []
     slopes = []
@@ -225,7 +245,9 @@ def g_functions_are_derivatives() -> Evidence:
 
 
 def derivative_along_the_flow() -> Evidence:
-    """Check whether the left side of (47), by the definition after (16), is equal to its printed result."""
+    """Check whether the left side of (47), by the definition after (16), is equal to its printed
+    result.
+    """
 
     def gap(contact: RationalContact) -> Fraction:
         return slope_of_field(contact, 1) - slope_along_boundary(contact, 1)
@@ -240,7 +262,10 @@ def derivative_along_the_flow() -> Evidence:
     _, apart, damping, at_zero = numbers.values()
     if not apart:
         return Evidence(CONFIRMED, "The two sides of (47) are the same.", numbers)
-    finding = "The result of (47) minus its left side is −(c/m) F⁽¹⁾, exactly: not 0 in general, and 0 at every graze."
+    finding = (
+        "The result of (47) minus its left side is −(c/m) F⁽¹⁾, exactly: not 0 in general, and 0 "
+        "at every graze."
+    )
     return evidence(not damping and not at_zero, finding, numbers, CORRECTED)
 
 
@@ -248,7 +273,9 @@ def derivative_along_the_flow() -> Evidence:
 
 
 def _grazes_as_printed(contact: RationalContact) -> list[bool]:
-    """Return whether the printed condition of a graze holds at a contact, for the domain below and the one above."""
+    """Return whether the printed condition of a graze holds at a contact, for the domain below and
+    the one above.
+    """
     lo, hi = contact.domains
     return [
         grazing_condition(a == lo, contact.force(a), slope_of_field(contact, a)) for a in (lo, hi)
@@ -317,13 +344,18 @@ def lemma(which: int) -> Evidence:
             map(str, missed[0].derivatives(alpha))
         )
     numbers["what the exact flow does there"] = missed[0].goes_on
-    finding = f"Sufficient at all contacts. Not necessary: {zero} the next derivative decides, as at the one given "
+    finding = (
+        f"Sufficient at all contacts. Not necessary: {zero} the next derivative decides, as at the "
+        "one given "
+    )
     finding += "here."
     return Evidence(CORRECTED, finding, numbers)
 
 
 def necessary_and_sufficient() -> Evidence:
-    """Check the abstract: the conditions of stick, non-stick and grazing motions are necessary and sufficient."""
+    """Check the abstract: the conditions of stick, non-stick and grazing motions are necessary and
+    sufficient.
+    """
     numbers = {}
     verdicts = []
     for which, name in enumerate(("stick (20)", "passing (21), (22)", "grazing (23), (24)"), 1):
@@ -336,9 +368,8 @@ def necessary_and_sufficient() -> Evidence:
 
 
 def theorem(which: int, boundary: int) -> Evidence:
-    """Check the "iff" of Theorem 4, 5 or 6, eqs.
-
-    (26), (27), (34), (35), (38) to (43), against the exact flow.
+    """Check the "iff" of Theorem 4, 5 or 6, eqs. (26), (27), (34), (35), (38) to (43), against the
+    exact flow.
     """
     printed, true, what, degenerate = THEOREMS[which]
     cases = contacts(boundary)
@@ -368,7 +399,10 @@ def theorem(which: int, boundary: int) -> Evidence:
                 f"G(1,{alpha}) there": contact.slope(alpha),
             }
         numbers["what happens there"] = contact.goes_on
-    finding = f"Right at all {regular} contacts without {degenerate}. With it the next derivative that is not 0 "
+    finding = (
+        f"Right at all {regular} contacts without {degenerate}. With it the next derivative that "
+        "is not 0 "
+    )
     finding += "decides; one such contact is given here, where the printed condition fails."
     return evidence(
         not generic and all(simulated), finding, numbers, verdict(not wrong, corrected=True)
@@ -377,7 +411,9 @@ def theorem(which: int, boundary: int) -> Evidence:
 
 @cache
 def _simulated(boundary: int) -> tuple[bool, ...]:
-    """Return for each contact at phase 0 whether `simulate`, started there, agrees with the exact flow."""
+    """Return for each contact at phase 0 whether `simulate`, started there, agrees with the exact
+    flow.
+    """
     found = []
     for contact in contacts(boundary):
         if contact.s == 0 and contact.c == 1:
@@ -391,9 +427,10 @@ def _simulated(boundary: int) -> tuple[bool, ...]:
 
 
 def theorem_6_both_sides() -> Evidence:
-    """Check eqs. (44) and (45) as printed.
+    """Check eqs. (44) and (45) as printed: can both forces be 0 and both inequalities hold at one
+    contact?
 
-    Can both forces be 0 and both inequalities hold at one contact?
+    ?
     """
     questions = {
         "contacts that graze, with G⁽¹⁾ not 0": _grazes,
@@ -408,16 +445,18 @@ def theorem_6_both_sides() -> Evidence:
     numbers["least F⁽ˡᵒ⁾ − F⁽ʰⁱ⁾ over all contacts"] = min(
         below - above for below, above in (c.forces for c in cases)
     )
-    finding = f"Read for α = 1 or α = 2, as in Theorem 6, (44) and (45) hold at {each} of {grazing} grazing contacts; "
+    finding = (
+        f"Read for α = 1 or α = 2, as in Theorem 6, (44) and (45) hold at {each} of {grazing} "
+        "grazing contacts; "
+    )
     return evidence(
         each == grazing, f"{finding}with friction both forces cannot vanish together.", numbers
     )
 
 
 def no_repelling_boundary() -> Evidence:
-    """Check that each contact with no force 0 sticks (Theorem 4) or passes (Theorem 5).
-
-    The boundary never repels.
+    """Check that each contact with no force 0 sticks (Theorem 4) or passes (Theorem 5): the
+    boundary never repels.
     """
     stick_by_4 = CONDITIONS["sticks, (26), (27)"]
     pass_by_5 = CONDITIONS["passes, (34), (35)"]
@@ -439,9 +478,8 @@ def no_repelling_boundary() -> Evidence:
 
 
 def grazing_definition() -> Evidence:
-    """Check whether contacts with G^(1) = 0 graze by the definition before Theorem 7.
-
-    A tangent flow that returns.
+    """Check whether contacts with G^(1) = 0 graze by the definition before Theorem 7: a tangent
+    flow that returns.
     """
     kinds = ("F = 0, G⁽¹⁾ ≠ 0", "F = G⁽¹⁾ = 0, G⁽²⁾ ≠ 0", "F = G⁽¹⁾ = G⁽²⁾ = 0")
     returning: list[list[bool]] = [[], [], []]
@@ -455,7 +493,10 @@ def grazing_definition() -> Evidence:
         f"{kind}: contacts, of them the flow returns": f"{len(found)}, {sum(found)}"
         for kind, found in zip(kinds, returning, strict=True)
     }
-    finding = f"The definition asks for tangency and return, not for an order: {sum(returning[2])} exact contacts of "
+    finding = (
+        f"The definition asks for tangency and return, not for an order: {sum(returning[2])} exact "
+        "contacts of "
+    )
     return Evidence(
         DEFINITION, f"{finding}fourth order return to their domain, and graze by it.", numbers
     )

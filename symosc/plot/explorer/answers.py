@@ -1,6 +1,5 @@
-"""The data that the page shows for a link.
-
-A motion of `symosc.simulate`, as values for plots, texts and table.
+"""The data that the page shows for a link: a motion of `symosc.simulate`, as values for plots,
+texts and table.
 
 The state of the page is a text for each number. A text is read exactly, as in scene files: 0.8 and
 4/5 are the same number. One more number: a field in GROUPS. One more curve: a column in
@@ -46,7 +45,9 @@ SOURCE = "symosc explore"
 
 
 class Field(NamedTuple):
-    """An input field of a number on the page, and the range of its slider, which a typed number may exceed."""
+    """An input field of a number on the page, and the range of its slider, which a typed number may
+    exceed.
+    """
 
     name: str
     symbol: str
@@ -58,9 +59,8 @@ class Field(NamedTuple):
 
 
 def _fields(*rows: str) -> list[Field]:
-    """Return the input fields of these rows.
-
-    Name, symbol, and lowest and highest value and step of the slider.
+    """Return the input fields of these rows: name, symbol, and lowest and highest value and step of
+    the slider.
     """
     fields = []
     for name, symbol, low, high, step in map(str.split, rows):
@@ -187,7 +187,9 @@ def scene_of(state: dict[str, str]) -> tuple[Scene | None, dict[str, str]]:
 
 
 def _end_time(t0: Fraction, periods: Fraction, Omega: Fraction) -> Fraction:
-    """Return t0 plus a number of periods of the drive, as the shortest decimal that gives so many periods back."""
+    """Return t0 plus a number of periods of the drive, as the shortest decimal that gives so many
+    periods back.
+    """
     shown = f"{float(periods):.{PERIODS_DIGITS}g}"
     period = Fraction(tau) / Omega
     exact = t0 + Fraction(shown) * period
@@ -222,9 +224,8 @@ MARKERS = {"o": "circle", "s": "square", "^": "triangle", "*": "star"}
 
 
 def answer(link: str, default: Scene) -> Record:
-    """Return the data of the page for a link.
-
-    Always "link", "errors" and "notes", the rest if there are no errors.
+    """Return the data of the page for a link: always "link", "errors" and "notes", the rest if
+    there are no errors.
     """
     # Errors say what is allowed, by the name of the field; "" for what belongs to none.
     state, notes = read_link(link, default)
@@ -246,16 +247,16 @@ def answer(link: str, default: Scene) -> Record:
 
 
 def _notes(scene: Scene, trajectory: Trajectory) -> list[str]:
-    """Return sentences for the user.
-
-    How well the start is known, a motion cut short, a start in a stick.
+    """Return sentences for the user: how well the start is known, a motion cut short, a start in a
+    stick.
     """
     notes = []
     first = trajectory.segments[0].mode
     if scene.start_error is not None and any(scene.start_error):
         known = ", ".join(f"±{float(each):.3g}" for each in scene.start_error)
         notes.append(
-            f"t₀, x₀, v₀ of this scene are known to {known}; a contact within their reach is a graze"
+            f"t₀, x₀, v₀ of this scene are known to {known}; a contact within their reach is a "
+            "graze"
         )
     if trajectory.status == "max_events":
         notes.append(
@@ -334,7 +335,9 @@ def _page_data(scene: Scene, trajectory: Trajectory) -> Record:
 
 
 def settled(link: str, default: Scene) -> Record:
-    """Return the page's text on the orbit to which the motion settles, and the orbit's curve in the phase plane."""
+    """Return the page's text on the orbit to which the motion settles, and the orbit's curve in the
+    phase plane.
+    """
     scene, _ = scene_of(read_link(link, default)[0])
     text = ""
     curve = {"x": list[float](), "v": list[float]()}
@@ -344,7 +347,10 @@ def settled(link: str, default: Scene) -> Record:
             view = view_of(simulate_orbit(orbit, 1), None, SAMPLING)
             curve = {"x": _rounded(view.x), "v": _rounded(view.v)}
             sizes = ", ".join(f"{abs(each):.4g}" for each in orbit.multipliers)
-            text = f"{orbit.word}, period {float(orbit.period):.6g} s, |multipliers| {sizes}: {orbit.message}"
+            text = (
+                f"{orbit.word}, period {float(orbit.period):.6g} s, |multipliers| {sizes}: "
+                f"{orbit.message}"
+            )
     except (SymoscError, ArithmeticError) as error:
         text = str(error)
     return {"text": text, "curve": curve}
@@ -354,7 +360,9 @@ def settled(link: str, default: Scene) -> Record:
 
 
 def _rounded(values: np.ndarray) -> list[float]:
-    """Return the values of a curve, rounded to the decimals that can be seen in a plot of their range."""
+    """Return the values of a curve, rounded to the decimals that can be seen in a plot of their
+    range.
+    """
     span = float(np.ptp(values)) or float(np.abs(values).max())
     if span > 0:
         decimals = DRAWN_DIGITS - floor(log10(span))
@@ -374,13 +382,17 @@ def _columns(names: str, rows: Iterable[Sequence[Any]]) -> Record:
 
 
 def _shape(label: str, scale: float) -> tuple[str, float, str]:
-    """Return shape, size (multiplied by `scale`) and label of the mark for an event with this label."""
+    """Return shape, size (multiplied by `scale`) and label of the mark for an event with this
+    label.
+    """
     shape, size = SHAPES[label]
     return MARKERS[shape], scale * size, label
 
 
 def _ranges(view: View, curves: dict[str, np.ndarray]) -> dict[str, tuple[float, float]]:
-    """Return the ranges of the axes t, x, v and F for a motion and its forces F1 and F3 in `curves`, with a margin."""
+    """Return the ranges of the axes t, x, v and F for a motion and its forces F1 and F3 in
+    `curves`, with a margin.
+    """
     speeds = [float(view.trajectory.parameters.belt(belt)) for belt in view.belts()]
     forces = np.concatenate([[0.0], curves["F1"], curves["F3"]])
     ranges = {"t": (float(view.t[0]), float(view.t[-1]))}
@@ -393,7 +405,9 @@ def _ranges(view: View, curves: dict[str, np.ndarray]) -> dict[str, tuple[float,
 
 
 def _belts(view: View, v_range: tuple[float, float]) -> Record:
-    """Return the speeds of both belts, whether each lies in the shown range `v_range`, and (height, text) of labels."""
+    """Return the speeds of both belts, whether each lies in the shown range `v_range`, and (height,
+    text) of labels.
+    """
     # The name of a belt that is too far away to be drawn is at the edge, with an arrow.
     speeds = [float(view.trajectory.parameters.belt(belt)) for belt in (1, 2)]
     low, high = v_range
@@ -422,7 +436,9 @@ def _window_row(window: GrazingWindow) -> list[str]:
 
 
 def _arcs(windows: Sequence[GrazingWindow]) -> Iterator[tuple[Any, ...]]:
-    """Yield arcs (radius, ends, colours, mapping, label's place) that show grazing windows on a circle of phases."""
+    """Yield arcs (radius, ends, colours, mapping, label's place) that show grazing windows on a
+    circle of phases.
+    """
     for window in windows:
         radius = RINGS[window.place.boundary]
         if window.place.side > 0:

@@ -37,7 +37,8 @@ PORT = 8519
 MOST_BYTES = 100_000
 #: The page loads nothing from elsewhere, and is no part of another page.
 POLICY = "default-src 'self' 'unsafe-inline'; img-src 'self' data: blob:; frame-ancestors 'none'"
-#: What every answer says, errors too: a page of another site may neither frame it nor guess its type.
+#: What every answer says, errors too: a page of another site may neither frame it nor guess its
+#: type.
 GUARDS = {
     "Content-Security-Policy": POLICY,
     "X-Frame-Options": "DENY",
@@ -46,15 +47,15 @@ GUARDS = {
 
 
 class ExplorerServer(ThreadingHTTPServer):
-    """The server of the page; a link without data shows `scene`.
-
-    With port 0 it takes any free port.
+    """The server of the page; a link without data shows `scene`; with port 0 it takes any free
+    port.
     """
 
     daemon_threads = True
 
     def __init__(self, scene: Scene, port: int = PORT) -> None:
-        self.scene, self.busy = scene, Lock()
+        self.scene = scene
+        self.busy = Lock()
         try:
             super().__init__((HOST, port), _Handler)
         except OSError as error:
@@ -73,10 +74,7 @@ class ExplorerServer(ThreadingHTTPServer):
 
 
 class _Handler(BaseHTTPRequestHandler):
-    """The handler of the browser's requests.
-
-    For the page, its data and scripts, and scene files.
-    """
+    """The handler of the browser's requests: for the page, its data and scripts, and scene files."""
 
     server: ExplorerServer
     protocol_version = "HTTP/1.1"
@@ -130,7 +128,9 @@ class _Handler(BaseHTTPRequestHandler):
         """Do not log requests."""
 
     def _is_for_us(self) -> bool:
-        """Return whether a request names this machine as its host and does not come from a page of another site."""
+        """Return whether a request names this machine as its host and does not come from a page of
+        another site.
+        """
         host = self.headers.get("Host", "").lower()
         if host.partition(":")[0] not in (HOST, "localhost"):
             return False  # a page of another site may point a name of its own here
@@ -174,7 +174,9 @@ class _Handler(BaseHTTPRequestHandler):
         )
 
     def _read_file(self) -> None:
-        """Send the fields' texts and the notes that follow from an uploaded scene file, or its error."""
+        """Send the fields' texts and the notes that follow from an uploaded scene file, or its
+        error.
+        """
         length = self.headers.get("Content-Length", "")
         if not (length.isascii() and length.isdecimal()):
             self.send_error(HTTPStatus.BAD_REQUEST, explain="Content-Length is no number")
@@ -217,7 +219,9 @@ def page(state: dict[str, str]) -> str:
 
 @cache
 def _plots() -> tuple[str, Any]:
-    """Return the script that creates the plots, and the HTML elements that hold them, the same for all pages."""
+    """Return the script that creates the plots, and the HTML elements that hold them, the same for
+    all pages.
+    """
     return components(pictures())
 
 
@@ -314,7 +318,9 @@ def _plot(
 
 
 def _marks(plot: Any, sources: Sources, x: str, y: str) -> None:
-    """Draw event marks, and a moving dot for the mass, from the columns `x` and `y` of the browser's data `sources`."""
+    """Draw event marks, and a moving dot for the mass, from the columns `x` and `y` of the
+    browser's data `sources`.
+    """
     marks = plot.scatter(x, y, source=sources["marks"], level="overlay", **MARKS)
     place = [("t", "@t{0.000000}"), ("x", "@x{0.000000}"), ("v", "@v{0.000000}")]
     plot.add_tools(models.HoverTool(renderers=[marks], tooltips=[("", "@label @belt"), *place]))
@@ -351,7 +357,9 @@ def _belts(plot: Any) -> None:
 
 
 def _plane(sources: Sources, ranges: Ranges) -> Any:
-    """Return the plot of v against x, with curve, belts, Poincaré section, marks and a start that can be dragged."""
+    """Return the plot of v against x, with curve, belts, Poincaré section, marks and a start that
+    can be dragged.
+    """
     plot = _plot("position x [m]", "velocity v [m/s]", ranges["x"], ranges["v"], 380, "plane")
     plot.line(
         "x", "v", source=sources["settled"], line_color="black", line_width=5, line_alpha=0.22
@@ -370,7 +378,9 @@ def _plane(sources: Sources, ranges: Ranges) -> Any:
 
 
 def _time_plot(sources: Sources, ranges: Ranges, name: str, label: str) -> Any:
-    """Return the plot of x, v or the forces F over time, with sticks shaded, those on belt 2 darker."""
+    """Return the plot of x, v or the forces F over time, with sticks shaded, those on belt 2
+    darker.
+    """
     if name == "F":
         height = 230
     else:
@@ -399,9 +409,8 @@ def _time_plot(sources: Sources, ranges: Ranges, name: str, label: str) -> Any:
 
 
 def _dial(sources: Sources) -> Any:
-    """Return the plot of phases on a circle.
-
-    A ring for each belt, with windows as arcs and events inside.
+    """Return the plot of phases on a circle: a ring for each belt, with windows as arcs and events
+    inside.
     """
     ranges: Record = {
         name: models.Range1d(start=-1.45, end=1.45) for name in ("x_range", "y_range")
