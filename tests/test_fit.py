@@ -16,6 +16,7 @@ from fit_sets import SIGMA, fit_set, pulls, sampled
 
 from symosc import Parameters, Scene, Trajectory, fit, load_scene, sensitivities, simulate
 from symosc.cli.app import main
+from symosc.fitting import best
 
 
 def measured(
@@ -121,6 +122,21 @@ def test_a_start_in_the_reach_of_another_minimum() -> None:
     again = fit(HARD, data, "k", sigma=0.002, start={"k": 9.412})
     assert again.values == found.values
     assert again.message == found.message
+
+
+@pytest.mark.parametrize("seed", [42, 50])
+def test_many_starts_are_needed(seed: int, monkeypatch: pytest.MonkeyPatch) -> None:
+    """A fit from the first values alone, robust or not, ends in a minimum that is not the lowest."""
+    made = fit_set(seed, 0.3)
+    data = made.noisy(np.random.default_rng(seed))
+    found = fit(made.scene, data, made.free, sigma=SIGMA, start=made.start)
+    assert found.success, found.message
+    assert made.is_right(found)
+    monkeypatch.setattr(best, "candidates", lambda problem, first: iter(()))
+    for robust in (False, True):
+        alone = fit(made.scene, data, made.free, sigma=SIGMA, start=made.start, robust=robust)
+        assert not alone.success
+        assert not made.is_right(alone)
 
 
 @pytest.mark.parametrize(
@@ -303,7 +319,8 @@ def test_columns_are_known_as_in_checks(tmp_path: Path) -> None:
     file = tmp_path / "samples.csv"
     np.savetxt(file, np.array([t, x, v]).T, header="Time (s);pos;vel", delimiter=";", comments="")
     np.savez(tmp_path / "samples.npz", clock=t, u=x)
-    for data in ({"time": t, "pos": x, "vel": v}, file, str(file), motion, [*zip(t, x, v)]):  # noqa: B905
+    rows = list(zip(t, x, v, strict=True))
+    for data in ({"time": t, "pos": x, "vel": v}, file, str(file), motion, rows):
         found = fit("fig5", data, "mu1", sigma=1e-3)
         assert found.success
         assert found.values["mu1"] == pytest.approx(right.values["mu1"])

@@ -99,7 +99,7 @@ class Search:
         self.is_wide = True
         tried: list[np.ndarray] = []
         for values in candidates(self.problem, self.first):
-            if any(np.allclose(values, others, rtol=SAME, atol=0.0) for others in tried):
+            if any(np.allclose(values, earlier, rtol=SAME, atol=0.0) for earlier in tried):
                 continue
             tried.append(values)
             plain = self._least_squares(values)
@@ -107,12 +107,12 @@ class Search:
                 self.plain = plain
             if self._is_good(plain):
                 return
-            other = self._robust(values, plain)
-            if self._is_good(other, with_outliers=True):
-                self._accept(other)
+            robust = self._robust(values, plain)
+            if self._is_good(robust, with_outliers=True):
+                self._accept(robust)
                 return
-            if other.cost < (1.0 - LOWER) * tolerant.cost:
-                tolerant = other
+            if robust.cost < (1.0 - LOWER) * tolerant.cost:
+                tolerant = robust
         if tolerant.verdict.is_described and not strict(self.plain.verdict).is_described:
             self._accept(tolerant)
 

@@ -64,7 +64,7 @@ def hundredth(dice: random.Random, low: float, high: float) -> Fraction:
 
 
 def fit_set(seed: int, off: float) -> FitSet:
-    """Return a random set with first values off by up to the part `off`, half of them by just it."""
+    """Return a random set with first values off by up to the part `off`, half of them just so."""
     dice = random.Random(seed)
     while True:
         scene = _scene(dice)
