@@ -139,6 +139,18 @@ def test_many_starts_are_needed(seed: int, monkeypatch: pytest.MonkeyPatch) -> N
         assert not made.is_right(alone)
 
 
+@pytest.mark.slow
+@pytest.mark.parametrize("robust", [False, True])
+def test_a_minimum_without_outliers_is_looked_for(robust: bool) -> None:
+    """A wrong minimum describes all but three events in a row; the right one describes these too."""
+    made = fit_set(1140, 0.05)
+    data = made.noisy(np.random.default_rng(140))
+    found = fit(made.scene, data, made.free, start=made.start, robust=robust)
+    assert found.success
+    assert not found.outliers
+    assert made.is_right(found)
+
+
 @pytest.mark.parametrize(
     "count",
     [
@@ -256,15 +268,11 @@ SAMPLES = {
 
 
 def covers(sizes: np.ndarray) -> None:
-    """Assert that errors of one number in many fits are right, within three counting errors.
-
-    They cover 68 % and 95 %, and the root mean square of their pulls is 1.
-    """
+    """Assert that errors of one number cover 68 % and 95 %, within three counting errors."""
     count = len(sizes)
     for most, part in ((1.0, 0.6827), (2.0, 0.9545)):
         allowed = 3.0 * math.sqrt(part * (1.0 - part) / count)
         assert abs(np.mean(np.abs(sizes) <= most) - part) <= allowed, (most, sizes)
-    assert abs(np.sqrt(np.mean(sizes**2)) - 1.0) <= 3.0 / math.sqrt(2.0 * count)
 
 
 @pytest.mark.parametrize("kind", SAMPLES)
@@ -283,6 +291,7 @@ def test_errors_of_samples(kind: str, count: int) -> None:
         found.append(pulls(scene, fit(scene, data, ("mu1", "c"), sigma=sigma)))
     for column in np.transpose(found):  # numbers of one fit are correlated: each counts alone
         covers(column)
+        assert abs(np.sqrt(np.mean(column**2)) - 1.0) <= 3.0 / math.sqrt(2.0 * count)
 
 
 @pytest.mark.parametrize("sigma", [SIGMA, None])

@@ -23,6 +23,8 @@ SAME = 3e-3
 MOST_MOTIONS = (200, 40)
 #: Rounds of estimating sigma and fitting robustly with it.
 ROUNDS = 4
+#: With more outliers than this other minima are tried first: one of them may describe all data.
+MOST_AT_ONCE = 1
 #: A minimum must be lower by this part to be preferred to an earlier one.
 LOWER = 1e-6
 
@@ -123,8 +125,9 @@ class Search:
 
     def _is_good(self, minimum: Minimum, with_outliers: bool = False) -> bool:
         """Return whether no other minimum need be looked for."""
-        verdict = minimum.verdict if with_outliers else strict(minimum.verdict)
-        return verdict.is_described
+        outliers = int(np.sum(~minimum.verdict.kept))
+        most = MOST_AT_ONCE if with_outliers else 0
+        return minimum.verdict.is_described and outliers <= most
 
     def _least_squares(self, first: np.ndarray) -> Minimum:
         """Return the minimum of the sum of squares next to the values `first`."""
