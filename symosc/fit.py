@@ -165,10 +165,10 @@ def _problem(
 ) -> Problem:
     """Return what is fitted to what."""
     last = float(measured.t.max())
-    given: dict[str, Any] = dict.fromkeys((*STARTS, "t_end"))
+    changes: dict[str, Any] = dict.fromkeys((*STARTS, "t_end"))
     if isinstance(scene, Parameters):
-        given["t_end"] = last + 1.0
-    start = read_start(scene, given, None)
+        changes["t_end"] = last + 1.0
+    start = read_start(scene, changes, None)
     after = 0.0
     if measured.kinds is not None:
         after = BEYOND * (last - float(start.t0))
@@ -265,11 +265,10 @@ def _sigma(sigma: Any) -> np.ndarray:
 
     None stands for 1.
     """
-    if isinstance(sigma, Sequence) and not isinstance(sigma, str):
-        given = sigma
-    else:
-        given = [1 if sigma is None else sigma] * 2
-    found = [float(read_exact("sigma", each)) for each in given]
-    if len(found) != 2 or min(found) <= 0:
+    if sigma is None:
+        return np.ones(2)
+    pair = sigma if isinstance(sigma, Sequence) and not isinstance(sigma, str) else [sigma] * 2
+    deviations = [float(read_exact("sigma", number)) for number in pair]
+    if len(deviations) != 2 or min(deviations) <= 0:
         raise ParameterError("sigma", sigma, "must be a number > 0, or two: of x and v")
-    return np.array(found)
+    return np.array(deviations)

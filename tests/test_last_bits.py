@@ -92,6 +92,7 @@ FREE = {
     "crosschecks": "judges by tolerances that are far above last bits",
     "derive": "draws, and recomputes what others published",
     "fit": "hands its search to scipy",
+    "fitting": "hands its search to scipy, and judges by tolerances",
     "jax": "computes in jax's arithmetic",
     "paper": "integrates by scipy to compare, and draws",
     "plot": "draws",

@@ -23,6 +23,8 @@ SAME = 3e-3
 MOST_MOTIONS = (200, 40)
 #: Rounds of estimating sigma and fitting robustly with it.
 ROUNDS = 4
+#: With more outliers than this other minima are tried first: one of them may describe all data.
+MOST_AT_ONCE = 1
 #: A minimum must be lower by this part to be preferred to an earlier one.
 LOWER = 1e-6
 
@@ -99,7 +101,7 @@ class Search:
         self.is_wide = True
         tried: list[np.ndarray] = []
         for values in candidates(self.problem, self.first):
-            if any(np.allclose(values, others, rtol=SAME, atol=0.0) for others in tried):
+            if any(np.allclose(values, earlier, rtol=SAME, atol=0.0) for earlier in tried):
                 continue
             tried.append(values)
             plain = self._least_squares(values)
@@ -107,12 +109,12 @@ class Search:
                 self.plain = plain
             if self._is_good(plain):
                 return
-            other = self._robust(values, plain)
-            if self._is_good(other, with_outliers=True):
-                self._accept(other)
+            robust = self._robust(values, plain)
+            if self._is_good(robust, with_outliers=True):
+                self._accept(robust)
                 return
-            if other.cost < (1.0 - LOWER) * tolerant.cost:
-                tolerant = other
+            if robust.cost < (1.0 - LOWER) * tolerant.cost:
+                tolerant = robust
         if tolerant.verdict.is_described and not strict(self.plain.verdict).is_described:
             self._accept(tolerant)
 
@@ -123,8 +125,9 @@ class Search:
 
     def _is_good(self, minimum: Minimum, with_outliers: bool = False) -> bool:
         """Return whether no other minimum need be looked for."""
-        verdict = minimum.verdict if with_outliers else strict(minimum.verdict)
-        return verdict.is_described
+        outliers = int(np.sum(~minimum.verdict.kept))
+        most = MOST_AT_ONCE if with_outliers else 0
+        return minimum.verdict.is_described and outliers <= most
 
     def _least_squares(self, first: np.ndarray) -> Minimum:
         """Return the minimum of the sum of squares next to the values `first`."""

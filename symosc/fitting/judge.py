@@ -15,8 +15,8 @@ from symosc.simulation.tables import counted
 #: How often data that are described may be said not to be, by each of the tests here.
 LEVEL = 1e-4
 #: With unknown sigma an outlier is off by more than so many standard deviations, which are
-#: estimated from the median of n residuals, minus numbers: 6 + 70 / n. Normal errors are beyond that
-#: once in 10,000 fits (`test_random_errors_are_no_misfit`).
+#: estimated from the median of n residuals, minus numbers: 6 + 70 / n. Normal errors are beyond
+#: that once in 10,000 fits (`test_random_errors_are_no_misfit`).
 OUTLYING = (6.0, 70.0)
 #: Of fewer data than this no outliers are told without sigma: a median of few may be far too small.
 FEW = 8
@@ -150,7 +150,7 @@ def _with_sigma(
         return Verdict(True, "", kept, scales)
     text = f"chi² is {float(off @ off):.4g}, and {max(count - free, 1)} was to be expected"
     if are_rounded:
-        names = ", ".join(f"{name} to {found.text}" for name, found in digits.items())
+        names = ", ".join(f"{name} to {column.text}" for name, column in digits.items())
         text += f"; sigma is smaller than the errors of rounding ({names})"
     return Verdict(False, text, kept, scales)
 
@@ -191,7 +191,8 @@ def _without_sigma(problem: Problem, at: Evaluation, places: np.ndarray) -> Verd
     if problem.measured.states is None:
         part = float(np.sqrt(np.mean(off[kept] ** 2))) / _time_between(at)
     if part > UNRECOGNISED:
-        text = f"events are off by {part:.1%} of the time between events of a kind, and no sigma says so"
+        off_by = f"events are off by {part:.1%} of the time between events of a kind"
+        text = f"{off_by}, and no sigma says so"
         return Verdict(False, text, kept, scales)
     text = _structure(problem, off, kept & telling)
     return Verdict(not text, text, kept, scales)

@@ -62,7 +62,7 @@ def minimum(
         weights = np.broadcast_to(scale, problem.weights.shape)
         return problem.evaluate(values).slopes / weights[:, None]
 
-    found = least_squares(
+    solution = least_squares(
         residuals,
         begin,
         jac=slopes,
@@ -74,7 +74,8 @@ def minimum(
         ftol=1e-10 if precise else 1e-3,
         xtol=1e-12 if precise else 1e-4,
     )
-    return found.x, "" if found.success else str(found.message)
+    failure = "" if solution.success else str(solution.message)
+    return solution.x, failure
 
 
 def starts(first: np.ndarray) -> np.ndarray:

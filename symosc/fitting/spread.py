@@ -45,7 +45,7 @@ def rounding(measured: Measured, speeds: list[float]) -> dict[str, Digits]:
         natural = {"x": measured.states[0, :1].tolist(), "v": speeds}
         columns = zip(measured.columns, measured.states, strict=True)
         digits = {name: find_digits(column, natural[name]) for name, column in columns}
-    return {name: found for name, found in digits.items() if found is not None}
+    return {name: column for name, column in digits.items() if column is not None}
 
 
 def units(problem: Problem, digits: dict[str, Digits]) -> np.ndarray:
@@ -86,9 +86,9 @@ def spread_of(
     root = rows.T * inverse
     variances, widening = _variances(problem, at, slopes, root, kept)
     weighted = problem.measured.weighted
-    given = np.ones(len(slopes)) if weighted else variances
+    squares = np.ones(len(slopes)) if weighted else variances
     repeating = _repeating(places, variances)
-    effects = given - repeating * places**2 / 12.0
+    effects = squares - repeating * places**2 / 12.0
     spreads = (slopes @ root) * np.sqrt(np.maximum(effects, 0.0))[:, None]
     inner = spreads.T @ spreads
     if repeating.any():
@@ -158,13 +158,13 @@ def _rounded_spread(
     axes = slopes @ root
     moves = axes * np.median(unit) * NEIGHBOURHOOD * np.sqrt(len(slopes))
     points = ndtri(qmc.Halton(slopes.shape[1], scramble=False).random(NEIGHBOURS + 1)[1:])
-    found = np.zeros((slopes.shape[1], slopes.shape[1]))
+    spread = np.zeros((slopes.shape[1], slopes.shape[1]))
     for point in points:
         moved = (exact + moves @ point)[rows] / unit
         errors = (np.rint(moved) - moved) * unit * np.sqrt(repeating[rows])
         effect = axes[rows].T @ errors
-        found += np.outer(effect, effect) / NEIGHBOURS
-    return found
+        spread += np.outer(effect, effect) / NEIGHBOURS
+    return spread
 
 
 def _undetermined(names: tuple[str, ...], rows: np.ndarray) -> tuple[list[str], str]:

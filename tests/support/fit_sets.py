@@ -35,7 +35,12 @@ class FitSet:
     truth: dict[str, float]
     start: dict[str, float]
     events: list[tuple[float, str]]
-    leverage: np.ndarray  # of each event: how much of its error the numbers take up
+    slopes: np.ndarray  # of the times of events by the numbers
+
+    @property
+    def inverse(self) -> np.ndarray:
+        """The covariance of numbers fitted to events with errors of size 1."""
+        return np.asarray(np.linalg.inv(self.slopes.T @ self.slopes))
 
     def noisy(self, dice: np.random.Generator, sigma: float = SIGMA) -> list[tuple[float, str]]:
         return [(t + sigma * dice.normal(), kind) for t, kind in self.events]
@@ -46,7 +51,8 @@ class FitSet:
         The others can do without it: what alone tells a number cannot be seen to be wrong.
         """
         events = self.noisy(dice)
-        row = int(dice.choice(np.flatnonzero(self.leverage < 0.5)))
+        leverage = np.einsum("ij,jk,ik->i", self.slopes, self.inverse, self.slopes)
+        row = int(dice.choice(np.flatnonzero(leverage < 0.5)))
         off = dice.choice([-1, 1]) * dice.uniform(0.03, 0.5)
         events[row] = (events[row][0] + off, events[row][1])
         return events, row
@@ -64,7 +70,7 @@ def hundredth(dice: random.Random, low: float, high: float) -> Fraction:
 
 
 def fit_set(seed: int, off: float) -> FitSet:
-    """Return a random set with first values off by up to the part `off`, half of them by just it."""
+    """Return a random set with first values off by up to the part `off`, half of them just so."""
     dice = random.Random(seed)
     while True:
         scene = _scene(dice)
@@ -85,8 +91,7 @@ def fit_set(seed: int, off: float) -> FitSet:
         part = dice.choice([1.0, dice.random()])
         start[name] = value * (1.0 + off * part * dice.choice([-1, 1]))
     events = [(float(event.t), event.kind) for event in motion.events]
-    leverage = np.einsum("ij,jk,ik->i", slopes, inverse, slopes)
-    return FitSet(scene, free, truth, start, events, leverage)
+    return FitSet(scene, free, truth, start, events, slopes)
 
 
 def _scene(dice: random.Random) -> Scene:

@@ -205,7 +205,7 @@ VALID: dict[str, set[str]] = {
     **{f"OtherModel.{way} {name}": NUMBER | ROWS for way in ("back", "forth") for name in "txv"},
     "GrazingWindow.contains theta": NUMBER | ROWS | {"1e51"},
     "PeriodicOrbit.__call__ t": NUMBER | ROWS | {"-10**60", "1e51"},
-    **_each("closed, grazing, jacobian, own_start, partial, resume, use_numba", FLAG),
+    **_each("closed, grazing, jacobian, own_start, partial, resume, robust, use_numba", FLAG),
     **_each("OtherModel joined, OtherModel.replace joined", FLAG),
     "progress": {*FLAG, "lambda"},
     "certify progress": {*FLAG, "lambda", "Trajectory"},
