@@ -39,7 +39,7 @@ from symosc.symbolic.solution import (
 )
 
 PATH = Path(__file__).parents[1] / "kernels" / "_generated.py"
-KERNEL_WIDTH = 120
+KERNEL_WIDTH = 100
 
 KERNELS_HEADER = '''\
 """Arithmetic of the motion in one domain and on a belt, for floats, numpy arrays, mpmath numbers and numba.
