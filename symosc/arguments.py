@@ -95,7 +95,7 @@ def _is_short(value: Any) -> bool:
 
     An array is short unless it has no dimensions.
     """
-    if hasattr(value, "dtype"):
+    if _has_dtype(type(value)):
         return value.shape != ()
     return len(value) <= MOST_ENTRIES
 

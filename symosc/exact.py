@@ -180,7 +180,7 @@ def unmasked(name: str, value: Any) -> Any:
     return value
 
 
-def whole_number(name: str, value: Any, least: int, most: int | None = None) -> int:
+def whole_number(name: str, value: Any, least: int | None = None, most: int | None = None) -> int:
     """Return `value` as an int, or raise ParameterError if it is not one or out of range."""
     try:
         entry = scalar_of(name, value)
@@ -190,12 +190,16 @@ def whole_number(name: str, value: Any, least: int, most: int | None = None) -> 
             number = operator.index(entry)
     except TypeError:
         number = None
-    if number is None or number < least or (most is not None and number > most):
-        if most is None:
-            allowed = f">= {least}"
-        else:
-            allowed = f"from {least} to {most}"
-        raise ParameterError(name, value, f"must be a whole number {allowed}")
+    if least is None:
+        allowed = ""
+    elif most is None:
+        allowed = f" >= {least}"
+    else:
+        allowed = f" from {least} to {most}"
+    low = least is not None and number is not None and number < least
+    high = most is not None and number is not None and number > most
+    if number is None or low or high:
+        raise ParameterError(name, value, f"must be a whole number{allowed}")
     return number
 
 

@@ -91,7 +91,14 @@ def check_folder_of(path: str | Path) -> None:
     """Raise OutputError unless the folder of the file `path` exists and is writable: a check before
     long work.
     """
-    folder = Path(read_path(path)).resolve().parent
+    text = read_path(path)
+    try:
+        os.stat(text)
+    except FileNotFoundError:
+        pass
+    except OSError as error:  # too long a name, or links in a circle
+        raise OutputError(text, error.strerror or str(error)) from None
+    folder = Path(text).resolve().parent
     if not folder.is_dir():
         raise OutputError(str(path), "No such file or directory")
     if not os.access(folder, os.W_OK):

@@ -14,7 +14,7 @@ from typing import Any
 
 import numpy as np
 
-from symosc.aliases import NumberLike, SceneName
+from symosc.aliases import NumberLike, SceneName, SolutionLike
 from symosc.arguments import public
 from symosc.display.drawable import Comparable, Drawable
 from symosc.errors import ParameterError, meant
@@ -83,7 +83,7 @@ class Fit(Comparable, Drawable):
 @public
 def fit(
     what: Scene | Parameters | SceneName,
-    data: Any,
+    data: SolutionLike,
     free: str | Sequence[str] = ("mu1", "c"),
     *,
     sigma: NumberLike | Sequence[NumberLike] | None = None,

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 from collections.abc import Iterator
 from concurrent.futures import Executor, ProcessPoolExecutor
 from concurrent.futures.process import BrokenProcessPool
@@ -21,12 +22,15 @@ def process_pool(count: int, start: str | None = None) -> Iterator[Executor]:
     """Yield a pool of `count` processes, started as `start` says ("spawn" or "fork"; None: as
     usual).
 
+    It has no more processes than the machine has cores.
+
     Raises
     ------
     SymoscError
         If a process ends before its work is done.
     """
-    pool = ProcessPoolExecutor(count, get_context(start))
+    most = os.cpu_count() or 1
+    pool = ProcessPoolExecutor(min(count, most), get_context(start))
     try:
         yield pool
     except BrokenProcessPool:

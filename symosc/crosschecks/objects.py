@@ -348,7 +348,10 @@ def _read_list(source: Sequence[Any], asked: Asked, problem: Problem, where: str
     for i, part in enumerate(source):
         if isinstance(part, (str, int, float)) or part is None:
             raise ParameterError(f"{where}[{i}]", part, "is no solution")
-        found += solutions_in(part, asked, problem)
+        try:
+            found += solutions_in(part, asked, problem)
+        except RecursionError:  # of a list that contains itself
+            raise ParameterError(where, part, "is nested too deeply") from None
     # Two pieces meet if their times agree but for rounding.
     gaps = [
         abs(after.t[0] - before.t[-1]) / np.spacing(abs(before.t[-1]))

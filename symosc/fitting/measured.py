@@ -164,8 +164,12 @@ def _sample_names(there: list[str], asked: Asked, where: str) -> dict[str, str]:
 
 def _rows(data: Any) -> dict[str, list[Any]]:
     """Return the columns of rows (t, kind), (t, x) or (t, x, v); none if data are no such rows."""
+    rows: list[tuple[Any, ...]] = []
     try:
-        rows = [tuple(row) for row in unmasked("data", data)]
+        for row in unmasked("data", data):
+            if isinstance(row, str):  # a row of letters, which may come without end
+                return {}
+            rows.append(tuple(row))
     except (TypeError, ValueError, KeyError):
         return {}
     if {len(row) for row in rows} not in ({2}, {3}) or isinstance(data, bytes | bytearray):

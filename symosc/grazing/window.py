@@ -292,7 +292,7 @@ class GrazingWindow(Drawable, LatexAnswer):
         rest = (p.A(self.place.domain) - p.c * self.speed) / p.k
         gain = p.B0 / p.k
         if isinstance(theta, np.ndarray) and theta.ndim:
-            return float(rest) + float(gain) * column_functions()["cos"](theta)
+            return float(rest) + float(gain) * column_functions()["cos"](theta.astype(float))
         if isinstance(theta, float | np.floating):
             context = mp_context(WINDOW_DIGITS)
             wave = context.cos(context.mpf(float(theta))) * gain.numerator / gain.denominator

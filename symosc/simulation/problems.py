@@ -22,7 +22,7 @@ from symosc.engine.batch import STATE_WIDTH, Batch, batch_of
 from symosc.engine.flow import ConstantRows, constant_table, table_of
 from symosc.engine.start import MOST_PERIODS, Start, first_row, start_rows
 from symosc.errors import ParameterError
-from symosc.exact import LARGEST, show, unmasked
+from symosc.exact import LARGEST, scalar_of, show, unmasked
 from symosc.kernels.double_double import TWO_PI_PAIR, two_product
 from symosc.kernels.pair_columns import PairColumn
 from symosc.model import PARAMETER_NAMES, Parameters, least
@@ -104,7 +104,8 @@ class NumberColumn:
         """
         known: dict[Any, tuple[float, float]] = {}
         parts = np.empty((2, len(given)))
-        for row, value in enumerate(given):
+        for row, entry in enumerate(given):
+            value = scalar_of(self.name, entry)
             # Numbers of two types may be equal and mean two fractions: the float 0.1 is 1/10,
             # Fraction(0.1) is not. A fraction is known by its identity: to hash it takes longer
             # than to convert it.

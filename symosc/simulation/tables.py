@@ -17,7 +17,7 @@ from symosc.display.drawable import Drawable
 from symosc.display.frames import imported
 from symosc.engine.batch import EventRows, event_buffer, joined_arrays
 from symosc.engine.events import CODE_COLUMNS, CODE_NAMES, EVENT_COLUMNS, FLOAT_COLUMNS, Event
-from symosc.exact import unmasked
+from symosc.exact import scalar_of, unmasked, whole_number
 from symosc.files import write_whole
 
 #: Attributes of an `EventTable` for the code fields of an event: those with names have "_code"
@@ -99,7 +99,7 @@ class EventTable(Columns):
     @public
     def __getitem__(self, trajectory: int) -> EventTable:
         """Return the events of one trajectory, as a table of it alone."""
-        number = range(len(self.status))[trajectory]
+        number = range(len(self.status))[whole_number("trajectory", trajectory)]
         rows = slice(*np.searchsorted(self.trajectory, [number, number + 1]))
         found = select_rows(self, rows, [self.status[number]])
         found.trajectory = found.trajectory * 0
@@ -293,6 +293,7 @@ class Summary(Columns):
         """Return the row of one motion as a dictionary, or another summary of some of them."""
         columns = self.columns()
         unmasked("motion", motion)
+        motion = scalar_of("motion", motion)
         if isinstance(motion, (int, np.integer)) and not isinstance(motion, bool):
             return {name: column[motion] for name, column in columns.items()}
         return Summary(**{name: column[motion] for name, column in columns.items()})

@@ -22,7 +22,7 @@ import numpy as np
 import symosc
 from symosc.aliases import Record
 from symosc.errors import ParameterError, SweepError, meant
-from symosc.exact import LARGEST, read_exact, show, unmasked, whole_number
+from symosc.exact import LARGEST, read_exact, scalar_of, show, unmasked, whole_number
 from symosc.model import PARAMETER_NAMES, Parameters, by_name
 from symosc.quantities import forcing_periods, read_number
 from symosc.scenes import STARTS, Scene, from_rest, load_scene, not_reduced_error
@@ -334,6 +334,7 @@ def _evenly_spaced(name: str, text: str) -> np.ndarray:
 
 def _numbers(name: str, values: Any) -> np.ndarray:
     """Return a one-dimensional row of numbers as an array of doubles."""
+    values = scalar_of(name, values)
     unmasked(name, values)
     if isinstance(values, (str, bytes, Mapping)) or not isinstance(values, Iterable):
         raise ParameterError(name, values, AXIS_FORM)
