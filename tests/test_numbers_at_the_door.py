@@ -69,9 +69,9 @@ class Mute(float):
             "since starts has 2",
         ),
         ("x_i", lambda: symosc.solve_map("fig9", "P2", 1e200, 0.727), r"at most 1e\+50"),
-        ("wrt", lambda: simulate_many(P, ROWS, 5, wrt=np.array([])), "one or more"),
-        ("wrt", lambda: symosc.sensitivities("fig5", np.array([], dtype=str)), "one or more"),
-        ("record", lambda: symosc.sweep(SCENE, {"FN": [1]}, record=itertools.repeat("P2")), "text"),
+        ("wrt", lambda: simulate_many(P, ROWS, 5, wrt=np.array([])), "one or more"),  # type: ignore[arg-type]
+        ("wrt", lambda: symosc.sensitivities("fig5", np.array([], dtype=str)), "one or more"),  # type: ignore[arg-type]
+        ("record", lambda: symosc.sweep(SCENE, {"FN": [1]}, record=itertools.repeat("P2")), "text"),  # type: ignore[arg-type]
         ("FN", lambda: P.replace(FN=np.ma.masked), "masked"),
         ("FN", lambda: P.replace(FN=np.array(True)), "number"),
         ("FN", lambda: P.replace(FN=xr.DataArray(np.nan)), "finite"),
@@ -112,7 +112,7 @@ def test_arrays_without_dimensions_are_numbers(wrap: Callable[[Any], Any]) -> No
     """Parameters, starts, ends, and entries of rows."""
     scalar = {name: wrap(float(value)) for name, value in PARAMETERS.items()}
     assert symosc.Parameters(**scalar) == P
-    start = {"t0": 0.0, "x0": 0.25, "v0": 0.5, "t_end": 3.0}
+    start: dict[str, Any] = {"t0": 0.0, "x0": 0.25, "v0": 0.5, "t_end": 3.0}
     wanted = simulate(P, **start)
     assert simulate(P, **{name: wrap(value) for name, value in start.items()}).events == (
         wanted.events
