@@ -241,11 +241,11 @@ VALID: dict[str, set[str]] = {
     "Scene source": TEXT | {"text_empty"},
     "crosscheck t": {"Trajectory", "broken"},  # what an object of a user raises is the user's
     "crosscheck x": {"Trajectory"},
-    "fit data": {"broken"},  # as above
+    "fit data": {"broken", "Trajectory"},  # as above
 }
 #: What a message may name in place of a parameter: the parts of it.
 CALLED = {
-    "data": ("t", "kind", "x", "v"),
+    "data": ("file", "path", "t", "kind", "x", "v"),
     "end": ("x_j", "theta_j"),
     "first": ("Omega",),
     "given": ("a",),
