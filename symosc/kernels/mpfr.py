@@ -64,6 +64,7 @@ class MpfrContext:
         staticmethod(getattr(gmpy2, name)) for name in ("sin", "cos", "exp", "sqrt")
     )
     mpf = mpfr
+    mpc = mpc
     from_mpf = staticmethod(from_mpf)
     to_mpf = staticmethod(to_mpf)
     with_bits = staticmethod(mpfr_context)
