@@ -299,10 +299,7 @@ def single_times(case: Case) -> Iterator[Candidate]:
     """
     s = case.steps
     chosen = case.inside
-    single = np.array_equal(s.t.astype(np.float32).astype(float), s.t) and not np.array_equal(
-        s.t, np.rint(s.t)
-    )
-    if len(s.t) < FEWEST or not single or not len(chosen):
+    if len(s.t) < FEWEST or not _are_single(s.t) or not len(chosen):
         return
     force = np.array([s.K.A1, s.K.A2, s.K.A3])[case.domain[chosen] - 1]
     v = s.v[chosen + 1]
@@ -329,6 +326,12 @@ def single_times(case: Case) -> Iterator[Candidate]:
     # All times are numbers of single precision, which cannot be chance.
     if np.mean(within) >= 0.7:
         yield Candidate(found, left=np.where(small | ~case.wrong, 0.0, case.sizes))
+
+
+def _are_single(t: np.ndarray) -> bool:
+    """Return whether all times are numbers of single precision, and not integers alone."""
+    single = np.array_equal(t.astype(np.float32).astype(float), t)
+    return single and not np.array_equal(t, np.rint(t))
 
 
 # -- the numbers themselves, and the list of events --------------------------------------------------------------------
@@ -391,7 +394,8 @@ def noise(case: Case) -> Iterator[Candidate]:
     """Yield the diagnosis of noise if the defects of successive steps are anticorrelated, as noise makes them."""
     inside = case.inside_wrong
     pairs = inside[:-1][np.diff(inside) == 1]
-    if len(pairs) < 12:
+    # Times in single precision make such defects too, of x and v that are right.
+    if len(pairs) < 12 or _are_single(case.steps.t):
         return
     s = case.steps
     defects = case.steps.defects

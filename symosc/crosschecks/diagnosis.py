@@ -38,9 +38,11 @@ Cause = Callable[[Case], Iterable[Candidate]]
 #: The causes, stage by stage, the cheapest first.
 STAGES: tuple[tuple[Cause, ...], ...] = (
     (columns.even_times, columns.single_times),
-    (columns.outliers, columns.noise, columns.other_columns),
+    (columns.outliers, columns.other_columns),
     (models.other_systems, models.phases_of_drive, models.jumps_of_clock),
     (columns.velocity_column, columns.frozen_positions),
+    # What one step is off and the next takes back may be v alone, at times between samples.
+    (columns.noise,),
     (models.coefficients,),
     (models.far_coefficients,),
     (methods.late_events, friction.drift),

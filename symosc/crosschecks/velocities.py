@@ -379,11 +379,11 @@ def _agreed(
     v = np.full(starts.shape[1] + 1, np.nan)
     left = left[sure]
     right = right[sure]
-    # Positions hardly show when a stick begins or ends in a step: only that v is the belt's inside.
-    flown_to = (left < 3) | (sure == 0)
-    flown_from = right < 3
+    # Positions hardly show when in a step a stick begins: where no step before tells v at its start,
+    # the exact motion does.
+    flown_to = (left < 3) | (sure != 1)
     v[sure[flown_to]] = starts[left, sure][flown_to]
-    v[sure[flown_from] + 2] = ends[right, sure + 1][flown_from]
+    v[sure + 2] = ends[right, sure + 1]
     arrives = ends[left, sure]
     leaves = starts[right, sure + 1]
     # A belt's velocity is exact.

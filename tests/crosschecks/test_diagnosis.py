@@ -179,6 +179,21 @@ def test_weights_beyond_one_are_no_large_steps(name: str) -> None:
         assert judged[2].diagnosis[0].cause == cause
 
 
+def test_a_velocity_at_times_between_samples_is_no_noise() -> None:
+    """In long, uneven steps its errors look like noise; the positions alone are right."""
+    (case,) = (case for case in cases() if case.scene.name == "random-15")
+    judged = judge("v half a sample late", case, "random", 91)
+    assert judged is not None
+    assert judged[2].diagnosis[0].cause == "columns"
+
+
+def test_times_in_single_precision_are_no_noise() -> None:
+    (case,) = (case for case in cases() if case.scene.name == "random-14")
+    judged = judge("times in single precision", case, "random", 91)
+    assert judged is not None
+    assert judged[2].diagnosis[0].cause != "noise"
+
+
 def test_a_cause_explains_the_largest_defect_wherever_it_is() -> None:
     """Also far from the first wrong step, where causes are tried first."""
     scene = load_scene("fig5")
