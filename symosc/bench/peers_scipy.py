@@ -132,9 +132,8 @@ def integrate_by_cvode(
         out[:] = jacobian
 
     exits = len(functions) - 1
-    # type: ignore[attr-defined]
-    eventsfn.terminal = [True] * exits + [False]
-    eventsfn.direction = [-1] * exits + [0]
+    eventsfn.terminal = [True] * exits + [False]  # type: ignore[attr-defined]
+    eventsfn.direction = [-1] * exits + [0]  # type: ignore[attr-defined]
     solver = CVODE(rhsfn=rhsfn, eventsfn=eventsfn, jacfn=jacfn, num_events=exits + 1, **options)
     solution = solver.solve((begin, begin + t_end), (x, v))
     if not solution.success:

@@ -155,10 +155,7 @@ def read(value, shape, where):
     if isinstance(shape, list | tuple):
         right = type(value) is list and (isinstance(shape, list) or len(value) == len(shape))
         check(right, f"{where} is no list, or not as long as it must be", BAD)
-        if isinstance(shape, list):
-            parts = shape * len(value)
-        else:
-            parts = shape
+        parts = shape * len(value) if isinstance(shape, list) else shape
         return [
             read(each, part, f"{where}[{i}]")
             for i, (each, part) in enumerate(zip(value, parts, strict=True))

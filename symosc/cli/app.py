@@ -135,7 +135,7 @@ class CommandLine(click.Group):
         except ImportError as error:  # a broken installation, or no memory for a library
             _fail(f"a module cannot be loaded: {error}")
         except ValueError as error:
-            from symosc.plot import backend_error
+            from symosc.plot.backend import backend_error
 
             unknown = backend_error(error)
             if unknown is None:

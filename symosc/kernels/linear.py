@@ -184,10 +184,7 @@ class Shortest:
             [column[k] if j >= k else 0.0 for j, column in enumerate(self.first.columns)]
             for k in range(self.rank)
         ]
-        if rows:
-            self.second = triangle(rows)
-        else:
-            self.second = None
+        self.second = triangle(rows) if rows else None
 
     def solve(self, right: np.ndarray) -> np.ndarray:
         """Return the shortest solution."""

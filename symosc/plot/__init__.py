@@ -26,7 +26,7 @@ from typing import Any
 import lazy_loader
 
 from symosc.display.drawable import register
-from symosc.errors import ParameterError
+from symosc.plot.backend import backend_error
 
 _load, __dir__, __all__ = lazy_loader.attach_stub(__name__, __file__)
 
@@ -39,14 +39,6 @@ def __getattr__(name: str) -> Any:
         if unknown is None:
             raise
         raise unknown from None
-
-
-def backend_error(error: ValueError) -> ParameterError | None:
-    """Return what is wrong with MPLBACKEND, if matplotlib cannot be loaded for it; else None."""
-    if not str(error).startswith("Key backend:"):
-        return None
-    backend = os.environ.get("MPLBACKEND")
-    return ParameterError("MPLBACKEND", backend, "is no backend of matplotlib, such as agg")
 
 
 #: What ``.plot()`` of an answer calls, by names: neither the answers nor the figures are loaded for
