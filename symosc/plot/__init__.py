@@ -19,7 +19,6 @@ Examples
 4
 """
 
-import os
 from functools import partial
 from typing import Any
 
