@@ -138,8 +138,9 @@ def test_a_position_just_before_the_first_stick(before: float) -> None:
     assert len(check.t) == len(t)
 
 
-@pytest.mark.parametrize("method", ["DOP853", "LSODA", "RK23"])
+@pytest.mark.parametrize("method", ["DOP853", "RK23"])
 def test_positions_at_the_steps_of_scipy(method: str) -> None:
+    """Not those of LSODA, whose steps at a switch may become so short that it never ends."""
     scene = load_scene("fig9")
     p = scene.parameters
     m, c, k, A0, B0, Omega = (float(getattr(p, n)) for n in ("m", "c", "k", "A0", "B0", "Omega"))
