@@ -174,10 +174,12 @@ def constants(
     root: Callable[[Number], Number] = sqrt,
     angle: Callable[[Number, Number], Number] = atan2,
     pi: Number = pi,
+    driven: Any = None,
 ) -> Constants:
     """Return the constants of `parameters`, rounded once by `number`.
 
-    `root`, `angle`: sqrt, atan2 of such numbers.
+    `root`, `angle`: sqrt, atan2 of such numbers. `driven` is True for derivatives by B0, which
+    depend on Omega where B0 = 0 too; None: whether B0 is not 0.
     """
     # `number` is ``float``, or a conversion to mpmath. Parameters may be columns of pairs
     # (`constant_table`): then the constants are arrays.
@@ -190,7 +192,8 @@ def constants(
     zero = number(Fraction(0))
     doubles = isinstance(pi, float)
     period = 2 * pi / omega
-    driven = parameters.B0 != 0
+    if driven is None:
+        driven = parameters.B0 != 0
     # The free motion: its roots, frequencies and rates.
     square = w0sq - h * h
     under = square > 0

@@ -115,7 +115,7 @@ class CompiledResidual:
         self.jacobian = jacobian
         self.exit = exit
         self._rows = rows
-        self._K = constants(p)
+        self._K = constants(p, driven=True)
 
     def __repr__(self) -> str:
         return f"CompiledResidual(maps={self.maps}, jacobian={self.jacobian})"

@@ -283,9 +283,9 @@ def _doubles(p: Parameters, arrays: bool = False) -> MapArithmetic:
     arrays.
     """
     if not arrays:
-        return MapArithmetic(constants(p), vars(mapping) | vars(tangent), float)
+        return MapArithmetic(constants(p, driven=True), vars(mapping) | vars(tangent), float)
     names = {name: column_functions()[name] for name in ("sin", "cos", "basis")}
-    return MapArithmetic(constants(p), bind((mapping,), names), float)
+    return MapArithmetic(constants(p, driven=True), bind((mapping,), names), float)
 
 
 @lru_cache(maxsize=16)
@@ -296,7 +296,7 @@ def _mp_numbers(p: Parameters, context: Context, precision: int) -> MapArithmeti
     from symosc.kernels.multiprecision import BasisMP
 
     number = partial(number_of, context=context)
-    K = constants(p, number, context.sqrt, context.atan2, +context.pi)
+    K = constants(p, number, context.sqrt, context.atan2, +context.pi, driven=True)
     names = {
         "complex": context.mpc,
         "EPS": context.ldexp(1, -precision),
