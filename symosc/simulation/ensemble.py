@@ -41,7 +41,7 @@ from symosc.engine.batch import (
     rows_between,
 )
 from symosc.engine.events import CODE_COLUMNS, FLOAT_COLUMNS
-from symosc.engine.flow import SIGMAS, ConstantRows
+from symosc.engine.flow import SIGMAS, ConstantRows, constants, table_of
 from symosc.engine.start import FAR_PERIODS, Start, first_row, settles
 from symosc.engine.state import (
     END,
@@ -276,7 +276,12 @@ class Chunk:
         rows = slice(self._first, self._first + len(starts))
         starts[:, 1] = self.task.problems.t0.pairs(rows).hi
         letters = sets.doubles(Letters._fields, rows if len(sets) > 1 else slice(0, 1))
-        return starts, self.batch.sets, letters, self.table
+        # A derivative by B0 depends on Omega, even where B0 = 0 and the motion does not.
+        table = self.table.copy()
+        first = self._first if len(sets) > 1 else 0
+        for i in np.flatnonzero(table["driven"] == 0.0).tolist():
+            table[i] = table_of([constants(sets[first + i], driven=True)])[0]
+        return starts, self.batch.sets, letters, table
 
     def _reset_undecided(self) -> list[int]:
         """Return the numbers of the motions that ended undecided.

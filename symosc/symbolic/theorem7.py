@@ -56,9 +56,11 @@ class Case(NamedTuple):
     --------
     >>> from sympy import Symbol
     >>> from symosc import theorem7
-    >>> theorem7("P3", Symbol("gamma", positive=True), 1)[0]
-    Case(label='(56.1)', condition=gamma < 1, phases=Interval.open(asin(gamma) + pi, -asin(gamma) +
-    2*pi))
+    >>> case = theorem7("P3", Symbol("gamma", positive=True), 1)[0]
+    >>> case.label, case.condition
+    ('(56.1)', gamma < 1)
+    >>> case.phases
+    Interval.open(asin(gamma) + pi, -asin(gamma) + 2*pi)
     """
 
     label: str

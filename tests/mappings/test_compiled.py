@@ -87,7 +87,7 @@ def test_phases_beyond_our_own_sine_use_the_librarys() -> None:
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize(("scene", "word"), [("fig9", "P32"), ("fig10", "P4645")])
+@pytest.mark.parametrize(("scene", "word"), [("fig9", "P32"), ("fig10", "P6454")])
 def test_a_word_vanishes_on_its_orbit_and_its_blocks_are_those_of_its_maps(
     scene: str, word: str
 ) -> None:

@@ -461,7 +461,7 @@ def test_rounding_noise_is_overcome_with_more_digits():
     assert branch.ends[0].kind == "vanishing of a slip"
     for i in range(4):
         p = branch.parameters(i)
-        equations = ClosingEquations(p, read_word("P4645"), 1)
+        equations = ClosingEquations(p, read_word("P6454"), 1)
         points = branch.points[i][:, ::-1] * np.array([1.0, float(p.Omega)])
         solution = solve(equations, points)
         assert solution.converged

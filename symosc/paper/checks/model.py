@@ -490,6 +490,7 @@ def planes_as_limits() -> Evidence:
     numbers = {
         f"limit that defines v_λ{sign}": limit for sign, limit in zip("⁻⁺", limits, strict=True)
     }
+    numbers["limits that are v_λ"] = f"{limits.count(speed)} of {len(limits)}"
     finding = (
         "Both limits are v_λ: the signs say on which side of it the motion is, not which number it "
         "has."
