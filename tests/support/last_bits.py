@@ -14,6 +14,8 @@ import json
 import sys
 from collections.abc import Callable, Iterator
 from functools import wraps
+from importlib import import_module
+from importlib.util import find_spec
 from typing import Any
 
 import numpy as np
@@ -109,6 +111,8 @@ def noisy(function: Callable[..., Any], rng: np.random.Generator) -> Callable[..
 
 def make_noise(seed: int) -> None:
     """Put noise into numpy's functions in this process."""
+    if find_spec("numba"):
+        import_module("numba.np.npyimpl")  # it asks numpy's own functions for their types
     rng = np.random.default_rng(seed)
     for module, names in ((np, NOISY), (np.linalg, NOISY_LINALG)):
         for name in names:
