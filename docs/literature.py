@@ -13,6 +13,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from symosc import simulate, sweep
+from symosc.base.files import write_text
 from symosc.derive.citation import entries, plain_line, plain_text
 from symosc.derive.latex import latex
 from symosc.derive.published import (
@@ -31,7 +32,6 @@ from symosc.derive.published import (
     wall,
 )
 from symosc.derive.steps import rounded
-from symosc.files import write_text
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure

@@ -9,11 +9,9 @@ Call sequence, from a scene to its events:
           belt_exit     engine.first_exit       where a stick ends
             basis       kernels                 the closed form, printed by sympy (symbolic.codegen)
 
-The packages, each using only those before it: kernels, engine, mappings and simulation, symbolic,
-orbits, crosschecks, grazing, certificates, reference, plot, derive and bench, paper, cli. The
-top-level modules (errors, arguments, exact, files, model, words, reductions, aliases), display and
-scenes serve all. The public names are listed in ``__init__.pyi`` and loaded on first use: importing
-symosc loads neither sympy nor matplotlib nor numba.
+The packages, each using only those before it, are listed in `symosc.base.layers`: first what all of
+them use, last the commands. The public names are listed in ``__init__.pyi`` and loaded on first use:
+importing symosc loads neither sympy nor matplotlib nor numba.
 """
 
 import lazy_loader

@@ -14,11 +14,11 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from symosc.errors import ParameterError, meant, optional
-from symosc.exact import whole_number
+from symosc.analysis.sensitivities import sensitivities
+from symosc.base.errors import ParameterError, meant, optional
+from symosc.base.exact import whole_number
 from symosc.model import PARAMETER_NAMES, Parameters, by_name
 from symosc.scenes import STARTS
-from symosc.sensitivities import sensitivities
 from symosc.simulation.ensemble import simulate_many
 from symosc.simulation.tangents import NAMES
 

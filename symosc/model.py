@@ -16,11 +16,11 @@ from dataclasses import dataclass, fields
 from fractions import Fraction
 from typing import Any
 
-from symosc.aliases import NumberLike
-from symosc.arguments import public
-from symosc.errors import ParameterError, meant
-from symosc.exact import show, whole_number
-from symosc.quantities import QUANTITIES, least, read_number
+from symosc.base.aliases import NumberLike
+from symosc.base.arguments import public
+from symosc.base.errors import ParameterError, meant
+from symosc.base.exact import show, whole_number
+from symosc.base.quantities import QUANTITIES, least, read_number
 
 #: The states of motion, by the code that the fast paths use: 1 to 3 a domain, 4 and 5 a stick on
 #: belt 1 and 2.

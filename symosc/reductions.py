@@ -24,12 +24,12 @@ from functools import cache, cached_property
 from math import isqrt
 from typing import TYPE_CHECKING, Any, NamedTuple
 
-from symosc.aliases import Number, NumberLike
-from symosc.arguments import public
-from symosc.errors import ParameterError, meant
-from symosc.exact import power_of_ten, read_exact, show, unmasked
+from symosc.base.aliases import Number, NumberLike
+from symosc.base.arguments import public
+from symosc.base.errors import ParameterError, meant
+from symosc.base.exact import power_of_ten, read_exact, show, unmasked
+from symosc.base.quantities import half_unit, read_number, rounded
 from symosc.model import Parameters
-from symosc.quantities import half_unit, read_number, rounded
 
 if TYPE_CHECKING:  # scenes are read without numpy
     import numpy as np

@@ -15,8 +15,8 @@ import re
 from collections.abc import Iterable, Sequence
 from typing import NamedTuple, TypeAlias
 
-from symosc.arguments import public
-from symosc.errors import SymoscError, brief, shown
+from symosc.base.arguments import public
+from symosc.base.errors import SymoscError, brief, shown
 from symosc.model import NEIGHBOURS
 
 

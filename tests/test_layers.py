@@ -11,33 +11,10 @@ from pathlib import Path
 from sources import nodes
 
 import symosc
+from symosc.base.layers import LAYERS
 
 ROOT = Path(symosc.__file__).parent
-#: Packages and the modules beside them, level by level: each may use those of lower levels, and
-#: what is in itself.
-LEVELS = [
-    {"aliases", "errors"},
-    {"exact"},
-    {"arguments", "files", "display", "workers"},
-    {"quantities"},
-    {"model"},
-    {"words", "reductions"},
-    {"scenes"},
-    {"kernels"},
-    {"engine"},
-    {"mappings", "simulation"},
-    {"symbolic"},
-    {"orbits", "crosschecks", "sweeps", "sensitivities"},
-    {"grazing", "fitting", "jax", "response"},
-    {"certificates", "fit"},
-    {"reference"},
-    {"plot"},
-    {"derive", "bench"},
-    {"paper"},
-    {"cli"},
-    {"__main__"},
-]
-LEVEL = {name: i for i, names in enumerate(LEVELS) for name in names}
+LEVEL = {name: i for i, names in enumerate(LAYERS) for name in names}
 
 
 def module_name(path: Path) -> str:

@@ -17,8 +17,8 @@ import pytest
 import sympy
 
 from symosc import simulate
-from symosc.errors import ParameterError, SceneError, SymoscError
-from symosc.exact import read_start_error, show, unmasked
+from symosc.base.errors import ParameterError, SceneError, SymoscError
+from symosc.base.exact import read_start_error, show, unmasked
 from symosc.model import PARAMETER_NAMES, Parameters
 from symosc.scenes import Scene, load_scene, scene_names
 

@@ -22,7 +22,7 @@ from symosc import (
     simulate,
     simulate_many,
 )
-from symosc.workers import process_pool
+from symosc.base.workers import process_pool
 
 SCENE = load_scene("fig9")
 P = SCENE.parameters

@@ -22,7 +22,7 @@ from hostile import CALLED, P9, VALUES, full, functions, is_valid, made, of_answ
 
 import symosc
 from symosc import ParameterError, SymoscError, plot
-from symosc.arguments import public
+from symosc.base.arguments import public
 
 #: Seconds after which a call is given up; it is then neither right nor wrong.
 GIVEN_UP = 5

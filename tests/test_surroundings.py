@@ -17,9 +17,9 @@ from cli_runs import PROGRAM, good, run
 from effort import PATIENCE
 
 import symosc
-from symosc.errors import OutputError
-from symosc.files import write_folder, write_text
-from symosc.workers import process_pool
+from symosc.base.errors import OutputError
+from symosc.base.files import write_folder, write_text
+from symosc.base.workers import process_pool
 
 pytestmark = pytest.mark.skipif(sys.platform != "linux", reason="limits and devices of Linux")
 PROGRAM_TEXT = shlex.join(PROGRAM)
@@ -87,7 +87,7 @@ def test_a_figure_with_few_descriptors(suffix: str, most: int, tmp_path: Path) -
 
 WITH_FEW = """
 import os, resource
-from symosc.files import write_folder, write_text
+from symosc.base.files import write_folder, write_text
 os.mkdir("old")
 write = {
     "text": lambda: write_text("a.txt", "text"),

@@ -21,9 +21,9 @@ from symosc import (
     simulate,
     simulate_many,
 )
-from symosc.errors import meant
+from symosc.base.errors import meant
+from symosc.base.quantities import read_number
 from symosc.mappings.numbers import read_phase
-from symosc.quantities import read_number
 from symosc.reference.cases import chosen
 from symosc.scenes import as_toml
 

@@ -14,7 +14,7 @@ from importlib.metadata import PackageNotFoundError, version
 from pathlib import Path
 from typing import Any, TypeAlias
 
-from symosc.aliases import Record
+from symosc.base.aliases import Record
 
 #: Takes the steps of a run and returns them as an iterable that may show how far it is.
 Progress: TypeAlias = Callable[[Sequence[Any]], Iterable[Any]]

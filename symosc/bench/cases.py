@@ -18,7 +18,8 @@ from typing import Any
 from tabulate import tabulate
 
 from symosc import plot
-from symosc.aliases import Record
+from symosc.base.aliases import Record
+from symosc.base.files import write_text
 from symosc.bench import Progress, machine, not_run, sentence
 from symosc.bench.solvers import (
     HANG,
@@ -30,7 +31,6 @@ from symosc.bench.solvers import (
     in_parallel,
     processor_limit,
 )
-from symosc.files import write_text
 from symosc.reference import score
 from symosc.reference.case import ReferenceCase, with_known
 from symosc.reference.cases import GROUPS, SET_VERSION, hard_cases, reference_cases

@@ -29,7 +29,7 @@ from matplotlib.figure import Figure
 from matplotlib.layout_engine import ConstrainedLayoutEngine
 from matplotlib.patheffects import withStroke
 
-from symosc.aliases import Number, Record
+from symosc.base.aliases import Number, Record
 from symosc.bench import Progress
 from symosc.engine.arithmetic import mp_context
 from symosc.engine.flow import Constants, constants

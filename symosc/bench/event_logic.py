@@ -22,10 +22,10 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from symosc.aliases import Record
+from symosc.base.aliases import Record
+from symosc.base.errors import SymoscError
 from symosc.bench.solvers import FoundEvent
 from symosc.engine.arithmetic import mp_context
-from symosc.errors import SymoscError
 from symosc.model import MODE_NAMES, Parameters
 from symosc.scenes import Scene
 

@@ -21,7 +21,9 @@ from typing import Any
 import numpy as np
 from tabulate import tabulate
 
-from symosc.aliases import Record
+from symosc.base.aliases import Record
+from symosc.base.errors import ParameterError
+from symosc.base.files import write_text
 from symosc.bench import (
     Progress,
     cases,
@@ -52,8 +54,6 @@ from symosc.bench.peers_numba import (
 from symosc.bench.solvers import FoundEvent, Prepare, Solver, events_of
 from symosc.engine.arithmetic import bind
 from symosc.engine.flow import friction_signs
-from symosc.errors import ParameterError
-from symosc.files import write_text
 from symosc.model import NEIGHBOURS, PARAMETER_NAMES, Parameters, by_name
 from symosc.reference.case import ReferenceCase
 from symosc.reference.cases import SET_VERSION, reference_cases

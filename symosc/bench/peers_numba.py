@@ -18,7 +18,7 @@ from typing import NamedTuple
 import numpy as np
 from scipy.integrate import DOP853
 
-from symosc.aliases import Record
+from symosc.base.aliases import Record
 from symosc.bench import event_logic
 from symosc.bench.event_logic import (
     ATOL,

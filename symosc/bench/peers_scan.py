@@ -16,7 +16,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from symosc.aliases import Record
+from symosc.base.aliases import Record
 from symosc.bench import event_logic
 from symosc.bench.event_logic import UNSOLVED, PeerError, Problem, margins, problem, root, runner
 from symosc.bench.solvers import FoundEvent, Solver

@@ -29,7 +29,7 @@ from typing import Any
 import numpy as np
 from scipy.integrate import solve_ivp
 
-from symosc.aliases import Record
+from symosc.base.aliases import Record
 from symosc.bench import event_logic
 from symosc.bench.event_logic import (
     ATOL,

@@ -8,11 +8,11 @@ from pathlib import Path
 from textwrap import fill
 
 from symosc import plot
-from symosc.aliases import Record
+from symosc.base.aliases import Record
+from symosc.base.errors import OutputError
+from symosc.base.files import make_folder, write_text
 from symosc.bench import cases, error_map, sentence, speed, work
 from symosc.bench.solvers import OURS, REFERENCE_DIGITS
-from symosc.errors import OutputError
-from symosc.files import make_folder, write_text
 from symosc.simulation.simulate import ACCURACY
 
 #: Where pictures and full tables go, relative to the README.

@@ -28,7 +28,7 @@ from typing import Any, NamedTuple, TypeAlias
 from pebble import ProcessExpired, ProcessPool
 
 from symosc import bench
-from symosc.aliases import Record
+from symosc.base.aliases import Record
 from symosc.scenes import Scene
 from symosc.simulation.ensemble import simulate_many
 from symosc.simulation.simulate import ACCURACY, simulate

@@ -26,11 +26,11 @@ from typing import Any, NamedTuple
 import numpy as np
 from tabulate import tabulate
 
-from symosc.aliases import Number, Record
+from symosc.analysis.fitting.fit import fit
+from symosc.base.aliases import Number, Record
 from symosc.bench import Progress, machine, peers_heyoka, peers_scan, sentence
 from symosc.bench.solvers import REFERENCE_DIGITS
 from symosc.engine.arithmetic import MpArithmetic
-from symosc.fit import fit
 from symosc.grazing.window import grazing_window, grazing_windows
 from symosc.mappings.compiled import compiled_residual
 from symosc.mappings.equations import residual

@@ -21,7 +21,8 @@ from matplotlib.layout_engine import ConstrainedLayoutEngine
 from matplotlib.lines import Line2D
 from tabulate import tabulate
 
-from symosc.aliases import Record
+from symosc.base.aliases import Record
+from symosc.base.exact import read_exact
 from symosc.bench import Progress, machine
 from symosc.bench.solvers import (
     HANG,
@@ -35,7 +36,6 @@ from symosc.bench.solvers import (
 )
 from symosc.bench.speed import floor_s
 from symosc.crosschecks.events import WINDOW
-from symosc.exact import read_exact
 from symosc.plot.drawing import STYLE
 from symosc.reference.case import relative_error
 from symosc.reference.score import align

@@ -22,14 +22,15 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from symosc.aliases import NumberLike, Progress, Record, SceneName
-from symosc.arguments import public
+from symosc.base.aliases import NumberLike, Progress, Record, SceneName
+from symosc.base.arguments import public
+from symosc.base.display.drawable import Drawable
+from symosc.base.display.progress import reporting
+from symosc.base.errors import ParameterError
+from symosc.base.exact import read_exact, show, whole_number
+from symosc.base.files import STDOUT, check_folder_of, write_text
+from symosc.base.workers import process_pool
 from symosc.certificates.certificate import FORMAT
-from symosc.display.drawable import Drawable
-from symosc.display.progress import reporting
-from symosc.errors import ParameterError
-from symosc.exact import read_exact, show, whole_number
-from symosc.files import STDOUT, check_folder_of, write_text
 from symosc.kernels import linear
 from symosc.model import PARAMETER_NAMES, Parameters, by_name
 from symosc.orbits.border import REST, Border, BorderError, borders_between, passes
@@ -38,7 +39,6 @@ from symosc.orbits.find import SETTLING_PERIODS, find_orbit
 from symosc.scenes import Scene, load_scene
 from symosc.simulation.ensemble import simulate_many
 from symosc.words import Word, read_word
-from symosc.workers import process_pool
 
 #: How many boxes are tried before the time is checked again, and in one call of a worker.
 BATCH = 64

@@ -15,7 +15,7 @@ from fractions import Fraction
 from math import ceil, floor
 from typing import Any, TypeAlias
 
-from symosc.errors import MissingExtraError
+from symosc.base.errors import MissingExtraError
 
 try:
     from flint import __version__ as FLINT_VERSION

@@ -22,13 +22,13 @@ from math import comb, floor, log10
 
 from flint import arb, arb_mat, arb_series, ctx
 
-from symosc.aliases import Record
+from symosc.base.aliases import Record
+from symosc.base.display.progress import reporting
+from symosc.base.exact import show
 from symosc.certificates.balls import Ball, Undecided, ball, made_by, outward
 from symosc.certificates.certificate import Certificate, confirmed
 from symosc.certificates.flow import Oscillator
 from symosc.certificates.orbit import ClosingBalls, Margin, Values, column, switchings, unit_matrix
-from symosc.display.progress import reporting
-from symosc.exact import show
 from symosc.model import Parameters
 from symosc.orbits.branch import Branch
 from symosc.orbits.closing_equations import pieces_of

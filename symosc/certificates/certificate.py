@@ -11,9 +11,9 @@ from fractions import Fraction
 from pathlib import Path
 from typing import Any
 
-from symosc.aliases import Record
-from symosc.display.drawable import Drawable
-from symosc.files import write_text
+from symosc.base.aliases import Record
+from symosc.base.display.drawable import Drawable
+from symosc.base.files import write_text
 from symosc.model import PARAMETER_NAMES, Parameters
 
 #: The format that every certificate file names.

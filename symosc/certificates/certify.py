@@ -14,12 +14,12 @@ from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
-from symosc.aliases import NumberLike, SceneName, StartError
-from symosc.arguments import public
+from symosc.base.aliases import NumberLike, SceneName, StartError
+from symosc.base.arguments import public
+from symosc.base.errors import ParameterError
+from symosc.base.exact import read_digits, read_start_error
 from symosc.certificates.atlas import Atlas
 from symosc.certificates.certificate import Certificate, confirmed
-from symosc.errors import ParameterError
-from symosc.exact import read_digits, read_start_error
 from symosc.grazing.window import GrazingWindow
 from symosc.model import Parameters
 from symosc.orbits.branch import Branch

@@ -31,7 +31,7 @@ from typing import NamedTuple
 
 from flint import arb, ctx
 
-from symosc.aliases import Record
+from symosc.base.aliases import Record
 from symosc.certificates.balls import (
     Ball,
     StateSet,

@@ -26,7 +26,7 @@ from typing import NamedTuple
 
 from flint import arb, arb_mat, ctx
 
-from symosc.aliases import Number, Record
+from symosc.base.aliases import Number, Record
 from symosc.certificates.balls import Ball, Undecided, exact_ends, made_by, outward
 from symosc.certificates.certificate import Certificate, confirmed
 from symosc.certificates.flow import Curve, Flight, Oscillator, holding_force

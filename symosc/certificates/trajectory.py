@@ -36,7 +36,8 @@ from typing import NamedTuple, TypeAlias
 
 from flint import arb, arb_mat, arb_series, ctx
 
-from symosc.aliases import Record
+from symosc.base.aliases import Record
+from symosc.base.exact import show
 from symosc.certificates.balls import (
     Ball,
     StateSet,
@@ -68,7 +69,6 @@ from symosc.certificates.orbit import (
     switchings,
     unit_matrix,
 )
-from symosc.exact import show
 from symosc.model import MODE_NAMES, PARAMETER_NAMES, Parameters
 from symosc.orbits.closing_equations import pieces_of
 from symosc.orbits.periodic_orbit import PeriodicOrbit

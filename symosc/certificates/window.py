@@ -14,9 +14,9 @@ from fractions import Fraction
 
 from flint import arb, ctx
 
+from symosc.base.exact import show
 from symosc.certificates.balls import Ball, ball, decided_sign, made_by, outward
 from symosc.certificates.certificate import Certificate, confirmed
-from symosc.exact import show
 from symosc.grazing.window import GrazingWindow
 
 WINDOW_BITS = 128

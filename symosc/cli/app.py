@@ -15,11 +15,11 @@ from typing import Any, NoReturn
 import click
 
 import symosc
+from symosc.base.display import progress
+from symosc.base.errors import CodeCacheWarning, SymoscError, brief, meant
+from symosc.base.files import drop
 from symosc.cli.options import flag
 from symosc.cli.output import BAD_INPUT, INTERRUPTED, complain, note, write
-from symosc.display import progress
-from symosc.errors import CodeCacheWarning, SymoscError, brief, meant
-from symosc.files import drop
 from symosc.model import PARAMETER_NAMES
 
 #: The longest word that an error shows whole, such as the path of a file.

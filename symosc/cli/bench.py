@@ -11,11 +11,11 @@ from typing import Any
 import click
 
 import symosc
-from symosc.aliases import Record
+from symosc.base.aliases import Record
+from symosc.base.display.progress import bar
+from symosc.base.errors import MissingExtraError
 from symosc.cli import options, output
 from symosc.cli.options import Text, flag, option
-from symosc.display.progress import bar
-from symosc.errors import MissingExtraError
 
 
 @click.command()
@@ -131,8 +131,8 @@ def _score(hint: str, page: str) -> int:
 
     Return exit code 0.
     """
+    from symosc.base.files import check_folder_of
     from symosc.bench import cases, gradients
-    from symosc.files import check_folder_of
 
     if not page.endswith(".md"):
         raise click.BadParameter(f"{page!r} must end in .md", param_hint=hint)

@@ -9,10 +9,10 @@ from typing import Any
 import click
 
 import symosc
+from symosc.base.errors import MissingExtraError
 from symosc.certificates.certificate import common_complex, common_digits
 from symosc.cli import options, output
 from symosc.cli.options import Settings, Text, option
-from symosc.errors import MissingExtraError
 
 
 @click.command()

@@ -13,10 +13,10 @@ from typing import TYPE_CHECKING, Any
 import click
 
 import symosc
-from symosc.aliases import Record
+from symosc.base.aliases import Record
+from symosc.base.display.progress import bar
 from symosc.cli import options, output
 from symosc.cli.options import Settings, Text, flag, option
-from symosc.display.progress import bar
 
 if TYPE_CHECKING:
     from symosc.reference.case import ReferenceCase
@@ -205,7 +205,7 @@ def score(folder: str, results: tuple[str, ...], tolerance: Text, page: Text, pl
       symosc score cases mine theirs -o scores.html --plot scores.svg
       symosc score cases mine.json --tolerance 1e-6 --json
     """
-    from symosc.files import write_text
+    from symosc.base.files import write_text
     from symosc.reference.folder import read_set
     from symosc.reference.results import read_results
     from symosc.reference.score import (

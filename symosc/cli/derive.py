@@ -14,13 +14,13 @@ from typing import Any
 import click
 from click.core import ParameterSource
 
-from symosc.aliases import Record
+from symosc.base.aliases import Record
+from symosc.base.display.progress import VERBOSE, bar
+from symosc.base.errors import OutputError, ParameterError, SymoscError, meant
+from symosc.base.files import STDOUT, check_new_folder, write_text
 from symosc.cli import options, output
 from symosc.cli.options import Text, flag, option
 from symosc.derive.chapters import CHAPTERS
-from symosc.display.progress import VERBOSE, bar
-from symosc.errors import OutputError, ParameterError, SymoscError, meant
-from symosc.files import STDOUT, check_new_folder, write_text
 from symosc.scenes import load_scene
 from symosc.symbolic.export import LANGUAGES
 

@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import click
 
+from symosc.base.errors import ParameterError
 from symosc.cli import options, output
 from symosc.cli.options import Settings, Text, flag, option
-from symosc.errors import ParameterError
 
 
 @click.command()
@@ -53,7 +53,7 @@ def fit(
       symosc fit fig5 run.csv --free mu1,c --columns t=clock,x=u --robust
       symosc fit mine.toml samples.csv --free mu1,k,x0 --start mu1=0.7 --plot fit.png
     """
-    from symosc.fit import fit as fit_parameters
+    from symosc.analysis.fitting.fit import fit as fit_parameters
 
     problem = options.scene_with(scene, settings)
     names = [name.strip() for name in free.split(",")]

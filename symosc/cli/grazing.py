@@ -10,11 +10,11 @@ from typing import Any
 import click
 
 import symosc
-from symosc.aliases import Order, Record
+from symosc.base.aliases import Order, Record
+from symosc.base.display.progress import late_bar
+from symosc.base.exact import show
 from symosc.cli import options, output
 from symosc.cli.options import Settings, Text, flag, option
-from symosc.display.progress import late_bar
-from symosc.exact import show
 from symosc.mappings.theorem7_cases import ORDERS, PLACES, place
 from symosc.model import PARAMETER_NAMES, Parameters
 from symosc.scenes import load_scene

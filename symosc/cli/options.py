@@ -11,12 +11,12 @@ from typing import Any, TypeAlias
 import click
 from click.shell_completion import CompletionItem
 
+from symosc.base.exact import read_start_error
+from symosc.base.files import STDOUT
+from symosc.base.quantities import read_number
 from symosc.cli.output import claim_stdout, note
-from symosc.exact import read_start_error
-from symosc.files import STDOUT
 from symosc.mappings.theorem7_cases import PLACES
 from symosc.model import PARAMETER_NAMES
-from symosc.quantities import read_number
 from symosc.scenes import START_NAMES, Scene, load_scene, scene_names
 
 #: The text of an option; None if it is not given.

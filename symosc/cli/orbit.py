@@ -8,11 +8,11 @@ from typing import Any
 import click
 
 import symosc
-from symosc.aliases import Record
+from symosc.base.aliases import Record
+from symosc.base.exact import show
+from symosc.base.files import STDOUT
 from symosc.cli import options, output
 from symosc.cli.options import Settings, Text, option
-from symosc.exact import show
-from symosc.files import STDOUT
 from symosc.reductions import MODEL_NAMES
 
 

@@ -14,8 +14,8 @@ from typing import Any, NoReturn
 import click
 
 import symosc
-from symosc.display import progress
-from symosc.files import STDOUT, drop
+from symosc.base.display import progress
+from symosc.base.files import STDOUT, drop
 
 FAILED = 1
 BAD_INPUT = 2

@@ -9,9 +9,9 @@ from typing import TYPE_CHECKING
 
 import click
 
+from symosc.base.display.progress import bar
+from symosc.base.files import check_new_folder
 from symosc.cli import options, output
-from symosc.display.progress import bar
-from symosc.files import check_new_folder
 
 if TYPE_CHECKING:
     from symosc.paper.run import Plan, Results

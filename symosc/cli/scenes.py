@@ -8,11 +8,11 @@ from pathlib import Path
 
 import click
 
-from symosc.aliases import Record
+from symosc.base.aliases import Record
+from symosc.base.errors import OutputError
+from symosc.base.exact import show
+from symosc.base.files import STDOUT, write_text
 from symosc.cli import options, output
-from symosc.errors import OutputError
-from symosc.exact import show
-from symosc.files import STDOUT, write_text
 from symosc.scenes import START_NAMES, Original, Scene, as_toml, figure_of, load_scene, scene_names
 
 

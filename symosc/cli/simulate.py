@@ -11,11 +11,11 @@ from typing import Any
 import click
 
 import symosc
-from symosc.aliases import Record
+from symosc.base.aliases import Record
+from symosc.base.files import STDOUT
 from symosc.cli import options, output
 from symosc.cli.options import Settings, Text, WholeNumber, flag, option
 from symosc.engine.events import EVENT_COLUMNS
-from symosc.files import STDOUT
 from symosc.words import collapsed
 
 

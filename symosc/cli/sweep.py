@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 import click
 
 import symosc
-from symosc.aliases import Record
+from symosc.base.aliases import Record
 from symosc.cli import options, output
 from symosc.cli.options import Settings, Text, flag, option
 from symosc.model import PARAMETER_NAMES

@@ -13,11 +13,11 @@ from typing import Any
 
 import numpy as np
 
+from symosc.base.errors import ParameterError
 from symosc.crosschecks.causes import Candidate, Case, Diagnosis
 from symosc.crosschecks.samples import Samples
 from symosc.crosschecks.steps import follow_steps
 from symosc.crosschecks.velocities import with_velocities
-from symosc.errors import ParameterError
 from symosc.model import Parameters
 from symosc.simulation.tables import counted
 

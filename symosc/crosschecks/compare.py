@@ -11,8 +11,10 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike
 
-from symosc.aliases import NumberLike, Progress, Record, SceneName, SolutionLike
-from symosc.arguments import public
+from symosc.base.aliases import NumberLike, Progress, Record, SceneName, SolutionLike
+from symosc.base.arguments import public
+from symosc.base.errors import ParameterError
+from symosc.base.exact import read_exact
 from symosc.crosschecks.causes import Fault, explain
 from symosc.crosschecks.events import (
     WINDOW,
@@ -46,8 +48,6 @@ from symosc.crosschecks.steps import (
     sample_errors,
 )
 from symosc.crosschecks.velocities import with_velocities
-from symosc.errors import ParameterError
-from symosc.exact import read_exact
 from symosc.model import Parameters
 from symosc.scenes import STARTS, Scene, load_scene, not_reduced_error
 from symosc.simulation.batch import read_workers

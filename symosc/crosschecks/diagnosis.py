@@ -13,6 +13,7 @@ from typing import Any
 
 import numpy as np
 
+from symosc.base.errors import ParameterError
 from symosc.crosschecks import columns, friction, methods, models
 from symosc.crosschecks.causes import (
     ENOUGH,
@@ -24,7 +25,6 @@ from symosc.crosschecks.causes import (
     mended_share,
 )
 from symosc.engine.next_event import TWO_PI
-from symosc.errors import ParameterError
 
 # Causes that explain this little less than the best are its alternatives.
 AS_GOOD = 0.02

@@ -31,7 +31,9 @@ from typing import IO, Any
 
 import numpy as np
 
-from symosc.aliases import Record
+from symosc.base.aliases import Record
+from symosc.base.errors import ParameterError, SymoscError, brief, optional
+from symosc.base.files import STDIN_CLOSED, STDOUT, read_path
 from symosc.crosschecks.objects import (
     ID_COLUMN,
     Asked,
@@ -44,8 +46,6 @@ from symosc.crosschecks.objects import (
     solutions_in,
 )
 from symosc.crosschecks.samples import SAMPLE_COLUMNS, Samples, number_of
-from symosc.errors import ParameterError, SymoscError, brief, optional
-from symosc.files import STDIN_CLOSED, STDOUT, read_path
 
 TEXT_SUFFIXES = (".csv", ".tsv", ".txt", ".dat", ".out", ".asc")
 PACKED: dict[str, Callable[[Any], Any]] = {".gz": gzip.open, ".bz2": bz2.open, ".xz": lzma.open}

@@ -12,11 +12,11 @@ from typing import Any
 
 import numpy as np
 
-from symosc.aliases import Record
+from symosc.base.aliases import Record
+from symosc.base.errors import ParameterError
 from symosc.crosschecks.causes import LEFT_OVER, Candidate, Case, Diagnosis, Fit, fitted, larger
 from symosc.engine.arithmetic import Arithmetic
 from symosc.engine.flow import Constants
-from symosc.errors import ParameterError
 from symosc.kernels._generated import acceleration
 from symosc.model import PARAMETER_NAMES, Parameters
 from symosc.simulation.tables import counted

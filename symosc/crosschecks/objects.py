@@ -26,10 +26,10 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from symosc.aliases import Record
+from symosc.base.aliases import Record
+from symosc.base.errors import ParameterError, brief
+from symosc.base.exact import unmasked
 from symosc.crosschecks.samples import SAMPLE_COLUMNS, Samples, checked, fastest_rate
-from symosc.errors import ParameterError, brief
-from symosc.exact import unmasked
 from symosc.model import Parameters
 from symosc.scenes import Scene
 from symosc.simulation.trajectory import Trajectory

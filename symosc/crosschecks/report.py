@@ -16,19 +16,19 @@ from typing import Any, Protocol
 
 import numpy as np
 
-from symosc.aliases import Record
+from symosc.base.aliases import Record
+from symosc.base.display.drawable import Comparable, Drawable, Reportable
+from symosc.base.display.frames import imported
+from symosc.base.display.progress import reporting
+from symosc.base.errors import ParameterError
+from symosc.base.workers import process_pool
 from symosc.crosschecks.causes import REASONS, Diagnosis, Fault
 from symosc.crosschecks.diagnosis import diagnose
 from symosc.crosschecks.events import FoundEvent, Match
 from symosc.crosschecks.samples import Samples
-from symosc.display.drawable import Comparable, Drawable, Reportable
-from symosc.display.frames import imported
-from symosc.display.progress import reporting
-from symosc.errors import ParameterError
 from symosc.model import Parameters
 from symosc.simulation.tables import counted
 from symosc.simulation.trajectory import Event, Trajectory
-from symosc.workers import process_pool
 
 EVENTS_LISTED = 5  # of a kind in a summary
 # Number of failing solutions that a summary of several solutions lists.

@@ -12,9 +12,9 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
+from symosc.base.errors import ParameterError, brief
+from symosc.base.exact import unmasked
 from symosc.engine.events import KIND_NAMES
-from symosc.errors import ParameterError, brief
-from symosc.exact import unmasked
 from symosc.model import Parameters
 
 SAMPLE_COLUMNS = ("t", "x", "v")

@@ -26,6 +26,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
+from symosc.base.errors import MissingExtraError
 from symosc.crosschecks.samples import Samples
 from symosc.engine.arithmetic import Arithmetic, is_compiled, loaded_loop, mp_context
 from symosc.engine.batch import Batch, batch_of, joined, keep_state, state_of
@@ -33,7 +34,6 @@ from symosc.engine.flow import Constants, table_of
 from symosc.engine.next_event import TWO_PI, advance
 from symosc.engine.start import start_rows
 from symosc.engine.state import CROSS, END, FAILED, GRAZE, MOVED, ON_BELT, REST
-from symosc.errors import MissingExtraError
 from symosc.kernels import entire_array
 from symosc.kernels._generated import acceleration, motion, stick_acceleration
 from symosc.kernels.double_double import two_product

@@ -18,12 +18,12 @@ from typing import TypeGuard
 
 import numpy as np
 
-from symosc.aliases import Record
+from symosc.base.aliases import Record
+from symosc.base.errors import ParameterError
 from symosc.crosschecks.samples import Samples, fastest_rate, find_digits
 from symosc.crosschecks.steps import follow_from, phases
 from symosc.engine.arithmetic import Arithmetic
 from symosc.engine.flow import Constants
-from symosc.errors import ParameterError
 from symosc.kernels import entire_array
 from symosc.kernels._generated import acceleration, motion
 from symosc.model import Parameters

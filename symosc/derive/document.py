@@ -19,6 +19,8 @@ from pathlib import Path
 from tempfile import TemporaryDirectory
 from typing import Any, NamedTuple
 
+from symosc.base.errors import SymoscError
+from symosc.base.files import make_folder, write_text
 from symosc.derive import front
 from symosc.derive.chapters import CHAPTERS
 from symosc.derive.citation import CITATION, cited, plain_line, reference_list, references_bib
@@ -37,8 +39,6 @@ from symosc.derive.steps import (
     flat,
     steps_of,
 )
-from symosc.errors import SymoscError
-from symosc.files import make_folder, write_text
 
 ToHtml = Callable[[str], str]
 #: Called with a chapter, how many of its steps have been checked, and how many it has.

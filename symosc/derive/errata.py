@@ -11,7 +11,7 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
-from symosc.errors import SymoscError
+from symosc.base.errors import SymoscError
 
 ERRATA_FILE = Path(__file__).with_name("errata.toml")
 SEVERITIES = {

@@ -16,6 +16,8 @@ from typing import NamedTuple
 import sympy as sp
 
 import symosc
+from symosc.base.errors import ParameterError
+from symosc.base.exact import show
 from symosc.derive.chapters import domains, grazing, jacobians, motion, sticks, switching
 from symosc.derive.document import Checked, Part, align, cell, check
 from symosc.derive.latex import latex, named
@@ -33,8 +35,6 @@ from symosc.derive.steps import (
     generic_basis,
     step,
 )
-from symosc.errors import ParameterError
-from symosc.exact import show
 from symosc.mappings.theorem7_cases import PLACES
 from symosc.model import NEIGHBOURS
 from symosc.symbolic import maps, solution, theorem7

@@ -11,9 +11,9 @@ import sympy as sp
 from sympy.core.function import AppliedUndef
 from sympy.printing.latex import LatexPrinter
 
-from symosc.aliases import Expr
+from symosc.base.aliases import Expr
+from symosc.base.exact import show
 from symosc.derive.steps import Step
-from symosc.exact import show
 from symosc.symbolic import maps, solution
 
 _dot = r"\dot{x}"

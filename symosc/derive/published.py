@@ -21,16 +21,16 @@ import numpy as np
 import sympy as sp
 from scipy import optimize
 
+from symosc.analysis.sensitivities import sensitivities
+from symosc.base.errors import ParameterError, SymoscError
+from symosc.base.exact import show
 from symosc.derive.steps import CONTEXT
-from symosc.errors import ParameterError, SymoscError
-from symosc.exact import show
 from symosc.model import Parameters
 from symosc.orbits.branch import continue_orbit
 from symosc.orbits.find import find_orbit
 from symosc.orbits.floquet import rest_positions
 from symosc.orbits.periodic_orbit import PeriodicOrbit
 from symosc.reference.cases import wall
-from symosc.sensitivities import sensitivities
 from symosc.simulation.simulate import simulate
 from symosc.simulation.trajectory import Trajectory
 from symosc.symbolic import coulomb, solution

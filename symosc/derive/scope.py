@@ -10,10 +10,10 @@ from typing import Any
 
 import sympy as sp
 
-from symosc.aliases import Expr
+from symosc.base.aliases import Expr
+from symosc.base.exact import read_exact, show
 from symosc.derive.latex import latex, named
 from symosc.derive.steps import Step, equation
-from symosc.exact import read_exact, show
 from symosc.model import NEIGHBOURS, PARAMETER_NAMES, Parameters, by_name
 from symosc.scenes import Scene
 from symosc.simulation.simulate import simulate

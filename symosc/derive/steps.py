@@ -24,8 +24,8 @@ from typing import Any, NamedTuple
 import sympy as sp
 from sympy.core.function import AppliedUndef
 
-from symosc.aliases import Expr
-from symosc.errors import SymoscError
+from symosc.base.aliases import Expr
+from symosc.base.errors import SymoscError
 from symosc.kernels.multiprecision import mp_context
 from symosc.symbolic import solution
 

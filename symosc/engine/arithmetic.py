@@ -33,7 +33,8 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from symosc.aliases import Number
+from symosc.base.aliases import Number
+from symosc.base.errors import MissingExtraError
 from symosc.engine import (
     batch,
     events,
@@ -47,7 +48,6 @@ from symosc.engine import (
 )
 from symosc.engine.flow import NESTED, ROW, ConstantRows, Constants, constants, with_march
 from symosc.engine.state import NextEvent, State
-from symosc.errors import MissingExtraError
 from symosc.kernels import _generated, double_double, elementary, entire, entire_array, mapping
 from symosc.model import Parameters
 

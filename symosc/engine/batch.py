@@ -19,7 +19,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from symosc.aliases import Number
+from symosc.base.aliases import Number
 from symosc.engine.events import CODE_COLUMNS, FLOAT_COLUMNS, event_codes, event_numbers
 from symosc.engine.flow import belt_forces, clock_time, constant_force
 from symosc.engine.next_event import advance, advance_near, free_time, time_with_errors

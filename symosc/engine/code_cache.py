@@ -25,7 +25,7 @@ from numba.core.caching import (
     InTreeCacheLocator,
 )
 
-from symosc.errors import CodeCacheWarning
+from symosc.base.errors import CodeCacheWarning
 
 DIGEST_SIZE = sha256().digest_size
 DAMAGED = "is damaged"

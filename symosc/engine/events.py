@@ -9,7 +9,7 @@ from __future__ import annotations
 from dataclasses import dataclass, field, fields
 from typing import Any
 
-from symosc.aliases import Number
+from symosc.base.aliases import Number
 from symosc.engine.state import CROSS, GRAZE, SLIP, STICK
 from symosc.model import MODE_NAMES
 

@@ -57,7 +57,7 @@ from __future__ import annotations
 from math import acos, sqrt
 from typing import NamedTuple
 
-from symosc.aliases import Number
+from symosc.base.aliases import Number
 from symosc.engine.flow import derivatives, fifth_derivative, state_at, turned, velocity_scale
 from symosc.engine.state import (
     HIT,

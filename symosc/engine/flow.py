@@ -19,7 +19,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from symosc.aliases import Number
+from symosc.base.aliases import Number
 from symosc.engine.state import Flown
 from symosc.kernels._generated import acceleration, motion, next_derivative
 from symosc.kernels.elementary import cos, exp, select, sin

@@ -14,13 +14,13 @@ from typing import Any, NamedTuple, TypeAlias
 
 import numpy as np
 
-from symosc.aliases import Number
+from symosc.base.aliases import Number
+from symosc.base.exact import power_of_ten
 from symosc.engine.arithmetic import Arithmetic, MpArithmetic, column_functions
 from symosc.engine.batch import rounded_covariance, row_of
 from symosc.engine.first_exit import ROUNDING
 from symosc.engine.flow import Constants, belt_forces, constant_force, constants, corrected
 from symosc.engine.state import BELT, DOMAIN_ABOVE, ON_BELT, Covariance, State
-from symosc.exact import power_of_ten
 from symosc.kernels._generated import acceleration
 from symosc.kernels.entire import EPS
 from symosc.model import Parameters, by_name

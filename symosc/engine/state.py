@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from typing import NamedTuple
 
-from symosc.aliases import Number
+from symosc.base.aliases import Number
 
 # Modes are those of `symosc.model.MODE_NAMES`: 1, 2, 3 a domain, ON_BELT + 1 and ON_BELT + 2 a
 # stick on belt 1 and 2.

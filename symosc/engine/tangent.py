@@ -19,7 +19,7 @@ from __future__ import annotations
 from math import floor, inf, log, pi
 from typing import NamedTuple
 
-from symosc.aliases import Number
+from symosc.base.aliases import Number
 from symosc.engine.flow import constant_force, friction_signs
 from symosc.engine.state import GRAZE, ON_BELT, STICK
 from symosc.kernels._generated import (

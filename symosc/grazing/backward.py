@@ -40,10 +40,10 @@ from typing import Any, NamedTuple, TypeAlias
 
 import numpy as np
 
-from symosc.aliases import Angle, Context, Number
+from symosc.base.aliases import Angle, Context, Number
+from symosc.base.errors import ParameterError
 from symosc.engine.arithmetic import MpArithmetic
 from symosc.engine.flow import Constants, constants, derivatives
-from symosc.errors import ParameterError
 from symosc.kernels import linear
 from symosc.kernels._generated import motion, next_derivative
 from symosc.kernels.entire import EPS

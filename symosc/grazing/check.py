@@ -34,13 +34,13 @@ from typing import Any
 import numpy as np
 from mpmath.ctx_iv import MPIntervalContext
 
-from symosc.aliases import Expr, Number, Numbers, Progress, Record
-from symosc.arguments import public
-from symosc.display.progress import late_bar
+from symosc.base.aliases import Expr, Number, Numbers, Progress, Record
+from symosc.base.arguments import public
+from symosc.base.display.progress import late_bar
+from symosc.base.errors import ParameterError
+from symosc.base.exact import whole_number
 from symosc.engine.arithmetic import MpArithmetic
 from symosc.engine.flow import Constants, constant_force, constants
-from symosc.errors import ParameterError
-from symosc.exact import whole_number
 from symosc.grazing.window import GrazingWindow, grazing_window
 from symosc.kernels._generated import motion
 from symosc.kernels.entire import EPS

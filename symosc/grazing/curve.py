@@ -26,12 +26,12 @@ from math import cos, exp, inf, nan, pi, sin
 
 import numpy as np
 
-from symosc.aliases import NumberLike, Progress
-from symosc.arguments import public
-from symosc.display.drawable import Drawable
-from symosc.display.progress import late_bar
+from symosc.base.aliases import NumberLike, Progress
+from symosc.base.arguments import public
+from symosc.base.display.drawable import Drawable
+from symosc.base.display.progress import late_bar
+from symosc.base.exact import read_exact, whole_number
 from symosc.engine.arithmetic import column_functions
-from symosc.exact import read_exact, whole_number
 from symosc.grazing.backward import CONTACT, MOST_BACKWARD_STEPS, NEVER, STEP, TOUCH, Origins
 from symosc.grazing.window import grazing_window
 from symosc.kernels.entire import basis

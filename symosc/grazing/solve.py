@@ -20,11 +20,11 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from symosc.aliases import Angle, Number, NumberLike, Progress
-from symosc.arguments import public
+from symosc.base.aliases import Angle, Number, NumberLike, Progress
+from symosc.base.arguments import public
+from symosc.base.errors import ParameterError
+from symosc.base.exact import read_digits, read_exact, whole_number
 from symosc.engine.arithmetic import mp_context
-from symosc.errors import ParameterError
-from symosc.exact import read_digits, read_exact, whole_number
 from symosc.grazing import curve as curves
 from symosc.grazing.backward import SEARCH_PERIODS, TOUCH, Flights, Instant
 from symosc.grazing.curve import (

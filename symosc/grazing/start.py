@@ -20,11 +20,11 @@ from dataclasses import dataclass
 from fractions import Fraction
 from math import inf
 
-from symosc.aliases import Angle, Context, Number, NumberLike, Record
-from symosc.arguments import public
+from symosc.base.aliases import Angle, Context, Number, NumberLike, Record
+from symosc.base.arguments import public
+from symosc.base.errors import ParameterError
+from symosc.base.exact import read_digits, read_exact, show
 from symosc.engine.arithmetic import mp_context
-from symosc.errors import ParameterError
-from symosc.exact import read_digits, read_exact, show
 from symosc.grazing import backward
 from symosc.grazing.backward import SEARCH_PERIODS, Flights, Origins
 from symosc.grazing.window import grazing_window

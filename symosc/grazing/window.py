@@ -19,12 +19,12 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike
 
-from symosc.aliases import Expr, Number, NumberLike, Order
-from symosc.arguments import public
-from symosc.display.drawable import Drawable
+from symosc.base.aliases import Expr, Number, NumberLike, Order
+from symosc.base.arguments import public
+from symosc.base.display.drawable import Drawable
+from symosc.base.errors import MissingExtraError, ParameterError
+from symosc.base.exact import show
 from symosc.engine.arithmetic import column_functions, compile_modules, mp_context
-from symosc.errors import MissingExtraError, ParameterError
-from symosc.exact import show
 from symosc.kernels import double_double
 from symosc.mappings import numbers
 from symosc.mappings import theorem7_cases as cases

@@ -18,7 +18,7 @@ from fractions import Fraction
 from functools import lru_cache
 from typing import Any
 
-from symosc.aliases import Context, Mpf, Number
+from symosc.base.aliases import Context, Mpf, Number
 from symosc.kernels._generated import basis_apart
 from symosc.model import Parameters
 

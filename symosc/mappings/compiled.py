@@ -8,11 +8,11 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike
 
-from symosc.arguments import public
+from symosc.base.arguments import public
+from symosc.base.errors import ParameterError
+from symosc.base.exact import unmasked
 from symosc.engine.arithmetic import compile_modules, compiled
 from symosc.engine.flow import Constants, constants
-from symosc.errors import ParameterError
-from symosc.exact import unmasked
 from symosc.kernels import _generated, elementary, entire, entire_array, formulas, mapping
 from symosc.kernels.mapping import BACKWARD, CLOSED_FORM, KINDS, WIDE
 from symosc.mappings.equations import EXITS, UNWRAPPED, flight_arguments, stick_arguments

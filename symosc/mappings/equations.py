@@ -28,8 +28,9 @@ from typing import Any, NamedTuple, TypeAlias
 import numpy as np
 from numpy.typing import ArrayLike
 
-from symosc.aliases import Context, Number, Numbers
-from symosc.arguments import public
+from symosc.base.aliases import Context, Number, Numbers
+from symosc.base.arguments import public
+from symosc.base.errors import ParameterError, SymoscError
 from symosc.engine import tangent
 from symosc.engine.arithmetic import Arithmetic, MpArithmetic, bind, column_functions, many_digits
 from symosc.engine.first_exit import ROUNDING
@@ -46,7 +47,6 @@ from symosc.engine.state import (
     Covariance,
     NextEvent,
 )
-from symosc.errors import ParameterError, SymoscError
 from symosc.kernels import mapping
 from symosc.mappings.numbers import POINT_NAMES, is_array, number_of, point_columns, scalar
 from symosc.model import MODE_NAMES, NEIGHBOURS, PARAMETER_NAMES, Parameters

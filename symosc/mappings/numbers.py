@@ -18,10 +18,10 @@ from typing import Any, NamedTuple, TypeGuard
 
 import numpy as np
 
-from symosc.aliases import Angle, Context, Expr, Number
+from symosc.base.aliases import Angle, Context, Expr, Number
+from symosc.base.errors import ParameterError, brief
+from symosc.base.exact import LARGEST, NUMBER_FORMS, read_exact, scalar_of, unmasked
 from symosc.engine.arithmetic import mp_context
-from symosc.errors import ParameterError, brief
-from symosc.exact import LARGEST, NUMBER_FORMS, read_exact, scalar_of, unmasked
 
 # --- switching points ---
 

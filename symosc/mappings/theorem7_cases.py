@@ -16,8 +16,8 @@ from __future__ import annotations
 from math import ldexp, nan
 from typing import NamedTuple
 
-from symosc.aliases import Order
-from symosc.errors import ParameterError
+from symosc.base.aliases import Order
+from symosc.base.errors import ParameterError
 from symosc.kernels.double_double import (
     HALF_PI,
     PI_PAIR,

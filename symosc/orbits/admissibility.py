@@ -27,7 +27,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from symosc.aliases import Number, Points
+from symosc.base.aliases import Number, Points
 from symosc.engine.arithmetic import column_functions
 from symosc.engine.state import Launch
 from symosc.kernels import linear

@@ -18,11 +18,12 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from symosc.aliases import NumberLike, Record
-from symosc.arguments import public
-from symosc.display.drawable import Drawable
-from symosc.errors import ParameterError, SymoscError, meant
-from symosc.exact import read_exact, whole_number
+from symosc.base.aliases import NumberLike, Record
+from symosc.base.arguments import public
+from symosc.base.display.drawable import Drawable
+from symosc.base.errors import ParameterError, SymoscError, meant
+from symosc.base.exact import read_exact, whole_number
+from symosc.base.quantities import least
 from symosc.kernels import linear
 from symosc.kernels.elementary import cos, sin
 from symosc.kernels.entire import EPS
@@ -42,7 +43,6 @@ from symosc.orbits.branch import MOST, NO_CONVERGENCE, RANGE, Branch, read_range
 from symosc.orbits.closing_equations import ClosingEquations, ConvergenceError, Orbit, solve
 from symosc.orbits.find import find_orbit, settling
 from symosc.orbits.floquet import rest_positions
-from symosc.quantities import least
 from symosc.words import Word, cycle
 
 

@@ -49,15 +49,15 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike
 
-from symosc.aliases import DataFrame, NumberLike, Points, Progress, Record
-from symosc.arguments import public
-from symosc.display.drawable import Drawable
-from symosc.display.frames import imported
-from symosc.display.progress import Advance, late_bar
+from symosc.base.aliases import DataFrame, NumberLike, Points, Progress, Record
+from symosc.base.arguments import public
+from symosc.base.display.drawable import Drawable
+from symosc.base.display.frames import imported
+from symosc.base.display.progress import Advance, late_bar
+from symosc.base.errors import ParameterError, SymoscError, meant
+from symosc.base.exact import read_exact, show, whole_number
 from symosc.engine.arithmetic import column_functions
 from symosc.engine.flow import derivatives
-from symosc.errors import ParameterError, SymoscError, meant
-from symosc.exact import read_exact, show, whole_number
 from symosc.kernels import linear
 from symosc.kernels._generated import motion
 from symosc.kernels.entire import EPS

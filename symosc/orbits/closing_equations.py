@@ -23,11 +23,11 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from symosc.aliases import Number, Point, Points
+from symosc.base.aliases import Number, Point, Points
+from symosc.base.errors import SymoscError
 from symosc.engine.arithmetic import Arithmetic, MpArithmetic
 from symosc.engine.flow import BeltConstants
 from symosc.engine.state import Launch
-from symosc.errors import SymoscError
 from symosc.kernels import _generated as kernels
 from symosc.kernels import elementary
 from symosc.kernels.entire import EPS

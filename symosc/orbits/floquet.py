@@ -45,7 +45,7 @@ from collections.abc import Callable
 from fractions import Fraction
 from typing import Any
 
-from symosc.aliases import Number, Points
+from symosc.base.aliases import Number, Points
 from symosc.kernels._generated import motion
 from symosc.model import NEIGHBOURS, Parameters
 from symosc.orbits.closing_equations import ClosingEquations, polish

@@ -11,13 +11,13 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike
 
-from symosc.aliases import Number, NumberLike, Record, SceneName
-from symosc.arguments import public
-from symosc.display.drawable import Drawable
+from symosc.base.aliases import Number, NumberLike, Record, SceneName
+from symosc.base.arguments import public
+from symosc.base.display.drawable import Drawable
+from symosc.base.errors import ParameterError, meant
+from symosc.base.exact import read_exact
 from symosc.engine.arithmetic import mp_context
 from symosc.engine.flow import state_at
-from symosc.errors import ParameterError, meant
-from symosc.exact import read_exact
 from symosc.mappings.numbers import latex_number, real_array
 from symosc.model import PARAMETER_NAMES, Parameters
 from symosc.orbits.admissibility import Condition, conditions

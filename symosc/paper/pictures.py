@@ -22,7 +22,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from scipy.optimize import minimize_scalar
 
-from symosc.exact import show
+from symosc.base.exact import show
 from symosc.grazing.window import grazing_window
 from symosc.kernels.entire import EPS
 from symosc.mappings.theorem7_cases import place

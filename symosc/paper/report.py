@@ -16,13 +16,13 @@ from unicodedata import normalize
 from jinja2 import Environment, PackageLoader, StrictUndefined
 from markupsafe import Markup
 
+from symosc.base.errors import OutputError
+from symosc.base.files import draft_in
 from symosc.bench import machine
 from symosc.derive.chapters import CHAPTERS
 from symosc.derive.citation import paper_reference
 from symosc.derive.errata import SEVERITIES
 from symosc.derive.mathml import font_style
-from symosc.errors import OutputError
-from symosc.files import draft_in
 from symosc.paper.claims import (
     CONFIRMED,
     CORRECTED,

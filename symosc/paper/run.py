@@ -22,8 +22,8 @@ from typing import Any, NamedTuple
 from matplotlib.figure import Figure
 from pebble import ProcessExpired, ProcessPool
 
+from symosc.base.errors import ParameterError
 from symosc.derive.errata import Erratum
-from symosc.errors import ParameterError
 from symosc.paper.checks.motions import judge
 from symosc.paper.claims import FAULTY, VERDICTS, Claim, Unjudged
 from symosc.paper.pictures import Picture

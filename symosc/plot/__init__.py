@@ -8,7 +8,7 @@ Each function that draws returns a matplotlib Figure and raises ParameterError f
 letters of the panels to draw.
 
 To add a figure, write a module with such a function, and name the function in ``__init__.pyi``, and
-here if a result's ``.plot()`` calls it (`symosc.display.drawable`). A figure loads only what it
+here if a result's ``.plot()`` calls it (`symosc.base.display.drawable`). A figure loads only what it
 needs: parts of scipy take longer to load than a figure takes to draw.
 
 Examples
@@ -24,7 +24,7 @@ from typing import Any
 
 import lazy_loader
 
-from symosc.display.drawable import register
+from symosc.base.display.drawable import register
 from symosc.plot.backend import backend_error
 
 _load, __dir__, __all__ = lazy_loader.attach_stub(__name__, __file__)
@@ -54,8 +54,8 @@ DRAWN_BY = {
     "symosc.grazing.curve.GrazingCurve": "figure_grazing_curve",
     "symosc.symbolic.inverse.ParameterRegion": "region_figure",
     "symosc.crosschecks.report.CrossCheck": "crosscheck_figure",
-    "symosc.fit.Fit": "fit_figure",
-    "symosc.response.FrequencyResponse": "response_figure",
+    "symosc.analysis.fitting.fit.Fit": "fit_figure",
+    "symosc.analysis.response.FrequencyResponse": "response_figure",
     "symosc.certificates.certificate.Certificate": "certificate_figure",
     "symosc.certificates.atlas.Atlas": "atlas_figure",
     "symosc.sweeps.output.SweptDataset": "swept_figure",

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import os
 
-from symosc.errors import ParameterError
+from symosc.base.errors import ParameterError
 
 
 def backend_error(error: ValueError) -> ParameterError | None:

@@ -23,12 +23,12 @@ from matplotlib.figure import Figure
 from matplotlib.layout_engine import ConstrainedLayoutEngine
 from matplotlib.lines import Line2D
 
-from symosc.aliases import Record
-from symosc.arguments import public
-from symosc.errors import OutputError, ParameterError, brief, meant
-from symosc.files import STDOUT, read_path, write_whole
+from symosc.base.aliases import Record
+from symosc.base.arguments import public
+from symosc.base.errors import OutputError, ParameterError, brief, meant
+from symosc.base.files import STDOUT, read_path, write_whole
+from symosc.base.quantities import QUANTITIES
 from symosc.mappings.numbers import latex_text
-from symosc.quantities import QUANTITIES
 
 STYLE: dict[Any, Any] = {
     "font.family": "STIXGeneral",

@@ -16,10 +16,11 @@ from matplotlib.figure import Figure
 from matplotlib.layout_engine import ConstrainedLayoutEngine
 from matplotlib.lines import Line2D
 
-from symosc.aliases import NumberLike, Record, SceneName
-from symosc.arguments import public
-from symosc.errors import ParameterError
-from symosc.exact import whole_number
+from symosc.base.aliases import NumberLike, Record, SceneName
+from symosc.base.arguments import public
+from symosc.base.errors import ParameterError
+from symosc.base.exact import whole_number
+from symosc.base.quantities import read_number
 from symosc.plot import drawing as common
 from symosc.plot.drawing import (
     PARAMETER_LABELS,
@@ -40,7 +41,6 @@ from symosc.plot.panels import (
     mark_style,
     view_of,
 )
-from symosc.quantities import read_number
 from symosc.scenes import Scene, end_time, load_scene
 from symosc.simulation.simulate import simulate
 from symosc.simulation.trajectory import Trajectory

@@ -19,14 +19,14 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 
-from symosc.aliases import Record
-from symosc.arguments import public
+from symosc.analysis.fitting.fit import Fit
+from symosc.base.aliases import Record
+from symosc.base.arguments import public
+from symosc.base.errors import ParameterError
+from symosc.base.exact import whole_number
+from symosc.base.files import check_folder_of, write_text
 from symosc.certificates.certificate import Certificate
 from symosc.crosschecks.report import CrossCheck
-from symosc.errors import ParameterError
-from symosc.exact import whole_number
-from symosc.files import check_folder_of, write_text
-from symosc.fit import Fit
 from symosc.plot.drawing import STYLE, add_legend, axes_for, draw_belts, panels_for, shown_name
 from symosc.simulation.simulate import simulate
 from symosc.simulation.trajectory import Event

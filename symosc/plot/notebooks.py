@@ -16,18 +16,18 @@ from typing import Any
 import numpy as np
 from markupsafe import Markup
 
-from symosc.aliases import Record
+from symosc.analysis.response import FrequencyResponse
+from symosc.base.aliases import Record
+from symosc.base.display.drawable import Listing, register
+from symosc.base.exact import show
+from symosc.base.quantities import QUANTITIES, unit_of
 from symosc.certificates.atlas import Atlas
 from symosc.certificates.certificate import Certificate, common_complex, common_digits
 from symosc.crosschecks.report import CrossCheck
-from symosc.display.drawable import Listing, register
-from symosc.exact import show
 from symosc.grazing.window import GrazingWindow
 from symosc.orbits.border import Border
 from symosc.orbits.branch import Branch
 from symosc.orbits.periodic_orbit import PeriodicOrbit
-from symosc.quantities import QUANTITIES, unit_of
-from symosc.response import FrequencyResponse
 from symosc.scenes import START_NAMES, Scene
 from symosc.simulation.tables import EventTable, Summary, counted, select_rows, statuses
 from symosc.simulation.trajectory import Trajectory

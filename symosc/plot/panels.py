@@ -17,7 +17,7 @@ from typing import Any, NamedTuple
 import numpy as np
 from matplotlib.axes import Axes
 
-from symosc.aliases import Record
+from symosc.base.aliases import Record
 from symosc.model import NEIGHBOURS
 from symosc.simulation.trajectory import MovedTrajectory, Trajectory, belt_path
 

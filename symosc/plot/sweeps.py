@@ -23,10 +23,10 @@ from matplotlib.figure import Figure
 from matplotlib.patches import Patch
 from matplotlib.ticker import MaxNLocator
 
-from symosc.aliases import Record
-from symosc.arguments import public
+from symosc.base.aliases import Record
+from symosc.base.arguments import public
+from symosc.base.errors import ParameterError
 from symosc.engine.events import KIND_NAMES
-from symosc.errors import ParameterError
 from symosc.plot.drawing import (
     PARAMETER_LABELS,
     add_legend,
@@ -44,8 +44,8 @@ from symosc.simulation.tables import EventTable, Summary
 if TYPE_CHECKING:
     import xarray
 
+    from symosc.analysis.response import FrequencyResponse
     from symosc.certificates.atlas import Atlas, Rectangle
-    from symosc.response import FrequencyResponse
     from symosc.sweeps.output import SweptDataset
 
 LABELS = PARAMETER_LABELS | {

@@ -17,10 +17,10 @@ from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from matplotlib.patches import Patch
 
-from symosc.aliases import NumberLike, Order, Record
-from symosc.arguments import public
-from symosc.errors import ParameterError
-from symosc.exact import read_exact, show
+from symosc.base.aliases import NumberLike, Order, Record
+from symosc.base.arguments import public
+from symosc.base.errors import ParameterError
+from symosc.base.exact import read_exact, show
 from symosc.grazing.curve import CurvePiece, GrazingCurve
 from symosc.grazing.window import GrazingWindow, WindowColumns, grazing_window, grazing_windows
 from symosc.kernels.double_double import HALF_PI, THREE_HALVES_PI

@@ -23,14 +23,14 @@ from functools import cached_property
 from math import inf, pi, ulp
 from typing import Any, NamedTuple
 
-from symosc.aliases import Number
+from symosc.analysis.sensitivities import sensitivities
+from symosc.base.aliases import Number
 from symosc.certificates.certificate import Certificate, provable, proven_rows
 from symosc.certificates.certify import certify
 from symosc.engine.arithmetic import mp_context
 from symosc.model import PARAMETER_NAMES, Parameters
 from symosc.orbits.find import find_orbit
 from symosc.scenes import Scene
-from symosc.sensitivities import sensitivities
 from symosc.simulation.simulate import simulate
 from symosc.simulation.tangents import NAMES
 from symosc.simulation.trajectory import MAP_LABELS, Event

@@ -20,11 +20,11 @@ from fractions import Fraction
 from functools import lru_cache
 from math import pi
 
-from symosc.aliases import Number, NumberLike
-from symosc.display.drawable import Listing
+from symosc.base.aliases import Number, NumberLike
+from symosc.base.display.drawable import Listing
+from symosc.base.errors import ParameterError
+from symosc.base.exact import read_exact, show
 from symosc.engine.arithmetic import mp_context
-from symosc.errors import ParameterError
-from symosc.exact import read_exact, show
 from symosc.grazing.start import grazing_start
 from symosc.mappings.theorem7_cases import place
 from symosc.model import Parameters

@@ -23,18 +23,18 @@ from typing import Any
 from tabulate import tabulate
 
 import symosc
-from symosc.aliases import Record
+from symosc.base.aliases import Record
+from symosc.base.errors import ResultError
+from symosc.base.exact import show
+from symosc.base.files import check_folder, read_path, write_folder
+from symosc.base.workers import process_pool
 from symosc.crosschecks.events import WINDOW
-from symosc.errors import ResultError
-from symosc.exact import show
-from symosc.files import check_folder, read_path, write_folder
 from symosc.model import PARAMETER_NAMES, Parameters
 from symosc.reference.case import GIVEN_DIGITS, KnownChange, KnownEvent, ReferenceCase, with_known
 from symosc.reference.cases import CASE_GROUPS, SET_VERSION, reference_cases
 from symosc.reference.score import KIND_WINDOW, ROUNDING_UNIT, SCORE_TOLERANCE, UNITS_ALLOWED
 from symosc.scenes import Scene
 from symosc.simulation.simulate import simulate
-from symosc.workers import process_pool
 
 SET_FORMAT = "symosc reference cases 1"
 MANIFEST = "manifest.json"

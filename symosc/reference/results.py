@@ -16,12 +16,12 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from symosc.aliases import Record
+from symosc.base.aliases import Record
+from symosc.base.errors import ParameterError, ResultError, brief
+from symosc.base.exact import read_exact
+from symosc.base.files import read_path
 from symosc.crosschecks.files import SUFFIXES, plain_number, read_content, suffix_of
 from symosc.crosschecks.objects import ID_COLUMN, USUAL_NAMES, as_table, plain
-from symosc.errors import ParameterError, ResultError, brief
-from symosc.exact import read_exact
-from symosc.files import read_path
 from symosc.simulation.tangents import NAMES
 
 EVENT_WORDS = ("cross", "stick", "slip", "graze")

@@ -19,10 +19,10 @@ from typing import Any, NamedTuple
 
 from tabulate import tabulate
 
-from symosc.aliases import Record
+from symosc.base.aliases import Record
+from symosc.base.errors import ParameterError
+from symosc.base.exact import read_exact
 from symosc.crosschecks.events import RETURNS, WINDOW, in_order
-from symosc.errors import ParameterError
-from symosc.exact import read_exact
 from symosc.reference.case import KnownEvent, ReferenceCase, relative_error
 from symosc.reference.results import CaseResult, GivenEvent, Results
 

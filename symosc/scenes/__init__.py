@@ -16,13 +16,13 @@ from os.path import isfile
 from pathlib import Path
 from typing import Any, NamedTuple, TypeAlias
 
-from symosc.aliases import NumberLike, SceneName
-from symosc.arguments import CONVERTERS, public
-from symosc.display.drawable import Drawable
-from symosc.errors import ParameterError, SceneError, meant
-from symosc.exact import read_start_error, show
+from symosc.base.aliases import NumberLike, SceneName
+from symosc.base.arguments import CONVERTERS, public
+from symosc.base.display.drawable import Drawable
+from symosc.base.errors import ParameterError, SceneError, meant
+from symosc.base.exact import read_start_error, show
+from symosc.base.quantities import QUANTITIES, forcing_periods, half_unit, read_number, unit_of
 from symosc.model import PARAMETER_NAMES, Parameters
-from symosc.quantities import QUANTITIES, forcing_periods, half_unit, read_number, unit_of
 from symosc.reductions import OtherModel, reduced_start, reduced_time
 from symosc.scenes.files import MOST_CHARACTERS, read_scene_file
 from symosc.words import WordError, read_word

@@ -7,11 +7,11 @@ from collections.abc import Sequence
 from decimal import Decimal
 from typing import Any, NamedTuple
 
-from symosc.aliases import Record
-from symosc.errors import ParameterError, SceneError, SymoscError, brief, meant
-from symosc.exact import show
+from symosc.base.aliases import Record
+from symosc.base.errors import ParameterError, SceneError, SymoscError, brief, meant
+from symosc.base.exact import show
+from symosc.base.quantities import forcing_periods, read_number
 from symosc.model import PARAMETER_NAMES
-from symosc.quantities import forcing_periods, read_number
 from symosc.reductions import MODEL_NAMES
 
 #: Keys of a scene file: table, those that are needed, and those that may be there.

@@ -18,6 +18,8 @@ from typing import Any, NamedTuple, TypeVar
 
 import numpy as np
 
+from symosc.base.errors import MissingExtraError
+from symosc.base.exact import whole_number
 from symosc.engine import arithmetic, flow, summary
 from symosc.engine import batch as engine_batch
 from symosc.engine.arithmetic import PairLoops, compiled, compiled_pairs, interpreted, is_compiled
@@ -33,8 +35,6 @@ from symosc.engine.batch import (
 from symosc.engine.flow import table_of
 from symosc.engine.start import Start, first_row
 from symosc.engine.summary import Tally, no_tally
-from symosc.errors import MissingExtraError
-from symosc.exact import whole_number
 from symosc.scenes import load_scene
 
 Result = TypeVar("Result")

@@ -19,9 +19,11 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike
 
-from symosc.aliases import DataFrame, NumberLike, Progress, Record, StartError
-from symosc.arguments import public
-from symosc.display.progress import reporting
+from symosc.base.aliases import DataFrame, NumberLike, Progress, Record, StartError
+from symosc.base.arguments import public
+from symosc.base.display.progress import reporting
+from symosc.base.errors import ParameterError
+from symosc.base.exact import read_start_error, whole_number
 from symosc.engine import batch as engine_batch
 from symosc.engine import summary as kept
 from symosc.engine.arithmetic import (
@@ -65,8 +67,6 @@ from symosc.engine.summary import (
     tally_step,
 )
 from symosc.engine.tangent import Letters
-from symosc.errors import ParameterError
-from symosc.exact import read_start_error, whole_number
 from symosc.kernels.elementary import cos, sin
 from symosc.model import MODE_NAMES, Parameters
 from symosc.scenes import ParametersLike

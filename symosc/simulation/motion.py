@@ -14,7 +14,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from symosc.aliases import Number
+from symosc.base.aliases import Number
 from symosc.engine import arithmetic, batch
 from symosc.engine.arithmetic import Arithmetic, MpArithmetic, PairLoops, loaded_loop, many_digits
 from symosc.engine.batch import (

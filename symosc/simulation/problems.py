@@ -2,7 +2,7 @@
 
 Objects are made on demand.
 
-A float is the decimal that it prints as (`symosc.exact`). In a column it is its double, and what
+A float is the decimal that it prints as (`symosc.base.exact`). In a column it is its double, and what
 that lacks. What doubles do not decide about a start is left to `symosc.engine.start`, motion by
 motion.
 """
@@ -17,16 +17,16 @@ from typing import Any
 
 import numpy as np
 
+from symosc.base.errors import ParameterError
+from symosc.base.exact import LARGEST, scalar_of, show, unmasked
+from symosc.base.quantities import forcing_periods, read_number
 from symosc.engine.arithmetic import Arithmetic
 from symosc.engine.batch import STATE_WIDTH, Batch, batch_of
 from symosc.engine.flow import ConstantRows, constant_table, table_of
 from symosc.engine.start import MOST_PERIODS, Start, first_row, start_rows
-from symosc.errors import ParameterError
-from symosc.exact import LARGEST, scalar_of, show, unmasked
 from symosc.kernels.double_double import TWO_PI_PAIR, two_product
 from symosc.kernels.pair_columns import PairColumn
 from symosc.model import PARAMETER_NAMES, Parameters, least
-from symosc.quantities import forcing_periods, read_number
 from symosc.scenes import START_NAMES
 
 START_COLUMNS = START_NAMES[:3]

@@ -18,9 +18,18 @@ from typing import Any
 
 import numpy as np
 
-from symosc.aliases import Number, NumberLike, Progress, SceneName, StartError
-from symosc.arguments import public
-from symosc.display.progress import Advance, late_bar
+from symosc.base.aliases import Number, NumberLike, Progress, SceneName, StartError
+from symosc.base.arguments import public
+from symosc.base.display.progress import Advance, late_bar
+from symosc.base.errors import ParameterError, brief
+from symosc.base.exact import (
+    LEAST_ASKED_DIGITS,
+    MOST_ASKED_DIGITS,
+    read_exact,
+    read_start_error,
+    show,
+    whole_number,
+)
 from symosc.engine import batch as engine_batch
 from symosc.engine.arithmetic import Arithmetic, PairLoops, loaded_loop, mp_context
 from symosc.engine.batch import EventRows, joined, keep_state, piece_buffer, state_of
@@ -46,15 +55,6 @@ from symosc.engine.state import (
     State,
 )
 from symosc.engine.summary import no_tally
-from symosc.errors import ParameterError, brief
-from symosc.exact import (
-    LEAST_ASKED_DIGITS,
-    MOST_ASKED_DIGITS,
-    read_exact,
-    read_start_error,
-    show,
-    whole_number,
-)
 from symosc.model import Parameters
 from symosc.reductions import OtherModel
 from symosc.scenes import (

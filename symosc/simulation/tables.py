@@ -11,14 +11,14 @@ from typing import Any
 
 import numpy as np
 
-from symosc.aliases import Record
-from symosc.arguments import public
-from symosc.display.drawable import Drawable
-from symosc.display.frames import imported
+from symosc.base.aliases import Record
+from symosc.base.arguments import public
+from symosc.base.display.drawable import Drawable
+from symosc.base.display.frames import imported
+from symosc.base.exact import scalar_of, unmasked, whole_number
+from symosc.base.files import write_whole
 from symosc.engine.batch import EventRows, event_buffer, joined_arrays
 from symosc.engine.events import CODE_COLUMNS, CODE_NAMES, EVENT_COLUMNS, FLOAT_COLUMNS, Event
-from symosc.exact import scalar_of, unmasked, whole_number
-from symosc.files import write_whole
 
 #: Attributes of an `EventTable` for the code fields of an event: those with names have "_code"
 #: behind their own.

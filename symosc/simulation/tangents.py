@@ -9,12 +9,12 @@ from typing import Any
 
 import numpy as np
 
+from symosc.base.errors import MissingExtraError, ParameterError, meant
 from symosc.engine import tangent
 from symosc.engine.arithmetic import compiled_tangents, interpreted, is_compiled, loaded_loop
 from symosc.engine.batch import EventRows, large_array
 from symosc.engine.events import CODE_COLUMNS, FLOAT_COLUMNS
 from symosc.engine.tangent import K_, OMEGA, PARAMETERS, SIZE, C, M
-from symosc.errors import MissingExtraError, ParameterError, meant
 from symosc.model import PARAMETER_NAMES
 from symosc.simulation.batch import InterpretBudget
 

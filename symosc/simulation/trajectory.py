@@ -13,16 +13,16 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike
 
-from symosc.arguments import public
-from symosc.display.drawable import Drawable, Listing
-from symosc.display.frames import imported
+from symosc.base.arguments import public
+from symosc.base.display.drawable import Drawable, Listing
+from symosc.base.display.frames import imported
+from symosc.base.errors import ParameterError
+from symosc.base.exact import read_exact, show, unmasked, whole_number
+from symosc.base.files import write_text
 from symosc.engine.arithmetic import Arithmetic, column_functions
 from symosc.engine.batch import EventRows
 from symosc.engine.events import COLUMN_TYPES, EVENT_COLUMNS, EXACT_COLUMNS, Event, events_from
 from symosc.engine.state import ON_BELT
-from symosc.errors import ParameterError
-from symosc.exact import read_exact, show, unmasked, whole_number
-from symosc.files import write_text
 from symosc.kernels._generated import acceleration, motion
 from symosc.kernels.elementary import cos, sin
 from symosc.kernels.entire import basis_with_drive

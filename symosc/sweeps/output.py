@@ -23,11 +23,11 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 import symosc
-from symosc.display.drawable import Drawable
-from symosc.errors import MissingExtraError, OutputError, SweepError, optional
-from symosc.exact import show
-from symosc.files import STDOUT, read_path
-from symosc.quantities import QUANTITIES
+from symosc.base.display.drawable import Drawable
+from symosc.base.errors import MissingExtraError, OutputError, SweepError, optional
+from symosc.base.exact import show
+from symosc.base.files import STDOUT, read_path
+from symosc.base.quantities import QUANTITIES
 from symosc.scenes import START_NAMES, STARTS
 from symosc.simulation.tables import SUMMARY_COLUMNS
 from symosc.sweeps.plan import SET_AXIS, START_AXIS, SweepPlan

@@ -20,11 +20,11 @@ from typing import Any, NamedTuple
 import numpy as np
 
 import symosc
-from symosc.aliases import Record
-from symosc.errors import ParameterError, SweepError, meant
-from symosc.exact import LARGEST, read_exact, scalar_of, show, unmasked, whole_number
+from symosc.base.aliases import Record
+from symosc.base.errors import ParameterError, SweepError, meant
+from symosc.base.exact import LARGEST, read_exact, scalar_of, show, unmasked, whole_number
+from symosc.base.quantities import forcing_periods, read_number
 from symosc.model import PARAMETER_NAMES, Parameters, by_name
-from symosc.quantities import forcing_periods, read_number
 from symosc.scenes import STARTS, Scene, from_rest, load_scene, not_reduced_error
 from symosc.simulation.ensemble import simulate_many
 from symosc.simulation.problems import named
@@ -44,7 +44,7 @@ OVER_FORM = (
 #: Points of a section if nobody says how many.
 SECTION_POINTS = 32
 #: What decides the numbers of a motion: changed sources make another plan.
-DECISIVE = ("kernels", "engine", "simulation", "exact.py", "model.py")
+DECISIVE = ("kernels", "engine", "simulation", "base/exact.py", "model.py")
 
 
 class Coordinate(NamedTuple):

@@ -20,9 +20,9 @@ from typing import Any
 
 import numpy as np
 
-from symosc.aliases import Record
-from symosc.errors import OutputError, SweepError
-from symosc.files import DRAFT_PREFIX, write_text, write_whole
+from symosc.base.aliases import Record
+from symosc.base.errors import OutputError, SweepError
+from symosc.base.files import DRAFT_PREFIX, write_text, write_whole
 
 #: The folder of the chunks is beside the output, and has its name with this suffix.
 FOLDER_SUFFIX = ".parts"

@@ -15,11 +15,11 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike
 
-from symosc.aliases import DataFrame, NumberLike, Progress, SceneName
-from symosc.arguments import public
-from symosc.display.progress import reporting
-from symosc.errors import ParameterError, SweepError, SymoscError, optional
-from symosc.exact import whole_number
+from symosc.base.aliases import DataFrame, NumberLike, Progress, SceneName
+from symosc.base.arguments import public
+from symosc.base.display.progress import reporting
+from symosc.base.errors import ParameterError, SweepError, SymoscError, optional
+from symosc.base.exact import whole_number
 from symosc.model import Parameters
 from symosc.scenes import Scene
 from symosc.sweeps import output

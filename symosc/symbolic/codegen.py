@@ -18,7 +18,7 @@ from typing import NamedTuple
 
 import sympy as sp
 
-from symosc.files import write_text
+from symosc.base.files import write_text
 from symosc.symbolic import maps, solution
 from symosc.symbolic.solution import (
     E0,

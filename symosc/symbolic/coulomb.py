@@ -24,7 +24,7 @@ from functools import cache
 
 import sympy as sp
 
-from symosc.aliases import Expr
+from symosc.base.aliases import Expr
 from symosc.symbolic import solution
 from symosc.symbolic.solution import (
     E0,

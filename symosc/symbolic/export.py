@@ -25,8 +25,8 @@ from os.path import isdir, isfile
 from pathlib import Path
 from typing import Any, NamedTuple
 
-from symosc.errors import OutputError, ParameterError
-from symosc.files import make_folder, read_path, write_text
+from symosc.base.errors import OutputError, ParameterError
+from symosc.base.files import make_folder, read_path, write_text
 from symosc.model import NEIGHBOURS, PARAMETER_NAMES, by_name
 from symosc.scenes import load_scene
 from symosc.words import Map, Word, WordLike, read_word

@@ -26,11 +26,11 @@ from typing import Any, NamedTuple
 
 import sympy as sp
 
-from symosc.aliases import Expr, NumberLike, Order
-from symosc.arguments import public
-from symosc.display.drawable import Drawable
-from symosc.errors import ParameterError
-from symosc.exact import read_exact
+from symosc.base.aliases import Expr, NumberLike, Order
+from symosc.base.arguments import public
+from symosc.base.display.drawable import Drawable
+from symosc.base.errors import ParameterError
+from symosc.base.exact import read_exact
 from symosc.mappings.numbers import LatexAnswer, latex_table
 from symosc.mappings.theorem7_cases import Place, place
 from symosc.model import Parameters

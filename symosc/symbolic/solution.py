@@ -22,7 +22,7 @@ from typing import NamedTuple
 
 import sympy as sp
 
-from symosc.aliases import Expr
+from symosc.base.aliases import Expr
 
 # The paper's letters. A stands for A_alpha, theta for Omega t mod 2 pi, and (x, v, t) for a point
 # of the flow.

@@ -21,10 +21,10 @@ from typing import Any, NamedTuple
 import sympy as sp
 from sympy.printing.latex import LatexPrinter
 
-from symosc.aliases import Expr, NumberLike, Order
-from symosc.arguments import public
-from symosc.errors import ParameterError
-from symosc.exact import NUMBER_FORMS, read_exact
+from symosc.base.aliases import Expr, NumberLike, Order
+from symosc.base.arguments import public
+from symosc.base.errors import ParameterError
+from symosc.base.exact import NUMBER_FORMS, read_exact
 from symosc.mappings import theorem7_cases as cases
 from symosc.mappings.numbers import LatexAnswer, has_pi, latex_table, read_phase_text
 

@@ -18,9 +18,9 @@ from once import alone
 from small_set import small_set
 
 from symosc import load_scene, simulate
+from symosc.base.errors import OutputError
 from symosc.bench import cases, machine, results, sentence, speed, work
 from symosc.bench.solvers import HANG, OURS, FoundEvent, Worker, all_solvers, processor_limit
-from symosc.errors import OutputError
 
 
 @pytest.fixture(scope="session")

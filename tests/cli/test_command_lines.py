@@ -13,8 +13,8 @@ from cli_runs import PROGRAM
 from click.testing import CliRunner
 from command_lines import command_lines, write_files
 
+from symosc.base.files import DRAFT_PREFIX
 from symosc.cli.app import main
-from symosc.files import DRAFT_PREFIX
 
 #: Seconds after which a command is given up; it is then neither right nor wrong.
 GIVEN_UP = 20

@@ -16,8 +16,8 @@ import pytest
 from cli_runs import COMMANDS, PROGRAM, good, run, shell
 from effort import PATIENCE
 
+from symosc.base.display import progress
 from symosc.cli.app import main
-from symosc.display import progress
 
 # --- help and errors ---
 

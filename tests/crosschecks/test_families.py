@@ -27,7 +27,7 @@ from solution_families import (
 )
 
 from symosc import CrossCheck, Scene, crosscheck, simulate
-from symosc.exact import read_exact
+from symosc.base.exact import read_exact
 
 TOLERANCE = 1e-8
 #: What the documented default allows to the whole solution: 1000 times the tolerance.

@@ -412,7 +412,7 @@ READ_IN_A_PROCESS = """
 import sys
 from pathlib import Path
 from symosc.crosschecks.files import read_solutions
-from symosc.errors import ParameterError
+from symosc.base.errors import ParameterError
 for path in sys.argv[1:]:
     try:
         print("read", len(read_solutions(path)[0].t))

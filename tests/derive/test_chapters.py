@@ -19,6 +19,7 @@ from latex_reader import Reader
 from symbols import defined, listed, symbols
 from sympy.core.function import AppliedUndef
 
+from symosc.base.errors import OutputError
 from symosc.cli.derive import derive
 from symosc.derive import document, latex
 from symosc.derive.chapters import CHAPTERS
@@ -26,7 +27,6 @@ from symosc.derive.errata import read_errata
 from symosc.derive.front import NOTATION
 from symosc.derive.scope import Scope
 from symosc.derive.steps import points
-from symosc.errors import OutputError
 from symosc.scenes import load_scene
 
 COMMITTED = Path(__file__).parents[2] / "derivations"

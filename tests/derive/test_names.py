@@ -17,10 +17,10 @@ import pytest
 from cli_runs import run
 
 from symosc import load_scene
+from symosc.base.errors import SymoscError
 from symosc.derive import document, front
 from symosc.derive.mathml import words
 from symosc.derive.scope import Scope
-from symosc.errors import SymoscError
 from symosc.mappings.numbers import latex_text
 from symosc.plot.drawing import shown_name
 from symosc.scenes import Scene

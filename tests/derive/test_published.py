@@ -18,9 +18,9 @@ from chapters import table
 from scipy.integrate import solve_ivp
 
 from symosc import Parameters, simulate
+from symosc.base.errors import ParameterError
 from symosc.derive import citation, published
 from symosc.derive.published import MP, RESTING, TABLES, Formulas, wall
-from symosc.errors import ParameterError
 from symosc.orbits.find import find_orbit
 from symosc.orbits.floquet import rest_positions
 

@@ -18,6 +18,7 @@ import numpy as np
 import pytest
 
 from symosc import load_scene
+from symosc.base.errors import CodeCacheWarning
 from symosc.engine.arithmetic import (
     SOURCES,
     MpArithmetic,
@@ -26,7 +27,6 @@ from symosc.engine.arithmetic import (
     functions_of,
     is_compiled,
 )
-from symosc.errors import CodeCacheWarning
 from symosc.kernels import elementary
 
 pytest.importorskip("numba")

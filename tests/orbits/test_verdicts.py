@@ -17,7 +17,7 @@ from scipy.integrate import solve_ivp
 from units import UNITS, Units
 
 from symosc import Parameters, simulate
-from symosc.errors import ParameterError
+from symosc.base.errors import ParameterError
 from symosc.orbits import admissibility
 from symosc.orbits.admissibility import concerns_whole_piece, conditions, extrema
 from symosc.orbits.closing_equations import ClosingEquations, ConvergenceError, polish, solve

@@ -24,6 +24,7 @@ from said import empty_folder, outcome, written
 from stored_outputs import some_lines
 
 from symosc import Scene, bench, load_scene, simulate
+from symosc.base.errors import OutputError
 from symosc.bench import (
     cases,
     error_map,
@@ -39,7 +40,6 @@ from symosc.bench import (
 from symosc.bench.event_logic import PeerError, from_now, problem, runner
 from symosc.bench.solvers import OURS, FoundEvent, Outcome, Solver, Worker
 from symosc.engine.arithmetic import bind
-from symosc.errors import OutputError
 from symosc.mappings.equations import residual
 
 ABOUT = {"processor": "a processor", "cores": "2", "date": "a day", "symosc": "1.2", "numpy": "3.4"}

@@ -14,8 +14,8 @@ from said import empty_folder, errors_of
 
 import symosc
 from symosc import Parameters, Scene, load_scene
+from symosc.base.files import write_text
 from symosc.certificates.certificate import common_complex, common_digits, provable
-from symosc.files import write_text
 
 #: A plane across which a stick is born, and one with a region of rest.
 PLANE = {"Omega": ("3.25", "3.33"), "FN": ("9.9", "10.1")}

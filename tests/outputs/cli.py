@@ -29,9 +29,9 @@ from stored_outputs import PLACE, lines_of_figure
 
 import symosc
 from symosc import load_scene, simulate
+from symosc.base.display import progress
+from symosc.base.errors import CodeCacheWarning
 from symosc.cli import app, output
-from symosc.display import progress
-from symosc.errors import CodeCacheWarning
 from symosc.scenes import as_toml
 
 Case = Callable[[], object]

@@ -20,11 +20,11 @@ from said import empty_folder, outcome
 from stored_outputs import PLACE, sampled
 
 from symosc import Parameters, crosscheck, load_scene, simulate
+from symosc.base.errors import ParameterError
 from symosc.crosschecks import columns, friction, methods, models, steps
 from symosc.crosschecks.causes import Case
 from symosc.crosschecks.files import read_solutions
 from symosc.engine.arithmetic import Arithmetic
-from symosc.errors import ParameterError
 from symosc.kernels._generated import acceleration
 
 Columns = tuple[np.ndarray, np.ndarray, np.ndarray]

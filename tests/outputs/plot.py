@@ -31,17 +31,17 @@ from stored_outputs import lines_of, some_lines
 
 import symosc
 from symosc import OtherModel, Scene, grazing_curve, grazing_window, load_scene, plot, simulate
+from symosc.analysis.response import COLUMNS, FrequencyResponse
+from symosc.base.display.drawable import Comparable, Listing
 from symosc.certificates.atlas import Atlas, ProvenBox, Region
 from symosc.certificates.certificate import Certificate
 from symosc.crosschecks.causes import Diagnosis
 from symosc.crosschecks.report import CrossCheck
-from symosc.display.drawable import Comparable, Listing
 from symosc.orbits.border import Border, SpecialPoint
 from symosc.orbits.periodic_orbit import SwitchingPoint
 from symosc.plot.explorer import answers as explorer
 from symosc.plot.windows import draw_plane
 from symosc.reference.score import CaseScore, Score
-from symosc.response import COLUMNS, FrequencyResponse
 
 Case = Callable[[], object]
 

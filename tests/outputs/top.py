@@ -36,12 +36,12 @@ from symosc import (
     simulate,
     simulate_many,
 )
-from symosc.errors import brief, meant
-from symosc.exact import read_exact, read_start_error, show
-from symosc.files import check_folder_of, check_new_folder, write_folder, write_text
-from symosc.quantities import half_unit, read_number, rounded
+from symosc.analysis.response import FrequencyResponse, harmonic_balance, meets_no_belt
+from symosc.base.errors import brief, meant
+from symosc.base.exact import read_exact, read_start_error, show
+from symosc.base.files import check_folder_of, check_new_folder, write_folder, write_text
+from symosc.base.quantities import half_unit, read_number, rounded
 from symosc.reductions import cos_sin, reduced_start
-from symosc.response import FrequencyResponse, harmonic_balance, meets_no_belt
 from symosc.words import WordError, cycle, why_not
 
 FIG5 = load_scene("fig5").parameters

@@ -15,9 +15,9 @@ from click.testing import CliRunner
 from matplotlib.figure import Figure
 from stand_in_claims import CLAIM, bad_picture, good_picture
 
+from symosc.base.errors import OutputError
 from symosc.cli import reproduce
 from symosc.cli.app import main
-from symosc.errors import OutputError
 from symosc.paper import report
 from symosc.paper.pictures import Picture
 from symosc.paper.run import ERROR, Plan, run

@@ -13,7 +13,7 @@ from project_files import ROOT
 pytestmark = pytest.mark.slow
 
 ANSWER = """
-from symosc.display.drawable import Drawable
+from symosc.base.display.drawable import Drawable
 
 
 class Drive(Drawable):
@@ -23,7 +23,7 @@ class Drive(Drawable):
 FIGURE = """
 import numpy as np
 
-from symosc.arguments import public
+from symosc.base.arguments import public
 from symosc.plot.drawing import axes_for
 
 

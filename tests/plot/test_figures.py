@@ -33,7 +33,7 @@ from symosc import (
     plot,
     simulate,
 )
-from symosc.display.drawable import Drawable
+from symosc.base.display.drawable import Drawable
 from symosc.plot.figures import MOST_DRAWN_EVENTS
 from symosc.plot.panels import SHAPES, view_of
 

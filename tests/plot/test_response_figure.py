@@ -7,8 +7,8 @@ import pytest
 from matplotlib.axes import Axes
 
 from symosc import OtherModel, frequency_response
+from symosc.analysis.response import FrequencyResponse
 from symosc.plot.sweeps import FEW_POINTS, RESPONSE_PANELS
-from symosc.response import FrequencyResponse
 
 #: A base that moves by cos(Omega t), with light damping and friction: a high peak, finite.
 PEAK = OtherModel(m=1, k=1, c="0.05", FN="0.2", Y=1, Omega=1)

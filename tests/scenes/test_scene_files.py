@@ -16,8 +16,14 @@ from bad_values import refused
 from effort import at_most
 
 from symosc import Scene, SymoscError, load_scene, scene_names, simulate
-from symosc.exact import read_exact
-from symosc.quantities import KNOWN_DIGITS, half_unit, is_quantity, read_expression, read_quantity
+from symosc.base.exact import read_exact
+from symosc.base.quantities import (
+    KNOWN_DIGITS,
+    half_unit,
+    is_quantity,
+    read_expression,
+    read_quantity,
+)
 from symosc.scenes import as_toml
 from symosc.scenes.files import line_of
 

@@ -13,8 +13,8 @@ import pytest
 from bad_values import NO_NUMBERS, refused
 
 from symosc import Scene, load_scene, simulate, simulate_many
-from symosc.errors import ParameterError
-from symosc.exact import read_exact
+from symosc.base.errors import ParameterError
+from symosc.base.exact import read_exact
 
 P = load_scene("fig5").parameters
 START = {"t0": 0, "x0": 0, "v0": 0, "t_end": 5}

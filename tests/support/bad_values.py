@@ -14,7 +14,7 @@ import numpy as np
 import pytest
 import sympy
 
-from symosc.errors import ParameterError
+from symosc.base.errors import ParameterError
 
 #: Nothing of this is a number.
 NO_NUMBERS = [

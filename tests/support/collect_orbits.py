@@ -19,8 +19,8 @@ from fractions import Fraction
 from orbit_list import ListedOrbit
 
 from symosc import Event, Parameters, simulate
+from symosc.base.errors import SymoscError
 from symosc.certificates.orbit import certify_orbit
-from symosc.errors import SymoscError
 from symosc.model import MODE_NAMES
 from symosc.words import MAPS, Word
 

@@ -10,7 +10,7 @@ import numpy as np
 from regimes import random_sets
 
 from symosc import Scene, load_scene, simulate
-from symosc.exact import read_exact
+from symosc.base.exact import read_exact
 from symosc.scenes import scene_names
 from symosc.simulation.trajectory import Trajectory
 

@@ -15,7 +15,7 @@ from careful_solver import random_parameters
 from faulty_solver import METHODS, Flaw, Solver, without_events
 
 from symosc import Parameters, Scene, load_scene, simulate
-from symosc.exact import read_exact
+from symosc.base.exact import read_exact
 
 #: Deviation of a wrong solution, in units of the last place, at least.
 DEVIATION = 20.0

@@ -106,7 +106,7 @@ def test_the_call_gives_the_same_bits(over: Any, options: Any) -> None:
 def test_the_scenes_exact_numbers_and_error_are_in_the_call() -> None:
     scene = load_scene("fig7-exact")
     found = sweep(scene, {"FN": [float(scene.parameters.FN)]}, t_end="1T")
-    assert symosc.exact.show(scene.x0) in found.attrs["call"]
+    assert symosc.base.exact.show(scene.x0) in found.attrs["call"]
     assert scene.start_error is not None
     assert "start_error=" in found.attrs["call"]
     identical(again(found), found)

@@ -12,7 +12,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from symosc.errors import OutputError, SweepError
+from symosc.base.errors import OutputError, SweepError
 from symosc.sweeps.store import Store
 
 KEY = 64 * "a"

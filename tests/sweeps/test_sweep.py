@@ -26,7 +26,7 @@ from scipy.optimize import minimize_scalar
 from small_sweeps import OPTIONS, OVER, SCENE, identical, in_small_chunks
 
 from symosc import Parameters, Scene, SweepError, simulate, sweep, sweep_status
-from symosc.errors import brief
+from symosc.base.errors import brief
 from symosc.scenes import load_scene
 from symosc.sweeps import sweep as chunks
 from symosc.sweeps.sweep import dask_client

@@ -21,7 +21,7 @@ import pytest
 from mpmath import mp
 
 from symosc import Parameters, load_scene
-from symosc.errors import OutputError, ParameterError
+from symosc.base.errors import OutputError, ParameterError
 from symosc.mappings import equations
 from symosc.model import by_name
 from symosc.symbolic.export import export, write_export

@@ -22,7 +22,7 @@ from symosc import (
     values_empty,
     values_everything,
 )
-from symosc.errors import ParameterError
+from symosc.base.errors import ParameterError
 from symosc.grazing.check import YES, Ways
 from symosc.mappings.theorem7_cases import EMPTY, EVERYTHING
 from symosc.symbolic import inverse

@@ -12,7 +12,7 @@ from sympy import Interval, Rational, S, asin, pi
 from symosc import (
     theorem7,
 )
-from symosc.errors import ParameterError
+from symosc.base.errors import ParameterError
 from symosc.symbolic.theorem7 import CIRCLE, real, sign_of
 
 MAPS = ("P2", "P3", "P5", "P6")

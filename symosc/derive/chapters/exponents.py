@@ -7,6 +7,7 @@ from typing import Any
 
 import sympy as sp
 
+from symosc.analysis.sensitivities import sensitivities
 from symosc.derive.chapters.jacobians import AFTER, BEFORE, force_at_belt, multiplier_products
 from symosc.derive.chapters.maps import force
 from symosc.derive.chapters.orbits import FUNCTIONS
@@ -30,7 +31,6 @@ from symosc.derive.steps import (
 )
 from symosc.orbits.find import find_orbit
 from symosc.scenes import load_scene
-from symosc.sensitivities import sensitivities
 from symosc.simulation.simulate import simulate
 from symosc.symbolic import solution
 from symosc.symbolic.solution import Omega, a_i, c, k, m, tau, theta_i, v_i, x_i

@@ -14,10 +14,10 @@ from typing import Any, NamedTuple, TypeVar
 import numpy as np
 from scipy.optimize import brentq
 
+from symosc.base.errors import MissingExtraError
+from symosc.base.exact import show
 from symosc.certificates.certify import certify
 from symosc.engine.arithmetic import MpArithmetic
-from symosc.errors import MissingExtraError
-from symosc.exact import show
 from symosc.kernels._generated import acceleration
 from symosc.mappings.equations import residual
 from symosc.model import NEIGHBOURS, Parameters

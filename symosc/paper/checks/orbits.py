@@ -15,7 +15,7 @@ from operator import eq
 import numpy as np
 from scipy.optimize import minimize_scalar
 
-from symosc.errors import SymoscError
+from symosc.base.errors import SymoscError
 from symosc.mappings.equations import jacobian, residual
 from symosc.model import NEIGHBOURS, PARAMETER_NAMES, Parameters
 from symosc.orbits.closing_equations import ConvergenceError

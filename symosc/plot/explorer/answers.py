@@ -19,16 +19,16 @@ from urllib.parse import parse_qsl, urlencode
 
 import numpy as np
 
-from symosc.aliases import Record
-from symosc.errors import ParameterError, SymoscError
-from symosc.exact import read_start_error, show
+from symosc.base.aliases import Record
+from symosc.base.errors import ParameterError, SymoscError
+from symosc.base.exact import read_start_error, show
+from symosc.base.quantities import FORMS, QUANTITIES, read_number, unit_of
 from symosc.grazing.window import GrazingWindow, grazing_window
 from symosc.mappings.theorem7_cases import PLACES
 from symosc.model import PARAMETER_NAMES, Parameters, by_name
 from symosc.orbits.find import find_orbit
 from symosc.plot.figures import simulate_orbit
 from symosc.plot.panels import EVENT_MARKS, SHAPES, Sampling, View, view_of
-from symosc.quantities import FORMS, QUANTITIES, read_number, unit_of
 from symosc.scenes import Scene, load_scene, scene_names
 from symosc.simulation.simulate import simulate
 from symosc.simulation.trajectory import Event, Trajectory

@@ -17,8 +17,8 @@ from threading import Lock
 from typing import Any, TypeAlias
 from urllib.parse import urlsplit
 
-from symosc.aliases import Record
-from symosc.errors import MissingExtraError, ParameterError, SymoscError
+from symosc.base.aliases import Record
+from symosc.base.errors import MissingExtraError, ParameterError, SymoscError
 from symosc.plot.explorer import answers
 from symosc.plot.panels import BELT_COLOR, FORCE_ABOVE, FORCE_BELOW, MASS_COLOR
 from symosc.scenes import Scene, as_toml, read_scene

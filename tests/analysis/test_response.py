@@ -18,7 +18,7 @@ from symosc import (
     load_scene,
     simulate,
 )
-from symosc.response import cycle_response, settle
+from symosc.analysis.response import cycle_response, settle
 
 
 def wall(F: float | str, **others: object) -> OtherModel:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import Any
 
-from symosc.errors import optional
+from symosc.base.errors import optional
 
 
 def imported(name: str) -> Any:

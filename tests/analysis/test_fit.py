@@ -15,8 +15,8 @@ from click.testing import CliRunner
 from fit_sets import SIGMA, fit_set, pulls, sampled
 
 from symosc import Parameters, Scene, Trajectory, fit, load_scene, sensitivities, simulate
+from symosc.analysis.fitting import best
 from symosc.cli.app import main
-from symosc.fitting import best
 
 
 def measured(

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from symosc.display.progress import late_bar, reporting
+from symosc.base.display.progress import late_bar, reporting
 
 # --- progress ---
 

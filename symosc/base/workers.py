@@ -9,7 +9,7 @@ from concurrent.futures.process import BrokenProcessPool
 from contextlib import contextmanager
 from multiprocessing import get_context
 
-from symosc.errors import SymoscError
+from symosc.base.errors import SymoscError
 
 LOST = (
     "a worker process ended before its work was done: it was killed, or there was not enough "

@@ -11,8 +11,8 @@ from math import ceil
 
 import numpy as np
 
-from symosc.errors import ParameterError
-from symosc.fitting.problem import IMPOSSIBLE, Problem
+from symosc.analysis.fitting.problem import IMPOSSIBLE, Problem
+from symosc.base.errors import ParameterError
 
 #: A number is looked for between its first value divided by this and times this: 30 % above a first
 #: value that is 30 % too small is 1.43 times that value.

@@ -8,13 +8,13 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
+from symosc.analysis.fitting.measured import Measured
+from symosc.analysis.sensitivities import Sensitivities, sensitivities
+from symosc.base.errors import ParameterError
+from symosc.base.quantities import least
 from symosc.engine.start import Start
-from symosc.errors import ParameterError
-from symosc.fitting.measured import Measured
 from symosc.model import PARAMETER_NAMES, Parameters
-from symosc.quantities import least
 from symosc.scenes import STARTS
-from symosc.sensitivities import Sensitivities, sensitivities
 from symosc.simulation.simulate import simulate
 from symosc.simulation.trajectory import Trajectory
 

@@ -6,8 +6,8 @@ from pathlib import Path
 
 import pytest
 
-from symosc.errors import OutputError
-from symosc.files import write_text, write_whole
+from symosc.base.errors import OutputError
+from symosc.base.files import write_text, write_whole
 
 
 @pytest.mark.parametrize(

@@ -127,7 +127,7 @@ class OutputError(SymoscError, OSError):
     >>> simulate("fig5").to_csv("no/such/folder/events.csv")
     Traceback (most recent call last):
         ...
-    symosc.errors.OutputError: cannot write no/such/folder/events.csv: No such file or directory
+    symosc.base.errors.OutputError: cannot write no/such/folder/events.csv: No such file or directory
     """
 
     def __init__(self, path: str, reason: str) -> None:

@@ -18,8 +18,8 @@ from fractions import Fraction
 from functools import cache
 from typing import Any, NamedTuple
 
-from symosc.errors import ParameterError, optional
-from symosc.exact import LARGEST, NOT_FINITE, NUMBER, SMALLEST, read_exact
+from symosc.base.errors import ParameterError, optional
+from symosc.base.exact import LARGEST, NOT_FINITE, NUMBER, SMALLEST, read_exact
 
 
 class Quantity(NamedTuple):

@@ -18,9 +18,9 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike
 
-from symosc.aliases import NumberLike, SceneName
-from symosc.arguments import public
-from symosc.display.drawable import Comparable
+from symosc.base.aliases import NumberLike, SceneName
+from symosc.base.arguments import public
+from symosc.base.display.drawable import Comparable
 from symosc.engine import tangent
 from symosc.engine.arithmetic import many_digits, mp_context
 from symosc.engine.flow import table_of

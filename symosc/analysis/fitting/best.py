@@ -6,10 +6,10 @@ from typing import NamedTuple
 
 import numpy as np
 
-from symosc.fitting.judge import Verdict, judge, strict
-from symosc.fitting.problem import Evaluation, Problem
-from symosc.fitting.search import CAUCHY, candidates, minimum
-from symosc.fitting.spread import rounding, units
+from symosc.analysis.fitting.judge import Verdict, judge, strict
+from symosc.analysis.fitting.problem import Evaluation, Problem
+from symosc.analysis.fitting.search import CAUCHY, candidates, minimum
+from symosc.analysis.fitting.spread import rounding, units
 
 #: How much larger the variance of a robust fit is than that of least squares if errors are normal:
 #: what `CAUCHY` is chosen for.

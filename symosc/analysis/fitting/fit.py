@@ -1,7 +1,7 @@
 """Fit parameters and a start to measured events or samples, by least squares.
 
 Each measured event is compared with the nearest one of its kind in the motion, so events may be
-missing. The derivatives are exact. `symosc.fitting` has the parts. A fit says what the data do not
+missing. The derivatives are exact. A fit says what the data do not
 determine, and when no motion describes them.
 """
 
@@ -14,18 +14,18 @@ from typing import Any
 
 import numpy as np
 
-from symosc.aliases import NumberLike, SceneName, SolutionLike
-from symosc.arguments import public
-from symosc.display.drawable import Comparable, Drawable
-from symosc.errors import ParameterError, meant
-from symosc.exact import read_exact
-from symosc.fitting.best import Minimum, Search
-from symosc.fitting.judge import NAMED, Outlier, Verdict, outliers_of, strict, worst
-from symosc.fitting.measured import Measured, read_measured
-from symosc.fitting.problem import BEYOND, Problem
-from symosc.fitting.spread import Spread, spread_of
+from symosc.analysis.fitting.best import Minimum, Search
+from symosc.analysis.fitting.judge import NAMED, Outlier, Verdict, outliers_of, strict, worst
+from symosc.analysis.fitting.measured import Measured, read_measured
+from symosc.analysis.fitting.problem import BEYOND, Problem
+from symosc.analysis.fitting.spread import Spread, spread_of
+from symosc.base.aliases import NumberLike, SceneName, SolutionLike
+from symosc.base.arguments import public
+from symosc.base.display.drawable import Comparable, Drawable
+from symosc.base.errors import ParameterError, meant
+from symosc.base.exact import read_exact
+from symosc.base.quantities import read_number
 from symosc.model import PARAMETER_NAMES, Parameters
-from symosc.quantities import read_number
 from symosc.scenes import STARTS, Scene, load_scene
 from symosc.simulation.simulate import read_start
 from symosc.simulation.tables import counted

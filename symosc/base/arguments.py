@@ -16,8 +16,8 @@ from decimal import Decimal
 from functools import partial, wraps
 from typing import Any, NamedTuple, ParamSpec, TypeVar
 
-from symosc.errors import ParameterError, meant
-from symosc.exact import is_scalar
+from symosc.base.errors import ParameterError, meant
+from symosc.base.exact import is_scalar
 
 Given = ParamSpec("Given")
 Result = TypeVar("Result")

@@ -23,13 +23,13 @@ import numpy as np
 from numpy.polynomial import legendre
 from numpy.typing import ArrayLike
 
-from symosc.aliases import Progress, Record, SceneName
-from symosc.arguments import public
-from symosc.display.frames import imported
-from symosc.display.progress import late_bar
+from symosc.base.aliases import Progress, Record, SceneName
+from symosc.base.arguments import public
+from symosc.base.display.frames import imported
+from symosc.base.display.progress import late_bar
+from symosc.base.errors import ParameterError, meant
+from symosc.base.files import write_text
 from symosc.engine.arithmetic import column_functions
-from symosc.errors import ParameterError, meant
-from symosc.files import write_text
 from symosc.kernels import linear
 from symosc.kernels.elementary import cos, sin
 from symosc.model import Parameters, by_name

@@ -10,6 +10,8 @@ from typing import Any
 
 import numpy as np
 
+from symosc.base.errors import ParameterError, meant, shown
+from symosc.base.exact import read_exact, unmasked
 from symosc.crosschecks.files import plain_number, read_content, sample_columns
 from symosc.crosschecks.objects import (
     ID_COLUMN,
@@ -23,8 +25,6 @@ from symosc.crosschecks.objects import (
     solutions_in,
 )
 from symosc.engine.events import KIND_NAMES
-from symosc.errors import ParameterError, meant, shown
-from symosc.exact import read_exact, unmasked
 
 KINDS = tuple(KIND_NAMES.values())
 #: The column of the kinds of events, and its usual names.

@@ -25,7 +25,7 @@ Context: TypeAlias = Any
 Expr: TypeAlias = Any
 #: An exact phase or time: a fraction, or a real constant of sympy.
 Angle: TypeAlias = Fraction | Expr
-#: What `symosc.exact.read_exact` reads: one of these, or a rational number of sympy or numpy.
+#: What `symosc.base.exact.read_exact` reads: one of these, or a rational number of sympy or numpy.
 NumberLike: TypeAlias = int | float | str | Fraction | Decimal | Any
 #: A DataFrame of pandas, which has no types either.
 DataFrame: TypeAlias = Any

@@ -13,7 +13,7 @@ from decimal import Context, Decimal, Inexact
 from fractions import Fraction
 from typing import Any
 
-from symosc.errors import ParameterError
+from symosc.base.errors import ParameterError
 
 NUMBER_FORMS = (
     "give an int, a float, a string such as '0.8' or '4/5', a Fraction, a Decimal or a rational "

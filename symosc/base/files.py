@@ -11,7 +11,7 @@ from pathlib import Path
 from secrets import token_hex
 from typing import IO
 
-from symosc.errors import OutputError, ParameterError
+from symosc.base.errors import OutputError, ParameterError
 
 #: The file name that means standard output.
 STDOUT = "-"

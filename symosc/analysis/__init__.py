@@ -1,0 +1,1 @@
+"""What is built on motions: derivatives, fits to measurements, frequency responses."""

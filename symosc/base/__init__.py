@@ -1,0 +1,1 @@
+"""What every package uses: errors, types, exact numbers, quantities, files, arguments, display."""

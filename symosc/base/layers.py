@@ -1,0 +1,29 @@
+"""The layers of symosc: each package uses only those of lower levels, and itself.
+
+The package's docstring, the page about the code and the test of the layers read this list.
+"""
+
+from __future__ import annotations
+
+#: Packages and the modules beside them, from the lowest level to the highest. Those of one level do
+#: not use each other.
+LAYERS: tuple[tuple[str, ...], ...] = (
+    ("base",),
+    ("model",),
+    ("words", "reductions"),
+    ("scenes",),
+    ("kernels",),
+    ("engine",),
+    ("mappings", "simulation"),
+    ("symbolic",),
+    ("orbits", "crosschecks", "sweeps"),
+    ("grazing",),
+    ("analysis",),
+    ("certificates", "jax"),
+    ("reference",),
+    ("plot",),
+    ("derive", "bench"),
+    ("paper",),
+    ("cli",),
+    ("__main__",),
+)
