@@ -25,7 +25,7 @@ from math import isqrt
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 from symosc.base.aliases import Number, NumberLike
-from symosc.base.arguments import public
+from symosc.base.arguments import ARRAY_LIKE, FLAG, NUMBER, public, require, require_or_none
 from symosc.base.errors import ParameterError, meant
 from symosc.base.exact import power_of_ten, read_exact, show, unmasked
 from symosc.base.quantities import half_unit, read_number, rounded
@@ -311,6 +311,7 @@ class OtherModel:
     @public
     def replace(self, **changes: NumberLike | bool | None) -> OtherModel:
         """Return a copy with some numbers changed, for example ``model.replace(Omega="1/2")``."""
+        require_or_none(NUMBER, FLAG, **changes)
         for name in changes:
             if name not in MODEL_NAMES:
                 allowed = f"is not of the model; it has {', '.join(MODEL_NAMES)}"
@@ -332,6 +333,7 @@ class OtherModel:
         >>> model.back(t, x, [0, 0])[1].round(6).tolist()
         [0.73026, -0.73026]
         """
+        require(*ARRAY_LIKE, t=t, x=x, v=v)
         t, x, v = _read_arrays(t=t, x=x, v=v)
         w, rate = motion_of_belts(self, t + float(self.delay))
         return t + float(self.delay), x + w, v + rate
@@ -351,6 +353,7 @@ class OtherModel:
         >>> f"{s:.6f}", float(z), float(u)
         ('-0.785398', 1.0, 2.0)
         """
+        require(*ARRAY_LIKE, t=t, x=x, v=v)
         t, x, v = _read_arrays(t=t, x=x, v=v)
         w, rate = motion_of_belts(self, t)
         return t - float(self.delay), x - w, v - rate

@@ -24,7 +24,7 @@ from numpy.polynomial import legendre
 from numpy.typing import ArrayLike
 
 from symosc.base.aliases import Progress, Record, SceneName
-from symosc.base.arguments import public
+from symosc.base.arguments import ARRAY_LIKE, PROGRESS, mapping_of, public, require
 from symosc.base.display.frames import imported
 from symosc.base.display.progress import late_bar
 from symosc.base.errors import ParameterError, meant
@@ -38,7 +38,7 @@ from symosc.orbits.find import find_orbit, settled_orbit
 from symosc.orbits.floquet import rest_positions
 from symosc.orbits.periodic_orbit import PeriodicOrbit
 from symosc.reductions import NUMBER_NAMES, Harmonic, OtherModel, harmonic, motion_of_belts
-from symosc.scenes import Scene, load_scene
+from symosc.scenes import Scene, load_scene, problem_of
 from symosc.simulation.simulate import simulate
 from symosc.simulation.tables import Columns
 from symosc.simulation.trajectory import Segment, Trajectory
@@ -189,6 +189,9 @@ def frequency_response(
     >>> frequency_response(model, {"Omega": [1.2, 1.6]}).transmissibility.round(6).tolist()
     [2.219519, 0.648392]
     """
+    what = problem_of(what, "what")
+    require(mapping_of(*ARRAY_LIKE), over=over)
+    require(*PROGRESS, progress=progress)
     model = model_of(what)
     if not isinstance(over, Mapping) or len(over) != 1:
         raise ParameterError(

@@ -19,7 +19,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from symosc.base.aliases import NumberLike, Record
-from symosc.base.arguments import public
+from symosc.base.arguments import NUMBER, TEXT, WHOLE, mapping_of, public, require, row_of
 from symosc.base.display.drawable import Drawable
 from symosc.base.errors import ParameterError, SymoscError, meant
 from symosc.base.exact import read_exact, whole_number
@@ -220,6 +220,8 @@ class Border(Drawable):
         simulation; with c > 0 all motions settle to this orbit. The word is "rest" where the mass
         may rest on a belt for ever, None if no orbit was found.
         """
+        require(WHOLE, i=i)
+        require(NUMBER, distance=distance)
 
         def word(p: Parameters) -> str | None:
             if any(rest_positions(p, belt) is not None for belt in (1, 2)):
@@ -265,6 +267,8 @@ class Border(Drawable):
         is complete if each border in it ends at a point of codimension two from which all borders
         were followed, at an end of the range, or with "no convergence".
         """
+        require(NUMBER, step=step)
+        require(WHOLE, max_points=max_points)
         how = _read_steps(step, max_points)
         plane = self._plane
         found = [self]
@@ -311,6 +315,7 @@ class Border(Drawable):
         ConvergenceError
             If a value cannot be found with many digits.
         """
+        require(NUMBER, **value)
         if len(value) != 1 or next(iter(value)) not in self.parameters:
             allowed = f"must be one of {' and '.join(self.parameters)}, as NAME=value"
             raise ParameterError("at", ", ".join(value), allowed)
@@ -1060,6 +1065,11 @@ def continue_border(
     >>> continue_border(branch, 0, "FN", (9, 11)).sliding
     'crossing-sliding'
     """
+    require(Branch, branch=branch)
+    require(TEXT, parameter=parameter)
+    require(row_of(2, NUMBER), mapping_of(row_of(2, NUMBER)), range=range)
+    require(NUMBER, step=step)
+    require(WHOLE, max_points=max_points)
     which = whole_number("end", end, 0, 1)
     reason = branch.ends[which]
     if reason.kind in (RANGE, NO_CONVERGENCE, MOST):

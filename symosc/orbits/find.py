@@ -13,7 +13,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from symosc.base.aliases import DataFrame, Number, Points
-from symosc.base.arguments import public
+from symosc.base.arguments import TABLE_LIKE, WORD, public, require_or_none
 from symosc.base.errors import ParameterError
 from symosc.base.exact import read_digits, unmasked, whole_number
 from symosc.engine.arithmetic import column_functions, mp_context
@@ -32,7 +32,7 @@ from symosc.orbits.closing_equations import (
 )
 from symosc.orbits.floquet import multipliers_of, rest_positions, stability_margin
 from symosc.orbits.periodic_orbit import PeriodicOrbit, SwitchingPoint
-from symosc.scenes import ParametersLike
+from symosc.scenes import ParametersLike, parameters_of
 from symosc.simulation.ensemble import simulate_many
 from symosc.simulation.problems import named
 from symosc.simulation.trajectory import MAP_LABELS
@@ -112,6 +112,9 @@ def find_orbit(
     >>> orbit.stable, f"{orbit.period:.6f}", [f"{t:.6f}" for t, x in orbit.points]
     (True, '1.570796', ['0.181670', '0.992371'])
     """
+    parameters = parameters_of(parameters, "parameters")
+    require_or_none(WORD, word=word)
+    require_or_none(PeriodicOrbit, *TABLE_LIKE, guess=guess)
     # The search tries evenly spaced points over all periods; beyond these it takes minutes.
     if periods is None:
         periods = None

@@ -24,7 +24,7 @@ from matplotlib.layout_engine import ConstrainedLayoutEngine
 from matplotlib.lines import Line2D
 
 from symosc.base.aliases import Record
-from symosc.base.arguments import public
+from symosc.base.arguments import FILE, public, require
 from symosc.base.errors import OutputError, ParameterError, brief, meant
 from symosc.base.files import STDOUT, read_path, write_whole
 from symosc.base.quantities import QUANTITIES
@@ -335,6 +335,8 @@ def save(drawing: Figure, path: str | Path) -> Path:
     ...     plot.save(plot.figure("fig5", panels="a"), f"{folder}/motion.svg").name
     'motion.svg'
     """
+    require(Figure, drawing=drawing)
+    require(FILE, path=path)
     suffix = check_suffix(path)
     # No date in the file: drawing it again gives the same bytes.
     metadata = {".pdf": {"CreationDate": None}, ".svg": {"Date": None}, ".png": None}[suffix]
