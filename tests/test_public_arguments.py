@@ -250,7 +250,7 @@ def test_require_refuses_what_is_of_no_kind() -> None:
     require(symosc.Scene, a=symosc.load_scene("fig5"))
     for kinds, value in WRONG:
         message = refused(lambda kinds=kinds, value=value: require(*kinds, a=value), "a")
-        assert message.split(": ", 1)[1].startswith("must be ")
+        assert ": must be " in message
 
 
 def test_a_refusal_lists_the_kinds() -> None:

@@ -112,6 +112,8 @@ class FrequencyResponse(Columns):
     True
     """
 
+    _drawn_by = "response_figure"
+
     def __getattr__(self, name: str) -> Any:
         raise AttributeError(
             f"FrequencyResponse has no column {name!r}; it has {', '.join(COLUMNS)}"

@@ -188,7 +188,7 @@ def whole_number(name: str, value: Any, least: int | None = None, most: int | No
             number = None
         else:
             number = operator.index(entry)
-    except TypeError:
+    except Exception:  # whatever the methods of a class of numbers raise
         number = None
     if least is None:
         allowed = ""

@@ -599,6 +599,8 @@ class Atlas(Drawable):
     'P32'
     """
 
+    _drawn_by = "atlas_figure"
+
     parameters: Parameters
     over: tuple[str, str]
     range: Rectangle

@@ -134,6 +134,7 @@ class CrossCheck(Comparable, Drawable, Reportable):
     (False, '0.100')
     """
 
+    _drawn_by = "crosscheck_figure"
     _made_by = "crosscheck(...)"
 
     ok: bool

@@ -162,6 +162,7 @@ class GrazingCurve(Drawable, LatexAnswer):
     ('P2', 1, ())
     """
 
+    _drawn_by = "figure_grazing_curve"
     _made_by = "grazing_curve(...)"
 
     parameters: Parameters

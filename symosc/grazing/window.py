@@ -91,6 +91,7 @@ class GrazingWindow(Drawable, LatexAnswer):
     (-asin(1/12), True, 14/15)
     """
 
+    _drawn_by = "window_figure"
     _made_by = "grazing_window(...)"
 
     parameters: Parameters

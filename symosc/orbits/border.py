@@ -185,6 +185,8 @@ class Border(Drawable):
     True
     """
 
+    _drawn_by = "border_figure"
+
     def __init__(self, system: BorderSystem, nodes: list[Node], ends: Any, special: Any) -> None:
         self._plane = system.plane
         self._system = system

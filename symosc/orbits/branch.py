@@ -191,6 +191,7 @@ class Branch(Drawable):
     (('P2', 'P3'), True)
     """
 
+    _drawn_by = "branch_figure"
     _made_by = "continue_orbit(...)"
 
     def __init__(

@@ -168,6 +168,7 @@ class PeriodicOrbit(Drawable):
     [2.181503, -14.315533]
     """
 
+    _drawn_by = "orbit_figure"
     _made_by = "find_orbit(...)"
 
     parameters: Parameters

@@ -121,6 +121,7 @@ class Scene(Drawable):
     ['P1', 'P2', 'P1']
     """
 
+    _drawn_by = "figure"
     _made_by = "load_scene(...)"
 
     name: str

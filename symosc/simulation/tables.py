@@ -76,6 +76,7 @@ class EventTable(Columns):
     (['stick', 'slip', 'stick', 'slip', 'stick'], ['t_end'])
     """
 
+    _drawn_by = "events_figure"
     _made_by = "simulate_many(...)"
 
     trajectory: np.ndarray
@@ -282,6 +283,7 @@ class Summary(Columns):
     (['P32'], [1], [0])
     """
 
+    _drawn_by = "summary_figure"
     _made_by = "simulate_many(..., record='summary')"
 
     def __getattr__(self, name: str) -> Any:

@@ -103,6 +103,7 @@ class Trajectory(Drawable):
     ['P1', 'P2', 'P1', 'P3']
     """
 
+    _drawn_by = "figure"
     _made_by = "simulate(...)"
 
     def __init__(

@@ -73,6 +73,8 @@ class SweptDataset(Drawable):
     ['$\\\\Omega$']
     """
 
+    _drawn_by = "swept_figure"
+
     def __init__(self, dataset: xarray.Dataset) -> None:
         self.dataset = dataset
 

@@ -380,6 +380,7 @@ class ParameterRegion(Drawable, LatexAnswer):
     (True, False)
     """
 
+    _drawn_by = "region_figure"
     _made_by = "values_containing(...) for two parameters"
 
     def __init__(self, question: GrazingQuestion, condition: Expr, parameters: Parameters) -> None:

@@ -75,6 +75,8 @@ class Fit(Comparable, Drawable):
     (0.8, True)
     """
 
+    _drawn_by = "fit_figure"
+
     values: dict[str, float]
     errors: dict[str, float]
     covariance: np.ndarray
