@@ -119,7 +119,7 @@ class Parameters:
         require(NUMBER, **changes)
         for name, value in changes.items():
             if name not in PARAMETER_NAMES:
-                allowed = f"is not a parameter; the parameters are {', '.join(PARAMETER_NAMES)}"
+                allowed = f"unknown parameter; choose from {', '.join(PARAMETER_NAMES)}"
                 raise ParameterError(name, value, allowed + meant(name, PARAMETER_NAMES))
         return Parameters(**by_name(self) | changes)
 

@@ -202,7 +202,9 @@ def frequency_response(
     ((name, given),) = over.items()
     if name not in NUMBER_NAMES:
         raise ParameterError(
-            "over", name, f"is not one of {', '.join(NUMBER_NAMES)}{meant(str(name), NUMBER_NAMES)}"
+            "over",
+            name,
+            f"unknown parameter; choose from {', '.join(NUMBER_NAMES)}{meant(str(name), NUMBER_NAMES)}",
         )
     values = read_axis(name, given)
     rows = list[Record]()

@@ -161,7 +161,7 @@ def solve_grazing(
     window = grazing_window(p, mapping)
     if len(given) != 1 or next(iter(given)) not in UNKNOWNS:
         raise ParameterError(
-            "given", ", ".join(given) or None, f"give exactly one of {', '.join(UNKNOWNS)}"
+            "given", ", ".join(given) or None, f"must be exactly one of {', '.join(UNKNOWNS)}"
         )
     ((name, value),) = given.items()
     if p.k == 0:

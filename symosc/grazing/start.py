@@ -206,7 +206,7 @@ def start_of(
     decimals = digits or DEFAULT_DIGITS
     window = grazing_window(p, mapping)
     if not window.contains(angle):
-        raise ParameterError("theta", str(angle), f"is outside the grazing window: {window!r}")
+        raise ParameterError("theta", str(angle), f"must be inside the grazing window: {window!r}")
     # G^(1) = G^(2) = 0 in the full window only, at the quartic tangency of the equality: there
     # G^(3) decides.
     if grazing_window(p, mapping, "paper").contains(angle):

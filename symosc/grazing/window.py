@@ -291,7 +291,9 @@ class GrazingWindow(Drawable, LatexAnswer):
             else:
                 outside = theta
             raise ParameterError(
-                "theta", outside, f"outside the grazing window of {self.mapping}: {self._as_text()}"
+                "theta",
+                outside,
+                f"must be inside the grazing window of {self.mapping}: {self._as_text()}",
             )
         p = self.parameters
         if p.k == 0:

@@ -141,7 +141,9 @@ def figure(
         motion = simulated(scene, t_end)
         usual = default_panels(scene)
     elif t_end is not None:
-        raise ParameterError("t_end", t_end, "is only for scenes; a trajectory has its own")
+        raise ParameterError(
+            "t_end", t_end, "t_end applies to scenes only; a trajectory has its own"
+        )
     elif len(subject.events) > MOST_DRAWN_EVENTS:
         allowed = f"a figure shows at most {MOST_DRAWN_EVENTS} events; simulate a shorter time"
         raise ParameterError("subject", subject, allowed)
@@ -228,7 +230,9 @@ def orbit_figure(
     require(WHOLE, columns=columns)
     require_or_none(Axes, ax=ax)
     if not orbit.admissible:
-        raise ParameterError("orbit", orbit.word, f"is no motion: {orbit.message}")
+        raise ParameterError(
+            "orbit", orbit.word, f"must be an admissible orbit, not {orbit.message}"
+        )
     motion = simulate_orbit(orbit, PERIODS_SHOWN)
     if panels is None:
         if ax is None:

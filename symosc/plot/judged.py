@@ -488,7 +488,9 @@ def certificate_figure(certificate: Certificate, *, ax: Axes | None = None) -> F
     require_or_none(Axes, ax=ax)
     events = [event for event in certificate.events if len(event) > 3]
     if not events:
-        allowed = "has no enclosed events to draw; those of a trajectory or an orbit with events do"
+        allowed = (
+            "must have enclosed events, as that of a trajectory or of an orbit with events has"
+        )
         raise ParameterError("certificate", certificate, allowed)
     times = [float(event[3][0]) for event in events]
     enclosed = (("time $t$", "#1f3fd6", "o"), ("position $x$", "#d7191c", "s"))

@@ -89,7 +89,7 @@ def read_column(dataset: Any, name: Any) -> Any:
         else:
             name = names[0]
     if name not in names:
-        raise ParameterError("name", name, f"is not recorded here; there is {', '.join(names)}")
+        raise ParameterError("name", name, f"must be a recorded column: {', '.join(names)}")
     return dataset[name].squeeze(
         [each for each in axes_of(dataset[name]) if dataset.sizes[each] == 1]
     )
@@ -109,7 +109,7 @@ def read_axes(column: Any, count: int, what: str) -> list[str]:
     """
     if "component" in column.dims:
         raise ParameterError(
-            "name", column.name, "has x and v at many times; bifurcation_figure draws it"
+            "name", column.name, "must have one value a motion; bifurcation_figure draws sections"
         )
     axes = axes_of(column)
     if len(axes) != count or any(each not in column.coords for each in axes):
@@ -705,7 +705,7 @@ def summary_figure(summary: Summary, name: str | None = None, *, ax: Axes | None
         name = next((each for each in ("word", "section", *columns) if each in columns), "word")
     if name not in columns:
         raise ParameterError(
-            "name", name, f"is not recorded here; there is {', '.join(columns) or 'nothing'}"
+            "name", name, f"must be a recorded column: {', '.join(columns) or 'none'}"
         )
     values = columns[name]
     with axes_for(ax, (4.6, 3.4)) as (drawing, (axes,)):

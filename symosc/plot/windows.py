@@ -112,7 +112,9 @@ def window_figure(
     if ax is not None:
         if len(chosen) > 1:
             raise ParameterError(
-                "windows", f"{len(chosen)} windows", "axes hold one window: give ax= with one"
+                "windows",
+                f"{len(chosen)} windows",
+                "an Axes holds a single window; pass one window together with ax=",
             )
         draw[panels](ax, chosen[0])
         return common.figure_of(ax)

@@ -147,7 +147,9 @@ class Scene(Drawable):
                 "parameters", self.parameters, "must be Parameters or an OtherModel"
             )
         if not isinstance(self.original, Original | None):
-            raise ParameterError("original", self.original, "is what a scene of an OtherModel has")
+            raise ParameterError(
+                "original", self.original, "must be None, or what a scene of an OtherModel keeps"
+            )
         if self.structure is not None:
             whole = read_word(self.structure).cycle
             object.__setattr__(self, "structure", str(whole))
@@ -194,7 +196,9 @@ class Scene(Drawable):
         for name in given:
             if name not in START_NAMES:
                 raise ParameterError(
-                    name, given[name], f"is not of a start; give {', '.join(START_NAMES)}"
+                    name,
+                    given[name],
+                    f"unknown number of a start; choose from {', '.join(START_NAMES)}",
                 )
         if not given:
             return self
@@ -262,8 +266,8 @@ def not_reduced_error(scene: Any) -> ParameterError:
     its coordinates.
     """
     allowed = (
-        "is of another model, and this does not turn results back into its coordinates; give "
-        "scene.reduced()"
+        "must not be a scene of another model, as the results are not converted back to its "
+        "coordinates; pass scene.reduced()"
     )
     return ParameterError("scene", scene.name if isinstance(scene, Scene) else str(scene), allowed)
 
@@ -405,7 +409,7 @@ def load_scene(name_or_path: SceneName) -> Scene:
         return _shipped(text)
     path = Path(text)
     if "\0" in text:
-        raise SceneError(repr(text), "is not a file name")
+        raise SceneError(repr(text), "the name of a file has no character \\0")
     if path.suffix != ".toml" and not isfile(path):
         known = f"unknown; shipped are {', '.join(scene_names())}; or give the path of a TOML file"
         raise SceneError(text, known + meant(text, scene_names()))

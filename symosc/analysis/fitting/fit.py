@@ -168,7 +168,7 @@ def fit(
                 raise ParameterError(argument, name, allowed)
     for name in start or {}:
         if name not in names:
-            allowed = f"is a first value of what is not free; free are {', '.join(names)}"
+            allowed = f"must be one of the free numbers {', '.join(names)}"
             raise ParameterError("start", name, allowed)
     sigmas = _sigma(sigma)
     scene = load_scene(what) if isinstance(what, str | Path) else what
