@@ -26,7 +26,7 @@ NOT_FINITE = re.compile(r"[+-]*(inf|infinity|nan)", re.IGNORECASE)
 #: What an expression looks like, which is not a number.
 EXPRESSION = re.compile(r"pi\b|π|sqrt|\w\(|\d\s*[*^]|[)\d]\s*[+-]\s*[(\d]", re.IGNORECASE)
 NO_EXPRESSION = (
-    "is an expression, and only fractions are exact: write its value with the digits that you "
+    "must be a number, as an expression is not exact: write its value with the digits that you "
     "need, such as "
     "'3.14159265358979323846264338328' for pi or '6.28318530717958647692528676656' for 2 pi"
 )
@@ -188,7 +188,7 @@ def whole_number(name: str, value: Any, least: int | None = None, most: int | No
             number = None
         else:
             number = operator.index(entry)
-    except TypeError:
+    except Exception:  # whatever the methods of a class of numbers raise
         number = None
     if least is None:
         allowed = ""

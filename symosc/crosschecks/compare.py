@@ -12,7 +12,24 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from symosc.base.aliases import NumberLike, Progress, Record, SceneName, SolutionLike
-from symosc.base.arguments import public
+from symosc.base.arguments import (
+    ARRAY_LIKE,
+    FLAG,
+    NONE,
+    NUMBER,
+    PROGRESS,
+    REAL,
+    SOLUTION,
+    TEXT,
+    WHOLE,
+    function_of,
+    mapping_of,
+    public,
+    require,
+    require_or_none,
+    row_of,
+    sequence_of,
+)
 from symosc.base.errors import ParameterError
 from symosc.base.exact import read_exact
 from symosc.crosschecks.causes import Fault, explain
@@ -49,7 +66,7 @@ from symosc.crosschecks.steps import (
 )
 from symosc.crosschecks.velocities import with_velocities
 from symosc.model import Parameters
-from symosc.scenes import STARTS, Scene, load_scene, not_reduced_error
+from symosc.scenes import STARTS, Scene, not_reduced_error, scene_of
 from symosc.simulation.batch import read_workers
 from symosc.simulation.simulate import simulate
 from symosc.simulation.trajectory import Trajectory
@@ -143,8 +160,17 @@ def crosscheck(
     >>> crosscheck("fig5", simulate("fig5")).ok
     True
     """
-    if not isinstance(scene, (Scene, Parameters)):
-        scene = load_scene(scene)
+    scene = scene_of(scene, "scene")
+    require(SOLUTION, t=t)
+    require_or_none(*ARRAY_LIKE, function_of(None), x=x)
+    require_or_none(*ARRAY_LIKE, v=v)
+    require_or_none(sequence_of(row_of(2, REAL, TEXT), once=True), events=events)
+    require(NUMBER, tolerance=tolerance)
+    require_or_none(NUMBER, global_tolerance=global_tolerance)
+    require(FLAG, own_start=own_start, partial=partial)
+    require_or_none(mapping_of(TEXT, NONE), columns=columns)
+    require_or_none(WHOLE, workers=workers)
+    require_or_none(*PROGRESS, progress=progress)
     if isinstance(scene, Scene) and scene.original is not None:
         raise not_reduced_error(scene)
     allowed = _positive("tolerance", tolerance)

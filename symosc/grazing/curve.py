@@ -27,7 +27,7 @@ from math import cos, exp, inf, nan, pi, sin
 import numpy as np
 
 from symosc.base.aliases import NumberLike, Progress
-from symosc.base.arguments import public
+from symosc.base.arguments import PROGRESS, TEXT, public, require
 from symosc.base.display.drawable import Drawable
 from symosc.base.display.progress import late_bar
 from symosc.base.exact import read_exact, whole_number
@@ -38,7 +38,7 @@ from symosc.kernels.entire import basis
 from symosc.mappings.numbers import LatexAnswer, latex_number, latex_point, latex_table, latex_words
 from symosc.mappings.theorem7_cases import ARC, EMPTY, EVERYTHING
 from symosc.model import Parameters
-from symosc.scenes import ParametersLike
+from symosc.scenes import ParametersLike, parameters_of
 
 CURVE_POINTS = 400
 LEAST_CURVE_POINTS = 8
@@ -162,6 +162,9 @@ class GrazingCurve(Drawable, LatexAnswer):
     ('P2', 1, ())
     """
 
+    _drawn_by = "figure_grazing_curve"
+    _made_by = "grazing_curve(...)"
+
     parameters: Parameters
     mapping: str
     pieces: tuple[CurvePiece, ...]
@@ -222,6 +225,9 @@ def grazing_curve(
     >>> [f"{end.x:.4f}" for end in (curve.pieces[0].low, curve.pieces[0].high)]
     ['3.9229', '11.0820']
     """
+    p = parameters_of(p)
+    require(TEXT, mapping=mapping)
+    require(*PROGRESS, progress=progress)
     window = grazing_window(p, mapping)
     n = whole_number("n", n, LEAST_CURVE_POINTS, MOST_CURVE_POINTS)
     tracer = Tracer(p, mapping)

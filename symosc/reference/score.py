@@ -105,6 +105,8 @@ class CaseScore:
 class Score:
     """The scores of a solver, case by case."""
 
+    _made_by = "symosc.reference.score.score(...)"
+
     name: str
     tolerance: float
     cases: list[CaseScore]

@@ -14,13 +14,28 @@ from collections.abc import Callable, Iterator, Mapping, Sequence
 from functools import partial
 from itertools import pairwise
 from math import isinf
+from os import PathLike
 from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike
 
 from symosc.base.aliases import DataFrame, NumberLike, Progress, Record, StartError
-from symosc.base.arguments import public
+from symosc.base.arguments import (
+    ARRAY_LIKE,
+    FLAG,
+    NAMES,
+    PROGRESS,
+    SCENE_OR_NAME,
+    START_ERROR,
+    TABLE_LIKE,
+    WHOLE,
+    mapping_of,
+    public,
+    require,
+    require_or_none,
+    sequence_of,
+)
 from symosc.base.display.progress import reporting
 from symosc.base.errors import ParameterError
 from symosc.base.exact import read_start_error, whole_number
@@ -69,7 +84,8 @@ from symosc.engine.summary import (
 from symosc.engine.tangent import Letters
 from symosc.kernels.elementary import cos, sin
 from symosc.model import MODE_NAMES, Parameters
-from symosc.scenes import ParametersLike
+from symosc.reductions import OtherModel
+from symosc.scenes import ParametersLike, Scene, parameters_of
 from symosc.simulation import batch as loops
 from symosc.simulation.batch import CancelToken, chosen_loops, in_chunks, pair_loops, read_workers
 from symosc.simulation.motion import MOST_MORE, PAIR_NOISE, fits_pairs
@@ -103,7 +119,7 @@ EXTREMES = {"x_min": kept.X_MIN, "x_max": kept.X_MAX, "v_min": kept.V_MIN, "v_ma
 #: Columns of a summary that a tally has as they are.
 KEPT_COLUMNS = EXTREMES | {"t": kept.T_LAST, "x": kept.X_LAST, "v": kept.V_LAST}
 #: Statuses of motions that were followed to their ends.
-WHOLE = ("t_end", "equilibrium")
+FOLLOWED = ("t_end", "equilibrium")
 MODE_TEXTS = np.array(["", *(MODE_NAMES[code] for code in sorted(MODE_NAMES))])
 
 
@@ -169,6 +185,16 @@ def simulate_many(
     >>> simulate_many(load_scene("fig9").parameters, [(0, 0, 0), (0, 1, 2)], 3, use_numba=False).trajectory.tolist()
     [0, 0, 0, 0, 0, 1, 1, 1, 1, 1]
     """
+    parameters = parameter_sets(parameters)
+    require(*TABLE_LIKE, starts=starts)
+    require(*ARRAY_LIKE, t_end=t_end, skip=skip)
+    require_or_none(*START_ERROR, start_error=start_error)
+    require_or_none(FLAG, use_numba=use_numba)
+    require(*NAMES, record=record)
+    require_or_none(*NAMES, wrt=wrt)
+    require(WHOLE, sections=sections)
+    require_or_none(WHOLE, workers=workers)
+    require_or_none(*PROGRESS, progress=progress)
     problems = Problems(parameters, starts, t_end, read_start_error(start_error))
     most = read_most(max_events, MOST_EVENTS)
     task = Task(problems, chosen_loops(use_numba), most, read_accuracy(accuracy))
@@ -201,6 +227,17 @@ def simulate_many(
             rows, status, names, **dict(zip(CHANGES if names else (), columns, strict=True))
         )
     return Summary(**{name: np.concatenate([part[name] for part in parts]) for name in parts[0]})
+
+
+def parameter_sets(
+    what: ParametersLike | Sequence[Parameters] | Mapping[str, ArrayLike],
+) -> Parameters | Sequence[Parameters] | Mapping[str, ArrayLike]:
+    """Return the parameters of a scene, or of its name or file; return others unchanged."""
+    several = (sequence_of(Parameters), mapping_of(*ARRAY_LIKE))
+    require(Parameters, Scene, OtherModel, SCENE_OR_NAME, *several, parameters=what)
+    if isinstance(what, Scene | OtherModel | str | PathLike):
+        return parameters_of(what)
+    return what
 
 
 class Task(NamedTuple):
@@ -559,7 +596,7 @@ def summary_of(
     columns |= {
         name: np.where(np.isfinite(columns[name]), columns[name], np.nan) for name in EXTREMES
     }
-    whole = np.isin(status, WHOLE)
+    whole = np.isin(status, FOLLOWED)
     columns["t"] = np.where(whole, task.problems.t_end.pairs(rows).hi, columns["t"])
     counted = columns["t"] - t0 - asked.skip[rows]
     with np.errstate(all="ignore"):
@@ -619,7 +656,7 @@ def tally_alone(i: int, trajectory: Trajectory, tally: Tally, table: np.ndarray,
     codes = (rows.ints[1 + CODE_COLUMNS.index(name)].tolist() for name in ("kind", "boundary"))
     events = list(zip(*floats, *codes, strict=True))[::-1]
     last = states[0]
-    whole = trajectory.status in WHOLE
+    whole = trajectory.status in FOLLOWED
     for before, after in pairwise(states):
         if not (events or whole):
             break

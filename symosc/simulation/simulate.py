@@ -19,7 +19,7 @@ from typing import Any
 import numpy as np
 
 from symosc.base.aliases import Number, NumberLike, Progress, SceneName, StartError
-from symosc.base.arguments import public
+from symosc.base.arguments import NUMBER, PROGRESS, START_ERROR, public, require, require_or_none
 from symosc.base.display.progress import Advance, late_bar
 from symosc.base.errors import ParameterError, brief
 from symosc.base.exact import (
@@ -65,6 +65,7 @@ from symosc.scenes import (
     moved_scene,
     not_reduced_error,
     parameters_of,
+    problem_of,
 )
 from symosc.simulation.batch import TURN, chosen_loops
 from symosc.simulation.motion import (
@@ -149,6 +150,10 @@ def simulate(
     >>> print(simulate("fig8-exact", digits=30).events[0].t)
     3.14159265358979323846264338328
     """
+    scene = problem_of(scene, "scene")
+    require_or_none(NUMBER, t0=t0, x0=x0, v0=v0, t_end=t_end)
+    require_or_none(*START_ERROR, start_error=start_error)
+    require(*PROGRESS, progress=progress)
     start, original = read_problem(
         scene, {"t0": t0, "x0": x0, "v0": v0, "t_end": t_end}, start_error
     )

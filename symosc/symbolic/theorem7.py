@@ -22,7 +22,7 @@ import sympy as sp
 from sympy.printing.latex import LatexPrinter
 
 from symosc.base.aliases import Expr, NumberLike, Order
-from symosc.base.arguments import public
+from symosc.base.arguments import NUMBER, ORDER, TEXT, public, require
 from symosc.base.errors import ParameterError
 from symosc.base.exact import NUMBER_FORMS, read_exact
 from symosc.mappings import theorem7_cases as cases
@@ -147,6 +147,9 @@ def theorem7(
     >>> theorem7("P3", 3, 5)
     Interval.open(asin(3/5) + pi, -asin(3/5) + 2*pi)
     """
+    require(TEXT, mapping=mapping)
+    require(NUMBER, gamma=gamma, amplitude=amplitude)
+    require(ORDER, order=order)
     where = cases.place(mapping)
     full = order == "full"
     gamma = real("gamma", gamma)

@@ -190,7 +190,7 @@ def test_somebodys_files_are_not_touched(tmp_path: Path) -> None:
     write_cases(target, small_set()[:1])
     (target / "mine.csv").write_text("t,kind\n")
     before = content(target)
-    with pytest.raises(OutputError, match=r"has a file that would be lost: mine\.csv"):
+    with pytest.raises(OutputError, match=r"its file mine\.csv would be lost"):
         write_cases(target, small_set()[:1])
     assert content(target) == before
     other = tmp_path / "other"

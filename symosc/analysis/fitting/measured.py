@@ -133,7 +133,7 @@ def _choose(names: Iterable[str], kind: str | None, asked: Asked, where: str) ->
     kinds = kinds or [name for name in there if kind is None and plain(name) in KIND_COLUMNS]
     if kind is not None and not kinds:
         raise ParameterError(
-            "column", kind, f"is missing in {where}; there are: {names_text(there)}"
+            "column", kind, f"not found in {where}; its columns are {names_text(there)}"
         )
     if not kinds:
         return _sample_names(there, asked, where)
