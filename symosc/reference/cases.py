@@ -400,7 +400,7 @@ def grazes() -> Iterator[ReferenceCase]:
 # -- creeping and rest -----------------------------------------------------------------------------
 
 UNIQUENESS = (
-    "uniqueness of the periodic motion and its exception (symosc derive literature): rests form an "
+    "uniqueness of the periodic motion and its exception (symosc derive orbits): rests form an "
     "interval"
 )
 AT_THE_EDGE = (
