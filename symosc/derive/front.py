@@ -5,9 +5,9 @@ notation.
 from __future__ import annotations
 
 import symosc
+from symosc.base.display.latex import latex_text
 from symosc.derive.citation import SYMOSC, paper_reference
 from symosc.derive.scope import Scope
-from symosc.mappings.numbers import latex_text
 
 TITLE = "The double-belt friction oscillator: theory, proofs and errata"
 ABSTRACT = (

@@ -29,10 +29,10 @@ import sympy as sp
 from symosc.base.aliases import Expr, NumberLike, Order
 from symosc.base.arguments import public
 from symosc.base.display.drawable import Drawable
+from symosc.base.display.latex import LatexAnswer, latex_table
 from symosc.base.errors import ParameterError
 from symosc.base.exact import read_exact
-from symosc.mappings.numbers import LatexAnswer, latex_table
-from symosc.mappings.theorem7_cases import Place, place
+from symosc.kernels.theorem7_cases import Place, place
 from symosc.model import Parameters
 from symosc.scenes import ParametersLike
 from symosc.symbolic.theorem7 import latex, rational, real, sign_of

@@ -23,10 +23,11 @@ from sympy.printing.latex import LatexPrinter
 
 from symosc.base.aliases import Expr, NumberLike, Order
 from symosc.base.arguments import public
+from symosc.base.display.latex import LatexAnswer, latex_table
 from symosc.base.errors import ParameterError
 from symosc.base.exact import NUMBER_FORMS, read_exact
-from symosc.mappings import theorem7_cases as cases
-from symosc.mappings.numbers import LatexAnswer, has_pi, latex_table, read_phase_text
+from symosc.base.phases import has_pi, read_phase_text
+from symosc.kernels import theorem7_cases as cases
 
 GAMMA, AMPLITUDE = sp.symbols("gamma a", real=True)
 CIRCLE = sp.Interval.Ropen(0, 2 * sp.pi)

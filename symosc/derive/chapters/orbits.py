@@ -12,6 +12,7 @@ from typing import Any, NamedTuple
 
 import sympy as sp
 
+from symosc.base.display.latex import latex_text
 from symosc.derive import steps
 from symosc.derive.chapters.maps import force
 from symosc.derive.latex import latex, named
@@ -29,7 +30,6 @@ from symosc.derive.steps import (
     sign,
     step,
 )
-from symosc.mappings.numbers import latex_text
 from symosc.model import NEIGHBOURS, PARAMETER_NAMES, Parameters
 from symosc.orbits.find import find_orbit
 from symosc.scenes import load_scene
