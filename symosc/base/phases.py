@@ -14,13 +14,14 @@ import numpy as np
 
 from symosc.base.aliases import Angle, Context, Expr, Number
 from symosc.base.errors import ParameterError
-from symosc.base.exact import LARGEST, NUMBER_FORMS, read_exact
+from symosc.base.exact import LARGEST, NO_EXPRESSION, NUMBER_FORMS, read_exact
 from symosc.base.expressions import ExactPhase, evaluated
 
 PHASE_FORMS = (
     "give a number, or a rational multiple of pi such as 'pi', '3*pi/2' or '-pi/4' "
     "(a rational number may be added)"
 )
+ANGLE_FORMS = f"{NUMBER_FORMS}, or a multiple of pi such as '3*pi/2'"
 
 
 def has_pi(text: object) -> TypeGuard[str]:
@@ -31,13 +32,7 @@ def has_pi(text: object) -> TypeGuard[str]:
 def read_phase_text(name: str, text: str) -> ExactPhase:
     """Read a phase from a text such as "3*pi/2", "pi - 1/3" or "0.7"."""
     if not has_pi(text):
-        try:
-            return ExactPhase(read_exact(name, text))
-        except ParameterError as error:
-            allowed = f"{NUMBER_FORMS}, or a multiple of pi such as '3*pi/2'"
-            raise ParameterError(
-                name, text, allowed if error.allowed == NUMBER_FORMS else error.allowed
-            ) from None
+        return ExactPhase(_read_rational(name, text))
     phase = evaluated(name, text, PHASE_FORMS)
     if not isinstance(phase, ExactPhase):
         raise ParameterError(name, text, PHASE_FORMS)
@@ -74,7 +69,6 @@ def read_angle(name: str, value: Any) -> Angle:
 
     A float is read as the decimal that it prints as.
     """
-    forms = f"{NUMBER_FORMS}, or a real constant such as sympy.pi or '3*pi/2'"
     if has_pi(value):
         return read_phase_text(name, value).symbolic()
     if (
@@ -82,14 +76,19 @@ def read_angle(name: str, value: Any) -> Angle:
     ):  # of sympy, and no plain number
         plain = hasattr(value, "is_real") and not value.free_symbols and value.is_number
         if not (plain and value.is_real is not False and value.evalf().is_Float):
-            raise ParameterError(name, value, forms)
+            raise ParameterError(name, value, ANGLE_FORMS)
         return value
+    return _read_rational(name, value)
+
+
+def _read_rational(name: str, value: Any) -> Fraction:
+    """Return a rational number; a ParameterError says that multiples of pi are allowed too."""
     try:
         return read_exact(name, value)
     except ParameterError as error:
-        raise ParameterError(
-            name, value, error.allowed if "finite" in error.allowed else forms
-        ) from None
+        if error.allowed in (NUMBER_FORMS, NO_EXPRESSION):
+            raise ParameterError(name, value, ANGLE_FORMS) from None
+        raise
 
 
 def number_of(value: Angle, context: Context) -> Number:

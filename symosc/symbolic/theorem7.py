@@ -25,8 +25,7 @@ from symosc.base.aliases import Expr, NumberLike, Order
 from symosc.base.arguments import public
 from symosc.base.display.latex import LatexAnswer, latex_table
 from symosc.base.errors import ParameterError
-from symosc.base.exact import NUMBER_FORMS, read_exact
-from symosc.base.phases import has_pi, read_phase_text
+from symosc.base.phases import read_angle, symbolic
 from symosc.kernels import theorem7_cases as cases
 
 GAMMA, AMPLITUDE = sp.symbols("gamma a", real=True)
@@ -308,16 +307,7 @@ def real(name: str, value: NumberLike) -> Expr:
             if not value.is_comparable:
                 raise ParameterError(name, value, "must be a real number")
         return value
-    if has_pi(value):
-        return read_phase_text(name, value).symbolic()
-    try:
-        return rational(read_exact(name, value))
-    except ParameterError as error:
-        if error.allowed.startswith(("must be", "has ")):  # a number, but too large or not finite
-            raise
-        raise ParameterError(
-            name, value, f"{NUMBER_FORMS}, or a multiple of pi such as '3*pi/2'"
-        ) from None
+    return symbolic(read_angle(name, value))
 
 
 def rational(value: Fraction) -> Expr:
