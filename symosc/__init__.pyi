@@ -40,6 +40,7 @@ from .grazing.window import GrazingWindow as GrazingWindow
 from .grazing.window import WindowColumns as WindowColumns
 from .grazing.window import grazing_window as grazing_window
 from .grazing.window import grazing_windows as grazing_windows
+from .kernels.theorem7_cases import Place as Place
 from .mappings.compiled import CompiledResidual as CompiledResidual
 from .mappings.compiled import compiled_residual as compiled_residual
 from .mappings.equations import MapError as MapError
@@ -48,7 +49,6 @@ from .mappings.equations import jacobian as jacobian
 from .mappings.equations import parameter_jacobian as parameter_jacobian
 from .mappings.equations import residual as residual
 from .mappings.equations import solve_map as solve_map
-from .mappings.theorem7_cases import Place as Place
 from .model import Parameters as Parameters
 from .orbits.admissibility import Condition as Condition
 from .orbits.border import Border as Border

@@ -90,7 +90,7 @@ def test_of_two_mirrored_roots_the_same_is_reported(
 FREE = {
     "bench": "times other solvers",
     "crosschecks": "judges by tolerances that are far above last bits",
-    "derive": "draws, and recomputes what others published",
+    "derive": "draws, and evaluates examples",
     "analysis.fitting": "hands its search to scipy, and judges by tolerances",
     "jax": "computes in jax's arithmetic",
     "paper": "integrates by scipy to compare, and draws",

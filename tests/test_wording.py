@@ -22,8 +22,8 @@ from symosc import (
     simulate_many,
 )
 from symosc.base.errors import meant
+from symosc.base.phases import read_phase
 from symosc.base.quantities import read_number
-from symosc.mappings.numbers import read_phase
 from symosc.reference.cases import chosen
 from symosc.scenes import as_toml
 

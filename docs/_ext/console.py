@@ -34,7 +34,7 @@ class Console(SphinxDirective):
         "exit": directives.nonnegative_int,  # the exit code of the last command
         "lines": directives.positive_int,  # show so many lines of each output
         "wrap": directives.flag,  # break long lines
-        "files": directives.unchanged,  # files of docs/examples that the commands need
+        "files": directives.unchanged,  # files below docs that the commands need
     }
 
     def run(self) -> list[nodes.Node]:
@@ -42,7 +42,7 @@ class Console(SphinxDirective):
         folder = Path(self.env.config.console_folder) / self.env.docname
         folder.mkdir(parents=True, exist_ok=True)
         for name in self.options.get("files", "").split():
-            source = Path(self.env.srcdir) / "examples" / name
+            source = Path(self.env.srcdir) / name
             self.env.note_dependency(str(source))
             shutil.copy(source, folder)
         commands = [line.removeprefix("$ ") for line in self.content if line.startswith("$ ")]

@@ -9,9 +9,7 @@ the number in kg, m, s, N and rad.
 
 from __future__ import annotations
 
-import ast
 import numbers
-import operator
 import re
 from decimal import ROUND_HALF_EVEN, Context, Decimal
 from fractions import Fraction
@@ -19,7 +17,8 @@ from functools import cache
 from typing import Any, NamedTuple
 
 from symosc.base.errors import ParameterError, optional
-from symosc.base.exact import LARGEST, NOT_FINITE, NUMBER, SMALLEST, read_exact
+from symosc.base.exact import NOT_FINITE, NUMBER, SMALLEST, read_exact
+from symosc.base.expressions import ExactPhase, enclosed, evaluated
 
 
 class Quantity(NamedTuple):
@@ -125,119 +124,32 @@ def forcing_periods(name: str, given: Any) -> Fraction | None:
     return read_exact(name, count)
 
 
-#: Digits to which an expression with pi is known, and bits with which it is computed.
+#: Digits to which an expression with pi is known.
 KNOWN_DIGITS = 40
-ENCLOSURE_BITS = 400
-#: Most characters of an expression, largest power, and most bits of the numerator and denominator
-#: of an exact value.
-LONGEST_EXPRESSION = 200
-MOST_POWER = 100
-LARGEST_BITS = 4000
 FORMS = (
     "give a number such as 0.8 or '4/5', a quantity such as '3 kg', or an expression such as "
-    "'3*pi/2': numbers and pi "
-    "with + - * / ^ ( ), sqrt(), sin(), cos() and exp()"
+    "'3*pi/2': numbers and pi with + - * / ^ ( ), sqrt(), sin(), cos() and exp()"
 )
-_LETTERS = re.compile(r"[\d.\s()+\-*/^]|pi|π|sqrt|sin|cos|exp|(?<=\d)[eE](?=[+-]?\d)", re.ASCII)
-#: A number right before pi, which it multiplies, as in "2π". In "1/2π" and "2^3π" it is not clear
-#: what is the factor.
-_FACTOR_OF_PI = re.compile(
-    r"((?<![\d.^/])(?<!\*\*)(?<![/^]\s)(?:\d+\.?\d*|\.\d+))(?:pi|π)", re.ASCII
-)
-_OPERATORS = {
-    ast.Add: operator.add,
-    ast.Sub: operator.sub,
-    ast.Mult: operator.mul,
-    ast.Div: operator.truediv,
-}
 
 
 def read_expression(name: str, text: str) -> tuple[Fraction, bool]:
     """Return the value of an expression such as "3*pi/2" for the number `name`, and whether it is
     exact.
     """
-    from mpmath import iv, mp
+    from mpmath import mp
 
-    source = _FACTOR_OF_PI.sub(r"\1*pi", text.strip()).replace("π", "pi").replace("^", "**")
-    iv.prec = ENCLOSURE_BITS
-
-    def refused(allowed: str = FORMS) -> ParameterError:
-        return ParameterError(name, text, allowed)
-
-    def enclosed(value: Any) -> Any:
-        if isinstance(value, Fraction):
-            return iv.mpf(value.numerator) / value.denominator
-        return value
-
-    def limited(value: Any) -> Any:
-        """Return a value; raise OverflowError if it is too large, or too long to compute with."""
-        if isinstance(value, Fraction):
-            large = max(abs(value.numerator), value.denominator).bit_length() > LARGEST_BITS
-        else:
-            large = not (
-                -LARGEST.numerator < value.a and value.b < LARGEST.numerator
-            )  # where it divides by 0 too
-        if large:
-            raise OverflowError
-        return value
-
-    def value(node: ast.expr) -> Any:
-        """Return the value of a part of the expression: a Fraction if exact, else an enclosing
-        interval.
-        """
-        match node:
-            case ast.Constant():
-                return read_exact(name, ast.get_source_segment(source, node))
-            case ast.Name("pi"):
-                return iv.pi
-            case ast.UnaryOp(ast.UAdd() | ast.USub() as sign, inside) if not isinstance(
-                inside, ast.UnaryOp
-            ):
-                # two signs are a slip
-                if isinstance(sign, ast.UAdd):
-                    return value(inside)
-                return -value(inside)
-            case ast.BinOp(left, ast.Pow(), right):
-                base = value(left)
-                power = value(right)
-                if not (
-                    isinstance(power, Fraction)
-                    and power.denominator == 1
-                    and abs(power) <= MOST_POWER
-                ):
-                    raise refused(f"a power must be a whole number up to {MOST_POWER} in size")
-                return limited(base ** int(power))
-            case ast.BinOp(left, operation, right) if type(operation) in _OPERATORS:
-                first = value(left)
-                second = value(right)
-                if not (isinstance(first, Fraction) and isinstance(second, Fraction)):
-                    first = enclosed(first)
-                    second = enclosed(second)
-                return limited(_OPERATORS[type(operation)](first, second))
-            case ast.Call(ast.Name("sqrt" | "sin" | "cos" | "exp" as function), [inside], []):
-                argument = enclosed(value(inside))
-                if function == "sqrt" and argument.a < 0:
-                    raise refused("has no value: the root of a negative number")
-                if function == "exp" and argument.b > LARGEST.numerator.bit_length():
-                    raise OverflowError
-                return limited(getattr(iv, function)(argument))
-        raise refused()
-
-    if len(source) > LONGEST_EXPRESSION or _LETTERS.sub("", source):
-        raise refused()
-    try:
-        found = value(ast.parse(source, mode="eval").body)
-    except (SyntaxError, RecursionError, MemoryError):
-        raise refused() from None
-    except (ZeroDivisionError, OverflowError):
-        raise refused(f"has no value of at most {float(LARGEST):g} in size") from None
-    if isinstance(found, Fraction):
-        return found, True
-    low, high = (read_exact(name, mp.make_mpf(end._mpi_[0])) for end in (found.a, found.b))
+    value = evaluated(name, text, FORMS)
+    if isinstance(value, ExactPhase) and value.multiple == 0:
+        return value.rest, True
+    interval = enclosed(value)
+    ends = (mp.make_mpf(end._mpi_[0]) for end in (interval.a, interval.b))
+    low, high = (read_exact(name, end) for end in ends)
     if (high - low) * 10 ** (KNOWN_DIGITS + 5) > min(abs(low), abs(high)):
-        raise refused(
+        raise ParameterError(
+            name,
+            text,
             f"is not known to {KNOWN_DIGITS} digits, as they cancel; write it as a number, 0 if "
-            "it is that"
+            "it is that",
         )
     return rounded((low + high) / 2), False
 

@@ -15,7 +15,7 @@ from symosc.base.display.progress import late_bar
 from symosc.base.exact import show
 from symosc.cli import options, output
 from symosc.cli.options import Settings, Text, flag, option
-from symosc.mappings.theorem7_cases import ORDERS, PLACES, place
+from symosc.kernels.theorem7_cases import ORDERS, PLACES, place
 from symosc.model import PARAMETER_NAMES, Parameters
 from symosc.scenes import load_scene
 

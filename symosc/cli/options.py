@@ -15,7 +15,7 @@ from symosc.base.exact import read_start_error
 from symosc.base.files import STDOUT
 from symosc.base.quantities import read_number
 from symosc.cli.output import claim_stdout, note
-from symosc.mappings.theorem7_cases import PLACES
+from symosc.kernels.theorem7_cases import PLACES
 from symosc.model import PARAMETER_NAMES
 from symosc.scenes import START_NAMES, Scene, load_scene, scene_names
 

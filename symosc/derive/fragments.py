@@ -35,7 +35,7 @@ from symosc.derive.steps import (
     generic_basis,
     step,
 )
-from symosc.mappings.theorem7_cases import PLACES
+from symosc.kernels.theorem7_cases import PLACES
 from symosc.model import NEIGHBOURS
 from symosc.symbolic import maps, solution, theorem7
 from symosc.symbolic.solution import (

@@ -5,9 +5,9 @@ notation.
 from __future__ import annotations
 
 import symosc
+from symosc.base.display.latex import latex_text
 from symosc.derive.citation import SYMOSC, paper_reference
 from symosc.derive.scope import Scope
-from symosc.mappings.numbers import latex_text
 
 TITLE = "The double-belt friction oscillator: theory, proofs and errata"
 ABSTRACT = (
@@ -142,12 +142,11 @@ $q$, $t_q$, $x_q$, $v_q$, $F_q$, $\delta x$, $\dot{F}$ & a parameter or part of 
   event, a belt's speed, a force; of $x$ at a fixed time; rate of a force & Theorem~\ref{thm:exponents-events} \\
 $\Lambda_j$, $\Lambda_1$, $\Lambda_2$, $\chi_j$, $h_\epsilon$ & Lyapunov exponents, ratios of accelerations, entropy at
   a scale & Theorem~\ref{thm:exponents-lyapunov} \\
-$A_n$, $B_n$ & points where borders meet & Proposition~\ref{thm:literature-points} \\
-$P$, $F$, $x_f$, $r$ & amplitude of the drive, friction, $F/k$, $\Omega\sqrt{m/k}$ & Chapter~\ref{sec:literature} \\
-$Q$, $G$, $H$, $p_0$, $q_0$, $T$, $D$, $U$, $S$, $B$, $\chi$, $T_h$, $D_h$, $\Delta x$, $L$, $\bar{x}$, $Y$, $s'$ &
-  there only: parts of the symmetric motion and of its half period, Den Hartog's letters, a growth, a loss, a middle,
-  motion of a base, a slope &
-  Chapter~\ref{sec:literature} \\
+$A_n$, $B_n$ & points where borders meet & Proposition~\ref{thm:undamped-points} \\
+$F$, $x_f$, $x_0$, $p_0$, $q_0$, $d$ & with one belt at rest: friction, $F/k$, highest point, parts of
+  the motion, a free oscillation & Proposition~\ref{thm:undamped-continuum} \\
+$\bar{x}$, $H$ & limit of a sequence of motions; a gap divided by a function without zeros &
+  Chapters~\ref{sec:codimension} and~\ref{sec:certificates} \\
 $r$, $U$, $J$, $N$, $F_*$ & rate of the force on a belt, force from below, jump of the force; changes of belt, a bound
   & Lemma~\ref{thm:accumulation-forces} \\
 $S$, $f$, $f^*$, $z$, $R$, $\psi$, $X_0$, $R_*$, $v_\pm$, $\mathcal{K}$, $P$, $E$, $Y$ & without a damper:

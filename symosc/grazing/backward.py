@@ -47,7 +47,7 @@ from symosc.engine.flow import Constants, constants, derivatives
 from symosc.kernels import linear
 from symosc.kernels._generated import motion, next_derivative
 from symosc.kernels.entire import EPS
-from symosc.mappings.theorem7_cases import place
+from symosc.kernels.theorem7_cases import place
 from symosc.model import Parameters
 
 # What a search ends with: a contact; a touch, as far as the precision can decide; the end of the

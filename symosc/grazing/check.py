@@ -39,13 +39,13 @@ from symosc.base.arguments import PROGRESS, TEXT, public, require
 from symosc.base.display.progress import late_bar
 from symosc.base.errors import ParameterError
 from symosc.base.exact import whole_number
+from symosc.base.phases import number_of, symbolic
 from symosc.engine.arithmetic import MpArithmetic
 from symosc.engine.flow import Constants, constant_force, constants
 from symosc.grazing.window import GrazingWindow, grazing_window
 from symosc.kernels._generated import motion
 from symosc.kernels.entire import EPS
-from symosc.mappings.numbers import number_of, symbolic
-from symosc.mappings.theorem7_cases import Place
+from symosc.kernels.theorem7_cases import Place
 from symosc.scenes import ParametersLike, parameters_of
 from symosc.words import MAPS
 

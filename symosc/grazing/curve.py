@@ -29,14 +29,20 @@ import numpy as np
 from symosc.base.aliases import NumberLike, Progress
 from symosc.base.arguments import PROGRESS, TEXT, public, require
 from symosc.base.display.drawable import Drawable
+from symosc.base.display.latex import (
+    LatexAnswer,
+    latex_number,
+    latex_point,
+    latex_table,
+    latex_words,
+)
 from symosc.base.display.progress import late_bar
 from symosc.base.exact import read_exact, whole_number
 from symosc.engine.arithmetic import column_functions
 from symosc.grazing.backward import CONTACT, MOST_BACKWARD_STEPS, NEVER, STEP, TOUCH, Origins
 from symosc.grazing.window import grazing_window
 from symosc.kernels.entire import basis
-from symosc.mappings.numbers import LatexAnswer, latex_number, latex_point, latex_table, latex_words
-from symosc.mappings.theorem7_cases import ARC, EMPTY, EVERYTHING
+from symosc.kernels.theorem7_cases import ARC, EMPTY, EVERYTHING
 from symosc.model import Parameters
 from symosc.scenes import ParametersLike, parameters_of
 

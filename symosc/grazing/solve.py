@@ -22,8 +22,10 @@ import numpy as np
 
 from symosc.base.aliases import Angle, Number, NumberLike, Progress
 from symosc.base.arguments import NUMBER, PROGRESS, TEXT, public, require
+from symosc.base.display.latex import LatexAnswer, latex_number, latex_table, latex_words
 from symosc.base.errors import ParameterError
 from symosc.base.exact import read_digits, read_exact, whole_number
+from symosc.base.phases import number_of, read_phase, reduced, symbolic, times
 from symosc.engine.arithmetic import mp_context
 from symosc.grazing import curve as curves
 from symosc.grazing.backward import SEARCH_PERIODS, TOUCH, Flights, Instant
@@ -45,16 +47,6 @@ from symosc.grazing.start import (
 )
 from symosc.grazing.window import GrazingWindow, grazing_window
 from symosc.kernels.elementary import cos
-from symosc.mappings import numbers
-from symosc.mappings.numbers import (
-    LatexAnswer,
-    latex_number,
-    latex_table,
-    latex_words,
-    number_of,
-    reduced,
-    times,
-)
 from symosc.model import Parameters
 from symosc.scenes import ParametersLike, parameters_of
 
@@ -177,7 +169,7 @@ def solve_grazing(
     if name in ("x_i", "x_j"):
         exact = read_exact(name, value)
     else:
-        exact = numbers.read_phase(name, value)
+        exact = read_phase(name, value)
     found = list[GrazingStart]()
     notes = list[str]()
     complete = True
@@ -233,7 +225,7 @@ def _phases_of_contact(window: GrazingWindow, value: Fraction) -> list[Angle]:
     cosine = (p.k * value + p.c * window.speed - p.A(window.place.domain)) / p.B0
     if abs(cosine) > 1:
         return []
-    theta = sympy.acos(numbers.symbolic(cosine))
+    theta = sympy.acos(symbolic(cosine))
     if abs(cosine) == 1:
         return [theta]
     return [theta, 2 * sympy.pi - theta]

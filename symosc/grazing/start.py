@@ -22,23 +22,16 @@ from math import inf
 
 from symosc.base.aliases import Angle, Context, Number, NumberLike, Record
 from symosc.base.arguments import NUMBER, TEXT, public, require, require_or_none
+from symosc.base.display.latex import LatexAnswer, latex_number, latex_point, latex_words
 from symosc.base.errors import ParameterError
 from symosc.base.exact import read_digits, read_exact, show
+from symosc.base.phases import number_of, read_angle, read_phase, reduced, symbolic, times
 from symosc.engine.arithmetic import mp_context
 from symosc.grazing import backward
 from symosc.grazing.backward import SEARCH_PERIODS, Flights, Origins
 from symosc.grazing.window import grazing_window
 from symosc.kernels._generated import next_derivative
-from symosc.mappings import numbers
-from symosc.mappings.numbers import (
-    LatexAnswer,
-    latex_number,
-    latex_point,
-    latex_words,
-    number_of,
-    reduced,
-)
-from symosc.mappings.theorem7_cases import place
+from symosc.kernels.theorem7_cases import place
 from symosc.scenes import ParametersLike, parameters_of
 
 DEFAULT_DIGITS = 40
@@ -170,19 +163,19 @@ def grazing_start(
     if (theta is None) == (t_m is None):
         raise ParameterError("theta", theta, "give either theta or t_m")
     if t_m is not None:
-        time = numbers.read_angle("t_m", t_m)
-        angle = reduced(numbers.times(time, p.Omega))
+        time = read_angle("t_m", t_m)
+        angle = reduced(times(time, p.Omega))
     else:
-        angle = reduced(numbers.read_phase("theta", theta))
-        time = numbers.times(angle, 1 / p.Omega)
+        angle = reduced(read_phase("theta", theta))
+        time = times(angle, 1 / p.Omega)
     if t0 is not None:
         until = read_exact("t0", t0)
         if t_m is None:  # the first time after t0
             import sympy
 
-            gap = numbers.symbolic(until * p.Omega) - numbers.symbolic(angle)
+            gap = symbolic(until * p.Omega) - symbolic(angle)
             turns = sympy.floor(gap / (2 * sympy.pi)) + 1
-            time = numbers.times(numbers.symbolic(angle) + 2 * sympy.pi * turns, 1 / p.Omega)
+            time = times(symbolic(angle) + 2 * sympy.pi * turns, 1 / p.Omega)
     digits = read_digits(digits, MOST_START_DIGITS)
     number = float(read_exact("periods", periods))
     if not 0 < number <= MOST_PERIODS_BACK:
@@ -411,8 +404,8 @@ def is_grazing(
         raise ParameterError("tolerance", tolerance, "must be >= 0 and < 1")
     tolerance = float(limit)
     context = mp_context(50)
-    angle = number_of(numbers.read_phase("theta", theta), context)
-    position = number_of(numbers.read_angle("x", x), context)
+    angle = number_of(read_phase("theta", theta), context)
+    position = number_of(read_angle("x", x), context)
     v, Om = (number_of(q, context) for q in (p.belt(where.boundary), p.Omega))
     cm, w0sq, f0 = (number_of(q / p.m, context) for q in (p.c, p.k, p.B0))
     terms = [

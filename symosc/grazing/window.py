@@ -21,15 +21,18 @@ from numpy.typing import ArrayLike
 
 from symosc.base.aliases import Expr, Number, NumberLike, Order
 from symosc.base.arguments import ARRAY, ARRAY_LIKE, NUMBER, ORDER, TEXT, public, require
+from symosc.base.arrays import real_array
 from symosc.base.display.drawable import Drawable
+from symosc.base.display.latex import LatexAnswer
 from symosc.base.errors import MissingExtraError, ParameterError
 from symosc.base.exact import show
+from symosc.base.expressions import ExactPhase
+from symosc.base.phases import number_of, of_sympy, read_phase, read_phase_text
 from symosc.engine.arithmetic import column_functions, compile_modules, mp_context
+from symosc.grazing.exact_sine import sine_sign
 from symosc.kernels import double_double
-from symosc.mappings import numbers
-from symosc.mappings import theorem7_cases as cases
-from symosc.mappings.numbers import ExactPhase, LatexAnswer, number_of, read_phase_text, real_array
-from symosc.mappings.theorem7_cases import EMPTY, EVERYTHING, Place, place
+from symosc.kernels import theorem7_cases as cases
+from symosc.kernels.theorem7_cases import EMPTY, EVERYTHING, Place, place
 from symosc.model import Parameters
 from symosc.scenes import ParametersLike, parameters_of
 
@@ -343,17 +346,17 @@ class GrazingWindow(Drawable, LatexAnswer):
         if isinstance(theta, str):
             exact = read_phase_text("theta", theta)
         else:
-            angle = numbers.read_phase("theta", theta)
+            angle = read_phase("theta", theta)
             if isinstance(angle, Fraction):
                 exact = ExactPhase(angle)
             else:
-                exact = numbers.of_sympy(angle) or angle
+                exact = of_sympy(angle) or angle
         if self.kind in (EMPTY, EVERYTHING):
             if self.kind == EVERYTHING:
                 return 1
             return -1
         if isinstance(exact, ExactPhase):
-            return self.place.side * numbers.sine_sign(self.gamma, self.amplitude, exact)
+            return self.place.side * sine_sign(self.gamma, self.amplitude, exact)
         from symosc.symbolic.theorem7 import rational, sign_of, sp
 
         return self.place.side * sign_of(
@@ -459,7 +462,7 @@ class WindowColumns(NamedTuple):
     ----------
     kind : int8
         EMPTY, EVERYTHING, ALL_BUT_ONE, ARC or WRAPPED_ARC, constants of
-        `symosc.mappings.theorem7_cases`; always exact.
+        `symosc.kernels.theorem7_cases`; always exact.
     low, high : float
         An ARC reaches from low up to high, a WRAPPED_ARC from low through 0 to high, ends excluded.
         ALL_BUT_ONE: low = high is the excluded phase. nan otherwise.

@@ -7,5 +7,5 @@ entire_array for numpy, multiprecision for any number of digits, in mpmath's num
 references it does not count. mapping evaluates the equations of maps; pairs are double-double
 numbers for CPython and numba; double_double computes with pairs of doubles in plain Python,
 pair_columns with columns of them. linear solves small systems of equations
-with the same bits on every processor.
+with the same bits on every processor. theorem7_cases has the windows of Theorem 7.
 """

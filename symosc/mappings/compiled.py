@@ -16,7 +16,7 @@ from symosc.engine.flow import Constants, constants
 from symosc.kernels import _generated, elementary, entire, entire_array, formulas, mapping
 from symosc.kernels.mapping import BACKWARD, CLOSED_FORM, KINDS, WIDE
 from symosc.mappings.equations import EXITS, UNWRAPPED, flight_arguments, stick_arguments
-from symosc.mappings.numbers import POINT_NAMES
+from symosc.mappings.points import POINT_NAMES
 from symosc.model import Parameters
 from symosc.scenes import ParametersLike, parameters_of
 from symosc.words import MAPS, Map, WordLike, read_word

@@ -31,6 +31,7 @@ from numpy.typing import ArrayLike
 from symosc.base.aliases import Context, Number, Numbers
 from symosc.base.arguments import POINT, REAL, TEXT, public, require, require_or_none
 from symosc.base.errors import ParameterError, SymoscError
+from symosc.base.phases import number_of
 from symosc.engine import tangent
 from symosc.engine.arithmetic import Arithmetic, MpArithmetic, bind, column_functions, many_digits
 from symosc.engine.first_exit import ROUNDING
@@ -48,7 +49,7 @@ from symosc.engine.state import (
     NextEvent,
 )
 from symosc.kernels import mapping
-from symosc.mappings.numbers import POINT_NAMES, is_array, number_of, point_columns, scalar
+from symosc.mappings.points import POINT_NAMES, is_array, point_columns, scalar
 from symosc.model import MODE_NAMES, NEIGHBOURS, PARAMETER_NAMES, Parameters
 from symosc.scenes import ParametersLike, parameters_of
 from symosc.words import MAPS, Map

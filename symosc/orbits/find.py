@@ -14,12 +14,12 @@ from numpy.typing import ArrayLike
 
 from symosc.base.aliases import DataFrame, Number, Points
 from symosc.base.arguments import TABLE_LIKE, WORD, public, require_or_none
+from symosc.base.arrays import real_array
 from symosc.base.errors import ParameterError
 from symosc.base.exact import read_digits, unmasked, whole_number
 from symosc.engine.arithmetic import column_functions, mp_context
 from symosc.engine.start import belt_start, belt_state
 from symosc.engine.state import CROSS, END, FAILED, REST, SLIP, STICK, Covariance
-from symosc.mappings.numbers import real_array
 from symosc.model import MODE_NAMES, Parameters
 from symosc.orbits.admissibility import (
     FLIGHT_LASTS,

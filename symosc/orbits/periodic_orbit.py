@@ -13,12 +13,13 @@ from numpy.typing import ArrayLike
 
 from symosc.base.aliases import Number, NumberLike, Record, SceneName
 from symosc.base.arguments import ARRAY_LIKE, NAMES, SCENE_NAME, public, require
+from symosc.base.arrays import real_array
 from symosc.base.display.drawable import Drawable
+from symosc.base.display.latex import latex_number
 from symosc.base.errors import ParameterError, meant
 from symosc.base.exact import read_exact
 from symosc.engine.arithmetic import mp_context
 from symosc.engine.flow import state_at
-from symosc.mappings.numbers import latex_number, real_array
 from symosc.model import PARAMETER_NAMES, Parameters
 from symosc.orbits.admissibility import Condition, conditions
 from symosc.orbits.closing_equations import ClosingEquations, ConvergenceError, polish

@@ -25,7 +25,7 @@ from scipy.optimize import minimize_scalar
 from symosc.base.exact import show
 from symosc.grazing.window import grazing_window
 from symosc.kernels.entire import EPS
-from symosc.mappings.theorem7_cases import place
+from symosc.kernels.theorem7_cases import place
 from symosc.model import Parameters
 from symosc.orbits.find import find_orbit
 from symosc.paper.checks.motions import force_names

@@ -25,10 +25,10 @@ from matplotlib.lines import Line2D
 
 from symosc.base.aliases import Record
 from symosc.base.arguments import FILE, public, require
+from symosc.base.display.latex import latex_text
 from symosc.base.errors import OutputError, ParameterError, brief, meant
 from symosc.base.files import STDOUT, read_path, write_whole
 from symosc.base.quantities import QUANTITIES
-from symosc.mappings.numbers import latex_text
 
 STYLE: dict[Any, Any] = {
     "font.family": "STIXGeneral",

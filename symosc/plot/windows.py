@@ -34,7 +34,7 @@ from symosc.base.exact import read_exact, show
 from symosc.grazing.curve import CurvePiece, GrazingCurve
 from symosc.grazing.window import GrazingWindow, WindowColumns, grazing_window, grazing_windows
 from symosc.kernels.double_double import HALF_PI, THREE_HALVES_PI
-from symosc.mappings.theorem7_cases import ALL_BUT_ONE, ARC, EMPTY, EVERYTHING, WRAPPED_ARC, place
+from symosc.kernels.theorem7_cases import ALL_BUT_ONE, ARC, EMPTY, EVERYTHING, WRAPPED_ARC, place
 from symosc.model import Parameters
 from symosc.plot import drawing as common
 from symosc.plot.drawing import (

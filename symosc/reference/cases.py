@@ -26,7 +26,7 @@ from symosc.base.errors import ParameterError
 from symosc.base.exact import read_exact, show
 from symosc.engine.arithmetic import mp_context
 from symosc.grazing.start import grazing_start
-from symosc.mappings.theorem7_cases import place
+from symosc.kernels.theorem7_cases import place
 from symosc.model import Parameters
 from symosc.orbits.find import find_orbit
 from symosc.reference.case import ReferenceCase
@@ -400,7 +400,7 @@ def grazes() -> Iterator[ReferenceCase]:
 # -- creeping and rest -----------------------------------------------------------------------------
 
 UNIQUENESS = (
-    "uniqueness of the periodic motion and its exception (symosc derive literature): rests form an "
+    "uniqueness of the periodic motion and its exception (symosc derive orbits): rests form an "
     "interval"
 )
 AT_THE_EDGE = (

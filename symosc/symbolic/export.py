@@ -35,6 +35,8 @@ from symosc.words import Map, Word, WordLike, read_word
 LANGUAGES = ("python", "numpy", "c")
 EXPORT_WIDTH = 112
 MATH = ("cos", "exp", "expm1", "sin", "sqrt")
+#: Names that a program may use without a definition of its own.
+LIBRARY = (*MATH, "abs", "complex", "float", "np", "range")
 #: What is appended to the name of a mapping's function for that of its Jacobian, which returns two
 #: rows.
 MATRIX = "_jacobian"
@@ -271,6 +273,7 @@ def _program(word: Word, arrays: bool) -> _Program:
     steps = ast.parse(SETUP.replace("APART", repr(float(APART**2)))).body
     setup = {ast.unparse(node.targets[0]): node for node in steps if isinstance(node, ast.Assign)}
     fields = [name for name in (*setup, "v1", "v2") if name in used]
+    _check_complete(functions, {*numbers, *LIBRARY}, used - set(fields))
     needed = set(fields)
     kept = list[ast.Assign]()
     for name, step in reversed(setup.items()):
@@ -278,6 +281,22 @@ def _program(word: Word, arrays: bool) -> _Program:
             kept.insert(0, step)
             needed |= _names(step.value)
     return _Program(word, functions, maps, kept, fields, numbers, arrays)
+
+
+def _check_complete(
+    functions: dict[str, ast.FunctionDef], known: set[str], constants: set[str]
+) -> None:
+    """Raise ValueError if functions use names or constants that the program does not define."""
+    # A name that a kernel module renames would else be missing in the exported program only.
+    missing = {f"K.{name}" for name in constants}
+    for node in functions.values():
+        variables = [leaf for leaf in ast.walk(node) if isinstance(leaf, ast.Name)]
+        local = {leaf.id for leaf in variables if isinstance(leaf.ctx, ast.Store)}
+        local |= {leaf.arg for leaf in ast.walk(node) if isinstance(leaf, ast.arg)}
+        missing |= {leaf.id for leaf in variables} - local - known - set(functions)
+    if missing:
+        names = ", ".join(sorted(missing))
+        raise ValueError(f"The exported program would not define {names}, which the kernels use.")
 
 
 def _map_source(row: Map, exit: str | None, arrays: bool) -> tuple[str, str]:

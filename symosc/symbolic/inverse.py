@@ -38,10 +38,10 @@ from symosc.base.arguments import (
     row_of,
 )
 from symosc.base.display.drawable import Drawable
+from symosc.base.display.latex import LatexAnswer, latex_table
 from symosc.base.errors import ParameterError
 from symosc.base.exact import read_exact
-from symosc.mappings.numbers import LatexAnswer, latex_table
-from symosc.mappings.theorem7_cases import Place, place
+from symosc.kernels.theorem7_cases import Place, place
 from symosc.model import Parameters
 from symosc.scenes import ParametersLike, parameters_of
 from symosc.symbolic.theorem7 import latex, rational, real, sign_of

@@ -23,10 +23,10 @@ from sympy.printing.latex import LatexPrinter
 
 from symosc.base.aliases import Expr, NumberLike, Order
 from symosc.base.arguments import NUMBER, ORDER, TEXT, public, require
+from symosc.base.display.latex import LatexAnswer, latex_table
 from symosc.base.errors import ParameterError
-from symosc.base.exact import NUMBER_FORMS, read_exact
-from symosc.mappings import theorem7_cases as cases
-from symosc.mappings.numbers import LatexAnswer, has_pi, latex_table, read_phase_text
+from symosc.base.phases import read_angle, symbolic
+from symosc.kernels import theorem7_cases as cases
 
 GAMMA, AMPLITUDE = sp.symbols("gamma a", real=True)
 CIRCLE = sp.Interval.Ropen(0, 2 * sp.pi)
@@ -310,16 +310,7 @@ def real(name: str, value: NumberLike) -> Expr:
             if not value.is_comparable:
                 raise ParameterError(name, value, "must be a real number")
         return value
-    if has_pi(value):
-        return read_phase_text(name, value).symbolic()
-    try:
-        return rational(read_exact(name, value))
-    except ParameterError as error:
-        if error.allowed.startswith(("must be", "has ")):  # a number, but too large or not finite
-            raise
-        raise ParameterError(
-            name, value, f"{NUMBER_FORMS}, or a multiple of pi such as '3*pi/2'"
-        ) from None
+    return symbolic(read_angle(name, value))
 
 
 def rational(value: Fraction) -> Expr:

@@ -12,7 +12,7 @@ import pytest
 from sympy.parsing.sympy_parser import parse_expr
 
 from symosc.grazing.window import grazing_window
-from symosc.mappings.theorem7_cases import ORDERS
+from symosc.kernels.theorem7_cases import ORDERS
 from symosc.plot.windows import sweep_figure
 from symosc.scenes import load_scene, scene_names
 

@@ -17,11 +17,11 @@ import pytest
 from cli_runs import run
 
 from symosc import load_scene
+from symosc.base.display.latex import latex_text
 from symosc.base.errors import SymoscError
 from symosc.derive import document, front
 from symosc.derive.mathml import words
 from symosc.derive.scope import Scope
-from symosc.mappings.numbers import latex_text
 from symosc.plot.drawing import shown_name
 from symosc.scenes import Scene
 

@@ -13,7 +13,8 @@ import pytest
 from samples import sample_of
 
 from symosc import Parameters, find_orbit, load_scene, simulate
-from symosc.derive.chapters import accumulation, codimension, corrections, undamped
+from symosc.derive.chapters import accumulation, codimension, corrections, orbits, undamped
+from symosc.orbits.floquet import rest_positions
 from symosc.words import cycle
 
 BETWEEN = {"m": 1, "c": 0, "A0": 0, "v1": -1, "v2": 1, "mu1": "1/5", "mu2": "1/5", "FN": 1}
@@ -194,3 +195,24 @@ def test_a_belt_that_hardly_moves_takes_the_mass_to_one_end(speed: str, place: f
     for x0 in ("-0.5", "0.7"):
         motion = simulate(p, t0=0, x0=x0, v0=0, t_end=400)
         assert float(motion(400.0)[0]) == pytest.approx(place, abs=0.05)
+
+
+# --- rests ---
+
+
+def test_a_mass_rests_anywhere_on_a_belt_at_rest() -> None:
+    """So the map over a period is the identity there: multiplier 1.
+
+    From outside the mass comes to the interval.
+    """
+    low, high = rest_positions(orbits.RESTING, 1)
+    assert (low, high) == (Fraction(-4, 5), 1)
+    for x in (0, Fraction(1, 2), Fraction(-3, 5), low, high):
+        path = simulate(orbits.RESTING, t0=0, x0=x, v0=0, t_end=100)
+        assert not path.events
+        assert path(np.linspace(0, 100, 7))[0].tolist() == [float(x)] * 7
+    for x in (-3, Fraction(-9, 10), Fraction(11, 10), 4):
+        path = simulate(orbits.RESTING, t0=0, x0=x, v0=0, t_end=100)
+        assert path.events
+        # It may creep there for ever.
+        assert float(low) - 0.01 <= path(99.0)[0] <= float(high) + 0.01

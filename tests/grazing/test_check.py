@@ -14,9 +14,10 @@ from samples import sample_of
 from symosc import Parameters, load_scene, scene_names, simulate
 from symosc.grazing import check
 from symosc.grazing.check import DOP853, EXACT_FLOW, G_SIGNS, NO, YES, Ways, check_grazing
+from symosc.grazing.exact_sine import sine_sign
 from symosc.grazing.window import GrazingWindow, grazing_window
-from symosc.mappings import numbers, theorem7_cases
-from symosc.mappings.theorem7_cases import PLACES, Place
+from symosc.kernels import theorem7_cases
+from symosc.kernels.theorem7_cases import PLACES, Place
 from symosc.words import MAPS as MAPS_BY_NAME
 
 MAPS = ("P2", "P3", "P5", "P6")
@@ -206,7 +207,7 @@ def test_a_wrong_sign_of_the_condition_is_found(
     monkeypatch: pytest.MonkeyPatch, mapping: str
 ) -> None:
     true_kind = theorem7_cases.window_kind
-    true_sign = numbers.sine_sign
+    true_sign = sine_sign
     true_contains = GrazingWindow.contains
 
     def turned(window: GrazingWindow, theta: Any) -> Any:
@@ -220,7 +221,7 @@ def test_a_wrong_sign_of_the_condition_is_found(
     monkeypatch.setattr(
         theorem7_cases, "window_kind", lambda side, *signs: true_kind(-side, *signs)
     )
-    monkeypatch.setattr(numbers, "sine_sign", lambda *given: -true_sign(*given))
+    monkeypatch.setattr("symosc.grazing.window.sine_sign", lambda *given: -true_sign(*given))
     for p in (load_scene("fig9").parameters, BASE):
         assert not check_grazing(p, mapping, n=20).ok
 

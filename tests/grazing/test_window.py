@@ -18,7 +18,7 @@ from window_samples import exact_ends, parameters, ulps
 
 from symosc import ParameterError, Parameters, grazing_window, load_scene, theorem7
 from symosc.grazing.window import GrazingWindow, grazing_windows
-from symosc.mappings.theorem7_cases import ALL_BUT_ONE, ARC, EMPTY, EVERYTHING, WRAPPED_ARC
+from symosc.kernels.theorem7_cases import ALL_BUT_ONE, ARC, EMPTY, EVERYTHING, WRAPPED_ARC
 from symosc.scenes import scene_names
 from symosc.symbolic.theorem7 import CIRCLE
 

@@ -181,7 +181,7 @@ def attempted(call: Callable[[str], str], texts: list[str]) -> str:
 
 def references() -> str:
     """Return all references as lists print them, and how they are cited."""
-    keys = citation.cited(r"\cite{shaw1986, denhartog1930}\cite[p.~2]{chen2016}")
+    keys = citation.cited(r"\cite{shaw1986, denhartog1931}\cite[p.~2]{chen2016}")
     found = [f"{key}: {citation.plain_line(key)}" for key in citation.entries() if key != "symosc"]
     return "\n".join(
         [*found, *keys, citation.paper_reference(), citation.paper_reference("<i>{}</i>", "_", "-")]

@@ -35,9 +35,12 @@ from symosc import (
     solve_grazing,
     solve_map,
 )
+from symosc.base.display.latex import latex_number
+from symosc.base.expressions import ExactPhase
+from symosc.base.phases import read_phase_text
 from symosc.grazing.backward import first_root
+from symosc.grazing.exact_sine import sine_sign
 from symosc.grazing.window import critical_text, phases_text
-from symosc.mappings.numbers import ExactPhase, latex_number, read_phase_text, sine_sign
 
 MAPS = ("P2", "P3", "P5", "P6")
 FIG6, FIG7, FIG8 = (load_scene(name).parameters for name in ("fig6", "fig7-exact", "fig8"))

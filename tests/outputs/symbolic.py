@@ -14,7 +14,7 @@ from paper_orbits import FIG9, FIG10
 from said import empty_folder, outcome
 
 from symosc import Parameters, theorem7, values_containing, values_empty, values_everything
-from symosc.mappings.theorem7_cases import PLACES
+from symosc.kernels.theorem7_cases import PLACES
 from symosc.symbolic import codegen, inverse
 from symosc.symbolic.export import LANGUAGES, export, write_export
 from symosc.symbolic.theorem7 import critical_phase, sign_of

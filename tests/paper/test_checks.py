@@ -12,7 +12,7 @@ import pytest
 from paper_motions import FIG5, FIG6, FIG9, FIG10, changed
 
 from symosc import Parameters, Scene, find_orbit, load_scene, simulate
-from symosc.mappings.theorem7_cases import PLACES
+from symosc.kernels.theorem7_cases import PLACES
 from symosc.paper.checks import exact, grazes, motions, orbits, theorem_7, theorems
 from symosc.paper.checks.motions import Stretch, fly_again, stretches_of
 from symosc.paper.claims import CONFIRMED, CORRECTED

@@ -22,7 +22,7 @@ from symosc import (
     values_empty,
     values_everything,
 )
-from symosc.mappings.theorem7_cases import EVERYTHING
+from symosc.kernels.theorem7_cases import EVERYTHING
 from symosc.plot.windows import INSIDE_COLOR, TURN
 
 # -- windows and curves -----------------------------------------------------------------------------------------------

@@ -18,7 +18,7 @@ from oracle import flow_oracle, simulate_oracle
 from symosc import Parameters, ReferenceCase, Scene, load_scene, reference_cases, simulate
 from symosc.certificates.certificate import Certificate
 from symosc.certificates.verify_orbits import verify
-from symosc.mappings.theorem7_cases import place
+from symosc.kernels.theorem7_cases import place
 from symosc.reference.case import COMPUTED, PROVEN, conditions, last_period, relative_error, shifted
 from symosc.reference.cases import (
     CASE_GROUPS,

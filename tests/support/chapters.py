@@ -16,25 +16,11 @@ from unittest.mock import patch
 
 from once import SHARED, alone
 
-from symosc.derive import document, published
-from symosc.derive.chapters import CHAPTERS, borders, literature
+from symosc.derive import document
+from symosc.derive.chapters import CHAPTERS, borders
 from symosc.derive.scope import Scope
-from symosc.derive.steps import CONTEXT, Step, StepEvidence
+from symosc.derive.steps import Step, StepEvidence
 from symosc.orbits.branch import continue_orbit
-
-
-def table(key: str) -> tuple[published.Value, ...]:
-    """Return a table of the chapter on published results: the first worker runs the motions."""
-    with alone(f"table-{key}") as path:
-        if not path.exists():
-            found = published.table(key)
-            rows = [
-                value._replace(formula=_own(value.formula), package=_own(value.package))
-                for value in found
-            ]
-            path.write_bytes(pickle.dumps(tuple(rows)))
-        values: tuple[published.Value, ...] = pickle.loads(path.read_bytes())
-    return values
 
 
 def branch(*given: Any) -> Any:
@@ -49,17 +35,10 @@ def branch(*given: Any) -> Any:
         return SimpleNamespace(ends=pickle.loads(path.read_bytes()))
 
 
-def _own(number: Any) -> Any:
-    """Return an mpf in a form that can be pickled, with all its digits, and other numbers as they are."""
-    if hasattr(number, "_mpf_"):
-        return CONTEXT.own(number)
-    return number
-
-
 @cache
 def unchecked_items(key: str) -> tuple[str, list[Any]]:
     """Return the title and the items of a chapter; nobody changes them."""
-    with patch.object(literature, "table", table), patch.object(borders, "continue_orbit", branch):
+    with patch.object(borders, "continue_orbit", branch):
         return document.chapter_items(key, Scope())
 
 

@@ -12,7 +12,7 @@ from typing import Any
 from unittest.mock import patch
 
 from symosc import Parameters, load_scene
-from symosc.mappings.theorem7_cases import PLACES
+from symosc.kernels.theorem7_cases import PLACES
 from symosc.paper.checks import model, motions, orbits, theorem_7, theorems
 from symosc.paper.checks.theorems import CONDITIONS
 from symosc.paper.claims import CONFIRMED, CORRECTED, NOT_AS_PRINTED, UNDECIDED, Evidence

@@ -24,7 +24,7 @@ from symosc import Parameters, load_scene
 from symosc.base.errors import OutputError, ParameterError
 from symosc.mappings import equations
 from symosc.model import by_name
-from symosc.symbolic.export import export, write_export
+from symosc.symbolic.export import LANGUAGES, SETUP, export, write_export
 from symosc.words import WordError, read_word
 
 #: Every map, in order of time P2, P1, P3, P2, P8, P6, P4, P5, P6, P7.
@@ -224,6 +224,21 @@ def test_errors(tmp_path: Path) -> None:
 
 
 @pytest.mark.slow
+@pytest.mark.parametrize("language", LANGUAGES)
+def test_a_name_that_the_program_would_lack_is_an_error(
+    language: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """As if a module of kernels had renamed a threshold, or gained a constant of a motion."""
+    with monkeypatch.context() as changed:
+        changed.setattr("symosc.symbolic.export.SETTINGS", ("EPS",))
+        with pytest.raises(ValueError, match=r"would not define .*SERIES_BELOW"):
+            export("P32", language)
+    setup = "\n".join(line for line in SETUP.splitlines() if not line.startswith("rate = "))
+    monkeypatch.setattr("symosc.symbolic.export.SETUP", setup)
+    with pytest.raises(ValueError, match=r"would not define K\.rate,"):
+        export("P32", language)
+
+
 def test_a_file_with_another_content_stays(tmp_path: Path) -> None:
     (path,) = write_export(tmp_path, "P32", "python")
     text = path.read_text()

@@ -24,7 +24,7 @@ from symosc import (
 )
 from symosc.base.errors import ParameterError
 from symosc.grazing.check import YES, Ways
-from symosc.mappings.theorem7_cases import EMPTY, EVERYTHING
+from symosc.kernels.theorem7_cases import EMPTY, EVERYTHING
 from symosc.symbolic import inverse
 from symosc.symbolic.inverse import QUERY_LETTERS, THETA, Answer
 

@@ -23,6 +23,5 @@ CHAPTERS = {
     "corrections": "discontinuity maps of the four borders",
     "codimension": "points of codimension two",
     "errata": "errors and gaps of the paper",
-    "literature": "published results that the model contains",
     "certificates": "why each kind of certificate proves what it says",
 }

@@ -11,7 +11,6 @@ import sympy as sp
 from symosc.derive.chapters.exponents import lengths
 from symosc.derive.chapters.motion import MU, newton
 from symosc.derive.latex import named
-from symosc.derive.published import wall
 from symosc.derive.scope import BELTS, LOWER, UPPER, F, G, Scope, mu_lambda, stated, v_lambda
 from symosc.derive.steps import (
     CONTEXT,
@@ -29,6 +28,7 @@ from symosc.derive.steps import (
 )
 from symosc.model import Parameters
 from symosc.orbits.branch import continue_orbit
+from symosc.reference.cases import wall
 from symosc.scenes import load_scene
 from symosc.symbolic import solution
 from symosc.symbolic.solution import B0, FN, A, Omega, c, k, m, t, theta
@@ -141,7 +141,7 @@ def items(scope: Scope) -> Items:
         equation(touched, 0, {touched: still[touched].subs(v_lambda, 0)}, "rest"),
         r"so the mass turns when the drive is largest in size. For $c = 0$ these points are "
         r"known in closed form "
-        r"(Proposition~\ref{thm:literature-points}). Chapter~\ref{sec:codimension} lists all "
+        r"(Proposition~\ref{thm:undamped-points}). Chapter~\ref{sec:codimension} lists all "
         r"such points and what "
         r"surrounds them, and Chapter~\ref{sec:corrections} has the maps and the multipliers at "
         r"a border.",

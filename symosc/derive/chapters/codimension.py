@@ -18,7 +18,6 @@ from symosc.derive.chapters.corrections import (
     zero,
 )
 from symosc.derive.latex import named
-from symosc.derive.published import wall
 from symosc.derive.scope import Scope, stated
 from symosc.derive.steps import (
     CONTEXT,
@@ -31,6 +30,7 @@ from symosc.derive.steps import (
     exact,
     number,
 )
+from symosc.reference.cases import wall
 from symosc.symbolic.solution import FN, k
 
 TITLE = "Points of codimension two"
@@ -496,5 +496,5 @@ def _tables() -> Items:
         ),
         r"In (A) the mass arrives at the phase $\pi$ at $x = F_N - 1$, in (B) it passes at the "
         r"phase 0 at $x = 1 + F_N$: there $U = 0$, and $r = -a\sin\theta = 0$ because the wall is "
-        r"at rest. For $c = 0$ the point (B) is $A_1$ of Proposition~\ref{thm:literature-points}.",
+        r"at rest. For $c = 0$ the point (B) is $A_1$ of Proposition~\ref{thm:undamped-points}.",
     )

@@ -12,8 +12,8 @@ import sympy as sp
 from symosc.derive.chapters import borders
 from symosc.derive.chapters.borders import NAMES
 from symosc.derive.chapters.jacobians import force_at_belt
+from symosc.derive.flight_basis import flight_basis
 from symosc.derive.latex import latex, named
-from symosc.derive.published import Flight
 from symosc.derive.scope import Scope, v_lambda, valued
 from symosc.derive.steps import (
     CONTEXT,
@@ -565,10 +565,10 @@ def grazing() -> Grazing:
         (touch - up, 2, None, None, None),
     )
     matrix = CONTEXT.eye(2)
-    flight = Flight(there)
+    basis = flight_basis(there)
     ratio = number(there.k / there.m)
     for length, source, target, x, time in rows:
-        e0, e1, e2 = flight.basis(length).values()
+        e0, e1, e2 = basis(length)
         step_matrix = CONTEXT.matrix([[1 - ratio * e2, e1], [-ratio * e1, e0]])
         if target is not None:
             angle = number(there.Omega) * time

@@ -11,8 +11,8 @@ from symosc.analysis.sensitivities import sensitivities
 from symosc.derive.chapters.jacobians import AFTER, BEFORE, force_at_belt, multiplier_products
 from symosc.derive.chapters.maps import force
 from symosc.derive.chapters.orbits import FUNCTIONS
+from symosc.derive.flight_basis import flight_basis
 from symosc.derive.latex import named
-from symosc.derive.published import Flight
 from symosc.derive.scope import Scope, v_lambda
 from symosc.derive.steps import (
     CONTEXT,
@@ -361,7 +361,7 @@ def event_time_derivatives(scene: str, by_friction: bool) -> list[Any]:
         source = int(event.source[-1])
         target = int(event.target[-1])
         if event.source.startswith("Omega"):
-            e0, e1, e2 = Flight(p).basis(t - before).values()
+            e0, e1, e2 = flight_basis(p)(t - before)
             dx, dv = (
                 (1 - w0 * e2) * dx + e1 * dv + e2 * push[source],
                 e0 * dv - w0 * e1 * dx + e1 * push[source],

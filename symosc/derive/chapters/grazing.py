@@ -23,7 +23,7 @@ from symosc.derive.steps import (
     facts,
     step,
 )
-from symosc.mappings.theorem7_cases import PLACES
+from symosc.kernels.theorem7_cases import PLACES
 from symosc.scenes import load_scene
 from symosc.symbolic import solution, theorem7
 from symosc.symbolic.solution import B0, A, Omega, c, k, m, t, theta, v, x

@@ -12,10 +12,10 @@ from typing import Any, NamedTuple
 
 import sympy as sp
 
+from symosc.base.display.latex import latex_text
 from symosc.derive import steps
 from symosc.derive.chapters.maps import force
 from symosc.derive.latex import latex, named
-from symosc.derive.published import RESTING
 from symosc.derive.scope import BELTS, Scope, stated
 from symosc.derive.steps import (
     CONTEXT,
@@ -30,7 +30,6 @@ from symosc.derive.steps import (
     sign,
     step,
 )
-from symosc.mappings.numbers import latex_text
 from symosc.model import NEIGHBOURS, PARAMETER_NAMES, Parameters
 from symosc.orbits.find import find_orbit
 from symosc.scenes import load_scene
@@ -57,6 +56,8 @@ from symosc.symbolic.theorem7 import rational
 from symosc.words import Map, read_word
 
 TITLE = "Periodic motions"
+#: A mass that may rest on belt 1, with damping.
+RESTING = Parameters(m=1, c=1, k=1, A0=0, B0="1/10", Omega=1, v1=0, v2=10, mu1=1, mu2="1/10", FN=1)
 
 
 def items(scope: Scope) -> Items:

@@ -53,6 +53,7 @@ def items(scope: Scope) -> Items:
     yield _recurrent()
     yield _shape()
     yield _free()
+    yield _one_belt()
     yield _examples()
     yield _survivors()
 
@@ -197,7 +198,7 @@ def _shape() -> Items:
         r"with a whole number $j$, and the turn by this angle changes the sign of all $z \in "
         r"\mathcal{K}$, or none.\end{proof}",
         r"So each stick in the motion $x^*$ makes it attract all others, as for $c > 0$. Segments "
-        r"are exceptional, but exist: the continuum of Proposition~\ref{thm:literature-continuum} "
+        r"are exceptional, but exist: the continuum of Proposition~\ref{thm:undamped-continuum} "
         r"is one, with $2\omega_0/\Omega = 4n$.",
     )
 
@@ -374,6 +375,148 @@ def _limit() -> Any:
     size = sp.Symbol("size", positive=True)
     values = {k: 1, m: 1, Omega: sp.Rational(17, 10), B0: size}
     return sp.solve(sp.Abs((Omega * STEADY).subs(values)) - 1, size)[0]
+
+
+def _one_belt() -> Items:
+    """Return the items on one belt at rest: where motions without stops end, and odd stops."""
+    yield (
+        r"\subsection{One belt at rest}",
+        r"Let $A_0 = 0$, $B_0 > 0$ and $v_1 = 0$, let $\mu_2 = 0$ and $v_2$ be out of reach, and "
+        r"let $F = \mu_1 F_N$ and $x_f = F/k$: the oscillator with Coulomb friction "
+        r"\cite{denhartog1931,hongliu2000}. A motion is \emph{symmetric} if $x(t + \pi/\Omega) = "
+        r"-x(t)$. One without stops moves down for half a period from its highest point $x_0$, "
+        r"with the friction $+F$. With the angle $\varphi$ since then, $x = x_f + p_0\cos\varphi + "
+        r"q_0\sin\varphi + u$, where $u$ is a free oscillation.",
+        *_continuum(),
+        *_meeting_points(),
+        r"\begin{proposition}[odd numbers of stops]\label{thm:undamped-odd} "
+        r"A periodic motion with the period of the drive that is not its own mirror image, and "
+        r"with it every motion of this period with an odd number of stops per cycle, needs "
+        r"$\Omega = \omega_0/(2n)$ with a whole number $n$. Its stops that its mirror image does "
+        r"not share have no length.\end{proposition}",
+        r"\begin{proof} The mirror image $-x(t + \pi/\Omega)$ is a motion too. The difference of "
+        r"the two keeps its energy (proof of Theorem~\ref{thm:orbits-unique}): friction is the "
+        r"same in both whenever their velocities differ. While both rest the difference is "
+        r"constant, and as both leave with the same friction it is 0. So the difference $x(t) + "
+        r"x(t + \pi/\Omega)$, if it is not 0, is a free oscillation. As $x$ has the period "
+        r"$2\pi/\Omega$, it is the same after half a period of the drive, which therefore is $n$ "
+        r"periods of the free oscillation: $\Omega = \omega_0/(2n)$. While one of the two stops "
+        r"the other one stops too, or the friction of the first one would be constant: a stop "
+        r"that is alone has no length.\end{proof}",
+    )
+
+
+# The highest point of a symmetric motion, F/k, and the angle since the highest point.
+HIGHEST = named("x_0")
+HELD = named("x_f", positive=True)
+TURNED = sp.Symbol("varphi", positive=True)
+COUNT = sp.Symbol("n", integer=True, positive=True)
+
+
+def _continuum() -> Items:
+    """Return the items on a continuum of motions without stops."""
+    friction = named("F")
+    end = named("d_*")
+    added = named("d")
+    fast = 2 * COUNT * TURNED
+    slow = {Omega: sp.sqrt(k / m) / (2 * COUNT), HIGHEST: B0 / (k - m * Omega**2)}
+    motion = HELD + HIGHEST * sp.cos(TURNED) + (added - HELD) * sp.cos(fast)
+    force = m * Omega**2 * motion.diff(TURNED, 2) + k * motion
+    balance = named(r"m\ddot{x} + k x")
+    rate = named(r"\dot{x}")
+    whole = sp.Symbol("j", integer=True, positive=True)
+    next_sine = sp.sin(whole * TURNED + TURNED)
+    parts = sp.sin(whole * TURNED) * sp.cos(TURNED) + sp.cos(whole * TURNED) * sp.sin(TURNED)
+    least = HIGHEST / (4 * COUNT**2)
+    yield (
+        r"\begin{proposition}[a continuum, and its death]\label{thm:undamped-continuum} Let "
+        r"$\Omega = \omega_0/(2n)$ with a whole number $n$. If $F/B_0 < 1/(4n^2 - 1)$, the motions "
+        r"$x + d\cos 2n\varphi$ have no stops for all $|d| < d_*$, where $x$ is the symmetric one "
+        r"and",
+        equation(
+            end,
+            B0 / (k * (4 * COUNT**2 - 1)) - friction / k,
+            {end: least - HELD, HELD: friction / k, **slow},
+            "end",
+        ),
+        r"If not, there is none. So the continuum dies at $F = B_0/(4n^2 - 1)$.\end{proposition}",
+        r"\begin{proof} See \cite{csernak2007} for the orbits. Half a period is $n$ periods of "
+        r"$u$, which comes back. So symmetry asks for $u = -x_f\cos 2n\varphi$ and $q_0 = 0$, and "
+        r"the equation of motion on the way down for",
+        equation(
+            HIGHEST,
+            4 * COUNT**2 * B0 / (k * (4 * COUNT**2 - 1)),
+            slow,
+            note=r"whatever the friction is.",
+        ),
+        r"A free oscillation $d\cos 2n\varphi$ may be added: the turning points are then $d + x_0$ "
+        r"and $d - x_0$, at the same times, and on the way down",
+        equation(
+            balance, B0 * sp.cos(TURNED) + friction, {balance: force, HELD: friction / k, **slow}
+        ),
+        equation(
+            rate,
+            2 * COUNT * Omega * (HELD - added) * sp.sin(fast) - Omega * HIGHEST * sp.sin(TURNED),
+            {rate: Omega * motion.diff(TURNED)},
+        ),
+        r"On the way up $-\dot{x}$ is the same with $x_f + d$ in place of $x_f - d$. By induction "
+        r"with",
+        equation(next_sine, parts, sp.expand_trig(next_sine), "sine"),
+        r"$|\sin j\varphi| \le j\sin\varphi$ for $0 < \varphi < \pi$, with equality in the limit "
+        r"at the turning points only. So there is no stop if and only if $x_f + |d| < "
+        r"x_0/(4n^2)$.\end{proof}",
+        r"At the end of the continuum one of the two turning points is a stop of no length. One "
+        r"multiplier is 1, along the continuum. The other one is the product of the two ratios of "
+        r"accelerations after and before a turn (Theorem~\ref{thm:jacobians-saltation}):",
+        _second_multiplier(added, least),
+    )
+
+
+def _second_multiplier(added: Any, least: Any) -> Step:
+    """Return the step on the second multiplier of a motion of the continuum."""
+    multiplier = named(r"\rho_2")
+    ratios = sp.Integer(1)
+    for side in (1, -1):  # the highest point, the lowest one
+        push = side * B0 - k * (added + side * HIGHEST)
+        friction = side * k * HELD
+        ratios *= (push + friction) / (push - friction)
+    drive = k * HIGHEST * (1 - 1 / (4 * COUNT**2))
+    return equation(
+        multiplier,
+        ((least - HELD) ** 2 - added**2) / ((least + HELD) ** 2 - added**2),
+        exact({multiplier: ratios, B0: drive}, sp.simplify),
+    )
+
+
+def _meeting_points() -> Items:
+    """Return the items on the points at which the border of motions without stops has corners."""
+    p_0 = named("p_0")
+    q_0 = named("q_0")
+    cosine = named("a")
+    sine = named("b")
+    odd = 2 * COUNT + 1
+    both = named(r"x(t) + x(t + \pi/\Omega)")
+
+    def motion(angle: Any) -> Any:
+        free = cosine * sp.cos(sp.expand(odd * angle)) + sine * sp.sin(sp.expand(odd * angle))
+        return HELD + p_0 * sp.cos(angle) + q_0 * sp.sin(angle) + free
+
+    yield (
+        r"\begin{proposition}[points of codimension two]\label{thm:undamped-points} "
+        r"In the plane of $\Omega$ and $F$ the border of the symmetric motions without stops "
+        r"passes through the points \cite{guardia2010}\begin{enumerate}"
+        r"\item[$A_n$:] $\Omega = \omega_0/(2n)$, $F = B_0/(4n^2 - 1)$;"
+        r"\item[$B_n$:] $\Omega = \omega_0/(2n + 1)$, $F = 0$.\end{enumerate}\end{proposition}",
+        r"\begin{proof} $A_n$ is Proposition~\ref{thm:undamped-continuum} for $d = 0$. At "
+        r"$\Omega = \omega_0/(2n + 1)$ half a period is $n + \frac{1}{2}$ periods of the free "
+        r"oscillation $u = a\cos(2n + 1)\varphi + b\sin(2n + 1)\varphi$, which therefore changes "
+        r"its sign:",
+        equation(both, 2 * HELD, {both: motion(TURNED) + motion(TURNED + sp.pi)}),
+        r"This is 0 for $F = 0$ only.\end{proof}",
+        r"With damping $A_1$ becomes a point where crossing-sliding meets a graze next to the "
+        r"turning point: there the acceleration after the turn is 0 while the drive is largest "
+        r"\eqref{eq:borders-rest}.",
+    )
 
 
 def _examples() -> Items:

@@ -21,7 +21,7 @@ from symosc.engine.next_event import never_leaves
 from symosc.engine.state import Covariance, Launch
 from symosc.grazing.start import GrazingStart, grazing_start, is_grazing
 from symosc.grazing.window import grazing_window
-from symosc.mappings.theorem7_cases import Place, place
+from symosc.kernels.theorem7_cases import Place, place
 from symosc.model import NEIGHBOURS, PARAMETER_NAMES, Parameters, by_name
 from symosc.paper.checks.exact import flow
 from symosc.paper.checks.motions import (

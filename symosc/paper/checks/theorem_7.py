@@ -15,8 +15,8 @@ import numpy as np
 from symosc.grazing.check import check_grazing
 from symosc.grazing.start import grazing_start
 from symosc.grazing.window import grazing_window
+from symosc.kernels.theorem7_cases import PLACES
 from symosc.mappings.equations import jacobian
-from symosc.mappings.theorem7_cases import PLACES
 from symosc.model import Parameters
 from symosc.paper.checks.exact import RATIONAL_PHASES, RationalContact, contacts
 from symosc.paper.checks.motions import recorded

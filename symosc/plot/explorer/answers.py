@@ -24,7 +24,7 @@ from symosc.base.errors import ParameterError, SymoscError
 from symosc.base.exact import read_start_error, show
 from symosc.base.quantities import FORMS, QUANTITIES, read_number, unit_of
 from symosc.grazing.window import GrazingWindow, grazing_window
-from symosc.mappings.theorem7_cases import PLACES
+from symosc.kernels.theorem7_cases import PLACES
 from symosc.model import PARAMETER_NAMES, Parameters, by_name
 from symosc.orbits.find import find_orbit
 from symosc.plot.figures import simulate_orbit

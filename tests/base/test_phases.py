@@ -14,18 +14,19 @@ from bad_values import refused
 from sympy import pi
 
 from symosc import ParameterError, Parameters, grazing_start, grazing_window, is_grazing, load_scene
-from symosc.kernels.multiprecision import mp_context
-from symosc.mappings.numbers import (
-    ExactPhase,
+from symosc.base.expressions import ExactPhase
+from symosc.base.phases import (
     number_of,
     of_sympy,
     read_angle,
     read_phase,
     read_phase_text,
     reduced,
-    sine_sign,
     symbolic,
 )
+from symosc.base.quantities import read_number
+from symosc.grazing.exact_sine import sine_sign
+from symosc.kernels.multiprecision import mp_context
 
 FIG9 = load_scene("fig9").parameters
 MAPS = ("P2", "P3", "P5", "P6")
@@ -69,8 +70,8 @@ def test_text_is_read_exactly() -> None:
     "text",
     [
         "pi*pi", "1/pi", "pi/0", "pi**2", "pi//2", "sin(pi)", "pipi", "pi pi", "exp(pi)", "2*", "pi +", "pi)", "(pi",
-        "１*pi", "1_0*pi", "pi.real", "1e3*pi", "[pi]", "pi,pi", "lambda: pi", "(" * 90 + "pi" + ")" * 90 + "*pi",
-        "9" * 5000 + "*pi", "9" * 100 + "*pi", "e", "two pi", "-pi-", "pi\n.x",
+        "１*pi", "1_0*pi", "pi.real", "1e53*pi", "1/2pi", "[pi]", "pi,pi", "lambda: pi",
+        "(" * 90 + "pi" + ")" * 90 + "*pi", "9" * 5000 + "*pi", "9" * 100 + "*pi", "e", "two pi", "-pi-", "pi\n.x",
     ],
 )  # fmt: skip
 def test_other_expressions_cost_one_line(text: str) -> None:
@@ -224,3 +225,35 @@ def test_phases_are_the_angles_less_whole_turns() -> None:
     assert reduced(Fraction(6)) == 6  # 6 < 2 pi
     assert float(reduced(Fraction(7))) == pytest.approx(7 - 2 * mpmath.pi)
     assert reduced(2 * sympy.pi) == 0
+
+
+# --- one parser ---
+
+
+@pytest.mark.parametrize(
+    ("text", "value"),
+    [
+        ("pi - pi", Fraction(0)),
+        ("2*pi - 2 pi + 1/3", Fraction(1, 3)),
+        ("-(-2)^3", Fraction(8)),
+        ("pi^0 + 1e-3", Fraction(1001, 1000)),
+        ("(3*pi/2 + 1)/(1/2) - 3pi", Fraction(2)),
+    ],
+)
+def test_multiples_of_pi_that_cancel_leave_an_exact_number(text: str, value: Fraction) -> None:
+    assert read_number("x0", text) == (value, True)
+
+
+@pytest.mark.parametrize(
+    "text", ["1e3*pi", "2^3*pi/3 - 1/7", "-(-pi)/3", "0.1 pi", "2(pi)", "--pi"]
+)
+def test_phases_and_parameters_take_the_same_expressions(text: str) -> None:
+    """Either both refuse a text, or the phase is the parameter to 40 digits."""
+    context = mp_context(60)
+    try:
+        phase = read_phase_text("theta", text)
+    except ParameterError:
+        refused(lambda: read_number("x0", text), "x0")
+        return
+    value, _ = read_number("x0", text)
+    assert abs(phase.number(context) / number_of(value, context) - 1) < 1e-39

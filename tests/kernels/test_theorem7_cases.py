@@ -15,9 +15,8 @@ from window_samples import exact_ends, ulps
 
 from symosc import load_scene
 from symosc.grazing.window import grazing_window, grazing_windows
-from symosc.kernels import double_double
-from symosc.mappings import theorem7_cases
-from symosc.mappings.theorem7_cases import (
+from symosc.kernels import double_double, theorem7_cases
+from symosc.kernels.theorem7_cases import (
     ALL_BUT_ONE,
     ARC,
     EMPTY,
