@@ -213,13 +213,18 @@ def write(path: str | Path, result: Record, command: str) -> list[Path]:
     """
     picture = Path(path).with_suffix(".svg")
     scores = result["scores"]
-    more = [
+    parts = [
+        "# Scores of solvers on the reference cases",
+        f"Set of reference cases: version {SET_VERSION}.",
         f"Made by `{command}`. Each solver of `symosc bench` at its finest tolerance, with at "
         f"most {result['limit_s']:g} s of processor time for a case. {sentence(result['machine'])}",
         f"![The largest error of each case, a mark per solver]({picture.name})",
         *not_run(result),
+        "\n".join(f"- {score.verdict(verdict)}" for verdict in scores),
+        *score.legend(scores[0]),
+        score.group_table(scores, "github"),
+        "## All cases",
+        score.case_table(scores, "github"),
     ]
-    page = score.as_markdown(
-        scores, "Scores of solvers on the reference cases", SET_VERSION, more, with_faults=False
-    )
+    page = "\n\n".join(parts) + "\n"
     return [write_text(path, page), plot.save(plot.score_figure(scores), picture)]

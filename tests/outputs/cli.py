@@ -565,10 +565,10 @@ def reproduced(line: str, changed: int = 0, failed: int = 0) -> str:
 
 
 OTHERS: dict[str, Case] = {
-    "score": lambda: scored("score cases mine.csv theirs.csv -o page.md --plot all.svg"),
+    "score": lambda: scored("score cases mine.csv theirs.csv --plot all.svg"),
     "score json": lambda: scored("score cases a/it.csv b/it.csv --json --tolerance 1e-6"),
-    "score, all right": lambda: scored("score cases mine.csv -o page.html", 1),
-    "score into another kind": lambda: scored("score cases mine.csv -o page.txt"),
+    "score, all right": lambda: scored("score cases mine.csv", 1),
+    "score into a page": lambda: scored("score cases mine.csv -o page.html"),
     "cases into a folder": lambda: written_cases("cases --group easy -o them"),
     "cases into a folder, json": lambda: written_cases("cases --group easy -o them --json"),
     "derive chapters": lambda: derived("derive all --pdf -o them -v"),
