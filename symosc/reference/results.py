@@ -20,8 +20,10 @@ from symosc.base.aliases import Record
 from symosc.base.errors import ParameterError, ResultError, brief
 from symosc.base.exact import read_exact
 from symosc.base.files import read_path
-from symosc.crosschecks.files import SUFFIXES, plain_number, read_content, suffix_of
-from symosc.crosschecks.objects import ID_COLUMN, USUAL_NAMES, as_table, plain
+from symosc.crosschecks.reading.files import SUFFIXES, read_content, suffix_of
+from symosc.crosschecks.reading.names import ID_COLUMN, USUAL_NAMES, plain
+from symosc.crosschecks.reading.objects import as_table
+from symosc.crosschecks.reading.text import plain_number
 from symosc.simulation.tangents import NAMES
 
 EVENT_WORDS = ("cross", "stick", "slip", "graze")
