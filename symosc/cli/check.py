@@ -100,7 +100,7 @@ def check(
         from symosc.reference.cases import reference_case
 
         asked = reference_case(case).scene
-    from symosc.crosschecks.objects import run_solver
+    from symosc.crosschecks.solver_runs import run_solver
 
     problem = options.scene_with(asked, settings, t_end=t_end)
     limits = {name: value for name, value in how.items() if value is not None}

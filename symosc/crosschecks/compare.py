@@ -43,18 +43,18 @@ from symosc.crosschecks.events import (
     given_events,
     labels,
 )
-from symosc.crosschecks.files import read_solutions
-from symosc.crosschecks.objects import dense_note, of_function
+from symosc.crosschecks.reading.functions import dense_note
+from symosc.crosschecks.reading.objects import of_function
+from symosc.crosschecks.reading.solutions import read_solutions
 from symosc.crosschecks.report import EVENT_LISTS, CrossCheck, CrossChecks, check_all
+from symosc.crosschecks.rounding import Digits, find_rounding
 from symosc.crosschecks.samples import (
     SAMPLE_COLUMNS,
-    Digits,
     Samples,
     check_joints,
     checked,
     checked_events,
     fastest_rate,
-    find_rounding,
 )
 from symosc.crosschecks.steps import (
     ExactSteps,
@@ -111,7 +111,7 @@ def crosscheck(
         Times, which may come twice where two pieces are joined, positions and velocities. Without
         `v` it is computed from `x`, and a note says so. `x` may be a function t -> (x, v), or a
         matrix of states, (n, 2) or (2, n). Or give
-        `t` alone: whatever `symosc.crosschecks.files.read_solutions` reads (a file, an OdeResult, a
+        `t` alone: whatever `symosc.crosschecks.reading.solutions.read_solutions` reads (a file, an OdeResult, a
         DataFrame, a function, ...), or a list of such: pieces of one solution, each beginning where
         one ends, or several solutions.
     events : pairs (t, kind), optional
@@ -181,7 +181,7 @@ def crosscheck(
     if x is None and v is None:
         found = read_solutions(t, columns, scene)
     elif callable(x) and not hasattr(x, "__array__"):
-        found = [of_function(x, scene, t)]
+        found = read_solutions(of_function(x, scene, t))
     elif v is None and len(getattr(x, "shape", ())) == 2:  # states, as ode45 returns them
         found = read_solutions({"t": t, "x": x}, None, scene)
     else:
