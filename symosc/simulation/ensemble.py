@@ -56,6 +56,7 @@ from symosc.engine.batch import (
     event_buffer,
     joined,
     rows_between,
+    state_of,
 )
 from symosc.engine.events import CODE_COLUMNS, FLOAT_COLUMNS
 from symosc.engine.flow import SIGMAS, ConstantRows, constants, table_of
@@ -308,10 +309,14 @@ class Chunk:
         """Return starts, indices of parameter sets, their m, mu1, mu2, FN, and their constants, for
         `event_changes`.
         """
-        starts = self._starts[:, [0, 0, 3, 4, 5]]
+        starts = np.empty((len(self._starts), 5))
         sets = self.task.problems.sets
         rows = slice(self._first, self._first + len(starts))
+        starts[:, 0] = self._starts["mode"]
         starts[:, 1] = self.task.problems.t0.pairs(rows).hi
+        starts[:, 2] = self._starts["theta"]
+        starts[:, 3] = self._starts["x"]
+        starts[:, 4] = self._starts["v"]
         letters = sets.doubles(Letters._fields, rows if len(sets) > 1 else slice(0, 1))
         # A derivative by B0 depends on Omega, even where B0 = 0 and the motion does not.
         table = self.table.copy()
@@ -354,7 +359,7 @@ class Chunk:
         """
         found: dict[int, EventRows] = {}
         numbers = self._first + np.array(members, np.int64)
-        apart = self.task.problems.surely_fit_pairs(numbers, self._starts[members, 1], FAR_OFF)
+        apart = self.task.problems.surely_fit_pairs(numbers, self._starts["at"][members], FAR_OFF)
         groups: dict[int, list[int]] = {}
         for i, is_apart in zip(members, apart.tolist(), strict=True):
             if is_apart or fits_pairs(self.problem(i)):
@@ -433,31 +438,31 @@ class Chunk:
             numbers, starts, lambda t: pairs_as_complex(arithmetic.phase(t)[0])
         )
         pair_loops(len(pairs)).first_pairs(pairs, pair_constants(parameters))
-        least = abs(starts[:, 6:8]).min(axis=1)
-        largest = abs(starts[:, 6:8]).max(axis=1)
-        unclear = (starts[:, 1] > 0) & (least <= SMALL_FORCE * (largest + float(parameters.FN)))
+        least = np.minimum(abs(starts["Fb"]), abs(starts["Fa"]))
+        largest = np.maximum(abs(starts["Fb"]), abs(starts["Fa"]))
+        unclear = (starts["at"] > 0) & (least <= SMALL_FORCE * (largest + float(parameters.FN)))
         for i in np.flatnonzero(unclear).tolist():
-            pairs[i] = pairs_as_complex(tuple(first_row(self.problem(members[i]), arithmetic)))
+            pairs[i] = pairs_as_complex(first_row(self.problem(members[i]), arithmetic))
         return pairs
 
     def _statuses(self) -> list[str]:
         """Return for each motion why it ended, as text such as "t_end" or "max_events"."""
         codes = self.batch.codes
-        periods = self.batch.states[:, 2]
+        states = self.batch.states
         status: list[str] = np.where(codes == FULL, "max_events", "t_end").tolist()
         # Motions without a drive may have come to rest.
         for i in np.flatnonzero(
             (codes == REST) | ((codes == END) & (self.batch.counts == 0))
         ).tolist():
             problem = self.problem(i)
-            mode, v, force = self.batch.states[i, [0, 5, 6]].tolist()
+            last = state_of(states[i])
             if codes[i] == END and settles(problem):
                 code = REST
             else:
                 code = int(codes[i])
-            status[i] = end_status(code, int(mode), v, force, problem.parameters)
+            status[i] = end_status(code, last.mode, last.v, last.Fb, problem.parameters)
         wanted = self.task.problems.t_end.pairs(slice(self._first, self._first + len(codes))).hi
-        given_up = (periods >= FAR_PERIODS) | (self.batch.states[:, 13] < wanted)
+        given_up = (states["n"] >= FAR_PERIODS) | (states["t_end"] < wanted)
         for i in np.flatnonzero((codes == END) & given_up).tolist():
             check_reached(self.problem(i))
         for i, trajectory in self.alone.items():
@@ -585,7 +590,7 @@ def summary_of(
     tally = chunk.tally
     sets = chunk.batch.sets
     t0 = task.problems.t0.pairs(rows).hi
-    modes = chunk.batch.states[:, 0].astype(int)
+    modes = chunk.batch.states["mode"].astype(int)
     for i, trajectory in chunk.alone.items():
         modes[i] = tally_alone(i, trajectory, tally, chunk.table, int(sets[i]))
     status = np.array(chunk.status, dtype=str)

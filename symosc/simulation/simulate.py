@@ -51,6 +51,7 @@ from symosc.engine.state import (
     ON_BELT,
     REST,
     RUNNING,
+    STATE_ROW,
     UNDECIDED,
     State,
 )
@@ -292,7 +293,7 @@ def in_doubles(
     decided = True
     row = engine_batch.row_of(first, *last_time(start, arithmetic))
     begun = piece_buffer(1)
-    batch = engine_batch.batch_of(np.array([row]))
+    batch = engine_batch.batch_of(np.array([row], STATE_ROW))
     engine_batch.write_piece(begun, 0, first, float(start.t0 - Fraction(first.t)))
     events = list[EventRows]()
     pieces = [begun]
@@ -322,13 +323,13 @@ def in_doubles(
                 code = now.code
             else:
                 code = RUNNING
-            keep_state(batch.states, 0, now.rounded_state())
+            keep_state(batch.states[0], now.rounded_state())
             batch.counts[0] = count
             batch.codes[0] = code
             if not decided:
                 break
         if advance:
-            state = state_of(batch.states, 0)
+            state = state_of(batch.states[0])
             advance(
                 _part_done(start, clock_time(state.t - t0, state.t_low, 0.0, K), count, most), count
             )
@@ -343,7 +344,7 @@ def in_doubles(
         status = "max_events"
         message = f"stopped after max_events = {most} events, at t = {last!r}"
     else:
-        status, message = _ended(start, code, state_of(batch.states, 0))
+        status, message = _ended(start, code, state_of(batch.states[0]))
     whole = np.concatenate(pieces, axis=1)
     return Trajectory(start.parameters, rows, whole, status, message, (t0, last), first.at)
 
