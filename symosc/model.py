@@ -14,6 +14,7 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, fields
 from fractions import Fraction
+from functools import cached_property
 from typing import Any
 
 from symosc.base.aliases import NumberLike
@@ -21,13 +22,7 @@ from symosc.base.arguments import NUMBER, public, require
 from symosc.base.errors import ParameterError, meant
 from symosc.base.exact import show, whole_number
 from symosc.base.quantities import QUANTITIES, least, read_number
-
-#: The states of motion, by the code that the fast paths use: 1 to 3 a domain, 4 and 5 a stick on
-#: belt 1 and 2.
-MODE_NAMES = {1: "Omega1", 2: "Omega2", 3: "Omega3", 4: "belt1", 5: "belt2"}
-
-#: The domains below and above each boundary.
-NEIGHBOURS = {1: (1, 2), 2: (2, 3)}
+from symosc.friction import TWO_BELTS, Belt, FrictionLaw
 
 
 @dataclass(frozen=True, kw_only=True, repr=False)
@@ -127,26 +122,30 @@ class Parameters:
         """Return the parameters as text that reads back exactly."""
         return by_name(self, show)
 
+    @cached_property
+    def law(self) -> FrictionLaw:
+        """The friction law of the two belts."""
+        return FrictionLaw((Belt(self.v1, self.mu1), Belt(self.v2, self.mu2)), self.FN)
+
     @public
     def A(self, alpha: int) -> Fraction:
         """Return A_alpha, the constant force in domain `alpha` with friction included (eqs. (1),
         (5)).
         """
-        alpha = whole_number("alpha", alpha, 1, 3)
-        friction = {1: self.mu1 + self.mu2, 2: self.mu2 - self.mu1, 3: -self.mu1 - self.mu2}[alpha]
-        return self.A0 + friction * self.FN
+        alpha = whole_number("alpha", alpha, 1, len(TWO_BELTS.domains))
+        return self.A0 + self.law.force(alpha)
 
     @public
     def belt(self, boundary: int) -> Fraction:
         """Return the speed v1 or v2 of the belt at `boundary` 1 or 2."""
-        if whole_number("boundary", boundary, 1, 2) == 1:
-            return self.v1
-        return self.v2
+        boundary = whole_number("boundary", boundary, 1, len(TWO_BELTS.boundaries))
+        return self.law.belts[boundary - 1].v
 
     @public
     def friction(self, boundary: int) -> Fraction:
         """Return mu FN, the force of friction of the belt at `boundary` 1 or 2."""
-        return (self.mu1 if whole_number("boundary", boundary, 1, 2) == 1 else self.mu2) * self.FN
+        boundary = whole_number("boundary", boundary, 1, len(TWO_BELTS.boundaries))
+        return self.law.holding(boundary)
 
     def _repr_latex_(self) -> str:
         """Return the parameters in the paper's letters, for notebooks."""
@@ -178,6 +177,8 @@ class OtherNumbers:
 
     def __init__(self, values: Mapping[str, Any]) -> None:
         vars(self).update(values)
+        belts = (Belt(values["v1"], values["mu1"]), Belt(values["v2"], values["mu2"]))
+        self.law = FrictionLaw(belts, values["FN"])
 
 
 def _source(text: str) -> str:

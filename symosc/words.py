@@ -17,7 +17,7 @@ from typing import NamedTuple, TypeAlias
 
 from symosc.base.arguments import FLAG, WORD, public, require
 from symosc.base.errors import SymoscError, brief, shown
-from symosc.model import NEIGHBOURS
+from symosc.friction import MAPS, NEIGHBOURS, Map
 
 
 class WordError(SymoscError, ValueError):
@@ -45,70 +45,6 @@ class WordError(SymoscError, ValueError):
         self.reason = reason
         self.step = step
         super().__init__(f"mapping structure {brief(word)}: {reason}")
-
-
-class Plane(NamedTuple):
-    """A switching plane of the paper, by the number of its belt (`boundary`) and its side
-    (`superscript`).
-
-    The `superscript` is 0 for sticking on the belt, 1 for velocities just below the belt's speed
-    and 2 for just above.
-    """
-
-    superscript: int
-    boundary: int
-
-    def __str__(self) -> str:
-        return f"Σ{'⁰¹²'[self.superscript]}({self.boundary})"
-
-
-class Map(NamedTuple):
-    """One mapping of the paper: its label, the planes where it starts and ends, and its domain (0
-    for a stick).
-    """
-
-    label: str
-    start: Plane
-    end: Plane
-    domain: int
-
-    @property
-    def sticks(self) -> bool:
-        """Whether the map is a stick on a belt."""
-        return self.domain == 0
-
-    @property
-    def mode(self) -> int:
-        """The code (see `symosc.model.MODE_NAMES`) of the domain or the belt of the mapping."""
-        return self.domain or 3 + self.start.boundary
-
-    @property
-    def returns(self) -> bool:
-        """Whether the map is a flight that ends in the plane where it starts, so that it can graze
-        there.
-        """
-        return not self.sticks and self.start == self.end
-
-    @property
-    def side(self) -> int:
-        """1 if the map ends at a belt from below, -1 if from above, 0 if it sticks."""
-        return (0, 1, -1)[self.end.superscript]
-
-
-#: The eight mappings: label, superscript and boundary of both planes, and domain.
-MAPS = {
-    label: Map(label, Plane(*start), Plane(*end), domain)
-    for label, start, end, domain in (
-        ("P1", (0, 1), (0, 1), 0),
-        ("P2", (1, 1), (1, 1), 1),
-        ("P3", (2, 1), (2, 1), 2),
-        ("P4", (0, 2), (0, 2), 0),
-        ("P5", (1, 2), (1, 2), 2),
-        ("P6", (2, 2), (2, 2), 3),
-        ("P7", (1, 2), (2, 1), 2),
-        ("P8", (2, 1), (1, 2), 2),
-    )
-}
 
 
 class Word(NamedTuple):

@@ -20,7 +20,8 @@ from symosc import (
     simulate_many,
     sweep,
 )
-from symosc.words import MAPS, Labels, Word, cycle, why_not
+from symosc.friction import MAPS
+from symosc.words import Labels, Word, cycle, why_not
 
 
 @pytest.mark.parametrize("name", scene_names())

@@ -9,6 +9,7 @@ from __future__ import annotations
 #: not use each other.
 LAYERS: tuple[tuple[str, ...], ...] = (
     ("base",),
+    ("friction",),
     ("model",),
     ("words", "reductions"),
     ("scenes",),

@@ -26,7 +26,8 @@ from symosc.base.aliases import Record
 from symosc.base.errors import SymoscError
 from symosc.bench.solvers import FoundEvent
 from symosc.engine.arithmetic import mp_context
-from symosc.model import MODE_NAMES, Parameters
+from symosc.friction import MODE_NAMES
+from symosc.model import Parameters
 from symosc.scenes import Scene
 
 #: This oscillator never has so many events within one period (of `Problem`).

@@ -30,7 +30,8 @@ from symosc.bench.event_logic import (
     start_mode,
 )
 from symosc.bench.solvers import FoundEvent, Solver
-from symosc.model import NEIGHBOURS, Parameters
+from symosc.friction import NEIGHBOURS
+from symosc.model import Parameters
 from symosc.scenes import Scene
 
 

@@ -42,7 +42,8 @@ from symosc.certificates.balls import (
     sure_sign,
 )
 from symosc.certificates.flow import Curve, Flight, Jet, Oscillator, holding_force
-from symosc.model import MODE_NAMES, NEIGHBOURS, Parameters
+from symosc.friction import MODE_NAMES, NEIGHBOURS
+from symosc.model import Parameters
 
 ON_A_BELT = 3  # modes above it are sticks, on belt mode - ON_A_BELT
 #: Tangents are used on pieces shorter than this, in units of 1/omega_d: less than pi/2.
@@ -301,7 +302,7 @@ def end_of_stick(
 class Moving(NamedTuple):
     """A set of states in one mode: of (t, x, v), or only of (t, x) where v is the speed of a belt."""
 
-    mode: int  # a code of `symosc.model.MODE_NAMES`
+    mode: int  # a code of `symosc.friction.MODE_NAMES`
     boundary: (
         int  # the belt that it is on or leaves just now (into its mode, which is proven), or 0
     )

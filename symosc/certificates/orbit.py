@@ -31,7 +31,8 @@ from symosc.certificates.balls import Ball, Undecided, exact_ends, made_by, outw
 from symosc.certificates.certificate import Certificate, confirmed
 from symosc.certificates.flow import Curve, Flight, Oscillator, holding_force
 from symosc.certificates.motion import ProvenEvent, belts_around
-from symosc.model import MODE_NAMES, Parameters
+from symosc.friction import MODE_NAMES
+from symosc.model import Parameters
 from symosc.orbits.closing_equations import OrbitPiece, pieces_of
 from symosc.words import Word
 

@@ -69,7 +69,8 @@ from symosc.certificates.orbit import (
     switchings,
     unit_matrix,
 )
-from symosc.model import MODE_NAMES, PARAMETER_NAMES, Parameters
+from symosc.friction import MODE_NAMES
+from symosc.model import PARAMETER_NAMES, Parameters
 from symosc.orbits.closing_equations import pieces_of
 from symosc.orbits.periodic_orbit import PeriodicOrbit
 from symosc.words import Word

@@ -15,7 +15,8 @@ import numpy as np
 
 from symosc.crosschecks.steps import ExactSteps, follow_steps
 from symosc.engine.flow import Constants
-from symosc.model import MODE_NAMES, Parameters
+from symosc.friction import MODE_NAMES
+from symosc.model import Parameters
 
 #: Causes by name, in words. The last five say what is wrong where no cause is.
 CAUSES = {

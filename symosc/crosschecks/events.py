@@ -18,8 +18,8 @@ from symosc.crosschecks.steps import ExactSteps
 from symosc.engine.events import KIND_NAMES
 from symosc.engine.flow import derivatives
 from symosc.engine.next_event import passing_time
+from symosc.friction import MODE_NAMES, NEIGHBOURS
 from symosc.kernels._generated import acceleration
-from symosc.model import MODE_NAMES, NEIGHBOURS
 from symosc.simulation.trajectory import Event, Trajectory
 
 CODES, MODES = ({name: code for code, name in names.items()} for names in (KIND_NAMES, MODE_NAMES))

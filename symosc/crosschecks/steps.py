@@ -123,7 +123,7 @@ class StepEvents(NamedTuple):
     """Events of the exact motion inside steps, as columns in order of step and time.
 
     `kind` is a code of `engine.events.KIND_NAMES`, `boundary` is 1 or 2, and `target` is the mode
-    after the event, a code of `model.MODE_NAMES`.
+    after the event, a code of `friction.MODE_NAMES`.
     """
 
     step: np.ndarray

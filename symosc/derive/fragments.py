@@ -35,8 +35,8 @@ from symosc.derive.steps import (
     generic_basis,
     step,
 )
+from symosc.friction import MAPS, NEIGHBOURS
 from symosc.kernels.theorem7_cases import PLACES
-from symosc.model import NEIGHBOURS
 from symosc.symbolic import maps, solution, theorem7
 from symosc.symbolic.solution import (
     B0,
@@ -57,7 +57,6 @@ from symosc.symbolic.solution import (
     x,
     x_i,
 )
-from symosc.words import MAPS
 
 ALONE = "\\documentclass{article}\n\\usepackage{amsmath}\n\\begin{document}\n"
 PREFIX = "symosc"

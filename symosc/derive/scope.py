@@ -14,13 +14,14 @@ from symosc.base.aliases import Expr
 from symosc.base.exact import read_exact, show
 from symosc.derive.latex import latex, named
 from symosc.derive.steps import Step, equation
-from symosc.model import NEIGHBOURS, PARAMETER_NAMES, Parameters, by_name
+from symosc.friction import MAPS, NEIGHBOURS
+from symosc.model import PARAMETER_NAMES, Parameters, by_name
 from symosc.scenes import Scene
 from symosc.simulation.simulate import simulate
 from symosc.symbolic import solution
 from symosc.symbolic.solution import PAPER_LETTERS
 from symosc.symbolic.theorem7 import rational
-from symosc.words import MAPS, read_word
+from symosc.words import read_word
 
 v1, v2, v_lambda = sp.symbols("v_1 v_2 v_lambda", real=True)
 BELTS = {1: v1, 2: v2}

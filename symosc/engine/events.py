@@ -11,7 +11,7 @@ from typing import Any
 
 from symosc.base.aliases import Number
 from symosc.engine.state import CROSS, GRAZE, SLIP, STICK
-from symosc.model import MODE_NAMES
+from symosc.friction import MODE_NAMES
 
 #: Kinds of events by code.
 KIND_NAMES = {CROSS: "cross", STICK: "stick", SLIP: "slip", GRAZE: "graze"}

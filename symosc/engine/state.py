@@ -13,7 +13,7 @@ import numpy as np
 
 from symosc.base.aliases import Number
 
-# Modes are those of `symosc.model.MODE_NAMES`: 1, 2, 3 a domain, ON_BELT + 1 and ON_BELT + 2 a
+# Modes are those of `symosc.friction.MODE_NAMES`: 1, 2, 3 a domain, ON_BELT + 1 and ON_BELT + 2 a
 # stick on belt 1 and 2.
 ON_BELT = 3
 # What a step ends with; the first four are the kinds of events.

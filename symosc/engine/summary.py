@@ -42,10 +42,10 @@ from symosc.engine.flow import (
 )
 from symosc.engine.next_event import TWO_PI, advance_phase
 from symosc.engine.state import END, GRAZE, ON_BELT, REST, STATE_ROW, STICK, Flown, Launch, State
+from symosc.friction import MAPS
 from symosc.kernels._generated import acceleration, motion
 from symosc.kernels.elementary import cos, sin
 from symosc.kernels.entire import EPS, SIXTH, basis_with_drive
-from symosc.words import MAPS
 
 # Columns of `Tally.floats`: time that is left out, stuck time, extremes, the last state, and the
 # extremes of the ends of steps alone.

@@ -12,7 +12,7 @@ on less than its error:
 - the exact flow a short time before and after the contact: both points must be in the domain;
 - scipy's DOP853, on the same equation in coordinates that start at the contact.
 
-Domain, belt and side of the contact are those of the definition of the map (`symosc.words.MAPS`),
+Domain, belt and side of the contact are those of the definition of the map (`symosc.friction.MAPS`),
 with which the window must agree: the ways take nothing from the window that they judge.
 
 Some phases are random, in double precision. The others are adversarial, and exact: the ends of the
@@ -42,12 +42,12 @@ from symosc.base.exact import whole_number
 from symosc.base.phases import number_of, symbolic
 from symosc.engine.arithmetic import MpArithmetic
 from symosc.engine.flow import Constants, constant_force, constants
+from symosc.friction import MAPS
 from symosc.grazing.window import GrazingWindow, grazing_window
 from symosc.kernels._generated import motion
 from symosc.kernels.entire import EPS
 from symosc.kernels.theorem7_cases import Place
 from symosc.scenes import ParametersLike, parameters_of
-from symosc.words import MAPS
 
 CHECK_PHASES = 10_000
 YES = 1

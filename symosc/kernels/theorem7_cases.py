@@ -18,6 +18,7 @@ from typing import NamedTuple
 
 from symosc.base.aliases import Order
 from symosc.base.errors import ParameterError
+from symosc.friction import MAPS
 from symosc.kernels.double_double import (
     HALF_PI,
     PI_PAIR,
@@ -55,11 +56,10 @@ class Place(NamedTuple):
     equation: int
 
 
+_FIRST_EQUATION = 55
 PLACES = {
-    "P2": Place(1, 1, 1, 55),
-    "P3": Place(2, 1, -1, 56),
-    "P5": Place(2, 2, 1, 57),
-    "P6": Place(3, 2, -1, 58),
+    row.label: Place(row.domain, row.end.boundary, row.side, _FIRST_EQUATION + i)
+    for i, row in enumerate(row for row in MAPS.values() if row.returns)
 }
 _NO_GRAZING = {
     "P1": "sticks on belt 1",

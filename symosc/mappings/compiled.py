@@ -13,13 +13,14 @@ from symosc.base.errors import ParameterError
 from symosc.base.exact import unmasked
 from symosc.engine.arithmetic import compile_modules, compiled
 from symosc.engine.flow import Constants, constants
+from symosc.friction import MAPS, Map
 from symosc.kernels import _generated, elementary, entire, entire_array, formulas, mapping
 from symosc.kernels.mapping import BACKWARD, CLOSED_FORM, KINDS, WIDE
 from symosc.mappings.equations import EXITS, UNWRAPPED, flight_arguments, stick_arguments
 from symosc.mappings.points import POINT_NAMES
 from symosc.model import Parameters
 from symosc.scenes import ParametersLike, parameters_of
-from symosc.words import MAPS, Map, WordLike, read_word
+from symosc.words import WordLike, read_word
 
 FORMULAS = ("by_closed_form", "by_division", "by_division_and_series", "by_series")
 

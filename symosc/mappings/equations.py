@@ -10,7 +10,7 @@ Adding 2 pi to both phases changes nothing.
     flight:  f1 = x(tau) - x_j,                  f2 = v(tau) - v_j
     stick:   f1 = x_i + v_lambda tau - x_j,      f2 = F^(alpha)(x_j, v_lambda, theta_j)
 
-The maps differ by their row in `symosc.words.MAPS` only. A stick ends where the force of the domain
+The maps differ by their row in `symosc.friction.MAPS` only. A stick ends where the force of the domain
 below or that of the domain above vanishes: `exit` is "below", "above", or None for the one whose
 |f2| is smaller at the given end.
 
@@ -48,11 +48,11 @@ from symosc.engine.state import (
     Covariance,
     NextEvent,
 )
+from symosc.friction import MAPS, MODE_NAMES, NEIGHBOURS, Map
 from symosc.kernels import mapping
 from symosc.mappings.points import POINT_NAMES, is_array, point_columns, scalar
-from symosc.model import MODE_NAMES, NEIGHBOURS, PARAMETER_NAMES, Parameters
+from symosc.model import PARAMETER_NAMES, Parameters
 from symosc.scenes import ParametersLike, parameters_of
-from symosc.words import MAPS, Map
 
 EXITS = ("below", "above")
 #: A switching point (x, theta), of numbers or of arrays that broadcast.

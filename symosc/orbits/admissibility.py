@@ -30,10 +30,10 @@ import numpy as np
 from symosc.base.aliases import Number, Points
 from symosc.engine.arithmetic import column_functions
 from symosc.engine.state import Launch
+from symosc.friction import MODE_NAMES, NEIGHBOURS
 from symosc.kernels import linear
 from symosc.kernels._generated import motion
 from symosc.kernels.entire import EPS
-from symosc.model import MODE_NAMES, NEIGHBOURS
 from symosc.orbits.closing_equations import ClosingEquations, OrbitPiece, Solution, Span, polish
 from symosc.simulation.simulate import simulate
 

@@ -43,10 +43,11 @@ import numpy as np
 from symosc.base.aliases import Number
 from symosc.engine.arithmetic import Arithmetic
 from symosc.engine.flow import constants, derivatives
+from symosc.friction import NEIGHBOURS
 from symosc.kernels import linear
 from symosc.kernels._generated import motion, next_derivative
 from symosc.kernels.entire import EPS
-from symosc.model import NEIGHBOURS, OtherNumbers, Parameters, by_name
+from symosc.model import OtherNumbers, Parameters, by_name
 from symosc.orbits import admissibility
 from symosc.orbits.admissibility import Condition, clearances, conditions, holding_forces, scales
 from symosc.orbits.closing_equations import ClosingEquations, Orbit, OrbitPiece, pieces_of

@@ -20,7 +20,8 @@ from symosc.base.exact import read_digits, unmasked, whole_number
 from symosc.engine.arithmetic import column_functions, mp_context
 from symosc.engine.start import belt_start, belt_state
 from symosc.engine.state import CROSS, END, FAILED, REST, SLIP, STICK, Covariance
-from symosc.model import MODE_NAMES, Parameters
+from symosc.friction import MODE_NAMES
+from symosc.model import Parameters
 from symosc.orbits.admissibility import (
     FLIGHT_LASTS,
     STICK_LASTS,

@@ -46,8 +46,9 @@ from fractions import Fraction
 from typing import Any
 
 from symosc.base.aliases import Number, Points
+from symosc.friction import NEIGHBOURS
 from symosc.kernels._generated import motion
-from symosc.model import NEIGHBOURS, Parameters
+from symosc.model import Parameters
 from symosc.orbits.closing_equations import ClosingEquations, polish
 
 NEAR_ONE = 1e-9  # a multiplier this near to the unit circle is computed again with 50 digits

@@ -11,13 +11,13 @@ from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from matplotlib.patches import Circle, FancyArrowPatch, Polygon, Rectangle
 
-from symosc.model import NEIGHBOURS, Parameters
+from symosc.friction import MAPS, NEIGHBOURS
+from symosc.model import Parameters
 from symosc.plot.drawing import STYLE
 from symosc.plot.panels import BELT_COLOR, END_COLOR, MASS_COLOR, ONSET_COLOR
 from symosc.scenes import load_scene
 from symosc.simulation.simulate import simulate
 from symosc.simulation.trajectory import Trajectory
-from symosc.words import MAPS
 
 COLUMN_WIDTH = 3.6  # inches: one column of a page, and legible on a phone
 # weights of lines

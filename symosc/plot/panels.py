@@ -18,7 +18,7 @@ import numpy as np
 from matplotlib.axes import Axes
 
 from symosc.base.aliases import Record
-from symosc.model import NEIGHBOURS
+from symosc.friction import NEIGHBOURS
 from symosc.simulation.trajectory import MovedTrajectory, Trajectory, belt_path
 
 BELT_COLOR = "black"

@@ -83,8 +83,9 @@ from symosc.engine.summary import (
     tally_step,
 )
 from symosc.engine.tangent import Letters
+from symosc.friction import MODE_NAMES
 from symosc.kernels.elementary import cos, sin
-from symosc.model import MODE_NAMES, Parameters
+from symosc.model import Parameters
 from symosc.reductions import OtherModel
 from symosc.scenes import ParametersLike, Scene, parameters_of
 from symosc.simulation import batch as loops

@@ -23,14 +23,15 @@ from symosc.engine.arithmetic import Arithmetic, column_functions
 from symosc.engine.batch import EventRows
 from symosc.engine.events import COLUMN_TYPES, EVENT_COLUMNS, EXACT_COLUMNS, Event, events_from
 from symosc.engine.state import ON_BELT
+from symosc.friction import MAPS, MODE_NAMES
 from symosc.kernels._generated import acceleration, motion
 from symosc.kernels.elementary import cos, sin
 from symosc.kernels.entire import basis_with_drive
-from symosc.model import MODE_NAMES, Parameters
+from symosc.model import Parameters
 from symosc.reductions import event_back, motion_of_belts, number_like
 from symosc.scenes import Original
 from symosc.simulation.tables import rows_of, write_csv
-from symosc.words import MAPS, Labels
+from symosc.words import Labels
 
 # So many times are evaluated as arrays, and how many at once.
 MANY_TIMES = 1 << 6

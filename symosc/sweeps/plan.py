@@ -44,7 +44,7 @@ OVER_FORM = (
 #: Points of a section if nobody says how many.
 SECTION_POINTS = 32
 #: What decides the numbers of a motion: changed sources make another plan.
-DECISIVE = ("kernels", "engine", "simulation", "base/exact.py", "model.py")
+DECISIVE = ("kernels", "engine", "simulation", "base/exact.py", "friction.py", "model.py")
 
 
 class Coordinate(NamedTuple):

@@ -27,9 +27,10 @@ from typing import Any, NamedTuple
 
 from symosc.base.errors import OutputError, ParameterError
 from symosc.base.files import make_folder, read_path, write_text
-from symosc.model import NEIGHBOURS, PARAMETER_NAMES, by_name
+from symosc.friction import NEIGHBOURS, Map
+from symosc.model import PARAMETER_NAMES, by_name
 from symosc.scenes import load_scene
-from symosc.words import Map, Word, WordLike, read_word
+from symosc.words import Word, WordLike, read_word
 
 #: Languages that a mapping structure can be written in.
 LANGUAGES = ("python", "numpy", "c")

@@ -30,7 +30,7 @@ from symosc.certificates.balls import Undecided, ball, exact_ends
 from symosc.certificates.flow import Oscillator
 from symosc.certificates.motion import ON_A_BELT, begin, next_event
 from symosc.certificates.trajectory import EXACT, ToProve, prove_settled, prove_trajectory
-from symosc.model import MODE_NAMES
+from symosc.friction import MODE_NAMES
 from symosc.reference.case import last_period
 from symosc.reference.cases import hard_cases
 

@@ -12,7 +12,7 @@ from excerpts import crosscheck
 from symosc import ParameterError, Parameters, Scene, Trajectory, load_scene, simulate
 from symosc.crosschecks.events import find_events, labels
 from symosc.crosschecks.steps import follow_steps
-from symosc.model import MODE_NAMES
+from symosc.friction import MODE_NAMES
 
 # -- events ------------------------------------------------------------------------------------------------------------
 

@@ -13,7 +13,7 @@ from symosc import load_scene, simulate
 from symosc.crosschecks.samples import Samples
 from symosc.crosschecks.steps import follow_steps, propagated, sample_errors
 from symosc.engine.events import KIND_NAMES
-from symosc.model import MODE_NAMES
+from symosc.friction import MODE_NAMES
 
 # -- steps one by one --------------------------------------------------------------------------------------------------
 

@@ -12,13 +12,13 @@ from oracle import flow_oracle
 from samples import sample_of
 
 from symosc import Parameters, load_scene, scene_names, simulate
+from symosc.friction import MAPS as MAPS_BY_NAME
 from symosc.grazing import check
 from symosc.grazing.check import DOP853, EXACT_FLOW, G_SIGNS, NO, YES, Ways, check_grazing
 from symosc.grazing.exact_sine import sine_sign
 from symosc.grazing.window import GrazingWindow, grazing_window
 from symosc.kernels import theorem7_cases
 from symosc.kernels.theorem7_cases import PLACES, Place
-from symosc.words import MAPS as MAPS_BY_NAME
 
 MAPS = ("P2", "P3", "P5", "P6")
 BASE = Parameters(

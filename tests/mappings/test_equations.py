@@ -16,11 +16,11 @@ from oracle import simulate_oracle
 from samples import sample_of
 
 from symosc import Parameters, load_scene, scene_names, simulate
+from symosc.friction import MAPS
 from symosc.mappings import equations as m
 from symosc.mappings.equations import MapError, jacobian, solve_map
 from symosc.model import PARAMETER_NAMES
 from symosc.simulation.trajectory import MAP_LABELS
-from symosc.words import MAPS
 
 ACCURACY = 1e-13
 

@@ -9,9 +9,9 @@ from matplotlib.text import Text
 from matplotlib.transforms import Bbox
 
 from symosc import load_scene, residual, simulate
+from symosc.friction import MAPS
 from symosc.paper import figures
 from symosc.paper.pictures import PICTURES
-from symosc.words import MAPS
 
 pytestmark = pytest.mark.slow  # draws all figures
 

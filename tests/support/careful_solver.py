@@ -9,7 +9,7 @@ import numpy as np
 from scipy.integrate import solve_ivp
 
 from symosc import Parameters, Scene
-from symosc.model import NEIGHBOURS
+from symosc.friction import NEIGHBOURS
 
 TIGHT = {"method": "DOP853", "rtol": 1e-11, "atol": 1e-12}
 # After a stick or a crossing the solver starts this far off the belt, or it would meet the belt at

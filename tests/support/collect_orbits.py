@@ -21,8 +21,8 @@ from orbit_list import ListedOrbit
 from symosc import Event, Parameters, simulate
 from symosc.base.errors import SymoscError
 from symosc.certificates.orbit import certify_orbit
-from symosc.model import MODE_NAMES
-from symosc.words import MAPS, Word
+from symosc.friction import MAPS, MODE_NAMES
+from symosc.words import Word
 
 DAMPING = ("underdamped", "overdamped", "critically damped", "undamped")
 #: Orbits of one word; mappings of a word; events that a simulation may have; periods it may take.

@@ -20,9 +20,9 @@ from scipy.optimize import brentq
 
 from symosc import Parameters, load_scene
 from symosc.engine.arithmetic import Arithmetic
+from symosc.friction import NEIGHBOURS
 from symosc.kernels._generated import acceleration, motion
 from symosc.kernels.entire import basis
-from symosc.model import NEIGHBOURS
 
 
 @dataclass(frozen=True)

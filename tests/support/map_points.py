@@ -11,9 +11,9 @@ from mpmath import mp
 
 from symosc import Parameters
 from symosc.engine.arithmetic import bind
+from symosc.friction import MAPS
 from symosc.kernels import entire, mapping
 from symosc.mappings import equations as m
-from symosc.words import MAPS
 
 REGIMES = ["underdamped", "critical", "near-critical", "overdamped", "undamped"]
 REGIMES += ["resonance", "near-resonance", "no-spring", "free", "weak"]

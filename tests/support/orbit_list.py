@@ -18,9 +18,10 @@ from typing import NamedTuple
 
 from symosc.certificates.certificate import Certificate
 from symosc.certificates.orbit import certify_orbit
+from symosc.friction import MAPS
 from symosc.model import PARAMETER_NAMES, Parameters
 from symosc.simulation.simulate import simulate
-from symosc.words import MAPS, cycle, read_word
+from symosc.words import cycle, read_word
 
 ORBITS = Path(__file__).parents[1] / "certificates" / "orbits.csv"
 

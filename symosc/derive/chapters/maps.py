@@ -10,10 +10,9 @@ from symosc.derive.chapters.motion import balance
 from symosc.derive.latex import latex, named
 from symosc.derive.scope import BELTS, Scope, v_lambda
 from symosc.derive.steps import Items, Table, equation, exact, solves
-from symosc.model import NEIGHBOURS
+from symosc.friction import MAPS, NEIGHBOURS
 from symosc.symbolic import maps, solution
 from symosc.symbolic.solution import A_m, Omega, a_i, f0, m, tau, theta_i, v_i, w0sq, x_i
-from symosc.words import MAPS
 
 TITLE = "Switching planes and mappings"
 #: The speed of the belt where a flight ends.

@@ -21,7 +21,7 @@ from symosc.derive.steps import (
     sign,
     step,
 )
-from symosc.model import NEIGHBOURS
+from symosc.friction import NEIGHBOURS
 from symosc.symbolic import solution
 from symosc.symbolic.solution import A0, B0, FN, Omega, c, k, m, mu1, mu2, t, v, x
 

@@ -30,7 +30,8 @@ from symosc.derive.steps import (
     sign,
     step,
 )
-from symosc.model import NEIGHBOURS, PARAMETER_NAMES, Parameters
+from symosc.friction import NEIGHBOURS, Map
+from symosc.model import PARAMETER_NAMES, Parameters
 from symosc.orbits.find import find_orbit
 from symosc.scenes import load_scene
 from symosc.simulation.simulate import simulate
@@ -53,7 +54,7 @@ from symosc.symbolic.solution import (
     x_i,
 )
 from symosc.symbolic.theorem7 import rational
-from symosc.words import Map, read_word
+from symosc.words import read_word
 
 TITLE = "Periodic motions"
 #: A mass that may rest on belt 1, with damping.

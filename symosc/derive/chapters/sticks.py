@@ -21,7 +21,7 @@ from symosc.derive.steps import (
     sign,
     step,
 )
-from symosc.model import NEIGHBOURS
+from symosc.friction import NEIGHBOURS
 from symosc.symbolic import solution
 from symosc.symbolic.solution import B0, FN, Omega, a_i, k, m, t, tau, theta, theta_i, v, x_i
 

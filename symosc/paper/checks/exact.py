@@ -15,7 +15,8 @@ from typing import Any
 
 import numpy as np
 
-from symosc.model import NEIGHBOURS, Parameters
+from symosc.friction import NEIGHBOURS
+from symosc.model import Parameters
 
 # Parameters, place and the sine and cosine of the phase are all rational, so whether a force
 # vanishes is decided exactly, and so is on which side of the belt's speed the flow of a domain is a

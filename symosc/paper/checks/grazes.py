@@ -19,10 +19,11 @@ from symosc.engine.arithmetic import mp_context
 from symosc.engine.flow import constants
 from symosc.engine.next_event import never_leaves
 from symosc.engine.state import Covariance, Launch
+from symosc.friction import NEIGHBOURS
 from symosc.grazing.start import GrazingStart, grazing_start, is_grazing
 from symosc.grazing.window import grazing_window
 from symosc.kernels.theorem7_cases import Place, place
-from symosc.model import NEIGHBOURS, PARAMETER_NAMES, Parameters, by_name
+from symosc.model import PARAMETER_NAMES, Parameters, by_name
 from symosc.paper.checks.exact import flow
 from symosc.paper.checks.motions import (
     LAST_HALF_UNIT,

@@ -14,8 +14,9 @@ from typing import Any
 import numpy as np
 from scipy.optimize import brentq
 
+from symosc.friction import MAPS, NEIGHBOURS
 from symosc.mappings.equations import residual
-from symosc.model import NEIGHBOURS, Parameters
+from symosc.model import Parameters
 from symosc.paper.checks.exact import (
     DOP853_AGREEMENT,
     RationalContact,
@@ -28,7 +29,6 @@ from symosc.paper.checks.motions import field, recorded
 from symosc.paper.claims import CORRECTED, DEFINITION, Evidence, evidence, verdict
 from symosc.scenes import load_scene
 from symosc.simulation.simulate import simulate
-from symosc.words import MAPS
 
 CASES = 240
 #: Scenes of the paper whose motions have every state between them, and all printed ones.

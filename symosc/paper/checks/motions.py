@@ -18,9 +18,10 @@ from symosc.base.errors import MissingExtraError
 from symosc.base.exact import show
 from symosc.certificates.certify import certify
 from symosc.engine.arithmetic import MpArithmetic
+from symosc.friction import MAPS, NEIGHBOURS
 from symosc.kernels._generated import acceleration
 from symosc.mappings.equations import residual
-from symosc.model import NEIGHBOURS, Parameters
+from symosc.model import Parameters
 from symosc.orbits.periodic_orbit import PeriodicOrbit
 from symosc.paper.checks.exact import flow
 from symosc.paper.claims import (
@@ -35,7 +36,6 @@ from symosc.paper.claims import (
 from symosc.scenes import Scene, load_scene
 from symosc.simulation.simulate import simulate
 from symosc.simulation.trajectory import Trajectory
-from symosc.words import MAPS
 
 Found = TypeVar("Found", Trajectory, PeriodicOrbit)
 

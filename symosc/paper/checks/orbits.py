@@ -16,8 +16,9 @@ import numpy as np
 from scipy.optimize import minimize_scalar
 
 from symosc.base.errors import SymoscError
+from symosc.friction import NEIGHBOURS
 from symosc.mappings.equations import jacobian, residual
-from symosc.model import NEIGHBOURS, PARAMETER_NAMES, Parameters
+from symosc.model import PARAMETER_NAMES, Parameters
 from symosc.orbits.closing_equations import ConvergenceError
 from symosc.orbits.find import find_orbit
 from symosc.orbits.periodic_orbit import PeriodicOrbit

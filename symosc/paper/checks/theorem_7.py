@@ -12,6 +12,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
+from symosc.friction import MAPS
 from symosc.grazing.check import check_grazing
 from symosc.grazing.start import grazing_start
 from symosc.grazing.window import grazing_window
@@ -23,7 +24,6 @@ from symosc.paper.checks.motions import recorded
 from symosc.paper.claims import CORRECTED, UNDECIDED, Evidence, evidence, verdict
 from symosc.scenes import load_scene
 from symosc.simulation.simulate import simulate
-from symosc.words import MAPS
 
 #: Angles are written as rational numbers, a whole turn as 4: pi/2 is 1, pi is 2. (See
 #: `quarter_turns`.)

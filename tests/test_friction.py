@@ -1,0 +1,94 @@
+"""The friction law against the paper's tables and equations, which are written down here once more."""
+
+from __future__ import annotations
+
+import random
+from fractions import Fraction
+from itertools import pairwise
+
+import pytest
+
+from symosc import Parameters
+from symosc.friction import MAPS, MODE_NAMES, NEIGHBOURS, Belt, FrictionLaw, geometry
+from symosc.kernels.theorem7_cases import PLACES
+
+#: Eqs. (10) to (17): superscript and belt of the planes where a mapping starts and ends, its domain.
+PAPER_MAPS = {
+    "P1": ((0, 1), (0, 1), 0),
+    "P2": ((1, 1), (1, 1), 1),
+    "P3": ((2, 1), (2, 1), 2),
+    "P4": ((0, 2), (0, 2), 0),
+    "P5": ((1, 2), (1, 2), 2),
+    "P6": ((2, 2), (2, 2), 3),
+    "P7": ((1, 2), (2, 1), 2),
+    "P8": ((2, 1), (1, 2), 2),
+}
+
+
+def test_two_belts_are_the_papers() -> None:
+    assert {
+        row.label: (tuple(row.start), tuple(row.end), row.domain) for row in MAPS.values()
+    } == PAPER_MAPS
+    assert list(MAPS) == list(PAPER_MAPS)
+    assert MODE_NAMES == {1: "Omega1", 2: "Omega2", 3: "Omega3", 4: "belt1", 5: "belt2"}
+    assert NEIGHBOURS == {1: (1, 2), 2: (2, 3)}
+    assert [row.mode for row in MAPS.values()] == [4, 1, 2, 5, 2, 3, 2, 2]
+    assert PLACES == {
+        "P2": (1, 1, 1, 55),
+        "P3": (2, 1, -1, 56),
+        "P5": (2, 2, 1, 57),
+        "P6": (3, 2, -1, 58),
+    }
+
+
+@pytest.mark.parametrize("belts", range(1, 7))
+def test_any_number_of_belts(belts: int) -> None:
+    """Each flight leaves a belt into a neighbouring domain and ends at a belt of that domain."""
+    found = geometry(belts)
+    assert len(found.maps) == 5 * belts - 2
+    assert sorted(found.mode_names) == list(range(1, 2 * belts + 2))
+    ways = {(row.start, row.end) for row in found.maps.values()}
+    assert len(ways) == len(found.maps)
+    for row in found.maps.values():
+        if row.sticks:
+            assert row.mode == found.stick_mode(row.start.boundary)
+            continue
+        for plane in (row.start, row.end):
+            below, above = found.neighbours[plane.boundary]
+            assert row.domain == (below if plane.superscript == 1 else above)
+
+
+def test_one_belt_and_three_have_letters() -> None:
+    assert list(geometry(1).maps) == ["S1", "B1", "A1"]
+    assert list(geometry(3).maps)[-4:] == ["D21", "U12", "D32", "U23"]
+
+
+def test_forces_are_those_of_each_belt_alone() -> None:
+    """Eq. (5): -sgn(v - v_b) mu_b FN, summed over the belts, at a speed inside each domain."""
+    rng = random.Random(1)
+    for _ in range(50):
+        count = rng.randint(1, 5)
+        speeds = sorted(rng.sample(range(-20, 20), count))
+        belts = [Belt(Fraction(v), Fraction(rng.randint(0, 9), 10)) for v in speeds]
+        law = FrictionLaw(belts, Fraction(rng.randint(0, 30), 7))
+        inside = [
+            speeds[0] - 1,
+            *((a + b) / Fraction(2) for a, b in pairwise(speeds)),
+            speeds[-1] + 1,
+        ]
+        for domain, v in enumerate(inside, 1):
+            pushes = sum(belt.mu * law.FN * (1 if belt.v > v else -1) for belt in belts)
+            assert law.force(domain) == pushes
+        assert [law.force(b) - law.force(b + 1) for b in range(1, count + 1)] == [
+            2 * law.holding(b) for b in range(1, count + 1)
+        ]
+
+
+def test_parameters_read_their_forces_from_it() -> None:
+    p = Parameters(m=1, c=1, k=1, A0="-1.5", B0=1, Omega=1, v1=1, v2=5, mu1="0.4", mu2="0.1", FN=10)
+    assert [p.A(alpha) for alpha in (1, 2, 3)] == [
+        Fraction(7, 2),
+        Fraction(-9, 2),
+        Fraction(-13, 2),
+    ]
+    assert (p.belt(1), p.belt(2), p.friction(1), p.friction(2)) == (1, 5, 4, 1)
