@@ -25,7 +25,7 @@ from symosc.derive import front
 from symosc.derive.chapters import CHAPTERS
 from symosc.derive.citation import CITATION, cited, plain_line, reference_list, references_bib
 from symosc.derive.figures import figure, svg
-from symosc.derive.latex import LINE_WIDTH, latex, lines, width
+from symosc.derive.latex import LINE_WIDTH, lines, width
 from symosc.derive.mathml import font_style, formula, words
 from symosc.derive.scope import Scope
 from symosc.derive.steps import (
@@ -39,6 +39,7 @@ from symosc.derive.steps import (
     flat,
     steps_of,
 )
+from symosc.symbolic.latex import latex
 
 ToHtml = Callable[[str], str]
 #: Called with a chapter, how many of its steps have been checked, and how many it has.

@@ -20,7 +20,6 @@ from symosc.base.errors import ParameterError
 from symosc.base.exact import show
 from symosc.derive.chapters import domains, grazing, jacobians, motion, sticks, switching
 from symosc.derive.document import Checked, Part, align, cell, check
-from symosc.derive.latex import latex, named
 from symosc.derive.scope import BELTS, F, FragmentScope
 from symosc.derive.steps import (
     Items,
@@ -38,6 +37,7 @@ from symosc.derive.steps import (
 from symosc.kernels.theorem7_cases import PLACES
 from symosc.model import NEIGHBOURS
 from symosc.symbolic import maps, solution, theorem7
+from symosc.symbolic.latex import latex, named
 from symosc.symbolic.solution import (
     B0,
     BASIS,

@@ -12,12 +12,12 @@ import sympy as sp
 
 from symosc.base.aliases import Expr
 from symosc.base.exact import read_exact, show
-from symosc.derive.latex import latex, named
 from symosc.derive.steps import Step, equation
 from symosc.model import NEIGHBOURS, PARAMETER_NAMES, Parameters, by_name
 from symosc.scenes import Scene
 from symosc.simulation.simulate import simulate
 from symosc.symbolic import solution
+from symosc.symbolic.latex import latex, named
 from symosc.symbolic.solution import PAPER_LETTERS
 from symosc.symbolic.theorem7 import rational
 from symosc.words import MAPS, read_word

@@ -35,7 +35,8 @@ from symosc.base.exact import read_exact
 from symosc.kernels.theorem7_cases import Place, place
 from symosc.model import Parameters
 from symosc.scenes import ParametersLike
-from symosc.symbolic.theorem7 import latex, rational, real, sign_of
+from symosc.symbolic.latex import latex
+from symosc.symbolic.theorem7 import rational, real, sign_of
 
 #: The letters of questions without numbers: v_lambda is the map's belt speed; v_1 and v_2 only
 #: bound its range.

@@ -13,13 +13,11 @@ is 0.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from fractions import Fraction
 from functools import cache
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import sympy as sp
-from sympy.printing.latex import LatexPrinter
 
 from symosc.base.aliases import Expr, NumberLike, Order
 from symosc.base.arguments import public
@@ -27,6 +25,7 @@ from symosc.base.display.latex import LatexAnswer, latex_table
 from symosc.base.errors import ParameterError
 from symosc.base.phases import read_angle, symbolic
 from symosc.kernels import theorem7_cases as cases
+from symosc.symbolic.latex import latex
 
 GAMMA, AMPLITUDE = sp.symbols("gamma a", real=True)
 CIRCLE = sp.Interval.Ropen(0, 2 * sp.pi)
@@ -340,72 +339,3 @@ def sign_of(number: Expr) -> int:
     raise ParameterError(
         "number", number, f"cannot be distinguished from 0 with {MOST_SIGN_DIGITS} digits"
     )
-
-
-# --- LaTeX as papers print it: arcsin, pi before arcsines, chains of inequalities ---
-
-#: Inequalities, and how each is printed once its smaller side stands first.
-INEQUALITIES = sp.StrictLessThan, sp.LessThan, sp.StrictGreaterThan, sp.GreaterThan
-LESS = {"<": "<", ">": "<", "<=": r"\leq", ">=": r"\leq"}
-
-
-class AnswerPrinter(LatexPrinter):
-    """A sympy printer with conventional order of terms and chained inequalities."""
-
-    def __init__(self) -> None:
-        super().__init__({"inv_trig_style": "full"})
-
-    def _as_ordered_terms(self, expr: Expr, order: Any = None) -> Sequence[Expr]:
-        """Return the terms of a sum with those that contain arcsines last."""
-        terms: Sequence[Expr] = super()._as_ordered_terms(expr, order)
-        arcs = [term for term in terms if term.has(sp.asin, sp.acos)]
-        return [term for term in terms if term not in arcs] + arcs
-
-    def _print_EmptySet(self, expr: Expr) -> str:
-        return r"\varnothing"
-
-    def _print_And(self, expr: Expr, char: Any = None) -> str:
-        # Equations stand first, and two bounds of one expression as a chain a < b < c.
-        texts = []
-        conditions = list(expr.args)
-        while conditions:
-            each = conditions.pop(0)
-            other = next((other for other in conditions if _from_both_sides(each, other)), None)
-            if other is None:
-                if isinstance(each, sp.Or):
-                    text = rf"\left({self._print(each)}\right)"
-                else:
-                    text = self._print(each)
-                texts.append((not isinstance(each, sp.Eq), text))
-                continue
-            conditions.remove(other)
-            if each.lhs == each.gts:
-                low = each
-                high = other
-            else:
-                low = other
-                high = each
-            ends = [self._print(part) for part in (low.rhs, low.lhs, high.rhs)]
-            texts.append(
-                (False, f"{ends[0]} {LESS[low.rel_op]} {ends[1]} {LESS[high.rel_op]} {ends[2]}")
-            )
-        return r",\ ".join(text for _, text in sorted(texts))
-
-    def _print_Or(self, expr: Expr, char: Any = None) -> str:
-        # A chain of conditions has commas, so alternatives are joined by words.
-        return r"\ \text{or}\ ".join(sorted(self._print(each) for each in expr.args))
-
-
-def _from_both_sides(one: Expr, other: Expr) -> bool:
-    """Return whether one condition bounds an expression from below and the other bounds the same
-    one from above.
-    """
-    both = (
-        isinstance(one, INEQUALITIES) and isinstance(other, INEQUALITIES) and one.lhs == other.lhs
-    )
-    return both and (one.lhs == one.gts) != (other.lhs == other.gts)
-
-
-def latex(expr: Expr) -> str:
-    """Return LaTeX of a set of phases or values, a condition or an expression (no dollar signs)."""
-    return str(AnswerPrinter().doprint(expr))

@@ -21,13 +21,15 @@ from sympy.core.function import AppliedUndef
 
 from symosc.base.errors import OutputError
 from symosc.cli.derive import derive
-from symosc.derive import document, latex
+from symosc.derive import document
 from symosc.derive.chapters import CHAPTERS
 from symosc.derive.errata import read_errata
 from symosc.derive.front import NOTATION
+from symosc.derive.latex import lines
 from symosc.derive.scope import Scope
 from symosc.derive.steps import points
 from symosc.scenes import load_scene
+from symosc.symbolic.latex import latex
 
 COMMITTED = Path(__file__).parents[2] / "derivations"
 TEXTS = {
@@ -74,11 +76,11 @@ def test_what_is_printed_reads_back(key: str) -> None:
         if step.op == "in" or step.right.atoms(AppliedUndef):
             continue
         shown = document.shown(step, Scope())
-        left, right = " ".join(latex.lines(shown, step.decimals)).split("&", 1)
+        left, right = " ".join(lines(shown, step.decimals)).split("&", 1)
         right = re.sub(r"^(?:=|>|<|\\ge|\\le)(?![a-z])", "", right)
         for text, side in ((left, shown.left), (right, shown.right)):
             point = next(points(side, count=1))
-            values = {latex.latex(letter): complex(value) for letter, value in point.items()}
+            values = {latex(letter): complex(value) for letter, value in point.items()}
             expected = complex(sp.N(side.subs(point, simultaneous=True), 20))
             assert Reader(text, values).value() == pytest.approx(expected, rel=1e-9, abs=1e-9), text
 

@@ -27,10 +27,10 @@ from symosc import grazing_window, residual
 from symosc.cli.app import main
 from symosc.derive import document
 from symosc.derive.fragments import FRAGMENTS, as_latex, check_fragment
-from symosc.derive.latex import latex
 from symosc.derive.scope import LETTERS, fragment_scope
 from symosc.derive.steps import Step, StepError, StepEvidence, flat
 from symosc.model import PARAMETER_NAMES, Parameters
+from symosc.symbolic.latex import latex
 
 #: Damping and stiffness of m = 3/2 and Omega = 7/5 in each regime.
 REGIMES = {

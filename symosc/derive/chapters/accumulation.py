@@ -9,7 +9,6 @@ from typing import Any
 import sympy as sp
 
 from symosc.derive.chapters.motion import MU, newton
-from symosc.derive.latex import named
 from symosc.derive.scope import BELTS, Scope, v_lambda
 from symosc.derive.steps import (
     CONTEXT,
@@ -29,6 +28,7 @@ from symosc.model import Parameters
 from symosc.scenes import load_scene
 from symosc.simulation.simulate import simulate
 from symosc.symbolic import solution
+from symosc.symbolic.latex import named
 from symosc.symbolic.solution import B0, FN, Omega, c, cm, k, m, t, tau, theta, w0sq
 
 TITLE = "Events do not accumulate"

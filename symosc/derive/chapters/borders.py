@@ -10,7 +10,6 @@ import sympy as sp
 
 from symosc.derive.chapters.exponents import lengths
 from symosc.derive.chapters.motion import MU, newton
-from symosc.derive.latex import named
 from symosc.derive.scope import BELTS, LOWER, UPPER, F, G, Scope, mu_lambda, stated, v_lambda
 from symosc.derive.steps import (
     CONTEXT,
@@ -31,6 +30,7 @@ from symosc.orbits.branch import continue_orbit
 from symosc.reference.cases import wall
 from symosc.scenes import load_scene
 from symosc.symbolic import solution
+from symosc.symbolic.latex import named
 from symosc.symbolic.solution import B0, FN, A, Omega, c, k, m, t, theta
 
 TITLE = "Borders between words"

@@ -8,9 +8,9 @@ from typing import Any
 
 import sympy as sp
 
-from symosc.derive.latex import named
 from symosc.derive.scope import Scope, v_lambda
 from symosc.derive.steps import Items, Step, equation, exact, facts, sign, step
+from symosc.symbolic.latex import named
 from symosc.symbolic.solution import B0, A, Omega, c, k, m, t, theta
 
 TITLE = "Certificates"

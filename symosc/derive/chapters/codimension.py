@@ -17,7 +17,6 @@ from symosc.derive.chapters.corrections import (
     pull,
     zero,
 )
-from symosc.derive.latex import named
 from symosc.derive.scope import Scope, stated
 from symosc.derive.steps import (
     CONTEXT,
@@ -31,6 +30,7 @@ from symosc.derive.steps import (
     number,
 )
 from symosc.reference.cases import wall
+from symosc.symbolic.latex import named
 from symosc.symbolic.solution import FN, k
 
 TITLE = "Points of codimension two"

@@ -13,7 +13,6 @@ from symosc.derive.chapters import borders
 from symosc.derive.chapters.borders import NAMES
 from symosc.derive.chapters.jacobians import force_at_belt
 from symosc.derive.flight_basis import flight_basis
-from symosc.derive.latex import latex, named
 from symosc.derive.scope import Scope, v_lambda, valued
 from symosc.derive.steps import (
     CONTEXT,
@@ -28,6 +27,7 @@ from symosc.derive.steps import (
 )
 from symosc.orbits.find import find_orbit
 from symosc.scenes import load_scene
+from symosc.symbolic.latex import latex, named
 from symosc.symbolic.solution import B0, Omega, c, k, m
 from symosc.symbolic.theorem7 import rational
 

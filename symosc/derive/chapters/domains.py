@@ -8,7 +8,6 @@ from typing import Any, NamedTuple
 import sympy as sp
 
 from symosc.derive.chapters.motion import balance
-from symosc.derive.latex import latex, named
 from symosc.derive.scope import Scope
 from symosc.derive.steps import (
     CONTEXT,
@@ -24,6 +23,7 @@ from symosc.derive.steps import (
     solves,
 )
 from symosc.symbolic import solution
+from symosc.symbolic.latex import latex, named
 from symosc.symbolic.solution import (
     BASIS,
     E0,

@@ -11,7 +11,6 @@ import sympy as sp
 from symosc.derive.chapters.motion import MU, newton
 from symosc.derive.chapters.orbits import orbit_points
 from symosc.derive.errata import SEVERITIES, read_errata
-from symosc.derive.latex import named
 from symosc.derive.scope import F, Scope
 from symosc.derive.steps import (
     Items,
@@ -29,6 +28,7 @@ from symosc.derive.steps import (
 from symosc.scenes import load_scene
 from symosc.simulation.simulate import simulate
 from symosc.symbolic import solution
+from symosc.symbolic.latex import named
 from symosc.symbolic.solution import B0, FN, Omega, c, k, m, t, v, x
 from symosc.symbolic.theorem7 import rational
 

@@ -7,10 +7,10 @@ from typing import Any
 import sympy as sp
 
 from symosc.derive.chapters.domains import DELTA, NORMS
-from symosc.derive.latex import named
 from symosc.derive.scope import Scope, v_lambda
 from symosc.derive.steps import Items, equation, exact, facts, modes, sign, step
 from symosc.symbolic import solution
+from symosc.symbolic.latex import named
 from symosc.symbolic.solution import B0, A, Omega, c, cm, k, m, t, tau, theta, w0sq
 
 TITLE = "No event is missed"

@@ -12,7 +12,6 @@ from symosc.derive.chapters.jacobians import AFTER, BEFORE, force_at_belt, multi
 from symosc.derive.chapters.maps import force
 from symosc.derive.chapters.orbits import FUNCTIONS
 from symosc.derive.flight_basis import flight_basis
-from symosc.derive.latex import named
 from symosc.derive.scope import Scope, v_lambda
 from symosc.derive.steps import (
     CONTEXT,
@@ -33,6 +32,7 @@ from symosc.orbits.find import find_orbit
 from symosc.scenes import load_scene
 from symosc.simulation.simulate import simulate
 from symosc.symbolic import solution
+from symosc.symbolic.latex import named
 from symosc.symbolic.solution import Omega, a_i, c, k, m, tau, theta_i, v_i, x_i
 from symosc.symbolic.theorem7 import rational
 

@@ -9,7 +9,6 @@ from typing import Any
 
 import sympy as sp
 
-from symosc.derive.latex import latex, named
 from symosc.derive.scope import BELTS, G, Scope, v_lambda
 from symosc.derive.steps import (
     Check,
@@ -26,6 +25,7 @@ from symosc.derive.steps import (
 from symosc.kernels.theorem7_cases import PLACES
 from symosc.scenes import load_scene
 from symosc.symbolic import solution, theorem7
+from symosc.symbolic.latex import latex, named
 from symosc.symbolic.solution import B0, A, Omega, c, k, m, t, theta, v, x
 
 TITLE = "Grazing: Theorem 7 with all cases"

@@ -8,7 +8,6 @@ from typing import Any
 
 import sympy as sp
 
-from symosc.derive.latex import named
 from symosc.derive.scope import Scope
 from symosc.derive.steps import (
     CONTEXT,
@@ -27,6 +26,7 @@ from symosc.derive.steps import (
 from symosc.orbits.find import find_orbit
 from symosc.scenes import load_scene
 from symosc.symbolic import maps, solution
+from symosc.symbolic.latex import named
 from symosc.symbolic.solution import E0, E1, E2, FN, Omega, a_i, cm, m, tau, theta_i, v_i, w0sq, x_i
 
 TITLE = "Derivatives, saltation and monodromy"

@@ -7,11 +7,11 @@ from typing import Any
 import sympy as sp
 
 from symosc.derive.chapters.motion import balance
-from symosc.derive.latex import latex, named
 from symosc.derive.scope import BELTS, Scope, v_lambda
 from symosc.derive.steps import Items, Table, equation, exact, solves
 from symosc.model import NEIGHBOURS
 from symosc.symbolic import maps, solution
+from symosc.symbolic.latex import latex, named
 from symosc.symbolic.solution import A_m, Omega, a_i, f0, m, tau, theta_i, v_i, w0sq, x_i
 from symosc.words import MAPS
 

@@ -7,7 +7,6 @@ from typing import Any
 
 import sympy as sp
 
-from symosc.derive.latex import named
 from symosc.derive.scope import BELTS, LOWER, UPPER, F, Scope, mu_lambda, v_lambda
 from symosc.derive.steps import (
     Check,
@@ -23,6 +22,7 @@ from symosc.derive.steps import (
 )
 from symosc.model import NEIGHBOURS
 from symosc.symbolic import solution
+from symosc.symbolic.latex import named
 from symosc.symbolic.solution import A0, B0, FN, Omega, c, k, m, mu1, mu2, t, v, x
 
 TITLE = "Equation of motion and friction law"

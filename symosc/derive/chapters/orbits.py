@@ -15,7 +15,6 @@ import sympy as sp
 from symosc.base.display.latex import latex_text
 from symosc.derive import steps
 from symosc.derive.chapters.maps import force
-from symosc.derive.latex import latex, named
 from symosc.derive.scope import BELTS, Scope, stated
 from symosc.derive.steps import (
     CONTEXT,
@@ -35,6 +34,7 @@ from symosc.orbits.find import find_orbit
 from symosc.scenes import load_scene
 from symosc.simulation.simulate import simulate
 from symosc.symbolic import maps, solution
+from symosc.symbolic.latex import latex, named
 from symosc.symbolic.solution import (
     BASIS,
     E0,

@@ -7,7 +7,6 @@ from typing import Any
 import sympy as sp
 
 from symosc.derive.chapters.motion import MU, acceleration, newton
-from symosc.derive.latex import latex, named
 from symosc.derive.scope import BELTS, UPPER, F, Scope, mu_lambda, v_lambda
 from symosc.derive.steps import (
     Illustration,
@@ -23,6 +22,7 @@ from symosc.derive.steps import (
 )
 from symosc.model import NEIGHBOURS
 from symosc.symbolic import solution
+from symosc.symbolic.latex import latex, named
 from symosc.symbolic.solution import B0, FN, Omega, a_i, k, m, t, tau, theta, theta_i, v, x_i
 
 TITLE = "Sticks and their two ends"

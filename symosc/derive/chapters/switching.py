@@ -7,10 +7,10 @@ from typing import Any
 import sympy as sp
 
 from symosc.derive.chapters.motion import balance
-from symosc.derive.latex import named
 from symosc.derive.scope import F, G, Scope, v_lambda
 from symosc.derive.steps import Illustration, Items, Step, equation, exact, facts
 from symosc.symbolic import solution
+from symosc.symbolic.latex import named
 from symosc.symbolic.solution import B0, Omega, c, k, m, t, tau, theta, theta_i, v, x_i
 
 TITLE = "What happens at a boundary"

@@ -8,7 +8,6 @@ from typing import Any
 import sympy as sp
 
 from symosc.derive.chapters.events import LETTER_A
-from symosc.derive.latex import named
 from symosc.derive.scope import Scope, valued
 from symosc.derive.steps import (
     CONTEXT,
@@ -26,6 +25,7 @@ from symosc.derive.steps import (
 )
 from symosc.model import Parameters
 from symosc.simulation.simulate import simulate
+from symosc.symbolic.latex import named
 from symosc.symbolic.solution import B0, A, Omega, k, m, omega_0, t
 
 TITLE = "Without a damper"
