@@ -89,14 +89,14 @@ def check_fragment(name: str, scope: FragmentScope) -> Checked:
     """
     numbers = scope.given()
     if numbers:
-        given = [f"The {'numbers are' if numbers[1:] else 'number is'} {', '.join(numbers)}."]
+        sentence = [f"The {'numbers are' if numbers[1:] else 'number is'} {', '.join(numbers)}."]
     else:
-        given = []
-    fragment = check(name, FRAGMENTS[name].title, flat([given, FRAGMENTS[name].items(scope)]))
-    for each, _ in fragment.steps():
-        right = scope.shown(each.right)
+        sentence = []
+    fragment = check(name, FRAGMENTS[name].title, flat([sentence, FRAGMENTS[name].items(scope)]))
+    for statement, _ in fragment.steps():
+        right = scope.shown(statement.right)
         if isinstance(right, sp.Expr) and right.has(sp.zoo, sp.nan, sp.oo):
-            raise StepError(str(each), "divides by 0 with these numbers")
+            raise StepError(str(statement), "divides by 0 with these numbers")
     return fragment
 
 
@@ -137,12 +137,12 @@ def as_latex(
         "printed.\n"
     ]
 
-    def end(each: Part) -> str:
-        if each.item.label in tags:
-            tag = rf"\tag{{{tags[each.item.label]}}} "
+    def end(part: Part) -> str:
+        if part.item.label in tags:
+            tag = rf"\tag{{{tags[part.item.label]}}} "
         else:
             tag = ""
-        return rf"{tag}\label{{{first}{each.label.removeprefix('eq:')}}}"
+        return rf"{tag}\label{{{first}{part.label.removeprefix('eq:')}}}"
 
     for part in fragment.displays():
         if isinstance(part, list):
@@ -177,7 +177,7 @@ def _table(table: Table, scope: FragmentScope, tags: dict[str, str]) -> str:
 def _relabelled(items: Items, label: str) -> list[Step]:
     """Return the steps among some items of a chapter, relabelled as `label` followed by 1, 2, ..."""
     steps = [item for item in flat(items) if isinstance(item, Step)]
-    return [replace(each, label=f"{label}{n}") for n, each in enumerate(steps, 1)]
+    return [replace(step, label=f"{label}{n}") for n, step in enumerate(steps, 1)]
 
 
 def _constant(alpha: int) -> Step:
@@ -314,7 +314,7 @@ def _theorem7(scope: FragmentScope) -> Items:
 
 def _saltation(scope: FragmentScope) -> Items:
     ratios = [
-        each for each in flat(jacobians.saltation()) if isinstance(each, Step) and each.op != "="
+        item for item in flat(jacobians.saltation()) if isinstance(item, Step) and item.op != "="
     ]
     return (
         r"Where a motion crosses $\dot{x} = v_\lambda$ with the accelerations $F^{-} \ne 0$ "
@@ -333,9 +333,9 @@ def _saltation(scope: FragmentScope) -> Items:
 
 def _windows_in_numbers(scope: FragmentScope) -> Iterator[Step]:
     """Yield the window of each mapping whose parameters are all given as numbers in the scope."""
-    given = {name for name, _ in scope.values}
+    known = {name for name, _ in scope.values}
     for mapping, place in PLACES.items():
-        if {"m", "k", "B0", "Omega", f"v{place.boundary}"} <= given:
+        if {"m", "k", "B0", "Omega", f"v{place.boundary}"} <= known:
             gamma, amplitude = (
                 e.xreplace(scope.numbers) for e in (k * BELTS[place.boundary] / m, B0 * Omega / m)
             )
@@ -363,7 +363,8 @@ def _motion(scope: FragmentScope) -> Items:
     letters = {letter: domains.true_letters()[letter] for letter in regime.letters}
     labels = {letter: f"letter-{letter.name.replace('_', '')}" for letter in letters}
     steps = [
-        equation(each, regime.letters[each], true, labels[each]) for each, true in letters.items()
+        equation(letter, regime.letters[letter], true, labels[letter])
+        for letter, true in letters.items()
     ]
     if scope.form == "paper":
         form = domains.paper_form(regime)
@@ -372,12 +373,12 @@ def _motion(scope: FragmentScope) -> Items:
             equation(POSITION, form.x, form.check, "x"),
             equation(VELOCITY, form.v, form.x.diff(tau), "v"),
             "with",
-            [each for each in steps if each.left in form.x.free_symbols],
+            [step for step in steps if step.left in form.x.free_symbols],
             domains.constants(form),
         )
     at_start, x_step, v_step, _ = domains.flow()
     solved = flat(domains.solved_functions(generic_basis()))
-    others = [each for each in solved if isinstance(each, Step) and each.left != E2]
+    others = [item for item in solved if isinstance(item, Step) and item.left != E2]
     resonance = regime.name == "resonance"
     return (
         "The motion is",

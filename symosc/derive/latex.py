@@ -91,17 +91,17 @@ def _pieces(expr: Expr, decimals: bool, room: float) -> list[str]:
 
     Terms wider than `room` are split.
     """
-    found: list[str] = []
+    pieces: list[str] = []
     for term in terms(expr):
-        text = _signed(latex(term, decimals), not found)
+        text = _signed(latex(term, decimals), not pieces)
         sums = [factor for factor in sp.Mul.make_args(term) if factor.is_Add]
         if width(text) <= room or not sums:
-            found.append(text)
+            pieces.append(text)
             continue
         longest = max(sums, key=lambda factor: width(latex(factor, decimals)))
         rest = {"1": "", "- 1": "- "}.get(outside := latex(term / longest, decimals), outside)
-        if rest or found:
-            head = _signed(rest, not found)
+        if rest or pieces:
+            head = _signed(rest, not pieces)
         else:
             head = ""
         inner = _pieces(longest, decimals, room)
@@ -114,8 +114,8 @@ def _pieces(expr: Expr, decimals: bool, room: float) -> list[str]:
             inner.insert(0, rf"{head} \{size}l(")
         else:
             inner[0] = rf"{head} \{size}l( {inner[0]}"
-        found += inner
-    return found
+        pieces += inner
+    return pieces
 
 
 def _signed(text: str, first: bool) -> str:

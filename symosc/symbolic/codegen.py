@@ -159,7 +159,11 @@ def _kernel(head: str, doc: str, steps: dict[str, Expr], own: dict[str, Expr]) -
     """
     name, *arguments = head.split()
     return Kernel(
-        name, doc, {each: (MEANING | own)[each] for each in arguments}, steps, tuple(steps)
+        name,
+        doc,
+        {argument: (MEANING | own)[argument] for argument in arguments},
+        steps,
+        tuple(steps),
     )
 
 

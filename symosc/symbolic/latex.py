@@ -99,9 +99,9 @@ def _term_key(term: Expr) -> tuple[float, bool, Any]:
 
 def terms(expr: Expr) -> list[Expr]:
     """Return the terms of a sum in the order of printing, a positive one first."""
-    found = sorted(sp.Add.make_args(expr), key=_term_key)
-    first = next((term for term in found if not term.could_extract_minus_sign()), found[0])
-    return [first, *(term for term in found if term is not first)]
+    ordered = sorted(sp.Add.make_args(expr), key=_term_key)
+    first = next((term for term in ordered if not term.could_extract_minus_sign()), ordered[0])
+    return [first, *(term for term in ordered if term is not first)]
 
 
 #: Inequalities, and how each is printed once its smaller side stands first.
@@ -279,22 +279,24 @@ class PaperPrinter(LatexPrinter):
         texts = []
         conditions = list(expr.args)
         while conditions:
-            each = conditions.pop(0)
-            other = next((other for other in conditions if _from_both_sides(each, other)), None)
-            if other is None:
-                if isinstance(each, sp.Or):
-                    text = rf"\left({self._print(each)}\right)"
+            condition = conditions.pop(0)
+            partner = next(
+                (partner for partner in conditions if _from_both_sides(condition, partner)), None
+            )
+            if partner is None:
+                if isinstance(condition, sp.Or):
+                    text = rf"\left({self._print(condition)}\right)"
                 else:
-                    text = self._print(each)
-                texts.append((not isinstance(each, sp.Eq), text))
+                    text = self._print(condition)
+                texts.append((not isinstance(condition, sp.Eq), text))
                 continue
-            conditions.remove(other)
-            if each.lhs == each.gts:
-                low = each
-                high = other
+            conditions.remove(partner)
+            if condition.lhs == condition.gts:
+                low = condition
+                high = partner
             else:
-                low = other
-                high = each
+                low = partner
+                high = condition
             ends = [self._print(part) for part in (low.rhs, low.lhs, high.rhs)]
             texts.append(
                 (False, f"{ends[0]} {LESS[low.rel_op]} {ends[1]} {LESS[high.rel_op]} {ends[2]}")
@@ -303,7 +305,7 @@ class PaperPrinter(LatexPrinter):
 
     def _print_Or(self, expr: Expr, char: Any = None) -> str:
         # A chain of conditions has commas, so alternatives are joined by words.
-        return r"\ \text{or}\ ".join(sorted(self._print(each) for each in expr.args))
+        return r"\ \text{or}\ ".join(sorted(self._print(part) for part in expr.args))
 
     def _print_Derivative(self, expr: Expr) -> str:
         (variable, count), *_ = expr.variable_count
@@ -327,14 +329,16 @@ class PaperPrinter(LatexPrinter):
         return str(super()._print_Function(expr, exp))
 
 
-def _from_both_sides(one: Expr, other: Expr) -> bool:
+def _from_both_sides(first: Expr, second: Expr) -> bool:
     """Return whether one condition bounds an expression from below and the other bounds the same
     one from above.
     """
     both = (
-        isinstance(one, INEQUALITIES) and isinstance(other, INEQUALITIES) and one.lhs == other.lhs
+        isinstance(first, INEQUALITIES)
+        and isinstance(second, INEQUALITIES)
+        and first.lhs == second.lhs
     )
-    return both and (one.lhs == one.gts) != (other.lhs == other.gts)
+    return both and (first.lhs == first.gts) != (second.lhs == second.gts)
 
 
 def _factor_key(factor: Expr) -> tuple[int, int, Any]:

@@ -159,8 +159,8 @@ def theorem7(
         return expr.subs({GAMMA: gamma, AMPLITUDE: amplitude}, simultaneous=True)
 
     # The sets are written for the signs that the condition demands.
-    given = ((case, substituted(case.condition)) for case in all_cases(where, full))
-    left = ((case, condition) for case, condition in given if condition != sp.false)
+    conditioned = ((case, substituted(case.condition)) for case in all_cases(where, full))
+    left = ((case, condition) for case, condition in conditioned if condition != sp.false)
     return Theorem7Cases(
         Case(case.label, condition, substituted(case.phases)) for case, condition in left
     )
@@ -254,7 +254,7 @@ def all_cases(where: cases.Place, full: bool) -> tuple[Case, ...]:
     """
     g = GAMMA
     a = AMPLITUDE
-    found = []
+    rows_of_signs = []
     for amplitude_sign, sign in ((1, a > 0), (-1, a < 0)):
         size = amplitude_sign * a
         rows = [
@@ -271,7 +271,7 @@ def all_cases(where: cases.Place, full: bool) -> tuple[Case, ...]:
         if where.side < 0:
             rows[5:] = rows[:4:-1]
             rows[1:3] = [((1, 0), g >= size)]
-        found += [
+        rows_of_signs += [
             ((of_gamma, amplitude_sign, excess), condition & sign)
             for (of_gamma, excess), condition in rows
         ]
@@ -282,10 +282,10 @@ def all_cases(where: cases.Place, full: bool) -> tuple[Case, ...]:
         nothing = g >= 0
         everything = g < 0
     for gamma_sign, condition in ((where.side, everything), (0, nothing)):
-        found.append(((gamma_sign, 0, gamma_sign), condition & sp.Eq(a, 0)))
+        rows_of_signs.append(((gamma_sign, 0, gamma_sign), condition & sp.Eq(a, 0)))
     return tuple(
         Case(cases.case_label(where, *of), condition, window_phases(where, g, a, full, of))
-        for of, condition in found
+        for of, condition in rows_of_signs
     )
 
 

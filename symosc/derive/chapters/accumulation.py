@@ -279,7 +279,7 @@ def busiest_period(scene: str) -> tuple[int, set[int], int]:
     for first, _ in events:
         inside = [belt for when, belt in events if first <= when <= first + period]
         if len(inside) > most[0]:
-            changes = sum(one != two for one, two in pairwise(inside))
+            changes = sum(before != after for before, after in pairwise(inside))
             most = (len(inside), set(inside), changes)
     return most
 

@@ -57,7 +57,7 @@ def items(scope: Scope) -> Items:
     touched = named(r"\sin\theta_m")
     place = named("x_m")
     still = {touched: sp.solve(rate.subs(sp.sin(theta), touched), touched)[0]}
-    found = sp.solve(on_belt, solution.x_i)[0].subs(theta, named(r"\theta_m"))
+    position = sp.solve(on_belt, solution.x_i)[0].subs(theta, named(r"\theta_m"))
     # The letters of a belt with friction.
     yield (
         r"\subsection{What a border is}",
@@ -108,7 +108,9 @@ def items(scope: Scope) -> Items:
         r"(\emph{adding-sliding} or \emph{multisliding}). Phase and place are then known "
         r"beforehand, for $B_0 \ne 0$:",
         equation(touched, -k * v_lambda / (B0 * Omega), still, "phase"),
-        equation(place, (A + B0 * sp.cos(named(r"\theta_m")) - c * v_lambda) / k, found, "place"),
+        equation(
+            place, (A + B0 * sp.cos(named(r"\theta_m")) - c * v_lambda) / k, position, "place"
+        ),
         r"\end{enumerate}\end{theorem}",
         r"\begin{proof} \eqref{eq:borders-other} is Lemma~\ref{thm:motion-jump}; so no flight "
         r"that touches a belt may "

@@ -94,7 +94,7 @@ def items(scope: Scope) -> Items:
         r"= 1/C^2$ it is "
         r"$dH/ds = C^2 q'$ and $d^2 H/ds^2 = C^3 (C q'' + 2 C' q')$, while $L g = e^{-hu} (C q'' "
         r"+ 2 C' q')$.",
-        facts(*(each for wave in (sp.cos, sp.cosh) for each in _gap_facts(wave))),
+        facts(*(fact for wave in (sp.cos, sp.cosh) for fact in _gap_facts(wave))),
         r"The sign of $L g$ is that of Lemma~\ref{thm:events-gap}, and $C > 0$ on the "
         r"piece.\end{proof}",
         r"So $g > 0$ at both ends of a piece means $g > 0$ on it if $H$ is concave, or convex "
@@ -295,8 +295,8 @@ def items(scope: Scope) -> Items:
     # At the contact x' = v_lambda and x'' = F = 0, which gives x.
     place = sp.solve(newton.subs(velocity, v_lambda), path)[0]
     at = [
-        each.subs(velocity, v_lambda).subs(path, place).subs(Omega * t, theta)
-        for each in derivatives
+        derivative.subs(velocity, v_lambda).subs(path, place).subs(Omega * t, theta)
+        for derivative in derivatives
     ]
     touch = at[3].subs(sp.cos(theta), 0).subs(sp.sin(theta), -k * v_lambda / (B0 * Omega))
     yield (
@@ -367,8 +367,8 @@ def _gap_facts(wave: Any) -> Items:
     slope = (S / C).diff(U)
     first = q.diff(U) / slope
     letters = LG, _C, _C1, Q1, Q2, SLOPE, FIRST, SECOND_H = [
-        named(each)
-        for each in ("L g", "C", "C'", "q'", "q''", "s'", "dH/ds", r"\frac{d^2 H}{ds^2}")
+        named(name)
+        for name in ("L g", "C", "C'", "q'", "q''", "s'", "dH/ds", r"\frac{d^2 H}{ds^2}")
     ]
     values = operator, C, C.diff(U), q.diff(U), q.diff(U, 2), slope, first, first.diff(U) / slope
     meaning = dict(zip(letters, values, strict=True))

@@ -237,10 +237,10 @@ def _frictionless() -> Items:
     speed = SLOPE * HALF - JUMP
     length = 2 * speed / SLOPE
     edge = named(r"\epsilon_1")
-    other = named(r"\epsilon_2")
+    second = named(r"\epsilon_2")
     solved = {
         name: sp.solve(sp.Eq(SLOPE * first, JUMP * factor), SMALL)[0]
-        for name, factor in ((edge, 1), (other, 2))
+        for name, factor in ((edge, 1), (second, 2))
     }
     return (
         r"\subsection{(D) A belt without friction: three parabolas}",
@@ -249,7 +249,7 @@ def _frictionless() -> Items:
         r"= 2\mu_\lambda F_N/m \ge 0$ be small. The borders that leave $\epsilon = J = 0$ are "
         r"$\epsilon = 0$ (grazing-sliding) and",
         equation(edge, JUMP**2 / (2 * SLOPE), solved, "edge-1"),
-        equation(other, 2 * JUMP**2 / SLOPE, solved, "edge-2"),
+        equation(second, 2 * JUMP**2 / SLOPE, solved, "edge-2"),
         r"of switching-sliding and crossing-sliding. In their order: the mass does not meet the "
         r"belt; it sticks and returns; it passes, comes back and sticks; it passes and passes "
         r"back.\end{theorem}",
@@ -455,12 +455,12 @@ def _tables() -> Items:
     rows = []
     for name, value, function in ratios:
         known = CONTEXT.mpf(int(value))
-        found = _extrapolated(function)
+        limit = _extrapolated(function)
         rows.append(
             (
                 name,
                 f"${value}$",
-                decimal("z", found, DECIMALS, close(partial(CONTEXT.mpf, known), DECIMALS)),
+                decimal("z", limit, DECIMALS, close(partial(CONTEXT.mpf, known), DECIMALS)),
             )
         )
     places = []

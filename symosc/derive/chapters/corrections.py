@@ -247,17 +247,19 @@ def flow(o: Oscillator, place: Any, speed: Any, angle: Any, later: Any) -> tuple
     mp = CONTEXT
     wave = o.B0 / mp.mpc(o.k - o.Omega**2, o.c * o.Omega)
     root = mp.sqrt(mp.mpc(o.c**2 / 4 - o.k))
-    one = -o.c / 2 + root
-    two = -o.c / 2 - root
+    first_root = -o.c / 2 + root
+    second_root = -o.c / 2 - root
     turn = mp.expj(angle)
     free = place - o.A / o.k - mp.re(wave * turn)
     drift = speed - mp.re(1j * o.Omega * wave * turn)
-    first = (drift - two * free) / (one - two)
+    first = (drift - second_root * free) / (first_root - second_root)
     second = free - first
     end = wave * mp.expj(angle + o.Omega * later)
-    fast = first * mp.exp(one * later)
-    slow = second * mp.exp(two * later)
-    return o.A / o.k + mp.re(end + fast + slow), mp.re(1j * o.Omega * end + one * fast + two * slow)
+    fast = first * mp.exp(first_root * later)
+    slow = second * mp.exp(second_root * later)
+    return o.A / o.k + mp.re(end + fast + slow), mp.re(
+        1j * o.Omega * end + first_root * fast + second_root * slow
+    )
 
 
 def pull(o: Oscillator, belt: Any, place: Any, angle: Any) -> Any:
@@ -555,13 +557,13 @@ def grazing() -> Grazing:
     there = p.replace(Omega=end.value)
     orbit = find_orbit(there, BRANCH[0], digits=STEP_DIGITS)
     before = tuple(CONTEXT.re(CONTEXT.mpmathify(value)) for value in orbit.multipliers)
-    (down, place), (up, other) = orbit.points
+    (down, place), (up, above) = orbit.points
     touch = CONTEXT.mpf(end.conditions[0].t)
     period = CONTEXT.mpf(orbit.period)
     touch += period * CONTEXT.ceil((up - touch) / period)
     rows = (
         (down + period - touch, 2, 1, place, down),
-        (up - down, 1, 2, other, up),
+        (up - down, 1, 2, above, up),
         (touch - up, 2, None, None, None),
     )
     matrix = CONTEXT.eye(2)

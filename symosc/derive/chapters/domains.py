@@ -188,7 +188,10 @@ def items(scope: Scope) -> Items:
         r"\subsection{The regimes of damping}",
         r"In terms of the roots of $m z^2 + c z + k$ the basis functions are elementary. With "
         r"the letters",
-        [equation(each, values[each], true_letters()[each], f"{each.name}") for each in letters],
+        [
+            equation(letter, values[letter], true_letters()[letter], f"{letter.name}")
+            for letter in letters
+        ],
         r"Table~\ref{tab:domains-regimes} gives $E_1$ and $E_0$; the other functions follow by "
         r"Corollary~\ref{thm:domains-solved}.",
         Table(
@@ -358,15 +361,15 @@ def paper_form(regime: solution.Regime) -> PaperForm:
     start = {tau: sp.Integer(0)}
     v = x.diff(tau)
     equations = [x.subs(start) - x_i, v.subs(start) - v_i]
-    found = sp.solve(equations, [C1, C2], dict=True)[0]
+    solved = sp.solve(equations, [C1, C2], dict=True)[0]
     if regime.name != "no spring":  # C_1 is plain there; C_2 is shorter with it
-        found[C2] = sp.solve(equations[1], C2)[0]
+        solved[C2] = sp.solve(equations[1], C2)[0]
     # One denominator for the whole sum.
     if below != 1:
-        quotient = sp.Mul(sp.expand(found[C2] * below), 1 / below, evaluate=False)
+        quotient = sp.Mul(sp.expand(solved[C2] * below), 1 / below, evaluate=False)
     else:
-        quotient = sp.expand(found[C2])
-    constants = letters | {C1: sp.expand(found[C1]), C2: quotient}
+        quotient = sp.expand(solved[C2])
+    constants = letters | {C1: sp.expand(solved[C1]), C2: quotient}
     values = regime.parameters()
     back = {c: m * values[cm], k: m * values[w0sq]}
     force = ((A + B0 * sp.cos(PHASE)) / m).xreplace(back)

@@ -41,7 +41,7 @@ def items(scope: Scope) -> Items:
     """
     errata = read_errata()
     counts = ", ".join(
-        rf"{sum(each.severity == severity for each in errata)} are \emph{{{severity}}} ({meaning})"
+        rf"{sum(erratum.severity == severity for erratum in errata)} are \emph{{{severity}}} ({meaning})"
         for severity, meaning in SEVERITIES.items()
     )
     yield (
@@ -54,10 +54,10 @@ def items(scope: Scope) -> Items:
         r"domain and belt, "
         r"$\partial\Omega_{ij}$ for a boundary and $\varphi_{ij} = 0$ for its equation.",
         [
-            rf"\textbf{{{each.number}.}}~{each.where} ({each.severity}). \emph{{Printed:}} "
-            rf"{each.printed} "
-            rf"\emph{{Right:}} {each.holds} \emph{{Proof.}} {each.proof}{f' See {each.shown}.' if each.shown else ''}"
-            for each in errata
+            rf"\textbf{{{erratum.number}.}}~{erratum.where} ({erratum.severity}). \emph{{Printed:}} "
+            rf"{erratum.printed} \emph{{Right:}} {erratum.holds} \emph{{Proof.}} {erratum.proof}"
+            rf"{f' See {erratum.shown}.' if erratum.shown else ''}"
+            for erratum in errata
         ],
     )
     field = solution.in_paper_letters(solution.acceleration())
@@ -83,17 +83,17 @@ def items(scope: Scope) -> Items:
 
     def ends(scene: str, belt: int, alpha: int, words: str) -> Items:
         numbers = Scope(load_scene(scene)).numbers
-        other = belt + 1
+        above = belt + 1
         time = _up_to_slip(scene, 40, f"Omega{alpha}")[-1]
-        held = (newton(other) - newton(alpha)).subs(numbers)
+        held = (newton(above) - newton(alpha)).subs(numbers)
         true = -2 * (MU[belt] * FN / m).subs(numbers)
         return (
-            rf"({51 + belt}) lets a stick on belt {belt} end by $F^{{({other})}} = 0$ only. "
+            rf"({51 + belt}) lets a stick on belt {belt} end by $F^{{({above})}} = 0$ only. "
             rf"{words} at the time below "
             rf"by $F^{{({alpha})}} = 0$, into $\Omega_{alpha}$,",
             decimal("t", time, 20, label=f"{scene}-slip"),
             r"where the acceleration of the paper's condition is still",
-            equation(F(other), held, true, f"{scene}-held", decimals=True),
+            equation(F(above), held, true, f"{scene}-held", decimals=True),
         )
 
     yield (
@@ -157,7 +157,7 @@ def _graze(scene: str, alpha: int, speed: Any, time: Any) -> tuple[Any, Any, Any
     }
     at |= {solution.theta_i: (Omega * time).subs(numbers)}
     start = (expr.subs(scope.display).subs(at) for expr in (flow.x, flow.v))
-    return place, *(sp.N(each, 60)._to_mpmath(200) for each in start)
+    return place, *(sp.N(coordinate, 60)._to_mpmath(200) for coordinate in start)
 
 
 def _start(x0: Any, v0: Any, label: str) -> list[Step]:
@@ -180,7 +180,7 @@ def _start_of(scene: str) -> list[Step]:
 
 def _printed_start(scene: str) -> str:
     """Return the printed (x_0, v_0) of a scene as LaTeX, with four decimals."""
-    place, speed = (f"{float(each.right):.4f}" for each in _start_of(scene))
+    place, speed = (f"{float(step.right):.4f}" for step in _start_of(scene))
     return f"$({place}, {speed})$"
 
 
@@ -196,7 +196,7 @@ def _figure7() -> Items:
     amplitude = ((B0 * Omega) ** 2 / ((k - m * Omega**2) ** 2 + c**2 * Omega**2)).subs(numbers)
     square = named(r"V_0^2")
     place, x0, v0 = _graze("fig7", 1, sp.Integer(5), sp.pi)
-    other, x10, v10 = _graze("fig7-corrected", 1, sp.Integer(5), sp.pi)
+    corrected, x10, v10 = _graze("fig7-corrected", 1, sp.Integer(5), sp.pi)
     return (
         r"\subsection{Fig.~7: one number is misprinted}",
         r"With the printed parameters the steady velocity in $\Omega_1$ does not reach $v_1 = "
@@ -222,7 +222,7 @@ def _figure7() -> Items:
         r"which is the printed one to all of its digits, with the contact at $x_m = -0.5855$. "
         r"Either number explains "
         r"the figure; the numbers alone do not tell which one is misprinted.",
-        facts(equation(named("x_m"), sp.Rational("-0.5855"), other, decimals=True)),
+        facts(equation(named("x_m"), sp.Rational("-0.5855"), corrected, decimals=True)),
     )
 
 

@@ -285,7 +285,7 @@ def lengths() -> dict[str, Step]:
     before = next(-root for root in sp.solve(bump, s) if root.is_negative)
     fading = bump.diff(s).subs(s, -s) - b * length
     returns = [at for at in sp.solve(sp.integrate(bump, (s, -before, end)), end) if at.is_positive]
-    found = {
+    rows = {
         "graze": (s, half, {s: before}),
         "graze-stick": (length, s, {length: sp.solve(fading, length)[0]}),
         "stick": (length, e / b, {length: sp.solve(b * length - e, length)[0]}),
@@ -293,7 +293,7 @@ def lengths() -> dict[str, Step]:
         "interrupted": (total, 0, {total: sp.integrate(bump, (s, -before, 2 * before))}),
         "interrupted-slip": (length, 3 * s, {length: returns[0] + before, s: half}),
     }
-    return {label: equation(*parts, label) for label, parts in found.items()}
+    return {label: equation(*parts, label) for label, parts in rows.items()}
 
 
 def _in_numbers(expr: Any, scope: Scope) -> Any:
@@ -354,9 +354,11 @@ def event_time_derivatives(scene: str, by_friction: bool) -> list[Any]:
         alpha: number(sign * p.FN / p.m) * by_friction for alpha, sign in ((1, 1), (2, -1), (3, -1))
     }
     before = number(start.t0)
-    found = []
+    slopes = []
     for event in path.events[:EVENTS]:
-        t, phase, belt = number(event.t), number(p.Omega) * number(event.t), event.boundary
+        t = number(event.t)
+        phase = number(p.Omega) * t
+        belt = event.boundary
         where = (belt, number(event.x), phase)
         source = int(event.source[-1])
         target = int(event.target[-1])
@@ -367,7 +369,7 @@ def event_time_derivatives(scene: str, by_friction: bool) -> list[Any]:
                 e0 * dv - w0 * e1 * dx + e1 * push[source],
             )
             fore = force_at_belt(p, source, *where)
-            found.append(-dv * number(p.m) / fore)
+            slopes.append(-dv * number(p.m) / fore)
             if event.target.startswith("Omega"):
                 dv = dv * force_at_belt(p, target, *where) / fore
             else:
@@ -376,9 +378,9 @@ def event_time_derivatives(scene: str, by_friction: bool) -> list[Any]:
             rate = -(
                 number(p.k * p.belt(belt)) + number(p.B0 * p.Omega) * CONTEXT.sin(phase)
             ) / number(p.m)
-            found.append((w0 * dx - push[target]) / rate)
+            slopes.append((w0 * dx - push[target]) / rate)
         before = t
-    return found
+    return slopes
 
 
 def _events_table() -> Table:

@@ -215,14 +215,14 @@ def items(scope: Scope) -> Items:
     square = named(r"\gamma + a\sin\theta_m|_{\gamma = -a}")
     half = sp.sin(THETA_M / 2) - sp.cos(THETA_M / 2)
     value = {third: true3.subs(THETA_M, 3 * sp.pi / 2), GAMMA: B0 * Omega / m}
-    other = {third: true3.subs(THETA_M, sp.pi / 2), GAMMA: -B0 * Omega / m}
-    fourth = [equation(third, -GAMMA * Omega**2, each) for each in (value, other)]
+    opposite = {third: true3.subs(THETA_M, sp.pi / 2), GAMMA: -B0 * Omega / m}
+    fourth = [equation(third, -GAMMA * Omega**2, meaning) for meaning in (value, opposite)]
     sine = named(r"\sin\theta_m")
     cosine = named(r"\cos\theta_m")
     at_ends = [
-        each
+        step
         for phase, sign in ((sp.pi / 2, 1), (3 * sp.pi / 2, -1))
-        for each in (
+        for step in (
             equation(sine, sign, {sine: sp.sin(phase)}),
             equation(cosine, 0, {cosine: sp.cos(phase)}),
         )
@@ -274,7 +274,7 @@ def items(scope: Scope) -> Items:
     # At F = 0 and sin theta = 0, where the cosine is 1 or -1.
     turning = {A: sp.solve(plain, A)[0]}
     flat, curve = (
-        sp.expand(each.subs(turning)).subs(sp.sin(THETA_M), 0) for each in (first, second)
+        sp.expand(expr.subs(turning)).subs(sp.sin(THETA_M), 0) for expr in (first, second)
     )
     inflection = (
         *(equation(phase, value, {phase: sp.cos(at)}) for value, at in ((1, 0), (-1, sp.pi))),

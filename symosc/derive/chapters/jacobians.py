@@ -56,7 +56,7 @@ def items(scope: Scope) -> Items:
     matrix.
     """
     flow = solution.flow()
-    found = maps.flight_jacobian()
+    flight_slopes = maps.flight_jacobian()
     ends = {maps.v_end: flow.v, maps.a_end: flow.a}
     rows = []
     for which, (expr, short) in enumerate(((flow.x, "x"), (flow.v, "v")), 1):
@@ -65,7 +65,7 @@ def items(scope: Scope) -> Items:
         for key, (by, derivative) in (true | {"th1": (r"\theta_{i+1}", slope)}).items():
             letter = partial(f"f_{which}", by)
             check = exact({letter: derivative} | ends, solution.use_relations)
-            rows.append(equation(letter, found[f"{short}_{key}"], check, f"f{which}-{key}"))
+            rows.append(equation(letter, flight_slopes[f"{short}_{key}"], check, f"f{which}-{key}"))
     yield (
         r"\subsection{Derivatives of the governing equations}",
         r"\begin{proposition}[flights]\label{thm:jacobians-flight} "
@@ -84,7 +84,7 @@ def items(scope: Scope) -> Items:
         r"0.\end{proof}",
     )
     residual = maps.stick_residual()
-    found = maps.stick_jacobian()
+    stick_slopes = maps.stick_jacobian()
     theta_j = maps.theta_j
     where = {tau: (theta_j - theta_i) / Omega}
     entries = (
@@ -94,7 +94,7 @@ def items(scope: Scope) -> Items:
     slopes = [
         equation(
             partial(f"f_{n}", by),
-            found[key],
+            stick_slopes[key],
             residual[f"f{n}"].subs(where).diff(letter),
             f"stick-{key}",
         )
@@ -280,15 +280,15 @@ def multiplier_products(scene: str, word: str) -> tuple[Any, Any]:
     50 digits.
     """
     p = load_scene(scene).parameters
-    found = find_orbit(p, word, digits=STEP_DIGITS + 5)
-    product = prod(map(CONTEXT.mpmathify, found.multipliers))
+    orbit = find_orbit(p, word, digits=STEP_DIGITS + 5)
+    product = prod(map(CONTEXT.mpmathify, orbit.multipliers))
     ratios = CONTEXT.mpf(1)
-    for (t, x), (before, after) in zip(found.points, ((2, 1), (1, 2)), strict=True):
+    for (t, x), (before, after) in zip(orbit.points, ((2, 1), (1, 2)), strict=True):
         end, start = (
             force_at_belt(p, alpha, 1, x, number(p.Omega) * t) for alpha in (after, before)
         )
         ratios *= end / start
-    return CONTEXT.re(product), CONTEXT.exp(-number(p.c / p.m) * CONTEXT.mpf(found.period)) * ratios
+    return CONTEXT.re(product), CONTEXT.exp(-number(p.c / p.m) * CONTEXT.mpf(orbit.period)) * ratios
 
 
 def force_at_belt(p: Any, alpha: int, belt: int, x: Any, phase: Any) -> Any:

@@ -37,7 +37,7 @@ def items(scope: Scope) -> Items:
     for label in scope.maps:
         row = MAPS[label]
         belt = row.start.boundary
-        other = row.end.boundary
+        target = row.end.boundary
         planes = [
             rf"$\Sigma^{{{plane.superscript}}}_{{({plane.boundary})}}$"
             for plane in (row.start, row.end)
@@ -47,7 +47,7 @@ def items(scope: Scope) -> Items:
         if row.sticks:
             motion = f"stick on belt {belt}"
             domain = " or ".join(map(str, NEIGHBOURS[belt]))
-        rows.append((f"$P_{label[1]}$", *planes, motion, domain, belt, other))
+        rows.append((f"$P_{label[1]}$", *planes, motion, domain, belt, target))
     yield (
         r"\begin{definition}[switching planes and mappings, the paper's (49) to "
         r"(51)]\label{thm:maps-planes} "
@@ -144,28 +144,28 @@ def items(scope: Scope) -> Items:
 
 def _with_numbers(scope: Scope) -> Items:
     """Return the section with the mappings in the scene's numbers."""
-    found: list[Any] = [r"\subsection{With the numbers of the scene}"]
+    parts: list[Any] = [r"\subsection{With the numbers of the scene}"]
     for label in scope.maps:
         row = MAPS[label]
         letter = f"P_{label[1]}"
         start = BELTS[row.start.boundary]
         end = BELTS[row.end.boundary]
         if row.sticks:
-            found.append(
+            parts.append(
                 rf"${letter}$ rides on belt {row.start.boundary} with the speed below, and slips "
                 r"into"
             )
             for alpha in NEIGHBOURS[row.start.boundary]:
                 true = force(alpha, maps.x_j, start, maps.theta_j)
                 name = named(rf"f_2^{{({label[1]})}}")
-                found += [rf"$\Omega_{alpha}$ where", equation(name, sp.expand(true), true)]
+                parts += [rf"$\Omega_{alpha}$ where", equation(name, sp.expand(true), true)]
             continue
         true = force(row.domain, x_i, start, theta_i)
-        found += [
+        parts += [
             rf"${letter}$ starts with",
             equation(a_i, sp.expand(true), true),
             rf"and with ${latex(scope.shown(start))}$ for $v_\lambda = v_{row.start.boundary}$ and "
             rf"${latex(scope.shown(end))}$ for $v_{{\lambda'}} = v_{row.end.boundary}$ in "
             r"Theorem~\ref{thm:maps-flight}.",
         ]
-    return found
+    return parts

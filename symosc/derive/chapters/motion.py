@@ -75,8 +75,8 @@ def stick_force(belt: int) -> Any:
     """Return the sum of all other forces on a mass that moves with a belt, without that belt's
     friction: eq. (2).
     """
-    other = 3 - belt
-    return A0 + B0 * WAVE - k * x - c * BELTS[belt] + MU[other] * FN * (1 if other == 2 else -1)
+    second = 3 - belt
+    return A0 + B0 * WAVE - k * x - c * BELTS[belt] + MU[second] * FN * (1 if second == 2 else -1)
 
 
 def at_each_belt(scope: Scope) -> Check:
@@ -99,8 +99,8 @@ def items(scope: Scope) -> Items:
     first = named("T_1")
     second = named("T_2")
     checks = (
-        exact({total: m * newton(alpha), first: one * mu1 * FN, second: two * mu2 * FN})
-        for alpha, (one, two) in enumerate(((1, 1), (-1, 1), (-1, -1)), 1)
+        exact({total: m * newton(alpha), first: sign_1 * mu1 * FN, second: sign_2 * mu2 * FN})
+        for alpha, (sign_1, sign_2) in enumerate(((1, 1), (-1, 1), (-1, -1)), 1)
     )
     yield (
         r"\subsection{The balance of forces}",

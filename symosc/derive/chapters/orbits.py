@@ -260,7 +260,7 @@ def pieces(scope: Scope, word: str) -> list[Piece]:
     """Return the maps of an orbit with a word as Pieces, with the scene's numbers put in."""
     rows = read_word(word).maps
     basis = scope.regimes[0].basis()
-    found = []
+    parts = []
     for i, (row, leaves) in enumerate(zip(rows, read_word(word).exits(), strict=True)):
         before = rows[i - 1]
         after = (i + 1) % len(rows)
@@ -301,8 +301,8 @@ def pieces(scope: Scope, word: str) -> list[Piece]:
                 meaning[letters[a_i]] = force(row.domain, x_i, start, theta_i).xreplace(letters)
         f1, f2 = (_substituted(scope, f.xreplace(letters)) for f in (f1, f2))
         meaning = {name: _substituted(scope, value) for name, value in meaning.items()}
-        found.append(Piece(row, before, here, f1, f2, meaning))
-    return found
+        parts.append(Piece(row, before, here, f1, f2, meaning))
+    return parts
 
 
 def _substituted(scope: Scope, expr: Any) -> Any:
@@ -311,12 +311,12 @@ def _substituted(scope: Scope, expr: Any) -> Any:
 
 
 def _values(
-    found: list[Piece], points: tuple[tuple[Any, Any], ...], meaning: dict[Any, Any]
+    parts: list[Piece], points: tuple[tuple[Any, Any], ...], meaning: dict[Any, Any]
 ) -> dict[Any, Any]:
     """Return the values of all symbols: x and theta at the switching `points`, and those that
     `meaning` defines.
     """
-    letters = [letter for piece in found for letter in piece.letters]
+    letters = [letter for piece in parts for letter in piece.letters]
     numbers = [CONTEXT.nstr(value, STEP_DIGITS + 8) for point in points for value in point]
     values = {
         letter: sp.Float(text, STEP_DIGITS + 10)
@@ -333,11 +333,11 @@ def _orbit_section(scope: Scope, word: str, figure: str) -> Items:
     """
     assert scope.scene is not None
     p = scope.scene.parameters
-    found = pieces(scope, word)
+    parts = pieces(scope, word)
     points = orbit_points(p, word)
     equations: list[Any] = []
-    for i, (row, before, _, f1, f2, meaning) in enumerate(found, 1):
-        after = i % len(found) + 1
+    for i, (row, before, _, f1, f2, meaning) in enumerate(parts, 1):
+        after = i % len(parts) + 1
         start = rf" and $\ddot{{x}}_{i} = F^{{({row.domain})}}$ at point {i}"
         if before.sticks:
             start = rf" and $F^{{({row.domain})}} = 0$ at point {i}, where a stick ended"
@@ -350,7 +350,7 @@ def _orbit_section(scope: Scope, word: str, figure: str) -> Items:
             rf"(\theta_{after}{turn} - "
             rf"\theta_{i})/\Omega${'' if row.sticks else start}:"
         )
-        check = at_root(partial(_values, found, points, meaning), CONTEXT.mpf(10) ** -43)
+        check = at_root(partial(_values, parts, points, meaning), CONTEXT.mpf(10) ** -43)
         equations += [equation(0, f, check, decimals=True) for f in (f1, f2)]
     numbers = ", ".join(scope.given())
     inner = r" \circ ".join(f"P_{digit}" for digit in word[1:])
@@ -358,7 +358,7 @@ def _orbit_section(scope: Scope, word: str, figure: str) -> Items:
         rf"\subsection{{{figure}: $P_{{{word[1:]}}} = {inner}$}}",
         rf"The numbers are {numbers}. The last map ends where the first one starts, one period "
         r"of the drive later, so "
-        rf"there are {2 * len(found)} equations for the {2 * len(found)} unknowns $x_j$, "
+        rf"there are {2 * len(parts)} equations for the {2 * len(parts)} unknowns $x_j$, "
         r"$\theta_j$. A basis function "
         r"of the flight from point $j$ is taken at its duration $\tau_j$.",
         equations,
@@ -371,7 +371,7 @@ def _orbit_section(scope: Scope, word: str, figure: str) -> Items:
             str(row.start.boundary),
             f"$P_{row.label[1]}$",
         )
-        for j, ((x, theta), (row, *_)) in enumerate(zip(points, found, strict=True), 1)
+        for j, ((x, theta), (row, *_)) in enumerate(zip(points, parts, strict=True), 1)
     ]
     yield Table(
         f"tab:orbits-{word}",
@@ -381,10 +381,10 @@ def _orbit_section(scope: Scope, word: str, figure: str) -> Items:
         tuple(rows),
     )
     # The accelerations at each switching point say which case of the theorem on boundaries applies.
-    values = _values(found, points, {})
+    values = _values(parts, points, {})
     rows = []
     signs = list[Any]()
-    for j, (row, before, (x, theta), *_) in enumerate(found, 1):
+    for j, (row, before, (x, theta), *_) in enumerate(parts, 1):
         belt = row.start.boundary
         signed: list[Any] = [str(j)]
         for alpha in NEIGHBOURS[belt]:
@@ -413,7 +413,7 @@ def _orbit_section(scope: Scope, word: str, figure: str) -> Items:
     # Between the switching points no flight meets a belt, and each stick is held.
     rows = []
     limited = list[Any]()
-    for j, piece in enumerate(found):
+    for j, piece in enumerate(parts):
         for name, value, words, limits in _extremes(
             scope, piece, points[j], points[(j + 1) % len(points)][1]
         ):
@@ -484,9 +484,9 @@ def _extremes(
         """Return `expr` as a function of the time since the start, and the zeros of its time
         derivative `slope`.
         """
-        put = (_substituted(scope, each.xreplace(scope.display)) for each in (expr, slope))
+        pair = (_substituted(scope, part.xreplace(scope.display)) for part in (expr, slope))
         value, rate = (
-            partial(sp.lambdify((x_i, theta_i, tau), each, FUNCTIONS), *start) for each in put
+            partial(sp.lambdify((x_i, theta_i, tau), part, FUNCTIONS), *start) for part in pair
         )
         return value, _zeros(rate, duration)
 
@@ -502,7 +502,7 @@ def _extremes(
         return
     known = {a_i: force(row.domain, x_i, speed, theta_i), v_i: speed}
     value, places = extremes(
-        *(each.xreplace(known) for each in solution.flow(scope.regimes[0])[1:])
+        *(part.xreplace(known) for part in solution.flow(scope.regimes[0])[1:])
     )
     limits = [
         (op, scope.numbers[BELTS[b]])

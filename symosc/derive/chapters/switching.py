@@ -30,7 +30,7 @@ def items(scope: Scope) -> Items:
         `normal` is printed before n ("", "D" or "D^2"), and `dot` over each x: a LaTeX accent for
         time derivatives.
         """
-        x_alpha, x_0 = (rf"{dot}{{\mathbf{{x}}}}^{{({each})}}" for each in (r"\alpha", "0"))
+        x_alpha, x_0 = (rf"{dot}{{\mathbf{{x}}}}^{{({index})}}" for index in (r"\alpha", "0"))
         return named(
             rf"{normal}\mathbf{{n}}^T ({x_alpha} - {x_0})".replace("{\\mathbf{x}}", r"{\mathbf{x}}")
         )
@@ -181,12 +181,14 @@ def along_flow(order: int) -> list[Any]:
     """
     place, speed, phase = sp.symbols("x v theta", real=True)
     push = balance(place, speed, phase)
-    found = [push]
+    derivatives = [push]
     for _ in range(order):
-        last = found[-1]
-        found.append(last.diff(place) * speed + last.diff(speed) * push + last.diff(phase) * Omega)
+        last = derivatives[-1]
+        derivatives.append(
+            last.diff(place) * speed + last.diff(speed) * push + last.diff(phase) * Omega
+        )
     start = {place: x_i, speed: v_lambda, phase: theta_i}
-    return [each.subs(start, simultaneous=True) for each in found]
+    return [derivative.subs(start, simultaneous=True) for derivative in derivatives]
 
 
 def gap_series(order: int) -> Any:
@@ -199,11 +201,11 @@ def gap_series(order: int) -> Any:
     gap = sp.Add(*(rate * tau**n for n, rate in enumerate(rates, 1)))
     drive = B0 * Omega * sp.sin(theta_i + Omega * tau)
     rest = m * gap.diff(tau, 2) + c * gap.diff(tau) + k * (gap + v_lambda) + drive
-    found = {rates[0]: balance(x_i, v_lambda, theta_i)}
+    known = {rates[0]: balance(x_i, v_lambda, theta_i)}
     for n, rate in enumerate(rates[1:]):
-        condition = rest.diff(tau, n).subs(tau, 0).subs(found)  # linear in the rate
-        found[rate] = -condition.subs(rate, 0) / condition.diff(rate)
-    return gap.subs(found)
+        condition = rest.diff(tau, n).subs(tau, 0).subs(known)  # linear in the rate
+        known[rate] = -condition.subs(rate, 0) / condition.diff(rate)
+    return gap.subs(known)
 
 
 def _gap_derivative(order: int) -> Any:
