@@ -104,8 +104,7 @@ def equation(left: Expr, right: Expr, check: Any = None, label: str = "", **opti
 #: Environments with a number, in one count; a proof has none.
 KINDS = ("definition", "lemma", "proposition", "theorem", "corollary", "remark", "example", "proof")
 _MARKUP = re.compile(
-    rf"\\(begin)\{{({'|'.join(KINDS)})\}}(?:\[([^]]*)\])?(?:\\label\{{([^{{}}]*)\}})?"
-    rf"|\\(end)\{{({'|'.join(KINDS)})\}}"
+    rf"\\(begin)\{{({'|'.join(KINDS)})\}}(?:\[([^]]*)\])?(?:\\label\{{([^{{}}]*)\}})?|\\(end)\{{({'|'.join(KINDS)})\}}"
     r"|\\(subsection)\{((?:[^{}]|\{[^{}]*\})*)\}"
 )
 

@@ -649,7 +649,8 @@ def _containing(
     >= 0 if that is an open end.
     """
     theta, attained = extreme
-    k, v, B0, Omega, sine = *(values[letter] for letter in ("k", "v", "B0", "Omega")), sp.sin(theta)
+    k, v, B0, Omega = (values[letter] for letter in ("k", "v", "B0", "Omega"))
+    sine = sp.sin(theta)
     # The left side is start + slope * parameter; level is side k v at its root.
     if name in ("Omega", "B0"):
         start = side * k * v

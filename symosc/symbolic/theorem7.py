@@ -330,11 +330,11 @@ def sign_of(number: Expr) -> int:
         if digits == 30:
             plain = sp.expand_trig(number)
             x = sp.Dummy("x")
-            if (
-                sp.minimal_polynomial(plain, x) == x
-                if plain.is_algebraic
-                else sp.simplify(plain) == 0
-            ):
+            if plain.is_algebraic:
+                is_zero = sp.minimal_polynomial(plain, x) == x
+            else:
+                is_zero = sp.simplify(plain) == 0
+            if is_zero:
                 return 0
     raise ParameterError(
         "number", number, f"cannot be distinguished from 0 with {MOST_SIGN_DIGITS} digits"

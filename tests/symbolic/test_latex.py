@@ -9,7 +9,10 @@ from symosc.derive.scope import LETTERS
 from symosc.symbolic.inverse import QUERY_LETTERS
 from symosc.symbolic.latex import latex
 
-SYMBOLS = [*LETTERS.items(), *((name, QUERY_LETTERS[name]) for name in QUERY_LETTERS if name != "v")]
+SYMBOLS = [
+    *LETTERS.items(),
+    *((name, QUERY_LETTERS[name]) for name in QUERY_LETTERS if name != "v"),
+]
 
 
 @pytest.mark.parametrize(("name", "symbol"), SYMBOLS)

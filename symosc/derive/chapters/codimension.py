@@ -184,8 +184,7 @@ def _passage() -> Items:
         equation(
             top, BEND * (HALF - CONTACT) ** 2 * (2 * HALF + CONTACT) / 6, {top: turned}, "top"
         ),
-        r"so it returns iff $t_m > -2s$, and sticks till $s$ then. The flight that touches began "
-        r"at",
+        r"so it returns iff $t_m > -2s$, and sticks till $s$ then. The flight that touches began at",
         equation(CONTACT, -2 * HALF, {CONTACT: -place}, "touch"),
         r"where $u = h t_m^2/8$.\end{proof}",
     )

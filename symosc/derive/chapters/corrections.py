@@ -188,8 +188,7 @@ def _theorem() -> Items:
         r"velocities: of $-g$ in (i) and (ii), of $g$ in (iii) and (iv); and $\delta\dot{x}$ is "
         r"$-g$ at the end.\end{proof}",
         r"The orders are 1 for grazing-sliding, 2 for crossing-sliding and adding-sliding, and 3 "
-        r"for "
-        r"switching-sliding; compare the normal forms in \cite{dibernardo2002,dibernardo2008}.",
+        r"for switching-sliding; compare the normal forms in \cite{dibernardo2002,dibernardo2008}.",
     )
 
 
@@ -517,8 +516,8 @@ def _multipliers() -> Items:
         equation(
             onset, 1 - 9 * k * SMALL / (m * BEND), {onset: 1 + fourth.diff(SMALL) * k / m}, "add"
         ),
-        r"times as much is kept. The multiplier that is not 0 is continuous, with a kink."
-        r"\end{enumerate}",
+        r"times as much is kept. The multiplier that is not 0 is continuous, with a "
+        r"kink.\end{enumerate}",
         r"No multiplier leaves the unit circle, so the motion goes on across every "
         r"border.\end{theorem}",
         r"\begin{proof} These are the derivatives of Theorem~\ref{thm:corrections-maps}. In (i) "

@@ -49,14 +49,13 @@ def items(scope: Scope) -> Items:
         rf"These are the {len(errata)} distinct errors and gaps of the paper, in its order and "
         rf"each once: {counts}. "
         r"Numbers of equations, theorems and figures in this list are the paper's, except those "
-        r"after \emph{See}. Its "
-        r"letters are the paper's too: $G^{(j)}$, $\Sigma^j$ and $x^{(i)}$ without the names of "
-        r"domain and belt, "
-        r"$\partial\Omega_{ij}$ for a boundary and $\varphi_{ij} = 0$ for its equation.",
+        r"after \emph{See}. Its letters are the paper's too: $G^{(j)}$, $\Sigma^j$ and $x^{(i)}$ "
+        r"without the names of domain and belt, $\partial\Omega_{ij}$ for a boundary and "
+        r"$\varphi_{ij} = 0$ for its equation.",
         [
-            rf"\textbf{{{erratum.number}.}}~{erratum.where} ({erratum.severity}). \emph{{Printed:}} "
-            rf"{erratum.printed} \emph{{Right:}} {erratum.holds} \emph{{Proof.}} {erratum.proof}"
-            rf"{f' See {erratum.shown}.' if erratum.shown else ''}"
+            rf"\textbf{{{erratum.number}.}}~{erratum.where} ({erratum.severity}). "
+            rf"\emph{{Printed:}} {erratum.printed} \emph{{Right:}} {erratum.holds} \emph{{Proof.}} "
+            rf"{erratum.proof}{f' See {erratum.shown}.' if erratum.shown else ''}"
             for erratum in errata
         ],
     )
@@ -67,11 +66,10 @@ def items(scope: Scope) -> Items:
     difference = named(r"D_{\mathbf{x}^{(\alpha)}}F^{(\alpha)} - D_{\mathbf{x}^{(0)}}F^{(\alpha)}")
     yield (
         r"\subsection{The derivative in (47)}",
-        r"By its definition after (16), $D_{\mathbf{x}^{(0)}}$ differentiates along the "
-        r"boundary's flow, which has "
-        r"$\dot{\mathbf{x}}^{(0)} = (v_\lambda, 0)^T$. The result that (47) gives is along the "
-        r"flow of the domain, "
-        r"$\dot{\mathbf{x}}^{(\alpha)} = (v_\lambda, F^{(\alpha)})^T$. They differ by",
+        r"By its definition after (16), $D_{\mathbf{x}^{(0)}}$ differentiates along the boundary's "
+        r"flow, which has $\dot{\mathbf{x}}^{(0)} = (v_\lambda, 0)^T$. The result that (47) gives "
+        r"is along the flow of the domain, $\dot{\mathbf{x}}^{(\alpha)} = (v_\lambda, "
+        r"F^{(\alpha)})^T$. They differ by",
         equation(
             difference,
             -c * F(r"\alpha") / m,
@@ -89,8 +87,7 @@ def items(scope: Scope) -> Items:
         true = -2 * (MU[belt] * FN / m).subs(numbers)
         return (
             rf"({51 + belt}) lets a stick on belt {belt} end by $F^{{({above})}} = 0$ only. "
-            rf"{words} at the time below "
-            rf"by $F^{{({alpha})}} = 0$, into $\Omega_{alpha}$,",
+            rf"{words} at the time below by $F^{{({alpha})}} = 0$, into $\Omega_{alpha}$,",
             decimal("t", time, 20, label=f"{scene}-slip"),
             r"where the acceleration of the paper's condition is still",
             equation(F(above), held, true, f"{scene}-held", decimals=True),
@@ -116,8 +113,8 @@ def items(scope: Scope) -> Items:
         Table(
             "tab:errata-starts",
             r"The printed starts of Figs.~9 and 10, and the switching points of the periodic "
-            r"motions, to which the "
-            r"motions from the printed starts tend (Theorem~\ref{thm:orbits-unique}).",
+            r"motions, to which the motions from the printed starts tend "
+            r"(Theorem~\ref{thm:orbits-unique}).",
             ("figure", "orbit", "printed $t_0$, $x_0$", "$t_1$", "$x_1$"),
             tuple(rows),
         ),
@@ -199,18 +196,15 @@ def _figure7() -> Items:
     corrected, x10, v10 = _graze("fig7-corrected", 1, sp.Integer(5), sp.pi)
     return (
         r"\subsection{Fig.~7: one number is misprinted}",
-        r"With the printed parameters the steady velocity in $\Omega_1$ does not reach $v_1 = "
-        r"5$, whatever $A_0$ is: "
-        r"by \eqref{eq:events-V0} its amplitude has",
+        r"With the printed parameters the steady velocity in $\Omega_1$ does not reach $v_1 = 5$, "
+        r"whatever $A_0$ is: by \eqref{eq:events-V0} its amplitude has",
         equation(square, 20, amplitude, "V0"),
         step(square, "<", 25, sign({square: amplitude})),
         r"so a graze can only be in the transient. The flow that touches $v_1$ at $t = \pi$, "
-        r"traced back to the "
-        r"printed $t_0 = 2.5$, starts with the printed $A_0 = 5$ at",
+        r"traced back to the printed $t_0 = 2.5$, starts with the printed $A_0 = 5$ at",
         _start(x0, v0, "fig7-x0"),
         rf"The printed start is {_printed_start('fig7')}: with a misprint in $x_0$, which would "
-        r"be $-5.6049$, all "
-        r"other numbers are right, and the contact is at $x_m = -3.0855$.",
+        r"be $-5.6049$, all other numbers are right, and the contact is at $x_m = -3.0855$.",
         facts(
             *_start_of("fig7"),
             _four_decimals("-5.6049", x0),
@@ -220,8 +214,7 @@ def _figure7() -> Items:
         r"With $A_0 = 10$ in place of 5 the start is",
         _start(x10, v10, "fig7-x0-10"),
         r"which is the printed one to all of its digits, with the contact at $x_m = -0.5855$. "
-        r"Either number explains "
-        r"the figure; the numbers alone do not tell which one is misprinted.",
+        r"Either number explains the figure; the numbers alone do not tell which one is misprinted.",
         facts(equation(named("x_m"), sp.Rational("-0.5855"), corrected, decimals=True)),
     )
 
@@ -237,8 +230,7 @@ def _figure8() -> Items:
     return (
         r"\subsection{Fig.~8: no error, but four decimals do not graze}",
         r"The starts at $t_0 = 2.5$ from which the flow grazes form a curve, with one point for "
-        r"each time $t_m$ of the "
-        r"contact. The point for $t_m = 3.14158$,",
+        r"each time $t_m$ of the contact. The point for $t_m = 3.14158$,",
         _start(x0, v0, "fig8-x0"),
         rf"rounds to the printed start {_printed_start('fig8')}, so the print is right. From the "
         r"rounded numbers the "
