@@ -22,7 +22,6 @@ EXTRAS = [
     "tables",
     "explore",
     "jax",
-    "gradients",
     "docs",
 ]
 

@@ -52,10 +52,10 @@ from .mappings.equations import solve_map as solve_map
 from .model import Parameters as Parameters
 from .orbits.admissibility import Condition as Condition
 from .orbits.border import Border as Border
-from .orbits.border import BorderEnd as BorderEnd
-from .orbits.border import BorderError as BorderError
-from .orbits.border import SpecialPoint as SpecialPoint
 from .orbits.border import continue_border as continue_border
+from .orbits.border_crossings import BorderError as BorderError
+from .orbits.border_points import SpecialPoint as SpecialPoint
+from .orbits.border_trace import BorderEnd as BorderEnd
 from .orbits.branch import Branch as Branch
 from .orbits.branch import BranchEnd as BranchEnd
 from .orbits.branch import BranchError as BranchError

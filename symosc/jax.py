@@ -146,13 +146,15 @@ def _values(parameters: Any, *start: Any) -> Any:
     for name in parameters:
         if name not in PARAMETER_NAMES:
             hint = (
-                "is no parameter; they are "
+                "unknown parameter; choose from "
                 f"{', '.join(PARAMETER_NAMES)}{meant(str(name), PARAMETER_NAMES)}"
             )
             raise ParameterError("parameters", name, hint)
     for name in PARAMETER_NAMES:
         if name not in parameters:
-            raise ParameterError("parameters", sorted(parameters), f"{name} is missing")
+            raise ParameterError(
+                "parameters", sorted(parameters), f"must have all parameters; {name} is missing"
+            )
     from jax import numpy
 
     return numpy.stack(

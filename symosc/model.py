@@ -17,7 +17,7 @@ from fractions import Fraction
 from typing import Any
 
 from symosc.base.aliases import NumberLike
-from symosc.base.arguments import public
+from symosc.base.arguments import NUMBER, public, require
 from symosc.base.errors import ParameterError, meant
 from symosc.base.exact import show, whole_number
 from symosc.base.quantities import QUANTITIES, least, read_number
@@ -84,6 +84,9 @@ class Parameters:
         self, *, m: NumberLike, c: NumberLike, k: NumberLike, A0: NumberLike, B0: NumberLike, Omega: NumberLike,
         v1: NumberLike, v2: NumberLike, mu1: NumberLike, mu2: NumberLike, FN: NumberLike,
     ) -> None:  # fmt: skip
+        require(
+            NUMBER, m=m, c=c, k=k, A0=A0, B0=B0, Omega=Omega, v1=v1, v2=v2, mu1=mu1, mu2=mu2, FN=FN
+        )
         given = {"m": m, "c": c, "k": k, "A0": A0, "B0": B0, "Omega": Omega, "v1": v1, "v2": v2}
         for name, value in (given | {"mu1": mu1, "mu2": mu2, "FN": FN}).items():
             object.__setattr__(self, name, read_number(name, value)[0])
@@ -113,9 +116,10 @@ class Parameters:
     @public
     def replace(self, **changes: NumberLike) -> Parameters:
         """Return a copy with some parameters changed, for example ``p.replace(c="0.3")``."""
+        require(NUMBER, **changes)
         for name, value in changes.items():
             if name not in PARAMETER_NAMES:
-                allowed = f"is not a parameter; the parameters are {', '.join(PARAMETER_NAMES)}"
+                allowed = f"unknown parameter; choose from {', '.join(PARAMETER_NAMES)}"
                 raise ParameterError(name, value, allowed + meant(name, PARAMETER_NAMES))
         return Parameters(**by_name(self) | changes)
 

@@ -25,7 +25,7 @@ from math import isqrt
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 from symosc.base.aliases import Number, NumberLike
-from symosc.base.arguments import public
+from symosc.base.arguments import ARRAY_LIKE, FLAG, NUMBER, public, require, require_or_none
 from symosc.base.errors import ParameterError, meant
 from symosc.base.exact import power_of_ten, read_exact, show, unmasked
 from symosc.base.quantities import half_unit, read_number, rounded
@@ -216,11 +216,11 @@ class OtherModel:
                 object.__setattr__(self, name, read_number(name, value)[0])
         if self.FN is None and self.g <= 0:
             raise ParameterError(
-                "FN", None, "is needed, or g > 0: then it is the weight m g cos(angle)"
+                "FN", None, "FN is required unless g > 0, where it is the weight m g cos(angle)"
             )
         if self.v2 is None and self.mu2 != 0:
             raise ParameterError(
-                "mu2", show(self.mu2), "needs v2: without it there is no second belt"
+                "mu2", show(self.mu2), "mu2 requires v2: without v2 there is no second belt"
             )
         self.parameters  # noqa: B018  raises errors of numbers that are out of range
 
@@ -311,9 +311,10 @@ class OtherModel:
     @public
     def replace(self, **changes: NumberLike | bool | None) -> OtherModel:
         """Return a copy with some numbers changed, for example ``model.replace(Omega="1/2")``."""
+        require_or_none(NUMBER, FLAG, **changes)
         for name in changes:
             if name not in MODEL_NAMES:
-                allowed = f"is not of the model; it has {', '.join(MODEL_NAMES)}"
+                allowed = f"unknown number of a model; choose from {', '.join(MODEL_NAMES)}"
                 raise ParameterError(name, changes[name], allowed + meant(name, MODEL_NAMES))
         return OtherModel(**{name: getattr(self, name) for name in MODEL_NAMES} | changes)
 
@@ -332,6 +333,7 @@ class OtherModel:
         >>> model.back(t, x, [0, 0])[1].round(6).tolist()
         [0.73026, -0.73026]
         """
+        require(*ARRAY_LIKE, t=t, x=x, v=v)
         t, x, v = _read_arrays(t=t, x=x, v=v)
         w, rate = motion_of_belts(self, t + float(self.delay))
         return t + float(self.delay), x + w, v + rate
@@ -351,6 +353,7 @@ class OtherModel:
         >>> f"{s:.6f}", float(z), float(u)
         ('-0.785398', 1.0, 2.0)
         """
+        require(*ARRAY_LIKE, t=t, x=x, v=v)
         t, x, v = _read_arrays(t=t, x=x, v=v)
         w, rate = motion_of_belts(self, t)
         return t - float(self.delay), x - w, v - rate
@@ -453,7 +456,7 @@ def _read_arrays(**given: Any) -> list[np.ndarray]:
             np.broadcast_shapes(*(each.shape for each in found.values()))
         except ValueError:
             raise ParameterError(
-                name, array, "must have one number, or as many as the others"
+                name, array, "must have length 1 or the length of the others"
             ) from None
     return list(found.values())
 

@@ -15,7 +15,7 @@ import re
 from collections.abc import Iterable, Sequence
 from typing import NamedTuple, TypeAlias
 
-from symosc.base.arguments import public
+from symosc.base.arguments import FLAG, WORD, public, require
 from symosc.base.errors import SymoscError, brief, shown
 from symosc.model import NEIGHBOURS
 
@@ -290,6 +290,8 @@ def read_word(word: WordLike, *, closed: bool = True, grazing: bool = False) -> 
     >>> str(read_word(["P3", "P2"])), read_word("P32").labels
     ('P32', ('P2', 'P3'))
     """
+    require(WORD, word=word)
+    require(FLAG, closed=closed, grazing=grazing)
     if isinstance(word, Word):
         labels = word.labels
         text = str(word)

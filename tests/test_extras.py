@@ -11,7 +11,7 @@ import sys
 import pytest
 
 #: What extras bring, as it is imported.
-BROUGHT = "numba gmpy2 heyoka sksundae xarray pandas h5netcdf h5py zarr dask distributed flint pint pyarrow bokeh jax"
+BROUGHT = "numba gmpy2 heyoka xarray pandas h5netcdf h5py zarr dask distributed flint pint pyarrow bokeh jax"
 CODE = f"""
 import sys
 for name in {BROUGHT.split()!r}:

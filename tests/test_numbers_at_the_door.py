@@ -22,6 +22,7 @@ from symosc import (
     simulate,
     simulate_many,
 )
+from symosc.base.exact import read_double, read_exact
 from symosc.base.workers import process_pool
 
 SCENE = load_scene("fig9")
@@ -191,3 +192,26 @@ def test_a_number_of_any_class_is_that_number(number: Any) -> None:
     made = simulate("fig5", v0=number, t_end=1, start_error=number)
     assert (made.status, made.events) == (wanted.status, wanted.events)
     assert str(simulate_many(P, [[0, 0, number]], number, use_numba=False).status[0]) == "t_end"
+
+
+def test_a_double_is_the_one_next_to_the_exact_number() -> None:
+    """`read_double` has a quick way for floats and plain text, which reads and refuses the same."""
+    rng = np.random.default_rng(1)
+    texts = ["0", "-0.0", "nan", "inf", "1_0", "1e-2000", "1e51"]
+    texts += ["３", "1/3", " 2 ", "", "x", "+.5", "5.", "1e"]
+    forms = ("{:.17g}", "{:.3f}", "{:e}", "{!r}")
+    sizes = 10.0 ** rng.integers(-60, 60, 500)
+    texts += [
+        str(rng.choice(forms)).format(float(size)) for size in rng.uniform(-9, 9, 500) * sizes
+    ]
+
+    def outcome(read: Callable[[str, str], Any], text: str) -> Any:
+        try:
+            return float(read("x", text))
+        except ParameterError as error:
+            return str(error)
+
+    for text in texts:
+        assert outcome(read_double, text) == outcome(read_exact, text)
+    for number in (0.1, 1e50, 1e51, float("nan"), np.float64(0.3), Fraction(1, 3), 7, True, None):
+        assert outcome(read_double, number) == outcome(read_exact, number)  # type: ignore[arg-type]

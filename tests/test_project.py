@@ -97,7 +97,7 @@ def test_what_is_imported_is_declared() -> None:
     declared = {re.split(r"[>\[]", each)[0].lower().replace("-", "_") for each in named} | {
         "symosc"
     }
-    declared |= {"sksundae", "flint"}  # of scikit-sundae and python-flint
+    declared |= {"flint"}  # of python-flint
     for path in (ROOT / "symosc").rglob("*.py"):
         for node in nodes(path):
             if isinstance(node, ast.Import):

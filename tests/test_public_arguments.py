@@ -22,10 +22,33 @@ from hostile import CALLED, P9, VALUES, full, functions, is_valid, made, of_answ
 
 import symosc
 from symosc import ParameterError, SymoscError, plot
-from symosc.base.arguments import public
+from symosc.base import arguments
+from symosc.base.arguments import public, require, require_or_none
 
 #: Seconds after which a call is given up; it is then neither right nor wrong.
 GIVEN_UP = 5
+
+#: Kinds, and a value that is of none of them.
+WRONG: list[tuple[tuple[Any, ...], object]] = [
+    ((arguments.WHOLE,), True),
+    ((arguments.WHOLE,), 1.0),
+    ((arguments.FLAG,), 1),
+    ((arguments.REAL,), "1"),
+    ((arguments.NUMBER,), None),
+    ((arguments.NUMBER,), np.timedelta64(3, "s")),
+    ((arguments.TEXT, arguments.NONE), b"x"),
+    ((arguments.FILE,), 1),
+    ((arguments.POINT,), (1, 2, 3)),
+    ((arguments.row_of(2, arguments.WHOLE),), (1, "x")),
+    ((arguments.row_of(2, arguments.WHOLE),), "12"),
+    ((arguments.sequence_of(arguments.TEXT),), iter("ab")),
+    ((arguments.mapping_of(arguments.NUMBER),), {1: 2}),
+    ((arguments.one_of("x", "v"),), "t"),
+    ((arguments.function_of(2),), lambda: None),
+    ((arguments.function_of(1),), int),
+    ((arguments.EXECUTOR,), object()),
+    ((symosc.Scene, symosc.Parameters), "fig5"),
+]
 
 
 class GivenUp(BaseException):
@@ -204,19 +227,36 @@ def test_arguments_that_no_function_takes(call: Callable[[], Any], words: str) -
         call()
 
 
-def test_what_the_annotations_say_is_what_is_checked() -> None:
+def test_a_call_that_does_not_fit_is_a_type_error() -> None:
     @public
-    def f(
-        self: Any, a: int, /, *more: str | None, b: tuple[int, int] = (1, 2), **rest: bool
-    ) -> str:
-        return f"{a} {more} {b} {rest}"
+    def f(self: Any, a: int, /, *more: object, b: object = None) -> object:
+        if a:
+            raise TypeError("from inside")
+        return b
 
-    assert f(0, 1, "x", None, b=[3, 4], c=True) == "1 ('x', None) [3, 4] {'c': True}"  # type: ignore[arg-type]
-    refused(lambda: f(0, True), "a")
-    refused(lambda: f(0, 1, 2), "more")  # type: ignore[arg-type]
-    refused(lambda: f(0, 1, b=(1, 2, 3)), "b")  # type: ignore[arg-type]
-    refused(lambda: f(0, 1, b=(1, "x")), "b")  # type: ignore[arg-type]
-    refused(lambda: f(0, 1, c=1), "c")  # type: ignore[arg-type]
+    assert f(0, 0, 1, 2, b=3) == 3
     for arity in (lambda: f(0), lambda: f()):  # type: ignore[call-arg]
         with pytest.raises(TypeError, match="missing"):
             arity()
+    with pytest.raises(TypeError, match=r"'c'; known are a, more, b"):
+        f(0, 0, c=1)  # type: ignore[call-arg]
+    with pytest.raises(TypeError, match=r"^from inside$"):
+        f(0, 1)
+
+
+def test_require_refuses_what_is_of_no_kind() -> None:
+    require(arguments.WHOLE, arguments.TEXT, a=1, b="x")
+    require_or_none(arguments.NUMBER, a=None, b="4/5", c=np.array(1.0))
+    require(symosc.Scene, a=symosc.load_scene("fig5"))
+    for kinds, value in WRONG:
+        message = refused(lambda kinds=kinds, value=value: require(*kinds, a=value), "a")
+        assert ": must be " in message
+
+
+def test_a_refusal_lists_the_kinds() -> None:
+    with pytest.raises(ParameterError, match=r"^a = 1: must be text, a slice or None$"):
+        require_or_none(arguments.TEXT, arguments.SLICE, a=1)
+    with pytest.raises(ParameterError, match=r"must be a Scene; load_scene\(\.\.\.\) makes one$"):
+        require(symosc.Scene, a=1)
+    with pytest.raises(ParameterError, match=r"must be a mapping of names, each a number or None$"):
+        require(arguments.mapping_of(arguments.REAL, arguments.NONE), a={"x": "1"})

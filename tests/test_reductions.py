@@ -215,7 +215,9 @@ def test_what_does_not_turn_back_says_so() -> None:
         lambda: symosc.sweep(scene, {"Omega": [1, 2]}),
         lambda: symosc.crosscheck(scene, lambda t: (t, t)),
     ):
-        with pytest.raises(ParameterError, match=r"is of another model.*scene\.reduced"):
+        with pytest.raises(
+            ParameterError, match=r"must not be a scene of another model.*scene\.reduced"
+        ):
             refused()
     with pytest.raises(ParameterError, match=r"Yphase.*did you mean Y_phase"):
         drawn("all", 1).replace(Yphase=1)

@@ -114,7 +114,7 @@ def test_one_descriptor_is_enough_to_write_and_to_clean_up(what: str, tmp_path: 
 
 
 def test_a_file_that_is_replaced_by_a_folder_of_texts_is_said(tmp_path: Path) -> None:
-    with pytest.raises(OutputError, match="is not a folder"):
+    with pytest.raises(OutputError, match="it is not a folder"):
         write_folder(write_text(tmp_path / "a", "text"), {"b": "c"}, lambda _: ())
 
 
@@ -167,7 +167,7 @@ def test_a_checker_whose_output_nobody_reads(module: str, tmp_path: Path) -> Non
 def test_a_backend_that_matplotlib_does_not_know(tmp_path: Path) -> None:
     code, said = in_shell(f"{PROGRAM_TEXT} figure fig6 -o z.svg", tmp_path, MPLBACKEND="nonsense")
     assert (code, said.count("\n")) == (2, 1)
-    assert "MPLBACKEND = 'nonsense': is no backend of matplotlib" in said
+    assert "MPLBACKEND = 'nonsense': must be a backend of matplotlib" in said
     assert list(tmp_path.iterdir()) == []
     assert in_shell(
         f"{PROGRAM_TEXT} simulate fig6 > motion.txt", tmp_path, MPLBACKEND="nonsense"

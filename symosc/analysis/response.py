@@ -24,7 +24,7 @@ from numpy.polynomial import legendre
 from numpy.typing import ArrayLike
 
 from symosc.base.aliases import Progress, Record, SceneName
-from symosc.base.arguments import public
+from symosc.base.arguments import ARRAY_LIKE, PROGRESS, mapping_of, public, require
 from symosc.base.display.frames import imported
 from symosc.base.display.progress import late_bar
 from symosc.base.errors import ParameterError, meant
@@ -38,7 +38,7 @@ from symosc.orbits.find import find_orbit, settled_orbit
 from symosc.orbits.floquet import rest_positions
 from symosc.orbits.periodic_orbit import PeriodicOrbit
 from symosc.reductions import NUMBER_NAMES, Harmonic, OtherModel, harmonic, motion_of_belts
-from symosc.scenes import Scene, load_scene
+from symosc.scenes import Scene, load_scene, problem_of
 from symosc.simulation.simulate import simulate
 from symosc.simulation.tables import Columns
 from symosc.simulation.trajectory import Segment, Trajectory
@@ -111,6 +111,8 @@ class FrequencyResponse(Columns):
     >>> bool(abs(found.work - found.dissipated).max() < 1e-11)
     True
     """
+
+    _drawn_by = "response_figure"
 
     def __getattr__(self, name: str) -> Any:
         raise AttributeError(
@@ -189,6 +191,9 @@ def frequency_response(
     >>> frequency_response(model, {"Omega": [1.2, 1.6]}).transmissibility.round(6).tolist()
     [2.219519, 0.648392]
     """
+    what = problem_of(what, "what")
+    require(mapping_of(*ARRAY_LIKE), over=over)
+    require(*PROGRESS, progress=progress)
     model = model_of(what)
     if not isinstance(over, Mapping) or len(over) != 1:
         raise ParameterError(
@@ -197,7 +202,9 @@ def frequency_response(
     ((name, given),) = over.items()
     if name not in NUMBER_NAMES:
         raise ParameterError(
-            "over", name, f"is not one of {', '.join(NUMBER_NAMES)}{meant(str(name), NUMBER_NAMES)}"
+            "over",
+            name,
+            f"unknown parameter; choose from {', '.join(NUMBER_NAMES)}{meant(str(name), NUMBER_NAMES)}",
         )
     values = read_axis(name, given)
     rows = list[Record]()

@@ -19,7 +19,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from symosc.base.aliases import NumberLike, SceneName
-from symosc.base.arguments import public
+from symosc.base.arguments import ARRAY_LIKE, NAMES, NUMBER, WHOLE, public, require, require_or_none
 from symosc.base.display.drawable import Comparable
 from symosc.engine import tangent
 from symosc.engine.arithmetic import many_digits, mp_context
@@ -30,7 +30,7 @@ from symosc.kernels import linear
 from symosc.kernels.entire import EPS
 from symosc.mappings.equations import MapArithmetic, map_arithmetic
 from symosc.model import Parameters
-from symosc.scenes import Scene
+from symosc.scenes import Scene, scene_of
 from symosc.simulation.simulate import read_start, simulate
 from symosc.simulation.tangents import (
     codes_of,
@@ -120,6 +120,7 @@ class Sensitivities(Comparable):
         >>> s(2.0).shape, s([2.0, 3.0]).shape
         ((2, 2), (2, 2, 2))
         """
+        require(*ARRAY_LIKE, t=t)
         given = read_times(t)
         self.trajectory(given)  # which checks their range
         changes = self._motion.at_times(given.ravel(), self.wrt, self.dt, self.dx)
@@ -352,6 +353,10 @@ def sensitivities(
     >>> s.trajectory.events[1].kind, s.dt[1].round(6).tolist()
     ('slip', [0.93701, -0.095516])
     """
+    what = scene_of(what, "what")
+    require(*NAMES, wrt=wrt)
+    require_or_none(NUMBER, t0=t0, x0=x0, v0=v0, t_end=t_end)
+    require_or_none(WHOLE, max_events=max_events, digits=digits)
     names = read_wrt(wrt)
     start = read_start(what, {"t0": t0, "x0": x0, "v0": v0, "t_end": t_end}, None)
     about: dict[str, Any] = {"t0": start.t0, "x0": start.x0, "v0": start.v0, "t_end": start.t_end}

@@ -39,7 +39,7 @@ StartError: TypeAlias = NumberLike | tuple[NumberLike, NumberLike, NumberLike]
 SceneName: TypeAlias = str | Path
 #: True: a bar on a terminal. Or what is called with how much is done, and how much there is in all.
 Progress: TypeAlias = bool | Callable[[float, float], Any]
-#: A solution that somebody computed, of any kind that `symosc.crosschecks.files.read_solutions`
+#: A solution that somebody computed, of any kind that `symosc.crosschecks.reading.solutions.read_solutions`
 #: reads.
 SolutionLike: TypeAlias = Any
 #: How many of Theorem 7's conditions of order are asked: all, or those that the paper has.

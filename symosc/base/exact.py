@@ -26,7 +26,7 @@ NOT_FINITE = re.compile(r"[+-]*(inf|infinity|nan)", re.IGNORECASE)
 #: What an expression looks like, which is not a number.
 EXPRESSION = re.compile(r"pi\b|π|sqrt|\w\(|\d\s*[*^]|[)\d]\s*[+-]\s*[(\d]", re.IGNORECASE)
 NO_EXPRESSION = (
-    "is an expression, and only fractions are exact: write its value with the digits that you "
+    "must be a number, as an expression is not exact: write its value with the digits that you "
     "need, such as "
     "'3.14159265358979323846264338328' for pi or '6.28318530717958647692528676656' for 2 pi"
 )
@@ -46,6 +46,7 @@ MOST_BITS = 100_000
 # Fourth powers of rates and their products must not overflow a double.
 LARGEST = Fraction(10) ** 50
 SMALLEST = 1 / LARGEST
+LARGEST_DOUBLE = float(LARGEST)
 
 
 def read_exact(name: str, value: object) -> Fraction:
@@ -59,6 +60,20 @@ def read_exact(name: str, value: object) -> Fraction:
     if abs(number) > LARGEST:
         raise ParameterError(name, value, f"must be at most {float(LARGEST):g} in size")
     return number
+
+
+def read_double(name: str, value: object) -> float:
+    """Return `value` as the double next to the number that `read_exact` reads, quickly if it is a
+    float or the text of a decimal.
+    """
+    is_plain = type(value) is float
+    if type(value) is str and len(value) <= MOST_CHARACTERS and "/" not in value:
+        is_plain = NUMBER.fullmatch(value.strip()) is not None
+    if is_plain:
+        number = float(value)  # type: ignore[arg-type]
+        if 0.0 < abs(number) <= LARGEST_DOUBLE:
+            return number
+    return float(read_exact(name, value))
 
 
 def _read(name: str, value: Any) -> Fraction:
@@ -188,7 +203,7 @@ def whole_number(name: str, value: Any, least: int | None = None, most: int | No
             number = None
         else:
             number = operator.index(entry)
-    except TypeError:
+    except Exception:  # whatever the methods of a class of numbers raise
         number = None
     if least is None:
         allowed = ""

@@ -112,7 +112,7 @@ def check_new_folder(folder: Path, wanted: str = "the output is a folder") -> No
     """
     above = next(each for each in (folder, *folder.absolute().parents) if os.path.exists(each))
     if not above.is_dir():
-        raise OutputError(str(folder), f"{above} is a file, and {wanted}")
+        raise OutputError(str(folder), f"{above} is a file, but {wanted}")
     if not os.access(above, os.W_OK):
         raise OutputError(str(folder), "Permission denied")
 
@@ -203,10 +203,10 @@ def check_folder(path: str | Path, earlier: Callable[[Path], Container[str]]) ->
     if not target.exists():
         return target
     if not target.is_dir():
-        raise OutputError(name, "is not a folder")
+        raise OutputError(name, "it is not a folder")
     known = earlier(target)
     for each in sorted(target.rglob("*")):
         inside = each.relative_to(target).as_posix()
         if not each.is_dir() and inside not in known:
-            raise OutputError(name, f"has a file that would be lost: {inside}; name another folder")
+            raise OutputError(name, f"its file {inside} would be lost; name another folder")
     return target

@@ -1,6 +1,6 @@
 """Benchmarks: run time and error of this package and of other solvers on the same scenes.
 
-speed, work and error_map measure, cases scores on the reference cases, results writes README and
+speed and work measure, cases scores solvers on the reference cases, results writes README and
 docs/results.
 """
 
@@ -19,7 +19,7 @@ from symosc.base.aliases import Record
 #: Takes the steps of a run and returns them as an iterable that may show how far it is.
 Progress: TypeAlias = Callable[[Sequence[Any]], Iterable[Any]]
 
-PACKAGES = ("numpy", "scipy", "mpmath", "numba", "heyoka", "scikit-sundae")
+PACKAGES = ("numpy", "scipy", "mpmath", "numba", "heyoka")
 
 
 def machine() -> dict[str, str]:

@@ -55,7 +55,6 @@ def run(
     solvers: Sequence[Solver] | None = None,
     cases: Sequence[ReferenceCase] | None = None,
     limit: float = CASE_LIMIT,
-    with_derivatives: bool = False,
 ) -> Record:
     """Run solvers (None: all) on reference cases (None: all), at most `limit` seconds each, and
     score their events.
@@ -68,7 +67,7 @@ def run(
     chosen = list(reference_cases() if cases is None else cases)
     able = [solver for solver in solvers if not solver.missing]
     steps = iter(progress(range(len(chosen) * (1 + len(able)))))
-    jobs = [(i, answers_of, case, with_derivatives) for i, case in enumerate(chosen)]
+    jobs = [(i, answers_of, case) for i, case in enumerate(chosen)]
     known = in_parallel([jobs[first::PROCESSES] for first in range(PROCESSES)], steps)
     for outcome in known.values():
         if outcome.failure:
@@ -112,15 +111,16 @@ def run(
     }
 
 
-def answers_of(case: ReferenceCase, with_derivatives: bool) -> Record:
-    """Return a dict of a case's known events, their condition numbers and, if `with_derivatives`,
-    their derivatives.
+def answers_of(case: ReferenceCase) -> Record:
+    """Return a case's known events and condition numbers.
+
+    Solvers give no derivatives here, so those of the case are not computed.
     """
-    if with_derivatives:
-        derivatives = case.derivatives
-    else:
-        derivatives = ({},) * len(case.events)
-    return {"events": case.events, "conditions": case.conditions, "derivatives": derivatives}
+    return {
+        "events": case.events,
+        "conditions": case.conditions,
+        "derivatives": ({},) * len(case.events),
+    }
 
 
 def found_by(solver: Solver, case: ReferenceCase, limit: float) -> list[Any] | None:
@@ -213,13 +213,18 @@ def write(path: str | Path, result: Record, command: str) -> list[Path]:
     """
     picture = Path(path).with_suffix(".svg")
     scores = result["scores"]
-    more = [
+    parts = [
+        "# Scores of solvers on the reference cases",
+        f"Set of reference cases: version {SET_VERSION}.",
         f"Made by `{command}`. Each solver of `symosc bench` at its finest tolerance, with at "
         f"most {result['limit_s']:g} s of processor time for a case. {sentence(result['machine'])}",
         f"![The largest error of each case, a mark per solver]({picture.name})",
         *not_run(result),
+        "\n".join(f"- {score.verdict(verdict)}" for verdict in scores),
+        *score.legend(scores[0]),
+        score.group_table(scores, "github"),
+        "## All cases",
+        score.case_table(scores, "github"),
     ]
-    page = score.as_markdown(
-        scores, "Scores of solvers on the reference cases", SET_VERSION, more, with_faults=False
-    )
+    page = "\n\n".join(parts) + "\n"
     return [write_text(path, page), plot.save(plot.score_figure(scores), picture)]

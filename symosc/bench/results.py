@@ -11,7 +11,7 @@ from symosc import plot
 from symosc.base.aliases import Record
 from symosc.base.errors import OutputError
 from symosc.base.files import make_folder, write_text
-from symosc.bench import cases, error_map, sentence, speed, work
+from symosc.bench import cases, sentence, speed, work
 from symosc.bench.solvers import OURS, REFERENCE_DIGITS
 from symosc.simulation.simulate import ACCURACY
 
@@ -64,7 +64,6 @@ def write(readme: str | Path, result: Record) -> list[Path]:
     page = f"# Work and precision\n\n{about}\n\n{work.table(measured, markdown=True)}\n"
     files = [
         plot.save(work.figure(measured), folder / "work_precision.svg"),
-        plot.save(error_map.figure(result["error_map"]), folder / "error_map.png"),
         write_text(folder / "work_precision.md", page),
         *cases.write(folder / "scores.md", result["scores"], command),
         write_text(folder / "README.md", overview(result)),
@@ -127,13 +126,6 @@ In how many cases of a group a solver is right, and its largest error in those, 
 what rounding the problem's numbers to doubles does. [What counts as right, and all cases](scores.md).
 
 {cases.hard_summary(result["scores"])}
-
-## The kernels
-
-Error of the flow against {error_map.MAP_DIGITS} digits over damping ratio and drive: above with the cheap
-formula everywhere, below as symosc evaluates it, with the borders between its formulas drawn in.
-
-![Maps of the error over damping ratio and drive frequency for four times of flight.](error_map.png)
 """
 
 

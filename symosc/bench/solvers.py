@@ -12,7 +12,7 @@ import os
 import pkgutil
 import signal
 import warnings
-from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from concurrent.futures import ThreadPoolExecutor, TimeoutError
 from concurrent.futures.process import BrokenProcessPool
 from contextlib import contextmanager
@@ -49,16 +49,12 @@ REFERENCE_DIGITS = 40
 
 
 class FoundEvent(NamedTuple):
-    """A switching event that a solver found, named as in `symosc.Event`.
-
-    `changes` has derivatives such as dt_mu1.
-    """
+    """A switching event that a solver found, named as in `symosc.Event`."""
 
     t: float
     x: float
     kind: str
     boundary: int
-    changes: Mapping[str, float] = {}
 
 
 #: prepare(scene, tolerance) does what a user would do once (compile, build the integrator). It
@@ -80,14 +76,13 @@ class Solver:
     ]  # of a work-precision curve, coarse to fine; 0.0 alone for a solver without one
     needs: str = ""  # the module that must be importable, "" if it comes with symosc
     note: str = ""  # its precautions
-    extra: str = "bench"  # the extra that installs what it needs
 
     @property
     def missing(self) -> str:
         """Say why the solver cannot run here; "" if it can."""
         if not self.needs or find_spec(self.needs) is not None:
             return ""
-        return f"{self.needs} is not installed (extra `{self.extra}`)"
+        return f"{self.needs} is not installed (extra `bench`)"
 
 
 def events_of(table: EventTable) -> Iterator[FoundEvent]:

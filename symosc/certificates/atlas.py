@@ -23,7 +23,16 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from symosc.base.aliases import NumberLike, Progress, Record, SceneName
-from symosc.base.arguments import public
+from symosc.base.arguments import (
+    FILE,
+    NUMBER,
+    PROGRESS,
+    mapping_of,
+    public,
+    require,
+    require_or_none,
+    row_of,
+)
 from symosc.base.display.drawable import Drawable
 from symosc.base.display.progress import reporting
 from symosc.base.errors import ParameterError
@@ -36,7 +45,7 @@ from symosc.model import PARAMETER_NAMES, Parameters, by_name
 from symosc.orbits.border import REST, Border, BorderError, borders_between, passes
 from symosc.orbits.closing_equations import ConvergenceError
 from symosc.orbits.find import SETTLING_PERIODS, find_orbit
-from symosc.scenes import Scene, load_scene
+from symosc.scenes import Scene, load_scene, scene_of
 from symosc.simulation.ensemble import simulate_many
 from symosc.words import Word, read_word
 
@@ -590,6 +599,8 @@ class Atlas(Drawable):
     'P32'
     """
 
+    _drawn_by = "atlas_figure"
+
     parameters: Parameters
     over: tuple[str, str]
     range: Rectangle
@@ -669,6 +680,7 @@ class Atlas(Drawable):
         ConvergenceError
             If no box has the point, and the motion does not settle on an orbit that meets a belt.
         """
+        require(NUMBER, **values)
         if set(values) != set(self.over):
             raise ParameterError(
                 "values", ", ".join(values), f"give {self.over[0]} and {self.over[1]}"
@@ -803,6 +815,10 @@ def atlas(
     >>> atlas("fig9", {"Omega": (3.9, 4.1), "FN": (9.5, 10.5)}, workers=1).word_at(Omega=4, FN=10)
     'P32'
     """
+    what = scene_of(what, "what")
+    require(mapping_of(row_of(2, NUMBER)), over=over)
+    require_or_none(FILE, path=path)
+    require(*PROGRESS, progress=progress)
     began = monotonic()
     if isinstance(what, Parameters):
         p = what

@@ -73,6 +73,9 @@ class Certificate(Drawable):
     ('slip', 'belt2', 'Omega2', '1.5826058214', '1.5826058214')
     """
 
+    _drawn_by = "certificate_figure"
+    _made_by = "certify(...)"
+
     kind: str
     proven: bool
     message: str

@@ -15,7 +15,18 @@ from pathlib import Path
 from typing import Any
 
 from symosc.base.aliases import NumberLike, SceneName, StartError
-from symosc.base.arguments import public
+from symosc.base.arguments import (
+    FLAG,
+    NAMES,
+    NUMBER,
+    SCENE_NAME,
+    START_ERROR,
+    WHOLE,
+    function_of,
+    public,
+    require,
+    require_or_none,
+)
 from symosc.base.errors import ParameterError
 from symosc.base.exact import read_digits, read_start_error
 from symosc.certificates.atlas import Atlas
@@ -96,6 +107,12 @@ def certify(
     >>> dt[0][0][:12]
     '-0.148289299'
     """
+    require(Scene, Parameters, SCENE_NAME, PeriodicOrbit, Branch, GrazingWindow, Atlas, what=what)
+    require_or_none(NUMBER, t_end=t_end)
+    require_or_none(*START_ERROR, start_error=start_error)
+    require_or_none(WHOLE, digits=digits)
+    require_or_none(*NAMES, wrt=wrt)
+    require_or_none(function_of(1), FLAG, progress=progress)
     if isinstance(what, str | Path):
         what = load_scene(what)
     if isinstance(what, Parameters):

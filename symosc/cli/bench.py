@@ -29,23 +29,18 @@ from symosc.cli.options import Text, flag, option
 )
 @option("--results README", "Run everything, and write it between the README's marks.", "readme")
 @option("--scores FILE", "Score all solvers on the reference cases: a Markdown page.")
-@option("--gradients FILE", "Score ways to differentiate the events: a Markdown page.")
-def bench(
-    quick: bool, hard: bool, picture: Text, readme: Text, scores: Text, gradients: Text
-) -> int:
+def bench(quick: bool, hard: bool, picture: Text, readme: Text, scores: Text) -> int:
     """Measure the speed and the error of symosc and of other solvers.
 
     Prints the time per event of symosc, and time and error of other solvers, on the shipped scenes;
     times are given as multiples of symosc's and of one closed-form evaluation. Solvers that are not
     installed are skipped, and named (extra bench); one that hangs or fails is shown as such. With
-    --hard all solvers get the hard ones of the reference cases. The exit code is 1 if symosc itself
-    misses or invents an event, or has an error above 1e-12 (in ill-conditioned cases above 100 *
-    condition * 1e-16). Then -o draws the error of symosc's kernels over damping ratio and drive.
+    --hard all solvers get the hard ones of the reference cases, and -o draws their errors. The exit
+    code is 1 if symosc itself misses or invents an event, or has an error above 1e-12 (in
+    ill-conditioned cases above 100 * condition * 1e-16).
 
     --scores lets all solvers follow all reference cases (`symosc cases`), which takes some minutes,
     and writes what `symosc score` says of them, with a picture beside it.
-
-    --gradients lets other tools (extra gradients) differentiate the events of these cases.
 
     --results writes into a README that has the lines '<!-- results: begin -->' and '<!-- results:
     end -->'. Pictures and full tables go to docs/results beside it.
@@ -57,92 +52,97 @@ def bench(
       symosc bench --hard
       symosc bench --results README.md
       symosc bench --scores docs/results/scores.md
-      symosc bench --gradients docs/results/gradients.md
     """
-    from symosc.bench import cases, error_map, results, speed, work
+    from symosc.bench import results
 
-    alone = [
-        (name, path)
-        for name, path in (("--scores", scores), ("--gradients", gradients))
-        if path is not None
-    ]
-    if alone:
-        others = (
-            quick
-            or hard
-            or output.prints_json()
-            or picture is not None
-            or readme is not None
-            or len(alone) > 1
-        )
-        options.refuse((others, f"{alone[0][0]} is a run of its own: leave out the other options"))
-        return _score(*alone[0])
-    if readme is not None:
-        rest = "leave out --hard and -o"
-        options.refuse(
-            (
-                hard or picture is not None,
-                f"--results runs everything and draws its own pictures: {rest}",
-            )
-        )
-        results.check(readme)
-    result: Record = {"quick": quick}
-    if not hard:
-        if find_spec("numba") is None:
-            raise MissingExtraError("symosc bench", "bench")
-        result["speed"] = speed.run(quick=quick, progress=partial(_bar, "calls"))
-        result["work_precision"] = work.run(quick=quick, progress=partial(_bar, "solvers"))
-    if readme is not None:
-        result["scores"] = cases.run(progress=partial(_bar, "reference cases"))
-    elif hard:
-        result["hard"] = cases.run(partial(_bar, "hard cases"), cases=cases.hard_ones(quick))
-    if readme is not None or (hard and picture is not None):
-        result["error_map"] = error_map.run(quick=quick, progress=partial(_bar, "error map"))
+    if scores is not None:
+        others = quick or hard or output.prints_json() or picture is not None or readme is not None
+        options.refuse((others, "--scores is a run of its own: leave out the other options"))
+        return _score(scores)
     if readme is None:
-        written = []
+        result = _measured(quick, hard)
+        written = _drawn(result, picture)
     else:
+        message = "--results runs everything and draws its own pictures: leave out --hard and -o"
+        options.refuse((hard or picture is not None, message))
+        results.check(readme)
+        result = _measured(quick, hard=False) | {"scores": _scored()}
         written = results.write(readme, result)
-    if picture is not None:
-        if hard:
-            drawing = error_map.figure(result["error_map"])
-        else:
-            drawing = work.figure(result["work_precision"])
-        written.append(symosc.plot.save(drawing, picture))
 
     def show() -> None:
-        if readme is None and hard:
-            output.write(cases.table(result["hard"]))
-        elif readme is None:
-            output.write(
-                f"{speed.table(result['speed'])}\n\n{work.table(result['work_precision'])}"
-            )
+        if readme is None:
+            output.write(_tables(result))
         output.name_files(*written)
 
     judged = result.keys() & {"hard", "scores"}
-    plain = result | {key: cases.as_json(result[key]) for key in judged if output.prints_json()}
-    output.report(lambda: plain, show)
+    output.report(lambda: _plain(result), show)
     if all(result[key]["ok"] for key in judged):
         return 0
     return output.FAILED
 
 
-def _score(hint: str, page: str) -> int:
-    """Carry out --scores or --gradients, as `hint` says, and write the Markdown file `page`.
+def _measured(quick: bool, hard: bool) -> Record:
+    """Return the results of the hard cases or, unless `hard`, of speed, and of work and precision."""
+    from symosc.bench import cases, speed, work
 
-    Return exit code 0.
-    """
+    result: Record = {"quick": quick}
+    if hard:
+        result["hard"] = cases.run(partial(_bar, "hard cases"), cases=cases.hard_ones(quick))
+        return result
+    if find_spec("numba") is None:
+        raise MissingExtraError("symosc bench", "bench")
+    result["speed"] = speed.run(quick=quick, progress=partial(_bar, "calls"))
+    result["work_precision"] = work.run(quick=quick, progress=partial(_bar, "solvers"))
+    return result
+
+
+def _scored() -> Record:
+    """Return the scores of all solvers on all reference cases."""
+    from symosc.bench import cases
+
+    return cases.run(partial(_bar, "reference cases"))
+
+
+def _drawn(result: Record, picture: Text) -> list[Path]:
+    """Draw a result of `_measured` into the file `picture`, unless that is None; return its path."""
+    from symosc.bench import work
+
+    if picture is None:
+        return []
+    if "hard" in result:
+        drawing = symosc.plot.score_figure(result["hard"]["scores"])
+    else:
+        drawing = work.figure(result["work_precision"])
+    return [symosc.plot.save(drawing, picture)]
+
+
+def _tables(result: Record) -> str:
+    """Return a result of `_measured` as text."""
+    from symosc.bench import cases, speed, work
+
+    if "hard" in result:
+        return cases.table(result["hard"])
+    return f"{speed.table(result['speed'])}\n\n{work.table(result['work_precision'])}"
+
+
+def _plain(result: Record) -> Record:
+    """Return a result with its scores as plain data, as JSON needs them."""
+    from symosc.bench import cases
+
+    scored = result.keys() & {"hard", "scores"}
+    return result | {key: cases.as_json(result[key]) for key in scored}
+
+
+def _score(page: str) -> int:
+    """Score all solvers and write the Markdown file `page`; return exit code 0."""
     from symosc.base.files import check_folder_of
-    from symosc.bench import cases, gradients
+    from symosc.bench import cases
 
     if not page.endswith(".md"):
-        raise click.BadParameter(f"{page!r} must end in .md", param_hint=hint)
+        raise click.BadParameter(f"{page!r} must end in .md", param_hint="--scores")
     check_folder_of(page)  # before the work
-    if hint == "--scores":
-        runs: Any = cases
-    else:
-        runs = gradients
-    result = runs.run(partial(_bar, "reference cases"))
-    output.name_files(*runs.write(page, result, f"symosc bench {hint} {Path(page).as_posix()}"))
+    command = f"symosc bench --scores {Path(page).as_posix()}"
+    output.name_files(*cases.write(page, _scored(), command))
     return 0
 
 

@@ -100,7 +100,7 @@ def check(
         from symosc.reference.cases import reference_case
 
         asked = reference_case(case).scene
-    from symosc.crosschecks.objects import run_solver
+    from symosc.crosschecks.solver_runs import run_solver
 
     problem = options.scene_with(asked, settings, t_end=t_end)
     limits = {name: value for name, value in how.items() if value is not None}
@@ -182,15 +182,14 @@ def case_row(case: ReferenceCase, events: bool) -> Record:
 @click.argument("folder", metavar="DIR")
 @click.argument("results", metavar="THEIRS", nargs=-1, required=True)
 @option("--tolerance E", "Allowed error, relative to max(1, t - t0), max(1, |x|); default 1e-9.")
-@option("-o, --output FILE", "Write a page: .md or .html.", "page")
 @option("--plot FIGURE", "Draw all errors: .pdf, .svg or .png. -: SVG to stdout.")
 @options.json_option
-def score(folder: str, results: tuple[str, ...], tolerance: Text, page: Text, plot: Text) -> int:
+def score(folder: str, results: tuple[str, ...], tolerance: Text, plot: Text) -> int:
     """Judge the events that solvers have found in the reference cases.
 
-    DIR is what `symosc cases -o DIR` has written. THEIRS is a folder with a file per case, or one
-    file for all, of any kind that `symosc check` reads; DIR/README.md says what is in them. Cases
-    may be missing. Several THEIRS stand side by side.
+    DIR is what `symosc cases -o DIR` has written. THEIRS is a CSV or JSON file for all cases, or a
+    folder with a CSV file for each case; DIR/README.md says what is in them. Cases may be missing.
+    Several THEIRS stand side by side.
 
     For each case and group: events missed, invented or of a wrong kind, and the largest error in
     units of what rounding the case's numbers to doubles does (condition * 1e-16). A case is right
@@ -202,26 +201,14 @@ def score(folder: str, results: tuple[str, ...], tolerance: Text, page: Text, pl
     \b
     Examples:
       symosc score cases mine.csv
-      symosc score cases mine theirs -o scores.html --plot scores.svg
+      symosc score cases mine.csv theirs --plot scores.svg
       symosc score cases mine.json --tolerance 1e-6 --json
     """
-    from symosc.base.files import write_text
     from symosc.reference.folder import read_set
     from symosc.reference.results import read_results
-    from symosc.reference.score import (
-        SCORE_TOLERANCE,
-        as_html,
-        as_markdown,
-        as_text,
-        read_tolerance,
-    )
+    from symosc.reference.score import SCORE_TOLERANCE, as_text, read_tolerance
     from symosc.reference.score import score as judge
 
-    as_page = {".md": as_markdown, ".html": as_html}.get(
-        "" if page is None else Path(page).suffix.lower()
-    )
-    if page is not None and as_page is None:  # before the work
-        raise click.BadParameter(f"{page!r} must end in .md or .html", param_hint="--output")
     if tolerance is None:
         limit = SCORE_TOLERANCE
     else:
@@ -236,8 +223,6 @@ def score(folder: str, results: tuple[str, ...], tolerance: Text, page: Text, pl
         judge(name, cases, read_results(each, names), limit)
         for name, each in zip(titles, results, strict=True)
     ]
-    if page is not None and as_page is not None:
-        write_text(page, as_page(scores, "Scores on the reference cases", version))
     if plot is not None:
         output.draw(plot, symosc.plot.score_figure, scores)
     data = {"set_version": version, "scores": [each.as_dict() for each in scores]}

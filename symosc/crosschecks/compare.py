@@ -12,7 +12,24 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from symosc.base.aliases import NumberLike, Progress, Record, SceneName, SolutionLike
-from symosc.base.arguments import public
+from symosc.base.arguments import (
+    ARRAY_LIKE,
+    FLAG,
+    NONE,
+    NUMBER,
+    PROGRESS,
+    REAL,
+    SOLUTION,
+    TEXT,
+    WHOLE,
+    function_of,
+    mapping_of,
+    public,
+    require,
+    require_or_none,
+    row_of,
+    sequence_of,
+)
 from symosc.base.errors import ParameterError
 from symosc.base.exact import read_exact
 from symosc.crosschecks.causes import Fault, explain
@@ -26,18 +43,18 @@ from symosc.crosschecks.events import (
     given_events,
     labels,
 )
-from symosc.crosschecks.files import read_solutions
-from symosc.crosschecks.objects import dense_note, of_function
+from symosc.crosschecks.reading.functions import dense_note
+from symosc.crosschecks.reading.objects import of_function
+from symosc.crosschecks.reading.solutions import read_solutions
 from symosc.crosschecks.report import EVENT_LISTS, CrossCheck, CrossChecks, check_all
+from symosc.crosschecks.rounding import Digits, find_rounding
 from symosc.crosschecks.samples import (
     SAMPLE_COLUMNS,
-    Digits,
     Samples,
     check_joints,
     checked,
     checked_events,
     fastest_rate,
-    find_rounding,
 )
 from symosc.crosschecks.steps import (
     ExactSteps,
@@ -49,7 +66,7 @@ from symosc.crosschecks.steps import (
 )
 from symosc.crosschecks.velocities import with_velocities
 from symosc.model import Parameters
-from symosc.scenes import STARTS, Scene, load_scene, not_reduced_error
+from symosc.scenes import STARTS, Scene, not_reduced_error, scene_of
 from symosc.simulation.batch import read_workers
 from symosc.simulation.simulate import simulate
 from symosc.simulation.trajectory import Trajectory
@@ -94,7 +111,7 @@ def crosscheck(
         Times, which may come twice where two pieces are joined, positions and velocities. Without
         `v` it is computed from `x`, and a note says so. `x` may be a function t -> (x, v), or a
         matrix of states, (n, 2) or (2, n). Or give
-        `t` alone: whatever `symosc.crosschecks.files.read_solutions` reads (a file, an OdeResult, a
+        `t` alone: whatever `symosc.crosschecks.reading.solutions.read_solutions` reads (a file, an OdeResult, a
         DataFrame, a function, ...), or a list of such: pieces of one solution, each beginning where
         one ends, or several solutions.
     events : pairs (t, kind), optional
@@ -143,8 +160,17 @@ def crosscheck(
     >>> crosscheck("fig5", simulate("fig5")).ok
     True
     """
-    if not isinstance(scene, (Scene, Parameters)):
-        scene = load_scene(scene)
+    scene = scene_of(scene, "scene")
+    require(SOLUTION, t=t)
+    require_or_none(*ARRAY_LIKE, function_of(None), x=x)
+    require_or_none(*ARRAY_LIKE, v=v)
+    require_or_none(sequence_of(row_of(2, REAL, TEXT), once=True), events=events)
+    require(NUMBER, tolerance=tolerance)
+    require_or_none(NUMBER, global_tolerance=global_tolerance)
+    require(FLAG, own_start=own_start, partial=partial)
+    require_or_none(mapping_of(TEXT, NONE), columns=columns)
+    require_or_none(WHOLE, workers=workers)
+    require_or_none(*PROGRESS, progress=progress)
     if isinstance(scene, Scene) and scene.original is not None:
         raise not_reduced_error(scene)
     allowed = _positive("tolerance", tolerance)
@@ -155,7 +181,7 @@ def crosscheck(
     if x is None and v is None:
         found = read_solutions(t, columns, scene)
     elif callable(x) and not hasattr(x, "__array__"):
-        found = [of_function(x, scene, t)]
+        found = read_solutions(of_function(x, scene, t))
     elif v is None and len(getattr(x, "shape", ())) == 2:  # states, as ode45 returns them
         found = read_solutions({"t": t, "x": x}, None, scene)
     else:

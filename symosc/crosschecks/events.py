@@ -12,6 +12,8 @@ from math import cos, sin, sqrt
 
 import numpy as np
 
+from symosc.crosschecks.match import in_order as in_order  # until score and bench use match_events
+from symosc.crosschecks.match import match_events
 from symosc.crosschecks.steps import ExactSteps
 from symosc.engine.events import KIND_NAMES
 from symosc.engine.flow import derivatives
@@ -480,26 +482,14 @@ class Matcher:
 
         Of the same kind, in order of time, and within their time errors.
         """
-        pairs = []
-        most = float(np.max(self.reaches, initial=0.0)) + self.window
         slacks = np.array([event.spread for event in self.found])
         if self.given:
             slacks = slacks + self.tolerances.listed
-        found_times = np.array([event.t for event in self.found])
-        lows = np.searchsorted(self.times, found_times - most - slacks).tolist()
-        highs = np.searchsorted(self.times, found_times + most + slacks).tolist()
-        for j, event in enumerate(self.found):
-            slack = float(slacks[j])
-            for i in range(lows[j], highs[j]):
-                kinds = ("", self.exact[i].kind)
-                if event.kind in kinds and event.boundary in (0, self.exact[i].boundary):
-                    own = self._own_time(i)
-                    distance = abs(self.times[i] - event.t)
-                    if own is not None:
-                        distance = min(distance, abs(own - event.t))
-                    if distance <= self.reaches[i] + slack:
-                        pairs.append((i, j, float(distance)))
-        for i, j in in_order(pairs):
+        own_times = [self._own_time(i) for i in range(len(self.exact))]
+        matching = match_events(
+            self.found, self.exact, self.reaches, spreads=slacks, second_times=own_times
+        )
+        for j, i in matching.matched:
             self.exact_free.remove(i)
             self.found_free.remove(j)
             self.matched.append(Match(self.exact[i], self.found[j].t, self.found[j]))
@@ -760,36 +750,3 @@ def _fits(kinds: Sequence[str], alike: set[tuple[str, ...]]) -> bool:
         return tuple(kinds) in alike
     lengths = {len(row) for row in alike}
     return len(kinds) in lengths | {len(row) - row.count("slip") for row in alike}
-
-
-def in_order(pairs: Iterable[tuple[int, int, float]]) -> list[tuple[int, int]]:
-    """Return the longest chain of pairs (i, j, cost) with i and j increasing.
-
-    Among these, the cheapest.
-    """
-    rows = sorted(pairs, key=lambda pair: (pair[0], -pair[1]))
-    # A Fenwick tree over j: the best chain (length, -cost, its last row) that ends before a given
-    # j.
-    tree = [(0, 0.0, -1)] * (max((j for _, j, _ in rows), default=-1) + 2)
-    links = []
-
-    def best_before(j: int) -> tuple[int, float, int]:
-        best = tree[0]
-        while j > 0:
-            best = max(best, tree[j])
-            j = j & (j - 1)
-        return best
-
-    for row, (_, j, cost) in enumerate(rows):
-        length, gain, link = best_before(j)
-        links.append(link)
-        entry = (length + 1, gain - cost, row)
-        k = j + 1
-        while k < len(tree):
-            tree[k], k = max(tree[k], entry), k + (k & -k)
-    chain = []
-    row = best_before(len(tree) - 1)[2]
-    while row >= 0:
-        chain.append(rows[row][:2])
-        row = links[row]
-    return chain[::-1]

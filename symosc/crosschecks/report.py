@@ -134,6 +134,9 @@ class CrossCheck(Comparable, Drawable, Reportable):
     (False, '0.100')
     """
 
+    _drawn_by = "crosscheck_figure"
+    _made_by = "crosscheck(...)"
+
     ok: bool
     max_error_x: float
     max_error_v: float

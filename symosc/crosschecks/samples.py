@@ -1,19 +1,16 @@
-"""Samples t, x, v as arrays, and their rounding.
-
-Decimals, significant digits, single precision, a converter.
-"""
+"""Samples t, x, v as arrays of finite numbers, and lists of events."""
 
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable
 from dataclasses import dataclass
 from math import isfinite
-from typing import Any, NamedTuple
+from typing import Any
 
 import numpy as np
 
 from symosc.base.errors import ParameterError, brief
-from symosc.base.exact import unmasked
+from symosc.base.exact import NO_EXPRESSION, NUMBER_FORMS, read_double, unmasked
 from symosc.engine.events import KIND_NAMES
 from symosc.model import Parameters
 
@@ -30,9 +27,8 @@ class Samples:
     x: np.ndarray
     v: np.ndarray
     events: tuple[tuple[float, str], ...] | None = None  # (t, kind), with the kind "" if unknown
-    lists: tuple[tuple[float, ...], ...] | None = (
-        None  # the same times, by the solver's event functions
-    )
+    # the same times, by the solver's event functions
+    lists: tuple[tuple[float, ...], ...] | None = None
     name: str = ""  # distinguishes several solutions
     notes: tuple[str, ...] = ()  # how it was read
     v_off: np.ndarray | None = None  # bounds of the errors of a computed v
@@ -107,22 +103,22 @@ def _column(name: str, values: Any) -> np.ndarray:
     unmasked(name, values)
     try:
         array = np.asarray(values)
-        mixed = isinstance(values, (list, tuple)) and any(
-            isinstance(value, bool) for value in values
-        )
-        if mixed or array.dtype.kind not in "iuf":  # text and objects may be numbers
-            _refuse_wrong(name, values if mixed else array.ravel().tolist())
-        array = array.astype(float)
-    except (TypeError, ValueError, OverflowError, RecursionError) as error:
-        if isinstance(error, ParameterError):
-            raise
-        _refuse_wrong(
-            name,
-            values if isinstance(values, Iterable) and not isinstance(values, str) else [values],
-        )
+    except (TypeError, ValueError, OverflowError, RecursionError):
+        _refuse_wrong(name, values)
         raise ParameterError(name, values, "is not a column of real numbers") from None
+    is_mixed = isinstance(values, (list, tuple)) and any(
+        isinstance(value, bool) for value in values
+    )
+    if is_mixed:
+        _refuse_wrong(name, values)
     if array.ndim != 1:
+        if array.dtype.kind not in "iuf":
+            _refuse_wrong(name, array.ravel().tolist())
         raise ParameterError(name, array.shape, "must be one-dimensional; this is its shape")
+    if array.dtype.kind not in "iuf":  # text and objects may be numbers
+        cells = enumerate(array.tolist())
+        return np.array([read_cell(f"{name}[{i}]", value) for i, value in cells])
+    array = array.astype(float)
     bad = np.flatnonzero(~(np.abs(array) <= LARGEST_SAMPLE))
     if len(bad):
         value = float(array[bad[0]])
@@ -134,27 +130,25 @@ def _column(name: str, values: Any) -> np.ndarray:
     return array
 
 
-def _refuse_wrong(name: str, values: Iterable[object]) -> None:
+def _refuse_wrong(name: str, values: object) -> None:
     """Raise ParameterError for the first entry that is not a real number."""
+    if isinstance(values, str) or not isinstance(values, Iterable):
+        values = [values]
     for i, value in enumerate(values):
-        try:
-            number_of(value)
-        except (TypeError, ValueError, OverflowError):
-            raise ParameterError(f"{name}[{i}]", value, "is not a number") from None
+        read_cell(f"{name}[{i}]", value)
 
 
-def number_of(value: Any) -> float:
-    """Return `value` as a float.
-
-    Raise TypeError or ValueError for text such as 1_000, which float() would read.
-    """
-    if isinstance(value, (bool, np.bool_, complex)) or value is np.ma.masked:
-        raise TypeError("no real number")
+def read_cell(name: str, value: Any) -> float:
+    """Return the entry of a column as a float."""
     if isinstance(value, bytes):
         value = value.decode("ascii", "replace")
-    if isinstance(value, str) and ("_" in value or not value.isascii()):
-        raise ValueError("no plain number")
-    return float(value)
+    try:
+        return read_double(name, value)
+    except ParameterError as error:
+        what = error.allowed
+        if what in (NUMBER_FORMS, NO_EXPRESSION):
+            what = "is not a number"
+        raise ParameterError(error.name, value, what) from None
 
 
 def checked_events(events: object) -> tuple[tuple[float, str], ...]:
@@ -169,204 +163,12 @@ def checked_events(events: object) -> tuple[tuple[float, str], ...]:
     for i, pair in enumerate(events):
         try:
             time, kind = pair
-            time = number_of(time)
-            kind = str(kind)
-        except (TypeError, ValueError, OverflowError):
+        except (TypeError, ValueError):
             raise ParameterError(f"events[{i}]", pair, "must be a pair (t, kind)") from None
-        if kind not in KIND_NAMES.values() or not abs(time) <= LARGEST_SAMPLE:
+        time = read_cell(f"t of events[{i}]", time)
+        kind = str(kind)
+        if kind not in KIND_NAMES.values():
             what = f"t must be finite, kind one of {', '.join(KIND_NAMES.values())}"
             raise ParameterError(f"events[{i}]", (time, brief(kind)), what)
         pairs.append((time, kind))
     return tuple(pairs)
-
-
-# -- rounding ----------------------------------------------------------------------------------------------------------
-
-# Numbers that show the rounding; 0, the speeds of the belts and the start may be short by nature.
-LEAST_SHOWN = 3
-FEW_VALUES = 1000
-DOUBLE_ROUNDING = 4.0 * np.finfo(float).eps
-
-
-class Digits(NamedTuple):
-    """The rounding of a column as text ("6 decimals"), and one unit in the last digit of each of its numbers."""
-
-    text: str
-    units: np.ndarray
-
-
-def find_rounding(
-    samples: Samples, speeds: Iterable[float], start: float | None = None
-) -> dict[str, Digits]:
-    """Return the rounding of the columns "t", "x", "v" and of listed "events" that have fewer digits than a double.
-
-    Velocities equal to one of the belts' `speeds` may have few digits anyway and show no rounding.
-    Evenly spaced times, such as multiples of 0.05, count as rounded only if the first one is the
-    scene's time `start`, rounded.
-    """
-    # Times are taken as rounded only if x or v are.
-    x = find_digits(samples.x, samples.x[:1])
-    v = find_digits(samples.v, [*speeds, samples.v[0]])
-    if not samples.lacks_v:
-        x, v = x or _as_neighbour(samples.x, v), v or _as_neighbour(samples.v, x)
-    t = None
-    if x is not None or v is not None:
-        t = find_digits(samples.t, samples.t[:1])
-        if (
-            t is not None and np.ptp(np.diff(np.rint(samples.t / np.min(t.units)))) == 0.0
-        ):  # an even grid
-            near = start is not None and 0.0 < abs(samples.t[0] - start) <= 0.5000001 * t.units[0]
-            if not near:
-                t = None
-    listed = np.array([time for time, _ in samples.events or ()])
-    # A list given with rounded samples is likely to be rounded too: one time shows it.
-    events = find_digits(listed, samples.t[:1], LEAST_SHOWN if x is None and v is None else 1)
-    return {
-        name: digits
-        for name, digits in zip(("t", "x", "v", "events"), (t, x, v, events), strict=True)
-        if digits
-    }
-
-
-def find_digits(
-    values: np.ndarray, natural: Iterable[float] = (), least: int = LEAST_SHOWN
-) -> Digits | None:
-    """Return the rounding of `values`.
-
-    None if they are full doubles, or if too few of them show a rounding.
-
-    At least `least` values must show it. 0 and the numbers in `natural`, which have few digits
-    anyway, do not count.
-    """
-    # Fixed decimals and significant digits are tried. Rounded numbers fit both, one of them with
-    # more digits than were written: the coarser unit is the right one for every number.
-    numbers = values[(values != 0.0) & ~np.isin(values, list(natural))]
-    if len(numbers) < least:
-        return None
-    found = _decimal(values, numbers) or _single(values, numbers)
-    grid = _grid(values, numbers)
-    # Steps of a converter may have a few decimals, or a few bits, themselves.
-    coarser = grid is not None and (found is None or np.min(grid.units) > 1.5 * np.max(found.units))
-    if coarser:
-        return grid
-    return found
-
-
-def _as_neighbour(values: np.ndarray, beside: Digits | None) -> Digits | None:
-    """Return `beside`, the rounding of the column x (or v), if it fits the `values` of v (or x) too; else None."""
-    if beside is None or np.ptp(beside.units) > 0.0:
-        return None
-    if _are_multiples(values, beside.units):
-        return beside
-    return None
-
-
-def _decimal(values: np.ndarray, numbers: np.ndarray) -> Digits | None:
-    """Return the decimals or digits to which `values` are rounded, or None.
-
-    `numbers` are those that can show it.
-    """
-    exponents = _exponents(numbers)
-    # Hardly a double has at most 13 significant digits by chance (one of a thousand).
-    significant = next((n for n in range(1, 14) if _fits(numbers, n - 1 - exponents)), None)
-    if significant is None:
-        return None
-    places = significant - 1 - exponents
-    tried = range(int(np.min(places)), int(np.max(places)))
-    decimals = next(
-        (d for d in tried if _fits(numbers, np.full(len(numbers), float(d)))), int(np.max(places))
-    )
-    fixed = 10.0 ** -float(decimals)
-    floating = 10.0 ** (_exponents(values) + 1 - significant)
-    if np.any(floating[values != 0.0] > fixed * 1.5):
-        return Digits(f"{significant} significant digits", np.maximum(floating, fixed))
-    if decimals >= 0:
-        text = f"{decimals} decimals"
-    else:
-        text = f"multiples of {fixed:g}"
-    return Digits(text, np.full(len(values), fixed))
-
-
-def _single(values: np.ndarray, numbers: np.ndarray) -> Digits | None:
-    """Return the rounding of `values` to single or half precision, or None.
-
-    `numbers` are those that can show it.
-    """
-    for kind, name in ((np.float16, "half"), (np.float32, "single")):
-        with np.errstate(over="ignore"):
-            fits = np.array_equal(numbers.astype(kind), numbers)
-        if fits:
-            return Digits(
-                f"{name} precision", np.spacing(np.abs(values).astype(kind)).astype(float)
-            )
-    return None
-
-
-def _grid(values: np.ndarray, numbers: np.ndarray) -> Digits | None:
-    """Return the even grid to which `values` are rounded, as by an A/D converter, or None.
-
-    `numbers` can show it.
-    """
-    # Two halves of the numbers, or all but one of a few, must give the same step, of a few numbers
-    # to a factor of 2: a single number beside a grid would make a much finer one.
-    levels = np.unique(np.abs(numbers))
-    if len(levels) < 6:
-        return None
-    largest = float(levels[-1])
-    few = len(levels) < 16
-    if few:
-        parts = [np.delete(levels, i) for i in range(len(levels))]
-    else:
-        parts = [levels[::2], levels[1::2]]
-    counts = [
-        round(largest / step) if (step := _common_step(part, largest)) else 0 for part in parts
-    ]
-    most = max(counts)
-    least = min(counts)
-    if not least or most % least or most > (2 if few else 1) * least:
-        return None
-    step = largest / most
-    if np.any(np.abs(values - np.rint(values / step) * step) > 1e-6 * step):
-        return None
-    return Digits(f"multiples of {step:.6g}", np.full(len(values), step))
-
-
-def _common_step(levels: np.ndarray, largest: float) -> float | None:
-    """Return the largest common divisor of all levels by Euclid's algorithm.
-
-    None if it is too small.
-    """
-    step = float(levels[0])
-    least = largest / 2.0**24
-    for level in levels[1:].tolist():
-        rest = step
-        step = level
-        while rest > 0.5 * least:
-            step, rest = rest, abs(step - round(step / rest) * rest)
-        if step < least:
-            return None
-        step = level / round(level / step)  # without the rounding of the divisions
-    return step
-
-
-def _exponents(values: np.ndarray) -> np.ndarray:
-    """Return the decimal exponents of numbers; 0 for 0."""
-    sizes = np.abs(values)
-    exponents = np.floor(np.log10(np.where(sizes > 0.0, sizes, 1.0)))
-    # A logarithm just below a whole number is the next decade.
-    return np.asarray(exponents + (sizes >= 10.0 ** (exponents + 1.0) * (1.0 - DOUBLE_ROUNDING)))
-
-
-def _fits(values: np.ndarray, places: np.ndarray) -> bool:
-    """Return whether each of `values` is a multiple of 10^-n, n being its number of decimals in `places`."""
-    if len(values) > FEW_VALUES and not _fits(values[:FEW_VALUES], places[:FEW_VALUES]):
-        return False
-    with np.errstate(over="ignore", invalid="ignore"):
-        return _are_multiples(values, 10.0**-places)
-
-
-def _are_multiples(values: np.ndarray, units: np.ndarray) -> bool:
-    """Return whether all values are multiples of `units`, up to the rounding of doubles."""
-    return bool(
-        np.all(np.abs(np.rint(values / units) * units - values) <= DOUBLE_ROUNDING * np.abs(values))
-    )

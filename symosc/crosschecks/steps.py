@@ -268,7 +268,7 @@ def follow_from(
     left = t[steps + 1] - t[steps]
     start_v = np.where(on > 0, np.array([K.belt1.v, K.belt2.v])[on - 1], v[steps])
     rows, _ = start_rows(on, (theta[steps], 0.0), x[steps], start_v, (0.0, 0.0, left, 0.0, 0.0), K)
-    modes = np.array([rows[:, 0], rows[:, 0]]).astype(np.int8)
+    modes = np.array([rows["mode"], rows["mode"]]).astype(np.int8)
     ends = np.empty((len(rows), 2))
     quiet, states = quiet_ends(rows, left, K)
     ends[quiet] = states
@@ -301,7 +301,13 @@ def quiet_ends(rows: np.ndarray, left: np.ndarray, K: Constants) -> tuple[np.nda
     """
     numbers = np.flatnonzero(K.rate * left < 0.5)  # the bounds say nothing of longer steps
     tau = left[numbers]
-    mode, _, _, theta, x, v, below, above = rows[numbers, :8].T
+    asked = rows[numbers]
+    mode = asked["mode"]
+    theta = asked["theta"]
+    x = asked["x"]
+    v = asked["v"]
+    below = asked["Fb"]
+    above = asked["Fa"]
     held = mode > ON_BELT
     s = np.sin(theta)
     c = np.cos(theta)
@@ -356,7 +362,7 @@ def _follow(
         step, kind, boundary, target = columns[[0, 4, 5, 6]].astype(int)
         others = StepEvents(step, columns[1], columns[2], columns[3], kind, boundary, target)
         found = _merged(found, others, undecided)
-    modes = batch.states[:, 0].astype(int)
+    modes = batch.states["mode"].astype(int)
     ends = _ends(rows, modes, left, found, K)
     ends[batch.codes == FAILED] = np.nan
     return modes, ends, found
@@ -378,10 +384,10 @@ def _ends(
     rows: np.ndarray, modes: np.ndarray, left: np.ndarray, events: StepEvents, K: Constants
 ) -> np.ndarray:
     """Return the final state [x, v] of each row in closed form, from its last event or, without one, its start."""
-    theta = rows[:, 3].copy()
-    x = rows[:, 4].copy()
-    v = rows[:, 5].copy()
-    a = rows[:, 6].copy()
+    theta = rows["theta"].copy()
+    x = rows["x"].copy()
+    v = rows["v"].copy()
+    a = rows["Fb"].copy()
     left = left.copy()
     lasts = np.flatnonzero(np.diff(events.step, append=-1))
     i = events.step[lasts]
@@ -413,8 +419,9 @@ def _follow_one(batch: Batch, rows: np.ndarray, i: int, K: Constants) -> list[tu
     This is for starts where doubles cannot decide whether a belt is met. Either answer is right
     within rounding, and that of `advance` is taken.
     """
-    state = state_of(rows, i)
-    (t_end, t_end_low) = rows[i, 13:15].tolist()
+    state = state_of(rows[i])
+    t_end = float(rows[i].t_end)
+    t_end_low = float(rows[i].t_end_low)
     events = list[tuple[Any, ...]]()
     code = MOVED
     while code not in (END, REST, FAILED) and len(events) < MOST_STEP_EVENTS:
@@ -425,7 +432,7 @@ def _follow_one(batch: Batch, rows: np.ndarray, i: int, K: Constants) -> list[tu
         batch.codes[i] = code
     else:
         batch.codes[i] = FAILED
-    keep_state(batch.states, i, state)
+    keep_state(batch.states[i], state)
     return events
 
 

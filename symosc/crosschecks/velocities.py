@@ -20,7 +20,8 @@ import numpy as np
 
 from symosc.base.aliases import Record
 from symosc.base.errors import ParameterError
-from symosc.crosschecks.samples import Samples, fastest_rate, find_digits
+from symosc.crosschecks.rounding import find_digits
+from symosc.crosschecks.samples import Samples, fastest_rate
 from symosc.crosschecks.steps import follow_from, phases
 from symosc.engine.arithmetic import Arithmetic
 from symosc.engine.flow import Constants

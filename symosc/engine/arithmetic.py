@@ -47,7 +47,7 @@ from symosc.engine import (
     tangent,
 )
 from symosc.engine.flow import NESTED, ROW, ConstantRows, Constants, constants, with_march
-from symosc.engine.state import NextEvent, State
+from symosc.engine.state import TUPLES_IN_FOLLOWED, Followed, NextEvent, State
 from symosc.kernels import _generated, double_double, elementary, entire, entire_array, mapping
 from symosc.model import Parameters
 
@@ -361,10 +361,12 @@ def compiled(width: int = 0) -> dict[str, Any]:
     )
     replaced = {
         name: getattr(lane_types, name)
-        for name in ("any_of", "bits_of", "number_in", "select", "store")
+        for name in ("any_of", "bits_of", "number_in", "put_number", "select", "store_tuple")
     }
-    replaced |= {"load": lane_types.loader(usual or 8), "LANES": usual or 8}
-    replaced["load_constants"] = lane_types.tuple_loader(usual or 8, Constants, NESTED, flags)
+    lanes_of = partial(lane_types.tuple_loader, usual or 8)
+    replaced["LANES"] = usual or 8
+    replaced["load_motion"] = lanes_of(Followed, TUPLES_IN_FOLLOWED)
+    replaced["load_constants"] = lanes_of(Constants, NESTED, flags)
     modules = *SOURCES, *IN_DOUBLES_ONLY
     functions = compile_modules(modules, OUTLINED.split(), callees, replaced, beside=(lane_types,))
     return functions | {"follow_all": functions["follow_lanes" if usual else "follow_all"]}

@@ -4,9 +4,9 @@ These are the loops that `simulate_many` compiles. `follow_pairs` and `first_pai
 pairs; what they hand out are doubles, whose only error is their rounding unless that of the pairs
 is not negligible beside it.
 
-Arguments that many functions share: `states` are rows of numbers, one for each motion
-(STATE_WIDTH), `table` has the constants of all parameter sets and `K` those of one. A motion is
-followed to `most` events; it ends as INEXACT at the first that is known to less than `accuracy`.
+Arguments that many functions share: `states` has a row for each motion (STATE_ROW), `table` has the
+constants of all parameter sets and `K` those of one. A motion is followed to `most` events; it ends
+as INEXACT at the first that is known to less than `accuracy`.
 Events go into `out` (EventRows), parts between steps into `pieces`, and counts and extremes into
 `tally` instead of `out` if summaries are asked for (`symosc.engine.summary`).
 """
@@ -14,7 +14,7 @@ Events go into `out` (EventRows), parts between steps into `pieces`, and counts 
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable
+from collections.abc import Iterable, Iterator
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -36,6 +36,7 @@ from symosc.engine.state import (
     RUNNING,
     UNDECIDED,
     Covariance,
+    Followed,
     NextEvent,
     State,
 )
@@ -44,9 +45,6 @@ from symosc.kernels._generated import acceleration
 from symosc.kernels.elementary import cos, sin
 from symosc.kernels.entire import EPS
 
-# A row of states: mode, at, n, theta, x, v, Fb, Fa, S11, S12, S22, t, t_low, t_end, t_end_low, t0,
-# s, c, theta_low.
-STATE_WIDTH = 19
 # Steps that doubles look ahead for an undecided event, at most.
 LOOK_AHEAD = 16
 # An error below this part of the rounding to doubles is negligible.
@@ -59,7 +57,7 @@ class Batch(NamedTuple):
     and end code.
     """
 
-    states: np.ndarray  # (n, STATE_WIDTH), rows as `row_of` makes them
+    states: np.ndarray  # (n,) of STATE_ROW
     sets: np.ndarray  # (n,)
     counts: np.ndarray  # (n,)
     codes: np.ndarray  # (n,)
@@ -166,11 +164,20 @@ def piece_buffer(pieces: int) -> np.ndarray:
     return np.empty((len(PIECE_COLUMNS), pieces))
 
 
-def row_of(state: State, t_end: Number, t_end_low: Number) -> list[Number]:
+def row_of(state: State, t_end: Number, t_end_low: Number) -> tuple[Number, ...]:
     """Return the batch row of a motion that starts in `state`: this state, t_end in two parts, and
     t0.
     """
-    return [*state[:8], *state.S, state.t, state.t_low, t_end, t_end_low, state.t, *state[11:]]
+    return tuple(numbers_in(Followed(state, t_end, t_end_low, state.t)))
+
+
+def numbers_in(values: tuple[Any, ...]) -> Iterator[Number]:
+    """Yield the numbers in a tuple and in the tuples in it, in order."""
+    for value in values:
+        if isinstance(value, tuple):
+            yield from numbers_in(value)
+        else:
+            yield value
 
 
 def borrowed(arrays):
@@ -181,44 +188,45 @@ def borrowed(arrays):
     return arrays
 
 
-def state_of(states, i):
-    """Return row i of a table of states as a State."""
+def state_of(row):
+    """Return the State in a row of a table of motions."""
     # float() and int(): under CPython numpy's own scalars would be slower.
-    row = states[i]
-    S = Covariance(float(row[8]), float(row[9]), float(row[10]))
-    theta = float(row[3])
-    x = float(row[4])
-    v = float(row[5])
-    Fb = float(row[6])
-    Fa = float(row[7])
-    t = float(row[11])
-    t_low = float(row[12])
-    s = float(row[16])
-    c = float(row[17])
-    theta_low = float(row[18])
     return State(
-        int(row[0]), int(row[1]), int(row[2]), theta, x, v, Fb, Fa, S, t, t_low, s, c, theta_low
+        mode=int(row.mode),
+        at=int(row.at),
+        n=int(row.n),
+        theta=float(row.theta),
+        x=float(row.x),
+        v=float(row.v),
+        Fb=float(row.Fb),
+        Fa=float(row.Fa),
+        S=Covariance(float(row.S11), float(row.S12), float(row.S22)),
+        t=float(row.t),
+        t_low=float(row.t_low),
+        s=float(row.s),
+        c=float(row.c),
+        theta_low=float(row.theta_low),
     )
 
 
-def keep_state(states, i, state):
-    """Write `state` into row `i` of a table of states."""
-    states[i, 0] = state.mode
-    states[i, 1] = state.at
-    states[i, 2] = state.n
-    states[i, 3] = state.theta
-    states[i, 4] = state.x
-    states[i, 5] = state.v
-    states[i, 6] = state.Fb
-    states[i, 7] = state.Fa
-    states[i, 8] = state.S.S11
-    states[i, 9] = state.S.S12
-    states[i, 10] = state.S.S22
-    states[i, 11] = state.t
-    states[i, 12] = state.t_low
-    states[i, 16] = state.s
-    states[i, 17] = state.c
-    states[i, 18] = state.theta_low
+def keep_state(row, state):
+    """Write `state` into a row of a table of motions; its end time and t0 stay."""
+    row.mode = state.mode
+    row.at = state.at
+    row.n = state.n
+    row.theta = state.theta
+    row.x = state.x
+    row.v = state.v
+    row.Fb = state.Fb
+    row.Fa = state.Fa
+    row.S11 = state.S.S11
+    row.S12 = state.S.S12
+    row.S22 = state.S.S22
+    row.t = state.t
+    row.t_low = state.t_low
+    row.s = state.s
+    row.c = state.c
+    row.theta_low = state.theta_low
 
 
 # --- doubles ---
@@ -259,7 +267,7 @@ def follow_one(i, once, rows, parts, batch, most, accuracy, out, pieces, tally, 
     states, sets, counts, codes = batch
     recorded = pieces.shape[1] > 0
     tallied = tally.floats.shape[0] > 0
-    before = state_of(states, i)
+    before = state_of(states[i])
     K = table[sets[i]]
     t_end, t_end_low, t0 = end_by_phase(states[i], K)
     code = RUNNING
@@ -295,7 +303,7 @@ def follow_one(i, once, rows, parts, batch, most, accuracy, out, pieces, tally, 
         going = not once
     if tallied and (code != RUNNING or not once):
         finish_tally(i, before, code, (t_end - before.t) + (t_end_low - before.t_low), t0, tally, K)
-    keep_state(states, i, before)
+    keep_state(states[i], before)
     codes[i] = code
     return rows, parts
 
@@ -313,9 +321,9 @@ def end_by_phase(row, K):
 
     T_end becomes phase/Omega with Omega rounded, as in states.
     """
-    t_end = float(row[13])
-    t0 = float(row[15])
-    return t_end, float(row[14]) - (t_end - t0) * K.Om_gain, t0
+    t_end = float(row.t_end)
+    t0 = float(row.t0)
+    return t_end, float(row.t_end_low) - (t_end - t0) * K.Om_gain, t0
 
 
 def searched(state, row, K):
@@ -332,10 +340,10 @@ def search_row(states, table):
 
     Return the rest of the NextEvent, and its `open_free_time`.
     """
-    before = state_of(states, 0)
+    before = state_of(states[0])
     K = table[0]
     found = searched(before, states[0], K)
-    keep_state(states, 0, found.state)
+    keep_state(states[0], found.state)
     return (
         found.code,
         found.boundary,
@@ -358,7 +366,7 @@ def doubt_row(states, count, most, accuracy, table):
     """Return what `next_undecided` does for the state in row 0 of `states` and constants in row 0
     of `table`.
     """
-    return next_undecided(state_of(states, 0), count, states[0], most, accuracy, table[0])
+    return next_undecided(state_of(states[0]), count, states[0], most, accuracy, table[0])
 
 
 def next_undecided(state, count, row, most, accuracy, K):
@@ -368,7 +376,7 @@ def next_undecided(state, count, row, most, accuracy, K):
 
     Events are numbered on from `count`; those after number `most` do not matter.
     """
-    t0 = float(row[15])
+    t0 = float(row.t0)
     for _ in range(LOOK_AHEAD):
         step, _, decided, t_error, state = searched(state, row, K)
         if count >= most or step in (END, REST):
@@ -443,11 +451,12 @@ def first_pairs(pairs, K):
     """
     K = from_complex(K)
     for i in range(pairs.shape[0]):
-        mode = int(pairs[i, 0])
-        at = int(pairs[i, 1])
-        theta = float(pairs[i, 3])
-        x = float(pairs[i, 4])
-        v = float(pairs[i, 5])
+        row = pairs[i]
+        mode = int(row.mode)
+        at = int(row.at)
+        theta = float(row.theta)
+        x = float(row.x)
+        v = float(row.v)
         if at > 0:  # to the last bit
             if at == 1:
                 v = K.belt1.v
@@ -455,18 +464,20 @@ def first_pairs(pairs, K):
                 v = K.belt2.v
         s = sin(theta)
         c = cos(theta)
-        pairs[i, 5] = v
-        pairs[i, 16] = s
-        pairs[i, 17] = c
+        row.v = v
+        row.s = s
+        row.c = c
         F = acceleration(x, v, c, constant_force(mode, K), K.cm, K.w0sq, K.f0)
         if mode > ON_BELT:
-            pairs[i, 6], pairs[i, 7] = belt_forces(at, x, c, K)
+            below, above = belt_forces(at, x, c, K)
+            row.Fb = below
+            row.Fa = above
         else:
-            pairs[i, 6] = F
-            pairs[i, 7] = F
-        pairs[i, 8] = (EPS * x) * (EPS * x)
+            row.Fb = F
+            row.Fa = F
+        row.S11 = (EPS * x) * (EPS * x)
         if at == 0:
-            pairs[i, 10] = (EPS * v) * (EPS * v)
+            row.S22 = (EPS * v) * (EPS * v)
 
 
 def follow_pairs(chosen, wanted, pairs, batch, out, pieces, K, tally, limits):
@@ -477,7 +488,7 @@ def follow_pairs(chosen, wanted, pairs, batch, out, pieces, K, tally, limits):
     # decide again is followed farther, as long as the buffer holds its events.
     #   chosen : (m,) numbers of the trajectories to follow, in order.
     #   wanted : (n,) number of events to reach, with those so far; updated for a motion that has filled `pieces`.
-    #   pairs : (n, STATE_WIDTH) complex array, updated: states in pairs.
+    #   pairs : (n,) array of PAIR_ROW, updated: states in pairs.
     #   batch : Batch, updated: the states in doubles, with their rounding as their error; the events so far; RUNNING,
     #     END, REST, or UNDECIDED before a contact that pairs cannot decide, or an event that they know worse than
     #     `limits.noise` says: the states are the last ones that they are sure of.
@@ -492,12 +503,12 @@ def follow_pairs(chosen, wanted, pairs, batch, out, pieces, K, tally, limits):
     recorded = pieces.shape[1] > 0
     tallied = tally.floats.shape[0] > 0
     for i in chosen:
-        state = state_of(pairs, i)
+        state = state_of(pairs[i])
         plain = limits.table[sets[i]]
         careful = limits.careful[sets[i]]
-        t_end = from_complex(pairs[i, 13])
-        t_end_low = from_complex(pairs[i, 14])
-        t0 = from_complex(pairs[i, 15])
+        t_end = from_complex(pairs[i].t_end)
+        t_end_low = from_complex(pairs[i].t_end_low)
+        t0 = from_complex(pairs[i].t0)
         code = RUNNING
         goal = wanted[i]
         last = min(limits.most, wanted[i] + limits.more)
@@ -554,8 +565,8 @@ def follow_pairs(chosen, wanted, pairs, batch, out, pieces, K, tally, limits):
         if recorded and goal > 0:
             wanted[i] = goal
         codes[i] = code
-        keep_state(pairs, i, state)
-        keep_state(states, i, rounded)
+        keep_state(pairs[i], state)
+        keep_state(states[i], rounded)
     return rows, parts
 
 

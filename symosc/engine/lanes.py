@@ -15,11 +15,11 @@ number for each lane.
 from __future__ import annotations
 
 from math import inf, sqrt
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 
-from symosc.engine.batch import STATE_WIDTH, borrowed, follow_one, is_inexact, state_of
+from symosc.engine.batch import borrowed, follow_one, is_inexact, state_of
 from symosc.engine.first_exit import (
     FAINT,
     NEAR,
@@ -69,6 +69,8 @@ from symosc.engine.next_event import (
 )
 from symosc.engine.state import (
     CROSS,
+    NUMBERS_OF_FOLLOWED,
+    NUMBERS_OF_STATE,
     ON_BELT,
     RUNNING,
     SLIP,
@@ -87,14 +89,18 @@ from symosc.kernels.entire import APART_ABOVE, EPS, SERIES_BELOW, SIXTH
 # Here these names are placeholders: compiled code has those of `symosc.kernels.lane_types`, at its
 # width.
 placeholder: Any = None
-any_of = bits_of = load = store = load_constants = number_in = placeholder
+any_of = bits_of = load_motion = load_constants = placeholder
+store_tuple = number_in = put_number = placeholder
 LANES = 0
 
-# Rows of the results beside those of a state: code, belt, and the standard error of the event's
-# time.
-KIND = STATE_WIDTH
-BELT_THERE = STATE_WIDTH + 1
-T_ERROR = STATE_WIDTH + 2
+# Numbers of a motion, and those of its state, which come first.
+OF_MOTION = len(NUMBERS_OF_FOLLOWED)
+OF_STATE = len(NUMBERS_OF_STATE)
+# Rows of the results (`LaneResult`) behind those of a state.
+KIND = OF_STATE
+BELT_THERE = OF_STATE + 1
+T_ERROR = OF_STATE + 2
+OF_RESULT = OF_STATE + 3
 # A block with fewer motions than this part of the lanes is slower than the scalar loop.
 LEAST_PART = 4
 # Steps after which the scalar loop goes on if not more than this part of them was on the common
@@ -107,6 +113,17 @@ FEW = 4
 NUMBERS = ROW.itemsize // 8
 # How often a root is evaluated before the scalar loop goes on: on the common path once, or twice.
 MOST_EVALUATIONS = 3
+
+
+class LaneResult(NamedTuple):
+    """What a block finds in its lanes: the new states, codes and belts of the events, and the
+    standard errors of their times.
+    """
+
+    state: State
+    code: Any
+    boundary: Any
+    t_error: Any
 
 
 def belts(boundary, K):
@@ -597,71 +614,20 @@ def advance_side_by_side(flights, given, found, accuracy, K):
 
     A constant in K is one number or one for each lane.
     """
-    S = Covariance(load(given, 8), load(given, 9), load(given, 10))
-    mode = load(given, 0)
-    at = load(given, 1)
-    n = load(given, 2)
-    theta = load(given, 3)
-    x = load(given, 4)
-    v = load(given, 5)
-    Fb = load(given, 6)
-    Fa = load(given, 7)
-    t = load(given, 11)
-    t_low = load(given, 12)
-    t_end = load(given, 13)
-    t_end_low = load(given, 14)
-    t0 = load(given, 15)
-    state = State(
-        mode,
-        at,
-        n,
-        theta,
-        x,
-        v,
-        Fb,
-        Fa,
-        S,
-        t,
-        t_low,
-        load(given, 16),
-        load(given, 17),
-        load(given, 18),
-    )
-    t_end_low = t_end_low - (t_end - t0) * K.Om_gain
-    remaining = (t_end - t) + (t_end_low - t_low)
+    motion = load_motion(given)
+    state = motion.state
+    t_end = motion.t_end
+    t0 = motion.t0
+    t_end_low = motion.t_end_low - (t_end - t0) * K.Om_gain
+    remaining = (t_end - state.t) + (t_end_low - state.t_low)
     if flights:
         good, code, boundary, t_error, after = fly(state, remaining, K)
     else:
         good, code, boundary, t_error, after = slip(state, remaining, K)
     clock = time_with_errors(after.t, after.t_low, t0, after.x, after.v, t_error, after.S.S11, K)
     good = good & ~is_inexact(clock[0], clock[1], after.x, clock[2], t0, accuracy)
-    keep_lanes(found, after)
-    store(found, KIND, code)
-    store(found, BELT_THERE, boundary)
-    store(found, T_ERROR, t_error)
+    store_tuple(found, LaneResult(after, code, boundary, t_error))
     return bits_of(good)
-
-
-def keep_lanes(found, state):
-    """Store the State of all lanes in the array `found`, a row for each number and a column for
-    each lane.
-    """
-    store(found, 0, state.mode)
-    store(found, 1, state.at)
-    store(found, 2, state.n)
-    store(found, 3, state.theta)
-    store(found, 4, state.x)
-    store(found, 5, state.v)
-    store(found, 6, state.Fb)
-    store(found, 7, state.Fa)
-    store(found, 8, state.S.S11)
-    store(found, 9, state.S.S12)
-    store(found, 10, state.S.S22)
-    store(found, 11, state.t)
-    store(found, 12, state.t_low)
-    store(found, 16, state.s)
-    store(found, 17, state.c)
-    store(found, 18, state.theta_low)
 
 
 def follow_lanes(begin, batch, most, accuracy, out, pieces, tally, table):
@@ -678,8 +644,8 @@ def follow_lanes(begin, batch, most, accuracy, out, pieces, tally, table):
     # Numbers of motions in flight and on a belt; their states, constants and results, one column
     # for each lane.
     queue = np.zeros((2, 2 * LANES), np.int64)
-    given = np.zeros((STATE_WIDTH, LANES))
-    space = queue, given, np.zeros((NUMBERS, LANES)), np.zeros((STATE_WIDTH + 3, LANES))
+    given = np.zeros((OF_MOTION, LANES))
+    space = queue, given, np.zeros((NUMBERS, LANES)), np.zeros((OF_RESULT, LANES))
     while begin < count:
         if side_by_side:
             end, alike = end_of_group(begin, sets, table)
@@ -721,7 +687,7 @@ def follow_group(begin, end, alike, rows, batch, most, accuracy, out, pieces, ta
     while rows < fullest and (tried < PROBE or LEAST_PART * kept > tried):
         while begin < end and waiting[0] + waiting[1] < 2 * LANES:
             if codes[begin] == RUNNING:
-                if states[begin, 0] > ON_BELT:
+                if states[begin].mode > ON_BELT:
                     which = 1
                 else:
                     which = 0
@@ -739,8 +705,8 @@ def follow_group(begin, end, alike, rows, batch, most, accuracy, out, pieces, ta
         waiting[which] = first
         for lane in range(LANES):
             i = queue[which, first + (lane if lane < taken else 0)]
-            for n in range(STATE_WIDTH):
-                given[n, lane] = states[i, n]
+            for n in range(OF_MOTION):
+                given[n, lane] = number_in(states, i, n)
             if not alike:
                 for n in range(NUMBERS):
                     constants[n, lane] = number_in(table, sets[i], n)
@@ -754,16 +720,12 @@ def follow_group(begin, end, alike, rows, batch, most, accuracy, out, pieces, ta
         for lane in range(taken):
             i = queue[which, first + lane]
             if (good >> lane) & 1 and counts[i] < most:
-                if (
-                    not asked
-                    and (found[11, lane] - states[i, 15]) + found[12, lane]
-                    >= tally.floats[i, SKIPPED]
-                ):
-                    tally.ints[i, EVENTS_SO_FAR] += 1
-                    tally.ints[i, STICKS] += found[KIND, lane] == STICK
-                for n in range(STATE_WIDTH):
-                    if n < 13 or n > 15:
-                        states[i, n] = found[n, lane]
+                if not asked:
+                    put_state(states, i, found, lane)
+                    now = states[i]
+                    if (now.t - now.t0) + now.t_low >= tally.floats[i, SKIPPED]:
+                        tally.ints[i, EVENTS_SO_FAR] += 1
+                        tally.ints[i, STICKS] += found[KIND, lane] == STICK
                 rows += 1
                 kept += 1
                 counts[i] += 1
@@ -772,12 +734,12 @@ def follow_group(begin, end, alike, rows, batch, most, accuracy, out, pieces, ta
                     i, True, rows, 0, batch, most, accuracy, out, pieces, tally, table
                 )
             if codes[i] == RUNNING:
-                if states[i, 0] > ON_BELT:
-                    now = 1
+                if states[i].mode > ON_BELT:
+                    next_queue = 1
                 else:
-                    now = 0
-                queue[now, waiting[now]] = i
-                waiting[now] += 1
+                    next_queue = 0
+                queue[next_queue, waiting[next_queue]] = i
+                waiting[next_queue] += 1
     for which in range(2):
         for n in range(waiting[which]):
             rows, _ = follow_one(
@@ -791,9 +753,15 @@ def follow_group(begin, end, alike, rows, batch, most, accuracy, out, pieces, ta
     return rows
 
 
+def put_state(states, i, found, lane):
+    """Write the state that `found` has in a lane into row `i` of `states`."""
+    for n in range(OF_STATE):
+        put_number(states, i, n, found[n, lane])
+
+
 def tally_lanes(good, taken, members, found, batch, most, tally, table):
     """Add the steps of the first `taken` lanes, if their bits in `good` are set, to tallies of
-    motions `members`.
+    motions `members`, and write their states.
     """
     members, found, table, batch, tally = borrowed((members, found, table, batch, tally))
     states, sets, counts, _ = batch
@@ -802,5 +770,8 @@ def tally_lanes(good, taken, members, found, batch, most, tally, table):
         if (good >> lane) & 1 and counts[i] < most:
             step = int(found[KIND, lane])
             boundary = int(found[BELT_THERE, lane])
-            event = NextEvent(step, boundary, True, found[T_ERROR, lane], state_of(found.T, lane))
-            tally_step(i, state_of(states, i), event, states[i, 15], tally, table[sets[i]])
+            before = state_of(states[i])
+            put_state(states, i, found, lane)
+            after = state_of(states[i])
+            event = NextEvent(step, boundary, True, found[T_ERROR, lane], after)
+            tally_step(i, before, event, states[i].t0, tally, table[sets[i]])

@@ -20,7 +20,7 @@ from symosc.engine.arithmetic import Arithmetic, MpArithmetic, column_functions
 from symosc.engine.batch import rounded_covariance, row_of
 from symosc.engine.first_exit import ROUNDING
 from symosc.engine.flow import Constants, belt_forces, constant_force, constants, corrected
-from symosc.engine.state import BELT, DOMAIN_ABOVE, ON_BELT, Covariance, State
+from symosc.engine.state import BELT, DOMAIN_ABOVE, ON_BELT, STATE_ROW, Covariance, State
 from symosc.kernels._generated import acceleration
 from symosc.kernels.entire import EPS
 from symosc.model import Parameters, by_name
@@ -145,7 +145,7 @@ def start_rows(
     times: Sequence[Any],
     K: Any,
 ) -> tuple[np.ndarray, np.ndarray]:
-    """Return batch rows for columns of starts, and flags of starts on a belt where a force may be 0
+    """Return rows of a batch for columns of starts, and flags of starts on a belt where a force may be 0
     in doubles.
 
     `at` is the belt or 0, `phase` holds theta and theta_low, and `times` t, t_low, t_end, t_end_low
@@ -164,25 +164,28 @@ def start_rows(
     down = (at > 0) & (below < 0.0)
     held = (at > 0) & ~up & ~down
     below, above = np.where(up, above, below), np.where(up | held, above, below)
-    zero = np.zeros(len(at))
-    S22 = np.where(at > 0, 0.0, EPS * v) ** 2
-    t, t_low, *ends = times
-    columns = [
-        np.where(held, ON_BELT + at, mode + up),
-        at,
-        zero,
-        theta,
-        x,
-        v,
-        below,
-        above,
-        (EPS * x) ** 2,
-        zero,
-        S22,
-    ]
-    return np.stack(
-        np.broadcast_arrays(*columns, t, t_low, *ends, s, c, theta_low), axis=1
-    ), unclear
+    t, t_low, t_end, t_end_low, t0 = times
+    rows = np.empty(len(at), STATE_ROW)
+    rows["mode"] = np.where(held, ON_BELT + at, mode + up)
+    rows["at"] = at
+    rows["n"] = 0.0
+    rows["theta"] = theta
+    rows["x"] = x
+    rows["v"] = v
+    rows["Fb"] = below
+    rows["Fa"] = above
+    rows["S11"] = (EPS * x) ** 2
+    rows["S12"] = 0.0
+    rows["S22"] = np.where(at > 0, 0.0, EPS * v) ** 2
+    rows["t"] = t
+    rows["t_low"] = t_low
+    rows["s"] = s
+    rows["c"] = c
+    rows["theta_low"] = theta_low
+    rows["t_end"] = t_end
+    rows["t_end_low"] = t_end_low
+    rows["t0"] = t0
+    return rows, unclear
 
 
 def force_terms(boundary: int, x: Number, K: Constants) -> Number:
@@ -294,7 +297,7 @@ def longest_span(parameters: Parameters) -> Fraction:
     return Fraction(MOST_PERIODS * 44, 7) / parameters.Omega
 
 
-def first_row(start: Start, arithmetic: Arithmetic) -> list[Number]:
+def first_row(start: Start, arithmetic: Arithmetic) -> tuple[Number, ...]:
     """Return the batch row (state, t_end in two parts, t0) of a motion at its start."""
     return row_of(first_state(start, arithmetic), *last_time(start, arithmetic))
 

@@ -6,7 +6,10 @@ numba compiles both into registers; so they serve floats, pairs and mpmath numbe
 
 from __future__ import annotations
 
-from typing import NamedTuple
+from collections.abc import Iterator
+from typing import Any, NamedTuple
+
+import numpy as np
 
 from symosc.base.aliases import Number
 
@@ -74,6 +77,51 @@ class State(NamedTuple):
     s: Number  # sine and cosine of theta
     c: Number
     theta_low: Number  # what rounding took from theta
+
+
+class Followed(NamedTuple):
+    """A motion that is being followed: its state, the end time in two parts, and t0.
+
+    Tables of motions have these numbers in a row for each (`STATE_ROW`).
+    """
+
+    state: State
+    t_end: Number
+    t_end_low: Number
+    t0: Number
+
+
+class Row(np.void):  # type: ignore[misc]  # its stub is final, numpy is not
+    """A row of a table of motions: interpreted code reads and writes its numbers as attributes, as
+    compiled code does.
+    """
+
+    __slots__ = ()
+
+    def __getattr__(self, name: str) -> Any:
+        return self[name]
+
+    def __setattr__(self, name: str, value: Any) -> None:
+        self[name] = value
+
+
+def names_of_numbers(kind: Any, nested: dict[str, Any]) -> Iterator[str]:
+    """Yield the fields of a NamedTuple in order, in place of each one in `nested` those of that
+    type.
+    """
+    for name in kind._fields:
+        if name in nested:
+            yield from names_of_numbers(nested[name], nested)
+        else:
+            yield name
+
+
+TUPLES_IN_FOLLOWED = {"state": State, "S": Covariance}
+NUMBERS_OF_STATE = tuple(names_of_numbers(State, TUPLES_IN_FOLLOWED))
+NUMBERS_OF_FOLLOWED = tuple(names_of_numbers(Followed, TUPLES_IN_FOLLOWED))
+#: The row of a table of motions in doubles, and in pairs, stored as complex numbers hi + i lo.
+STATE_ROW = np.dtype((Row, [(name, np.float64) for name in NUMBERS_OF_FOLLOWED]))
+PAIR_ROW = np.dtype((Row, [(name, np.complex128) for name in NUMBERS_OF_FOLLOWED]))
 
 
 class NextEvent(NamedTuple):

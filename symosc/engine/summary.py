@@ -41,7 +41,7 @@ from symosc.engine.flow import (
     state_at,
 )
 from symosc.engine.next_event import TWO_PI, advance_phase
-from symosc.engine.state import END, GRAZE, ON_BELT, REST, STICK, Flown, Launch, State
+from symosc.engine.state import END, GRAZE, ON_BELT, REST, STATE_ROW, STICK, Flown, Launch, State
 from symosc.kernels._generated import acceleration, motion
 from symosc.kernels.elementary import cos, sin
 from symosc.kernels.entire import EPS, SIXTH, basis_with_drive
@@ -151,7 +151,7 @@ def no_tally() -> Tally:
 
     Given this, the event loop records single events instead of summaries.
     """
-    return new_tally(np.zeros((0, 16)), np.zeros(0), Kept(False, False, False, 0, 0))
+    return new_tally(np.zeros(0, STATE_ROW), np.zeros(0), Kept(False, False, False, 0, 0))
 
 
 def new_tally(states: np.ndarray, skipped: np.ndarray, asked: Kept) -> Tally:
@@ -165,9 +165,11 @@ def new_tally(states: np.ndarray, skipped: np.ndarray, asked: Kept) -> Tally:
     floats[:, SKIPPED] = skipped
     floats[:, [X_MIN, V_MIN, X_LOW, V_LOW]] = inf
     floats[:, [X_MAX, V_MAX, X_HIGH, V_HIGH]] = -inf
-    floats[:, [T_LAST, X_LAST, V_LAST]] = states[:, [11, 4, 5]]
-    ints[:, PLANE] = states[:, 1]
-    ints[:, WHOLE] = states[:, 3] == 0.0
+    floats[:, T_LAST] = states["t"]
+    floats[:, X_LAST] = states["x"]
+    floats[:, V_LAST] = states["v"]
+    ints[:, PLANE] = states["at"]
+    ints[:, WHOLE] = states["theta"] == 0.0
     # Places of sections that were not reached are never read.
     sections = np.empty((count, asked.ring, 8))
     words = np.full((count, asked.ring), -1, np.int64)

@@ -35,7 +35,7 @@ import numpy as np
 from mpmath.ctx_iv import MPIntervalContext
 
 from symosc.base.aliases import Expr, Number, Numbers, Progress, Record
-from symosc.base.arguments import public
+from symosc.base.arguments import PROGRESS, TEXT, public, require
 from symosc.base.display.progress import late_bar
 from symosc.base.errors import ParameterError
 from symosc.base.exact import whole_number
@@ -46,7 +46,7 @@ from symosc.grazing.window import GrazingWindow, grazing_window
 from symosc.kernels._generated import motion
 from symosc.kernels.entire import EPS
 from symosc.kernels.theorem7_cases import Place
-from symosc.scenes import ParametersLike
+from symosc.scenes import ParametersLike, parameters_of
 from symosc.words import MAPS
 
 CHECK_PHASES = 10_000
@@ -210,6 +210,9 @@ def check_grazing(
     >>> check_grazing(load_scene("fig9").parameters, "P2", n=100).ok
     True
     """
+    p = parameters_of(p)
+    require(TEXT, mapping=mapping)
+    require(*PROGRESS, progress=progress)
     n = whole_number("n", n, 1, 1_000_000)
     seed = whole_number("seed", seed, 0, 2**63 - 1)
     begin = time.perf_counter()

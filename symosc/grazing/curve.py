@@ -27,7 +27,7 @@ from math import cos, exp, inf, nan, pi, sin
 import numpy as np
 
 from symosc.base.aliases import NumberLike, Progress
-from symosc.base.arguments import public
+from symosc.base.arguments import PROGRESS, TEXT, public, require
 from symosc.base.display.drawable import Drawable
 from symosc.base.display.latex import (
     LatexAnswer,
@@ -44,7 +44,7 @@ from symosc.grazing.window import grazing_window
 from symosc.kernels.entire import basis
 from symosc.kernels.theorem7_cases import ARC, EMPTY, EVERYTHING
 from symosc.model import Parameters
-from symosc.scenes import ParametersLike
+from symosc.scenes import ParametersLike, parameters_of
 
 CURVE_POINTS = 400
 LEAST_CURVE_POINTS = 8
@@ -168,6 +168,9 @@ class GrazingCurve(Drawable, LatexAnswer):
     ('P2', 1, ())
     """
 
+    _drawn_by = "figure_grazing_curve"
+    _made_by = "grazing_curve(...)"
+
     parameters: Parameters
     mapping: str
     pieces: tuple[CurvePiece, ...]
@@ -228,6 +231,9 @@ def grazing_curve(
     >>> [f"{end.x:.4f}" for end in (curve.pieces[0].low, curve.pieces[0].high)]
     ['3.9229', '11.0820']
     """
+    p = parameters_of(p)
+    require(TEXT, mapping=mapping)
+    require(*PROGRESS, progress=progress)
     window = grazing_window(p, mapping)
     n = whole_number("n", n, LEAST_CURVE_POINTS, MOST_CURVE_POINTS)
     tracer = Tracer(p, mapping)

@@ -21,7 +21,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from symosc.base.aliases import Angle, Number, NumberLike, Progress
-from symosc.base.arguments import public
+from symosc.base.arguments import NUMBER, PROGRESS, TEXT, public, require
 from symosc.base.display.latex import LatexAnswer, latex_number, latex_table, latex_words
 from symosc.base.errors import ParameterError
 from symosc.base.exact import read_digits, read_exact, whole_number
@@ -48,7 +48,7 @@ from symosc.grazing.start import (
 from symosc.grazing.window import GrazingWindow, grazing_window
 from symosc.kernels.elementary import cos
 from symosc.model import Parameters
-from symosc.scenes import ParametersLike
+from symosc.scenes import ParametersLike, parameters_of
 
 UNKNOWNS = ("x_i", "theta_i", "x_j", "theta_j", "theta_m")
 MOST_NOTES = 3
@@ -146,10 +146,14 @@ def solve_grazing(
     >>> f"{start.theta:.6f}", f"{start.theta_m:.6f}"
     ('5.085819', '0.612081')
     """
+    p = parameters_of(p)
+    require(TEXT, mapping=mapping)
+    require(*PROGRESS, progress=progress)
+    require(NUMBER, **given)
     window = grazing_window(p, mapping)
     if len(given) != 1 or next(iter(given)) not in UNKNOWNS:
         raise ParameterError(
-            "given", ", ".join(given) or None, f"give exactly one of {', '.join(UNKNOWNS)}"
+            "given", ", ".join(given) or None, f"must be exactly one of {', '.join(UNKNOWNS)}"
         )
     ((name, value),) = given.items()
     if p.k == 0:

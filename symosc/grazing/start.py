@@ -21,7 +21,7 @@ from fractions import Fraction
 from math import inf
 
 from symosc.base.aliases import Angle, Context, Number, NumberLike, Record
-from symosc.base.arguments import public
+from symosc.base.arguments import NUMBER, TEXT, public, require, require_or_none
 from symosc.base.display.latex import LatexAnswer, latex_number, latex_point, latex_words
 from symosc.base.errors import ParameterError
 from symosc.base.exact import read_digits, read_exact, show
@@ -32,7 +32,7 @@ from symosc.grazing.backward import SEARCH_PERIODS, Flights, Origins
 from symosc.grazing.window import grazing_window
 from symosc.kernels._generated import next_derivative
 from symosc.kernels.theorem7_cases import place
-from symosc.scenes import ParametersLike
+from symosc.scenes import ParametersLike, parameters_of
 
 DEFAULT_DIGITS = 40
 MOST_START_DIGITS = 2000
@@ -155,6 +155,9 @@ def grazing_start(
     >>> simulate(p, **found.start, t_end="0.3").events[0].kind
     'graze'
     """
+    p = parameters_of(p)
+    require(TEXT, mapping=mapping)
+    require_or_none(NUMBER, theta=theta, t_m=t_m)
     origins = Origins(p, mapping)
     until = None
     if (theta is None) == (t_m is None):
@@ -196,7 +199,7 @@ def start_of(
     decimals = digits or DEFAULT_DIGITS
     window = grazing_window(p, mapping)
     if not window.contains(angle):
-        raise ParameterError("theta", str(angle), f"is outside the grazing window: {window!r}")
+        raise ParameterError("theta", str(angle), f"must be inside the grazing window: {window!r}")
     # G^(1) = G^(2) = 0 in the full window only, at the quartic tangency of the equality: there
     # G^(3) decides.
     if grazing_window(p, mapping, "paper").contains(angle):
@@ -392,6 +395,9 @@ def is_grazing(
     >>> is_grazing(p, "P2", x, "1").grazing
     True
     """
+    p = parameters_of(p)
+    require(TEXT, mapping=mapping)
+    require(NUMBER, x=x, theta=theta)
     where = place(mapping)
     limit = read_exact("tolerance", tolerance)
     if not 0 <= limit < 1:

@@ -20,7 +20,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from symosc.base.aliases import Expr, Number, NumberLike, Order
-from symosc.base.arguments import public
+from symosc.base.arguments import ARRAY, ARRAY_LIKE, NUMBER, ORDER, TEXT, public, require
 from symosc.base.arrays import real_array
 from symosc.base.display.drawable import Drawable
 from symosc.base.display.latex import LatexAnswer
@@ -34,7 +34,7 @@ from symosc.kernels import double_double
 from symosc.kernels import theorem7_cases as cases
 from symosc.kernels.theorem7_cases import EMPTY, EVERYTHING, Place, place
 from symosc.model import Parameters
-from symosc.scenes import ParametersLike
+from symosc.scenes import ParametersLike, parameters_of
 
 WINDOW_DIGITS = 30
 
@@ -66,6 +66,9 @@ def grazing_window(p: ParametersLike, mapping: str, order: Order = "full") -> Gr
     >>> grazing_window(load_scene("fig9").parameters, "P2")
     GrazingWindow(P2, gamma=30, case=(55.1), [0, 3.22502) or (6.19976, 6.28319))
     """
+    p = parameters_of(p)
+    require(TEXT, mapping=mapping)
+    require(ORDER, order=order)
     return GrazingWindow(p, mapping, order, place(mapping))
 
 
@@ -90,6 +93,9 @@ class GrazingWindow(Drawable, LatexAnswer):
     >>> window.theta_cr, window.contains(pi / 2), window.contact(pi / 2)
     (-asin(1/12), True, 14/15)
     """
+
+    _drawn_by = "window_figure"
+    _made_by = "grazing_window(...)"
 
     parameters: Parameters
     mapping: str
@@ -240,6 +246,7 @@ class GrazingWindow(Drawable, LatexAnswer):
         ParameterError
             If theta is not a real number.
         """
+        require(NUMBER, ARRAY, theta=theta)
         if not (isinstance(theta, np.ndarray) and theta.ndim):
             return self._sign_at(theta) > 0
         if theta.dtype.kind not in "fiu":
@@ -279,6 +286,7 @@ class GrazingWindow(Drawable, LatexAnswer):
             If theta is outside the window, or if k = 0: then F = 0 fixes theta (see
             `contact_phases`), and x_m is free.
         """
+        require(NUMBER, ARRAY, theta=theta)
         inside = self.contains(theta)
         if not np.all(inside):
             if isinstance(inside, np.ndarray):
@@ -286,7 +294,9 @@ class GrazingWindow(Drawable, LatexAnswer):
             else:
                 outside = theta
             raise ParameterError(
-                "theta", outside, f"outside the grazing window of {self.mapping}: {self._as_text()}"
+                "theta",
+                outside,
+                f"must be inside the grazing window of {self.mapping}: {self._as_text()}",
             )
         p = self.parameters
         if p.k == 0:
@@ -515,6 +525,10 @@ def grazing_windows(
     >>> columns.kind.tolist()
     [1, 4, 4]
     """
+    p = parameters_of(p)
+    require(TEXT, mapping=mapping)
+    require(ORDER, order=order)
+    require(*ARRAY_LIKE, **swept)
     where = place(mapping)
     full = order == "full"
     names = ("k", f"v{where.boundary}", "B0", "Omega")

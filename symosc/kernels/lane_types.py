@@ -253,28 +253,12 @@ def _row_address(context: Any, builder: Any, array: Any, kind: Any, value: Any, 
     return builder.bitcast(builder.gep(data, [begin]), kind.as_pointer())
 
 
-def loader(width: int) -> Any:
-    """Return the function that loads row `row` of an array (n, width) of doubles into lanes."""
-
-    def load(typingctx: Any, array: Any, row: Any) -> Any:
-        def code(context: Any, builder: Any, declared: Any, arguments: Any) -> Any:
-            place = _row_address(context, builder, array, ir.VectorType(DOUBLE, width), *arguments)
-            return builder.load(place, align=8)
-
-        return LanesType(width)(array, types.int64), code
-
-    return intrinsic(load)
-
-
-@intrinsic
-def store(typingctx: Any, array: Any, row: Any, value: Any) -> Any:
-    """Store lanes as a row of an array (n, width) of doubles."""
-
-    def code(context: Any, builder: Any, declared: Any, arguments: Any) -> Any:
-        place = _row_address(context, builder, array, arguments[2].type, *arguments[:2])
-        builder.store(arguments[2], place, align=8)
-
-    return types.void(array, types.int64, value), code
+def _address_in(context: Any, builder: Any, table: Any, value: Any, row: Any, n: Any) -> Any:
+    """Return LLVM code for the address of the n-th number in a row of a table of doubles."""
+    data = context.make_array(table)(context, builder, value=value).data
+    data = builder.bitcast(data, DOUBLE.as_pointer())
+    begin = builder.mul(row, ir.Constant(LONG, table.dtype.size // 8))
+    return builder.gep(data, [builder.add(begin, n)])
 
 
 @intrinsic
@@ -282,33 +266,42 @@ def number_in(typingctx: Any, table: Any, row: Any, n: Any) -> Any:
     """Return the n-th number in a row of a table whose fields are all doubles."""
 
     def code(context: Any, builder: Any, declared: Any, arguments: Any) -> Any:
-        data = context.make_array(table)(context, builder, value=arguments[0]).data
-        data = builder.bitcast(data, DOUBLE.as_pointer())
-        begin = builder.mul(arguments[1], ir.Constant(LONG, table.dtype.size // 8))
-        return builder.load(builder.gep(data, [builder.add(begin, arguments[2])]))
+        return builder.load(_address_in(context, builder, table, *arguments))
 
     return types.float64(table, types.int64, types.int64), code
 
 
-def tuple_loader(width: int, kind: Any, nested: dict[str, Any], alike: frozenset[str]) -> Any:
+@intrinsic
+def put_number(typingctx: Any, table: Any, row: Any, n: Any, number: Any) -> Any:
+    """Write the n-th number in a row of a table whose fields are all doubles."""
+
+    def code(context: Any, builder: Any, declared: Any, arguments: Any) -> Any:
+        builder.store(arguments[3], _address_in(context, builder, table, *arguments[:3]))
+
+    return types.void(table, types.int64, types.int64, types.float64), code
+
+
+def tuple_loader(
+    width: int, kind: Any, nested: dict[str, Any], alike: frozenset[str] = frozenset()
+) -> Any:
     """Return the function that loads a NamedTuple of type `kind` in lanes from an array, a row for
     each number.
 
-    The fields `nested` are tuples themselves; those in `alike`, the same in all lanes, become
-    single numbers.
+    The fields `nested` are tuples themselves; those of `kind` in `alike`, the same in all lanes,
+    become single numbers.
     """
 
-    def typed(of: Any, outer: bool = True) -> Any:
+    def typed(of: Any, single: frozenset[str]) -> Any:
         def entry(name: str) -> Any:
-            if outer and name in nested:
-                return typed(nested[name], False)
-            if outer and name in alike:
+            if name in nested:
+                return typed(nested[name], frozenset())
+            if name in single:
                 return types.float64
             return LanesType(width)
 
-        return types.NamedTuple([entry(name) for name in of._fields], of)
+        return types.BaseTuple.from_types(tuple(map(entry, of._fields)), of)
 
-    wanted = typed(kind)
+    wanted = typed(kind, alike)
 
     def load_tuple(typingctx: Any, array: Any) -> Any:
         def code(context: Any, builder: Any, declared: Any, arguments: Any) -> Any:
@@ -330,6 +323,29 @@ def tuple_loader(width: int, kind: Any, nested: dict[str, Any], alike: frozenset
         return wanted(array), code
 
     return intrinsic(load_tuple)
+
+
+@intrinsic
+def store_tuple(typingctx: Any, array: Any, values: Any) -> Any:
+    """Store a tuple of lanes, and the tuples in it, as rows of an array, as `tuple_loader` loads
+    them.
+    """
+
+    def code(context: Any, builder: Any, declared: Any, arguments: Any) -> Any:
+        rows = count()
+
+        def put(kind: Any, value: Any) -> None:
+            if isinstance(kind, types.BaseTuple):
+                for n, entry in enumerate(list(iter(kind))):  # type: ignore[call-overload]
+                    put(entry, builder.extract_value(value, n))
+                return
+            row = ir.Constant(LONG, next(rows))
+            place = _row_address(context, builder, array, value.type, arguments[0], row)
+            builder.store(value, place, align=8)
+
+        put(values, arguments[1])
+
+    return types.void(array, values), code
 
 
 @intrinsic

@@ -358,13 +358,24 @@ def _from_complex(typingctx: Any, value: Any) -> Any:
     return wanted(value), code
 
 
+@lower_cast(PairType, types.Complex)
+def _as_complex(context: Any, builder: Any, given: Any, wanted: Any, value: Any) -> Any:
+    """Return LLVM code for a pair as the complex number hi + i lo.
+
+    So compiled code stores a pair in a row of complex numbers: ``row.x = pair``.
+    """
+    made = context.make_complex(builder, wanted)
+    hi, lo = _parts(builder, value)
+    made.real = hi
+    made.imag = lo
+    return made._getvalue()
+
+
 def _to_complex(typingctx: Any, value: Any) -> Any:
     """Convert a pair to the complex number hi + i lo."""
 
     def code(context: Any, builder: Any, declared: Any, arguments: Any) -> Any:
-        made = context.make_complex(builder, types.complex128)
-        made.real, made.imag = _parts(builder, arguments[0])
-        return made._getvalue()
+        return context.cast(builder, arguments[0], pair_type, types.complex128)
 
     return types.complex128(pair_type), code
 
@@ -417,18 +428,6 @@ def _whole(x):
         return lambda x: int(x.real)
     if x is pair_type:
         return whole
-    return None
-
-
-@overload(operator.setitem)
-def _stored(array, index, value):
-    """Let compiled code store a pair in a complex array: ``array[index] = pair``."""
-    if isinstance(array, types.Array) and array.dtype is types.complex128 and value is pair_type:
-
-        def stored(array, index, value):
-            array[index] = to_complex(value)
-
-        return stored
     return None
 
 

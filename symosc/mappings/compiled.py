@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike
 
-from symosc.base.arguments import public
+from symosc.base.arguments import FLAG, TEXT, WORD, public, require, require_or_none
 from symosc.base.errors import ParameterError
 from symosc.base.exact import unmasked
 from symosc.engine.arithmetic import compile_modules, compiled
@@ -18,7 +18,7 @@ from symosc.kernels.mapping import BACKWARD, CLOSED_FORM, KINDS, WIDE
 from symosc.mappings.equations import EXITS, UNWRAPPED, flight_arguments, stick_arguments
 from symosc.mappings.points import POINT_NAMES
 from symosc.model import Parameters
-from symosc.scenes import ParametersLike
+from symosc.scenes import ParametersLike, parameters_of
 from symosc.words import MAPS, Map, WordLike, read_word
 
 FORMULAS = ("by_closed_form", "by_division", "by_division_and_series", "by_series")
@@ -59,6 +59,10 @@ def compiled_residual(
     >>> f1.round(6), f2.round(6)
     (array([-0.146366]), array([1.642603]))
     """
+    p = parameters_of(p)
+    require(WORD, label=label)
+    require(FLAG, jacobian=jacobian)
+    require_or_none(TEXT, exit=exit)
     if isinstance(label, str) and label in MAPS:
         labels: tuple[str, ...] = (label,)
     else:

@@ -29,7 +29,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from symosc.base.aliases import Context, Number, Numbers
-from symosc.base.arguments import public
+from symosc.base.arguments import POINT, REAL, TEXT, public, require, require_or_none
 from symosc.base.errors import ParameterError, SymoscError
 from symosc.base.phases import number_of
 from symosc.engine import tangent
@@ -51,7 +51,7 @@ from symosc.engine.state import (
 from symosc.kernels import mapping
 from symosc.mappings.points import POINT_NAMES, is_array, point_columns, scalar
 from symosc.model import MODE_NAMES, NEIGHBOURS, PARAMETER_NAMES, Parameters
-from symosc.scenes import ParametersLike
+from symosc.scenes import ParametersLike, parameters_of
 from symosc.words import MAPS, Map
 
 EXITS = ("below", "above")
@@ -100,6 +100,10 @@ def residual(
     >>> print(f"{f1:.6f} {f2:.6f}")
     -0.146366 1.642603
     """
+    p = parameters_of(p)
+    require(TEXT, label=label)
+    require(POINT, start=start, end=end)
+    require_or_none(TEXT, exit=exit)
     row, numbers, points, shape = read_points(p, label, start, end, exit)
     f1, f2 = _in_blocks(lambda block: _residual(row, numbers, block, exit), points, (2,), shape)
     return f1, f2
@@ -126,6 +130,10 @@ def jacobian(
     >>> J.round(4).tolist()
     [[-0.0776, -0.5228, -1.0, 0.6607], [2.3223, -0.0394, 0.0, 22.5695]]
     """
+    p = parameters_of(p)
+    require(TEXT, label=label)
+    require(POINT, start=start, end=end)
+    require_or_none(TEXT, exit=exit)
     row, numbers, points, shape = read_points(p, label, start, end, exit)
     return np.asarray(
         _in_blocks(lambda block: _matrix(_jacobian(row, numbers, block)), points, (2, 4), shape)
@@ -150,6 +158,10 @@ def parameter_jacobian(
     >>> J[:, 5].round(4).tolist()  # with respect to Omega
     [-0.7646, -9.5031]
     """
+    p = parameters_of(p)
+    require(TEXT, label=label)
+    require(POINT, start=start, end=end)
+    require_or_none(TEXT, exit=exit)
     row, numbers, points, shape = read_points(p, label, start, end, exit)
     if shape is None:
         return _matrix(_parameter_jacobian(p, row, numbers, points, exit))
@@ -485,6 +497,9 @@ def solve_map(p: ParametersLike, label: str, x_i: Number, theta_i: Number) -> Ma
     >>> f"{point.x:.6f}", f"{point.theta:.6f}"
     ('-4.179569', '3.927047')
     """
+    p = parameters_of(p)
+    require(TEXT, label=label)
+    require(REAL, x_i=x_i, theta_i=theta_i)
     row, _, points, shape = read_points(p, label, (x_i, theta_i), (x_i, theta_i))
     if shape is not None:
         raise ParameterError("x_i", x_i, "must be a number; maps are solved one by one")

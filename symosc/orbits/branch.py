@@ -50,7 +50,18 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from symosc.base.aliases import DataFrame, NumberLike, Points, Progress, Record
-from symosc.base.arguments import public
+from symosc.base.arguments import (
+    NUMBER,
+    PROGRESS,
+    TABLE_LIKE,
+    TEXT,
+    WHOLE,
+    WORD,
+    public,
+    require,
+    require_or_none,
+    row_of,
+)
 from symosc.base.display.drawable import Drawable
 from symosc.base.display.frames import imported
 from symosc.base.display.progress import Advance, late_bar
@@ -76,7 +87,7 @@ from symosc.orbits.closing_equations import CONVERGING, ClosingEquations, solve
 from symosc.orbits.find import find_orbit, largest_displacement, settling, switching_points
 from symosc.orbits.floquet import NEAR_ONE, multipliers_of
 from symosc.orbits.periodic_orbit import PeriodicOrbit, SwitchingPoint
-from symosc.scenes import ParametersLike
+from symosc.scenes import ParametersLike, parameters_of
 from symosc.words import WordLike, read_word
 
 RANGE = "end of the range"
@@ -180,6 +191,9 @@ class Branch(Drawable):
     (('P2', 'P3'), True)
     """
 
+    _drawn_by = "branch_figure"
+    _made_by = "continue_orbit(...)"
+
     def __init__(
         self,
         orbit: PeriodicOrbit,
@@ -216,6 +230,8 @@ class Branch(Drawable):
     @public
     def orbit(self, i: int, digits: int | None = None) -> PeriodicOrbit:
         """Return the orbit at the branch's i-th point; `digits` as for `symosc.find_orbit`."""
+        require(WHOLE, i=i)
+        require_or_none(WHOLE, digits=digits)
         return find_orbit(
             self.parameters(i), self.word, self.points[int(i)], digits, periods=self.periods
         )
@@ -336,6 +352,13 @@ def continue_orbit(
     >>> [end.kind for end in branch.ends]
     ['birth of a stick', 'end of the range']
     """
+    parameters = parameters_of(parameters, "parameters")
+    require(WORD, word=word)
+    require(TEXT, parameter=parameter)
+    require(row_of(2, NUMBER), range=range)
+    require_or_none(PeriodicOrbit, *TABLE_LIKE, guess=guess)
+    require_or_none(WHOLE, periods=periods)
+    require(*PROGRESS, progress=progress)
     read_word(word)
     low, high = read_range(parameters, parameter, range)
     orbit = find_orbit(parameters, word, guess, periods=periods)

@@ -13,7 +13,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from symosc.base.aliases import DataFrame, Number, Points
-from symosc.base.arguments import public
+from symosc.base.arguments import TABLE_LIKE, WORD, public, require_or_none
 from symosc.base.arrays import real_array
 from symosc.base.errors import ParameterError
 from symosc.base.exact import read_digits, unmasked, whole_number
@@ -21,7 +21,13 @@ from symosc.engine.arithmetic import column_functions, mp_context
 from symosc.engine.start import belt_start, belt_state
 from symosc.engine.state import CROSS, END, FAILED, REST, SLIP, STICK, Covariance
 from symosc.model import MODE_NAMES, Parameters
-from symosc.orbits.admissibility import FLIGHT_LASTS, STICK_LASTS, failures, grazing_distance
+from symosc.orbits.admissibility import (
+    FLIGHT_LASTS,
+    STICK_LASTS,
+    Condition,
+    failures,
+    grazing_distance,
+)
 from symosc.orbits.closing_equations import (
     ClosingEquations,
     ConvergenceError,
@@ -32,7 +38,7 @@ from symosc.orbits.closing_equations import (
 )
 from symosc.orbits.floquet import multipliers_of, rest_positions, stability_margin
 from symosc.orbits.periodic_orbit import PeriodicOrbit, SwitchingPoint
-from symosc.scenes import ParametersLike
+from symosc.scenes import ParametersLike, parameters_of
 from symosc.simulation.ensemble import simulate_many
 from symosc.simulation.problems import named
 from symosc.simulation.trajectory import MAP_LABELS
@@ -45,6 +51,11 @@ MOST_MAPPINGS = 40
 SAME_ORBIT = 1e-7
 LEAST_RUN_EVENTS = 60
 SETTLING_EVENTS = 400
+# The most forcing periods of an orbit. The search tries evenly spaced points over all of them;
+# beyond these it takes minutes.
+MOST_PERIODS = 200
+# Multipliers that differ from 1 by less are written as 1 and the difference.
+NEAR_ONE_TEXT = 1e-5
 #: Forcing periods by which the motion from rest may have settled.
 SETTLING_PERIODS = (50, 1_000, 20_000)
 
@@ -112,19 +123,18 @@ def find_orbit(
     >>> orbit.stable, f"{orbit.period:.6f}", [f"{t:.6f}" for t, x in orbit.points]
     (True, '1.570796', ['0.181670', '0.992371'])
     """
-    # The search tries evenly spaced points over all periods; beyond these it takes minutes.
-    if periods is None:
-        periods = None
-    else:
-        periods = whole_number("periods", periods, 1, 200)
+    parameters = parameters_of(parameters, "parameters")
+    require_or_none(WORD, word=word)
+    require_or_none(PeriodicOrbit, *TABLE_LIKE, guess=guess)
+    if periods is not None:
+        periods = whole_number("periods", periods, 1, MOST_PERIODS)
     if word is None:
         for name, value in (("guess", guess), ("periods", periods)):
             if value is not None:
-                raise ParameterError(
-                    name,
-                    value,
-                    "goes with a word only: without one it is that of the settled motion",
+                allowed = (
+                    f"{name} requires a word: without one the orbit is that of the settled motion"
                 )
+                raise ParameterError(name, value, allowed)
         if parameters.c == 0:
             raise ParameterError(
                 "word",
@@ -132,30 +142,50 @@ def find_orbit(
                 "word is required without a damper: for c = 0 a motion need not settle",
             )
         return settled_orbit(parameters, digits)
-    given = read_word(word)
-    found = given.cycle
-    if len(found.labels) > MOST_MAPPINGS:
-        reason = (
-            f"has {len(found.labels)} mappings; orbits of at most {MOST_MAPPINGS} are looked for"
-        )
-        raise WordError(f"{str(found)[:20]}...", reason)
+    return orbit_of_word(parameters, word, guess, digits, periods)
+
+
+def orbit_of_word(
+    parameters: Parameters,
+    word: WordLike,
+    guess: PeriodicOrbit | ArrayLike | Mapping[str, ArrayLike] | DataFrame | None = None,
+    digits: int | None = None,
+    periods: int | None = None,
+) -> PeriodicOrbit:
+    """Return the orbit with a word, or the root that is found in its place; see `find_orbit`."""
+    own_word = read_word(word)
+    cycle = own_word.cycle
+    if len(cycle.labels) > MOST_MAPPINGS:
+        reason = f"has {len(cycle.labels)} mappings; find_orbit accepts at most {MOST_MAPPINGS}"
+        raise WordError(f"{str(cycle)[:20]}...", reason)
     if parameters.k == 0:
         raise ParameterError(
             "k", 0, "must be > 0: without a spring nothing fixes the position of an orbit"
         )
     digits = read_digits(digits)
-    equations = ClosingEquations(parameters, found, periods or 1)
-    if guess is not None:
-        as_given = _read_guess(guess, ClosingEquations(parameters, given, periods or 1), periods)
-        first = first_of_cycle(given.labels)
-        points = _begun_at(as_given.points, first, 2 * pi * as_given.periods)
-        # Points may also be those of an answer: in the order of its word.
-        guesses = [as_given._replace(points=points), *([as_given] if first else [])]
+    equations = ClosingEquations(parameters, cycle, periods or 1)
+    if guess is None:
+        guesses: Iterable[Guess] = chain(
+            from_simulations(equations, periods), evenly_spaced(equations, periods or 1)
+        )
+    else:
+        own = _read_guess(guess, ClosingEquations(parameters, own_word, periods or 1), periods)
+        guesses = _rotations(own, own_word)
         if isinstance(guess, PeriodicOrbit):
             guesses.reverse()
-        return orbit_at(*_best_root(equations, guesses), digits)
-    searched = chain(from_simulations(equations, periods), evenly_spaced(equations, periods or 1))
-    return orbit_at(*_best_root(equations, searched), digits)
+    return orbit_at(*_best_root(equations, guesses), digits)
+
+
+def _rotations(guess: Guess, word: Word) -> list[Guess]:
+    """Return a guess with its points in the order of `word.cycle`, and as they are if `word` is
+    another rotation: they may be those of an answer, in the order of its word.
+    """
+    first = first_of_cycle(word.labels)
+    points = _begun_at(guess.points, first, 2 * pi * guess.periods)
+    guesses = [guess._replace(points=points)]
+    if first:
+        guesses.append(guess)
+    return guesses
 
 
 def settled_orbit(
@@ -166,42 +196,54 @@ def settled_orbit(
     """
     reason = f"the motion from rest does not settle within {most:,} forcing periods"
     tried = [""]
-    for periods in (each for each in SETTLING_PERIODS if each <= most):
+    for periods in SETTLING_PERIODS:
+        if periods > most:
+            break
         end = 2 * pi * periods / float(parameters.Omega)
-        summary = simulate_many(
-            parameters, (0, 0, 0), end, record=("status", "t", "word", "multiplicity")
-        )
-        if summary.status[0] == "undecidable":
-            reason = (
-                "the motion from rest comes too near to a graze for doubles, at t = "
-                f"{summary.t[0]:.6g}"
-            )
-            break
-        if summary.multiplicity[0]:
-            word = str(summary.word[0])
-        else:
-            word = ""
-        if summary.multiplicity[0] and not word:
-            reason = "the motion from rest settles without meeting a belt"
-            break
-        if len(word) > MOST_MAPPINGS + 1:
-            cycle = f"{len(word) - 1} mappings a cycle"
-            reason = f"the motion from rest has {cycle}, more than the {MOST_MAPPINGS} of a search"
-            break
-        if word not in tried:
+        word, trouble = _word_from_rest(parameters, end)
+        if not trouble and word not in tried:
             tried.append(word)
-            last = simulate_many(parameters, (0, 0, 0), end).t[-len(word) :]
-            # Events that are nearer to each other than this part of the time are one in doubles.
-            if np.diff(last).min(initial=inf) <= 2.0**-50 * end:
-                reason = (
-                    "the motion from rest comes too near to a graze: no stick has a length from t "
-                    f"= {last[0]:.6g}"
-                )
-                break
-            found = find_orbit(parameters, word, digits=digits)
-            if found.admissible:
-                return found
+            trouble = _too_close_text(parameters, end, len(word))
+            if not trouble:
+                orbit = orbit_of_word(parameters, word, digits=digits)
+                if orbit.admissible:
+                    return orbit
+        if trouble:
+            reason = f"the motion from rest {trouble}"
+            break
     raise ConvergenceError(tried[-1], (), 1, inf, reason)
+
+
+def _word_from_rest(parameters: Parameters, end: float) -> tuple[str, str]:
+    """Return the word of the motion from rest if it has settled by a time, else "".
+
+    The second text says why there is no such word, "" if the motion may settle later.
+    """
+    summary = simulate_many(
+        parameters, (0, 0, 0), end, record=("status", "t", "word", "multiplicity")
+    )
+    if summary.status[0] == "undecidable":
+        return "", f"comes too near to a graze for doubles, at t = {summary.t[0]:.6g}"
+    if not summary.multiplicity[0]:
+        return "", ""
+    word = str(summary.word[0])
+    if not word:
+        return "", "settles without meeting a belt"
+    if len(word) > MOST_MAPPINGS + 1:
+        length = f"{len(word) - 1} mappings a cycle"
+        return "", f"has {length}, more than the {MOST_MAPPINGS} of a search"
+    return word, ""
+
+
+def _too_close_text(parameters: Parameters, end: float, count: int) -> str:
+    """Return "" if doubles tell the last events of the motion from rest apart, else what they do
+    not tell.
+    """
+    last = simulate_many(parameters, (0, 0, 0), end).t[-count:]
+    # Events that are nearer to each other than this part of the time are one in doubles.
+    if np.diff(last).min(initial=inf) > 2.0**-50 * end:
+        return ""
+    return f"comes too near to a graze: no stick has a length from t = {last[0]:.6g}"
 
 
 class Root(NamedTuple):
@@ -251,8 +293,14 @@ def _best_root(
         return _first_root(roots)
     word = str(equations.word)
     if best is None:
-        raise ConvergenceError(word, (), 0, inf, f"no guess was found{_other_motion_text(tried)}")
-    reason = best.reason + _other_motion_text(tried)
+        reason = "no guess was found"
+    else:
+        reason = best.reason
+    instead = motion_instead(tried)
+    if instead:
+        reason += f"; {instead}"
+    if best is None:
+        raise ConvergenceError(word, (), 0, inf, reason)
     raise ConvergenceError(
         word, switching_points(tried, best.points), tried.periods, float(best.residual), reason
     )
@@ -347,43 +395,9 @@ def orbit_at(
     else:
         stable = gap > 0
     if failed:
-        texts = []
-        resting = False
-        for c in failed:
-            lasts = c.value == 0 and c.rank in (STICK_LASTS, FLIGHT_LASTS)
-            if lasts:
-                how = "it has no length"
-            elif c.value == 0:
-                how = "just fails"
-            else:
-                how = f"fails by {-c.value:.3g}"
-            texts.append(f"{c.text}: {how} at t = {c.t:.6g}")
-            resting = resting or lasts
-        message = (
-            "a root that is not an orbit "
-            f"({'; '.join(texts)}){_other_motion_text(equations, resting)}"
-        )
+        message = _message_of_root(failed, motion_instead(equations, failed))
     else:
-        kind = {True: "a stable", False: "an unstable", None: "a marginal"}[stable]
-        message = (
-            f"{kind} orbit of {equations.periods} forcing "
-            f"period{'s' if equations.periods > 1 else ''}"
-        )
-        # The largest multiplier is 1 - gap, written so that it differs from 1.
-        near_one = gap is not None and abs(gap) <= 1e-5
-        if gap is None:
-            size = "1"
-        elif near_one:
-            size = f"1 {'-' if gap > 0 else '+'} {abs(gap):.3g}"
-        else:
-            size = f"{1 - gap:.6g}"
-        message += f", largest |multiplier| {size}"
-        if stable is None:
-            message += " (no neighbour need come nearer)"
-        if near < inf:
-            message += f", {near:.3g} in velocity away from grazing"
-        if repeated > 1:
-            message += f"; it runs {repeated} times through a shorter orbit"
+        message = _message_of_orbit(equations.periods, stable, gap, near, repeated)
     return PeriodicOrbit(
         parameters=equations.parameters,
         word=word,
@@ -404,6 +418,63 @@ def orbit_at(
         steps=steps,
         digits=digits,
     )
+
+
+def _message_of_root(failed: Sequence[Condition], instead: str) -> str:
+    """Return the message of a root that is not an orbit: why, and what the motion does instead."""
+    texts = []
+    for condition in failed:
+        if _has_no_length(condition):
+            how = "it has no length"
+        elif condition.value == 0:
+            how = "just fails"
+        else:
+            how = f"fails by {-condition.value:.3g}"
+        texts.append(f"{condition.text}: {how} at t = {condition.t:.6g}")
+    message = f"a root that is not an orbit ({'; '.join(texts)})"
+    if instead:
+        message += f"; {instead}"
+    return message
+
+
+def _message_of_orbit(
+    periods: int, stable: bool | None, gap: float | None, near: float, repeated: int
+) -> str:
+    """Return the message of an orbit: its kind, its largest multiplier 1 - gap, and how far from
+    grazing it is.
+    """
+    kind = {True: "a stable", False: "an unstable", None: "a marginal"}[stable]
+    message = f"{kind} orbit of {counted_periods(periods)}, largest |multiplier| {_size_text(gap)}"
+    if stable is None:
+        message += " (no neighbour need come nearer)"
+    if near < inf:
+        message += f", {near:.3g} in velocity away from grazing"
+    if repeated > 1:
+        message += f"; it runs {repeated} times through a shorter orbit"
+    return message
+
+
+def counted_periods(periods: int) -> str:
+    """Return text such as "2 forcing periods"."""
+    if periods == 1:
+        return "1 forcing period"
+    return f"{periods} forcing periods"
+
+
+def _size_text(gap: float | None) -> str:
+    """Return the size 1 - gap as text, so that it differs from 1 if it is another number."""
+    if gap is None:
+        return "1"
+    if abs(gap) > NEAR_ONE_TEXT:
+        return f"{1 - gap:.6g}"
+    if gap > 0:
+        return f"1 - {abs(gap):.3g}"
+    return f"1 + {abs(gap):.3g}"
+
+
+def _has_no_length(condition: Condition) -> bool:
+    """Return whether a condition fails because a piece of the motion has no length."""
+    return condition.value == 0 and condition.rank in (STICK_LASTS, FLIGHT_LASTS)
 
 
 def _canonical(
@@ -429,23 +500,25 @@ def _begun_at(points: np.ndarray, first: int, turn: float) -> np.ndarray:
     return np.concatenate([points[first:], points[:first] + np.array([0.0, turn])])
 
 
-def _other_motion_text(equations: ClosingEquations, resting: bool = False) -> str:
-    """Describe the motion that exists instead of the orbit; with `resting`, look for positions of
-    rest first.
+def motion_instead(equations: ClosingEquations, failed: Sequence[Condition] = ()) -> str:
+    """Simulate the motion that exists instead of an orbit with the word of the equations, and
+    describe it; "" if nothing is known of it.
+
+    If a piece has no length, as the conditions `failed` say, the mass may rest: positions of rest
+    are then described without a simulation.
     """
-    for boundary in {piece.start for piece in equations.pieces if piece.sticks and resting}:
-        if rest_positions(equations.parameters, boundary) is not None:
-            return f"; {resting_text(equations.parameters, 3 + boundary, 'the mass stays')}"
+    if any(map(_has_no_length, failed)):
+        for boundary in {piece.start for piece in equations.pieces if piece.sticks}:
+            if rest_positions(equations.parameters, boundary) is not None:
+                return resting_text(equations.parameters, 3 + boundary, "the mass stays")
     centre, size = largest_displacement(equations)
     once = ClosingEquations(equations.parameters, equations.word, 1)
-    orbit, instead = settling(
-        once, centre, 0.0, equations.pieces[0].start, size if equations.parameters.c > 0 else None
-    )
+    # Only a damper makes motions from elsewhere settle.
+    limit = size if equations.parameters.c > 0 else None
+    orbit, text = settling(once, centre, 0.0, equations.pieces[0].start, limit)
     if orbit:
-        text = f"the motion settles to {orbit.cycle}"
-    else:
-        text = instead
-    return text and f"; {text}"
+        return f"the motion settles to {orbit.cycle}"
+    return text
 
 
 def switching_points(equations: ClosingEquations, points: Points) -> tuple[SwitchingPoint, ...]:
@@ -496,7 +569,7 @@ def _read_guess(guess: Any, equations: ClosingEquations, periods: int | None) ->
         theta = np.maximum.accumulate(theta + short * np.arange(n))
     if (np.diff(theta) < 0).any() or theta[-1] - theta[0] >= 2 * pi * count:
         raise ParameterError(
-            "guess", guess, f"its times must increase, and end within {count} forcing period(s)"
+            "guess", guess, f"the times must increase, and end within {counted_periods(count)}"
         )
     return Guess(np.column_stack([values[:, 1], theta]), count, inf)
 

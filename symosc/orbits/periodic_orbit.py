@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from symosc.base.aliases import Number, NumberLike, Record, SceneName
-from symosc.base.arguments import public
+from symosc.base.arguments import ARRAY_LIKE, NAMES, SCENE_NAME, public, require
 from symosc.base.arrays import real_array
 from symosc.base.display.drawable import Drawable
 from symosc.base.display.latex import latex_number
@@ -169,6 +169,9 @@ class PeriodicOrbit(Drawable):
     [2.181503, -14.315533]
     """
 
+    _drawn_by = "orbit_figure"
+    _made_by = "find_orbit(...)"
+
     parameters: Parameters
     word: str
     labels: tuple[str, ...]
@@ -220,6 +223,7 @@ class PeriodicOrbit(Drawable):
     @public
     def __call__(self, t: ArrayLike) -> np.ndarray:
         """Return [x, v] at times t."""
+        require(*ARRAY_LIKE, t=t)
         times = real_array("t", t, "must be real numbers")
         equations = self.equations()
         points = self.phases()
@@ -262,6 +266,7 @@ class PeriodicOrbit(Drawable):
         >>> find_orbit("fig9").sensitivities(("FN", "Omega")).dt.round(6).tolist()
         [[0.006374, 0.053576], [0.0068, -0.154111]]
         """
+        require(*NAMES, wrt=wrt)
         if isinstance(wrt, str):
             names: tuple[str, ...] = (wrt,)
         else:
@@ -310,6 +315,7 @@ class PeriodicOrbit(Drawable):
         ParameterError
             If the scene has other parameters than the orbit.
         """
+        require(Scene, SCENE_NAME, scene=scene)
         if not isinstance(scene, Scene):
             scene = load_scene(scene)
         near = float(read_exact("within", within))

@@ -12,4 +12,4 @@ def backend_error(error: ValueError) -> ParameterError | None:
     if not str(error).startswith("Key backend:"):
         return None
     backend = os.environ.get("MPLBACKEND")
-    return ParameterError("MPLBACKEND", backend, "is no backend of matplotlib, such as agg")
+    return ParameterError("MPLBACKEND", backend, "must be a backend of matplotlib, such as agg")

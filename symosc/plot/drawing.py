@@ -24,7 +24,7 @@ from matplotlib.layout_engine import ConstrainedLayoutEngine
 from matplotlib.lines import Line2D
 
 from symosc.base.aliases import Record
-from symosc.base.arguments import public
+from symosc.base.arguments import FILE, public, require
 from symosc.base.display.latex import latex_text
 from symosc.base.errors import OutputError, ParameterError, brief, meant
 from symosc.base.files import STDOUT, read_path, write_whole
@@ -193,20 +193,20 @@ def read_style(style: Any, figure: Callable[..., object]) -> Record:
     try:
         named = normalize_kwargs(style, Line2D)
     except TypeError as error:
-        raise ParameterError(" ".join(style), style, f"is given twice: {error}") from None
+        raise ParameterError(" ".join(style), style, f"must be given only once: {error}") from None
     for name, value in named.items():
         try:
             Line2D([], []).set(**{name: value})
         except AttributeError:
             known = [*signature(figure).parameters, *ArtistInspector(Line2D).get_setters()]
             allowed = (
-                "is no argument of this figure, and no property of matplotlib's "
+                "unknown argument; pass one of this figure, or a property of matplotlib's "
                 f"lines{meant(name, known)}"
             )
             raise ParameterError(name, value, allowed) from None
         except (TypeError, ValueError) as error:
             raise ParameterError(
-                name, value, f"is no style of a line of matplotlib: {error}"
+                name, value, f"must be a style of matplotlib for lines: {error}"
             ) from None
     return named
 
@@ -335,6 +335,8 @@ def save(drawing: Figure, path: str | Path) -> Path:
     ...     plot.save(plot.figure("fig5", panels="a"), f"{folder}/motion.svg").name
     'motion.svg'
     """
+    require(Figure, drawing=drawing)
+    require(FILE, path=path)
     suffix = check_suffix(path)
     # No date in the file: drawing it again gives the same bytes.
     metadata = {".pdf": {"CreationDate": None}, ".svg": {"Date": None}, ".png": None}[suffix]

@@ -17,7 +17,16 @@ from matplotlib.layout_engine import ConstrainedLayoutEngine
 from matplotlib.lines import Line2D
 
 from symosc.base.aliases import NumberLike, Record, SceneName
-from symosc.base.arguments import public
+from symosc.base.arguments import (
+    NUMBER,
+    SCENE_NAME,
+    TEXT,
+    WHOLE,
+    public,
+    require,
+    require_or_none,
+    sequence_of,
+)
 from symosc.base.errors import ParameterError
 from symosc.base.exact import whole_number
 from symosc.base.quantities import read_number
@@ -120,6 +129,10 @@ def figure(
     >>> [axes.get_xlabel() for axes in drawing.axes]
     ['time $t$', 'displacement $x$']
     """
+    require(Trajectory, Scene, SCENE_NAME, subject=subject)
+    require_or_none(NUMBER, t_end=t_end)
+    require_or_none(TEXT, panels=panels)
+    require_or_none(Axes, ax=ax)
     if not isinstance(subject, Trajectory):
         if isinstance(subject, Scene):
             scene = subject
@@ -128,7 +141,9 @@ def figure(
         motion = simulated(scene, t_end)
         usual = default_panels(scene)
     elif t_end is not None:
-        raise ParameterError("t_end", t_end, "is only for scenes; a trajectory has its own")
+        raise ParameterError(
+            "t_end", t_end, "t_end applies to scenes only; a trajectory has its own"
+        )
     elif len(subject.events) > MOST_DRAWN_EVENTS:
         allowed = f"a figure shows at most {MOST_DRAWN_EVENTS} events; simulate a shorter time"
         raise ParameterError("subject", subject, allowed)
@@ -208,8 +223,16 @@ def orbit_figure(
     >>> [axes.get_ylabel() for axes in plot.orbit_figure(orbit, "c").axes]
     ['velocity $\\\\dot{x}$']
     """
+    from symosc.orbits.periodic_orbit import PeriodicOrbit
+
+    require(PeriodicOrbit, orbit=orbit)
+    require_or_none(TEXT, panels=panels)
+    require(WHOLE, columns=columns)
+    require_or_none(Axes, ax=ax)
     if not orbit.admissible:
-        raise ParameterError("orbit", orbit.word, f"is no motion: {orbit.message}")
+        raise ParameterError(
+            "orbit", orbit.word, f"must be an admissible orbit, not {orbit.message}"
+        )
     motion = simulate_orbit(orbit, PERIODS_SHOWN)
     if panels is None:
         if ax is None:
@@ -339,6 +362,11 @@ def branch_figure(branch: Branch, panels: str | None = None, *, ax: Axes | None 
     >>> [axes.get_ylabel() for axes in plot.branch_figure(branch).axes]
     ['position $x$ at the switching', 'moduli of the multipliers']
     """
+    from symosc.orbits.branch import Branch
+
+    require(Branch, branch=branch)
+    require_or_none(TEXT, panels=panels)
+    require_or_none(Axes, ax=ax)
     how: Record = {"alone": "b", "letter_at": -0.12}
     with panels_for(branch, BRANCH_PANELS, panels, ax, (3.5, 3.1), **how) as (drawing, row):
         for axes in row:
@@ -534,6 +562,10 @@ def border_figure(
     >>> drawing.axes[0].get_ylabel()
     '$F_N$'
     """
+    from symosc.orbits.border import Border
+
+    require(Border, sequence_of(Border), border=border)
+    require_or_none(Axes, ax=ax)
     if isinstance(border, Sequence):
         borders = list(border)
     else:

@@ -21,7 +21,7 @@ from matplotlib.lines import Line2D
 
 from symosc.analysis.fitting.fit import Fit
 from symosc.base.aliases import Record
-from symosc.base.arguments import public
+from symosc.base.arguments import TEXT, public, require, require_or_none, sequence_of
 from symosc.base.errors import ParameterError
 from symosc.base.exact import whole_number
 from symosc.base.files import check_folder_of, write_text
@@ -69,6 +69,9 @@ def crosscheck_figure(
     >>> [axes.get_ylabel() for axes in plot.crosscheck_figure(crosscheck("fig5", t, x, v), "ab").axes]
     ['global error', 'defect of the step']
     """
+    require(CrossCheck, check=check)
+    require_or_none(TEXT, panels=panels)
+    require_or_none(Axes, ax=ax)
     marks: list[tuple[str, Any, Record]] = [
         (
             "matched",
@@ -152,6 +155,9 @@ def fit_figure(found: Fit, panels: str | None = None, *, ax: Axes | None = None)
     >>> [axes.get_xlabel() for axes in plot.fit_figure(found).axes]
     ['', 'time $t$']
     """
+    require(Fit, found=found)
+    require_or_none(TEXT, panels=panels)
+    require_or_none(Axes, ax=ax)
     with panels_for(found, FIT_PANELS, panels, ax, (7.0, 1.7), **ABOVE_EACH_OTHER) as (
         drawing,
         row,
@@ -239,6 +245,9 @@ def step_figure(
     >>> [axes.get_ylabel() for axes in drawing.axes]
     ['$v$', '$x$']
     """
+    require(CrossCheck, check=check)
+    require_or_none(TEXT, panels=panels)
+    require_or_none(Axes, ax=ax)
     if step is None:
         if check.first_wrong:
             step = check.first_wrong.step
@@ -475,9 +484,13 @@ def certificate_figure(certificate: Certificate, *, ax: Axes | None = None) -> F
     >>> plot.certificate_figure(certify("fig6")).axes[0].get_ylabel()
     'width of the enclosure'
     """
+    require(Certificate, certificate=certificate)
+    require_or_none(Axes, ax=ax)
     events = [event for event in certificate.events if len(event) > 3]
     if not events:
-        allowed = "has no enclosed events to draw; those of a trajectory or an orbit with events do"
+        allowed = (
+            "must have enclosed events, as that of a trajectory or of an orbit with events has"
+        )
         raise ParameterError("certificate", certificate, allowed)
     times = [float(event[3][0]) for event in events]
     enclosed = (("time $t$", "#1f3fd6", "o"), ("position $x$", "#d7191c", "s"))
@@ -535,6 +548,9 @@ def score_figure(scores: Sequence[Score]) -> Figure:
     >>> [label.get_text() for label in drawing.axes[0].get_xticklabels()]
     ['paper']
     """
+    from symosc.reference.score import Score
+
+    require(sequence_of(Score), scores=scores)
     if not len(scores):
         raise ParameterError("scores", scores, "must be one or more")
     looks = []

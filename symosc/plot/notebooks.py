@@ -18,7 +18,7 @@ from markupsafe import Markup
 
 from symosc.analysis.response import FrequencyResponse
 from symosc.base.aliases import Record
-from symosc.base.display.drawable import Listing, register
+from symosc.base.display.drawable import Listing
 from symosc.base.exact import show
 from symosc.base.quantities import QUANTITIES, unit_of
 from symosc.certificates.atlas import Atlas
@@ -506,6 +506,7 @@ def listing_page(listing: Listing[Any]) -> str | None:
     )
 
 
+#: What makes the page of the results of a class.
 PAGES: dict[type, Callable[..., str | None]] = {
     Scene: scene_page,
     Listing: listing_page,
@@ -521,5 +522,11 @@ PAGES: dict[type, Callable[..., str | None]] = {
     CrossCheck: crosscheck_page,
     Certificate: certificate_page,
 }
-for _kind, _page in PAGES.items():
-    register(_kind, _page, "page")
+
+
+def page_of(result: object) -> str | None:
+    """Return the page of a result; None if its class has none."""
+    for kind in type(result).__mro__:
+        if kind in PAGES:
+            return PAGES[kind](result)
+    return None

@@ -24,7 +24,7 @@ from matplotlib.patches import Patch
 from matplotlib.ticker import MaxNLocator
 
 from symosc.base.aliases import Record
-from symosc.base.arguments import public
+from symosc.base.arguments import DATASET, TEXT, one_of, public, require, require_or_none
 from symosc.base.errors import ParameterError
 from symosc.engine.events import KIND_NAMES
 from symosc.plot.drawing import (
@@ -89,7 +89,7 @@ def read_column(dataset: Any, name: Any) -> Any:
         else:
             name = names[0]
     if name not in names:
-        raise ParameterError("name", name, f"is not recorded here; there is {', '.join(names)}")
+        raise ParameterError("name", name, f"must be a recorded column: {', '.join(names)}")
     return dataset[name].squeeze(
         [each for each in axes_of(dataset[name]) if dataset.sizes[each] == 1]
     )
@@ -109,7 +109,7 @@ def read_axes(column: Any, count: int, what: str) -> list[str]:
     """
     if "component" in column.dims:
         raise ParameterError(
-            "name", column.name, "has x and v at many times; bifurcation_figure draws it"
+            "name", column.name, "must have one value a motion; bifurcation_figure draws sections"
         )
     axes = axes_of(column)
     if len(axes) != count or any(each not in column.coords for each in axes):
@@ -152,6 +152,11 @@ def swept_figure(
     >>> [axes.get_xlabel() for axes in plot.swept_figure(found).axes]
     ['$\\\\Omega$']
     """
+    from symosc.sweeps.output import SweptDataset
+
+    require(DATASET, SweptDataset, dataset=dataset)
+    require_or_none(TEXT, name=name)
+    require_or_none(Axes, ax=ax)
     data: Any = getattr(dataset, "dataset", dataset)  # what `dataset.symosc` is made for
     column = read_column(data, name)
     axes = axes_of(column)
@@ -180,6 +185,9 @@ def bifurcation_figure(
     >>> [axes.get_ylabel() for axes in plot.bifurcation_figure(found).axes]
     ['displacement $x$ at whole periods']
     """
+    require(DATASET, dataset=dataset)
+    require(one_of("x", "v"), component=component)
+    require_or_none(Axes, ax=ax)
     section = read_column(dataset, "section").sel(component=component)
     if "start" in section.dims:
         one = section.isel(start=0)
@@ -231,6 +239,9 @@ def curve_figure(
     >>> [axes.get_ylabel() for axes in plot.curve_figure(found).axes]
     ['events']
     """
+    require(DATASET, dataset=dataset)
+    require_or_none(TEXT, name=name)
+    require_or_none(Axes, ax=ax)
     column = read_column(dataset, name)
     (axis,) = read_axes(column, 1, "a curve")
     column = column.sortby(axis)
@@ -312,6 +323,11 @@ def response_figure(
     >>> [axes.get_ylabel() for axes in plot.response_figure(found, "ac").axes]
     ['amplitude', 'phase behind the excitation']
     """
+    from symosc.analysis.response import FrequencyResponse
+
+    require(FrequencyResponse, found=found)
+    require_or_none(TEXT, panels=panels)
+    require_or_none(Axes, ax=ax)
     order = np.argsort(found.values)
     words = np.where(
         found.status == "rest", "rest", [_cyclic_word(word) or " " for word in found.word]
@@ -416,6 +432,9 @@ def map_figure(
     >>> [axes.get_ylabel() for axes in plot.map_figure(found).axes]
     ['$F_N$']
     """
+    require(DATASET, dataset=dataset)
+    require_or_none(TEXT, name=name)
+    require_or_none(Axes, ax=ax)
     return _map(dataset, read_column(dataset, name), ax)
 
 
@@ -472,6 +491,9 @@ def basin_figure(
     >>> [axes.get_xlabel() for axes in plot.basin_figure(found).axes]
     ['$x_0$']
     """
+    require(DATASET, dataset=dataset)
+    require_or_none(TEXT, name=name)
+    require_or_none(Axes, ax=ax)
     column = read_column(dataset, name)
     if set(read_axes(column, 2, "a basin")) != {"x0", "v0"}:
         raise ParameterError(
@@ -629,6 +651,8 @@ def events_figure(events: EventTable, *, ax: Axes | None = None) -> Figure:
     >>> [axes.get_ylabel() for axes in plot.events_figure(events).axes]
     ['motion']
     """
+    require(EventTable, events=events)
+    require_or_none(Axes, ax=ax)
     with axes_for(ax, (5.0, 3.4)) as (drawing, (axes,)):
         scale = max(0.6 / 5, min(1.0, (200 / max(len(events), 1)) ** 0.5))
         for code, kind in KIND_NAMES.items():
@@ -673,12 +697,15 @@ def summary_figure(summary: Summary, name: str | None = None, *, ax: Axes | None
     >>> [axes.get_xlabel() for axes in plot.summary_figure(found).axes]
     ['motions']
     """
+    require(Summary, summary=summary)
+    require_or_none(TEXT, name=name)
+    require_or_none(Axes, ax=ax)
     columns = summary.columns()
     if name is None:
         name = next((each for each in ("word", "section", *columns) if each in columns), "word")
     if name not in columns:
         raise ParameterError(
-            "name", name, f"is not recorded here; there is {', '.join(columns) or 'nothing'}"
+            "name", name, f"must be a recorded column: {', '.join(columns) or 'none'}"
         )
     values = columns[name]
     with axes_for(ax, (4.6, 3.4)) as (drawing, (axes,)):
@@ -739,6 +766,10 @@ def atlas_figure(atlas: Atlas, *, ax: Axes | None = None) -> Figure:
     >>> [axes.get_xlabel() for axes in plot.atlas_figure(plane).axes]
     ['$\\\\Omega$']
     """
+    from symosc.certificates.atlas import Atlas
+
+    require(Atlas, atlas=atlas)
+    require_or_none(Axes, ax=ax)
     words = [region.word for region in atlas.regions if region.word]
     colours = {word: ATLAS_COLORS[min(i, len(ATLAS_COLORS) - 1)] for i, word in enumerate(words)}
     entries: dict[str, Any] = {}

@@ -18,7 +18,17 @@ from matplotlib.lines import Line2D
 from matplotlib.patches import Patch
 
 from symosc.base.aliases import NumberLike, Order, Record
-from symosc.base.arguments import public
+from symosc.base.arguments import (
+    NUMBER,
+    ORDER,
+    TEXT,
+    function_of,
+    public,
+    require,
+    require_or_none,
+    row_of,
+    sequence_of,
+)
 from symosc.base.errors import ParameterError
 from symosc.base.exact import read_exact, show
 from symosc.grazing.curve import CurvePiece, GrazingCurve
@@ -36,7 +46,7 @@ from symosc.plot.drawing import (
     read_panels,
     typeset,
 )
-from symosc.scenes import ParametersLike
+from symosc.scenes import ParametersLike, parameters_of
 
 if TYPE_CHECKING:
     from symosc.symbolic.inverse import ParameterRegion
@@ -87,6 +97,10 @@ def window_figure(
     >>> len(drawing.axes)
     4
     """
+    require(GrazingWindow, sequence_of(GrazingWindow), windows=windows)
+    require_or_none(function_of(2), plane=plane)
+    require_or_none(TEXT, panels=panels)
+    require_or_none(Axes, ax=ax)
     if isinstance(windows, GrazingWindow):
         chosen = [windows]
     else:
@@ -98,7 +112,9 @@ def window_figure(
     if ax is not None:
         if len(chosen) > 1:
             raise ParameterError(
-                "windows", f"{len(chosen)} windows", "axes hold one window: give ax= with one"
+                "windows",
+                f"{len(chosen)} windows",
+                "an Axes holds a single window; pass one window together with ax=",
             )
         draw[panels](ax, chosen[0])
         return common.figure_of(ax)
@@ -272,6 +288,11 @@ def sweep_figure(
     >>> drawing.axes[0].get_xlabel()
     '$\\\\Omega$'
     """
+    p = parameters_of(p)
+    require(TEXT, mapping=mapping, name=name)
+    require_or_none(NUMBER, low=low, high=high)
+    require(ORDER, order=order)
+    require_or_none(Axes, ax=ax)
     low, high = _sweep_range(p, mapping, name, low, high)
     equalities = [q for q in _equalities(p, mapping, name) if low < q < high]
     # Equality and 0, where the window changes its kind, with their neighbours.
@@ -452,6 +473,11 @@ def region_figure(
     >>> [text.get_text() for text in drawing.legends[0].get_texts()]
     ['inside', 'border, not inside', 'given values, outside']
     """
+    from symosc.symbolic.inverse import ParameterRegion
+
+    require(ParameterRegion, region=region)
+    require_or_none(row_of(2, NUMBER), first=first, second=second)
+    require_or_none(Axes, ax=ax)
     names = region.question.names
     spans = [
         _axis_range(region, name, given) for name, given in zip(names, (first, second), strict=True)
@@ -631,6 +657,9 @@ def figure_grazing_curve(
     >>> drawing.axes[1].get_title()
     'flight to the grazing point'
     """
+    require(GrazingCurve, curve=curve)
+    require_or_none(TEXT, panels=panels)
+    require_or_none(Axes, ax=ax)
     with panels_for(curve, CURVE_PANELS, panels, ax, (3.5, 3.2)) as (drawing, _):
         return drawing
 

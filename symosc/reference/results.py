@@ -1,49 +1,37 @@
-"""Read a solver's events, from any kind of file that `symosc check` reads: one file per case, or
-one for all.
+"""Read a solver's events: CSV in one file for all cases or a file per case, or JSON.
 
-`formats.txt` has the rules.
+`formats.txt`, the README of a set of cases, has the rules.
 """
 
 from __future__ import annotations
 
-from collections.abc import Container, Iterable, Iterator, Mapping
-from contextlib import suppress
+import csv
+import io
+import json
+from collections.abc import Container, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from fractions import Fraction
-from functools import partial
 from pathlib import Path
 from typing import Any, NamedTuple
-
-import numpy as np
 
 from symosc.base.aliases import Record
 from symosc.base.errors import ParameterError, ResultError, brief
 from symosc.base.exact import read_exact
 from symosc.base.files import read_path
-from symosc.crosschecks.files import SUFFIXES, plain_number, read_content, suffix_of
-from symosc.crosschecks.objects import ID_COLUMN, USUAL_NAMES, as_table, plain
 from symosc.simulation.tangents import NAMES
 
-EVENT_WORDS = ("cross", "stick", "slip", "graze")
+EVENT_KINDS = ("cross", "stick", "slip", "graze")
 #: The kind of a line that says how far a case was followed.
 FOLLOWED_TO = "end"
-#: Names of files in a folder that are no results; and endings of files whose names must be those of
-#: cases.
-NO_RESULTS = ("cases", "manifest")
-CERTAIN = (".csv", ".json")
+#: What a case's file is called in a folder of its own, as `symosc cases` writes it.
+EVENTS_FILE = "events.csv"
+#: The table of a set of cases; beside results it is not one of them.
+CASES_TABLE = "cases.csv"
 #: Columns of derivatives: dt_mu1, dx_mu1, ...
-CHANGES = tuple(f"d{of}_{name}" for name in NAMES for of in "tx")
-#: What the columns are called, in any case, units and signs left out.
-EVENT_COLUMNS = {
-    "case": USUAL_NAMES[ID_COLUMN],
-    "t": USUAL_NAMES["t"],
-    "x": USUAL_NAMES["x"],
-    "kind": {"kind", "event", "type"},
-    "boundary": {"boundary", "belt"},
-    "seconds": {"seconds"},
-    **{f"{name}_{end}": {name + end} for name in "tx" for end in ("low", "high")},
-    **{name: {name.replace("_", "").lower()} for name in CHANGES},
-}
+CHANGES = tuple(f"d{coordinate}_{name}" for name in NAMES for coordinate in "tx")
+ENCLOSURES = ("t_low", "t_high", "x_low", "x_high")
+#: The columns that are read; others are ignored.
+COLUMNS = ("case", "t", "x", "kind", "boundary", "seconds", *ENCLOSURES, *CHANGES)
 
 
 class GivenEvent(NamedTuple):
@@ -72,223 +60,219 @@ class CaseResult:
 Results = dict[str, CaseResult]
 
 
+class Place(NamedTuple):
+    """A place in a file of results, for messages: a line of it, or an event."""
+
+    path: Path
+    where: str
+
+    def wrong(self, message: str) -> ResultError:
+        """Return the exception that says what is wrong here."""
+        return ResultError(str(self.path), f"{self.where}: {message}")
+
+
+class Entry(NamedTuple):
+    """An event, or the end of a run, as it stands in a file: the name of its case, and its cells
+    by the names of their columns, without empty ones.
+    """
+
+    case: str
+    place: Place
+    cells: Record
+
+
 def read_results(path: str | Path, names: Container[str]) -> Results:
-    """Return results by case, from a folder with a file for each (NAME.csv, NAME/events.csv, ...),
-    or from one file.
+    """Return results by case, from one file (.csv, .json), or from a folder with NAME.csv or
+    NAME/events.csv for each case.
     """
     source = Path(read_path(path))
     if not source.exists():
         raise ResultError(str(source), "does not exist")
-    found: Results = {}
-    for file, name in _files_of_cases(source, names) if source.is_dir() else [(source, None)]:
-        if name in found:
-            raise ResultError(str(file), f"is the second file with results for {name}")
-        found |= _read_file(file, name)
-    for name in found:
+    results: Results = {}
+    if source.is_dir():
+        for file, name in _files_of_cases(source, names):
+            if name in results:
+                raise ResultError(str(file), f"is the second file with results for {name}")
+            results[name] = CaseResult()
+            _add_entries(results, _csv_entries(file, name))
+    elif source.suffix.lower() == ".csv":
+        _add_entries(results, _csv_entries(source, None))
+    elif source.suffix.lower() == ".json":
+        _add_entries(results, _json_entries(source))
+    else:
+        raise ResultError(str(source), "must end in .csv or .json, or be a folder of CSV files")
+    for name in results:
         if name not in names:
-            raise ResultError(
-                str(source), f"has results for {brief(name)!r}, which is no case of this set"
-            )
-    if not found:
-        raise ResultError(str(source), "has no results")
-    for result in found.values():
+            problem = f"has results for {brief(name)!r}, which is no case of this set"
+            raise ResultError(str(source), problem)
+    if not results:
+        problem = "has no results; a folder has them in NAME.csv or NAME/events.csv for each case"
+        raise ResultError(str(source), problem)
+    for result in results.values():
         result.events.sort(key=lambda event: event.t)
-    return found
+    return results
 
 
 def _files_of_cases(folder: Path, names: Container[str]) -> Iterator[tuple[Path, str]]:
     """Yield each file of a folder that has results of a case, with the name of the case."""
     for path in sorted(folder.iterdir()):
-        for file in sorted(path.glob("events.*")) if path.is_dir() else [path]:
-            if path.is_dir():
-                name = path.name
-            else:
-                name = path.name.partition(".")[0]
-            suffix = suffix_of(file)
-            if suffix in SUFFIXES and name in names:
-                yield file, name
-            elif suffix in CERTAIN and name not in NO_RESULTS:
-                raise ResultError(
-                    str(file), f"is named {brief(name)!r}, which is no case of this set"
-                )
+        if path.is_dir():
+            file = path / EVENTS_FILE
+            name = path.name
+        else:
+            file = path
+            name = path.stem
+        if file.suffix.lower() != ".csv" or not file.is_file() or path.name == CASES_TABLE:
+            continue
+        if name not in names:
+            problem = f"is named {brief(name)!r}, which is no case of this set"
+            raise ResultError(str(file), problem)
+        yield file, name
 
 
-def _read_file(path: Path, name: str | None) -> Results:
-    """Return the results in a file by case.
-
-    `name` is the case that it is for, None if the file itself names cases.
-    """
-    if name is None:
-        found: Results = {}
-    else:
-        found = {name: CaseResult()}
+def _text_of(path: Path) -> str:
+    """Return the text of a file in UTF-8, with or without a byte order mark."""
     try:
-        for case, where, entry in _entries(
-            read_content(path, partial(_columns, needs_case=name is None)), name
-        ):
-            _add_entry(where, found.setdefault(case, CaseResult()), entry)
-    except ParameterError as error:
-        raise ResultError(
-            str(path), error.allowed if error.name == "file" else str(error)
-        ) from None
-    return found
+        return path.read_text(encoding="utf-8-sig")
+    except OSError as error:
+        raise ResultError(str(path), f"cannot be read: {error.strerror or error}") from None
+    except UnicodeDecodeError:
+        raise ResultError(str(path), "cannot be read: it is not text in UTF-8") from None
 
 
-def _wrong(what: str) -> ParameterError:
-    """Return the exception to raise for a file of results, which says what is wrong with it."""
-    return ParameterError("file", "", what)
+def _csv_entries(path: Path, case: str | None) -> Iterator[Entry]:
+    """Yield the entries of a CSV file.
 
-
-def _names_by_meaning(names: Iterable[str]) -> dict[str, str]:
-    """Return which of a file's column names mean "t", "x", "kind" and so on, as a dictionary by
-    meaning.
+    `case` is the name of the case that it is for, None if it has a column of names.
     """
-    found: dict[str, str] = {}
-    there = list(map(str, names))
-    for what, usual in EVENT_COLUMNS.items():
-        fitting = [name for name in there if name.strip().lower() == what.lower()]
-        fitting = fitting or [name for name in there if plain(name) in usual]
-        if len(fitting) > 1:
-            raise _wrong(f"has two columns named {brief(fitting[0])!r}")
-        if fitting:
-            found[what] = fitting[0]
-    return found
-
-
-def _columns(names: list[str], needs_case: bool) -> dict[str, str]:
-    """Return a table's column names by meaning; raise ParameterError if a needed one is missing."""
-    found = _names_by_meaning(names)
-    enclosed = {"t_low", "t_high"} <= set(found)
-    for what, needed in {"case": needs_case, "t": not enclosed, "kind": True}.items():
-        if needed and what not in found:
-            raise _wrong(f"has no column {what}; its columns are {brief(', '.join(names))}")
-    return found
-
-
-def _entries(content: Any, name: str | None) -> Iterator[tuple[str, str, Record]]:
-    """Yield each event, or end of a run, as (its case, its place in the file, its entries by
-    meaning).
-    """
-    # `name` is the case that the file is for, None if the file itself names cases.
-    if name is None:
-        where = ""
-    else:
-        where = brief(name)
-    if name is not None:  # a case may be without events
-        yield name, where, {"kind": FOLLOWED_TO}
-    if isinstance(content, dict) and "kind" not in _names_by_meaning(content):
-        table = None
-    else:
-        table = as_table(content)
-    if isinstance(content, list) and content and isinstance(content[0], tuple):  # lines of a text
-        for line, entry in content:
-            yield name or entry.get("case", ""), line, entry
-    elif table is not None:
-        columns = {
-            what: np.ravel(table[own]) for what, own in _columns([*table], name is None).items()
-        }
-        if len({len(each) for each in columns.values()}) > 1:
-            raise _wrong("has columns of several lengths")
-        for number, row in enumerate(zip(*columns.values(), strict=True), 1):
-            entry = {
-                what: cell
-                for what, cell in zip(columns, map(_cell, row), strict=True)
-                if cell is not None
+    reader = csv.reader(io.StringIO(_text_of(path), newline=""), strict=True)
+    header: list[str] = []
+    try:
+        for row in reader:
+            cells = [cell.strip() for cell in row]
+            if not any(cells):
+                continue
+            if not header:
+                header = cells
+                _check_header(path, header, case is None)
+                continue
+            place = Place(path, f"line {reader.line_num}")
+            if len(cells) != len(header):
+                raise place.wrong(f"it has {len(cells)} entries, and the header has {len(header)}")
+            given = {
+                column: cell
+                for column, cell in zip(header, cells, strict=True)
+                if cell and column in COLUMNS
             }
-            yield name or str(entry.get("case", "")), f"row {number}", entry
-    elif isinstance(content, list) and (name is not None or content):
-        for number, event in enumerate(content, 1):
-            place = f"{where}, event {number}".lstrip(", ")
+            yield Entry(case or given.get("case", ""), place, given)
+    except csv.Error as error:
+        raise Place(path, f"line {reader.line_num}").wrong(str(error)) from None
+    if not header:
+        raise ResultError(str(path), "is empty")
+
+
+def _check_header(path: Path, header: Sequence[str], needs_case: bool) -> None:
+    """Raise ResultError if a column that is needed is missing, or one that is read is there twice."""
+    needed = ["kind"]
+    if needs_case:
+        needed.append("case")
+    if not {"t_low", "t_high"} <= set(header):
+        needed.append("t")
+    for column in needed:
+        if column not in header:
+            columns = brief(", ".join(header))
+            raise ResultError(str(path), f"has no column {column}; its columns are {columns}")
+    for column in COLUMNS:
+        if header.count(column) > 1:
+            raise ResultError(str(path), f"has two columns named {column!r}")
+
+
+def _json_entries(path: Path) -> Iterator[Entry]:
+    """Yield the entries of a JSON file: names of cases, each with its events and seconds."""
+    try:
+        # Numbers stay text, so that they keep all their digits.
+        content = json.loads(_text_of(path), parse_float=str, parse_int=str, parse_constant=str)
+    except RecursionError:
+        problem = "cannot be read: its brackets are nested too deeply"
+        raise ResultError(str(path), problem) from None
+    except ValueError as error:
+        raise ResultError(str(path), f"cannot be read: {error}") from None
+    if not isinstance(content, dict):
+        raise ResultError(str(path), "must be an object: names of cases, and their results")
+    for case, result in content.items():
+        place = Place(path, brief(case))
+        events = None
+        if isinstance(result, dict):
+            events = result.get("events")
+        if not isinstance(events, list):
+            raise place.wrong("it must be an object with a list 'events'")
+        about = {"kind": FOLLOWED_TO, "seconds": result.get("seconds")}
+        yield Entry(case, place, _without_empty(about))
+        for number, event in enumerate(events, 1):
+            place = Place(path, f"{brief(case)}, event {number}")
             if not isinstance(event, dict):
-                raise _wrong(f"{place}: must be an object with t and kind")
-            entry = {
-                what: event[own]
-                for what, own in _names_by_meaning(event).items()
-                if event[own] is not None
-            }
-            if name is None and "case" not in entry:
-                raise _wrong(f"{place}: has no case")
-            yield name or str(entry["case"]), place, entry
-    elif name is None:
-        if not isinstance(content, dict):
-            raise _wrong("must be an object: names of cases, and their events")
-        for case, part in content.items():
-            yield from _entries(part, case)
-    else:
-        if not isinstance(content, dict) or not isinstance(content.get("events"), list | dict):
-            raise _wrong(f"{where}: must be a list of events, or an object with a list 'events'")
-        yield (
-            name,
-            where,
-            {"kind": FOLLOWED_TO} | {key: content[key] for key in ("seconds",) if content.get(key)},
-        )
-        yield from _entries(content["events"], name)
+                raise place.wrong("it must be an object with t and kind")
+            yield Entry(case, place, _without_empty(event))
 
 
-def _cell(value: Any) -> Any:
-    """Return a table cell, perhaps of numpy or bytes, as a plain Python value; None for an empty
-    one.
-    """
-    if isinstance(value, np.generic | np.ndarray) and np.size(value) == 1:
-        value = value.item()
-    if isinstance(value, bytes):
-        value = value.decode("utf-8", "replace")
-    if isinstance(value, str):
-        value = value.strip()
-    if value is None or value == "" or value != value:
-        return None
-    return value
+def _without_empty(cells: Record) -> Record:
+    return {name: cell for name, cell in cells.items() if cell not in (None, "")}
 
 
-def _add_entry(where: str, result: CaseResult, entry: Record) -> None:
-    """Add an entry of a file to a result: an event, the time where the run ended, or the seconds
-    that it took.
-    """
-    if "seconds" in entry:
-        seconds = _number(where, entry, "seconds")
-        if seconds is None or seconds < 0:
-            raise _wrong(f"{where}: seconds = {brief(str(entry['seconds']))}: must be >= 0")
-        result.seconds = max(result.seconds or 0.0, float(seconds))
-    kind = str(entry.get("kind", "")).lower()
-    if kind not in (*EVENT_WORDS, FOLLOWED_TO):
-        words = ", ".join((*EVENT_WORDS, FOLLOWED_TO))
-        raise _wrong(f"{where}: kind is {brief(kind)!r}, and must be one of {words}")
-    t, x = (_number(where, entry, each) for each in "tx")
-    if kind == FOLLOWED_TO:
-        if result.end is None or t is None:
-            result.end = t
-        else:
-            result.end = max(t, result.end)
-        return
+def _add_entries(results: Results, entries: Iterator[Entry]) -> None:
+    """Add entries to the results of their cases: events, times where runs ended, and seconds."""
+    for case, place, cells in entries:
+        result = results.setdefault(case, CaseResult())
+        seconds = _number(place, cells, "seconds")
+        if seconds is not None:
+            if seconds < 0:
+                raise place.wrong(f"seconds = {cells['seconds']}: must be >= 0")
+            result.seconds = max(result.seconds or 0.0, float(seconds))
+        if str(cells.get("kind", "")).lower() != FOLLOWED_TO:
+            result.events.append(_event(place, cells))
+            continue
+        end = _coordinate(place, cells, "t")
+        if end is not None:
+            result.end = max(result.end or end, end)
+
+
+def _event(place: Place, cells: Record) -> GivenEvent:
+    """Return the event that stands at a place."""
+    kind = str(cells.get("kind", "")).lower()
+    if kind not in EVENT_KINDS:
+        words = ", ".join((*EVENT_KINDS, FOLLOWED_TO))
+        raise place.wrong(f"kind is {brief(kind)!r}, and must be one of {words}")
+    t = _coordinate(place, cells, "t")
     if t is None:
-        raise _wrong(f"{where}: has no t")
-    belt = str(entry.get("boundary", "0"))
-    with suppress(ParameterError):
-        if belt in ("0", "1", "2"):
-            boundary: int | Fraction = int(belt)
-        else:
-            boundary = read_exact("boundary", plain_number(belt))
-        if boundary in (0, 1, 2):
-            changes = {name: _number(where, entry, name) for name in CHANGES if name in entry}
-            numbers = {name: float(value) for name, value in changes.items() if value is not None}
-            result.events.append(GivenEvent(t, x, kind, int(boundary), numbers))
-            return
-    raise _wrong(f"{where}: boundary is {brief(belt)!r}, and must be 1 or 2")
+        raise place.wrong("it has no t")
+    boundary = _number(place, cells, "boundary") or 0
+    if boundary not in (0, 1, 2):
+        raise place.wrong(f"boundary is {brief(str(cells['boundary']))!r}, and must be 1 or 2")
+    changes = {}
+    for name in CHANGES:
+        change = _number(place, cells, name)
+        if change is not None:
+            changes[name] = float(change)
+    return GivenEvent(t, _coordinate(place, cells, "x"), kind, int(boundary), changes)
 
 
-def _number(where: str, entry: Record, name: str) -> Fraction | None:
-    """Return the number `name` of an event, or the middle of its name_low and name_high; None if
+def _coordinate(place: Place, cells: Record, name: str) -> Fraction | None:
+    """Return t or x: the cell of this name, or the middle between name_low and name_high; None if
     both are missing.
     """
+    low = _number(place, cells, f"{name}_low")
+    high = _number(place, cells, f"{name}_high")
+    if low is not None and high is not None:
+        return (low + high) / 2
+    return _number(place, cells, name)
 
-    def exact(value: Any) -> Fraction:
-        try:
-            return read_exact(name, plain_number(value) if isinstance(value, str) else value)
-        except ParameterError as error:
-            raise _wrong(f"{where}: {error}") from None
 
-    if f"{name}_low" in entry and f"{name}_high" in entry:
-        return (exact(entry[f"{name}_low"]) + exact(entry[f"{name}_high"])) / 2
-    if name in entry:
-        return exact(entry[name])
-    return None
+def _number(place: Place, cells: Record, name: str) -> Fraction | None:
+    """Return the number in a cell; None if the cell is missing."""
+    value: Any = cells.get(name)
+    if value is None:
+        return None
+    try:
+        return read_exact(name, value)
+    except ParameterError as error:
+        raise place.wrong(str(error)) from None

@@ -13,7 +13,6 @@ from bisect import bisect_left, bisect_right
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field
 from fractions import Fraction
-from html import escape
 from math import inf, isfinite, pi, sqrt
 from typing import Any, NamedTuple
 
@@ -104,6 +103,8 @@ class CaseScore:
 @dataclass
 class Score:
     """The scores of a solver, case by case."""
+
+    _made_by = "symosc.reference.score.score(...)"
 
     name: str
     tolerance: float
@@ -374,7 +375,7 @@ def by_group(cases: Sequence[CaseScore]) -> Iterator[tuple[str, list[CaseScore]]
         yield group, [case for case in cases if case.group == group]
 
 
-# -- text, Markdown and HTML: a row per group and a row per case, a column per solver --------------
+# -- text: a row per group and a row per case, a column per solver ---------------------------------
 
 #: Faults of a solver that are listed one by one.
 MOST_LISTED_FAULTS = 40
@@ -462,7 +463,8 @@ def group_table(scores: Sequence[Score], form: str = "simple") -> str:
     times = [[case.seconds for case in score.given if case.seconds is not None] for score in scores]
     if any(times):
         rows.append(["seconds", "", *(f"{sum(each):.3g}" if each else "" for each in times)])
-    return _tabulate_escaped(rows, ["group", "cases", *(score.name for score in scores)], form)
+    heads = ["group", "cases", *(score.name for score in scores)]
+    return tabulate(rows, heads, tablefmt=form, disable_numparse=True)
 
 
 def case_table(scores: Sequence[Score], form: str = "simple", with_absent: bool = True) -> str:
@@ -485,9 +487,9 @@ def case_table(scores: Sequence[Score], form: str = "simple", with_absent: bool 
             for value in (case.error_t, case.error_x, case.seconds)
         ]
         rows.append(row + numbers if alone else row)
-    return _tabulate_escaped(
-        rows, [*heads, *(["error of t", "error of x", "seconds"] if alone else [])], form
-    )
+    if alone:
+        heads += ["error of t", "error of x", "seconds"]
+    return tabulate(rows, heads, tablefmt=form, disable_numparse=True)
 
 
 def faults(score: Score) -> list[str]:
@@ -543,77 +545,3 @@ def as_text(scores: Sequence[Score]) -> str:
     ]
     parts = [case_table(scores, with_absent=False), group_table(scores), *map("\n".join, found)]
     return "\n\n".join([*parts, "\n".join(legend(scores[0])), "\n".join(map(verdict, scores))])
-
-
-def _page(
-    scores: Sequence[Score],
-    title: str,
-    version: int,
-    form: str,
-    more: Sequence[str],
-    with_faults: bool,
-) -> Iterator[tuple[str, Any]]:
-    """Yield the parts of the page of scores as (HTML tag, content): text, lists of lines, tables
-    made by tabulate.
-    """
-    yield "h1", title
-    yield from (("p", line) for line in (f"Set of reference cases: version {version}.", *more))
-    yield "ul", [verdict(score) for score in scores]
-    yield from (("p", line) for line in legend(scores[0]))
-    yield "table", group_table(scores, form)
-    yield "h2", "All cases"
-    yield "table", case_table(scores, form)
-    for score in scores if with_faults else ():
-        if lines := faults(score):
-            yield "h2", f"Faults of {score.name}"
-            yield "ul", lines
-
-
-def as_markdown(
-    scores: Sequence[Score],
-    title: str,
-    version: int,
-    more: Sequence[str] = (),
-    with_faults: bool = True,
-) -> str:
-    """Return the page of scores in Markdown, with `more` lines below its title, and faults if
-    `with_faults`.
-    """
-    marks = {"h1": "# ", "h2": "## "}
-    parts = [
-        "\n".join(f"- {line}" for line in content) if tag == "ul" else marks.get(tag, "") + content
-        for tag, content in _page(scores, title, version, "github", more, with_faults)
-    ]
-    return "\n\n".join(parts) + "\n"
-
-
-STYLE_SHEET = """body { font: 15px/1.4 sans-serif; margin: 2em auto; max-width: 75em; padding: 0 1em }
-table { border-collapse: collapse; margin: 1em 0 } td, th { padding: .15em .7em; text-align: left }
-tr:nth-child(even) { background: #f2f2f2 } th { border-bottom: 1px solid }"""
-
-
-def as_html(scores: Sequence[Score], title: str, version: int) -> str:
-    """Return the page of scores in HTML that needs no other file."""
-    parts = []
-    for tag, content in _page(scores, title, version, "html", (), True):
-        if tag == "ul":
-            parts += ["<ul>", *(f"<li>{escape(line)}</li>" for line in content), "</ul>"]
-        else:
-            parts.append(content if tag == "table" else f"<{tag}>{escape(content)}</{tag}>")
-    head = (
-        f'<meta charset="utf-8">\n<title>{escape(title)}</title>\n<style>\n{STYLE_SHEET}\n</style>'
-    )
-    body = "\n".join(parts)
-    return (
-        "<!DOCTYPE html>\n<html "
-        f'lang="en">\n<head>\n{head}\n</head>\n<body>\n{body}\n</body>\n</html>\n'
-    )
-
-
-def _tabulate_escaped(rows: Sequence[Sequence[str]], heads: Sequence[str], form: str) -> str:
-    def cells(row: Sequence[str]) -> list[str]:  # in Markdown a bar would end the cell
-        return [each.replace("|", "\\|") if form == "github" else each for each in row]
-
-    return tabulate(
-        [cells(row) for row in rows], cells(heads), tablefmt=form, disable_numparse=True
-    )

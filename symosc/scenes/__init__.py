@@ -17,7 +17,15 @@ from pathlib import Path
 from typing import Any, NamedTuple, TypeAlias
 
 from symosc.base.aliases import NumberLike, SceneName
-from symosc.base.arguments import CONVERTERS, public
+from symosc.base.arguments import (
+    FLAG,
+    NUMBER,
+    SCENE_NAME,
+    SCENE_OR_NAME,
+    mapping_of,
+    public,
+    require,
+)
 from symosc.base.display.drawable import Drawable
 from symosc.base.errors import ParameterError, SceneError, meant
 from symosc.base.exact import read_start_error, show
@@ -29,7 +37,7 @@ from symosc.words import WordError, read_word
 
 #: Parameters; or a Scene, the name or file of one, or an OtherModel, of which a public function
 #: takes the parameters.
-ParametersLike: TypeAlias = Any
+ParametersLike: TypeAlias = "Parameters | Scene | OtherModel | SceneName"
 #: Half-widths of t0, x0 and v0.
 StartErrors: TypeAlias = tuple[Fraction, Fraction, Fraction]
 
@@ -113,6 +121,9 @@ class Scene(Drawable):
     ['P1', 'P2', 'P1']
     """
 
+    _drawn_by = "figure"
+    _made_by = "load_scene(...)"
+
     name: str
     parameters: Parameters
     t0: Fraction
@@ -136,7 +147,9 @@ class Scene(Drawable):
                 "parameters", self.parameters, "must be Parameters or an OtherModel"
             )
         if not isinstance(self.original, Original | None):
-            raise ParameterError("original", self.original, "is what a scene of an OtherModel has")
+            raise ParameterError(
+                "original", self.original, "must be None, or what a scene of an OtherModel keeps"
+            )
         if self.structure is not None:
             whole = read_word(self.structure).cycle
             object.__setattr__(self, "structure", str(whole))
@@ -179,10 +192,13 @@ class Scene(Drawable):
         The end may be text such as "10T": so many periods of the drive after t0. For a scene of
         another model, give the numbers in the coordinates of that model.
         """
+        require(mapping_of(NUMBER), given=given)
         for name in given:
             if name not in START_NAMES:
                 raise ParameterError(
-                    name, given[name], f"is not of a start; give {', '.join(START_NAMES)}"
+                    name,
+                    given[name],
+                    f"unknown number of a start; choose from {', '.join(START_NAMES)}",
                 )
         if not given:
             return self
@@ -209,6 +225,7 @@ class Scene(Drawable):
     @public
     def changed(self, **changes: NumberLike | bool) -> Scene:
         """Return a copy with other parameters: ``scene.changed(Omega=2)``."""
+        require(NUMBER, FLAG, **changes)
         if self.original is not None:
             return moved_scene(
                 self, self.original, parameters=self.original.model.replace(**changes)
@@ -249,8 +266,8 @@ def not_reduced_error(scene: Any) -> ParameterError:
     its coordinates.
     """
     allowed = (
-        "is of another model, and this does not turn results back into its coordinates; give "
-        "scene.reduced()"
+        "must not be a scene of another model, as the results are not converted back to its "
+        "coordinates; pass scene.reduced()"
     )
     return ParameterError("scene", scene.name if isinstance(scene, Scene) else str(scene), allowed)
 
@@ -274,17 +291,41 @@ def start_numbers(
     return numbers, ((t0, x0, v0) if t0 or x0 or v0 else None)
 
 
-def parameters_of(what: Parameters | OtherModel | Scene | SceneName) -> Parameters:
+def parameters_of(what: ParametersLike, name: str = "p") -> Parameters:
     """Return the parameters of a model, or of a scene or its name or file.
 
-    Return `Parameters` unchanged.
+    Return `Parameters` unchanged. Messages call the argument `name`.
     """
     if isinstance(what, Parameters):
         return what
-    return (what if isinstance(what, Scene | OtherModel) else load_scene(what)).parameters
+    if isinstance(what, Scene | OtherModel):
+        return what.parameters
+    require(Parameters, SCENE_OR_NAME, **{name: what})
+    return load_scene(what).parameters
 
 
-CONVERTERS["parameters"] = parameters_of
+def scene_of(what: Scene | Parameters | SceneName, name: str) -> Scene | Parameters:
+    """Return a scene if `what` is one, or its name or file; return `Parameters` unchanged.
+
+    Messages call the argument `name`.
+    """
+    if isinstance(what, Scene | Parameters):
+        return what
+    require(Scene, Parameters, SCENE_NAME, **{name: what})
+    return load_scene(what)
+
+
+def problem_of(
+    what: Scene | Parameters | OtherModel | SceneName, name: str
+) -> Scene | Parameters | OtherModel:
+    """Return a scene if `what` is one, or its name or file; return Parameters and models unchanged.
+
+    Messages call the argument `name`.
+    """
+    if isinstance(what, Scene | Parameters | OtherModel):
+        return what
+    require(Scene, Parameters, OtherModel, SCENE_NAME, **{name: what})
+    return load_scene(what)
 
 
 def end_time(given: Any, p: Parameters, t0: Any) -> Any:
@@ -362,12 +403,13 @@ def load_scene(name_or_path: SceneName) -> Scene:
     >>> print(scene.v0, scene.t_end, scene.parameters.Omega)
     5 20 1/10
     """
+    require(SCENE_NAME, name_or_path=name_or_path)
     text = str(name_or_path)
     if text in _shipped_names():
         return _shipped(text)
     path = Path(text)
     if "\0" in text:
-        raise SceneError(repr(text), "is not a file name")
+        raise SceneError(repr(text), "the name of a file has no character \\0")
     if path.suffix != ".toml" and not isfile(path):
         known = f"unknown; shipped are {', '.join(scene_names())}; or give the path of a TOML file"
         raise SceneError(text, known + meant(text, scene_names()))

@@ -112,12 +112,10 @@ def read_scene_file(text: str, where: str) -> SceneFile:
     SceneError for its form, ParameterError for a value that is no number.
     """
     if len(text) > MOST_CHARACTERS:
-        raise SceneError(where, f"has more than {MOST_CHARACTERS} characters: it is no scene")
+        raise SceneError(where, f"a scene has at most {MOST_CHARACTERS} characters")
     for n, line in enumerate(text.split("\n"), 1):
         if line.count(".") > MOST_DOTS:
-            raise SceneError(
-                where, f"line {n}: has more than {MOST_DOTS} dots: it is no line of a scene"
-            )
+            raise SceneError(where, f"line {n}: a line has at most {MOST_DOTS} dots")
     try:
         data = tomllib.loads(text, parse_float=Decimal)
     except RecursionError:

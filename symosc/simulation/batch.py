@@ -25,7 +25,6 @@ from symosc.engine import batch as engine_batch
 from symosc.engine.arithmetic import PairLoops, compiled, compiled_pairs, interpreted, is_compiled
 from symosc.engine.batch import (
     NO_PIECES,
-    STATE_WIDTH,
     Batch,
     EventRows,
     batch_of,
@@ -34,6 +33,7 @@ from symosc.engine.batch import (
 )
 from symosc.engine.flow import table_of
 from symosc.engine.start import Start, first_row
+from symosc.engine.state import PAIR_ROW, STATE_ROW
 from symosc.engine.summary import Tally, no_tally
 from symosc.scenes import load_scene
 
@@ -267,14 +267,14 @@ def warm() -> list[Warmed]:
     tangents = arithmetic.compiled_tangents()["tangents"]
     scene = load_scene("fig8")
     nothing = np.arange(0)
-    none = np.zeros((0, STATE_WIDTH))
+    none = np.zeros(0, STATE_ROW)
     start = Start(scene.parameters, scene.t0, scene.x0, scene.v0, scene.t_end)
     in_doubles = arithmetic.Arithmetic(scene.parameters)
     K = arithmetic.pair_constants(scene.parameters)
     table = table_of([in_doubles.K])
     batch = batch_of(none)
     out = event_buffer(0)
-    row = np.array([first_row(start, in_doubles)])
+    row = np.array([first_row(start, in_doubles)], STATE_ROW)
     columns = *(np.zeros(0),) * 4, *(nothing,) * 3
     changes = (
         *(np.zeros((0, 1)),) * 2,
@@ -285,7 +285,7 @@ def warm() -> list[Warmed]:
     of_motions = np.zeros((0, 5))
     letters = np.zeros((0, 4))
     work = np.zeros((8, 11))
-    pair_rows = none.astype(complex)
+    pair_rows = np.zeros(0, PAIR_ROW)
     limits = engine_batch.PairLimits(1, 1.0, 0, 1.0, table, table)
     calls: dict[str, list[tuple[Any, tuple[Any, ...]]]] = {
         "events in doubles": [

@@ -14,13 +14,28 @@ from collections.abc import Callable, Iterator, Mapping, Sequence
 from functools import partial
 from itertools import pairwise
 from math import isinf
+from os import PathLike
 from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike
 
 from symosc.base.aliases import DataFrame, NumberLike, Progress, Record, StartError
-from symosc.base.arguments import public
+from symosc.base.arguments import (
+    ARRAY_LIKE,
+    FLAG,
+    NAMES,
+    PROGRESS,
+    SCENE_OR_NAME,
+    START_ERROR,
+    TABLE_LIKE,
+    WHOLE,
+    mapping_of,
+    public,
+    require,
+    require_or_none,
+    sequence_of,
+)
 from symosc.base.display.progress import reporting
 from symosc.base.errors import ParameterError
 from symosc.base.exact import read_start_error, whole_number
@@ -41,6 +56,7 @@ from symosc.engine.batch import (
     event_buffer,
     joined,
     rows_between,
+    state_of,
 )
 from symosc.engine.events import CODE_COLUMNS, FLOAT_COLUMNS
 from symosc.engine.flow import SIGMAS, ConstantRows, constants, table_of
@@ -69,7 +85,8 @@ from symosc.engine.summary import (
 from symosc.engine.tangent import Letters
 from symosc.kernels.elementary import cos, sin
 from symosc.model import MODE_NAMES, Parameters
-from symosc.scenes import ParametersLike
+from symosc.reductions import OtherModel
+from symosc.scenes import ParametersLike, Scene, parameters_of
 from symosc.simulation import batch as loops
 from symosc.simulation.batch import CancelToken, chosen_loops, in_chunks, pair_loops, read_workers
 from symosc.simulation.motion import MOST_MORE, PAIR_NOISE, fits_pairs
@@ -103,7 +120,7 @@ EXTREMES = {"x_min": kept.X_MIN, "x_max": kept.X_MAX, "v_min": kept.V_MIN, "v_ma
 #: Columns of a summary that a tally has as they are.
 KEPT_COLUMNS = EXTREMES | {"t": kept.T_LAST, "x": kept.X_LAST, "v": kept.V_LAST}
 #: Statuses of motions that were followed to their ends.
-WHOLE = ("t_end", "equilibrium")
+FOLLOWED = ("t_end", "equilibrium")
 MODE_TEXTS = np.array(["", *(MODE_NAMES[code] for code in sorted(MODE_NAMES))])
 
 
@@ -169,6 +186,16 @@ def simulate_many(
     >>> simulate_many(load_scene("fig9").parameters, [(0, 0, 0), (0, 1, 2)], 3, use_numba=False).trajectory.tolist()
     [0, 0, 0, 0, 0, 1, 1, 1, 1, 1]
     """
+    parameters = parameter_sets(parameters)
+    require(*TABLE_LIKE, starts=starts)
+    require(*ARRAY_LIKE, t_end=t_end, skip=skip)
+    require_or_none(*START_ERROR, start_error=start_error)
+    require_or_none(FLAG, use_numba=use_numba)
+    require(*NAMES, record=record)
+    require_or_none(*NAMES, wrt=wrt)
+    require(WHOLE, sections=sections)
+    require_or_none(WHOLE, workers=workers)
+    require_or_none(*PROGRESS, progress=progress)
     problems = Problems(parameters, starts, t_end, read_start_error(start_error))
     most = read_most(max_events, MOST_EVENTS)
     task = Task(problems, chosen_loops(use_numba), most, read_accuracy(accuracy))
@@ -201,6 +228,17 @@ def simulate_many(
             rows, status, names, **dict(zip(CHANGES if names else (), columns, strict=True))
         )
     return Summary(**{name: np.concatenate([part[name] for part in parts]) for name in parts[0]})
+
+
+def parameter_sets(
+    what: ParametersLike | Sequence[Parameters] | Mapping[str, ArrayLike],
+) -> Parameters | Sequence[Parameters] | Mapping[str, ArrayLike]:
+    """Return the parameters of a scene, or of its name or file; return others unchanged."""
+    several = (sequence_of(Parameters), mapping_of(*ARRAY_LIKE))
+    require(Parameters, Scene, OtherModel, SCENE_OR_NAME, *several, parameters=what)
+    if isinstance(what, Scene | OtherModel | str | PathLike):
+        return parameters_of(what)
+    return what
 
 
 class Task(NamedTuple):
@@ -271,10 +309,14 @@ class Chunk:
         """Return starts, indices of parameter sets, their m, mu1, mu2, FN, and their constants, for
         `event_changes`.
         """
-        starts = self._starts[:, [0, 0, 3, 4, 5]]
+        starts = np.empty((len(self._starts), 5))
         sets = self.task.problems.sets
         rows = slice(self._first, self._first + len(starts))
+        starts[:, 0] = self._starts["mode"]
         starts[:, 1] = self.task.problems.t0.pairs(rows).hi
+        starts[:, 2] = self._starts["theta"]
+        starts[:, 3] = self._starts["x"]
+        starts[:, 4] = self._starts["v"]
         letters = sets.doubles(Letters._fields, rows if len(sets) > 1 else slice(0, 1))
         # A derivative by B0 depends on Omega, even where B0 = 0 and the motion does not.
         table = self.table.copy()
@@ -317,7 +359,7 @@ class Chunk:
         """
         found: dict[int, EventRows] = {}
         numbers = self._first + np.array(members, np.int64)
-        apart = self.task.problems.surely_fit_pairs(numbers, self._starts[members, 1], FAR_OFF)
+        apart = self.task.problems.surely_fit_pairs(numbers, self._starts["at"][members], FAR_OFF)
         groups: dict[int, list[int]] = {}
         for i, is_apart in zip(members, apart.tolist(), strict=True):
             if is_apart or fits_pairs(self.problem(i)):
@@ -396,31 +438,31 @@ class Chunk:
             numbers, starts, lambda t: pairs_as_complex(arithmetic.phase(t)[0])
         )
         pair_loops(len(pairs)).first_pairs(pairs, pair_constants(parameters))
-        least = abs(starts[:, 6:8]).min(axis=1)
-        largest = abs(starts[:, 6:8]).max(axis=1)
-        unclear = (starts[:, 1] > 0) & (least <= SMALL_FORCE * (largest + float(parameters.FN)))
+        least = np.minimum(abs(starts["Fb"]), abs(starts["Fa"]))
+        largest = np.maximum(abs(starts["Fb"]), abs(starts["Fa"]))
+        unclear = (starts["at"] > 0) & (least <= SMALL_FORCE * (largest + float(parameters.FN)))
         for i in np.flatnonzero(unclear).tolist():
-            pairs[i] = pairs_as_complex(tuple(first_row(self.problem(members[i]), arithmetic)))
+            pairs[i] = pairs_as_complex(first_row(self.problem(members[i]), arithmetic))
         return pairs
 
     def _statuses(self) -> list[str]:
         """Return for each motion why it ended, as text such as "t_end" or "max_events"."""
         codes = self.batch.codes
-        periods = self.batch.states[:, 2]
+        states = self.batch.states
         status: list[str] = np.where(codes == FULL, "max_events", "t_end").tolist()
         # Motions without a drive may have come to rest.
         for i in np.flatnonzero(
             (codes == REST) | ((codes == END) & (self.batch.counts == 0))
         ).tolist():
             problem = self.problem(i)
-            mode, v, force = self.batch.states[i, [0, 5, 6]].tolist()
+            last = state_of(states[i])
             if codes[i] == END and settles(problem):
                 code = REST
             else:
                 code = int(codes[i])
-            status[i] = end_status(code, int(mode), v, force, problem.parameters)
+            status[i] = end_status(code, last.mode, last.v, last.Fb, problem.parameters)
         wanted = self.task.problems.t_end.pairs(slice(self._first, self._first + len(codes))).hi
-        given_up = (periods >= FAR_PERIODS) | (self.batch.states[:, 13] < wanted)
+        given_up = (states["n"] >= FAR_PERIODS) | (states["t_end"] < wanted)
         for i in np.flatnonzero((codes == END) & given_up).tolist():
             check_reached(self.problem(i))
         for i, trajectory in self.alone.items():
@@ -548,7 +590,7 @@ def summary_of(
     tally = chunk.tally
     sets = chunk.batch.sets
     t0 = task.problems.t0.pairs(rows).hi
-    modes = chunk.batch.states[:, 0].astype(int)
+    modes = chunk.batch.states["mode"].astype(int)
     for i, trajectory in chunk.alone.items():
         modes[i] = tally_alone(i, trajectory, tally, chunk.table, int(sets[i]))
     status = np.array(chunk.status, dtype=str)
@@ -559,7 +601,7 @@ def summary_of(
     columns |= {
         name: np.where(np.isfinite(columns[name]), columns[name], np.nan) for name in EXTREMES
     }
-    whole = np.isin(status, WHOLE)
+    whole = np.isin(status, FOLLOWED)
     columns["t"] = np.where(whole, task.problems.t_end.pairs(rows).hi, columns["t"])
     counted = columns["t"] - t0 - asked.skip[rows]
     with np.errstate(all="ignore"):
@@ -619,7 +661,7 @@ def tally_alone(i: int, trajectory: Trajectory, tally: Tally, table: np.ndarray,
     codes = (rows.ints[1 + CODE_COLUMNS.index(name)].tolist() for name in ("kind", "boundary"))
     events = list(zip(*floats, *codes, strict=True))[::-1]
     last = states[0]
-    whole = trajectory.status in WHOLE
+    whole = trajectory.status in FOLLOWED
     for before, after in pairwise(states):
         if not (events or whole):
             break

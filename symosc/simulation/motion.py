@@ -48,9 +48,12 @@ from symosc.engine.state import (
     END,
     FAILED,
     GRAZE,
+    NUMBERS_OF_STATE,
     ON_BELT,
+    PAIR_ROW,
     REST,
     RUNNING,
+    STATE_ROW,
     UNDECIDED,
     Covariance,
     NextEvent,
@@ -105,13 +108,14 @@ def fits_pairs(start: Start) -> bool:
     return start.start_error is None and start.spare_digits <= PAIR_SPARE and not settles(start)
 
 
-def row_without_state(start: Start) -> np.ndarray:
-    """Return a row of a batch with the end time and the t0 of a motion in doubles, and zeros in
-    place of its state.
+def table_without_state(start: Start) -> np.ndarray:
+    """Return a table with one row, which has the end time and the t0 of a motion in doubles, and
+    zeros in place of its state.
     """
-    row = np.zeros((1, batch.STATE_WIDTH))
-    row[0, 13:16] = *last_time(start, Arithmetic(start.parameters)), float(start.t0)
-    return row
+    table = np.zeros(1, STATE_ROW)
+    table["t_end"], table["t_end_low"] = last_time(start, Arithmetic(start.parameters))
+    table["t0"] = float(start.t0)
+    return table
 
 
 class SearchInDoubles:
@@ -135,18 +139,18 @@ class SearchInDoubles:
         else:
             self._search, self._doubt = plain
         careful = Arithmetic(start.parameters).K
-        self._row = row_without_state(start)
+        self._table = table_without_state(start)
         self._careful, self._K = (table_of([each]) if compiled else [each] for each in (careful, K))
 
     def next_event(self, state: State) -> tuple[NextEvent, float] | None:
         """Return the event after `state` and, if undecided, a time before which no wall is met;
         None on overflow.
         """
-        keep_state(self._row, 0, state)
+        keep_state(self._table[0], state)
         SEARCHES.events -= 1
         try:
-            code, boundary, decided, t_error, free = self._search(self._row, self._careful)
-            return NextEvent(code, boundary, decided, t_error, state_of(self._row, 0)), free
+            code, boundary, decided, t_error, free = self._search(self._table, self._careful)
+            return NextEvent(code, boundary, decided, t_error, state_of(self._table[0])), free
         except (ArithmeticError, ValueError):
             return None
 
@@ -154,10 +158,10 @@ class SearchInDoubles:
         """Return the number of the first event after number `count` that doubles cannot decide, 0
         if none is near.
         """
-        keep_state(self._row, 0, state)
+        keep_state(self._table[0], state)
         SEARCHES.events -= batch.LOOK_AHEAD
         try:
-            return int(self._doubt(self._row, count, limits.most, limits.accuracy, self._K))
+            return int(self._doubt(self._table, count, limits.most, limits.accuracy, self._K))
         except (ArithmeticError, ValueError):
             return 0
 
@@ -382,11 +386,10 @@ class MotionInPairs:
         self._limits = batch.PairLimits(
             limits.most, limits.accuracy, MOST_EVER, limits.noise, *tables
         )
-        self._pairs = np.array(
-            [arithmetic.pairs_as_complex(tuple(batch.row_of(state, *last_time(start, exact))))]
-        )
-        self._batch = batch.batch_of(row_without_state(start))
-        keep_state(self._batch.states, 0, rounded(state, float(start.t0), K.Om_gain))
+        row = batch.row_of(state, *last_time(start, exact))
+        self._pairs = np.array([arithmetic.pairs_as_complex(row)], PAIR_ROW)
+        self._batch = batch.batch_of(table_without_state(start))
+        keep_state(self._batch.states[0], rounded(state, float(start.t0), K.Om_gain))
         self._events = list[EventRows]()
         self._pieces = list[np.ndarray]()
         self.goal = 0  # the number of events to come to
@@ -401,22 +404,20 @@ class MotionInPairs:
 
     def rounded_state(self) -> State:
         """Return the current state in doubles."""
-        return state_of(self._batch.states, 0)
+        return state_of(self._batch.states[0])
 
     def last_sure(self, finer: MpArithmetic) -> State:
         """Return the state before the first event that pairs cannot decide, in the more precise
         arithmetic `finer`.
         """
         number = finer.context.mpf
-        row = [number(z.real) + number(z.imag) for z in self._pairs[0].tolist()]
-        numbers: tuple[Any, ...] = (
-            *map(int, row[:3]),
-            *row[3:8],
-            Covariance(*row[8:11]),
-            *row[11:13],
-            *row[16:],
-        )
-        return continued(State(*numbers), arithmetic.PAIR_EPS, finer)
+        row = self._pairs[0]
+        values = dict[str, Any]()
+        for name in NUMBERS_OF_STATE:
+            values[name] = number(float(row[name].real)) + number(float(row[name].imag))
+        S = Covariance(*(values.pop(name) for name in Covariance._fields))
+        whole = {name: int(values[name]) for name in ("mode", "at", "n")}
+        return continued(State(**(values | whole), S=S), arithmetic.PAIR_EPS, finer)
 
     def reach(self, count: int) -> bool:
         """Follow to `count` events, then until doubles can decide again.

@@ -21,9 +21,10 @@ from symosc.base.errors import ParameterError
 from symosc.base.exact import LARGEST, scalar_of, show, unmasked
 from symosc.base.quantities import forcing_periods, read_number
 from symosc.engine.arithmetic import Arithmetic
-from symosc.engine.batch import STATE_WIDTH, Batch, batch_of
+from symosc.engine.batch import Batch, batch_of
 from symosc.engine.flow import ConstantRows, constant_table, table_of
 from symosc.engine.start import MOST_PERIODS, Start, first_row, start_rows
+from symosc.engine.state import PAIR_ROW, STATE_ROW
 from symosc.kernels.double_double import TWO_PI_PAIR, two_product
 from symosc.kernels.pair_columns import PairColumn
 from symosc.model import PARAMETER_NAMES, Parameters, least
@@ -367,7 +368,7 @@ class Problems:
         else:
             sets = np.zeros(size, np.int64)
         if len(self) <= BEGUN_ALONE:
-            states = np.empty((size, STATE_WIDTH))
+            states = np.empty(size, STATE_ROW)
             unclear = np.ones(size, dtype=bool)
         else:
             states, unclear = self._start_rows(rows, table)
@@ -449,20 +450,21 @@ class Problems:
         complex number.
         """
         # Forces and what follows from them are left to `symosc.engine.batch.first_pairs`.
-        made = np.zeros((len(rows), STATE_WIDTH), complex)
-        made[:, :2] = states[:, :2]
-        for place, column in ((4, self.x0), (5, self.v0), (11, self.t0)):
+        made = np.zeros(len(rows), PAIR_ROW)
+        made["mode"] = states["mode"]
+        made["at"] = states["at"]
+        for name, column in (("x", self.x0), ("v", self.v0), ("t", self.t0)):
             pairs = column.pairs(rows)
-            made[:, place].real = pairs.hi
-            made[:, place].imag = pairs.lo
-        made[:, 13].real = states[:, 13]
-        made[:, 13].imag = states[:, 14]
-        made[:, 15] = made[:, 11]
+            made[name].real = pairs.hi
+            made[name].imag = pairs.lo
+        made["t_end"].real = states["t_end"]
+        made["t_end"].imag = states["t_end_low"]
+        made["t0"] = made["t"]
         known = {0j: 0j}
-        for i, t0 in enumerate(made[:, 11].tolist()):
+        for i, t0 in enumerate(made["t0"].tolist()):
             if t0 not in known:
                 known[t0] = phase(self.t0.exact(int(rows[i])))
-            made[i, 3] = known[t0]
+            made["theta"][i] = known[t0]
         return made
 
 

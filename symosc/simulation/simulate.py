@@ -19,7 +19,7 @@ from typing import Any
 import numpy as np
 
 from symosc.base.aliases import Number, NumberLike, Progress, SceneName, StartError
-from symosc.base.arguments import public
+from symosc.base.arguments import NUMBER, PROGRESS, START_ERROR, public, require, require_or_none
 from symosc.base.display.progress import Advance, late_bar
 from symosc.base.errors import ParameterError, brief
 from symosc.base.exact import (
@@ -51,6 +51,7 @@ from symosc.engine.state import (
     ON_BELT,
     REST,
     RUNNING,
+    STATE_ROW,
     UNDECIDED,
     State,
 )
@@ -65,6 +66,7 @@ from symosc.scenes import (
     moved_scene,
     not_reduced_error,
     parameters_of,
+    problem_of,
 )
 from symosc.simulation.batch import TURN, chosen_loops
 from symosc.simulation.motion import (
@@ -149,6 +151,10 @@ def simulate(
     >>> print(simulate("fig8-exact", digits=30).events[0].t)
     3.14159265358979323846264338328
     """
+    scene = problem_of(scene, "scene")
+    require_or_none(NUMBER, t0=t0, x0=x0, v0=v0, t_end=t_end)
+    require_or_none(*START_ERROR, start_error=start_error)
+    require(*PROGRESS, progress=progress)
     start, original = read_problem(
         scene, {"t0": t0, "x0": x0, "v0": v0, "t_end": t_end}, start_error
     )
@@ -287,7 +293,7 @@ def in_doubles(
     decided = True
     row = engine_batch.row_of(first, *last_time(start, arithmetic))
     begun = piece_buffer(1)
-    batch = engine_batch.batch_of(np.array([row]))
+    batch = engine_batch.batch_of(np.array([row], STATE_ROW))
     engine_batch.write_piece(begun, 0, first, float(start.t0 - Fraction(first.t)))
     events = list[EventRows]()
     pieces = [begun]
@@ -317,13 +323,13 @@ def in_doubles(
                 code = now.code
             else:
                 code = RUNNING
-            keep_state(batch.states, 0, now.rounded_state())
+            keep_state(batch.states[0], now.rounded_state())
             batch.counts[0] = count
             batch.codes[0] = code
             if not decided:
                 break
         if advance:
-            state = state_of(batch.states, 0)
+            state = state_of(batch.states[0])
             advance(
                 _part_done(start, clock_time(state.t - t0, state.t_low, 0.0, K), count, most), count
             )
@@ -338,7 +344,7 @@ def in_doubles(
         status = "max_events"
         message = f"stopped after max_events = {most} events, at t = {last!r}"
     else:
-        status, message = _ended(start, code, state_of(batch.states, 0))
+        status, message = _ended(start, code, state_of(batch.states[0]))
     whole = np.concatenate(pieces, axis=1)
     return Trajectory(start.parameters, rows, whole, status, message, (t0, last), first.at)
 

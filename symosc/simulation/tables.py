@@ -12,7 +12,7 @@ from typing import Any
 import numpy as np
 
 from symosc.base.aliases import Record
-from symosc.base.arguments import public
+from symosc.base.arguments import FLAG, SLICE, WHOLE, public, require, sequence_of
 from symosc.base.display.drawable import Drawable
 from symosc.base.display.frames import imported
 from symosc.base.exact import scalar_of, unmasked, whole_number
@@ -75,6 +75,9 @@ class EventTable(Columns):
     >>> table.kind.tolist(), table.status
     (['stick', 'slip', 'stick', 'slip', 'stick'], ['t_end'])
     """
+
+    _drawn_by = "events_figure"
+    _made_by = "simulate_many(...)"
 
     trajectory: np.ndarray
     status: list[str]
@@ -280,6 +283,9 @@ class Summary(Columns):
     (['P32'], [1], [0])
     """
 
+    _drawn_by = "summary_figure"
+    _made_by = "simulate_many(..., record='summary')"
+
     def __getattr__(self, name: str) -> Any:
         if name in SUMMARY_COLUMNS:
             return ()
@@ -291,6 +297,7 @@ class Summary(Columns):
     @public
     def __getitem__(self, motion: int | slice | Sequence[bool | int]) -> Any:
         """Return the row of one motion as a dictionary, or another summary of some of them."""
+        require(WHOLE, SLICE, sequence_of(FLAG, WHOLE), motion=motion)
         columns = self.columns()
         unmasked("motion", motion)
         motion = scalar_of("motion", motion)

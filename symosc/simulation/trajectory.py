@@ -13,7 +13,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike
 
-from symosc.base.arguments import public
+from symosc.base.arguments import ARRAY_LIKE, WHOLE, public, require
 from symosc.base.display.drawable import Drawable, Listing
 from symosc.base.display.frames import imported
 from symosc.base.errors import ParameterError
@@ -103,6 +103,9 @@ class Trajectory(Drawable):
     ['P1', 'P2', 'P1', 'P3']
     """
 
+    _drawn_by = "figure"
+    _made_by = "simulate(...)"
+
     def __init__(
         self,
         parameters: Parameters,
@@ -181,6 +184,7 @@ class Trajectory(Drawable):
         ParameterError
             If a time is outside [t_start, t_end].
         """
+        require(*ARRAY_LIKE, t=t)
         times = read_times(t)
         return self._states(times)[:2].reshape((2, *times.shape))
 
@@ -190,6 +194,7 @@ class Trajectory(Drawable):
 
         At an event the one that follows.
         """
+        require(*ARRAY_LIKE, t=t)
         times = read_times(t)
         self._check_times(times)
         names = [
@@ -205,6 +210,7 @@ class Trajectory(Drawable):
         """Return F^(alpha) of eq. (9), the acceleration that domain `alpha` = 1, 2 or 3 would give,
         at times `t`.
         """
+        require(*ARRAY_LIKE, t=t)
         times = read_times(t)
         K = self._K
         A = (K.A1, K.A2, K.A3)[whole_number("alpha", alpha, 1, 3) - 1]
@@ -482,6 +488,7 @@ class MovedTrajectory(Trajectory):
     @public
     def __call__(self, t: ArrayLike) -> np.ndarray:
         """Return [x, v] in the coordinates of the model at the times `t`."""
+        require(*ARRAY_LIKE, t=t)
         times, own = self._times(t)
         return np.asarray(self.reduced(own) + np.stack(motion_of_belts(self.model, times)))
 
@@ -491,6 +498,7 @@ class MovedTrajectory(Trajectory):
 
         At an event the one that follows.
         """
+        require(*ARRAY_LIKE, t=t)
         return self.reduced.mode(self._times(t)[1])
 
     @public
@@ -498,6 +506,8 @@ class MovedTrajectory(Trajectory):
         """Return F^(alpha) of eq. (9) of the oscillator: the acceleration of x relative to the
         (oscillating) belts.
         """
+        require(WHOLE, alpha=alpha)
+        require(*ARRAY_LIKE, t=t)
         return self.reduced.force(alpha, self._times(t)[1])
 
     def as_dict(self) -> dict[str, Any]:

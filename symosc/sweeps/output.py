@@ -73,6 +73,8 @@ class SweptDataset(Drawable):
     ['$\\\\Omega$']
     """
 
+    _drawn_by = "swept_figure"
+
     def __init__(self, dataset: xarray.Dataset) -> None:
         self.dataset = dataset
 
@@ -196,7 +198,7 @@ def plan_of(path: Path, to_replace: bool = False) -> str | None:
                 file.seek(-min(size, file.seek(0, os.SEEK_END)), os.SEEK_END)
             found = PLAN_FORM.findall(file.readline(1 << 24) if ending == ".csv" else file.read())
     if not found or (to_replace and not all(map(ZARR_FORM.fullmatch, _files_in(path)))):
-        raise SweepError(f"{path} exists and is no output of a sweep: name another file")
+        raise SweepError(f"{path} exists and is not the output of a sweep: name another file")
     return found[-1].decode()
 
 

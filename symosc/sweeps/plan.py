@@ -254,7 +254,9 @@ def read_coordinates(scene: Scene, over: Any, starts: np.ndarray | None = None) 
         found = {name: Coordinate(SET_AXIS, values) for name, values in table.items()}
     if starts is not None:
         if twice := [name for name in STARTS if name in found]:
-            raise ParameterError("starts", twice[0], "is swept too; give it in one place")
+            raise ParameterError(
+                "starts", twice[0], "must be either swept or one of the starts, not both"
+            )
         columns = zip(STARTS, starts.T, strict=True)
         found |= {name: Coordinate(START_AXIS, _numbers(name, values)) for name, values in columns}
     count = math.prod({each.dimension: len(each.values) for each in found.values()}.values())
@@ -281,7 +283,7 @@ def _axes(over: Any) -> Coordinates:
 def _known_name(name: Any) -> str:
     """Return the name of a swept number; ParameterError if it cannot be swept."""
     if name not in SWEPT_NAMES:
-        known = f"cannot be swept; choose from {', '.join(SWEPT_NAMES)}"
+        known = f"unknown number; choose from {', '.join(SWEPT_NAMES)}"
         raise ParameterError("over", name, known + meant(name, SWEPT_NAMES))
     return str(name)
 
@@ -295,11 +297,11 @@ def read_axis(name: str, values: Any) -> np.ndarray:
     else:
         found = _numbers(name, values)
     if not len(found):
-        raise ParameterError(name, values, f"has no values; {AXIS_FORM}")
+        raise ParameterError(name, values, f"must have one or more values; {AXIS_FORM}")
     ordered = np.sort(found)
     same = ordered[1:][ordered[1:] == ordered[:-1]]
     if len(same):
-        raise ParameterError(name, float(same[0]), "is twice on its axis")
+        raise ParameterError(name, float(same[0]), "must be on its axis only once")
     return found
 
 
@@ -322,7 +324,7 @@ def _evenly_spaced(name: str, text: str) -> np.ndarray:
     if count == 1 and low == high:
         return np.array([float(low)])
     if count == 1:
-        allowed = "needs at least 2 values to go from a lower to a higher one"
+        allowed = "must have 2 or more values to go from a lower to a higher one"
         raise ParameterError(name, text, allowed)
     if count > MOST_SWEPT:
         raise ParameterError(name, text, f"must have at most {MOST_SWEPT} values")
@@ -439,10 +441,10 @@ def _read_record(record: Any) -> tuple[tuple[str, ...], int]:
     for name in [record] if isinstance(record, str) else record:
         column, colon, count = name.partition(":")
         if column not in SUMMARY_COLUMNS or (colon and column != "section"):
-            known = f"cannot be recorded; what can be recorded: {', '.join(SUMMARY_COLUMNS)}"
+            known = f"unknown column; choose from {', '.join(SUMMARY_COLUMNS)}"
             raise ParameterError("record", name, known + meant(column, tuple(SUMMARY_COLUMNS)))
         if column in columns:
-            raise ParameterError("record", column, "is there twice")
+            raise ParameterError("record", column, "must be recorded only once")
         if column == "section":
             if colon:
                 sections = _read_whole("section", count, 1)

@@ -77,7 +77,9 @@ class Store:
             )
             if self.key() == "" or (self.key() is None and not ours):
                 wanted = "remove it, or name another output"
-                raise SweepError(f"{self.folder} is no folder of a sweep, or is damaged: {wanted}")
+                raise SweepError(
+                    f"{self.folder} is not the folder of a sweep, or is damaged: {wanted}"
+                )
             self._take_lock()
         except OSError as error:
             raise OutputError(str(self.folder), error.strerror or str(error)) from None

@@ -16,12 +16,28 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from symosc.base.aliases import DataFrame, NumberLike, Progress, SceneName
-from symosc.base.arguments import public
+from symosc.base.arguments import (
+    ARRAY_LIKE,
+    DATA_FRAME,
+    EXECUTOR,
+    FILE,
+    FLAG,
+    NAMES,
+    NUMBER,
+    PROGRESS,
+    TABLE_LIKE,
+    WHOLE,
+    mapping_of,
+    public,
+    require,
+    require_or_none,
+    sequence_of,
+)
 from symosc.base.display.progress import reporting
 from symosc.base.errors import ParameterError, SweepError, SymoscError, optional
 from symosc.base.exact import whole_number
 from symosc.model import Parameters
-from symosc.scenes import Scene
+from symosc.scenes import Scene, scene_of
 from symosc.sweeps import output
 from symosc.sweeps.output import need_xarray
 from symosc.sweeps.plan import SweepPlan, compute, kernels_hash, read_plan
@@ -43,6 +59,8 @@ CONNECT_SECONDS = 10
 AHEAD = 2
 
 Range = tuple[int, int]
+#: Axes by name, or a table of sets of values.
+GRID_LIKE = (mapping_of(*ARRAY_LIKE), sequence_of(mapping_of(NUMBER)), DATA_FRAME)
 
 
 @public
@@ -102,6 +120,17 @@ def sweep(
     >>> sweep("fig9", {"Omega": "3.5:4.5:3", "FN": [5, 10]}, t_end="12T", skip="10T").word.values.tolist()
     [['P32', 'P32'], ['P32', 'P32'], ['P74682', 'P32']]
     """
+    scene = scene_of(scene, "scene")
+    require(*GRID_LIKE, over=over)
+    require(*NAMES, record=record)
+    require_or_none(NUMBER, t_end=t_end)
+    require(NUMBER, skip=skip)
+    require_or_none(*TABLE_LIKE, starts=starts)
+    require_or_none(WHOLE, workers=workers)
+    require_or_none(EXECUTOR, executor=executor)
+    require_or_none(FILE, path=path)
+    require(FLAG, resume=resume)
+    require(*PROGRESS, progress=progress)
     need_xarray()
     plan = read_plan(scene, over, record, t_end, skip, starts)
     if path is None:
@@ -216,7 +245,7 @@ def dask_client(address: str) -> Any:
     Client = optional("distributed", "a dask cluster", "sweep").Client
     if address.endswith(".json"):
         if not Path(address).is_file():  # dask would wait for it
-            raise ParameterError("executor", address, "there is no such scheduler file")
+            raise ParameterError("executor", address, "scheduler file not found")
         return Client(scheduler_file=address, timeout=CONNECT_SECONDS)
     try:
         return Client(address, timeout=CONNECT_SECONDS)
@@ -342,6 +371,13 @@ def sweep_status(
     >>> sweep_status("fig9", {"Omega": "1:6:500"}, path="map.nc").done
     0
     """
+    scene = scene_of(scene, "scene")
+    require(*GRID_LIKE, over=over)
+    require(*NAMES, record=record)
+    require_or_none(NUMBER, t_end=t_end)
+    require(NUMBER, skip=skip)
+    require_or_none(*TABLE_LIKE, starts=starts)
+    require(FILE, path=path)
     plan = read_plan(scene, over, record, t_end, skip, starts)
     target = output.output_path(path)
     store = Store(target)

@@ -27,14 +27,23 @@ from typing import Any, NamedTuple
 import sympy as sp
 
 from symosc.base.aliases import Expr, NumberLike, Order
-from symosc.base.arguments import public
+from symosc.base.arguments import (
+    NAMES,
+    NUMBER,
+    ORDER,
+    TEXT,
+    public,
+    require,
+    require_or_none,
+    row_of,
+)
 from symosc.base.display.drawable import Drawable
 from symosc.base.display.latex import LatexAnswer, latex_table
 from symosc.base.errors import ParameterError
 from symosc.base.exact import read_exact
 from symosc.kernels.theorem7_cases import Place, place
 from symosc.model import Parameters
-from symosc.scenes import ParametersLike
+from symosc.scenes import ParametersLike, parameters_of
 from symosc.symbolic.latex import latex
 from symosc.symbolic.theorem7 import rational, real, sign_of
 
@@ -318,6 +327,7 @@ class ParameterValues(LatexAnswer):
 
     @public
     def __contains__(self, value: NumberLike) -> bool:
+        require(NUMBER, value=value)
         name = self.question.names[0]
         if isinstance(value, sp.Basic) and value.free_symbols:
             raise ParameterError(name, value, "must be a number")
@@ -371,6 +381,9 @@ class ParameterRegion(Drawable, LatexAnswer):
     (True, False)
     """
 
+    _drawn_by = "region_figure"
+    _made_by = "values_containing(...) for two parameters"
+
     def __init__(self, question: GrazingQuestion, condition: Expr, parameters: Parameters) -> None:
         self.question = question
         self.condition = condition
@@ -406,6 +419,7 @@ class ParameterRegion(Drawable, LatexAnswer):
         ParameterError
             Unless both parameters are given, as values that Parameters allows.
         """
+        require(NUMBER, **values)
         if set(values) != set(self.question.names):
             raise ParameterError(
                 "values", ", ".join(values) or None, f"give {' and '.join(self.question.names)}"
@@ -505,6 +519,12 @@ def values_containing(
     >>> values_containing(p, "P2", "Omega", ("pi", "5*pi/4"))
     Interval.open(0, sqrt(2)/3)
     """
+    if p is not None:
+        p = parameters_of(p)
+    require(TEXT, mapping=mapping)
+    require(*NAMES, name=name)
+    require_or_none(NUMBER, row_of(2, NUMBER), sp.Interval, theta=theta)
+    require(ORDER, order=order)
     names = _read_names(mapping, name, p)
     full = order == "full"
     if theta is None and p is None:
@@ -535,6 +555,10 @@ def values_empty(p: ParametersLike | None, mapping: str, name: str | Sequence[st
     >>> values_empty(load_scene("fig9").parameters, "P3", "Omega")
     Interval.Lopen(0, 1/3)
     """
+    if p is not None:
+        p = parameters_of(p)
+    require(TEXT, mapping=mapping)
+    require(*NAMES, name=name)
     return _answer(p, GrazingQuestion(mapping, _read_names(mapping, name, p), "empty"), True)
 
 
@@ -550,6 +574,11 @@ def values_everything(
     >>> values_everything(load_scene("fig9").parameters, "P2", "Omega", order="paper")
     Interval.open(0, 1/3)
     """
+    if p is not None:
+        p = parameters_of(p)
+    require(TEXT, mapping=mapping)
+    require(*NAMES, name=name)
+    require(ORDER, order=order)
     return _answer(
         p, GrazingQuestion(mapping, _read_names(mapping, name, p), "everything"), order == "full"
     )

@@ -20,7 +20,7 @@ from typing import NamedTuple
 import sympy as sp
 
 from symosc.base.aliases import Expr, NumberLike, Order
-from symosc.base.arguments import public
+from symosc.base.arguments import NUMBER, ORDER, TEXT, public, require
 from symosc.base.display.latex import LatexAnswer, latex_table
 from symosc.base.errors import ParameterError
 from symosc.base.phases import read_angle, symbolic
@@ -146,6 +146,9 @@ def theorem7(
     >>> theorem7("P3", 3, 5)
     Interval.open(asin(3/5) + pi, -asin(3/5) + 2*pi)
     """
+    require(TEXT, mapping=mapping)
+    require(NUMBER, gamma=gamma, amplitude=amplitude)
+    require(ORDER, order=order)
     where = cases.place(mapping)
     full = order == "full"
     gamma = real("gamma", gamma)

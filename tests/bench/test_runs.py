@@ -247,7 +247,7 @@ def test_readme_and_pages_of_results_say_the_same() -> None:
             f"{heyoka * part:.2g} ({scene}" in " ".join(readme.split())
             for part in (1, 1.001, 0.999)
         )
-    assert compared > 50
+    assert compared > 40
     scores = cells((folder / "scores.md").read_text(encoding="utf-8"))
     summed = cells(page.partition("## Hard cases")[2])
     assert [(row[0].rpartition(" (")[0], *row[1:-1]) for row in summed[1:]] == [

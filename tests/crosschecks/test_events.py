@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from itertools import combinations, pairwise, product
 from typing import Any
 
 import numpy as np
@@ -11,7 +10,7 @@ from careful_solver import TIGHT, random_parameters, solve
 from excerpts import crosscheck
 
 from symosc import ParameterError, Parameters, Scene, Trajectory, load_scene, simulate
-from symosc.crosschecks.events import find_events, in_order, labels
+from symosc.crosschecks.events import find_events, labels
 from symosc.crosschecks.steps import follow_steps
 from symosc.model import MODE_NAMES
 
@@ -331,25 +330,3 @@ def test_a_jump_at_a_joint_is_a_wrong_step() -> None:
         match=rf"t\[{joint + 1}\] .* is repeated with another state \(x jumps by 0.1",
     ):
         crosscheck("fig9", run.t, run.x, run.v)
-
-
-def test_the_longest_chain_is_the_best_of_all() -> None:
-    rng = np.random.default_rng(6)
-    for _ in range(200):
-        cells = [(i, j) for i, j in product(range(4), range(4)) if rng.random() < 0.4]
-        pairs = [(i, j, float(rng.integers(1, 9))) for i, j in cells]
-        cost = {pair[:2]: pair[2] for pair in pairs}
-        chains = [
-            chain
-            for n in range(5)
-            for chain in combinations(cells, n)
-            if all(a[0] < b[0] and a[1] < b[1] for a, b in pairwise(chain))
-        ]
-        best = min(chains, key=lambda chain: (-len(chain), sum(cost[pair] for pair in chain)))
-        found = in_order(pairs)
-        assert set(found) <= set(cells)
-        assert all(a[0] < b[0] and a[1] < b[1] for a, b in pairwise(found))
-        assert (len(found), sum(cost[pair] for pair in found)) == (
-            len(best),
-            sum(cost[pair] for pair in best),
-        )

@@ -28,8 +28,11 @@ from scipy.io import savemat
 from solution_files import COLUMNS, WRITERS, T, V, X, read_samples
 
 from symosc import ParameterError, simulate
-from symosc.crosschecks import files
-from symosc.crosschecks.files import PACKED, SUFFIXES, has_wrong_tags, read_text
+from symosc.crosschecks.reading import files, formats
+from symosc.crosschecks.reading import text as text_tables
+from symosc.crosschecks.reading.files import PACKED, SUFFIXES
+from symosc.crosschecks.reading.formats import has_wrong_tags
+from symosc.crosschecks.reading.text import read_text
 
 # -- formats -----------------------------------------------------------------------------------------------------------
 
@@ -166,7 +169,7 @@ def test_a_small_file_that_unpacks_to_very_much_is_refused_soon(
             return data
 
     monkeypatch.setitem(files.PACKED, ".gz", Counting)
-    monkeypatch.setattr(files, "MOST_EMPTY_LINES", 50_000)
+    monkeypatch.setattr(text_tables, "MOST_EMPTY_LINES", 50_000)
     path = tmp_path / "run.csv.gz"
     path.write_bytes(gzip.compress(b"t,x,v\n" + piece * (8_000_000 // len(piece)), compresslevel=1))
     with pytest.raises(ParameterError, match=r"lines without data|not text in lines"):
@@ -178,7 +181,7 @@ def test_a_small_file_that_unpacks_to_very_much_is_refused_soon(
 def test_no_more_is_unpacked_than_a_limit(
     name: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr(files, "MOST_BYTES", 100_000)
+    monkeypatch.setattr(formats, "MOST_BYTES", 100_000)
     (tmp_path / f"{name}.bz2").write_bytes(bz2.compress(b"0,1,2\n" * 100_000))
     with pytest.raises(ParameterError, match=r"is larger than 1e\+05 bytes"):
         read_samples(tmp_path / f"{name}.bz2")
@@ -221,8 +224,8 @@ def test_columns_of_a_table_are_found_however_it_is_laid_out(tmp_path: Path) -> 
 # -- text tables -------------------------------------------------------------------------------------------------------
 
 
-def read(text: str, **asked: str | None) -> dict[str, np.ndarray]:
-    return read_text(io.BufferedReader(io.BytesIO(text.encode())), asked, "here")  # type: ignore[arg-type]
+def read(content: str, **asked: str | None) -> dict[str, np.ndarray]:
+    return read_text(io.BytesIO(content.encode()), asked, "here").columns
 
 
 def test_numbers_are_read_however_they_are_written() -> None:
@@ -411,7 +414,7 @@ def test_every_format_is_named() -> None:
 READ_IN_A_PROCESS = """
 import sys
 from pathlib import Path
-from symosc.crosschecks.files import read_solutions
+from symosc.crosschecks.reading.solutions import read_solutions
 from symosc.base.errors import ParameterError
 for path in sys.argv[1:]:
     try:

@@ -15,7 +15,7 @@ from rounded_solutions import DEVIATION, right, wrong_solutions
 
 from symosc import crosscheck as strict
 from symosc import load_scene, simulate
-from symosc.crosschecks.samples import find_digits
+from symosc.crosschecks.rounding import find_digits
 
 # -- rounding ----------------------------------------------------------------------------------------------------------
 

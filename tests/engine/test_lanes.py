@@ -14,9 +14,17 @@ from regimes import random_sets
 
 from symosc import Parameters, load_scene, simulate_many
 from symosc.engine import arithmetic
-from symosc.engine.batch import STATE_WIDTH, end_by_phase, is_inexact, keep_state, state_of
+from symosc.engine.batch import end_by_phase, is_inexact, keep_state, state_of
 from symosc.engine.flow import ConstantRows
-from symosc.engine.lanes import BELT_THERE, KIND, T_ERROR, suits_lanes
+from symosc.engine.lanes import (
+    BELT_THERE,
+    KIND,
+    OF_MOTION,
+    OF_RESULT,
+    OF_STATE,
+    T_ERROR,
+    suits_lanes,
+)
 from symosc.engine.next_event import advance, time_with_errors
 from symosc.engine.state import GRAZE, MOVED, ON_BELT
 from symosc.model import by_name
@@ -25,7 +33,6 @@ from symosc.simulation.problems import Problems
 pytest.importorskip("numba")
 
 ACCURACY = 1e-6
-STATE = [*range(13), 16, 17, 18]  # columns of a state that change
 SCENES = [load_scene(name).parameters for name in ("fig5", "fig9", "fig10")]
 
 
@@ -53,8 +60,8 @@ def followed(
     batch, table = Problems(p, starts, starts[:, 0] + span, None).begin(
         slice(0, len(starts)), functions["march_rows"]
     )
-    given = np.zeros((STATE_WIDTH, width))
-    found = np.zeros((STATE_WIDTH + 3, width))
+    given = np.zeros((OF_MOTION, width))
+    found = np.zeros((OF_RESULT, width))
     K = ConstantRows(table)[0]
     if suits_lanes(K):
         running = set(range(len(starts)))
@@ -64,16 +71,17 @@ def followed(
     tried = 0
     for _ in range(steps):
         for flights in (True, False):
-            members = [i for i in sorted(running) if (batch.states[i, 0] <= ON_BELT) == flights][
+            members = [i for i in sorted(running) if (batch.states[i].mode <= ON_BELT) == flights][
                 :width
             ]
             if not members:
                 continue
             # lanes without a motion have one of any other's states
-            given[:] = batch.states[[members[n % len(members)] for n in range(width)]].T
+            chosen = batch.states[[members[n % len(members)] for n in range(width)]]
+            given[:] = np.array(chosen.tolist()).T
             flags = functions["block"](flights, given, found, accuracy, table[0])
             for lane, i in enumerate(members):
-                before = state_of(batch.states, i)
+                before = state_of(batch.states[i])
                 event = advance(before, *end_by_phase(batch.states[i], K)[:2], K)
                 tried += 1
                 if flags >> lane & 1:
@@ -82,16 +90,17 @@ def followed(
                     there = found[[KIND, BELT_THERE, T_ERROR], lane].tolist()
                     assert there == [event.code, event.boundary, event.t_error], (p, i)
                     s = event.state
-                    t0 = batch.states[i, 15]
+                    t0 = batch.states[i].t0
                     t, t_error, x_error = time_with_errors(
                         s.t, s.t_low, t0, s.x, s.v, event.t_error, s.S.S11, K
                     )
                     assert not is_inexact(t, t_error, s.x, x_error, t0, accuracy)
                 if event.code > GRAZE and event.code != MOVED:
                     running.discard(i)
-                keep_state(batch.states, i, event.state)
+                keep_state(batch.states[i], event.state)
                 if flags >> lane & 1:
-                    assert batch.states[i, STATE].tobytes() == found[STATE, lane].tobytes(), (p, i)
+                    state = np.array(batch.states[i].item()[:OF_STATE])
+                    assert state.tobytes() == found[:OF_STATE, lane].tobytes(), (p, i)
     return good, tried
 
 

@@ -221,9 +221,9 @@ def test_all_who_start_on_a_belt_start_alike() -> None:
         rows, _ = start.start_rows(
             at, np.zeros(2), np.full(2, x), v, (0.0, 0.0, 0.5, 0.0, 0.0), arithmetic.K
         )
-        assert batch.state_of(rows, 0) == state
-        assert rows[1, 0] == boundary + 1  # beside the belt the speed says where it is
-        assert batch.row_of(state, 0.5, 0.0) == rows[0].tolist()
+        assert batch.state_of(rows[0]) == state
+        assert rows[1].mode == boundary + 1  # beside the belt the speed says where it is
+        assert batch.row_of(state, 0.5, 0.0) == rows[0].item()
         seen.add(state.mode)
     assert seen == {1, 2, 3, 4, 5}
 

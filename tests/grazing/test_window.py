@@ -246,7 +246,7 @@ def test_contacts_of_the_figures() -> None:
     assert grazing_window(fig8, "P3").contact(2 * pi) == Rational(
         "4.51425"
     )  # theta = Omega pi = 2 pi
-    with pytest.raises(ParameterError, match="outside the grazing window of P2"):
+    with pytest.raises(ParameterError, match="must be inside the grazing window of P2"):
         grazing_window(fig8, "P2").contact(pi)
 
 

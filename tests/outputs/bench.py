@@ -20,17 +20,14 @@ import numpy as np
 from cli_runs import run
 from outputs import reference
 from parameter_sets import DIP, EASY
-from said import empty_folder, outcome, written
+from said import empty_folder, outcome
 from stored_outputs import some_lines
 
 from symosc import Scene, bench, load_scene, simulate
 from symosc.base.errors import OutputError
 from symosc.bench import (
     cases,
-    error_map,
     event_logic,
-    gradients,
-    peers_numba,
     peers_scan,
     peers_scipy,
     results,
@@ -83,11 +80,6 @@ def by_scan(name: str, points: int = 40, **changes: Any) -> str:
     return followed(scene, interpreted(peers_scan), settings)
 
 
-def by_dop853(name: str, tolerance: float = 1e-10) -> str:
-    settings = partial(peers_numba.settings, problem(SCENES[name].parameters), tolerance)
-    return followed(SCENES[name], interpreted(peers_numba), settings, 1e-15)
-
-
 def by_scipy(name: str, method: str, tolerance: float) -> str:
     return "\n".join(
         f"{e.t:.6f} {e.x:.6f} {e.kind} {e.boundary}"
@@ -136,85 +128,6 @@ def gives_up(outcome: str) -> str:
         return ((1, -1, -1, 1, 1)[mode - 1], t + 1e-3, x)
 
     return followed(SCENES["from a belt"], bind((event_logic,), {"leave": leave}), lambda: None)
-
-
-def derivatives(name: str) -> str:
-    """Return the derivatives of events through flights, which an interpreted integrator differentiates."""
-    scene = SCENES[name]
-
-    def jacobian(*values: float) -> tuple[np.ndarray, np.ndarray]:
-        found = gradients.tangent_steps(*map(float, values), 1e-11)
-        return found[2::2], found[3::2]
-
-    events = exactly(scene, 0.0)()[:4]
-    middle = FoundEvent((events[1].t + events[2].t) / 2, 0.0, "graze", events[2].boundary)
-    lines = []
-    for each in gradients.through_events(
-        scene, [*events[:2], middle, *events[2:]] if name == "fig5" else events, jacobian
-    ):
-        if each.kind != "graze":
-            lines.append(
-                f"{each.kind} {each.t:.7f} {' '.join(f'{value:.7g}' for value in each.changes.values())}"
-            )
-    lines += [str(row[1:3] + row[5:]) for row in gradients.pieces(scene, events)]
-    return "\n".join(lines)
-
-
-# -- errors of the kernels ---------------------------------------------------------------------------------------------
-
-
-@cache
-def mapped() -> dict[str, Any]:
-    """Return a small map of errors."""
-    with (
-        patch.object(error_map, "QUICK_MAP_POINTS", 5),
-        patch.object(error_map, "BORDER_POINTS", 41),
-    ):
-        return error_map.run(quick=True, taus=(1e-2, 6.0))
-
-
-def map_text() -> str:
-    """Return which formula symosc takes where, and the errors of the cheap one that are no rounding."""
-    found = mapped()
-    lines = [" ".join(f"{place:.9g}" for place in found[name]) for name in ("zeta", "ratio")]
-    lines += [
-        "".join(f"{name or '-':.1}" for name in row)
-        for rows in found["formulas"]
-        for row in rows[::4]
-    ]
-    for name in ("cheap", "symosc"):  # the errors themselves are rounding
-        lines += [
-            "".join("x" if error == error else "-" for error in row)
-            for rows in found[name]
-            for row in rows
-        ]
-    lines.append(f"{found['largest'] < 1e-14}")
-    K = error_map.constants(EASY)
-    lines += [
-        " ".join(f"{each:.10g}" for each in error_map.closed_form(tau, K)) for tau in (0.3, 2.0)
-    ]
-    lines += [
-        f"{error_map.value_at(place)} {error_map.place_of(float(error_map.value_at(place))):.6g}"
-        for place in (-3.0, -0.5, 0.0, 0.5, 2.0, 9.5, 10.0, 10.5, 12.0, 20.0, 21.5)
-    ]
-    lines += [f"{error_map.place_of(1.0, off):.9g}" for off in (1e-12, -1e-12, 1e-6, -0.5)]
-    exact = (2.0, 0.5, 0.25, 0.125, -0.0625)
-    for row in np.eye(5):
-        values = tuple(value + 1e-3 * off for value, off in zip(exact, row, strict=True))
-        lines.append(f"{error_map.error(values, exact, 3.0):.9g}")
-    lines.append(f"{map_figure().axes[0].get_facecolor()}")
-    lines += [error_map._number(value) for value in (1, 6.0, 0.1, 1e-2, 3e-7, 100)]
-    return "\n".join(lines)
-
-
-def map_figure() -> Any:
-    """Return the picture of a map with made-up errors."""
-    found = mapped()
-    errors = np.geomspace(1e-18, 2.0, 25).reshape(5, 5)
-    made = [np.where(np.isnan(each), nan, errors).tolist() for each in found["symosc"]]
-    return error_map.figure(
-        found | {"cheap": made, "symosc": [(1e-3 * np.array(each)).tolist() for each in made]}
-    )
 
 
 # -- work and precision ------------------------------------------------------------------------------------------------
@@ -422,7 +335,6 @@ def bench_files() -> str:
         whole = {
             "speed": timed(),
             "work_precision": worked(),
-            "error_map": mapped(),
             "scores": scored(),
             "quick": True,
         }
@@ -502,8 +414,6 @@ def command(*arguments: str, wrong: bool = False) -> str:
         cases: scored(wrong),
         speed: timed(),
         work: worked(),
-        error_map: mapped(),
-        gradients: scored(wrong),
     }
     with empty_folder() as folder, ExitStack() as stack:
         for module, found in runs.items():
@@ -522,52 +432,6 @@ def command(*arguments: str, wrong: bool = False) -> str:
     return "\n".join([str(done.exit_code), done.output, *pages])
 
 
-def differentiated() -> str:
-    """Return the page about derivatives of two solvers.
-
-    Symosc's own, one of them wrong by a part.
-    """
-
-    def prepare(factor: float, scene: Scene, tolerance: float) -> Callable[[], list[FoundEvent]]:
-        found = enumerate(nearly(scene, tolerance)())
-        events = [
-            e._replace(changes={"dt_mu1": i + 0.5 * factor, "dx_mu1": -0.25}) for i, e in found
-        ]
-        return lambda: events
-
-    solvers = tuple(
-        Solver(name, partial(prepare, factor), (0.0,))
-        for name, factor in (("right", 1.0), ("off", 1.5))
-    )
-    with (
-        patch.object(cases, "in_parallel", at_once),
-        patch.object(cases, "machine", lambda: ABOUT), patch.object(gradients, "solvers", lambda: solvers),
-    ):  # fmt: skip
-        found = gradients.run(chosen=chosen_cases())
-        return written(lambda path: gradients.write(path, found, "the command"), "gradients.md")
-
-
-def settings() -> str:
-    """Return how a flight or stick is set up for diffrax, and the derivatives of the events that are kept."""
-    p = load_scene("fig10").parameters
-    lines = [
-        f"{mode} {side}: {gradients._settings(p, mode, side)}"
-        for mode in range(1, 6)
-        for side in peers_scipy.SIDES[mode]
-    ]
-    event = FoundEvent(1.0, 2.0, "slip", 1)
-    return "\n".join(
-        [
-            *lines,
-            str(
-                gradients.found_changes(
-                    event, np.arange(14.0), np.where(np.arange(14) % 3, 1.0, nan)
-                )
-            ),
-        ]
-    )
-
-
 CASES: dict[str, Callable[[], object]] = {
     "forces": forces,
     **{
@@ -576,19 +440,10 @@ CASES: dict[str, Callable[[], object]] = {
     },
     "scan: no spring": lambda: by_scan("fig5", k=0),
     "fine scan": lambda: by_scan("fig8", 2000),
-    **{f"DOP853: {name}": partial(by_dop853, name) for name in ("fig5", "fig10", "peak", "dip")},
-    **{
-        f"coarse DOP853: {name}": partial(by_dop853, name, 1e-4)
-        for name in ("peak", "fig10", "fig8")
-    },
     "LSODA of scipy": lambda: by_scipy("fig5", "LSODA", 1e-8),
     "Radau of scipy": lambda: by_scipy("from a belt", "Radau", 1e-6),
     "chatters": lambda: gives_up("chatters"),
     "gives up": lambda: gives_up("unsolved"),
-    "derivatives of fig5": lambda: derivatives("fig5"),
-    "derivatives of fig10": lambda: derivatives("fig10"),
-    "error map": map_text,
-    "error map as a picture": map_figure,
     "compared": compared,
     "measured times": measured_times,
     "work": lambda: worked()["rows"],
@@ -618,9 +473,6 @@ CASES: dict[str, Callable[[], object]] = {
     "command --hard, wrong": lambda: some_lines(command("--hard", wrong=True), 0, 5),
     "command --scores": lambda: command("--scores", "FOLDER/scores.md"),
     "command --scores, wrong": lambda: command("--scores", "FOLDER/scores.md", wrong=True),
-    "command --gradients": lambda: command("--gradients", "FOLDER/gradients.md"),
     "results in words": compared_in_words,
     "pages of results": bench_files,
-    "page of derivatives": differentiated,
-    "set up for diffrax": settings,
 }

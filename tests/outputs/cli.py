@@ -353,7 +353,7 @@ def benched(line: str, ok: bool = True, **files: str) -> str:
     """Return what `symosc bench` says where nothing is measured; what it asks for is noted."""
     if find_spec("numba") is None or find_spec("flint") is None:
         pytest.skip("numba or flint is not installed")
-    from symosc.bench import cases, error_map, results, speed, work
+    from symosc.bench import cases, results, speed, work
 
     asked: list[str] = []
 
@@ -362,6 +362,7 @@ def benched(line: str, ok: bool = True, **files: str) -> str:
             asked.append(f"{name} {sorted(how)} {how.get('quick')} {len(how.get('cases', ()))}")
             return {
                 "ok": ok,
+                "scores": [],
                 "steps": list(progress([1, 2])) if progress else [],
                 "empty": float("nan"),
             }
@@ -375,7 +376,7 @@ def benched(line: str, ok: bool = True, **files: str) -> str:
         asked.append(f"{more if len(more) > 1 else sorted(more[0])}")
         return [path]
 
-    names = {"speed": speed, "work": work, "cases": cases, "map": error_map}
+    names = {"speed": speed, "work": work, "cases": cases}
     with contextlib.ExitStack() as stack:
         for name, module in names.items():
             new = {
@@ -385,6 +386,7 @@ def benched(line: str, ok: bool = True, **files: str) -> str:
             }
             stack.enter_context(patch.multiple(module, create=True, **new))
         stack.enter_context(patch.object(cases, "as_json", lambda found: found))
+        stack.enter_context(patch("symosc.plot.score_figure", drawn))
         for module in (cases, results):
             stack.enter_context(patch.object(module, "write", write))
         text = told(line, **files)
@@ -563,10 +565,10 @@ def reproduced(line: str, changed: int = 0, failed: int = 0) -> str:
 
 
 OTHERS: dict[str, Case] = {
-    "score": lambda: scored("score cases mine.csv theirs.csv -o page.md --plot all.svg"),
+    "score": lambda: scored("score cases mine.csv theirs.csv --plot all.svg"),
     "score json": lambda: scored("score cases a/it.csv b/it.csv --json --tolerance 1e-6"),
-    "score, all right": lambda: scored("score cases mine.csv -o page.html", 1),
-    "score into another kind": lambda: scored("score cases mine.csv -o page.txt"),
+    "score, all right": lambda: scored("score cases mine.csv", 1),
+    "score into a page": lambda: scored("score cases mine.csv -o page.html"),
     "cases into a folder": lambda: written_cases("cases --group easy -o them"),
     "cases into a folder, json": lambda: written_cases("cases --group easy -o them --json"),
     "derive chapters": lambda: derived("derive all --pdf -o them -v"),
@@ -587,8 +589,7 @@ OTHERS: dict[str, Case] = {
     ),
     "bench scores": lambda: benched("bench --scores page.md"),
     "bench scores of another kind": lambda: benched("bench --scores page.txt"),
-    "bench two pages": lambda: benched("bench --scores page.md --gradients other.md"),
-    "bench gradients": lambda: benched("bench --gradients page.md --quick"),
+    "bench scores and more": lambda: benched("bench --scores page.md --quick"),
     "warm": lambda: warmed("warm"),
     "warm json": lambda: warmed("warm --json"),
     "atlas": lambda: mapped(

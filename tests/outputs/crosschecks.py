@@ -23,7 +23,7 @@ from symosc import Parameters, crosscheck, load_scene, simulate
 from symosc.base.errors import ParameterError
 from symosc.crosschecks import columns, friction, methods, models, steps
 from symosc.crosschecks.causes import Case
-from symosc.crosschecks.files import read_solutions
+from symosc.crosschecks.reading.solutions import read_solutions
 from symosc.engine.arithmetic import Arithmetic
 from symosc.kernels._generated import acceleration
 

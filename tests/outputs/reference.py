@@ -162,30 +162,36 @@ def long_run() -> str:
 NAMES = ("paper-fig6", "rest-1")
 #: Files of results by their names: what is in them.
 RESULTS = {
-    "a.csv": "case,t,x,kind,belt,seconds\npaper-fig6,2,1,Stick,1,0.5\npaper-fig6,1,1,slip,2.0,0.7\nrest-1,9,,end,,\n",
-    "b.csv": "id;time;position;event;belt\npaper-fig6;1,5;2d-1;cross;2\n",
+    "a.csv": (
+        "case,t,x,kind,boundary,seconds\npaper-fig6,2,1,Stick,1,0.5\n"
+        "paper-fig6,1,1,slip,2.0,0.7\nrest-1,9,,end,,\n"
+    ),
+    "b.csv": "case;t;x;kind;boundary\npaper-fig6;1,5;2d-1;cross;2\n",
     "c.csv": "case,t_low,t_high,x_low,x_high,kind,dt_mu1\npaper-fig6,1,2,3,5,cross,0.5\n",
-    "d.json": '{"paper-fig6": {"seconds": 2, "events": [{"t": 3, "x": 2, "kind": "graze", "dx_m": 3}]}, "rest-1": []}',
-    "e.json": '[{"case": "rest-1", "t": 2, "kind": "end"}, {"case": "rest-1", "t": 1, "kind": "end"}]',
-    "f.json": '{"case": ["rest-1", "rest-1"], "t": [2, 1], "kind": ["cross", "stick"], "belt": [1, 2]}',
+    "d.json": (
+        '{"paper-fig6": {"seconds": 2, "events": [{"t": 3, "x": 2, "kind": "graze", "dx_m": 3}]},'
+        ' "rest-1": {"events": []}}'
+    ),
+    "e.json": '{"rest-1": {"events": [{"t": 2, "kind": "end"}, {"t": 1, "kind": "end"}]}}',
     "half.csv": "case,t,t_low,x_high,kind\nrest-1,3,2,9,cross\n",
     "paper-fig6.csv": "t,kind\n1,cross\n",
+    "rest-1.csv": "t,kind\n",
     "other.csv": "t,kind\n1,cross\n",
     "wrong kind.csv": "case,t,kind\nrest-1,1,stop\n",
     "no t.csv": "case,t,kind\nrest-1,,cross\n",
     "no column.csv": "case,x,kind\nrest-1,1,cross\n",
-    "belt 3.csv": "case,t,kind,belt\nrest-1,1,cross,3\n",
-    "belt x.csv": "case,t,kind,belt\nrest-1,1,cross,x\n",
+    "belt 3.csv": "case,t,kind,boundary\nrest-1,1,cross,3\n",
+    "belt x.csv": "case,t,kind,boundary\nrest-1,1,cross,x\n",
     "no number.csv": "case,t,kind\nrest-1,one,cross\n",
     "negative.csv": "case,t,kind,seconds\nrest-1,1,cross,-1\n",
-    "twice.csv": "case,t,time,kind,kind\nrest-1,1,1,cross,cross\n",
-    "times.csv": "case,time,times,kind\nrest-1,1,1,cross\n",
+    "twice.csv": "case,t,kind,kind\nrest-1,1,cross,cross\n",
+    "short.csv": "case,t,kind\nrest-1,1\n",
     "another.csv": "case,t,kind\nrest-2,1,cross\n",
     "list.json": '[1, 2]',
     "text.json": '"rest-1"',
     "no events.json": '{"rest-1": {"seconds": 1}}',
-    "no case.json": '[{"t": 1, "kind": "cross"}]',
-    "lengths.json": '{"case": ["rest-1"], "t": [2, 1], "kind": ["cross", "stick"]}',
+    "no object.json": '{"rest-1": {"events": [1]}}',
+    "any.mat": "case,t,kind\n",
 }  # fmt: skip
 
 
@@ -266,16 +272,13 @@ CASES: dict[str, Callable[[], object]] = {
     "changed scenes": conditioned,
     "score as text": lambda: score.as_text(scores()),
     "score of one": lambda: score.as_text(scores()[1:]),
-    "score as Markdown": lambda: score.as_markdown(
-        scores(), "Scores", 7, ["more"], with_faults=False
-    ),
-    "score as HTML": lambda: score.as_html(scores(), "Scores & faults", 7),
+    "scores in Markdown": lambda: score.group_table(scores(), "github"),
     "score by 1e-6": lambda: judged(1e-6),
     "score by 1e-12": lambda: judged(1e-12),
     "score of a long run": long_run,
     "results in one file": lambda: "\n".join(read(name) for name in RESULTS),
     "results in folders": lambda: "\n".join(
-        [read("paper-fig6.csv", "other.csv"), read("paper-fig6.csv", "d.json")]
+        [read("paper-fig6.csv", "other.csv"), read("paper-fig6.csv", "rest-1.csv")]
     ),
     "files": written,
 }

@@ -17,6 +17,8 @@ from symosc.base.display.drawable import Drawable
 
 
 class Drive(Drawable):
+    _drawn_by = "drive_figure"
+
     def __init__(self, parameters):
         self.parameters = parameters
 """
@@ -37,12 +39,14 @@ def drive_figure(drive, *, ax=None):
 """
 PAGE = """
 
+from symosc.simulation.drive import Drive
+
 
 def drive_page(drive):
     return page("Drive", f"Omega = {drive.parameters.Omega}")
 
 
-register("symosc.simulation.drive.Drive", drive_page, "page")
+PAGES[Drive] = drive_page
 """
 USE = """
 import sys
@@ -69,11 +73,6 @@ def test_a_figure_is_added_as_contributing_says(tmp_path: Path) -> None:
     (package / "plot" / "drive.py").write_text(FIGURE)
     with open(package / "plot" / "__init__.pyi", "a") as names:
         names.write("from .drive import drive_figure as drive_figure\n")
-    registered = (package / "plot" / "__init__.py").read_text(encoding="utf-8")
-    line = 'DRAWN_BY = {\n    "symosc.simulation.drive.Drive": "drive_figure",'
-    (package / "plot" / "__init__.py").write_text(
-        registered.replace("DRAWN_BY = {", line), encoding="utf-8"
-    )
     with open(package / "plot" / "notebooks.py", "a") as pages:
         pages.write(PAGE)
     (tmp_path / "use.py").write_text(USE)

@@ -36,6 +36,7 @@ from symosc import (
 from symosc.base.display.drawable import Drawable
 from symosc.plot.figures import MOST_DRAWN_EVENTS
 from symosc.plot.panels import SHAPES, view_of
+from symosc.sweeps.output import SweptDataset
 
 # -- answers, and axes of a user's own --------------------------------------------------------------------------------
 
@@ -55,6 +56,16 @@ def answers() -> dict[str, Drawable]:
         "curve": grazing_curve(P, "P2", 40),
         "check": crosscheck("fig5", t, *simulate("fig5", t_end=3)(t)),
     }
+
+
+def test_what_draws_an_answer_is_a_figure_of_the_package() -> None:
+    names = [getattr(symosc, name) for name in symosc.__all__]
+    kinds = [item for item in names if isinstance(item, type) and issubclass(item, Drawable)]
+    assert len(kinds) > 12
+    for kind in [*kinds, SweptDataset]:
+        assert kind._drawn_by in plot.__all__
+    with pytest.raises(NotImplementedError, match="nothing draws a Drawable"):
+        Drawable().plot()
 
 
 KINDS = ["trajectory", "orbit", "branch", "window", "curve", "check"]

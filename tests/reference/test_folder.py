@@ -6,7 +6,6 @@ Each form is read the same, and a broken one is one line.
 from __future__ import annotations
 
 import csv
-import gzip
 import json
 import tomllib
 from dataclasses import replace
@@ -15,7 +14,6 @@ from math import inf, pi
 from pathlib import Path
 from typing import Any
 
-import numpy as np
 import pytest
 from small_set import small_set
 
@@ -190,7 +188,7 @@ def test_somebodys_files_are_not_touched(tmp_path: Path) -> None:
     write_cases(target, small_set()[:1])
     (target / "mine.csv").write_text("t,kind\n")
     before = content(target)
-    with pytest.raises(OutputError, match=r"has a file that would be lost: mine\.csv"):
+    with pytest.raises(OutputError, match=r"its file mine\.csv would be lost"):
         write_cases(target, small_set()[:1])
     assert content(target) == before
     other = tmp_path / "other"
@@ -249,8 +247,8 @@ def test_one_csv_for_all_cases(tmp_path: Path) -> None:
     "text",
     [
         "t,x,kind,boundary\n1.5,-2,stick,1\n2.25,,slip,\n",
-        "T, X ,Kind,Boundary\n3/2,-2.0,STICK,1\n2.25,,slip,0\n",
-        "﻿kind,t,boundary,x,comment\nslip,225e-2,,,later\nstick,1.5,1,-2,\n",
+        "t, x ,kind,boundary\n3/2,-2.0,STICK,1.0\n2.25,,slip,0\n",
+        "﻿kind,t,boundary,x,comment\nslip,225e-2,,,later\n\nstick,1.5,1,-2,\n",
         "t_low,t_high,x_low,x_high,kind,boundary\n1.4,1.6,-3,-1,stick,1\n2.25,2.25,,,slip,\n",
         't,x,kind,boundary\r\n"1.5","-2","stick","1"\r\n2.25,,slip,\r\n9,,end,\r\n',
     ],
@@ -260,113 +258,58 @@ def test_a_folder_of_csv_files(text: str, tmp_path: Path) -> None:
     (tmp_path / "README.md").write_text("not read")
     (tmp_path / "cases.csv").write_text("not read")
     assert read_results(tmp_path, NAMES)["one"].events == EVENTS
-    (tmp_path / "one.csv").rename(tmp_path / "other.csv")
     (tmp_path / "two").mkdir()
-    (tmp_path / "other.csv").rename(tmp_path / "two" / "events.csv")
+    (tmp_path / "one.csv").rename(tmp_path / "two" / "events.csv")
     assert read_results(tmp_path, NAMES)["two"].events == EVENTS
 
 
-OCTAVE = Path(__file__).parents[1] / "crosschecks" / "octave"
-COLUMNS = {
-    "t": [1.5, 2.25, 9],
-    "x": [-2, None, None],
-    "kind": ["stick", "slip", "end"],
-    "boundary": [1, None, None],
-}
-#: The same as text in other ways.
-TEXTS = {
-    "one.csv": "t;x;kind;boundary\n1,5;-2,0;stick;1\n2,25;;slip;\n9;;end;\n",
-    "one.tsv": "# mine\nTime\tPosition (m)\tKind\tBelt\n15D-1\t-2d0\tstick\t1.0\n\n2.25\t\tslip\t0e+00\n9\t\tend\t\n",
-    "one.txt": "% t kind\n1.5 stick\n2.25 slip\n# done\n9.0 end\n",
-    "one.json": json.dumps(COLUMNS),
-}
-
-
-@pytest.mark.parametrize("name", TEXTS)
-def test_score_reads_what_check_reads(name: str, tmp_path: Path) -> None:
-    """Semicolons, decimal commas, comments, exponents of Fortran, 1.0 for a belt, columns.
-
-    And packed.
-    """
-    if name != "one.txt":
-        wanted = EVENTS
-    else:
-        wanted = [event._replace(x=None, boundary=0) for event in EVENTS]
-    (tmp_path / name).write_text(TEXTS[name])
-    found = read_results(tmp_path, NAMES)["one"]
-    assert (found.events, found.end) == (wanted, 9)
-    (tmp_path / name).unlink()
-    (tmp_path / f"{name}.gz").write_bytes(gzip.compress(TEXTS[name].encode()))
-    assert read_results(tmp_path, NAMES)["one"].events == wanted
-
-
-@pytest.mark.parametrize("suffix", ["npz", "mat", "parquet"])
-def test_score_reads_arrays(suffix: str, tmp_path: Path) -> None:
-    import pandas
-    from scipy.io import savemat
-
-    path = tmp_path / f"all.{suffix}"
-    frame = pandas.DataFrame({"case": ["one", "one", "two"], **COLUMNS})
-    words = ("case", "kind")
-    arrays = {
-        name: frame[name].to_numpy(dtype=object if name in words else float) for name in frame
-    }
-    if suffix == "npz":
-        np.savez(path, **(arrays | {name: arrays[name].astype(str) for name in words}))
-    elif suffix == "mat":
-        savemat(path, arrays)
-    else:
-        frame.to_parquet(path)
-    found = read_results(path, NAMES)
-    assert (found["one"].events, found["two"].events, found["two"].end) == (EVENTS, [], 9)
-
-
-@pytest.mark.parametrize("name", ["events.txt", "events.mat", "chars.h5"])
-def test_score_reads_what_octave_saves(name: str, tmp_path: Path) -> None:
-    (tmp_path / f"one{Path(name).suffix}").write_bytes((OCTAVE / name).read_bytes())
-    found = read_results(tmp_path, NAMES)["one"]
-    assert found.events == [EVENTS[0], GivenEvent(Fraction("2.25"), Fraction(1, 2), "slip", 2)]
-    assert found.end == 9
-
-
-LIST = [
+EVENT_LIST = [
     {"t": 1.5, "x": -2, "kind": "stick", "boundary": 1},
     {"t": "9/4", "kind": "slip", "x": None},
 ]
 
 
-@pytest.mark.parametrize(
-    "content", [LIST, {"events": LIST, "seconds": 1}, {"events": LIST[::-1], "solver": "mine"}]
-)
-def test_json_for_one_case_and_for_all(content: object, tmp_path: Path) -> None:
-    (tmp_path / "one.json").write_text(json.dumps(content))
-    assert read_results(tmp_path, NAMES)["one"].events == EVENTS
+@pytest.mark.parametrize("events", [EVENT_LIST, EVENT_LIST[::-1]])
+def test_json_for_all_cases(events: object, tmp_path: Path) -> None:
     path = tmp_path / "all.json"
-    path.write_text(json.dumps({"two": content}))
-    assert read_results(path, NAMES)["two"].events == EVENTS
-    path.write_text(json.dumps([{"case": "two", **event} for event in LIST]))
-    assert read_results(path, NAMES)["two"].events == EVENTS
+    about = {"two": {"events": events, "seconds": 0.5, "solver": "mine"}, "one": {"events": []}}
+    path.write_text(json.dumps(about))
+    results = read_results(path, NAMES)
+    assert (results["two"].events, results["two"].seconds) == (EVENTS, 0.5)
+    assert (results["one"].events, results["one"].seconds) == ([], None)
+
+
+@pytest.mark.parametrize("ends", [(3, 9), (9, 3), (9, None)])
+def test_the_end_is_the_latest_time_that_is_stated(ends: object, tmp_path: Path) -> None:
+    path = tmp_path / "all.json"
+    events = [{"t": t, "kind": "end"} for t in ends]  # type: ignore[attr-defined]
+    path.write_text(json.dumps({"one": {"events": events}}))
+    assert read_results(path, NAMES)["one"].end == 9
 
 
 def test_numbers_keep_all_their_digits(tmp_path: Path) -> None:
     digits = "3.14159265358979323846264338327950288419716939937510"
     (tmp_path / "one.csv").write_text(f"t,kind\n{digits},graze\n")
-    (tmp_path / "two.json").write_text(f'[{{"t": {digits}, "kind": "graze"}}]')
-    found = read_results(tmp_path, NAMES)
-    assert found["one"].events[0].t == found["two"].events[0].t == Fraction(digits)
+    assert read_results(tmp_path, NAMES)["one"].events[0].t == Fraction(digits)
+    path = tmp_path / "all.json"
+    path.write_text(f'{{"two": {{"events": [{{"t": {digits}, "kind": "graze"}}]}}}}')
+    assert read_results(path, NAMES)["two"].events[0].t == Fraction(digits)
 
 
 BROKEN = {
     "  \n\n": "is empty",
     "time,what\n1,stick\n": "has no column kind; its columns are time, what",
+    "t;x;kind\n1,5;2;stick\n": "has no column kind; its columns are t;x;kind",
     "t,t,kind\n1,1,stick\n": "has two columns named 't'",
     "t,kind\n1,stick\nnan,slip\n": "line 3: t = 'nan': must be finite",
-    "t,kind\n,stick\n": "line 2: has no t",
+    "t,kind\n,stick\n": "line 2: it has no t",
     "t,kind\n1,jump\n": "line 2: kind is 'jump'",
     "t,kind,boundary\n1,stick,1.5\n": "line 2: boundary is '1.5'",
-    "t,x,kind\n1,2\n": "row 2 has 2 entries, the header 3",
+    "t,kind,boundary\n1,stick,one\n": "line 2: boundary = 'one'",
+    "t,x,kind\n1,2\n": "line 2: it has 2 entries, and the header has 3",
     "t,kind,seconds\n1,stick,-1\n": "line 2: seconds = -1: must be >= 0",
-    "t,kind\n1,st\0ick\n": "",
+    't,kind\n1,"stick\n': "line 2: unexpected end of data",
+    "t,kind\n1,st\0ick\n": "line 2: ",
 }
 
 
@@ -383,23 +326,28 @@ def test_broken_csv_is_one_line(text: str, tmp_path: Path) -> None:
 HOSTILE = {
     "{": "cannot be read: Expecting",
     "[" * 100_000: "its brackets are nested too deeply",
-    '[{"t": 1e400, "kind": "stick"}]': "t = 1E+400: must be at most 1e+50",
-    '[{"t": ' + "9" * 5000 + ', "kind": "stick"}]': "thousands of digits",
-    '[{"t": true, "kind": "stick"}]': "t = True",
-    '[{"t": 1, "kind": ["stick"]}]': "kind is",
-    '[{"t": 1, "kind": "stick", "boundary": {}}]': "boundary is '{}'",
-    '{"t": [1, 2], "kind": ["stick"]}': "has columns of several lengths",
-    "[1, 2]": "event 1: must be an object",
-    "null": "must be a list of events",
-    '{"events": [], "seconds": "fast"}': "seconds = 'fast'",
+    '{"one": {"events": [{"t": 1e400, "kind": "stick"}]}}': "t = '1e400': must be at most 1e+50",
+    '{"one": {"events": [{"t": '
+    + "9" * 5000
+    + ', "kind": "stick"}]}}': "may have at most 4000 characters",
+    '{"one": {"events": [{"t": true, "kind": "stick"}]}}': "t = True",
+    '{"one": {"events": [{"t": NaN, "kind": "stick"}]}}': "t = 'NaN': must be finite",
+    '{"one": {"events": [{"t": 1, "kind": ["stick"]}]}}': "kind is",
+    '{"one": {"events": [{"t": 1, "kind": "stick", "boundary": {}}]}}': "boundary = {}",
+    '{"one": {"t": [1, 2], "kind": ["stick"]}}': "it must be an object with a list 'events'",
+    '{"one": [1, 2]}': "it must be an object with a list 'events'",
+    '{"one": {"events": [1, 2]}}': "one, event 1: it must be an object",
+    "null": "must be an object: names of cases",
+    '{"one": {"events": [], "seconds": "fast"}}': "seconds = 'fast'",
 }
 
 
 @pytest.mark.parametrize("text", HOSTILE, ids=lambda text: text[:20])
 def test_hostile_json_is_one_line(text: str, tmp_path: Path) -> None:
-    (tmp_path / "one.json").write_text(text)
+    path = tmp_path / "all.json"
+    path.write_text(text)
     with pytest.raises(ResultError) as error:
-        read_results(tmp_path, NAMES)
+        read_results(path, NAMES)
     assert HOSTILE[text] in str(error.value)
     assert len(str(error.value)) < 400
     assert len(str(error.value).splitlines()) == 1
@@ -411,9 +359,9 @@ def test_files_that_belong_to_no_case(tmp_path: Path) -> None:
     with pytest.raises(ResultError, match="does not exist"):
         read_results(tmp_path / "nothing", NAMES)
     (tmp_path / "notes.txt").write_text("in a folder it is not read")
-    (tmp_path / "notes.md").write_text("t,kind\n")
-    with pytest.raises(ResultError, match=r"must end in \.csv, "):
-        read_results(tmp_path / "notes.md", NAMES)
+    (tmp_path / "all.mat").write_text("t,kind\n")
+    with pytest.raises(ResultError, match=r"must end in \.csv or \.json"):
+        read_results(tmp_path / "all.mat", NAMES)
     (tmp_path / "all.csv").write_text("case,t,kind\nthree,1,stick\n")
     with pytest.raises(ResultError, match="has results for 'three', which is no case"):
         read_results(tmp_path / "all.csv", NAMES)
@@ -426,10 +374,8 @@ def test_files_that_belong_to_no_case(tmp_path: Path) -> None:
     with pytest.raises(ResultError, match="it is not text in UTF-8"):
         read_results(tmp_path / "all.csv", NAMES)
     (tmp_path / "all.csv").unlink()
-    for name in ("one.csv", "one.json"):
-        (tmp_path / name).write_text("[]" if name.endswith("json") else "t,kind\n")
+    (tmp_path / "one").mkdir()
+    for name in ("one.csv", "one/events.csv"):
+        (tmp_path / name).write_text("t,kind\n")
     with pytest.raises(ResultError, match="second file with results for one"):
         read_results(tmp_path, NAMES)
-    (tmp_path / "all.json").write_text("[]")
-    with pytest.raises(ResultError, match="must be an object: names of cases"):
-        read_results(tmp_path / "all.json", NAMES)

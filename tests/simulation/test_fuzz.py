@@ -26,6 +26,7 @@ SLOW = 60
 PARTS = {"graze": Fraction(1, 6), "long": Fraction(1, 12), "undriven": Fraction(1, 2)}
 
 
+@pytest.mark.compiled("doubles")
 @pytest.mark.quick(4)
 @pytest.mark.parametrize("number", few(range(QUICK), 0))  # of even number: compiled
 @pytest.mark.parametrize("family", fuzz.FAMILIES)

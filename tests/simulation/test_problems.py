@@ -13,6 +13,7 @@ from symosc import Parameters, load_scene
 from symosc.engine.arithmetic import Arithmetic
 from symosc.engine.batch import row_of
 from symosc.engine.start import first_state, last_time
+from symosc.engine.state import STATE_ROW
 from symosc.model import by_name
 from symosc.simulation.batch import INTERPRETED
 from symosc.simulation.problems import Problems, decimal_rest
@@ -32,10 +33,13 @@ def assert_begun_as_alone(problems: Problems) -> None:
     states = begun(problems)
     for i in range(len(problems)):
         arithmetic = Arithmetic(problems[i].parameters)
-        alone = row_of(first_state(problems[i], arithmetic), *last_time(problems[i], arithmetic))
-        assert states[i, :3].tolist() == alone[:3]
-        assert ((states[i, 6:8] == 0.0) == (np.array(alone[6:8]) == 0.0)).all()
-        np.testing.assert_allclose(states[i], np.array(alone, float), rtol=1e-13, atol=1e-13)
+        row = row_of(first_state(problems[i], arithmetic), *last_time(problems[i], arithmetic))
+        alone = np.array([row], STATE_ROW)[0]
+        for name in ("mode", "at", "n"):
+            assert states[i][name] == alone[name]
+        for name in ("Fb", "Fa"):
+            assert (states[i][name] == 0.0) == (alone[name] == 0.0)
+        np.testing.assert_allclose(states[i].item(), alone.item(), rtol=1e-13, atol=1e-13)
 
 
 @pytest.mark.parametrize("seed", range(3))

@@ -12,6 +12,7 @@ from math import pi, sqrt
 from typing import Any
 
 import pytest
+from samples import sample_of
 
 from symosc import OtherModel, ParameterError, Parameters, simulate, simulate_many
 from symosc.engine.start import Start
@@ -92,15 +93,16 @@ def test_random_motions_do_not_depend_on_omega() -> None:
 
 
 @pytest.mark.slow
-def test_many_random_motions_do_not_depend_on_omega() -> None:
-    answers(500, 2)
+@sample_of(80, 500)
+def test_many_random_motions_do_not_depend_on_omega(count: int) -> None:
+    answers(count, 2)
 
 
 @pytest.mark.compiled("doubles")
 def test_compiled_motions_do_not_depend_on_omega_either() -> None:
     """All together, as a sweep over Omega, so that they are followed side by side."""
     rng = random.Random(3)
-    for _ in range(60):
+    for _ in range(30):
         values, start = random_undriven(rng)
         sets = [Parameters(**values, B0=0, Omega=Omega) for Omega in OMEGAS]
         rows = [(start["t0"], start["x0"], start["v0"])] * len(sets)

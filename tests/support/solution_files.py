@@ -13,7 +13,7 @@ from typing import Any
 import numpy as np
 
 from symosc import simulate
-from symosc.crosschecks.files import read_solutions
+from symosc.crosschecks.reading.solutions import read_solutions
 from symosc.crosschecks.samples import Samples
 
 T = np.linspace(0.1324, 3, 60)

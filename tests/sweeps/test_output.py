@@ -94,7 +94,7 @@ def test_only_an_output_is_replaced(tmp_path: Path) -> None:
     path = tmp_path / "map.zarr"
     (path / "thesis").mkdir(parents=True)
     (path / "thesis" / "chapter.tex").write_text("mine")
-    with pytest.raises(SweepError, match="is no output of a sweep"):
+    with pytest.raises(SweepError, match="is not the output of a sweep"):
         output.write_output(example(5), path, tmp_path)
     (path / "thesis").rename(tmp_path / "thesis")
     path.rmdir()
@@ -104,6 +104,6 @@ def test_only_an_output_is_replaced(tmp_path: Path) -> None:
         lambda: (path / "a").write_text("mine"),
     ):
         put()
-        with pytest.raises(SweepError, match="is no output of a sweep"):
+        with pytest.raises(SweepError, match="is not the output of a sweep"):
             output.write_output(example(6), path, tmp_path)
         (path / "a").unlink()

@@ -20,13 +20,25 @@ from symosc.analysis.fitting.measured import Measured, read_measured
 from symosc.analysis.fitting.problem import BEYOND, Problem
 from symosc.analysis.fitting.spread import Spread, spread_of
 from symosc.base.aliases import NumberLike, SceneName, SolutionLike
-from symosc.base.arguments import public
+from symosc.base.arguments import (
+    FLAG,
+    NAMES,
+    NONE,
+    NUMBER,
+    SOLUTION,
+    TEXT,
+    mapping_of,
+    public,
+    require,
+    require_or_none,
+    sequence_of,
+)
 from symosc.base.display.drawable import Comparable, Drawable
 from symosc.base.errors import ParameterError, meant
 from symosc.base.exact import read_exact
 from symosc.base.quantities import read_number
 from symosc.model import PARAMETER_NAMES, Parameters
-from symosc.scenes import STARTS, Scene, load_scene
+from symosc.scenes import STARTS, Scene, load_scene, scene_of
 from symosc.simulation.simulate import read_start
 from symosc.simulation.tables import counted
 from symosc.simulation.trajectory import Trajectory
@@ -62,6 +74,8 @@ class Fit(Comparable, Drawable):
     >>> round(found.values["mu1"], 9), found.success
     (0.8, True)
     """
+
+    _drawn_by = "fit_figure"
 
     values: dict[str, float]
     errors: dict[str, float]
@@ -138,6 +152,13 @@ def fit(
     >>> abs(found.values["mu1"] - 0.8) < 3 * found.errors["mu1"]
     True
     """
+    what = scene_of(what, "what")
+    require(SOLUTION, data=data)
+    require(*NAMES, free=free)
+    require_or_none(NUMBER, sequence_of(NUMBER), sigma=sigma)
+    require_or_none(mapping_of(NUMBER), start=start)
+    require(FLAG, robust=robust)
+    require_or_none(mapping_of(TEXT, NONE), columns=columns)
     names = (free,) if isinstance(free, str) else tuple(free)
     known = (*PARAMETER_NAMES, *STARTS)
     for argument, given_names in (("free", names or ("",)), ("start", start or {})):
@@ -147,7 +168,7 @@ def fit(
                 raise ParameterError(argument, name, allowed)
     for name in start or {}:
         if name not in names:
-            allowed = f"is a first value of what is not free; free are {', '.join(names)}"
+            allowed = f"must be one of the free numbers {', '.join(names)}"
             raise ParameterError("start", name, allowed)
     sigmas = _sigma(sigma)
     scene = load_scene(what) if isinstance(what, str | Path) else what

@@ -9,7 +9,7 @@ import numpy as np
 from symosc.analysis.fitting.measured import Measured
 from symosc.analysis.fitting.problem import Evaluation, Problem, spacing
 from symosc.analysis.fitting.spread import column_rows, informative
-from symosc.crosschecks.samples import Digits
+from symosc.crosschecks.rounding import Digits
 from symosc.simulation.tables import counted
 
 #: How often data that are described may be said not to be, by each of the tests here.

@@ -12,18 +12,20 @@ import numpy as np
 
 from symosc.base.errors import ParameterError, meant, shown
 from symosc.base.exact import read_exact, unmasked
-from symosc.crosschecks.files import plain_number, read_content, sample_columns
-from symosc.crosschecks.objects import (
+from symosc.crosschecks.reading.files import read_content
+from symosc.crosschecks.reading.functions import Problem
+from symosc.crosschecks.reading.names import (
     ID_COLUMN,
     USUAL_NAMES,
     Asked,
-    Problem,
-    as_table,
+    find_text_columns,
     names_text,
     plain,
     read_column_names,
-    solutions_in,
 )
+from symosc.crosschecks.reading.objects import as_table
+from symosc.crosschecks.reading.solutions import solutions_in
+from symosc.crosschecks.reading.text import plain_number
 from symosc.engine.events import KIND_NAMES
 
 KINDS = tuple(KIND_NAMES.values())
@@ -133,7 +135,7 @@ def _choose(names: Iterable[str], kind: str | None, asked: Asked, where: str) ->
     kinds = kinds or [name for name in there if kind is None and plain(name) in KIND_COLUMNS]
     if kind is not None and not kinds:
         raise ParameterError(
-            "column", kind, f"is missing in {where}; there are: {names_text(there)}"
+            "column", kind, f"not found in {where}; its columns are {names_text(there)}"
         )
     if not kinds:
         return _sample_names(there, asked, where)
@@ -150,7 +152,7 @@ def _sample_names(there: list[str], asked: Asked, where: str) -> dict[str, str]:
     with_v = "v" in asked or any(plain(name) in USUAL_NAMES["v"] for name in there)
     numbered = there == [str(i + 1) for i in range(len(there))]
     try:
-        columns = sample_columns(
+        columns = find_text_columns(
             there, asked if with_v or numbered else {**asked, "v": None}, where
         )
     except ParameterError as error:

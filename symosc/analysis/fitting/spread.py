@@ -13,7 +13,7 @@ import numpy as np
 
 from symosc.analysis.fitting.measured import Measured
 from symosc.analysis.fitting.problem import Evaluation, Problem
-from symosc.crosschecks.samples import Digits, find_digits
+from symosc.crosschecks.rounding import Digits, find_digits
 from symosc.simulation.simulate import ACCURACY
 
 #: A combination of numbers whose change by its own size changes the residuals by less than this is

@@ -1,63 +1,35 @@
 """Base classes of results that display themselves: by ``.plot()``, and as a page in notebooks.
 
-Modules that are loaded when a result is first shown register here what shows each kind: no answer
-imports a figure.
+No result imports a figure: `symosc.plot` is loaded when a result is first shown.
 """
 
 from __future__ import annotations
 
-from collections.abc import Callable
-from dataclasses import fields
+from dataclasses import fields, is_dataclass
 from importlib import import_module
 from pathlib import Path
-from typing import Any, Literal, TypeVar
+from typing import Any, ClassVar, TypeVar
 
 Item = TypeVar("Item")
 # Number of entries shown of a listing that has more than the second number of them.
 SHOWN = 3
 MOST_SHOWN = 10
-#: The ways to show a result, each with the module that registers functions for it when it is
-#: loaded.
-MODULES = {"draw": "symosc.plot", "write": "symosc.plot", "page": "symosc.plot.notebooks"}
-#: The registered functions by the way to show a result, and the qualified name of its class.
-_registered: dict[tuple[str, str], Callable[..., Any]] = {}
-
-
-def register(
-    kind: type | str, show: Callable[..., Any], what: Literal["draw", "page", "write"] = "draw"
-) -> None:
-    """Register what shows the results of a class, which may be given by its qualified name.
-
-    "draw": ``result.plot(**options)`` returns ``show(result, **options)``. "page": notebooks show
-    the HTML that ``show(result)`` returns. "write": ``result.to_html(path)`` returns ``show(result,
-    path)``.
-    """
-    _registered[
-        what, kind if isinstance(kind, str) else f"{kind.__module__}.{kind.__qualname__}"
-    ] = show
-
-
-def _found(result: object, what: str) -> Callable[..., Any] | None:
-    """Return the function that `register` got for the class of a result and for `what`; None if
-    there is none.
-    """
-    import_module(MODULES[what])
-    names = (f"{kind.__module__}.{kind.__qualname__}" for kind in type(result).__mro__)
-    return next((_registered[what, name] for name in names if (what, name) in _registered), None)
 
 
 def _notebook_page(result: object) -> Any:
     """Return the notebook page of a result as HTML, or None, in which case its repr is shown."""
-    page = _found(result, "page")
-    if page is None:
-        return None
-    return page(result)
+    return import_module("symosc.plot.notebooks").page_of(result)
 
 
 class Drawable:
     """A result with a plot and a notebook page."""
 
     __slots__ = ()
+    #: The function of `symosc.plot` that draws results of the class. A name, as matplotlib is not
+    #: loaded with them.
+    _drawn_by: ClassVar[str] = ""
+    #: The call that makes such a result, for messages about other arguments.
+    _made_by: ClassVar[str] = ""
 
     def plot(self, *given: Any, **options: Any) -> Any:
         """Draw the result, by the function of `symosc.plot` for it.
@@ -81,9 +53,9 @@ class Drawable:
         >>> [axes.get_xlabel() for axes in drawing.axes]
         ['time $t$', 'displacement $x$']
         """
-        draw = _found(self, "draw")
-        if draw is None:
+        if not self._drawn_by:
             raise NotImplementedError(f"nothing draws a {type(self).__name__}")
+        draw = getattr(import_module("symosc.plot"), self._drawn_by)
         return draw(self, *given, **options)
 
     _repr_html_ = _notebook_page
@@ -104,19 +76,35 @@ class Comparable:
     def __eq__(self, other: object) -> bool:
         if type(other) is not type(self):
             return NotImplemented
-        names = [each.name for each in fields(self) if not each.name.startswith("_")]  # type: ignore[arg-type]
+        names = [field.name for field in fields(self) if not field.name.startswith("_")]  # type: ignore[arg-type]
         return all(_same(getattr(self, name), getattr(other, name)) for name in names)
 
 
 def _same(one: Any, other: Any) -> bool:
-    """Return whether two values are equal: arrays as a whole (NaN equals NaN), others by ==, or
-    else by their repr.
-    """
-    if hasattr(one, "dtype"):
-        from numpy import array_equal
+    """Return whether two values of a field are equal.
 
-        return bool(array_equal(one, other, equal_nan=one.dtype.kind == "f"))
-    return bool(one == other) or repr(one) == repr(other)
+    Arrays are compared as a whole. NaN equals NaN, also within lists, tuples, dictionaries and
+    dataclasses that have no comparison of their own.
+    """
+    if hasattr(one, "dtype") or hasattr(other, "dtype"):
+        return _same_arrays(one, other)
+    if type(one) is not type(other):
+        return bool(one == other)
+    if isinstance(one, list | tuple):
+        return len(one) == len(other) and all(map(_same, one, other))
+    if isinstance(one, dict):
+        return one.keys() == other.keys() and all(_same(one[key], other[key]) for key in one)
+    if is_dataclass(one) and not isinstance(one, Comparable):
+        compared = [field.name for field in fields(one) if field.compare]
+        return all(_same(getattr(one, name), getattr(other, name)) for name in compared)
+    return bool(one == other or (one != one and other != other))
+
+
+def _same_arrays(one: Any, other: Any) -> bool:
+    import numpy as np
+
+    is_real = all(np.asarray(value).dtype.kind in "fc" for value in (one, other))
+    return bool(np.array_equal(one, other, equal_nan=is_real))
 
 
 class Listing(tuple[Item, ...]):
@@ -170,7 +158,4 @@ class Reportable:
         ...     crosscheck("fig5", t, x, v).to_html(f"{folder}/check.html").name
         'check.html'
         """
-        write = _found(self, "write")
-        if write is None:
-            raise NotImplementedError(f"nothing writes a page about a {type(self).__name__}")
-        return Path(write(self, path))
+        return Path(import_module("symosc.plot.judged").write_page(self, path))

@@ -1,0 +1,297 @@
+"""Solutions from files and objects: their columns, matched by name, as samples and events."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import replace
+from itertools import chain, pairwise, zip_longest
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from symosc.base.aliases import Record
+from symosc.base.errors import ParameterError
+from symosc.base.files import STDOUT
+from symosc.crosschecks.reading.files import read_file
+from symosc.crosschecks.reading.functions import Problem
+from symosc.crosschecks.reading.names import (
+    EVENTS,
+    ID_COLUMN,
+    SOLVER_EVENTS,
+    STATE_NAMES,
+    USUAL_NAMES,
+    Asked,
+    NamedColumns,
+    find_columns,
+    plain,
+    read_column_names,
+)
+from symosc.crosschecks.reading.objects import is_velocity, named_columns, states_as_rows
+from symosc.crosschecks.reading.solver_events import solver_events
+from symosc.crosschecks.samples import SAMPLE_COLUMNS, Samples, checked, checked_events
+
+# Two pieces meet if their times agree but for so many units in the last place.
+SAME_TIME_UNITS = 4.0
+
+
+def read_solutions(
+    source: Any, columns: Mapping[str, str | None] | None = None, problem: Problem = None
+) -> list[Samples]:
+    """Read solutions from a file, standard input ("-"), a list of files, or an object such as a table or a function.
+
+    `columns` says how the columns t, x, v and id are called, None for a missing one; from `problem`
+    a function gets its times. ParameterError if the file cannot be read, a column is missing or the
+    samples are wrong. docs/checking.md lists the objects.
+    """
+    asked = read_column_names(columns)
+    if isinstance(source, (list, tuple)) and source and all(map(_is_path, source)):
+        return [
+            replace(samples, name=f"{path}:{samples.name}" if samples.name else str(path))
+            for path in source
+            for samples in read_solutions(path, columns, problem)
+        ]
+    if not _is_path(source):
+        return solutions_in(source, asked, problem)
+    where = "standard input" if source == STDOUT else str(source)
+    return solutions_in(read_file(source, where, asked), asked, problem, where)
+
+
+def _is_path(source: Any) -> bool:
+    return isinstance(source, (str, Path))
+
+
+def solutions_in(
+    source: Any, asked: Asked, problem: Problem = None, where: str = ""
+) -> list[Samples]:
+    """Return the solutions in an object.
+
+    `where` names it in messages, `asked` are the names of its columns. A list of objects is several
+    solutions, or pieces of one if each begins where the one before ends.
+    """
+    where = where or type(source).__name__
+    if isinstance(source, (list, tuple)):
+        rows = _columns_of_rows(source, where)
+        if rows is None:
+            return _joined(_parts(source, asked, problem, where))
+        return _samples_of(rows, asked, problem, where)
+    named = named_columns(source, asked, problem, where)
+    if named is None:
+        what = "is no solution: give a file, a table, an array or a function"
+        raise ParameterError("solution", source, what)
+    return _samples_of(named, asked, problem, where)
+
+
+# -- lists -----------------------------------------------------------------------------------------
+
+
+def _columns_of_rows(source: Sequence[Any], where: str) -> NamedColumns | None:
+    """Return the columns of a list of rows, which are mappings or t, x, v; None if they are none."""
+    if not source:
+        raise ParameterError("solution", source, "is empty")
+    if all(isinstance(row, Mapping) and _has_numbers(row) for row in source):
+        names = dict.fromkeys(name for row in source for name in row)
+        return NamedColumns({str(name): [row.get(name) for row in source] for name in names})
+    numbers = (int, float, str, np.number)
+    are_rows = all(
+        isinstance(row, (list, tuple, np.ndarray))
+        and len(row)
+        and all(isinstance(value, numbers) for value in row)
+        for row in source
+    )
+    if not are_rows:
+        return None
+    lengths = {len(row) for row in source}
+    if len(lengths) > 1:
+        what = "has rows of several lengths; each must be t, x, v"
+        raise ParameterError(where, sorted(lengths), what)
+    columns = [list(column) for column in zip(*source, strict=True)]
+    if len(columns) not in (2, 3):
+        what = "must have columns t, x, v, so the shape (n, 3); this is its shape"
+        raise ParameterError(where, (len(source), len(columns)), what)
+    return NamedColumns(dict(zip(SAMPLE_COLUMNS, columns, strict=False)), are_matched=True)
+
+
+def _has_numbers(row: Mapping[Any, Any]) -> bool:
+    """Return whether a mapping has a number for each name, as a row has, and no column."""
+    return all(np.ndim(row[name]) == 0 for name in row if name != EVENTS)
+
+
+def _parts(source: Sequence[Any], asked: Asked, problem: Problem, where: str) -> list[Samples]:
+    """Return the solutions in each entry of a list."""
+    solutions: list[Samples] = []
+    for i, part in enumerate(source):
+        if isinstance(part, (str, int, float)) or part is None:
+            raise ParameterError(f"{where}[{i}]", part, "is no solution")
+        try:
+            solutions += solutions_in(part, asked, problem)
+        except RecursionError:  # of a list that contains itself
+            raise ParameterError(where, part, "is nested too deeply") from None
+    return solutions
+
+
+def _joined(pieces: list[Samples]) -> list[Samples]:
+    """Return the pieces as one solution if each begins where the one before ends, else as they are."""
+    gaps = [
+        abs(after.t[0] - before.t[-1]) / np.spacing(abs(before.t[-1]))
+        for before, after in pairwise(pieces)
+    ]
+    lack_v = {piece.lacks_v for piece in pieces}
+    if len(pieces) == 1 or max(gaps) > SAME_TIME_UNITS or len(lack_v) > 1:
+        return pieces
+    joined: Record = {
+        name: np.concatenate([getattr(piece, name) for piece in pieces]) for name in SAMPLE_COLUMNS
+    }
+    begin = np.cumsum([len(piece.t) for piece in pieces[:-1]])
+    joined["t"][begin] = np.maximum(joined["t"][begin], joined["t"][begin - 1])
+    listed = [piece.events for piece in pieces if piece.events is not None]
+    if listed:
+        joined["events"] = tuple(chain.from_iterable(listed))
+    by_function = [piece.lists for piece in pieces if piece.lists is not None]
+    if by_function:
+        # A piece without such lists claims nothing, and so the whole does not.
+        are_complete = len(by_function) == len(pieces)
+        functions = zip_longest(*by_function, fillvalue=())
+        lists = tuple(tuple(chain.from_iterable(times)) for times in functions)
+        joined["lists"] = lists if are_complete else ()
+    notes = dict.fromkeys(note for piece in pieces for note in piece.notes)
+    return [Samples(**joined, notes=(*notes, f"joined from {len(pieces)} pieces"))]
+
+
+# -- columns become samples ------------------------------------------------------------------------
+
+
+def _samples_of(named: NamedColumns, asked: Asked, problem: Problem, where: str) -> list[Samples]:
+    """Return the solutions in named columns.
+
+    A single one, or one for each id or for each row of matrices.
+    """
+    if named.are_matched:
+        asked = {}
+        columns = named.columns
+    else:
+        columns = _with_states_split(named.columns, asked)
+    names = find_columns([name for name in columns if name not in SOLVER_EVENTS], asked, where)
+    values = {name: columns[own] for name, own in names.items()}
+    ids = values.pop(ID_COLUMN, None)
+    events = columns.get(EVENTS)
+    if np.ndim(_array(values["x"])) > 1:
+        solutions = _of_matrices(values, named.are_padded, where)
+    elif ids is None:
+        solutions = [_solution(values, named.are_padded)]
+    else:
+        solutions = _of_ids(values, np.ravel(np.asarray(ids)).astype(str))
+    if len(solutions) > 1:
+        if events is not None:
+            what = f"can be listed for one solution; {where} has several"
+            raise ParameterError("events", "given", what)
+        return solutions
+    samples = replace(solutions[0], dense=named.dense, notes=named.notes)
+    if events is not None:
+        return [replace(samples, events=checked_events(events))]
+    listed = solver_events(columns, problem, samples)
+    notes = (*named.notes, *listed.notes)
+    return [replace(samples, events=listed.events, lists=listed.lists, notes=notes)]
+
+
+def _solution(values: Record, are_padded: bool = False) -> Samples:
+    """Return the samples in the columns t, x and perhaps v of one solution."""
+    times = _array(values["t"])
+    if times.ndim == 2 and 1 in times.shape:  # a column of MATLAB
+        times = times.ravel()
+        values = values | {"t": times}
+    # Solvers with arrays of one size fill them up with inf.
+    if are_padded and times.dtype.kind == "f" and len(times) > 2 and np.isinf(times[-1]):
+        end = int(np.argmax(np.isinf(times)))
+        values = {name: column[:end] for name, column in values.items()}
+    return checked(**values)
+
+
+def _array(values: Any) -> np.ndarray:
+    """Return a column as a numpy array.
+
+    An empty one if its entries have different lengths, which is refused later.
+    """
+    try:
+        return np.asarray(values)
+    except ValueError:  # ragged; the check of the samples says where
+        return np.empty(0)
+
+
+def _with_states_split(table: Record, asked: Asked) -> Record:
+    """Return a table with columns x and v in place of a matrix of states, as solvers return it."""
+    names = [name for name in table if name not in SOLVER_EVENTS]
+    have = {
+        key: [name for name in names if name == asked.get(key) or plain(name) in USUAL_NAMES[key]]
+        for key in SAMPLE_COLUMNS
+    }
+    if not have["t"]:
+        return table
+    times = _array(table[have["t"][0]]).ravel()
+    is_named_x = bool(have["x"]) or "x" in asked
+    if not is_named_x:
+        candidates = [name for name in names if name.lower() in STATE_NAMES]
+    elif have["v"]:
+        candidates = []
+    else:
+        candidates = have["x"]
+    for name in candidates:
+        states = _array(table[name])
+        rows = states_as_rows(times, states, prefer_columns=True)
+        if rows is None:
+            continue
+        # Rows of x without v may be several solutions: positions alone.
+        are_rows = len(states) == 2 and states.shape != (2, 2)
+        if is_named_x and are_rows and not is_velocity(times, *rows):
+            continue
+        others = {column: values for column, values in table.items() if column != name}
+        if asked.get("v", "") is None:
+            return others | {"x": rows[0]}
+        return others | {"x": rows[0], "v": rows[1]}
+    return table
+
+
+def _of_matrices(values: Record, are_padded: bool, where: str) -> list[Samples]:
+    """Return the solutions in columns that are matrices: one solution per row, or per column."""
+    arrays = {name: np.asarray(value) for name, value in values.items()}
+    times = arrays["t"]
+    if all(array.size == max(array.shape, default=0) for array in arrays.values()):
+        # one row or column each
+        return [_solution({name: array.ravel() for name, array in arrays.items()}, are_padded)]
+    count = times.shape[-1] if times.ndim else 0
+    shapes = {name: array.shape for name, array in arrays.items()}
+    if times.ndim == 1 and arrays["x"].shape[-1] != count and arrays["x"].shape[0] == count:
+        arrays = {name: array.T for name, array in arrays.items()}
+    sizes = {array.shape for name, array in arrays.items() if name != "t" or array.ndim > 1}
+    shape = sizes.pop()
+    if sizes or len(shape) != 2 or shape[1] != arrays["t"].shape[-1]:
+        what = f"do not fit in {where}: x and v need a row for each solution"
+        raise ParameterError("shapes", shapes, what)
+    rows = {name: np.broadcast_to(array, shape) for name, array in arrays.items()}
+    solutions = [
+        _solution({name: row[i] for name, row in rows.items()}, are_padded) for i in range(shape[0])
+    ]
+    if len(solutions) == 1:
+        return solutions
+    return [replace(samples, name=str(i)) for i, samples in enumerate(solutions)]
+
+
+def _of_ids(values: Record, ids: np.ndarray) -> list[Samples]:
+    """Return one solution per id, in order of their first rows."""
+    names, first, inverse = np.unique(ids, return_index=True, return_inverse=True)
+    if len(names) == len(ids):  # a column that has no value twice numbers the rows
+        return [_solution(values)]
+    lengths = {name: len(column) for name, column in values.items()} | {ID_COLUMN: len(ids)}
+    if len(set(lengths.values())) > 1:
+        raise ParameterError("lengths", lengths, "the columns must have the same length")
+    columns = {name: np.asarray(column) for name, column in values.items()}
+    rows = np.split(np.argsort(inverse, kind="stable"), np.cumsum(np.bincount(inverse))[:-1])
+    solutions = []
+    for i in np.argsort(first).tolist():
+        try:
+            samples = checked(**{name: column[rows[i]] for name, column in columns.items()})
+        except ParameterError as error:
+            what = f"{error.allowed} (id {names[i]})"
+            raise ParameterError(error.name, error.value, what) from None
+        solutions.append(replace(samples, name=str(names[i]) if len(names) > 1 else ""))
+    return solutions

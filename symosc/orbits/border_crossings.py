@@ -1,0 +1,220 @@
+"""Find borders: a first node of each border that lies between two points of a plane of parameters."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+import numpy as np
+
+from symosc.base.errors import SymoscError
+from symosc.kernels import linear
+from symosc.orbits import border_system
+from symosc.orbits.admissibility import conditions
+from symosc.orbits.border_points import MOST_HALVINGS, Motion, motion_at, scaled_margin
+from symosc.orbits.border_system import BorderSystem, ClosedForm, Node, Plane, zeros_of
+from symosc.orbits.closing_equations import ClosingEquations, Orbit
+
+# Distances as parts of the ranges: from a border to where its words are looked at, and from a
+# border to where a narrow region behind it is looked for.
+BESIDE = (1e-6, 1e-5, 1e-4, 1e-7)
+SHIFTS = (1e-9, 1e-8, 1e-7, 1e-6)
+# The inequalities of a word that are tried, those that are nearest to 0 first.
+TRIED = 6
+# From a border's first node to a second one.
+SECOND_NODE = 1e-4
+# A segment is short enough for a border's equations at this part of the whole way, or of the
+# ranges; it is not cut any more at the last of the three.
+SHORT_PART = 1e-3
+SHORT_LENGTH = 1e-6
+LEAST_LENGTH = 1e-9
+# How near the holding force is to the driving one on a border of closed form, as a part of it.
+CLOSE_FORCES = 1e-6
+# Where a border may cross the line of a segment, as parts of the segment.
+CROSSING_PARTS = (-0.5, 1.5)
+
+#: The equations of a border, and its first node.
+Begun = tuple[BorderSystem, Node]
+
+
+class BorderError(SymoscError, ArithmeticError):
+    """Raised if the border at the end of a branch cannot be found or followed.
+
+    Examples
+    --------
+    >>> from symosc import BorderError, Parameters, continue_border, continue_orbit
+    >>> p = Parameters(m=1, c=0.5, k=1, A0=0, B0=1.2, Omega=1, v1=-1.9, v2=1.9, mu1=1, mu2=1, FN=1)
+    >>> branch = continue_orbit(p, "P4817", "B0", (0.9, 1.3))
+    >>> try:
+    ...     continue_border(branch, 0, "v1", (-3, -1))
+    ... except BorderError as error:
+    ...     print(error)
+    P7481 ends where both belts are met at once: two borders meet there
+    """
+
+
+def closed_form(plane: Plane, place: np.ndarray, orbit: Orbit) -> tuple[ClosedForm, Node] | None:
+    """Return the border through `place` beyond which the motion of `orbit` rests or meets no belt,
+    and its node.
+    """
+    p = plane.parameters(place)
+    system = ClosedForm(plane, p, orbit)
+    holds, drives = system.terms(place)
+    if system.line:
+        is_there = holds > drives > 0
+    else:
+        is_there = abs(holds - drives) < CLOSE_FORCES * drives
+    if not is_there:
+        return None
+    if p.v1 == -p.v2 and {"v1", "v2"} & {*plane.names}:
+        raise BorderError(
+            f"{orbit.cycle} ends where both belts are met at once: two borders meet there"
+        )
+    node = system.node(place / system.scale, system.along(place))
+    if node is not None and all(c.value > 0 for c in system.margins(node.z)):
+        return (system, node)
+    return None
+
+
+def crossed_borders(
+    plane: Plane, place: np.ndarray, orbit: Orbit, direction: np.ndarray
+) -> Iterator[Begun]:
+    """Yield the borders of the word of `orbit`, found at `place`, that the line along `direction`
+    crosses there.
+    """
+    equations = ClosingEquations(plane.parameters(place), orbit.word, orbit.periods)
+    points = orbit.points
+    nearest = sorted(
+        conditions(equations, points), key=lambda condition: abs(scaled_margin(condition))
+    )
+    zeros = [zero for near in nearest[:TRIED] for zero in zeros_of(equations, points, near)]
+    for zero, phases in zeros:
+        if zero.kind == border_system.AT_ARRIVAL:  # it belongs to the word with more pieces
+            continue
+        system = BorderSystem(plane, orbit, [zero])
+        z = np.array([*np.ravel(points), *phases, *place]) / system.scale
+        row = np.zeros(len(system.scale))
+        across = direction / plane.widths
+        row[-2:] = np.array([-across[1], across[0]]) / linear.norm(across)
+        first = system.node(z, row)
+        if first is None:
+            continue
+        # A second point tells which inequalities are 0 all along.
+        second = system.node(first.z + SECOND_NODE * first.tangent, first.tangent)
+        if second is None:
+            continue
+        system.hide([first.z, second.z])
+        margins = map(scaled_margin, system.margins(first.z))
+        if all(margin > -border_system.NOTHING for margin in margins):
+            yield system, first
+
+
+def first_crossing(plane: Plane, start: Motion, stop: Motion) -> Begun | None:
+    """Return the first border that crosses the segment from `start` to `stop` in the plane; None if
+    none is found.
+    """
+    whole = float(np.abs((stop[0] - start[0]) / plane.widths).max())
+    word = start[1].cycle
+    low = start
+    high = stop
+    while word != stop[1].cycle:
+        length = float(np.abs((high[0] - low[0]) / plane.widths).max())
+        if length <= max(SHORT_PART * whole, SHORT_LENGTH):  # short enough for the equations
+            begun = _crossing_of(plane, low, high)
+            if begun is not None:
+                return begun
+        if length < LEAST_LENGTH:
+            return None
+        middle = _motion_between(plane, low, high)
+        if middle is None:
+            return None
+        if middle[1].cycle == word:
+            low = middle
+        else:
+            high = middle
+    return None
+
+
+def _crossing_of(plane: Plane, low: Motion, high: Motion) -> Begun | None:
+    """Return a border of the words at both ends of a short segment that crosses it, or None."""
+    way = high[0] - low[0]
+    for place, orbit in sorted((low, high), key=lambda end: len(end[1].points)):
+        for system, node in crossed_borders(plane, place, orbit, way):
+            part = linear.dot(system.values(node.z) - low[0], way) / linear.dot(way, way)
+            if CROSSING_PARTS[0] <= part <= CROSSING_PARTS[1]:
+                return system, node
+    return None
+
+
+def _motion_between(plane: Plane, low: Motion, high: Motion) -> Motion | None:
+    """Return a motion about halfway between two others, or None."""
+    for part in (0.5, 0.4):  # the first may be on the border
+        place = low[0] + part * (high[0] - low[0])
+        orbit = motion_at(plane.parameters(place), low[1], high[1])
+        if orbit is not None:
+            return place, orbit
+    return None
+
+
+def all_crossings(plane: Plane, start: Motion, stop: Motion) -> Iterator[Begun]:
+    """Yield, in order, the borders at which the word of the motion changes along the segment from
+    `start` to `stop`.
+    """
+    begun = first_crossing(plane, start, stop)
+    if begun is None:
+        return
+    system, node = begun
+    way = (stop[0] - start[0]) / np.abs((stop[0] - start[0]) / plane.widths).max()
+    place = system.values(node.z)
+    own = system.orbit(node.z)
+    if not 0 <= linear.dot(place - start[0], way) <= linear.dot(stop[0] - start[0], way):
+        return  # the border at the segment's end, once more
+    for shift in SHIFTS:
+        before = place - shift * way
+        after = place + shift * way
+        orbits = [
+            motion_at(plane.parameters(beside), own, start[1], stop[1])
+            for beside in (before, after)
+        ]
+        words = {orbit.cycle for orbit in orbits if orbit is not None}
+        if len(words) == 2 and own.cycle in words:
+            break
+    if orbits[0] is not None and linear.dot(before - start[0], way) > 0:
+        yield from all_crossings(plane, start, (before, orbits[0]))
+    yield system, node
+    if orbits[1] is not None and linear.dot(stop[0] - after, way) > 0:
+        yield from all_crossings(plane, (after, orbits[1]), stop)
+
+
+def loss_of_word(plane: Plane, inside: Motion, place: np.ndarray) -> tuple[Motion, Begun] | None:
+    """Return the border between `inside`, a motion with a word, and `place`, where it has none.
+
+    Return a motion beside the border, and the border; None if it is not found.
+    """
+    system = ClosedForm(plane, plane.parameters(place), inside[1])
+
+    def has_word(part: float) -> bool:
+        holds, drives = system.terms(place + part * (inside[0] - place))
+        return bool(holds < drives)
+
+    low = 0.0
+    high = 1.0
+    if has_word(low) or not has_word(high):
+        return None
+    for _ in range(MOST_HALVINGS):
+        middle = (low + high) / 2
+        if has_word(middle):
+            high = middle
+        else:
+            low = middle
+    at = place + high * (inside[0] - place)
+    near = place + (high + (1 - high) * BESIDE[1]) * (inside[0] - place)
+    begun = closed_form(plane, at, inside[1])
+    if begun is None:
+        return None
+    beside = motion_at(plane.parameters(near), begun[0].orbit(begun[1].z))
+    if beside is None:
+        return None
+    border = closed_form(plane, at, beside)
+    if border is None:
+        return None
+    return (near, beside), border
