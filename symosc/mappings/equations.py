@@ -55,6 +55,8 @@ from symosc.scenes import ParametersLike, parameters_of
 from symosc.words import MAPS, Map
 
 EXITS = ("below", "above")
+#: Points that are evaluated at once: the columns of a block stay in the cache of a core.
+BLOCK = 16384
 #: A switching point (x, theta), of numbers or of arrays that broadcast.
 Pair: TypeAlias = "Sequence[Numbers | ArrayLike] | np.ndarray"
 
@@ -386,8 +388,8 @@ def _in_blocks(
     if shape is None:
         return evaluate(points)
     results = np.empty((*head, len(points[0])))
-    for begin in range(0, len(points[0]), 16384):
-        block = slice(begin, begin + 16384)
+    for begin in range(0, len(points[0]), BLOCK):
+        block = slice(begin, begin + BLOCK)
         results[..., block] = evaluate([column[block] for column in points])
     return results.reshape((*head, *shape))
 
